@@ -130,6 +130,15 @@ def matrix_from_rpy(rpy: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
     return rotation_about(z, yaw) @ rotation_about(y, pitch) @ rotation_about(x, roll)
 
 
+def rpy_from_matrix(R: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3"]:
+    """URDF roll, pitch, yaw (radians) of a rotation; yaw is 0 where the pitch is a right angle."""
+    level = float(np.hypot(R[0, 0], R[1, 0]))
+    pitch = np.arctan2(-R[2, 0], level)
+    if level < 1e-9:
+        return np.array([np.arctan2(-R[1, 2], R[1, 1]), pitch, 0.0])
+    return np.array([np.arctan2(R[2, 1], R[2, 2]), pitch, np.arctan2(R[1, 0], R[0, 0])])
+
+
 def line_distance(
     point_a: Float[np.ndarray, "3"], axis_a: Float[np.ndarray, "3"],
     point_b: Float[np.ndarray, "3"], axis_b: Float[np.ndarray, "3"],

@@ -23,9 +23,9 @@ from pathlib import Path
 import manifold3d
 import numpy as np
 import tyro
+from sample_cabinet import sample_asset
 
 from artigen.datasets.partnet_mobility import read_object
-from artigen.datasets.sample import sample_asset
 from artigen.types import Asset
 from artigen.voxels.voxelize import voxelize
 from sim_export.collision.coacd_process import CoacdConfig, run_coacd

@@ -16,15 +16,15 @@ from pathlib import Path
 
 import torch
 import tyro
+from grammar_source import grammar_source
+from roughness import measure_roughness
 
 from artigen.errors import ArtigenError
 from artigen.latent.draw import GenerateConfig, StructureModel, load_structure_model
 from artigen.metrics.draws import DrawJob, draw_all, draw_latent
 from artigen.metrics.instantiation import PosedSet, pose_set
 from artigen.metrics.report import ROWS, format_score, format_table
-from artigen.metrics.roughness import measure_roughness
 from artigen.metrics.score import ScoreConfig, Scores, score_objects, score_set
-from artigen.metrics.shapes import grammar_source
 from artigen.metrics.subjects import Subject, describe_subject, draw_subjects
 from artigen.models.description import hash_model
 from artigen.models.rectified_flow import SamplerConfig, is_guided, plan_times

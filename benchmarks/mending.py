@@ -17,15 +17,14 @@ import numpy as np
 import torch
 import tyro
 from jaxtyping import Int
+from roughness import measure_roughness
 from scipy.ndimage import binary_dilation
 from torch import Tensor
 
 from artigen.latent.draw import StructureModel, load_structure_model
 from artigen.latent.outline import OutlineBatch, blur_outlines
-from artigen.latent.smoothing import SteadyConfig
 from artigen.latent.structure_vae import decode_cells
 from artigen.metrics.report import format_table
-from artigen.metrics.roughness import measure_roughness
 from artigen.metrics.subjects import Subject, draw_subjects
 from artigen.models.rectified_flow import diffuse
 from artigen.train.batches import condition_batch, outline_batch, patch_batch
@@ -110,8 +109,8 @@ def main(options: Options) -> int:
         exact_rows = exact.rows[0].numpy()
         truth = read_owners(decode(encode(subject.asset)), exact_rows)
         scores["the truth"].append(score(truth, truth))
-        for name, steady in (("as decoded", None), ("along lines", SteadyConfig())):
-            fields, logits = decode_cells(model.vae, latent, outlines, steady)
+        for name, steady in (("as decoded", False), ("along lines", True)):
+            fields, logits = decode_cells(model.vae, latent, outlines, steady=steady)
             owners = read_owners(fields[0], rows)
             made, _ = make_boards(owners, logits[0].numpy(), rows)
             scores[name].append(score(owners, truth))

@@ -3,9 +3,9 @@
     python benchmarks/mutants.py --packages sim_export/collision sim_export/checks -o out/mutants.json
 
 A threshold is a number that a module gives a name in capitals, or the default of a dataclass field. A changed
-one is 1.5 times as large, or two thirds; a whole number is one more or one less. Every mutant gets a copy of
-the sources of its own, and the test files that import its module, or else those that import a module that
-does. The result is written after every mutant, and the same command goes on with it.
+one is 1.5 times as large, or two thirds; a whole number is one more or one less. The tests are those of the
+module's own folder, `test_thresholds.py` first, and those that import the module, or else a module that does.
+The result is written after every mutant, and the same command goes on with it.
 """
 
 import argparse
@@ -13,6 +13,7 @@ import ast
 import json
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -26,7 +27,7 @@ ROOT = Path(__file__).resolve().parents[1]
 COPIED = ("artigen", "sim_export", "envs", "benchmarks", "tests", "docs", "examples")
 SOURCES = ("artigen", "sim_export", "envs")
 TIMEOUT = 600.0
-"""Seconds after which the tests of a mutant count as failed: it was noticed."""
+"""Seconds after which the tests of a mutant are stopped; it does not count as killed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,11 +48,11 @@ class Threshold:
 
 
 def find_thresholds(root: Path, packages: list[str]) -> list[Threshold]:
-    """All thresholds of some folders, in the order of their files and lines."""
+    """All thresholds of some folders and files, in the order of their files and lines."""
     return [
         one
         for package in packages
-        for path in sorted((root / package).rglob("*.py"))
+        for path in (sorted((root / package).rglob("*.py")) or [root / package])
         for one in read_thresholds(path.read_text(), path.relative_to(root).as_posix())
     ]
 
@@ -101,23 +102,24 @@ def change(source: str, threshold: Threshold, *, up: bool) -> str:
 
 
 def find_tests(root: Path, path: str) -> list[str]:
-    """Test files that import a module; if there are none, those that import a module that imports it."""
+    """Test files of a module's folder, and those that import it, or else a module that imports it."""
     tests = {test: _imports(test) for test in sorted((root / "tests").rglob("test_*.py"))}
     module = path.removesuffix(".py").replace("/", ".")
 
     def users(modules: set[str]) -> list[str]:
         return [test.relative_to(root).as_posix() for test, names in tests.items() if names & modules]
 
-    found = users({module})
-    if found:
-        return found
-    importers = {
-        source.relative_to(root).with_suffix("").as_posix().replace("/", ".")
-        for package in SOURCES
-        for source in (root / package).rglob("*.py")
-        if module in _imports(source)
-    }
-    return users(importers)
+    found = users({module}) or users(
+        {
+            source.relative_to(root).with_suffix("").as_posix().replace("/", ".")
+            for package in SOURCES
+            for source in (root / package).rglob("*.py")
+            if module in _imports(source)
+        }
+    )
+    folder = root / "tests" / Path(path).parent
+    own = [test.relative_to(root).as_posix() for test in sorted(folder.glob("test_*.py"))]
+    return sorted({*own, *found}, key=lambda test: (test not in own, "thresholds" not in test, test))
 
 
 def _imports(path: Path) -> set[str]:
@@ -130,8 +132,8 @@ def _imports(path: Path) -> set[str]:
     return names
 
 
-def run_tests(folder: Path, tests: list[str]) -> bool:
-    """Whether tests pass on the sources in a folder."""
+def run_tests(folder: Path, tests: list[str]) -> str | None:
+    """The first test that fails on the sources in a folder, or its file; None if none does in time."""
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-m", "not slow", *tests]
     environment = {
         **os.environ,
@@ -141,11 +143,14 @@ def run_tests(folder: Path, tests: list[str]) -> bool:
     }
     try:
         done = subprocess.run(
-            command, cwd=folder, env=environment, capture_output=True, timeout=TIMEOUT, check=False
+            command, cwd=folder, env=environment, capture_output=True, timeout=TIMEOUT, check=False, text=True
         )
     except subprocess.TimeoutExpired:
-        return False
-    return done.returncode == 0
+        return None
+    if done.returncode == 0:
+        return None
+    named = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", done.stdout, re.MULTILINE)
+    return named.group(1) if named else tests[0]
 
 
 def main() -> None:
@@ -177,9 +182,11 @@ def main() -> None:
                 source = path.read_text()
                 tests = find_tests(folder, threshold.path)
                 path.write_text(change(source, threshold, up=up))
-                survived = not tests or run_tests(folder, tests)
+                failed = run_tests(folder, tests) if tests else None
                 path.write_text(source)
-                results[key] = ("survived" if tests else "no tests") if survived else "killed"
+                if failed is not None and run_tests(folder, [failed]) is not None:
+                    sys.exit(f"{failed} fails on unchanged sources: nothing can be learned from it")
+                results[key] = "killed" if failed else "survived" if tests else "no tests"
                 write_whole(given.out, json.dumps(results, indent=1))
             print(f"{number} of {len(chosen)}: {key} (was {threshold.value:g}): {results[key]}", flush=True)
     counted = [results[f"{one.key} {'up' if up else 'down'}"] for one, up in zip(chosen, ups, strict=True)]

@@ -8,8 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from sample_cabinet import SAMPLE_PARTS, SamplePart, sample_box_arrays
 
-from artigen.datasets.sample import SAMPLE_PARTS, SamplePart, sample_box_arrays
 from artigen.types import FIXED, Asset, Joint, Part
 from sim_export.collision.hulls import box_hull
 from sim_export.collision.requirements import find_requirements

@@ -9,15 +9,14 @@ import sys
 import tempfile
 from pathlib import Path
 
+from sample_partnet import write_sample
+
 ROOT = Path(__file__).resolve().parents[1]
 CHECK = """
 import sys
 import artigen, sim_export, envs
 for package in (artigen, sim_export, envs):
     assert package.__file__.startswith(sys.argv[1]), package.__file__
-from pathlib import Path
-from artigen.datasets.sample_partnet import write_sample
-write_sample(Path("sample_cabinet"))
 """
 CONVERT = "from artigen.cli import main; main()"
 
@@ -27,6 +26,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as scratch:
         dist, site, work = (Path(scratch) / name for name in ("dist", "site", "work"))
         work.mkdir()
+        write_sample(work / "sample_cabinet")
         python = sys.executable
         subprocess.run(
             [python, "-m", "build", "--wheel", "-o", dist, ROOT], check=True, stdout=subprocess.DEVNULL

@@ -1,6 +1,6 @@
 """``ArtiGen/Actuate-v0``: open one joint by pulling at its handle."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import gymnasium as gym
@@ -10,7 +10,6 @@ from jaxtyping import Float
 from artigen.transforms import inverse, transform_points
 
 from .base import SUBSTEPS, PackageEnv, open_fractions
-from .config import HandConfig
 from .hand import measure_moved, pose_matrix
 from .loaded import LoadedJoint, advance, qpos_of
 from .package import LoadConfig
@@ -23,13 +22,10 @@ ON_AXIS = 0.01
 
 @dataclass(frozen=True, kw_only=True)
 class ActuateConfig:
-    """Target joint and hand limits."""
+    """Target joint and success."""
 
     joint: str | None = None
     """Name of the joint; ``None`` samples one at every reset."""
-
-    hand: HandConfig = field(default_factory=HandConfig)
-    """Largest forces and torques; a full action is the largest one for the joint."""
 
     success_fraction: float = 0.9
     """Share of the range (of a full turn without limits) that counts as open."""
@@ -81,7 +77,7 @@ class ActuateEnv(PackageEnv):
                 "opening_direction": gym.spaces.Box(-1.0, 1.0, (3,), np.float32),
             }
         )
-        self._plans = plan_trials(self.loaded, self.cfg.hand).joints
+        self._plans = plan_trials(self.loaded).joints
         self._target = 0
         self._grip = np.zeros(3)
         self._travel = 0.0

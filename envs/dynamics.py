@@ -15,7 +15,7 @@ from sim_export.errors import PackageError
 from sim_export.package import PackageJoint, SimPackage
 from sim_export.report import CheckResult, round_measured
 
-from .config import DynamicsConfig, TrialConfig
+from .config import DynamicsConfig
 from .mujoco_check import compile_package
 from .support import must_stand
 from .titles import TITLES, not_run
@@ -26,7 +26,6 @@ REST_SPEED = 1e-3
 STAND_TILT = 2.0
 STAND_DRIFT = 0.005
 STAND_PENETRATION = 0.005
-OPENED = 0.9
 SIZE_RATIO = 10.0
 REPEAT = 1e-6
 MUJOCO_FORCE = 1e-3
@@ -36,13 +35,13 @@ def check_dynamics(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> tu
     """All L3 checks of a package, in order of their ids; ``seconds`` is the duration of each."""
     clock = time.perf_counter()
     try:
-        main = run_trials(folder, package, cfg.timestep, cfg.trials)
+        main = run_trials(folder, package, cfg.timestep)
     except PackageError as error:
         loads = _result("V301", fails=True, message=str(error))
         rest = [not_run(name, "the package does not load") for name in TITLES if name not in ("V301", "V308")]
         return tuple(sorted([loads, *rest, check_mujoco(folder)], key=lambda result: result.id))
     spent = time.perf_counter() - clock
-    single = list(_single_checks(package, main, cfg.trials))
+    single = list(_single_checks(package, main))
     single[1] = replace(single[1], seconds=spent)
     return (
         *single,
@@ -52,14 +51,14 @@ def check_dynamics(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> tu
     )
 
 
-def _single_checks(package: SimPackage, run: TrialResults, cfg: TrialConfig) -> tuple[CheckResult, ...]:
+def _single_checks(package: SimPackage, run: TrialResults) -> tuple[CheckResult, ...]:
     """V301 to V306 from the trials at one time step."""
     return (
         check_loads(run),
-        check_rest(run, cfg),
+        check_rest(run),
         check_stand(package, run),
-        check_opens(run, cfg),
-        check_stays_closed(run, cfg),
+        check_opens(run),
+        check_stays_closed(run),
         check_energy(run),
     )
 
@@ -96,14 +95,14 @@ def check_loads(run: TrialResults) -> CheckResult:
     )  # fmt: skip
 
 
-def check_rest(run: TrialResults, cfg: TrialConfig) -> CheckResult:
+def check_rest(run: TrialResults) -> CheckResult:
     """V302: with a fixed base and under gravity for 5 s, no joint moves by more than 1 % of its range (of a
     full turn without limits), or 0.5 degrees if that is more, or still moves faster than 1e-3 m/s or rad/s at
     the end."""
     joints = run.joints
     if not joints:
         return _not_applicable("V302", "nothing moves")
-    still = np.array([limit_tolerance(joint.type, _span(joint), cfg) for joint in joints])
+    still = np.array([limit_tolerance(joint.type, _span(joint)) for joint in joints])
     worst = int(np.argmax(run.rest_drift / still))
     fast = int(np.argmax(np.where(np.isfinite(run.rest_speed), run.rest_speed, np.inf)))
     fails = not run.rest_drift[worst] <= still[worst]
@@ -145,7 +144,7 @@ def check_stand(package: SimPackage, run: TrialResults) -> CheckResult:
     )  # fmt: skip
 
 
-def check_opens(run: TrialResults, cfg: TrialConfig) -> CheckResult:
+def check_opens(run: TrialResults) -> CheckResult:
     """V304: a constant pull opens every joint to 90 % of its range and on to its limit within 5 s, and a
     constant push closes it again, with the joints it requires open and all others at rest.
 
@@ -157,7 +156,7 @@ def check_opens(run: TrialResults, cfg: TrialConfig) -> CheckResult:
     if not joints:
         return _not_applicable("V304", "nothing moves")
     gaps = [max(pull.open_gap, pull.close_gap) for pull in run.pulls]
-    near = [limit_tolerance(joint.type, _span(joint), cfg) for joint in joints]
+    near = [limit_tolerance(joint.type, _span(joint)) for joint in joints]
     ratios = np.array([gap / max(limit, 1e-12) for gap, limit in zip(gaps, near, strict=True)])
     at = int(np.argmax(ratios))
     joint, pull, plan = joints[at], run.pulls[at], run.plan.joints[at]
@@ -174,7 +173,7 @@ def check_opens(run: TrialResults, cfg: TrialConfig) -> CheckResult:
     )  # fmt: skip
 
 
-def check_stays_closed(run: TrialResults, cfg: TrialConfig) -> CheckResult:
+def check_stays_closed(run: TrialResults) -> CheckResult:
     """V305: tilted by 5 degrees in its opening direction, no joint opens by more than 1 % of its range, or
     0.5 degrees if that is more, in 2 s. Joints without limits (wheels, knobs) have no closed state and are
     skipped."""
@@ -182,7 +181,7 @@ def check_stays_closed(run: TrialResults, cfg: TrialConfig) -> CheckResult:
     limited = [index for index, joint in enumerate(joints) if joint.type != "continuous"]
     if not limited:
         return _not_applicable("V305", "no joint has limits")
-    still = [limit_tolerance(joint.type, _span(joint), cfg) for joint in joints]
+    still = [limit_tolerance(joint.type, _span(joint)) for joint in joints]
     worst = max(limited, key=lambda index: run.lean_drift[index] / still[index])
     fails = not run.lean_drift[worst] <= still[worst]
     message = f"{joints[worst].name} moved most"
@@ -218,7 +217,7 @@ def check_energy(run: TrialResults) -> CheckResult:
 
 def check_repeat(folder: Path, package: SimPackage, first: TrialResults, cfg: DynamicsConfig) -> CheckResult:
     """V307: all trials repeated in new scenes; every recorded coordinate agrees within 1e-6."""
-    second = run_trials(folder, package, cfg.timestep, cfg.trials, hulls="known")
+    second = run_trials(folder, package, cfg.timestep, hulls="known")
     if first.trace.shape != second.trace.shape:
         return _result(
             "V307", fails=True, value=float(abs(len(first.trace) - len(second.trace))), threshold=0.0,
@@ -255,10 +254,10 @@ def check_timesteps(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> C
     """V309: checks V302 to V306 pass at 1/60 s and 1/240 s too (they use 1/100 s)."""
     failures = []
     for timestep in cfg.other_timesteps:
-        run = run_trials(folder, package, timestep, cfg.trials, hulls="known")
+        run = run_trials(folder, package, timestep, hulls="known")
         failures += [
             f"{result.id} at 1/{round(1.0 / timestep)} s ({result.message})"
-            for result in _single_checks(package, run, cfg.trials)
+            for result in _single_checks(package, run)
             if result.verdict == "fail"
         ]
     return _result(

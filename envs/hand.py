@@ -13,15 +13,22 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import rotation_about, transform_points
+from sim_export.physics.materials import GRAVITY
 
-from .config import HandConfig
 from .loaded import LoadedJoint, LoadedPackage, moving_links
 
 if TYPE_CHECKING:
     import sapien
     from sapien.physx import PhysxArticulationLinkComponent, PhysxCollisionShape
 
-GRAVITY = 9.81
+PULL = 30.0
+"""Largest force (N) on a drawer, or at the handle of a turning part."""
+TURN = 10.0
+"""Largest torque (N m) on a door, lid or wheel."""
+PUSH = 10.0
+"""Largest force (N) of fingers, on a button or at the rim of a knob."""
+TWIST = 1.0
+"""Largest torque (N m) of fingers on a knob."""
 FINGER_LABELS = ("knob",)
 
 
@@ -81,13 +88,13 @@ def measure_moved(loaded: LoadedPackage, joint: LoadedJoint) -> Moved:
     )
 
 
-def hand_effort(joint: LoadedJoint, moved: Moved, cfg: HandConfig) -> float:
+def hand_effort(joint: LoadedJoint, moved: Moved) -> float:
     """Largest effort of a hand on a joint: N for sliding joints, N m for turning ones."""
     fingers = joint.label in FINGER_LABELS
     if joint.spec.type == "prismatic":
-        return cfg.push if fingers else cfg.pull
+        return PUSH if fingers else PULL
     lever = _lever(joint, moved)
-    return min(cfg.twist, cfg.push * lever) if fingers else min(cfg.turn, cfg.pull * lever)
+    return min(TWIST, PUSH * lever) if fingers else min(TURN, PULL * lever)
 
 
 def weight_effort(joint: LoadedJoint, moved: Moved, q: Float[np.ndarray, "N"]) -> Float[np.ndarray, "N"]:

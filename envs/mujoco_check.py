@@ -19,7 +19,7 @@ class MujocoResult:
     ``error`` is the compiler's message if there is no model, ``warnings`` are its warnings."""
 
     file: str
-    force: float = 0.0
+    force: float
     error: str | None = None
     warnings: tuple[str, ...] = ()
 
@@ -45,7 +45,9 @@ def _compile(path: Path) -> MujocoResult:
         else:
             model = mujoco.MjModel.from_xml_path(str(path))
     except (ValueError, PackageError) as error:
-        return MujocoResult(file=path.name, error=" ".join(str(error).split()), warnings=tuple(warnings))
+        return MujocoResult(
+            file=path.name, force=np.inf, error=" ".join(str(error).split()), warnings=tuple(warnings)
+        )
     finally:
         mujoco.set_mju_user_warning(before)
     # Gravity and springs are off; the remaining forces come from overlaps and violated limits.

@@ -11,7 +11,6 @@ from jaxtyping import Float
 
 from artigen.transforms import rotation_about
 
-from .config import HandConfig
 from .hand import Moved, hand_effort, measure_moved, weight_effort
 from .loaded import LoadedJoint, LoadedPackage, qpos_of
 
@@ -47,7 +46,7 @@ class TrialPlan:
     groups: tuple[tuple[int, ...], ...]
 
 
-def plan_trials(loaded: LoadedPackage, cfg: HandConfig) -> TrialPlan:
+def plan_trials(loaded: LoadedPackage) -> TrialPlan:
     """Measures every joint of a fixed-base object and groups the independent ones."""
     plans, swept = [], []
     for index, joint in enumerate(loaded.joints):
@@ -57,7 +56,7 @@ def plan_trials(loaded: LoadedPackage, cfg: HandConfig) -> TrialPlan:
             qpos_of(loaded, at_limits | {joint.spec.name: _start(joint)}).astype(np.float32)
         )
         moved = measure_moved(loaded, joint)
-        plans.append(_plan(index, joint, moved, needs, cfg))
+        plans.append(_plan(index, joint, moved, needs))
         swept.append(_swept_box(joint, moved))
     loaded.articulation.set_qpos(rest_qpos(loaded))
     return TrialPlan(joints=tuple(plans), groups=_group(loaded, plans, np.array(swept).reshape(-1, 2, 3)))
@@ -78,8 +77,8 @@ def _start(joint: LoadedJoint) -> float:
     return joint.spec.lower if joint.limited else 0.0
 
 
-def _plan(index: int, joint: LoadedJoint, moved: Moved, needs: tuple[str, ...], cfg: HandConfig) -> JointPlan:
-    hand = hand_effort(joint, moved, cfg)
+def _plan(index: int, joint: LoadedJoint, moved: Moved, needs: tuple[str, ...]) -> JointPlan:
+    hand = hand_effort(joint, moved)
     travel = np.linspace(0.0, joint.span, SWEEP_SAMPLES)
     weight = weight_effort(joint, moved, travel) - joint.spec.spring - joint.spec.stiffness * travel
     opening = hand + max(0.0, float(-weight.min()))

@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     import sapien
 
 PROBE = "import sapien; sapien.Scene([sapien.physx.PhysxCpuSystem(), sapien.render.RenderSystem()])"
-PROBE_SECONDS = 60.0
 DEFAULT_MATERIAL = (0.3, 0.3, 0.1)
 """SAPIEN's default static and dynamic friction and restitution of surfaces without a material."""
 
@@ -24,7 +23,7 @@ class NoRenderDevice(ArtigenError):
 def has_render_device() -> bool:
     """Whether SAPIEN can render here; tested in a child process, because it may abort instead of raising."""
     try:
-        done = subprocess.run([sys.executable, "-c", PROBE], capture_output=True, timeout=PROBE_SECONDS)
+        done = subprocess.run([sys.executable, "-c", PROBE], capture_output=True, timeout=60.0)
     except subprocess.TimeoutExpired:
         return False
     return done.returncode == 0

@@ -7,8 +7,10 @@ import gymnasium as gym
 import numpy as np
 import sapien
 
+from sim_export.physics.materials import GRAVITY
+
 from .base import SUBSTEPS, PackageEnv, open_fractions
-from .hand import GRAVITY, pose_matrix
+from .hand import pose_matrix
 from .loaded import advance
 from .package import LoadConfig
 from .plan import rest_qpos

@@ -17,15 +17,31 @@ from jaxtyping import Float
 from artigen.transforms import transform_points
 from sim_export.package import PackageJoint, SimPackage
 
-from .config import TrialConfig
 from .hand import link_vertices, pose_matrix, push_wrench
 from .loaded import LinkLoad, LoadedPackage, advance, qpos_of
 from .package import LoadConfig, load_package
 from .plan import JointPlan, TrialPlan, plan_trials, rest_qpos
 from .scene import create_scene
 
+REST_SECONDS = 5.0
+"""Duration (seconds) for which the fixed object rests under gravity (V302)."""
+STAND_SECONDS = 3.0
+"""Duration (seconds) for which the free object stands on the ground (V303)."""
+PULL_SECONDS = 5.0
+"""Time limit (seconds) for opening or closing a joint by hand (V304)."""
+LEAN_SECONDS = 2.0
+"""Duration (seconds) of the observation of the tilted object (V305)."""
+LEAN_DEGREES = 5.0
+"""Tilt of the object in degrees (V305)."""
+LIMIT_FRACTION = 0.01
+"""Distance from a limit, as a share of the range, within which it counts as reached (V304) or kept (V302, V305)
+..."""
+LIMIT_DEGREES = 0.5
+"""... or, for turning joints, this angle if it is larger."""
 STALL_SPEED = 1e-3
+"""Speed, in ranges of the joint per second, below which a pushed joint stands still ..."""
 STALL_SECONDS = 0.25
+"""... and the time (seconds) after which it is given up."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -71,7 +87,6 @@ def run_trials(
     folder: Path,
     package: SimPackage,
     timestep: float,
-    cfg: TrialConfig,
     hulls: Literal["read", "known"] = "read",
 ) -> TrialResults:
     """All trials of one package at one time step, in new scenes.
@@ -80,23 +95,22 @@ def run_trials(
         folder: The package folder.
         package: Its content.
         timestep: Seconds per step.
-        cfg: Durations, hand forces and tolerances.
         hulls: ``known`` if the same folder was loaded before, unchanged (`LoadConfig.hulls`).
     """
     scene = create_scene(timestep)
     loaded = load_package(scene, folder, LoadConfig(base="fixed", hulls=hulls), package)
-    plan = plan_trials(loaded, cfg.hand)
+    plan = plan_trials(loaded)
     trace: list[np.ndarray] = []
     reset(loaded, rest_qpos(loaded))
     size = _size(loaded)
-    rest_drift, rest_speed = _rest(scene, loaded, cfg, trace)
+    rest_drift, rest_speed = _rest(scene, loaded, trace)
     growth = [_size(loaded)]
-    lean_drift = _lean(scene, loaded, plan, cfg, trace)
+    lean_drift = _lean(scene, loaded, plan, trace)
     pulls: dict[int, PullResult] = {}
     for group in plan.groups:
-        pulls |= _pull_group(scene, loaded, plan, [(i, plan.joints[i]) for i in group], cfg, trace)
+        pulls |= _pull_group(scene, loaded, plan, [(i, plan.joints[i]) for i in group], trace)
         growth.append(_size(loaded))
-    stand = _stand(folder, package, timestep, cfg, trace)
+    stand = _stand(folder, package, timestep, trace)
     return TrialResults(
         timestep=timestep,
         joints=tuple(joint.spec for joint in loaded.joints),
@@ -145,8 +159,8 @@ def _run_free(scene, loaded: LoadedPackage, seconds: float, trace: list) -> np.n
     return _of_joints(loaded, np.maximum(worst, last))
 
 
-def _rest(scene, loaded: LoadedPackage, cfg: TrialConfig, trace: list) -> tuple[np.ndarray, np.ndarray]:
-    drift = _run_free(scene, loaded, cfg.rest_seconds, trace)
+def _rest(scene, loaded: LoadedPackage, trace: list) -> tuple[np.ndarray, np.ndarray]:
+    drift = _run_free(scene, loaded, REST_SECONDS, trace)
     speed = np.abs(_of_joints(loaded, loaded.articulation.qvel))
     sprung = np.array([joint.spec.spring > 0.0 for joint in loaded.joints], dtype=bool)
     if (
@@ -159,10 +173,10 @@ def _rest(scene, loaded: LoadedPackage, cfg: TrialConfig, trace: list) -> tuple[
     return drift, speed
 
 
-def _lean(scene, loaded: LoadedPackage, plan: TrialPlan, cfg: TrialConfig, trace: list) -> np.ndarray:
+def _lean(scene, loaded: LoadedPackage, plan: TrialPlan, trace: list) -> np.ndarray:
     """Tilts the fixed object in the opening direction of each joint in turn; largest motion of each."""
     worst = np.zeros(len(loaded.joints))
-    angle = np.radians(cfg.lean_degrees)
+    angle = np.radians(LEAN_DEGREES)
     leans = {tuple(np.round(joint.lean, 2)): joint.lean for joint in plan.joints if joint.lean.any()}
     for _, lean in sorted(leans.items()):
         axis = np.cross([0.0, 0.0, 1.0], lean)  # rotation about this axis lowers the side of `lean`
@@ -170,14 +184,13 @@ def _lean(scene, loaded: LoadedPackage, plan: TrialPlan, cfg: TrialConfig, trace
         quat = [float(value) for value in (np.cos(half), *(np.sin(half) * axis))]
         loaded.articulation.set_root_pose(sapien.Pose(q=quat))
         reset(loaded, rest_qpos(loaded))
-        worst = np.maximum(worst, _run_free(scene, loaded, cfg.lean_seconds, trace))
+        worst = np.maximum(worst, _run_free(scene, loaded, LEAN_SECONDS, trace))
     loaded.articulation.set_root_pose(sapien.Pose())
     return worst
 
 
 def _pull_group(
-    scene, loaded: LoadedPackage, plan: TrialPlan, members: list[tuple[int, JointPlan]], cfg: TrialConfig,
-    trace: list,
+    scene, loaded: LoadedPackage, plan: TrialPlan, members: list[tuple[int, JointPlan]], trace: list,
 ) -> dict[int, PullResult]:  # fmt: skip
     """Opens joints together from their lower limits, then closes them; all others are at rest."""
     start = {joint.spec.name: float(rest_qpos(loaded)[joint.index]) for joint in loaded.joints}
@@ -188,7 +201,7 @@ def _pull_group(
         if loaded.joints[i].limited
     }
     reset(loaded, qpos_of(loaded, start))
-    drive = partial(_drive, scene, loaded, members, cfg, trace, kept=_kept_open(loaded, plan, members[0][1]))
+    drive = partial(_drive, scene, loaded, members, trace, kept=_kept_open(loaded, plan, members[0][1]))
     opened, open_gap, speed_out = drive(direction=1.0)
     _, close_gap, speed_back = drive(direction=-1.0)
     return {
@@ -212,7 +225,7 @@ def _kept_open(loaded: LoadedPackage, plan: TrialPlan, member: JointPlan) -> lis
 
 
 def _drive(
-    scene, loaded: LoadedPackage, members: list[tuple[int, JointPlan]], cfg: TrialConfig, trace: list, *,
+    scene, loaded: LoadedPackage, members: list[tuple[int, JointPlan]], trace: list, *,
     direction: float, kept: list[tuple],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
     """Pushes joints in one direction until all have arrived, all have stalled, or the time is over.
@@ -223,7 +236,7 @@ def _drive(
     columns = np.array([joint.index for joint in joints])
     span = np.array([joint.span for joint in joints])
     limited = np.array([joint.limited for joint in joints])
-    near = np.array([limit_tolerance(joint.spec.type, joint.span, cfg) for joint in joints])
+    near = np.array([limit_tolerance(joint.spec.type, joint.span) for joint in joints])
     target = np.array([joint.spec.upper if direction > 0 else joint.spec.lower for joint in joints])
     pushes = [
         (joint.engine.child_link, push_wrench(joint, direction * plan.axis, effort(plan, direction)))
@@ -232,7 +245,7 @@ def _drive(
     travelled, peak = np.zeros(len(joints)), np.zeros(len(joints))
     start = np.array(loaded.articulation.qpos, dtype=np.float64)[columns]
     still_for, q = 0, start
-    for _ in range(_steps(scene, cfg.pull_seconds)):
+    for _ in range(_steps(scene, PULL_SECONDS)):
         gap = np.where(limited, np.abs(target - q), np.maximum(span - travelled, 0.0))
         for k, (link, wrench) in enumerate(pushes):
             # Release a joint without limits once it has turned far enough.
@@ -261,11 +274,11 @@ def effort(plan: JointPlan, direction: float) -> float:
     return plan.opening if direction > 0 else plan.closing
 
 
-def limit_tolerance(joint_type: str, span: float, cfg: TrialConfig) -> float:
+def limit_tolerance(joint_type: str, span: float) -> float:
     """Distance from a limit within which it counts as reached: 1 % of the range, or 0.5 degrees if that is
     more."""
-    by_range = cfg.limit_fraction * span
-    return by_range if joint_type == "prismatic" else max(by_range, float(np.radians(cfg.limit_degrees)))
+    by_range = LIMIT_FRACTION * span
+    return by_range if joint_type == "prismatic" else max(by_range, float(np.radians(LIMIT_DEGREES)))
 
 
 def _size(loaded: LoadedPackage) -> float:
@@ -292,7 +305,7 @@ def world_vertices(
     return np.concatenate([np.zeros((0, 3)), *chunks])
 
 
-def _stand(folder: Path, package: SimPackage, timestep: float, cfg: TrialConfig, trace: list) -> StandResult:
+def _stand(folder: Path, package: SimPackage, timestep: float, trace: list) -> StandResult:
     from .support import overhang_of
 
     scene = create_scene(timestep, ground=True)
@@ -305,7 +318,7 @@ def _stand(folder: Path, package: SimPackage, timestep: float, cfg: TrialConfig,
     loaded.articulation.set_root_pose(sapien.Pose(p=[0.0, 0.0, -float(vertices[:, 2].min())]))
     overhang = overhang_of(loaded, world_vertices(loaded, local))
     start = pose_matrix(loaded.articulation.root_pose)
-    _run_free(scene, loaded, cfg.stand_seconds, trace)
+    _run_free(scene, loaded, STAND_SECONDS, trace)
     end = pose_matrix(loaded.articulation.root_pose)
     trace.append(end.ravel())
     lowest = float(world_vertices(loaded, local)[:, 2].min())

@@ -12,21 +12,19 @@ from sim_export.report import CheckResult, Report, write_report
 
 from .config import ValidateConfig
 from .worker import (
-    CheckJob,
     call_dynamics,
     call_static,
     call_tasks,
     failed_dynamics,
     failed_tasks,
-    run_dynamics,
-    run_static,
-    run_tasks,
 )
 
 REPORT_FILE = "validation.json"
 ENGINES = ("artigen", "coal", "mujoco", "numpy", "sapien", "scipy", "trimesh", "yourdfpy")
-SEED = 0
-"""Recorded seed: checks draw no random numbers, and poses come from a fixed Sobol sequence."""
+TIMEOUT = 120.0
+"""Time limit (seconds) for the static and for the dynamic checks."""
+LONG_TIMEOUT = 600.0
+"""Time limit (seconds) for the L4 checks, and for one engine of L5."""
 
 
 def validate(folder: Path, cfg: ValidateConfig | None = None, worker: Worker | None = None) -> Report:
@@ -37,36 +35,25 @@ def validate(folder: Path, cfg: ValidateConfig | None = None, worker: Worker | N
 
     Args:
         folder: A package, or any folder in PartNet-Mobility's layout.
-        cfg: Thresholds, time limits, and whether ``validation.json`` is written.
+        cfg: What is run, and whether ``validation.json`` is written.
         worker: Process to reuse across packages; by default a new one is started and stopped.
 
     Raises:
         PackageError: If the folder does not exist; problems inside it are reported by the checks.
     """
     cfg = ValidateConfig() if cfg is None else cfg
-    job = _job(folder, cfg)
+    folder = _existing(folder)
     own = Worker() if worker is None else worker
     try:
-        static = call_static(own, job, cfg.timeout)
+        static = call_static(own, folder, TIMEOUT)
         dynamic = (
-            failed_dynamics("V001 failed") if _unreadable(static) else call_dynamics(own, job, cfg.timeout)
+            failed_dynamics("V001 failed") if _unreadable(static) else call_dynamics(own, folder, TIMEOUT)
         )
-        tasks = _tasks(partial(call_tasks, own, job, cfg.task_timeout), static, cfg)
+        tasks = _tasks(partial(call_tasks, own, folder, LONG_TIMEOUT), static, cfg)
     finally:
         if worker is None:
             own.close()
-    return _finish(folder, static + dynamic + tasks + _engines(job, static, cfg), cfg)
-
-
-def validate_here(folder: Path, cfg: ValidateConfig | None = None) -> Report:
-    """`validate` in the current process, for supervised callers, because an engine may terminate the
-    process."""
-    cfg = ValidateConfig() if cfg is None else cfg
-    job = _job(folder, cfg)
-    static = run_static(job)
-    dynamic = failed_dynamics("V001 failed") if _unreadable(static) else run_dynamics(job)
-    tasks = _tasks(partial(run_tasks, job), static, cfg)
-    return _finish(folder, static + dynamic + tasks + _engines(job, static, cfg), cfg)
+    return _finish(folder, static + dynamic + tasks + _engines(folder, static, cfg), cfg)
 
 
 def without_seconds(report: Report) -> Report:
@@ -79,10 +66,10 @@ def engine_versions() -> tuple[tuple[str, str], ...]:
     return tuple((name, _version(name)) for name in ENGINES)
 
 
-def _job(folder: Path, cfg: ValidateConfig) -> CheckJob:
+def _existing(folder: Path) -> Path:
     if not Path(folder).is_dir():
         raise PackageError(f"{folder}: no such folder")
-    return CheckJob(folder=Path(folder), checks=cfg.checks, dynamics=cfg.dynamics)
+    return Path(folder)
 
 
 def _unreadable(static: tuple[CheckResult, ...]) -> bool:
@@ -98,7 +85,7 @@ def _tasks(
     return failed_tasks("V001 failed") if _unreadable(static) else run()
 
 
-def _engines(job: CheckJob, static: tuple[CheckResult, ...], cfg: ValidateConfig) -> tuple[CheckResult, ...]:
+def _engines(folder: Path, static: tuple[CheckResult, ...], cfg: ValidateConfig) -> tuple[CheckResult, ...]:
     """L5 checks of the requested engines."""
     if not cfg.engines:
         return ()
@@ -106,14 +93,12 @@ def _engines(job: CheckJob, static: tuple[CheckResult, ...], cfg: ValidateConfig
 
     if _unreadable(static):
         return not_asked(cfg.engines, "V001 failed")
-    return ask_engines(job.folder, cfg.engines, cfg.engine_timeout)
+    return ask_engines(folder, cfg.engines, LONG_TIMEOUT)
 
 
 def _finish(folder: Path, checks: tuple[CheckResult, ...], cfg: ValidateConfig) -> Report:
     ordered = tuple(sorted(checks, key=lambda check: check.id))
-    report = Report(
-        package=Path(folder).resolve().name, checks=ordered, versions=engine_versions(), seed=SEED
-    )
+    report = Report(package=Path(folder).resolve().name, checks=ordered, versions=engine_versions())
     if cfg.output == "package":
         write_report(without_seconds(report), Path(folder) / REPORT_FILE)
     return report

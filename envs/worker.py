@@ -9,44 +9,33 @@ import os
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 from artigen.runtime.workers import Worker
-from sim_export.checks import CheckConfig
 from sim_export.report import CheckResult
 
 from .config import DynamicsConfig
 
 
-@dataclass(frozen=True, kw_only=True)
-class CheckJob:
-    """Arguments of the checks of one package, for transfer to the child."""
-
-    folder: Path
-    checks: CheckConfig
-    dynamics: DynamicsConfig
-
-
-def run_static(job: CheckJob) -> tuple[CheckResult, ...]:
+def run_static(folder: Path) -> tuple[CheckResult, ...]:
     """Checks L0 to L2, in this process."""
     from sim_export.checks.suite import run_checks
 
     with quiet_libraries():
-        return run_checks(job.folder, cfg=job.checks)
+        return run_checks(folder)
 
 
-def run_dynamics(job: CheckJob) -> tuple[CheckResult, ...]:
+def run_dynamics(folder: Path) -> tuple[CheckResult, ...]:
     """Checks L3, in this process."""
     with quiet_libraries():
         from sim_export.files.read import read_package
 
         from .dynamics import check_dynamics
 
-        return check_dynamics(job.folder, read_package(job.folder), job.dynamics)
+        return check_dynamics(folder, read_package(folder), DynamicsConfig())
 
 
-def run_tasks(job: CheckJob) -> tuple[CheckResult, ...]:
+def run_tasks(folder: Path) -> tuple[CheckResult, ...]:
     """Checks L4, in this process."""
     with quiet_libraries():
         import sapien.physx
@@ -54,12 +43,12 @@ def run_tasks(job: CheckJob) -> tuple[CheckResult, ...]:
         from .maniskill.checks import check_tasks
 
         sapien.physx.clear_cache()  # as in `envs.package.load_package`
-        return check_tasks(job.folder)
+        return check_tasks(folder)
 
 
-def call_static(worker: Worker, job: CheckJob, timeout: float) -> tuple[CheckResult, ...]:
+def call_static(worker: Worker, folder: Path, timeout: float) -> tuple[CheckResult, ...]:
     """Checks L0 to L2 in the child; a crash fails V001, the first check."""
-    outcome = worker.call(run_static, job, timeout)
+    outcome = worker.call(run_static, folder, timeout)
     if outcome.value is not None:
         return outcome.value
     return (
@@ -70,17 +59,17 @@ def call_static(worker: Worker, job: CheckJob, timeout: float) -> tuple[CheckRes
     )  # fmt: skip
 
 
-def call_dynamics(worker: Worker, job: CheckJob, timeout: float) -> tuple[CheckResult, ...]:
+def call_dynamics(worker: Worker, folder: Path, timeout: float) -> tuple[CheckResult, ...]:
     """Checks L3 in the child; a crash fails V301, and the others count as not run."""
-    outcome = worker.call(run_dynamics, job, timeout)
+    outcome = worker.call(run_dynamics, folder, timeout)
     if outcome.value is not None:
         return outcome.value
     return failed_dynamics(f"{outcome.error}", first="V301")
 
 
-def call_tasks(worker: Worker, job: CheckJob, timeout: float) -> tuple[CheckResult, ...]:
+def call_tasks(worker: Worker, folder: Path, timeout: float) -> tuple[CheckResult, ...]:
     """Checks L4 in the child; a crash fails V401, and the others count as not run."""
-    outcome = worker.call(run_tasks, job, timeout)
+    outcome = worker.call(run_tasks, folder, timeout)
     return failed_tasks(f"{outcome.error}") if outcome.value is None else outcome.value
 
 

@@ -9,18 +9,17 @@ from pathlib import Path
 import gymnasium as gym
 import numpy as np
 
-from artigen.cli.convert import ConvertJob, convert_object
-from artigen.datasets.sample_partnet import write_sample
+from artigen.shapes.draw import Wish, draw_shape
+from sim_export.files.write import write_package
+from sim_export.reference import build_reference
 
 
 def main(folder: Path) -> None:
-    """Converts the embedded cabinet inside ``folder`` and opens its drawer."""
+    """Writes a drawn cabinet into ``folder`` and opens its drawer."""
     from envs.actuate import ActuateConfig
 
-    source = folder / "source" / "sample_cabinet"
-    write_sample(source)
-    convert_object(ConvertJob(source=source, out=folder / "packages"))
-    package = folder / "packages" / "sample_cabinet"
+    wish = Wish(counts=(("drawer", 1), ("door", 1)))
+    package = write_package(build_reference(draw_shape("StorageFurniture", 0, wish)), folder / "cabinet")
     env = gym.make("envs:ArtiGen/Actuate-v0", package=package, cfg=ActuateConfig(joint="joint_0"))
     observation, _ = env.reset(seed=0)
     done, total, info = False, 0.0, {}

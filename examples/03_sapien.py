@@ -6,22 +6,22 @@ You will see the joint positions after two seconds under gravity. No renderer is
 import tempfile
 from pathlib import Path
 
-from artigen.cli.convert import ConvertJob, convert_object
-from artigen.datasets.sample_partnet import write_sample
+from artigen.shapes.draw import Wish, draw_shape
+from sim_export.files.write import write_package
+from sim_export.reference import build_reference
 
 
 def main(folder: Path) -> None:
-    """Converts the embedded cabinet inside ``folder`` and lets it stand."""
+    """Writes a drawn cabinet into ``folder`` and lets it stand."""
     from envs.loaded import advance, set_open_fraction
     from envs.package import LoadConfig, load_package
     from envs.scene import create_scene
 
-    source = folder / "source" / "sample_cabinet"
-    write_sample(source)
-    convert_object(ConvertJob(source=source, out=folder / "packages"))
+    wish = Wish(counts=(("drawer", 1), ("door", 1)))
+    package = write_package(build_reference(draw_shape("StorageFurniture", 0, wish)), folder / "cabinet")
     scene = create_scene(timestep=0.01)
-    loaded = load_package(scene, folder / "packages" / "sample_cabinet", LoadConfig())
-    before = set_open_fraction(loaded, (0.5, 0.5, 0.0, 0.0))  # drawer, door, lock, tray
+    loaded = load_package(scene, package, LoadConfig())
+    before = set_open_fraction(loaded, (0.5, 0.5))  # drawer, door
     for _ in range(200):
         advance(loaded)
     after = loaded.articulation.get_qpos()

@@ -9,21 +9,21 @@ from pathlib import Path
 
 import gymnasium as gym
 
-from artigen.cli.convert import ConvertJob, convert_object
-from artigen.datasets.sample_partnet import write_sample
+from artigen.shapes.draw import Wish, draw_shape
+from sim_export.files.write import write_package
+from sim_export.reference import build_reference
 
 
 def main(folder: Path) -> None:
-    """Converts and proves the embedded cabinet in ``folder``; the scripted solver opens its drawer."""
+    """Writes and proves a drawn cabinet in ``folder``; the scripted solver opens its drawer."""
     import envs  # noqa: F401  registers the tasks
     from envs.maniskill.solver.record import record_episodes
     from envs.maniskill.solver.solve import solve_open_part
     from envs.validate import validate
 
-    source = folder / "source" / "sample_cabinet"
-    write_sample(source)
-    convert_object(ConvertJob(source=source, out=folder / "packages"))
-    report = validate(folder / "packages" / "sample_cabinet")
+    wish = Wish(counts=(("drawer", 1), ("door", 1)))
+    shape = draw_shape("StorageFurniture", 0, wish)
+    report = validate(write_package(build_reference(shape), folder / "packages" / "cabinet"))
     print(f"validation passed: {report.passed}")
     env = gym.make(
         "ArtiGen-OpenPart-v1",

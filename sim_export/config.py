@@ -17,7 +17,6 @@ from sim_export.collision.surface_hulls import SurfaceConfig
 from sim_export.collision.trimming import TrimmingConfig
 from sim_export.geometry.meshing import MeshingConfig
 from sim_export.geometry.wheels import WheelConfig
-from sim_export.physics.annotations import HandleConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,8 +53,6 @@ class ExportConfig:
     """Visual volume where hulls fill gaps thinner than a voxel."""
     trimming: TrimmingConfig = field(default_factory=TrimmingConfig)
     """Visual surface without collision."""
-    handles: HandleConfig = field(default_factory=HandleConfig)
-    """Measurement of handles."""
 
 
 def for_surfaces(cfg: ExportConfig) -> ExportConfig:

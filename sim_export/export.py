@@ -137,7 +137,7 @@ def export_asset(
     watch.lap("attach")
     held_links, centered = hold_centers(levelled.links)
     tree = LinkTree(links=held_links, joints=cleared.joints, records=tree.records)
-    handles = annotate_handles(asset, meshes, tree, cfg.handles)
+    handles = annotate_handles(asset, meshes, tree)
     watch.lap("annotate")
     trimmed = Trimmed(meshes=solid)
     if source_meshes is None:

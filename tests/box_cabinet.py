@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
+from sample_cabinet import SAMPLE_PARTS, sample_box_arrays
 
-from artigen.datasets.sample import SAMPLE_PARTS, sample_box_arrays
 from artigen.types import Asset
 from sim_export.collision.hulls import box_hull
 from sim_export.package import Mesh, SimPackage

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from sample_cabinet import SAMPLE_PARTS, SamplePart, sample_box_arrays
 
-from artigen.datasets.sample import SAMPLE_PARTS, SamplePart, sample_box_arrays
 from artigen.transforms import T_ZUP_FROM_PARTNET
 from artigen.types import Part
 

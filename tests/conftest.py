@@ -9,7 +9,8 @@ import pytest
 from jaxtyping import install_import_hook
 
 with install_import_hook(["artigen", "sim_export", "envs"], "beartype.beartype"):
-    from artigen.datasets.sample import sample_asset
+    from sample_cabinet import sample_asset
+
     from artigen.types import Asset
     from artigen.voxels.cleanup.rows import Owners, read_owners
     from artigen.voxels.fields import VoxelFields, decode, encode, tabulate_parts

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from artigen.types import JointType, PartLabel
-from artigen.voxels.fields import DEFAULT_LAYOUT
+from artigen.types import JOINT_TYPES, PART_LABELS, JointType, PartLabel
+from artigen.voxels.fields import CHANNELS, FIELD
 
 EDGE = 32
 CARCASS = [
@@ -41,16 +41,15 @@ def row(
         travel: how far it slides, in cells.
         turn: how far it turns, in turns.
     """
-    layout = DEFAULT_LAYOUT
-    out = np.zeros(layout.channels, dtype=np.float32)
-    out[layout.label.start + layout.labels.index(label)] = 1.0
-    out[layout.joint_type.start + layout.joint_types.index(joint)] = 1.0
+    out = np.zeros(CHANNELS, dtype=np.float32)
+    out[FIELD.label.start + PART_LABELS.index(label)] = 1.0
+    out[FIELD.joint_type.start + JOINT_TYPES.index(joint)] = 1.0
     low, high = np.array([(side.start, side.stop) for side in box]).T / EDGE - 0.5
-    out[layout.box] = [*(low + high) / 2, *high - low]
-    out[layout.axis] = axis
-    out[layout.origin] = (low + high) / 2 if origin is None else np.array(origin) / EDGE - 0.5
-    out[layout.range] = turn, travel / EDGE
-    return out[layout.occupancy.stop :]
+    out[FIELD.box] = [*(low + high) / 2, *high - low]
+    out[FIELD.axis] = axis
+    out[FIELD.origin] = (low + high) / 2 if origin is None else np.array(origin) / EDGE - 0.5
+    out[FIELD.range] = turn, travel / EDGE
+    return out[1:]
 
 
 def carcass() -> np.ndarray:

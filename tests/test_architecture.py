@@ -12,7 +12,7 @@ import pytest
 from project import ROOT
 
 PACKAGES = ("artigen", "sim_export", "envs")
-SHARED = {"types", "transforms", "kinematics", "io", "errors", "runtime", "shapes", "splats"}
+SHARED = {"types", "transforms", "kinematics", "io", "errors", "wavefront", "runtime", "shapes", "splats"}
 """Modules of artigen that the other two packages may use."""
 MODEL_CODE = (
     "artigen.appearance",
@@ -29,7 +29,7 @@ MODEL_CODE = (
 )
 """The only places where torch is imported."""
 LAYERS = (
-    {"errors", "types", "transforms", "kinematics", "io"},
+    {"errors", "types", "transforms", "kinematics", "io", "wavefront"},
     {"runtime"},
     {"voxels"},
     {"shapes"},

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from artigen.types import PART_LABELS
-from artigen.voxels.fields import DEFAULT_LAYOUT, after_occupancy
+from artigen.voxels.fields import ROW
 from artigen.voxels.frames import AROUND, FACINGS, SIDES, find_covered, find_joined
 
 KIND = FACINGS + len(PART_LABELS) + SIDES + AROUND
@@ -28,13 +28,13 @@ def describe_kinds(
     its inner side, and whether its part continues around it.
 
     Args:
-        table: Channels after occupancy of each part, in the default layout.
+        table: Channels after occupancy of each part.
         part_ids: Part of each voxel.
         facings: Direction of each voxel's outer side.
         covered: Whether something stands before either side (`artigen.voxels.frames.find_covered`).
         joined: Whether the part continues around the voxel (`artigen.voxels.frames.find_joined`).
     """
-    labels = table[:, after_occupancy(DEFAULT_LAYOUT.label)]
+    labels = table[:, ROW.label]
     features = (np.eye(FACINGS)[facings], labels[part_ids], covered, joined.reshape(len(joined), AROUND))
     return np.concatenate(features, axis=1).astype(np.float32)
 
@@ -52,7 +52,7 @@ def read_kinds(
         coords: Cells (x, y, z) of the grid.
         part_ids: Part of each.
         facings: Directions of their outer sides.
-        table: Channels after occupancy of each part, in the default layout.
+        table: Channels after occupancy of each part.
         resolution: Edge of the grid.
     """
     covered = find_covered(coords, facings, resolution)

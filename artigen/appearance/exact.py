@@ -54,21 +54,7 @@ class ShapeAppearanceModel:
     curation: CurationConfig
 
 
-@dataclass(frozen=True, kw_only=True)
-class ShapeAppearanceConfig:
-    """Density of the Gaussians of a shape."""
-
-    zoom: int = 2
-    """Cells along the edge of a voxel; 1 is faster, with half as many Gaussians."""
-    bare: bool = False
-    """Whether sides of cells without surface keep their Gaussians, which doubles their number."""
-
-    def __post_init__(self) -> None:
-        if self.zoom < 1:
-            raise ValueError(f"zoom {self.zoom}, expected at least 1")
-
-
-def load_shape_appearance(folder: Path, device: torch.device | str = "cpu") -> ShapeAppearanceModel:
+def load_shape_appearance(folder: Path) -> ShapeAppearanceModel:
     """Loads encoder and decoder of a model folder; no other network is needed.
 
     Raises:
@@ -92,7 +78,7 @@ def load_shape_appearance(folder: Path, device: torch.device | str = "cpu") -> S
     vae = AppearanceVae(inputs.encoder, APPEARANCE_PRESETS[preset].decoder)
     load_model(vae, folder, APPEARANCE_VAE)
     return ShapeAppearanceModel(
-        vae=vae.to(device),
+        vae=vae,
         extractor=make_extractor(inputs.extractor),
         curation=replace(inputs.curation, kept=0),
     )
@@ -112,28 +98,23 @@ def voxelize_shape(shape: Shape, resolution: int = VOXELS) -> Asset:
     return replace(asset, notes=notes)
 
 
-def decode_gaussians(
-    model: ShapeAppearanceModel, shape: Shape, cfg: ShapeAppearanceConfig | None = None
-) -> Asset:
+def decode_gaussians(model: ShapeAppearanceModel, shape: Shape, *, zoom: int = 2) -> Asset:
     """The asset of a shape with exact voxels (64^3) and decoded Gaussians; deterministic.
 
     Args:
         model: The trained VAE.
         shape: The object.
-        cfg: Density of the Gaussians; the defaults when None.
+        zoom: Cells along the edge of a voxel; 1 is faster, with half as many Gaussians.
     """
-    cfg = cfg or ShapeAppearanceConfig()
-    fine = shape_to_asset(shape, cfg.zoom * model.vae.encoder.cfg.resolution)
+    fine = shape_to_asset(shape, zoom * model.vae.encoder.cfg.resolution)
     laid, facings, paint = lay_painted(shape, fine)
     surface, voxels = laid.surface, laid.voxels
     assert surface is not None
     assert voxels is not None
     features, _ = curate(shape, laid, facings, model.extractor, model.curation, paint)
     splats = decode_tiles(model.vae, voxels, facings, features.values.astype(np.float32))
-    shown = np.ones((len(facings), SIDES), dtype=bool)
-    if not cfg.bare:
-        clear = features.values[:, -SIDE_CHANNELS]
-        shown = find_shown(surface, voxels, facings) | (clear > CLEAR)[:, None]
+    clear = features.values[:, -SIDE_CHANNELS]
+    shown = find_shown(surface, voxels, facings) | (clear > CLEAR)[:, None]
     splats, part_ids = leave_out(splats, voxels.part_ids, shown)
     whole = voxelize_shape(shape)
     row = {part.name: index for index, part in enumerate(whole.parts)}
@@ -146,12 +127,6 @@ def decode_tiles(
     vae: AppearanceVae, voxels: VoxelGrid, facings: Int[np.ndarray, "N"], features: Float[np.ndarray, "N C"]
 ) -> Splats:
     """Encodes and decodes cells of a grid of any edge, in tiles of the edge that the networks take.
-
-    Args:
-        vae: Trained networks.
-        voxels: Cells of the grid.
-        facings: Directions of their outer sides.
-        features: Features of the cells.
 
     Returns:
         Gaussians in the order of the cells.

@@ -51,10 +51,6 @@ class VoxelPaint:
 def lay_painted(shape: Shape, asset: Asset) -> tuple[Asset, Int[np.ndarray, "N"], VoxelPaint]:
     """The voxels of a procedural object's Gaussians, with facings and paint from one set of samples.
 
-    Args:
-        shape: The object.
-        asset: The same object, with voxels.
-
     Returns:
         The asset with samples of its surface and voxels that cover it (`artigen.voxels.layout`), the
         directions of their outer sides, and the paint of both sides.

@@ -66,14 +66,7 @@ class SparseResBlock3d(nn.Module):
         samples: Int[Tensor, "N"],
         neighbours: Neighbours,
     ) -> Float[Tensor, "N D"]:
-        """Features of the same voxels.
-
-        Args:
-            feats: Features of the voxels.
-            emb: Embedded time of each sample.
-            samples: Sample of each voxel.
-            neighbours: Neighbours of the voxels.
-        """
+        """Features of the same voxels."""
         h = self.conv1(functional.silu(norm_rows(feats, self.norm1)), neighbours)
         scale, shift = self.emb_layers(emb)[samples].chunk(2, dim=1)
         h = functional.layer_norm(h.float(), h.shape[-1:], eps=NORM_EPS).to(h.dtype)

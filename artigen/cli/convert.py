@@ -175,10 +175,10 @@ def voxelize_object(asset: "Asset") -> "Asset":
 def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "robust") -> "Asset":
     """Encodes the object as a 35-channel field and back; besides that, only surface colours are kept."""
     from artigen.datasets.relabel import carry_surface, restore_tree
-    from artigen.voxels.fields import DEFAULT_LAYOUT, decode, encode
+    from artigen.voxels.fields import decode, encode
     from artigen.voxels.segmentation.segment import SegmentConfig, segment
 
-    fields = decode(encode(asset, DEFAULT_LAYOUT), DEFAULT_LAYOUT)
+    fields = decode(encode(asset))
     found = segment(
         fields,
         SegmentConfig(recipe=recipe, detached="note"),

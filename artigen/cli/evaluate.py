@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Literal
 
 import tyro
-from tqdm import tqdm
 
 from artigen.cli.arguments import Out, Workers
 from artigen.errors import ArtigenError
@@ -85,29 +84,14 @@ def evaluate(
     workers = choose_workers(workers)
     if what == "appearance":
         return _evaluate_appearance(out, model, cfg, appearance)
-    settings = EvaluateConfig(
-        held_out=cfg.held_out,
-        training=cfg.training,
-        sampler=SamplerConfig(steps=cfg.steps, strength=cfg.strength),
-        seed=cfg.seed,
-        partnet=cfg.partnet,
-        packages=cfg.packages,
-        redraws=cfg.redraws,
-        pictured=cfg.pictured,
-        workers=workers,
-    )
+    sampler = SamplerConfig(steps=cfg.steps, strength=cfg.strength)
+    others = {name: value for name, value in vars(cfg).items() if name not in ("steps", "strength")}
+    settings = EvaluateConfig(sampler=sampler, workers=workers, **others)
     prove = partial(prove_assets, out=out / "packages", workers=workers)
-    with tqdm(disable=not sys.stderr.isatty()) as bar:
-
-        def on_progress(stage: str, done: int, total: int) -> None:
-            bar.set_description(stage, refresh=False)
-            bar.total, bar.n = total, done
-            bar.refresh()
-
-        if what == "sketch":
-            evaluation = evaluate_sketch(model, out, settings, on_progress=on_progress)
-        else:
-            evaluation = evaluate_structure(model, out, settings, prove=prove, on_progress=on_progress)
+    if what == "sketch":
+        evaluation = evaluate_sketch(model, out, settings)
+    else:
+        evaluation = evaluate_structure(model, out, settings, prove=prove)
     _, table = write_report(evaluation, out)
     sys.stdout.write(f"{table.read_text(encoding='utf-8')}\nwritten to {out}\n")
     return 0
@@ -117,19 +101,7 @@ def _evaluate_appearance(out: Path, model: Path, cfg: EvaluateSettings, own: App
     from artigen.metrics.evaluate_appearance import EvaluateAppearanceConfig, evaluate_appearance
     from artigen.metrics.report_appearance import write_appearance_report
 
-    settings = EvaluateAppearanceConfig(
-        held_out=cfg.held_out,
-        seed=cfg.seed,
-        **vars(own),
-    )
-    with tqdm(disable=not sys.stderr.isatty()) as bar:
-
-        def on_progress(stage: str, done: int, total: int) -> None:
-            bar.set_description(stage, refresh=False)
-            bar.total, bar.n = total, done
-            bar.refresh()
-
-        evaluation = evaluate_appearance(model, settings, on_progress=on_progress)
-    _, table = write_appearance_report(evaluation, out)
+    settings = EvaluateAppearanceConfig(held_out=cfg.held_out, seed=cfg.seed, **vars(own))
+    _, table = write_appearance_report(evaluate_appearance(model, settings), out)
     sys.stdout.write(f"{table.read_text(encoding='utf-8')}\nwritten to {out}\n")
     return 0

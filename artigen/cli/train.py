@@ -2,14 +2,13 @@
 
 import logging
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Literal
 
 import tyro
-from tqdm import tqdm
 from tqdm.contrib.logging import logging_redirect_tqdm
 
 from artigen.cli.arguments import Workers
@@ -93,21 +92,8 @@ def train(
     """
     begin = _prepare(what, run, cfg, choose_workers(workers), appearance)
     logging.getLogger("artigen.train").setLevel(logging.INFO)
-    shown = sys.stderr.isatty()  # otherwise metrics are written as log lines
-    with (
-        tqdm(total=100, bar_format="{desc} {percentage:3.0f} %|{bar}| {postfix}", disable=not shown) as bar,
-        logging_redirect_tqdm(),
-    ):
-        bar.set_description_str("data", refresh=True)
-
-        def on_report(network: str, line: Mapping[str, float]) -> None:
-            bar.set_description_str(network, refresh=False)
-            bar.n = min(100, round(100 * line["share"]))
-            bar.set_postfix_str(
-                f"step {line['step']:.0f}, loss {line['loss']:.4g}, {line['seconds_per_step']:.2f} s/step"
-            )
-
-        scores = begin(on_report=on_report if shown else None)
+    with logging_redirect_tqdm():
+        scores = begin()
     if scores:
         rows = "\n".join(f"  {name:20} {value:.4g}" for name, value in scores.items())
         sys.stdout.write(f"held-out objects:\n{rows}\n")
@@ -117,7 +103,7 @@ def train(
 
 def _prepare(
     what: What, run: Path, cfg: TrainSettings, workers: int, appearance: AppearanceSettings
-) -> Callable[..., dict[str, float]]:
+) -> Callable[[], dict[str, float]]:
     """Builds the training function for the arguments."""
     given = {name: value for name, value in vars(cfg).items() if value is not None}
     if what == "sketch":
@@ -148,7 +134,7 @@ def _prepare(
     return partial(train_everything, RunConfig(folder=run, workers=workers, **given), what)
 
 
-def _prepare_sketch(run: Path, cfg: TrainSettings, workers: int) -> Callable[..., dict[str, float]]:
+def _prepare_sketch(run: Path, cfg: TrainSettings, workers: int) -> Callable[[], dict[str, float]]:
     """Builds the training function of the sketch network, which supports fewer options than the other
     models."""
     from artigen.train.sketch import SketchRunConfig, train_sketch
@@ -156,16 +142,5 @@ def _prepare_sketch(run: Path, cfg: TrainSettings, workers: int) -> Callable[...
     for name in ("partnet", "trellis", "encoders", "objects"):
         if getattr(cfg, name) is not None:
             raise ArtigenError(f"the sketch network is trained on the grammar only: omit --{name}")
-    settings = SketchRunConfig(
-        folder=run,
-        preset=cfg.preset,
-        minutes=cfg.minutes,
-        shards=cfg.shards,
-        start=cfg.start,
-        workers=workers,
-    )
-
-    def begin(on_report: Callable[[str, Mapping[str, float]], None] | None) -> dict[str, float]:
-        return train_sketch(settings, on_report=None if on_report is None else partial(on_report, "sketch"))
-
-    return begin
+    shared = {name: getattr(cfg, name) for name in ("preset", "minutes", "shards", "start")}
+    return partial(train_sketch, SketchRunConfig(folder=run, workers=workers, **shared))

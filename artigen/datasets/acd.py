@@ -32,9 +32,9 @@ from artigen.datasets.partnet_parts import order_nodes
 from artigen.datasets.source_object import ReaderConfig, SourceObject, SourceTree, assemble, collect_corners
 from artigen.datasets.urdf_file import UrdfShape
 from artigen.datasets.urdf_object import OTHER, turn_upright
-from artigen.datasets.wavefront import inside
 from artigen.errors import SourceError
 from artigen.types import PART_LABELS, PartLabel
+from artigen.wavefront import inside
 
 logger = logging.getLogger(__name__)
 

@@ -43,12 +43,6 @@ class Duplicate:
     """Share of the surface that lies elsewhere; 0 for equal geometry."""
 
 
-def surface_distance(first: bytes, second: bytes) -> float:
-    """Share of the surface that lies in different places, 0 to 1."""
-    a, b = (np.frombuffer(value, "<u2").astype(np.int64) for value in (first, second))
-    return float(np.abs(a - b).sum()) / (2 * LEVELS)
-
-
 class Duplicates:
     """Objects kept so far, searched for duplicates of further ones."""
 

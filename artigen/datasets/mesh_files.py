@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from artigen.datasets.urdf_file import UrdfShape
-from artigen.datasets.wavefront import NO_MATERIAL, ObjMesh, read_obj
 from artigen.errors import SourceError
+from artigen.wavefront import NO_MATERIAL, ObjMesh, read_obj
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -32,14 +32,18 @@ SHELF_NAMES: tuple[str, ...] = ("shelf",)
 """Pieces of the body that become fixed shelves."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class LabelRule:
-    """Names that decide the label of a movable part, by the kind of its joint (None: no decision)."""
+    """Names that decide the label of a movable part, by the kind of its joint."""
 
-    names: tuple[str, ...]
-    hinge: PartLabel | None
-    slider: PartLabel | None
+    words: str
+    hinge: PartLabel
+    slider: PartLabel
     example: str
+
+    @property
+    def names(self) -> list[str]:
+        return self.words.split()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +65,7 @@ class MovingPart:
     parent_size: float = 1.0
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class JointRule:
     """A label for parts with unknown names, by joint, size and parent."""
 
@@ -73,156 +77,87 @@ class JointRule:
 
 LABEL_TABLE: tuple[LabelRule, ...] = (
     LabelRule(
-        names=("drawer_front", "drawer_box", "drawer_bottom", "drawer_side", "drawer", "drw", "crisper"),
-        hinge="door",
-        slider="drawer",
-        example="a drawer; on a hinge, a drop front",
+        "drawer_front drawer_box drawer_bottom drawer_side drawer drw crisper",
+        "door",
+        "drawer",
+        "a drawer; on a hinge, a drop front",
     ),
     LabelRule(
-        names=("display_panel", "door_frame"),
-        hinge="door",
-        slider="drawer",
-        example="the front of a dishwasher or fridge; on a slider, a pull-out with a front",
+        "display_panel door_frame",
+        "door",
+        "drawer",
+        "the front of a dishwasher or fridge; on a slider, a pull-out with a front",
     ),
     LabelRule(
-        names=(
-            "cabinet_door",
-            "cabinet_door_surface",
-            "door",
-            "surface_board",
-            "glass",
-            "translation",
-            "rotation",
-        ),
-        hinge="door",
-        slider="door",
-        example="doors of cabinets, rooms, windows",
+        "cabinet_door cabinet_door_surface door surface_board glass translation rotation",
+        "door",
+        "door",
+        "doors of cabinets, rooms, windows",
     ),
     LabelRule(
-        names=("screen", "screen_side", "screen_frame", "board"),
-        hinge="door",
-        slider="door",
-        example="the lid of a laptop, the drop leaf of a table",
+        "screen screen_side screen_frame board",
+        "door",
+        "door",
+        "the lid of a laptop, the drop leaf of a table",
     ),
     LabelRule(
-        names=(
-            "lid",
-            "rotation_lid",
-            "cover",
-            "cap",
-            "hatch",
-            "flap",
-            "gate",
-            "shutter",
-            "sash",
-            "window",
-            "leaf",
-        ),
-        hinge="door",
-        slider="door",
-        example="lids of boxes, pots, bottles; whatever closes an opening",
+        "lid rotation_lid cover cap hatch flap gate shutter sash window leaf",
+        "door",
+        "door",
+        "lids of boxes, pots, bottles; whatever closes an opening",
     ),
+    LabelRule("wheel caster castor caster_stem tire tyre", "wheel", "wheel", "wheels, caster stems"),
     LabelRule(
-        names=("wheel", "caster", "castor", "caster_stem", "tire", "tyre"),
-        hinge="wheel",
-        slider="wheel",
-        example="wheels, caster stems",
+        "tray shelf rack keyboard_tray_surface body_interior tray_support turntable platter plate basket",
+        "tray",
+        "tray",
+        "racks, keyboard trays, turntables",
     ),
+    LabelRule("seat_soft_surface back_soft_surface seat", "tray", "tray", "the seat of a chair"),
     LabelRule(
-        names=(
-            "tray",
-            "shelf",
-            "rack",
-            "keyboard_tray_surface",
-            "body_interior",
-            "tray_support",
-            "turntable",
-            "platter",
-            "plate",
-            "basket",
-        ),
-        hinge="tray",
-        slider="tray",
-        example="racks, keyboard trays, turntables",
+        "knob button control_button door_button toggle_button switch lock spout tube btn dial key "
+        "toggle lever pedal latch valve trigger plunger nozzle",
+        "knob",
+        "knob",
+        "whatever a finger turns or presses; the spout of a faucet",
     ),
-    LabelRule(
-        names=("seat_soft_surface", "back_soft_surface", "seat"),
-        hinge="tray",
-        slider="tray",
-        example="the seat of a chair",
-    ),
-    LabelRule(
-        names=(
-            "knob",
-            "button",
-            "control_button",
-            "door_button",
-            "toggle_button",
-            "switch",
-            "lock",
-            "spout",
-            "tube",
-            "btn",
-            "dial",
-            "key",
-            "toggle",
-            "lever",
-            "pedal",
-            "latch",
-            "valve",
-            "trigger",
-            "plunger",
-            "nozzle",
-        ),
-        hinge="knob",
-        slider="knob",
-        example="whatever a finger turns or presses; the spout of a faucet",
-    ),
-    LabelRule(
-        names=("handle", "fixed_part", "grip", "pull", "bail"),
-        hinge="handle",
-        slider="handle",
-        example="handles that move",
-    ),
+    LabelRule("handle fixed_part grip pull bail", "handle", "handle", "handles that move"),
 )
 """Rules in order of precedence: the first rule that contains one of a part's names decides."""
 
 JOINT_TABLE: tuple[JointRule, ...] = (
     JointRule(
-        joint="hinge",
-        label="handle",
-        when="on a door or drawer, at most half as large",
-        holds=lambda part: part.parent in ("door", "drawer") and part.size <= 0.5 * part.parent_size,
+        "hinge",
+        "handle",
+        "on a door or drawer, at most half as large",
+        lambda part: part.parent in ("door", "drawer") and part.size <= 0.5 * part.parent_size,
     ),
     JointRule(
-        joint="hinge",
-        label="knob",
-        when="at most a quarter of the object's longest edge",
-        holds=lambda part: part.size <= 0.25,
+        "hinge", "knob", "at most a quarter of the object's longest edge", lambda part: part.size <= 0.25
     ),
-    JointRule(joint="hinge", label="door", when="any other", holds=lambda part: True),
+    JointRule("hinge", "door", "any other", lambda part: True),
     JointRule(
-        joint="free hinge",
-        label="wheel",
-        when="level axis, middle in the lowest quarter of the object",
-        holds=lambda part: not part.upright and part.height <= 0.25,
+        "free hinge",
+        "wheel",
+        "level axis, middle in the lowest quarter of the object",
+        lambda part: not part.upright and part.height <= 0.25,
     ),
     JointRule(
-        joint="free hinge",
-        label="tray",
-        when="upright axis, at least half of the object's longest edge",
-        holds=lambda part: part.upright and part.size >= 0.5,
+        "free hinge",
+        "tray",
+        "upright axis, at least half of the object's longest edge",
+        lambda part: part.upright and part.size >= 0.5,
     ),
-    JointRule(joint="free hinge", label="knob", when="any other", holds=lambda part: True),
+    JointRule("free hinge", "knob", "any other", lambda part: True),
     JointRule(
-        joint="slider",
-        label="knob",
-        when="travels at most 5 % of the object's longest edge, or is no larger than 15 % of it",
-        holds=lambda part: part.travel <= 0.05 or part.size <= 0.15,
+        "slider",
+        "knob",
+        "travels at most 5 % of the object's longest edge, or is no larger than 15 % of it",
+        lambda part: part.travel <= 0.05 or part.size <= 0.15,
     ),
-    JointRule(joint="slider", label="door", when="travels up and down", holds=lambda part: part.upright),
-    JointRule(joint="slider", label="drawer", when="any other", holds=lambda part: True),
-    JointRule(joint="fixed", label="base", when="any", holds=lambda part: True),
+    JointRule("slider", "door", "travels up and down", lambda part: part.upright),
+    JointRule("slider", "drawer", "any other", lambda part: True),
+    JointRule("fixed", "base", "any", lambda part: True),
 )
 """Rules in order of precedence for parts without a name in `LABEL_TABLE`."""
 
@@ -230,9 +165,8 @@ JOINT_TABLE: tuple[JointRule, ...] = (
 def choose_label(joint: SourceJoint, names: Sequence[str]) -> PartLabel | None:
     """Label of the first rule that contains one of a movable part's names."""
     for rule in LABEL_TABLE:
-        label = rule.hinge if joint == "hinge" else rule.slider
-        if label is not None and any(name in rule.names for name in names):
-            return label
+        if not set(names).isdisjoint(rule.names):
+            return rule.hinge if joint == "hinge" else rule.slider
     return None
 
 
@@ -356,22 +290,3 @@ def label_nodes(
             f"is in the label table, labelled {labels[node.id]} for its {joint} ({when})"
         )
     return labels, notes
-
-
-def label_table_markdown() -> str:
-    """The table of names as Markdown, for the documentation."""
-    rows = [
-        "| names, in order of precedence | on a hinge | on a slider | for instance |",
-        "|---|---|---|---|",
-    ]
-    for rule in LABEL_TABLE:
-        names = ", ".join(f"`{name}`" for name in rule.names)
-        rows.append(f"| {names} | {rule.hinge or ''} | {rule.slider or ''} | {rule.example} |")
-    return "\n".join(rows) + "\n"
-
-
-def joint_table_markdown() -> str:
-    """The table of joints as Markdown, for the documentation."""
-    rows = ["| joint | label | when, in order of precedence |", "|---|---|---|"]
-    rows += [f"| {rule.joint} | {rule.label} | {rule.when} |" for rule in JOINT_TABLE]
-    return "\n".join(rows) + "\n"

@@ -14,8 +14,8 @@ from jaxtyping import Float
 
 from artigen.datasets.partnet_annotation import SourceNode, SourcePiece
 from artigen.datasets.urdf_file import UrdfFile, UrdfShape
-from artigen.datasets.wavefront import ObjMesh, inside, read_obj
 from artigen.errors import SourceError
+from artigen.wavefront import ObjMesh, inside, read_obj
 
 MESH_FOLDER = "textured_objs"
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen.datasets.wavefront import Material, ObjMesh
 from artigen.errors import SourceError
 from artigen.types import SurfaceSamples
+from artigen.wavefront import Material, ObjMesh
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -151,9 +151,6 @@ def write_folder(files: Mapping[str, bytes], folder: Path) -> Path:
 def open_shards(folder: Path | str) -> Shards:
     """Opens a data set that `artigen dataset` has made.
 
-    Args:
-        folder: Folder of the data set.
-
     Raises:
         PackingError: If the folder holds no data set, or one of another version.
     """

@@ -133,18 +133,3 @@ def estimate_size(category: str, extents: Float[np.ndarray, "3"]) -> tuple[float
     if category in DEPTH_LIMITS:
         size = min(size, DEPTH_LIMITS[category] / depth * longest)
     return size, category in SIZE_TABLE
-
-
-def size_table_markdown() -> str:
-    """The table as Markdown, for the documentation."""
-    rows = [
-        "| category | extent | metres | for height / footprint up to | depth at most |",
-        "|---|---|---|---|---|",
-    ]
-    for category, rules in [*SIZE_TABLE.items(), ("any other", FALLBACK)]:
-        for rule in rules:
-            bound = "" if np.isinf(rule.up_to) else f"{rule.up_to:g}"
-            note = f" ({rule.note})" if rule.note else ""
-            depth = f"{DEPTH_LIMITS[category]:g}" if category in DEPTH_LIMITS else ""
-            rows.append(f"| {category}{note} | {rule.extent} | {rule.metres:g} | {bound} | {depth} |")
-    return "\n".join(rows) + "\n"

@@ -1,16 +1,17 @@
-"""Finds and reads source objects of any layout: PartNet-Mobility folders, URDFs, object.json."""
+"""Finds and reads source objects of any layout: PartNet-Mobility folders, URDFs, MJCFs, object.json."""
 
 from pathlib import Path
 from typing import Literal
 
 from artigen.datasets.acd import read_acd
+from artigen.datasets.mjcf import is_mjcf, write_urdf
 from artigen.datasets.partnet_annotation import read_json
 from artigen.datasets.partnet_mobility import read_object
 from artigen.datasets.source_object import ReaderConfig, SourceObject
 from artigen.datasets.urdf_object import read_urdf_object
 from artigen.errors import SourceError
 
-Layout = Literal["PartNet-Mobility", "URDF", "object.json"]
+Layout = Literal["PartNet-Mobility", "URDF", "MJCF", "object.json"]
 ANNOTATION = "mobility_v2.json"
 TREE = "object.json"
 MAIN = "mobility.urdf"
@@ -24,12 +25,14 @@ def find_layout(source: Path) -> Layout | None:
     A package written by artigen has PartNet's annotation without its meshes, so its URDF counts.
     """
     if source.is_file():
-        return "URDF" if source.suffix.lower() == ".urdf" else "object.json" if source.name == TREE else None
+        if source.suffix.lower() == ".urdf":
+            return "URDF"
+        return "object.json" if source.name == TREE else "MJCF" if is_mjcf(source) else None
     if (source / ANNOTATION).is_file() and not _is_package(source):
         return "PartNet-Mobility"
     if (source / TREE).is_file():
         return "object.json"
-    return "URDF" if _find_urdf(source) else None
+    return "URDF" if _find_urdf(source) else "MJCF" if _find_mjcf(source) else None
 
 
 def _is_package(folder: Path) -> bool:
@@ -42,6 +45,12 @@ def _find_urdf(folder: Path) -> Path | None:
     """The URDF of a folder with one object: the main one, or the only one."""
     files = sorted((*folder.glob("*.urdf"), *folder.glob("urdf/*.urdf")))
     return folder / MAIN if (folder / MAIN).is_file() else files[0] if len(files) == 1 else None
+
+
+def _find_mjcf(folder: Path) -> Path | None:
+    """The MJCF of a folder that holds one."""
+    files = [file for file in sorted(folder.glob("*.xml")) if is_mjcf(file)]
+    return files[0] if len(files) == 1 else None
 
 
 def find_sources(paths: tuple[Path, ...]) -> list[Path]:
@@ -79,12 +88,16 @@ def read_source(source: Path, scratch: Path, cfg: ReaderConfig | None = None) ->
             file = source if source.is_file() else _find_urdf(source)
             assert file is not None
             return read_urdf_object(file, scratch, cfg, name=name)
+        case "MJCF":
+            file = source if source.is_file() else _find_mjcf(source)
+            assert file is not None
+            return read_urdf_object(write_urdf(file, scratch), scratch, cfg, name=name)
         case "object.json":
             return read_acd(source if source.is_file() else source / TREE, scratch, cfg, name=name)
         case "PartNet-Mobility":
             return read_object(source, cfg)
         case _:
             raise SourceError(
-                f"{source}: is no object: expected a URDF, or a folder with {MAIN} or one other URDF, "
-                f"with {ANNOTATION} and its meshes (PartNet-Mobility), or with {TREE} (ACD)"
+                f"{source}: is no object: expected a URDF or MJCF, or a folder with {MAIN} or one other "
+                f"URDF or MJCF, with {ANNOTATION} and its meshes (PartNet-Mobility), or with {TREE} (ACD)"
             )

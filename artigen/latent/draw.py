@@ -12,7 +12,6 @@ from artigen.conditioning.delivery import asset_size, part_counts
 from artigen.errors import SegmentationError, SourceError
 from artigen.latent.outline import gather_outlines, outline_rows
 from artigen.latent.presets import PRESETS, StructurePreset
-from artigen.latent.smoothing import SteadyConfig
 from artigen.latent.structure_flow import StructureFlow, sample_latents
 from artigen.latent.structure_vae import StructureVae, decode_cells
 from artigen.models.conditions import ConditionBatch, StructureCondition, gather_conditions
@@ -22,7 +21,6 @@ from artigen.models.store import load_model
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.shape import Shape
 from artigen.types import PART_LABELS, Asset, VoxelGrid
-from artigen.voxels.cleanup.boards import BoardsConfig
 from artigen.voxels.cleanup.clean import mend_cells
 from artigen.voxels.cleanup.rows import Owners, read_owners
 from artigen.voxels.fields import VoxelFields
@@ -45,10 +43,6 @@ class GenerateConfig:
     sampler: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=6, strength=0.0))
     """Steps and guidance of the latent; no guidance by default, because an outline holds more than the
     condition."""
-    steady: SteadyConfig | None = field(default_factory=SteadyConfig)
-    """Smoothing of occupancy along lines of cells, where outlines are given; None: no smoothing."""
-    boards: BoardsConfig | None = field(default_factory=BoardsConfig)
-    """Thresholds for boards in the clean-up; None skips that stage."""
     segment: SegmentConfig | None = None
     """How the votes of decoded cells are clustered into parts and joints, as in the paper (section 3.3).
 
@@ -140,17 +134,9 @@ def draw_cells(
     rows: Float[np.ndarray, "P C"],
     cfg: GenerateConfig,
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Samples the cells of one object within its outline and cleans them up, with notes of what changed.
-
-    Args:
-        model: Trained networks that take outlines.
-        known: Encoded condition.
-        noise: Initial latent, standard normal.
-        rows: The outline.
-        cfg: Sampler and clean-up.
-    """
+    """Samples the cells of one object within its outline and cleans them up, with notes of what changed."""
     fields, logits = _decode(model, known, noise, rows, cfg)
-    return mend_cells(read_owners(fields, rows), logits, rows, cfg.boards)
+    return mend_cells(read_owners(fields, rows), logits, rows)
 
 
 def _decode(
@@ -166,7 +152,7 @@ def _decode(
     if rows is not None:
         outlines = gather_outlines([rows]).to(device)
     latent = sample_latents(model.flow, known, nothing, noise, cfg.sampler, outlines)
-    decoded, logits = decode_cells(model.vae, latent, outlines, cfg.steady)
+    decoded, logits = decode_cells(model.vae, latent, outlines, steady=rows is not None)
     return decoded[0], logits[0].cpu().numpy()
 
 

@@ -16,7 +16,7 @@ from torch.nn import functional
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.shape import Shape
 from artigen.types import Asset
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, tabulate_parts
+from artigen.voxels.fields import ROW, tabulate_parts
 
 BLUR = 0.25 / 64
 """Standard deviation of the noise on boxes in training, in unit-cube lengths."""
@@ -60,12 +60,10 @@ def outline_rows(source: Asset | Shape, resolution: int = 64) -> Float[np.ndarra
     return tabulate_parts(shape_to_asset(source, resolution) if isinstance(source, Shape) else source)
 
 
-def sort_rows(
-    table: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
-) -> Float[np.ndarray, "N C"]:
+def sort_rows(table: Float[np.ndarray, "N C"]) -> Float[np.ndarray, "N C"]:
     """Rows in reading order: by label, then from top to bottom, left to right, front to back."""
-    label = table[:, after_occupancy(layout.label)].argmax(axis=1)
-    box = table[:, after_occupancy(layout.box)]
+    label = table[:, ROW.label].argmax(axis=1)
+    box = table[:, ROW.box]
     center = np.round(box[:, :3] * 32)  # rounded to half a cell, so that nearly level parts compare as level
     return table[np.lexsort((center[:, 0], -center[:, 1], -center[:, 2], label))]
 
@@ -86,22 +84,22 @@ def blur_outlines(outlines: OutlineBatch, share: float, generator: torch.Generat
 
     A network that is trained with exact boxes alone relies on their last digit.
     """
-    rows, box = outlines.rows.clone(), after_occupancy(DEFAULT_LAYOUT.box)
-    noise = torch.randn(rows[..., box].shape, generator=generator, device=generator.device)
-    rows[..., box] += BLUR * noise
+    rows = outlines.rows.clone()
+    noise = torch.randn(rows[..., ROW.box].shape, generator=generator, device=generator.device)
+    rows[..., ROW.box] += BLUR * noise
     kept = torch.rand(len(rows), generator=generator, device=generator.device) >= share
     return OutlineBatch(rows=rows, given=outlines.given & kept[:, None])
 
 
-def hint_channels(layout: FieldLayout = DEFAULT_LAYOUT) -> int:
+def hint_channels() -> int:
     """Channels of a hint."""
-    return DEPTH * (_part_channels(layout) + FACES + 1)
+    return DEPTH * (ROW.box.stop + FACES + 1)
 
 
-def find_candidates(outlines: OutlineBatch, edge: int, layout: FieldLayout = DEFAULT_LAYOUT) -> Candidates:
+def find_candidates(outlines: OutlineBatch, edge: int) -> Candidates:
     """The `DEPTH` smallest parts that reach into each cell of a grid of ``edge`` over the unit cube."""
-    low, high = _faces(outlines, layout)
-    inside = touched_cells(outlines, edge, layout).flatten(2)
+    low, high = _faces(outlines)
+    inside = touched_cells(outlines, edge).flatten(2)
     volume = (high - low).clamp(min=1e-4).prod(dim=-1)
     rank = torch.where(inside, volume[..., None], torch.inf)
     rank = functional.pad(rank, (0, 0, 0, max(DEPTH - rank.shape[1], 0)), value=torch.inf)
@@ -109,11 +107,9 @@ def find_candidates(outlines: OutlineBatch, edge: int, layout: FieldLayout = DEF
     return Candidates(chosen=torch.where(size.isfinite(), chosen, 0), found=size.isfinite())
 
 
-def touched_cells(
-    outlines: OutlineBatch, edge: int, layout: FieldLayout = DEFAULT_LAYOUT
-) -> Bool[Tensor, "B N X Y Z"]:
+def touched_cells(outlines: OutlineBatch, edge: int) -> Bool[Tensor, "B N X Y Z"]:
     """The cells of a grid of ``edge`` over the unit cube that each part's box, grown by `MARGIN`, reaches."""
-    low, high = _faces(outlines, layout)
+    low, high = _faces(outlines)
     line, half = _cell_line(edge, outlines.rows.device), 0.5 / edge + MARGIN
     near = [(low[..., axis, None] < line + half) & (high[..., axis, None] > line - half) for axis in range(3)]
     inside = near[0][..., :, None, None] & near[1][..., None, :, None] & near[2][..., None, None, :]
@@ -121,11 +117,7 @@ def touched_cells(
 
 
 def reach_cells(
-    outlines: OutlineBatch,
-    candidates: Candidates,
-    edge: int,
-    patch: int,
-    layout: FieldLayout = DEFAULT_LAYOUT,
+    outlines: OutlineBatch, candidates: Candidates, edge: int, patch: int
 ) -> tuple[Float[Tensor, "N D C"], Bool[Tensor, "N K D"]]:
     """Rows of the candidates of every cell of a grid, and which of its finer cells reach their boxes.
 
@@ -136,11 +128,10 @@ def reach_cells(
         candidates: Candidates of the cells of the grid.
         edge: Cells of the grid along an edge.
         patch: Finer cells in one of them, along an edge.
-        layout: Layout of the channels.
     """
     batch = torch.arange(len(outlines.rows), device=outlines.rows.device)[:, None, None]
     rows = outlines.rows[batch, candidates.chosen]  # B D cells C
-    low, high = (face[batch, candidates.chosen] for face in _faces(outlines, layout))
+    low, high = (face[batch, candidates.chosen] for face in _faces(outlines))
     fine, half = _cell_line(edge * patch, rows.device).reshape(edge, patch), 0.5 / (edge * patch) + MARGIN / 2
     inside = candidates.found[..., None, None, None]
     places = torch.stack(torch.meshgrid(*[torch.arange(edge, device=rows.device)] * 3, indexing="ij"), dim=-1)
@@ -153,9 +144,7 @@ def reach_cells(
     return rows.movedim(1, 2).flatten(0, 1), inside.flatten(3).movedim(1, 3).flatten(0, 1)
 
 
-def draw_hint(
-    outlines: OutlineBatch, candidates: Candidates, edge: int, layout: FieldLayout = DEFAULT_LAYOUT
-) -> Float[Tensor, "B H X Y Z"]:
+def draw_hint(outlines: OutlineBatch, candidates: Candidates, edge: int) -> Float[Tensor, "B H X Y Z"]:
     """Hints for the cells of a grid: the parts that they may belong to, in order.
 
     Each part is described by its attributes (positions relative to the cell), the distances from the cell's
@@ -165,29 +154,24 @@ def draw_hint(
     line = _cell_line(edge, outlines.rows.device)
     center = torch.stack(torch.meshgrid(line, line, line, indexing="ij"), dim=-1).reshape(-1, 3)
     batch = torch.arange(len(outlines.rows), device=line.device)[:, None, None]
-    attributes = outlines.rows[batch, candidates.chosen][..., : _part_channels(layout)].clone()
-    attributes[..., after_occupancy(layout.origin)] -= center
-    attributes[..., after_occupancy(layout.box)][..., :3] -= center
-    low, high = (face[batch, candidates.chosen] for face in _faces(outlines, layout))
+    attributes = outlines.rows[batch, candidates.chosen][..., : ROW.box.stop].clone()
+    attributes[..., ROW.origin] -= center
+    attributes[..., ROW.box][..., :3] -= center
+    low, high = (face[batch, candidates.chosen] for face in _faces(outlines))
     faces = torch.cat([center - low, high - center], dim=-1)
     hint = torch.cat([attributes, (faces * edge).clamp(-2.0, 2.0), torch.ones_like(faces[..., :1])], dim=-1)
     hint = hint * candidates.found[..., None]
     return hint.permute(0, 1, 3, 2).reshape(len(hint), -1, edge, edge, edge)
 
 
-def part_labels(rows: Float[Tensor, "B N C"], layout: FieldLayout = DEFAULT_LAYOUT) -> Int[Tensor, "B N"]:
+def part_labels(rows: Float[Tensor, "B N C"]) -> Int[Tensor, "B N"]:
     """Label of each row."""
-    return rows[..., after_occupancy(layout.label)].argmax(dim=-1)
+    return rows[..., ROW.label].argmax(dim=-1)
 
 
-def _part_channels(layout: FieldLayout) -> int:
-    """Number of channels that describe a part: all but occupancy (first), category and extra (last)."""
-    return layout.box.stop - 1
-
-
-def _faces(outlines: OutlineBatch, layout: FieldLayout) -> tuple[Float[Tensor, "B N 3"], ...]:
+def _faces(outlines: OutlineBatch) -> tuple[Float[Tensor, "B N 3"], ...]:
     """Lowest and highest corners of the boxes."""
-    box = outlines.rows[..., after_occupancy(layout.box)]
+    box = outlines.rows[..., ROW.box]
     return box[..., :3] - box[..., 3:] / 2, box[..., :3] + box[..., 3:] / 2
 
 

@@ -27,10 +27,17 @@ from artigen.latent.volumes import (
 )
 from artigen.models.attention import FeedForward, SelfAttention, plain_norm
 from artigen.models.embeddings import embed_positions, grid_positions
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy
+from artigen.voxels.fields import CHANNELS, ROW
 
 LEAST = 1e-6
 """Least probability of a class, so that its logarithm is finite."""
+CHANNEL_GROUPS = (
+    (ROW.label, True),
+    (ROW.joint_type, True),
+    (slice(ROW.axis.start, ROW.box.stop), False),
+    (ROW.category, True),
+)
+"""Channels after occupancy, in order, and whether they are a class."""
 NEVER = -12.0
 """Logit of the impossible; finite, because true cells may lie slightly outside an inexact outline."""
 
@@ -53,8 +60,6 @@ class PatchVaeConfig:
     """Width of the tokens of the global attention."""
     global_blocks: int = 2
     """Transformer blocks over those tokens, in encoder and decoder each."""
-    layout: FieldLayout = DEFAULT_LAYOUT
-    """Channels of the field."""
 
     @property
     def edge(self) -> int:
@@ -98,7 +103,7 @@ class PatchEncoder(nn.Module):
     def __init__(self, cfg: PatchVaeConfig) -> None:
         super().__init__()
         self.cfg = cfg
-        attributes = cfg.layout.channels - 1
+        attributes = CHANNELS - 1
         self.occupancy_stem = nn.Linear(CELLS, cfg.width)
         self.attribute_stem = nn.Linear(CELLS * attributes, cfg.width)
         self.stem = nn.Linear(cfg.width, cfg.width)
@@ -115,7 +120,7 @@ class PatchEncoder(nn.Module):
         """Mean and log-variance of the latent."""
         occupied = patches.occupied()
         centers = patch_centers(patches.index, patches.edge)
-        attributes = relative(patches.attributes(), centers, -1.0, self.cfg.layout) * occupied[..., None]
+        attributes = relative(patches.attributes(), centers, -1.0) * occupied[..., None]
         h = self.occupancy_stem(2.0 * occupied.float() - 1.0) + self.attribute_stem(attributes.flatten(1))
         h = self.stem(functional.silu(h))
         dense = self.empty.to(h.dtype).repeat(patches.samples * patches.edge**3, 1)
@@ -135,7 +140,7 @@ class PatchDecoder(nn.Module):
         self.cfg = cfg
         half = cfg.decoder_blocks // 2
         self.input_layer = nn.Conv3d(cfg.latent_channels, cfg.width, 3, padding=1)
-        self.hint_layer = nn.Conv3d(hint_channels(cfg.layout), cfg.width, 1, bias=False)
+        self.hint_layer = nn.Conv3d(hint_channels(), cfg.width, 1, bias=False)
         self.before = nn.ModuleList(ResBlock3d(cfg.width) for _ in range(half))
         self.mixer = GlobalMixer(cfg)
         self.after = nn.ModuleList(ResBlock3d(cfg.width) for _ in range(cfg.decoder_blocks - half))
@@ -190,20 +195,7 @@ class PatchDecoder(nn.Module):
         return torch.cat(
             [
                 mixed[..., part].clamp(min=LEAST).log() if is_class else mixed[..., part]
-                for part, is_class in channel_groups(self.cfg.layout)
+                for part, is_class in CHANNEL_GROUPS
             ],
             dim=-1,
         )
-
-
-def channel_groups(layout: FieldLayout) -> tuple[tuple[slice, bool], ...]:
-    """The channels after occupancy, in order, grouped by attribute, and whether each group is a class."""
-    groups = []
-    for channels, is_class in (
-        (layout.label, True),
-        (layout.joint_type, True),
-        (slice(layout.axis.start, layout.box.stop), False),
-        (slice(layout.category.start, layout.channels), True),
-    ):
-        groups.append((after_occupancy(channels), is_class))
-    return tuple(groups)

@@ -14,7 +14,7 @@ from torch import Tensor
 
 from artigen.latent.volumes import gather_pixels, shuffle_pixels
 from artigen.types import Asset
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, tabulate_parts
+from artigen.voxels.fields import ROW, tabulate_parts
 
 PATCH = 4
 CELLS = PATCH**3
@@ -69,12 +69,12 @@ class PatchBatch:
         dense[self.index] = self.occupied().float()
         return dense.reshape(self.samples, self.edge**3, CELLS)
 
-    def labels(self, layout: FieldLayout = DEFAULT_LAYOUT) -> Int[Tensor, "T"]:
+    def labels(self) -> Int[Tensor, "T"]:
         """Part label of each row of the table; that of row 0, the empty row, is meaningless."""
-        return self.table[:, after_occupancy(layout.label)].argmax(dim=1)
+        return self.table[:, ROW.label].argmax(dim=1)
 
 
-def pack_asset(asset: Asset, layout: FieldLayout = DEFAULT_LAYOUT) -> PackedField:
+def pack_asset(asset: Asset) -> PackedField:
     """Packs an asset's voxels.
 
     Raises:
@@ -97,7 +97,7 @@ def pack_asset(asset: Asset, layout: FieldLayout = DEFAULT_LAYOUT) -> PackedFiel
         resolution=voxels.resolution,
         index=index.astype(np.int32),
         rows=rows,
-        table=tabulate_parts(asset, layout),
+        table=tabulate_parts(asset),
     )
 
 
@@ -156,10 +156,10 @@ def patch_centers(index: Int[Tensor, "P"], edge: int) -> Float[Tensor, "P 3"]:
 
 
 def relative(
-    attributes: Float[Tensor, "P K C"], centers: Float[Tensor, "P 3"], sign: float, layout: FieldLayout
+    attributes: Float[Tensor, "P K C"], centers: Float[Tensor, "P 3"], sign: float
 ) -> Float[Tensor, "P K C"]:
     """Attributes with positions (joint origin, box centre) made relative to the patch (-1) or back (+1)."""
     shift = attributes.new_zeros(len(centers), attributes.shape[2])
-    for place in (layout.origin, slice(layout.box.start, layout.box.start + 3)):
-        shift[:, after_occupancy(place)] = sign * centers.to(attributes.dtype)
+    for place in (ROW.origin, slice(ROW.box.start, ROW.box.start + 3)):
+        shift[:, place] = sign * centers.to(attributes.dtype)
     return attributes + shift[:, None, :]

@@ -5,8 +5,6 @@ ragged rim along its edge, a bar along itself; a spurious cell has them along no
 again: its logits are combined with their means along the three axes.
 """
 
-from dataclasses import dataclass
-
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
@@ -15,45 +13,36 @@ from torch.nn import functional
 from artigen.latent.outline import OutlineBatch, part_labels, touched_cells
 from artigen.types import PART_LABELS, PartLabel
 
-
-@dataclass(frozen=True, kw_only=True)
-class SteadyConfig:
-    """Weights of the smoothing."""
-
-    reach: int = 4
-    """Cells to each side along an axis over which means are taken."""
-    certain: float = 4.0
-    """Logits are clipped to this magnitude."""
-    second: float = 1.5
-    """Weight of the second highest of the three means; it closes holes and rims."""
-    doubt: float = 1.0
-    """The second highest mean is clipped from below at minus this, so that the ends of bars survive."""
-    highest: float = 1.0
-    """Weight of the highest mean where it is positive; it keeps bars."""
-    passes: int = 2
-    """Number of passes."""
-    exempt: tuple[PartLabel, ...] = ("handle", "knob")
-    """Labels of parts too small to be smoothed."""
+REACH = 4
+"""Cells to each side along an axis over which means are taken."""
+CERTAIN = 4.0
+"""Logits are clipped to this magnitude."""
+SECOND = 1.5
+"""Weight of the second highest of the three means; it closes holes and rims."""
+DOUBT = 1.0
+"""The second highest mean is clipped from below at minus this, so that the ends of bars survive."""
+HIGHEST = 1.0
+"""Weight of the highest mean where it is positive; it keeps bars."""
+PASSES = 2
+"""Number of passes."""
+EXEMPT: tuple[PartLabel, ...] = ("handle", "knob")
+"""Labels of parts too small to be smoothed."""
 
 
-def steady_occupancy(
-    logits: Float[Tensor, "B X Y Z"], outlines: OutlineBatch, cfg: SteadyConfig | None = None
-) -> Float[Tensor, "B X Y Z"]:
+def steady_occupancy(logits: Float[Tensor, "B X Y Z"], outlines: OutlineBatch) -> Float[Tensor, "B X Y Z"]:
     """Occupancy logits combined with their means along x, y and z.
 
     Args:
         logits: Logits of the cells of the unit cube.
         outlines: Parts of each object; cells in the boxes of exempt ones keep their logits.
-        cfg: Weights; the defaults when None.
     """
-    cfg = cfg or SteadyConfig()
     steadied = logits
-    for _ in range(cfg.passes):
-        bounded = steadied.clamp(-cfg.certain, cfg.certain)
-        means = torch.stack([_line_means(bounded, axis, cfg.reach) for axis in (1, 2, 3)])
+    for _ in range(PASSES):
+        bounded = steadied.clamp(-CERTAIN, CERTAIN)
+        means = torch.stack([_line_means(bounded, axis, REACH) for axis in (1, 2, 3)])
         _, second, highest = means.sort(dim=0).values
-        steadied = bounded + cfg.second * second.clamp(min=-cfg.doubt) + cfg.highest * highest.clamp(min=0.0)
-    return torch.where(_exempt(outlines, logits.shape[1], cfg), logits, steadied)
+        steadied = bounded + SECOND * second.clamp(min=-DOUBT) + HIGHEST * highest.clamp(min=0.0)
+    return torch.where(_exempt(outlines, logits.shape[1]), logits, steadied)
 
 
 def _line_means(x: Float[Tensor, "B X Y Z"], axis: int, reach: int) -> Float[Tensor, "B X Y Z"]:
@@ -63,8 +52,8 @@ def _line_means(x: Float[Tensor, "B X Y Z"], axis: int, reach: int) -> Float[Ten
     return functional.avg_pool1d(padded, 2 * reach + 1, stride=1).reshape(lines.shape).movedim(-1, axis)
 
 
-def _exempt(outlines: OutlineBatch, edge: int, cfg: SteadyConfig) -> Bool[Tensor, "B X Y Z"]:
+def _exempt(outlines: OutlineBatch, edge: int) -> Bool[Tensor, "B X Y Z"]:
     """Cells in the box of a part of an exempt label."""
     labels = part_labels(outlines.rows)
-    exempt = torch.tensor([PART_LABELS.index(name) for name in cfg.exempt], device=labels.device)
+    exempt = torch.tensor([PART_LABELS.index(name) for name in EXEMPT], device=labels.device)
     return (touched_cells(outlines, edge) & torch.isin(labels, exempt)[..., None, None, None]).any(dim=1)

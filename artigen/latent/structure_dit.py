@@ -23,11 +23,9 @@ from artigen.models.embeddings import TimestepEmbedder, embed_positions, grid_po
 
 
 @dataclass(frozen=True, kw_only=True)
-class StructureDitConfig:
-    """Sizes; the defaults are those of `ss_flow_img_dit_L_16l8_fp16`."""
+class DitConfig:
+    """Sizes that TRELLIS' two flow transformers share; the defaults are those of their large models."""
 
-    resolution: int = 16
-    """Edge of the latent."""
     in_channels: int = 8
     """Channels of the latent; the velocity has as many."""
     model_channels: int = 1024
@@ -40,8 +38,6 @@ class StructureDitConfig:
     """Attention heads."""
     mlp_ratio: float = 4.0
     """Hidden width of a feed-forward layer over the model's."""
-    patch_size: int = 1
-    """Latent cells per token along an edge."""
     qk_rms_norm: bool = True
     """Whether queries and keys of the self-attention are normalised."""
     qk_rms_norm_cross: bool = False
@@ -50,10 +46,20 @@ class StructureDitConfig:
     """Whether all blocks share one modulation."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class StructureDitConfig(DitConfig):
+    """Sizes; the defaults are those of `ss_flow_img_dit_L_16l8_fp16`."""
+
+    resolution: int = 16
+    """Edge of the latent."""
+    patch_size: int = 1
+    """Latent cells per token along an edge."""
+
+
 class ModulatedBlock(nn.Module):
     """Self-attention and feed-forward modulated by time, cross-attention to the condition between them."""
 
-    def __init__(self, cfg: StructureDitConfig) -> None:
+    def __init__(self, cfg: DitConfig) -> None:
         super().__init__()
         width = cfg.model_channels
         self.norm2 = nn.LayerNorm(width, eps=NORM_EPS)
@@ -70,7 +76,7 @@ class ModulatedBlock(nn.Module):
         self,
         x: Float[Tensor, "B L C"],
         mod: Float[Tensor, "B D"],
-        keys: tuple[Tensor, Tensor],
+        cond: Float[Tensor, "B M E"],
         mask: Bool[Tensor, "B 1 1 L"] | None = None,
     ) -> Float[Tensor, "B L C"]:
         mod = mod if self.adaLN_modulation is None else self.adaLN_modulation(mod)
@@ -80,7 +86,7 @@ class ModulatedBlock(nn.Module):
         normed = functional.layer_norm(
             x.float(), x.shape[-1:], self.norm2.weight.float(), self.norm2.bias.float(), NORM_EPS
         )
-        x = x + self.cross_attn(normed.to(x.dtype), keys)
+        x = x + self.cross_attn(normed.to(x.dtype), cond)
         h = self.mlp(modulate(plain_norm(x), shift_mlp, scale_mlp))
         return x + h * gate_mlp.unsqueeze(1)
 
@@ -95,71 +101,64 @@ def run_blocks(
 ) -> Float[Tensor, "B L C"]:
     """Passes tokens through blocks that share one modulation, to which each adds its row of a table."""
     for block, row in zip(blocks, table, strict=True):
-        assert isinstance(block, ModulatedBlock)
-        x = block(x, mod + row, block.cross_attn.project(cond), mask)
+        x = block(x, mod + row, cond, mask)
     return x
 
 
-class StructureDit(nn.Module):
-    """Velocity of a latent at a time, given a condition."""
+class FlowTransformer(nn.Module):
+    """A network around modulated blocks, with TRELLIS' initialisation."""
 
-    pos_emb: Tensor
-
-    def __init__(self, cfg: StructureDitConfig) -> None:
+    def __init__(self, cfg: DitConfig) -> None:
         super().__init__()
-        self.cfg = cfg
-        width, edge = cfg.model_channels, cfg.resolution // cfg.patch_size
-        self.t_embedder = TimestepEmbedder(width)
-        if cfg.share_mod:
-            self.adaLN_modulation = nn.Sequential(nn.SiLU(), nn.Linear(width, 6 * width))
-        self.register_buffer("pos_emb", embed_positions(grid_positions(edge), width))
-        self.input_layer = nn.Linear(cfg.in_channels * cfg.patch_size**3, width)
+        self.t_embedder = TimestepEmbedder(cfg.model_channels)
         self.blocks = nn.ModuleList(ModulatedBlock(cfg) for _ in range(cfg.num_blocks))
-        self.out_layer = nn.Linear(width, cfg.in_channels * cfg.patch_size**3)
-        self._initialise()
 
-    def _initialise(self) -> None:
+    def initialise(self) -> None:
         """Xavier for linear layers; modulation and output start at zero, so that blocks start as identity."""
         for name, parameter in self.named_parameters():
             if "adaLN_modulation" in name or name.startswith("out_layer") or name.endswith("bias"):
                 nn.init.zeros_(parameter)
             elif name.startswith("t_embedder"):
                 nn.init.normal_(parameter, std=0.02)
-            elif not name.endswith(("norm2.weight", "gamma")):
+            elif not name.endswith(("norm1.weight", "norm2.weight", "gamma", "conv.weight")):
                 nn.init.xavier_uniform_(parameter)
-
-    def modulated_blocks(self) -> list[ModulatedBlock]:
-        """The blocks, typed."""
-        return [block for block in self.blocks if isinstance(block, ModulatedBlock)]
-
-    def project_condition(self, cond: Float[Tensor, "B M K"]) -> tuple[tuple[Tensor, Tensor], ...]:
-        """Keys and values of every block's cross-attention: compute once per condition, use at every step."""
-        return tuple(block.cross_attn.project(cond.to(self.dtype)) for block in self.modulated_blocks())
 
     @property
     def dtype(self) -> torch.dtype:
         """Number type of the blocks."""
         return next(self.blocks.parameters()).dtype
 
+
+class StructureDit(FlowTransformer):
+    """Velocity of a latent at a time, given a condition."""
+
+    pos_emb: Tensor
+
+    def __init__(self, cfg: StructureDitConfig) -> None:
+        super().__init__(cfg)
+        self.cfg = cfg
+        width, edge = cfg.model_channels, cfg.resolution // cfg.patch_size
+        if cfg.share_mod:
+            self.adaLN_modulation = nn.Sequential(nn.SiLU(), nn.Linear(width, 6 * width))
+        self.register_buffer("pos_emb", embed_positions(grid_positions(edge), width))
+        self.input_layer = nn.Linear(cfg.in_channels * cfg.patch_size**3, width)
+        self.out_layer = nn.Linear(width, cfg.in_channels * cfg.patch_size**3)
+        self.initialise()
+
     def forward(
         self,
         x: Float[Tensor, "B C X Y Z"],
         times: Float[Tensor, "B"],
-        cond: Float[Tensor, "B M K"] | None = None,
-        keys: tuple[tuple[Tensor, Tensor], ...] | None = None,
+        cond: Float[Tensor, "B M K"],
     ) -> Float[Tensor, "B C X Y Z"]:
-        """Velocity at ``times`` (0 to 1000), for a condition or for its `project_condition`."""
-        if keys is None:
-            if cond is None:
-                raise ValueError("a velocity needs a condition, or the keys projected from it")
-            keys = self.project_condition(cond)
+        """Velocity at ``times`` (0 to 1000), for a condition."""
         patch = self.cfg.patch_size
         h = self.input_layer(as_tokens(gather_pixels(x, patch))) + self.pos_emb
         mod = self.t_embedder(times)
         if self.cfg.share_mod:
             mod = self.adaLN_modulation(mod)
-        h, mod = h.to(self.dtype), mod.to(self.dtype)
-        for block, pair in zip(self.modulated_blocks(), keys, strict=True):
-            h = block(h, mod, pair)
+        h, mod, cond = (value.to(self.dtype) for value in (h, mod, cond))
+        for block in self.blocks:
+            h = block(h, mod, cond)
         h = self.out_layer(plain_norm(h.to(x.dtype), eps=1e-5))
         return shuffle_pixels(as_volume(h, self.cfg.resolution // patch), patch)

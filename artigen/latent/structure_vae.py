@@ -14,9 +14,10 @@ from artigen.latent.conv_vae import ConvDecoder, ConvEncoder, ConvVaeConfig
 from artigen.latent.outline import OutlineBatch, draw_hint, find_candidates, reach_cells
 from artigen.latent.patch_vae import NEVER, PatchDecoder, PatchEncoder, PatchVaeConfig
 from artigen.latent.patches import PATCH, PatchBatch, as_patches, fold, from_patches, unfold
-from artigen.latent.smoothing import SteadyConfig, steady_occupancy
+from artigen.latent.smoothing import steady_occupancy
 from artigen.latent.volumes import sample_gaussian
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, VoxelFields, after_occupancy
+from artigen.types import FULL_TURN
+from artigen.voxels.fields import ROW, VoxelFields
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -32,9 +33,8 @@ class Reconstruction:
 class StructureVae(nn.Module):
     """Articulated voxel fields to latents and back."""
 
-    def __init__(self, cfg: PatchVaeConfig | ConvVaeConfig, layout: FieldLayout = DEFAULT_LAYOUT) -> None:
+    def __init__(self, cfg: PatchVaeConfig | ConvVaeConfig) -> None:
         super().__init__()
-        self.layout = layout
         self.latent_channels = cfg.latent_channels
         patched = isinstance(cfg, PatchVaeConfig)
         self.encoder = PatchEncoder(cfg) if patched else ConvEncoder(cfg)
@@ -52,7 +52,8 @@ class StructureVae(nn.Module):
         z: Float[Tensor, "B D X Y Z"],
         index: Int[Tensor, "P"] | None = None,
         outlines: OutlineBatch | None = None,
-        steady: SteadyConfig | None = None,
+        *,
+        steady: bool = False,
     ) -> tuple[Float[Tensor, "N K"], Float[Tensor, "P K C"], Int[Tensor, "P"]]:
         """Occupancy logits of every cell, and the channels of the patches ``index``.
 
@@ -65,12 +66,12 @@ class StructureVae(nn.Module):
         if isinstance(self.decoder, PatchDecoder):
             if outlines is None:
                 raise ValueError("this network decodes under outlines, but none were given")
-            candidates = find_candidates(outlines, z.shape[2], self.layout)
-            features = self.decoder(z, draw_hint(outlines, candidates, z.shape[2], self.layout))
-            rows, inside = reach_cells(outlines, candidates, z.shape[2], PATCH, self.layout)
+            candidates = find_candidates(outlines, z.shape[2])
+            features = self.decoder(z, draw_hint(outlines, candidates, z.shape[2]))
+            rows, inside = reach_cells(outlines, candidates, z.shape[2], PATCH)
             logits = self.decoder.occupancy(features, inside)
-            if steady is not None:
-                agreed = steady_occupancy(from_patches(logits, z.shape[2]), outlines, steady)
+            if steady:
+                agreed = steady_occupancy(from_patches(logits, z.shape[2]), outlines)
                 logits = as_patches(agreed).masked_fill(~inside.any(dim=-1), NEVER)
             index = _occupied_patches(logits) if index is None else index
             return logits, self.decoder.attributes(features[index], rows[index], inside[index]), index
@@ -97,7 +98,8 @@ def decode_cells(
     vae: StructureVae,
     z: Float[Tensor, "B D X Y Z"],
     outlines: OutlineBatch | None = None,
-    steady: SteadyConfig | None = None,
+    *,
+    steady: bool = False,
 ) -> tuple[list[VoxelFields], Float[Tensor, "B R R R"]]:
     """Fields of the occupied cells of latents, and the logits of all cells; above 0 a cell is occupied."""
     logits, attributes, index = vae.decode(z, outlines=outlines, steady=steady)
@@ -110,7 +112,7 @@ def decode_cells(
         occupied = logits[index[mine]] > 0
         row, cell = occupied.nonzero(as_tuple=True)
         coords = PATCH * _unravel(patch[row], edge) + _unravel(cell, PATCH)
-        out.append(_read(coords, attributes[mine][occupied], edge * PATCH, vae.layout))
+        out.append(_read(coords, attributes[mine][occupied], edge * PATCH))
     return out, from_patches(logits, edge)
 
 
@@ -121,29 +123,26 @@ def decode_fields(
     return decode_cells(vae, z, outlines)[0]
 
 
-def _read(
-    coords: Int[Tensor, "N 3"], values: Float[Tensor, "N C"], resolution: int, layout: FieldLayout
-) -> VoxelFields:
+def _read(coords: Int[Tensor, "N 3"], values: Float[Tensor, "N C"], resolution: int) -> VoxelFields:
     """Voxel fields of cells in the order of their flat index, as `artigen.voxels.fields.decode` gives."""
     flat = (coords[:, 0] * resolution + coords[:, 1]) * resolution + coords[:, 2]
     order = flat.argsort()
     values = values[order].float()
 
     def channels(part: slice) -> Tensor:
-        return values[:, after_occupancy(part)]
+        return values[:, part]
 
-    units = torch.tensor([layout.rotation_unit, layout.length_unit], device=values.device)
+    units = torch.tensor([FULL_TURN, 1.0], device=values.device)
     return VoxelFields(
         resolution=resolution,
-        layout=layout,
         coords=coords[order].cpu().numpy(),
-        label_probs=channels(layout.label).softmax(dim=1).cpu().numpy(),
-        joint_probs=channels(layout.joint_type).softmax(dim=1).cpu().numpy(),
-        axis=channels(layout.axis).cpu().numpy(),
-        origin=channels(layout.origin).cpu().numpy(),
-        ranges=(channels(layout.range) * units).cpu().numpy(),
-        box=channels(layout.box).cpu().numpy(),
-        category_probs=channels(layout.category).softmax(dim=1).cpu().numpy(),
+        label_probs=channels(ROW.label).softmax(dim=1).cpu().numpy(),
+        joint_probs=channels(ROW.joint_type).softmax(dim=1).cpu().numpy(),
+        axis=channels(ROW.axis).cpu().numpy(),
+        origin=channels(ROW.origin).cpu().numpy(),
+        ranges=(channels(ROW.range) * units).cpu().numpy(),
+        box=channels(ROW.box).cpu().numpy(),
+        category_probs=channels(ROW.category).softmax(dim=1).cpu().numpy(),
     )
 
 

@@ -3,7 +3,7 @@
 Newly exposed surface, which is hidden while an object is closed, is scored separately.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -116,19 +116,9 @@ def pool_features(rgb: Float[Tensor, "V H W 3"], extractor: FeatureExtractor) ->
     return torch.cat([maps.mean(dim=2), maps.std(dim=2)], dim=1).double().numpy()
 
 
-def score_vae(
-    vae: AppearanceVae,
-    examples: Iterable[AppearanceExample],
-    *,
-    on_done: Callable[[], None] | None = None,
-) -> Scores:
+def score_vae(vae: AppearanceVae, examples: Iterable[AppearanceExample]) -> Scores:
     """Autoencodes objects and scores the pictures that they hold."""
-    comparisons = []
-    for example in examples:
-        comparisons.append(compare_pictures(vae, reconstruct_splats(vae, example), example))
-        if on_done is not None:
-            on_done()
-    return score_comparisons(comparisons)
+    return score_comparisons([compare_pictures(vae, reconstruct_splats(vae, one), one) for one in examples])
 
 
 def _select(one: Comparison, rows: Bool[Tensor, "V"]) -> Comparison:

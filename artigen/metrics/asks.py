@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from tqdm import tqdm
 
 from artigen.metrics.draws import DrawAsset, DrawJob, draw_all
 from artigen.metrics.instantiation import PosedSet
@@ -29,8 +30,6 @@ REAL_ASKS: dict[str, tuple[Field, ...]] = {
 """The same for real objects."""
 NEIGHBOURS = 3
 """Training objects beside each drawn one in ``nearest.png``."""
-Progress = Callable[[str, int, int], None]
-"""Called with the stage, the number of steps done, and the number of all."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,26 +90,18 @@ class Bench:
     library: list[Subject]
     out: Path
     cfg: EvaluateConfig
-    tell: Progress
 
 
 def measure_ask(bench: Bench, ask: str, fields: Sequence[Field], held: HeldOut) -> list[Row]:
     """Scores the model and its baselines on the same conditions, against the objects that these describe."""
-    library, cfg, tell = bench.library, bench.cfg, bench.tell
-    subjects = held.subjects
+    library, cfg, subjects = bench.library, bench.cfg, held.subjects
     jobs = _list_jobs(bench, ask, fields, subjects)
     asked = [job.asked for job in jobs]
     # A picture shows the number of parts, so counts are scored as if they had been requested.
     met: tuple[Field, ...] = (*fields, "counts") if "image" in fields else tuple(fields)
     wanted = [describe_subject(subject, met) for subject in subjects]
     truths = [subject.asset for subject in subjects]
-    done = iter(range(1, len(jobs) + 1))
-    draws = draw_all(
-        jobs,
-        bench.out / "draws",
-        bench.draw_asset,
-        on_done=lambda: tell(f"draws by {ask}", next(done), len(jobs)),
-    )
+    draws = draw_all(jobs, bench.out / "draws", bench.draw_asset, name=f"draws by {ask}")
     answers: dict[str, list[Asset | None]] = {"model": [draw.asset for draw in draws]}
     if "counts" in fields or "image" in fields:
         answers["retrieval"] = [retrieve(one, library).asset for one in asked]
@@ -120,8 +111,7 @@ def measure_ask(bench: Bench, ask: str, fields: Sequence[Field], held: HeldOut) 
         answers["training set"] = _pick(library, subjects, cfg.seed)
         answers["held-out set"] = list(truths)
     rows = []
-    for step, (method, found) in enumerate(answers.items()):
-        tell(f"scores by {ask}", step, len(answers))
+    for method, found in tqdm(answers.items(), f"scores by {ask}", disable=None):
         if method == "held-out set":  # reference for the novelty of the other methods
             novelty = score_novelty(found, library, cfg.score.poses)
             rows.append(Row(ask=ask, method=method, objects=len(found), scores=novelty))
@@ -145,10 +135,10 @@ def picture_neighbours(bench: Bench, held: HeldOut) -> None:
     if not found:
         return
     posed = pose_library(bench.library, bench.cfg.score.poses)
-    rows = []
-    for number, asset in enumerate(found):
-        bench.tell("nearest training objects", number, len(found))
-        rows.append((asset, find_neighbours(asset, posed, bench.cfg.score.poses, NEIGHBOURS)))
+    rows = [
+        (asset, find_neighbours(asset, posed, bench.cfg.score.poses, NEIGHBOURS))
+        for asset in tqdm(found, "nearest training objects", disable=None)
+    ]
     write_sheet(draw_neighbours(rows), bench.out / "nearest.png")
 
 
@@ -161,7 +151,6 @@ def measure_packages(bench: Bench, held: HeldOut, prove: Prove) -> PackageReport
         bench.draw_asset,
         prove,
         redraws=bench.cfg.redraws,
-        on_done=lambda done, total: bench.tell("packages", done, total),
     )
 
 

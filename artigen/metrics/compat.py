@@ -35,14 +35,7 @@ class CompatDistance:
 
 
 def compat_distance(found: Asset, truth: Asset, *, per_part: int = 2048, seed: int = 0) -> CompatDistance:
-    """RS and AS Chamfer distance by the published protocol.
-
-    Args:
-        found: Generated object with voxels.
-        truth: True object with voxels.
-        per_part: Points on each part.
-        seed: Seed of the points.
-    """
+    """RS and AS Chamfer distance by the published protocol."""
     clouds = [_center(sample_parts(asset, per_part, seed)) for asset in (found, truth)]
     sizes = [np.ptp(_corners(asset), axis=(0, 1)) for asset in (found, truth)]
     stretched = _stretch(clouds[0], sizes[0] / np.maximum(sizes[1], 1e-9))

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import torch
+from tqdm import tqdm
 
 from artigen.conditioning.image import resize_picture
 from artigen.errors import ArtigenError, SegmentationError
@@ -66,7 +67,7 @@ def draw_all(
     folder: Path,
     draw_asset: DrawAsset,
     *,
-    on_done: Callable[[], None] | None = None,
+    name: str = "draws",
 ) -> list[Draw]:
     """Makes the draws that ``folder`` does not hold yet, and returns all, in the order of ``jobs``.
 
@@ -74,12 +75,12 @@ def draw_all(
         jobs: Draws; a key stands for the same condition, seed and model at every start.
         folder: Folder for the journal and one asset folder per object.
         draw_asset: Draws an object.
-        on_done: Called after each draw.
+        name: Name of the progress bar.
     """
     folder.mkdir(parents=True, exist_ok=True)
     known = {line["key"]: line for line in read_lines(folder / JOURNAL)}
     out = []
-    for job in jobs:
+    for job in tqdm(jobs, name, disable=None):
         kept = folder / job.key
         line = known.get(job.key)
         if line is not None and line["error"] is not None:
@@ -93,8 +94,6 @@ def draw_all(
             line = {"key": job.key, "seed": job.seed, "seconds": draw.seconds, "error": draw.error}
             append_line(folder / JOURNAL, line)
         out.append(draw)
-        if on_done is not None:
-            on_done()
     return out
 
 

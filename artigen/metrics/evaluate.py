@@ -14,7 +14,6 @@ from artigen.metrics.asks import (
     Bench,
     EvaluateConfig,
     HeldOut,
-    Progress,
     Row,
     measure_ask,
     measure_packages,
@@ -62,9 +61,7 @@ class Evaluation:
     """Pass rates of draws as packages."""
 
 
-def evaluate_sketch(
-    folder: Path, out: Path, cfg: EvaluateConfig, *, on_progress: Progress | None = None
-) -> Evaluation:
+def evaluate_sketch(folder: Path, out: Path, cfg: EvaluateConfig) -> Evaluation:
     """Evaluates the sketch network of a model folder.
 
     Scores the reading of pictures, and objects drawn by category, counts, size and pictures. Draws and
@@ -74,7 +71,6 @@ def evaluate_sketch(
         folder: Folder of the model.
         out: Folder of the evaluation.
         cfg: Scope; packages are not made here, because those of sketches are made by `artigen generate`.
-        on_progress: Called as work is done.
 
     Raises:
         SourceError: If the folder holds no sketch network, ``out`` belongs to another one, or real objects
@@ -84,16 +80,14 @@ def evaluate_sketch(
     _check_evaluation(cfg)
     network = load_sketch_network(folder)
     pictured = network.cfg.picture is not None
-    tell = on_progress or (lambda stage, done, total: None)
     claim_folder(out / "settings.json", {"model": hash_model(folder), "seed": cfg.seed, "what": "sketch"})
-    sets, left_out = _gather_sets(cfg, RESOLUTION, tell)
+    sets, left_out = _gather_sets(cfg, RESOLUTION)
     bench = Bench(
         draw_asset=draw_exact(sketch_source(network), RESOLUTION),
         reconstruct=None,
-        library=_draw_set("training objects", HELD_OUT, cfg.training, RESOLUTION, cfg.image_size, tell),
+        library=_draw_set(HELD_OUT, cfg.training, RESOLUTION, cfg),
         out=out,
         cfg=cfg,
-        tell=tell,
     )
     held = _pose_sets(sets, cfg)
     rows = _measure_asks(bench, held, pictured=pictured)
@@ -115,7 +109,6 @@ def evaluate_structure(
     *,
     prove: Prove | None = None,
     draw_shape_for: ShapeSource | None = None,
-    on_progress: Progress | None = None,
 ) -> Evaluation:
     """Evaluates the structure model of a folder; stores draws and ``nearest.png`` in ``out``, reuses draws.
 
@@ -125,7 +118,6 @@ def evaluate_structure(
         cfg: Scope of the evaluation.
         prove: Makes and checks packages of draws; None skips packages.
         draw_shape_for: Draws objects whose outlines the model takes; the folder's sketch network when None.
-        on_progress: Called as work is done.
 
     Raises:
         SourceError: If the folder holds no complete model, ``out`` belongs to another one, or real objects
@@ -136,7 +128,6 @@ def evaluate_structure(
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
     model = load_structure_model(folder, device)
     source = draw_shape_for or sketch_source(load_sketch_network(folder))
-    tell = on_progress or (lambda stage, done, total: None)
     sampler, resolution = cfg.sampler, model.preset.resolution
     claim_folder(
         out / "settings.json",
@@ -150,8 +141,8 @@ def evaluate_structure(
             "shapes": "sketch" if draw_shape_for is None else getattr(draw_shape_for, "__name__", "others"),
         },
     )
-    sets, left_out = _gather_sets(cfg, resolution, tell)
-    library = _draw_set("training objects", HELD_OUT, cfg.training, resolution, cfg.image_size, tell)
+    sets, left_out = _gather_sets(cfg, resolution)
+    library = _draw_set(HELD_OUT, cfg.training, resolution, cfg)
     if cfg.partnet is not None and read_description(folder)["vae"].get("real_objects"):
         library += read_subjects(
             cfg.partnet, "train", resolution, image_size=cfg.image_size, workers=cfg.workers
@@ -164,7 +155,6 @@ def evaluate_structure(
         library=library,
         out=out,
         cfg=cfg,
-        tell=tell,
     )
     held = _pose_sets(sets, cfg)
     rows = _measure_asks(bench, held, pictured=model.preset.conditions.image_size > 0)
@@ -174,7 +164,6 @@ def evaluate_structure(
         packages = measure_packages(bench, held["procedural"], prove)
     first = sets["procedural"][0]
     typical = describe_subject(first, ASKS["counts and size"])
-    tell("time and memory", 0, 1)
     return Evaluation(
         model=hash_model(folder),
         device=str(device),
@@ -205,14 +194,11 @@ def _check_evaluation(cfg: EvaluateConfig) -> None:
         list_split(cfg.partnet, "val")
 
 
-def _gather_sets(
-    cfg: EvaluateConfig, resolution: int, tell: Progress
-) -> tuple[dict[str, list[Subject]], dict[str, str]]:
+def _gather_sets(cfg: EvaluateConfig, resolution: int) -> tuple[dict[str, list[Subject]], dict[str, str]]:
     """Held-out objects, procedural and real, and reasons why real ones are left out, by id."""
-    sets = {"procedural": _draw_set("held-out objects", 0, cfg.held_out, resolution, cfg.image_size, tell)}
+    sets = {"procedural": _draw_set(0, cfg.held_out, resolution, cfg)}
     left_out: dict[str, str] = {}
     if cfg.partnet is not None:
-        tell("real objects", 0, 1)
         sets["real"], left_out = read_subjects(
             cfg.partnet, "val", resolution, image_size=cfg.image_size, workers=cfg.workers
         )
@@ -235,15 +221,7 @@ def _measure_asks(bench: Bench, held: Mapping[str, HeldOut], *, pictured: bool) 
     return tuple(rows)
 
 
-def _draw_set(
-    stage: str, first_seed: int, count: int, resolution: int, image_size: int, tell: Progress
-) -> list[Subject]:
-    done = iter(range(1, count + 1))
+def _draw_set(first_seed: int, count: int, resolution: int, cfg: EvaluateConfig) -> list[Subject]:
     return draw_subjects(
-        PAPER_CATEGORIES,
-        first_seed,
-        count,
-        resolution=resolution,
-        image_size=image_size,
-        on_done=lambda: tell(stage, next(done), count),
+        PAPER_CATEGORIES, first_seed, count, resolution=resolution, image_size=cfg.image_size
     )

@@ -1,11 +1,12 @@
 """Complete evaluation of an appearance model on held-out procedural objects."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import torch
+from tqdm import tqdm, trange
 
 from artigen.appearance.curation import CurationConfig
 from artigen.appearance.draw import AppearanceConfig, AppearanceModel, has_appearance, load_appearance_model
@@ -41,8 +42,6 @@ from artigen.types import Asset, SurfaceSamples
 
 SPACING = 0.02
 """Distance between the true points of surface distances (unit-cube length)."""
-Progress = Callable[[str, int, int], None]
-"""Called with the stage, the number of steps done, and the number of all."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,9 +137,7 @@ def load_trained(folder: Path, device: torch.device, dinov2: Path | None = None)
     )
 
 
-def evaluate_appearance(
-    folder: Path, cfg: EvaluateAppearanceConfig, *, on_progress: Progress | None = None
-) -> AppearanceEvaluation:
+def evaluate_appearance(folder: Path, cfg: EvaluateAppearanceConfig) -> AppearanceEvaluation:
     """Autoencodes held-out objects and compares pictures of them in all joint states.
 
     Raises:
@@ -153,7 +150,6 @@ def evaluate_appearance(
             "expected at least 1 of each, and 16 pixels"
         )
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
-    tell = on_progress or (lambda stage, done, total: None)
     model = load_trained(folder, device, cfg.dinov2)
     if cfg.dinov2 is None:
         extractor: FeatureExtractor = PyramidFeatures()
@@ -162,7 +158,7 @@ def evaluate_appearance(
     comparisons: dict[str, Comparison] = {}
     distances: dict[str, Scores] = {}
     subjects: list[tuple[Asset, AppearanceExample]] = []
-    for number in range(cfg.held_out):
+    for number in trange(cfg.held_out, desc="held-out objects", disable=None):
         asset, example = draw_subject(model, number, cfg)
         subjects.append((asset, example))
         splats = reconstruct_splats(model.vae, example)
@@ -170,9 +166,8 @@ def evaluate_appearance(
         distances[example.name] = score_distances(
             splats, example.part_ids, _sample_surface(asset), example.pictures.displacements
         )
-        tell("held-out objects", number + 1, cfg.held_out)
     every = list(comparisons.values())
-    drawn = _compare_drawn(model, subjects, cfg, tell)
+    drawn = _compare_drawn(model, subjects, cfg)
     answers = {"autoencoded": every} | ({"drawn": drawn} if drawn else {})
     return AppearanceEvaluation(
         model=hash_model(folder),
@@ -226,14 +221,12 @@ def _compare_drawn(
     model: TrainedAppearance,
     subjects: Sequence[tuple[Asset, AppearanceExample]],
     cfg: EvaluateAppearanceConfig,
-    tell: Progress,
 ) -> list[Comparison]:
     """Pictures of Gaussians that the flow samples; none without a flow that takes paint."""
     if model.drawer is None or not model.drawer.flow.attribute_channels:
         return []
     settings, out = AppearanceConfig(sampler=cfg.sampler), []
-    for number, (asset, example) in enumerate(subjects, 1):
+    for asset, example in tqdm(subjects, "draws", disable=None):
         splats = draw_painted(model.drawer, asset, example, settings, cfg.seed)
         out.append(compare_pictures(model.vae, splats, example))
-        tell("draws", number, len(subjects))
     return out

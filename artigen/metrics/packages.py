@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+from tqdm import tqdm
 
 from artigen.metrics.draws import DrawAsset, DrawJob, draw_all
 from artigen.runtime.journal import append_line, read_lines
@@ -65,7 +66,6 @@ def prove_draws(
     prove: Prove,
     *,
     redraws: int,
-    on_done: Callable[[int, int], None] | None = None,
 ) -> PackageReport:
     """Draws objects, makes and checks their packages as far as ``out`` lacks them, and counts.
 
@@ -75,16 +75,14 @@ def prove_draws(
         draw_asset: Draws an object.
         prove: Makes and checks packages.
         redraws: Most redraws of an object that fails.
-        on_done: Called with the number of proofs of a round, done and in all.
     """
-    tell = on_done or (lambda done, total: None)
     history: dict[str, list[Proof]] = {job.key: [] for job in jobs}
     waiting = list(jobs)
     for number in range(redraws + 1):
         if not waiting:
             break
         drawn = waiting if number == 0 else [_draw_again(job, number) for job in waiting]
-        found = _prove_round(drawn, out, draw_asset, prove, tell)
+        found = _prove_round(drawn, out, draw_asset, prove)
         for job, proof in zip(waiting, found, strict=True):
             history[job.key].append(proof)
         waiting = [job for job, proof in zip(waiting, found, strict=True) if not proof.passed]
@@ -126,22 +124,19 @@ def _prove_round(
     out: Path,
     draw_asset: DrawAsset,
     prove: Prove,
-    tell: Callable[[int, int], None],
 ) -> list[Proof]:
     """Proofs in the order of ``jobs``; those in the journal are reused."""
     journal = out / JOURNAL
     known = {line["key"]: Proof(**{**line, "causes": tuple(line["causes"])}) for line in read_lines(journal)}
-    tell(sum(job.key in known for job in jobs), len(jobs))
     missing = [job for job in jobs if job.key not in known]
     draws = draw_all(missing, out / "draws", draw_asset)
     for job, draw in zip(missing, draws, strict=True):
         if draw.error is not None:
             known[job.key] = Proof(key=job.key, passed=False, causes=(name_cause(NO_OBJECT, draw.error),))
     assets = [out / "draws" / job.key for job in missing if job.key not in known]
-    for proof in prove(assets) if assets else ():
+    for proof in tqdm(prove(assets) if assets else (), "packages", len(assets), disable=None):
         known[proof.key] = proof
         append_line(journal, asdict(proof))
-        tell(sum(job.key in known for job in jobs), len(jobs))
     return [known[job.key] for job in jobs]
 
 

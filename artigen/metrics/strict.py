@@ -40,14 +40,7 @@ class StrictDistance:
 
 
 def strict_distance(found: Asset, truth: Asset, *, points: int = POINTS, seed: int = 0) -> StrictDistance:
-    """Chamfer distances per part and of whole objects, closed and opened.
-
-    Args:
-        found: Generated object with voxels.
-        truth: True object with voxels.
-        points: Points on each whole object.
-        seed: Seed of the points.
-    """
+    """Chamfer distances per part and of whole objects, closed and opened."""
     clouds = sample_cells(found, points, seed), sample_cells(truth, points, seed)
     rest, opened = [(clouds[0].opened(share), clouds[1].opened(share)) for share in (0.0, 1.0)]
     pairs = pair_parts(clouds[0], clouds[1])

@@ -15,7 +15,8 @@ from artigen.latent.structure_vae import StructureVae
 from artigen.metrics.deviations import part_deviations
 from artigen.train.batches import outline_batch, patch_batch
 from artigen.train.examples import StructureExample
-from artigen.voxels.fields import FieldLayout, after_occupancy
+from artigen.types import FULL_TURN, JOINT_TYPES, PART_LABELS
+from artigen.voxels.fields import ROW
 
 
 @torch.no_grad()
@@ -42,7 +43,7 @@ def score_reconstruction(
         _count(sums, "occupancy_precision", occupancy[found])
         _count(sums, "occupancy_iou", occupancy[found | occupancy] & found[found | occupancy])
         common = patches.occupied() & found[patches.index]
-        _compare(sums, values[common], patches.attributes()[common], vae.layout)
+        _compare(sums, values[common], patches.attributes()[common])
     return {name: total / max(count, 1) for name, (total, count) in sums.items()}
 
 
@@ -57,7 +58,6 @@ def score_spread(
     (degrees) of rotating and ``travel`` (unit lengths) of sliding ones. A row that applies to no part is
     empty.
     """
-    layout = vae.layout
     device = next(vae.parameters()).device
     spreads, kinds = [], []
     for start in range(0, len(examples), batch):
@@ -68,22 +68,19 @@ def score_spread(
             values[common].float().cpu().numpy(), patches.rows[common].cpu().numpy()
         )
         spreads.append(spread)
-        kinds.append(
-            patches.table[torch.from_numpy(ids).to(device)][:, after_occupancy(layout.joint_type)].argmax(1)
-        )
+        kinds.append(patches.table[torch.from_numpy(ids).to(device)][:, ROW.joint_type].argmax(1))
     spread, kind = np.concatenate(spreads), torch.cat(kinds).cpu().numpy()
-    still, sliding = (layout.joint_types.index(name) for name in ("fixed", "prismatic"))
+    still, sliding = (JOINT_TYPES.index(name) for name in ("fixed", "prismatic"))
     everywhere, moving = np.ones(len(kind), dtype=bool), kind != still
-    box = after_occupancy(layout.box)
-    rotation, travel = (after_occupancy(layout.range).start + offset for offset in (0, 1))
-    degrees = float(np.degrees(layout.rotation_unit))
+    rotation, travel = (ROW.range.start + offset for offset in (0, 1))
+    degrees = float(np.degrees(FULL_TURN))
     rows = {
-        "box_center": (slice(box.start, box.start + 3), everywhere, 1.0),
-        "box_size": (slice(box.start + 3, box.stop), everywhere, 1.0),
-        "axis": (after_occupancy(layout.axis), moving, 1.0),
-        "origin": (after_occupancy(layout.origin), moving & (kind != sliding), 1.0),
+        "box_center": (slice(ROW.box.start, ROW.box.start + 3), everywhere, 1.0),
+        "box_size": (slice(ROW.box.start + 3, ROW.box.stop), everywhere, 1.0),
+        "axis": (ROW.axis, moving, 1.0),
+        "origin": (ROW.origin, moving & (kind != sliding), 1.0),
         "rotation": (slice(rotation, rotation + 1), moving & (kind != sliding), degrees),
-        "travel": (slice(travel, travel + 1), kind == sliding, layout.length_unit),
+        "travel": (slice(travel, travel + 1), kind == sliding, 1.0),
     }
     return {
         name: tuple((unit * spread[chosen][:, channels].mean(axis=0)).tolist()) if chosen.any() else ()
@@ -95,33 +92,33 @@ def _subjects(examples: Sequence[StructureExample], device: torch.device) -> tup
     return patch_batch(examples).to(device), outline_batch(examples).to(device)
 
 
-def _compare(sums: dict[str, list[float]], found: Tensor, truth: Tensor, layout: FieldLayout) -> None:
+def _compare(sums: dict[str, list[float]], found: Tensor, truth: Tensor) -> None:
     def at(channels: slice) -> tuple[Tensor, Tensor]:
-        return found[:, after_occupancy(channels)], truth[:, after_occupancy(channels)]
+        return found[:, channels], truth[:, channels]
 
-    label, right = (values.argmax(dim=1) for values in at(layout.label))
+    label, right = (values.argmax(dim=1) for values in at(ROW.label))
     _count(sums, "label", label == right)
     small = torch.isin(
-        right, torch.tensor([layout.labels.index("handle"), layout.labels.index("knob")]).to(right)
+        right, torch.tensor([PART_LABELS.index("handle"), PART_LABELS.index("knob")]).to(right)
     )
     _count(sums, "small_label", (label == right)[small])
-    joint, kind = (values.argmax(dim=1) for values in at(layout.joint_type))
+    joint, kind = (values.argmax(dim=1) for values in at(ROW.joint_type))
     _count(sums, "joint_type", joint == kind)
-    moving = kind != layout.joint_types.index("fixed")
+    moving = kind != JOINT_TYPES.index("fixed")
     _count(sums, "moving_joint_type", (joint == kind)[moving])
-    axis, true_axis = at(layout.axis)
+    axis, true_axis = at(ROW.axis)
     cosine = torch.nn.functional.cosine_similarity(axis, true_axis, dim=1)[moving].clamp(-1.0, 1.0)
     _count(sums, "axis", torch.rad2deg(torch.arccos(cosine)))
-    turning = moving & (kind != layout.joint_types.index("prismatic"))
-    origin, true_origin = at(layout.origin)
+    turning = moving & (kind != JOINT_TYPES.index("prismatic"))
+    origin, true_origin = at(ROW.origin)
     offset = origin - true_origin
     _count(sums, "origin", offset.norm(dim=1)[turning])
     _count(sums, "line", torch.linalg.cross(offset, true_axis, dim=1).norm(dim=1)[turning])
-    ranges, true_ranges = at(layout.range)
+    ranges, true_ranges = at(ROW.range)
     error = (ranges - true_ranges).abs()
-    _count(sums, "rotation", np.degrees(layout.rotation_unit) * error[turning, 0])
-    _count(sums, "travel", layout.length_unit * error[kind == layout.joint_types.index("prismatic"), 1])
-    box, true_box = at(layout.box)
+    _count(sums, "rotation", np.degrees(FULL_TURN) * error[turning, 0])
+    _count(sums, "travel", error[kind == JOINT_TYPES.index("prismatic"), 1])
+    box, true_box = at(ROW.box)
     _count(sums, "box_center", (box - true_box)[:, :3].norm(dim=1))
     _count(sums, "box_size", (box - true_box)[:, 3:].norm(dim=1))
     _count(sums, "box", (box - true_box).abs().flatten())

@@ -3,10 +3,12 @@
 The training objects of a run are a pure function of their seeds, so they can be drawn again anywhere.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
+
+from tqdm import trange
 
 from artigen.models.conditions import StructureCondition
 from artigen.train.examples import StructureExample, draw_example_of
@@ -32,17 +34,14 @@ def draw_subjects(
     *,
     resolution: int,
     image_size: int,
-    on_done: Callable[[], None] | None = None,
 ) -> list[Subject]:
     """Procedural objects in the order of `artigen.train.shards`: categories in turn, seeds upwards."""
     out = []
-    for number in range(count):
+    for number in trange(count, desc="objects", disable=None):
         category = categories[number % len(categories)]
         seed = first_seed + number // len(categories)
         asset, example = draw_example_of(category, seed, resolution=resolution, image_size=image_size)
         out.append(Subject(asset=asset, example=example))
-        if on_done is not None:
-            on_done()
     return out
 
 
@@ -53,16 +52,13 @@ def read_subjects(
     *,
     image_size: int,
     workers: int,
-    on_done: Callable[[], None] | None = None,
 ) -> tuple[list[Subject], dict[str, str]]:
     """Real objects of a split in order, and the reasons why others are left out, by id.
 
     Raises:
         SourceError: If there is no such split, or none of its objects can be read.
     """
-    found, left_out = read_reals(
-        folder, split, resolution, image_size=image_size, workers=workers, on_done=on_done
-    )
+    found, left_out = read_reals(folder, split, resolution, image_size=image_size, workers=workers)
     return [Subject(asset=asset, example=example) for asset, example in found], left_out
 
 

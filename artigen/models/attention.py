@@ -55,14 +55,12 @@ class CrossAttention(nn.Module):
             self.q_rms_norm = RmsNorm(heads, channels // heads)
             self.k_rms_norm = RmsNorm(heads, channels // heads)
 
-    def project(self, context: Float[Tensor, "B M K"]) -> tuple[Tensor, Tensor]:
-        """Keys and values of a condition; they stay the same over all steps of a sampler."""
-        k, v = self.to_kv(context).unflatten(-1, (2, self.heads, -1)).unbind(2)
-        return (self.k_rms_norm(k) if self.rms_norm else k), v
-
-    def forward(self, x: Float[Tensor, "B L C"], keys: tuple[Tensor, Tensor]) -> Float[Tensor, "B L C"]:
+    def forward(self, x: Float[Tensor, "B L C"], context: Float[Tensor, "B M K"]) -> Float[Tensor, "B L C"]:
         q = self.to_q(x).unflatten(-1, (self.heads, -1))
-        return self.to_out(attend(self.q_rms_norm(q) if self.rms_norm else q, *keys))
+        k, v = self.to_kv(context).unflatten(-1, (2, self.heads, -1)).unbind(2)
+        if self.rms_norm:
+            q, k = self.q_rms_norm(q), self.k_rms_norm(k)
+        return self.to_out(attend(q, k, v))
 
 
 class FeedForward(nn.Module):

@@ -12,14 +12,13 @@ from artigen.sketch.piece import PIECE_KINDS
 from artigen.sketch.request import Asked
 from artigen.sketch.rows import FIELDS, ROW_KINDS, WIDTH, column, find_said, number_axis
 from artigen.sketch.sketch import lowest_corner
+from artigen.types import JOINT_TYPES
 
 PARTS, PLACES = 64, 32
 """Number of embeddings for parts and for positions within a part; larger indices share the last one."""
 _PIECES = [ROW_KINDS.index(kind) for kind in PIECE_KINDS]
 _FIRST = np.array([column(kind, "x0") if kind in PIECE_KINDS else 0 for kind in ROW_KINDS])
 _OBJECT, _PART, _JOINT = (ROW_KINDS.index(kind) for kind in ("object", "part", "joint"))
-_SLIDING = 2
-"""Index of the prismatic joint type, whose joints have no origin."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -145,7 +144,7 @@ def row_planes(rows: Int[np.ndarray, "N W"]) -> Planes:
     low[whole, :3] = lowest_corner(extents)
     high[whole, :3] = low[whole, :3] + extents
     moving = (kind == _JOINT) & (rows[:, column("joint", "type")] > 0)
-    turning = moving & (rows[:, column("joint", "type")] != _SLIDING)
+    turning = moving & (rows[:, column("joint", "type")] != JOINT_TYPES.index("prismatic"))
     origin = rows[turning, column("joint", "x") : column("joint", "x") + 3]
     low[turning, :3], high[turning, :3] = origin, origin
     reach = rows[:, column("joint", "upper")]

@@ -22,8 +22,6 @@ from artigen.sketch.solid_pieces import find_surface, is_same, measure_cuts
 
 LEAST_WALLS = 8
 """Smallest number of walls of a hollow shell; with fewer, the walls are boxes and prisms."""
-_FACE = 4
-"""Corners that adjacent walls of a shell share."""
 
 
 def build_shell(piece: Piece) -> tuple[Primitive, ...]:
@@ -97,9 +95,9 @@ def _count_walls(primitives: Sequence[Primitive]) -> int:
     last = first
     for count, primitive in enumerate(primitives[1 : CORNERS * (MAX_PIECES_OF_ARC + 1)], start=2):
         points = place_vertices(primitive)
-        if len(points) > 8 or _count_shared(last, points) < _FACE:
+        if len(points) > 8 or _count_shared(last, points) < CORNERS:
             return 0
-        if count >= LEAST_WALLS and _count_shared(points, first) >= _FACE:
+        if count >= LEAST_WALLS and _count_shared(points, first) >= CORNERS:
             return count
         last = points
     return 0

@@ -68,7 +68,7 @@ class Drawn:
     notes: tuple[str, ...]
     seen: Counter[str]
     """Rejected continuations and objects, counted by fault id (continuations by their first fault)."""
-    batches: int = 1
+    batches: int
     """Number of batches drawn."""
 
 

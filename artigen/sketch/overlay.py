@@ -15,8 +15,8 @@ from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.textures import LINED
 
-SIDES = 6
-"""Sides of an object: +x, -x, +y, -y, +z, -z."""
+SIDES = len(("+x", "-x", "+y", "-y", "+z", "-z"))
+"""Number of sides of an object, which are counted in this order."""
 NOISE = 0.02
 """Colour differences (sRGB) below which colours count as even."""
 STEP = 0.003

@@ -186,12 +186,11 @@ class Writer:
     def close(self) -> list[int]:
         """Closes the row and returns it, padded."""
         row = self.padded()
-        kind = self.kind
-        self.rows.append(row)
-        if kind == "part":
+        if self.kind == "part":
             self.labels.append(row[1])
-        elif kind == "joint":
+        elif self.kind == "joint":
             self.moving.append(row[1] > 0)
+        self.rows.append(row)
         self.row = []
         return row
 
@@ -296,11 +295,9 @@ class Writer:
             return [_KIND["joint"]] if full else [*_PIECE_IDS, _KIND["joint"]]
         if last == "joint":
             return [_KIND["part"] if any(self._left().values()) else _KIND["end"]]
-        wanted = self._next_roles()
-        asked = self._asked_roles()
-        if last == "object" or asked:
+        if last == "object" or self._asked_roles():
             return [_KIND["finish"]]
-        return [_KIND["part"], *([_KIND["finish"]] if wanted else [])]
+        return [_KIND["part"], *([_KIND["finish"]] if self._next_roles() else [])]
 
     def _asked_roles(self) -> list[int]:
         """Requested roles that are still missing."""

@@ -38,10 +38,6 @@ class Understood:
 def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Understood:
     """Parses the words of a request and merges them with its explicit fields.
 
-    Args:
-        request: The user's request.
-        learned: Categories that can be drawn.
-
     Raises:
         ArtigenError: If the request is empty, names an unknown category or contradicts itself, or its text
             cannot be parsed.

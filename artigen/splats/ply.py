@@ -64,13 +64,8 @@ def encode_ply(gaussians: Gaussians) -> bytes:
     return "\n".join(lines).encode("ascii") + table.tobytes()
 
 
-def write_ply(gaussians: Gaussians, path: Path) -> None:
-    """Writes a file that `read_ply` and viewers read; raises as `encode_ply` does."""
-    path.write_bytes(encode_ply(gaussians))
-
-
 def read_ply(path: Path, *, part_id: int = 0) -> Gaussians:
-    """Gaussians of a file written by `write_ply` or by the reference code; all get ``part_id``.
+    """Gaussians of a file that `encode_ply` or the reference code made; all get ``part_id``.
 
     Quaternions are normalised, as in viewers. Properties that are not among `FIELDS` are skipped.
 

@@ -20,7 +20,7 @@ from artigen.models.conditions import ConditionConfig
 from artigen.models.rectified_flow import diffuse, predict_data
 from artigen.train.batches import FieldBatch, LatentBatch, draw_batches, field_batch, prefetch
 from artigen.train.examples import StructureExample
-from artigen.train.loop import LoopConfig, Report, process_seed, train
+from artigen.train.loop import LoopConfig, process_seed, train
 from artigen.train.structure import latent_batch
 from artigen.train.structure_losses import StructureLossConfig, structure_losses
 
@@ -67,7 +67,6 @@ def train_decoder(
     batch: int,
     losses: StructureLossConfig,
     conditions: ConditionConfig,
-    on_report: Report | None = None,
 ) -> StructureVae:
     """Trains the decoder of a VAE on a flow's estimates.
 
@@ -81,20 +80,19 @@ def train_decoder(
         batch: Objects per step.
         losses: Weights of the terms.
         conditions: Conditions of the flow.
-        on_report: Called with every line of metrics.
     """
 
     def terms(network: nn.Module, drawn: EncodedFields, generator: torch.Generator) -> dict[str, Tensor]:
         outlines = blur_outlines(drawn.fields.outlines, 0.0, generator)
         guess = guess_latents(flow.to(drawn.latents.mean.device), drawn.latents, outlines, generator)
         logits, attributes = network(guess, drawn.fields, outlines)
-        return structure_losses(logits, attributes, drawn.fields.patches, losses, vae.layout)
+        return structure_losses(logits, attributes, drawn.fields.patches, losses)
 
     flow.eval()
     make = partial(_encoded_fields, latents=latents, conditions=conditions)
     numbered = list(enumerate(examples))
     batches: Iterator[EncodedFields] = prefetch(draw_batches(numbered, make, batch, process_seed(cfg.seed)))
-    train(Decoding(vae), terms, batches, folder, cfg, on_report=on_report)
+    train(Decoding(vae), terms, batches, folder, cfg)
     vae.encoder.requires_grad_(requires_grad=True)
     return vae
 

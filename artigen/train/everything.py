@@ -1,16 +1,12 @@
-"""`python -m artigen.train.everything`: generates data, trains, evaluates and stores weights.
+"""`artigen train structure`: generates data, trains, evaluates and stores weights.
 
 Stages whose result is already in the run folder are skipped or resumed, so the same command can be repeated
-after an interruption, or with a larger budget. `artigen train` does the same with a progress bar.
+after an interruption, or with a larger budget.
 """
 
-import argparse
 import json
 import logging
-import time
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import torch
 from torch import Tensor, nn
@@ -31,13 +27,11 @@ from artigen.train.presets import TRAINING
 from artigen.train.real import real_examples
 from artigen.train.run import RunConfig, Stage, claim_run, run_conditions
 from artigen.train.shards import HELD_OUT, ShardConfig, make_shard, make_shards, read_shard
-from artigen.train.stage import begin_stage, describe_stage, load_stage, log_metrics, plan_loop
+from artigen.train.stage import begin_stage, describe_stage, load_stage, plan_loop
 from artigen.train.structure import encode_examples, train_structure_flow, train_structure_vae
 from artigen.trellis.checkpoints import load_trellis
 
 logger = logging.getLogger(__name__)
-Report = Callable[[str, Mapping[str, float]], None]
-"""Called with the network in training and a line of its metrics."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,15 +44,12 @@ class RunData:
     """Number of real objects among the training examples."""
 
 
-def train_everything(
-    cfg: RunConfig, stage: Stage = "structure", *, on_report: Report | None = None
-) -> dict[str, float]:
+def train_everything(cfg: RunConfig, stage: Stage = "structure") -> dict[str, float]:
     """Runs the stages that are missing; returns the scores of the held-out objects.
 
     Args:
         cfg: Configuration of the run.
         stage: All networks, or one of them; the flow needs a VAE in the same folder, the decoder both.
-        on_report: Called with every line of metrics; logged when None.
 
     Raises:
         ArtigenError: If the configuration is invalid, or the folder lacks a stage or has other settings.
@@ -70,17 +61,16 @@ def train_everything(
     if stage == "structure-decoder" and not flow_weights.is_file():
         raise SourceError(f"{flow_weights}: there is no trained flow; train structure-flow first")
     claim_run(cfg)
-    report = on_report or log_metrics
     data = make_data(cfg)
     if stage in ("structure", "structure-vae"):
-        train_vae(cfg, data, report)
+        train_vae(cfg, data)
     if stage in ("structure", "structure-flow", "structure-decoder"):
         vae = load_vae(cfg)
         latents = encode_examples(vae, data.trained)
         if stage != "structure-decoder":
-            train_flow(cfg, latents, data, report)
+            train_flow(cfg, latents, data)
         if stage != "structure-flow":
-            tune_decoder(cfg, vae, latents, data, report)
+            tune_decoder(cfg, vae, latents, data)
     return json.loads(scores.read_text()) if scores.is_file() else {}
 
 
@@ -104,7 +94,7 @@ def make_data(cfg: RunConfig) -> RunData:
     return RunData(trained=[*trained, *repeated], held_out=held_out, real=len(real))
 
 
-def train_vae(cfg: RunConfig, data: RunData, report: Report) -> StructureVae:
+def train_vae(cfg: RunConfig, data: RunData) -> StructureVae:
     """Trains the VAE, stores it, and writes its reconstruction scores on held-out objects."""
     training = TRAINING[cfg.preset]
     torch.manual_seed(0)
@@ -116,7 +106,6 @@ def train_vae(cfg: RunConfig, data: RunData, report: Report) -> StructureVae:
         plan_loop(training.vae, cfg.minutes),
         batch=training.vae.batch,
         losses=training.losses,
-        on_report=lambda line: report("VAE", line),
     )
     _store_vae(cfg, vae, data)
     return vae
@@ -131,9 +120,7 @@ def load_vae(cfg: RunConfig) -> StructureVae:
     return load_stage(StructureVae(PRESETS[cfg.preset].vae), cfg.folder / "vae")
 
 
-def train_flow(
-    cfg: RunConfig, latents: tuple[Tensor, Tensor], data: RunData, report: Report
-) -> StructureFlow:
+def train_flow(cfg: RunConfig, latents: tuple[Tensor, Tensor], data: RunData) -> StructureFlow:
     """Trains the flow on the VAE's latents and stores it."""
     preset, training = PRESETS[cfg.preset], TRAINING[cfg.preset]
     torch.manual_seed(1)
@@ -151,15 +138,12 @@ def train_flow(
         batch=training.flow.batch,
         conditions=run_conditions(cfg),
         time_mean=training.time_mean,
-        on_report=lambda line: report("flow", line),
     )
     _store(cfg, data, flow, "flow")
     return flow
 
 
-def tune_decoder(
-    cfg: RunConfig, vae: StructureVae, latents: tuple[Tensor, Tensor], data: RunData, report: Report
-) -> None:
+def tune_decoder(cfg: RunConfig, vae: StructureVae, latents: tuple[Tensor, Tensor], data: RunData) -> None:
     """Trains the decoder on the flow's estimates, stores and scores it, if the preset includes this stage."""
     preset, training = PRESETS[cfg.preset], TRAINING[cfg.preset]
     if training.decoder is None:
@@ -174,7 +158,6 @@ def tune_decoder(
         batch=training.decoder.batch,
         losses=training.losses,
         conditions=preset.conditions,
-        on_report=lambda line: report("decoder", line),
     )
     _store_vae(cfg, vae, data)
 
@@ -198,15 +181,7 @@ def _examples(
         resolution=preset.resolution,
         image_size=run_conditions(cfg).image_size,
     )
-    started = time.monotonic()
-    paths = make_shards(
-        cfg.folder / name,
-        count,
-        shards,
-        make_shard,
-        workers=cfg.workers,
-        on_done=lambda path: logger.info("%s after %.0f s", path.name, time.monotonic() - started),
-    )
+    paths = make_shards(cfg.folder / name, count, shards, make_shard, workers=cfg.workers)
     return [example for path in paths for example in read_shard(path)]
 
 
@@ -220,30 +195,3 @@ def _store(cfg: RunConfig, data: RunData, network: nn.Module, name: str) -> None
     }
     tuning = finished_steps(cfg.folder / "decoder") if name == "vae" else 0
     save_model(network, cfg.folder / "model", described | ({"decoder_steps": tuning} if tuning else {}), name)
-
-
-def main() -> None:
-    """Parses arguments with the standard library alone, because training machines may lack tyro."""
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
-    parser = argparse.ArgumentParser(prog="python -m artigen.train.everything", description=__doc__)
-    parser.add_argument("folder", type=Path, help="run folder")
-    parser.add_argument("--preset", choices=sorted(PRESETS), default="compact")
-    parser.add_argument("--minutes", type=float, default=30.0, help="training time of all networks")
-    parser.add_argument("--shards", type=int, default=100, help="shards of training data")
-    parser.add_argument("--held-out", type=int, default=2, help="shards of held-out data")
-    parser.add_argument("--objects", type=int, default=256, help="objects per shard")
-    parser.add_argument("--partnet", type=Path, help="folder with real objects to mix in")
-    parser.add_argument("--real-share", type=float, default=0.1, help="share of real objects")
-    parser.add_argument(
-        "--start", type=Path, help="folder of a model with the initial weights of every network"
-    )
-    parser.add_argument(
-        "--trellis", type=Path, help="checkpoint of TRELLIS with the initial weights of the flow"
-    )
-    parser.add_argument("--encoders", type=Path, help="folder with the public weights of DINOv2 and CLIP")
-    parser.add_argument("--workers", type=int, default=2, help="processes that make data")
-    train_everything(RunConfig(**vars(parser.parse_args())))
-
-
-if __name__ == "__main__":
-    main()

@@ -5,6 +5,7 @@ A stage is a folder: ``metrics.jsonl``, ``curves.svg``, ``checkpoint.pt`` (every
 """
 
 import json
+import logging
 import math
 import pickle
 import time
@@ -16,6 +17,7 @@ from typing import Any
 
 import torch
 from torch import Tensor, nn
+from tqdm import tqdm
 
 from artigen.errors import SourceError
 from artigen.io import write_whole
@@ -23,6 +25,8 @@ from artigen.models.precision import autocast_type
 from artigen.models.tensors import load_strictly
 from artigen.train.curves import METRICS, draw_curves, read_metrics
 
+logger = logging.getLogger(__name__)
+BAR = "{desc} {percentage:3.0f} %|{bar}| {postfix}"
 CHECKPOINT = {"network", "optimizer", "average", "generator", "step", "elapsed"}
 """Keys of a checkpoint."""
 
@@ -61,8 +65,6 @@ class LoopConfig:
 
 LossFunction = Callable[[nn.Module, Any, torch.Generator], dict[str, Tensor]]
 """Named, weighted terms of the loss of one batch; all randomness comes from the generator."""
-Report = Callable[[Mapping[str, float]], None]
-"""Called with every line of metrics."""
 
 
 @dataclass(kw_only=True)
@@ -89,8 +91,6 @@ def train(
     batches: Iterator[Any],
     folder: Path,
     cfg: LoopConfig,
-    *,
-    on_report: Report | None = None,
 ) -> nn.Module:
     """Trains until the budget is used and returns the network with its averaged weights.
 
@@ -102,7 +102,6 @@ def train(
         batches: Endless batches.
         folder: Folder of the stage.
         cfg: Budget and rates.
-        on_report: Called with every line of metrics.
 
     Raises:
         FloatingPointError: If the loss is not finite.
@@ -131,6 +130,8 @@ def train(
     folder.mkdir(parents=True, exist_ok=True)
     number_type = autocast_type(device)
     started, saved = time.monotonic() - progress.elapsed, time.monotonic()
+    hidden = None if accelerator.is_main_process else True  # None hides it outside of terminals
+    bar = tqdm(total=100, desc=folder.name, bar_format=BAR, disable=hidden)
     sums: dict[str, Tensor] = {}
     summed, since = 0, time.monotonic()
     while progress.share(cfg) < 1.0:
@@ -168,15 +169,26 @@ def train(
             if accelerator.is_main_process:
                 with (folder / METRICS).open("a") as file:
                     file.write(json.dumps(line) + "\n")
-                if on_report is not None:
-                    on_report(line)
+                show_metrics(bar, folder.name, line)
         if accelerator.is_main_process and time.monotonic() - saved > 60.0 * cfg.checkpoint_minutes:
             _save(folder, network, optimizer, average, generator, progress)
             saved = time.monotonic()
     if accelerator.is_main_process:
         _save(folder, network, optimizer, average, generator, progress)
+    bar.close()
     network.load_state_dict(average)
     return network.eval()
+
+
+def show_metrics(bar: tqdm, name: str, line: Mapping[str, float]) -> None:
+    """Shows a line of metrics of the stage ``name`` in its progress bar, or logs it if that is hidden."""
+    if bar.disable:
+        logger.info("%s %s", name, " ".join(f"{key}={value:.4g}" for key, value in line.items()))
+        return
+    bar.n = min(100, round(100 * line["share"]))
+    bar.set_postfix_str(
+        f"step {line['step']:.0f}, loss {line['loss']:.4g}, {line['seconds_per_step']:.2f} s/step"
+    )
 
 
 def finished_steps(folder: Path) -> int:

@@ -6,10 +6,11 @@ The data is licensed for non-commercial research; weights trained with it must s
 import json
 import logging
 import zlib
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
+
+from tqdm import tqdm
 
 from artigen.errors import SourceError
 from artigen.runtime.workers import Outcome, Worker, run_supervised
@@ -91,7 +92,6 @@ def read_reals(
     *,
     image_size: int = 0,
     workers: int,
-    on_done: Callable[[], None] | None = None,
 ) -> tuple[list[tuple[Asset, StructureExample]], dict[str, str]]:
     """All readable objects of a split in order, and the reasons why others are left out, by id.
 
@@ -102,11 +102,8 @@ def read_reals(
         RealJob(folder=path, resolution=resolution, image_size=image_size)
         for path in list_split(folder, split)
     ]
-    outcomes = {}
-    for job, outcome in run_supervised(_run_job, jobs, workers=workers):
-        outcomes[job.folder] = outcome
-        if on_done is not None:
-            on_done()
+    done = run_supervised(_run_job, jobs, workers=workers)
+    outcomes = {job.folder: one for job, one in tqdm(done, "real objects", len(jobs), disable=None)}
     ordered = [(job.folder.name, outcomes[job.folder]) for job in jobs]
     found = [outcome.value for _, outcome in ordered if outcome.value is not None]
     left_out = {name: outcome.error for name, outcome in ordered if outcome.error is not None}

@@ -3,7 +3,9 @@
 A shard appears whole or not at all, so an interrupted run resumes where it stopped.
 """
 
+import logging
 import tempfile
+import time
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Sequence
@@ -21,6 +23,7 @@ from artigen.train.batches import Described
 from artigen.train.examples import StructureExample, draw_example
 from artigen.types import PAPER_CATEGORIES
 
+logger = logging.getLogger(__name__)
 HELD_OUT = 10_000
 """Seeds below this are never trained on."""
 PER_OBJECT = ("counts", "size")
@@ -82,7 +85,6 @@ def make_shards(
     make: Callable[[ShardJob[Config]], Path],
     *,
     workers: int,
-    on_done: Callable[[Path], None] | None = None,
 ) -> list[Path]:
     """Makes the shards that are missing and returns the paths of all, in order.
 
@@ -92,7 +94,6 @@ def make_shards(
         cfg: Configuration of their examples.
         make: Makes one shard, in a worker process.
         workers: Number of processes.
-        on_done: Called after each new shard.
 
     Raises:
         SourceError: If a shard could not be made; gives its path and the reason.
@@ -102,12 +103,12 @@ def make_shards(
         ShardJob(path=folder / f"shard_{number:05d}.npz", number=number, cfg=cfg) for number in range(count)
     ]
     missing = [job for job in jobs if not job.path.is_file()]
+    started = time.monotonic()
     handle = partial(_run_job, make=make, timeout=cfg.timeout)
     for job, outcome in run_supervised(handle, missing, workers=workers):
         if outcome.error is not None:
             raise SourceError(f"{job.path}: {outcome.error}")
-        if on_done is not None:
-            on_done(job.path)
+        logger.info("%s after %.0f s", job.path.name, time.monotonic() - started)
     return [job.path for job in jobs]
 
 

@@ -17,15 +17,11 @@ from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.request import nothing_asked
 from artigen.sketch.words import CATEGORIES
 from artigen.train.batches import prefetch
-from artigen.train.loop import LoopConfig, Report, finished_steps, process_seed, train
+from artigen.train.loop import LoopConfig, finished_steps, process_seed, train
 from artigen.train.shards import HELD_OUT
 from artigen.train.sketch_examples import SHARD, SketchExample, draw_batches, make_examples
 from artigen.train.sketch_losses import SketchLosses, sketch_losses
-from artigen.train.sketch_photos import (
-    EDGE,
-    gather_photos,
-)
-from artigen.train.stage import log_metrics
+from artigen.train.sketch_photos import EDGE, gather_photos
 
 SIZES: dict[str, SketchNetworkConfig] = {
     "tiny": SketchNetworkConfig(width=64, layers=2, heads=4, pointer=16),
@@ -61,7 +57,7 @@ class SketchRunConfig:
     """Processes that make data."""
 
 
-def train_sketch(cfg: SketchRunConfig, *, on_report: Report | None = None) -> dict[str, float]:
+def train_sketch(cfg: SketchRunConfig) -> dict[str, float]:
     """Makes missing data, trains, and stores the weights; returns the scores of held-out objects.
 
     Raises:
@@ -101,10 +97,9 @@ def train_sketch(cfg: SketchRunConfig, *, on_report: Report | None = None) -> di
     )
     seed = process_seed(loop.seed) + finished_steps(cfg.folder / "sketch")  # new batches after a resume
     batches = prefetch(draw_batches(trained, cfg.rows, seed))
-    report = on_report or (lambda line: log_metrics("sketch", line))
     edge = EDGE if network.picture is None else network.picture.cfg.edge
     losses = partial(sketch_losses, edge=edge)
-    train(SketchLosses(network.train()), losses, batches, cfg.folder / "sketch", loop, on_report=report)
+    train(SketchLosses(network.train()), losses, batches, cfg.folder / "sketch", loop)
     scores = score_examples(network.cpu(), held_out)
     save_sketch_network(
         network,

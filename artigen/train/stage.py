@@ -1,7 +1,5 @@
 """One stage of a training run: its loop, initial weights and resulting weights."""
 
-import logging
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeVar
 
@@ -14,7 +12,6 @@ from artigen.models.tensors import load_strictly, read_tensors
 from artigen.train.loop import LoopConfig, finished_steps
 from artigen.train.presets import StageConfig
 
-logger = logging.getLogger(__name__)
 Network = TypeVar("Network", bound=nn.Module)
 
 
@@ -60,8 +57,3 @@ def load_stage(network: Network, folder: Path) -> Network:
     weights = folder / "weights.safetensors"
     load_strictly(network, read_tensors(weights), str(weights))
     return network.to("cuda" if torch.cuda.is_available() else "cpu").eval()
-
-
-def log_metrics(name: str, line: Mapping[str, float]) -> None:
-    """Logs a line of metrics of the network called ``name``."""
-    logger.info("%s %s", name, " ".join(f"{key}={value:.4g}" for key, value in line.items()))

@@ -24,7 +24,7 @@ from artigen.train.batches import (
     prefetch,
 )
 from artigen.train.examples import StructureExample
-from artigen.train.loop import LoopConfig, Report, process_seed, train
+from artigen.train.loop import LoopConfig, process_seed, train
 from artigen.train.structure_losses import StructureLossConfig, structure_losses
 
 DROPOUT = 0.1
@@ -39,7 +39,6 @@ def train_structure_vae(
     *,
     batch: int,
     losses: StructureLossConfig,
-    on_report: Report | None = None,
 ) -> StructureVae:
     """Trains {E, D} on fields (paper section 4.1).
 
@@ -50,7 +49,6 @@ def train_structure_vae(
         cfg: Budget and rates.
         batch: Objects per step.
         losses: Weights of the terms.
-        on_report: Called with every line of metrics.
     """
 
     def terms(network: nn.Module, fields: FieldBatch, generator: torch.Generator) -> dict[str, Tensor]:
@@ -59,11 +57,11 @@ def train_structure_vae(
         noise = torch.randn(shape, generator=generator, device=generator.device)
         outlines = blur_outlines(fields.outlines, 0.0, generator)
         made = network(patches, noise, outlines)
-        out = structure_losses(made.logits, made.attributes, patches, losses, vae.layout)
+        out = structure_losses(made.logits, made.attributes, patches, losses)
         return {**out, "kl": losses.kl * kl_divergence(made.mean, made.logvar)}
 
     batches = prefetch(draw_batches(examples, field_batch, batch, process_seed(cfg.seed)))
-    train(vae, terms, batches, folder, cfg, on_report=on_report)
+    train(vae, terms, batches, folder, cfg)
     return vae
 
 
@@ -99,7 +97,6 @@ def train_structure_flow(
     batch: int,
     conditions: ConditionConfig,
     time_mean: float = 1.0,
-    on_report: Report | None = None,
 ) -> StructureFlow:
     """Trains the conditional rectified flow on latents (paper section 4.3).
 
@@ -112,7 +109,6 @@ def train_structure_flow(
         batch: Objects per step.
         conditions: Conditions of the flow.
         time_mean: Mean of the logits of the times, 1 in TRELLIS.
-        on_report: Called with every line of metrics.
     """
     center, spread = measure_latents(*latents)
     flow.latent_mean.copy_(center)
@@ -133,7 +129,7 @@ def train_structure_flow(
     make = partial(latent_batch, latents=latents, conditions=conditions)
     numbered = list(enumerate(examples))
     batches: Iterator[LatentBatch] = prefetch(draw_batches(numbered, make, batch, process_seed(cfg.seed)))
-    train(flow, terms, batches, folder, cfg, on_report=on_report)
+    train(flow, terms, batches, folder, cfg)
     return flow
 
 

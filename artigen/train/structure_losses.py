@@ -14,8 +14,8 @@ from torch import Tensor
 from torch.nn import functional
 
 from artigen.latent.patches import PatchBatch
-from artigen.types import JointType, PartLabel
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy
+from artigen.types import JOINT_TYPES, PART_LABELS, JointType, PartLabel
+from artigen.voxels.fields import ROW
 
 LABEL_WEIGHTS: dict[PartLabel, float] = {
     "base": 1.0,
@@ -64,7 +64,6 @@ def structure_losses(
     attributes: Float[Tensor, "P K C"],
     patches: PatchBatch,
     cfg: StructureLossConfig,
-    layout: FieldLayout = DEFAULT_LAYOUT,
 ) -> dict[str, Tensor]:
     """The reconstruction terms, each with its weight, by name.
 
@@ -73,9 +72,8 @@ def structure_losses(
         attributes: Channels after occupancy of the cells of the occupied patches, classes as logits.
         patches: Ground truth.
         cfg: Weights.
-        layout: Layout of the channels.
     """
-    weights = _row_weights(patches, cfg, layout)
+    weights = _row_weights(patches, cfg)
     truth = patches.table[patches.rows[patches.occupied()]]
     predicted = attributes[patches.occupied()]
     cell_weight = weights[patches.rows[patches.occupied()]]
@@ -91,27 +89,25 @@ def structure_losses(
     }
     joint_weight = cell_weight
     if cfg.balanced:
-        per_type = torch.tensor([JOINT_WEIGHTS[name] for name in layout.joint_types], device=logits.device)
-        joint_weight = cell_weight.clamp(max=REGRESSION_CAP) * (
-            truth[:, after_occupancy(layout.joint_type)] @ per_type
-        )
+        per_type = torch.tensor([JOINT_WEIGHTS[name] for name in JOINT_TYPES], device=logits.device)
+        joint_weight = cell_weight.clamp(max=REGRESSION_CAP) * (truth[:, ROW.joint_type] @ per_type)
     for name, channels, weight in (
-        ("label", layout.label, cell_weight),
-        ("joint_type", layout.joint_type, joint_weight),
-        ("category", layout.category, torch.ones_like(cell_weight)),
+        ("label", ROW.label, cell_weight),
+        ("joint_type", ROW.joint_type, joint_weight),
+        ("category", ROW.category, torch.ones_like(cell_weight)),
     ):
-        right = truth[:, after_occupancy(channels)]
-        error = functional.cross_entropy(predicted[:, after_occupancy(channels)], right, reduction="none")
+        right = truth[:, channels]
+        error = functional.cross_entropy(predicted[:, channels], right, reduction="none")
         out[name] = cfg.classes * _mean(error, weight)
     capped = cell_weight.clamp(max=REGRESSION_CAP)
-    movable = 1.0 - truth[:, after_occupancy(layout.joint_type)][:, layout.joint_types.index("fixed")]
+    movable = 1.0 - truth[:, ROW.joint_type][:, JOINT_TYPES.index("fixed")]
     for name, channels, weight in (
-        ("axis", layout.axis, capped * movable),
-        ("origin", layout.origin, capped * movable),
-        ("range", layout.range, capped * movable),
-        ("box", layout.box, capped),
+        ("axis", ROW.axis, capped * movable),
+        ("origin", ROW.origin, capped * movable),
+        ("range", ROW.range, capped * movable),
+        ("box", ROW.box, capped),
     ):
-        off = predicted[:, after_occupancy(channels)] - truth[:, after_occupancy(channels)]
+        off = predicted[:, channels] - truth[:, channels]
         error = (off**2).sum(dim=1)
         out[name] = cfg.regression * _mean(error, weight)
     return out
@@ -126,12 +122,12 @@ def dice_loss(
     return 1.0 - (2.0 * common + 1.0) / (total + 1.0)
 
 
-def _row_weights(patches: PatchBatch, cfg: StructureLossConfig, layout: FieldLayout) -> Float[Tensor, "T"]:
+def _row_weights(patches: PatchBatch, cfg: StructureLossConfig) -> Float[Tensor, "T"]:
     """Weight of a cell by the part that owns it; empty cells weigh 1."""
     weights = torch.ones(len(patches.table), device=patches.table.device)
     if cfg.balanced:
-        per_label = torch.tensor([LABEL_WEIGHTS[name] for name in layout.labels], device=weights.device)
-        weights[1:] = per_label[patches.labels(layout)[1:]]
+        per_label = torch.tensor([LABEL_WEIGHTS[name] for name in PART_LABELS], device=weights.device)
+        weights[1:] = per_label[patches.labels()[1:]]
     return weights
 
 

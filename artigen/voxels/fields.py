@@ -1,12 +1,13 @@
-"""The articulated voxel field: layout of its channels, encoding and decoding.
+"""The articulated voxel field: its channels, encoding and decoding.
 
 A field is a dense ``C x X x Y x Z`` array (`encode`, float32) in which every occupied cell carries
-the attributes of the part that owns it, constant within the part (paper section 3.1.1). The channel
-layout is a value, `FieldLayout`. The paper states 35 channels and enumerates 28; the other seven
-are read here as the one-hot object category.
+the attributes of the part that owns it, constant within the part (paper section 3.1.1). The paper states 35
+channels and enumerates 28; the other seven are read here as the one-hot object category.
 """
 
 from dataclasses import dataclass
+from itertools import accumulate
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -24,106 +25,35 @@ from artigen.types import (
 )
 
 
-@dataclass(frozen=True, kw_only=True)
-class FieldLayout:
-    """Names and order of the channels; the default is the 35-channel layout.
+class Channels(NamedTuple):
+    """Slices of the attributes, in the order of the channels.
 
-    Order: occupancy, part label, joint type, axis, origin, range, box, category, extra.
-
-    Units in the field: axis unit vectors (zero for fixed joints); origin, box centre and box size in
-    unit-cube lengths, unscaled; range[0] is the rotation range divided by ``rotation_unit``, range[1]
-    the signed translation range divided by ``length_unit``. A screw uses both, its pitch is their
-    ratio; a continuous joint states a full turn.
+    Axes are unit vectors (zero for fixed joints), origins are in the gauge of `canonical_origin`, boxes are
+    centre and size; lengths are unit-cube lengths, unscaled. The ranges are rotation in full turns and
+    signed translation: a screw has both, a continuous joint a full turn. Label, joint type and category are
+    one-hot; an object of another category has zeros there.
     """
 
-    labels: tuple[PartLabel, ...] = PART_LABELS
-    """Part labels, one channel each; a part with another label cannot be encoded."""
-    joint_types: tuple[JointType, ...] = JOINT_TYPES
-    """Joint types, one channel each."""
-    categories: tuple[str, ...] = PAPER_CATEGORIES
-    """Object categories, one channel each; an object of another category has zeros here."""
-    rotation_unit: float = FULL_TURN
-    """Radians that read 1.0 in the rotation range channel."""
-    length_unit: float = 1.0
-    """Unit-cube lengths that read 1.0 in the translation range channel."""
-    extra: int = 0
-    """Trailing channels left zero for a caller's own values (a parent vote, a signed distance)."""
-
-    def __post_init__(self) -> None:
-        for name in ("labels", "joint_types", "categories"):
-            values = getattr(self, name)
-            if len(set(values)) != len(values):
-                raise ValueError(f"layout {name} {values} hold a name twice")
-        if not self.labels or not self.joint_types:
-            raise ValueError("a layout needs at least one label and one joint type")
-        if self.rotation_unit <= 0 or self.length_unit <= 0:
-            raise ValueError(
-                f"layout units are {self.rotation_unit} rad and {self.length_unit}, expected above 0"
-            )
-        if self.extra < 0:
-            raise ValueError(f"layout extra is {self.extra}, expected 0 or more")
-
-    @property
-    def widths(self) -> tuple[int, ...]:
-        """Channels per attribute, in order."""
-        return (1, len(self.labels), len(self.joint_types), 3, 3, 2, 6, len(self.categories), self.extra)
-
-    @property
-    def channels(self) -> int:
-        """Total number of channels, 35 by default."""
-        return sum(self.widths)
-
-    def _slice(self, index: int) -> slice:
-        start = sum(self.widths[:index])
-        return slice(start, start + self.widths[index])
-
-    @property
-    def occupancy(self) -> slice:
-        """1 where the surface passes through the cell."""
-        return self._slice(0)
-
-    @property
-    def label(self) -> slice:
-        """One-hot part label."""
-        return self._slice(1)
-
-    @property
-    def joint_type(self) -> slice:
-        """One-hot joint type."""
-        return self._slice(2)
-
-    @property
-    def axis(self) -> slice:
-        """Joint axis."""
-        return self._slice(3)
-
-    @property
-    def origin(self) -> slice:
-        """Joint origin in the gauge of `canonical_origin`."""
-        return self._slice(4)
-
-    @property
-    def range(self) -> slice:
-        """Rotation range, translation range."""
-        return self._slice(5)
-
-    @property
-    def box(self) -> slice:
-        """Box centre, box size."""
-        return self._slice(6)
-
-    @property
-    def category(self) -> slice:
-        """One-hot object category."""
-        return self._slice(7)
+    label: slice
+    joint_type: slice
+    axis: slice
+    origin: slice
+    range: slice
+    box: slice
+    category: slice
 
 
-DEFAULT_LAYOUT = FieldLayout()
+def _slices(first: int) -> Channels:
+    widths = (len(PART_LABELS), len(JOINT_TYPES), 3, 3, 2, 6, len(PAPER_CATEGORIES))
+    ends = tuple(accumulate(widths, initial=first))
+    return Channels(*map(slice, ends[:-1], ends[1:]))
 
 
-def after_occupancy(channels: slice) -> slice:
-    """Slice of the same channels in rows that omit occupancy."""
-    return slice(channels.start - 1, channels.stop - 1)
+FIELD = _slices(1)
+"""Channels of a field; the first, before these, is occupancy."""
+ROW = _slices(0)
+"""Channels of rows that omit occupancy."""
+CHANNELS = FIELD.category.stop
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -131,11 +61,10 @@ class VoxelFields:
     """Values of the occupied cells in meaningful units: radians and unit-cube lengths.
 
     Probabilities are non-negative and sum to one per voxel, except that category rows may be zero
-    (an object outside the layout's categories).
+    (an object of another category).
     """
 
     resolution: int
-    layout: FieldLayout
     coords: Int[np.ndarray, "N 3"]
     label_probs: Float[np.ndarray, "N L"]
     joint_probs: Float[np.ndarray, "N T"]
@@ -153,13 +82,13 @@ class VoxelFields:
             )
         object.__setattr__(self, "coords", coords)
         widths = {
-            "label_probs": len(self.layout.labels),
-            "joint_probs": len(self.layout.joint_types),
+            "label_probs": len(PART_LABELS),
+            "joint_probs": len(JOINT_TYPES),
             "axis": 3,
             "origin": 3,
             "ranges": 2,
             "box": 6,
-            "category_probs": len(self.layout.categories),
+            "category_probs": len(PAPER_CATEGORIES),
         }
         for name, width in widths.items():
             value = frozen_array(getattr(self, name), np.float32, (len(coords), width), f"field {name}")
@@ -207,72 +136,62 @@ def joint_ranges(part: Part) -> Float[np.ndarray, "2"]:
             return np.array([joint.upper, 0.0])
 
 
-def part_attributes(
-    part: Part, category: str, layout: FieldLayout = DEFAULT_LAYOUT
-) -> Float[np.ndarray, "C"]:
+def part_attributes(part: Part, category: str) -> Float[np.ndarray, "C"]:
     """The channel values of every voxel of a part.
 
     A part states its own joint only: a handle on a drawer is fixed here, and moves because its parent
     is the drawer.
-
-    Raises:
-        ValueError: If the layout has no channel for the label or the joint type.
     """
-    for value, known in ((part.label, layout.labels), (part.joint.type, layout.joint_types)):
-        if value not in known:
-            raise ValueError(f"part {part.name!r}: {value!r} is not in the layout's {', '.join(known)}")
-    row = np.zeros(layout.channels)
-    row[layout.occupancy] = 1.0
-    row[layout.label.start + layout.labels.index(part.label)] = 1.0
-    row[layout.joint_type.start + layout.joint_types.index(part.joint.type)] = 1.0
+    row = np.zeros(CHANNELS)
+    row[0] = 1.0
+    row[FIELD.label.start + PART_LABELS.index(part.label)] = 1.0
+    row[FIELD.joint_type.start + JOINT_TYPES.index(part.joint.type)] = 1.0
     if part.joint.type != "fixed":
-        row[layout.axis] = part.joint.axis
-    row[layout.origin] = canonical_origin(part)
-    row[layout.range] = joint_ranges(part) / (layout.rotation_unit, layout.length_unit)
-    row[layout.box] = part.box.ravel()
-    if category in layout.categories:
-        row[layout.category.start + layout.categories.index(category)] = 1.0
+        row[FIELD.axis] = part.joint.axis
+    row[FIELD.origin] = canonical_origin(part)
+    row[FIELD.range] = joint_ranges(part) / (FULL_TURN, 1.0)
+    row[FIELD.box] = part.box.ravel()
+    if category in PAPER_CATEGORIES:
+        row[FIELD.category.start + PAPER_CATEGORIES.index(category)] = 1.0
     return row
 
 
-def tabulate_parts(asset: Asset, layout: FieldLayout = DEFAULT_LAYOUT) -> Float[np.ndarray, "P C"]:
+def tabulate_parts(asset: Asset) -> Float[np.ndarray, "P C"]:
     """The channels after occupancy of every part, a row each (float32)."""
-    rows = [part_attributes(part, asset.category, layout) for part in asset.parts]
-    return np.stack(rows)[:, layout.occupancy.stop :].astype(np.float32)
+    rows = [part_attributes(part, asset.category) for part in asset.parts]
+    return np.stack(rows)[:, 1:].astype(np.float32)
 
 
-def name_rows(table: Float[np.ndarray, "P C"], layout: FieldLayout = DEFAULT_LAYOUT) -> tuple[PartLabel, ...]:
+def name_rows(table: Float[np.ndarray, "P C"]) -> tuple[PartLabel, ...]:
     """Labels of the rows of `tabulate_parts`."""
-    return tuple(layout.labels[row.argmax()] for row in table[:, after_occupancy(layout.label)])
+    return tuple(PART_LABELS[row.argmax()] for row in table[:, ROW.label])
 
 
-def name_joints(
-    table: Float[np.ndarray, "P C"], layout: FieldLayout = DEFAULT_LAYOUT
-) -> tuple[JointType, ...]:
+def name_joints(table: Float[np.ndarray, "P C"]) -> tuple[JointType, ...]:
     """Joint types of the rows of `tabulate_parts`."""
-    return tuple(layout.joint_types[row.argmax()] for row in table[:, after_occupancy(layout.joint_type)])
+    return tuple(JOINT_TYPES[row.argmax()] for row in table[:, ROW.joint_type])
 
 
-def name_category(table: Float[np.ndarray, "P C"], layout: FieldLayout = DEFAULT_LAYOUT) -> str | None:
+def name_category(table: Float[np.ndarray, "P C"]) -> str | None:
     """Category of the object whose parts are the rows of `tabulate_parts`; None if it has no channel."""
-    one_hot = table[0, after_occupancy(layout.category)]
-    return layout.categories[one_hot.argmax()] if one_hot.any() else None
+    one_hot = table[0, ROW.category]
+    return PAPER_CATEGORIES[one_hot.argmax()] if one_hot.any() else None
 
 
-def encode(asset: Asset, layout: FieldLayout = DEFAULT_LAYOUT) -> Float[np.ndarray, "C X Y Z"]:
+def encode(asset: Asset) -> Float[np.ndarray, "C X Y Z"]:
     """Writes an asset's voxels and parts into a dense float32 field; empty cells are zero.
 
     Raises:
-        ValueError: If the asset has no voxels, or a part does not fit the layout.
+        ValueError: If the asset has no voxels.
     """
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels to encode; voxelize its surface first")
     voxels = asset.voxels
-    table = np.stack([part_attributes(part, asset.category, layout) for part in asset.parts])
-    field = np.zeros((layout.channels, *(voxels.resolution,) * 3), dtype=np.float32)
+    table = np.stack([part_attributes(part, asset.category) for part in asset.parts])
+    field = np.zeros((CHANNELS, *(voxels.resolution,) * 3), dtype=np.float32)
     flat = np.ravel_multi_index(tuple(voxels.coords.T.astype(np.int64)), (voxels.resolution,) * 3)
     columns = table.astype(np.float32).T
-    for channel, values in zip(field.reshape(layout.channels, -1), columns, strict=True):
+    for channel, values in zip(field.reshape(CHANNELS, -1), columns, strict=True):
         channel[flat] = values[voxels.part_ids]
     return field
 
@@ -284,9 +203,7 @@ def _probabilities(values: np.ndarray) -> np.ndarray:
     return np.where(total > 0, clipped / np.where(total > 0, total, 1.0), 1.0 / max(1, values.shape[1]))
 
 
-def decode(
-    field: Float[np.ndarray, "C X Y Z"], layout: FieldLayout = DEFAULT_LAYOUT, threshold: float = 0.5
-) -> VoxelFields:
+def decode(field: Float[np.ndarray, "C X Y Z"], threshold: float = 0.5) -> VoxelFields:
     """Reads the cells whose occupancy is above ``threshold``.
 
     Class channels are probabilities (apply a softmax to logits first); label and joint rows are
@@ -296,21 +213,18 @@ def decode(
         ValueError: If the array is not cubic, has another channel count, or holds NaN.
     """
     channels, *sides = field.shape
-    if channels != layout.channels or len(set(sides)) != 1:
-        raise ValueError(
-            f"field has shape {field.shape}, the layout needs {layout.channels} x R x R x R with one R"
-        )
-    flat = np.flatnonzero(field[layout.occupancy.start].ravel() > threshold)
+    if channels != CHANNELS or len(set(sides)) != 1:
+        raise ValueError(f"field has shape {field.shape}, expected {CHANNELS} x R x R x R with one R")
+    flat = np.flatnonzero(field[0].ravel() > threshold)
     values = field.reshape(channels, -1)[:, flat].T.astype(np.float32)  # N C
     return VoxelFields(
         resolution=sides[0],
-        layout=layout,
         coords=np.stack(np.unravel_index(flat, sides), axis=1),
-        label_probs=_probabilities(values[:, layout.label]),
-        joint_probs=_probabilities(values[:, layout.joint_type]),
-        axis=values[:, layout.axis],
-        origin=values[:, layout.origin],
-        ranges=values[:, layout.range] * (layout.rotation_unit, layout.length_unit),
-        box=values[:, layout.box],
-        category_probs=np.maximum(values[:, layout.category], 0.0),
+        label_probs=_probabilities(values[:, FIELD.label]),
+        joint_probs=_probabilities(values[:, FIELD.joint_type]),
+        axis=values[:, FIELD.axis],
+        origin=values[:, FIELD.origin],
+        ranges=values[:, FIELD.range] * (FULL_TURN, 1.0),
+        box=values[:, FIELD.box],
+        category_probs=np.maximum(values[:, FIELD.category], 0.0),
     )

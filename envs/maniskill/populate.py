@@ -8,7 +8,7 @@ returned room keeps every guarantee.
 import hashlib
 import json
 from collections import Counter
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Literal
 from zlib import crc32
 
@@ -22,7 +22,6 @@ from artigen.transforms import quat_from_matrix
 from .rooms.arrange import Place, Plan
 from .rooms.catalogue import Catalogue, Entry, PopulateError, demand_roles
 from .rooms.check import check_room
-from .rooms.choose import ChooseConfig
 from .rooms.footprints import standing_places
 from .rooms.furnish import furnish
 from .rooms.pieces import BED_PARTS, BED_WIDTH, Member
@@ -53,8 +52,6 @@ class PopulateConfig:
     """Number of packages per role; fewer make a room more uniform."""
     attempts: int = 12
     """Arrangements tried before giving up."""
-    choose: ChooseConfig = field(default_factory=ChooseConfig)
-    """Preferences for runs of cabinets."""
 
     def __post_init__(self) -> None:
         if not 1 <= self.least <= self.most:
@@ -91,7 +88,6 @@ def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfi
             radius=cfg.standing_radius if cfg.sweeps == "free" else 0.0,
             sweeps=cfg.sweeps,
             most=cfg.most,
-            choose=cfg.choose,
         )
         plan, missing = furnish(Plan(size=size, entrance=entrance), recipe, chooser)
         objects = sum(

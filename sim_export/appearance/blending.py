@@ -28,41 +28,29 @@ below must not show: behind the front of a panel lies the back of its other side
 CELLS = 64
 """Largest number of cells along each axis for discarding Gaussians far from all places."""
 
-
-@dataclass(frozen=True, kw_only=True)
-class BlendConfig:
-    """Selection and filtering of Gaussians at a place."""
-
-    neighbours: int = 16
-    """Nearest Gaussians considered per place; fewer miss hidden or wide ones, more take time."""
-    near: float = 0.8
-    """Distance (voxels) from the surface within which Gaussians count fully."""
-    far: float = 1.6
-    """Distance (voxels) beyond which they do not count; the weight falls linearly in between."""
-    filter_variance: float = 0.1
-    """Variance (square texels) added to every footprint; opacity is reduced so that the integral is
-    unchanged."""
-    flattening: float = 0.5
-    """Scale of the distance along the viewing axis in the search for nearest Gaussians."""
-    rim: float = 0.35
-    """Smallest radius (voxels) of Gaussians at places that none covers: at the rim of a mesh that extends
-    beyond its Gaussians."""
-    least_cover: float = 0.2
-    """Smallest share of a place that Gaussians must hide for it to count as covered."""
-    solid: float = 0.5
-    """Mean opacity of the Gaussians at a place below which it is transparent; those of boards have 0.8."""
-    sheet: float = 0.04
-    """Height difference (voxels) beyond which Gaussians with normals belong to different sheets; the highest
-    sheet is visible."""
-    least_facing: float = 0.2
-    """Smallest cosine between a Gaussian's normal and the viewing axis, if normals are known."""
-
-    def __post_init__(self) -> None:
-        if not (self.neighbours >= 1 and 0 < self.near < self.far and self.filter_variance >= 0):
-            raise ValueError(
-                f"blending: {self.neighbours} neighbours, near {self.near}, far {self.far}, filter_variance "
-                f"{self.filter_variance}; expected at least 1, 0 < near < far, and at least 0"
-            )
+NEIGHBOURS = 16
+"""Nearest Gaussians considered per place; fewer miss hidden or wide ones, more take time."""
+NEAR = 0.8
+"""Distance (voxels) from the surface within which Gaussians count fully."""
+FAR = 1.6
+"""Distance (voxels) beyond which they do not count; the weight falls linearly in between."""
+FILTER_VARIANCE = 0.1
+"""Variance (square texels) added to every footprint; opacity is reduced so that the integral is
+unchanged."""
+FLATTENING = 0.5
+"""Scale of the distance along the viewing axis in the search for nearest Gaussians."""
+RIM = 0.35
+"""Smallest radius (voxels) of Gaussians at places that none covers: at the rim of a mesh that extends
+beyond its Gaussians."""
+LEAST_COVER = 0.2
+"""Smallest share of a place that Gaussians must hide for it to count as covered."""
+SOLID = 0.5
+"""Mean opacity of the Gaussians at a place below which it is transparent; those of boards have 0.8."""
+SHEET = 0.04
+"""Height difference (voxels) beyond which Gaussians with normals belong to different sheets; the highest
+sheet is visible."""
+LEAST_FACING = 0.2
+"""Smallest cosine between a Gaussian's normal and the viewing axis, if normals are known."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -82,9 +70,9 @@ class Blended:
     cover: Float[np.ndarray, "T"]
     opacity: Float[np.ndarray, "T"]
 
-    def find_panes(self, solid: float) -> Bool[np.ndarray, "T"]:
-        """Places whose Gaussians have a mean opacity below ``solid``."""
-        return (self.opacity > 0) & (self.opacity < solid)
+    def find_panes(self) -> Bool[np.ndarray, "T"]:
+        """Places whose Gaussians have a mean opacity below `SOLID`."""
+        return (self.opacity > 0) & (self.opacity < SOLID)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -110,7 +98,6 @@ def blend_places(
     voxel: float,
     texel: float,
     normals: Float[np.ndarray, "N 3"] | None = None,
-    cfg: BlendConfig | None = None,
 ) -> Blended:
     """Colours at surface points; blending happens in sRGB, as when rendering splats.
 
@@ -121,18 +108,16 @@ def blend_places(
         texel: Distance between places; the width of the filter.
         normals: Outward directions of one-sided Gaussians. A place sees only those that face its way, so that
             sheets of two colours may coincide.
-        cfg: Selection and filtering.
     """
-    cfg = cfg or BlendConfig()
     colors, (cover, opacity) = np.zeros((len(places.points), 3)), np.zeros((2, len(places.points)))
     axis = np.abs(places.normals).argmax(axis=1)
     side = np.take_along_axis(places.normals, axis[:, None], axis=1)[:, 0] >= 0
     for number in range(3):
         ahead = np.full(len(gaussians.means), np.nan) if normals is None else normals[:, number]
-        stretch = np.where(np.arange(3) == number, cfg.flattening, 1.0)
-        for rows, seen in _pair_sides(axis == number, side, ahead, cfg.least_facing):
+        stretch = np.where(np.arange(3) == number, FLATTENING, 1.0)
+        for rows, seen in _pair_sides(axis == number, side, ahead, LEAST_FACING):
             points = places.points[rows]
-            near = find_near(gaussians.means[seen] * stretch, points * stretch, cfg.far * voxel)
+            near = find_near(gaussians.means[seen] * stretch, points * stretch, FAR * voxel)
             seen = seen[near]
             if not len(seen):
                 continue
@@ -145,9 +130,9 @@ def blend_places(
                 opacities=gaussians.opacities[seen].astype(np.float64),
                 normals=None if normals is None else normals[seen],
                 axis=number,
-                variance=cfg.filter_variance * texel**2,
+                variance=FILTER_VARIANCE * texel**2,
             )
-            found = _blend_sheet(sheet, voxel, cfg)
+            found = _blend_sheet(sheet, voxel)
             colors[rows], cover[rows], opacity[rows] = found.colors, found.cover, found.opacity
     return Blended(colors=colors, cover=cover, opacity=opacity)
 
@@ -213,24 +198,24 @@ def _project(sheet: _Sheet, rows: Int[np.ndarray, "M"], least: float = 0.0) -> F
     return np.stack([yy / filtered, -xy / filtered, xx / filtered, strength], axis=1)
 
 
-def _blend_sheet(sheet: _Sheet, voxel: float, cfg: BlendConfig) -> Blended:
-    stretch = np.where(np.arange(3) == sheet.axis, cfg.flattening, 1.0)
+def _blend_sheet(sheet: _Sheet, voxel: float) -> Blended:
+    stretch = np.where(np.arange(3) == sheet.axis, FLATTENING, 1.0)
     tree = KDTree(sheet.means * stretch, leafsize=16, balanced_tree=False, compact_nodes=False)
     footprints = _project(sheet, np.arange(len(sheet.means)))
     wide = np.zeros_like(footprints)
     colors, (cover, opacity) = np.zeros_like(sheet.places.points), np.zeros((2, len(sheet.places.points)))
-    reach, count = cfg.far * voxel, min(cfg.neighbours, len(sheet.means))
+    reach, count = FAR * voxel, min(NEIGHBOURS, len(sheet.means))
     for rows in _chunks(len(cover), count):
         nearest = tree.query(sheet.places.points[rows] * stretch, k=count, distance_upper_bound=reach)[1]
         index = np.reshape(np.asarray(nearest), (len(rows), count))
-        found = _blend_rows(sheet, rows, index, footprints, (voxel, cfg))
+        found = _blend_rows(sheet, rows, index, footprints, voxel)
         colors[rows], cover[rows], opacity[rows] = found.colors, found.cover, found.opacity
-        bare = (found.cover < cfg.least_cover) & ~found.find_panes(cfg.solid)
+        bare = (found.cover < LEAST_COVER) & ~found.find_panes()
         if bare.any():
             used = np.unique(index[bare])
             used = used[used < len(wide)]
-            wide[used] = _project(sheet, used, cfg.rim * voxel)
-            again = _blend_rows(sheet, rows[bare], index[bare], wide, (voxel, cfg))
+            wide[used] = _project(sheet, used, RIM * voxel)
+            again = _blend_rows(sheet, rows[bare], index[bare], wide, voxel)
             colors[rows[bare]], cover[rows[bare]] = again.colors, again.cover
             opacity[rows[bare]] = again.opacity
     return Blended(colors=colors, cover=cover, opacity=opacity)
@@ -241,10 +226,9 @@ def _blend_rows(
     rows: Int[np.ndarray, "M"],
     index: Int[np.ndarray, "M K"],
     footprints: Float[np.ndarray, "N 4"],
-    reach: tuple[float, BlendConfig],
+    voxel: float,
 ) -> Blended:
     """Blends the Gaussians listed for each place, front to back."""
-    voxel, cfg = reach
     there: Bool[np.ndarray, "M K"] = index < len(sheet.means)
     index = np.where(there, index, 0)
     points, normals = sheet.places.points[rows], sheet.places.normals[rows]
@@ -253,7 +237,7 @@ def _blend_rows(
     a, b, c, strength = (column[index] for column in _columns(footprints))
     power = 0.5 * (a * first**2 + 2.0 * b * first * second + c * second**2)
     away = np.abs(sum(offset[k] * normals[:, k, None] for k in range(3))) / voxel
-    fade = np.clip((cfg.far - away) / (cfg.far - cfg.near), 0.0, 1.0)
+    fade = np.clip((FAR - away) / (FAR - NEAR), 0.0, 1.0)
     near = np.where(there, np.exp(-np.maximum(power, 0.0)) * fade, 0.0)
     alpha = np.minimum(strength * near, MAX_ALPHA)
     if sheet.normals is None:
@@ -262,7 +246,7 @@ def _blend_rows(
     else:
         up = _columns(sheet.normals)
         heights = offset[0] * up[0][index] + offset[1] * up[1][index] + offset[2] * up[2][index]
-        weight = _weigh_sheets(alpha, heights, cfg.sheet * voxel)
+        weight = _weigh_sheets(alpha, heights, SHEET * voxel)
     cover = weight.sum(axis=1)
     total = np.stack([(weight * column[index]).sum(axis=1) for column in _columns(sheet.colors)], axis=1)
     presence = near.sum(axis=1)

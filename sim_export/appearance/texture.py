@@ -21,7 +21,7 @@ from artigen.splats.surface import SurfaceSplatConfig, splat_surface, thin_sampl
 from artigen.transforms import matrix_from_quat
 from artigen.types import Asset, Gaussians
 from sim_export.appearance.atlas import Atlas, make_atlas
-from sim_export.appearance.blending import BlendConfig, Places, blend_places
+from sim_export.appearance.blending import LEAST_COVER, SOLID, Places, blend_places
 from sim_export.package import Mesh
 
 DARKEST = 4
@@ -42,8 +42,6 @@ class TextureConfig:
     """Surface samples used per object; more take time without adding detail at texel size."""
     speck: int = 24
     """Difference (levels) from the surrounding texels above which a texel counts as a speck."""
-    blend: BlendConfig = field(default_factory=BlendConfig)
-    """Selection of Gaussians at a texel."""
     discs: SurfaceSplatConfig = field(
         default_factory=lambda: SurfaceSplatConfig(spread=0.8, edge=1.0, neighbours=4, widest=2.0, apart=0.0)
     )
@@ -101,19 +99,19 @@ def bake_mesh(
     levels = np.rint(255.0 * np.clip(srgb_from_linear(gaussians.colors), 0.0, 1.0))
     red, green, blue = (levels.mean(axis=0) / 255.0).tolist()
     plain = replace(mesh, color=(red, green, blue), uv=None, texture=None)
-    if np.ptp(levels, axis=0).max() <= cfg.uniform_range and gaussians.opacities.min() >= cfg.blend.solid:
+    if np.ptp(levels, axis=0).max() <= cfg.uniform_range and gaussians.opacities.min() >= SOLID:
         return BakedMesh(mesh=plain)
     texel = voxel / cfg.texels_per_voxel
     atlas = make_atlas(mesh, texel, cfg.max_size)
     places = _texel_places(mesh, atlas)
-    seen = blend_places(places, gaussians, voxel=voxel, texel=texel, normals=normals, cfg=cfg.blend)
-    pane = seen.find_panes(cfg.blend.solid)
-    colors, covered = seen.colors.copy(), (seen.cover >= cfg.blend.least_cover) | pane
+    seen = blend_places(places, gaussians, voxel=voxel, texel=texel, normals=normals)
+    pane = seen.find_panes()
+    colors, covered = seen.colors.copy(), (seen.cover >= LEAST_COVER) | pane
     if normals is not None and not covered.all():
         # A single sheet colours both sides of its wall.
         rest = Places(points=places.points[~covered], normals=places.normals[~covered])
-        behind = blend_places(rest, gaussians, voxel=voxel, texel=texel, cfg=cfg.blend)
-        colors[~covered], covered[~covered] = behind.colors, behind.cover >= cfg.blend.least_cover
+        behind = blend_places(rest, gaussians, voxel=voxel, texel=texel)
+        colors[~covered], covered[~covered] = behind.colors, behind.cover >= LEAST_COVER
     if not covered.any():
         return BakedMesh(mesh=plain, texels=len(covered))
     filled = _fill(colors, covered, places.points)

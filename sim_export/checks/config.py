@@ -55,9 +55,6 @@ class CheckConfig:
     max_mass: float = 500.0
     """V007: kg; heavier links are a unit error."""
 
-    max_mass_ratio: float = 100.0
-    """V007: heaviest over lightest link; above it the message warns, the verdict stays."""
-
     inertia_tolerance: float = 1e-6
     """V008: relative slack of the triangle inequality between principal moments."""
 
@@ -170,9 +167,6 @@ class CheckConfig:
 
     min_protrusion: float = 0.005
     """V204: how far (m) a handle must stand out of its panel to be pinched."""
-
-    max_mirror_angle: float = 10.0
-    """V205: degrees between one door's opening direction and the mirrored one of its twin."""
 
     min_retained: float = 0.1
     """V206: share of a drawer's depth that is still inside its parent when it is open."""

@@ -12,7 +12,6 @@ from jaxtyping import Bool, Float, Int
 
 _SHIFT = np.array([1.37e-4, 2.71e-4, 3.19e-4])
 """Offset (in cells) of columns from the cell centres, so that they miss axis-aligned edges."""
-_CHUNK = 2_000_000
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -140,7 +139,7 @@ def _chunks(count: np.ndarray) -> list[np.ndarray]:
     """Triangle indices in chunks of bounded size, each repeated once per column of its box."""
     rows = np.flatnonzero(count)
     total = np.cumsum(count[rows])
-    groups = np.split(rows, np.flatnonzero(np.diff(total // _CHUNK)) + 1)
+    groups = np.split(rows, np.flatnonzero(np.diff(total // 2_000_000)) + 1)
     return [np.repeat(group, count[group]) for group in groups if len(group)]
 
 

@@ -48,7 +48,7 @@ def has_colliding_joints(subject: Subject) -> str:
 def check_sweep(subject: Subject, cfg: CheckConfig) -> Finding:
     """V201: no link enters another one along any joint's range, or at sampled poses of all joints."""
     motions = [joint_motion(subject, joint, cfg) for joint in subject.driven]
-    motions.append(_joint_poses(subject, cfg))
+    motions.append(joint_poses(subject, cfg))
     depth, depth_where = 0.0, ""
     overlap, overlap_where = 0.0, ""
     for motion in motions:
@@ -122,7 +122,7 @@ def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Mot
     return Motion(name=joint.name, T=subject.displacements(qpos), pairs=_solid(subject, pairs))
 
 
-def _joint_poses(subject: Subject, cfg: CheckConfig) -> Motion:
+def joint_poses(subject: Subject, cfg: CheckConfig) -> Motion:
     """Sampled poses of all joints; links are tested against ancestors and static links only, since movable
     neighbours may collide.
 

@@ -1,13 +1,19 @@
 """Writes a package's textured meshes as one GLB: one node per link in the joint tree, closed, y up."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+from jaxtyping import Float
 
 from artigen.transforms import shift
 from sim_export.errors import PackageError
 from sim_export.files.urdf import link_origins
 from sim_export.package import Mesh, SimPackage
+from sim_export.picture.raycast import Surface
+
+if TYPE_CHECKING:
+    import trimesh
 
 Y_UP = np.array([[0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 """Rotation from the object frame (z up, front -x) to glTF's (y up, front +z)."""
@@ -38,7 +44,7 @@ def glb_bytes(package: SimPackage) -> bytes:
                     "meshes of our own (export with --visual voxels)"
                 )
             scene.add_geometry(
-                _as_trimesh(visual.mesh, origins[link.name]),
+                textured_trimesh(visual.mesh.vertices[visual.mesh.faces] - origins[link.name], visual.mesh),
                 node_name=visual.name,
                 geom_name=visual.name,
                 parent_node_name=link.name,
@@ -53,25 +59,29 @@ def write_glb(package: SimPackage, path: Path) -> None:
     path.write_bytes(glb_bytes(package))
 
 
-def _as_trimesh(mesh: Mesh, origin: np.ndarray):
-    """The mesh in its link's frame, with unshared vertices if it has texture coordinates."""
+def textured_trimesh(
+    corners: Float[np.ndarray, "F 3 3"],
+    look: Mesh | Surface,
+    normals: Float[np.ndarray, "F 3 3"] | None = None,
+) -> "trimesh.Trimesh":
+    """Triangles with unshared vertices, in the colour or texture of ``look``."""
     import trimesh
     from PIL import Image
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
 
     material = PBRMaterial(metallicFactor=0.0, roughnessFactor=0.8)
-    corners = mesh.vertices[mesh.faces].reshape(-1, 3) - origin
-    uv = np.zeros((len(corners), 2))
-    if mesh.uv is not None and mesh.texture is not None:
-        material.baseColorTexture = Image.fromarray(mesh.texture)
-        material.alphaMode = "OPAQUE" if mesh.texture.shape[2] == 3 else "BLEND"
-        uv = mesh.uv.reshape(-1, 2)
+    uv = np.zeros((3 * len(corners), 2))
+    if look.uv is not None and look.texture is not None:
+        material.baseColorTexture = Image.fromarray(look.texture)
+        material.alphaMode = "OPAQUE" if look.texture.shape[2] == 3 else "BLEND"
+        uv = look.uv.reshape(-1, 2)
     else:
-        material.baseColorFactor = np.array([*np.rint(255.0 * np.array(mesh.color)), 255], dtype=np.uint8)
+        material.baseColorFactor = np.array([*np.rint(255.0 * np.array(look.color)), 255], dtype=np.uint8)
     return trimesh.Trimesh(
-        vertices=corners,
-        faces=np.arange(len(corners)).reshape(-1, 3),
+        vertices=corners.reshape(-1, 3),
+        faces=np.arange(3 * len(corners)).reshape(-1, 3),
+        vertex_normals=None if normals is None else normals.reshape(-1, 3),
         visual=TextureVisuals(uv=uv, material=material),
         process=False,
     )

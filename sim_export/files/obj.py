@@ -5,20 +5,19 @@ equal bytes.
 """
 
 import io
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
+from artigen import wavefront
+from artigen.errors import SourceError
 from sim_export.errors import PackageError
 from sim_export.package import Hull, Mesh
 
 DECIMALS = 6
 CREASE_DEGREES = 35.0
-PNG_COMPRESSION = 1
-PALETTE_COMPRESSION = 9
 PALETTE = 256
 
 
@@ -182,9 +181,9 @@ def png_bytes(texture: UInt8[np.ndarray, "H W C"]) -> bytes:
     if texture.shape[2] == 3 and (few := _few_colors(texture)) is not None:
         image = Image.fromarray(few.index, "P")
         image.putpalette(few.colors.tobytes())
-        image.save(stream, "PNG", compress_level=PALETTE_COMPRESSION)
+        image.save(stream, "PNG", compress_level=9)
         return stream.getvalue()
-    Image.fromarray(np.ascontiguousarray(texture)).save(stream, "PNG", compress_level=PNG_COMPRESSION)
+    Image.fromarray(np.ascontiguousarray(texture)).save(stream, "PNG", compress_level=1)
     return stream.getvalue()
 
 
@@ -201,136 +200,33 @@ def read_image(path: Path) -> UInt8[np.ndarray, "H W C"]:
     return pixels if pixels[..., 3].min() < 255 else pixels[..., :3]
 
 
-def _numbers(lines: list[bytes], width: int, path: Path, element: str) -> np.ndarray:
-    """The first ``width`` numbers of each line."""
-    if not lines:
-        return np.zeros((0, width))
-    try:
-        flat = np.array(b" ".join(lines).split(), dtype=np.float64)
-        if flat.size != width * len(lines):  # further values per line: colours or a third texture coordinate
-            flat = np.array([line.split()[:width] for line in lines], dtype=np.float64)
-    except ValueError as err:
-        raise PackageError(f"{path}: '{element}' lines hold something else than numbers ({err})") from err
-    rows = flat.reshape(-1, width)
-    if not np.isfinite(rows).all():
-        row = int(np.flatnonzero(~np.isfinite(rows).all(axis=1))[0])
-        raise PackageError(f"{path}: '{element}' number {row + 1} is {rows[row].tolist()}, expected finite")
-    return rows
-
-
-def _corner(token: bytes) -> tuple[int, int]:
-    """Zero-based vertex and texture index of ``v``, ``v/t``, ``v//n`` or ``v/t/n``."""
-    fields = token.split(b"/")
-    uv = int(fields[1]) if len(fields) > 1 and fields[1] else 0
-    return int(fields[0]) - 1, uv - 1
-
-
-_TRIANGLE = {3: (1, 0), 6: (2, 1), 9: (3, 1)}
-
-
-def _triangles(lines: list[bytes], path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Vertex and texture indices of face lines; polygons become fans."""
-    joined = b" ".join(lines)
-    if joined.count(b"//") in (0, 3 * len(lines)):
-        width = joined.replace(b"//", b" ").replace(b"/", b" ").split()
-        per_face = len(width) / len(lines)
-        uniform = all(len(line.split()) == 3 for line in lines)
-        if uniform and per_face in _TRIANGLE:
-            per_corner, has_uv = _TRIANGLE[int(per_face)]
-            try:
-                table = np.array(width, dtype=np.int64).reshape(-1, 3, per_corner) - 1
-            except ValueError as err:
-                raise PackageError(f"{path}: 'f' lines hold something else than indices ({err})") from err
-            uv = table[:, :, 1] if has_uv and b"//" not in joined else np.full(table.shape[:2], -1)
-            return table[:, :, 0], uv
-    triangles = []
-    for line in lines:
-        try:
-            corners = [_corner(token) for token in line.split()]
-        except ValueError as err:
-            raise PackageError(f"{path}: face 'f {line.decode(errors='replace')}' is no face") from err
-        triangles += [(corners[0], corners[k], corners[k + 1]) for k in range(1, len(corners) - 1)]
-    table = np.array(triangles, dtype=np.int64).reshape(-1, 3, 2)
-    return table[:, :, 0], table[:, :, 1]
-
-
-_LINE = re.compile(rb"^[ \t]*(v|vt|f|usemtl|mtllib)[ \t]+([^\r\n]+)", re.MULTILINE)
-
-
 def parse_obj(path: Path) -> ObjData:
     """Reads an OBJ with absolute indices; polygons become fans.
 
     Raises `PackageError` with the file and the content of the line if it cannot be parsed.
     """
     try:
-        data = path.read_bytes()
-    except OSError as err:
-        raise PackageError(f"{path}: cannot be read ({err.strerror})") from err
-    vertices: list[bytes] = []
-    uv: list[bytes] = []
-    faces: dict[bytes | None, list[bytes]] = {}
-    material: bytes | None = None
-    mtllib: str | None = None
-    for key, value in _LINE.findall(data.replace(b"\\\n", b" ")):
-        match key:
-            case b"v":
-                vertices.append(value)
-            case b"vt":
-                uv.append(value)
-            case b"f":
-                faces.setdefault(material, []).append(value)
-            case b"usemtl":
-                material = value.strip()
-            case _:
-                mtllib = value.strip().decode(errors="replace")
-    points = _numbers(vertices, 3, path, "v")
-    coordinates = _numbers(uv, 2, path, "vt")
-    groups = []
-    for name, lines in faces.items():
-        triangles, uv_triangles = _triangles(lines, path)
-        for indices, size, kind, low in (
-            (triangles, len(points), "v", 0),
-            (uv_triangles, len(coordinates), "vt", -1),
-        ):
-            if indices.size and (indices.min() < low or indices.max() >= size):
-                raise PackageError(
-                    f"{path}: faces use '{kind}' {indices.min() + 1}..{indices.max() + 1}, "
-                    f"allowed are absolute indices 1..{size}"
-                )
-        groups.append(
-            ObjGroup(
-                material=None if name is None else name.decode(errors="replace"),
-                faces=triangles,
-                uv_faces=uv_triangles,
-            )
+        said = wavefront.parse_obj(path)
+    except SourceError as err:
+        raise PackageError(str(err)) from err
+    names = np.array(said.names, dtype=object)[said.material_ids]
+    groups = tuple(
+        ObjGroup(
+            material=name or None, faces=said.faces[names == name], uv_faces=said.uv_faces[names == name]
         )
-    return ObjData(vertices=points, uv=coordinates, groups=tuple(groups), mtllib=mtllib)
+        for name in dict.fromkeys(names.tolist())
+    )
+    mtllib = said.libraries[-1] if said.libraries else None
+    return ObjData(vertices=said.vertices, uv=said.coords, groups=groups, mtllib=mtllib)
 
 
 def parse_mtl(path: Path) -> dict[str, Material]:
     """Materials of an MTL file: diffuse colour, and image name as written in the file."""
     try:
-        text = path.read_text(errors="replace")
-    except OSError as err:
-        raise PackageError(f"{path}: cannot be read ({err.strerror})") from err
-    colors: dict[str, tuple[float, float, float]] = {}
-    images: dict[str, str] = {}
-    name = ""
-    for line in text.splitlines():
-        key, _, value = line.strip().partition(" ")
-        value = value.strip()
-        if key == "newmtl":
-            name = value
-            colors[name] = (0.7, 0.7, 0.7)
-        elif key == "Kd" and name:
-            try:
-                red, green, blue = (float(field) for field in value.split()[:3])
-            except ValueError as err:
-                raise PackageError(f"{path}: material {name!r} has 'Kd {value}', expected 3 numbers") from err
-            colors[name] = (red, green, blue)
-        elif key == "map_Kd" and name:
-            images[name] = value.split()[-1] if value.startswith("-") else value
-    return {name: Material(color=color, image=images.get(name)) for name, color in colors.items()}
+        known = wavefront.parse_mtl(path)
+    except SourceError as err:
+        raise PackageError(str(err)) from err
+    return {name: Material(color=color, image=image or None) for name, (color, image) in known.items()}
 
 
 def read_mesh(path: Path) -> Mesh:

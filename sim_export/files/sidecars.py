@@ -9,7 +9,6 @@ import json
 
 import numpy as np
 
-from artigen.types import PartLabel
 from sim_export.errors import PackageError
 from sim_export.package import (
     HandleAnnotation,
@@ -26,16 +25,6 @@ from sim_export.topology import find_topology
 FORMAT = "artigen-package"
 VERSION = 1
 
-SEMANTIC_NAMES: dict[PartLabel, str] = {
-    "drawer": "drawer",
-    "door": "door",
-    "handle": "handle",
-    "knob": "knob",
-    "tray": "tray",
-    "shelf": "shelf",
-    "wheel": "wheel",
-    "base": "part",
-}
 BODY_NAMES: dict[str, str] = {
     "StorageFurniture": "furniture_body",
     "Table": "furniture_body",
@@ -83,7 +72,7 @@ def _semantic_name(package: SimPackage, link: Link, joint: PackageJoint | None) 
         return BODY_NAMES.get(package.category, f"{package.category.lower()}_body")
     if link.label == "door":
         return "rotation_door" if joint.type != "prismatic" else "translation_door"
-    return SEMANTIC_NAMES[link.label or "base"]
+    return "part" if link.label in (None, "base") else link.label
 
 
 def _named_links(package: SimPackage) -> list[tuple[Link, PackageJoint | None]]:

@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+from artigen.transforms import rpy_from_matrix
 from artigen.types import FULL_TURN
 from sim_export.geometry.primitives import find_primitive
 from sim_export.package import Link, PackageJoint, SimPackage, SourceMesh, Visual
@@ -110,20 +111,13 @@ def _add_link(robot: ET.Element, link: Link, origin: Float[np.ndarray, "3"], nam
             ET.SubElement(ET.SubElement(holder, "geometry"), "mesh", filename=hull_path(link, index))
             continue
         T = shape.T_object_shape
-        xyz, rpy = format_vector(T[:3, 3] - origin), format_vector(_rpy_from_matrix(T[:3, :3]), 12)
+        xyz, rpy = format_vector(T[:3, 3] - origin), format_vector(rpy_from_matrix(T[:3, :3]), 12)
         ET.SubElement(holder, "origin", xyz=xyz, rpy=rpy)
         if shape.kind == "box":
             sizes = {"size": format_vector(np.array(shape.sizes))}
         else:
             sizes = {"radius": format_number(shape.sizes[0]), "length": format_number(shape.sizes[1])}
         ET.SubElement(ET.SubElement(holder, "geometry"), shape.kind, sizes)
-
-
-def _rpy_from_matrix(R: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3"]:
-    """Roll, pitch and yaw (radians) of a rotation."""
-    from scipy.spatial.transform import Rotation
-
-    return Rotation.from_matrix(R).as_euler("xyz")
 
 
 def visual_placement(
@@ -133,7 +127,7 @@ def visual_placement(
     if not isinstance(visual.mesh, SourceMesh):
         return -origin, np.zeros(3), 1.0
     T = visual.mesh.T_object_file
-    return T[:3, 3] - origin, _rpy_from_matrix(T[:3, :3]), visual.mesh.scale
+    return T[:3, 3] - origin, rpy_from_matrix(T[:3, :3]), visual.mesh.scale
 
 
 def _add_joint(robot: ET.Element, joint: PackageJoint, parent_origin: Float[np.ndarray, "3"]) -> None:

@@ -16,27 +16,19 @@ from sim_export.package import HandleAnnotation, Mesh, PackageJoint
 from sim_export.physics.links import LinkTree, link_names, link_owners
 
 SNAP_DEGREES = 5.0
+"""Normals closer than this to one of the object's axes are that axis; closer to each other, they agree."""
 MAX_TILT_DEGREES = 35.0
+"""Largest angle between a handle's outward direction and the face that it lies along."""
 AGREEMENT = 0.6
-FINGER_SHARE = 0.2
-
-
-@dataclass(frozen=True, kw_only=True)
-class HandleConfig:
-    """Parameters of handle measurements."""
-
-    reach: float = 0.15
-    """Search distance (m) for the carrier behind a handle; also the largest clearance reported."""
-
-    samples: int = 15
-    """Rays along a handle; more resolve thinner legs."""
-
-    bar_ratio: float = 2.0
-    """Ratio of length to width from which a fixed handle is a line handle instead of a round one."""
-
-    def __post_init__(self) -> None:
-        if not self.reach > 0 or self.samples < 3:
-            raise ValueError(f"reach {self.reach} m must be > 0 and samples {self.samples} at least 3")
+"""Share of the rays behind a handle that must agree on a face's normal."""
+REACH = 0.15
+"""Search distance (m) for the carrier behind a handle; also the largest clearance reported."""
+RAYS = 15
+"""Rays along a handle; more resolve thinner legs."""
+FINGERS = 3
+"""Neighbouring rays with free depth behind a bar that fingers need: a fifth of its length."""
+BAR_RATIO = 2.0
+"""Ratio of length to width from which a fixed handle is a line handle instead of a round one."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -48,9 +40,7 @@ class _Frame:
     size: Float[np.ndarray, "3"]
 
 
-def annotate_handles(
-    asset: Asset, meshes: Sequence[Mesh], tree: LinkTree, cfg: HandleConfig | None = None
-) -> tuple[HandleAnnotation, ...]:
+def annotate_handles(asset: Asset, meshes: Sequence[Mesh], tree: LinkTree) -> tuple[HandleAnnotation, ...]:
     """Annotates every handle and knob that moves with a link; those fixed to the body are skipped.
 
     A movable part without handle or knob has no annotation.
@@ -59,9 +49,7 @@ def annotate_handles(
         asset: Parts and joints.
         meshes: One mesh per part (metres, object frame at rest); an empty one is skipped.
         tree: Links of the asset, from `build_links`.
-        cfg: Parameters of the measurements.
     """
-    cfg = cfg or HandleConfig()
     owners, names = link_owners(asset), link_names(asset)
     joints = {joint.child: joint for joint in tree.joints}
     triangles = [mesh.vertices[mesh.faces] for mesh in meshes]
@@ -72,7 +60,7 @@ def annotate_handles(
         link = names[owners[index]]
         carrier = triangles[part.parent]
         others = np.concatenate([found for k, found in enumerate(triangles) if k != index])
-        out.append(_annotate(part, link, joints[link], triangles[index], carrier, others, cfg))
+        out.append(_annotate(part, link, joints[link], triangles[index], carrier, others))
     return tuple(out)
 
 
@@ -83,21 +71,20 @@ def _annotate(
     triangles: Float[np.ndarray, "F 3 3"],
     carrier: Float[np.ndarray, "G 3 3"],
     others: Float[np.ndarray, "H 3 3"],
-    cfg: HandleConfig,
 ) -> HandleAnnotation:
     points = triangles.reshape(-1, 3)
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     motion = joint_velocity(joint, center)
     in_place = joint.type != "prismatic" and np.linalg.norm(motion) < np.ptp(points, axis=0).max() / 4
     guide = np.asarray(joint.axis) if in_place else motion / np.linalg.norm(motion)
-    normal = _outward_normal(points, _near(carrier, points, cfg.reach), guide, cfg)
+    normal = _outward_normal(points, _near(carrier, points, REACH), guide)
     frame = _box_along(points, normal)
     if part.label == "knob":
         half = 0.4 * frame.size[1] * frame.axes[1]
         line = np.stack([frame.center - half, frame.center + half])
-        clearance = min(_stand_off(frame, _near(carrier, points, cfg.reach)), cfg.reach)
+        clearance = min(_stand_off(frame, _near(carrier, points, REACH)), REACH)
     else:
-        clearance, line = _grip(frame, triangles, _near(others, points, cfg.reach), cfg)
+        clearance, line = _grip(frame, triangles, _near(others, points, REACH))
     direction = motion
     if in_place:  # its outline moves, while its centre hardly does
         direction = joint_velocity(joint, line[1])
@@ -112,7 +99,7 @@ def _annotate(
         width=float(frame.size[2]),
         clearance=clearance,
         opening_direction=direction / np.linalg.norm(direction),
-        gapart=gapart_class(part, float(frame.size[1] / max(frame.size[2], 1e-9)), cfg),
+        gapart=gapart_class(part, float(frame.size[1] / max(frame.size[2], 1e-9))),
     )
 
 
@@ -124,13 +111,13 @@ def joint_velocity(joint: PackageJoint, point: Float[np.ndarray, "3"]) -> Float[
     return np.cross(axis, point - joint.origin)
 
 
-def gapart_class(part: Part, ratio: float, cfg: HandleConfig) -> str:
+def gapart_class(part: Part, ratio: float) -> str:
     """GAPartNet class of a handle or knob whose length is ``ratio`` times its width."""
     if part.label == "knob" and part.joint.type == "prismatic":
         return "slider_button"
     if part.joint.type != "fixed":
         return "hinge_knob" if part.label == "knob" else "hinge_handle"
-    return "line_fixed_handle" if ratio >= cfg.bar_ratio else "round_fixed_handle"
+    return "line_fixed_handle" if ratio >= BAR_RATIO else "round_fixed_handle"
 
 
 def _near(
@@ -169,7 +156,6 @@ def _outward_normal(
     points: Float[np.ndarray, "N 3"],
     carrier: Float[np.ndarray, "F 3 3"],
     guide: Float[np.ndarray, "3"],
-    cfg: HandleConfig,
 ) -> Float[np.ndarray, "3"]:
     """The direction with the carrier behind the handle and none of it in front.
 
@@ -181,7 +167,7 @@ def _outward_normal(
     scores = []
     for direction in candidates:
         grid = _silhouette(points, direction)
-        depth = np.ptp(points @ direction) + cfg.reach
+        depth = np.ptp(points @ direction) + REACH
         behind = _hit_share(grid, -direction, carrier, depth)
         before = _hit_share(grid, direction, carrier, depth)
         scores.append(behind - before + 0.3 * abs(direction @ guide) + 1e-3 * (direction @ guide))
@@ -301,19 +287,18 @@ def _grip(
     frame: _Frame,
     triangles: Float[np.ndarray, "F 3 3"],
     behind: Float[np.ndarray, "G 3 3"],
-    cfg: HandleConfig,
 ) -> tuple[float, Float[np.ndarray, "2 3"]]:
     """Clearance behind a bar and its grasp line, from rays along its middle and its two sides.
 
-    The clearance is the largest depth that is free over a stretch of at least `FINGER_SHARE` of the bar's
-    length. The line runs through the middle of the bar over the stretch where most of that depth is free.
-    Without free depth it runs through the middle of the box.
+    The clearance is the largest depth that is free along `FINGERS` neighbouring rays. The line runs through
+    the middle of the bar over the stretch where most of that depth is free. Without free depth it runs
+    through the middle of the box.
     """
     normal, along, across = frame.axes
-    steps = ((np.arange(cfg.samples) + 0.5) / cfg.samples - 0.5) * frame.size[1]
+    steps = ((np.arange(RAYS) + 0.5) / RAYS - 0.5) * frame.size[1]
     start = frame.center + normal * (frame.size[0] / 2 + 1e-3)
-    free = np.full(cfg.samples, np.inf)
-    middle = np.zeros(cfg.samples)
+    free = np.full(RAYS, np.inf)
+    middle = np.zeros(RAYS)
     for side in (-0.3, 0.0, 0.3):
         origins = start + side * frame.size[2] * across + steps[:, None] * along
         fronts, backs = _bar_depths(origins, -normal, triangles)
@@ -321,9 +306,8 @@ def _grip(
         free = np.minimum(free, np.where(np.isfinite(backs), depth, 0.0 if side == 0.0 else np.inf))
         if side == 0.0:
             middle = (fronts + backs) / 2
-    free = np.minimum(free, cfg.reach)
-    window = max(3, round(FINGER_SHARE * cfg.samples))
-    stretches = np.lib.stride_tricks.sliding_window_view(free, window).min(axis=1)
+    free = np.minimum(free, REACH)
+    stretches = np.lib.stride_tricks.sliding_window_view(free, FINGERS).min(axis=1)
     clearance = float(stretches.max())
     if clearance < 1e-4:
         half = 0.4 * frame.size[1] * along

@@ -189,23 +189,20 @@ def _fix(child: str) -> PackageJoint:
 def _chain(asset: Asset, part: Part, parent: str, link: Link) -> tuple[list[Link], list[PackageJoint]]:
     """The joint of a movable part; for a screw with a pitch also its intermediate link and second joint."""
     joint, scale = part.joint, asset.scale
-    origin = np.round(joint.origin * scale, 9)
-    axis = joint.axis / np.linalg.norm(joint.axis)
-    name = link.name.replace("link", "joint")
-    if joint.type == "screw" and joint.pitch != 0.0:
-        return _screw(joint, link, parent, scale)
     per_unit = scale if joint.type == "prismatic" else 1.0
     single = PackageJoint(
-        name=name,
+        name=link.name.replace("link", "joint"),
         type=_urdf_type(joint),
         kind=joint.type,
         parent=parent,
         child=link.name,
-        origin=origin,
-        axis=axis,
+        origin=np.round(joint.origin * scale, 9),
+        axis=joint.axis / np.linalg.norm(joint.axis),
         lower=joint.lower * per_unit,
         upper=joint.upper * per_unit,
     )
+    if joint.type == "screw" and joint.pitch != 0.0:
+        return _screw(single, link, joint.pitch * scale)
     return [], [single]
 
 
@@ -217,41 +214,24 @@ def _urdf_type(joint: Joint) -> UrdfJointType:
     return "revolute" if joint.upper - joint.lower <= FULL_TURN + 1e-6 else "continuous"
 
 
-def _screw(joint: Joint, link: Link, parent: str, scale: float) -> tuple[list[Link], list[PackageJoint]]:
+def _screw(turn: PackageJoint, link: Link, per_radian: float) -> tuple[list[Link], list[PackageJoint]]:
     """Turning joint, then sliding joint with its axis oriented so that the multiplier is positive."""
-    per_radian = joint.pitch * scale
-    origin = np.round(joint.origin * scale, 9)
-    axis = joint.axis / np.linalg.norm(joint.axis)
     inertial = Inertial(
-        mass=CARRIER_MASS, com=origin, inertia=0.4 * CARRIER_MASS * CARRIER_RADIUS**2 * np.eye(3)
+        mass=CARRIER_MASS, com=turn.origin, inertia=0.4 * CARRIER_MASS * CARRIER_RADIUS**2 * np.eye(3)
     )
     carrier = Link(name=f"{link.name}_carrier", label=None, parts=(), visuals=(), hulls=(), inertial=inertial)
-    name = link.name.replace("link", "joint")
-    turn = PackageJoint(
-        name=name,
-        type=_urdf_type(joint),
-        kind="screw",
-        parent=parent,
-        child=carrier.name,
-        origin=origin,
-        axis=axis,
-        lower=joint.lower,
-        upper=joint.upper,
-    )
-    travel = PackageJoint(
-        name=f"{name}_travel",
+    travel = replace(
+        turn,
+        name=f"{turn.name}_travel",
         type="prismatic",
-        kind="screw",
         parent=carrier.name,
-        child=link.name,
-        origin=origin,
-        axis=axis * np.sign(per_radian),
-        lower=joint.lower * abs(per_radian),
-        upper=joint.upper * abs(per_radian),
-        mimic=name,
+        axis=turn.axis * np.sign(per_radian),
+        lower=turn.lower * abs(per_radian),
+        upper=turn.upper * abs(per_radian),
+        mimic=turn.name,
         mimic_multiplier=abs(per_radian),
     )
-    return [carrier], [turn, travel]
+    return [carrier], [replace(turn, child=carrier.name), travel]
 
 
 def subtree_inertial(links: Sequence[Link], joints: Sequence[PackageJoint], name: str) -> Inertial:
@@ -388,15 +368,6 @@ def check_kinematics(package: SimPackage) -> None:
             raise InvalidKinematics(f"{where}: a spring of {joint.spring} up to {joint.upper}: both above 0")
         if joint.lower > joint.upper:
             raise InvalidKinematics(f"{where}: lower {joint.lower} is above upper {joint.upper}")
-    _check_reached(package, owner, roots[0])
-
-
-def _check_reached(package: SimPackage, owner: str, root: str) -> None:
-    """Checks that every link descends from the root, so that there is no separate cycle."""
-    reached, front = {root}, [root]
-    while front:
-        front = [joint.child for joint in package.joints if joint.parent in front]
-        reached |= set(front)
-    lost = [link.name for link in package.links if link.name not in reached]
+    lost = set(names) - hanging_links(package.joints, roots[0])
     if lost:
-        raise InvalidKinematics(f"{owner}: links {', '.join(lost)} do not hang from {root!r}")
+        raise InvalidKinematics(f"{owner}: links {', '.join(sorted(lost))} do not hang from {roots[0]!r}")

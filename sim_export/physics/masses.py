@@ -21,7 +21,6 @@ from sim_export.physics.inertia import inertia_about, mesh_inertial
 from sim_export.physics.makes import HARDWARE, find_make
 from sim_export.physics.materials import MATERIALS, part_material
 
-_MOVES = 12
 _INSIDE = 2e-4
 """Distance (m) inside a face to which a centre of mass is moved."""
 
@@ -97,7 +96,7 @@ def hold_centers(links: Sequence[Link], most: float = 0.006) -> tuple[tuple[Link
         planes = hull_planes(convex_hull(np.concatenate([hull.vertices for hull in link.hulls])))
         com = np.asarray(link.inertial.com)
         start = com
-        for _ in range(_MOVES):
+        for _ in range(12):
             beyond = planes[:, :3] @ com - planes[:, 3]
             worst = int(beyond.argmax())
             if beyond[worst] <= 0.0:

@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 from jaxtyping import Float, Int
 
+from artigen.splats.colors import linear_from_srgb
 from sim_export.picture.camera import Camera, project_points
 from sim_export.picture.raycast import (
     OPAQUE,
@@ -21,7 +22,6 @@ from sim_export.picture.raycast import (
 from sim_export.picture.shading import (
     TILE,
     dot_rows,
-    linear_from_srgb,
     orient_to_viewer,
     shade,
     sphere_points,

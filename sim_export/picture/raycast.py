@@ -7,11 +7,11 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
 
+from artigen.splats.colors import linear_from_srgb
 from artigen.types import frozen_array
 from sim_export.picture.shading import (
     blend_corners,
     dot_rows,
-    linear_from_srgb,
     sample_cover,
     sample_texture,
 )

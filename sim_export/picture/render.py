@@ -1,6 +1,6 @@
 """A small ray caster for pictures of objects: CPU only, without a display, deterministic.
 
-`render_scene` returns a shaded picture, `render_depth` and `render_ids` the exact geometry at pixel centres.
+`render_scene` returns a shaded, antialiased picture.
 Geometry is in metres in one frame; `move_surface` transforms it.
 """
 
@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float, Int, UInt8
+from jaxtyping import Float, UInt8
 
+from artigen.splats.colors import srgb_from_linear
 from artigen.transforms import transform_points, transform_vectors
 from sim_export.package import Mesh
 from sim_export.picture.camera import Camera, pixel_rays, rays_through
 from sim_export.picture.lighting import (
-    NOTHING,
     Grid,
     Light,
     RenderConfig,
@@ -25,8 +25,8 @@ from sim_export.picture.lighting import (
     prepare_light,
     shade_samples,
 )
-from sim_export.picture.raycast import Scene, Surface, build_scene, cast_rays, surface_ids_at
-from sim_export.picture.shading import smooth_corner_normals, srgb_from_linear
+from sim_export.picture.raycast import Scene, Surface, build_scene
+from sim_export.picture.shading import smooth_corner_normals
 
 GOLDEN = 0.618033988749895
 
@@ -62,23 +62,6 @@ def move_surface(surface: Surface, T: Float[np.ndarray, "4 4"]) -> Surface:
 def surface_points(surfaces: Sequence[Surface]) -> Float[np.ndarray, "N 3"]:
     """All triangle corners, for framing."""
     return np.concatenate([np.zeros((0, 3)), *(surface.triangles.reshape(-1, 3) for surface in surfaces)])
-
-
-def render_depth(surfaces: Sequence[Surface], camera: Camera) -> Float[np.ndarray, "H W"]:
-    """Depth (metres along the viewing direction) at pixel centres; infinite where nothing is hit."""
-    hits = cast_rays(build_scene(surfaces), camera.position, pixel_rays(camera).reshape(-1, 3))
-    depth = np.full(camera.height * camera.width, np.inf)
-    depth[hits.place] = hits.depth
-    return depth.reshape(camera.height, camera.width)
-
-
-def render_ids(surfaces: Sequence[Surface], camera: Camera) -> Int[np.ndarray, "H W"]:
-    """Surface id at pixel centres; -1 where nothing is hit."""
-    scene = build_scene(surfaces)
-    hits = cast_rays(scene, camera.position, pixel_rays(camera).reshape(-1, 3))
-    ids = np.full(camera.height * camera.width, NOTHING)
-    ids[hits.place] = surface_ids_at(scene, hits)
-    return ids.reshape(camera.height, camera.width)
 
 
 def render_scene(

@@ -11,24 +11,13 @@ import numpy as np
 from jaxtyping import Float, Int, UInt8
 from scipy import sparse
 
+from artigen.splats.colors import linear_from_srgb
+
 TILE = 4
 """Edge of the tile of pixels over which directions are spread and then averaged."""
 
 Occluded = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """(origins, directions, reach in units of the direction) -> True where something is hit."""
-
-
-def linear_from_srgb(values: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]:
-    """sRGB values in [0, 1] as linear light."""
-    return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
-
-
-def srgb_from_linear(values: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]:
-    """Linear light in [0, 1] as sRGB values."""
-    return np.where(
-        values <= 0.0031308, values * 12.92, 1.055 * np.maximum(values, 1e-9) ** (1.0 / 2.4) - 0.055
-    )
-
 
 LINEAR_OF_BYTE = linear_from_srgb(np.arange(256) / 255.0).astype(np.float32)
 SHARE_OF_BYTE = (np.arange(256) / 255.0).astype(np.float32)

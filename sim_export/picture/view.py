@@ -18,6 +18,7 @@ from jaxtyping import Float
 from artigen.splats.colors import srgb_from_linear
 from artigen.transforms import matrix_from_quat, quat_from_matrix
 from sim_export.collision.motion import driven_joints, link_displacements
+from sim_export.files.glb import textured_trimesh
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 from sim_export.picture.camera import Viewpoint, frame_points
 from sim_export.picture.draw import open_end, package_surfaces
@@ -26,7 +27,6 @@ from sim_export.picture.render import surface_points
 from sim_export.picture.splats import has_splats
 
 if TYPE_CHECKING:
-    import trimesh
     import viser
 
 Group = Literal["visual", "splats", "collision", "grasp_line", "normal", "opening_direction"]
@@ -86,7 +86,8 @@ def build_view(package: SimPackage, *, host: str = "127.0.0.1", port: int = 8080
     for group, surfaces in (("visual", visual), ("collision", hulls)):
         for index, surface in enumerate(surfaces):
             path = f"/{group}/{package.links[surface.id].name}/{index}"
-            server.scene.add_mesh_trimesh(path, _trimesh(surface))
+            mesh = textured_trimesh(surface.triangles, surface, surface.normals)
+            server.scene.add_mesh_trimesh(path, mesh)
     for index, handle in enumerate(package.handles):
         _add_handle(server, handle, index)
     _add_splats(server, package, branches["splats"], visual)
@@ -137,31 +138,6 @@ def _add_branches(
 
 def _shown_at_first(package: SimPackage, group: Group) -> bool:
     return group == "visual" or (group == "splats" and has_splats(package))
-
-
-def _trimesh(surface: Surface) -> "trimesh.Trimesh":
-    """The surface with unshared corners, which keep their texture coordinates and normals."""
-    import trimesh
-    from PIL import Image
-    from trimesh.visual import TextureVisuals
-    from trimesh.visual.material import PBRMaterial
-
-    corners = surface.triangles.reshape(-1, 3)
-    material = PBRMaterial(metallicFactor=0.0, roughnessFactor=0.8)
-    uv = np.zeros((len(corners), 2))
-    if surface.uv is not None and surface.texture is not None:
-        material.baseColorTexture = Image.fromarray(surface.texture)
-        material.alphaMode = "OPAQUE" if surface.texture.shape[2] == 3 else "BLEND"
-        uv = surface.uv.reshape(-1, 2)
-    else:
-        material.baseColorFactor = np.array([*np.round(255.0 * np.array(surface.color)), 255], np.uint8)
-    return trimesh.Trimesh(
-        vertices=corners,
-        faces=np.arange(len(corners)).reshape(-1, 3),
-        vertex_normals=surface.normals.reshape(-1, 3),
-        visual=TextureVisuals(uv=uv, material=material),
-        process=False,
-    )
 
 
 def _add_splats(

@@ -44,16 +44,8 @@ MATERIAL_WORDS: dict[MaterialName, str] = {
     "stone": "stone",
 }
 NONVISUAL_BASES: dict[MaterialName, str] = {
-    "wood_board": "wood",
-    "steel_sheet": "steel",
-    "steel": "steel",
-    "glass": "clear_glass",
-    "insulating_glass": "clear_glass",
-    "plastic": "plastic",
-    "rubber": "rubber",
-    "foam_panel": "steel",
-    "stone": "stone",
-}
+    **MATERIAL_WORDS, "glass": "clear_glass", "insulating_glass": "clear_glass", "foam_panel": "steel",
+}  # fmt: skip
 """Surface material for radar and lidar, in SimReady's terms; a foam panel has a steel skin."""
 
 

@@ -16,6 +16,7 @@ from artigen.transforms import (
     quat_from_matrix,
     quat_multiply,
     rotation_about,
+    rpy_from_matrix,
     screw_motion,
     transform_points,
     transform_vectors,
@@ -180,3 +181,10 @@ def test_motions_broadcast_over_coordinates():
     many = joint_motion(joint, q)
     assert many.shape == (2, 3, 4, 4)
     np.testing.assert_allclose(many[1, 2], joint_motion(joint, q[1, 2]))
+
+
+@pytest.mark.parametrize("pitch", [-np.pi / 2, -0.7, 0.0, 1.2, np.pi / 2])
+def test_roll_pitch_yaw_of_a_rotation_give_it_back(pitch):
+    for roll, yaw in ((0.3, 1.9), (-2.8, -0.4), (0.0, 3.1)):
+        R = matrix_from_rpy(np.array([roll, pitch, yaw]))
+        np.testing.assert_allclose(matrix_from_rpy(rpy_from_matrix(R)), R, atol=ATOL)

@@ -9,7 +9,7 @@ import pytest
 from project import ROOT
 
 from artigen.shapes.draw import draw_shape, draw_variant, find_seed
-from envs.validate import validate_here
+from envs.validate import validate
 from sim_export.files.folders import find_packages
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
@@ -60,7 +60,7 @@ def test_what_is_marked_so_runs(cabinets: Path, monkeypatch: pytest.MonkeyPatch,
         pytest.skip(f"no module {NEEDS[section]} here: its block in {PAGE.name} was not run")
     monkeypatch.chdir(cabinets)
     if section == "ManiSkill":  # takes packages that passed, and says so of others
-        assert all(validate_here(folder).passed for folder in find_packages([cabinets / "out" / "cabinets"]))
+        assert all(validate(folder).passed for folder in find_packages([cabinets / "out" / "cabinets"]))
     names: dict = {"__name__": "page"}
     exec(compile(BLOCKS[section, number], section, "exec"), names)
     opened = {

@@ -72,7 +72,7 @@ def folder(package: SimPackage, tmp_path_factory: pytest.TempPathFactory) -> Pat
 
 @pytest.fixture(scope="module")
 def trials(folder: Path, package: SimPackage):
-    return run_trials(folder, package, 0.01, DynamicsConfig().trials)
+    return run_trials(folder, package, 0.01)
 
 
 def test_a_sound_cabinet_passes_everything(folder):
@@ -153,7 +153,7 @@ def test_a_joint_keeps_its_place_within_what_counts_as_its_limit(trials, kind, u
         moved = np.array([drift])
         run = replace(trials, joints=(joint,), rest_drift=moved, rest_speed=none, lean_drift=moved)
         for check in (check_rest, check_stays_closed):
-            result = check(run, DynamicsConfig().trials)
+            result = check(run)
             assert (result.verdict, result.threshold) == (verdict, pytest.approx(allowed, rel=1e-3))
 
 
@@ -183,7 +183,7 @@ def test_scenes_do_not_depend_on_what_ran_in_the_process_before(package, folder)
 
 
 def test_hulls_that_sapien_knows_behave_as_those_it_reads(folder, package, trials):
-    known = run_trials(folder, package, 0.01, DynamicsConfig().trials, hulls="known")
+    known = run_trials(folder, package, 0.01, hulls="known")
     np.testing.assert_array_equal(known.trace, trials.trace)
 
 
@@ -212,7 +212,6 @@ def test_what_sapien_passes_over_fails_v301(package, tmp_path, damage: Callable[
 
 def test_joints_that_could_meet_are_tried_apart(package, tmp_path):
     """Two square knobs side by side that meet only where both are turned by 45 degrees."""
-    from envs.config import HandConfig
     from envs.package import LoadConfig, load_package
     from envs.plan import plan_trials
     from envs.scene import create_scene
@@ -239,11 +238,11 @@ def test_joints_that_could_meet_are_tried_apart(package, tmp_path):
         return replace(package, links=(*links, body), joints=tuple(joints), handles=(), requires_open=())
 
     groups = {}
-    for distance in (0.0555, 0.06):  # corners reach 28.3 mm from the axis
+    for distance in (0.0565, 0.0567):  # corners reach 28.3 mm from the axis
         folder = write_package(knobs(distance), tmp_path / f"{distance}")
         loaded = load_package(create_scene(0.01), folder, LoadConfig())
-        groups[distance] = len(plan_trials(loaded, HandConfig()).groups)
-    assert groups == {0.0555: 2, 0.06: 1}
+        groups[distance] = len(plan_trials(loaded).groups)
+    assert groups == {0.0565: 2, 0.0567: 1}
 
 
 def test_energy_from_nowhere_fails_v306(trials):

@@ -153,7 +153,7 @@ def test_left_alone_it_settles(folder):
     assert observation["height"][0] == pytest.approx(0.02, abs=1e-4)
     total, info, steps = play(env, np.zeros(3, dtype=np.float32))
     assert info["success"]
-    assert total >= 10.0
+    assert total == 10.0
     assert steps < 100
 
 
@@ -181,7 +181,9 @@ def test_pictures_need_a_device_and_say_so(folder):
     if has_render_device():
         env = make("Actuate", folder, render_mode="rgb_array")
         env.reset(seed=0)
-        assert np.ptp(np.asarray(env.render())) > 0
+        picture = np.asarray(env.render())
+        assert picture.shape == (256, 256, 3)
+        assert np.ptp(picture) > 0
     else:
         with pytest.raises(NoRenderDevice, match="Vulkan"):
             make("Actuate", folder, render_mode="rgb_array")

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 
-from artigen.runtime.workers import Worker
+from artigen.runtime.workers import Outcome, Worker
 from envs.config import ValidateConfig
 from envs.titles import TITLES
-from envs.validate import REPORT_FILE, validate, validate_here, without_seconds
-from envs.worker import CheckJob, call_dynamics
+from envs.validate import REPORT_FILE, validate, without_seconds
+from envs.worker import call_dynamics, run_static
 from sim_export.errors import PackageError
 from sim_export.files.write import manifest_problems, write_package
 from sim_export.report import report_from_json
@@ -58,11 +58,6 @@ def test_the_report_is_written_and_the_same_every_time(folder):
     assert "not installed" not in dict(report.versions).values()
 
 
-@pytest.fixture
-def job(folder) -> CheckJob:
-    return CheckJob(folder=folder, checks=SILENT.checks, dynamics=SILENT.dynamics)
-
-
 @pytest.mark.parametrize(
     ("action", "argument", "timeout", "reason"),
     [
@@ -71,10 +66,10 @@ def job(folder) -> CheckJob:
         (signal.sigwait, [signal.SIGUSR1], 0.2, "took longer than 0.2 s"),
     ],
 )
-def test_the_death_of_an_engine_is_a_failed_v301(job, action, argument, timeout, reason):
+def test_the_death_of_an_engine_is_a_failed_v301(folder, action, argument, timeout, reason):
     worker = DoomedWorker(action, argument, timeout)
     try:
-        results = call_dynamics(worker, job, timeout)
+        results = call_dynamics(worker, folder, timeout)
     finally:
         worker.close()
     assert [result.id for result in results] == list(TITLES)
@@ -94,9 +89,22 @@ def test_the_death_of_the_static_half_is_a_failed_v001(folder):
     assert report.checks[1].message == "not run: V001 failed"
 
 
+def test_validation_waits_two_minutes_for_an_engine_and_ten_for_a_robot(folder, monkeypatch):
+    waited = []
+
+    def hang(_worker: Worker, function: object, _item: object, timeout: float) -> Outcome:
+        waited.append(timeout)
+        done = () if function is run_static else None
+        return Outcome(value=done, error="took too long")
+
+    monkeypatch.setattr(Worker, "call", hang)
+    assert not validate(folder, ValidateConfig(output="none", tasks="run"), Worker()).passed
+    assert waited == [120.0, 120.0, 600.0]
+
+
 def test_what_cannot_be_parsed_is_not_simulated(tmp_path):
     (tmp_path / "mobility.urdf").write_text("<robot")
-    report = validate_here(tmp_path, SILENT)
+    report = validate(tmp_path, SILENT)
     assert not report.passed
     assert {check.message for check in report.checks if check.level == "L3"} == {"not run: V001 failed"}
     assert list(tmp_path.iterdir()) == [tmp_path / "mobility.urdf"]

@@ -262,10 +262,6 @@ def stack_drawers(shares: tuple[float, ...]) -> Node:
     return Split(along="rows", shares=shares, children=(drawer,) * len(shares), board=False)
 
 
-def _row_fits(room: Room, taste: Taste) -> float:
-    return 1.0 if 0.42 <= room.height <= 1.3 and room.bottom + room.height <= 1.45 else 0.0
-
-
 def _draw_drawer_row(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     """A row of drawers above the rest, sometimes below it."""
     high = float(rng.uniform(taste.drawer[0], min(taste.drawer[1], 0.2)))
@@ -279,10 +275,6 @@ def _draw_drawer_row(rng: np.random.Generator, room: Room, taste: Taste) -> Node
     if rng.random() < 0.15:
         pair, shares = pair[::-1], shares[::-1]
     return Split(along="rows", shares=shares, children=pair)
-
-
-def _tall(room: Room, taste: Taste) -> float:
-    return 1.0 if room.height > 1.15 else 0.0
 
 
 def _draw_rows(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
@@ -306,10 +298,6 @@ def _draw_rows(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     return Split(along="rows", shares=(top, room.height - top), children=(upper, lower))
 
 
-def _open_row_fits(room: Room, taste: Taste) -> float:
-    return 1.0 if room.height > 0.5 else 0.0
-
-
 def _draw_open_row(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     """An open compartment above or below the rest."""
     high = float(rng.uniform(0.16, min(0.36, 0.45 * room.height)))
@@ -320,9 +308,9 @@ def _draw_open_row(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     return Split(along="rows", shares=shares, children=pair)
 
 
-def _blank_fits(room: Room, taste: Taste) -> float:
+def _blank_fits(room: Room, taste: Taste) -> bool:
     wide = room.width > 0.75 and room.level == 0
-    return 1.0 if wide or (0.55 <= room.height <= 1.0 and room.width > 0.35) else 0.0
+    return wide or (0.55 <= room.height <= 1.0 and room.width > 0.35)
 
 
 def _draw_blank(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
@@ -338,10 +326,6 @@ def _draw_blank(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     if along == "columns" and rng.random() < 0.5:
         pair, shares = pair[::-1], shares[::-1]
     return Split(along=along, shares=shares, children=pair)
-
-
-def _always(room: Room, taste: Taste) -> float:
-    return 1.0
 
 
 def _draw_open(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
@@ -361,10 +345,6 @@ FILL_ROOM: dict[Fill, tuple[Range, Range]] = {
     "drawer": ((0.2, 1.2), (0.09, 0.42)),
 }
 """Usual ranges of width and height of each kind of front (m)."""
-
-
-def _closed_fits(room: Room, taste: Taste) -> float:
-    return 1.0 if any(weight > 0 and _fits(fill, room) for fill, weight in taste.fills) else 0.0
 
 
 def _draw_closed(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
@@ -392,11 +372,17 @@ def _fits(fill: Fill, room: Room) -> bool:
 Rule = tuple[Callable[[Room, Taste], float], Callable[[np.random.Generator, Room, Taste], Node]]
 _RULES: dict[str, Rule] = {
     "columns": (_columns_fit, _draw_columns),
-    "rows": (_tall, _draw_rows),
+    "rows": (lambda room, taste: room.height > 1.15, _draw_rows),
     "stack": (_stack_fits, _draw_stack),
-    "drawer_row": (_row_fits, _draw_drawer_row),
-    "open_row": (_open_row_fits, _draw_open_row),
+    "drawer_row": (
+        lambda room, taste: 0.42 <= room.height <= 1.3 and room.bottom + room.height <= 1.45,
+        _draw_drawer_row,
+    ),
+    "open_row": (lambda room, taste: room.height > 0.5, _draw_open_row),
     "blank": (_blank_fits, _draw_blank),
-    "closed": (_closed_fits, _draw_closed),
-    "open": (_always, _draw_open),
+    "closed": (
+        lambda room, taste: any(weight > 0 and _fits(fill, room) for fill, weight in taste.fills),
+        _draw_closed,
+    ),
+    "open": (lambda room, taste: True, _draw_open),
 }

@@ -1,17 +1,11 @@
-"""`python -m artigen.train.appearance.everything`: generates data, trains and stores weights.
+"""`artigen train appearance`: generates data, trains and stores weights.
 
 Stages whose result is already in the run folder are skipped or resumed, so the same command can be repeated
-after an interruption. `artigen train appearance` does the same with a progress bar.
+after an interruption.
 """
 
-import argparse
 import json
 import logging
-import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from pathlib import Path
-from typing import get_args
 
 import torch
 from torch import nn
@@ -45,27 +39,16 @@ from artigen.train.appearance.shards import (
     read_appearance_shard,
 )
 from artigen.train.appearance.vae import encode_appearance, train_appearance_vae
-from artigen.train.shards import HELD_OUT, Config, ShardJob, make_shards
-from artigen.train.stage import begin_stage, describe_stage, load_stage, log_metrics, plan_loop
+from artigen.train.shards import HELD_OUT, make_shards
+from artigen.train.stage import begin_stage, describe_stage, load_stage, plan_loop
 
 logger = logging.getLogger(__name__)
-Report = Callable[[str, Mapping[str, float]], None]
-"""Called with the network in training and a line of its metrics."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class AppearanceData:
-    """Examples for training and for evaluation."""
-
-    trained: list[AppearanceExample]
-    held_out: list[AppearanceExample]
 
 
 def train_appearance(
     cfg: AppearanceRunConfig,
     stage: AppearanceStage = "appearance",
     *,
-    on_report: Report | None = None,
     resurface: Resurface | None = None,
 ) -> dict[str, float]:
     """Runs the stages that are missing; returns the scores of the held-out objects.
@@ -73,7 +56,6 @@ def train_appearance(
     Args:
         cfg: Configuration of the run.
         stage: Both networks, or one of them; the flow needs a VAE in the same folder.
-        on_report: Called with every line of metrics; logged when None.
         resurface: Makes the surface of voxels that a structure model samples, as for a package; without it,
             the flow is trained on voxels as sampled.
 
@@ -87,55 +69,46 @@ def train_appearance(
         )
     claim_appearance_run(cfg)
     make_extractor(cfg.extractor)  # rejects unfit weights before data is made
-    report = on_report or log_metrics
-    data = make_appearance_data(cfg)
-    vae = _load_vae(cfg) if stage == "appearance-flow" else _train_vae(cfg, data, report)
+    trained = _examples(cfg, "train", cfg.shards, HELD_OUT)
+    held_out = _examples(cfg, "held_out", cfg.held_out, 0)
+    torch.manual_seed(0)
+    vae = AppearanceVae(cfg.encoder, APPEARANCE_PRESETS[cfg.preset].decoder)
+    if stage == "appearance-flow":
+        load_stage(vae, cfg.home / "vae")
+    else:
+        _train_vae(cfg, vae, trained, held_out)
     if stage != "appearance-vae":
-        _train_flow(cfg, vae, data, report, resurface)
+        _train_flow(cfg, vae, trained, resurface)
     return json.loads(scores.read_text())
 
 
-def make_appearance_data(cfg: AppearanceRunConfig) -> AppearanceData:
-    """Makes missing examples and reads all."""
-    return AppearanceData(
-        trained=_examples(cfg, "train", cfg.shards, HELD_OUT),
-        held_out=_examples(cfg, "held_out", cfg.held_out, 0),
-    )
-
-
-def _train_vae(cfg: AppearanceRunConfig, data: AppearanceData, report: Report) -> AppearanceVae:
+def _train_vae(
+    cfg: AppearanceRunConfig,
+    vae: AppearanceVae,
+    trained: list[AppearanceExample],
+    held_out: list[AppearanceExample],
+) -> None:
     training = APPEARANCE_TRAINING[cfg.preset]
-    torch.manual_seed(0)
-    vae = AppearanceVae(cfg.encoder, APPEARANCE_PRESETS[cfg.preset].decoder)
     begin_stage(vae, cfg.start, APPEARANCE_VAE)
     train_appearance_vae(
         vae,
-        data.trained,
+        trained,
         cfg.home / "vae",
         plan_loop(training.vae, cfg.minutes),
         batch=training.vae.batch,
         pictures=training.pictures,
         losses=training.losses,
-        on_report=lambda line: report("VAE", line),
     )
     _store(cfg, vae, APPEARANCE_VAE, cfg.shards * cfg.objects)
-    scores = score_vae(vae, data.held_out)
+    scores = score_vae(vae, held_out)
     write_whole(cfg.home / "reconstruction.json", json.dumps(scores, indent=1) + "\n")
     logger.info("held-out reconstruction %s", scores)
-    return vae
-
-
-def _load_vae(cfg: AppearanceRunConfig) -> AppearanceVae:
-    """The VAE that the run has trained, in full precision."""
-    vae = AppearanceVae(cfg.encoder, APPEARANCE_PRESETS[cfg.preset].decoder)
-    return load_stage(vae, cfg.home / "vae")
 
 
 def _train_flow(
     cfg: AppearanceRunConfig,
     vae: AppearanceVae,
-    data: AppearanceData,
-    report: Report,
+    trained: list[AppearanceExample],
     resurface: Resurface | None,
 ) -> None:
     preset, training = APPEARANCE_PRESETS[cfg.preset], APPEARANCE_TRAINING[cfg.preset]
@@ -149,21 +122,20 @@ def _train_flow(
             structure=cfg.structure,
             resurface=resurface,
         )
-        paths = _make_shards(cfg, "drawn", cfg.shards, shards, make_drawn_shard)
+        paths = make_shards(cfg.home / "drawn", cfg.shards, shards, make_drawn_shard, workers=cfg.workers)
         drawn = [voxels for path in paths for voxels in read_drawn_shard(path)]
     torch.manual_seed(1)
     flow = begin_stage(SlatFlow(preset.flow, preset.conditions), cfg.start, APPEARANCE_FLOW)
     train_appearance_flow(
         flow,
-        encode_appearance(vae, data.trained),
-        data.trained,
+        encode_appearance(vae, trained),
+        trained,
         cfg.home / "flow",
         plan_loop(training.flow, cfg.minutes),
         batch=training.flow.batch,
         conditions=preset.conditions,
         noisiness=training.noisiness,
         drawn=drawn,
-        on_report=lambda line: report("flow", line),
     )
     _store(cfg, flow, APPEARANCE_FLOW, cfg.shards * cfg.objects)
 
@@ -178,27 +150,8 @@ def _examples(cfg: AppearanceRunConfig, name: str, count: int, first_seed: int) 
         resolution=preset.encoder.resolution,
         image_size=preset.conditions.image_size,
     )
-    paths = _make_shards(cfg, name, count, shards, make_appearance_shard)
+    paths = make_shards(cfg.home / name, count, shards, make_appearance_shard, workers=cfg.workers)
     return [example for path in paths for example in read_appearance_shard(path)]
-
-
-def _make_shards(
-    cfg: AppearanceRunConfig,
-    name: str,
-    count: int,
-    shards: Config,
-    make: Callable[[ShardJob[Config]], Path],
-) -> list[Path]:
-    """Makes the missing shards of a folder of the run; returns the paths of all."""
-    started = time.monotonic()
-    return make_shards(
-        cfg.home / name,
-        count,
-        shards,
-        make,
-        workers=cfg.workers,
-        on_done=lambda path: logger.info("%s after %.0f s", path.name, time.monotonic() - started),
-    )
 
 
 def _store(cfg: AppearanceRunConfig, network: nn.Module, name: str, objects: int) -> None:
@@ -212,39 +165,3 @@ def _store(cfg: AppearanceRunConfig, network: nn.Module, name: str, objects: int
         **describe_stage(cfg.home / name.removeprefix("appearance-"), cfg.start, name),
     }
     save_model(network, cfg.folder / "model", described, name)
-
-
-def main() -> None:
-    """Parses arguments with the standard library alone, because training machines may lack tyro."""
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
-    parser = argparse.ArgumentParser(
-        prog="python -m artigen.train.appearance.everything", description=__doc__
-    )
-    parser.add_argument("folder", type=Path, help="run folder")
-    parser.add_argument(
-        "--stage",
-        choices=get_args(AppearanceStage),
-        default="appearance",
-    )
-    parser.add_argument("--preset", choices=sorted(APPEARANCE_TRAINING), default="compact")
-    parser.add_argument("--minutes", type=float, default=30.0, help="training time of both networks")
-    parser.add_argument("--shards", type=int, default=100, help="shards of training data")
-    parser.add_argument("--held-out", type=int, default=2, help="shards of held-out data")
-    parser.add_argument("--objects", type=int, default=16, help="objects per shard")
-    parser.add_argument("--closed", dest="articulated", action="store_false", help="closed objects only")
-    parser.add_argument("--weighting", choices=("seen", "plain"), default="seen", help="views that count")
-    parser.add_argument("--features", choices=("pyramid", "dinov2"), default="pyramid")
-    parser.add_argument("--dinov2", type=Path, help="folder with the weights of DINOv2")
-    parser.add_argument(
-        "--start", type=Path, help="folder of a model with the initial weights of every network"
-    )
-    parser.add_argument(
-        "--structure", type=Path, help="folder of the structure model that samples additional voxels"
-    )
-    parser.add_argument("--workers", type=int, default=2, help="processes that make data")
-    given = vars(parser.parse_args())
-    train_appearance(AppearanceRunConfig(**{k: v for k, v in given.items() if k != "stage"}), given["stage"])
-
-
-if __name__ == "__main__":
-    main()

@@ -26,7 +26,7 @@ from artigen.train.appearance.drawn import DrawnVoxels
 from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.transfer import find_models, transfer_latents, transfer_looks
 from artigen.train.batches import condition_batch, draw_batches, prefetch
-from artigen.train.loop import LoopConfig, Report, process_seed, train
+from artigen.train.loop import LoopConfig, process_seed, train
 from artigen.train.structure import DROPOUT
 from artigen.types import PART_LABELS
 from artigen.voxels.frames import FACINGS
@@ -61,7 +61,6 @@ def train_appearance_flow(
     conditions: ConditionConfig,
     noisiness: float = 1.0,
     drawn: Sequence[DrawnVoxels] = (),
-    on_report: Report | None = None,
 ) -> SlatFlow:
     """Trains the conditional sparse flow on the latents of true voxels and, if given, of sampled ones.
 
@@ -75,7 +74,6 @@ def train_appearance_flow(
         conditions: Conditions of the flow.
         noisiness: Mean of the logits of training times.
         drawn: Voxels of each object as a model samples them; optional.
-        on_report: Called with every line of metrics.
     """
     measured = measure_slats(
         *latents, [one.attributes() for one in examples] if flow.attribute_channels else None
@@ -112,7 +110,7 @@ def train_appearance_flow(
     batches: Iterator[SlatBatch] = prefetch(
         draw_batches(list(enumerate(examples)), make, batch, process_seed(cfg.seed))
     )
-    train(flow, terms, batches, folder, cfg, on_report=on_report)
+    train(flow, terms, batches, folder, cfg)
     return flow
 
 

@@ -19,7 +19,7 @@ from artigen.train.appearance.losses import (
     raster_config,
 )
 from artigen.train.batches import prefetch
-from artigen.train.loop import LoopConfig, Report, finished_steps, process_seed, train
+from artigen.train.loop import LoopConfig, finished_steps, process_seed, train
 
 HIDDEN = 0.5
 """Share of training steps in which view features of the voxels beyond a plane are hidden."""
@@ -37,7 +37,6 @@ def train_appearance_vae(
     pictures: int,
     losses: AppearanceLossConfig,
     extractor: FeatureExtractor | None = None,
-    on_report: Report | None = None,
 ) -> AppearanceVae:
     """Trains {E, D} on pictures of objects in the joint states that the examples hold.
 
@@ -50,7 +49,6 @@ def train_appearance_vae(
         pictures: Pictures of each object per step.
         losses: Weights of the terms.
         extractor: Extractor of the perceptual term, if that has a weight.
-        on_report: Called with every line of metrics.
     """
 
     scaled = SIDE_CHANNELS if vae.encoder.cfg.sided else 0
@@ -70,7 +68,7 @@ def train_appearance_vae(
     start = finished_steps(folder)
     seed = process_seed(cfg.seed)
     batches = prefetch(draw_picture_batches(examples, batch, pictures, seed, start=start))
-    train(vae, terms, batches, folder, cfg, on_report=on_report)
+    train(vae, terms, batches, folder, cfg)
     return vae
 
 

@@ -5,8 +5,6 @@ boxes that its cells support most (`artigen.voxels.cleanup.boxes`): gaps in a bo
 outside all boxes are removed, and recesses and openings, which are boxes too, are cut out again.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.ndimage import label as number_pieces
@@ -14,41 +12,34 @@ from scipy.ndimage import label as number_pieces
 from artigen.types import PartLabel
 from artigen.voxels.cleanup.boxes import fill_boxes, find_boxes, reach_box
 from artigen.voxels.cleanup.rows import Owners
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
+from artigen.voxels.fields import ROW, name_joints, name_rows
 
 SLACK = 0.25
 """Cells by which a board may exceed the box of its part."""
 
-
-@dataclass(frozen=True, kw_only=True)
-class BoardsConfig:
-    """Thresholds for boards. The unit of evidence is one certain cell."""
-
-    certain: float = 4.0
-    """Logits beyond this, either way, count as certain."""
-    least_board: int = 20
-    """Least evidence for a board, in cells that no other board holds."""
-    least_cut: int = 100
-    """Least evidence that a recess or opening is empty; smaller ones are dents."""
-    empty: float = 0.85
-    """Least share of the cells that a cut removes which are empty by their logits."""
-    least_rest: int = 100
-    """Least cells of a piece outside all boards that is kept: round or slanted geometry."""
-    contested: float = 0.25
-    """Evidence of each cell of another part against a board through it."""
-    rounds: int = 2
-    """Most rounds of cutting recesses and adding boards in them."""
-    exempt: tuple[PartLabel, ...] = ("handle", "knob", "wheel")
-    """Labels of small or round parts, which keep their cells within their boxes. Continuously rotating parts
-    are exempt as well."""
+CERTAIN = 4.0
+"""Logits beyond this, either way, count as certain."""
+LEAST_BOARD = 20
+"""Least evidence for a board, in cells that no other board holds."""
+LEAST_CUT = 100
+"""Least evidence that a recess or opening is empty; smaller ones are dents."""
+EMPTY = 0.85
+"""Least share of the cells that a cut removes which are empty by their logits."""
+LEAST_REST = 100
+"""Least cells of a piece outside all boards that is kept: round or slanted geometry."""
+CONTESTED = 0.25
+"""Evidence of each cell of another part against a board through it."""
+ROUNDS = 2
+"""Most rounds of cutting recesses and adding boards in them."""
+EXEMPT: tuple[PartLabel, ...] = ("handle", "knob", "wheel")
+"""Labels of small or round parts, which keep their cells within their boxes. Continuously rotating parts
+are exempt as well."""
 
 
 def make_boards(
     owners: Owners,
     logits: Float[np.ndarray, "X Y Z"],
     rows: Float[np.ndarray, "N C"],
-    cfg: BoardsConfig | None = None,
-    layout: FieldLayout = DEFAULT_LAYOUT,
 ) -> tuple[Owners, tuple[str, ...]]:
     """Rebuilds parts from boards; returns the new owners and a note of how much changed.
 
@@ -56,20 +47,16 @@ def make_boards(
         owners: Row of the outline per cell, -1 where empty.
         logits: Occupancy logits of all cells.
         rows: The outline: channels after occupancy, one row per part.
-        cfg: Thresholds for boards; the defaults when None.
-        layout: Layout of the channels.
     """
-    cfg, before = cfg or BoardsConfig(), owners
+    before = owners
     after = np.full_like(before, -1)
-    evidence = (logits / cfg.certain).clip(-1.0, 1.0)
-    boxes = rows[:, after_occupancy(layout.box)]
+    evidence = (logits / CERTAIN).clip(-1.0, 1.0)
+    boxes = rows[:, ROW.box]
     sizes = boxes[:, 3:].prod(axis=1)
     exempt = [
         number
-        for number, (label, joint) in enumerate(
-            zip(name_rows(rows, layout), name_joints(rows, layout), strict=True)
-        )
-        if label in cfg.exempt or joint == "continuous"
+        for number, (label, joint) in enumerate(zip(name_rows(rows), name_joints(rows), strict=True))
+        if label in EXEMPT or joint == "continuous"
     ]
     for number in np.argsort(-sizes):  # smaller parts overwrite larger ones
         if number in exempt or not (before == number).any():
@@ -77,7 +64,7 @@ def make_boards(
         box = reach_box(boxes[number], len(owners), SLACK)
         owned = before[box]
         within = (owned >= 0) & (sizes[owned] < sizes[number])
-        after[box][_make_part(owned, number, evidence[box], cfg) & ~within] = number
+        after[box][_make_part(owned, number, evidence[box]) & ~within] = number
     for number in exempt:
         box = reach_box(boxes[number], len(owners))
         after[box][before[box] == number] = number
@@ -92,22 +79,21 @@ def _make_part(
     owned: Int[np.ndarray, "X Y Z"],
     number: np.intp,
     evidence: Float[np.ndarray, "X Y Z"],
-    cfg: BoardsConfig,
 ) -> Bool[np.ndarray, "X Y Z"]:
     """The cells of a part's boards, and of its larger pieces outside them."""
     mine = owned == number
-    evidence = np.where((owned >= 0) & ~mine, -cfg.contested, evidence)
-    solid = fill_boxes(mine.shape, find_boxes(evidence, cfg.least_board))
-    for _ in range(cfg.rounds):
+    evidence = np.where((owned >= 0) & ~mine, -CONTESTED, evidence)
+    solid = fill_boxes(mine.shape, find_boxes(evidence, LEAST_BOARD))
+    for _ in range(ROUNDS):
         outside = np.where(evidence < 0, 0.0, -1.0)
-        hollow = find_boxes(np.where(solid, -evidence, outside), cfg.least_cut)
-        cuts = [box for box in hollow if (evidence[box][solid[box]] < 0).mean() >= cfg.empty]
+        hollow = find_boxes(np.where(solid, -evidence, outside), LEAST_CUT)
+        cuts = [box for box in hollow if (evidence[box][solid[box]] < 0).mean() >= EMPTY]
         if not cuts:
             break
         solid &= ~fill_boxes(mine.shape, cuts)
-        solid |= fill_boxes(mine.shape, find_boxes(np.where(solid, 0.0, evidence), cfg.least_board))
+        solid |= fill_boxes(mine.shape, find_boxes(np.where(solid, 0.0, evidence), LEAST_BOARD))
     pieces = np.zeros(mine.shape, dtype=np.int64)
     number_pieces(mine & ~solid, structure=np.ones((3, 3, 3)), output=pieces)
-    stays = np.bincount(pieces.ravel()) >= cfg.least_rest
+    stays = np.bincount(pieces.ravel()) >= LEAST_REST
     stays[0] = False
     return solid | stays[pieces]

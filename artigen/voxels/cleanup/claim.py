@@ -6,15 +6,13 @@ from jaxtyping import Float
 from artigen.types import PartLabel
 from artigen.voxels.cleanup.boxes import reach_box
 from artigen.voxels.cleanup.rows import Owners
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
+from artigen.voxels.fields import ROW, name_rows
 
 CLAIMING: frozenset[PartLabel] = frozenset({"handle", "knob", "wheel"})
 """Labels of parts that their box approximates well; a drawer's box does not."""
 
 
-def claim_cells(
-    owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
-) -> tuple[Owners, tuple[str, ...]]:
+def claim_cells(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owners, tuple[str, ...]]:
     """Gives every handle, knob and wheel without cells those of its box; returns owners and a note.
 
     A push button of half a cell is easily decoded as a piece of the panel that it sits on.
@@ -22,15 +20,14 @@ def claim_cells(
     Args:
         owners: Row of the outline per cell, -1 where empty.
         rows: The outline: channels after occupancy, one row per part.
-        layout: Layout of the channels.
     """
     owners = owners.copy()
     lost = [
         number
-        for number, label in enumerate(name_rows(rows, layout))
+        for number, label in enumerate(name_rows(rows))
         if label in CLAIMING and not (owners == number).any()
     ]
     for number in lost:
-        owners[reach_box(rows[number, after_occupancy(layout.box)], len(owners))] = number
+        owners[reach_box(rows[number, ROW.box], len(owners))] = number
     note = f"{len(lost)} small parts without cells were given those of their boxes"
     return owners, (note,) if lost else ()

@@ -6,13 +6,10 @@ from functools import partial
 import numpy as np
 from jaxtyping import Float
 
-from artigen.voxels.cleanup.boards import BoardsConfig, make_boards
+from artigen.voxels.cleanup.boards import make_boards
 from artigen.voxels.cleanup.claim import claim_cells
 from artigen.voxels.cleanup.doorways import clear_doorways
 from artigen.voxels.cleanup.faces import even_faces
-from artigen.voxels.cleanup.feet import extend_feet
-from artigen.voxels.cleanup.knobs import shape_knobs
-from artigen.voxels.cleanup.panels import back_knobs
 from artigen.voxels.cleanup.paths import clear_paths
 from artigen.voxels.cleanup.portholes import round_portholes
 from artigen.voxels.cleanup.revolve import revolve_parts
@@ -26,7 +23,6 @@ def mend_cells(
     owners: Owners,
     logits: Float[np.ndarray, "X Y Z"],
     rows: Float[np.ndarray, "N C"],
-    boards: BoardsConfig | None = None,
 ) -> tuple[Owners, tuple[str, ...]]:
     """Cleans up sampled cells; returns the new owners and notes of what changed.
 
@@ -34,21 +30,16 @@ def mend_cells(
         owners: Row of the outline per cell, -1 where empty.
         logits: Occupancy logits of all cells.
         rows: The outline: channels after occupancy, one row per part.
-        boards: Thresholds for boards; None skips that stage.
     """
     stages: list[Stage] = [
+        partial(make_boards, logits=logits, rows=rows),
         partial(round_portholes, rows=rows),
         partial(even_faces, logits=logits, rows=rows),
         partial(clear_paths, logits=logits, rows=rows),
         partial(clear_doorways, rows=rows),
         partial(claim_cells, rows=rows),
-        partial(shape_knobs, rows=rows),
-        partial(extend_feet, rows=rows),
         partial(revolve_parts, rows=rows),
-        partial(back_knobs, rows=rows),
     ]
-    if boards is not None:
-        stages.insert(0, partial(make_boards, logits=logits, rows=rows, cfg=boards))
     notes: list[str] = []
     for stage in stages:
         owners, new = stage(owners)

@@ -8,24 +8,22 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
+from artigen.types import FULL_TURN
 from artigen.voxels.cleanup.panel import find_panel
 from artigen.voxels.cleanup.rows import Owners
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
+from artigen.voxels.fields import ROW, name_joints, name_rows
 
 
-def clear_doorways(
-    owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
-) -> tuple[Owners, tuple[str, ...]]:
+def clear_doorways(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owners, tuple[str, ...]]:
     """Removes cells of open doors before drawers and trays behind them; returns owners and a note.
 
     Args:
         owners: Row of the outline per cell, -1 where empty.
         rows: The outline: channels after occupancy, one row per part.
-        layout: Layout of the channels.
     """
-    owners, labels = owners.copy(), name_rows(rows, layout)
-    kinds = np.array(name_joints(rows, layout))
-    boxes = rows[:, after_occupancy(layout.box)]
+    owners, labels = owners.copy(), name_rows(rows)
+    kinds = np.array(name_joints(rows))
+    boxes = rows[:, ROW.box]
     gone = 0
     for door in np.flatnonzero((np.array(labels) == "door") & (kinds == "revolute")):
         behind = [
@@ -38,7 +36,7 @@ def clear_doorways(
             continue
         cells = np.argwhere(mine)
         cells = cells[cells[:, 0] > find_panel(mine).start]  # doors face -x
-        opened = _open(cells, rows[door], len(owners), layout)
+        opened = _open(cells, rows[door], len(owners))
         blocking = np.zeros(len(cells), dtype=bool)
         for row in behind:
             there = np.argwhere(owners == row)
@@ -67,11 +65,9 @@ def _is_behind(inner: Float[np.ndarray, "6"], door: Float[np.ndarray, "6"]) -> b
     return bool(shared > BESIDE and apart[1] <= door[5] / 2 and inner[0] > door[0])
 
 
-def _open(
-    cells: np.ndarray, row: Float[np.ndarray, "C"], resolution: int, layout: FieldLayout
-) -> Float[np.ndarray, "K 3"]:
+def _open(cells: np.ndarray, row: Float[np.ndarray, "C"], resolution: int) -> Float[np.ndarray, "K 3"]:
     """Centres of a door's cells when it is fully open, in cells."""
-    origin = (row[after_occupancy(layout.origin)] + 0.5) * resolution
-    turn = row[layout.range.start - 1] * layout.rotation_unit
-    rotation = Rotation.from_rotvec(turn * row[after_occupancy(layout.axis)])
+    origin = (row[ROW.origin] + 0.5) * resolution
+    turn = row[ROW.range.start] * FULL_TURN
+    rotation = Rotation.from_rotvec(turn * row[ROW.axis])
     return rotation.apply(cells + 0.5 - origin) + origin

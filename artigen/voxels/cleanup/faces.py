@@ -20,7 +20,7 @@ from scipy.ndimage import binary_fill_holes, label
 
 from artigen.voxels.cleanup.boxes import find_boxes
 from artigen.voxels.cleanup.rows import Owners
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, name_category, name_rows
+from artigen.voxels.fields import name_category, name_rows
 from artigen.voxels.regions import find_rectangles, is_round
 
 Kind = Literal["top", "side", "back", "front", "plate", "panel"]
@@ -117,10 +117,7 @@ class Face:
 
 
 def even_faces(
-    owners: Owners,
-    logits: Float[np.ndarray, "X Y Z"],
-    rows: Float[np.ndarray, "N C"],
-    layout: FieldLayout = DEFAULT_LAYOUT,
+    owners: Owners, logits: Float[np.ndarray, "X Y Z"], rows: Float[np.ndarray, "N C"]
 ) -> tuple[Owners, tuple[str, ...]]:
     """Flattens the faces of all parts; returns the new owners and a note of how many cells changed.
 
@@ -128,10 +125,9 @@ def even_faces(
         owners: Row of the outline per cell, -1 where empty.
         logits: Occupancy logits of all cells.
         rows: The outline: channels after occupancy, one row per part.
-        layout: Layout of the channels.
     """
     before, owners = owners, owners.copy()
-    category, names = name_category(rows, layout) or "", name_rows(rows, layout)
+    category, names = name_category(rows) or "", name_rows(rows)
     beneath = np.isin(names, BENEATH)
     for number, name in enumerate(names):
         for side in SIDES.get(name, ()):

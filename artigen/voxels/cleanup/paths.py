@@ -11,7 +11,7 @@ from scipy.ndimage import binary_erosion
 
 from artigen.types import PartLabel
 from artigen.voxels.cleanup.rows import Owners
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
+from artigen.voxels.fields import ROW, name_joints, name_rows
 
 SLIDING: frozenset[PartLabel] = frozenset({"drawer", "tray"})
 """Labels of parts that must slide out."""
@@ -24,10 +24,7 @@ NEAR = 3 / 64
 
 
 def clear_paths(
-    owners: Owners,
-    logits: Float[np.ndarray, "X Y Z"],
-    rows: Float[np.ndarray, "N C"],
-    layout: FieldLayout = DEFAULT_LAYOUT,
+    owners: Owners, logits: Float[np.ndarray, "X Y Z"], rows: Float[np.ndarray, "N C"]
 ) -> tuple[Owners, tuple[str, ...]]:
     """Removes cells that keep sliding parts from coming out; returns owners and a note of how many.
 
@@ -35,18 +32,17 @@ def clear_paths(
         owners: Row of the outline per cell, -1 where empty.
         logits: Occupancy logits of all cells.
         rows: The outline: channels after occupancy, one row per part.
-        layout: Layout of the channels.
     """
-    owners, labels = owners.copy(), name_rows(rows, layout)
-    slides = (np.array(name_joints(rows, layout)) == "prismatic") & np.isin(labels, list(SLIDING))
+    owners, labels = owners.copy(), name_rows(rows)
+    slides = (np.array(name_joints(rows)) == "prismatic") & np.isin(labels, list(SLIDING))
     stays = np.isin(owners, np.flatnonzero(np.isin(labels, list(OBSTACLES))))
-    boxes, fittings = rows[:, after_occupancy(layout.box)], np.flatnonzero(np.isin(labels, list(FITTINGS)))
+    boxes, fittings = rows[:, ROW.box], np.flatnonzero(np.isin(labels, list(FITTINGS)))
     weights = np.abs(logits) + 1.0  # cells with a logit of 0 have a cost as well
     own = blocking = 0
     for number in np.flatnonzero(slides):
-        axis = rows[number, after_occupancy(layout.axis)]
+        axis = rows[number, ROW.axis]
         along = int(np.abs(axis).argmax())
-        travel = rows[number, layout.range.start] * layout.length_unit * len(owners)
+        travel = rows[number, ROW.range.start + 1] * len(owners)
         carried = [row for row in fittings if _carries(boxes[number], boxes[row], along)]
         mine, ahead = np.isin(owners, [number, *carried]), stays & (owners >= 0)
         gone = _find_blocked(mine, ahead, weights, along, float(axis[along] * travel))

@@ -11,14 +11,7 @@ from jaxtyping import Bool, Float
 from artigen.voxels.cleanup.boxes import reach_box
 from artigen.voxels.cleanup.panel import find_panel
 from artigen.voxels.cleanup.rows import Owners
-from artigen.voxels.fields import (
-    DEFAULT_LAYOUT,
-    FieldLayout,
-    after_occupancy,
-    name_category,
-    name_joints,
-    name_rows,
-)
+from artigen.voxels.fields import ROW, name_category, name_joints, name_rows
 
 OBLONG = 1.25
 """Largest ratio of width and height of a round door, either way."""
@@ -34,20 +27,17 @@ AROUND = 3
 """Cells beyond the door in which the plate is sought."""
 
 
-def round_portholes(
-    owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
-) -> tuple[Owners, tuple[str, ...]]:
+def round_portholes(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owners, tuple[str, ...]]:
     """Rounds doors before drums; returns owners and a note of how many cells changed.
 
     Args:
         owners: Row of the outline per cell, -1 where empty.
         rows: The outline: channels after occupancy, one row per part.
-        layout: Layout of the channels.
     """
     before, owners = owners, owners.copy()
-    labels, kinds = np.array(name_rows(rows, layout)), np.array(name_joints(rows, layout))
-    boxes, axes = rows[:, after_occupancy(layout.box)], rows[:, after_occupancy(layout.axis)]
-    washing = name_category(rows, layout) == WASHING
+    labels, kinds = np.array(name_rows(rows)), np.array(name_joints(rows))
+    boxes, axes = rows[:, ROW.box], rows[:, ROW.axis]
+    washing = name_category(rows) == WASHING
     drums = boxes[(labels == "tray") & (kinds == "continuous") & (np.abs(axes).argmax(axis=1) == 0)]
     for door in np.flatnonzero((labels == "door") & (kinds == "revolute")):
         center, size = boxes[door, :3], boxes[door, 3:]

@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float
 from artigen.types import PartLabel
 from artigen.voxels.cleanup.panel import find_panel
 from artigen.voxels.cleanup.rows import Owners
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
+from artigen.voxels.fields import ROW, name_joints, name_rows
 
 DRUM: PartLabel = "tray"
 """Label of drums and turntables: solids of revolution where they rotate continuously. Paddles are removed."""
@@ -29,24 +29,21 @@ AROUND = 1.5
 """Width in cells of the ring around a dial in which its panel is sought."""
 
 
-def revolve_parts(
-    owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
-) -> tuple[Owners, tuple[str, ...]]:
+def revolve_parts(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owners, tuple[str, ...]]:
     """Makes drums round and clears what drums and dials sweep; returns owners and a note.
 
     Args:
         owners: Row of the outline per cell, -1 where empty.
         rows: The outline: channels after occupancy, one row per part.
-        layout: Layout of the channels.
     """
-    before, owners, labels = owners, owners.copy(), np.array(name_rows(rows, layout))
+    before, owners, labels = owners, owners.copy(), np.array(name_rows(rows))
     base = labels == "base"
-    for number in np.flatnonzero(_find_turning(rows, labels, layout)):
+    for number in np.flatnonzero(_find_turning(rows, labels)):
         mine = owners == number
         if not mine.any():
             continue
-        along = int(np.abs(rows[number, after_occupancy(layout.axis)]).argmax())
-        radii = _radii(owners.shape, rows[number, after_occupancy(layout.origin)], along)
+        along = int(np.abs(rows[number, ROW.axis]).argmax())
+        radii = _radii(owners.shape, rows[number, ROW.origin], along)
         if labels[number] == DRUM:
             whole = _make_round(mine, radii, along)
             free = (owners < 0) | base[owners]
@@ -66,11 +63,11 @@ def revolve_parts(
     return owners, (f"{changed} cells were changed so that parts turn freely",)
 
 
-def _find_turning(rows: np.ndarray, labels: np.ndarray, layout: FieldLayout) -> Bool[np.ndarray, "N"]:
+def _find_turning(rows: np.ndarray, labels: np.ndarray) -> Bool[np.ndarray, "N"]:
     """Mask of continuously rotating drums and of dials that turn about their centre."""
-    kinds = np.array(name_joints(rows, layout))
-    off = rows[:, after_occupancy(layout.origin)] - rows[:, after_occupancy(layout.box)][:, :3]
-    across = np.where(np.abs(rows[:, after_occupancy(layout.axis)]) < 0.5, np.abs(off), 0.0).max(axis=1)
+    kinds = np.array(name_joints(rows))
+    off = rows[:, ROW.origin] - rows[:, ROW.box][:, :3]
+    across = np.where(np.abs(rows[:, ROW.axis]) < 0.5, np.abs(off), 0.0).max(axis=1)
     dials = (labels == DIAL) & np.isin(kinds, ("continuous", "revolute")) & (across <= CENTRED)
     return dials | ((labels == DRUM) & (kinds == "continuous"))
 

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float, Int
 
-from artigen.voxels.fields import VoxelFields, after_occupancy
+from artigen.voxels.fields import ROW, VoxelFields
 
 Owners = Int[np.ndarray, "X Y Z"]
 """Row of the outline that every cell belongs to; -1 where empty."""
@@ -11,8 +11,7 @@ Owners = Int[np.ndarray, "X Y Z"]
 
 def read_owners(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> Owners:
     """Row whose box is nearest to the box that each occupied cell states; -1 where empty."""
-    layout = found.layout
-    box = rows[:, after_occupancy(layout.box)]
+    box = rows[:, ROW.box]
     owners = np.full((found.resolution,) * 3, -1)
     if len(found.coords):
         off = np.abs(found.box[:, None] - box[None]).max(axis=2)

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from artigen.errors import SegmentationError
-from artigen.types import FIXED, FULL_TURN, Joint, JointType, Part, PartLabel
+from artigen.types import FIXED, FULL_TURN, JOINT_TYPES, Joint, JointType, Part, PartLabel
 from artigen.voxels.fields import VoxelFields, canonical_origin
 
 Aggregation = Literal["mean", "robust"]
@@ -160,7 +160,7 @@ def aggregate_part(
         SegmentationError: If a movable part has no axis.
     """
     axis, origin, ranges, voted = VOTES[method](fields, rows)
-    kind = fields.layout.joint_types[int(fields.joint_probs[rows].sum(axis=0).argmax())]
+    kind = JOINT_TYPES[int(fields.joint_probs[rows].sum(axis=0).argmax())]
     notes = []
     if label == "base" and kind != "fixed":
         notes.append(f"{name}: voted {kind}, held fixed because it carries the object")

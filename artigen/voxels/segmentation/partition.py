@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Int
 
-from artigen.types import PartLabel, frozen_array
+from artigen.types import PART_LABELS, PartLabel, frozen_array
 from artigen.voxels.fields import VoxelFields
 
 
@@ -13,7 +13,7 @@ from artigen.voxels.fields import VoxelFields
 class Partition:
     """Part of every voxel of a field, and the label of every part.
 
-    Numbering is canonical: parts in the order of the layout's labels, then from top to bottom, then
+    Numbering is canonical: parts in the order of the labels, then from top to bottom, then
     along y, then along x. Every part owns at least one voxel.
     """
 
@@ -42,6 +42,4 @@ def canonical_partition(
     order = used[np.lexsort((used, middle[0], middle[1], -middle[2], labels[used]))]
     renumber = np.zeros(len(labels), dtype=np.int64)
     renumber[order] = np.arange(len(order))
-    return Partition(
-        part_ids=renumber[groups], labels=tuple(fields.layout.labels[labels[index]] for index in order)
-    )
+    return Partition(part_ids=renumber[groups], labels=tuple(PART_LABELS[labels[index]] for index in order))

@@ -6,64 +6,38 @@ farther off than the tolerances is taken as intended and kept. Limits need no sn
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from artigen.types import Asset, Joint, Part
 from artigen.voxels.fields import canonical_origin
 
-
-@dataclass(frozen=True, kw_only=True)
-class RegulariseConfig:
-    """Tolerances of the snapping."""
-
-    axis_degrees: float = 1.0
-    """An axis closer than this to a principal direction becomes that direction."""
-    center_offset: float = 0.25 / 64.0
-    """The axis of a continuous joint that passes its part's box centre within this many unit lengths
-    is moved through the centre."""
-    sigmas: float = 3.0
-    """Where the standard error of a vote is known, the tolerance is at least this multiple of it."""
-    most_degrees: float = 8.0
-    """Largest angle by which an axis is turned, however uncertain it is."""
-    most_offset: float = 1.5 / 64.0
-    """Largest distance, in unit lengths, by which an axis is moved, however uncertain it is."""
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.axis_degrees <= self.most_degrees < 45:
-            raise ValueError(
-                f"axis_degrees {self.axis_degrees}, most_degrees {self.most_degrees}: expected 0 <= first <= "
-                "second < 45"
-            )
-        if not 0 <= self.center_offset <= self.most_offset:
-            raise ValueError(
-                f"center_offset {self.center_offset}, most_offset {self.most_offset}: "
-                "expected 0 <= first <= second"
-            )
-        if self.sigmas < 0:
-            raise ValueError(f"sigmas is {self.sigmas}, expected 0 or more")
+AXIS_DEGREES = 1.0
+"""An axis closer than this to a principal direction becomes that direction."""
+CENTER_OFFSET = 0.25 / 64.0
+"""The axis of a continuous joint that passes its part's box centre within this many unit lengths
+is moved through the centre."""
+SIGMAS = 3.0
+"""Where the standard error of a vote is known, the tolerance is at least this multiple of it."""
+MOST_DEGREES = 8.0
+"""Largest angle by which an axis is turned, however uncertain it is."""
+MOST_OFFSET = 1.5 / 64.0
+"""Largest distance, in unit lengths, by which an axis is moved, however uncertain it is."""
 
 
-def regularise(
-    asset: Asset,
-    cfg: RegulariseConfig | None = None,
-    *,
-    errors: Sequence[tuple[float, float]] | None = None,
-) -> Asset:
+def regularise(asset: Asset, errors: Sequence[tuple[float, float]] | None = None) -> Asset:
     """Snaps axes to principal directions and continuous axes to box centres; one note per change.
 
     Args:
         asset: What to regularise.
-        cfg: Tolerances; the defaults when None.
         errors: Standard errors of each part's axis (radians) and axis line (unit lengths), where known.
     """
-    cfg = cfg or RegulariseConfig()
     errors = errors if errors is not None else [(0.0, 0.0)] * len(asset.parts)
     parts, notes = [], []
     for part, (axis_error, line_error) in zip(asset.parts, errors, strict=True):
-        degrees = min(max(cfg.axis_degrees, cfg.sigmas * float(np.degrees(axis_error))), cfg.most_degrees)
-        offset = min(max(cfg.center_offset, cfg.sigmas * line_error), cfg.most_offset)
+        degrees = min(max(AXIS_DEGREES, SIGMAS * float(np.degrees(axis_error))), MOST_DEGREES)
+        offset = min(max(CENTER_OFFSET, SIGMAS * line_error), MOST_OFFSET)
         part, new = _regular_part(part, degrees, offset)
         parts.append(part)
         notes += new

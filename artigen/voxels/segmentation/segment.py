@@ -2,46 +2,38 @@
 
 Three steps: a recipe divides the voxels among parts (`partition_paper`, `partition_robust`), every
 part's attributes are aggregated over its voxels, and each part is hung from another one
-(`artigen.voxels.segmentation.tree`). `regularise` is a stage of its own, on by default.
+(`artigen.voxels.segmentation.tree`); nearly regular axes are snapped (`regularise`).
 """
 
 import logging
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from artigen.errors import SegmentationError
-from artigen.types import Asset, Part, VoxelGrid
+from artigen.types import PAPER_CATEGORIES, PART_LABELS, Asset, Part, VoxelGrid
 from artigen.voxels.fields import VoxelFields
 from artigen.voxels.segmentation.aggregate import aggregate_part
 from artigen.voxels.segmentation.neighbours import neighbour_pairs
 from artigen.voxels.segmentation.partition import Partition
-from artigen.voxels.segmentation.regularise import RegulariseConfig, regularise
-from artigen.voxels.segmentation.segment_paper import PaperConfig, partition_paper
-from artigen.voxels.segmentation.segment_robust import RobustConfig, partition_robust
-from artigen.voxels.segmentation.tree import TreeConfig, find_parents
+from artigen.voxels.segmentation.regularise import regularise
+from artigen.voxels.segmentation.segment_paper import partition_paper
+from artigen.voxels.segmentation.segment_robust import partition_robust
+from artigen.voxels.segmentation.tree import REACH, find_parents
 
 logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, kw_only=True)
 class SegmentConfig:
-    """Which recipe, and what to do with what does not fit."""
+    """Which recipe, and what to do with a part that does not fit."""
 
     recipe: Literal["robust", "paper"] = "robust"
     """`paper`: semantics, DBSCAN on boxes, mean. `robust`: the default, measured against it in
     docs/explanation/structure.md."""
-    paper: PaperConfig = field(default_factory=PaperConfig)
-    """Parameters of the paper's recipe."""
-    robust: RobustConfig = field(default_factory=RobustConfig)
-    """Parameters of the robust recipe."""
-    tree: TreeConfig = field(default_factory=TreeConfig)
-    """How far a part may be from its parent."""
     detached: Literal["raise", "note"] = "raise"
     """A part without a parent within reach: raise, or hang it from the base and note it."""
-    regularise: RegulariseConfig | None = field(default_factory=RegulariseConfig)
-    """Snapping of nearly regular axes; None leaves the votes as they are."""
 
 
 def partition(fields: VoxelFields, cfg: SegmentConfig) -> Partition:
@@ -52,15 +44,15 @@ def partition(fields: VoxelFields, cfg: SegmentConfig) -> Partition:
     """
     if len(fields.coords) == 0:
         raise SegmentationError("the field has no occupied voxel, expected some; was it decoded from logits?")
-    base = fields.layout.labels.index("base")
+    base = PART_LABELS.index("base")
     if not (fields.label_probs.argmax(axis=1) == base).any():
         raise SegmentationError(
             f"none of {len(fields.coords)} voxels is labelled base, "
             "an object needs a part that carries the others"
         )
     if cfg.recipe == "paper":
-        return partition_paper(fields, cfg.paper)
-    return partition_robust(fields, cfg.robust)
+        return partition_paper(fields)
+    return partition_robust(fields)
 
 
 def segment(
@@ -105,10 +97,7 @@ def segment(
         voxels=VoxelGrid(resolution=fields.resolution, coords=fields.coords, part_ids=divided.part_ids),
         notes=(*(note for one in found for note in one.notes), *said),
     )
-    if cfg.regularise is None:
-        return asset
-    errors = [(one.axis_error, one.origin_error) for one in found]
-    return regularise(asset, cfg.regularise, errors=errors)
+    return regularise(asset, [(one.axis_error, one.origin_error) for one in found])
 
 
 def _hang(
@@ -117,15 +106,15 @@ def _hang(
     """Parts with their parents set, and a note for each part hung by default."""
     coords = fields.coords.astype(np.int64)
     pairs = neighbour_pairs(coords, fields.resolution)
-    parents = find_parents(parts, coords, divided.part_ids, pairs, cfg.tree)
+    parents = find_parents(parts, coords, divided.part_ids, pairs)
     lost = [part.name for part, parent in zip(parts, parents, strict=True) if parent is None]
     if lost and cfg.detached == "raise":
         raise SegmentationError(
-            f"no part lies within {cfg.tree.reach:g} voxels of {', '.join(lost)}; "
-            'allow more reach, or set detached="note" to hang them from the base'
+            f"no part lies within {REACH:g} voxels of {', '.join(lost)}; "
+            'set detached="note" to hang them from the base'
         )
     root = divided.labels.index("base")
-    notes = [f"{called}: no part within {cfg.tree.reach:g} voxels, hung from the base" for called in lost]
+    notes = [f"{called}: no part within {REACH:g} voxels, hung from the base" for called in lost]
     return [
         replace(part, parent=root if parent is None else parent)
         for part, parent in zip(parts, parents, strict=True)
@@ -137,4 +126,4 @@ def _voted_category(fields: VoxelFields) -> str:
     votes = fields.category_probs.mean(axis=0)
     if len(votes) == 0 or votes.max() < 0.5:
         return "unknown"
-    return fields.layout.categories[int(votes.argmax())]
+    return PAPER_CATEGORIES[int(votes.argmax())]

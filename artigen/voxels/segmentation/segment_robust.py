@@ -7,12 +7,11 @@ label, its joint type, its place in the part's box, and its neighbours.
 The noise is measured on the field itself: the base is one part, so the scatter of its votes is noise.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from artigen.errors import SegmentationError
+from artigen.types import PART_LABELS
 from artigen.voxels.fields import VoxelFields
 from artigen.voxels.segmentation.neighbours import connected_groups, neighbour_pairs
 from artigen.voxels.segmentation.partition import Partition, canonical_partition
@@ -30,46 +29,41 @@ from artigen.voxels.segmentation.votes import (
     vote_costs,
 )
 
-
-@dataclass(frozen=True, kw_only=True)
-class RobustConfig:
-    """Sensitivities of the robust recipe; lengths in voxels, evidence in units of chi squared."""
-
-    length_floor: float = 0.05
-    """Least noise assumed on lengths, in voxels. Raise it when votes drift within a part and parts
-    are found split."""
-    motion_floor: float = 0.005
-    """Least noise assumed on axis components and on normalised ranges."""
-    split_scatter: float = 1.5
-    """A group is split when its votes scatter this many times more than noise alone (variance)."""
-    overlong: float = 1.5
-    """A group is split across an axis when it is longer than its voted box by this many voxels and twice
-    the standard error of that vote."""
-    seed_voxels: int = 24
-    """A group of fewer voxels is a part of its own only when no larger part explains it."""
-    absorb_sigmas: float = 8.0
-    """Largest deviation, in standard deviations, of the votes of a small group from the group that
-    absorbs it. Raise it when single stray voxels become parts."""
-    extent_tolerance: float = 0.75
-    """Voxels by which a part may fall short of or exceed the box it votes for."""
-    merge_evidence: float = 8.0
-    """Two groups are one part when the evidence against that stays below this."""
-    label_penalty: float = 3.0
-    """Evidence against merging groups of different labels. Raise it when a handle is taken for the
-    knob beside it, lower it when patches of wrong labels become parts."""
-    label_error: float = 0.03
-    """Share of wrong labels expected among voxels."""
-    outside: float = 0.7
-    """Voxels outside a part's box that count as one standard deviation."""
-    neighbour_weight: float = 0.5
-    """Evidence for a part per neighbouring voxel that belongs to it."""
-    rounds: int = 2
-    """Rounds of merging and reassignment."""
-    max_groups: int = 2500
-    """Votes that fall into more groups than this are rejected as noise; time grows as their square."""
+LENGTH_FLOOR = 0.05
+"""Least noise assumed on lengths, in voxels. Raise it when votes drift within a part and parts
+are found split."""
+MOTION_FLOOR = 0.005
+"""Least noise assumed on axis components and on normalised ranges."""
+SPLIT_SCATTER = 1.5
+"""A group is split when its votes scatter this many times more than noise alone (variance)."""
+OVERLONG = 1.5
+"""A group is split across an axis when it is longer than its voted box by this many voxels and twice
+the standard error of that vote."""
+SEED_VOXELS = 24
+"""A group of fewer voxels is a part of its own only when no larger part explains it."""
+ABSORB_SIGMAS = 8.0
+"""Largest deviation, in standard deviations, of the votes of a small group from the group that
+absorbs it. Raise it when single stray voxels become parts."""
+EXTENT_TOLERANCE = 0.75
+"""Voxels by which a part may fall short of or exceed the box it votes for."""
+MERGE_EVIDENCE = 8.0
+"""Two groups are one part when the evidence against that stays below this."""
+LABEL_PENALTY = 3.0
+"""Evidence against merging groups of different labels. Raise it when a handle is taken for the
+knob beside it, lower it when patches of wrong labels become parts."""
+LABEL_ERROR = 0.03
+"""Share of wrong labels expected among voxels."""
+OUTSIDE = 0.7
+"""Voxels outside a part's box that count as one standard deviation."""
+NEIGHBOUR_WEIGHT = 0.5
+"""Evidence for a part per neighbouring voxel that belongs to it."""
+ROUNDS = 2
+"""Rounds of merging and reassignment."""
+MAX_GROUPS = 2500
+"""Votes that fall into more groups than this are rejected as noise; time grows as their square."""
 
 
-def partition_robust(fields: VoxelFields, cfg: RobustConfig) -> Partition:
+def partition_robust(fields: VoxelFields) -> Partition:
     """Divides the voxels among parts by votes, boxes and connectivity; the base is one part.
 
     Raises:
@@ -77,32 +71,32 @@ def partition_robust(fields: VoxelFields, cfg: RobustConfig) -> Partition:
     """
     pairs = neighbour_pairs(fields.coords.astype(np.int64), fields.resolution)
     labels = fields.label_probs.argmax(axis=1)
-    base = fields.layout.labels.index("base")
+    base = PART_LABELS.index("base")
     alike = labels[pairs[0]] == labels[pairs[1]]
-    floor = np.repeat([cfg.length_floor / fields.resolution, cfg.motion_floor], [9, WIDTH - 9])
+    floor = np.repeat([LENGTH_FLOOR / fields.resolution, MOTION_FLOOR], [9, WIDTH - 9])
     votes = collect_votes(
-        fields, is_base=labels == base, alike=pairs[:, alike], floor=floor, label_error=cfg.label_error
+        fields, is_base=labels == base, alike=pairs[:, alike], floor=floor, label_error=LABEL_ERROR
     )
     pieces = connected_groups(len(labels), pairs, alike)
-    groups = _first_groups(votes, pieces, labels == base, cfg)
-    if groups.max() > cfg.max_groups:
+    groups = _first_groups(votes, pieces, labels == base)
+    if groups.max() > MAX_GROUPS:
         raise SegmentationError(
             f"the votes of {len(labels)} voxels fall into {groups.max()} groups, expected at most "
-            f"{cfg.max_groups}: the votes of neighbouring voxels differ too much to form parts"
+            f"{MAX_GROUPS}: the votes of neighbouring voxels differ too much to form parts"
         )
-    groups = _absorb(votes, groups, base, cfg, np.inf)
-    for _ in range(cfg.rounds):
-        groups = _absorb(votes, groups, base, cfg, 2.0)
-        groups = _merge(votes, groups, pieces, base, cfg)
-        groups = _reassign(votes, groups, pairs, base, cfg)
-    groups = _without_gaps(_absorb(votes, groups, base, cfg, 2.0))
+    groups = _absorb(votes, groups, base, np.inf)
+    for _ in range(ROUNDS):
+        groups = _absorb(votes, groups, base, 2.0)
+        groups = _merge(votes, groups, pieces, base)
+        groups = _reassign(votes, groups, pairs, base)
+    groups = _without_gaps(_absorb(votes, groups, base, 2.0))
     label = summarise(votes, groups, base).label
     groups[label[groups] == base] = 0
     return canonical_partition(fields, groups, label)
 
 
 def _first_groups(
-    votes: Votes, pieces: Int[np.ndarray, "N"], is_base: Bool[np.ndarray, "N"], cfg: RobustConfig
+    votes: Votes, pieces: Int[np.ndarray, "N"], is_base: Bool[np.ndarray, "N"]
 ) -> Int[np.ndarray, "N"]:
     """Group 0 is the base; connected voxels of one label follow, split where their votes disagree."""
     groups = np.zeros(len(pieces), dtype=np.int64)
@@ -111,13 +105,13 @@ def _first_groups(
     starts = np.flatnonzero(np.diff(pieces[order], prepend=-1))
     count = 1
     for piece in np.split(order, starts[1:]) if len(order) else []:
-        for part in _split(votes, piece, cfg):
+        for part in _split(votes, piece):
             groups[part] = count
             count += 1
     return groups
 
 
-def _split(votes: Votes, rows: Int[np.ndarray, "n"], cfg: RobustConfig) -> list[np.ndarray]:
+def _split(votes: Votes, rows: Int[np.ndarray, "n"]) -> list[np.ndarray]:
     """Bisects ``rows`` until no direction scatters ``split_scatter`` times more than noise would.
 
     Pure noise of n draws in d dimensions has variances up to (1 + sqrt(d / n))^2 (Marchenko-Pastur).
@@ -132,10 +126,10 @@ def _split(votes: Votes, rows: Int[np.ndarray, "n"], cfg: RobustConfig) -> list[
         values -= values.mean(axis=0)
         variances, directions = np.linalg.eigh(values.T @ values / len(piece))
         draws = max(1.0, len(piece) / votes.patch)
-        if variances[-1] > cfg.split_scatter * (1 + np.sqrt(WIDTH / draws)) ** 2:
+        if variances[-1] > SPLIT_SCATTER * (1 + np.sqrt(WIDTH / draws)) ** 2:
             side = _bisect(values, directions[:, -1])
         else:
-            long = overlong_axis(votes, piece, cfg.overlong)
+            long = overlong_axis(votes, piece, OVERLONG)
             if long is None:
                 done.append(piece)
                 continue
@@ -156,65 +150,61 @@ def _bisect(values: Float[np.ndarray, "n D"], direction: Float[np.ndarray, "D"])
     return side
 
 
-def _absorb(
-    votes: Votes, groups: Int[np.ndarray, "N"], base: int, cfg: RobustConfig, share: float
-) -> Int[np.ndarray, "N"]:
+def _absorb(votes: Votes, groups: Int[np.ndarray, "N"], base: int, share: float) -> Int[np.ndarray, "N"]:
     """Gives small groups to larger ones that explain them by noise, whatever their classes.
 
     A larger group has `seed_voxels`, or ``share`` times the voxels. `_explained_below` gives the limit.
     """
     groups = _without_gaps(groups)
     stats = summarise(votes, groups, base)
-    returned = _return_to_base(votes, stats, groups, cfg)
+    returned = _return_to_base(votes, stats, groups)
     if (returned != groups).any():
         groups = _without_gaps(returned)
         stats = summarise(votes, groups, base)
-    is_small = stats.count < cfg.seed_voxels
+    is_small = stats.count < SEED_VOXELS
     is_small[0] = False
     if not is_small.any():
         return groups
     rows = np.flatnonzero(is_small[groups])
     rows = rows[np.argsort(groups[rows], kind="stable")]
     number = stats.count[is_small]
-    larger = np.flatnonzero(stats.count >= min(share, cfg.seed_voxels))
+    larger = np.flatnonzero(stats.count >= min(share, SEED_VOXELS))
     if not len(larger):  # a handful of voxels: not even the base is a seed
         return groups
-    costs = vote_costs(votes, select_groups(stats, larger), rows, cfg.outside)
-    least = np.minimum(np.repeat(number, number) * share, cfg.seed_voxels)
+    costs = vote_costs(votes, select_groups(stats, larger), rows, OUTSIDE)
+    least = np.minimum(np.repeat(number, number) * share, SEED_VOXELS)
     costs[least[:, None] > stats.count[larger]] = np.inf
     mean = np.add.reduceat(costs, np.cumsum(number) - number, axis=0) / number[:, None]
-    limit = _explained_below(number, cfg)
+    limit = _explained_below(number)
     moved = np.repeat(mean.min(axis=1) < limit, number)
     out = groups.copy()
     out[rows[moved]] = larger[costs[moved].argmin(axis=1)]
     return out
 
 
-def _explained_below(number: Int[np.ndarray, "K"], cfg: RobustConfig) -> Float[np.ndarray, "K"]:
+def _explained_below(number: Int[np.ndarray, "K"]) -> Float[np.ndarray, "K"]:
     """Mean cost below which ``number`` voxels may be in a group by noise alone.
 
     A half chi squared of d votes has mean d / 2 and standard deviation sqrt(2 d) / 2. The allowance falls
     faster with the number than that of a mean would, because single voxels have a long chi-squared tail.
     """
-    return (WIDTH + cfg.absorb_sigmas * np.sqrt(2 * WIDTH) / number**0.75) / 2
+    return (WIDTH + ABSORB_SIGMAS * np.sqrt(2 * WIDTH) / number**0.75) / 2
 
 
-def _return_to_base(
-    votes: Votes, stats: GroupVotes, groups: Int[np.ndarray, "N"], cfg: RobustConfig
-) -> Int[np.ndarray, "N"]:
+def _return_to_base(votes: Votes, stats: GroupVotes, groups: Int[np.ndarray, "N"]) -> Int[np.ndarray, "N"]:
     """Gives groups of any size to the base where its votes explain them: patches of wrong labels.
 
     No real part votes for the box of the base.
     """
     rows = np.flatnonzero(groups > 0)
-    costs = vote_costs(votes, select_groups(stats, np.array([0])), rows, cfg.outside)[:, 0]
+    costs = vote_costs(votes, select_groups(stats, np.array([0])), rows, OUTSIDE)[:, 0]
     mean = np.bincount(groups[rows], weights=costs, minlength=len(stats.count)) / stats.count
-    limit = np.maximum(_explained_below(stats.count, cfg), 0.75 * WIDTH)
+    limit = np.maximum(_explained_below(stats.count), 0.75 * WIDTH)
     return np.where((groups > 0) & (mean < limit)[groups], 0, groups)
 
 
 def _merge(
-    votes: Votes, groups: Int[np.ndarray, "N"], pieces: Int[np.ndarray, "N"], base: int, cfg: RobustConfig
+    votes: Votes, groups: Int[np.ndarray, "N"], pieces: Int[np.ndarray, "N"], base: int
 ) -> Int[np.ndarray, "N"]:
     """Merges groups that look like one part, the most similar first, until none are left."""
     while True:
@@ -227,15 +217,15 @@ def _merge(
             stats,
             groups,
             same_piece=piece[:, None] == piece,
-            tolerance=cfg.extent_tolerance,
-            outside=cfg.outside,
-            label_penalty=cfg.label_penalty,
+            tolerance=EXTENT_TOLERANCE,
+            outside=OUTSIDE,
+            label_penalty=LABEL_PENALTY,
         )
         scores[0, stats.label == base] = scores[stats.label == base, 0] = -np.inf
         np.fill_diagonal(scores, np.inf)
         into = np.arange(total)
         taken = np.zeros(total, dtype=bool)
-        candidates = np.argwhere(scores < cfg.merge_evidence)
+        candidates = np.argwhere(scores < MERGE_EVIDENCE)
         for a, b in candidates[np.argsort(scores[tuple(candidates.T)], kind="stable")]:
             if not taken[a] and not taken[b]:
                 into[max(a, b)] = min(a, b)
@@ -260,7 +250,7 @@ def _without_gaps(groups: Int[np.ndarray, "N"]) -> Int[np.ndarray, "N"]:
 
 
 def _reassign(
-    votes: Votes, groups: Int[np.ndarray, "N"], pairs: Int[np.ndarray, "2 E"], base: int, cfg: RobustConfig
+    votes: Votes, groups: Int[np.ndarray, "N"], pairs: Int[np.ndarray, "2 E"], base: int
 ) -> Int[np.ndarray, "N"]:
     """Moves every voxel to the group that explains it best, neighbours included.
 
@@ -270,14 +260,14 @@ def _reassign(
     stats = summarise(votes, groups, base)
     total = len(stats.count)
     in_base = np.flatnonzero(groups == 0)
-    sure = vote_costs(votes, select_groups(stats, np.array([0])), in_base, cfg.outside)[:, 0] < WIDTH
+    sure = vote_costs(votes, select_groups(stats, np.array([0])), in_base, OUTSIDE)[:, 0] < WIDTH
     rows = np.setdiff1d(np.arange(len(groups)), in_base[sure], assume_unique=True)
-    costs = vote_costs(votes, stats, rows, cfg.outside) + class_costs(votes, stats, rows)
+    costs = vote_costs(votes, stats, rows, OUTSIDE) + class_costs(votes, stats, rows)
     place = np.full(len(groups), -1)
     place[rows] = np.arange(len(rows))
     ends = np.concatenate([pairs, pairs[::-1]], axis=1)
     ends = ends[:, place[ends[0]] >= 0]
     touching = np.bincount(place[ends[0]] * total + groups[ends[1]], minlength=len(rows) * total)
     out = groups.copy()
-    out[rows] = (costs - cfg.neighbour_weight * touching.reshape(len(rows), total)).argmin(axis=1)
+    out[rows] = (costs - NEIGHBOUR_WEIGHT * touching.reshape(len(rows), total)).argmin(axis=1)
     return out

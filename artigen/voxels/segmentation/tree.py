@@ -9,7 +9,6 @@ There is one base; whatever touches nothing within reach is reported, never gues
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
@@ -38,14 +37,9 @@ PANELS: frozenset[PartLabel] = frozenset({"door", "drawer", "tray"})
 ON_SURFACES: frozenset[PartLabel] = frozenset({"handle", "knob"})
 """Parts that sit on panels, where they touch one, not on the base; others lie in what carries them."""
 
-
-@dataclass(frozen=True, kw_only=True)
-class TreeConfig:
-    """How parents are found."""
-
-    reach: float = 2.0
-    """Voxels between the nearest cells of a part and its parent; 1 means touching. Raise it when
-    parts that hover over their parent are reported as detached."""
+REACH = 2.0
+"""Voxels between the nearest cells of a part and its parent; 1 means touching. Raise it when
+parts that hover over their parent are reported as detached."""
 
 
 def contact_counts(
@@ -62,7 +56,6 @@ def find_parents(
     coords: Int[np.ndarray, "N 3"],
     part_ids: Int[np.ndarray, "N"],
     pairs: Int[np.ndarray, "2 E"],
-    cfg: TreeConfig,
 ) -> list[int | None]:
     """Parent of every part: -1 for the base, None where no part at all is within reach.
 
@@ -88,12 +81,12 @@ def find_parents(
         if scores.max(initial=0.0) > 0:
             parents.append(int(scores.argmax()))
         else:
-            parents.append(_nearest_parent(index, np.flatnonzero(weights), coords, part_ids, cfg))
-    return _hang_rest(parents, contact, coords, part_ids, cfg)
+            parents.append(_nearest_parent(index, np.flatnonzero(weights), coords, part_ids))
+    return _hang_rest(parents, contact, coords, part_ids)
 
 
 def _hang_rest(
-    parents: list[int | None], contact: np.ndarray, coords: np.ndarray, part_ids: np.ndarray, cfg: TreeConfig
+    parents: list[int | None], contact: np.ndarray, coords: np.ndarray, part_ids: np.ndarray
 ) -> list[int | None]:
     """Hangs parts without a parent from parts of any label that hang from the base.
 
@@ -113,7 +106,7 @@ def _hang_rest(
         lost = [index for index, parent in enumerate(out) if parent is None]
         carried = [index for index in range(len(out)) if index not in held and index not in lost]
         found = next(
-            filter(None, (_meet(some, held, contact, coords, part_ids, cfg) for some in (lost, carried))),
+            filter(None, (_meet(some, held, contact, coords, part_ids) for some in (lost, carried))),
             None,
         )
         if found is None:
@@ -128,14 +121,13 @@ def _meet(
     contact: np.ndarray,
     coords: np.ndarray,
     part_ids: np.ndarray,
-    cfg: TreeConfig,
 ) -> tuple[int, int] | None:
     """The part among ``some`` that meets one of ``held`` most, and that one; None where none is in reach."""
     touches = contact[some][:, held]
     if touches.max(initial=0) > 0:
         row, column = divmod(int(touches.argmax()), len(held))
         return some[row], held[column]
-    near = ((index, _nearest_parent(index, np.array(held), coords, part_ids, cfg)) for index in some)
+    near = ((index, _nearest_parent(index, np.array(held), coords, part_ids)) for index in some)
     return next(((index, parent) for index, parent in near if parent is not None), None)
 
 
@@ -150,9 +142,9 @@ def _is_stem(part: Part) -> bool:
     return part.joint.type in ("continuous", "revolute") and abs(part.joint.axis[2]) > 0.9
 
 
-def _nearest_parent(index: int, allowed: np.ndarray, coords, part_ids, cfg: TreeConfig) -> int | None:
+def _nearest_parent(index: int, allowed: np.ndarray, coords, part_ids) -> int | None:
     own = KDTree(coords[part_ids == index])
-    best, nearest = None, cfg.reach + 1e-9
+    best, nearest = None, REACH + 1e-9
     for candidate in allowed:
         distance = own.query(coords[part_ids == candidate])[0].min(initial=np.inf)
         if distance < nearest:

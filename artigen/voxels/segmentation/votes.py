@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from artigen.types import FULL_TURN
 from artigen.voxels.fields import VoxelFields
 
 BOX, PLACE, ORIGIN, MOTION = slice(0, 6), slice(0, 3), slice(6, 9), slice(9, 14)
@@ -84,8 +85,7 @@ def collect_votes(
     label_error: float,
 ) -> Votes:
     """Votes of a field in units of its own noise; see `measure_noise`."""
-    layout = fields.layout
-    ranges = fields.ranges / (layout.rotation_unit, layout.length_unit)
+    ranges = fields.ranges / (FULL_TURN, 1.0)
     values = np.concatenate([fields.box, fields.origin, fields.axis, ranges], axis=1, dtype=np.float64)
     sigma, patch = measure_noise(values, is_base, alike, floor)
     return Votes(

@@ -17,27 +17,22 @@ from .recipes import Share
 TALL = 1.02
 """Height (m) above which a unit is not placed in a corner."""
 
-
-@dataclass(frozen=True, kw_only=True)
-class ChooseConfig:
-    """Weights of the preferences for a run of cabinets."""
-
-    empty: float = 2.5
-    """Cost per metre of wall without a unit."""
-    missing: float = 0.9
-    """Cost per unit of deviation from the desired number of a role."""
-    depth: float = 3.0
-    """Cost per metre of difference from the run's usual depth."""
-    height: float = 2.5
-    """Cost per metre of difference from the run's usual height, for units below 1 m."""
-    crowded: float = 1.5
-    """Cost of a tall unit on a wall that meets other runs at both ends."""
-    repeat: float = 0.05
-    """Cost of every further copy of a package."""
-    taste: float = 0.25
-    """Scale of random costs."""
-    copies: int = 4
-    """Largest number of copies of one package in a run."""
+EMPTY = 2.5
+"""Cost per metre of wall without a unit."""
+MISSING = 0.9
+"""Cost per unit of deviation from the desired number of a role."""
+DEPTH = 3.0
+"""Cost per metre of difference from the run's usual depth."""
+HEIGHT = 2.5
+"""Cost per metre of difference from the run's usual height, for units below 1 m."""
+CROWDED = 1.5
+"""Cost of a tall unit on a wall that meets other runs at both ends."""
+REPEAT = 0.05
+"""Cost of every further copy of a package."""
+TASTE = 0.25
+"""Scale of random costs."""
+COPIES = 4
+"""Largest number of copies of one package in a run."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +73,6 @@ def choose_units(
     shares: Sequence[Share],
     walls: Sequence[Wall],
     rng: np.random.Generator,
-    cfg: ChooseConfig,
 ) -> list[list[Offer]] | None:
     """Units for every wall, or None if the smallest numbers of the shares do not fit.
 
@@ -87,21 +81,20 @@ def choose_units(
         shares: Number of each role over all walls.
         walls: Usable length of each wall, and whether other runs meet it at both ends.
         rng: Breaks ties.
-        cfg: Weights.
     """
     if not offers:
         return None if any(share.least for share in shares) else [[] for _ in walls]
     shape = _Programme(offers=len(offers), walls=len(walls), shares=len(shares))
     costs = np.zeros(shape.total)
-    misfits = np.repeat(_misfits(offers, rng, cfg)[:, None], shape.walls, axis=1)
+    misfits = np.repeat(_misfits(offers, rng)[:, None], shape.walls, axis=1)
     tall = np.array([offer.entry.size[2] > TALL for offer in offers])
-    misfits += cfg.crowded * np.outer(tall, [wall.enclosed for wall in walls])
+    misfits += CROWDED * np.outer(tall, [wall.enclosed for wall in walls])
     costs[: shape.counts] = misfits.ravel()
-    costs[shape.counts : shape.counts + shape.shares] = cfg.missing
-    costs[shape.counts + shape.shares : shape.total - shape.walls] = cfg.repeat
-    costs[shape.total - shape.walls :] = cfg.empty
+    costs[shape.counts : shape.counts + shape.shares] = MISSING
+    costs[shape.counts + shape.shares : shape.total - shape.walls] = REPEAT
+    costs[shape.total - shape.walls :] = EMPTY
     high = np.full(shape.total, np.inf)
-    high[: shape.counts] = cfg.copies
+    high[: shape.counts] = COPIES
     integrality = np.zeros(shape.total)
     integrality[: shape.counts] = 1
     solved = milp(
@@ -120,16 +113,16 @@ def choose_units(
     ]
 
 
-def _misfits(offers: Sequence[Offer], rng: np.random.Generator, cfg: ChooseConfig) -> Float[np.ndarray, "O"]:
+def _misfits(offers: Sequence[Offer], rng: np.random.Generator) -> Float[np.ndarray, "O"]:
     """Cost of each offer: its difference from the others, and a random cost."""
     sizes = np.array([offer.entry.size for offer in offers])
     low = sizes[:, 2] <= 1.0
     usual = np.median(sizes[low], axis=0) if low.any() else np.median(sizes, axis=0)
     lead = sizes[low][int(rng.integers(low.sum()))] if low.any() else usual
     target = (usual + lead) / 2.0
-    misfit = cfg.depth * np.abs(sizes[:, 0] - target[0])
-    misfit += np.where(low, cfg.height * np.abs(sizes[:, 2] - target[2]), 0.0)
-    return misfit + cfg.taste * rng.random(len(offers))
+    misfit = DEPTH * np.abs(sizes[:, 0] - target[0])
+    misfit += np.where(low, HEIGHT * np.abs(sizes[:, 2] - target[2]), 0.0)
+    return misfit + TASTE * rng.random(len(offers))
 
 
 def _constraints(

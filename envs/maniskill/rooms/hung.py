@@ -27,7 +27,7 @@ def hang_cabinets(plan: Plan, share: Share, chooser: Chooser) -> Plan:
     offers = [Offer(share=0, entry=entry) for entry in entries]
     room_left = max(0, min(share.most, chooser.most - count_objects(plan)))
     asked = Share(role=share.role, least=0, wanted=min(share.wanted, room_left), most=room_left)
-    chosen = choose_units(offers, [asked], walls, chooser.rng, chooser.choose) or []
+    chosen = choose_units(offers, [asked], walls, chooser.rng) or []
     for (run, (start, stop)), units in zip(stretches, chosen, strict=False):
         while units:
             pieces = []

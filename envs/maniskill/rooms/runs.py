@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from .arrange import Place, Plan, fits, wall_places
 from .catalogue import Catalogue, Entry
-from .choose import TALL, ChooseConfig, Offer, Wall, choose_units, order_units
+from .choose import TALL, Offer, Wall, choose_units, order_units
 from .pieces import GAP, Boxes, Cluster, Member, Piece, line_up, make_piece, move_boxes
 from .recipes import Recipe
 from .room import Side, along_wall, wall_length
@@ -34,7 +34,6 @@ class Chooser:
     radius: float
     sweeps: Literal["free", "any"]
     most: int
-    choose: ChooseConfig
 
     def piece(self, entry: Entry, role: str, front: float | None = None, elevation: float = GAP) -> Piece:
         """A package as a piece with the free space that the settings require."""
@@ -81,7 +80,7 @@ def place_runs(plan: Plan, recipe: Recipe, chooser: Chooser) -> tuple[Plan, str]
         )
         for side, ends in zip(sides, meets, strict=True)
     ]
-    chosen = choose_units(offers, recipe.shares, walls, chooser.rng, chooser.choose)
+    chosen = choose_units(offers, recipe.shares, walls, chooser.rng)
     if chosen is None:
         return plan, (
             f"walls with {' + '.join(f'{wall.length:.2f}' for wall in walls)} m free of corners hold less "

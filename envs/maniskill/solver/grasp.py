@@ -48,11 +48,6 @@ def find_grasps(handle: HandleAnnotation, held: tuple[Hull, ...], robot: RobotSp
     """All grasps of a handle that fit into the gripper.
 
     A wheel that is too thick is grasped at its hub, if that protrudes; empty if there is no such place.
-
-    Args:
-        handle: Its box and grasp line.
-        held: The hulls of the handle.
-        robot: The gripper.
     """
     if handle.width + SPARE > robot.opening:
         return _hub_grasps(handle, held, robot)

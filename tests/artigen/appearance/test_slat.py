@@ -110,14 +110,13 @@ def test_gaussian_decoder_repeats_the_reference_in_parametrisation_and_order(tre
 
 
 @pytest.mark.real
-def test_sparse_flow_repeats_the_reference_with_and_without_cached_keys(trellis_reference: Path):
+def test_sparse_flow_repeats_the_reference(trellis_reference: Path):
     flow, io = load_trellis(trellis_reference / "slat_flow"), record(trellis_reference, "slat_flow")
     assert isinstance(flow, SlatDit)
     plan = flow.plan(io["in.coords"], 2)
     assert torch.equal(plan.coords[1], io["mid.blocks.0.coords"])
-    for given in ({"cond": io["in.cond"]}, {"keys": flow.project_condition(io["in.cond"])}):
-        said = flow(io["in.feats"], io["in.t_model"], plan, **given)
-        torch.testing.assert_close(said, io["out.v"], atol=1e-4, rtol=1e-4)
+    said = flow(io["in.feats"], io["in.t_model"], plan, io["in.cond"])
+    torch.testing.assert_close(said, io["out.v"], atol=1e-4, rtol=1e-4)
     io = record(trellis_reference, "loss_slat_flow")
     t = io["in.t"][io["in.coords"][:, 0].long()]
     x_t, target = diffuse(io["in.x_0"], io["in.noise"], t), target_velocity(io["in.x_0"], io["in.noise"])
@@ -132,13 +131,13 @@ def test_sampler_and_sparse_flow_together_repeat_the_reference(trellis_reference
     flow, io = load_trellis(trellis_reference / "slat_flow"), record(trellis_reference, "sampler_slat_flow")
     assert isinstance(flow, SlatDit)
     plan = flow.plan(io["in.coords"], 2)
-    keys = [flow.project_condition(io[f"in.{name}"]) for name in ("cond", "neg_cond")]
+    asked = [io[f"in.{name}"] for name in ("cond", "neg_cond")]
     cfg = SamplerConfig(steps=12, strength=3.0)
     states = []
     out = sample_flow(
         io["in.noise"],
-        lambda x, t: flow(x, 1000.0 * t, plan, keys=keys[0]),
-        lambda x, t: (flow(x, 1000.0 * t, plan, keys=keys[0]), flow(x, 1000.0 * t, plan, keys=keys[1])),
+        lambda x, t: flow(x, 1000.0 * t, plan, asked[0]),
+        lambda x, t: (flow(x, 1000.0 * t, plan, asked[0]), flow(x, 1000.0 * t, plan, asked[1])),
         cfg,
         samples=2,
         on_step=lambda _step, _time, x: states.append(x),

@@ -5,12 +5,12 @@ import shutil
 from pathlib import Path
 
 import pytest
+from sample_partnet import write_sample
 
 from artigen.cli.batch import Finished, read_journal
 from artigen.cli.convert import ConvertSettings, convert
 from artigen.cli.export import export
 from artigen.cli.validate import validate
-from artigen.datasets.sample_partnet import write_sample
 from artigen.datasets.sources import find_sources
 from artigen.errors import ArtigenError
 from artigen.io import write_asset

@@ -81,7 +81,7 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[tuple[object, int]]:
 
     def from_memory(network: object, request: object, seed: int, *rest: object) -> Drawn:
         seen.append((request, seed))
-        return Drawn(shape=SHAPE, faults=(), notes=("sketch: from memory",), seen=Counter())
+        return Drawn(shape=SHAPE, faults=(), notes=("sketch: from memory",), seen=Counter(), batches=1)
 
     monkeypatch.setattr(artigen.sketch.model, "draw_object", from_memory)
     return seen

@@ -9,7 +9,6 @@ from scipy.spatial import KDTree
 
 from artigen.appearance.exact import (
     VOXELS,
-    ShapeAppearanceConfig,
     ShapeAppearanceModel,
     decode_gaussians,
     load_shape_appearance,
@@ -24,7 +23,7 @@ from artigen.shapes.sampling import place_points
 from artigen.shapes.shape import Shape
 from artigen.splats.colors import srgb_from_linear
 from artigen.types import Gaussians
-from artigen.voxels.fields import DEFAULT_LAYOUT, encode
+from artigen.voxels.fields import CHANNELS, encode
 from artigen.voxels.voxelize import drop_unresolved
 from artigen.weights import SHIPPED
 from envs.config import ValidateConfig
@@ -32,8 +31,6 @@ from envs.validate import validate
 from sim_export.files.read import read_package
 from sim_export.files.write import package_files, write_package
 from sim_export.reference import build_reference
-
-COARSE = ShapeAppearanceConfig(zoom=1)
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +94,7 @@ def test_voxels_are_those_that_the_surface_crosses(made: Generated, shape: Shape
     cells = np.unique(rasterize_shape(shape, VOXELS).cells, axis=0)
     np.testing.assert_array_equal(voxels.coords[np.lexsort(voxels.coords.T[::-1])], cells)
     field = encode(made.asset)
-    assert field.shape == (DEFAULT_LAYOUT.channels, VOXELS, VOXELS, VOXELS)
+    assert field.shape == (CHANNELS, VOXELS, VOXELS, VOXELS)
     assert np.count_nonzero(field[0]) == len(cells)
     known = shape_to_asset(shape, VOXELS)
     assert known.voxels is not None
@@ -110,7 +107,7 @@ def test_voxels_are_those_that_the_surface_crosses(made: Generated, shape: Shape
 def test_the_same_shape_gives_the_same_gaussians_and_a_finer_grid_more(
     made: Generated, model: ShapeAppearanceModel, shape: Shape
 ):
-    one, two = (decode_gaussians(model, shape, COARSE) for _ in range(2))
+    one, two = (decode_gaussians(model, shape, zoom=1) for _ in range(2))
     assert one.gaussians is not None
     for item in fields(Gaussians):
         np.testing.assert_array_equal(getattr(one.gaussians, item.name), getattr(two.gaussians, item.name))

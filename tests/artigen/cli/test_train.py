@@ -9,12 +9,13 @@ from xml.etree import ElementTree
 
 import pytest
 import torch
+from grammar_source import grammar_source
+from sample_partnet import write_sample
 
 import artigen.metrics.draws
 import artigen.metrics.evaluate
 from artigen.cli.evaluate import EvaluateSettings, evaluate
 from artigen.cli.train import TrainSettings, train
-from artigen.datasets.sample_partnet import write_sample
 from artigen.errors import ArtigenError, SegmentationError, SourceError
 from artigen.latent.draw import GenerateConfig, load_structure_model
 from artigen.latent.presets import PRESETS
@@ -25,7 +26,7 @@ from artigen.metrics.evaluate import Evaluation, evaluate_structure
 from artigen.metrics.instantiation import InstantiationConfig
 from artigen.metrics.report import write_report
 from artigen.metrics.score import ScoreConfig
-from artigen.metrics.shapes import ShapeSource, grammar_source
+from artigen.metrics.shapes import ShapeSource
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
 from artigen.models.rectified_flow import SamplerConfig

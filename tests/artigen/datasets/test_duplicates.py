@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from artigen.datasets.duplicates import EXTENTS, LEVELS, Duplicates, Fingerprint, surface_distance
+from artigen.datasets.duplicates import EXTENTS, LEVELS, Duplicates, Fingerprint
 from artigen.shapes.draw import draw_shape
 from sim_export.fingerprint import CELLS, describe_surface, hash_geometry, quantise
 from sim_export.package import Link, Mesh, PackageJoint, SimPackage, Visual
@@ -96,8 +96,12 @@ def test_the_distance_is_the_share_of_the_surface_that_lies_elsewhere():
     small = 0.1
     here = box_package(*frame, ((0.45, 0.1, 0.1), (0.45 + small, 0.1 + small, 0.1 + small)))
     there = box_package(*frame, ((0.45, 0.8, 0.8), (0.45 + small, 0.8 + small, 0.8 + small)))
-    distance = surface_distance(quantise(describe_surface(here)), quantise(describe_surface(there)))
-    assert distance == pytest.approx(1 / 3, abs=0.01)
+    known = Duplicates(0.5)
+    first, second = (np.frombuffer(quantise(describe_surface(one)), "<u2") for one in (here, there))
+    known.add(fingerprint("here", first))
+    duplicate = known.add(fingerprint("there", second))
+    assert duplicate is not None
+    assert duplicate.distance == pytest.approx(1 / 3, abs=0.01)
 
 
 def test_a_descriptor_sums_to_one_and_does_not_change_with_size_place_or_triangles():

@@ -11,14 +11,14 @@ import pytest
 from cabinet_files import assert_same_parts
 from PIL import Image
 from project import ROOT
+from sample_cabinet import SAMPLE_PARTS
+from sample_partnet import write_sample
 
-from artigen.datasets.part_labels import LABEL_TABLE, label_table_markdown
+from artigen.datasets.part_labels import LABEL_TABLE
 from artigen.datasets.partnet_annotation import read_nodes
 from artigen.datasets.partnet_joints import motion
 from artigen.datasets.partnet_mobility import ReaderConfig, read_object
-from artigen.datasets.sample import SAMPLE_PARTS
-from artigen.datasets.sample_partnet import write_sample
-from artigen.datasets.sizes import DEPTH_LIMITS, SIZE_TABLE, estimate_size, size_table_markdown
+from artigen.datasets.sizes import DEPTH_LIMITS, FALLBACK, SIZE_TABLE, estimate_size
 from artigen.errors import SourceError
 from artigen.kinematics import articulate_points, qlimits
 from artigen.transforms import transform_points
@@ -284,7 +284,7 @@ def test_samples_are_uniform_on_the_surface_and_carry_its_colours(source, cabine
 
 
 def test_visuals_lie_where_the_triangles_are(source):
-    from artigen.datasets.wavefront import read_obj
+    from artigen.wavefront import read_obj
 
     mesh = source.triangles
     found = []
@@ -477,6 +477,33 @@ def test_links_out_of_the_folder_are_refused(folder, tmp_path):
 def test_a_senseless_config_is_refused(wrong):
     with pytest.raises(ValueError, match=next(iter(wrong))):
         ReaderConfig(**wrong)
+
+
+def label_table_markdown() -> str:
+    """The table of names as Markdown, for the documentation."""
+    rows = [
+        "| names, in order of precedence | on a hinge | on a slider | for instance |",
+        "|---|---|---|---|",
+    ]
+    for rule in LABEL_TABLE:
+        names = ", ".join(f"`{name}`" for name in rule.names)
+        rows.append(f"| {names} | {rule.hinge or ''} | {rule.slider or ''} | {rule.example} |")
+    return "\n".join(rows) + "\n"
+
+
+def size_table_markdown() -> str:
+    """The table as Markdown, for the documentation."""
+    rows = [
+        "| category | extent | metres | for height / footprint up to | depth at most |",
+        "|---|---|---|---|---|",
+    ]
+    for category, rules in [*SIZE_TABLE.items(), ("any other", FALLBACK)]:
+        for rule in rules:
+            bound = "" if np.isinf(rule.up_to) else f"{rule.up_to:g}"
+            note = f" ({rule.note})" if rule.note else ""
+            depth = f"{DEPTH_LIMITS[category]:g}" if category in DEPTH_LIMITS else ""
+            rows.append(f"| {category}{note} | {rule.extent} | {rule.metres:g} | {bound} | {depth} |")
+    return "\n".join(rows) + "\n"
 
 
 def test_the_documented_tables_are_the_ones_in_force():

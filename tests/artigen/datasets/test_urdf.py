@@ -10,7 +10,7 @@ from cabinet_files import assert_same_parts, box_visual, cabinet_urdf, joint, li
 
 from artigen.cli.convert import ConvertJob, ConvertSettings, convert_object
 from artigen.datasets.categories import guess_category
-from artigen.datasets.part_labels import MovingPart, find_word, joint_table_markdown, label_by_joint
+from artigen.datasets.part_labels import JOINT_TABLE, MovingPart, find_word, label_by_joint
 from artigen.datasets.source_object import ReaderConfig
 from artigen.datasets.sources import find_layout, find_sources, name_source, read_source
 from artigen.datasets.urdf_object import turn_upright
@@ -429,6 +429,13 @@ def test_a_urdf_becomes_a_package_with_the_same_joints(tmp_path, visual):
         ),
         rel=0.02,
     )
+
+
+def joint_table_markdown() -> str:
+    """The table of joints as Markdown, for the documentation."""
+    rows = ["| joint | label | when, in order of precedence |", "|---|---|---|"]
+    rows += [f"| {rule.joint} | {rule.label} | {rule.when} |" for rule in JOINT_TABLE]
+    return "\n".join(rows) + "\n"
 
 
 def test_the_documented_joint_table_is_the_one_in_force():

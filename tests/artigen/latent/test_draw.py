@@ -131,7 +131,7 @@ def test_a_part_without_a_cell_is_refused_by_name(
     grid = replace(exact.voxels, coords=exact.voxels.coords[fewer], part_ids=exact.voxels.part_ids[fewer])
     say(monkeypatch, decode(encode(replace(exact, voxels=grid))))
     with pytest.raises(SegmentationError, match=f"no voxel was drawn for {lost} of {len(exact.parts)} parts"):
-        generate_structure(model, OPEN, 1, GenerateConfig(boards=None), boxes=exact)
+        generate_structure(model, OPEN, 1, boxes=exact)
 
 
 def test_votes_that_make_no_object_are_refused(

@@ -28,7 +28,7 @@ from artigen.models.rectified_flow import SamplerConfig, diffuse, target_velocit
 from artigen.models.store import load_model, save_model
 from artigen.train.structure_losses import PAPER_LOSS, StructureLossConfig, dice_loss, structure_losses
 from artigen.types import Asset
-from artigen.voxels.fields import DEFAULT_LAYOUT, encode
+from artigen.voxels.fields import FIELD, ROW, encode
 from artigen.voxels.voxelize import voxelize
 
 TINY = PRESETS["tiny"]
@@ -55,7 +55,7 @@ def patches(packed: PackedField) -> PatchBatch:
 def perfect(patches: PatchBatch) -> tuple[torch.Tensor, torch.Tensor]:
     """Logits and attributes that say exactly the truth."""
     attributes = patches.attributes().clone()
-    for classes in (DEFAULT_LAYOUT.label, DEFAULT_LAYOUT.joint_type, DEFAULT_LAYOUT.category):
+    for classes in (FIELD.label, FIELD.joint_type, FIELD.category):
         attributes[..., classes.start - 1 : classes.stop - 1] *= BIG
     return BIG * (2.0 * patches.occupancy().flatten(0, 1) - 1.0), attributes
 
@@ -99,9 +99,7 @@ def test_a_perfect_reconstruction_costs_nothing_and_reads_back(small: Asset, pat
 @pytest.mark.parametrize("name", ["axis", "origin", "range", "box", "label", "joint_type", "category"])
 def test_each_mistake_costs_in_its_own_term_only(patches: PatchBatch, name: str):
     logits, attributes = perfect(patches)
-    channels = getattr(DEFAULT_LAYOUT, name)
-    wrong = attributes.clone()
-    chosen = slice(channels.start - 1, channels.stop - 1)
+    chosen, wrong = getattr(ROW, name), attributes.clone()
     wrong[..., chosen] = wrong[..., chosen].roll(1, dims=-1) + 0.1
     terms = structure_losses(logits, wrong, patches, StructureLossConfig())
     assert float(terms[name]) > 1e-3

@@ -24,18 +24,18 @@ from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.train.examples import draw_example
 from artigen.types import PART_LABELS, Asset
-from artigen.voxels.fields import DEFAULT_LAYOUT, part_attributes
+from artigen.voxels.fields import ROW, part_attributes
 from artigen.voxels.voxelize import voxelize
 
 TINY = PRESETS["tiny"]
 EDGE = 16
-BOX = slice(DEFAULT_LAYOUT.box.start - 1, DEFAULT_LAYOUT.box.stop - 1)
+BOX = ROW.box
 
 
 @pytest.fixture(scope="module")
 def table(cabinet: Asset) -> np.ndarray:
     rows = np.stack([part_attributes(part, cabinet.category) for part in cabinet.parts])
-    return rows[:, DEFAULT_LAYOUT.occupancy.stop :].astype(np.float32)
+    return rows[:, 1:].astype(np.float32)
 
 
 @pytest.fixture(scope="module")
@@ -131,7 +131,7 @@ def test_cells_get_the_attributes_of_the_part_they_choose(cabinet: Asset, outlin
     with torch.no_grad():
         _, values, index = vae.decode(z, every, outlines)
     reached = find_candidates(outlines, edge).found.any(dim=1).flatten()[index]
-    numbers = slice(DEFAULT_LAYOUT.axis.start - 1, DEFAULT_LAYOUT.box.stop - 1)
+    numbers = slice(ROW.axis.start, ROW.box.stop)
     said = values[reached][..., numbers].reshape(-1, numbers.stop - numbers.start)
     known = outlines.rows[outlines.given][:, numbers]
     assert (

@@ -6,7 +6,8 @@ from torch import Tensor
 
 from artigen.latent.outline import OutlineBatch
 from artigen.latent.patches import as_patches, from_patches
-from artigen.latent.smoothing import SteadyConfig, steady_occupancy
+from artigen.latent.smoothing import steady_occupancy
+from artigen.types import PART_LABELS
 
 EDGE = 32
 NOTHING = OutlineBatch(rows=torch.zeros(1, 1, 35), given=torch.zeros(1, 1, dtype=torch.bool))
@@ -64,23 +65,24 @@ def test_no_axis_is_special():
     torch.testing.assert_close(turned, steady_occupancy(logits, NOTHING).permute(0, 3, 1, 2))
 
 
-def test_cells_of_handles_keep_what_was_drawn(handle_outline: OutlineBatch):
+def test_cells_of_handles_keep_what_was_drawn(handle_outline: OutlineBatch, monkeypatch: pytest.MonkeyPatch):
     logits = torch.randn(1, EDGE, EDGE, EDGE, generator=torch.Generator().manual_seed(2))
     steadied = steady_occupancy(logits, handle_outline)
     kept = steadied == logits
     assert kept[0, 16, 16, 16]
     assert not kept[0, 2, 2, 2]
-    assert not (steady_occupancy(logits, handle_outline, SteadyConfig(exempt=())) == logits)[0, 16, 16, 16]
+    monkeypatch.setattr("artigen.latent.smoothing.EXEMPT", ())
+    assert not (steady_occupancy(logits, handle_outline) == logits)[0, 16, 16, 16]
 
 
 @pytest.fixture
 def handle_outline() -> OutlineBatch:
     """A handle in the middle of the cube."""
-    from artigen.voxels.fields import DEFAULT_LAYOUT as LAYOUT
+    from artigen.voxels.fields import CHANNELS, ROW
 
-    rows = torch.zeros(1, 1, LAYOUT.channels - 1)
-    rows[0, 0, LAYOUT.label.start - 1 + LAYOUT.labels.index("handle")] = 1.0
-    rows[0, 0, LAYOUT.box.stop - 4 : LAYOUT.box.stop - 1] = 0.2
+    rows = torch.zeros(1, 1, CHANNELS - 1)
+    rows[0, 0, ROW.label.start + PART_LABELS.index("handle")] = 1.0
+    rows[0, 0, ROW.box.stop - 3 : ROW.box.stop] = 0.2
     return OutlineBatch(rows=rows, given=torch.ones(1, 1, dtype=torch.bool))
 
 

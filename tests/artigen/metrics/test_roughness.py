@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from artigen.metrics.roughness import measure_roughness
+from roughness import measure_roughness
 
 
 def make_box(*edges: int) -> np.ndarray:

@@ -5,19 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
+from grammar_source import grammar_source
 
 from artigen.latent.presets import PRESETS
 from artigen.latent.structure_vae import StructureVae
 from artigen.metrics.instantiation import pose_set
 from artigen.metrics.retrieval import condition_distance, retrieve
 from artigen.metrics.score import ScoreConfig, score_novelty, score_objects, score_set
-from artigen.metrics.shapes import grammar_source
 from artigen.metrics.strict import PENALTY
 from artigen.metrics.structure import score_reconstruction, score_spread
 from artigen.metrics.subjects import Field, Subject, describe_subject, draw_subjects
 from artigen.models.conditions import StructureCondition
 from artigen.shapes.draw import ShapeError
 from artigen.train.shards import ShardConfig, ShardJob, make_shard, read_shard
+from artigen.voxels.fields import ROW
 
 COARSE = ScoreConfig(per_part=100, points=1000)
 SHARES = (
@@ -52,7 +53,7 @@ class Oracle(StructureVae):
     def decode(self, z, index=None, outlines=None, steady=None):
         assert index is not None
         values = self.shown.attributes().clone()
-        values[:, ::2, self.layout.axis.stop - 1 :][..., :3] += self.error  # origins of every second cell
+        values[:, ::2, ROW.axis.stop :][..., :3] += self.error  # origins of every second cell
         return 2.0 * self.shown.occupancy().flatten(0, 1) - 1.0, values, index
 
 

@@ -148,7 +148,7 @@ def test_a_flow_is_trained_from_a_public_checkpoint_with_public_encoders(
     )
     assert run_conditions(cfg) == KNOWN
     assert run_conditions(replace(cfg, encoders=None)) == replace(KNOWN, image_size=0, clip=None)
-    assert train_everything(cfg, on_report=lambda *_: None)
+    assert train_everything(cfg)
     stored = torch.load(cfg.folder / "flow" / "checkpoint.pt", weights_only=True)["network"]
     moved = max(
         float((stored[f"network.{name}"] - value).abs().max()) for name, value in network.state_dict().items()

@@ -441,14 +441,23 @@ def test_a_table_does_not_depend_on_those_beside_it():
 
 
 @torch.no_grad()
-@pytest.mark.parametrize(("values", "top_p"), [(9, 0.8), (9, 1.0), (300, 0.999)])
-def test_values_are_drawn_as_often_as_they_are_likely(values: int, top_p: float):
+@pytest.mark.parametrize(
+    ("values", "cfg", "temperature", "top_p"),
+    [
+        (60, DrawConfig(), 0.6, 0.98),
+        (9, DrawConfig(temperature=0.7, top_p=0.8), 0.7, 0.8),
+        (9, DrawConfig(temperature=0.7, top_p=1.0), 0.7, 1.0),
+        (300, DrawConfig(temperature=0.7, top_p=0.999), 0.7, 0.999),
+    ],
+)
+def test_values_are_drawn_as_often_as_they_are_likely(
+    values: int, cfg: DrawConfig, temperature: float, top_p: float
+):
     rng, count = np.random.default_rng(0), 20_000
     chances = torch.from_numpy(rng.dirichlet(np.full(values, 0.5))).float()
-    cfg = DrawConfig(temperature=0.7, top_p=top_p)
     pen = draw._Pen(_network(), begin_drafts(_network(), [nothing_asked()]), [rng], cfg)
     drawn = pen._draw([0] * count, chances.expand(count, -1)).numpy()
-    sharp = chances.numpy().astype(float) ** (1 / 0.7)
+    sharp = chances.numpy().astype(float) ** (1 / temperature)
     order = np.argsort(-sharp)
     likeliest = order[: int((np.cumsum(sharp[order]) / sharp.sum() < top_p).sum()) + 1]
     expected = np.zeros(values)

@@ -71,14 +71,12 @@ def test_kl_is_the_reference_mean(trellis_reference: Path):
 
 
 @pytest.mark.real
-def test_flow_repeats_the_reference_with_and_without_cached_keys(trellis_reference: Path):
+def test_flow_repeats_the_reference(trellis_reference: Path):
     flow = load_trellis(trellis_reference / "ss_flow")
     assert isinstance(flow, StructureDit)
     io = record(trellis_reference, "ss_flow")
-    for given in ({"cond": io["in.cond"]}, {"keys": flow.project_condition(io["in.cond"])}):
-        torch.testing.assert_close(
-            flow(io["in.x"], io["in.t_model"], **given), io["out.v"], atol=1e-4, rtol=1e-4
-        )
+    said = flow(io["in.x"], io["in.t_model"], io["in.cond"])
+    torch.testing.assert_close(said, io["out.v"], atol=1e-4, rtol=1e-4)
     io = record(trellis_reference, "loss_ss_flow")
     x_t = diffuse(io["in.x_0"], io["in.noise"], io["in.t"])
     target = target_velocity(io["in.x_0"], io["in.noise"])
@@ -139,11 +137,11 @@ def test_sampler_repeats_the_reference_on_a_velocity_in_closed_form(trellis_refe
 def test_sampler_and_flow_together_repeat_the_reference(trellis_reference: Path):
     flow = load_trellis(trellis_reference / "ss_flow")
     io = record(trellis_reference, "sampler_ss_flow")
-    keys = [flow.project_condition(io[f"in.{name}"]) for name in ("cond", "neg_cond")]
+    asked = [io[f"in.{name}"] for name in ("cond", "neg_cond")]
     out = sample_flow(
         io["in.noise"],
-        lambda x, t: flow(x, 1000.0 * t, keys=keys[0]),
-        lambda x, t: (flow(x, 1000.0 * t, keys=keys[0]), flow(x, 1000.0 * t, keys=keys[1])),
+        lambda x, t: flow(x, 1000.0 * t, asked[0]),
+        lambda x, t: (flow(x, 1000.0 * t, asked[0]), flow(x, 1000.0 * t, asked[1])),
         SamplerConfig(steps=12, strength=5.0),
     )
     torch.testing.assert_close(out, io["out.samples"], atol=1e-4, rtol=1e-4)

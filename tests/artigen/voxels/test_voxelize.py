@@ -1,12 +1,23 @@
-"""Surfaces to voxels to fields and back: ownership, channel layout, round trip."""
+"""Surfaces to voxels to fields and back: ownership, channels, round trip."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from artigen.types import FIXED, FULL_TURN, Asset, Joint, Part, SurfaceSamples, VoxelGrid
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, canonical_origin, joint_ranges, part_attributes
+from artigen.types import (
+    FIXED,
+    FULL_TURN,
+    JOINT_TYPES,
+    PAPER_CATEGORIES,
+    PART_LABELS,
+    Asset,
+    Joint,
+    Part,
+    SurfaceSamples,
+    VoxelGrid,
+)
+from artigen.voxels.fields import CHANNELS, FIELD, canonical_origin, joint_ranges, part_attributes
 from artigen.voxels.voxelize import decode, drop_unresolved, encode, voxelize, voxelize_again
 
 
@@ -164,33 +175,10 @@ def test_a_part_that_would_lose_all_voxels_keeps_them():
     }
 
 
-def test_default_layout_has_35_channels_in_the_stated_order():
-    layout = DEFAULT_LAYOUT
-    parts = [
-        layout.occupancy, layout.label, layout.joint_type, layout.axis, layout.origin, layout.range,
-        layout.box, layout.category,
-    ]  # fmt: skip
-    assert layout.channels == 35
-    assert [part.stop - part.start for part in parts] == [1, 8, 5, 3, 3, 2, 6, 7]
-    assert np.concatenate([np.arange(35)[part] for part in parts]).tolist() == list(range(35))
-
-
-def test_a_wider_layout_is_a_value(cabinet: Asset):
-    layout = FieldLayout(categories=("StorageFurniture", "Cart"), extra=3, rotation_unit=1.0)
-    field = encode(cabinet, layout)
-    assert field.shape == (1 + 8 + 5 + 3 + 3 + 2 + 6 + 2 + 3, 64, 64, 64)
-    assert not field[-3:].any()
-    fields = decode(field, layout)
-    assert np.isclose(fields.ranges[:, 0].max(), FULL_TURN)
-    assert np.isclose(field[layout.range][0].max(), FULL_TURN)
-
-
-@pytest.mark.parametrize(
-    "bad", [{"labels": ()}, {"labels": ("base", "base")}, {"rotation_unit": 0.0}, {"extra": -1}]
-)
-def test_a_layout_without_meaning_is_refused(bad):
-    with pytest.raises(ValueError, match="layout"):
-        FieldLayout(**bad)
+def test_fields_have_35_channels_in_the_stated_order():
+    assert CHANNELS == 35
+    assert [part.stop - part.start for part in FIELD] == [8, 5, 3, 3, 2, 6, 7]
+    assert np.concatenate([np.arange(35)[part] for part in FIELD]).tolist() == list(range(1, 35))
 
 
 def test_decode_recovers_every_attribute_of_every_voxel(cabinet: Asset):
@@ -199,19 +187,18 @@ def test_decode_recovers_every_attribute_of_every_voxel(cabinet: Asset):
     assert voxels is not None
     order = np.lexsort(voxels.coords.T[::-1])
     assert (fields.coords == voxels.coords[order]).all()
-    layout = DEFAULT_LAYOUT
     for index, part in enumerate(cabinet.parts):
         mine = voxels.part_ids[order] == index
         assert mine.any()
-        assert (fields.label_probs[mine].argmax(axis=1) == layout.labels.index(part.label)).all()
-        assert (fields.joint_probs[mine].argmax(axis=1) == layout.joint_types.index(part.joint.type)).all()
+        assert (fields.label_probs[mine].argmax(axis=1) == PART_LABELS.index(part.label)).all()
+        assert (fields.joint_probs[mine].argmax(axis=1) == JOINT_TYPES.index(part.joint.type)).all()
         axis = np.zeros(3) if part.joint.type == "fixed" else part.joint.axis
         assert np.allclose(fields.axis[mine], axis, atol=1e-6)
         assert np.allclose(fields.origin[mine], canonical_origin(part), atol=1e-6)
         assert np.allclose(fields.ranges[mine], joint_ranges(part), atol=1e-6)
         assert np.allclose(fields.box[mine], part.box.ravel(), atol=1e-6)
     assert np.allclose(fields.label_probs.sum(axis=1), 1)
-    category = layout.categories.index("StorageFurniture")
+    category = PAPER_CATEGORIES.index("StorageFurniture")
     assert (fields.category_probs.argmax(axis=1) == category).all()
 
 
@@ -226,8 +213,8 @@ def test_empty_cells_are_zero_and_occupied_ones_are_one(cabinet: Asset):
 
 def test_other_categories_have_zeros(cabinet: Asset):
     field = encode(replace(cabinet, category="Faucet"))
-    assert not field[DEFAULT_LAYOUT.category].any()
-    assert (encode(cabinet)[: DEFAULT_LAYOUT.category.start] == field[: DEFAULT_LAYOUT.category.start]).all()
+    assert not field[FIELD.category].any()
+    assert (encode(cabinet)[: FIELD.category.start] == field[: FIELD.category.start]).all()
 
 
 def make_part(joint: Joint) -> Part:
@@ -254,7 +241,7 @@ def test_a_screw_states_turn_and_travel():
     screw = Joint(type="screw", axis=np.array([0.0, 0.0, 1.0]), origin=np.zeros(3), upper=3.0, pitch=-0.02)
     assert np.allclose(joint_ranges(make_part(screw)), [3.0, -0.06])
     row = part_attributes(make_part(screw), "Oven")
-    assert np.allclose(row[DEFAULT_LAYOUT.range], [3.0 / FULL_TURN, -0.06])
+    assert np.allclose(row[FIELD.range], [3.0 / FULL_TURN, -0.06])
 
 
 def test_a_rest_pose_inside_the_limits_is_refused():
@@ -263,11 +250,9 @@ def test_a_rest_pose_inside_the_limits_is_refused():
         joint_ranges(make_part(swing))
 
 
-def test_encoding_needs_voxels_and_known_labels(cabinet: Asset):
+def test_encoding_needs_voxels(cabinet: Asset):
     with pytest.raises(ValueError, match="no voxels"):
         encode(replace(cabinet, voxels=None))
-    with pytest.raises(ValueError, match="not in the layout"):
-        encode(cabinet, FieldLayout(labels=("base", "drawer")))
 
 
 def test_decoding_refuses_other_shapes():
@@ -292,8 +277,8 @@ def test_a_fixed_handle_states_its_own_joint(cabinet: Asset):
     handle = next(part for part in cabinet.parts if part.name == "drawer_handle")
     row = part_attributes(handle, cabinet.category)
     assert handle.joint is FIXED or handle.joint.type == "fixed"
-    assert not row[DEFAULT_LAYOUT.axis].any()
-    assert not row[DEFAULT_LAYOUT.range].any()
+    assert not row[FIELD.axis].any()
+    assert not row[FIELD.range].any()
 
 
 @pytest.mark.real

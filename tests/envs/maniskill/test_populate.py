@@ -14,7 +14,7 @@ from envs.maniskill.populate import PopulateConfig, choose_filler_color, populat
 from envs.maniskill.rooms.ajar import open_some
 from envs.maniskill.rooms.catalogue import PopulateError, read_catalogue
 from envs.maniskill.rooms.check import check_room
-from envs.maniskill.rooms.choose import ChooseConfig, Offer, Wall, choose_units, order_units
+from envs.maniskill.rooms.choose import Offer, Wall, choose_units, order_units
 from envs.maniskill.rooms.file import SceneFileError, read_room, write_room
 from envs.maniskill.rooms.footprints import carries, measure_footprint, read_footprint
 from envs.maniskill.rooms.map import label_regions, start_place, way_to
@@ -356,10 +356,10 @@ def test_a_run_is_as_full_as_its_wall_allows():
     shares = (Share(role=BASE, least=1, wanted=3, most=9), Share(role=RANGE, least=1, wanted=1, most=1))
     offers = [Offer(share=0, entry=entry), Offer(share=1, entry=stove)]
     rng = np.random.default_rng(0)
-    (units,) = choose_units(offers, shares, [Wall(length=3.1)], rng, ChooseConfig()) or [[]]
+    (units,) = choose_units(offers, shares, [Wall(length=3.1)], rng) or [[]]
     assert len(units) == 5 - 0
     assert sum(unit.share == 1 for unit in units) == 1
-    assert choose_units(offers, shares, [Wall(length=1.0)], rng, ChooseConfig()) is None
+    assert choose_units(offers, shares, [Wall(length=1.0)], rng) is None
     tall = Offer(share=0, entry=replace(entry, size=(0.6, 0.6, 1.9)))
     ordered = order_units([offers[0], tall, offers[0], offers[0]], rng, corners=[0])
     assert ordered[-1] is tall

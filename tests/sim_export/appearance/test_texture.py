@@ -12,7 +12,6 @@ from artigen.splats.surface import SurfaceSplatConfig, splat_surface
 from artigen.transforms import matrix_from_quat
 from artigen.types import Asset, Gaussians, SurfaceSamples
 from sim_export.appearance.atlas import make_atlas
-from sim_export.appearance.blending import BlendConfig
 from sim_export.appearance.texture import BakedMesh, TextureConfig, bake_mesh, bake_parts
 from sim_export.geometry.meshing import mesh_parts
 from sim_export.package import Mesh
@@ -340,8 +339,6 @@ def test_colours_of_gaussians_are_light_and_those_of_textures_are_not():
 def test_wrong_settings_and_missing_gaussians_are_errors(cabinet: Asset):
     with pytest.raises(ValueError, match="max_size is 4"):
         TextureConfig(max_size=4)
-    with pytest.raises(ValueError, match="near 2"):
-        BlendConfig(near=2.0)
     none = Gaussians(**{name: value[:0] for name, value in vars(splat_surface(cabinet.surface)).items()})
     with pytest.raises(ValueError, match="no Gaussians"):
         bake_mesh(box_mesh(1, 1, 1), none, voxel=0.1)

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from sample_cabinet import SAMPLE_PARTS, SamplePart, sample_box_arrays
 
-from artigen.datasets.sample import SAMPLE_PARTS, SamplePart, sample_box_arrays
 from artigen.kinematics import displacements, movable_parts
 from sim_export.collision.clearance import Clearance, ClearanceConfig, clear_joints
 from sim_export.collision.contacts import HullSet, penetration_depths

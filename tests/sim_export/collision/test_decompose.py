@@ -8,9 +8,9 @@ from dataclasses import replace
 import manifold3d
 import numpy as np
 import pytest
+from sample_cabinet import SAMPLE_PARTS, sample_box_arrays
 from scipy.spatial import ConvexHull
 
-from artigen.datasets.sample import SAMPLE_PARTS, sample_box_arrays
 from sim_export.collision import coacd_process, decompose
 from sim_export.collision.coacd_process import CoacdConfig, run_coacd
 from sim_export.collision.convex_pieces import PieceConfig, cut_pieces

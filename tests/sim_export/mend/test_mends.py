@@ -96,9 +96,12 @@ def test_a_part_inside_its_neighbour_moves_out_by_a_short_way():
     assert (mended.shifts[0] == 0.0).all()
 
 
-def test_a_part_deep_inside_its_neighbour_stays_and_is_not_said_to_be_mended():
-    source = chest(box((-0.25, -0.2, -0.1), (0.1, 0.2, 0.1)))
-    assert (mend_source(source).shifts == 0.0).all()
+@pytest.mark.parametrize(("depth", "eighths"), [(0.0043, 2), (0.0072, 2), (0.0252, 8), (0.0265, 0)])
+def test_a_part_moves_by_eighths_of_two_percent_of_the_diagonal_until_it_is_a_millimetre_deep(depth, eighths):
+    """3.1 mm to 25 mm; beyond that it stays, and is not said to be mended."""
+    source = chest(box((-0.25, -0.2, -0.1), (-0.2 + depth, 0.2, 0.1)))
+    moved = np.linalg.norm(mend_source(source).shifts[1])
+    assert moved == pytest.approx(eighths / 8 * 0.02 * np.linalg.norm([0.55, 0.5, 1.0]), rel=1e-3)
 
 
 def test_a_range_that_runs_into_the_body_ends_before_it():
@@ -115,9 +118,10 @@ def test_a_range_that_runs_into_the_body_ends_before_it():
     )
 
 
-def test_a_range_of_which_hardly_any_is_free_is_left_alone():
-    source = chest(box((-0.3, -0.2, -0.1), (-0.21, 0.2, 0.1)), upper=0.3, axis=(1.0, 0, 0))
-    assert mend_source(source).asset.parts[1].joint.upper == pytest.approx(0.3)
+@pytest.mark.parametrize(("free", "upper"), [(0.155, 0.15), (0.145, 0.3)])
+def test_a_range_of_which_less_than_half_is_free_is_left_alone(free, upper):
+    source = chest(box((-0.3 - free, -0.2, -0.1), (-0.2 - free, 0.2, 0.1)), upper=0.3, axis=(1.0, 0, 0))
+    assert mend_source(source).asset.parts[1].joint.upper == pytest.approx(upper)
 
 
 def with_handle(depth):

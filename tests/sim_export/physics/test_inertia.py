@@ -13,14 +13,13 @@ from sim_export.collision.hulls import box_hull, convex_hull
 from sim_export.errors import DegeneratePart, InvalidInertia, OpenMesh
 from sim_export.package import Inertial, Mesh, PackageJoint
 from sim_export.physics.inertia import (
-    MIN_LINK_MASS,
     check_inertial,
     combine,
     inertia_about,
     mesh_inertial,
     raise_light_mass,
 )
-from sim_export.physics.links import LEAST_TURNING, PartGeometry, build_links, opening_pull
+from sim_export.physics.links import PartGeometry, build_links, opening_pull
 from sim_export.physics.materials import (
     GRAVITY,
     MATERIALS,
@@ -159,7 +158,7 @@ def test_triangle_inequality_is_relative():
 def test_light_links_are_raised_on_record():
     light = mesh_inertial(box_hull(np.zeros(3), np.full(3, 0.01)), 700.0)
     raised, record = raise_light_mass(light, "button")
-    assert raised.mass == MIN_LINK_MASS
+    assert raised.mass == pytest.approx(0.01)
     assert record is not None
     assert "button" in record
     np.testing.assert_allclose(raised.inertia / raised.mass, light.inertia / light.mass)
@@ -168,14 +167,15 @@ def test_light_links_are_raised_on_record():
 
 
 @pytest.mark.parametrize("half", [0.01, 0.2])
-def test_what_turns_turns_a_shaft_with_it(half):
-    """Small knobs get the least inertia about their axis, on record; what is larger stays as it is."""
+@pytest.mark.parametrize(("label", "least"), [("knob", 1e-4), ("wheel", 6e-4)])
+def test_what_turns_turns_a_shaft_with_it(label, least, half):
+    """Small knobs and wheels get the least inertia about their axis, on record; what is larger stays."""
     joint = Joint(type="continuous", axis=np.array([-1.0, 0.0, 0.0]), origin=np.full(3, 0.1), upper=2 * np.pi)
     still = Joint(type="fixed", axis=joint.axis, origin=np.zeros(3))
     unit = np.array([np.zeros(3), np.ones(3)])
     parts = (
         Part(name="body", label="base", parent=-1, joint=still, box=unit),
-        Part(name="knob", label="knob", parent=0, joint=joint, box=unit * half),
+        Part(name="knob", label=label, parent=0, joint=joint, box=unit * half),
     )
     hull = box_hull(joint.origin - half, joint.origin + half)
     knob = mesh_inertial(hull, 1050.0)
@@ -187,12 +187,12 @@ def test_what_turns_turns_a_shaft_with_it(half):
         ],
     )
     knob = raise_light_mass(knob, "knob")[0]
-    made = next(link.inertial for link in tree.links if link.label == "knob")
+    made = next(link.inertial for link in tree.links if link.label == label)
     assert made is not None
     about = float(joint.axis @ made.inertia @ joint.axis)
     before = float(joint.axis @ knob.inertia @ joint.axis)
-    assert about == pytest.approx(max(before, LEAST_TURNING))
-    assert sum("shaft" in record for record in tree.records) == (before < LEAST_TURNING)
+    assert about == pytest.approx(max(before, least))
+    assert sum("shaft" in record for record in tree.records) == (before < least)
     check_inertial(made, "knob")
 
 

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 import trimesh
 from jaxtyping import Bool, UInt8
+from picture_maps import render_ids
 from PIL import Image
+from sample_cabinet import SAMPLE_PARTS, SamplePart, sample_box_arrays
 
-from artigen.datasets.sample import SAMPLE_PARTS, SamplePart, sample_box_arrays
 from artigen.types import Gaussians
 from sim_export.errors import PackageError
 from sim_export.files.write import write_package
@@ -48,7 +49,7 @@ from sim_export.picture.preview import (
     preview_package,
     write_preview,
 )
-from sim_export.picture.render import render_ids, surface_points
+from sim_export.picture.render import surface_points
 
 SMALL = PreviewConfig(
     viewpoint=Viewpoint(width=120, height=120),

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 import scipy.ndimage
 import trimesh
+from picture_maps import render_depth, render_ids
 
+from artigen.splats.colors import linear_from_srgb
 from artigen.transforms import rotation_about, screw_motion
 from sim_export.package import Mesh
 from sim_export.picture.camera import (
@@ -22,13 +24,11 @@ from sim_export.picture.lighting import RenderConfig
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import (
     move_surface,
-    render_depth,
-    render_ids,
     render_scene,
     surface_from_mesh,
     surface_points,
 )
-from sim_export.picture.shading import linear_from_srgb, smooth_corner_normals
+from sim_export.picture.shading import smooth_corner_normals
 
 FRONT = Camera(position=np.array([-4.0, 0.0, 0.0]), target=np.zeros(3), fov=30.0, width=200, height=200)
 """Looks along +x from 4 m in front of the origin."""

@@ -52,6 +52,7 @@ from artigen.train.appearance.vae import (
     measure_features,
     train_appearance_vae,
 )
+from artigen.train.curves import METRICS, read_metrics
 from artigen.train.loop import LoopConfig
 from artigen.train.shards import PER_OBJECT
 from artigen.types import Asset, VoxelGrid
@@ -418,31 +419,30 @@ def test_batches_follow_from_their_number_and_epochs_hold_every_object(
         assert sorted(float(batch.feats[0, 0]) for batch in epoch) == [0.0, 1.0, 2.0]
 
 
-def fit(example: AppearanceExample, folder: Path, stop: int = 100) -> AppearanceVae:
-    """Six steps, or fewer where the run is stopped."""
-
-    def on_report(line) -> None:
-        if line["step"] >= stop:
-            raise KeyboardInterrupt
-
+def fit(example: AppearanceExample, folder: Path) -> AppearanceVae:
+    """Six steps."""
     vae = make_vae()
     cfg = LoopConfig(steps=6, learning_rate=1e-2, warmup=1, ema=0.0, report_every=1, checkpoint_minutes=0.0)
-    train_appearance_vae(
-        vae, [example], folder, cfg, batch=1, pictures=2, losses=AppearanceLossConfig(), on_report=on_report
-    )
+    train_appearance_vae(vae, [example], folder, cfg, batch=1, pictures=2, losses=AppearanceLossConfig())
     return vae
 
 
 def test_training_lowers_the_loss_and_goes_on_as_if_never_stopped(
-    tmp_path: Path, chest: tuple[Asset, AppearanceExample]
+    tmp_path: Path, chest: tuple[Asset, AppearanceExample], monkeypatch: pytest.MonkeyPatch
 ):
+    def stop(bar: object, name: str, line: dict[str, float]) -> None:
+        if line["step"] == 4:
+            raise KeyboardInterrupt
+
     whole = fit(chest[1], tmp_path / "whole")
     with torch.no_grad():
         batch = picture_batch([chest[1]], [np.array([0, 1, 4, 5])])
         off = [float((losses_of(vae, batch)[1] - batch.rgb).abs().mean()) for vae in (make_vae(), whole)]
     assert off[1] < 0.8 * off[0]
-    with pytest.raises(KeyboardInterrupt):
-        fit(chest[1], tmp_path / "parts", stop=4)
+    with monkeypatch.context() as patched:
+        patched.setattr(artigen.train.loop, "show_metrics", stop)
+        with pytest.raises(KeyboardInterrupt):
+            fit(chest[1], tmp_path / "parts")
     resumed = fit(chest[1], tmp_path / "parts")
     for name, value in whole.state_dict().items():
         torch.testing.assert_close(resumed.state_dict()[name], value, msg=name)
@@ -454,7 +454,6 @@ def test_networks_in_half_precision_feed_pictures_in_full(
     monkeypatch.setattr(artigen.train.loop, "autocast_type", lambda device: torch.bfloat16)
     vae, kinds = make_vae(), []
     vae.register_forward_hook(lambda network, given, made: kinds.append(made.splats.means.dtype))
-    lines = []
     train_appearance_vae(
         vae,
         [chest[1]],
@@ -463,10 +462,9 @@ def test_networks_in_half_precision_feed_pictures_in_full(
         batch=1,
         pictures=1,
         losses=AppearanceLossConfig(),
-        on_report=lines.append,
     )
     assert kinds == [torch.float32]
-    assert np.isfinite(lines[0]["loss"])
+    assert np.isfinite(read_metrics(tmp_path / METRICS)[0]["loss"])
 
 
 def test_what_views_show_is_hidden_beyond_a_plane_as_often_as_said():
@@ -527,7 +525,6 @@ def test_the_flow_is_trained_on_normalised_latents_of_all_voxels(
     torch.manual_seed(0)
     flow = SlatFlow(SlatPatchDitConfig(resolution=16, stem=8, width=32, blocks=1, heads=2), conditions)
     before = flow.network.get_parameter("out_layer.weight").detach().clone()
-    lines: list[float] = []
     voxels, facings = chest[0].voxels, chest[1].facings.astype(int)
     assert voxels is not None
     train_appearance_flow(
@@ -539,8 +536,8 @@ def test_the_flow_is_trained_on_normalised_latents_of_all_voxels(
         batch=2,
         conditions=conditions,
         drawn=[roughen(voxels, facings, np.random.default_rng(seed)) for seed in range(2)],
-        on_report=lambda line: lines.append(line["velocity"]),
     )
+    lines = [line["velocity"] for line in read_metrics(tmp_path / METRICS)]
     assert len(lines) == 3
     assert np.isfinite(lines).all()
     assert (flow.network.get_parameter("out_layer.weight") != before).any()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cupboard import BASE, DOOR, EDGE, KNOB, carcass, row
 
-from artigen.voxels.cleanup.boards import BoardsConfig, make_boards
+from artigen.voxels.cleanup.boards import make_boards
 from artigen.voxels.cleanup.boxes import fill_boxes, find_boxes
 
 ROWS = np.stack([BASE, row("door", DOOR), row("knob", KNOB)])
@@ -18,9 +18,9 @@ def cupboard() -> np.ndarray:
     return owners
 
 
-def remake(owners: np.ndarray, cfg: BoardsConfig | None = None) -> np.ndarray:
+def remake(owners: np.ndarray) -> np.ndarray:
     logits = np.where(owners >= 0, 6.0, -6.0)
-    return make_boards(owners, logits, ROWS, cfg)[0]
+    return make_boards(owners, logits, ROWS)[0]
 
 
 def test_what_is_made_of_boards_stays_and_is_not_noted(cupboard: np.ndarray):
@@ -52,11 +52,12 @@ def test_cells_of_the_body_within_a_door_become_the_doors(cupboard: np.ndarray):
     assert (remake(speckled) == cupboard).all()
 
 
-def test_a_window_stays_open_and_a_dent_does_not(cupboard: np.ndarray):
+def test_a_window_stays_open_and_a_dent_does_not(cupboard: np.ndarray, monkeypatch: pytest.MonkeyPatch):
     window = cupboard.copy()
     window[1:3, 8:20, 8:20] = -1
     assert (remake(window) == window).all()
-    assert (remake(window, BoardsConfig(least_cut=400)) == cupboard).all()
+    monkeypatch.setattr("artigen.voxels.cleanup.boards.LEAST_CUT", 400)
+    assert (remake(window) == cupboard).all()
 
 
 def test_the_gap_between_door_and_body_stays_empty(cupboard: np.ndarray):

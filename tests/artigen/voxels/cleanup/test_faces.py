@@ -9,7 +9,7 @@ from artigen.shapes.draw import draw_shape
 from artigen.types import PAPER_CATEGORIES
 from artigen.voxels.cleanup.faces import even_faces, weigh_depths
 from artigen.voxels.cleanup.rows import Owners
-from artigen.voxels.fields import DEFAULT_LAYOUT, after_occupancy, name_category, tabulate_parts
+from artigen.voxels.fields import ROW, name_category, tabulate_parts
 
 DOOR = (slice(1, 4), slice(4, 28), slice(4, 28))
 ROWS = np.stack([BASE, row("door", DOOR, "revolute", axis=(0, 0, 1), turn=0.25)])
@@ -28,7 +28,7 @@ ASIDE = (Y >= 4) & (Y < 16) & (Z >= 8) & (Z < 24)
 def of_category(name: str, rows: np.ndarray = ROWS) -> np.ndarray:
     """The same rows, of an object of a category."""
     out = rows.copy()
-    out[:, after_occupancy(DEFAULT_LAYOUT.category)] = [kind == name for kind in DEFAULT_LAYOUT.categories]
+    out[:, ROW.category] = [kind == name for kind in PAPER_CATEGORIES]
     return out
 
 

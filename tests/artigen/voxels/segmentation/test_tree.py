@@ -5,7 +5,7 @@ import pytest
 
 from artigen.types import FIXED, Part, PartLabel
 from artigen.voxels.segmentation.neighbours import neighbour_pairs
-from artigen.voxels.segmentation.tree import TreeConfig, find_parents
+from artigen.voxels.segmentation.tree import find_parents
 
 BASE, DOOR, DRAWER = 0, 1, 2
 Box = tuple[slice, slice, slice]
@@ -28,7 +28,7 @@ def parents_of(*more: tuple[PartLabel, Box]) -> list[int | None]:
         ids.append(np.full(len(owned), index))
     coords = np.concatenate(cells)
     pairs = neighbour_pairs(coords, 32)
-    return find_parents(parts, coords, np.concatenate(ids), pairs, TreeConfig())[len(CUPBOARD) :]
+    return find_parents(parts, coords, np.concatenate(ids), pairs)[len(CUPBOARD) :]
 
 
 def test_a_shelf_that_meets_a_door_more_than_the_body_rests_in_the_body():

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from sample_cabinet import SAMPLE_PARTS, SampleBox, SamplePart, sample_box_arrays
 
-from artigen.datasets.sample import SAMPLE_PARTS, SampleBox, SamplePart, sample_box_arrays
 from artigen.io import whole_folder
 from artigen.transforms import T_ZUP_FROM_PARTNET
 
@@ -95,7 +95,7 @@ _BOX_QUADS = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 
 def write_sample(folder: Path) -> None:
     """Writes the cabinet as a PartNet-Mobility folder, the same bytes every time.
 
-    Reading it gives the parts of `artigen.datasets.sample.sample_asset` back.
+    Reading it gives the parts of `sample_cabinet.sample_asset` back.
 
     Raises:
         OSError: the disk refuses; nothing is left behind.

@@ -31,6 +31,22 @@ class Material:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class ObjText:
+    """Triangles and names of one file, zero-based; missing texture coordinates are -1.
+
+    ``material_ids`` indexes ``names``, in which "" stands for no material.
+    """
+
+    vertices: Float[np.ndarray, "V 3"]
+    coords: Float[np.ndarray, "T 2"]
+    faces: Int[np.ndarray, "F 3"]
+    uv_faces: Int[np.ndarray, "F 3"]
+    names: tuple[str, ...]
+    material_ids: Int[np.ndarray, "F"]
+    libraries: tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ObjMesh:
     """Triangles of one file, in file coordinates.
 
@@ -55,20 +71,42 @@ def read_obj(path: Path, root: Path) -> ObjMesh:
     Raises:
         SourceError: If the file is missing or malformed, holds NaN, or has an index out of range.
     """
+    said = parse_obj(path)
+    uv = np.zeros((len(said.faces), 3, 2))
+    textured = said.uv_faces[:, 0] >= 0
+    uv[textured] = said.coords[said.uv_faces[textured]]
+    known: dict[str, Material] = {}
+    for name in said.libraries:
+        library = inside(root, path.parent, name, str(path))
+        if library.is_file():
+            known |= read_mtl(library, root)
+    return ObjMesh(
+        vertices=said.vertices,
+        faces=said.faces,
+        uv=uv,
+        material_ids=said.material_ids,
+        materials=tuple(known.get(name, Material()) for name in said.names),
+    )
+
+
+def parse_obj(path: Path) -> ObjText:
+    """Reads one OBJ without its materials; polygons become fans of triangles.
+
+    Raises:
+        SourceError: If the file is missing or malformed, holds NaN, or has an index out of range.
+    """
     lines = _read_lines(path)
     vertices = _parse_numbers([line[2:] for line in lines if line[:2] == b"v "], 3, path, "v")
     coords = _parse_numbers([line[3:] for line in lines if line[:3] == b"vt "], 2, path, "vt")
-    faces, uv_ids, names, material_ids = _parse_faces(lines, len(vertices), len(coords), path)
-    uv = np.zeros((len(faces), 3, 2))
-    textured = uv_ids[:, 0] >= 0
-    uv[textured] = coords[uv_ids[textured]]
-    known = _read_libraries(lines, path, root)
-    return ObjMesh(
+    faces, uv_faces, names, material_ids = _parse_faces(lines, len(vertices), len(coords), path)
+    return ObjText(
         vertices=vertices,
+        coords=coords,
         faces=faces,
-        uv=uv,
+        uv_faces=uv_faces,
+        names=tuple(names),
         material_ids=material_ids,
-        materials=tuple(known.get(name, Material()) for name in names),
+        libraries=tuple(_name(line[7:]) for line in lines if line[:7] == b"mtllib "),
     )
 
 
@@ -83,7 +121,11 @@ def _read_lines(path: Path) -> list[bytes]:
         data = data.replace(b"\r", b"")
     if b"\t" in data:
         data = data.replace(b"\t", b" ")
-    return data.split(b"\n")
+    return [line.strip() for line in data.split(b"\n")]
+
+
+def _name(value: bytes) -> str:
+    return value.decode(errors="replace").strip()
 
 
 def _parse_numbers(rows: list[bytes], width: int, path: Path, tag: str) -> np.ndarray:
@@ -122,7 +164,7 @@ def _parse_faces(
         if line[:2] == b"f ":
             rows.append(line[2:])
         elif line[:7] == b"usemtl ":
-            names.append(line[7:].decode(errors="replace").strip())
+            names.append(_name(line[7:]))
             starts.append(len(rows))
     corners, owners = _parse_corners(rows, path)
     for column, limit, what in ((0, num_vertices, "vertex"), (1, num_coords, "texture coordinate")):
@@ -179,43 +221,43 @@ def _parse_indices(rows: list[bytes], sides: int, width: int, path: Path) -> np.
     return flat.reshape(len(rows), sides, width)
 
 
-def _read_libraries(lines: list[bytes], path: Path, root: Path) -> dict[str, Material]:
-    known: dict[str, Material] = {}
-    for line in lines:
-        if line[:7] == b"mtllib ":
-            library = inside(root, path.parent, line[7:].decode(errors="replace").strip(), str(path))
-            if library.is_file():
-                known |= read_mtl(library, root)
-    return known
-
-
 def read_mtl(path: Path, root: Path) -> dict[str, Material]:
     """Reads diffuse colours and images of the materials of one file.
 
     Raises:
         SourceError: If a colour is not three numbers, or an image lies outside ``root``.
     """
-    colors: dict[str, tuple[float, float, float]] = {}
-    images: dict[str, Path] = {}
-    missing: dict[str, str] = {}
+    known = {}
+    for name, (color, image) in parse_mtl(path).items():
+        found = inside(root, path.parent, image, str(path)) if image else None
+        missing = image if found is not None and not found.is_file() else ""
+        known[name] = Material(color=color, image=None if missing else found, missing=missing)
+    return known
+
+
+def parse_mtl(path: Path) -> dict[str, tuple[tuple[float, float, float], str]]:
+    """Diffuse colour and image, as named in the file ("" for none), of the materials of one file.
+
+    Raises:
+        SourceError: If the file cannot be read, or a colour is not three numbers.
+    """
+    try:
+        lines = path.read_text(errors="replace").splitlines()
+    except OSError as err:
+        raise SourceError(f"{path}: cannot be read ({err.strerror})") from err
+    known: dict[str, tuple[tuple[float, float, float], str]] = {}
     name = ""
-    for line in path.read_text(errors="replace").splitlines():
+    for line in lines:
         tag, _, value = line.strip().partition(" ")
+        value = value.strip()
+        color, image = known.get(name, (NO_MATERIAL, ""))
         if tag == "newmtl":
-            name = value.strip()
-            colors[name] = NO_MATERIAL
+            name, known[value] = value, (NO_MATERIAL, "")
         elif tag == "Kd":
-            colors[name] = _parse_color(value, path, name)
-        elif tag == "map_Kd" and value.split():
-            image = inside(root, path.parent, value.split()[-1], str(path))
-            if image.is_file():
-                images[name] = image
-            else:
-                missing[name] = value.split()[-1]
-    return {
-        name: Material(color=color, image=images.get(name), missing=missing.get(name, ""))
-        for name, color in colors.items()
-    }
+            known[name] = (_parse_color(value, path, name), image)
+        elif tag == "map_Kd" and value:
+            known[name] = (color, value.split()[-1] if value.startswith("-") else value)
+    return known
 
 
 def _parse_color(value: str, path: Path, name: str) -> tuple[float, float, float]:

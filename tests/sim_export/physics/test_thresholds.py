@@ -1,0 +1,129 @@
+"""Both sides of the thresholds of masses, materials, joints and handles, or the laws they stand in."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from artigen.transforms import rotation_about
+from artigen.types import FIXED, Asset, Joint, Part
+from sim_export.collision.hulls import box_hull
+from sim_export.errors import InvalidInertia, InvalidKinematics
+from sim_export.package import Hull, Inertial, PackageJoint
+from sim_export.physics import annotations
+from sim_export.physics.annotations import gapart_class
+from sim_export.physics.inertia import check_inertial, raise_light_mass
+from sim_export.physics.links import LinkTree, PartGeometry, build_links, opening_pull
+from sim_export.physics.materials import finish_material, joint_load
+
+UNIT = np.array([np.zeros(3), np.ones(3)])
+BODY = Part(name="body", label="base", parent=-1, joint=FIXED, box=UNIT)
+
+
+def body_of(mass: float, *moments: float) -> Inertial:
+    return Inertial(mass=mass, com=np.zeros(3), inertia=np.diag(moments or (mass, mass, mass)))
+
+
+def is_valid(inertia: np.ndarray) -> bool:
+    try:
+        check_inertial(Inertial(mass=1.0, com=np.zeros(3), inertia=inertia), "link")
+    except InvalidInertia:
+        return False
+    return True
+
+
+def link_drawers(count: int, mass: float = 1.0) -> LinkTree | None:
+    """The links of so many drawers and their body, if they can be linked."""
+    slide = Joint(type="prismatic", axis=np.array([-1.0, 0, 0]), origin=np.zeros(3), upper=0.3)
+    drawers = [
+        Part(name=f"drawer_{k}", label="drawer", parent=0, joint=slide, box=UNIT) for k in range(count)
+    ]
+    asset = Asset(name="a", category="Table", scale=1.0, parts=(BODY, *drawers))
+    try:
+        return build_links(asset, [PartGeometry(inertial=body_of(mass))] * (count + 1))
+    except InvalidKinematics:
+        return None
+
+
+def plane(tilt: float, low: float, high: float) -> np.ndarray:
+    """A square behind the origin (-x), so tilted (degrees), between two heights."""
+    corners = np.array([(0.0, y, z) for y, z in ((-1, low), (1, low), (1, high), (-1, high))])
+    turned = corners @ rotation_about(np.array([0.0, 0.0, 1.0]), np.array(np.radians(tilt))).T - [2.0, 0, 0]
+    return turned[np.array([[0, 1, 2], [0, 2, 3]])]
+
+
+def laid_along(*planes: np.ndarray) -> float:
+    """Angle (degrees) of a handle's normal, for what lies behind it, to where it looked first."""
+    grid = np.array([(0.0, y, z) for y in (-0.2, 0.1) for z in (np.arange(50) + 0.5) / 50])
+    normal = annotations._lay_along(np.array([1.0, 0.0, 0.0]), grid, np.concatenate(planes))
+    return float(np.degrees(np.arccos(np.clip(normal[0], -1.0, 1.0))))
+
+
+def grip(free: int, depth: float = 0.04) -> float:
+    """Clearance of a bar with so many of its 15 rays free; the others meet legs."""
+    bar = box_hull(np.array([0.0, -0.15, -0.01]), np.array([0.01, 0.15, 0.01]))
+    edge = 0.15 - 0.02 * free
+    legs = box_hull(np.array([-depth, -0.15, -0.01]), np.array([0.0, edge, 0.01]))
+    wall = box_hull(np.array([-depth - 0.1, -1.0, -1.0]), np.array([-depth, 1.0, 1.0]))
+    frame = annotations._box_along(bar.vertices, np.array([1.0, 0.0, 0.0]))
+    behind = np.concatenate([hull.vertices[hull.faces] for hull in (legs, wall)])
+    return annotations._grip(frame, triangles_of(bar), behind)[0]
+
+
+def triangles_of(hull: Hull) -> np.ndarray:
+    return hull.vertices[hull.faces]
+
+
+HANDLE = Part(name="handle", label="handle", parent=0, joint=FIXED, box=UNIT)
+ROWS: dict[str, tuple[Callable[[float], object], float, object, float, object]] = {
+    "light": (lambda x: raise_light_mass(body_of(x), "a")[0].mass, 0.0101, 0.0101, 0.0099, 0.01),
+    "triangle": (lambda x: is_valid(np.diag([1.0, 1.0, 2.0 + 2.0 * x])), 0.9e-6, True, 1.1e-6, False),
+    "symmetry": (lambda x: is_valid(np.array([[1, x, 0], [0, 1, 0], [0, 0, 1.0]])), 0.9e-6, True,
+                 1.1e-6, False),
+    "links": (lambda x: link_drawers(int(x)) is not None, 63, True, 64, False),
+    "plate": (lambda x: finish_material("steel", "tray", "Table", (0.01, 0.01 * x, 1)), 5.9, "steel", 6.1,
+              "steel_sheet"),
+    "pane": (lambda x: finish_material("glass", "door", "Oven", (x, 1, 1)), 0.0119, "glass", 0.0121,
+             "insulating_glass"),
+    "bar": (lambda x: gapart_class(HANDLE, x), 1.99, "round_fixed_handle", 2.01, "line_fixed_handle"),
+    "fingers": (lambda x: round(grip(int(x)), 6), 3, 0.04, 2, 0.0),
+    "reach": (lambda x: round(grip(15, x), 6), 0.149, 0.149, 0.151, 0.15),
+    "snap": (lambda x: round(laid_along(plane(x, -1, 2)), 6), 4.9, 0.0, 5.1, 5.1),
+    "tilt": (lambda x: round(laid_along(plane(x, -1, 2)), 6), 34.9, 34.9, 35.1, 0.0),
+    "agreement": (lambda x: round(laid_along(plane(20, -1, x), plane(-20, x, 2)), 6), 0.62, 20.0, 0.58, 0.0),
+    "alike": (lambda x: laid_along(plane(20 + x, -1, 0.5), plane(20, 0.5, 2)) > 0.0, 4.9, True, 5.1, False),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_what_is_within_is_one_thing_and_what_is_beyond_another(name):
+    measure, within, here, beyond, there = ROWS[name]
+    assert (measure(within), measure(beyond)) == (pytest.approx(here), pytest.approx(there))
+
+
+def test_weight_is_that_on_earth_and_friction_holds_on_a_slope_of_nine_hundredths():
+    slide = PackageJoint(
+        name="joint_0", type="prismatic", kind="prismatic", parent="a", child="b",
+        origin=np.zeros(3), axis=np.array([-1.0, 0.0, 0.0]), upper=1.0,
+    )  # fmt: skip
+    assert joint_load(slide, 2.0, 0.0) == pytest.approx(19.62)
+    assert opening_pull(slide, body_of(2.0)) == pytest.approx(0.09 * 19.62)
+
+
+def test_damping_stops_nothing_within_a_tenth_of_a_second():
+    """A light drawer has the damping of its mass, not that of its label."""
+    tree = link_drawers(1, 0.05)
+    assert tree is not None
+    assert tree.joints[0].damping == pytest.approx(0.05 / 0.1)
+
+
+def test_a_screw_turns_on_a_link_of_ten_grams_and_four_centimetres():
+    turn = Joint(type="screw", axis=np.array([0, 0, 1.0]), origin=np.zeros(3), upper=1.0, pitch=0.01)
+    knob = Part(name="knob", label="knob", parent=0, joint=turn, box=UNIT)
+    asset = Asset(name="a", category="Bottle", scale=1.0, parts=(BODY, knob))
+    tree = build_links(asset, [PartGeometry(inertial=body_of(1.0))] * 2)
+    carrier = next(link.inertial for link in tree.links if link.name.endswith("_carrier"))
+    assert carrier is not None
+    ball = 0.4 * 0.01 * 0.02**2
+    assert carrier.mass == pytest.approx(0.01)
+    np.testing.assert_allclose(carrier.inertia, ball * np.eye(3))
