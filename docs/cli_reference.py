@@ -36,7 +36,7 @@ artigen shape StorageFurniture --topology drawer=3 door=0 -n 64 -o out/drawers""
 artigen generate --text "an oak cabinet with two black handles" -o out/from_text
 artigen generate --image photo.png -o out/from_photo""",
     "convert": """artigen convert PATH/TO/partnet_mobility/* -o out/packages
-artigen convert PATH/TO/45261 -o out/kept --visual source
+artigen convert PATH/TO/45261 -o out/rebuilt --visual voxels
 artigen convert MY_OBJECT.urdf -o out/packages --front=-y --category Microwave""",
     "validate": """artigen validate out/packages
 artigen validate out/packages/45261 --task --engines mujoco,pybullet""",

@@ -35,7 +35,7 @@ class ActuateEnv(PackageEnv):
     """The object has a fixed base and starts at rest; joints that the target requires to be open are open.
 
     **Action** ``[1]`` in [-1, 1]: force at the handle in its direction of motion as the joint opens, as a
-    share of the hand's largest force (30 N on a drawer, 10 N m on a door and at most 30 N at its handle, 10 N
+    share of the hand's largest force (30 N on a drawer, 20 N m on a door and at most 30 N at its handle, 10 N
     on a button, 1 N m on a knob; the weight of what is lifted is added). A handle on the joint's axis, such
     as a knob, is turned by a torque instead.
 

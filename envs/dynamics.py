@@ -148,7 +148,7 @@ def check_opens(run: TrialResults) -> CheckResult:
     """V304: a constant pull opens every joint to 90 % of its range and on to its limit within 5 s, and a
     constant push closes it again, with the joints it requires open and all others at rest.
 
-    The hand applies 30 N to drawers, 10 N m to doors (at most 30 N at the handle), 10 N to buttons and 1 N m
+    The hand applies 30 N to drawers, 20 N m to doors (at most 30 N at the handle), 10 N to buttons and 1 N m
     to knobs, and additionally carries the weight that it lifts (`envs.hand`). Limits count as reached within
     1 % of the range, or 0.5 degrees if that is more. A joint without limits must turn once around and back.
     """

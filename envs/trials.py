@@ -34,7 +34,7 @@ LEAN_SECONDS = 2.0
 LEAN_DEGREES = 5.0
 """Tilt of the object in degrees (V305)."""
 LIMIT_FRACTION = 0.01
-"""Distance from a limit, as a share of the range, within which it counts as reached (V304) or kept
+"""Distance from a limit, as a share of the range, within which it counts as reached, and as kept at rest
 (V302, V305) ..."""
 LIMIT_DEGREES = 0.5
 """... or, for turning joints, this angle if it is larger."""

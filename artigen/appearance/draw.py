@@ -1,6 +1,6 @@
 """Samples Gaussians for an articulated structure: latents on its voxels, decoding, seams."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +21,7 @@ from artigen.models.rectified_flow import SamplerConfig
 from artigen.models.store import load_model
 from artigen.models.tensors import load_strictly, read_tensors
 from artigen.splats.render.splats import Splats
-from artigen.splats.seams import SeamConfig, settle_seams
+from artigen.splats.seams import settle_seams
 from artigen.types import Asset
 from artigen.voxels.fields import tabulate_parts
 from artigen.voxels.frames import find_facings
@@ -41,16 +41,6 @@ class AppearanceModel:
     preset: AppearancePreset
     decoder: GaussianDecoder
     flow: SlatFlow
-
-
-@dataclass(frozen=True, kw_only=True)
-class AppearanceConfig:
-    """How an appearance is sampled for a structure."""
-
-    sampler: SamplerConfig | None = None
-    """Steps and guidance; those of the model's preset when None."""
-    seams: SeamConfig = field(default_factory=SeamConfig)
-    """Thresholds for Gaussians that stray into a neighbouring part."""
 
 
 def has_appearance(folder: Path) -> bool:
@@ -99,9 +89,9 @@ def draw_splats(
     canvas: Canvas,
     asked: StructureCondition,
     seed: int,
-    cfg: AppearanceConfig,
     *,
     paint: Float[np.ndarray, "N 7"] | None = None,
+    sampler: SamplerConfig | None = None,
 ) -> Splats:
     """Samples the Gaussians of given voxels, in the order of the voxels.
 
@@ -110,9 +100,9 @@ def draw_splats(
         canvas: The voxels.
         asked: Condition.
         seed: Seed of the noise.
-        cfg: Sampler.
         paint: Colours of both sides of each voxel, and its transmission (`artigen.appearance.paint`); all
             models but ``paper`` take it.
+        sampler: Steps and guidance; those of the model's preset when None.
 
     Raises:
         ValueError: If the model takes paint and surface positions, and one is missing.
@@ -138,7 +128,7 @@ def draw_splats(
         )
     places = torch.from_numpy(np.pad(coords.astype(np.int32), ((0, 0), (1, 0)))).to(device)
     noise = torch.randn((len(coords), model.flow.channels), generator=generator).to(device)
-    sampler = cfg.sampler or model.preset.sampler
+    sampler = sampler or model.preset.sampler
     latents = sample_slats(model.flow, places, known, nothing, noise, sampler, attributes=attributes)
     if attributes is not None and paint is not None:
         edges = find_edges(coords, part_ids, facings, edge)
@@ -152,9 +142,9 @@ def generate_appearance(
     asset: Asset,
     asked: StructureCondition,
     seed: int,
-    cfg: AppearanceConfig | None = None,
     *,
     surface: PaintedSurface | None = None,
+    sampler: SamplerConfig | None = None,
 ) -> Asset:
     """Samples Gaussians for the surface of an asset; the same arguments give the same ones on one machine.
 
@@ -167,15 +157,14 @@ def generate_appearance(
         asset: Asset with voxels at the model's resolution.
         asked: Condition from which the structure was generated.
         seed: Seed of the noise.
-        cfg: Sampler and seams; the defaults when None.
         surface: Painted samples of the surface that the voxels represent; for a generated structure those of
             its meshes (`sim_export.geometry.surface`, `artigen.appearance.paint.repaint`). ``paper`` needs
             none.
+        sampler: Steps and guidance; those of the model's preset when None.
 
     Raises:
         ValueError: If the asset has no voxels, has them in another resolution, or samples are missing.
     """
-    cfg = cfg or AppearanceConfig()
     edge, voxels = model.preset.decoder.trunk.resolution, asset.voxels
     if voxels is None or not len(voxels.coords) or voxels.resolution != edge:
         found = "none" if voxels is None else f"{len(voxels.coords)} of {voxels.resolution}^3"
@@ -201,6 +190,6 @@ def generate_appearance(
         table=tabulate_parts(asset),
         places=places,
     )
-    splats = draw_splats(model, canvas, asked, seed, cfg, paint=paint)
+    splats = draw_splats(model, canvas, asked, seed, paint=paint, sampler=sampler)
     painted = replace(asset, voxels=voxels, gaussians=to_gaussians(splats, voxels.part_ids))
-    return replace(settle_seams(painted, cfg.seams), voxels=asset.voxels)
+    return replace(settle_seams(painted), voxels=asset.voxels)

@@ -1,4 +1,4 @@
-"""`artigen convert`: converts URDFs, PartNet-Mobility folders and object.json files to validated packages."""
+"""`artigen convert`: converts URDFs, MJCFs, PartNet-Mobility folders and object.json to packages."""
 
 import resource
 import sys
@@ -35,9 +35,9 @@ COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V201", "V202")
 class ConvertSettings:
     """How objects are converted; equal settings give equal packages."""
 
-    visual: Literal["voxels", "source"] = "voxels"
-    """``voxels`` reconstructs the object from its 64^3 articulated voxels; ``source`` keeps its own textured
-    meshes and adds collision hulls, mass, friction and validation."""
+    visual: Literal["source", "voxels"] = "source"
+    """``source`` keeps the object's own textured meshes and adds collision hulls, mass and friction;
+    ``voxels`` rebuilds the object from its 64^3 articulated voxels, as the paper represents it."""
     recipe: Literal["robust", "paper"] = "robust"
     """Segmentation of the voxels into parts: our robust recipe or that of the paper."""
     size: float | None = None
@@ -45,16 +45,17 @@ class ConvertSettings:
     category: str | None = None
     """Category of the objects; default: from their files and names."""
     up: Direction | None = None
-    """Up axis of a URDF or object.json; default: z of a URDF, y of object.json."""
+    """Up axis of a URDF, MJCF or object.json; default: z, or y in object.json."""
     front: Direction | None = None
-    """Axis that the front faces in a URDF or object.json; default: -x of a URDF, z of object.json."""
+    """Axis that the front faces; default: -x in a URDF or MJCF, z in object.json."""
     seed: int = 0
     """Seed of the surface samples."""
     splats: bool = False
     """Add 3D Gaussians to the package: flat discs on the surface, one PLY per link."""
     mend: bool = False
     """Mend faults of the source before converting it: hinges off the edge of their door, parts inside each
-    other, ranges that run into the body, handles out of reach. Every change is in the provenance."""
+    other, ranges that run into the body, handles out of reach, pieces that float. Every change is in the
+    provenance."""
     validation: Literal["full", "none"] = "full"
     """Run checks L0 to L3 on every package right after it is written."""
 
@@ -81,13 +82,14 @@ class ConvertJob:
 
     def read(self, scratch: Path) -> "SourceObject":
         """Reads the source and mends it if requested; converted meshes go into ``scratch``."""
+        from artigen.cli.mend import mend_object
         from artigen.datasets.source_object import ReaderConfig
         from artigen.datasets.sources import read_source
 
         cfg = self.cfg
         reader = ReaderConfig(size=cfg.size, seed=cfg.seed, category=cfg.category, up=cfg.up, front=cfg.front)
         source = read_source(self.source, scratch, reader)
-        return mend_object(source) if cfg.mend else source
+        return mend_object(source, scratch) if cfg.mend else source
 
 
 def convert_object(job: ConvertJob) -> Made:
@@ -134,35 +136,6 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     )
 
 
-def mend_object(source: "SourceObject") -> "SourceObject":
-    """The source object with its faults mended; unchanged if it has none."""
-    from artigen.datasets.source_object import TriangleMesh
-    from sim_export.mend.mends import mend_source
-    from sim_export.mend.source import open_source
-
-    asset, triangles = source.asset, source.triangles
-    mended = mend_source(open_source(asset, tuple(place_source_surfaces(source, asset))))
-    if not mended.records:
-        return source
-    shifts = mended.shifts / asset.scale
-    visuals = []
-    for visual in source.visuals:
-        T = np.array(visual.T_unit_file)
-        T[:3, 3] += shifts[visual.part]
-        visuals.append(replace(visual, T_unit_file=T))
-    corners = triangles.vertices[triangles.faces] + shifts[triangles.part_ids][:, None]
-    return replace(
-        source,
-        asset=replace(mended.asset, notes=asset.notes + mended.records),
-        visuals=tuple(visuals),
-        triangles=TriangleMesh(
-            vertices=corners.reshape(-1, 3),
-            faces=np.arange(3 * len(corners)).reshape(-1, 3),
-            part_ids=triangles.part_ids,
-        ),
-    )
-
-
 def voxelize_object(asset: "Asset") -> "Asset":
     """Adds the voxels of the surface; parts below the grid's resolution are merged into their parents."""
     from artigen.voxels.voxelize import drop_unresolved, voxelize
@@ -196,6 +169,7 @@ def export_source(source, asset: "Asset", provenance: dict[str, str]) -> "Export
     Hulls are made from the triangles of the meshes. If they fail a check, hulls from the 64^3 voxels are
     tried, too: these are fewer, and closed where the meshes are open.
     """
+    from artigen.cli.source_meshes import place_source_meshes, place_source_surfaces
     from sim_export.export import export_asset
 
     meshes, surfaces = place_source_meshes(source, asset), place_source_surfaces(source, asset)
@@ -228,39 +202,6 @@ def _add_seconds(
     return tuple((name, spent + more.get(name, 0.0)) for name, spent in first)
 
 
-def place_source_meshes(source, asset: "Asset"):
-    """The object's mesh files by part, in metres; visuals of merged parts go to the parts they joined."""
-    from sim_export.package import SourceMesh
-
-    heirs = find_remaining(source.asset, asset)
-    placed: dict[int, list[SourceMesh]] = {}
-    for visual in source.visuals:
-        T = np.array(visual.T_unit_file)
-        T[:3, 3] *= asset.scale
-        mesh = SourceMesh(path=visual.path, T_object_file=T, scale=visual.scale * asset.scale)
-        placed.setdefault(heirs[visual.part], []).append(mesh)
-    return placed
-
-
-def place_source_surfaces(source, asset: "Asset"):
-    """The object's triangles by part, in metres; those of merged parts go to the parts they joined."""
-    triangles, heirs = source.triangles, np.array(find_remaining(source.asset, asset))
-    corners = asset.scale * triangles.vertices[triangles.faces]
-    owners = heirs[triangles.part_ids]
-    return [corners[owners == index] for index in range(len(asset.parts))]
-
-
-def find_remaining(before: "Asset", after: "Asset") -> list[int]:
-    """For every part of ``before``, the index of the part of ``after`` that it is or was merged into."""
-    names = {part.name: index for index, part in enumerate(after.parts)}
-    out = []
-    for part in before.parts:
-        while part.name not in names:
-            part = before.parts[part.parent]
-        out.append(names[part.name])
-    return out
-
-
 def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Finished:
     """Converts and validates one object in a supervised process."""
     finished = make_and_validate(
@@ -280,6 +221,7 @@ def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]
 
 
 def _explain(job: ConvertJob, failed: tuple[str, ...], scratch: Path) -> tuple[str, ...]:
+    from artigen.cli.source_meshes import place_source_meshes, place_source_surfaces
     from sim_export.export import export_asset
     from sim_export.source_faults import find_source_faults
 
@@ -306,12 +248,12 @@ def convert(
     runner: RunnerChoice = "local",
     shard: Shard = None,
 ) -> int:
-    """Convert URDFs, PartNet-Mobility folders and object.json files (ACD) into validated simulation packages.
+    """Convert URDFs, MJCFs, PartNet-Mobility folders and object.json (ACD) into validated packages.
 
     Running the same command again resumes an interrupted run and retries failed objects.
 
     Args:
-        sources: URDF files, object folders, or folders that contain either.
+        sources: URDF or MJCF files, object folders, or folders that contain either.
         out: Output folder for the packages and the journal run.jsonl.
         cfg: How objects are converted.
         workers: Single-threaded worker processes; default: one per available core.

@@ -55,7 +55,7 @@ def load_shape(shape: UrdfShape, path: Path | None, root: Path, scratch: Path) -
     if not pieces:
         return None
     target = scratch / f"mesh_{len(list(scratch.glob('*.obj')))}.obj"
-    _write_obj(pieces, shape.color or NO_MATERIAL, target)
+    write_obj(pieces, shape.color or NO_MATERIAL, target)
     return PlacedMesh(path=target, scale=1.0, mesh=read_obj(target, scratch))
 
 
@@ -119,7 +119,7 @@ def _load(path: Path) -> list["Trimesh"]:
     return pieces
 
 
-def _write_obj(pieces: Sequence["Trimesh"], color: tuple[float, float, float], target: Path) -> None:
+def write_obj(pieces: Sequence["Trimesh"], color: tuple[float, float, float], target: Path) -> None:
     """Writes meshes as one OBJ, with plain colours and images; ``color`` is for those that have none."""
     rows, materials, start, texture = [f"mtllib {target.stem}.mtl"], [], 1, 1
     for piece in pieces:

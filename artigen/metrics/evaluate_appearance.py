@@ -9,7 +9,7 @@ import torch
 from tqdm import tqdm, trange
 
 from artigen.appearance.curation import CurationConfig
-from artigen.appearance.draw import AppearanceConfig, AppearanceModel, has_appearance, load_appearance_model
+from artigen.appearance.draw import AppearanceModel, has_appearance, load_appearance_model
 from artigen.appearance.extractors import ExtractorConfig, make_extractor
 from artigen.appearance.features import FeatureExtractor, PyramidFeatures
 from artigen.appearance.inputs import FeatureInputs
@@ -225,8 +225,8 @@ def _compare_drawn(
     """Pictures of Gaussians that the flow samples; none without a flow that takes paint."""
     if model.drawer is None or not model.drawer.flow.attribute_channels:
         return []
-    settings, out = AppearanceConfig(sampler=cfg.sampler), []
+    out = []
     for asset, example in tqdm(subjects, "draws", disable=None):
-        splats = draw_painted(model.drawer, asset, example, settings, cfg.seed)
+        splats = draw_painted(model.drawer, asset, example, cfg.sampler, cfg.seed)
         out.append(compare_pictures(model.vae, splats, example))
     return out

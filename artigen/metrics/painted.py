@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from artigen.appearance.draw import AppearanceConfig, AppearanceModel, draw_splats
+from artigen.appearance.draw import AppearanceModel, draw_splats
 from artigen.models.conditions import StructureCondition
+from artigen.models.rectified_flow import SamplerConfig
 from artigen.shapes.draw import draw_shape
 from artigen.splats.render.splats import Splats
 from artigen.train.appearance.examples import AppearanceExample, lay_true_voxels
@@ -13,7 +14,7 @@ from artigen.voxels.surface import measure_places
 
 
 def draw_painted(
-    model: AppearanceModel, asset: Asset, example: AppearanceExample, cfg: AppearanceConfig, seed: int
+    model: AppearanceModel, asset: Asset, example: AppearanceExample, sampler: SamplerConfig | None, seed: int
 ) -> Splats:
     """Gaussians that a flow samples for a held-out object, without any other condition.
 
@@ -21,7 +22,7 @@ def draw_painted(
         model: Trained networks that take paint.
         asset: The object, with voxels.
         example: The same object, with the paint of its voxels.
-        cfg: Sampler.
+        sampler: Steps and guidance; those of the model's preset when None.
         seed: Seed of the noise.
     """
     category, number = asset.name.rsplit("_", 1)
@@ -36,4 +37,4 @@ def draw_painted(
         places=measure_places(laid.surface, laid.voxels, facings),
     )
     paint = (example.paint / 255.0).astype(np.float32)
-    return draw_splats(model, canvas, StructureCondition(), seed, cfg, paint=paint)
+    return draw_splats(model, canvas, StructureCondition(), seed, paint=paint, sampler=sampler)

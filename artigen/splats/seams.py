@@ -4,7 +4,7 @@ A Gaussian moves with its part. One that lies in another part's cells, or reache
 shows while the object is closed. When the object opens, it floats in the air or leaves a spot.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -14,28 +14,16 @@ from artigen.splats.parts import select_gaussians
 from artigen.transforms import matrix_from_quat
 from artigen.types import Asset, Gaussians, VoxelGrid
 
-
-@dataclass(frozen=True, kw_only=True)
-class SeamConfig:
-    """Thresholds for stray Gaussians; lengths in cells."""
-
-    depth: float = 0.2
-    """A Gaussian in another part's cell, farther than this from every cell of its own, goes to that part.
-    Surface may lie up to 0.18 cells outside its cell (`artigen.voxels.surface`)."""
-    reach: float = 1.0
-    """Distance by which a Gaussian may reach beyond the cells of its part."""
-    deviations: float = 2.0
-    """Standard deviations at which a Gaussian counts as ended."""
-
-    def __post_init__(self) -> None:
-        if not (self.depth >= 0 and self.reach > 0 and self.deviations > 0):
-            raise ValueError(
-                f"seams: depth {self.depth}, reach {self.reach}, deviations {self.deviations}; expected at "
-                "least 0, above 0 and above 0"
-            )
+DEPTH = 0.2
+"""A Gaussian in another part's cell, farther than this (cells) from every cell of its own, goes to that part.
+Surface may lie up to 0.18 cells outside its cell (`artigen.voxels.surface`)."""
+REACH = 1.0
+"""Distance (cells) by which a Gaussian may reach beyond the cells of its part."""
+DEVIATIONS = 2.0
+"""Standard deviations at which a Gaussian counts as ended."""
 
 
-def settle_seams(asset: Asset, cfg: SeamConfig | None = None) -> Asset:
+def settle_seams(asset: Asset) -> Asset:
     """The asset with every Gaussian in or near the cells of its own part, with notes of what changed.
 
     Gaussians keep their order, position, rotation and colour. Strays get another part; wide ones are shrunk
@@ -44,14 +32,13 @@ def settle_seams(asset: Asset, cfg: SeamConfig | None = None) -> Asset:
     Raises:
         ValueError: If the asset has no voxels or no Gaussians, or Gaussians of a part that has no cell.
     """
-    cfg = cfg or SeamConfig()
     gaussians, voxels = asset.gaussians, asset.voxels
     if gaussians is None or voxels is None:
         raise ValueError(f"asset {asset.name!r}: Gaussians and voxels are both needed to settle seams")
-    owners = _find_owners(gaussians, voxels, cfg)
+    owners = _find_owners(gaussians, voxels)
     strays = int(np.count_nonzero(owners != gaussians.part_ids))
     settled = replace(gaussians, part_ids=owners) if strays else gaussians
-    shrink = _find_shrink(settled, voxels, cfg)
+    shrink = _find_shrink(settled, voxels)
     wide = int(np.count_nonzero((shrink < 1.0).any(axis=1)))
     if not strays and not wide:
         return asset
@@ -63,12 +50,12 @@ def settle_seams(asset: Asset, cfg: SeamConfig | None = None) -> Asset:
     if wide:
         notes.append(
             f"{wide} of {len(owners)} Gaussians stood over the cells of their part by more than "
-            f"{cfg.reach:g} cells and were made smaller"
+            f"{REACH:g} cells and were made smaller"
         )
     return replace(asset, gaussians=settled, notes=(*asset.notes, *notes))
 
 
-def _find_owners(gaussians: Gaussians, voxels: VoxelGrid, cfg: SeamConfig) -> Int[np.ndarray, "N"]:
+def _find_owners(gaussians: Gaussians, voxels: VoxelGrid) -> Int[np.ndarray, "N"]:
     """The part of each Gaussian: its own, unless it lies in a cell of another part and far from its own."""
     grid = np.full((voxels.resolution,) * 3, -1)
     grid[tuple(voxels.coords.T)] = voxels.part_ids
@@ -79,27 +66,25 @@ def _find_owners(gaussians: Gaussians, voxels: VoxelGrid, cfg: SeamConfig) -> In
     foreign = np.flatnonzero((here >= 0) & (here != gaussians.part_ids))
     owners = gaussians.part_ids.copy()
     away = distance_outside(select_gaussians(gaussians, foreign), voxels, np.zeros((len(foreign), 1, 3)))
-    strays = foreign[away[:, 0] > cfg.depth]
+    strays = foreign[away[:, 0] > DEPTH]
     owners[strays] = here[strays]
     return owners
 
 
-def _find_shrink(gaussians: Gaussians, voxels: VoxelGrid, cfg: SeamConfig) -> Float[np.ndarray, "N 3"]:
+def _find_shrink(gaussians: Gaussians, voxels: VoxelGrid) -> Float[np.ndarray, "N 3"]:
     """Factors on the scales that bring both ends of every axis within reach of the part's own cells."""
     shrink = np.ones((len(gaussians.means), 3))
     # Most Gaussians are small; only those that could exceed the reach are tested.
-    large = np.flatnonzero(
-        cfg.deviations * gaussians.scales.max(axis=1) * voxels.resolution > 0.5 * cfg.reach
-    )
+    large = np.flatnonzero(DEVIATIONS * gaussians.scales.max(axis=1) * voxels.resolution > 0.5 * REACH)
     if not len(large):
         return shrink
     some = select_gaussians(gaussians, large)
-    axes = matrix_from_quat(some.quats) * (cfg.deviations * some.scales[:, None, :].astype(np.float64))
+    axes = matrix_from_quat(some.quats) * (DEVIATIONS * some.scales[:, None, :].astype(np.float64))
     columns = np.swapaxes(axes, 1, 2)
     ends = np.concatenate([columns, -columns], axis=1)
     factors = np.ones((len(large), 3))
     for _ in range(32):  # bounded, because a mean beyond the reach of its part never comes within it
-        beyond = distance_outside(some, voxels, ends * np.tile(factors, 2)[:, :, None]) > cfg.reach
+        beyond = distance_outside(some, voxels, ends * np.tile(factors, 2)[:, :, None]) > REACH
         too_far: Bool[np.ndarray, "M 3"] = beyond[:, :3] | beyond[:, 3:]
         if not too_far.any():
             break

@@ -24,6 +24,14 @@ CELLS = 128
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class SurfaceIsland:
+    """A piece of a surface, ``gap`` (m) from what is nearer to the largest piece."""
+
+    gap: float
+    triangles: Float[np.ndarray, "F 3 3"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Island:
     """Things that hold together, ``gap`` (m) from the rest; ``size`` is the sum of what each counts for."""
 
@@ -33,12 +41,19 @@ class Island:
 
 
 def visual_islands(triangles: Float[np.ndarray, "F 3 3"], reach: float) -> list[tuple[float, int]]:
-    """Pieces of a surface farther than ``reach`` from the rest: distance (m) and count of faces of each.
+    """Pieces of a surface farther than ``reach`` from the rest: distance (m) and count of faces of each."""
+    return [(island.gap, len(island.triangles)) for island in find_surface_islands(triangles, reach)[1]]
 
-    Pieces that the rest encloses, such as the walls of a void, are not seen and do not count.
+
+def find_surface_islands(
+    triangles: Float[np.ndarray, "F 3 3"], reach: float
+) -> tuple[Float[np.ndarray, "G 3 3"], list[SurfaceIsland]]:
+    """The largest piece of a surface, and those farther than ``reach`` (m) from it and each other.
+
+    Pieces that the largest encloses, such as the walls of a void, are not seen and do not count.
     """
     if not len(triangles):
-        return []
+        return triangles, []
     piece = join_near(triangles, connected_pieces(triangles), reach)
     order = np.argsort(piece, kind="stable")
     pieces = np.split(triangles[order], np.flatnonzero(np.diff(piece[order])) + 1)
@@ -48,16 +63,16 @@ def visual_islands(triangles: Float[np.ndarray, "F 3 3"], reach: float) -> list[
         bounds, lambda one, other: _distance(shapes(one), shapes(other)), [len(p) for p in pieces], reach
     )
     if not found:
-        return []
+        return triangles, []
     apart = np.concatenate([island.members for island in found])
     main = np.concatenate([pieces[k] for k in range(len(pieces)) if k not in apart])
-    grid = make_grid(np.stack([triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))]), CELLS)
+    grid = make_grid(_bounds(triangles), CELLS)
     outside = find_outside(mark_surface(main, grid))
-    return [
-        (island.gap, island.size)
+    islands = [
+        SurfaceIsland(gap=island.gap, triangles=np.concatenate([pieces[k] for k in island.members]))
         for island in found
-        if is_reached(np.concatenate([pieces[k] for k in island.members]), outside, grid)
     ]
+    return main, [island for island in islands if is_reached(island.triangles, outside, grid)]
 
 
 def is_reached(triangles: Float[np.ndarray, "F 3 3"], free: Bool[np.ndarray, "X Y Z"], grid: Grid) -> bool:
@@ -124,7 +139,7 @@ def _measure(first: object, second: object) -> "tuple[float, coal.DistanceResult
 def find_islands(
     bounds: Float[np.ndarray, "N 2 3"], distance: Distance, sizes: Sequence[int], reach: float
 ) -> list[Island]:
-    """Groups of things that nothing within ``reach`` connects to the largest group.
+    """Groups of things that nothing within ``reach`` connects to the one with the largest thing.
 
     Things hold together by single linkage; the gap of a group is the width that the shortest bridges to the
     largest group ask for.
@@ -143,7 +158,8 @@ def find_islands(
     if len(names) == 1:
         return []
     members = [np.flatnonzero(groups == name) for name in names]
-    weights = np.array([sum(sizes[k] for k in own.tolist()) for own in members])
+    extents = np.linalg.norm(bounds[:, 1] - bounds[:, 0], axis=1)
+    main = int(np.argmax([extents[own].max() for own in members]))
     gaps = np.full((len(names), len(names)), np.inf)
     row = {name: index for index, name in enumerate(names.tolist())}
     for first, second, apart in _near_pairs(bounds, np.inf):
@@ -151,8 +167,8 @@ def find_islands(
         if a != b and apart < gaps[a, b]:
             gaps[a, b] = gaps[b, a] = min(gaps[a, b], distance(first, second))
     return [
-        Island(gap=gap, size=int(weights[index]), members=members[index])
-        for gap, index in _bridge(gaps, int(weights.argmax()))
+        Island(gap=gap, size=sum(sizes[k] for k in members[index].tolist()), members=members[index])
+        for gap, index in _bridge(gaps, main)
     ]
 
 

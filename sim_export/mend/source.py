@@ -16,12 +16,14 @@ class Source:
     """An object before conversion.
 
     ``surfaces`` are the triangles of every part (m, object frame at rest), ``shifts`` the translation of each
-    part (m), ``records`` the repairs, one sentence each.
+    part (m), ``posts`` the triangles (m) that were added and the part of each, ``records`` the repairs, one
+    sentence each.
     """
 
     asset: Asset
     surfaces: tuple[Float[np.ndarray, "F 3 3"], ...]
     shifts: Float[np.ndarray, "P 3"]
+    posts: tuple[tuple[int, Float[np.ndarray, "F 3 3"]], ...] = ()
     records: tuple[str, ...] = ()
 
 

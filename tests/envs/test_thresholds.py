@@ -121,7 +121,8 @@ def test_constraints_may_push_with_a_millinewton(monkeypatch, force, verdict):
     [
         ("drawer", "prismatic", 0.0, 30.0),
         ("knob", "prismatic", 0.0, 10.0),
-        ("door", "revolute", 0.5, 10.0),
+        ("door", "revolute", 0.6, 18.0),
+        ("door", "revolute", 0.8, 20.0),
         ("door", "revolute", 0.2, 6.0),
         ("knob", "continuous", 0.2, 1.0),
         ("knob", "continuous", 0.05, 0.5),

@@ -9,7 +9,6 @@ import pytest
 import torch
 
 from artigen.appearance.draw import (
-    AppearanceConfig,
     AppearanceModel,
     generate_appearance,
     has_appearance,
@@ -38,7 +37,7 @@ from sim_export.geometry.surface import sample_surface
 from sim_export.package import Link
 from sim_export.physics.links import link_owners
 
-FEW = AppearanceConfig(sampler=SamplerConfig(steps=2))
+FEW = SamplerConfig(steps=2)
 ASKED = StructureCondition(category="StorageFurniture")
 
 
@@ -71,7 +70,7 @@ def structure() -> Asset:
 
 
 def paint(model: AppearanceModel, structure: Asset, seed: int) -> Asset:
-    return generate_appearance(model, structure, ASKED, seed, FEW, surface=sample_painted(structure))
+    return generate_appearance(model, structure, ASKED, seed, surface=sample_painted(structure), sampler=FEW)
 
 
 def sample_painted(structure: Asset) -> PaintedSurface:

@@ -15,7 +15,7 @@ from artigen.datasets.sources import find_sources
 from artigen.errors import ArtigenError
 from artigen.io import write_asset
 
-SETTINGS = ConvertSettings(validation="none")
+SETTINGS = ConvertSettings(visual="voxels", validation="none")
 
 
 @pytest.fixture(scope="module")

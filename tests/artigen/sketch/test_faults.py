@@ -20,6 +20,7 @@ from artigen.sketch.sweep import deepest, find_meetings, open_needed, place_open
 from artigen.sketch.tree import read_tree
 from artigen.sketch.words import CATEGORIES
 from artigen.types import PartLabel
+from envs.trials import LIMIT_FRACTION
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.suite import run_checks
 from sim_export.collision.contacts import HullSet, find_penetration, signed_distances
@@ -119,6 +120,7 @@ def test_thresholds_are_those_of_the_checks():
     checks = CheckConfig()
     assert faults.MAX_OVERLAP < checks.max_rest_overlap <= checks.max_rest_overlap_parent  # of scans
     assert checks.max_penetration > sweep.TOUCH
+    assert LIMIT_FRACTION == faults.MAX_PLAY
     assert (checks.max_gap, checks.min_thickness) == (faults.MAX_GAP, faults.MIN_THICKNESS)
     assert checks.max_hulls_per_link >= faults.MAX_HULLS  # real objects may have more on one link
     assert checks.max_hulls == faults.MAX_HULLS_IN_ALL

@@ -7,7 +7,7 @@ import pytest
 
 from artigen.kinematics import articulate_gaussians, qlimits
 from artigen.splats.parts import merge_gaussians, select_gaussians
-from artigen.splats.seams import SeamConfig, distance_outside, settle_seams
+from artigen.splats.seams import REACH, distance_outside, settle_seams
 from artigen.types import Asset, Gaussians, VoxelGrid
 
 
@@ -93,18 +93,9 @@ def test_what_stands_far_over_its_part_is_made_smaller_and_only_there(clean: Ass
     assert now[row].max() < scales[row].max()
     one = select_gaussians(settled.gaussians, np.array([row]))
     ends = 2.0 * np.concatenate([np.diag(now[row]), -np.diag(now[row])])[None].astype(float)
-    assert distance_outside(one, clean.voxels, ends).max() <= SeamConfig().reach + 1e-6
+    assert distance_outside(one, clean.voxels, ends).max() <= REACH + 1e-6
     assert "made smaller" in settled.notes[-1]
     assert settle_seams(settled) is settled
-
-
-def test_depth_says_how_far_in_a_stray_lies(clean: Asset):
-    row, target = stray_rows(clean)
-    means = clean.gaussians.means.copy()
-    means[row] = means[target]
-    asset = replace(clean, gaussians=replace(clean.gaussians, means=means))
-    lenient = settle_seams(asset, SeamConfig(depth=100.0))
-    np.testing.assert_array_equal(lenient.gaussians.part_ids, clean.gaussians.part_ids)
 
 
 def test_what_is_missing_is_an_error(clean: Asset):
@@ -112,8 +103,6 @@ def test_what_is_missing_is_an_error(clean: Asset):
         settle_seams(replace(clean, gaussians=None))
     with pytest.raises(ValueError, match="both needed"):
         settle_seams(replace(clean, voxels=None))
-    with pytest.raises(ValueError, match="reach 0"):
-        SeamConfig(reach=0)
     homeless = replace(clean, voxels=replace(clean.voxels, part_ids=np.zeros_like(clean.voxels.part_ids)))
     lost = replace(
         clean.gaussians, part_ids=np.ones_like(clean.gaussians.part_ids), means=clean.gaussians.means + 2

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from artigen.appearance.draw import AppearanceConfig, draw_splats, load_appearance_model
+from artigen.appearance.draw import draw_splats, load_appearance_model
 from artigen.conditioning.delivery import has_counts, size_error
 from artigen.latent.draw import generate_structure, load_structure_model
 from artigen.models.conditions import StructureCondition
@@ -77,7 +77,7 @@ def test_told_colours_are_what_is_drawn(table: Canvas):
     model, asked = load_appearance_model(SHIPPED), StructureCondition(category="Table")
     for color in ((0.6, 0.2, 0.2), (0.2, 0.3, 0.6)):
         paint = paint_all(len(table.coords), color)
-        splats = draw_splats(model, table, asked, 0, AppearanceConfig(), paint=paint)
+        splats = draw_splats(model, table, asked, 0, paint=paint)
         drawn = (splats.colors * splats.opacities[:, None]).sum(dim=0) / splats.opacities.sum()
         np.testing.assert_allclose(drawn.numpy(), color, atol=0.1)
 
@@ -86,9 +86,9 @@ def test_paint_and_places_must_be_told(table: Canvas):
     model, asked = load_appearance_model(SHIPPED), StructureCondition(category="Table")
     paint = paint_all(len(table.coords), (0.5, 0.5, 0.5))
     with pytest.raises(ValueError, match="voxels without paint"):
-        draw_splats(model, table, asked, 0, AppearanceConfig())
+        draw_splats(model, table, asked, 0)
     with pytest.raises(ValueError, match="voxels without places"):
-        draw_splats(model, replace(table, places=None), asked, 0, AppearanceConfig(), paint=paint)
+        draw_splats(model, replace(table, places=None), asked, 0, paint=paint)
 
 
 def test_gaussians_lie_where_the_surface_is_told_to(table: Canvas):
@@ -97,10 +97,7 @@ def test_gaussians_lie_where_the_surface_is_told_to(table: Canvas):
     assert table.places is not None
     lifted = replace(table, places=replace(table.places, heights=table.places.heights + lift))
     paint, asked = paint_all(len(table.coords), (0.5, 0.5, 0.5)), StructureCondition(category="Table")
-    at = [
-        draw_splats(model, canvas, asked, 0, AppearanceConfig(), paint=paint).means.numpy()
-        for canvas in (table, lifted)
-    ]
+    at = [draw_splats(model, canvas, asked, 0, paint=paint).means.numpy() for canvas in (table, lifted)]
     moved = 64 * (at[1] - at[0]).reshape(len(table.coords), -1, 3)
     outwards = np.einsum("nki,ni->n", moved, facing_frames()[table.facings][:, :, 0]) / moved.shape[1]
     assert 0.75 * lift < outwards.mean() < 2.0 * lift

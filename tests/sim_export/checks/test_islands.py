@@ -64,6 +64,27 @@ def test_corners_that_many_pieces_share_make_one_surface():
     assert visual_islands(np.concatenate([loose, loose + 1e-9]), 0.0) == []
 
 
+def shell(low: float, high: float, *, inward: bool = False, lid: bool = True):
+    """The surface of a cube, which faces inward where it bounds a cavity, or lacks its top."""
+    hull = box_hull(np.full(3, low), np.full(3, high))
+    faces = hull.faces[:, ::-1] if inward else hull.faces
+    triangles = hull.vertices[faces]
+    return triangles if lid else triangles[triangles[:, :, 2].min(axis=1) < high - 1e-9]
+
+
+def test_the_wall_of_a_sealed_cavity_and_what_is_hidden_in_a_wall_are_no_islands():
+    outer, wall, inside = shell(0.0, 1.0), shell(0.1, 0.9, inward=True), shell(0.4, 0.6)
+    for surface, gaps in (
+        ((outer, wall), []),
+        ((outer, np.concatenate([shell(0.1, 0.9, inward=True)] * 9)), []),  # it has most of the faces
+        ((outer, inside), []),  # embedded
+        ((outer, wall, inside), []),  # afloat in the cavity, where nobody sees it
+        ((shell(0.0, 1.0, lid=False), inside), [0.4]),
+    ):
+        moved = np.concatenate(surface) @ TURN.T
+        assert [gap for gap, _ in visual_islands(moved, REACH)] == pytest.approx(gaps, abs=1e-6)
+
+
 def cut_legs(shape, gap: float):
     """The table with every leg cut through its middle."""
 

@@ -12,6 +12,7 @@ from sim_export.checks.opening import door_panel, hinge_offset
 from sim_export.checks.subject import Subject
 from sim_export.collision.hulls import box_hull
 from sim_export.files.write import write_package
+from sim_export.geometry.islands import visual_islands
 from sim_export.mend.mends import mend_source
 from sim_export.mend.source import link_surfaces, open_source, source_package
 from sim_export.source_faults import overlaps_at_rest, overlaps_on_the_way, show_links
@@ -147,3 +148,19 @@ def test_a_handle_in_its_door_moves_out_until_it_can_be_grasped(depth, moves, tm
     assert bool(shift[0] < 0.0) is moves  # towards the front
     assert np.linalg.norm(shift) <= depth + 0.0025
     assert (mended.shifts[:2] == 0.0).all()
+
+
+@pytest.mark.parametrize(("gap", "held"), [(0.004, False), (0.006, True), (0.0399, True), (0.041, False)])
+def test_a_piece_that_floats_within_reach_is_held_by_a_post(gap, held):
+    sound = cabinet(DOOR, (-0.222, -0.25, 0.0))
+    knob = box((-0.242 - gap, 0.15, -0.02), (-0.222 - gap, 0.19, 0.02))
+    parts = (*sound.asset.parts, part_of(knob, "knob_0", "knob", 1, FIXED))
+    source = open_source(replace(sound.asset, parts=parts), (*sound.surfaces, knob))
+    mended = mend_source(source)
+    left = [len(visual_islands(shown, CFG.max_island)) for shown in link_surfaces(mended).values()]
+    assert (len(mended.posts) == 1) is held
+    assert any(left) is (gap > 0.04)
+    if held:
+        part, post = mended.posts[0]
+        assert part == 1  # the door, whose link holds both
+        assert np.ptp(post.reshape(-1, 3), axis=0).max() == pytest.approx(gap + 0.012)

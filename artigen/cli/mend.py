@@ -1,0 +1,67 @@
+"""Mends a source object: its asset, its triangles and the placement of its mesh files."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from artigen.cli.source_meshes import place_source_surfaces
+from artigen.datasets.mesh_files import write_obj
+from artigen.datasets.source_object import SourceObject, SourceVisual, TriangleMesh
+
+if TYPE_CHECKING:
+    from sim_export.mend.source import Source
+
+
+def mend_object(source: SourceObject, scratch: Path) -> SourceObject:
+    """The source object with its faults mended; unchanged if it has none.
+
+    Args:
+        source: The object.
+        scratch: Folder for meshes of what is added, needed until the package is written.
+    """
+    from sim_export.mend.mends import mend_source
+    from sim_export.mend.source import open_source
+
+    asset, triangles = source.asset, source.triangles
+    mended = mend_source(open_source(asset, tuple(place_source_surfaces(source, asset))))
+    if not mended.records:
+        return source
+    shifts = mended.shifts / asset.scale
+    visuals = []
+    for visual in source.visuals:
+        T = np.array(visual.T_unit_file)
+        T[:3, 3] += shifts[visual.part]
+        visuals.append(replace(visual, T_unit_file=T))
+    corners = triangles.vertices[triangles.faces] + shifts[triangles.part_ids][:, None]
+    added = [post / asset.scale for _, post in mended.posts]
+    owners = [np.full(len(post), part) for part, post in mended.posts]
+    corners = np.concatenate([corners, *added])
+    return replace(
+        source,
+        asset=replace(mended.asset, notes=asset.notes + mended.records),
+        visuals=(*visuals, *_write_posts(mended, scratch)),
+        triangles=TriangleMesh(
+            vertices=corners.reshape(-1, 3),
+            faces=np.arange(3 * len(corners)).reshape(-1, 3),
+            part_ids=np.concatenate([triangles.part_ids, *owners]),
+        ),
+    )
+
+
+def _write_posts(mended: "Source", scratch: Path) -> list[SourceVisual]:
+    """A mesh file (m) for every post."""
+    from trimesh import Trimesh
+
+    from sim_export.mend.bridge import POST_COLOR
+
+    red, green, blue = (level / 255.0 for level in POST_COLOR)
+    visuals = []
+    for number, (part, post) in enumerate(mended.posts):
+        faces = np.arange(3 * len(post)).reshape(-1, 3)
+        path = scratch / f"post_{number}.obj"
+        write_obj([Trimesh(post.reshape(-1, 3), faces)], (red, green, blue), path)
+        scale = 1.0 / mended.asset.scale
+        visuals.append(SourceVisual(part=part, name=path.stem, path=path, T_unit_file=np.eye(4), scale=scale))
+    return visuals

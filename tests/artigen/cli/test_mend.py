@@ -1,0 +1,55 @@
+"""A mended source object shows what was added, in its mesh files as in its triangles."""
+
+import numpy as np
+import pytest
+
+from artigen.cli.mend import mend_object
+from artigen.datasets.source_object import SourceObject, TriangleMesh
+from artigen.types import FIXED, Asset, Part, SurfaceSamples
+from artigen.wavefront import read_obj
+from sim_export.collision.hulls import box_hull
+
+
+def box(low, high):
+    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
+    return hull.vertices[hull.faces]
+
+
+def test_a_mended_object_shows_its_posts(tmp_path):
+    frame = box((0.0, 0.0, 0.0), (0.4, 0.4, 0.1))
+    lamp = box((0.1, 0.1, 0.12), (0.2, 0.2, 0.2))
+    surface = SurfaceSamples(
+        points=frame.reshape(-1, 3),
+        normals=np.tile([0.0, 0.0, 1.0], (36, 1)),
+        colors=np.zeros((36, 3), dtype=np.uint8),
+        part_ids=np.zeros(36, dtype=int),
+    )
+    corners = np.concatenate([frame, lamp]) / 2.0  # two metres are the unit
+    asset = Asset(
+        name="lamp",
+        category="Lamp",
+        scale=2.0,
+        parts=(
+            Part(name="base", label="base", parent=-1, joint=FIXED, box=np.array([np.zeros(3), np.ones(3)])),
+        ),
+        surface=surface,
+    )
+    source = SourceObject(
+        asset=asset,
+        visuals=(),
+        triangles=TriangleMesh(
+            vertices=corners.reshape(-1, 3),
+            faces=np.arange(72).reshape(-1, 3),
+            part_ids=np.zeros(24, dtype=int),
+        ),
+        tables=(),
+    )
+    mended = mend_object(source, tmp_path)
+    (visual,) = mended.visuals
+    shown = read_obj(visual.path, tmp_path).vertices * visual.scale
+    assert (shown.min(axis=0) >= 0.0).all()
+    assert shown[:, 2].max() - shown[:, 2].min() == pytest.approx((0.02 + 0.012) / 2.0)
+    assert len(mended.triangles.faces) == len(source.triangles.faces) + 12
+    assert mended.asset.surface is not None
+    assert len(mended.asset.surface.points) > 36
+    assert any("bridge (V107)" in note for note in mended.asset.notes)
