@@ -161,16 +161,11 @@ def _run_free(scene, loaded: LoadedPackage, seconds: float, trace: list) -> np.n
 
 def _rest(scene, loaded: LoadedPackage, trace: list) -> tuple[np.ndarray, np.ndarray]:
     drift = _run_free(scene, loaded, REST_SECONDS, trace)
-    speed = np.abs(_of_joints(loaded, loaded.articulation.qvel))
-    sprung = np.array([joint.spec.spring > 0.0 for joint in loaded.joints], dtype=bool)
-    if (
-        sprung.any()
-    ):  # PhysX reports a speed for a joint that a spring presses against its limit, although it is at rest
-        before = _of_joints(loaded, loaded.articulation.qpos)
-        advance(loaded)
-        moved = np.abs(_of_joints(loaded, loaded.articulation.qpos) - before)
-        speed = np.where(sprung, moved / scene.timestep, speed)
-    return drift, speed
+    # PhysX reports speeds of joints that stand still: asleep, or pressed against a limit.
+    before = _of_joints(loaded, loaded.articulation.qpos)
+    advance(loaded)
+    moved = np.abs(_of_joints(loaded, loaded.articulation.qpos) - before)
+    return drift, moved / scene.timestep
 
 
 def _lean(scene, loaded: LoadedPackage, plan: TrialPlan, trace: list) -> np.ndarray:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from sim_export.files.write import write_package
 from sim_export.package import Inertial, Link, SimPackage
 
 pytest.importorskip("sapien")
+from envs import trials as trials_module
 from envs.config import DynamicsConfig
 from envs.dynamics import (
     check_dynamics,
@@ -155,6 +157,20 @@ def test_a_joint_keeps_its_place_within_what_counts_as_its_limit(trials, kind, u
         for check in (check_rest, check_stays_closed):
             result = check(run)
             assert (result.verdict, result.threshold) == (verdict, pytest.approx(allowed, rel=1e-3))
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.5])
+def test_speeds_at_rest_are_those_of_positions(speed: float):
+    """Whatever the engine reports of a joint that sleeps."""
+    articulation = SimpleNamespace(qpos=np.zeros(1), qvel=np.full(1, 0.2))
+
+    def step() -> None:
+        articulation.qpos = articulation.qpos + 0.01 * speed
+
+    scene = SimpleNamespace(timestep=0.01, step=step)
+    joint = SimpleNamespace(index=0, spec=SimpleNamespace(spring=0.0))
+    loaded = SimpleNamespace(articulation=articulation, scene=scene, joints=(joint,), followers=())
+    assert trials_module._rest(scene, loaded, [])[1] == pytest.approx([speed])
 
 
 def test_what_depends_on_the_step_size_fails_v309(package, tmp_path):
