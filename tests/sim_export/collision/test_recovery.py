@@ -4,6 +4,7 @@ import manifold3d
 import numpy as np
 
 from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.hull_limits import MOST_OF_LINK
 from sim_export.collision.hulls import box_hull, hull_volume
 from sim_export.collision.recovery import recover_surface
 from sim_export.package import Link, Mesh
@@ -70,10 +71,11 @@ def test_what_lies_inside_of_another_link_is_only_reported():
 
 
 def test_a_full_link_joins_two_hulls_to_make_room():
-    slices = [((-0.3, -0.4, z / 40), (0.3, 0.4, (z + 1) / 40)) for z in range(32)]
+    step = 0.8 / MOST_OF_LINK
+    slices = [((-0.3, -0.4, z * step), (0.3, 0.4, (z + 1) * step)) for z in range(MOST_OF_LINK)]
     links = (link("body", *(box(item) for item in slices)),)
     done = recover_surface(links, [], [], {"body": solid(BODY, LEDGE)})
-    assert len(done.links[0].hulls) == 32
+    assert len(done.links[0].hulls) == MOST_OF_LINK
     np.testing.assert_allclose(
         sum(map(hull_volume, done.links[0].hulls)), 0.6 * 0.8 * 0.8 + 0.6 * 0.1 * 0.02, rtol=1e-3
     )
