@@ -139,6 +139,13 @@ def rpy_from_matrix(R: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3"]:
     return np.array([np.arctan2(R[2, 1], R[2, 2]), pitch, np.arctan2(R[1, 0], R[0, 0])])
 
 
+def frame_along(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+    """Rows of a rotation whose third row is the unit vector ``direction``."""
+    first = np.cross(np.eye(3)[int(np.abs(direction).argmin())], direction)
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(direction, first), direction])
+
+
 def line_distance(
     point_a: Float[np.ndarray, "3"], axis_a: Float[np.ndarray, "3"],
     point_b: Float[np.ndarray, "3"], axis_b: Float[np.ndarray, "3"],

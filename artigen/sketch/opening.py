@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float, Int
 from artigen.shapes.shape import Motion, Shape
 from artigen.sketch.contact import Bodies
 from artigen.sketch.tree import Tree
+from artigen.transforms import frame_along
 from artigen.types import PartLabel
 
 SIGHT_LINES = 200
@@ -144,7 +145,7 @@ def measure_handle(bodies: Bodies, opener: Opener, handle: Int[np.ndarray, "H"])
     corners = bodies.vertices[handle].reshape(-1, 3)
     middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
     out = _way_out(bodies, opener, middle)
-    frame = _frame_along(out / max(float(np.linalg.norm(out)), 1e-12))
+    frame = frame_along(out / max(float(np.linalg.norm(out)), 1e-12))
     grip = corners @ frame.T
     if not len(opener.panel):
         return 0.0
@@ -231,13 +232,6 @@ def _thin_direction(points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "3"]:
     if extents.min() < 0.5 * np.sort(extents)[1]:
         return np.eye(3)[int(extents.argmin())]
     return np.linalg.svd(points, full_matrices=False)[2][2]
-
-
-def _frame_along(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
-    """Rows of a rotation whose third row is ``direction``."""
-    first = np.cross(np.eye(3)[int(np.abs(direction).argmin())], direction)
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(direction, first), direction])
 
 
 def _measure_gaps(

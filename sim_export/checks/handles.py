@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from artigen.transforms import frame_along
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.grid import Grid, column_crossings
 from sim_export.checks.opening import (
@@ -110,7 +111,7 @@ def measure_grip(subject: Subject, joint: PackageJoint, handle: Shape) -> Grip:
     """Measures a handle against the rest of its link, along the approach direction of the hand."""
     center = (handle.vertices.min(axis=0) + handle.vertices.max(axis=0)) / 2.0
     out = way_out(subject, joint, center)
-    frame = _frame_along(out / np.linalg.norm(out))
+    frame = frame_along(out / np.linalg.norm(out))
     grip = handle.triangles @ frame.T
     rest = [s for s in subject.visuals if s.link == handle.link and "handle" not in s.name and len(s.faces)]
     width = _least_width(handle.vertices @ frame.T)
@@ -134,13 +135,6 @@ def way_out(subject: Subject, joint: PackageJoint, center: Float[np.ndarray, "3"
     if abs(normal @ joint.axis) > PARALLEL:
         return way
     return normal if (center - middle) @ normal >= 0.0 else -normal
-
-
-def _frame_along(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
-    """Rows of a rotation whose third row is ``direction``."""
-    first = np.cross(np.eye(3)[np.abs(direction).argmin()], direction)
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(direction, first), direction])
 
 
 def _least_width(points: np.ndarray) -> float:

@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
+from artigen.transforms import frame_along
 from artigen.types import SurfaceSamples
 from sim_export.checks.config import CheckConfig
 from sim_export.collision.hulls import box_hull
+from sim_export.geometry.exposure import triangle_normals
 from sim_export.geometry.islands import find_surface_islands, nearest_points, surface_shape
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.mend.source import Source, leading_part, link_surfaces
@@ -37,13 +39,9 @@ def make_post(ends: Float[np.ndarray, "2 3"]) -> Float[np.ndarray, "12 3 3"]:
     """Triangles of a box around the line between two points (m)."""
     way = ends[1] - ends[0]
     length = float(np.linalg.norm(way))
-    first = way / length
-    second = np.cross(first, np.eye(3)[np.abs(first).argmin()])
-    second /= np.linalg.norm(second)
-    frame = np.stack([first, second, np.cross(first, second)])
-    half = np.array([length / 2 + WIDTH, WIDTH / 2, WIDTH / 2])
+    half = np.array([WIDTH / 2, WIDTH / 2, length / 2 + WIDTH])
     box = box_hull(-half, half)
-    return (ends.mean(axis=0) + box.vertices @ frame)[box.faces]
+    return (ends.mean(axis=0) + box.vertices @ frame_along(way / length))[box.faces]
 
 
 def _add_post(source: Source, part: int, post: Float[np.ndarray, "12 3 3"], gap: float) -> Source:
@@ -51,10 +49,9 @@ def _add_post(source: Source, part: int, post: Float[np.ndarray, "12 3 3"], gap:
     surface = asset.surface
     if surface is not None:
         points, face = sample_triangles(post, SAMPLES)
-        normals = np.cross(post[:, 1] - post[:, 0], post[:, 2] - post[:, 0])[face]
         added = SurfaceSamples(
             points=points / asset.scale,
-            normals=normals / np.linalg.norm(normals, axis=1, keepdims=True),
+            normals=triangle_normals(post)[face],
             colors=np.tile(np.array(POST_COLOR, dtype=np.uint8), (len(points), 1)),
             part_ids=np.full(len(points), part),
         )

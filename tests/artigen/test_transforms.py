@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from artigen.transforms import (
     T_ZUP_FROM_PARTNET,
+    frame_along,
     inverse,
     joint_motion,
     line_distance,
@@ -188,3 +189,13 @@ def test_roll_pitch_yaw_of_a_rotation_give_it_back(pitch):
     for roll, yaw in ((0.3, 1.9), (-2.8, -0.4), (0.0, 3.1)):
         R = matrix_from_rpy(np.array([roll, pitch, yaw]))
         np.testing.assert_allclose(matrix_from_rpy(rpy_from_matrix(R)), R, atol=ATOL)
+
+
+@pytest.mark.parametrize(
+    "direction", [(1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.6, 0.0, -0.8), (0.48, 0.6, 0.64)]
+)
+def test_a_frame_along_a_direction_is_a_rotation_whose_third_row_it_is(direction):
+    frame = frame_along(np.array(direction))
+    np.testing.assert_allclose(frame @ frame.T, np.eye(3), atol=ATOL)
+    np.testing.assert_allclose(np.linalg.det(frame), 1.0, atol=ATOL)
+    np.testing.assert_array_equal(frame[2], direction)
