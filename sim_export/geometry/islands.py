@@ -1,6 +1,6 @@
 """Pieces of a surface, or hulls, that are apart from the rest of their link: distances by single linkage."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
@@ -33,10 +33,9 @@ class SurfaceIsland:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Island:
-    """Things that hold together, ``gap`` (m) from the rest; ``size`` is the sum of what each counts for."""
+    """Things that hold together, ``gap`` (m) from the rest."""
 
     gap: float
-    size: int
     members: Int[np.ndarray, "M"]
 
 
@@ -59,9 +58,8 @@ def find_surface_islands(
     pieces = np.split(triangles[order], np.flatnonzero(np.diff(piece[order])) + 1)
     bounds = np.array([_bounds(piece) for piece in pieces])
     shapes = cache(lambda index: surface_shape(pieces[index]))
-    found = find_islands(
-        bounds, lambda one, other: _distance(shapes(one), shapes(other)), [len(p) for p in pieces], reach
-    )
+    extents = np.linalg.norm(bounds[:, 1] - bounds[:, 0], axis=1)
+    found = find_islands(bounds, lambda one, other: _distance(shapes(one), shapes(other)), extents, reach)
     if not found:
         return triangles, []
     apart = np.concatenate([island.members for island in found])
@@ -107,10 +105,11 @@ def hull_islands(
         found = _distance(hulls.shapes[one], surface_shape(triangles[near])) if near.any() else np.inf
         return found if found <= reach else _distance(hulls.shapes[one], shown())
 
-    bounds, sizes = hulls.rest_bounds, [1] * count
-    if len(triangles):
-        bounds, sizes = np.concatenate([bounds, _bounds(triangles)[None]]), [*sizes, count + 1]
-    return [(island.gap, island.size) for island in find_islands(bounds, distance, sizes, reach)]
+    bounds = hulls.rest_bounds
+    ranks = np.linalg.norm(bounds[:, 1] - bounds[:, 0], axis=1)
+    if len(triangles):  # what is seen comes before all hulls
+        bounds, ranks = np.concatenate([bounds, _bounds(triangles)[None]]), np.append(ranks, np.inf)
+    return [(island.gap, len(island.members)) for island in find_islands(bounds, distance, ranks, reach)]
 
 
 def _bounds(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "2 3"]:
@@ -137,17 +136,17 @@ def _measure(first: object, second: object) -> "tuple[float, coal.DistanceResult
 
 
 def find_islands(
-    bounds: Float[np.ndarray, "N 2 3"], distance: Distance, sizes: Sequence[int], reach: float
+    bounds: Float[np.ndarray, "N 2 3"], distance: Distance, ranks: Float[np.ndarray, "N"], reach: float
 ) -> list[Island]:
-    """Groups of things that nothing within ``reach`` connects to the one with the largest thing.
+    """Groups of things that nothing within ``reach`` connects to the main group, that of the highest rank.
 
     Things hold together by single linkage; the gap of a group is the width that the shortest bridges to the
-    largest group ask for.
+    main group ask for.
 
     Args:
         bounds: Lowest and highest corner of every thing.
         distance: Exact distance of two of them (m).
-        sizes: What each counts for.
+        ranks: Rank of each.
         reach: Farthest that things may be apart and still hold together (m).
     """
     groups = np.arange(len(bounds))
@@ -158,18 +157,14 @@ def find_islands(
     if len(names) == 1:
         return []
     members = [np.flatnonzero(groups == name) for name in names]
-    extents = np.linalg.norm(bounds[:, 1] - bounds[:, 0], axis=1)
-    main = int(np.argmax([extents[own].max() for own in members]))
+    main = next(index for index, own in enumerate(members) if ranks.argmax() in own)
     gaps = np.full((len(names), len(names)), np.inf)
     row = {name: index for index, name in enumerate(names.tolist())}
     for first, second, apart in _near_pairs(bounds, np.inf):
         a, b = row[int(groups[first])], row[int(groups[second])]
         if a != b and apart < gaps[a, b]:
             gaps[a, b] = gaps[b, a] = min(gaps[a, b], distance(first, second))
-    return [
-        Island(gap=gap, size=sum(sizes[k] for k in members[index].tolist()), members=members[index])
-        for gap, index in _bridge(gaps, main)
-    ]
+    return [Island(gap=gap, members=members[index]) for gap, index in _bridge(gaps, main)]
 
 
 def _bridge(gaps: Float[np.ndarray, "G G"], main: int) -> list[tuple[float, int]]:

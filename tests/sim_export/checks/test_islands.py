@@ -130,3 +130,11 @@ def test_what_the_rest_encloses_is_not_seen_and_no_island():
         assert [gap for gap, _ in visual_islands(np.concatenate([opened, inner]), REACH)] == pytest.approx(
             [0.1]
         )
+
+
+def test_hulls_float_beside_what_is_seen_however_large_they_are():
+    seen = row(0.0)[0]
+    larger = HullSet(hulls=(row(0.05, edge=0.3)[0],))
+    ((gap, count),) = hull_islands(larger, seen.vertices[seen.faces], REACH)
+    assert gap == pytest.approx(0.03)
+    assert count == 1
