@@ -91,17 +91,18 @@ def export_asset(
     watch = _Stopwatch()
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
-    voxels, settled = settle_strays(asset, link_owners(asset))
-    voxels, gaps = fill_boards(voxels, link_owners(asset))
+    owners = link_owners(asset)
+    voxels, settled = settle_strays(asset.voxels, owners, [part.name for part in asset.parts])
+    voxels, gaps = fill_boards(voxels, owners)
     asset = replace(asset, voxels=voxels)
-    solids, given_up = separate_solids(asset, solid_parts(asset), link_owners(asset))
+    solids, given_up = separate_solids(asset, solid_parts(asset), owners)
     plain = mesh_parts(asset, cfg.meshing, solids)
     meshes, rounded = round_wheels(asset, plain, cfg.wheels)
     watch.lap("mesh")
     inertials = [weigh_part(asset, index, mesh, solids[index]) for index, mesh in enumerate(meshes)]
     watch.lap("mass")
     if surfaces is None:
-        decompositions = decompose_parts(meshes, link_owners(asset), cfg.decompose, cache)
+        decompositions = decompose_parts(meshes, owners, cfg.decompose, cache)
     else:
         surfaces = [
             mesh.vertices[mesh.faces] if part.label == "wheel" and mesh is not before else surface

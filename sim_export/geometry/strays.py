@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Int
 from scipy import ndimage
 
-from artigen.types import Asset, VoxelGrid
+from artigen.types import VoxelGrid
 
 MAX_SHARE = 0.1
 """Largest share of its link's cells that a stray piece may have; a larger one stays as it is."""
@@ -21,19 +21,17 @@ SPECK = 4
 _ALL = np.ones((3, 3, 3), dtype=bool)
 
 
-def settle_strays(asset: Asset, owners: Sequence[int]) -> tuple[VoxelGrid, tuple[str, ...]]:
+def settle_strays(
+    voxels: VoxelGrid, owners: Sequence[int], names: Sequence[str]
+) -> tuple[VoxelGrid, tuple[str, ...]]:
     """The voxels with stray pieces given away or left out; one sentence per link that lost some.
 
     Args:
-        asset: The parts, with voxels.
+        voxels: The cells of all parts.
         owners: The part that leads each part's link (`sim_export.physics.links.link_owners`).
-
-    Raises:
-        ValueError: If the asset has no voxels.
+        names: Names of the parts.
     """
-    if asset.voxels is None:
-        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
-    voxels, records = asset.voxels, []
+    records = []
     grid = np.full((voxels.resolution,) * 3, -1)
     grid[tuple(voxels.coords.T)] = voxels.part_ids
     links = np.append(np.asarray(owners), -1)  # part -1, nothing, is of link -1
@@ -50,8 +48,7 @@ def settle_strays(asset: Asset, owners: Sequence[int]) -> tuple[VoxelGrid, tuple
                 left_out += int(piece.sum())
         if given or left_out:
             records.append(
-                f"{asset.parts[owner].name}: {given} stray cells given to what they touch, "
-                f"{left_out} left out"
+                f"{names[owner]}: {given} stray cells given to what they touch, {left_out} left out"
             )
     kept = grid[tuple(voxels.coords.T)] >= 0
     coords = voxels.coords[kept]
