@@ -79,6 +79,7 @@ def _on_floors(
     package: SimPackage, index: int, kind: CupboardKind, fronts: list[Float[np.ndarray, "2 3"]]
 ) -> Iterator[Compartment]:
     link, solid = package.links[index], _obstacles(package, index)
+    still = np.concatenate([_bounds(other) for other in package.links if other.hulls])
     for level, floor in _floors(link):
         starts = [floor]
         if kind == "shelf":
@@ -87,7 +88,6 @@ def _on_floors(
         above = solid[solid[:, 1, 2] > level + LEVEL]
         wide = above[:, :, :2] + np.array([[-CLEARANCE], [CLEARANCE]])
         taken = wide[above[:, 0, 2] < level + HEIGHT[kind] + CLEARANCE]
-        still = np.concatenate([_bounds(other) for other in package.links if other.hulls])
         for start in starts:
             for _ in range(PER_FLOOR):
                 free = largest_free(start, taken)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from artigen.transforms import quat_from_matrix, transform_points
+from artigen.transforms import quat_from_matrix, rotation_about, transform_points
 
 from .check import check_contents
 from .compartments import Compartment, cached_compartments
@@ -64,7 +64,8 @@ def fill_compartment(
         x, y, z = (round(float(value), 4) for value in rng.uniform(thing.low, thing.high))
         yaw = float(rng.integers(4)) * np.pi / 2 + float(rng.uniform(-SKEW, SKEW))
         palette = thing.colors[int(rng.integers(len(thing.colors)))]
-        T = _turn(yaw)
+        T = np.eye(4)
+        T[:3, :3] = rotation_about(np.array([0.0, 0.0, 1.0]), np.array(yaw))
         points = np.concatenate([hull.vertices for hull in thing_hulls(thing.name, (x, y, z))])
         turned = transform_points(T, points)
         spare = high - low - np.ptp(turned, axis=0) - np.array([0.0, 0.0, LIFT])
@@ -97,9 +98,3 @@ def _fits(thing: Thing, room: Float[np.ndarray, "3"]) -> bool:
     """Whether the smallest thing of a kind fits into a box in one of two directions."""
     x, y, z = thing.low
     return bool(z < room[2] and min(x, y) < room[:2].min() and max(x, y) < room[:2].max())
-
-
-def _turn(yaw: float) -> Float[np.ndarray, "4 4"]:
-    T = np.eye(4)
-    T[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
-    return T
