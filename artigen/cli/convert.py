@@ -163,7 +163,7 @@ def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "ro
     return restore_tree(asset, found)
 
 
-def export_source(source, asset: "Asset", provenance: dict[str, str]) -> "Exported":
+def export_source(source: "SourceObject", asset: "Asset", provenance: dict[str, str]) -> "Exported":
     """A package with the object's own meshes and the collision that passes more static checks.
 
     Hulls are made from the triangles of the meshes. If they fail a check, hulls from the 64^3 voxels are
