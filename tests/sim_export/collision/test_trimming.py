@@ -1,5 +1,7 @@
 """Laws of trimming: what no hull stands for is left out where others are or pass, and where it is fine."""
 
+from dataclasses import replace
+
 import manifold3d
 import numpy as np
 import pytest
@@ -73,3 +75,16 @@ def test_what_is_felt_is_shown_even_inside_of_another_link():
         (link("body", BODY), link("other", within)), [], [], {**meshes, "other": solid(within)}
     )
     assert done.changed == ()
+
+
+@pytest.mark.parametrize(("size", "left_out"), [(0.02, True), (0.25, False)])
+def test_a_cut_never_leaves_a_loose_piece(size: float, *, left_out: bool):
+    """A wire carries a knot that has a hull of its own: a small one goes with the wire, a large one stays."""
+    wire = ((-0.006, 0.4, 0.497), (0.006, 0.7, 0.509))
+    knot = ((-size / 2, 0.7, 0.503 - size / 2), (size / 2, 0.7 + size, 0.503 + size / 2))
+    body = link("body", BODY)
+    body = replace(body, hulls=(*body.hulls, *link("body", knot).hulls))
+    done = trim_meshes((body,), [], [], {"body": solid(BODY, wire, knot)})
+    assert (done.changed == ("body",)) is left_out
+    assert len(as_solid(done.meshes["body"]).decompose()) == 1
+    assert bool(done.meshes["body"].vertices[:, 1].max() < 0.5) is left_out
