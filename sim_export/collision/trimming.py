@@ -101,7 +101,7 @@ def trim_meshes(
                 fine = whole and volume <= FINE * solid.volume()
                 for piece in pieces:
                     if fine or not is_free(solid_hull(piece), slot, sets, sweeps, ROOM):
-                        rest = _without(rest, piece)
+                        rest = _without(rest, piece, link.hulls)
             share = 1.0 - rest.volume() / solid.volume()
             if not LEAST_REMOVED < share <= MAX_REMOVED:
                 continue
@@ -135,16 +135,22 @@ def _lost_pieces(
     return [piece for piece in lost if min(piece.volume(), piece.hull().volume()) > _LEAST_VOLUME]
 
 
-def _without(solid: manifold3d.Manifold, piece: manifold3d.Manifold) -> manifold3d.Manifold:
-    """A solid without a piece and what comes loose; as it was where that is more than fine detail."""
-    rest = (solid - piece).decompose()
-    largest = sorted(rest, key=lambda body: -body.volume())
-    loose = largest[sum(body.volume() > _SPECK for body in solid.decompose()) :]
-    if any(body.volume() > FINE * solid.volume() for body in loose):
+def _without(
+    solid: manifold3d.Manifold, piece: manifold3d.Manifold, own: Sequence[Hull]
+) -> manifold3d.Manifold:
+    """A solid without a piece and what comes loose; as it was where a hull stands for what would come loose."""
+    bodies = sorted((solid - piece).decompose(), key=lambda body: -body.volume())
+    loose = bodies[sum(body.volume() > _SPECK for body in solid.decompose()) :]
+    if any(body.volume() > _SPECK and _is_felt(body, own) for body in loose):
         return solid
     # A void inside is a body of negative volume.
-    kept = [body for body in largest if body not in loose or body.volume() < -_SPECK]
+    kept = [body for body in bodies if body not in loose or body.volume() < -_SPECK]
     return manifold3d.Manifold.compose(kept)
+
+
+def _is_felt(body: manifold3d.Manifold, own: Sequence[Hull]) -> bool:
+    """Whether hulls hold more than half of a body."""
+    return (body ^ _union(own, body)).volume() > 0.5 * body.volume()
 
 
 def _union(hulls: Sequence[Hull], near: manifold3d.Manifold) -> manifold3d.Manifold:
