@@ -12,7 +12,7 @@ from sim_export.appearance.splats import attach_splats
 from sim_export.appearance.texture import BakedParts, bake_parts
 from sim_export.collision.attachment import attach_links
 from sim_export.collision.clearance import clear_joints
-from sim_export.collision.decompose import Decomposition, decompose_parts
+from sim_export.collision.decompose import decompose_parts
 from sim_export.collision.facets import flatten_links
 from sim_export.collision.feet import add_feet
 from sim_export.collision.filling import fill_meshes
@@ -29,7 +29,7 @@ from sim_export.geometry.separation import separate_solids
 from sim_export.geometry.strays import settle_strays
 from sim_export.geometry.struts import brace_links
 from sim_export.geometry.wheels import round_wheels
-from sim_export.package import Inertial, Link, Mesh, SimPackage, SourceMesh
+from sim_export.package import Hull, Inertial, Link, Mesh, SimPackage, SourceMesh
 from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_names, link_owners
 from sim_export.physics.masses import hold_centers, weigh_part
@@ -41,7 +41,6 @@ class Exported:
     """A package, and the seconds that each stage took."""
 
     package: SimPackage
-    decompositions: tuple[Decomposition, ...]
     seconds: tuple[tuple[str, float], ...]
 
 
@@ -93,20 +92,26 @@ def export_asset(
     inertials = [weigh_part(asset, index, mesh, solids[index]) for index, mesh in enumerate(meshes)]
     watch.lap("mass")
     if surfaces is None:
-        decompositions = decompose_parts(meshes, owners)
+        decomposed = decompose_parts(meshes, owners)
+        hulls = [item.hulls for item in decomposed]
+        changes = [
+            f"{part.name}: {said}"
+            for part, item in zip(asset.parts, decomposed, strict=True)
+            for said in item.records
+        ]
     else:
         surfaces = [
             mesh.vertices[mesh.faces] if part.label == "wheel" and mesh is not before else surface
             for part, before, mesh, surface in zip(asset.parts, plain, meshes, surfaces, strict=True)
         ]
-        decompositions = _cover_parts(asset, surfaces, inertials)
+        hulls, changes = _cover_parts(asset, surfaces, inertials), []
     watch.lap("decompose")
     shown: list[tuple[Mesh | SourceMesh, ...]] = [(mesh,) for mesh in meshes]
     if source_meshes is not None:
         shown = [tuple(source_meshes.get(index, ())) for index in range(len(meshes))]
     geometry = [
-        PartGeometry(visuals=visuals, hulls=decomposition.hulls, inertial=inertial)
-        for visuals, decomposition, inertial in zip(shown, decompositions, inertials, strict=True)
+        PartGeometry(visuals=visuals, hulls=own, inertial=inertial)
+        for visuals, own, inertial in zip(shown, hulls, inertials, strict=True)
     ]
     tree = build_links(asset, geometry)
     watch.lap("links")
@@ -144,11 +149,7 @@ def export_asset(
         *asset.notes,
         *settled,
         *([f"{gaps} cells between the faces of boards were filled"] if gaps else []),
-        *(
-            f"{p.name}: {said}"
-            for p, d in zip(asset.parts, decompositions, strict=True)
-            for said in d.records
-        ),
+        *changes,
         *(
             f"{p.name}: {said}"
             for p, solid in zip(asset.parts, solids, strict=True)
@@ -177,14 +178,14 @@ def export_asset(
         provenance=tuple(sorted((provenance or {}).items())),
         records=records,
     )
-    return Exported(package=package, decompositions=decompositions, seconds=tuple(watch.laps))
+    return Exported(package=package, seconds=tuple(watch.laps))
 
 
 def _cover_parts(
     asset: Asset,
     surfaces: Sequence[Float[np.ndarray, "F 3 3"]],
     inertials: Sequence[Inertial],
-) -> tuple[Decomposition, ...]:
+) -> tuple[tuple[Hull, ...], ...]:
     """Hulls of all parts from their own triangles, kept out of the space that other links sweep."""
     tree = build_links(asset, [PartGeometry(inertial=inertial) for inertial in inertials])
     owners, leaders = link_owners(asset), {name: part for part, name in link_names(asset).items()}

@@ -48,7 +48,6 @@ HEAVY = (
     "gsplat",
     "sapien",
     "mujoco",
-    "coacd",
     "viser",
     "xatlas",
     "embreex",

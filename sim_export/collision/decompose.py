@@ -5,7 +5,6 @@ what a hand or a thing must be able to enter. Volume error is the symmetric diff
 mesh over the mesh's volume, by exact booleans.
 """
 
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -45,7 +44,6 @@ class Decomposition:
     method: Method
     volume_error: float
     kept_cavity: float
-    seconds: float
     records: tuple[str, ...] = ()
 
 
@@ -62,14 +60,11 @@ def decompose_part(mesh: Mesh, max_hulls: int = MOST_HULLS) -> Decomposition:
 
 def _decompose(part: Part, max_hulls: int) -> Decomposition:
     """The first candidate that leaves cavities free, and in its records why others did not do."""
-    started = time.perf_counter()
     problems: list[str] = []
     for candidate in hull_candidates(part, max_hulls):
         result = _comply(candidate.method, candidate.hulls, part, max_hulls)
         if result.kept_cavity >= MIN_KEPT_CAVITY:
-            return replace(
-                result, seconds=time.perf_counter() - started, records=(*problems, *result.records)
-            )
+            return replace(result, records=(*problems, *result.records))
         problem = (
             f"{len(result.hulls)} hulls by {candidate.method} leave {result.kept_cavity:.0%} of the "
             f"cavity free, at least {MIN_KEPT_CAVITY:.0%} allowed"
@@ -91,7 +86,6 @@ def _comply(method: Method, hulls: Sequence[Hull], part: Part, max_hulls: int) -
         method=method,
         volume_error=fit.volume_error,
         kept_cavity=measure_kept_cavity(limited, solid, skin) if hollow else 1.0,
-        seconds=0.0,
         records=changes,
     )
 

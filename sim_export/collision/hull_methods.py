@@ -40,7 +40,7 @@ from sim_export.geometry.solids import (
 )
 from sim_export.package import Hull
 
-Method = Literal["hull", "boxes", "cover", "surface"]
+Method = Literal["hull", "boxes", "cover"]
 FEW_DETAILS = (1e-2, 3e-3, 1e-3)
 """Least share of the surface that a plane must hold to bound boxes; tried from coarse to fine."""
 MISSED = 0.012

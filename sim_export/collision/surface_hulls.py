@@ -6,7 +6,6 @@ common hull takes none, and coarser where there are too many hulls. Only surface
 """
 
 import heapq
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -15,7 +14,6 @@ from jaxtyping import Bool, Float
 
 from sim_export.collision.box_cover import cover_with_boxes
 from sim_export.collision.compact import compact_hull
-from sim_export.collision.decompose import Decomposition
 from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, find_free_space, is_open_between, look_up
 from sim_export.collision.hull_limits import MIN_WIDTH, thicken_hull
 from sim_export.collision.hulls import convex_hull
@@ -78,7 +76,7 @@ def cover_parts(
     surfaces: Sequence[Float[np.ndarray, "F 3 3"]],
     owners: Sequence[int],
     passing: Mapping[int, Float[np.ndarray, "N 3"]],
-) -> tuple[Decomposition, ...]:
+) -> tuple[tuple[Hull, ...], ...]:
     """Hulls of an object from the triangles (m) of its parts; a link's are those of the part that leads it.
 
     Args:
@@ -89,27 +87,15 @@ def cover_parts(
     everything = np.concatenate([surface.reshape(-1, 3) for surface in surfaces])
     diagonal = float(np.linalg.norm(np.ptp(everything, axis=0)))
     covers: dict[int, Cover] = {}
-    seconds = dict.fromkeys(range(len(surfaces)), 0.0)
     for owner in sorted(set(owners)):
-        started = time.perf_counter()
         shown = [surface for surface, other in zip(surfaces, owners, strict=True) if other == owner]
         triangles = np.concatenate(shown)
         if len(triangles):
             space = find_free_space(triangles, diagonal, passing.get(owner))
             covers[owner] = cover_surface(triangles, space, diagonal)
-        seconds[owner] = time.perf_counter() - started
     while (owner := _most_in_excess(covers, diagonal)) is not None:
         covers[owner] = _join_again(covers[owner], COARSER * covers[owner].least, diagonal)
-    return tuple(
-        Decomposition(
-            hulls=covers[index].hulls if index in covers else (),
-            method="surface",
-            volume_error=0.0,
-            kept_cavity=1.0,
-            seconds=seconds[index],
-        )
-        for index in range(len(surfaces))
-    )
+    return tuple(covers[index].hulls if index in covers else () for index in range(len(surfaces)))
 
 
 def _most_in_excess(covers: Mapping[int, Cover], diagonal: float) -> int | None:

@@ -138,7 +138,7 @@ def _lost_pieces(
 def _without(
     solid: manifold3d.Manifold, piece: manifold3d.Manifold, own: Sequence[Hull]
 ) -> manifold3d.Manifold:
-    """A solid without a piece and what comes loose; as it was where a hull stands for what would come loose."""
+    """A solid without a piece and what comes loose; as it was where a hull stands for that."""
     bodies = sorted((solid - piece).decompose(), key=lambda body: -body.volume())
     loose = bodies[sum(body.volume() > _SPECK for body in solid.decompose()) :]
     if any(body.volume() > _SPECK and _is_felt(body, own) for body in loose):

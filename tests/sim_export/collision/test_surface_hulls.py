@@ -38,7 +38,7 @@ def drawer():
 
 
 def cover(*surfaces):
-    return [found.hulls for found in cover_parts(surfaces, list(range(len(surfaces))), {})]
+    return list(cover_parts(surfaces, list(range(len(surfaces))), {}))
 
 
 def spoil(triangles, how):
@@ -73,8 +73,8 @@ def test_hulls_keep_out_of_a_room_that_another_link_is_in():
     closed = box((0, 0, 0), (0.5, 0.5, 0.5))
     lodger = box((0.1, 0.1, 0.1), (0.4, 0.4, 0.4))
     others = {0: sample_triangles(lodger, 6000)[0]}
-    alone = cover_parts([closed], [0], {})[0].hulls
-    shared = cover_parts([closed], [0], others)[0].hulls
+    alone = cover_parts([closed], [0], {})[0]
+    shared = cover_parts([closed], [0], others)[0]
     middle = np.full((1, 3), 0.25)
     assert inside_hulls(middle, alone).all()
     assert not inside_hulls(middle, shared).any()
