@@ -86,7 +86,7 @@ def export_asset(
     voxels, gaps = fill_boards(voxels, owners)
     asset = replace(asset, voxels=voxels)
     solids, given_up = separate_solids(asset, solid_parts(asset), owners)
-    plain = mesh_parts(asset, solids=solids)
+    plain = mesh_parts(asset, solids)
     meshes, rounded = round_wheels(asset, plain)
     watch.lap("mesh")
     inertials = [weigh_part(asset, index, mesh, solids[index]) for index, mesh in enumerate(meshes)]

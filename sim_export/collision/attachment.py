@@ -20,6 +20,7 @@ from sim_export.package import Hull, Link, PackageJoint, Requirement
 _LEVEL = 1e-3
 """Metres by which buttons in a row may end at different depths."""
 
+# Lengths in metres.
 NEAR = 0.0045
 """A gap up to this is left alone: links that are nearer count as attached."""
 FAR = 0.032

@@ -17,6 +17,7 @@ from sim_export.collision.sweeps import read_sweeps
 from sim_export.errors import DegeneratePart
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
 
+# Lengths in metres.
 NEAR = 0.0045
 """Hulls that end this little above the lowest visible point are left alone."""
 FAR = 0.06

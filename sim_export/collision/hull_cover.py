@@ -16,7 +16,6 @@ from sim_export.package import Hull
 LEAST_SHARE = 0.02
 """Share of its weight from which on surface counts."""
 
-
 MISSED_WEIGHT = 10.0
 """What a share of the surface missed counts, in shares of the volume."""
 FREE_SHARE = 0.004

@@ -23,7 +23,6 @@ MAX_CUTS = 4
 """Times that a hull is cut, and its pieces again. A board needs two; a bevelled one that is nearly square
 needs four, as its greatest extent runs from corner to corner."""
 
-
 MAX_VERTICES = 32
 """Most vertices of a hull; 32 have at most 60 faces, whichever of them count as flat."""
 MAX_POLYGONS = 54

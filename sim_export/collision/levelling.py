@@ -21,6 +21,7 @@ from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement, Visu
 NEIGHBOURS = 4
 """Hulls near a foot that are tried for it to grow out of, where the body has no hull left to give."""
 
+# Lengths in metres.
 MARGIN = 0.01
 """The centre of mass lies at least this deep in the polygon of what touches the floor, or feet are
 added; less where the object is small."""

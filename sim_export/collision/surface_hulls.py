@@ -39,6 +39,7 @@ UNLIKE = 0.3
 
 LEAST_CELLS = 24
 """Cells along the longest edge of a link below which it gets no boxes."""
+# Lengths as shares of the object's diagonal, unless in metres.
 SLACK = 0.006
 """Surface this near to a box is covered by it."""
 BULGE = 0.004

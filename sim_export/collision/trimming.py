@@ -27,10 +27,11 @@ _LEAST_VOLUME = 1e-9
 _SPECK = 1e-7
 """Cubic metres; bodies and voids that are smaller are left behind by cuts."""
 
+# Lengths as shares of the object's diagonal.
 MISSED = 0.013
 """Surface farther than this from that of all hulls is lost."""
 MOST = 0.026
-"""Nothing is left out of a link whose surface is nowhere lost by more than this, but see ``share``."""
+"""Nothing is left out of a link whose surface is nowhere lost by more than this, but see `SHARE`."""
 SHARE = 0.008
 """Share of the surface of all links from which on all that is lost is left out, however little lost."""
 REACH = 0.08
