@@ -19,6 +19,7 @@ from sim_export.collision.filling import fill_meshes
 from sim_export.collision.levelling import level_object
 from sim_export.collision.passing import find_passing
 from sim_export.collision.pins import pin_carriers
+from sim_export.collision.recovery import Recovery, recover_surface
 from sim_export.collision.requirements import find_requirements
 from sim_export.collision.retention import keep_drawers_held
 from sim_export.collision.surface_hulls import cover_parts
@@ -123,7 +124,11 @@ def export_asset(
     cleared = clear_joints(tree.links, joints, needs, sheets=surfaces is not None)
     watch.lap("clearance")
     solid = {part.name: mesh for part, mesh in zip(asset.parts, meshes, strict=True)}
-    flat = flatten_links(cleared.links)
+    whole = Recovery(links=cleared.links)
+    if surfaces is None:
+        whole = recover_surface(cleared.links, cleared.joints, needs, solid)
+    watch.lap("recover")
+    flat = flatten_links(whole.links)
     standing = add_feet(flat, cleared.joints, needs, solid)
     attached = attach_links(standing.links, cleared.joints, needs)
     levelled = level_object(attached.links, cleared.joints, needs, asset.category)
@@ -160,6 +165,7 @@ def export_asset(
         *tree.records,
         *held,
         *cleared.records,
+        *whole.records,
         *standing.records,
         *attached.records,
         *levelled.records,

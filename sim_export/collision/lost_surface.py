@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float
 from sim_export.checks.surface import inside_hulls, surface_distances
 from sim_export.geometry.exposure import triangle_normals
 from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.solids import as_solid, solid_arrays
 from sim_export.package import Hull
 
 _DENSER = 4
@@ -99,3 +100,18 @@ def _holds(piece: manifold3d.Manifold, points: np.ndarray, slack: float) -> bool
     """Whether any of the points is in the box of a piece, or nearly."""
     box = np.array(piece.bounding_box())
     return bool(((points >= box[:3] - slack) & (points <= box[3:] + slack)).all(axis=1).any())
+
+
+def stands_out(hull: Hull, solids: Sequence[manifold3d.Manifold]) -> float:
+    """How far (m) a hull stands out of the solids, at most."""
+    rest = as_solid(hull)
+    for solid in solids:
+        rest = rest - solid
+    if rest.is_empty():
+        return 0.0
+    surface, faces = solid_arrays(manifold3d.Manifold.batch_boolean(list(solids), manifold3d.OpType.Add))
+    reach = float(np.linalg.norm(np.ptp(hull.vertices, axis=0)))
+    corners = surface[faces]
+    low, high = hull.vertices.min(axis=0) - reach, hull.vertices.max(axis=0) + reach
+    near = ((corners.max(axis=1) >= low) & (corners.min(axis=1) <= high)).all(axis=1)
+    return float(surface_distances(solid_arrays(rest)[0], corners[near], 5000).max())

@@ -1,0 +1,194 @@
+"""Adds small hulls where visible surface lost its collision.
+
+Few hulls cannot follow every ledge, and cutting for clearance takes boards off whole. Where a link's
+mesh lies far from all of its hulls, the solid there becomes a hull of its own, cut back from everything
+that it would meet along any sweep. So nothing that moved freely before is in the way after.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import manifold3d
+import numpy as np
+
+from artigen.transforms import inverse, transform_points
+from sim_export.checks.surface import inside_hulls, surface_distances
+from sim_export.collision.additions import GAP, add_hull
+from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.hull_limits import MIN_WIDTH, MOST_OF_LINK, trim_hull
+from sim_export.collision.hulls import (
+    clip_hull,
+    hull_volume,
+    hull_width,
+)
+from sim_export.collision.lost_surface import cut_out, find_lost, group_points, stands_out
+from sim_export.collision.sweeps import Sweep, read_sweeps
+from sim_export.geometry.sampling import triangle_areas
+from sim_export.geometry.solids import as_solid, solid_hull
+from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
+
+_LEAST_SAMPLES = 200
+
+
+# Lengths as shares of the object's diagonal, unless in metres.
+MISSED = 0.02
+"""Surface farther than this from that of all hulls is lost; 0.03 is what checks allow."""
+BULGE = 0.02
+"""How far a hull that is put back may stand out of the solid."""
+PAD = 0.01
+"""How far it reaches beyond the points that were found lost."""
+SAMPLES = 20_000
+"""Points on the surfaces of all links together."""
+GROUPS = 12
+"""Most groups of lost points of a link that are looked at, the worst first."""
+HALVINGS = 3
+"""Times that what does not fit one hull is divided in two."""
+CUTS = 8
+"""Most cuts that free a hull from others."""
+MARGIN = 0.0025
+"""Room (m) that such a cut leaves, so that poses between the sampled ones are free too."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Recovery:
+    """Links with what was put back, and one sentence for each link that had lost something."""
+
+    links: tuple[Link, ...]
+    records: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Scene:
+    """What all links are measured in: current hulls, sweeps, and the object's diagonal (m)."""
+
+    sets: list[HullSet]
+    sweeps: tuple[Sweep, ...]
+    diagonal: float
+
+
+def recover_surface(
+    links: Sequence[Link],
+    joints: Sequence[PackageJoint],
+    requirements: Sequence[Requirement],
+    meshes: Mapping[str, Mesh],
+) -> Recovery:
+    """Adds hulls where the meshes of a link lie far from all of its hulls.
+
+    Args:
+        links: Links with hulls, object frame at rest.
+        joints: Their joints.
+        requirements: Joints that must be open while another moves.
+        meshes: Closed mesh of every part, by name; metres, object frame.
+
+    Returns:
+        New links; those without additions are the same objects. Hulls only grow in number.
+    """
+    shown = [[meshes[part] for part in link.parts] if link.hulls else [] for link in links]
+    areas = [sum(float(triangle_areas(m.vertices[m.faces]).sum()) for m in own) for own in shown]
+    corners = [mesh.vertices for own in shown for mesh in own]
+    if not corners:
+        return Recovery(links=tuple(links))
+    scene = _Scene(
+        sets=[HullSet(hulls=link.hulls) for link in links],
+        sweeps=read_sweeps(links, joints, requirements),
+        diagonal=float(np.linalg.norm(np.ptp(np.concatenate(corners), axis=0))),
+    )
+    records = []
+    for slot, own in enumerate(shown):
+        if own:
+            samples = int(SAMPLES * areas[slot] / sum(areas)) + _LEAST_SAMPLES
+            records += _recover_link(links[slot].name, slot, own, scene, samples)
+    return Recovery(
+        links=tuple(
+            link if hulls.hulls == link.hulls else replace(link, hulls=hulls.hulls)
+            for link, hulls in zip(links, scene.sets, strict=True)
+        ),
+        records=tuple(records),
+    )
+
+
+def _recover_link(name: str, slot: int, meshes: Sequence[Mesh], scene: _Scene, samples: int) -> list[str]:
+    """Puts back what one link has lost, into ``scene.sets``; returns what there is to say."""
+    triangles = np.concatenate([mesh.vertices[mesh.faces] for mesh in meshes])
+    solids = [manifold3d.Manifold.batch_boolean(list(map(as_solid, meshes)), manifold3d.OpType.Add)]
+    least = MISSED * scene.diagonal
+    points, distances = find_lost(triangles, scene.sets[slot].hulls, samples, least)
+    if not len(points):
+        return []
+    groups = group_points(points, distances, 1.5 * least)[:GROUPS]
+    added = sum(_recover_cluster(group, slot, solids, scene, HALVINGS) for group in groups)
+    left = find_lost(triangles, scene.sets[slot].hulls, samples, least)[1].max(initial=0.0)
+    rest = f"; {1000 * left:.0f} mm are left" if left else ""
+    return [
+        f"{name}: {added} hulls put back where its surface was {1000 * distances.max():.0f} mm from any{rest}"
+    ]
+
+
+def _recover_cluster(
+    points: np.ndarray, slot: int, solids: Sequence[manifold3d.Manifold], scene: _Scene, halvings: int
+) -> int:
+    """Puts back what the solids have around some points; what cannot go back whole is divided in two.
+
+    Returns the number of hulls that it took.
+    """
+    pad = PAD * scene.diagonal
+    whole = [solid_hull(piece) for solid in solids for piece in cut_out(points, solid, pad)]
+    fits = whole and all(stands_out(hull, solids) <= BULGE * scene.diagonal for hull in whole)
+    added = sum(_put_back(hull, slot, points, scene) for hull in whole) if fits else 0
+    axis = int(np.ptp(points, axis=0).argmax())
+    low = points[:, axis] <= (points[:, axis].min() + points[:, axis].max()) / 2
+    if added or not halvings or low.all():
+        return added
+    return sum(
+        _recover_cluster(half, slot, solids, scene, halvings - 1) for half in (points[low], points[~low])
+    )
+
+
+def _put_back(hull: Hull, slot: int, points: np.ndarray, scene: _Scene) -> int:
+    """Adds a hull to ``scene.sets``, cut back as far as others need; returns how many hulls that made."""
+    free = _cut_free(hull, slot, scene)
+    pieces = () if free is None else trim_hull(free)
+    added = 0
+    for piece in sorted(pieces, key=lambda piece: -hull_volume(piece)):
+        if hull_width(piece)[0] < MIN_WIDTH or not _gains(piece, points, scene):
+            continue
+        if len(scene.sets[slot].hulls) >= MOST_OF_LINK:
+            break
+        hulls = add_hull(scene.sets, scene.sweeps, slot, piece, piece)
+        if hulls is not None:
+            scene.sets[slot] = hulls
+            added += 1
+    return added
+
+
+def _gains(hull: Hull, points: np.ndarray, scene: _Scene) -> bool:
+    """Whether some point is no longer lost beside a hull."""
+    near = surface_distances(points, hull.vertices[hull.faces], 2000)
+    return bool((near < MISSED * scene.diagonal).any() or inside_hulls(points, (hull,)).any())
+
+
+def _cut_free(hull: Hull, slot: int, scene: _Scene) -> Hull | None:
+    """A hull of link ``slot`` cut back until no other link comes near along any sweep, or ``None``."""
+    still = np.eye(4)
+    others = [index for index, hulls in enumerate(scene.sets) if index != slot and hulls.hulls]
+    poses = [(other, still[None], still[None]) for other in others]
+    for sweep in scene.sweeps:
+        apart = [other for other in others if (slot in sweep.moved) != (other in sweep.moved)]
+        poses += [(other, sweep.T[:, slot], sweep.T[:, other]) for other in apart]
+    for other, T_own, T_other in poses:
+        for _ in range(CUTS):
+            found = signed_distances(HullSet(hulls=(hull,)), scene.sets[other], T_own, T_other, GAP)
+            if not len(found.distance) or found.distance.min() >= GAP:
+                break
+            at = int(found.distance.argmin())
+            own, theirs = T_own[found.pose[at]], T_other[found.pose[at]]
+            normal = own[:3, :3].T @ found.normal[at]
+            blocking = scene.sets[other].hulls[found.second[at]]
+            points = transform_points(inverse(own) @ theirs, blocking.vertices)
+            cut = clip_hull(hull, normal, float((points @ normal).min()) - MARGIN)
+            if cut is None or hull_width(cut)[0] < MIN_WIDTH:
+                return None
+            hull = cut
+        else:
+            return None
+    return hull
