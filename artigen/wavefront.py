@@ -224,14 +224,16 @@ def _parse_indices(rows: list[bytes], sides: int, width: int, path: Path) -> np.
 def read_mtl(path: Path, root: Path) -> dict[str, Material]:
     """Reads diffuse colours and images of the materials of one file.
 
+    An image outside of ``root``, as absolute paths of the author's machine are, counts as missing.
+
     Raises:
-        SourceError: If a colour is not three numbers, or an image lies outside ``root``.
+        SourceError: If a colour is not three numbers.
     """
     known = {}
     for name, (color, image) in parse_mtl(path).items():
-        found = inside(root, path.parent, image, str(path)) if image else None
-        missing = image if found is not None and not found.is_file() else ""
-        known[name] = Material(color=color, image=None if missing else found, missing=missing)
+        found = path.parent / image if image and _lies_inside(root, path.parent, image) else None
+        found = found if found is not None and found.is_file() else None
+        known[name] = Material(color=color, image=found, missing="" if found else image)
     return known
 
 
@@ -276,7 +278,12 @@ def inside(root: Path, base: Path, name: str, owner: str) -> Path:
     Raises:
         SourceError: If the path is absolute or leaves ``root`` (links included).
     """
-    target = base / name
-    if Path(name).is_absolute() or not os.path.realpath(target).startswith(os.path.realpath(root) + os.sep):
+    if not _lies_inside(root, base, name):
         raise SourceError(f"{owner}: names file {name!r}, which lies outside {root}")
-    return target
+    return base / name
+
+
+def _lies_inside(root: Path, base: Path, name: str) -> bool:
+    """Whether ``name`` is relative and ``base / name`` lies below ``root``, links followed."""
+    end = os.path.realpath(base / name)
+    return not Path(name).is_absolute() and end.startswith(os.path.realpath(root) + os.sep)

@@ -1,4 +1,4 @@
-"""Measures time and memory of the splat rasteriser, and of gsplat if a GPU is available.
+"""Measures time and memory of the splat rasteriser.
 
     python benchmarks/splats.py --out out/splats --threads 2
 
@@ -8,7 +8,6 @@ in a process of its own; times are the best of several rounds, on the wall and (
 memory is what the process grew by.
 """
 
-import importlib.util
 import json
 import multiprocessing
 import resource
@@ -17,7 +16,6 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Literal
 
 import torch
 import tyro
@@ -49,7 +47,6 @@ class Case:
     opacity: float = 0.9
     size: int = 256
     """Pixels along each side."""
-    backend: Literal["torch", "gsplat"] = "torch"
     device: str = "cpu"
 
 
@@ -79,12 +76,10 @@ CASES = (
 
 
 def list_cases() -> Iterator[Case]:
-    """All cases, on every device and backend there is."""
+    """All cases, on every device there is."""
     yield from CASES
     if torch.cuda.is_available():
         yield from (replace(case, device="cuda") for case in CASES)
-        if importlib.util.find_spec("gsplat") is not None:
-            yield from (replace(case, device="cuda", backend="gsplat") for case in CASES)
 
 
 def place_splats(case: Case) -> Splats:
@@ -108,7 +103,7 @@ def measure(case: Case, threads: int, rounds: int) -> Timing:
     """Forward and backward of one picture."""
     torch.set_num_threads(threads)
     fragments = RasterConfig().fragments * (32 if case.device == "cuda" else 1)
-    cfg = RasterConfig(backend=case.backend, fragments=fragments)
+    cfg = RasterConfig(fragments=fragments)
     place = torch.tensor([[-1.6, -1.0, 0.9]], dtype=torch.float64, device=case.device)
     camera = Cameras(
         position=place,
@@ -162,7 +157,7 @@ def write_table(timings: list[Timing]) -> str:
     for row in timings:
         case = row.case
         lines.append(
-            f"| {case.name} | {case.backend}, {case.device} | {case.count:,} | {case.scale:g} | "
+            f"| {case.name} | {case.device} | {case.count:,} | {case.scale:g} | "
             f"{case.size} x {case.size} | {row.forward:.2f} ({row.forward_busy:.2f}) | "
             f"{row.backward:.2f} ({row.backward_busy:.2f}) | {row.memory:.0f} |"
         )

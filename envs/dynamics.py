@@ -97,8 +97,8 @@ def check_loads(run: TrialResults) -> CheckResult:
 
 def check_rest(run: TrialResults) -> CheckResult:
     """V302: with a fixed base and under gravity for 5 s, no joint moves by more than 1 % of its range (of a
-    full turn without limits), or 0.5 degrees if that is more, or still moves faster than 1e-3 m/s or rad/s at
-    the end."""
+    full turn without limits), or 0.1 mm or 0.5 degrees if that is more, or still moves faster than 1e-3 m/s
+    or rad/s at the end."""
     joints = run.joints
     if not joints:
         return _not_applicable("V302", "nothing moves")
@@ -150,7 +150,8 @@ def check_opens(run: TrialResults) -> CheckResult:
 
     The hand applies 30 N to drawers, 20 N m to doors (at most 30 N at the handle), 10 N to buttons and 1 N m
     to knobs, and additionally carries the weight that it lifts (`envs.hand`). Limits count as reached within
-    1 % of the range, or 0.5 degrees if that is more. A joint without limits must turn once around and back.
+    1 % of the range, or 0.1 mm or 0.5 degrees if that is more. A joint without limits must turn once around
+    and back.
     """
     joints = run.joints
     if not joints:
@@ -175,8 +176,8 @@ def check_opens(run: TrialResults) -> CheckResult:
 
 def check_stays_closed(run: TrialResults) -> CheckResult:
     """V305: tilted by 5 degrees in its opening direction, no joint opens by more than 1 % of its range, or
-    0.5 degrees if that is more, in 2 s. Joints without limits (wheels, knobs) have no closed state and are
-    skipped."""
+    0.1 mm or 0.5 degrees if that is more, in 2 s. Joints without limits (wheels, knobs) have no closed state
+    and are skipped."""
     joints = run.joints
     limited = [index for index, joint in enumerate(joints) if joint.type != "continuous"]
     if not limited:

@@ -37,7 +37,9 @@ LIMIT_FRACTION = 0.01
 """Distance from a limit, as a share of the range, within which it counts as reached, and as kept at rest
 (V302, V305) ..."""
 LIMIT_DEGREES = 0.5
-"""... or, for turning joints, this angle if it is larger."""
+"""... or, for turning joints, this angle if it is larger ..."""
+LIMIT_METRES = 1e-4
+"""... or, for sliding joints, this distance, which a key of 1 mm travel creeps in PhysX."""
 STALL_SPEED = 1e-3
 """Speed, in ranges of the joint per second, below which a pushed joint stands still ..."""
 STALL_SECONDS = 0.25
@@ -270,10 +272,10 @@ def effort(plan: JointPlan, direction: float) -> float:
 
 
 def limit_tolerance(joint_type: str, span: float) -> float:
-    """Distance from a limit within which it counts as reached: 1 % of the range, or 0.5 degrees if that is
-    more."""
-    by_range = LIMIT_FRACTION * span
-    return by_range if joint_type == "prismatic" else max(by_range, float(np.radians(LIMIT_DEGREES)))
+    """Distance from a limit within which it counts as reached: 1 % of the range, or 0.1 mm or 0.5 degrees if
+    that is more."""
+    least = LIMIT_METRES if joint_type == "prismatic" else float(np.radians(LIMIT_DEGREES))
+    return max(LIMIT_FRACTION * span, least)
 
 
 def _size(loaded: LoadedPackage) -> float:

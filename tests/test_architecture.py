@@ -45,7 +45,6 @@ LAYERS = (
 """Folders and loose modules of artigen, lowest first: a layer imports from itself and from below."""
 HEAVY = (
     "torch",
-    "gsplat",
     "sapien",
     "mujoco",
     "viser",

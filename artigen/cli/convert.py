@@ -3,6 +3,8 @@
 import resource
 import sys
 import time
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
@@ -164,22 +166,31 @@ def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "ro
 
 
 def export_source(source: "SourceObject", asset: "Asset", provenance: dict[str, str]) -> "Exported":
-    """A package with the object's own meshes and the collision that passes more static checks.
+    """A package with the object's own meshes and the collision that fails fewest static checks.
 
-    Hulls are made from the triangles of the meshes. If they fail a check, hulls from the 64^3 voxels are
-    tried, too: these are fewer, and closed where the meshes are open.
+    Hulls are made from the triangles of the meshes. While they fail a check, they are made again, smaller and
+    closer to the surface, and then from the 64^3 voxels, which are closed where the meshes are open.
     """
     from artigen.cli.source_meshes import place_source_meshes, place_source_surfaces
+    from sim_export.collision.surface_hulls import FINER, SurfaceConfig
+    from sim_export.config import ExportConfig
     from sim_export.export import export_asset
 
     meshes, surfaces = place_source_meshes(source, asset), place_source_surfaces(source, asset)
-    first = export_asset(asset, source_meshes=meshes, surfaces=surfaces, provenance=provenance)
-    before = judge_package(first.package)
-    if not before[0]:
-        return first
-    second = export_asset(asset, source_meshes=meshes, provenance=provenance)
-    chosen = second if judge_package(second.package) < before else first
-    return replace(chosen, seconds=_add_seconds(first.seconds, second.seconds))
+    tried: list[tuple[tuple[int, float], Exported]] = []
+    for surface in (SurfaceConfig(), FINER, None):
+        made = export_asset(
+            asset,
+            ExportConfig(surface=surface or SurfaceConfig()),
+            source_meshes=meshes,
+            surfaces=None if surface is None else surfaces,
+            provenance=provenance,
+        )
+        tried.append((judge_package(made.package), made))
+        if not tried[-1][0][0]:
+            break
+    best = min(tried, key=lambda pair: pair[0])[1]
+    return replace(best, seconds=_add_seconds([made.seconds for _, made in tried]))
 
 
 def judge_package(package: "SimPackage") -> tuple[int, float]:
@@ -195,11 +206,13 @@ def judge_package(package: "SimPackage") -> tuple[int, float]:
 
 
 def _add_seconds(
-    first: tuple[tuple[str, float], ...], second: tuple[tuple[str, float], ...]
+    exports: Sequence[tuple[tuple[str, float], ...]],
 ) -> tuple[tuple[str, float], ...]:
-    """Adds the seconds of two exports, stage by stage."""
-    more = dict(second)
-    return tuple((name, spent + more.get(name, 0.0)) for name, spent in first)
+    """Adds the seconds of exports, stage by stage."""
+    total: Counter[str] = Counter()
+    for spent in exports:
+        total.update(dict(spent))
+    return tuple(total.items())
 
 
 def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Finished:

@@ -9,13 +9,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
-from artigen.cli.batch import Finished, digest_settings, make_and_validate
+from artigen.cli.batch import Finished, digest_settings
 from artigen.cli.generate import (
     TIMEOUT,
     GenerateJob,
     GenerateSettings,
     generate_and_validate,
-    generate_object,
 )
 from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate
 from artigen.datasets.duplicates import Fingerprint
@@ -105,10 +104,8 @@ def make_and_pack(worker: Worker, job: ObjectJob) -> Finished:
     inner = job.inner
     if isinstance(inner, ShapeJob):
         finished = export_and_validate(worker, inner)
-    elif job.validation:
-        finished = generate_and_validate(worker, inner)
     else:
-        finished = make_and_validate(worker, inner, generate_object, timeout=TIMEOUT, validation=False)
+        finished = generate_and_validate(worker, inner, validation=job.validation)
     finished = replace(finished, settings=digest_settings(job.settings))
     if not finished.good:
         shutil.rmtree(inner.out / inner.key, ignore_errors=True)

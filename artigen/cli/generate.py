@@ -60,7 +60,7 @@ class GenerateSettings:
     temperature: float = 0.6
     """Sampling temperature of the sketch network; 1 matches the training data, lower is less varied."""
     redraws: int = 3
-    """Maximum number of new draws for an object that fails a check."""
+    """Maximum number of new draws for an object with a known fault or that fails a check."""
     steps: int = 6
     """Sampler steps; only with --structure latent."""
     strength: float = 0.0
@@ -171,12 +171,19 @@ def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
 
 
 def generate_object(job: GenerateJob) -> Made:
-    """Draws one object, exports it and writes its package; runs in a worker process."""
+    """Draws one object, exports it and writes its package; runs in a worker process.
+
+    Raises:
+        ArtigenError: If the object has faults and may be drawn again.
+    """
     from artigen import __version__
     from sim_export.files.write import write_package
 
     started = time.perf_counter()
     drawn, asked = draw_generated(job)
+    faults = tuple(f"sketch: {fault.text}" for fault in drawn.faults)
+    if faults and len(job.draws) < job.cfg.redraws:
+        raise ArtigenError("; ".join(faults))
     shape = drawn.shape
     sketched = time.perf_counter()
     condition = shape.condition
@@ -197,7 +204,6 @@ def generate_object(job: GenerateJob) -> Made:
         "style": shape.style,
         "draws": json.dumps([*job.draws, "this one"]),
     }
-    faults = tuple(f"sketch: {fault.text}" for fault in drawn.faults)
     notes = (*asked.notes, *drawn.notes, *faults)
     make = _make_exact if job.cfg.structure == "sketch" else _make_latent
     package = replace(make(job, shape, provenance, notes), name=job.key)
@@ -290,16 +296,16 @@ def _attach_drawn(
     return replace(package, links=attach_splats(package.links, shown), records=records)
 
 
-def generate_and_validate(worker: Worker, job: GenerateJob) -> Finished:
+def generate_and_validate(worker: Worker, job: GenerateJob, *, validation: bool = True) -> Finished:
     """Draws an object until it passes every check, with at most ``redraws`` new draws.
 
     If all draws fail, the last package is kept with its report. The provenance lists every draw.
     """
-    finished = make_and_validate(worker, job, generate_object, timeout=TIMEOUT, validation=True)
+    finished = make_and_validate(worker, job, generate_object, timeout=TIMEOUT, validation=validation)
     while not finished.good and len(job.draws) < job.cfg.redraws:
         reason = finished.error or "; ".join(finished.failures)
         job = replace(job, draws=(*job.draws, reason))
-        finished = make_and_validate(worker, job, generate_object, timeout=TIMEOUT, validation=True)
+        finished = make_and_validate(worker, job, generate_object, timeout=TIMEOUT, validation=validation)
     return replace(finished, notes=(*finished.notes, f"{len(job.draws) + 1} draws"))
 
 

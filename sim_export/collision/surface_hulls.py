@@ -62,6 +62,10 @@ MOST = 192
 """Hulls of the whole object, at most."""
 
 
+FINER = SurfaceConfig(bulge=0.002, most_pieces=160, most_of_link=90, most=240)
+"""Smaller hulls for objects whose thin details the usual ones miss; slower to make and to simulate."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Cover:
     """What covers a link's surface: boxes, and pieces that reach ``least`` (m) into free space at most."""

@@ -14,7 +14,7 @@ from sim_export.geometry.islands import find_surface_islands, nearest_points, su
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.mend.source import Source, leading_part, link_surfaces
 
-LONGEST = 0.04
+LONGEST = 0.1
 """Longest post (m); a piece farther away is not what this link should hold, or is a link of its own."""
 WIDTH = 0.006
 """Edge (m) of a post's square cross-section, and how far it stands in what it connects."""

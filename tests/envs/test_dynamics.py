@@ -146,7 +146,12 @@ def test_a_seeded_defect_fails_its_check(package, tmp_path, defect, check):
 
 @pytest.mark.parametrize(
     ("kind", "upper", "allowed"),
-    [("revolute", 2.0, 0.02), ("revolute", 0.5, np.radians(0.5)), ("prismatic", 0.4, 0.004)],
+    [
+        ("revolute", 2.0, 0.02),
+        ("revolute", 0.5, np.radians(0.5)),
+        ("prismatic", 0.4, 0.004),
+        ("prismatic", 0.0013, 1e-4),
+    ],
 )
 def test_a_joint_keeps_its_place_within_what_counts_as_its_limit(trials, kind, upper, allowed):
     joint = replace(trials.joints[0], type=kind, lower=0.0, upper=upper)

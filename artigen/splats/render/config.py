@@ -1,15 +1,12 @@
 """`RasterConfig`: pixel filter and memory limits of the rasteriser."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 
 @dataclass(frozen=True, kw_only=True)
 class RasterConfig:
     """Filter, cut-offs and working memory of the rasteriser; the defaults are those of TRELLIS."""
 
-    backend: Literal["torch", "gsplat"] = "torch"
-    """Implementation: artigen's own, or the gsplat package (CUDA only, with its own ``max_alpha``)."""
     filter_variance: float = 0.1
     """Variance (square pixels) that is added to every footprint; opacities fall so that its sum stays.
     Raise it when edges shimmer."""

@@ -9,7 +9,6 @@ from torch import Tensor
 from artigen.shapes.render.cameras import Cameras
 from artigen.splats.render.blending import blend
 from artigen.splats.render.config import RasterConfig
-from artigen.splats.render.gsplat_backend import rasterize_gsplat
 from artigen.splats.render.projection import View, list_views, project
 from artigen.splats.render.splats import Rendering, Splats
 from artigen.splats.render.tiles import Grid
@@ -28,11 +27,10 @@ def rasterize(
         splats: Splats to render.
         cameras: Pinhole cameras in the splats' unit.
         background: Colour behind the splats, one for all pictures or one each; black when None.
-        cfg: Filter, cut-offs, working memory, backend.
+        cfg: Filter, cut-offs, working memory.
 
     Raises:
         ValueError: If the background does not have the channels of the splats, or there is no camera.
-        ModuleNotFoundError: If ``cfg.backend`` is not installed.
     """
     cfg = cfg or RasterConfig()
     count, channels = len(cameras.fov), splats.colors.shape[1]
@@ -47,8 +45,6 @@ def rasterize(
         )
     behind = behind.expand(count, channels)
     with torch.autocast(splats.means.device.type, enabled=False):
-        if cfg.backend == "gsplat":
-            return rasterize_gsplat(splats, list_views(cameras, splats), behind, cfg)
         sums = torch.stack([rasterize_view(splats, view, cfg) for view in list_views(cameras, splats)])
     return _compose(sums, behind)
 

@@ -32,6 +32,7 @@ from artigen.models.description import hash_model
 from artigen.models.store import save_model
 from artigen.runtime.workers import Outcome
 from artigen.shapes.draw import draw_shape
+from artigen.sketch.fault import Fault
 from artigen.sketch.model import Drawn, save_sketch_network
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig
@@ -102,6 +103,21 @@ def test_a_package_tells_condition_model_and_all_draws(
     assert said["structure"] == "sketch"
     assert "sketch: from memory" in made.notes
     assert len({seed for _, seed in drawn}) == 2  # every draw has chances of its own
+
+
+def test_an_object_with_faults_is_exported_only_if_it_was_the_last_draw(
+    model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    faults = (Fault(id="sealed", part="door_0", other="body", value=0.9, allowed=0.5),)
+    faulty = Drawn(shape=SHAPE, faults=faults, notes=(), seen=Counter(), batches=1)
+    monkeypatch.setattr(artigen.sketch.model, "draw_object", lambda *_: faulty)
+    cfg = GenerateSettings(redraws=1, gaussians=False)
+    job = GenerateJob(model=model, category="StorageFurniture", seed=9, out=tmp_path, cfg=cfg)
+    with pytest.raises(ArtigenError, match="sketch: door_0 opens onto a cavity that body encloses"):
+        generate_object(job)
+    assert not (tmp_path / job.key).exists()
+    made = generate_object(replace(job, draws=("the first",)))
+    assert any(note.startswith("sketch: door_0 opens onto a cavity") for note in made.notes)
 
 
 def test_a_package_by_a_picture_has_its_colours(model: Path, tmp_path: Path, drawn: list[tuple[object, int]]):

@@ -1,9 +1,7 @@
-"""What the rasteriser promises around its pictures: backgrounds, empty views, errors, the gsplat backend."""
+"""What the rasteriser promises around its pictures: backgrounds, empty views, errors."""
 
-import sys
 from collections.abc import Callable
 from dataclasses import replace
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -11,8 +9,6 @@ import torch
 
 from artigen.splats.colors import linear_from_srgb, srgb_from_linear
 from artigen.splats.render import Cameras, RasterConfig, Splats, make_splats, rasterize
-from artigen.splats.render.projection import View
-from artigen.splats.render.rasterize import rasterize_view
 from artigen.types import Gaussians
 
 
@@ -141,53 +137,11 @@ def test_settings_out_of_range_are_refused(build: Callable[[], RasterConfig]):
         build()
 
 
-def test_gsplat_is_imported_only_when_asked_for(
-    splats: Splats, cameras: Cameras, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.setitem(sys.modules, "gsplat", None)
-    rasterize(splats, cameras)
-    with pytest.raises(ModuleNotFoundError, match="pip install gsplat"):
-        rasterize(splats, cameras, cfg=RasterConfig(backend="gsplat"))
-
-
-def test_gsplat_is_told_the_same_cameras(splats: Splats, cameras: Cameras, monkeypatch: pytest.MonkeyPatch):
-    """A stand-in with gsplat's signature that reads cameras and modes as gsplat's documentation has them."""
-
-    def rasterization(
-        *, viewmats, Ks, width, height, near_plane, eps2d, render_mode, rasterize_mode, **values
-    ):
-        assert (render_mode, rasterize_mode) == ("RGB+ED", "antialiased")
-        cfg, sums = RasterConfig(near=near_plane, filter_variance=eps2d), []
-        for viewmat, K in zip(viewmats, Ks, strict=True):
-            assert (float(K[0, 2]), float(K[1, 2]), float(K[1, 1])) == (width / 2, height / 2, float(K[0, 0]))
-            axes = viewmat[:3, :3]
-            view = View(
-                axes=axes, position=-axes.T @ viewmat[:3, 3], focal=K[0, 0], width=width, height=height
-            )
-            sums.append(rasterize_view(Splats(**values), view, cfg))
-        drawn = torch.stack(sums)
-        alpha = drawn[..., -1:]
-        mean = drawn[..., -2:-1] / alpha.clamp(min=1e-10)
-        return torch.cat([drawn[..., :-2], mean], dim=-1), alpha, {}
-
-    module = ModuleType("gsplat")
-    vars(module)["rasterization"] = rasterization
-    monkeypatch.setitem(sys.modules, "gsplat", module)
-    cfg = RasterConfig(filter_variance=0.2, near=0.3)
-    got = rasterize(splats, cameras, background=(0.2, 0.4, 0.6), cfg=replace(cfg, backend="gsplat"))
-    want = rasterize(splats, cameras, background=(0.2, 0.4, 0.6), cfg=cfg)
-    for one, other in zip(vars(got).values(), vars(want).values(), strict=True):
-        torch.testing.assert_close(one, other, rtol=1e-4, atol=1e-5)
-
-
-@pytest.mark.skipif(not torch.cuda.is_available(), reason="gsplat and CUDA pictures need a GPU")
-@pytest.mark.parametrize("backend", ["torch", "gsplat"])
-def test_gpus_draw_the_same(splats: Splats, cameras: Cameras, backend):
-    if backend == "gsplat":
-        pytest.importorskip("gsplat")
+@pytest.mark.skipif(not torch.cuda.is_available(), reason="CUDA pictures need a GPU")
+def test_gpus_draw_the_same(splats: Splats, cameras: Cameras):
     there = Splats(**{name: value.cuda() for name, value in vars(splats).items()})
     moved = replace(
         cameras, position=cameras.position.cuda(), target=cameras.target.cuda(), fov=cameras.fov.cuda()
     )
-    got = rasterize(there, moved, cfg=RasterConfig(backend=backend)).color.cpu()
+    got = rasterize(there, moved).color.cpu()
     assert (got - rasterize(splats, cameras).color).square().mean() < 1e-5  # 50 dB
