@@ -22,7 +22,7 @@ from sim_export.collision.pins import pin_carriers
 from sim_export.collision.recovery import Recovery, recover_surface
 from sim_export.collision.requirements import find_requirements
 from sim_export.collision.retention import keep_drawers_held
-from sim_export.collision.surface_hulls import cover_parts
+from sim_export.collision.surface_hulls import USUAL, SurfaceConfig, cover_parts
 from sim_export.collision.trimming import Trimmed, trim_meshes
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
@@ -63,6 +63,7 @@ def export_asset(
     *,
     source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
     surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | None = None,
+    detail: SurfaceConfig = USUAL,
     provenance: Mapping[str, str] | None = None,
 ) -> Exported:
     """Converts an articulated object to a simulation package.
@@ -74,6 +75,7 @@ def export_asset(
             is invisible. Mass and annotations still come from the voxels.
         surfaces: The triangles of these meshes by part (metres), from which collision is made; by default it
             is made from the voxels.
+        detail: How closely collision made from these triangles follows them.
         provenance: Origin of the object, for ``provenance.json``.
 
     Raises:
@@ -105,7 +107,7 @@ def export_asset(
             mesh.vertices[mesh.faces] if part.label == "wheel" and mesh is not before else surface
             for part, before, mesh, surface in zip(asset.parts, plain, meshes, surfaces, strict=True)
         ]
-        hulls, changes = _cover_parts(asset, surfaces, inertials), []
+        hulls, changes = _cover_parts(asset, surfaces, inertials, detail), []
     watch.lap("decompose")
     shown: list[tuple[Mesh | SourceMesh, ...]] = [(mesh,) for mesh in meshes]
     if source_meshes is not None:
@@ -191,6 +193,7 @@ def _cover_parts(
     asset: Asset,
     surfaces: Sequence[Float[np.ndarray, "F 3 3"]],
     inertials: Sequence[Inertial],
+    detail: SurfaceConfig,
 ) -> tuple[tuple[Hull, ...], ...]:
     """Hulls of all parts from their own triangles, kept out of the space that other links sweep."""
     tree = build_links(asset, [PartGeometry(inertial=inertial) for inertial in inertials])
@@ -200,7 +203,8 @@ def _cover_parts(
         for name, part in leaders.items()
     }
     passing = find_passing(tree.links, tree.joints, {name: s for name, s in shown.items() if len(s)})
-    return cover_parts(surfaces, owners, {leaders[name]: found for name, found in passing.items()})
+    keep_out = {leaders[name]: found for name, found in passing.items()}
+    return cover_parts(surfaces, owners, keep_out, detail)
 
 
 def _paint(

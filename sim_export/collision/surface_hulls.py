@@ -42,26 +42,33 @@ LEAST_CELLS = 24
 # Lengths as shares of the object's diagonal, unless in metres.
 SLACK = 0.006
 """Surface this near to a box is covered by it."""
-BULGE = 0.004
-"""How far hulls may reach from the surface into free space."""
 COARSER = 1.5
-"""Factor by which that grows while there are too many hulls."""
+"""Factor by which the bulge grows while there are too many hulls."""
 COARSEST = 0.012
 """It grows no further than this."""
-MOST_PIECES = 96
-"""Pieces into which the surface of a link is cut, at most."""
 TAKEN = 0.004
 """Share of its volume that a hull may take of free space beyond."""
 SHEET = 0.002
 """Thickness (m) of the hulls of sheets."""
 THICKEST = 0.004
 """Thickness to which long thin hulls are thickened rather than divided."""
-MOST_OF_LINK = 72
-"""Hulls of a link, at most; what clearance cuts them to comes on top."""
-MOST = 192
-"""Hulls of the whole object, at most."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class SurfaceConfig:
+    """How true to the surface hulls are, and how many there may be."""
+
+    bulge: float = 0.004
+    """How far hulls may reach from the surface into free space, over the object's diagonal."""
+    most_pieces: int = 96
+    """Pieces into which the surface of a link is cut, at most."""
+    most_of_link: int = 72
+    """Hulls of a link, at most; what clearance cuts them to comes on top."""
+    most: int = 192
+    """Hulls of the whole object, at most."""
+
+
+USUAL = SurfaceConfig()
 FINER = SurfaceConfig(bulge=0.002, most_pieces=160, most_of_link=90, most=240)
 """Smaller hulls for objects whose thin details the usual ones miss; slower to make and to simulate."""
 
@@ -81,6 +88,7 @@ def cover_parts(
     surfaces: Sequence[Float[np.ndarray, "F 3 3"]],
     owners: Sequence[int],
     passing: Mapping[int, Float[np.ndarray, "N 3"]],
+    cfg: SurfaceConfig = USUAL,
 ) -> tuple[tuple[Hull, ...], ...]:
     """Hulls of an object from the triangles (m) of its parts; a link's are those of the part that leads it.
 
@@ -88,6 +96,7 @@ def cover_parts(
         surfaces: Triangles of every part.
         owners: The part that leads each part's link.
         passing: Where other links are or pass, by the part that leads a link (`find_passing`).
+        cfg: How true to the surface, and how many.
     """
     everything = np.concatenate([surface.reshape(-1, 3) for surface in surfaces])
     diagonal = float(np.linalg.norm(np.ptp(everything, axis=0)))
@@ -97,28 +106,30 @@ def cover_parts(
         triangles = np.concatenate(shown)
         if len(triangles):
             space = find_free_space(triangles, diagonal, passing.get(owner))
-            covers[owner] = cover_surface(triangles, space, diagonal)
-    while (owner := _most_in_excess(covers, diagonal)) is not None:
+            covers[owner] = cover_surface(triangles, space, diagonal, cfg)
+    while (owner := _most_in_excess(covers, diagonal, cfg)) is not None:
         covers[owner] = _join_again(covers[owner], COARSER * covers[owner].least, diagonal)
     return tuple(covers[index].hulls if index in covers else () for index in range(len(surfaces)))
 
 
-def _most_in_excess(covers: Mapping[int, Cover], diagonal: float) -> int | None:
+def _most_in_excess(covers: Mapping[int, Cover], diagonal: float, cfg: SurfaceConfig) -> int | None:
     """The link with most pieces where it, or the object, has too many hulls; none that is coarse already."""
-    everywhere = sum(len(cover.hulls) for cover in covers.values()) > MOST
+    everywhere = sum(len(cover.hulls) for cover in covers.values()) > cfg.most
     able = [
         owner
         for owner, cover in covers.items()
-        if (everywhere or len(cover.hulls) > MOST_OF_LINK)
+        if (everywhere or len(cover.hulls) > cfg.most_of_link)
         and len(cover.pieces) > 1
         and cover.least < COARSEST * diagonal
     ]
     return max(able, key=lambda owner: len(covers[owner].pieces), default=None)
 
 
-def cover_surface(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, diagonal: float) -> Cover:
+def cover_surface(
+    triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, diagonal: float, cfg: SurfaceConfig
+) -> Cover:
     """Hulls that together cover what can be reached of a link's triangles (m)."""
-    least = BULGE * diagonal
+    least = cfg.bulge * diagonal
     whole = make_piece(triangles, space, least)
     if _fits(whole, least):
         return _finish(Cover(space=space, boxes=(), pieces=(whole,), least=least), diagonal)
@@ -127,7 +138,7 @@ def cover_surface(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, diago
     boxes = cover_with_boxes(exposed, space) if large else ()
     left = find_uncovered(exposed, boxes, SLACK * diagonal)
     pieces = [make_piece(group, space, least) for group in split_components(left)] if len(left) else []
-    cut = tuple(_cut(_uncovered(pieces, least), space, least))
+    cut = tuple(_cut(_uncovered(pieces, least), space, least, cfg.most_pieces))
     return _join_again(Cover(space=space, boxes=boxes, pieces=cut, least=least), least, diagonal)
 
 
@@ -258,13 +269,13 @@ def _is_covered(points: Float[np.ndarray, "N 3"], pieces: Sequence[Piece], slack
     return False
 
 
-def _cut(pieces: Sequence[Piece], space: FreeSpace, least: float) -> list[Piece]:
+def _cut(pieces: Sequence[Piece], space: FreeSpace, least: float, most_pieces: int) -> list[Piece]:
     """Cuts the pieces that take most free space, until all fit or there are many."""
     done = [piece for piece in pieces if _fits(piece, least)]
     queue = [(-piece.intrusion.volume, n, piece) for n, piece in enumerate(pieces) if not _fits(piece, least)]
     heapq.heapify(queue)
     serial = len(pieces)
-    most = max(MOST_PIECES, len(pieces) + MOST_PIECES // 2)
+    most = max(most_pieces, len(pieces) + most_pieces // 2)
     while queue and len(queue) + len(done) < most:
         _, _, piece = heapq.heappop(queue)
         halves = split_piece(piece, space, least)
