@@ -23,13 +23,13 @@ from pathlib import Path
 import manifold3d
 import numpy as np
 import tyro
+from coacd_process import CoacdConfig, run_coacd
 from sample_cabinet import sample_asset
 
 from artigen.datasets.partnet_mobility import read_object
 from artigen.types import Asset
 from artigen.voxels.voxelize import voxelize
-from sim_export.collision.coacd_process import CoacdConfig, run_coacd
-from sim_export.collision.decompose import DecomposeConfig, decompose_part
+from sim_export.collision.decompose import decompose_part
 from sim_export.collision.hulls import convex_hull
 from sim_export.errors import DecompositionFailed, DegeneratePart
 from sim_export.geometry.boards import fill_boards
@@ -96,7 +96,7 @@ def try_method(method: str, mesh: Mesh, timeout: float, start_up: float) -> Tria
 
 def _decompose(method: str, mesh: Mesh, timeout: float) -> tuple[Hull, ...]:
     if method == "auto":
-        return decompose_part(mesh, DecomposeConfig()).hulls
+        return decompose_part(mesh).hulls
     if method == "CoACD":
         return run_coacd(mesh, CoacdConfig(timeout=timeout))
     return _run_vhacd(mesh, timeout)

@@ -3,17 +3,16 @@
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
 
 from artigen.types import Asset
 from sim_export.appearance.splats import attach_splats
-from sim_export.appearance.texture import BakedParts, TextureConfig, bake_parts
+from sim_export.appearance.texture import BakedParts, bake_parts
 from sim_export.collision.attachment import attach_links
 from sim_export.collision.clearance import clear_joints
-from sim_export.collision.decompose import Decomposition, decompose_parts
+from sim_export.collision.decompose import decompose_parts
 from sim_export.collision.facets import flatten_links
 from sim_export.collision.feet import add_feet
 from sim_export.collision.filling import fill_meshes
@@ -23,16 +22,15 @@ from sim_export.collision.pins import pin_carriers
 from sim_export.collision.recovery import Recovery, recover_surface
 from sim_export.collision.requirements import find_requirements
 from sim_export.collision.retention import keep_drawers_held
-from sim_export.collision.surface_hulls import cover_parts
+from sim_export.collision.surface_hulls import USUAL, SurfaceConfig, cover_parts
 from sim_export.collision.trimming import Trimmed, trim_meshes
-from sim_export.config import ExportConfig, for_surfaces
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import separate_solids
 from sim_export.geometry.strays import settle_strays
 from sim_export.geometry.struts import brace_links
 from sim_export.geometry.wheels import round_wheels
-from sim_export.package import Inertial, Link, Mesh, SimPackage, SourceMesh
+from sim_export.package import Hull, Inertial, Link, Mesh, SimPackage, SourceMesh
 from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_names, link_owners
 from sim_export.physics.masses import hold_centers, weigh_part
@@ -44,7 +42,6 @@ class Exported:
     """A package, and the seconds that each stage took."""
 
     package: SimPackage
-    decompositions: tuple[Decomposition, ...]
     seconds: tuple[tuple[str, float], ...]
 
 
@@ -63,31 +60,27 @@ class _Stopwatch:
 
 def export_asset(
     asset: Asset,
-    cfg: ExportConfig | None = None,
     *,
     source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
     surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | None = None,
+    detail: SurfaceConfig = USUAL,
     provenance: Mapping[str, str] | None = None,
-    cache: Path | None = None,
 ) -> Exported:
     """Converts an articulated object to a simulation package.
 
     Args:
         asset: Parts, joints and voxels. Its Gaussians, or else its surface samples, colour the textures;
             Gaussians are also added to the package per link.
-        cfg: Settings of all stages.
         source_meshes: Visual meshes by part, used instead of those made from the voxels; a part without any
             is invisible. Mass and annotations still come from the voxels.
         surfaces: The triangles of these meshes by part (metres), from which collision is made; by default it
             is made from the voxels.
+        detail: How closely collision made from these triangles follows them.
         provenance: Origin of the object, for ``provenance.json``.
-        cache: Folder for results of slow convex decompositions.
 
     Raises:
         ExportError: If a stage fails; the message names the part, the measured and the allowed value.
     """
-    cfg = cfg or ExportConfig()
-    cfg = cfg if surfaces is None else for_surfaces(cfg)
     watch = _Stopwatch()
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
@@ -96,45 +89,51 @@ def export_asset(
     voxels, gaps = fill_boards(voxels, owners)
     asset = replace(asset, voxels=voxels)
     solids, given_up = separate_solids(asset, solid_parts(asset), owners)
-    plain = mesh_parts(asset, cfg.meshing, solids)
-    meshes, rounded = round_wheels(asset, plain, cfg.wheels)
+    plain = mesh_parts(asset, solids)
+    meshes, rounded = round_wheels(asset, plain)
     watch.lap("mesh")
     inertials = [weigh_part(asset, index, mesh, solids[index]) for index, mesh in enumerate(meshes)]
     watch.lap("mass")
     if surfaces is None:
-        decompositions = decompose_parts(meshes, owners, cfg.decompose, cache)
+        decomposed = decompose_parts(meshes, owners)
+        hulls = [item.hulls for item in decomposed]
+        changes = [
+            f"{part.name}: {said}"
+            for part, item in zip(asset.parts, decomposed, strict=True)
+            for said in item.records
+        ]
     else:
         surfaces = [
             mesh.vertices[mesh.faces] if part.label == "wheel" and mesh is not before else surface
             for part, before, mesh, surface in zip(asset.parts, plain, meshes, surfaces, strict=True)
         ]
-        decompositions = _cover_parts(asset, surfaces, inertials, cfg)
+        hulls, changes = _cover_parts(asset, surfaces, inertials, detail), []
     watch.lap("decompose")
     shown: list[tuple[Mesh | SourceMesh, ...]] = [(mesh,) for mesh in meshes]
     if source_meshes is not None:
         shown = [tuple(source_meshes.get(index, ())) for index in range(len(meshes))]
     geometry = [
-        PartGeometry(visuals=visuals, hulls=decomposition.hulls, inertial=inertial)
-        for visuals, decomposition, inertial in zip(shown, decompositions, inertials, strict=True)
+        PartGeometry(visuals=visuals, hulls=own, inertial=inertial)
+        for visuals, own, inertial in zip(shown, hulls, inertials, strict=True)
     ]
     tree = build_links(asset, geometry)
     watch.lap("links")
     vertices = {part.name: mesh.vertices for part, mesh in zip(asset.parts, meshes, strict=True)}
     panels = {link.name: vertices[link.parts[0]] for link in tree.links if link.parts}
-    joints, held = keep_drawers_held(tree.links, tree.joints, panels, cfg.retention)
-    needs = find_requirements(tree.links, joints, cfg.requirements)
+    joints, held = keep_drawers_held(tree.links, tree.joints, panels)
+    needs = find_requirements(tree.links, joints)
     watch.lap("requirements")
-    cleared = clear_joints(tree.links, joints, needs, cfg.clearance)
+    cleared = clear_joints(tree.links, joints, needs, sheets=surfaces is not None)
     watch.lap("clearance")
     solid = {part.name: mesh for part, mesh in zip(asset.parts, meshes, strict=True)}
     whole = Recovery(links=cleared.links)
     if surfaces is None:
-        whole = recover_surface(cleared.links, cleared.joints, needs, solid, cfg.recovery)
+        whole = recover_surface(cleared.links, cleared.joints, needs, solid)
     watch.lap("recover")
-    flat = flatten_links(whole.links, cfg.facets)
-    standing = add_feet(flat, cleared.joints, needs, solid, cfg.feet)
-    attached = attach_links(standing.links, cleared.joints, needs, cfg.attachment)
-    levelled = level_object(attached.links, cleared.joints, needs, asset.category, cfg.levelling)
+    flat = flatten_links(whole.links)
+    standing = add_feet(flat, cleared.joints, needs, solid)
+    attached = attach_links(standing.links, cleared.joints, needs)
+    levelled = level_object(attached.links, cleared.joints, needs, asset.category)
     watch.lap("attach")
     held_links, centered = hold_centers(levelled.links)
     tree = LinkTree(links=held_links, joints=cleared.joints, records=tree.records)
@@ -142,11 +141,11 @@ def export_asset(
     watch.lap("annotate")
     trimmed = Trimmed(meshes=solid)
     if source_meshes is None:
-        filled = fill_meshes(tree.links, solid, asset.scale / voxels.resolution, cfg.filling)
-        trimmed = trim_meshes(tree.links, tree.joints, needs, filled.meshes, cfg.trimming)
+        filled = fill_meshes(tree.links, solid, asset.scale / voxels.resolution)
+        trimmed = trim_meshes(tree.links, tree.joints, needs, filled.meshes)
         braced = brace_links(tree.links, trimmed.meshes, asset.scale / voxels.resolution)
         trimmed = Trimmed(meshes=braced.meshes, records=(*filled.records, *trimmed.records, *braced.records))
-        links, painted = _paint(asset, tree.links, trimmed.meshes, cfg.texture)
+        links, painted = _paint(asset, tree.links, trimmed.meshes)
         tree = replace(tree, links=links, records=(*tree.records, *painted))
     if asset.gaussians is not None:
         tree = replace(tree, links=attach_splats(tree.links, asset))
@@ -157,11 +156,7 @@ def export_asset(
         *asset.notes,
         *settled,
         *([f"{gaps} cells between the faces of boards were filled"] if gaps else []),
-        *(
-            f"{p.name}: {said}"
-            for p, d in zip(asset.parts, decompositions, strict=True)
-            for said in d.records
-        ),
+        *changes,
         *(
             f"{p.name}: {said}"
             for p, solid in zip(asset.parts, solids, strict=True)
@@ -191,15 +186,15 @@ def export_asset(
         provenance=tuple(sorted((provenance or {}).items())),
         records=records,
     )
-    return Exported(package=package, decompositions=decompositions, seconds=tuple(watch.laps))
+    return Exported(package=package, seconds=tuple(watch.laps))
 
 
 def _cover_parts(
     asset: Asset,
     surfaces: Sequence[Float[np.ndarray, "F 3 3"]],
     inertials: Sequence[Inertial],
-    cfg: ExportConfig,
-) -> tuple[Decomposition, ...]:
+    detail: SurfaceConfig,
+) -> tuple[tuple[Hull, ...], ...]:
     """Hulls of all parts from their own triangles, kept out of the space that other links sweep."""
     tree = build_links(asset, [PartGeometry(inertial=inertial) for inertial in inertials])
     owners, leaders = link_owners(asset), {name: part for part, name in link_names(asset).items()}
@@ -208,13 +203,12 @@ def _cover_parts(
         for name, part in leaders.items()
     }
     passing = find_passing(tree.links, tree.joints, {name: s for name, s in shown.items() if len(s)})
-    return cover_parts(
-        surfaces, owners, {leaders[name]: found for name, found in passing.items()}, cfg.surface
-    )
+    keep_out = {leaders[name]: found for name, found in passing.items()}
+    return cover_parts(surfaces, owners, keep_out, detail)
 
 
 def _paint(
-    asset: Asset, links: Sequence[Link], meshes: Mapping[str, Mesh], cfg: TextureConfig
+    asset: Asset, links: Sequence[Link], meshes: Mapping[str, Mesh]
 ) -> tuple[tuple[Link, ...], tuple[str, ...]]:
     """Adds meshes to links, coloured like the asset if it has colours, and returns records of the
     coverage."""
@@ -222,7 +216,7 @@ def _paint(
     if asset.surface is None and asset.gaussians is None:
         baked = BakedParts(meshes=tuple(plain), records=())
     else:
-        baked = bake_parts(asset, plain, cfg)
+        baked = bake_parts(asset, plain)
     by_part = {part.name: mesh for part, mesh in zip(asset.parts, baked.meshes, strict=True)}
     shown = tuple(
         replace(link, visuals=tuple(replace(visual, mesh=by_part[visual.part]) for visual in link.visuals))

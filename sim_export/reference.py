@@ -7,7 +7,7 @@ opening order are those of the object.
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import manifold3d
@@ -22,7 +22,7 @@ from artigen.shapes.surfaces.textures import PaintTable, apply_paint, find_rows,
 from sim_export.appearance.atlas import make_atlas
 from sim_export.appearance.shared_textures import lay_shared
 from sim_export.appearance.texture import color_atlas
-from sim_export.collision.hull_limits import HullLimits, trim_hull
+from sim_export.collision.hull_limits import trim_hull
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.simplification import TOLERANCE, simplify_hulls
 from sim_export.geometry.needles import find_needles, flip_needles
@@ -43,7 +43,7 @@ NEEDLES = 0.008
 
 @dataclass(frozen=True, kw_only=True)
 class ReferenceConfig:
-    """Texture resolution and hull limits of a reference package."""
+    """Textures of a reference package."""
 
     texel: float = 0.005
     """Edge of a texel (m)."""
@@ -52,8 +52,6 @@ class ReferenceConfig:
     textures: Literal["own", "shared"] = "own"
     """``own``: every part has its own image, exact at every texel. ``shared``: parts with the same finishes
     share an image across objects, so their boards differ from the object's."""
-    limits: HullLimits = field(default_factory=HullLimits)
-    """Limits of collision hulls; oblong primitives are cut, none grows."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -71,7 +69,7 @@ def build_reference(
 
     Args:
         shape: The object.
-        cfg: Texture resolution and limits of hulls.
+        cfg: Textures.
         provenance: Origin of the object, for ``provenance.json``.
 
     Raises:
@@ -97,7 +95,7 @@ def build_reference(
                 f"{part.name}: {changed} of {len(solids)} hulls are boxes or cylinders that differ from the "
                 f"part by at most {1000 * TOLERANCE:g} mm"
             )
-        hulls = _trim(simple, cfg.limits)
+        hulls = _trim(simple)
         if len(hulls) > len(simple):
             records.append(f"{part.name}: {len(simple)} primitives cut to {len(hulls)} hulls, being oblong")
         made_of: list[MaterialName] = [
@@ -136,14 +134,13 @@ def weigh_shape(shape: Shape) -> float:
 
 def describe_build(shape: Shape) -> list[object]:
     """Topology of an object's package, without making the package."""
-    limits = HullLimits()
     return [
         (
             part.name,
             part.label,
             part.parent,
             None if part.motion is None else part.motion.type,
-            hull_kinds(_trim(simplify_hulls(_solids(part, np.zeros(3))), limits)),
+            hull_kinds(_trim(simplify_hulls(_solids(part, np.zeros(3))))),
         )
         for part in shape.parts
     ]
@@ -156,8 +153,8 @@ def _solids(part: ShapePart, center: Float[np.ndarray, "3"]) -> list[Hull]:
     ]
 
 
-def _trim(solids: Sequence[Hull], limits: HullLimits) -> tuple[Hull, ...]:
-    return tuple(piece for solid in solids for piece in trim_hull(solid, limits))
+def _trim(solids: Sequence[Hull]) -> tuple[Hull, ...]:
+    return tuple(piece for solid in solids for piece in trim_hull(solid))
 
 
 def _show(solids: Sequence[Hull], round_ones: Sequence[bool]) -> _Union:

@@ -47,7 +47,6 @@ HEAVY = (
     "torch",
     "sapien",
     "mujoco",
-    "coacd",
     "viser",
     "xatlas",
     "embreex",

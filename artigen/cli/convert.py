@@ -172,18 +172,17 @@ def export_source(source: "SourceObject", asset: "Asset", provenance: dict[str, 
     closer to the surface, and then from the 64^3 voxels, which are closed where the meshes are open.
     """
     from artigen.cli.source_meshes import place_source_meshes, place_source_surfaces
-    from sim_export.collision.surface_hulls import FINER, SurfaceConfig
-    from sim_export.config import ExportConfig
+    from sim_export.collision.surface_hulls import FINER, USUAL
     from sim_export.export import export_asset
 
     meshes, surfaces = place_source_meshes(source, asset), place_source_surfaces(source, asset)
     tried: list[tuple[tuple[int, float], Exported]] = []
-    for surface in (SurfaceConfig(), FINER, None):
+    for surface in (USUAL, FINER, None):
         made = export_asset(
             asset,
-            ExportConfig(surface=surface or SurfaceConfig()),
             source_meshes=meshes,
             surfaces=None if surface is None else surfaces,
+            detail=surface or USUAL,
             provenance=provenance,
         )
         tried.append((judge_package(made.package), made))

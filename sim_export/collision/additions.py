@@ -1,33 +1,19 @@
 """Adds a hull to a link late in the export, clear of every sweep."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from sim_export.collision.contacts import HullSet, signed_distances
-from sim_export.collision.hull_limits import MOST_OF_LINK, hull_aspect
+from sim_export.collision.hull_limits import MAX_ASPECT, MAX_VERTICES, MOST_OF_LINK, hull_aspect
 from sim_export.collision.hulls import convex_hull
-from sim_export.collision.sweeps import Sweep, SweepConfig
+from sim_export.collision.sweeps import Sweep
 from sim_export.package import Hull
 
-
-@dataclass(frozen=True, kw_only=True)
-class AdditionConfig:
-    """What an added hull must keep to."""
-
-    sweep: SweepConfig = field(default_factory=SweepConfig)
-    """Samples of each joint's range that it must not disturb."""
-    gap: float = 2e-4
-    """What stays free (m) around it; engines push apart what touches, however little."""
-    tolerance: float = 2e-5
-    """Depth (m) to which a stretched hull may enter another link; it may have touched that before."""
-    max_hulls: int = MOST_OF_LINK
-    """Most hulls of a link; where there would be one more, a hull is stretched instead."""
-    max_vertices: int = 32
-    """Most vertices of such a stretched hull."""
-    max_aspect: float = 60.0
-    """Its length over its thickness, at most."""
+GAP = 2e-4
+"""What stays free (m) around an added hull; engines push apart what touches, however little."""
+TOLERANCE = 2e-5
+"""Depth (m) to which a stretched hull may enter another link; it may have touched that before."""
 
 
 def add_hull(
@@ -36,17 +22,16 @@ def add_hull(
     slot: int,
     addition: Hull,
     stand: Hull,
-    cfg: AdditionConfig,
 ) -> HullSet | None:
     """The hulls of link ``slot`` with one more, or ``None`` if that is in some link's way.
 
-    ``stand`` is the hull that is stretched over ``addition`` where the link has as many as it may.
+    ``stand`` is the hull that is stretched over ``addition`` where the link has `MOST_OF_LINK`.
     """
-    hulls, least = [*sets[slot].hulls, addition], cfg.gap
-    if len(hulls) > cfg.max_hulls:
+    hulls, least = [*sets[slot].hulls, addition], GAP
+    if len(hulls) > MOST_OF_LINK:
         addition = convex_hull(np.concatenate([stand.vertices, addition.vertices]))
-        hulls, least = [addition if hull is stand else hull for hull in sets[slot].hulls], -cfg.tolerance
-    fits = len(addition.vertices) <= cfg.max_vertices and hull_aspect(addition) <= cfg.max_aspect
+        hulls, least = [addition if hull is stand else hull for hull in sets[slot].hulls], -TOLERANCE
+    fits = len(addition.vertices) <= MAX_VERTICES and hull_aspect(addition) <= MAX_ASPECT
     if not fits or not is_free(addition, slot, sets, sweeps, least):
         return None
     return HullSet(hulls=tuple(hulls))

@@ -7,11 +7,11 @@ gaps that are a few cells wide, and every one is recorded.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim_export.collision.additions import AdditionConfig, add_hull
+from sim_export.collision.additions import add_hull
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hulls import box_hull, hull_planes
 from sim_export.collision.sweeps import Sweep, read_sweeps
@@ -20,33 +20,21 @@ from sim_export.package import Hull, Link, PackageJoint, Requirement
 _LEVEL = 1e-3
 """Metres by which buttons in a row may end at different depths."""
 
-
-@dataclass(frozen=True, kw_only=True)
-class AttachmentConfig:
-    """Which gaps are closed, and with what; lengths in metres."""
-
-    near: float = 0.0045
-    """A gap up to this is left alone: links that are nearer count as attached."""
-    far: float = 0.032
-    """A gap beyond this is left alone too: the two do not touch in the source either. A cell of an object of
-    two metres in a grid of 64^3 is as long: drawn parts may hang a cell off their body."""
-    rooms: tuple[float, ...] = (0.001, 0.004)
-    """What stays free between a peg and the link it reaches for, tried in this order. Engines round hulls by
-    some tenths of a millimetre: at 0.3 mm, knobs of 15 g stuck at a turn of 30 degrees."""
-    root: float = 1e-3
-    """How deep a peg stands in its own link."""
-    widths: tuple[float, ...] = (0.012, 0.006, 0.003, 0.0015)
-    """Edges of a peg's square cross-section, tried in this order."""
-    pairs: int = 4
-    """Nearest pairs of hulls between which a peg is tried."""
-    addition: AdditionConfig = field(default_factory=AdditionConfig)
-    """What pegs must keep to."""
-
-    def __post_init__(self) -> None:
-        if not 0.0 < min(self.rooms) <= max(self.rooms) <= self.near < self.far:
-            raise ValueError(
-                f"attachment: rooms {self.rooms}, near {self.near} and far {self.far} m, expected to rise"
-            )
+# Lengths in metres.
+NEAR = 0.0045
+"""A gap up to this is left alone: links that are nearer count as attached."""
+FAR = 0.032
+"""A gap beyond this is left alone too: the two do not touch in the source either. A cell of an object of
+two metres in a grid of 64^3 is as long: drawn parts may hang a cell off their body."""
+ROOMS = (0.001, 0.004)
+"""What stays free between a peg and the link it reaches for, tried in this order. Engines round hulls by
+some tenths of a millimetre: at 0.3 mm, knobs of 15 g stuck at a turn of 30 degrees."""
+ROOT = 1e-3
+"""How deep a peg stands in its own link."""
+WIDTHS = (0.012, 0.006, 0.003, 0.0015)
+"""Edges of a peg's square cross-section, tried in this order."""
+PAIRS = 4
+"""Nearest pairs of hulls between which a peg is tried."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,7 +102,6 @@ def attach_links(
     links: Sequence[Link],
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement] = (),
-    cfg: AttachmentConfig | None = None,
 ) -> Attachment:
     """Adds pegs where a link's hulls are too far from those of the link that carries it, at rest.
 
@@ -122,29 +109,27 @@ def attach_links(
         links: Links with hulls, object frame at rest.
         joints: Their joints.
         requirements: Joints that must be open while another moves.
-        cfg: Which gaps are closed, and with what.
 
     Returns:
         New links; those without pegs are the same objects. Hulls only grow.
     """
-    cfg = cfg or AttachmentConfig()
     sets = [HullSet(hulls=link.hulls) for link in links]
-    sweeps = read_sweeps(links, joints, requirements, cfg.addition.sweep)
+    sweeps = read_sweeps(links, joints, requirements)
     pegs, apart = [], []
     carried = list(_carried_links(links, joints))
     for child, parent, joint in carried:
-        facing = _find_facing(sets[child], sets[parent], cfg)
-        if not facing or facing[0].gap <= cfg.near:
+        facing = _find_facing(sets[child], sets[parent])
+        if not facing or facing[0].gap <= NEAR:
             continue
         names = {"child": links[child].name, "parent": links[parent].name}
         peers = [sets[c].vertices for c, p, other in carried if p == parent and other.type == "prismatic"]
         boxes = np.array([[points.min(axis=0), points.max(axis=0)] for points in peers])
-        found = _fit_peg(sets, sweeps, (child, parent), facing, joint, boxes, cfg)
+        found = _fit_peg(sets, sweeps, (child, parent), facing, joint, boxes)
         if found is None:
             apart.append((*names.values(), facing[0].gap))
             continue
         slot, sets[slot], width = found
-        left = _find_facing(sets[child], sets[parent], cfg)[0].gap
+        left = _find_facing(sets[child], sets[parent])[0].gap
         pegs.append(Peg(link=links[slot].name, **names, gap=facing[0].gap, left=left, width=width))
     changed = {peg.link for peg in pegs}
     return Attachment(
@@ -173,14 +158,14 @@ def _carried_links(
             yield index, slot[parent], above[link.name]
 
 
-def _find_facing(child: HullSet, parent: HullSet, cfg: AttachmentConfig) -> list[_Facing]:
-    """The nearest pairs of hulls at rest, nearest first; empty beyond `AttachmentConfig.far`."""
+def _find_facing(child: HullSet, parent: HullSet) -> list[_Facing]:
+    """The nearest pairs of hulls at rest, nearest first; empty beyond `FAR`."""
     still = np.eye(4)
-    for reach in (cfg.near, cfg.far):
+    for reach in (NEAR, FAR):
         found = signed_distances(child, parent, still, still, reach)
         if len(found.distance):
             break
-    order = np.argsort(found.distance, kind="stable")[: cfg.pairs]
+    order = np.argsort(found.distance, kind="stable")[:PAIRS]
     return [
         _Facing(
             child=child.hulls[found.first[row]],
@@ -200,35 +185,32 @@ def _fit_peg(
     facing: Sequence[_Facing],
     joint: PackageJoint,
     peers: np.ndarray,
-    cfg: AttachmentConfig,
 ) -> tuple[int, HullSet, float] | None:
     """The first peg that is free along every sweep: its link, that link's hulls with it, and its width.
 
     ``peers`` are the boxes of all links that slide on the same one; they may share a peg.
     """
-    for room, width in ((room, width) for room in cfg.rooms for width in cfg.widths):
+    for room, width in ((room, width) for room in ROOMS for width in WIDTHS):
         spots = (
-            *_straight_spots(facing, joint, room, cfg),
-            *_side_spots(facing, joint, peers, room, width, cfg),
+            *_straight_spots(facing, joint, room),
+            *_side_spots(facing, joint, peers, room, width),
         )
         for spot in spots:
             slot = pair[0] if spot.on_child else pair[1]
             peg = _peg_hull(spot, width)
-            hulls = add_hull(sets, sweeps, slot, peg, spot.stand, cfg.addition)
+            hulls = add_hull(sets, sweeps, slot, peg, spot.stand)
             if hulls is not None:
                 return slot, hulls, width
     return None
 
 
-def _straight_spots(
-    facing: Sequence[_Facing], joint: PackageJoint, room: float, cfg: AttachmentConfig
-) -> Iterator[_Spot]:
+def _straight_spots(facing: Sequence[_Facing], joint: PackageJoint, room: float) -> Iterator[_Spot]:
     """Pegs straight across the gap, on the child and on the parent."""
     for pair in facing:
         n, gap = pair.normal, pair.gap
         for at in _places(pair, joint):
-            yield _Spot(on_child=True, stand=pair.child, start=at - cfg.root * n, end=at + (gap - room) * n)
-            yield _Spot(on_child=False, stand=pair.parent, start=at + (gap + cfg.root) * n, end=at + room * n)
+            yield _Spot(on_child=True, stand=pair.child, start=at - ROOT * n, end=at + (gap - room) * n)
+            yield _Spot(on_child=False, stand=pair.parent, start=at + (gap + ROOT) * n, end=at + room * n)
 
 
 def _places(pair: _Facing, joint: PackageJoint) -> list[np.ndarray]:
@@ -255,7 +237,6 @@ def _side_spots(
     peers: np.ndarray,
     room: float,
     width: float,
-    cfg: AttachmentConfig,
 ) -> Iterator[_Spot]:
     """Pegs that stand on the parent beside a button, which itself moves across the gap; bars first."""
     if joint.type != "prismatic":
@@ -278,8 +259,8 @@ def _side_spots(
             yield _Spot(
                 on_child=False,
                 stand=pair.parent,
-                start=at + (depth + cfg.root) * along,
-                end=at - cfg.root * along,
+                start=at + (depth + ROOT) * along,
+                end=at - ROOT * along,
                 bar=(high - low) * across if bar else None,
             )
 

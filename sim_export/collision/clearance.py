@@ -8,58 +8,42 @@ removes collision volume, so that no cut can cause new contact.
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from sim_export.collision.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.collision.cut_hulls import CutHulls, LinkRelief
-from sim_export.collision.hull_limits import MOST_OF_LINK, HullLimits
+from sim_export.collision.hull_limits import MOST_OF_LINK
 from sim_export.collision.motion import (
     driven_joints,
     link_displacements,
     longest_side,
     moved_links,
 )
-from sim_export.collision.relief import OverlappingPair, ReliefConfig, relieve_pair
+from sim_export.collision.relief import OverlappingPair, relieve_pair
 from sim_export.collision.requirements import required_openings
-from sim_export.collision.sweeps import SweepConfig, sample_sweep
+from sim_export.collision.sweeps import sample_sweep
 from sim_export.package import Link, PackageJoint, Requirement
 
 logger = logging.getLogger(__name__)
 _FRONTS = {"door", "drawer"}
-
-
-@dataclass(frozen=True, kw_only=True)
-class ClearanceConfig:
-    """How much room there must be, and what may be done for it."""
-
-    sweep: SweepConfig = field(default_factory=SweepConfig)
-    """Samples of each joint's range."""
-    gap: float = 1e-3
-    """Hulls nearer than this (m) are cut. Engines push apart what touches at rest, however little, and
-    round hulls by some tenths of a millimetre."""
-    passing: float = 3e-3
-    """The same between a leaf that turns and what else moves: engines foresee contacts where the corner of
-    a leaf swings close past its neighbour, and keep some."""
-    tolerance: float = 2e-5
-    """Depth (m) from which an overlap that cannot be cut counts as one."""
-    relief: ReliefConfig = field(default_factory=ReliefConfig)
-    """Limits of cutting."""
-    limits: HullLimits = field(default_factory=HullLimits)
-    """What hulls must be like after cutting."""
-    max_hulls: int = MOST_OF_LINK
-    """Most hulls of a link that notches may lead to."""
-    max_growth: float = 1.5
-    """Most hulls over those that a link had, but for the first eight; what turns inside of something is
-    cut at every pose, and never free."""
-    rounds: int = 12
-    """Most passes over all joints; cuts for one joint seldom leave anything to do for another."""
-    shorten_limits: bool = True
-    """Whether a joint that stays blocked may have its upper limit lowered."""
-    min_range: float = 0.5
-    """Share of a joint's range that must be free for it to be shortened rather than reported."""
+GAP = 1e-3
+"""Hulls nearer than this (m) are cut. Engines push apart what touches at rest, however little, and
+round hulls by some tenths of a millimetre."""
+PASSING = 3e-3
+"""The same between a leaf that turns and what else moves: engines foresee contacts where the corner of
+a leaf swings close past its neighbour, and keep some."""
+TOLERANCE = 2e-5
+"""Depth (m) from which an overlap that cannot be cut counts as one."""
+MAX_GROWTH = 1.5
+"""Most hulls over those that a link had, but for the first eight; what turns inside of something is
+cut at every pose, and never free."""
+ROUNDS = 12
+"""Most passes over all joints; cuts for one joint seldom leave anything to do for another."""
+MIN_RANGE = 0.5
+"""Share of a joint's range that must be free for it to be shortened rather than reported."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,7 +102,8 @@ def clear_joints(
     links: Sequence[Link],
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement] = (),
-    cfg: ClearanceConfig | None = None,
+    *,
+    sheets: bool = False,
 ) -> Clearance:
     """Cuts hulls back until every joint sweeps its range freely, others closed or open as required.
 
@@ -126,25 +111,22 @@ def clear_joints(
         links: Links with hulls, object frame at rest.
         joints: Their joints.
         requirements: Joints that must be open while another moves (`find_requirements`).
-        cfg: Tolerance and limits of what may be changed.
+        sheets: Whether hulls may be sheets, as those of a source's own surface (`relieve_pair`).
 
     Returns:
         New links and joints; links without changes are the same objects. Penetrations that the
         limits do not allow to cut are in ``residuals``.
     """
-    cfg = cfg or ClearanceConfig()
-    work = CutHulls(links)
+    work = CutHulls(links, sheets=sheets)
     stuck: dict[tuple[int, int, int, int], str] = {}
     waiting = driven_joints(joints)
-    for _ in range(cfg.rounds):
+    for _ in range(ROUNDS):
         # Cuts only take away, so that a joint that has been found free stays free.
-        waiting = tuple(
-            joint for joint in waiting if _clear_joint(work, joint, joints, requirements, cfg, stuck)
-        )
-    final, limits, residuals = _settle_limits(work, joints, requirements, cfg, stuck)
+        waiting = tuple(joint for joint in waiting if _clear_joint(work, joint, joints, requirements, stuck))
+    final, limits, residuals = _settle_limits(work, joints, requirements, stuck)
     for index in range(len(links)):
         if work.cuts[index]:
-            work.trim(index, cfg.limits, cfg.max_hulls, sheets=cfg.relief.sheets)
+            work.trim(index, MOST_OF_LINK)
     cleared = tuple(
         link if not work.cuts[index] else replace(link, hulls=work.prepared(index)[0].hulls)
         for index, link in enumerate(links)
@@ -169,14 +151,13 @@ def _clear_joint(
     joint: PackageJoint,
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
-    cfg: ClearanceConfig,
     stuck: dict[tuple[int, int, int, int], str],
 ) -> int:
     """Relieves every overlapping pair of hulls along one joint's sweep; returns the number of cuts.
 
     ``stuck`` is what could not be freed before; it grows.
     """
-    q = sample_sweep(work.links, joints, joint, cfg.sweep)
+    q = sample_sweep(work.links, joints, joint)
     T = _poses(work, joint, joints, requirements, q)
     moving = moved_links(work.links, joints, joint)
     size = longest_side(work.links)
@@ -184,7 +165,7 @@ def _clear_joint(
     for a in moving:
         for b in (index for index in range(len(work.links)) if index not in moving):
             leaves = joint.type == "revolute" and {work.links[a].label, work.links[b].label} <= _FRONTS
-            gap = cfg.passing if leaves else cfg.gap
+            gap = PASSING if leaves else GAP
             (first, slots_a), (second, slots_b) = work.prepared(a), work.prepared(b)
             found = signed_distances(first, second, T[:, a], T[:, b], gap)
             deep = found.distance < gap
@@ -200,18 +181,17 @@ def _clear_joint(
                     hulls=(mine, theirs),
                     poses=(T[poses, a], T[poses, b]),
                     volumes=(work.volumes[a][i], work.volumes[b][j]),
-                    allowances=(work.allowance(a, i, cfg.relief), work.allowance(b, j, cfg.relief)),
-                    least=(work.end(a, i, cfg.relief), work.end(b, j, cfg.relief)),
-                    slivers=(work.is_sliver(a, i, cfg.relief), work.is_sliver(b, j, cfg.relief)),
+                    allowances=(work.allowance(a, i), work.allowance(b, j)),
+                    least=(work.end(a, i), work.end(b, j)),
+                    slivers=(work.is_sliver(a, i), work.is_sliver(b, j)),
                     room=(
-                        work.room(a, cfg.max_hulls, cfg.max_growth),
-                        work.room(b, cfg.max_hulls, cfg.max_growth),
+                        work.room(a, MOST_OF_LINK, MAX_GROWTH),
+                        work.room(b, MOST_OF_LINK, MAX_GROWTH),
                     ),
-                    max_depth=cfg.relief.max_depth * size,
-                    max_sliver_depth=cfg.relief.max_sliver_depth * size,
+                    size=size,
                     axis=joint.axis,
                 )
-                done = relieve_pair(pair, gap, cfg.relief)
+                done = relieve_pair(pair, gap, sheets=work.sheets)
                 for side, (link, slot) in enumerate(((a, i), (b, j))):
                     work.put(link, slot, done.hulls[side])
                     work.cuts[link] += done.cuts[side]
@@ -226,7 +206,6 @@ def _settle_limits(
     work: CutHulls,
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
-    cfg: ClearanceConfig,
     stuck: dict[tuple[int, int, int, int], str],
 ) -> tuple[tuple[PackageJoint, ...], tuple[LimitChange, ...], tuple[Residual, ...]]:
     """Lowers limits where most of the range is free; reports what is left."""
@@ -236,16 +215,16 @@ def _settle_limits(
     for slot, joint in enumerate(joints):
         if joint not in driven_joints(joints):
             continue
-        q = sample_sweep(work.links, joints, joint, cfg.sweep)
+        q = sample_sweep(work.links, joints, joint)
         depths, pairs = _depths(work, sets, joint, joints, requirements, q)
-        blocked = np.flatnonzero(depths > cfg.tolerance)
+        blocked = np.flatnonzero(depths > TOLERANCE)
         if not len(blocked):
             continue
         worst = int(depths.argmax())
         names = (work.links[pairs[worst][0]].name, work.links[pairs[worst][1]].name)
         free = int(blocked[0]) - 1
         share = 0.0 if free < 0 else (q[free] - q[0]) / (q[-1] - q[0])
-        if cfg.shorten_limits and joint.type != "continuous" and share >= cfg.min_range:
+        if joint.type != "continuous" and share >= MIN_RANGE:
             final[slot] = replace(joint, upper=float(q[free]))
             limits.append(
                 LimitChange(joint=joint.name, before=joint.upper, after=float(q[free]), links=names)

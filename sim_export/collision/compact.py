@@ -5,7 +5,7 @@ from jaxtyping import Float
 from scipy.spatial import ConvexHull
 from scipy.spatial.distance import pdist
 
-from sim_export.collision.hull_limits import HullLimits, comply_hull, hull_aspect, thicken_hull
+from sim_export.collision.hull_limits import MAX_ASPECT, MIN_WIDTH, comply_hull, hull_aspect, thicken_hull
 from sim_export.collision.hulls import (
     clip_hull,
     convex_hull,
@@ -26,7 +26,6 @@ _SPARE = 0.97
 
 def compact_hull(
     hull: Hull,
-    limits: HullLimits,
     thickest: float,
     alike: float = ALIKE,
     halvings: int = HALVINGS,
@@ -36,14 +35,13 @@ def compact_hull(
 
     Args:
         hull: Any hull.
-        limits: What engines take.
         thickest: Thickness (m) up to which a hull is thickened rather than divided.
         alike: Volume of its box over that of a hull up to which the box is taken.
         halvings: Times that it may be divided; what is left oblong then is left out.
         reach: How far (m) its box may stand out of it.
     """
-    proper = comply_hull(hull, limits)
-    if hull_aspect(proper) <= limits.max_aspect:
+    proper = comply_hull(hull)
+    if hull_aspect(proper) <= MAX_ASPECT:
         return [proper]
     box = around_box(hull)
     planes = hull_planes(hull)
@@ -54,10 +52,10 @@ def compact_hull(
         return []
     length, along = hull_length(hull)
     # Its longest diagonal, because thickening turns the directions along which its length is measured.
-    needed = max(length, float(pdist(hull.vertices).max())) / (_SPARE * limits.max_aspect)
+    needed = max(length, float(pdist(hull.vertices).max())) / (_SPARE * MAX_ASPECT)
     if needed <= max(thickest, hull_width(hull)[0]):
-        thick = comply_hull(thicken_hull(hull, needed), limits)
-        if hull_aspect(thick) <= limits.max_aspect:
+        thick = comply_hull(thicken_hull(hull, needed))
+        if hull_aspect(thick) <= MAX_ASPECT:
             return [thick]
     heights = hull.vertices @ along
     middle = float(heights.min() + heights.max()) / 2
@@ -65,8 +63,8 @@ def compact_hull(
     return [
         part
         for half in halves
-        if half is not None and hull_width(half)[0] >= 0.5 * limits.min_width
-        for part in compact_hull(half, limits, thickest, alike, halvings - 1, reach)
+        if half is not None and hull_width(half)[0] >= 0.5 * MIN_WIDTH
+        for part in compact_hull(half, thickest, alike, halvings - 1, reach)
     ]
 
 

@@ -17,16 +17,10 @@ from sim_export.geometry.solids import solid_arrays
 Solid = manifold3d.Manifold
 MINOR_PLANE = 0.1
 """Share of a piece's concavity below which a plane is not worth a cut for its own sake."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class PieceConfig:
-    """Where cutting stops."""
-
-    max_pieces: int = 72
-    """Cutting stops at this many pieces; raise it for parts with fine detail that hulls should follow."""
-    cut_excess: float = 0.03
-    """Cutting stops when the pieces' hulls together exceed the solid by this share of its volume."""
+CUT_EXCESS = 0.02
+"""Cutting stops when the pieces' hulls together exceed the solid by this share of its volume."""
+MOST_PIECES = 72
+"""Cutting stops at this many pieces."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -86,7 +80,7 @@ def _piece(hull: Solid, volume: float) -> _Piece:
     return _Piece(hull=hull, volume=volume, outer=hull.volume(), bounds=bounds)
 
 
-def cut_pieces(solid: Solid, cfg: PieceConfig) -> list[Solid]:
+def cut_pieces(solid: Solid, most: int = MOST_PIECES) -> list[Solid]:
     """Cuts the least convex piece, again and again; what is left is nearly convex and shares no volume."""
     total = solid.volume()
     queue: list[tuple[float, int, Solid]] = []
@@ -102,9 +96,9 @@ def cut_pieces(solid: Solid, cfg: PieceConfig) -> list[Solid]:
 
     for component in _components(solid):
         excess += push(component)
-    while queue and len(queue) + len(done) < cfg.max_pieces and excess > cfg.cut_excess * total:
+    while queue and len(queue) + len(done) < most and excess > CUT_EXCESS * total:
         over, _, piece = heapq.heappop(queue)
-        if -over < 0.1 * cfg.cut_excess * total / cfg.max_pieces:
+        if -over < 0.1 * CUT_EXCESS * total / most:
             done.append(piece)
             continue
         halves = _best_cut(piece)

@@ -7,10 +7,10 @@ import numpy as np
 
 from sim_export.collision.compact import compact_hull
 from sim_export.collision.contacts import HullSet
-from sim_export.collision.hull_limits import HullLimits, trim_hull
+from sim_export.collision.hull_limits import MAX_POLYGONS, MAX_VERTICES, MIN_WIDTH, trim_hull
 from sim_export.collision.hulls import hull_volume, hull_width, reduce_hull
 from sim_export.collision.motion import longest_side
-from sim_export.collision.relief import ReliefConfig, find_ends
+from sim_export.collision.relief import END, MAX_REMOVED, SLIVER, SLIVER_LENGTH, find_ends
 from sim_export.package import Hull, Link
 
 
@@ -27,10 +27,15 @@ class LinkRelief:
 
 
 class CutHulls:
-    """The hulls of every link while they are cut; ``None`` where one was dropped."""
+    """The hulls of every link while they are cut; ``None`` where one was dropped.
 
-    def __init__(self, links: Sequence[Link]) -> None:
+    Where hulls may be ``sheets``, which have much surface and hardly any volume, only short ones may be
+    dropped.
+    """
+
+    def __init__(self, links: Sequence[Link], *, sheets: bool = False) -> None:
         self.links = links
+        self.sheets = sheets
         self.hulls: list[list[Hull | None]] = [list(link.hulls) for link in links]
         self.volumes = [[hull_volume(hull) for hull in link.hulls] for link in links]
         self.totals = [sum(volumes) for volumes in self.volumes]
@@ -54,7 +59,7 @@ class CutHulls:
         self.hulls[link] += list(pieces)
         self.volumes[link] += [hull_volume(piece) for piece in pieces]
 
-    def trim(self, link: int, limits: HullLimits, most: int, *, sheets: bool = False) -> None:
+    def trim(self, link: int, most: int) -> None:
         """Brings what cuts have left of a link's hulls within the limits of physics engines.
 
         Oblong pieces are cut again, pieces thinner than allowed go, and where there are too many hulls
@@ -63,8 +68,8 @@ class CutHulls:
         untouched = {id(hull) for hull in self.links[link].hulls}
         out: list[Hull] = []
         for hull in self.prepared(link)[0].hulls:
-            out += [hull] if id(hull) in untouched else _trim(hull, limits, sheets=sheets)
-        thick = [h for h in out if id(h) in untouched or hull_width(h)[0] >= limits.min_width]
+            out += [hull] if id(hull) in untouched else _trim(hull, sheets=self.sheets)
+        thick = [h for h in out if id(h) in untouched or hull_width(h)[0] >= MIN_WIDTH]
         sizes = np.array([hull_volume(hull) for hull in thick])
         largest = set(np.argsort(-sizes, kind="stable")[:most].tolist())
         kept = [hull for index, hull in enumerate(thick) if index in largest]
@@ -79,38 +84,38 @@ class CutHulls:
         most = min(max_hulls, 8 + int(max_growth * len(self.links[link].hulls)))
         return max(most - self.count(link), 0)
 
-    def allowance(self, link: int, slot: int, cfg: ReliefConfig) -> float:
+    def allowance(self, link: int, slot: int) -> float:
         """Volume (m^3) that cuts may take from a hull: much of it, or little of its link; none of a wheel."""
         if self._is_round(link):
             return 0.0
-        least = self.least(link, cfg) if self._is_small(link, slot, cfg) else 0.0
-        return max(cfg.max_removed * self.volumes[link][slot], least)
+        least = self.least(link) if self._is_small(link, slot) else 0.0
+        return max(MAX_REMOVED * self.volumes[link][slot], least)
 
-    def least(self, link: int, cfg: ReliefConfig) -> float:
+    def least(self, link: int) -> float:
         """Volume (m^3) that cuts may take from a hull of a link however large it is: next to nothing."""
-        return 0.0 if self._is_round(link) else cfg.sliver * self.totals[link]
+        return 0.0 if self._is_round(link) else SLIVER * self.totals[link]
 
-    def end(self, link: int, slot: int, cfg: ReliefConfig) -> float:
+    def end(self, link: int, slot: int) -> float:
         """Volume (m^3) that deep cuts may take from a hull: little of its link, or the end of a post."""
-        least, hull = self.least(link, cfg), self.hulls[link][slot]
-        slender = hull is not None and len(find_ends(hull, cfg)) > 0
-        return max(least, cfg.end * self.volumes[link][slot]) if least and slender else least
+        least, hull = self.least(link), self.hulls[link][slot]
+        slender = hull is not None and len(find_ends(hull)) > 0
+        return max(least, END * self.volumes[link][slot]) if least and slender else least
 
     def _is_round(self, link: int) -> bool:
         """Whether a link is one cylinder that has to roll (`sim_export.geometry.wheels`)."""
         return self.links[link].label == "wheel" and len(self.links[link].hulls) == 1
 
-    def is_sliver(self, link: int, slot: int, cfg: ReliefConfig) -> bool:
+    def is_sliver(self, link: int, slot: int) -> bool:
         """Whether a hull is so small against its link that it may go entirely."""
-        return self._is_small(link, slot, cfg) and self.volumes[link][slot] < self.least(link, cfg)
+        return self._is_small(link, slot) and self.volumes[link][slot] < self.least(link)
 
-    def _is_small(self, link: int, slot: int, cfg: ReliefConfig) -> bool:
+    def _is_small(self, link: int, slot: int) -> bool:
         """Whether a hull is no longer than what may go: a sheet has hardly any volume, and is much to see."""
         hull = self.hulls[link][slot]
         return (
-            not cfg.sheets
+            not self.sheets
             or hull is None
-            or float(np.ptp(hull.vertices, axis=0).max()) <= cfg.sliver_length * self.size
+            or float(np.ptp(hull.vertices, axis=0).max()) <= SLIVER_LENGTH * self.size
         )
 
     def sets(self) -> list[HullSet]:
@@ -135,8 +140,8 @@ class CutHulls:
         return tuple(out)
 
 
-def _trim(hull: Hull, limits: HullLimits, *, sheets: bool) -> Sequence[Hull]:
+def _trim(hull: Hull, *, sheets: bool) -> Sequence[Hull]:
     """A hull within the limits without growing; of sheets as much as can be is kept."""
     if not sheets:
-        return trim_hull(hull, limits)
-    return compact_hull(reduce_hull(hull, limits.max_vertices, limits.max_polygons), limits, 0.0, 1.0)
+        return trim_hull(hull)
+    return compact_hull(reduce_hull(hull, MAX_VERTICES, MAX_POLYGONS), 0.0, 1.0)

@@ -7,7 +7,7 @@ facets loses less than that millimetre, and is the same in every engine.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
@@ -16,51 +16,44 @@ from sim_export.collision.hull_limits import hull_aspect
 from sim_export.collision.hulls import box_bounds, clip_hull, hull_planes, hull_volume, hull_width
 from sim_export.package import Hull, Link
 
-
-@dataclass(frozen=True, kw_only=True)
-class FacetConfig:
-    """Which facets become one."""
-
-    tolerance: float = 0.0015
-    """Distance of one facet's middle from the other's plane, over the hull's diagonal, below which two
-    neighbours are one; twice what PhysX merges, since its fans grow."""
-    max_removed: float = 0.03
-    """Greatest share of a hull's volume that this may cost; what would cost more stays as it is."""
-    min_width: float = 0.0012
-    """Nor may it leave a hull thinner than this (m)."""
-    max_aspect: float = 60.0
-    """Nor longer than so many thicknesses."""
-    most: int = 24
-    """Most planes of a hull."""
+TOLERANCE = 0.0015
+"""Distance of one facet's middle from the other's plane, over the hull's diagonal, below which two
+neighbours are one; twice what PhysX merges, since its fans grow."""
+MAX_REMOVED = 0.03
+"""Greatest share of a hull's volume that this may cost; what would cost more stays as it is."""
+MIN_WIDTH = 0.0012
+"""Nor may it leave a hull thinner than this (m)."""
+MAX_ASPECT = 60.0
+"""Nor longer than so many thicknesses."""
+MOST = 24
+"""Most planes of a hull."""
 
 
-def flatten_links(links: Sequence[Link], cfg: FacetConfig | None = None) -> tuple[Link, ...]:
+def flatten_links(links: Sequence[Link]) -> tuple[Link, ...]:
     """Links whose hulls have no facets that engines would merge; those without any are the same objects."""
-    cfg = cfg or FacetConfig()
     out = []
     for link in links:
-        hulls = tuple(flatten_facets(hull, cfg) for hull in link.hulls)
+        hulls = tuple(flatten_facets(hull) for hull in link.hulls)
         same = all(new is old for new, old in zip(hulls, link.hulls, strict=True))
         out.append(link if same else replace(link, hulls=hulls))
     return tuple(out)
 
 
-def flatten_facets(hull: Hull, cfg: FacetConfig | None = None) -> Hull:
+def flatten_facets(hull: Hull) -> Hull:
     """A hull inside of the given one, with one facet in place of neighbours that are nearly coplanar."""
-    cfg = cfg or FacetConfig()
     if box_bounds(hull) is not None:
         return hull
-    tolerance = cfg.tolerance * float(np.linalg.norm(np.ptp(hull.vertices, axis=0)))
-    least = (1.0 - cfg.max_removed) * hull_volume(hull)
+    tolerance = TOLERANCE * float(np.linalg.norm(np.ptp(hull.vertices, axis=0)))
+    least = (1.0 - MAX_REMOVED) * hull_volume(hull)
     flat = hull
-    for _ in range(cfg.most):
+    for _ in range(MOST):
         plane = _merged_plane(flat, tolerance)
         cut = None if plane is None else clip_hull(flat, plane[:3], float(plane[3]))
         if cut is None or cut is flat:
             break
-        if hull_volume(cut) < least or hull_width(cut)[0] < cfg.min_width:
+        if hull_volume(cut) < least or hull_width(cut)[0] < MIN_WIDTH:
             break
-        if len(cut.vertices) > len(hull.vertices) or hull_aspect(cut) > cfg.max_aspect:
+        if len(cut.vertices) > len(hull.vertices) or hull_aspect(cut) > MAX_ASPECT:
             break
         flat = cut
     return flat

@@ -5,41 +5,35 @@ when it stands. Where the mesh reaches further down than every hull, what of it 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim_export.collision.additions import AdditionConfig, add_hull
+from sim_export.collision.additions import add_hull
 from sim_export.collision.contacts import HullSet, signed_distances
-from sim_export.collision.hull_limits import HullLimits, trim_hull
+from sim_export.collision.hull_limits import trim_hull
 from sim_export.collision.hulls import clip_hull, convex_hull, hull_volume, hull_width
 from sim_export.collision.sweeps import read_sweeps
 from sim_export.errors import DegeneratePart
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
 
-
-@dataclass(frozen=True, kw_only=True)
-class FeetConfig:
-    """When feet are added, and which; lengths in metres."""
-
-    near: float = 0.0045
-    """Hulls that end this little above the lowest visible point are left alone."""
-    far: float = 0.06
-    """Hulls that end further up lack more than feet; they are left alone too."""
-    root: float = 1e-3
-    """How far a foot reaches up beyond the lowest hull."""
-    short: float = 0.004
-    """How far a foot stays below the lowest hull where something that moves passes close above it."""
-    least_fill: float = 0.6
-    """Share of its convex hull that a foot fills; frames fill less and stand on their corners instead."""
-    corner: float = 0.2
-    """Size of such a corner over the frame's."""
-    least_width: float = 0.0011
-    """Feet thinner than this are left out."""
-    most: int = 8
-    """Most feet of a link; the largest stay."""
-    addition: AdditionConfig = field(default_factory=AdditionConfig)
-    """What feet must keep to."""
+# Lengths in metres.
+NEAR = 0.0045
+"""Hulls that end this little above the lowest visible point are left alone."""
+FAR = 0.06
+"""Hulls that end further up lack more than feet; they are left alone too."""
+ROOT = 1e-3
+"""How far a foot reaches up beyond the lowest hull."""
+SHORT = 0.004
+"""How far a foot stays below the lowest hull where something that moves passes close above it."""
+LEAST_FILL = 0.6
+"""Share of its convex hull that a foot fills; frames fill less and stand on their corners instead."""
+CORNER = 0.2
+"""Size of such a corner over the frame's."""
+LEAST_WIDTH = 0.0011
+"""Feet thinner than this are left out."""
+MOST = 8
+"""Most feet of a link; the largest stay."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,7 +49,6 @@ def add_feet(
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
     meshes: Mapping[str, Mesh],
-    cfg: FeetConfig | None = None,
 ) -> Standing:
     """Adds hulls where the meshes reach further down than all hulls, at rest.
 
@@ -64,32 +57,30 @@ def add_feet(
         joints: Their joints.
         requirements: Joints that must be open while another moves.
         meshes: Closed mesh of every part, by name; metres, object frame.
-        cfg: When feet are added, and which.
 
     Returns:
         New links; those without feet are the same objects. Hulls only grow.
     """
-    cfg = cfg or FeetConfig()
     sets = [HullSet(hulls=link.hulls) for link in links]
     felt = min(float(hulls.vertices[:, 2].min()) for hulls in sets if hulls.hulls)
     seen = [
         min((float(meshes[part].vertices[:, 2].min()) for part in link.parts), default=felt) for link in links
     ]
-    if not cfg.near < felt - min(seen) <= cfg.far:
+    if not NEAR < felt - min(seen) <= FAR:
         return Standing(links=tuple(links))
-    sweeps = read_sweeps(links, joints, requirements, cfg.addition.sweep)
+    sweeps = read_sweeps(links, joints, requirements)
     records = []
     for slot, link in enumerate(links):
-        if felt - seen[slot] <= cfg.near or not link.hulls:
+        if felt - seen[slot] <= NEAR or not link.hulls:
             continue
-        feet = _find_feet([meshes[part] for part in link.parts], seen[slot], felt + cfg.root, cfg)
+        feet = _find_feet([meshes[part] for part in link.parts], seen[slot], felt + ROOT)
         added = 0
         for foot in feet:
             hulls = None
-            for choice in (foot, clip_hull(foot, np.array([0.0, 0.0, 1.0]), felt - cfg.short)):
+            for choice in (foot, clip_hull(foot, np.array([0.0, 0.0, 1.0]), felt - SHORT)):
                 if hulls is None and choice is not None:
                     nearest = _nearest_hull(choice, sets[slot])
-                    hulls = add_hull(sets, sweeps, slot, choice, nearest, cfg.addition)
+                    hulls = add_hull(sets, sweeps, slot, choice, nearest)
             added += hulls is not None
             sets[slot] = hulls or sets[slot]
         records.append(
@@ -105,7 +96,7 @@ def add_feet(
     )
 
 
-def _find_feet(meshes: Sequence[Mesh], low: float, high: float, cfg: FeetConfig) -> list[Hull]:
+def _find_feet(meshes: Sequence[Mesh], low: float, high: float) -> list[Hull]:
     """Convex feet from ``low`` to ``high``, largest first: what the meshes have in the lower half of that."""
     import manifold3d
 
@@ -123,16 +114,16 @@ def _find_feet(meshes: Sequence[Mesh], low: float, high: float, cfg: FeetConfig)
         for piece in solid.trim_by_plane((0.0, 0.0, -1.0), -middle).decompose():
             points = np.array(piece.to_mesh64().vert_properties)[:, :3]
             fill = piece.volume() / max(piece.hull().volume(), 1e-12)
-            for pad in [points] if fill >= cfg.least_fill else _corners(points, cfg.corner):
+            for pad in [points] if fill >= LEAST_FILL else _corners(points, CORNER):
                 found.append(np.concatenate([pad, pad * [1, 1, 0] + [0, 0, high]]))
     feet = []
     for points in found:
         try:
-            feet += trim_hull(convex_hull(points), HullLimits())
+            feet += trim_hull(convex_hull(points))
         except DegeneratePart:  # a flat sliver carries nothing
             continue
-    feet = [foot for foot in feet if hull_width(foot)[0] >= cfg.least_width]
-    return sorted(feet, key=lambda foot: -hull_volume(foot))[: cfg.most]
+    feet = [foot for foot in feet if hull_width(foot)[0] >= LEAST_WIDTH]
+    return sorted(feet, key=lambda foot: -hull_volume(foot))[:MOST]
 
 
 def _corners(points: np.ndarray, share: float) -> list[np.ndarray]:

@@ -20,18 +20,14 @@ from sim_export.package import Hull, Link, Mesh
 _SAMPLES = 20_000
 
 
-@dataclass(frozen=True, kw_only=True)
-class FillingConfig:
-    """What meshes take in."""
-
-    reach: float = 1.6
-    """Voxels; a hull that stands out of the mesh by more anywhere is not taken in."""
-    share: float = 0.05
-    """Share of a link's volume that its hulls may fill without any change to meshes."""
-    least: float = 0.001
-    """Share of a link's volume below which what one hull fills is left alone."""
-    grid: int = 24
-    """Cells along each axis with which the depth of what a hull fills is measured."""
+REACH = 1.6
+"""Voxels; a hull that stands out of the mesh by more anywhere is not taken in."""
+SHARE = 0.05
+"""Share of a link's volume that its hulls may fill without any change to meshes."""
+LEAST = 0.001
+"""Share of a link's volume below which what one hull fills is left alone."""
+GRID = 24
+"""Cells along each axis with which the depth of what a hull fills is measured."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,18 +38,14 @@ class Filled:
     records: tuple[str, ...] = ()
 
 
-def fill_meshes(
-    links: Sequence[Link], meshes: Mapping[str, Mesh], voxel: float, cfg: FillingConfig | None = None
-) -> Filled:
+def fill_meshes(links: Sequence[Link], meshes: Mapping[str, Mesh], voxel: float) -> Filled:
     """Adds to the meshes of each link what its hulls hold besides, as far as that is thin.
 
     Args:
         links: Links with hulls, object frame at rest.
         meshes: Closed mesh of every part, by name; metres, object frame.
         voxel: Edge of a voxel (m).
-        cfg: What is taken in.
     """
-    cfg = cfg or FillingConfig()
     out, records = dict(meshes), []
     for link in links:
         if not link.hulls or not link.parts:
@@ -62,15 +54,15 @@ def fill_meshes(
         whole = manifold3d.Manifold.batch_boolean(list(solids.values()), manifold3d.OpType.Add)
         volume = whole.volume()
         felt = manifold3d.Manifold.batch_boolean(list(map(as_solid, link.hulls)), manifold3d.OpType.Add)
-        excess = (felt - whole).volume() - cfg.share * volume
+        excess = (felt - whole).volume() - SHARE * volume
         if excess <= 0.0:
             continue
         taken: dict[str, int] = {}
         surface = _sample(whole)
-        for hull, rest in _fillers(link.hulls, whole, cfg.least * volume):
+        for hull, rest in _fillers(link.hulls, whole, LEAST * volume):
             if excess <= 0.0:
                 break
-            if _depth(rest, surface, cfg.grid) > cfg.reach * voxel:
+            if _depth(rest, surface, GRID) > REACH * voxel:
                 continue
             part = max(solids, key=lambda name: (solids[name] ^ hull).volume())
             solids[part] = solids[part] + hull
@@ -85,7 +77,7 @@ def fill_meshes(
             grown = as_solid(mesh).volume() / as_solid(meshes[part]).volume() - 1.0
             out[part] = mesh
             records.append(
-                f"{part}: its mesh fills gaps up to {1000 * cfg.reach * voxel:.0f} mm deep, as {count} of "
+                f"{part}: its mesh fills gaps up to {1000 * REACH * voxel:.0f} mm deep, as {count} of "
                 f"its hulls do: {grown:.1%} of its volume"
             )
     return Filled(meshes=out, records=tuple(records))

@@ -16,33 +16,32 @@ from sim_export.package import Hull
 LEAST_SHARE = 0.02
 """Share of its weight from which on surface counts."""
 
+MISSED_WEIGHT = 10.0
+"""What a share of the surface missed counts, in shares of the volume."""
+FREE_SHARE = 0.004
+"""Share of the surface that may be missed for nothing, unless it is too far away."""
+FAR_WEIGHT = 40.0
+"""What a share of the surface that is too far away counts on top of that."""
+FIRST_LOOKS = ((1.0, 0.0), (1.0, 0.02), (2.0, 0.02), (2.0, 0.1), (4.0, 0.0), (4.0, 0.1))
+"""What greedy choices begin with: factor of ``filled_weight``, share of the surface's weight."""
+GOOD = 0.05
+"""Loss below which a cover is not improved any more."""
+IMPROVED = 2
+"""Covers that are improved, the best first."""
+ROUNDS = 2
+"""Most passes over the chosen hulls that replace one after the other."""
+PRICE = 0.002
+"""What every hull costs, in shares of the volume."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class CoverConfig:
-    """What a hull must gain to be taken."""
+    """How many hulls there may be, and what they may fill."""
 
     max_hulls: int
     """Most hulls."""
-    missed_weight: float = 10.0
-    """What a share of the surface missed counts, in shares of the volume."""
-    free_share: float = 0.004
-    """Share of the surface that may be missed for nothing, unless it is too far away."""
-    far_weight: float = 40.0
-    """What a share of the surface that is too far away counts on top of that."""
     filled_weight: float = 1.0
     """What free space filled counts against solid missed; more keeps cavities freer."""
-    first_looks: tuple[tuple[float, float], ...] = (
-        (1.0, 0.0), (1.0, 0.02), (2.0, 0.02), (2.0, 0.1), (4.0, 0.0), (4.0, 0.1),
-    )  # fmt: skip
-    """What greedy choices begin with: factor of ``filled_weight``, share of the surface's weight."""
-    good: float = 0.05
-    """Loss below which a cover is not improved any more."""
-    improved: int = 2
-    """Covers that are improved, the best first."""
-    rounds: int = 2
-    """Most passes over the chosen hulls that replace one after the other."""
-    price: float = 0.002
-    """What every hull costs, in shares of the volume."""
 
 
 def choose_hulls(offers: Offers, cfg: CoverConfig) -> tuple[tuple[Hull, ...], float]:
@@ -53,10 +52,10 @@ def choose_hulls(offers: Offers, cfg: CoverConfig) -> tuple[tuple[Hull, ...], fl
     """
     if not offers.tiles:
         return (), np.inf
-    empty = {filled: count_left(offers, filled * cfg.filled_weight) for filled, _ in cfg.first_looks}
-    covers = [_cover(offers, cfg, empty[filled], share) for filled, share in cfg.first_looks]
+    empty = {filled: count_left(offers, filled * cfg.filled_weight) for filled, _ in FIRST_LOOKS}
+    covers = [_cover(offers, cfg, empty[filled], share) for filled, share in FIRST_LOOKS]
     losses = [_loss(offers, cover, cfg) for cover in covers]
-    order = np.argsort(losses, kind="stable")[: cfg.improved].tolist()
+    order = np.argsort(losses, kind="stable")[:IMPROVED].tolist()
     better = [_improve(offers, covers[index], cfg) for index in order]
     losses = [_loss(offers, cover, cfg) for cover in better]
     loss, best = min(zip(losses, better, strict=True), key=lambda pair: pair[0])
@@ -67,9 +66,9 @@ def _improve(offers: Offers, cover: list[int], cfg: CoverConfig) -> list[int]:
     """Takes single hulls out again and fills up anew, as long as that makes the cover better."""
     loss = _loss(offers, cover, cfg)
     left = None
-    for _ in range(cfg.rounds):
+    for _ in range(ROUNDS):
         before = loss
-        if loss < cfg.good:
+        if loss < GOOD:
             break
         for index in list(cover):
             if index not in cover:
@@ -93,10 +92,10 @@ def _loss(offers: Offers, cover: list[int], cfg: CoverConfig) -> float:
     filled = offers.surplus[cover].sum() - held[held < 0].sum()
     volume = 1.0 - held[held > 0].sum() + cfg.filled_weight * filled
     surface = (
-        _surface_loss(_missing_beside(offers, cover)[None], offers.points, cfg)[0]
-        + cfg.missed_weight * offers.bulges[cover].sum()
+        _surface_loss(_missing_beside(offers, cover)[None], offers.points)[0]
+        + MISSED_WEIGHT * offers.bulges[cover].sum()
     )
-    return float(volume + surface + cfg.price * offers.costs[cover].sum())
+    return float(volume + surface + PRICE * offers.costs[cover].sum())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -147,9 +146,9 @@ def _cover(offers: Offers, cfg: CoverConfig, left: Left, share: float, never: in
     Surface counts ``share`` of its weight until nothing is gained so, then ever more.
     """
     value, volumes = left.value.copy(), left.volumes.copy()
-    fixed = left.filled * offers.surplus + cfg.price * offers.costs
+    fixed = left.filled * offers.surplus + PRICE * offers.costs
     missing = _missing_beside(offers, left.chosen)
-    surfaces = _surface_gains(offers, missing, cfg)
+    surfaces = _surface_gains(offers, missing)
     chosen = list(left.chosen)
     room = cfg.max_hulls - int(offers.costs[chosen].sum())
     volumes[[*chosen, *([never] if never >= 0 else [])]] = -np.inf
@@ -162,7 +161,7 @@ def _cover(offers: Offers, cfg: CoverConfig, left: Left, share: float, never: in
             room -= int(offers.costs[best])
             offers.cells[best].fill(value, value=0.0)
             missing = missing & offers.missing[best]
-            surfaces = _surface_gains(offers, missing, cfg)
+            surfaces = _surface_gains(offers, missing)
             for index in np.flatnonzero(_meet(offers.bounds, offers.bounds[best]) & np.isfinite(volumes)):
                 volumes[index] = offers.cells[index].select(value).sum()
             volumes[best] = -np.inf
@@ -173,12 +172,12 @@ def _cover(offers: Offers, cfg: CoverConfig, left: Left, share: float, never: in
     return chosen
 
 
-def _surface_gains(offers: Offers, missing: np.ndarray, cfg: CoverConfig) -> np.ndarray:
+def _surface_gains(offers: Offers, missing: np.ndarray) -> np.ndarray:
     """What each hull gains in surface, less what it bulges, where so much is ``missing`` yet."""
-    gained = _surface_loss(missing[None], offers.points, cfg)[0] - _surface_loss(
-        missing & offers.missing, offers.points, cfg
+    gained = _surface_loss(missing[None], offers.points)[0] - _surface_loss(
+        missing & offers.missing, offers.points
     )
-    return gained - cfg.missed_weight * offers.bulges
+    return gained - MISSED_WEIGHT * offers.bulges
 
 
 def _missing_beside(offers: Offers, cover: Sequence[int]) -> UInt64[np.ndarray, "2 W"]:
@@ -187,7 +186,7 @@ def _missing_beside(offers: Offers, cover: Sequence[int]) -> UInt64[np.ndarray, 
     return np.bitwise_and.reduce(offers.missing[list(cover)], axis=0) if len(cover) else everything
 
 
-def _surface_loss(missing: UInt64[np.ndarray, "K 2 W"], total: int, cfg: CoverConfig) -> np.ndarray:
+def _surface_loss(missing: UInt64[np.ndarray, "K 2 W"], total: int) -> np.ndarray:
     """What missing points count, out of ``total``."""
     missed, far = np.bitwise_count(missing).sum(axis=2, dtype=np.int64).T / total
-    return cfg.missed_weight * np.maximum(missed - cfg.free_share, 0.0) + cfg.far_weight * far
+    return MISSED_WEIGHT * np.maximum(missed - FREE_SHARE, 0.0) + FAR_WEIGHT * far

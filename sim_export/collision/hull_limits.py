@@ -1,7 +1,6 @@
-"""Limits of physics engines on hulls, and how hulls are changed to comply."""
+"""Limits of PhysX's GPU solver on hulls, with a little room, and how hulls are changed to comply."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -24,41 +23,34 @@ MAX_CUTS = 4
 """Times that a hull is cut, and its pieces again. A board needs two; a bevelled one that is nearly square
 needs four, as its greatest extent runs from corner to corner."""
 
-
-@dataclass(frozen=True, kw_only=True)
-class HullLimits:
-    """Limits of PhysX's GPU solver, with a little room, and a least thickness."""
-
-    max_vertices: int = 32
-    """Most vertices of a hull; 32 have at most 60 faces, whichever of them count as flat."""
-    max_polygons: int = 54
-    """Most faces of a hull, coplanar triangles counted once."""
-    min_width: float = 0.0015
-    """Least thickness (m); thinner hulls are thickened to it. More than is checked, because files hold
-    micrometres: rounding bends a face of a hull of 1 mm by a thousandth of its thickness."""
-    max_aspect: float = 60.0
-    """Greatest length over thickness; longer hulls are cut and, where that would make too many, first
-    thickened a little. PhysX handles oblong hulls badly from 64 on, but takes boxes of any length."""
-    sliver: float = 0.005
-    """Share of the part's hull volume that may be left out as hulls thinner than the least thickness."""
+MAX_VERTICES = 32
+"""Most vertices of a hull; 32 have at most 60 faces, whichever of them count as flat."""
+MAX_POLYGONS = 54
+"""Most faces of a hull, coplanar triangles counted once."""
+MIN_WIDTH = 0.0015
+"""Least thickness (m); thinner hulls are thickened to it. More than is checked, because files hold
+micrometres: rounding bends a face of a hull of 1 mm by a thousandth of its thickness."""
+MAX_ASPECT = 60.0
+"""Greatest length over thickness; longer hulls are cut and, where that would make too many, first
+thickened a little. PhysX handles oblong hulls badly from 64 on, but takes boxes of any length."""
+SLIVER = 0.005
+"""Share of the part's hull volume that may be left out as hulls thinner than the least thickness."""
 
 
-def limit_hulls(
-    hulls: Sequence[Hull], limits: HullLimits, max_hulls: int
-) -> tuple[tuple[Hull, ...], tuple[str, ...]]:
+def limit_hulls(hulls: Sequence[Hull], max_hulls: int) -> tuple[tuple[Hull, ...], tuple[str, ...]]:
     """Hulls within the limits, and one sentence for each kind of change."""
-    reduced = [_reduce(hull, limits) for hull in hulls]
+    reduced = [_reduce(hull) for hull in hulls]
     fewer = sum(new is not old for new, old in zip(reduced, hulls, strict=True))
-    kept = _without_slivers(reduced, limits)
-    thick = [comply_hull(hull, limits) for hull in kept]
+    kept = _without_slivers(reduced)
+    thick = [comply_hull(hull) for hull in kept]
     thickened = sum(new is not old for new, old in zip(thick, kept, strict=True))
-    cut, cuts, least = _limit_aspect(thick, limits, max_hulls)
-    out = [comply_hull(hull, limits) for hull in cut]  # slanted ends of cut hulls are thin again
+    cut, cuts, least = _limit_aspect(thick, max_hulls)
+    out = [comply_hull(hull) for hull in cut]  # slanted ends of cut hulls are thin again
     records = (
-        (fewer, f"{fewer} hulls reduced to {limits.max_vertices} vertices and {limits.max_polygons} faces"),
+        (fewer, f"{fewer} hulls reduced to {MAX_VERTICES} vertices and {MAX_POLYGONS} faces"),
         (len(reduced) - len(kept), f"{len(reduced) - len(kept)} slivers left out"),
-        (thickened, f"{thickened} hulls thickened to {1000 * limits.min_width:g} mm"),
-        (cuts, f"oblong hulls cut {cuts} times to a length below {limits.max_aspect:g} thicknesses"),
+        (thickened, f"{thickened} hulls thickened to {1000 * MIN_WIDTH:g} mm"),
+        (cuts, f"oblong hulls cut {cuts} times to a length below {MAX_ASPECT:g} thicknesses"),
         (
             least > 0,
             f"oblong hulls thickened to {1000 * least:.1f} mm, to have no more than {max_hulls} hulls",
@@ -67,39 +59,39 @@ def limit_hulls(
     return tuple(out), tuple(sentence for count, sentence in records if count)
 
 
-def comply_hull(hull: Hull, limits: HullLimits) -> Hull:
+def comply_hull(hull: Hull) -> Hull:
     """A hull with few enough vertices and faces and thick enough, whatever its length: itself if it is so."""
     for _ in range(4):  # either change may undo a little of the other
-        changed = _reduce(thicken_hull(hull, limits.min_width), limits)
+        changed = _reduce(thicken_hull(hull, MIN_WIDTH))
         if changed is hull:
             break
         hull = changed
     return hull
 
 
-def tile_hull(hull: Hull, limits: HullLimits, most: int) -> tuple[Hull, ...]:
+def tile_hull(hull: Hull, most: int) -> tuple[Hull, ...]:
     """An oblong hull cut to the length that its thickness allows; none where that takes more than ``most``
     hulls, or cannot be done without leaving some of it out, like the tip of a wedge."""
-    if hull_aspect(hull) <= limits.max_aspect:
+    if hull_aspect(hull) <= MAX_ASPECT:
         return (hull,)
-    compact = limits.max_aspect * hull_width(hull)[0]
+    compact = MAX_ASPECT * hull_width(hull)[0]
     count = int(np.prod(np.ceil(np.array(_side_lengths(hull)) / compact - 1e-9).clip(1)))
     if count > most:
         return ()
-    tiles = tuple(comply_hull(tile, limits) for tile in _cut_to_aspect(hull, limits.max_aspect))
-    whole = sum(map(hull_volume, tiles)) >= (1.0 - limits.sliver) * hull_volume(hull)
+    tiles = tuple(comply_hull(tile) for tile in _cut_to_aspect(hull))
+    whole = sum(map(hull_volume, tiles)) >= (1.0 - SLIVER) * hull_volume(hull)
     return tiles if len(tiles) <= most and whole else ()
 
 
-def trim_hull(hull: Hull, limits: HullLimits) -> tuple[Hull, ...]:
+def trim_hull(hull: Hull) -> tuple[Hull, ...]:
     """A hull within the limits without growing anywhere: fewer vertices, and cut where it is oblong."""
-    reduced = reduce_hull(hull, limits.max_vertices, limits.max_polygons)
-    return tuple(_cut_to_aspect(reduced, limits.max_aspect))
+    reduced = reduce_hull(hull, MAX_VERTICES, MAX_POLYGONS)
+    return tuple(_cut_to_aspect(reduced))
 
 
-def _reduce(hull: Hull, limits: HullLimits) -> Hull:
+def _reduce(hull: Hull) -> Hull:
     """Fewer vertices, if there are too many, and the same volume."""
-    reduced = reduce_hull(hull, limits.max_vertices, limits.max_polygons)
+    reduced = reduce_hull(hull, MAX_VERTICES, MAX_POLYGONS)
     return hull if reduced is hull else scale_to_volume(reduced, hull_volume(hull))
 
 
@@ -108,13 +100,13 @@ def hull_aspect(hull: Hull) -> float:
     return 1.0 if is_box(hull) else hull_length(hull)[0] / hull_width(hull)[0]
 
 
-def _without_slivers(hulls: Sequence[Hull], limits: HullLimits) -> list[Hull]:
+def _without_slivers(hulls: Sequence[Hull]) -> list[Hull]:
     """Leaves out hulls too thin to keep, as long as together they hold next to nothing."""
     volumes = [hull_volume(hull) for hull in hulls]
-    room = limits.sliver * sum(volumes)
+    room = SLIVER * sum(volumes)
     kept = []
     for hull, volume in sorted(zip(hulls, volumes, strict=True), key=lambda pair: pair[1]):
-        if volume <= room and hull_width(hull)[0] < limits.min_width:
+        if volume <= room and hull_width(hull)[0] < MIN_WIDTH:
             room -= volume
         else:
             kept.append(hull)
@@ -133,7 +125,7 @@ def thicken_hull(hull: Hull, width: float) -> Hull:
     return hull
 
 
-def _limit_aspect(hulls: Sequence[Hull], limits: HullLimits, max_hulls: int) -> tuple[list[Hull], int, float]:
+def _limit_aspect(hulls: Sequence[Hull], max_hulls: int) -> tuple[list[Hull], int, float]:
     """Cuts oblong hulls across their length, after making them just thick enough that few cuts do.
 
     Returns the hulls, the number of cuts, and the thickness (m) that the thinnest oblong hulls were
@@ -141,15 +133,15 @@ def _limit_aspect(hulls: Sequence[Hull], limits: HullLimits, max_hulls: int) -> 
     """
     widths = np.array([hull_width(hull)[0] for hull in hulls])
     sides = np.array([(0.0, 0.0) if is_box(hull) else _side_lengths(hull) for hull in hulls])  # H 2
-    enough = sides.max(initial=0.0) / limits.max_aspect
+    enough = sides.max(initial=0.0) / MAX_ASPECT
     least = 0.0
     while True:
-        compact = limits.max_aspect * np.maximum(widths, least)
+        compact = MAX_ASPECT * np.maximum(widths, least)
         out = []
         if least >= enough or np.prod(np.ceil(sides / compact[:, None]), axis=1).sum() <= max_hulls:
             for hull, width, side in zip(hulls, widths, sides, strict=True):
-                oblong = side.max() > limits.max_aspect * width
-                out += _cut_to_aspect(thicken_hull(hull, least) if oblong else hull, limits.max_aspect)
+                oblong = side.max() > MAX_ASPECT * width
+                out += _cut_to_aspect(thicken_hull(hull, least) if oblong else hull)
             if least >= enough or len(out) <= max_hulls:
                 return out, len(out) - len(hulls), least
         least = max(1.05 * least, widths.min())
@@ -162,12 +154,12 @@ def _side_lengths(hull: Hull) -> tuple[float, float]:
     return length, float(np.ptp(hull.vertices @ across) / max(np.linalg.norm(across), 1e-9))
 
 
-def _cut_to_aspect(hull: Hull, max_aspect: float, depth: int = MAX_CUTS) -> list[Hull]:
+def _cut_to_aspect(hull: Hull, depth: int = MAX_CUTS) -> list[Hull]:
     """Cuts a hull across its length until every piece is compact enough.
 
     Tips of wedges, which never are, are left out.
     """
-    count = int(np.ceil(hull_aspect(hull) / max_aspect - 1e-9))
+    count = int(np.ceil(hull_aspect(hull) / MAX_ASPECT - 1e-9))
     if count <= 1:
         return [hull]
     _, direction = hull_length(hull)
@@ -181,5 +173,5 @@ def _cut_to_aspect(hull: Hull, max_aspect: float, depth: int = MAX_CUTS) -> list
         piece = clip_hull(hull, direction, high)
         piece = None if piece is None else clip_hull(piece, -direction, -low)
         if piece is not None and hull_width(piece)[0] > 0.5 * width:
-            out += _cut_to_aspect(piece, max_aspect, depth - 1)
+            out += _cut_to_aspect(piece, depth - 1)
     return out

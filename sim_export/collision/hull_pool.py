@@ -3,9 +3,9 @@
 import numpy as np
 from jaxtyping import Bool
 
-from sim_export.collision.convex_pieces import PieceConfig, Solid, cut_pieces, join_steps
+from sim_export.collision.convex_pieces import Solid, cut_pieces, join_steps
 from sim_export.collision.cuboids import CuboidFit, largest_cuboids
-from sim_export.collision.hull_limits import HullLimits, comply_hull, thicken_hull, tile_hull
+from sim_export.collision.hull_limits import MAX_ASPECT, comply_hull, thicken_hull, tile_hull
 from sim_export.collision.hull_offers import Ground, PooledHull
 from sim_export.collision.hulls import box_hull, hull_length
 from sim_export.errors import DegeneratePart
@@ -22,8 +22,6 @@ MOST_JOINED = 64
 """Largest boxes that joining starts from."""
 MOST_REST = 32
 """Largest boxes of what no other hull holds."""
-CUT_EXCESS = 0.02
-"""Cutting stops when the pieces' hulls together exceed the solid by this share of its volume."""
 MOST_ADDED = 0.1
 """Share of the solid's volume that joining two hulls may add."""
 MANY_TILES = 8
@@ -32,7 +30,7 @@ TILES = (1, 2, 4)
 """Oblong hulls are also offered thicker, so that they count as so many hulls."""
 
 
-def box_offers(solid: Solid, cuboids: CuboidFit, limits: HullLimits) -> list[PooledHull]:
+def box_offers(solid: Solid, cuboids: CuboidFit) -> list[PooledHull]:
     """Boxes between the planes of a solid, and what they join to; none where it is not axis-aligned."""
     hulls: list[Hull] = []
     boxes: list[Hull] = []
@@ -49,21 +47,19 @@ def box_offers(solid: Solid, cuboids: CuboidFit, limits: HullLimits) -> list[Poo
     solids = [as_solid(box) for box in boxes[:MOST_JOINED]]
     volumes = [box.volume() for box in solids]
     hulls += _hulls(join_steps(solids, volumes, MOST_ADDED * solid.volume(), overlap=True))
-    return _offer(hulls, limits)
+    return _offer(hulls)
 
 
-def piece_offers(solid: Solid, limits: HullLimits, max_pieces: int) -> list[PooledHull]:
+def piece_offers(solid: Solid, max_pieces: int) -> list[PooledHull]:
     """Convex pieces of a solid, what they join to, and one hull of all."""
-    leaves = cut_pieces(solid, PieceConfig(max_pieces=max_pieces, cut_excess=CUT_EXCESS))
+    leaves = cut_pieces(solid, max_pieces)
     pieces = [leaf.hull() for leaf in leaves]
     volumes = [leaf.volume() for leaf in leaves]
     joined = join_steps(pieces, volumes, MOST_ADDED * solid.volume(), overlap=False)
-    return _offer(_hulls([*pieces, *joined, solid.hull()]), limits)
+    return _offer(_hulls([*pieces, *joined, solid.hull()]))
 
 
-def rest_offers(
-    ground: Ground, rest: Bool[np.ndarray, "X Y Z"], volume: float, limits: HullLimits
-) -> list[PooledHull]:
+def rest_offers(ground: Ground, rest: Bool[np.ndarray, "X Y Z"], volume: float) -> list[PooledHull]:
     """Boxes of those cells of a ground that no other hull holds, and what they join to."""
     found = largest_cuboids(rest, MOST_REST, ground.edges)
     boxes = [
@@ -72,7 +68,7 @@ def rest_offers(
     ]
     solids = [as_solid(box) for box in boxes]
     joined = join_steps(solids, [box.volume() for box in solids], MOST_ADDED * volume, overlap=False)
-    return _offer([*boxes, *_hulls(joined)], limits)
+    return _offer([*boxes, *_hulls(joined)])
 
 
 def _hulls(solids: list[Solid]) -> list[Hull]:
@@ -85,7 +81,7 @@ def _hulls(solids: list[Solid]) -> list[Hull]:
     return out
 
 
-def _offer(hulls: list[Hull], limits: HullLimits) -> list[PooledHull]:
+def _offer(hulls: list[Hull]) -> list[PooledHull]:
     """The hulls made to comply, each once, and oblong ones in several thicknesses."""
     seen: set[bytes] = set()
     out = []
@@ -94,13 +90,13 @@ def _offer(hulls: list[Hull], limits: HullLimits) -> list[PooledHull]:
         if key in seen:
             continue
         seen.add(key)
-        proper = comply_hull(hull, limits)
-        tiles = tile_hull(proper, limits, MANY_TILES)
+        proper = comply_hull(hull)
+        tiles = tile_hull(proper, MANY_TILES)
         choices = [(proper, tiles)]
         for fewer in TILES:
             if not tiles or fewer < len(tiles):
-                width = 1.001 * hull_length(proper)[0] / (limits.max_aspect * fewer)
-                thick = comply_hull(thicken_hull(proper, width), limits)
-                choices.append((thick, tile_hull(thick, limits, MANY_TILES)))
+                width = 1.001 * hull_length(proper)[0] / (MAX_ASPECT * fewer)
+                thick = comply_hull(thicken_hull(proper, width))
+                choices.append((thick, tile_hull(thick, MANY_TILES)))
         out += [PooledHull(hull=whole, tiles=tiles) for whole, tiles in choices if tiles]
     return out

@@ -6,13 +6,13 @@ moves carries the object, feet under the corners of the body do what their maker
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial import ConvexHull, QhullError
 
-from sim_export.collision.additions import AdditionConfig, add_hull
+from sim_export.collision.additions import add_hull
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hulls import box_hull, hull_planes
 from sim_export.collision.sweeps import Sweep, read_sweeps
@@ -21,48 +21,42 @@ from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement, Visu
 NEIGHBOURS = 4
 """Hulls near a foot that are tried for it to grow out of, where the body has no hull left to give."""
 
-
-@dataclass(frozen=True, kw_only=True)
-class LevellingConfig:
-    """When an object gets feet, and which; lengths in metres."""
-
-    margin: float = 0.01
-    """The centre of mass lies at least this deep in the polygon of what touches the floor, or feet are
-    added; less where the object is small."""
-    margin_share: float = 0.02
-    """That depth over the smaller side of the object's floor plan, where this is less."""
-    touching: float = 0.002
-    """Height above the floor up to which a point carries."""
-    lift: float = 0.003
-    """How far feet lift what moves off the floor."""
-    max_height: float = 0.2
-    """Height of feet over that of the object, at most."""
-    width: float = 0.024
-    """Side of a foot; over a fifteenth of the object's height, no more than that."""
-    inset: float = 0.01
-    """How far a foot stands back from the outline of the body."""
-    grid: int = 28
-    """Points along each side of the floor plan at which the body's underside is looked up."""
-    climb: float = 3.0
-    """What a metre of height counts against a metre away from the corner."""
-    color: tuple[float, float, float] = (0.12, 0.12, 0.12)
-    """Colour of feet: black rubber."""
-    categories: frozenset[str] = frozenset(
-        {
-            "Cart",
-            "Dishwasher",
-            "Microwave",
-            "Oven",
-            "Refrigerator",
-            "Safe",
-            "StorageFurniture",
-            "Table",
-            "WashingMachine",
-        }
-    )
-    """What stands on the floor or on a worktop by itself."""
-    addition: AdditionConfig = field(default_factory=AdditionConfig)
-    """What feet must keep to."""
+# Lengths in metres.
+MARGIN = 0.01
+"""The centre of mass lies at least this deep in the polygon of what touches the floor, or feet are
+added; less where the object is small."""
+MARGIN_SHARE = 0.02
+"""That depth over the smaller side of the object's floor plan, where this is less."""
+TOUCHING = 0.002
+"""Height above the floor up to which a point carries."""
+LIFT = 0.003
+"""How far feet lift what moves off the floor."""
+MAX_HEIGHT = 0.2
+"""Height of feet over that of the object, at most."""
+WIDTH = 0.024
+"""Side of a foot; over a fifteenth of the object's height, no more than that."""
+INSET = 0.01
+"""How far a foot stands back from the outline of the body."""
+GRID = 28
+"""Points along each side of the floor plan at which the body's underside is looked up."""
+CLIMB = 3.0
+"""What a metre of height counts against a metre away from the corner."""
+COLOR = (0.12, 0.12, 0.12)
+"""Colour of feet: black rubber."""
+CATEGORIES = frozenset(
+    {
+        "Cart",
+        "Dishwasher",
+        "Microwave",
+        "Oven",
+        "Refrigerator",
+        "Safe",
+        "StorageFurniture",
+        "Table",
+        "WashingMachine",
+    }
+)
+"""What stands on the floor or on a worktop by itself."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,7 +73,6 @@ def level_object(
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
     category: str,
-    cfg: LevellingConfig | None = None,
 ) -> Levelled:
     """Adds feet under the corners of the body where the object does not stand by itself.
 
@@ -88,30 +81,26 @@ def level_object(
         joints: Their joints.
         requirements: Joints that must be open while another moves.
         category: What the object is.
-        cfg: When feet are added, and which.
 
     Returns:
         New links; all are the same objects where none is needed, or where none has room.
     """
-    cfg = cfg or LevellingConfig()
     unchanged = Levelled(links=tuple(links))
-    if category not in cfg.categories or not links[-1].hulls:
+    if category not in CATEGORIES or not links[-1].hulls:
         return unchanged
     sets = [HullSet(hulls=link.hulls) for link in links]
     low, high = _bounds(sets)
     rolling = any(link.label == "wheel" for link in links)
     moving = min((float(s.vertices[:, 2].min()) for s in sets[:-1] if s.hulls), default=np.inf)
-    on_leaf = not rolling and moving < low[2] + 0.5 * cfg.lift and moving <= sets[-1].vertices[:, 2].min()
-    margin = min(cfg.margin, cfg.margin_share * float((high - low)[:2].min()))
-    carried = _depth_of_mass(links, sets, cfg.touching)
+    on_leaf = not rolling and moving < low[2] + 0.5 * LIFT and moving <= sets[-1].vertices[:, 2].min()
+    margin = min(MARGIN, MARGIN_SHARE * float((high - low)[:2].min()))
+    carried = _depth_of_mass(links, sets, TOUCHING)
     if rolling or (carried >= margin and not on_leaf):
         return unchanged
-    floor = min(float(low[2]), moving - cfg.lift if on_leaf else np.inf)
-    sweeps = read_sweeps(links, joints, requirements, cfg.addition.sweep)
+    floor = min(float(low[2]), moving - LIFT if on_leaf else np.inf)
+    sweeps = read_sweeps(links, joints, requirements)
     feet = [
-        foot
-        for foot in _place_feet(sets[-1], floor, float(high[2] - floor), cfg)
-        if _stands(foot, sets, sweeps, cfg)
+        foot for foot in _place_feet(sets[-1], floor, float(high[2] - floor)) if _stands(foot, sets, sweeps)
     ]
     part = links[-1].parts[0]
     visuals = tuple(
@@ -119,13 +108,13 @@ def level_object(
             name=f"foot_{index}",
             part=part,
             label="base",
-            mesh=Mesh(vertices=foot.vertices, faces=foot.faces, color=cfg.color),
+            mesh=Mesh(vertices=foot.vertices, faces=foot.faces, color=COLOR),
         )
         for index, foot in enumerate(feet)
     )
     if not feet:
         return replace(unchanged, records=(f"{links[-1].name}: stands badly, and no foot has room",))
-    after = _depth_of_mass(links, sets, cfg.touching)
+    after = _depth_of_mass(links, sets, TOUCHING)
     reason = "a moving link carried the object" if on_leaf else "its centre of mass was not above its support"
     record = (
         f"{links[-1].name}: {len(feet)} levelling feet up to "
@@ -154,21 +143,21 @@ def _depth_of_mass(links: Sequence[Link], sets: Sequence[HullSet], touching: flo
     return -float((edges[:, :2] @ center[:2] + edges[:, 2]).max())
 
 
-def _place_feet(body: HullSet, floor: float, height: float, cfg: LevellingConfig) -> list[Hull]:
+def _place_feet(body: HullSet, floor: float, height: float) -> list[Hull]:
     """Boxes from the floor into the underside of the body, near its four corners; those not needed too."""
-    width = min(cfg.width, height / 15.0)
+    width = min(WIDTH, height / 15.0)
     low, high = body.vertices.min(axis=0)[:2], body.vertices.max(axis=0)[:2]
-    back = cfg.inset + width / 2
-    axes = [np.linspace(low[n] + back, high[n] - back, cfg.grid) for n in range(2)]
+    back = INSET + width / 2
+    axes = [np.linspace(low[n] + back, high[n] - back, GRID) for n in range(2)]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
     under = _undersides(body, points) - floor
-    able = np.flatnonzero(under <= cfg.max_height * height)
+    able = np.flatnonzero(under <= MAX_HEIGHT * height)
     feet, taken = [], set()
     for corner in ((low[0], low[1]), (low[0], high[1]), (high[0], low[1]), (high[0], high[1])):
         if not len(able):
             break
         away = np.linalg.norm(points[able] - corner, axis=1)
-        best = int(able[(away + cfg.climb * under[able]).argmin()])
+        best = int(able[(away + CLIMB * under[able]).argmin()])
         if best in taken:
             continue
         taken.add(best)
@@ -196,14 +185,14 @@ def _undersides(body: HullSet, points: Float[np.ndarray, "N 2"]) -> Float[np.nda
     return out
 
 
-def _stands(foot: Hull, sets: list[HullSet], sweeps: Sequence[Sweep], cfg: LevellingConfig) -> bool:
+def _stands(foot: Hull, sets: list[HullSet], sweeps: Sequence[Sweep]) -> bool:
     """Adds a foot to the body's hulls, the last of ``sets``, if it has room."""
     still = np.eye(4)
     found = signed_distances(HullSet(hulls=(foot,)), sets[-1], still, still, max_distance=np.inf)
     order = np.argsort(found.distance, kind="stable")[:NEIGHBOURS]
     nearest = [sets[-1].hulls[int(index)] for index in dict.fromkeys(found.second[order].tolist())]
     for stand in nearest:
-        added = add_hull(sets, sweeps, len(sets) - 1, foot, stand, cfg.addition)
+        added = add_hull(sets, sweeps, len(sets) - 1, foot, stand)
         if added is not None:
             sets[-1] = added
             return True

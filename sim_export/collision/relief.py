@@ -13,7 +13,7 @@ from jaxtyping import Float
 from artigen.transforms import inverse, transform_points
 from sim_export.collision.compact import box_along
 from sim_export.collision.contacts import HullSet, signed_distances
-from sim_export.collision.hull_limits import hull_aspect
+from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect
 from sim_export.collision.hulls import (
     clip_hull,
     convex_hull,
@@ -26,45 +26,34 @@ from sim_export.collision.hulls import (
 from sim_export.geometry.primitives import find_primitive
 from sim_export.package import Hull
 
-OBLONG = 60.0
-"""Length over thickness above which hulls are cut to several later."""
 NEARLY = 1e-5
 """A face normal stands for a contact's own normal if it needs at most this much (m) more to separate."""
 
-
-@dataclass(frozen=True, kw_only=True)
-class ReliefConfig:
-    """How far hulls may be cut back."""
-
-    margin: float = 0.0025
-    """Gap (m) that a cut leaves, so that poses between the sampled ones are free too, and hulls that an
-    engine rounds (PhysX takes faces for one that differ by 0.7 mm per metre) do not touch."""
-    max_depth: float = 0.032
-    """Deepest cut, over the object's longest side: about two voxels. Deeper ones may only take slivers."""
-    max_sliver_depth: float = 0.1
-    """Deepest cut, over the object's longest side, that takes no more than a sliver: the end of a board, or
-    a shaft. What overlaps more is an error of the object, not of its hulls."""
-    max_removed: float = 0.65
-    """Greatest share of a hull's volume that all its cuts together may remove."""
-    sliver: float = 0.02
-    """This share of its link's volume may be cut off a hull in any case; a hull below it may be dropped
-    where cuts do not help."""
-    sheets: bool = False
-    """Whether hulls may be sheets, which have much surface and hardly any volume. Then only hulls up to
-    ``sliver_length`` may be dropped as slivers, one more hull costs a tenth of the larger of the two volumes,
-    and notches leave boxes of boxes."""
-    sliver_length: float = 0.12
-    """Longest hull that goes as a sliver where there are sheets, over the object's longest side."""
-    end: float = 0.12
-    """Share of a slender hull that deeper cuts may take: the end of a post above a wheel."""
-    slender: float = 4.0
-    """Least length of such a hull over its width."""
-    min_width: float = 0.001
-    """Least thickness (m) that a cut may leave."""
-    notch_above: float = 0.1
-    """Share of a hull above which half-space cuts are compared with a notch."""
-    max_cuts: int = 12
-    """Most cuts per pair of hulls; swings need several."""
+MARGIN = 0.0025
+"""Gap (m) that a cut leaves, so that poses between the sampled ones are free too, and hulls that an
+engine rounds (PhysX takes faces for one that differ by 0.7 mm per metre) do not touch."""
+MAX_DEPTH = 0.032
+"""Deepest cut, over the object's longest side: about two voxels. Deeper ones may only take slivers."""
+MAX_SLIVER_DEPTH = 0.1
+"""Deepest cut, over the object's longest side, that takes no more than a sliver: the end of a board, or
+a shaft. What overlaps more is an error of the object, not of its hulls."""
+MAX_REMOVED = 0.65
+"""Greatest share of a hull's volume that all its cuts together may remove."""
+SLIVER = 0.02
+"""This share of its link's volume may be cut off a hull in any case; a hull below it may be dropped
+where cuts do not help."""
+SLIVER_LENGTH = 0.12
+"""Longest hull that goes as a sliver where there are sheets, over the object's longest side."""
+END = 0.12
+"""Share of a slender hull that deeper cuts may take: the end of a post above a wheel."""
+SLENDER = 4.0
+"""Least length of such a hull over its width."""
+MIN_WIDTH = 0.001
+"""Least thickness (m) that a cut may leave."""
+NOTCH_ABOVE = 0.1
+"""Share of a hull above which half-space cuts are compared with a notch."""
+MAX_CUTS = 12
+"""Most cuts per pair of hulls; swings need several."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,9 +61,10 @@ class OverlappingPair:
     """Two hulls in their links' rest frames that overlap at some poses, and what may be done to each.
 
     ``volumes`` are those before any cut, of which cuts may take ``allowances`` (m^3), and ``least``
-    (m^3) where they go deeper than ``max_depth`` (m), up to ``max_sliver_depth``; ``slivers`` tells which
-    may be dropped, ``room`` how many hulls each link may still gain. ``axis`` is the moving joint's
-    direction in the frame of the first hull's link: one cut along it may free all poses.
+    (m^3) where they go deeper than `MAX_DEPTH`, up to `MAX_SLIVER_DEPTH`; ``slivers`` tells which may be
+    dropped, ``room`` how many hulls each link may still gain. ``size`` is the object's longest side (m), and
+    ``axis`` the moving joint's direction in the frame of the first hull's link: one cut along it may free all
+    poses.
     """
 
     hulls: tuple[Hull, Hull]
@@ -84,14 +74,13 @@ class OverlappingPair:
     least: tuple[float, float]
     slivers: tuple[bool, bool]
     room: tuple[int, int]
-    max_depth: float
-    max_sliver_depth: float
+    size: float
     axis: Float[np.ndarray, "3"]
 
     def allows(self, side: int, left: float, depth: float) -> bool:
         """Whether cuts ``depth`` deep may leave a volume of ``left`` (m^3) of a hull."""
-        allowed = self.allowances[side] if depth <= self.max_depth else self.least[side]
-        return depth <= self.max_sliver_depth and self.volumes[side] - left <= allowed
+        allowed = self.allowances[side] if depth <= MAX_DEPTH * self.size else self.least[side]
+        return depth <= MAX_SLIVER_DEPTH * self.size and self.volumes[side] - left <= allowed
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -105,14 +94,18 @@ class Relief:
     reason: str = ""
 
 
-def relieve_pair(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> Relief:
-    """Cuts two hulls so that they stay ``gap`` (m) apart at all of the poses."""
-    plans = [_cut_by_pose(pair, gap, cfg), *_cut_for_all(pair, gap, cfg)]
+def relieve_pair(pair: OverlappingPair, gap: float, *, sheets: bool = False) -> Relief:
+    """Cuts two hulls so that they stay ``gap`` (m) apart at all of the poses.
+
+    Where hulls may be ``sheets``, which have much surface and hardly any volume, one more hull costs a tenth
+    of the larger of the two volumes, and notches leave boxes of boxes.
+    """
+    plans = [_cut_by_pose(pair, gap), *_cut_for_all(pair, gap)]
     good = [plan for plan in plans if not plan.reason]
-    if not good or min(_lost_share(plan, pair) for plan in good) > cfg.notch_above:
-        good += _notch(pair, gap, cfg)
+    if not good or min(_lost_share(plan, pair) for plan in good) > NOTCH_ABOVE:
+        good += _notch(pair, gap, sheets=sheets)
     if good:
-        return min(good, key=lambda plan: _cost(plan, pair, sheets=cfg.sheets))
+        return min(good, key=lambda plan: _cost(plan, pair, sheets=sheets))
     for side in sorted(range(2), key=lambda side: pair.volumes[side]):
         if pair.slivers[side]:
             left = [(pair.hulls[0],), (pair.hulls[1],)]
@@ -129,7 +122,7 @@ def _cost(plan: Relief, pair: OverlappingPair, *, sheets: bool) -> float:
         if left == (hull,):
             continue
         unit = larger if sheets else hull_volume(hull)
-        more = sum(np.ceil(hull_aspect(piece) / OBLONG) for piece in left) - 1.0
+        more = sum(np.ceil(hull_aspect(piece) / MAX_ASPECT) for piece in left) - 1.0
         cost += hull_volume(hull) + 0.1 * max(more, 0.0) * unit - sum(map(hull_volume, left))
     return cost
 
@@ -142,12 +135,12 @@ def _lost_share(plan: Relief, pair: OverlappingPair) -> float:
     )
 
 
-def _cut_by_pose(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> Relief:
+def _cut_by_pose(pair: OverlappingPair, gap: float) -> Relief:
     """Again and again, the deepest contact's separating plane cuts the hull that loses less."""
     current = list(pair.hulls)
     cuts, depths = [0, 0], [0.0, 0.0]
-    reason = f"{cfg.max_cuts} cuts were not enough"
-    for _ in range(cfg.max_cuts):
+    reason = f"{MAX_CUTS} cuts were not enough"
+    for _ in range(MAX_CUTS):
         sets = HullSet(hulls=(current[0],)), HullSet(hulls=(current[1],))
         found = signed_distances(*sets, *pair.poses, gap)
         if not len(found.distance) or found.distance.min() >= gap:
@@ -161,13 +154,15 @@ def _cut_by_pose(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> Relief
         for side, outward in enumerate((normal, -normal)):
             own, other = pair.poses[side][pose], pair.poses[1 - side][pose]
             points = transform_points(inverse(own) @ other, current[1 - side].vertices)
-            cut = _cut(current[side], own[:3, :3].T @ outward, points, cfg)
+            cut = _cut(current[side], own[:3, :3].T @ outward, points)
             if cut is not None and pair.allows(side, hull_volume(cut), depth):
                 options.append((hull_volume(current[side]) - hull_volume(cut), side, cut))
         if not options:
-            reason = f"a cut would take more than {cfg.max_removed:.0%} of a hull"
-            if depth > pair.max_depth:
-                reason = f"a cut of {1000 * depth:.1f} mm is deeper than {1000 * pair.max_depth:.0f} mm"
+            reason = f"a cut would take more than {MAX_REMOVED:.0%} of a hull"
+            if depth > (MAX_DEPTH * pair.size):
+                reason = (
+                    f"a cut of {1000 * depth:.1f} mm is deeper than {1000 * (MAX_DEPTH * pair.size):.0f} mm"
+                )
             break
         _, side, current[side] = min(options, key=lambda option: option[:2])
         cuts[side] += 1
@@ -206,7 +201,7 @@ def _face_normal(
     return normals[best] if needed[best] <= depth + NEARLY else normal
 
 
-def _cut_for_all(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[Relief]:
+def _cut_for_all(pair: OverlappingPair, gap: float) -> list[Relief]:
     """Single cuts that free all poses: along the joint's axis, along the deepest contacts, or across the
     ends of a post, as one above a wheel needs it."""
     found = signed_distances(HullSet(hulls=pair.hulls[:1]), HullSet(hulls=pair.hulls[1:]), *pair.poses, gap)
@@ -222,8 +217,8 @@ def _cut_for_all(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[R
         contact = (1.0 - 2.0 * side) * np.einsum(
             "kij,kj->ki", turn[found.pose[deepest]], found.normal[deepest]
         )
-        for normal in (axis, -axis, *contact, *find_ends(pair.hulls[side], cfg)):
-            cut = _cut(pair.hulls[side], normal, points, cfg)
+        for normal in (axis, -axis, *contact, *find_ends(pair.hulls[side])):
+            cut = _cut(pair.hulls[side], normal, points)
             if cut is None:
                 continue
             depth = float((pair.hulls[side].vertices @ normal).max() - (cut.vertices @ normal).max())
@@ -232,17 +227,17 @@ def _cut_for_all(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[R
     return plans
 
 
-def find_ends(hull: Hull, cfg: ReliefConfig) -> Float[np.ndarray, "K 3"]:
+def find_ends(hull: Hull) -> Float[np.ndarray, "K 3"]:
     """The two directions (K = 2) in which a slender hull ends; none (K = 0) for others."""
     extents = np.ptp(hull.vertices, axis=0)
     _, width, length = np.sort(extents)
-    if length < cfg.slender * width:
+    if length < SLENDER * width:
         return np.zeros((0, 3))
     along = np.eye(3)[int(extents.argmax())]
     return np.stack([along, -along])
 
 
-def _notch(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[Relief]:
+def _notch(pair: OverlappingPair, gap: float, *, sheets: bool) -> list[Relief]:
     """Takes the other hull's shape out of one hull: all its way if it slides, else at the deepest pose.
 
     However deep the two overlap, a slot for a board may take a sliver: it is as deep as the board is thick.
@@ -258,15 +253,15 @@ def _notch(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[Relief]
         chosen = T_own_other[np.unique(found.pose)] if slides else T_own_other[[pose]]
         other = convex_hull(transform_points(chosen, pair.hulls[1 - side].vertices).reshape(-1, 3))
         own = find_primitive(pair.hulls[side])
-        if cfg.sheets and own is not None and own.kind == "box":  # what is left of a box is boxes
+        if sheets and own is not None and own.kind == "box":  # what is left of a box is boxes
             other = box_along(other.vertices, own.T_object_shape[:3, :3].T)
         planes = merge_planes(hull_planes(other))
-        planes[:, 3] += cfg.margin
-        pieces = subtract_hull(pair.hulls[side], planes, cfg.min_width)
+        planes[:, 3] += MARGIN
+        pieces = subtract_hull(pair.hulls[side], planes, MIN_WIDTH)
         left = sum(map(hull_volume, pieces))
         if not pieces or len(pieces) - 1 > pair.room[side]:
             continue
-        thin = max(pair.max_depth, min(depth, _shared_width(pair.hulls[side], planes)))
+        thin = max((MAX_DEPTH * pair.size), min(depth, _shared_width(pair.hulls[side], planes)))
         if pair.allows(side, left, depth) or (depth > thin and pair.allows(side, left, thin + NEARLY)):
             plans.append(_one_sided(pair, side, pieces, depth))
     return plans
@@ -287,9 +282,7 @@ def _one_sided(pair: OverlappingPair, side: int, left: tuple[Hull, ...], depth: 
     return Relief(hulls=((pair.hulls[0],), left), cuts=(0, 1), depths=(0.0, depth))
 
 
-def _cut(
-    hull: Hull, normal: Float[np.ndarray, "3"], points: Float[np.ndarray, "N 3"], cfg: ReliefConfig
-) -> Hull | None:
+def _cut(hull: Hull, normal: Float[np.ndarray, "3"], points: Float[np.ndarray, "N 3"]) -> Hull | None:
     """A hull cut back to where ``points`` begin along ``normal``; ``None`` if too little is left."""
-    cut = clip_hull(hull, normal, float((points @ normal).min()) - cfg.margin)
-    return None if cut is None or hull_width(cut)[0] < cfg.min_width else cut
+    cut = clip_hull(hull, normal, float((points @ normal).min()) - MARGIN)
+    return None if cut is None or hull_width(cut)[0] < MIN_WIDTH else cut

@@ -6,7 +6,6 @@ clearance's business.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -16,20 +15,14 @@ from sim_export.collision.motion import driven_joints, link_displacements, longe
 from sim_export.package import Link, PackageJoint, Requirement
 from sim_export.tree import needed_fractions
 
-
-@dataclass(frozen=True, kw_only=True)
-class RequirementConfig:
-    """What counts as blocked and as free."""
-
-    poses: int = 21
-    """Samples of each joint's range."""
-    min_depth: float = 0.025
-    """Depth beyond the depth at rest, over the object's longest side, from which a link counts as blocked;
-    lower it when a tray pushes through a door that should have been required open."""
-    free_depth: float = 0.01
-    """Depth beyond the depth at rest, over the object's longest side, up to which the way counts as free."""
-    fractions: tuple[float, ...] = (0.25, 0.5, 0.75, 1.0)
-    """Openings of the other joint that are tried, least first."""
+POSES = 21
+"""Samples of each joint's range."""
+MIN_DEPTH = 0.025
+"""Depth beyond the depth at rest, over the object's longest side, from which a link counts as blocked."""
+FREE_DEPTH = 0.01
+"""Depth beyond the depth at rest, over the object's longest side, up to which the way counts as free."""
+FRACTIONS = (0.25, 0.5, 0.75, 1.0)
+"""Openings of the other joint that are tried, least first."""
 
 
 def sweep_coordinates(joint: PackageJoint, poses: int) -> Float[np.ndarray, "P"]:
@@ -48,37 +41,34 @@ def required_openings(
     }
 
 
-def find_requirements(
-    links: Sequence[Link], joints: Sequence[PackageJoint], cfg: RequirementConfig | None = None
-) -> tuple[Requirement, ...]:
+def find_requirements(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple[Requirement, ...]:
     """Which joints need which others open, with the least opening that frees them.
 
     Where two joints block each other, the one that is blocked deeper gets the requirement and the
     other none, so that following requirements always ends.
     """
-    cfg = cfg or RequirementConfig()
     sets = [HullSet(hulls=link.hulls) for link in links]
     size = longest_side(links)
     driven = driven_joints(joints)
     moved = {joint.name: moved_links(links, joints, joint) for joint in driven}
     blocked = []
     for joint in driven:
-        poses = sweep_coordinates(joint, cfg.poses)
+        poses = sweep_coordinates(joint, POSES)
         for other in driven:
             apart = [slot for slot in moved[other.name] if slot not in moved[joint.name]]
             if other is joint or not apart or set(moved[joint.name]) <= set(moved[other.name]):
                 continue
             depth = _depth(links, joints, sets, {joint.name: poses}, (moved[joint.name], apart))
-            if depth > cfg.min_depth * size:
+            if depth > MIN_DEPTH * size:
                 blocked.append((depth, joint, other, apart))
     found: list[Requirement] = []
     for _, joint, other, apart in sorted(blocked, key=lambda row: (-row[0], row[1].name, row[2].name)):
-        poses = sweep_coordinates(joint, cfg.poses)
+        poses = sweep_coordinates(joint, POSES)
         if other.name == joint.name or joint.name in needed_fractions(other.name, found):
             continue
-        for fraction in cfg.fractions:
+        for fraction in FRACTIONS:
             opened = {joint.name: poses, other.name: other.lower + fraction * (other.upper - other.lower)}
-            if _depth(links, joints, sets, opened, (moved[joint.name], apart)) <= cfg.free_depth * size:
+            if _depth(links, joints, sets, opened, (moved[joint.name], apart)) <= FREE_DEPTH * size:
                 found.append(Requirement(joint=joint.name, needs=other.name, fraction=fraction))
                 break
     order = {joint.name: index for index, joint in enumerate(joints)}

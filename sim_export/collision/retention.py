@@ -1,7 +1,7 @@
 """Limits travel so that open drawers and trays stay in their runners."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
@@ -10,20 +10,13 @@ from sim_export.package import Link, PackageJoint
 
 HELD_LABELS = ("drawer", "tray")
 
-
-@dataclass(frozen=True, kw_only=True)
-class RetentionConfig:
-    """How far a drawer may come out."""
-
-    held_share: float = 0.12
-    """Share of the drawer's depth that must stay inside what carries it; 0 leaves limits alone."""
-    min_range: float = 0.5
-    """A limit is not lowered below this share of its range; such a drawer is reported instead."""
+HELD_SHARE = 0.12
+"""Share of the drawer's depth that must stay inside what carries it."""
+MIN_RANGE = 0.5
+"""A limit is not lowered below this share of its range; such a drawer is reported instead."""
 
 
-def held_length(
-    own: Float[np.ndarray, "N"], carrier: Float[np.ndarray, "M"], travel: float
-) -> float:  # fmt: skip
+def held_length(own: Float[np.ndarray, "N"], carrier: Float[np.ndarray, "M"], travel: float) -> float:
     """Length over which a body, moved by ``travel`` along a line, overlaps its carrier.
 
     ``own`` and ``carrier`` are coordinates of points along that line, at rest. Negative: a gap.
@@ -35,7 +28,6 @@ def keep_drawers_held(
     links: Sequence[Link],
     joints: Sequence[PackageJoint],
     panels: Mapping[str, Float[np.ndarray, "N 3"]],
-    cfg: RetentionConfig | None = None,
 ) -> tuple[tuple[PackageJoint, ...], tuple[str, ...]]:
     """Lowers the limits of drawers that would leave their carrier; one sentence per change.
 
@@ -43,9 +35,7 @@ def keep_drawers_held(
         links: Links with hulls, object frame at rest.
         joints: Their joints.
         panels: Points of each drawer without its handles, by link.
-        cfg: How much must stay inside.
     """
-    cfg = cfg or RetentionConfig()
     by_name = {link.name: link for link in links}
     parent = {joint.child: joint.parent for joint in joints}
     out, records = [], []
@@ -60,12 +50,12 @@ def keep_drawers_held(
             at = parent.get(at, "")
         own = panels[joint.child] @ joint.axis
         carrier = np.concatenate(above) @ joint.axis if above else np.zeros(0)
-        wanted = cfg.held_share * float(np.ptp(own))
+        wanted = HELD_SHARE * float(np.ptp(own))
         if not len(carrier) or held_length(own, carrier, joint.upper) >= wanted:
             out.append(joint)
             continue
         upper = float(carrier.max() - own.min()) - wanted
-        if upper < joint.lower + cfg.min_range * (joint.upper - joint.lower):
+        if upper < joint.lower + MIN_RANGE * (joint.upper - joint.lower):
             out.append(joint)
             records.append(
                 f"{joint.name}: {held_length(own, carrier, joint.upper) / np.ptp(own):.0%} of the drawer "
@@ -75,6 +65,6 @@ def keep_drawers_held(
         out.append(replace(joint, upper=upper))
         records.append(
             f"{joint.name}: upper limit {joint.upper:.4g} lowered to {upper:.4g} m, so that "
-            f"{cfg.held_share:.0%} of the drawer's depth stay inside"
+            f"{HELD_SHARE:.0%} of the drawer's depth stay inside"
         )
     return tuple(out), tuple(records)

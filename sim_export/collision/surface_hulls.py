@@ -6,18 +6,16 @@ common hull takes none, and coarser where there are too many hulls. Only surface
 """
 
 import heapq
-import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from sim_export.collision.box_cover import cover_with_boxes
 from sim_export.collision.compact import compact_hull
-from sim_export.collision.decompose import Decomposition
 from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, find_free_space, is_open_between, look_up
-from sim_export.collision.hull_limits import HullLimits, thicken_hull
+from sim_export.collision.hull_limits import MIN_WIDTH, thicken_hull
 from sim_export.collision.hulls import convex_hull
 from sim_export.collision.surface_pieces import Piece, join_pieces, make_piece, split_piece
 from sim_export.errors import DegeneratePart
@@ -39,37 +37,38 @@ _PLACES = np.array(
 UNLIKE = 0.3
 """Difference of openness from which on a sheet grows to one side only."""
 
+LEAST_CELLS = 24
+"""Cells along the longest edge of a link below which it gets no boxes."""
+# Lengths as shares of the object's diagonal, unless in metres.
+SLACK = 0.006
+"""Surface this near to a box is covered by it."""
+COARSER = 1.5
+"""Factor by which the bulge grows while there are too many hulls."""
+COARSEST = 0.012
+"""It grows no further than this."""
+TAKEN = 0.004
+"""Share of its volume that a hull may take of free space beyond."""
+SHEET = 0.002
+"""Thickness (m) of the hulls of sheets."""
+THICKEST = 0.004
+"""Thickness to which long thin hulls are thickened rather than divided."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceConfig:
-    """How true to the surface hulls are; lengths are shares of the object's diagonal."""
+    """How true to the surface hulls are, and how many there may be."""
 
-    least_cells: int = 24
-    """Cells along the longest edge of a link below which it gets no boxes."""
-    slack: float = 0.006
-    """Surface this near to a box is covered by it."""
     bulge: float = 0.004
-    """How far hulls may reach from the surface into free space."""
-    coarser: float = 1.5
-    """Factor by which that grows while there are too many hulls."""
-    coarsest: float = 0.012
-    """It grows no further than this."""
+    """How far hulls may reach from the surface into free space, over the object's diagonal."""
     most_pieces: int = 96
     """Pieces into which the surface of a link is cut, at most."""
-    taken: float = 0.004
-    """Share of its volume that a hull may take of free space beyond."""
-    sheet: float = 0.002
-    """Thickness (m) of the hulls of sheets."""
-    thickest: float = 0.004
-    """Thickness to which long thin hulls are thickened rather than divided."""
     most_of_link: int = 72
     """Hulls of a link, at most; what clearance cuts them to comes on top."""
     most: int = 192
     """Hulls of the whole object, at most."""
-    limits: HullLimits = field(default_factory=HullLimits)
-    """What each hull must be like."""
 
 
+USUAL = SurfaceConfig()
 FINER = SurfaceConfig(bulge=0.002, most_pieces=160, most_of_link=90, most=240)
 """Smaller hulls for objects whose thin details the usual ones miss; slower to make and to simulate."""
 
@@ -89,8 +88,8 @@ def cover_parts(
     surfaces: Sequence[Float[np.ndarray, "F 3 3"]],
     owners: Sequence[int],
     passing: Mapping[int, Float[np.ndarray, "N 3"]],
-    cfg: SurfaceConfig | None = None,
-) -> tuple[Decomposition, ...]:
+    cfg: SurfaceConfig = USUAL,
+) -> tuple[tuple[Hull, ...], ...]:
     """Hulls of an object from the triangles (m) of its parts; a link's are those of the part that leads it.
 
     Args:
@@ -99,31 +98,18 @@ def cover_parts(
         passing: Where other links are or pass, by the part that leads a link (`find_passing`).
         cfg: How true to the surface, and how many.
     """
-    cfg = cfg or SurfaceConfig()
     everything = np.concatenate([surface.reshape(-1, 3) for surface in surfaces])
     diagonal = float(np.linalg.norm(np.ptp(everything, axis=0)))
     covers: dict[int, Cover] = {}
-    seconds = dict.fromkeys(range(len(surfaces)), 0.0)
     for owner in sorted(set(owners)):
-        started = time.perf_counter()
         shown = [surface for surface, other in zip(surfaces, owners, strict=True) if other == owner]
         triangles = np.concatenate(shown)
         if len(triangles):
             space = find_free_space(triangles, diagonal, passing.get(owner))
             covers[owner] = cover_surface(triangles, space, diagonal, cfg)
-        seconds[owner] = time.perf_counter() - started
     while (owner := _most_in_excess(covers, diagonal, cfg)) is not None:
-        covers[owner] = _join_again(covers[owner], cfg.coarser * covers[owner].least, diagonal, cfg)
-    return tuple(
-        Decomposition(
-            hulls=covers[index].hulls if index in covers else (),
-            method="surface",
-            volume_error=0.0,
-            kept_cavity=1.0,
-            seconds=seconds[index],
-        )
-        for index in range(len(surfaces))
-    )
+        covers[owner] = _join_again(covers[owner], COARSER * covers[owner].least, diagonal)
+    return tuple(covers[index].hulls if index in covers else () for index in range(len(surfaces)))
 
 
 def _most_in_excess(covers: Mapping[int, Cover], diagonal: float, cfg: SurfaceConfig) -> int | None:
@@ -134,43 +120,40 @@ def _most_in_excess(covers: Mapping[int, Cover], diagonal: float, cfg: SurfaceCo
         for owner, cover in covers.items()
         if (everywhere or len(cover.hulls) > cfg.most_of_link)
         and len(cover.pieces) > 1
-        and cover.least < cfg.coarsest * diagonal
+        and cover.least < COARSEST * diagonal
     ]
     return max(able, key=lambda owner: len(covers[owner].pieces), default=None)
 
 
 def cover_surface(
-    triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, diagonal: float, cfg: SurfaceConfig | None = None
+    triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, diagonal: float, cfg: SurfaceConfig
 ) -> Cover:
     """Hulls that together cover what can be reached of a link's triangles (m)."""
-    cfg = cfg or SurfaceConfig()
     least = cfg.bulge * diagonal
     whole = make_piece(triangles, space, least)
-    if _fits(whole, least, cfg):
-        return _finish(Cover(space=space, boxes=(), pieces=(whole,), least=least), diagonal, cfg)
+    if _fits(whole, least):
+        return _finish(Cover(space=space, boxes=(), pieces=(whole,), least=least), diagonal)
     exposed = find_exposed(triangles, space)
-    large = np.ptp(triangles.reshape(-1, 3), axis=0).max() >= cfg.least_cells * space.grid.cell
+    large = np.ptp(triangles.reshape(-1, 3), axis=0).max() >= LEAST_CELLS * space.grid.cell
     boxes = cover_with_boxes(exposed, space) if large else ()
-    left = find_uncovered(exposed, boxes, cfg.slack * diagonal)
+    left = find_uncovered(exposed, boxes, SLACK * diagonal)
     pieces = [make_piece(group, space, least) for group in split_components(left)] if len(left) else []
-    cut = tuple(_cut(_uncovered(pieces, least), space, least, cfg))
-    return _join_again(Cover(space=space, boxes=boxes, pieces=cut, least=least), least, diagonal, cfg)
+    cut = tuple(_cut(_uncovered(pieces, least), space, least, cfg.most_pieces))
+    return _join_again(Cover(space=space, boxes=boxes, pieces=cut, least=least), least, diagonal)
 
 
-def _join_again(cover: Cover, least: float, diagonal: float, cfg: SurfaceConfig) -> Cover:
+def _join_again(cover: Cover, least: float, diagonal: float) -> Cover:
     """A cover whose pieces are joined as far as they may take ``least`` (m) of free space."""
-    pieces = _join(_uncovered(cover.pieces, least), cover.space, least, cfg)
-    return _finish(replace(cover, pieces=tuple(pieces), least=least), diagonal, cfg)
+    pieces = _join(_uncovered(cover.pieces, least), cover.space, least)
+    return _finish(replace(cover, pieces=tuple(pieces), least=least), diagonal)
 
 
-def _finish(cover: Cover, diagonal: float, cfg: SurfaceConfig) -> Cover:
+def _finish(cover: Cover, diagonal: float) -> Cover:
     """A cover with its hulls, within the limits of engines."""
-    found = [hull for piece in cover.pieces if (hull := piece_hull(piece, cover.space, cfg)) is not None]
-    thick = [thicken_hull(hull, cfg.limits.min_width) for hull in found]
+    found = [hull for piece in cover.pieces if (hull := piece_hull(piece, cover.space)) is not None]
+    thick = [thicken_hull(hull, MIN_WIDTH) for hull in found]
     proper = [
-        part
-        for hull in thick
-        for part in compact_hull(hull, cfg.limits, cfg.thickest * diagonal, reach=2.0 * cover.least)
+        part for hull in thick for part in compact_hull(hull, THICKEST * diagonal, reach=2.0 * cover.least)
     ]
     return replace(cover, hulls=(*cover.boxes, *proper))
 
@@ -254,9 +237,9 @@ def split_components(triangles: Float[np.ndarray, "F 3 3"]) -> list[Float[np.nda
     return [triangles[rows] for rows in np.split(order, starts)]
 
 
-def _fits(piece: Piece, least: float, cfg: SurfaceConfig) -> bool:
+def _fits(piece: Piece, least: float) -> bool:
     """Whether a piece's hull takes next to no free space."""
-    return piece.intrusion.volume <= cfg.taken * piece.volume and piece.intrusion.depth <= 2.0 * least
+    return piece.intrusion.volume <= TAKEN * piece.volume and piece.intrusion.depth <= 2.0 * least
 
 
 def _uncovered(pieces: Sequence[Piece], least: float) -> list[Piece]:
@@ -286,15 +269,13 @@ def _is_covered(points: Float[np.ndarray, "N 3"], pieces: Sequence[Piece], slack
     return False
 
 
-def _cut(pieces: Sequence[Piece], space: FreeSpace, least: float, cfg: SurfaceConfig) -> list[Piece]:
+def _cut(pieces: Sequence[Piece], space: FreeSpace, least: float, most_pieces: int) -> list[Piece]:
     """Cuts the pieces that take most free space, until all fit or there are many."""
-    done = [piece for piece in pieces if _fits(piece, least, cfg)]
-    queue = [
-        (-piece.intrusion.volume, n, piece) for n, piece in enumerate(pieces) if not _fits(piece, least, cfg)
-    ]
+    done = [piece for piece in pieces if _fits(piece, least)]
+    queue = [(-piece.intrusion.volume, n, piece) for n, piece in enumerate(pieces) if not _fits(piece, least)]
     heapq.heapify(queue)
     serial = len(pieces)
-    most = max(cfg.most_pieces, len(pieces) + cfg.most_pieces // 2)
+    most = max(most_pieces, len(pieces) + most_pieces // 2)
     while queue and len(queue) + len(done) < most:
         _, _, piece = heapq.heappop(queue)
         halves = split_piece(piece, space, least)
@@ -302,7 +283,7 @@ def _cut(pieces: Sequence[Piece], space: FreeSpace, least: float, cfg: SurfaceCo
             done.append(piece)
             continue
         for half in halves:
-            if _fits(half, least, cfg):
+            if _fits(half, least):
                 done.append(half)
             else:
                 serial += 1
@@ -310,7 +291,7 @@ def _cut(pieces: Sequence[Piece], space: FreeSpace, least: float, cfg: SurfaceCo
     return done + [piece for _, _, piece in queue]
 
 
-def _join(pieces: Sequence[Piece], space: FreeSpace, least: float, cfg: SurfaceConfig) -> list[Piece]:
+def _join(pieces: Sequence[Piece], space: FreeSpace, least: float) -> list[Piece]:
     """Joins pairs of pieces, those first whose hull grows least, while the common hulls fit."""
     alive = dict(enumerate(pieces))
     queue: list[tuple[float, int, int, Piece]] = []
@@ -325,7 +306,7 @@ def _join(pieces: Sequence[Piece], space: FreeSpace, least: float, cfg: SurfaceC
                 continue
             both = join_pieces(alive[i], alive[j], space, least)
             before = alive[i].intrusion.volume + alive[j].intrusion.volume
-            fits = _fits(both, least, cfg) or (
+            fits = _fits(both, least) or (
                 both.intrusion.volume <= before and both.intrusion.depth <= 2.0 * least
             )
             if fits:
@@ -346,7 +327,7 @@ def _join(pieces: Sequence[Piece], space: FreeSpace, least: float, cfg: SurfaceC
     return list(alive.values())
 
 
-def piece_hull(piece: Piece, space: FreeSpace, cfg: SurfaceConfig) -> Hull | None:
+def piece_hull(piece: Piece, space: FreeSpace) -> Hull | None:
     """The hull of a piece; a sheet gets its thickness on the side that is enclosed, or on both."""
     if len(piece.planes):
         try:
@@ -362,7 +343,7 @@ def piece_hull(piece: Piece, space: FreeSpace, cfg: SurfaceConfig) -> Hull | Non
     first, last = (
         (-0.5, 0.5) if abs(free[0] - free[1]) < UNLIKE else (0.0, 1.0) if free[0] < free[1] else (-1.0, 0.0)
     )
-    points = np.concatenate([piece.corners + end * cfg.sheet * normal for end in (first, last)])
+    points = np.concatenate([piece.corners + end * SHEET * normal for end in (first, last)])
     try:
         return convex_hull(points)
     except DegeneratePart:

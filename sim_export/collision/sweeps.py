@@ -24,6 +24,10 @@ class SweepConfig:
     """Most samples."""
 
 
+FINE = SweepConfig()
+"""What hulls are cut and added by."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sweep:
     """One joint's sweep: displacements of all links, and the indices of those it moves."""
@@ -33,7 +37,7 @@ class Sweep:
 
 
 def sample_sweep(
-    links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint, cfg: SweepConfig
+    links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint, cfg: SweepConfig = FINE
 ) -> Float[np.ndarray, "P"]:
     """Coordinates of a joint from closed to fully open, close enough for all hulls that it moves."""
     moved = [hull.vertices for slot in moved_links(links, joints, joint) for hull in links[slot].hulls]
@@ -52,7 +56,7 @@ def read_sweeps(
     links: Sequence[Link],
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
-    cfg: SweepConfig,
+    cfg: SweepConfig = FINE,
 ) -> tuple[Sweep, ...]:
     """Every driven joint's sweep, with what it requires open."""
     sweeps = []

@@ -19,47 +19,28 @@ from scipy.sparse.csgraph import connected_components
 from artigen.types import Part
 from sim_export.geometry.neighbours import DIRECTIONS, NeighbourFaces
 
-
-@dataclass(frozen=True, kw_only=True)
-class FacePlanesConfig:
-    """Limits of plane shifts, in cells, and criteria of flatness."""
-
-    inset: float = 0.5
-    """Inward shift of a patch backed by two or more cells: voxelising dilates by half a cell."""
-    thin_inset: float = 0.1
-    """Inward shift of a patch backed by one cell; raise it when thin walls come out too thick."""
-    contact_inset: float = 0.1
-    """Inward shift of a patch that another part touches; raise it when moving parts jam."""
-    joint_room: float = 0.03
-    """Gap kept to the plane at which a neighbour's box ends; raise it when parts jam."""
-    joint_inset: float = 0.6
-    """Largest inward shift to such a plane; a neighbour farther in is embedded in the part."""
-    contact_share: float = 0.1
-    """Share of a patch's faces that other parts must touch for the patch to count as touched."""
-    min_thickness: float = 0.8
-    """Smallest wall thickness between two opposite patches; furniture board is about a cell."""
-    min_box_thickness: float = 0.4
-    """The same for two patches on the part's box, which gives the true thickness."""
-    box_reach: float = 1.25
-    """Largest distance at which a patch at the part's extreme snaps to the box face."""
-    max_step_fraction: float = 0.3
-    """A patch with more one-cell steps than this along its boundary may be a terrace; lower it when
-    slanted or round surfaces come out as stairs."""
-    speck_fraction: float = 0.03
-    """Steps to patches smaller than this fraction of a patch's own area are ignored."""
-
-    def __post_init__(self) -> None:
-        for name in (
-            "inset",
-            "thin_inset",
-            "min_thickness",
-            "min_box_thickness",
-            "box_reach",
-            "max_step_fraction",
-            "speck_fraction",
-        ):
-            if not 0.0 <= getattr(self, name) <= 2.0:
-                raise ValueError(f"face planes: {name} is {getattr(self, name)}, expected 0 to 2")
+INSET = 0.5
+"""Inward shift of a patch backed by two or more cells: voxelising dilates by half a cell."""
+THIN_INSET = 0.1
+"""Inward shift of a patch backed by one cell."""
+CONTACT_INSET = 0.1
+"""Inward shift of a patch that another part touches."""
+JOINT_ROOM = 0.03
+"""Gap kept to the plane at which a neighbour's box ends."""
+JOINT_INSET = 0.6
+"""Largest inward shift to such a plane; a neighbour farther in is embedded in the part."""
+CONTACT_SHARE = 0.1
+"""Share of a patch's faces that other parts must touch for the patch to count as touched."""
+MIN_THICKNESS = 0.8
+"""Smallest wall thickness between two opposite patches; furniture board is about a cell."""
+MIN_BOX_THICKNESS = 0.4
+"""The same for two patches on the part's box, which gives the true thickness."""
+BOX_REACH = 1.25
+"""Largest distance at which a patch at the part's extreme snaps to the box face."""
+MAX_STEP_FRACTION = 0.3
+"""A patch with more one-cell steps than this along its boundary may be a terrace."""
+SPECK_FRACTION = 0.03
+"""Steps to patches smaller than this fraction of a patch's own area are ignored."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -119,7 +100,6 @@ def box_in_lattice(part: Part, resolution: int) -> Float[np.ndarray, "2 3"]:
 def fit_face_planes(
     occupancy: Bool[np.ndarray, "X Y Z"],
     box: Float[np.ndarray, "2 3"],
-    cfg: FacePlanesConfig | None = None,
     others: Bool[np.ndarray, "X2 Y2 Z2"] | None = None,
     neighbours: NeighbourFaces | None = None,
 ) -> FacePlanes:
@@ -130,7 +110,6 @@ def fit_face_planes(
     Patches are in-plane connected, and all faces of a flat patch share one coordinate. Raises `ValueError` if
     no cell is occupied.
     """
-    cfg = cfg or FacePlanesConfig()
     if not occupancy.any():
         raise ValueError("face planes: no occupied cell")
     faces, steps = _read_faces(np.pad(occupancy, MARGIN))
@@ -142,19 +121,19 @@ def fit_face_planes(
         beside = level + MARGIN
         beside[np.arange(len(level)), axis] += sign
         touched = others[tuple(beside.T)]
-    coordinate, at_box = _place_patches(faces, blocky, box, touched, cfg)
+    coordinate, at_box = _place_patches(faces, blocky, box, touched)
     known = at_box
     if neighbours is not None:
-        met = _meet_neighbours(faces, blocky, neighbours, cfg)
+        met = _meet_neighbours(faces, blocky, neighbours)
         coordinate = np.where(at_box | np.isnan(met), coordinate, met)
         known = at_box | ~np.isnan(met)
-    coordinate = _keep_thickness(faces, coordinate, at_box, cfg)
-    flat = _find_flat(faces, steps, cfg)
+    coordinate = _keep_thickness(faces, coordinate, at_box)
+    flat = _find_flat(faces, steps)
     plane = coordinate[faces.patch]
     curved = ~flat[faces.patch] & ~known[faces.patch]
     if curved.any():
         outward = _outwardness(level, axis, sign, box)
-        shift = _curved_inset(faces, outward, cfg)[curved]
+        shift = _curved_inset(faces, outward)[curved]
         plane[curved] = blocky[curved] - sign[curved] * shift
     planes = np.full((6, faces.grid[0].size), np.nan)
     planes[faces.direction, faces.cell] = plane
@@ -165,7 +144,7 @@ def fit_face_planes(
     )
 
 
-def _curved_inset(faces: _Faces, outward: np.ndarray, cfg: FacePlanesConfig) -> np.ndarray:
+def _curved_inset(faces: _Faces, outward: np.ndarray) -> np.ndarray:
     """Inward shift of every face under the assumption of a curved or slanted wall.
 
     A voxelised sheet with normal n has |n|_1 cells and 2 |n|_1 exposed faces per area, for every n, and each
@@ -178,8 +157,8 @@ def _curved_inset(faces: _Faces, outward: np.ndarray, cfg: FacePlanesConfig) -> 
     solid = faces.solid.astype(np.float32)
     cells, sides = (ndimage.uniform_filter(grid, 5, mode="constant") for grid in (solid, exposed))
     thickness = 2.0 * cells.ravel()[faces.cell] / np.maximum(sides.ravel()[faces.cell], 1e-6)
-    even = np.clip((thickness - cfg.min_thickness) / 2.0, 0.0, cfg.inset)
-    return even + outward * (cfg.inset - even)
+    even = np.clip((thickness - MIN_THICKNESS) / 2.0, 0.0, INSET)
+    return even + outward * (INSET - even)
 
 
 def _outwardness(level: np.ndarray, axis: np.ndarray, sign: np.ndarray, box: np.ndarray) -> np.ndarray:
@@ -254,7 +233,7 @@ def _connected(links: np.ndarray, count: int) -> np.ndarray:
 
 
 def _place_patches(
-    faces: _Faces, blocky: np.ndarray, box: np.ndarray, touched: np.ndarray, cfg: FacePlanesConfig
+    faces: _Faces, blocky: np.ndarray, box: np.ndarray, touched: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Fitted coordinate of every patch, and whether it was placed on the box."""
     area = np.bincount(faces.patch)
@@ -265,15 +244,13 @@ def _place_patches(
     extreme = np.full(6, -np.inf)
     np.maximum.at(extreme, direction, sign * level)
     side = box[(sign > 0).astype(int), axis]
-    at_box = (sign * level == extreme[direction]) & (np.abs(side - level) <= cfg.box_reach)
-    contact = np.bincount(faces.patch, weights=touched) > cfg.contact_share * area
-    inset = np.where(contact, cfg.contact_inset, np.where(thick, cfg.inset, cfg.thin_inset))
+    at_box = (sign * level == extreme[direction]) & (np.abs(side - level) <= BOX_REACH)
+    contact = np.bincount(faces.patch, weights=touched) > CONTACT_SHARE * area
+    inset = np.where(contact, CONTACT_INSET, np.where(thick, INSET, THIN_INSET))
     return np.where(at_box, side, level - sign * inset), at_box
 
 
-def _meet_neighbours(
-    faces: _Faces, blocky: np.ndarray, neighbours: NeighbourFaces, cfg: FacePlanesConfig
-) -> np.ndarray:
+def _meet_neighbours(faces: _Faces, blocky: np.ndarray, neighbours: NeighbourFaces) -> np.ndarray:
     """Coordinate of each patch just before the plane at which neighbours end, NaN without neighbours.
 
     If several neighbours end at one patch, the median is used.
@@ -293,16 +270,14 @@ def _meet_neighbours(
     order = np.lexsort((end, met))
     met, end = met[order], end[order]
     found, first, count = np.unique(met, return_index=True, return_counts=True)
-    depth = sign[found] * (level[found] - end[first + count // 2]) + cfg.joint_room
-    follow = (depth <= cfg.joint_inset) & (depth >= -cfg.box_reach)
+    depth = sign[found] * (level[found] - end[first + count // 2]) + JOINT_ROOM
+    follow = (depth <= JOINT_INSET) & (depth >= -BOX_REACH)
     found, depth = found[follow], np.maximum(depth[follow], 0.0)
     out[found] = level[found] - sign[found] * depth
     return out
 
 
-def _keep_thickness(
-    faces: _Faces, coordinate: np.ndarray, at_box: np.ndarray, cfg: FacePlanesConfig
-) -> np.ndarray:
+def _keep_thickness(faces: _Faces, coordinate: np.ndarray, at_box: np.ndarray) -> np.ndarray:
     """Moves opposite patches apart where a wall of one or two cells became too thin.
 
     Of two patches, the one that is not on the box moves; otherwise both move by half.
@@ -317,7 +292,7 @@ def _keep_thickness(
             pairs.append(np.stack([lower[opposite], upper[opposite]]))
         lower, upper = np.unique(np.concatenate(pairs, axis=1), axis=1)
         both = at_box[lower] & at_box[upper]
-        least = np.where(both, cfg.min_box_thickness, cfg.min_thickness)
+        least = np.where(both, MIN_BOX_THICKNESS, MIN_THICKNESS)
         missing = np.maximum(least - (coordinate[upper] - coordinate[lower]), 0.0)
         share = np.where(at_box[lower] == at_box[upper], 0.5, np.where(at_box[lower], 0.0, 1.0))
         move = np.zeros_like(out)
@@ -327,7 +302,7 @@ def _keep_thickness(
     return out
 
 
-def _find_flat(faces: _Faces, steps: _Steps, cfg: FacePlanesConfig) -> np.ndarray:
+def _find_flat(faces: _Faces, steps: _Steps) -> np.ndarray:
     """Flags patches that are flat and not terraces of slanted or curved surfaces.
 
     A terrace has steps of one cell up on one side and down on the other. If it is less than seven cells wide,
@@ -342,12 +317,12 @@ def _find_flat(faces: _Faces, steps: _Steps, cfg: FacePlanesConfig) -> np.ndarra
     def total(rows: np.ndarray, weights: np.ndarray) -> np.ndarray:
         return np.bincount(rows, weights=weights, minlength=count)
 
-    counts = area[steps.target] >= cfg.speck_fraction * area[steps.source]
+    counts = area[steps.target] >= SPECK_FRACTION * area[steps.source]
     edges = np.maximum(total(patch, faces.edges) - total(steps.source, ~counts), 1)
     up = total(steps.source, counts & steps.climbs) / edges
     down = total(steps.source, counts & ~steps.climbs) / edges
     narrow = total(patch, faces.inner) == 0
-    most = cfg.max_step_fraction
+    most = MAX_STEP_FRACTION
     terrace = (up > most / 2) & (down > most / 2)
     terrace |= narrow & (down > most)
     double_up = up + total(patch, faces.double_up) / edges

@@ -7,7 +7,6 @@ furniture, and open drawers stay open.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import manifold3d
 import numpy as np
@@ -15,34 +14,20 @@ from jaxtyping import Bool, Float, Int
 
 from artigen.types import Asset, Part
 from sim_export.errors import DegeneratePart, OpenMesh
-from sim_export.geometry.face_planes import MARGIN, FacePlanesConfig, box_in_lattice, fit_face_planes
+from sim_export.geometry.face_planes import BOX_REACH, MARGIN, box_in_lattice, fit_face_planes
 from sim_export.geometry.neighbours import DIRECTIONS, NeighbourFaces, find_neighbour_faces
 from sim_export.geometry.occupancy import PartOccupancy, part_occupancy
 from sim_export.geometry.slants import find_slants
 from sim_export.geometry.smoothing import (
     BlockySurface,
-    SmoothingConfig,
     put_on_slants,
     smooth_surface,
     stretch_to_box,
 )
 from sim_export.package import Mesh
 
-
-@dataclass(frozen=True, kw_only=True)
-class MeshingConfig:
-    """Parameters of meshing."""
-
-    planes: FacePlanesConfig = field(default_factory=FacePlanesConfig)
-    """Position of walls inside their cells."""
-    smoothing: SmoothingConfig = field(default_factory=SmoothingConfig)
-    """Smoothing of round and slanted surfaces."""
-    tolerance: float = 0.03
-    """Deviation allowed when triangles are merged, in cells; raise it for fewer faces."""
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.tolerance <= 0.5:
-            raise ValueError(f"meshing: tolerance is {self.tolerance} cells, expected 0 to 0.5")
+TOLERANCE = 0.03
+"""Deviation allowed when triangles are merged, in cells."""
 
 
 def solid_parts(asset: Asset) -> tuple[PartOccupancy, ...]:
@@ -63,15 +48,12 @@ def solid_parts(asset: Asset) -> tuple[PartOccupancy, ...]:
     return tuple(solids)
 
 
-def mesh_parts(
-    asset: Asset, cfg: MeshingConfig | None = None, solids: Sequence[PartOccupancy] | None = None
-) -> tuple[Mesh, ...]:
+def mesh_parts(asset: Asset, solids: Sequence[PartOccupancy] | None = None) -> tuple[Mesh, ...]:
     """One closed mesh per part, in the order of the parts; metres, object frame.
 
     ``solids`` are the cells of the parts if already computed (`solid_parts`). Raises `DegeneratePart` if a
     part has no voxels, `ValueError` if the asset has none.
     """
-    cfg = cfg or MeshingConfig()
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     meshes = []
@@ -81,7 +63,7 @@ def mesh_parts(
         others = np.zeros_like(occupancy)
         others[tuple(asset.voxels.coords[asset.voxels.part_ids != index].T)] = True
         neighbours = find_neighbour_faces(asset.voxels, boxes, index)
-        vertices, faces = mesh_occupancy(occupancy, boxes[index], cfg, others & ~occupancy, neighbours)
+        vertices, faces = mesh_occupancy(occupancy, boxes[index], others & ~occupancy, neighbours)
         _check_closed(asset.name, part, vertices, faces)
         metres = (vertices / asset.voxels.resolution - 0.5) * asset.scale
         meshes.append(Mesh(vertices=metres, faces=faces))
@@ -91,7 +73,6 @@ def mesh_parts(
 def mesh_occupancy(
     occupancy: Bool[np.ndarray, "X Y Z"],
     box: Float[np.ndarray, "2 3"],
-    cfg: MeshingConfig | None = None,
     others: Bool[np.ndarray, "X Y Z"] | None = None,
     neighbours: NeighbourFaces | None = None,
 ) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]:
@@ -100,7 +81,6 @@ def mesh_occupancy(
 
     Lattice units.
     """
-    cfg = cfg or MeshingConfig()
     cells = np.nonzero(occupancy)
     low = np.array([axis.min() for axis in cells])
     window = tuple(slice(axis.min(), axis.max() + 1) for axis in cells)
@@ -115,22 +95,21 @@ def mesh_occupancy(
             cell=neighbours.cell - low,
             coordinate=neighbours.coordinate - low[axis],
         )
-    surface = read_surface(occupancy[window], box - low, cfg.planes, around, neighbours)
-    vertices = smooth_surface(surface, cfg.smoothing)
-    vertices = stretch_to_box(vertices, ~surface.locked, box - low, cfg.planes.box_reach)
+    surface = read_surface(occupancy[window], box - low, around, neighbours)
+    vertices = smooth_surface(surface)
+    vertices = stretch_to_box(vertices, ~surface.locked, box - low, BOX_REACH)
     faces = _split_quads(vertices, surface.quads)
-    return _merge_coplanar(vertices + low, faces, cfg.tolerance)
+    return _merge_coplanar(vertices + low, faces, TOLERANCE)
 
 
 def read_surface(
     occupancy: Bool[np.ndarray, "X Y Z"],
     box: Float[np.ndarray, "2 3"],
-    cfg: FacePlanesConfig,
     others: Bool[np.ndarray, "X2 Y2 Z2"] | None = None,
     neighbours: NeighbourFaces | None = None,
 ) -> BlockySurface:
     """The blocky surface with every vertex moved to the fitted planes of its faces."""
-    planes = fit_face_planes(occupancy, box, cfg, others, neighbours)
+    planes = fit_face_planes(occupancy, box, others, neighbours)
     slants = find_slants(planes)
     rows = np.argwhere(planes.patch >= 0)
     direction, cell = rows[:, 0], rows[:, 1:]

@@ -11,28 +11,16 @@ _RELAXED_RINGS = 4
 _STRETCHED = 4.0
 """Distance (cells) from an extreme over which a curved surface is stretched to its box."""
 
-
-@dataclass(frozen=True, kw_only=True)
-class SmoothingConfig:
-    """Strength of smoothing of the unlocked coordinates; lengths in cells."""
-
-    iterations: int = 80
-    """Pairs of a shrinking and a growing step; more spread farther along gentle slopes."""
-    shrink: float = 0.6
-    """Fraction of the way to the neighbours' mean in the shrinking step."""
-    grow: float = 0.605
-    """Fraction of the way back in the growing step; a little above ``shrink`` keeps the volume."""
-    reach: float = 0.7
-    """Largest displacement of a coordinate; raise it if stairs remain on slopes."""
-    least_wall: float = 0.3
-    """Walls one cell thick keep at least this thickness along their axis."""
-
-    def __post_init__(self) -> None:
-        if self.iterations < 0:
-            raise ValueError(f"smoothing: iterations is {self.iterations}, expected 0 or more")
-        for name in ("shrink", "grow", "reach", "least_wall"):
-            if not 0.0 <= getattr(self, name) <= 1.0:
-                raise ValueError(f"smoothing: {name} is {getattr(self, name)}, expected 0 to 1")
+ITERATIONS = 80
+"""Pairs of a shrinking and a growing step; more spread farther along gentle slopes."""
+SHRINK = 0.6
+"""Fraction of the way to the neighbours' mean in the shrinking step."""
+GROW = 0.605
+"""Fraction of the way back in the growing step; a little above `SHRINK` keeps the volume."""
+REACH = 0.7
+"""Largest displacement of a coordinate."""
+LEAST_WALL = 0.3
+"""Walls one cell thick keep at least this thickness along their axis."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,20 +42,19 @@ class BlockySurface:
     slants: Float[np.ndarray, "S 3"]
 
 
-def smooth_surface(surface: BlockySurface, cfg: SmoothingConfig | None = None) -> Float[np.ndarray, "V 3"]:
+def smooth_surface(surface: BlockySurface) -> Float[np.ndarray, "V 3"]:
     """Smoothed vertex positions: round on curved surfaces, unchanged at locked coordinates.
 
     Uses Taubin's alternating steps. A vertex on a curved or slanted quad follows its neighbours along such
     quads only, so that the rim between a curved side and a flat end stays sharp. Other vertices follow all
     their neighbours, so that a flat end adapts to its smoothed rim.
     """
-    cfg = cfg or SmoothingConfig()
-    if surface.flat.all() or cfg.iterations == 0:
+    if surface.flat.all():
         return surface.vertices
     curved = surface.quads[~surface.flat]
     ids = np.unique(curved)
     out = surface.vertices.copy()
-    out[ids] = _smooth_curved(surface, curved, ids, cfg)
+    out[ids] = _smooth_curved(surface, curved, ids)
     return _relax_flat(surface, put_on_slants(out, surface.slant, surface.slants), ids)
 
 
@@ -107,9 +94,7 @@ def stretch_to_box(
     return out
 
 
-def _smooth_curved(
-    surface: BlockySurface, quads: np.ndarray, ids: np.ndarray, cfg: SmoothingConfig
-) -> np.ndarray:
+def _smooth_curved(surface: BlockySurface, quads: np.ndarray, ids: np.ndarray) -> np.ndarray:
     """Positions of the vertices ``ids`` on curved quads; they depend on no other vertices."""
     number = np.full(len(surface.vertices), -1)
     number[ids] = np.arange(len(ids))
@@ -118,13 +103,13 @@ def _smooth_curved(
     walls[:, :2] = number[walls[:, :2]]
     walls = walls[(walls[:, :2] >= 0).all(axis=1)]
     start, free = surface.vertices[ids], ~surface.locked[ids]
-    low = np.where(free, start - cfg.reach, start)
-    high = np.where(free, start + cfg.reach, start)
+    low = np.where(free, start - REACH, start)
+    high = np.where(free, start + REACH, start)
     at = start
-    for _ in range(cfg.iterations):
-        for step in (cfg.shrink, -cfg.grow):
+    for _ in range(ITERATIONS):
+        for step in (SHRINK, -GROW):
             at = np.clip(at + step * (mean @ at - at), low, high)
-        at = _spread_walls(at, free, walls, cfg.least_wall)
+        at = _spread_walls(at, free, walls, LEAST_WALL)
     return at
 
 

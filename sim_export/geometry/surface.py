@@ -3,7 +3,7 @@
 import numpy as np
 
 from artigen.types import Asset, SurfaceSamples
-from sim_export.geometry.meshing import MeshingConfig, mesh_parts
+from sim_export.geometry.meshing import mesh_parts
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 
 SAMPLES = 4
@@ -12,18 +12,17 @@ UNPAINTED = 255
 """Colour of samples; the meshes have no colour."""
 
 
-def sample_surface(asset: Asset, cfg: MeshingConfig | None = None) -> SurfaceSamples:
+def sample_surface(asset: Asset) -> SurfaceSamples:
     """White sample points of equal area on the meshes of all parts, in the unit cube.
 
     Args:
         asset: Asset with voxels; of the parts only the boxes are used.
-        cfg: Parameters of meshing.
 
     Raises:
         DegeneratePart: If a part has no voxels.
         ValueError: If the asset has no voxels.
     """
-    meshes = mesh_parts(asset, cfg)
+    meshes = mesh_parts(asset)
     assert asset.voxels is not None
     triangles = [mesh.vertices[mesh.faces] / asset.scale for mesh in meshes]
     per_area = (SAMPLES * asset.voxels.resolution) ** 2

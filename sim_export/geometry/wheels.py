@@ -1,7 +1,7 @@
 """Replaces wheels with cylinders, so that they do not rest on a flat side."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import manifold3d
 import numpy as np
@@ -13,36 +13,27 @@ from sim_export.geometry.solids import as_solid
 from sim_export.geometry.tidy import tidy_mesh
 from sim_export.package import Hull, Mesh
 
-
-@dataclass(frozen=True, kw_only=True)
-class WheelConfig:
-    """Criteria and parameters of wheel replacement."""
-
-    segments: int = 24
-    """Sides of the cylinder; a corner points down, so that it stands on an edge."""
-    least_alike: float = 0.6
-    """Smallest ratio of the volumes of mesh and cylinder, in either direction; excludes forks."""
-    well: float = 0.003
-    """Clearance (m) made around a wheel in other parts."""
-    steepest: float = 0.5
-    """Largest vertical component of an axle; parts that turn about steeper axes are swivels that carry a
-    wheel."""
-    near: float = 1.5
-    """Distance (voxels) from the lowest point of the object within which wheels are extended down to it."""
+SEGMENTS = 24
+"""Sides of the cylinder; a corner points down, so that it stands on an edge."""
+LEAST_ALIKE = 0.6
+"""Smallest ratio of the volumes of mesh and cylinder, in either direction; excludes forks."""
+WELL = 0.003
+"""Clearance (m) made around a wheel in other parts."""
+STEEPEST = 0.5
+"""Largest vertical component of an axle; parts that turn about steeper axes are swivels that carry a
+wheel."""
+NEAR = 1.5
+"""Distance (voxels) from the lowest point of the object within which wheels are extended down to it."""
 
 
-def round_wheels(
-    asset: Asset, meshes: Sequence[Mesh], cfg: WheelConfig | None = None
-) -> tuple[tuple[Mesh, ...], tuple[str, ...]]:
+def round_wheels(asset: Asset, meshes: Sequence[Mesh]) -> tuple[tuple[Mesh, ...], tuple[str, ...]]:
     """Replaces the meshes of wheels with cylinders about their axles and cuts wells around them; records
     changes.
 
     Args:
         asset: Parts and joints; unit-cube lengths.
         meshes: Closed mesh of every part (metres), in order.
-        cfg: Criteria and parameters.
     """
-    cfg = cfg or WheelConfig()
     floor = min(float(mesh.vertices[:, 2].min()) for mesh in meshes)
     voxel = asset.scale / (64 if asset.voxels is None else asset.voxels.resolution)
     out, records = list(meshes), []
@@ -51,22 +42,22 @@ def round_wheels(
         if part.label != "wheel" or part.joint.type != "continuous":
             continue
         axis, origin = np.asarray(part.joint.axis), np.asarray(part.joint.origin) * asset.scale
-        if abs(axis[2]) > cfg.steepest:
+        if abs(axis[2]) > STEEPEST:
             continue
         along = (mesh.vertices - origin) @ axis
         across = np.linalg.norm(mesh.vertices - origin - np.outer(along, axis), axis=1)
         radius = (float(across.max()) + float(np.median(across))) / 2
         drop = float(origin[2] - floor) / float(np.hypot(axis[0], axis[1]))
-        if abs(drop - radius) <= cfg.near * voxel:
+        if abs(drop - radius) <= NEAR * voxel:
             radius = drop
-        cylinder = _cylinder(origin, axis, (float(along.min()), float(along.max())), radius, cfg.segments)
+        cylinder = _cylinder(origin, axis, (float(along.min()), float(along.max())), radius, SEGMENTS)
         share = as_solid(mesh).volume() / hull_volume(cylinder)
-        if not cfg.least_alike <= share <= 1.0 / cfg.least_alike:
+        if not LEAST_ALIKE <= share <= 1.0 / LEAST_ALIKE:
             continue
         out[index] = replace(mesh, vertices=cylinder.vertices, faces=cylinder.faces)
         records.append(f"{part.name}: became a cylinder of {2000 * radius:.1f} mm about its axle")
-        reach = (float(along.min()) - cfg.well, float(along.max()) + cfg.well)
-        wells[index] = as_solid(_cylinder(origin, axis, reach, radius + cfg.well, cfg.segments))
+        reach = (float(along.min()) - WELL, float(along.max()) + WELL)
+        wells[index] = as_solid(_cylinder(origin, axis, reach, radius + WELL, SEGMENTS))
     for index, well in wells.items():
         for other in sorted(set(range(len(out))) - wells.keys()):
             hollow = _without(out[other], well)

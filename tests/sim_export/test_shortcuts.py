@@ -9,7 +9,6 @@ from sim_export.appearance.blending import find_near
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.cuboids import CuboidFit, count_filled, grow_boxes
 from sim_export.collision.hull_cover import count_left, take_out
-from sim_export.collision.hull_limits import HullLimits
 from sim_export.collision.hull_offers import Offers, make_ground, mark_missing, measure_offers
 from sim_export.collision.hull_pool import box_offers, piece_offers
 from sim_export.collision.hulls import box_hull, convex_hull, hull_planes
@@ -46,9 +45,8 @@ def comb() -> Solid:
 @pytest.fixture(scope="module")
 def offers(comb: Solid) -> Offers:
     vertices, faces = solid_arrays(comb)
-    limits = HullLimits()
-    pool = box_offers(comb, CuboidFit(vertices=vertices, faces=faces), limits)
-    return measure_offers(pool + piece_offers(comb, limits, 20), make_ground(comb), 0.01, 0.02)
+    pool = box_offers(comb, CuboidFit(vertices=vertices, faces=faces))
+    return measure_offers(pool + piece_offers(comb, 20), make_ground(comb), 0.01, 0.02)
 
 
 @pytest.mark.parametrize("spread", [0.5, 4.0])

@@ -4,7 +4,7 @@ import pytest
 
 from artigen.cli import convert, source_meshes
 from sim_export import export
-from sim_export.collision.surface_hulls import FINER, SurfaceConfig
+from sim_export.collision.surface_hulls import FINER, USUAL
 from sim_export.export import Exported
 
 
@@ -16,9 +16,9 @@ def test_hulls_are_made_again_while_they_fail_and_the_best_are_kept(monkeypatch,
     likeness = (0.9, 0.5, 0.7)  # decides between as many failures
     asked = []
 
-    def export_asset(asset, cfg, *, source_meshes, surfaces, provenance):
-        asked.append(None if surfaces is None else cfg.surface)
-        return Exported(package=len(asked) - 1, decompositions=(), seconds=(("mesh", 1.0), ("mass", 2.0)))
+    def export_asset(asset, *, source_meshes, surfaces, detail, provenance):
+        asked.append(None if surfaces is None else detail)
+        return Exported(package=len(asked) - 1, seconds=(("mesh", 1.0), ("mass", 2.0)))
 
     monkeypatch.setattr(export, "export_asset", export_asset)
     monkeypatch.setattr(convert, "judge_package", lambda number: (failed[number], likeness[number]))
@@ -26,5 +26,5 @@ def test_hulls_are_made_again_while_they_fail_and_the_best_are_kept(monkeypatch,
         monkeypatch.setattr(source_meshes, name, lambda source, asset: ())
     made = convert.export_source(None, None, {})
     assert made.package == chosen
-    assert asked == [SurfaceConfig(), FINER, None][:tried]
+    assert asked == [USUAL, FINER, None][:tried]
     assert dict(made.seconds) == {"mesh": tried, "mass": 2.0 * tried}

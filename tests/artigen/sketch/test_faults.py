@@ -24,7 +24,7 @@ from envs.trials import LIMIT_FRACTION
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.suite import run_checks
 from sim_export.collision.contacts import HullSet, find_penetration, signed_distances
-from sim_export.collision.hull_limits import HullLimits
+from sim_export.collision.hull_limits import MAX_ASPECT
 from sim_export.collision.hulls import convex_hull
 from sim_export.collision.motion import farthest_travel, package_joint_motion
 from sim_export.files.write import write_package
@@ -125,7 +125,7 @@ def test_thresholds_are_those_of_the_checks():
     assert checks.max_hulls_per_link >= faults.MAX_HULLS  # real objects may have more on one link
     assert checks.max_hulls == faults.MAX_HULLS_IN_ALL
     assert (checks.max_links, checks.turn_tolerance) == (faults.MAX_LINKS, faults.TURN_TOLERANCE)
-    assert HullLimits().max_aspect == faults.MAX_ASPECT
+    assert faults.MAX_ASPECT == MAX_ASPECT
     assert (
         checks.sweep_step,
         (checks.sweep_samples, checks.max_sweep_samples),

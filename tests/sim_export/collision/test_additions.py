@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from sim_export.collision.additions import AdditionConfig, add_hull
+from sim_export.collision import additions
+from sim_export.collision.additions import add_hull
 from sim_export.collision.contacts import HullSet
-from sim_export.collision.hull_limits import hull_aspect
+from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect
 from sim_export.collision.hulls import box_hull
 from sim_export.package import Hull
 
@@ -17,16 +18,17 @@ def column(thick: float) -> Hull:
 
 
 @pytest.mark.parametrize(("thick", "hulls"), [(0.01, 0), (0.02, 1)])
-def test_a_hull_is_not_stretched_to_a_needle(thick: float, hulls: int):
+def test_a_hull_is_not_stretched_to_a_needle(thick: float, hulls: int, monkeypatch):
+    monkeypatch.setattr(additions, "MOST_OF_LINK", 1)
     stand = column(thick)
-    made = add_hull([HullSet(hulls=(stand,))], [], 0, FOOT, stand, AdditionConfig(max_hulls=1))
+    made = add_hull([HullSet(hulls=(stand,))], [], 0, FOOT, stand)
     found = () if made is None else made.hulls
     assert len(found) == hulls
-    assert all(hull_aspect(hull) <= AdditionConfig().max_aspect for hull in found)
+    assert all(hull_aspect(hull) <= MAX_ASPECT for hull in found)
 
 
 def test_where_there_is_room_a_hull_of_its_own_is_added():
     stand = column(0.01)
-    made = add_hull([HullSet(hulls=(stand,))], [], 0, FOOT, stand, AdditionConfig())
+    made = add_hull([HullSet(hulls=(stand,))], [], 0, FOOT, stand)
     assert made is not None
     assert made.hulls == (stand, FOOT)

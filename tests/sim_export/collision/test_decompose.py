@@ -1,8 +1,5 @@
 """Hulls stand for their mesh: convex, within the limits of engines, true in volume, cavities open."""
 
-import os
-import stat
-import sys
 from dataclasses import replace
 
 import manifold3d
@@ -11,12 +8,18 @@ import pytest
 from sample_cabinet import SAMPLE_PARTS, sample_box_arrays
 from scipy.spatial import ConvexHull
 
-from sim_export.collision import coacd_process, decompose
-from sim_export.collision.coacd_process import CoacdConfig, run_coacd
-from sim_export.collision.convex_pieces import PieceConfig, cut_pieces
+from sim_export.collision import decompose
+from sim_export.collision.convex_pieces import cut_pieces
 from sim_export.collision.cuboids import largest_cuboids
-from sim_export.collision.decompose import DecomposeConfig, decompose_part, decompose_parts
-from sim_export.collision.hull_limits import HullLimits, hull_aspect, limit_hulls
+from sim_export.collision.decompose import decompose_part, decompose_parts
+from sim_export.collision.hull_limits import (
+    MAX_ASPECT,
+    MAX_POLYGONS,
+    MAX_VERTICES,
+    MIN_WIDTH,
+    hull_aspect,
+    limit_hulls,
+)
 from sim_export.collision.hull_methods import Candidate
 from sim_export.collision.hull_offers import TAKEN, make_ground
 from sim_export.collision.hulls import (
@@ -93,14 +96,14 @@ SHAPES = {
 }
 
 
-def assert_within_limits(hulls, limits: HullLimits) -> None:
+def assert_within_limits(hulls) -> None:
     for hull in hulls:
         independent = ConvexHull(hull.vertices)
         assert hull_volume(hull) / independent.volume >= 0.999
-        assert 4 <= len(hull.vertices) <= limits.max_vertices
-        assert count_polygons(hull) <= limits.max_polygons
-        assert hull_width(hull)[0] >= 0.999 * limits.min_width
-        assert hull_aspect(hull) <= 1.001 * limits.max_aspect
+        assert 4 <= len(hull.vertices) <= MAX_VERTICES
+        assert count_polygons(hull) <= MAX_POLYGONS
+        assert hull_width(hull)[0] >= 0.999 * MIN_WIDTH
+        assert hull_aspect(hull) <= 1.001 * MAX_ASPECT
 
 
 @pytest.fixture(scope="module")
@@ -112,7 +115,7 @@ def decomposed():
 def test_hulls_are_true_to_the_mesh_and_leave_it_open(decomposed, name):
     result, solid = decomposed[name], as_solid(SHAPES[name])
     assert 1 <= len(result.hulls) <= 32
-    assert_within_limits(result.hulls, HullLimits())
+    assert_within_limits(result.hulls)
     assert result.volume_error <= (0.2 if name == "pot" else 0.08)
     assert result.kept_cavity >= 0.95
     # The reported error is the real one: points drawn in the bounding box disagree as often.
@@ -155,31 +158,26 @@ def test_a_convex_part_is_one_hull_and_small_feet_are_not_lost():
 
 def test_parts_of_one_link_share_its_hulls():
     meshes = [SHAPES["slanted tray"], SHAPES["table"]]
-    cfg = DecomposeConfig(max_hulls=8, min_kept_cavity=0.0)
-    alone = [decompose_part(mesh, cfg) for mesh in meshes]
+    alone = [decompose_part(mesh, 8) for mesh in meshes]
     assert sum(len(part.hulls) for part in alone) > 8
-    together = decompose_parts(meshes, [0, 0], cfg)
+    together = decompose_parts(meshes, [0, 0], 8)
     assert sum(len(part.hulls) for part in together) <= 8
-    apart = decompose_parts(meshes, [0, 1], cfg)
+    apart = decompose_parts(meshes, [0, 1], 8)
     assert [len(part.hulls) for part in apart] == [len(part.hulls) for part in alone]
 
 
-def test_hulls_that_fill_a_cavity_are_refused_unless_asked_for(monkeypatch):
-    def one_hull(part, max_hulls, cache):
-        yield Candidate(method="pieces", hulls=(solid_hull(part.solid),), error=0.0)
+def test_hulls_that_fill_a_cavity_are_refused(monkeypatch):
+    def one_hull(part, max_hulls):
+        yield Candidate(method="hull", hulls=(solid_hull(part.solid),), error=0.0)
 
     monkeypatch.setattr(decompose, "hull_candidates", one_hull)
     with pytest.raises(DecompositionFailed, match="of the cavity free"):
         decompose_part(SHAPES["body"])
-    result = decompose_part(SHAPES["body"], DecomposeConfig(on_failure="hull"))
-    assert (result.method, len(result.hulls)) == ("hull", 1)
-    assert result.kept_cavity < 0.1
-    assert any("one convex hull" in record for record in result.records)
 
 
 def test_too_few_hulls_leave_out_walls_rather_than_fill_the_cavity():
     for most in (2, 4):
-        result = decompose_part(SHAPES["body"], DecomposeConfig(max_hulls=most))
+        result = decompose_part(SHAPES["body"], most)
         assert result.kept_cavity >= 0.9
         assert 1 <= len(result.hulls) <= most
 
@@ -195,7 +193,7 @@ def test_what_hulls_leave_out_is_not_far_from_them():
     ]
     bar = block((high[0] - 0.01, 0, high[2] - 0.06), (high[0] + 0.15, 0.02, high[2] - 0.04))
     mesh = as_mesh(Solid.batch_boolean([walls, *hooks, bar], manifold3d.OpType.Add))
-    result = decompose_part(mesh, DecomposeConfig(max_hulls=12))
+    result = decompose_part(mesh, 12)
     assert len(result.hulls) <= 12
     assert max(hull.vertices[:, 0].max() for hull in result.hulls) >= high[0] + 0.13
     far = measure_stray(result.hulls, as_solid(mesh)).max()
@@ -204,7 +202,7 @@ def test_what_hulls_leave_out_is_not_far_from_them():
 
 def test_a_round_shell_is_cut_to_pieces_that_hardly_exceed_it():
     drum = Solid.cylinder(0.4, 0.25, 0.25, 48) - Solid.cylinder(0.38, 0.24, 0.24, 48).translate((0, 0, 0.01))
-    pieces = cut_pieces(drum, PieceConfig())
+    pieces = cut_pieces(drum)
     assert sum(piece.volume() for piece in pieces) == pytest.approx(drum.volume(), rel=1e-3)
     assert sum(piece.hull().volume() for piece in pieces) <= 1.4 * drum.volume()
 
@@ -249,7 +247,7 @@ def test_cuboids_cover_exactly_and_few():
 
 def test_pieces_cover_the_solid():
     solid = as_solid(SHAPES["slanted tray"])
-    pieces = [piece.hull() for piece in cut_pieces(solid, PieceConfig())]
+    pieces = [piece.hull() for piece in cut_pieces(solid)]
     union = Solid.batch_boolean(pieces, manifold3d.OpType.Add)
     assert (solid - union).volume() < 1e-3 * solid.volume()
     assert union.volume() <= 1.06 * solid.volume()
@@ -274,78 +272,28 @@ def test_subtracting_leaves_the_rest():
 
 
 def test_limits_are_met_by_cutting_thickening_and_fewer_vertices():
-    limits = HullLimits()
     board = box_hull(np.zeros(3), np.array([1.0, 0.5, 0.006]))
-    assert limit_hulls([board], limits, 32) == ((board,), ())
+    assert limit_hulls([board], 32) == ((board,), ())
     plate = clip_hull(board, np.array([0.6, 0.8, 0.0]), 0.95)
     assert plate is not None
-    cut, records = limit_hulls([plate], limits, 32)
-    assert_within_limits(cut, limits)
+    cut, records = limit_hulls([plate], 32)
+    assert_within_limits(cut)
     assert len(cut) == 6
     assert sum(map(hull_volume, cut)) == pytest.approx(hull_volume(plate))
     assert "cut 5 times" in records[0]
-    few, records = limit_hulls([plate] * 3, limits, 8)
-    assert_within_limits(few, limits)
+    few, records = limit_hulls([plate] * 3, 8)
+    assert_within_limits(few)
     assert len(few) <= 8
     assert any("thickened" in record for record in records)
-    thin, _ = limit_hulls([box_hull(np.zeros(3), np.array([0.03, 0.03, 0.0004]))], limits, 32)
-    assert_within_limits(thin, limits)
+    thin, _ = limit_hulls([box_hull(np.zeros(3), np.array([0.03, 0.03, 0.0004]))], 32)
+    assert_within_limits(thin)
     rng = np.random.default_rng(0)
     points = rng.normal(size=(500, 3))
     ball = convex_hull(points / np.linalg.norm(points, axis=1, keepdims=True))
-    (round_,), _ = limit_hulls([ball], limits, 32)
-    assert_within_limits([round_], limits)
+    (round_,), _ = limit_hulls([ball], 32)
+    assert_within_limits([round_])
     assert hull_volume(round_) == pytest.approx(hull_volume(ball))
     assert measure_fit(unite_hulls([round_]), as_solid(ball)).volume_error < 0.12
-
-
-@pytest.fixture
-def fake_python(tmp_path, monkeypatch):
-    """Lets the child process be a shell script."""
-
-    def install(script: str) -> None:
-        path = tmp_path / "python"
-        path.write_text(f"#!/bin/sh\n{script}\n")
-        path.chmod(path.stat().st_mode | stat.S_IXUSR)
-        monkeypatch.setattr(coacd_process.sys, "executable", os.fspath(path))
-
-    return install
-
-
-def test_coacd_that_aborts_or_hangs_is_an_error_not_a_crash(fake_python):
-    mesh = SHAPES["handle"]
-    fake_python("echo 'assertion failed' >&2; kill -ABRT $$")
-    with pytest.raises(DecompositionFailed, match="assertion failed"):
-        run_coacd(mesh)
-    fake_python("sleep 5")
-    with pytest.raises(DecompositionFailed, match=r"longer than 0\.2 s on a mesh of"):
-        run_coacd(mesh, CoacdConfig(timeout=0.2))
-    result = decompose_part(
-        mesh, DecomposeConfig(method="coacd", on_failure="hull", coacd=CoacdConfig(timeout=0.2))
-    )
-    assert result.method == "hull"
-    assert "longer than 0.2 s" in result.records[0]
-
-
-def test_coacd_runs_in_its_own_process_and_is_cached(tmp_path, fake_python):
-    mesh, cfg = SHAPES["handle"], CoacdConfig(mcts_iterations=20, mcts_nodes=5, resolution=500)
-    first = run_coacd(mesh, cfg, tmp_path)
-    assert len(first) >= 2
-    assert_within_limits(first, replace(HullLimits(), max_polygons=200, min_width=0, max_aspect=1e9))
-    assert measure_fit(unite_hulls(first), as_solid(mesh)).volume_error < 0.4
-    assert "coacd" not in sys.modules
-    fake_python("exit 1")
-    for one, two in zip(run_coacd(mesh, cfg, tmp_path), first, strict=True):
-        np.testing.assert_array_equal(one.vertices, two.vertices)
-    with pytest.raises(DecompositionFailed):
-        run_coacd(mesh, replace(cfg, seed=1), tmp_path)
-
-
-def test_configs_reject_nonsense():
-    with pytest.raises(ValueError, match="tolerance is -1"):
-        DecomposeConfig(tolerance=-1.0)
-    with pytest.raises(ValueError, match="max_hulls is 0"):
-        DecomposeConfig(max_hulls=0)
 
 
 def test_boxes_are_measured_and_cut_like_any_other_hull():

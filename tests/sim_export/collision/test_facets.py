@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from sim_export.collision.facets import FacetConfig, flatten_facets
+from sim_export.collision import facets
+from sim_export.collision.facets import flatten_facets
 from sim_export.collision.hulls import (
     box_hull,
     clip_hull,
@@ -58,6 +59,7 @@ def test_cylinders_stay_round(sides: int):
     assert flatten_facets(knob) is knob
 
 
-def test_a_hull_is_left_alone_where_that_would_cost_much_of_it():
+def test_a_hull_is_left_alone_where_that_would_cost_much_of_it(monkeypatch):
+    monkeypatch.setattr(facets, "MAX_REMOVED", 0.0)
     before = fan(2.0)
-    assert flatten_facets(before, FacetConfig(max_removed=0.0)) is before
+    assert flatten_facets(before) is before

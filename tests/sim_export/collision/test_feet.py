@@ -4,8 +4,8 @@ import manifold3d
 import numpy as np
 import pytest
 
-from sim_export.collision.additions import AdditionConfig
-from sim_export.collision.feet import FeetConfig, add_feet
+from sim_export.collision import additions, feet
+from sim_export.collision.feet import add_feet
 from sim_export.collision.hulls import box_hull
 from sim_export.package import Link, Mesh, PackageJoint
 
@@ -74,7 +74,7 @@ def test_a_frame_stands_on_its_corners():
         assert np.ptp(hull.vertices, axis=0).max() < 0.2
 
 
-def test_feet_keep_out_of_the_way_of_what_moves():
+def test_feet_keep_out_of_the_way_of_what_moves(monkeypatch):
     tray = box_hull(np.array([-0.3, -0.4, -0.011]), np.array([-0.2, 0.4, -0.002]))
     slide = PackageJoint(
         name="joint_0", type="prismatic", kind="prismatic", parent="body", child="tray",
@@ -82,8 +82,8 @@ def test_feet_keep_out_of_the_way_of_what_moves():
     )  # fmt: skip
     links = (link("body", BODY), link("tray", tray))
     meshes = {"body": solid(PLATE, *FEET), "tray": solid(((-0.3, -0.4, -0.011), (-0.2, 0.4, -0.002)))}
-    cfg = FeetConfig(near=0.0005, far=0.03)
-    done = add_feet(links, [slide], [], meshes, cfg)
+    monkeypatch.setattr(feet, "NEAR", 0.0005)
+    done = add_feet(links, [slide], [], meshes)
     assert "2 of 4" in done.records[0]
     assert lowest(done.links)[:, 0].min() > 0.2
 
@@ -105,8 +105,8 @@ def test_a_foot_stays_short_where_something_passes_just_above_it():
     assert all(hull.vertices[:, 2].max() <= -0.0015 - 1e-3 for hull in short)
 
 
-def test_where_a_link_has_all_its_hulls_one_is_stretched():
-    cfg = FeetConfig(addition=AdditionConfig(max_hulls=1))
-    done = add_feet((link("body", BODY),), [], [], {"body": solid(PLATE, *FEET)}, cfg)
+def test_where_a_link_has_all_its_hulls_one_is_stretched(monkeypatch):
+    monkeypatch.setattr(additions, "MOST_OF_LINK", 1)
+    done = add_feet((link("body", BODY),), [], [], {"body": solid(PLATE, *FEET)})
     assert len(done.links[0].hulls) == 1
     assert lowest(done.links)[0, 2] == pytest.approx(-0.012)

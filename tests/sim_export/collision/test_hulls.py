@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from artigen.shapes.primitives import place_vertices, rounded_box
-from sim_export.collision.hull_limits import HullLimits, hull_aspect, trim_hull
+from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect, trim_hull
 from sim_export.collision.hulls import FLAT, clip_hull, convex_hull, hull_volume, reduce_hull
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.solids import as_solid
@@ -56,8 +56,8 @@ def test_a_slanted_plate_stays_one_when_it_loses_corners():
 @pytest.mark.parametrize("sides", [(0.587, 0.615), (0.61, 0.61), (0.3, 1.8), (1.2, 1.7)])
 def test_a_bevelled_plate_that_is_cut_loses_nothing(sides: tuple[float, float]):
     plate = rounded_box((0.0, 0.0, 0.0), (0.006, *sides), 0.002, "front")
-    hull, limits = Hull(vertices=place_vertices(plate), faces=plate.faces), HullLimits()
-    pieces = trim_hull(hull, limits)
+    hull = Hull(vertices=place_vertices(plate), faces=plate.faces)
+    pieces = trim_hull(hull)
     assert len(pieces) > 1
-    assert max(map(hull_aspect, pieces)) <= limits.max_aspect + 1e-6
+    assert max(map(hull_aspect, pieces)) <= MAX_ASPECT + 1e-6
     assert sum(map(hull_volume, pieces)) == pytest.approx(hull_volume(hull))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim_export.collision.hulls import box_hull
-from sim_export.collision.levelling import LevellingConfig, level_object
+from sim_export.collision.levelling import LIFT, level_object
 from sim_export.package import Inertial, Link, PackageJoint
 
 BODY = ((-0.3, -0.4, 0.02), (0.3, 0.4, 0.8))
@@ -57,7 +57,7 @@ def test_a_body_is_lifted_off_its_door():
         origin=np.array([-0.31, 0.4, 0.0]), axis=np.array([0.0, 0.0, -1.0]), lower=0.0, upper=1.5,
     )  # fmt: skip
     done = level_object((door, link("body", BODY)), [hinge], [], "StorageFurniture")
-    assert lowest(done.links)[:, 2].max() == pytest.approx(-LevellingConfig().lift)
+    assert lowest(done.links)[:, 2].max() == pytest.approx(-LIFT)
     assert len(lowest(done.links)) == 16  # four feet of four corners
 
 

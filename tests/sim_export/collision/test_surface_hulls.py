@@ -6,7 +6,7 @@ import pytest
 from sim_export.checks.surface import inside_hulls, surface_distances
 from sim_export.collision.compact import compact_hull
 from sim_export.collision.free_space import find_free_space, find_inside, look_up
-from sim_export.collision.hull_limits import HullLimits, hull_aspect
+from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect
 from sim_export.collision.hulls import box_hull, convex_hull, hull_volume, hull_width
 from sim_export.collision.passing import find_passing
 from sim_export.collision.surface_hulls import cover_parts, split_components
@@ -38,7 +38,7 @@ def drawer():
 
 
 def cover(*surfaces):
-    return [found.hulls for found in cover_parts(surfaces, list(range(len(surfaces))), {})]
+    return list(cover_parts(surfaces, list(range(len(surfaces))), {}))
 
 
 def spoil(triangles, how):
@@ -73,8 +73,8 @@ def test_hulls_keep_out_of_a_room_that_another_link_is_in():
     closed = box((0, 0, 0), (0.5, 0.5, 0.5))
     lodger = box((0.1, 0.1, 0.1), (0.4, 0.4, 0.4))
     others = {0: sample_triangles(lodger, 6000)[0]}
-    alone = cover_parts([closed], [0], {})[0].hulls
-    shared = cover_parts([closed], [0], others)[0].hulls
+    alone = cover_parts([closed], [0], {})[0]
+    shared = cover_parts([closed], [0], others)[0]
     middle = np.full((1, 3), 0.25)
     assert inside_hulls(middle, alone).all()
     assert not inside_hulls(middle, shared).any()
@@ -118,17 +118,16 @@ def test_enclosed_space_is_none_of_the_free_space_until_others_pass_through_it()
 
 
 def test_long_thin_hulls_are_kept_within_the_limits():
-    limits = HullLimits()
     long_box = box_hull(np.zeros(3), np.array([2.0, 0.3, 0.002]))
-    assert compact_hull(long_box, limits, 0.0) == [long_box]
+    assert compact_hull(long_box, 0.0) == [long_box]
     turn = 2 * np.pi * np.arange(16) / 16
     disc = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(16)])
     plate = convex_hull(np.concatenate([disc, disc + np.array([0, 0, 0.01])]))
-    divided = compact_hull(plate, limits, 0.0)
-    assert max(map(hull_aspect, divided)) <= limits.max_aspect
+    divided = compact_hull(plate, 0.0)
+    assert max(map(hull_aspect, divided)) <= MAX_ASPECT
     assert sum(map(hull_volume, divided)) > 0.99 * hull_volume(plate)
-    (thick,) = compact_hull(plate, limits, 0.1)
-    assert hull_aspect(thick) <= limits.max_aspect
+    (thick,) = compact_hull(plate, 0.1)
+    assert hull_aspect(thick) <= MAX_ASPECT
 
 
 def test_passing_points_are_where_a_drawer_goes_as_its_body_sees_it():

@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from sim_export.collision.additions import AdditionConfig, add_hull
+from sim_export.collision.additions import add_hull
 from sim_export.collision.contacts import HullSet
 from sim_export.collision.hulls import box_hull, convex_hull
 from sim_export.collision.motion import farthest_travel
@@ -49,10 +49,10 @@ def test_a_plate_that_the_edge_of_a_door_passes_is_in_its_way(angle: float):
     at = 0.8 * np.array([-np.sin(angle), np.cos(angle)])
     plate = _turned(box_hull(np.array([-0.0025, -0.003, 0.4]), np.array([0.0025, 0.02, 0.5])), angle, at)
     sets = [HullSet(hulls=link.hulls) for link in links]
-    made = add_hull(sets, read_sweeps(links, joints, (), SweepConfig()), 0, plate, plate, AdditionConfig())
+    made = add_hull(sets, read_sweeps(links, joints, ()), 0, plate, plate)
     assert made is None
     beyond = Hull(vertices=plate.vertices + 0.01 * np.r_[at / 0.8, 0.0], faces=plate.faces)
-    assert add_hull(sets, read_sweeps(links, joints, (), SweepConfig()), 0, beyond, beyond, AdditionConfig())
+    assert add_hull(sets, read_sweeps(links, joints, ()), 0, beyond, beyond)
 
 
 def _turned(hull: Hull, angle: float, at: np.ndarray) -> Hull:

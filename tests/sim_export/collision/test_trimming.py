@@ -1,5 +1,7 @@
 """Laws of trimming: what no hull stands for is left out where others are or pass, and where it is fine."""
 
+from dataclasses import replace
+
 import manifold3d
 import numpy as np
 import pytest
@@ -73,3 +75,16 @@ def test_what_is_felt_is_shown_even_inside_of_another_link():
         (link("body", BODY), link("other", within)), [], [], {**meshes, "other": solid(within)}
     )
     assert done.changed == ()
+
+
+@pytest.mark.parametrize("felt", [False, True])
+def test_a_cut_never_leaves_a_loose_piece(felt: bool):  # noqa: FBT001
+    """A thin wire carries a knot: both go, or both stay where a hull stands for the knot."""
+    wire = ((-0.006, 0.4, 0.497), (0.006, 0.7, 0.509))
+    knot = ((-0.01, 0.7, 0.493), (0.01, 0.72, 0.513))
+    inside = knot if felt else ((-0.001, 0.709, 0.502), (0.001, 0.711, 0.504))
+    body = link("body", BODY)
+    body = replace(body, hulls=(*body.hulls, *link("body", inside).hulls))
+    done = trim_meshes((body,), [], [], {"body": solid(BODY, wire, knot)})
+    assert len(as_solid(done.meshes["body"]).decompose()) == 1
+    assert done.meshes["body"].vertices[:, 1].max() == pytest.approx(0.72 if felt else 0.418, abs=0.001)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from sim_export.geometry.face_planes import DIRECTIONS, FacePlanesConfig, fit_face_planes
+from sim_export.geometry import face_planes
+from sim_export.geometry.face_planes import DIRECTIONS, INSET, THIN_INSET, fit_face_planes
 
 
 def grid(size: int = 28) -> np.ndarray:
@@ -43,23 +44,23 @@ def test_a_solid_box_gets_its_box():
 
 
 def test_inner_walls_move_toward_the_solid():
-    cfg = FacePlanesConfig()
     occupancy = open_box()
-    planes = fit_face_planes(occupancy, tight_box(occupancy), cfg)
+    planes = fit_face_planes(occupancy, tight_box(occupancy))
     # The tray's floor seen from above, one cell thick, its lower face on the box.
-    assert planes.plane[5][10, 10, 5] == pytest.approx(6 - cfg.thin_inset)
+    assert planes.plane[5][10, 10, 5] == pytest.approx(6 - THIN_INSET)
     solid = occupancy.copy()
     solid[5:15, 4:20, 6:8] = True
-    planes = fit_face_planes(solid, tight_box(solid), cfg)
-    assert planes.plane[5][10, 10, 7] == pytest.approx(8 - cfg.inset)
+    planes = fit_face_planes(solid, tight_box(solid))
+    assert planes.plane[5][10, 10, 7] == pytest.approx(8 - INSET)
     assert planes.flat[5][10, 10, 7]
 
 
-def test_walls_keep_their_least_thickness_and_the_box_wins():
+def test_walls_keep_their_least_thickness_and_the_box_wins(monkeypatch):
+    monkeypatch.setattr(face_planes, "MIN_THICKNESS", 0.4)
     occupancy = open_box()
     box = tight_box(occupancy)
     box[0, 2] += 0.9  # the floor's lower face almost at the top of its cell
-    planes = fit_face_planes(occupancy, box, FacePlanesConfig(min_thickness=0.4))
+    planes = fit_face_planes(occupancy, box)
     assert planes.plane[4][10, 10, 5] == pytest.approx(5.9)
     assert planes.plane[5][10, 10, 5] == pytest.approx(6.3)
 
@@ -128,8 +129,6 @@ def test_axis_permutations_and_translations_commute():
 def test_nothing_occupied_is_an_error():
     with pytest.raises(ValueError, match="no occupied cell"):
         fit_face_planes(np.zeros((4, 4, 4), dtype=bool), np.zeros((2, 3)))
-    with pytest.raises(ValueError, match="inset is -1"):
-        FacePlanesConfig(inset=-1.0)
 
 
 @pytest.mark.parametrize("thick", [2, 3, 6])

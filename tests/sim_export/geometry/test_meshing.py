@@ -9,9 +9,10 @@ from scipy import ndimage
 
 from artigen.types import Asset, VoxelGrid
 from sim_export.errors import DegeneratePart
+from sim_export.geometry import meshing
 from sim_export.geometry.face_planes import fit_face_planes
 from sim_export.geometry.joining import join_cells
-from sim_export.geometry.meshing import MeshingConfig, mesh_occupancy, mesh_parts
+from sim_export.geometry.meshing import mesh_occupancy, mesh_parts
 from sim_export.geometry.occupancy import part_occupancy
 from sim_export.geometry.slants import find_slants
 from sim_export.package import Mesh
@@ -130,13 +131,13 @@ def test_a_box_is_exactly_its_box():
     assert mesh.volume == pytest.approx(np.prod(box[1] - box[0]))
 
 
-def test_axis_permutation_and_translation_commute():
+def test_axis_permutation_and_translation_commute(monkeypatch):
+    monkeypatch.setattr(meshing, "TOLERANCE", 0.0)
     x = grid(20)
     solid = ((x[:2] ** 2).sum(axis=0) < 20) | ((np.abs(x[2]) < 2) & (np.abs(x[0]) < 6) & (np.abs(x[1]) < 3))
-    cfg = MeshingConfig(tolerance=0.0)
-    plain = as_trimesh(*mesh_occupancy(solid, tight_box(solid), cfg))
-    turned = as_trimesh(*mesh_occupancy(solid.transpose(2, 0, 1), tight_box(solid)[:, [2, 0, 1]], cfg))
-    moved = as_trimesh(*mesh_occupancy(np.pad(solid, 3), tight_box(solid) + 3, cfg))
+    plain = as_trimesh(*mesh_occupancy(solid, tight_box(solid)))
+    turned = as_trimesh(*mesh_occupancy(solid.transpose(2, 0, 1), tight_box(solid)[:, [2, 0, 1]]))
+    moved = as_trimesh(*mesh_occupancy(np.pad(solid, 3), tight_box(solid) + 3))
     np.testing.assert_allclose(turned.bounds, plain.bounds[:, [2, 0, 1]], atol=1e-9)
     np.testing.assert_allclose(moved.bounds, plain.bounds + 3, atol=1e-9)
     assert turned.volume == pytest.approx(plain.volume, rel=1e-3)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from artigen.types import VoxelGrid
-from sim_export.geometry.face_planes import DIRECTIONS, FacePlanesConfig, fit_face_planes
+from sim_export.geometry.face_planes import DIRECTIONS, INSET, JOINT_ROOM, fit_face_planes
 from sim_export.geometry.meshing import mesh_occupancy
 from sim_export.geometry.neighbours import NeighbourFaces, find_neighbour_faces
 
@@ -28,27 +28,25 @@ def scene(back: float) -> tuple[VoxelGrid, list[np.ndarray]]:
     return VoxelGrid(resolution=20, coords=coords, part_ids=ids), boxes
 
 
-def front_of(back: float, cfg: FacePlanesConfig) -> float:
+def front_of(back: float) -> float:
     voxels, boxes = scene(back)
     block = np.zeros((20, 20, 20), dtype=bool)
     block[tuple(voxels.coords[voxels.part_ids == 0].T)] = True
-    planes = fit_face_planes(block, BLOCK, cfg, None, find_neighbour_faces(voxels, boxes, 0))
+    planes = fit_face_planes(block, BLOCK, None, find_neighbour_faces(voxels, boxes, 0))
     return float(planes.plane[DIRECTIONS.index((0, -1))][7, 5, 15])
 
 
 @pytest.mark.parametrize("back", [7.0, 7.1, 7.25, 7.5])
 def test_a_front_lies_just_behind_the_knob_on_it(back: float):
-    cfg = FacePlanesConfig()
-    assert front_of(back, cfg) == pytest.approx(back + cfg.joint_room)
+    assert front_of(back) == pytest.approx(back + JOINT_ROOM)
 
 
 def test_a_knob_that_ends_before_the_block_keeps_it_in_its_cells():
-    assert front_of(6.6, FacePlanesConfig()) == pytest.approx(7.0)
+    assert front_of(6.6) == pytest.approx(7.0)
 
 
 def test_a_knob_sunk_into_the_block_says_nothing():
-    cfg = FacePlanesConfig()
-    assert front_of(7.8, cfg) == pytest.approx(7.0 + cfg.inset)
+    assert front_of(7.8) == pytest.approx(7.0 + INSET)
 
 
 def test_every_face_is_the_end_of_the_right_side():
@@ -74,12 +72,12 @@ def test_the_mesh_follows_wherever_the_part_lies():
     block = np.zeros((20, 20, 20), dtype=bool)
     block[tuple(voxels.coords[voxels.part_ids == 0].T)] = True
     faces = find_neighbour_faces(voxels, boxes, 0)
-    vertices, _ = mesh_occupancy(block, BLOCK, None, None, faces)
+    vertices, _ = mesh_occupancy(block, BLOCK, None, faces)
     fronts = vertices[(vertices[:, 2] > 17.5) & (vertices[:, 0] < 8.0), 0]
-    np.testing.assert_allclose(fronts, 7.2 + FacePlanesConfig().joint_room)
+    np.testing.assert_allclose(fronts, 7.2 + JOINT_ROOM)
     none = NeighbourFaces(
         direction=np.zeros(0, dtype=np.int64), cell=np.zeros((0, 3), dtype=np.int64), coordinate=np.zeros(0)
     )
     plain, _ = mesh_occupancy(block, BLOCK)
-    same, _ = mesh_occupancy(block, BLOCK, None, None, none)
+    same, _ = mesh_occupancy(block, BLOCK, None, none)
     np.testing.assert_array_equal(plain, same)

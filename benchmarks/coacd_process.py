@@ -1,18 +1,15 @@
 """Runs CoACD in a separate process, which may abort or time out.
 
-``python -m sim_export.collision.coacd_process IN.npz OUT.npz`` is the child's side.
+``python coacd_process.py IN.npz OUT.npz`` is the child's side.
 """
 
-import hashlib
 import json
 import logging
 import subprocess
 import sys
 import tempfile
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 
@@ -45,32 +42,21 @@ class CoacdConfig:
     """Seconds before the process is ended; raise it for meshes of many faces."""
 
 
-def run_coacd(mesh: Mesh, cfg: CoacdConfig | None = None, cache: Path | None = None) -> tuple[Hull, ...]:
-    """Convex hulls by CoACD, from ``cache`` (a folder) where this mesh and config are known there.
+def run_coacd(mesh: Mesh, cfg: CoacdConfig) -> tuple[Hull, ...]:
+    """Convex hulls by CoACD.
 
     Raises:
         DecompositionFailed: if the process aborts, runs out of time or gives no hull.
     """
-    cfg = cfg or CoacdConfig()
-    key = _cache_key(mesh, cfg)
-    known = None if cache is None else cache / f"{key}.npz"
-    if known is not None and known.is_file():
-        return _read_hulls(known)
     with tempfile.TemporaryDirectory(prefix="coacd-") as scratch:
         source, target = Path(scratch) / "in.npz", Path(scratch) / "out.npz"
         np.savez(source, vertices=mesh.vertices, faces=mesh.faces, cfg=json.dumps(asdict(cfg)))
         _run_child(source, target, cfg.timeout, len(mesh.faces))
-        hulls = _read_hulls(target)
-        if known is not None:
-            known.parent.mkdir(parents=True, exist_ok=True)
-            partial = known.with_suffix(f".{Path(scratch).name}.partial")
-            partial.write_bytes(target.read_bytes())
-            partial.replace(known)
-    return hulls
+        return _read_hulls(target)
 
 
 def _run_child(source: Path, target: Path, timeout: float, faces: int) -> None:
-    command = [sys.executable, "-m", "sim_export.collision.coacd_process", str(source), str(target)]
+    command = [sys.executable, __file__, str(source), str(target)]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
     except subprocess.TimeoutExpired as err:
@@ -86,19 +72,9 @@ def _run_child(source: Path, target: Path, timeout: float, faces: int) -> None:
         )
 
 
-def _cache_key(mesh: Mesh, cfg: CoacdConfig) -> str:
-    digest = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes())
-    values = {name: value for name, value in asdict(cfg).items() if name != "timeout"}
-    digest.update(json.dumps([values, version("coacd")], sort_keys=True).encode())
-    return digest.hexdigest()
-
-
 def _read_hulls(path: Path) -> tuple[Hull, ...]:
-    try:
-        with np.load(path) as stored:
-            clouds = np.split(stored["vertices"], stored["starts"][1:]) if len(stored["starts"]) else []
-    except (OSError, KeyError, ValueError, BadZipFile) as err:
-        raise DecompositionFailed(f"{path}: cannot be read as hulls ({err}); delete it") from err
+    with np.load(path) as stored:
+        clouds = np.split(stored["vertices"], stored["starts"][1:]) if len(stored["starts"]) else []
     hulls = []
     for cloud in clouds:
         try:
