@@ -344,3 +344,15 @@ def test_far_swings_are_sampled_closely():
     assert deepest(links, joints, (), poses=201)["joint_door"] > 0.001
     cleared = clear_joints(links, joints)
     assert deepest(cleared.links, cleared.joints, (), poses=201)["joint_door"] <= 0.0005
+
+
+def test_a_thin_leaf_keeps_its_thickness_before_a_thick_body():
+    """The leaf has less volume to lose, and would lose more of it."""
+    leaf = box((-0.206, -0.2, -0.2), (-0.2, 0.2, 0.2))
+    body = box((-0.2005, -0.3, -0.3), (0.2, 0.3, 0.3))
+    links = [make_link("body", body), make_link("door", leaf)]
+    joints = [make_joint("door", "revolute", (0, 0, -1), (-0.206, 0.2, 0.0), np.pi / 2)]
+    done = clear_joints(links, joints)
+    assert done.residuals == ()
+    assert done.links[1].hulls == (leaf,)
+    assert sum(map(hull_volume, done.links[0].hulls)) > 0.95 * hull_volume(body)
