@@ -38,6 +38,9 @@ TIMEOUT = 1800.0
 """Seconds after which a shard counts as failed."""
 READ, HEADS = 0.5, 16
 """Share of batches that hold pictures with headers and finishes alone, and number of pictures in each."""
+TOLD, TOLD_HEADS = 0.1, 64
+"""The same for headers and finishes without pictures: what an object of a category has if nothing else is
+known."""
 PICTURED, ALONE = 0.8, 0.6
 """Share of the other batches with pictures, and share of their objects without any other request."""
 WINDOW = 6
@@ -85,8 +88,8 @@ class SketchBatch:
 def draw_batches(examples: Sequence[SketchExample], rows: int, seed: int) -> Iterator[SketchBatch]:
     """Endless batches of about ``rows`` rows, of objects of similar length, most with pictures.
 
-    If there are pictures, a share of `READ` of the batches holds `HEADS` pictures with headers and finishes
-    alone.
+    A share of `TOLD` of the batches holds `TOLD_HEADS` headers and finishes alone. If there are pictures, a
+    share of `READ` holds `HEADS` of these with pictures.
     """
     rng = np.random.default_rng(seed)
     shown = [(head_of(example.table), example.photo) for example in examples if example.photo is not None]
@@ -94,7 +97,13 @@ def draw_batches(examples: Sequence[SketchExample], rows: int, seed: int) -> Ite
     lengths = np.array([len(examples[index].table) for index in order])
     ends = np.cumsum(lengths)
     while True:
-        if shown and rng.random() < READ:
+        chance = rng.random()
+        if chance < TOLD:
+            some = [examples[index].table for index in rng.integers(len(examples), size=TOLD_HEADS)]
+            asked = [ask_for(table, rng) for table in some]
+            yield SketchBatch(rows=make_batch([head_of(table) for table in some], asked), photos=None)
+            continue
+        if shown and chance < TOLD + READ:
             some = [shown[index] for index in rng.integers(len(shown), size=HEADS)]
             yield SketchBatch(
                 rows=make_batch([head for head, _ in some], [nothing_asked()] * len(some)),
