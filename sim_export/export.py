@@ -133,7 +133,11 @@ def export_asset(
     flat = flatten_links(whole.links)
     standing = add_feet(flat, cleared.joints, needs, solid)
     attached = attach_links(standing.links, cleared.joints, needs)
-    levelled = level_object(attached.links, cleared.joints, needs, asset.category)
+    seen = surfaces or [mesh.vertices[mesh.faces] for mesh in meshes]
+    base = np.concatenate(
+        [own for part, own in zip(asset.parts, seen, strict=True) if part.name in tree.links[-1].parts]
+    )
+    levelled = level_object(attached.links, cleared.joints, needs, asset.category, base)
     watch.lap("attach")
     held_links, centered = hold_centers(levelled.links)
     tree = LinkTree(links=held_links, joints=cleared.joints, records=tree.records)

@@ -7,6 +7,7 @@ moves carries the object, feet under the corners of the body do what their maker
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from jaxtyping import Float
@@ -16,6 +17,7 @@ from sim_export.collision.additions import add_hull
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hulls import box_hull, hull_planes
 from sim_export.collision.sweeps import Sweep, read_sweeps
+from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement, Visual
 
 NEIGHBOURS = 4
@@ -37,10 +39,14 @@ WIDTH = 0.024
 """Side of a foot; over a fifteenth of the object's height, no more than that."""
 INSET = 0.01
 """How far a foot stands back from the outline of the body."""
-GRID = 28
+GRID = 80
 """Points along each side of the floor plan at which the body's underside is looked up."""
 CLIMB = 3.0
 """What a metre of height counts against a metre away from the corner."""
+MAX_STRETCH = 0.02
+"""How far a foot is seen to reach above its hull, at most."""
+SAMPLES = 200_000
+"""Points on the body at which that is looked up."""
 COLOR = (0.12, 0.12, 0.12)
 """Colour of feet: black rubber."""
 CATEGORIES = frozenset(
@@ -73,6 +79,7 @@ def level_object(
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
     category: str,
+    shown: Float[np.ndarray, "F 3 3"],
 ) -> Levelled:
     """Adds feet under the corners of the body where the object does not stand by itself.
 
@@ -81,6 +88,7 @@ def level_object(
         joints: Their joints.
         requirements: Joints that must be open while another moves.
         category: What the object is.
+        shown: Triangles (m) that are seen of the body; feet reach up to them.
 
     Returns:
         New links; all are the same objects where none is needed, or where none has room.
@@ -94,27 +102,28 @@ def level_object(
     moving = min((float(s.vertices[:, 2].min()) for s in sets[:-1] if s.hulls), default=np.inf)
     on_leaf = not rolling and moving < low[2] + 0.5 * LIFT and moving <= sets[-1].vertices[:, 2].min()
     margin = min(MARGIN, MARGIN_SHARE * float((high - low)[:2].min()))
-    carried = _depth_of_mass(links, sets, TOUCHING)
-    if rolling or (carried >= margin and not on_leaf):
+    carried = _depth_of_mass(links, sets)
+    if carried >= (0.0 if rolling else margin) and not on_leaf:
         return unchanged
     floor = min(float(low[2]), moving - LIFT if on_leaf else np.inf)
     sweeps = read_sweeps(links, joints, requirements)
-    feet = [
-        foot for foot in _place_feet(sets[-1], floor, float(high[2] - floor)) if _stands(foot, sets, sweeps)
-    ]
+    wanted = _place_feet(sets[-1], floor, float(high[2] - floor))
+    if rolling:
+        wanted = _choose_feet(wanted, links, sets, margin)
+    feet = [foot for foot in wanted if _stands(foot, sets, sweeps)]
     part = links[-1].parts[0]
     visuals = tuple(
         Visual(
             name=f"foot_{index}",
             part=part,
             label="base",
-            mesh=Mesh(vertices=foot.vertices, faces=foot.faces, color=COLOR),
+            mesh=_show_foot(foot, shown),
         )
         for index, foot in enumerate(feet)
     )
     if not feet:
         return replace(unchanged, records=(f"{links[-1].name}: stands badly, and no foot has room",))
-    after = _depth_of_mass(links, sets, TOUCHING)
+    after = _depth_of_mass(links, sets)
     reason = "a moving link carried the object" if on_leaf else "its centre of mass was not above its support"
     record = (
         f"{links[-1].name}: {len(feet)} levelling feet up to "
@@ -125,22 +134,47 @@ def level_object(
     return Levelled(links=(*links[:-1], body), feet=visuals, records=(record,))
 
 
+def _show_foot(foot: Hull, shown: Float[np.ndarray, "F 3 3"]) -> Mesh:
+    """A foot, stretched up to what is seen of the body above it where the hull that carries it ends lower."""
+    low, high = foot.vertices.min(axis=0), foot.vertices.max(axis=0)
+    points = sample_triangles(shown, SAMPLES)[0]
+    above = ((points[:, :2] >= low[:2]) & (points[:, :2] <= high[:2])).all(axis=1)
+    gap = float(points[above, 2].min(initial=np.inf) - high[2])
+    stretched = foot.vertices.copy()
+    if 0.0 < gap <= MAX_STRETCH:
+        stretched[foot.vertices[:, 2] > low[2] + 1e-6, 2] += gap
+    return Mesh(vertices=stretched, faces=foot.faces, color=COLOR)
+
+
 def _bounds(sets: Sequence[HullSet]) -> tuple[np.ndarray, np.ndarray]:
     points = np.concatenate([hulls.vertices for hulls in sets])
     return points.min(axis=0), points.max(axis=0)
 
 
-def _depth_of_mass(links: Sequence[Link], sets: Sequence[HullSet], touching: float) -> float:
+def _depth_of_mass(links: Sequence[Link], sets: Sequence[HullSet]) -> float:
     """How far (m) the centre of mass lies inside of what touches the floor; negative outside."""
     inertials = [link.inertial for link in links if link.inertial is not None]
     center = np.average([i.com for i in inertials], axis=0, weights=[i.mass for i in inertials])
     points = np.concatenate([hulls.vertices for hulls in sets])
-    feet = points[points[:, 2] < points[:, 2].min() + touching][:, :2]
+    feet = points[points[:, 2] < points[:, 2].min() + TOUCHING][:, :2]
     try:
         edges = ConvexHull(feet).equations
     except (QhullError, ValueError):
         return -float(np.linalg.norm(feet - center[:2], axis=1).min())
     return -float((edges[:, :2] @ center[:2] + edges[:, 2]).max())
+
+
+def _choose_feet(
+    feet: Sequence[Hull], links: Sequence[Link], sets: Sequence[HullSet], margin: float
+) -> list[Hull]:
+    """A pair of feet, or more, with which the centre of mass lies ``margin`` (m) inside of the support: the
+    fewest, and of these those that hold it deepest; none if all do not suffice."""
+    for count in range(2, len(feet) + 1):
+        chosen = [list(some) for some in combinations(feet, count)]
+        depths = [_depth_of_mass(links, [*sets, HullSet(hulls=tuple(some))]) for some in chosen]
+        if max(depths) >= margin:
+            return chosen[int(np.argmax(depths))]
+    return []
 
 
 def _place_feet(body: HullSet, floor: float, height: float) -> list[Hull]:
