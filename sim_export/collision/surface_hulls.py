@@ -126,7 +126,7 @@ def _most_in_excess(covers: Mapping[int, Cover], diagonal: float, cfg: SurfaceCo
 
 
 def cover_surface(
-    triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, diagonal: float, cfg: SurfaceConfig
+    triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, diagonal: float, cfg: SurfaceConfig = USUAL
 ) -> Cover:
     """Hulls that together cover what can be reached of a link's triangles (m)."""
     least = cfg.bulge * diagonal
