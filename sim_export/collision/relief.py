@@ -1,8 +1,8 @@
 """Separates two overlapping hulls at all poses in which they meet.
 
-Three ways, of which the one wins that takes the smallest share of a hull: half-space cuts pose by pose
-(a door's edge gets a chamfer), one half-space cut for all poses at once (a knob is cut off where it dips
-into a door), and a notch in the shape of the other hull, which leaves several smaller hulls.
+Three ways, of which the one wins that takes least: half-space cuts pose by pose (a door's edge gets a
+chamfer), one half-space cut for all poses at once (a knob is cut off where it dips into a door), and a notch
+in the shape of the other hull, which leaves several smaller hulls.
 """
 
 from dataclasses import dataclass
@@ -97,14 +97,15 @@ class Relief:
 def relieve_pair(pair: OverlappingPair, gap: float, *, sheets: bool = False) -> Relief:
     """Cuts two hulls so that they stay ``gap`` (m) apart at all of the poses.
 
-    Where hulls may be ``sheets``, notches leave boxes of boxes.
+    Where hulls may be ``sheets``, which have much surface and hardly any volume, shares of hulls are compared
+    in place of volumes, and notches leave boxes of boxes.
     """
     plans = [_cut_by_pose(pair, gap), *_cut_for_all(pair, gap)]
     good = [plan for plan in plans if not plan.reason]
     if not good or min(_lost_share(plan, pair) for plan in good) > NOTCH_ABOVE:
         good += _notch(pair, gap, sheets=sheets)
     if good:
-        return min(good, key=lambda plan: _cost(plan, pair))
+        return min(good, key=lambda plan: _cost(plan, pair, sheets=sheets))
     for side in sorted(range(2), key=lambda side: pair.volumes[side]):
         if pair.slivers[side]:
             left = [(pair.hulls[0],), (pair.hulls[1],)]
@@ -113,14 +114,15 @@ def relieve_pair(pair: OverlappingPair, gap: float, *, sheets: bool = False) -> 
     return plans[0]
 
 
-def _cost(plan: Relief, pair: OverlappingPair) -> float:
-    """Share of its volume that each hull loses; every hull more, oblong ones counted as the several they will
-    be cut to, is as bad as the loss of a tenth."""
+def _cost(plan: Relief, pair: OverlappingPair, *, sheets: bool) -> float:
+    """Volume lost (m^3), or shares of hulls where there are sheets; every hull more, oblong ones counted as
+    the several they will be cut to, is as bad as the loss of a tenth."""
     cost = 0.0
     for hull, left in zip(pair.hulls, plan.hulls, strict=True):
         if left != (hull,):
             more = sum(np.ceil(hull_aspect(piece) / MAX_ASPECT) for piece in left) - 1.0
-            cost += 1.0 - sum(map(hull_volume, left)) / hull_volume(hull) + 0.1 * max(more, 0.0)
+            lost = 1.0 - sum(map(hull_volume, left)) / hull_volume(hull) + 0.1 * max(more, 0.0)
+            cost += lost if sheets else lost * hull_volume(hull)
     return cost
 
 
