@@ -22,6 +22,8 @@ THIN = 2e-3
 """Pieces (m) thinner than this are sheets: their hulls hold no cell."""
 MOST_PLANES = 6
 """Planes of a surface along which cuts are tried."""
+LEAST_HEIGHT = 1e-5
+"""Triangles lower than this (m) are left out where a cut divides a surface."""
 FEW = 0.03
 """Share of the points on a thin hull that may lie in free space."""
 EVEN = 0.02
@@ -176,9 +178,15 @@ def cut_triangles(
         tip = np.stack([a, p, q], axis=1)
         rest = np.concatenate([np.stack([p, b, c], axis=1), np.stack([p, c, q], axis=1)])
         own, other = (0, 1) if lone_below else (1, 0)
-        sides[own] = np.concatenate([sides[own], tip])
-        sides[other] = np.concatenate([sides[other], rest])
+        sides[own] = np.concatenate([sides[own], _without_needles(tip)])
+        sides[other] = np.concatenate([sides[other], _without_needles(rest)])
     return sides[0], sides[1]
+
+
+def _without_needles(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "G 3 3"]:
+    """Triangles higher than `LEAST_HEIGHT`; each cut along a fine mesh would triple all others."""
+    edges = np.linalg.norm(np.roll(triangles, -1, axis=1) - triangles, axis=2).max(axis=1)
+    return triangles[2.0 * triangle_areas(triangles) > LEAST_HEIGHT * edges]
 
 
 def cut_planes(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "K 4"]:

@@ -143,3 +143,11 @@ def test_passing_points_are_where_a_drawer_goes_as_its_body_sees_it():
     passing = find_passing(links, [joint], surfaces)
     assert passing["body"][:, 0].min() == pytest.approx(-0.5, abs=0.01)
     assert "drawer" not in passing  # the smaller one stays whole
+
+
+@pytest.mark.parametrize(("height", "kept"), [(0.95e-5, False), (1.05e-5, True)])
+def test_a_cut_keeps_what_is_higher_than_a_needle(height, kept):
+    triangle = np.array([[[0.0, -0.01, 0.0], [0.0, 0.01, 0.0], [0.01 + height, 0.0, 0.0]]])
+    below, above = cut_triangles(triangle, np.array([1.0, 0.0, 0.0]), 0.01)
+    assert (len(above) == 1) is kept
+    assert len(below) == 2
