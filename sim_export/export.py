@@ -123,7 +123,9 @@ def export_asset(
     joints, held = keep_drawers_held(tree.links, tree.joints, panels)
     needs = find_requirements(tree.links, joints)
     watch.lap("requirements")
-    cleared = clear_joints(tree.links, joints, needs, sheets=surfaces is not None)
+    cleared = clear_joints(
+        tree.links, joints, needs, sheets=surfaces is not None, shares=surfaces is not None and detail.shares
+    )
     watch.lap("clearance")
     solid = {part.name: mesh for part, mesh in zip(asset.parts, meshes, strict=True)}
     whole = Recovery(links=cleared.links)

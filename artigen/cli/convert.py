@@ -168,16 +168,17 @@ def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "ro
 def export_source(source: "SourceObject", asset: "Asset", provenance: dict[str, str]) -> "Exported":
     """A package with the object's own meshes and the collision that fails fewest static checks.
 
-    Hulls are made from the triangles of the meshes. While they fail a check, they are made again, smaller and
-    closer to the surface, and then from the 64^3 voxels, which are closed where the meshes are open.
+    Hulls are made from the triangles of the meshes. While they fail a check, they are made again: smaller,
+    then with cuts that spare thin leaves, then from the 64^3 voxels, which are closed where the meshes are
+    open.
     """
     from artigen.cli.source_meshes import place_source_meshes, place_source_surfaces
-    from sim_export.collision.surface_hulls import FINER, USUAL
+    from sim_export.collision.surface_hulls import FINER, SPARING, USUAL
     from sim_export.export import export_asset
 
     meshes, surfaces = place_source_meshes(source, asset), place_source_surfaces(source, asset)
     tried: list[tuple[tuple[int, float], Exported]] = []
-    for surface in (USUAL, FINER, None):
+    for surface in (USUAL, FINER, SPARING, None):
         made = export_asset(
             asset,
             source_meshes=meshes,

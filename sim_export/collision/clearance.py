@@ -104,6 +104,7 @@ def clear_joints(
     requirements: Sequence[Requirement] = (),
     *,
     sheets: bool = False,
+    shares: bool = False,
 ) -> Clearance:
     """Cuts hulls back until every joint sweeps its range freely, others closed or open as required.
 
@@ -112,12 +113,13 @@ def clear_joints(
         joints: Their joints.
         requirements: Joints that must be open while another moves (`find_requirements`).
         sheets: Whether hulls may be sheets, as those of a source's own surface (`relieve_pair`).
+        shares: Whether the hull is cut that loses the smaller share, rather than the smaller volume.
 
     Returns:
         New links and joints; links without changes are the same objects. Penetrations that the
         limits do not allow to cut are in ``residuals``.
     """
-    work = CutHulls(links, sheets=sheets)
+    work = CutHulls(links, sheets=sheets, shares=shares)
     stuck: dict[tuple[int, int, int, int], str] = {}
     waiting = driven_joints(joints)
     for _ in range(ROUNDS):
@@ -191,7 +193,7 @@ def _clear_joint(
                     size=size,
                     axis=joint.axis,
                 )
-                done = relieve_pair(pair, gap, sheets=work.sheets)
+                done = relieve_pair(pair, gap, sheets=work.sheets, shares=work.shares)
                 for side, (link, slot) in enumerate(((a, i), (b, j))):
                     work.put(link, slot, done.hulls[side])
                     work.cuts[link] += done.cuts[side]

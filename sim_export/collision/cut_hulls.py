@@ -33,9 +33,9 @@ class CutHulls:
     dropped.
     """
 
-    def __init__(self, links: Sequence[Link], *, sheets: bool = False) -> None:
+    def __init__(self, links: Sequence[Link], *, sheets: bool = False, shares: bool = False) -> None:
         self.links = links
-        self.sheets = sheets
+        self.sheets, self.shares = sheets, shares
         self.hulls: list[list[Hull | None]] = [list(link.hulls) for link in links]
         self.volumes = [[hull_volume(hull) for hull in link.hulls] for link in links]
         self.totals = [sum(volumes) for volumes in self.volumes]

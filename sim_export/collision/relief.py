@@ -94,18 +94,20 @@ class Relief:
     reason: str = ""
 
 
-def relieve_pair(pair: OverlappingPair, gap: float, *, sheets: bool = False) -> Relief:
+def relieve_pair(pair: OverlappingPair, gap: float, *, sheets: bool = False, shares: bool = False) -> Relief:
     """Cuts two hulls so that they stay ``gap`` (m) apart at all of the poses.
 
-    Where hulls may be ``sheets``, which have much surface and hardly any volume, shares of hulls are compared
-    in place of volumes, and notches leave boxes of boxes.
+    Where hulls may be ``sheets``, which have much surface and hardly any volume, one more hull costs a tenth
+    of the larger of the two volumes, and notches leave boxes of boxes. With ``shares`` the plan wins that
+    takes the smallest share of a hull rather than the least volume: thin leaves keep their thickness, and
+    bodies lose more.
     """
     plans = [_cut_by_pose(pair, gap), *_cut_for_all(pair, gap)]
     good = [plan for plan in plans if not plan.reason]
     if not good or min(_lost_share(plan, pair) for plan in good) > NOTCH_ABOVE:
         good += _notch(pair, gap, sheets=sheets)
     if good:
-        return min(good, key=lambda plan: _cost(plan, pair, sheets=sheets))
+        return min(good, key=lambda plan: _cost(plan, pair, sheets=sheets, shares=shares))
     for side in sorted(range(2), key=lambda side: pair.volumes[side]):
         if pair.slivers[side]:
             left = [(pair.hulls[0],), (pair.hulls[1],)]
@@ -114,15 +116,20 @@ def relieve_pair(pair: OverlappingPair, gap: float, *, sheets: bool = False) -> 
     return plans[0]
 
 
-def _cost(plan: Relief, pair: OverlappingPair, *, sheets: bool) -> float:
-    """Volume lost (m^3), or shares of hulls where there are sheets; every hull more, oblong ones counted as
-    the several they will be cut to, is as bad as the loss of a tenth."""
-    cost = 0.0
+def _cost(plan: Relief, pair: OverlappingPair, *, sheets: bool, shares: bool) -> float:
+    """Volume lost (m^3), or share of each hull; every hull more, oblong ones counted as the several they will
+    be cut to, is as bad as the loss of a tenth of its side, or of the larger side where there are sheets."""
+    cost, larger = 0.0, max(map(hull_volume, pair.hulls))
     for hull, left in zip(pair.hulls, plan.hulls, strict=True):
-        if left != (hull,):
-            more = sum(np.ceil(hull_aspect(piece) / MAX_ASPECT) for piece in left) - 1.0
-            lost = 1.0 - sum(map(hull_volume, left)) / hull_volume(hull) + 0.1 * max(more, 0.0)
-            cost += lost if sheets else lost * hull_volume(hull)
+        if left == (hull,):
+            continue
+        volume = hull_volume(hull)
+        more = max(sum(np.ceil(hull_aspect(piece) / MAX_ASPECT) for piece in left) - 1.0, 0.0)
+        lost = volume - sum(map(hull_volume, left))
+        if shares:
+            cost += lost / volume + 0.1 * more
+        else:
+            cost += lost + 0.1 * more * (larger if sheets else volume)
     return cost
 
 

@@ -66,11 +66,15 @@ class SurfaceConfig:
     """Hulls of a link, at most; what clearance cuts them to comes on top."""
     most: int = 192
     """Hulls of the whole object, at most."""
+    shares: bool = False
+    """Whether clearance cuts the hull that loses the smaller share, rather than the smaller volume."""
 
 
 USUAL = SurfaceConfig()
 FINER = SurfaceConfig(bulge=0.002, most_pieces=160, most_of_link=90, most=240)
-"""Smaller hulls for objects whose thin details the usual ones miss; slower to make and to simulate."""
+"""Smaller hulls for objects whose details the usual ones miss; slower to make and to simulate."""
+SPARING = replace(FINER, shares=True)
+"""The same, and clearance spares thin leaves."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

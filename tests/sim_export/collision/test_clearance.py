@@ -352,7 +352,8 @@ def test_a_thin_leaf_keeps_its_thickness_before_a_thick_body():
     body = box((-0.2005, -0.3, -0.3), (0.2, 0.3, 0.3))
     links = [make_link("body", body), make_link("door", leaf)]
     joints = [make_joint("door", "revolute", (0, 0, -1), (-0.206, 0.2, 0.0), np.pi / 2)]
-    done = clear_joints(links, joints, sheets=True)
+    done = clear_joints(links, joints, shares=True)
     assert done.residuals == ()
     assert done.links[1].hulls == (leaf,)
     assert sum(map(hull_volume, done.links[0].hulls)) > 0.95 * hull_volume(body)
+    assert clear_joints(links, joints).links[0].hulls == (body,)
