@@ -258,3 +258,13 @@ def test_the_physx_coefficient_grows_with_friction_and_shrinks_with_load():
         assert twice == pytest.approx(physx_friction_coefficient(joint, 8.0, 0.3))
     with pytest.raises(ValueError, match="joint_0"):
         physx_friction_coefficient(door, 0.0, 0.3)
+
+
+def test_a_hand_opens_the_heaviest_drawer_that_friction_holds_on_a_slope_in_time():
+    """30 N against the friction that holds 29 kg at 5 degrees, over 0.6 m, at the speed where drag stops it."""
+    mass = 29.0
+    hold = mass * 9.81 * np.sin(np.radians(5.0))
+    resist = joint_resistance("drawer", "prismatic", mass, hold)
+    assert resist.friction == hold
+    assert (30.0 - resist.friction) / resist.damping * 5.0 > 0.6
+    assert joint_resistance("drawer", "prismatic", 6.0, 0.0).damping == 8.0  # light ones as before
