@@ -45,7 +45,7 @@ class SketchConfig:
 
     draw: DrawConfig = field(default_factory=DrawConfig)
     """Temperature and nucleus of the parts."""
-    header: DrawConfig = field(default_factory=lambda: DrawConfig(temperature=0.8))
+    header: DrawConfig = field(default_factory=lambda: DrawConfig(temperature=1.0))
     """The same for the header: category, style, counts and extents."""
     candidates: int = 8
     """Continuations per batch: one is drawn first, the others in parallel if it has a fault."""
