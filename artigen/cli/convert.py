@@ -170,27 +170,43 @@ def export_source(source: "SourceObject", asset: "Asset", provenance: dict[str, 
 
     Hulls are made from the triangles of the meshes. While they fail a check, they are made again: smaller,
     then with cuts that spare thin leaves, then from the 64^3 voxels, which are closed where the meshes are
-    open.
+    open. Attempts that cannot be exported are recorded.
+
+    Raises:
+        ExportError: If no attempt can be exported.
     """
     from artigen.cli.source_meshes import place_source_meshes, place_source_surfaces
     from sim_export.collision.surface_hulls import FINER, SPARING, USUAL
+    from sim_export.errors import ExportError
     from sim_export.export import export_asset
 
     meshes, surfaces = place_source_meshes(source, asset), place_source_surfaces(source, asset)
     tried: list[tuple[tuple[int, float], Exported]] = []
+    errors: list[ExportError] = []
     for surface in (USUAL, FINER, SPARING, None):
-        made = export_asset(
-            asset,
-            source_meshes=meshes,
-            surfaces=None if surface is None else surfaces,
-            detail=surface or USUAL,
-            provenance=provenance,
-        )
+        try:
+            made = export_asset(
+                asset,
+                source_meshes=meshes,
+                surfaces=None if surface is None else surfaces,
+                detail=surface or USUAL,
+                provenance=provenance,
+            )
+        except ExportError as error:
+            errors.append(error)
+            continue
         tried.append((judge_package(made.package), made))
         if not tried[-1][0][0]:
             break
+    if not tried:
+        raise errors[0]
     best = min(tried, key=lambda pair: pair[0])[1]
-    return replace(best, seconds=_add_seconds([made.seconds for _, made in tried]))
+    failed = tuple(f"hulls could not be made in one of several ways: {error}" for error in errors)
+    return replace(
+        best,
+        package=replace(best.package, records=(*best.package.records, *failed)),
+        seconds=_add_seconds([made.seconds for _, made in tried]),
+    )
 
 
 def judge_package(package: "SimPackage") -> tuple[int, float]:
