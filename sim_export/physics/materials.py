@@ -170,7 +170,8 @@ def joint_resistance(label: PartLabel, joint: JointType, mass: float, hold: floa
             return Resistance(friction=max(0.5, hold), damping=1.0, effort=20.0, velocity=0.5)
         return Resistance(friction=max(0.04, hold), damping=0.01, effort=5.0, velocity=6.0)
     if sliding:
-        return Resistance(friction=max(1.0, hold), damping=min(2.0 + mass, MAX_DRAG), effort=100.0, velocity=1.0)
+        drag = min(2.0 + mass, MAX_DRAG)
+        return Resistance(friction=max(1.0, hold), damping=drag, effort=100.0, velocity=1.0)
     if joint == "screw":
         return Resistance(friction=max(0.04, hold), damping=0.01, effort=5.0, velocity=6.0)
     return Resistance(friction=max(0.3, hold), damping=0.1 + 0.05 * mass, effort=50.0, velocity=3.0)

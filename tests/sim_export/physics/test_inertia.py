@@ -261,7 +261,7 @@ def test_the_physx_coefficient_grows_with_friction_and_shrinks_with_load():
 
 
 def test_a_hand_opens_the_heaviest_drawer_that_friction_holds_on_a_slope_in_time():
-    """30 N against the friction that holds 29 kg at 5 degrees, over 0.6 m, at the speed where drag stops it."""
+    """30 N against the friction that holds 29 kg at 5 degrees, over 0.6 m, at the speed that drag allows."""
     mass = 29.0
     hold = mass * 9.81 * np.sin(np.radians(5.0))
     resist = joint_resistance("drawer", "prismatic", mass, hold)
