@@ -15,7 +15,6 @@ from jaxtyping import Float
 
 from sim_export.collision.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.collision.cut_hulls import CutHulls, LinkRelief
-from sim_export.collision.hull_limits import MOST_OF_LINK
 from sim_export.collision.motion import (
     driven_joints,
     link_displacements,
@@ -37,9 +36,6 @@ PASSING = 3e-3
 a leaf swings close past its neighbour, and keep some."""
 TOLERANCE = 2e-5
 """Depth (m) from which an overlap that cannot be cut counts as one."""
-MAX_GROWTH = 1.5
-"""Most hulls over those that a link had, but for the first eight; what turns inside of something is
-cut at every pose, and never free."""
 ROUNDS = 12
 """Most passes over all joints; cuts for one joint seldom leave anything to do for another."""
 MIN_RANGE = 0.5
@@ -128,7 +124,7 @@ def clear_joints(
     final, limits, residuals = _settle_limits(work, joints, requirements, stuck)
     for index in range(len(links)):
         if work.cuts[index]:
-            work.trim(index, MOST_OF_LINK)
+            work.trim(index)
     cleared = tuple(
         link if not work.cuts[index] else replace(link, hulls=work.prepared(index)[0].hulls)
         for index, link in enumerate(links)
@@ -186,10 +182,7 @@ def _clear_joint(
                     allowances=(work.allowance(a, i), work.allowance(b, j)),
                     least=(work.end(a, i), work.end(b, j)),
                     slivers=(work.is_sliver(a, i), work.is_sliver(b, j)),
-                    room=(
-                        work.room(a, MOST_OF_LINK, MAX_GROWTH),
-                        work.room(b, MOST_OF_LINK, MAX_GROWTH),
-                    ),
+                    room=(work.room(a), work.room(b)),
                     size=size,
                     axis=joint.axis,
                 )

@@ -7,11 +7,15 @@ import numpy as np
 
 from sim_export.collision.compact import compact_hull
 from sim_export.collision.contacts import HullSet
-from sim_export.collision.hull_limits import MAX_POLYGONS, MAX_VERTICES, MIN_WIDTH, trim_hull
+from sim_export.collision.hull_limits import MAX_POLYGONS, MAX_VERTICES, MIN_WIDTH, MOST_OF_LINK, trim_hull
 from sim_export.collision.hulls import hull_volume, hull_width, reduce_hull
 from sim_export.collision.motion import longest_side
 from sim_export.collision.relief import END, MAX_REMOVED, SLIVER, SLIVER_LENGTH, find_ends
 from sim_export.package import Hull, Link
+
+MAX_GROWTH = 1.5
+"""Most hulls over those that a link had, but for the first eight; what turns inside of something is
+cut at every pose, and never free."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,7 +63,7 @@ class CutHulls:
         self.hulls[link] += list(pieces)
         self.volumes[link] += [hull_volume(piece) for piece in pieces]
 
-    def trim(self, link: int, most: int) -> None:
+    def trim(self, link: int) -> None:
         """Brings what cuts have left of a link's hulls within the limits of physics engines.
 
         Oblong pieces are cut again, pieces thinner than allowed go, and where there are too many hulls
@@ -71,7 +75,7 @@ class CutHulls:
             out += [hull] if id(hull) in untouched else _trim(hull, sheets=self.sheets)
         thick = [h for h in out if id(h) in untouched or hull_width(h)[0] >= MIN_WIDTH]
         sizes = np.array([hull_volume(hull) for hull in thick])
-        largest = set(np.argsort(-sizes, kind="stable")[:most].tolist())
+        largest = set(np.argsort(-sizes, kind="stable")[:MOST_OF_LINK].tolist())
         kept = [hull for index, hull in enumerate(thick) if index in largest]
         self.dropped[link] += len(out) - len(kept)
         self.hulls[link] = list(kept)
@@ -79,9 +83,9 @@ class CutHulls:
     def count(self, link: int) -> int:
         return sum(hull is not None for hull in self.hulls[link])
 
-    def room(self, link: int, max_hulls: int, max_growth: float) -> int:
-        """How many more hulls a link may get: up to ``max_hulls``, and so many over those that it had."""
-        most = min(max_hulls, 8 + int(max_growth * len(self.links[link].hulls)))
+    def room(self, link: int) -> int:
+        """How many more hulls a link may get: up to `MOST_OF_LINK`, and so many over those that it had."""
+        most = min(MOST_OF_LINK, 8 + int(MAX_GROWTH * len(self.links[link].hulls)))
         return max(most - self.count(link), 0)
 
     def allowance(self, link: int, slot: int) -> float:

@@ -112,12 +112,13 @@ def level_object(
         wanted = _choose_feet(wanted, links, sets, margin)
     feet = [foot for foot in wanted if _stands(foot, sets, sweeps)]
     part = links[-1].parts[0]
+    points = sample_triangles(shown, SAMPLES)[0] if feet else np.zeros((0, 3))
     visuals = tuple(
         Visual(
             name=f"foot_{index}",
             part=part,
             label="base",
-            mesh=_show_foot(foot, shown),
+            mesh=_show_foot(foot, points),
         )
         for index, foot in enumerate(feet)
     )
@@ -134,10 +135,9 @@ def level_object(
     return Levelled(links=(*links[:-1], body), feet=visuals, records=(record,))
 
 
-def _show_foot(foot: Hull, shown: Float[np.ndarray, "F 3 3"]) -> Mesh:
-    """A foot, stretched up to what is seen of the body above it where the hull that carries it ends lower."""
+def _show_foot(foot: Hull, points: Float[np.ndarray, "N 3"]) -> Mesh:
+    """A foot, stretched up to points on the body above it where the hull that carries it ends lower."""
     low, high = foot.vertices.min(axis=0), foot.vertices.max(axis=0)
-    points = sample_triangles(shown, SAMPLES)[0]
     above = ((points[:, :2] >= low[:2]) & (points[:, :2] <= high[:2])).all(axis=1)
     gap = float(points[above, 2].min(initial=np.inf) - high[2])
     stretched = foot.vertices.copy()

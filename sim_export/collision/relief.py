@@ -77,9 +77,14 @@ class OverlappingPair:
     size: float
     axis: Float[np.ndarray, "3"]
 
+    @property
+    def max_depth(self) -> float:
+        """Deepest cut (m) that may take more than a sliver."""
+        return MAX_DEPTH * self.size
+
     def allows(self, side: int, left: float, depth: float) -> bool:
         """Whether cuts ``depth`` deep may leave a volume of ``left`` (m^3) of a hull."""
-        allowed = self.allowances[side] if depth <= MAX_DEPTH * self.size else self.least[side]
+        allowed = self.allowances[side] if depth <= self.max_depth else self.least[side]
         return depth <= MAX_SLIVER_DEPTH * self.size and self.volumes[side] - left <= allowed
 
 
@@ -165,10 +170,8 @@ def _cut_by_pose(pair: OverlappingPair, gap: float) -> Relief:
                 options.append((hull_volume(current[side]) - hull_volume(cut), side, cut))
         if not options:
             reason = f"a cut would take more than {MAX_REMOVED:.0%} of a hull"
-            if depth > (MAX_DEPTH * pair.size):
-                reason = (
-                    f"a cut of {1000 * depth:.1f} mm is deeper than {1000 * (MAX_DEPTH * pair.size):.0f} mm"
-                )
+            if depth > pair.max_depth:
+                reason = f"a cut of {1000 * depth:.1f} mm is deeper than {1000 * pair.max_depth:.0f} mm"
             break
         _, side, current[side] = min(options, key=lambda option: option[:2])
         cuts[side] += 1
@@ -267,7 +270,7 @@ def _notch(pair: OverlappingPair, gap: float, *, sheets: bool) -> list[Relief]:
         left = sum(map(hull_volume, pieces))
         if not pieces or len(pieces) - 1 > pair.room[side]:
             continue
-        thin = max((MAX_DEPTH * pair.size), min(depth, _shared_width(pair.hulls[side], planes)))
+        thin = max(pair.max_depth, min(depth, _shared_width(pair.hulls[side], planes)))
         if pair.allows(side, left, depth) or (depth > thin and pair.allows(side, left, thin + NEARLY)):
             plans.append(_one_sided(pair, side, pieces, depth))
     return plans
