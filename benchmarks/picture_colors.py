@@ -18,8 +18,8 @@ from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.sketch.alignment import View, fit_camera
 from artigen.sketch.model import (
-    LIKELIEST,
     PICTURE_EDGE,
+    PICTURED,
     SketchConfig,
     draw_object,
     load_sketch_network,
@@ -54,7 +54,7 @@ def main(model: Path = SHIPPED, first: int = 0, each: int = 2) -> int:
         each: Objects of each category.
     """
     network = load_sketch_network(model)
-    cfg = SketchConfig(header=LIKELIEST)
+    cfg = SketchConfig(header=PICTURED)
     said: dict[str, list[float]] = defaultdict(list)
     read: dict[str, list[float]] = defaultdict(list)
     for category in PAPER_CATEGORIES:
@@ -62,9 +62,9 @@ def main(model: Path = SHIPPED, first: int = 0, each: int = 2) -> int:
             truth = draw_shape(category, seed)
             rgba = photograph_shape(truth, seed, PICTURE_EDGE).rgba
             picture = rgba.transpose(2, 0, 1).astype(np.float32) / 255.0
-            seen, sight = look_at(network, picture)
-            drawn = draw_object(network, SketchRequest(), seed, cfg, sight).shape
-            fit = fit_camera(drawn, picture, View(*seen.view[0].tolist()))
+            looked = look_at(network, picture)
+            drawn = draw_object(network, SketchRequest(), seed, cfg, looked).shape
+            fit = fit_camera(drawn, picture, View(*looked[0].view[0].tolist()))
             for errors, shape in ((said, drawn), (read, read_colors(drawn, picture, fit))):
                 for role, error in compare_finishes(shape, truth).items():
                     errors[role].append(error)

@@ -138,8 +138,8 @@ def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
         shown = read_object_picture(network, job.cfg.image)
         picture, notes = shown.rgba, (*notes, *shown.notes)
     if understood.stretch:
-        sight = None if picture is None else look_at(network, picture)[1]
-        usual = draw_header(network, request, job.seed, sight=sight)
+        looked = None if picture is None else look_at(network, picture)
+        usual = draw_header(network, request, job.seed, looked=looked)
         stretched = {axis: factor * getattr(usual, axis) for axis, factor in understood.stretch}
         request = replace(request, **stretched)
     return _Asked(request=request, picture=picture, notes=notes)

@@ -31,8 +31,10 @@ from artigen.sketch.words import CATEGORIES, STYLES
 
 PICTURE_EDGE = 256
 """Edge length (pixels) of the picture for camera fitting and colours."""
-LIKELIEST = DrawConfig(temperature=0.2)
+PICTURED = DrawConfig(temperature=0.5)
 """Sampling of headers when a picture shows their content."""
+HEADERS = 12
+"""Headers drawn for a picture; the one that agrees best with the encoder's predictions is kept."""
 UNREADABLE = "unreadable"
 """Id for tables that do not describe an object."""
 DEFERRED = frozenset(("tipping", "extent"))
@@ -134,7 +136,7 @@ def draw_object(
     request: SketchRequest,
     seed: int,
     cfg: SketchConfig | None = None,
-    sight: Sight | None = None,
+    looked: tuple[Seen, Sight] | None = None,
 ) -> Drawn:
     """Samples an object that meets a request; deterministic for equal arguments on one machine.
 
@@ -150,14 +152,15 @@ def draw_object(
         request: The condition.
         seed: Seed of all sampling.
         cfg: Sampling parameters and budget.
-        sight: Picture memory (`SketchNetwork.look`), if there is a picture.
+        looked: What the network sees (`look_at`), if there is a picture.
 
     Raises:
         SketchError: If sketches cannot express the request, the network does not draw its category, or no
             valid object was drawn.
     """
     cfg = cfg or SketchConfig()
-    hand = _Hand(network=network, rng=np.random.default_rng(seed), cfg=cfg)
+    seen, sight = looked or (None, None)
+    hand = _Hand(network=network, rng=np.random.default_rng(seed), cfg=cfg, shown=seen)
     if request.category is not None:
         check_category(request.category, network.categories)
     grown = begin_drafts(network, [ask(request)], sight)
@@ -235,13 +238,12 @@ def draw_alike(
         SketchError: As for `draw_object`.
         PictureError: If the picture shows no object.
     """
-    cfg = cfg or SketchConfig()
-    cfg = replace(cfg, header=LIKELIEST)  # follow the picture instead of sampling freely
-    seen, sight = look_at(network, picture)
-    view = View(*seen.view[0].tolist())
+    cfg = replace(cfg or SketchConfig(), header=PICTURED)
+    looked = look_at(network, picture)
+    view = View(*looked[0].view[0].tolist())
     drawn: list[Drawn] = []
     for one in np.random.SeedSequence(seed).generate_state(objects).tolist():
-        drawn.append(draw_object(network, request, one, cfg, sight))
+        drawn.append(draw_object(network, request, one, cfg, looked))
         if sum(found.batches for found in drawn) >= cfg.batches:
             break
     fewest = min(len(one.faults) for one in drawn)
@@ -258,12 +260,13 @@ class _Hand:
     network: SketchNetwork
     rng: np.random.Generator
     cfg: SketchConfig
+    shown: Seen | None = None
     seen: Counter[str] = field(default_factory=Counter)
     batches: int = 0
 
     def head(self, draft: Draft) -> Draft:
         """Adds a header to an empty table."""
-        return _draw_header(self.network, draft, self.rng, self.cfg.header)
+        return _draw_header(self.network, draft, self.rng, self.cfg.header, self.shown)
 
     def grow(self, draft: Draft) -> tuple[Draft | None, int]:
         """First continuation by one part without a fault, or None.
@@ -344,7 +347,7 @@ def draw_header(
     request: SketchRequest,
     seed: int,
     cfg: DrawConfig | None = None,
-    sight: Sight | None = None,
+    looked: tuple[Seen, Sight] | None = None,
 ) -> SketchRequest:
     """Samples category, style, counts of every label and extents for a request.
 
@@ -352,15 +355,16 @@ def draw_header(
         network: A trained network.
         request: The condition.
         seed: Seed of all sampling.
-        cfg: Sampling parameters; a low temperature gives the most likely header.
-        sight: Picture memory, if there is a picture.
+        cfg: Sampling parameters; by default those of an object's header.
+        looked: What the network sees (`look_at`), if there is a picture.
 
     Raises:
         SketchError: If sketches cannot express the request.
     """
-    rng = np.random.default_rng(seed)
+    rng, (seen, sight) = np.random.default_rng(seed), looked or (None, None)
     (empty,) = begin_drafts(network, [ask(request)], sight)
-    row = _draw_header(network, empty, rng, cfg).writer.rows[0]
+    cfg = cfg or (SketchConfig().header if seen is None else PICTURED)
+    row = _draw_header(network, empty, rng, cfg, seen).writer.rows[0]
     depth, width, height = (row[column("object", name)] * STEP for name in ("depth", "width", "height"))
     return SketchRequest(
         category=CATEGORIES[row[column("object", "category")]],
@@ -375,11 +379,19 @@ def draw_header(
 
 
 def _draw_header(
-    network: SketchNetwork, empty: Draft, rng: np.random.Generator, cfg: DrawConfig | None
+    network: SketchNetwork, empty: Draft, rng: np.random.Generator, cfg: DrawConfig, seen: Seen | None
 ) -> Draft:
-    (header,) = continue_drafts(network, [empty], lambda _: True, rng.spawn(1), cfg)
-    assert header is not None
-    return header
+    """Adds a header to an empty table; for a picture, the most plausible of `HEADERS`."""
+    count = 1 if seen is None else HEADERS
+    drawn = continue_drafts(network, [empty] * count, lambda _: True, rng.spawn(count), cfg)
+    headers = [one for one in drawn if one is not None]
+    return headers[0] if seen is None else max(headers, key=lambda one: _rate(one.writer.rows[0], seen))
+
+
+def _rate(header: list[int], seen: Seen) -> float:
+    """Log probability of a header's category and counts by the encoder's own predictions."""
+    counts = [header[column("object", label)] for label in COUNTED]
+    return seen.rate(header[column("object", "category")], counts)
 
 
 def _judge(table: np.ndarray, seed: int, request: SketchRequest) -> tuple[Shape, tuple[Fault, ...]]:

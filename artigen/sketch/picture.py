@@ -6,6 +6,7 @@ counted with density maps: one map per label whose sum is the number of parts in
 hidden parts included.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,6 +74,12 @@ class Seen:
     """Logits of the category."""
     view: Float[Tensor, "B 3"]
     """Yaw and pitch of the camera (radians), and half the object's diagonal over its distance."""
+
+    def rate(self, category: int, counts: Sequence[int]) -> float:
+        """Log probability of a category and of the counts of all labels but the base; first picture only."""
+        chances = self.counts[0, 1:].log_softmax(dim=1)
+        said = torch.tensor(counts, device=chances.device).clamp(max=MAX_COUNT)
+        return float(chances.gather(1, said[:, None]).sum() + self.category[0].log_softmax(dim=0)[category])
 
 
 class PictureEncoder(nn.Module):

@@ -26,16 +26,17 @@ from artigen.sketch.model import (
     save_sketch_network,
 )
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
-from artigen.sketch.picture import PictureConfig
+from artigen.sketch.picture import MAX_COUNT, PictureConfig, Seen
 from artigen.sketch.piece import UnknownSolid
 from artigen.sketch.pieces import build_piece, fit_pieces
 from artigen.sketch.planes import COARSE
 from artigen.sketch.request import Asked, AskedFinish, SketchRequest, ask, nothing_asked
-from artigen.sketch.rows import FIELDS, ROW_KINDS, column, rows_to_sketch, sketch_to_rows
+from artigen.sketch.rows import COUNTED, FIELDS, ROW_KINDS, column, rows_to_sketch, sketch_to_rows
 from artigen.sketch.rules import Writer
 from artigen.sketch.sketch import STEP, SketchError, read_sketch, write_sketch
 from artigen.sketch.slots import slots
 from artigen.sketch.words import CATEGORIES, STYLES
+from artigen.types import PART_LABELS
 
 TINY = SketchNetworkConfig(width=32, layers=2, heads=2, pointer=8, picture=None)
 PICTURE = PictureConfig(edge=32, widths=(8, 16, 24), blocks=(1, 1, 1), stem=8)
@@ -406,6 +407,46 @@ def test_after_a_dead_end_the_part_that_its_faults_involve_is_drawn_again(
     monkeypatch.setattr(model._Hand, "_batch", batch)
     draw_object(_network(), REQUEST, 1)
     assert begun == [0, 1, 2, *range(again, 3)]
+
+
+def _seen(category: str, counts: dict[str, int]) -> Seen:
+    """Predictions of a picture that are certain of a category and of some counts."""
+    chances = torch.zeros(1, len(PART_LABELS), MAX_COUNT + 1)
+    for label, count in counts.items():
+        chances[0, PART_LABELS.index(label), count] = 5.0
+    kinds = torch.zeros(1, len(CATEGORIES))
+    kinds[0, CATEGORIES.index(category)] = 5.0
+    empty = torch.zeros(1, 0)
+    return Seen(tokens=empty, density=empty, labels=empty, counts=chances, category=kinds, view=empty)
+
+
+def test_what_the_encoder_finds_likely_is_the_product_of_its_chances():
+    seen = _seen("Oven", {"door": 2})
+    sure = np.exp(5.0)
+    rest = (MAX_COUNT + 1.0) ** (1 - len(COUNTED))
+    kinds = sure + len(CATEGORIES) - 1
+    counts = [2 if label == "door" else 31 for label in COUNTED]  # 31 is read as the largest count
+    right = seen.rate(CATEGORIES.index("Oven"), counts)
+    wrong = seen.rate(CATEGORIES.index("Safe"), [0] * len(COUNTED))
+    assert right == pytest.approx(np.log(sure / (sure + MAX_COUNT) * rest * sure / kinds), abs=1e-4)
+    assert wrong == pytest.approx(np.log(1.0 / (sure + MAX_COUNT) * rest / kinds), abs=1e-4)
+
+
+@pytest.mark.parametrize("wheels", [0, 4, 11])
+def test_of_twelve_headers_for_a_picture_the_encoder_chooses(monkeypatch: pytest.MonkeyPatch, wheels: int):
+    """Headers of tables with 0, 1, 2, ... wheels."""
+
+    def stand_in(_network: object, drafts: list[object], *_: object) -> list[SimpleNamespace]:
+        rows = [[0] * (column("object", "height") + 1) for _ in drafts]
+        for count, row in enumerate(rows):
+            row[column("object", "wheel")] = count
+        return [SimpleNamespace(writer=SimpleNamespace(rows=[row])) for row in rows]
+
+    monkeypatch.setattr(model, "continue_drafts", stand_in)
+    network = _seeing_network()
+    looked = _seen("StorageFurniture", {"wheel": wheels}), network.look(_pictures()[:1])[1]
+    assert dict(draw_header(network, REQUEST, 0, looked=looked).counts)["wheel"] == wheels
+    assert dict(draw_header(network, REQUEST, 0).counts)["wheel"] == 0  # the only one
 
 
 def test_a_draft_that_is_continued_stays_as_it_was():
