@@ -56,8 +56,8 @@ class ConvertSettings:
     """Add 3D Gaussians to the package: flat discs on the surface, one PLY per link."""
     mend: bool = False
     """Mend faults of the source before converting it: hinges off the edge of their door, parts inside each
-    other, ranges that run into the body, handles out of reach, pieces that float. Every change is in the
-    provenance."""
+    other, ranges that run into the body, handles out of reach, pieces that float or belong to another link.
+    Every change is in the provenance."""
     validation: Literal["full", "none"] = "full"
     """Run checks L0 to L3 on every package right after it is written."""
 
