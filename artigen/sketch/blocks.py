@@ -1,4 +1,4 @@
-"""Blocks of the sketch network: causal attention over rows, attention to a picture, feed-forward layers."""
+"""Blocks of the sketch network: causal attention over rows, attention within and to a picture."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -95,6 +95,23 @@ class Block(nn.Module):
         mixed = scores.float().softmax(dim=-1).to(v.dtype) @ v
         x = x + self.out(mixed.transpose(1, 2).flatten(2))
         return self.feed(x)
+
+
+class TokenBlock(nn.Module):
+    """Attention among all tokens of a picture, then a feed-forward layer."""
+
+    def __init__(self, width: int, heads: int) -> None:
+        super().__init__()
+        self.heads = heads
+        self.norm = nn.RMSNorm(width)
+        self.qkv = nn.Linear(width, 3 * width, bias=False)
+        self.out = nn.Linear(width, width, bias=False)
+        self.feed = Feed(width)
+
+    def forward(self, x: Float[Tensor, "B N D"]) -> Float[Tensor, "B N D"]:
+        q, k, v = self.qkv(self.norm(x)).unflatten(-1, (3, self.heads, -1)).permute(2, 0, 3, 1, 4)
+        mixed = functional.scaled_dot_product_attention(q, k, v)
+        return self.feed(x + self.out(mixed.transpose(1, 2).flatten(2)))
 
 
 class Look(nn.Module):

@@ -116,11 +116,15 @@ def load_sketch_network(folder: Path, like: SketchNetwork | None = None) -> Sket
 
 
 def _read_sizes(said: Any) -> SketchNetworkConfig:
-    """Sizes from a description; models older than the picture encoder have no entry for it."""
+    """Sizes from a description; older models have no entry for the picture encoder or its attention."""
     picture = said.get("picture")
     if picture is not None:
         picture = PictureConfig(
-            **{**picture, **{name: tuple(picture[name]) for name in ("widths", "blocks") if name in picture}}
+            **{
+                "layers": 0,
+                **picture,
+                **{name: tuple(picture[name]) for name in ("widths", "blocks") if name in picture},
+            }
         )
     return SketchNetworkConfig(**{**said, "picture": picture})
 

@@ -44,7 +44,7 @@ class SketchNetworkConfig:
     """Layer sizes."""
 
     width: int = 256
-    layers: int = 6
+    layers: int = 10
     heads: int = 8
     pointer: int = 64
     """Width of the keys and queries of planes."""

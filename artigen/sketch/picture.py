@@ -14,6 +14,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
+from artigen.sketch.blocks import TokenBlock
 from artigen.sketch.words import CATEGORIES
 from artigen.types import PART_LABELS
 
@@ -35,7 +36,7 @@ WAVES = 6
 class PictureConfig:
     """Layer sizes of the picture encoder."""
 
-    edge: int = 192
+    edge: int = 256
     """Edge length of the picture in pixels."""
     widths: tuple[int, int, int] = (64, 128, 192)
     """Channels at 1/4, 1/8 and 1/16 of the picture's resolution."""
@@ -45,6 +46,10 @@ class PictureConfig:
     """Channels at half the resolution."""
     whole: int = 128
     """Width of the global feature."""
+    layers: int = 3
+    """Self-attention blocks over the tokens."""
+    heads: int = 8
+    """Heads of each."""
 
     def __post_init__(self) -> None:
         if self.edge % TOKEN or self.edge < TOKEN:
@@ -101,7 +106,12 @@ class PictureEncoder(nn.Module):
         )
         self.guess_token = nn.Linear(guessed, width)
         self.view = nn.Linear(cfg.whole, 3)
+        self.blocks = nn.ModuleList(TokenBlock(width, cfg.heads) for _ in range(cfg.layers))
         self.norm = nn.RMSNorm(width)
+        for block in self.blocks:
+            assert isinstance(block, TokenBlock)
+            for last in (block.out, block.feed.down):
+                nn.init.normal_(last.weight, std=0.5 / (2 * width * cfg.layers) ** 0.5)
         assert self.maps.bias is not None
         nn.init.constant_(self.maps.bias[:kinds], EMPTY)
         self.register_buffer("places", _place_waves(side), persistent=False)
@@ -130,13 +140,16 @@ class PictureEncoder(nn.Module):
         )
         counts = counts.unflatten(1, (len(PART_LABELS), -1))
         chances = [counts.softmax(dim=2).flatten(1), category.softmax(dim=1)]
-        tokens = [
+        parts = [
             self.squares(torch.cat([squares, places], dim=2)),
             self.whole_token(whole)[:, None],
             self.guess_token(torch.cat(chances, dim=1))[:, None],
         ]
+        tokens = torch.cat([part.float() for part in parts], dim=1)
+        for block in self.blocks:
+            tokens = block(tokens)
         return Seen(
-            tokens=self.norm(torch.cat([token.float() for token in tokens], dim=1)),
+            tokens=self.norm(tokens),
             density=density,
             labels=said[:, len(PART_LABELS) :],
             counts=counts,

@@ -14,9 +14,11 @@ from artigen.runtime.run_config import claim_folder
 from artigen.sketch.batch import ask_for, make_batch
 from artigen.sketch.model import load_sketch_network, save_sketch_network
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
+from artigen.sketch.picture import PictureConfig
 from artigen.sketch.request import nothing_asked
 from artigen.sketch.words import CATEGORIES
 from artigen.train.batches import prefetch
+from artigen.train.growth import grow_network
 from artigen.train.loop import LoopConfig, finished_steps, process_seed, train
 from artigen.train.shards import HELD_OUT
 from artigen.train.sketch_examples import SHARD, SketchExample, draw_batches, make_examples
@@ -24,7 +26,9 @@ from artigen.train.sketch_losses import SketchLosses, sketch_losses
 from artigen.train.sketch_photos import EDGE, gather_photos
 
 SIZES: dict[str, SketchNetworkConfig] = {
-    "tiny": SketchNetworkConfig(width=64, layers=2, heads=4, pointer=16),
+    "tiny": SketchNetworkConfig(
+        width=64, layers=2, heads=4, pointer=16, picture=PictureConfig(edge=192, layers=1, heads=4)
+    ),
     "small": SketchNetworkConfig(),
     "compact": SketchNetworkConfig(width=512, layers=12, heads=8),
 }
@@ -52,7 +56,7 @@ class SketchRunConfig:
     learning_rate: float = 1e-3
     """Peak learning rate; it falls over the last two fifths of the budget."""
     start: Path | None = None
-    """Folder of a model with the initial weights."""
+    """Folder of a model with the initial weights; one with fewer blocks grows (`grow_network`)."""
     workers: int = 2
     """Processes that make data."""
 
@@ -77,11 +81,10 @@ def train_sketch(cfg: SketchRunConfig) -> dict[str, float]:
         {"preset": cfg.preset, "start": start, "categories": " ".join(cfg.categories)},
     )
     torch.manual_seed(0)
-    network = SketchNetwork(SIZES[cfg.preset]) if cfg.start is None else load_sketch_network(cfg.start)
-    if network.cfg != SIZES[cfg.preset]:
-        raise ArtigenError(
-            f"{cfg.start}: {network.cfg}, expected the sizes of preset {cfg.preset!r}, {SIZES[cfg.preset]}"
-        )
+    size = SIZES[cfg.preset]
+    network = SketchNetwork(size) if cfg.start is None else load_sketch_network(cfg.start)
+    if network.cfg != size:
+        network = grow_network(network, size)
     network.categories = cfg.categories
     photos = network.picture is not None
     make = partial(make_examples, categories=cfg.categories, workers=cfg.workers, photos=photos)

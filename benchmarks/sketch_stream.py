@@ -1,0 +1,276 @@
+"""Training data of the sketch network as a stream: processes make objects and batches beside the training.
+
+Makers draw objects of the grammar and photograph every second one; batchers turn tables into the batches of
+steps; an album holds all photos on the training device.
+"""
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from jaxtyping import Int
+
+import artigen.sketch.batch as batch_module
+from artigen.shapes.draw import draw_shape
+from artigen.sketch.batch import RowBatch, ask_for, make_batch
+from artigen.sketch.request import Asked, nothing_asked
+from artigen.sketch.rows import find_said, sketch_to_rows
+from artigen.sketch.rules import MAX_ROWS
+from artigen.sketch.sketch import SketchError, write_sketch
+from artigen.sketch.words import CATEGORIES
+from artigen.train.sketch_examples import ALONE, WINDOW, SketchBatch, head_of
+from artigen.train.sketch_photos import CELL, EDGE, PhotoBatch, take_photo
+
+Table = Int[np.ndarray, "T W"]
+Arrays = dict[str, np.ndarray]
+OFTEN = CATEGORIES[:9]
+"""Categories of which two objects are drawn for one of every other."""
+FIRST = 2_000_000
+"""Seed of the makers' first object."""
+CHUNK = 32
+"""Objects with photos in one file of a maker, beside as many without."""
+SPOTS = 64
+"""Rows for the parts in view of a photo."""
+LOOK = 2.0
+"""Seconds after which batchers look for new objects."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sizes:
+    """Objects and rows of the batches of one step."""
+
+    shown: int = 128
+    """Whole tables with photos."""
+    plain: int = 14000
+    """Rows of whole tables without photos."""
+    most: int = 192
+    """Most tables without photos."""
+    read: int = 320
+    """Headers and finishes with photos."""
+    told: int = 384
+    """Headers and finishes without photos."""
+
+
+def make_objects(folder: Path, number: int, makers: int) -> None:
+    """Writes files of tables and photos without end."""
+    torch.set_num_threads(1)
+    rng = np.random.default_rng([FIRST, number])
+    wishes = _list_wishes(number, makers)
+    done = 0
+    while True:
+        plain, shown, photos = [], [], []
+        while len(photos) < CHUNK:
+            shape = draw_shape(*next(wishes))
+            try:
+                table = sketch_to_rows(write_sketch(shape)).astype(np.int16)
+            except SketchError:
+                continue
+            if len(table) >= MAX_ROWS:
+                continue
+            if len(plain) < len(shown):
+                plain.append(table)
+            elif len((photo := take_photo(shape, rng)).spots) <= SPOTS:
+                shown.append(table)
+                photos.append(photo)
+        spots = np.zeros((len(photos), SPOTS, 3), dtype=np.float32)
+        for row, photo in zip(spots, photos, strict=True):
+            row[: len(photo.spots)] = photo.spots
+        name = f"{number:02d}-{done:05d}"
+        write_tables(folder / f"shown-{name}.npz", shown)
+        write_tables(folder / f"plain-{name}.npz", plain)
+        scratch = folder / f".photos-{name}.npz"
+        np.savez(
+            scratch,
+            image=np.stack([photo.rgba for photo in photos]).transpose(0, 3, 1, 2),
+            labels=np.stack([photo.labels for photo in photos]),
+            spots=spots,
+            count=np.array([len(photo.spots) for photo in photos]),
+            view=np.stack([photo.view for photo in photos]).astype(np.float32),
+        )
+        scratch.replace(folder / f"photos-{name}.npz")
+        done += 1
+
+
+def _list_wishes(number: int, makers: int) -> Iterator[tuple[str, int]]:
+    """Categories and seeds of one maker."""
+    seed = FIRST + number
+    while True:
+        yield from ((category, seed) for category in CATEGORIES)
+        yield from ((category, seed + 1_000_000_000) for category in OFTEN)
+        seed += makers
+
+
+def write_tables(path: Path, tables: Sequence[Table]) -> None:
+    """Writes tables to one file, which appears whole."""
+    scratch = path.with_name("." + path.name)
+    np.savez(scratch, rows=np.concatenate(tables), n=np.array([len(table) for table in tables]))
+    scratch.replace(path)
+
+
+def read_tables(path: Path) -> list[Table]:
+    """Tables of a file of `write_tables`."""
+    with np.load(path) as stored:
+        return np.split(stored["rows"], np.cumsum(stored["n"])[:-1])
+
+
+class Pool:
+    """Tables, and their order by length."""
+
+    def __init__(self) -> None:
+        self.tables: list[Table] = []
+        self.heads: list[Table] = []
+        self.sort()
+
+    def add(self, tables: Sequence[Table]) -> None:
+        """Adds tables; `sort` makes them available."""
+        self.tables += tables
+        self.heads += [head_of(table) for table in tables]
+
+    def sort(self) -> None:
+        """Sorts all tables by length."""
+        lengths = np.array([len(table) for table in self.tables], dtype=int)
+        self.order = np.argsort(lengths, kind="stable")
+        self.lengths = lengths[self.order]
+
+    def pick(self, count: int, rng: np.random.Generator) -> Int[np.ndarray, "K"]:
+        """Random tables."""
+        return rng.integers(len(self.order), size=count)
+
+    def pick_alike(self, at: int, count: int, rng: np.random.Generator) -> Int[np.ndarray, "K"]:
+        """Random tables of about the length of the one at a place in the order."""
+        first = max(0, min(at - WINDOW * count // 2, len(self.order) - WINDOW * count))
+        some = self.order[first : first + WINDOW * count]
+        return rng.choice(some, min(count, len(some)), replace=False)
+
+    def pick_rows(self, rows: int, most: int, rng: np.random.Generator) -> Int[np.ndarray, "K"]:
+        """Random tables of similar length with about ``rows`` rows together."""
+        ends = np.cumsum(self.lengths)
+        at = int(np.searchsorted(ends, rng.random() * ends[-1]))
+        return self.pick_alike(at, int(np.clip(rows // (self.lengths[at] + 5), 2, most)), rng)
+
+
+def make_batches(
+    folder: Path, before: Path | None, loaded: Sequence[str], out: Any, sizes: Sizes, number: int
+) -> None:
+    """Puts the batches of steps, as arrays by name, into a queue without end.
+
+    Args:
+        folder: Folder of the makers.
+        before: Folder of tables without photos that were made before.
+        loaded: Names of the files whose photos the album holds, in its order; it grows.
+        out: The queue.
+        sizes: Sizes of the batches.
+        number: Number of this batcher.
+    """
+    said: dict[int, np.ndarray] = {}
+
+    def find_said_once(table: Table) -> np.ndarray:
+        if id(table) not in said:
+            said[id(table)] = find_said(table)
+        return said[id(table)]
+
+    batch_module.find_said = find_said_once  # three quarters of the time of `make_batch`
+    rng = np.random.default_rng([number, 7])
+    plain, shown, read, looked = Pool(), Pool(), set[Path](), 0.0
+    while True:
+        if time.monotonic() - looked > LOOK:
+            new = sorted({*folder.glob("plain-*.npz"), *(before.glob("*.npz") if before else ())} - read)
+            for path in new:
+                plain.add(read_tables(path))
+            for name in list(loaded)[len(shown.tables) // CHUNK :]:
+                shown.add(read_tables(folder / f"shown-{name}.npz"))
+            read |= set(new)
+            plain.sort()
+            shown.sort()
+            looked = time.monotonic()
+        if min(len(shown.order), len(plain.order)) < 4 * sizes.shown:
+            time.sleep(0.5)
+            continue
+        out.put(_make_step(plain, shown, sizes, rng))
+
+
+def _make_step(plain: Pool, shown: Pool, sizes: Sizes, rng: np.random.Generator) -> dict[str, Arrays]:
+    """The four batches of a step; photos are numbers in the album."""
+    whole = shown.pick_alike(int(rng.integers(len(shown.order))), sizes.shown, rng)
+    asked = [
+        nothing_asked() if rng.random() < ALONE else ask_for(shown.tables[index], rng) for index in whole
+    ]
+    heads = shown.pick(sizes.read, rng)
+    any_pool = plain if rng.random() * (len(plain.order) + len(shown.order)) < len(plain.order) else shown
+    some = [any_pool.tables[index] for index in any_pool.pick_rows(sizes.plain, sizes.most, rng)]
+    told = any_pool.pick(sizes.told, rng)
+    return {
+        "shown": _pack([shown.tables[index] for index in whole], asked) | {"photos": whole},
+        "plain": _pack(some, [ask_for(table, rng) for table in some]),
+        "read": _pack([shown.heads[index] for index in heads], [nothing_asked()] * len(heads))
+        | {"photos": heads},
+        "told": _pack(
+            [any_pool.heads[index] for index in told],
+            [ask_for(any_pool.tables[index], rng) for index in told],
+        ),
+    }
+
+
+def _pack(tables: Sequence[Table], asked: Sequence[Asked]) -> Arrays:
+    """A batch of rows in few bytes."""
+    arrays = {name: value.numpy() for name, value in vars(make_batch(tables, asked)).items()}
+    return {name: value if value.dtype == bool else value.astype(np.int16) for name, value in arrays.items()}
+
+
+class Album:
+    """All photos on the device, in the order of their arrival."""
+
+    def __init__(self, most: int, device: torch.device) -> None:
+        cells = EDGE // CELL
+        self.image = torch.empty((most, 4, EDGE, EDGE), dtype=torch.uint8, device=device)
+        self.labels = torch.empty((most, cells, cells), dtype=torch.uint8, device=device)
+        self.spots = torch.empty((most, SPOTS, 3), device=device)
+        self.count = torch.empty(most, dtype=torch.int64, device=device)
+        self.view = torch.empty((most, 3), device=device)
+        self.size = 0
+
+    def load(self, path: Path) -> bool:
+        """Adds the photos of a file of a maker; False if there is no room for them."""
+        with np.load(path) as stored:
+            here = slice(self.size, self.size + len(stored["count"]))
+            if here.stop > len(self.count):
+                return False
+            for name in ("image", "labels", "spots", "count", "view"):
+                getattr(self, name)[here] = torch.from_numpy(stored[name]).to(self.count.device)
+        self.size = here.stop
+        return True
+
+    def take(self, photos: Int[torch.Tensor, "K"], mirror: torch.Generator | None) -> PhotoBatch:
+        """A batch of photos, half of them mirrored if there is a generator."""
+        image, labels = self.image[photos].float() / 255.0, self.labels[photos].long()
+        spots, view = self.spots[photos], self.view[photos]
+        if mirror is not None:
+            flip = torch.rand(len(photos), generator=mirror, device=image.device) < 0.5
+            image = torch.where(flip[:, None, None, None], image.flip(3), image)
+            labels = torch.where(flip[:, None, None], labels.flip(2), labels)
+            sign = torch.where(flip, -1.0, 1.0)[:, None]
+            spots = torch.cat([spots[..., :1], spots[..., 1:2] * sign[..., None], spots[..., 2:]], dim=2)
+            view = torch.cat([view[:, :1] * sign, view[:, 1:]], dim=1)
+        return PhotoBatch(
+            image=image,
+            labels=labels,
+            kinds=spots[..., 0].long(),
+            centers=spots[..., 1:],
+            given=torch.arange(SPOTS, device=image.device) < self.count[photos][:, None],
+            view=view,
+        )
+
+
+def unpack(arrays: Arrays, album: Album, mirror: torch.Generator | None) -> SketchBatch:
+    """A batch on the device of the album, with its photos."""
+    device = album.count.device
+    tensors = {name: torch.from_numpy(value).to(device) for name, value in arrays.items()}
+    photos = tensors.pop("photos", None)
+    rows = RowBatch(
+        **{name: value if value.dtype == torch.bool else value.long() for name, value in tensors.items()}
+    )
+    return SketchBatch(rows=rows, photos=None if photos is None else album.take(photos, mirror))
