@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
+from sim_export.checks.surface import triangle_distances
 from sim_export.collision.hulls import hull_length, hull_planes
 from sim_export.package import Hull
 
@@ -39,9 +40,16 @@ def drop_specks(hulls: Sequence[Hull], diagonal: float) -> tuple[Hull, ...]:
 
 
 def _holds(hull: Hull, points: Float[np.ndarray, "N 3"], reach: float) -> bool:
-    """Whether all points lie in a hull, or within ``reach`` (m) of its faces and of the box around it."""
+    """Whether all points lie in a hull, or within ``reach`` (m) of it."""
     low, high = hull.vertices.min(axis=0) - reach, hull.vertices.max(axis=0) + reach
     if (points < low).any() or (points > high).any():
         return False
     planes = hull_planes(hull)
-    return bool((points @ planes[:, :3].T - planes[:, 3] <= reach).all())
+    heights = (points @ planes[:, :3].T - planes[:, 3]).max(axis=1)
+    if heights.max() > reach:
+        return False
+    outside = points[heights > 0.0]
+    triangles = hull.vertices[hull.faces]
+    pairs = np.repeat(outside, len(triangles), axis=0), np.tile(triangles, (len(outside), 1, 1))
+    gaps = triangle_distances(*pairs).reshape(len(outside), -1).min(axis=1)
+    return bool((gaps <= reach).all())

@@ -27,6 +27,14 @@ def test_only_short_and_low_hulls_go(diagonal, reach, longer, higher, stays):
     assert kept == ((speck, block) if stays else (block,))
 
 
+@pytest.mark.parametrize(("apart", "stays"), [(0.99, False), (1.01, True)])
+def test_distance_is_measured_to_the_edge_where_a_hull_lies_beside_it(apart, stays):
+    block = box_at((-0.2, -0.2, -0.2), (0.2, 0.2, 0.2))
+    sides = np.full(3, 0.001)
+    speck = box_at(apart * NEAR / np.sqrt(3.0) - sides, sides)  # its farthest corner is off a corner
+    assert (len(drop_specks((block, speck), 1.0)) == 2) == stays
+
+
 def test_hulls_in_a_row_do_not_vanish_one_after_the_other():
     """Each of them lies near the next, and none near a hull that would stay."""
     row = tuple(box_at((0.002 * n, 0, 0), (0.003, 0.003, 0.003)) for n in range(20))
