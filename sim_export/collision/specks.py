@@ -45,11 +45,7 @@ def _holds(hull: Hull, points: Float[np.ndarray, "N 3"], reach: float) -> bool:
     if (points < low).any() or (points > high).any():
         return False
     planes = hull_planes(hull)
-    heights = (points @ planes[:, :3].T - planes[:, 3]).max(axis=1)
-    if heights.max() > reach:
-        return False
-    outside = points[heights > 0.0]
+    outside = points[(points @ planes[:, :3].T > planes[:, 3]).any(axis=1)]
     triangles = hull.vertices[hull.faces]
     pairs = np.repeat(outside, len(triangles), axis=0), np.tile(triangles, (len(outside), 1, 1))
-    gaps = triangle_distances(*pairs).reshape(len(outside), -1).min(axis=1)
-    return bool((gaps <= reach).all())
+    return bool((triangle_distances(*pairs).reshape(-1, len(triangles)).min(axis=1) <= reach).all())

@@ -35,6 +35,11 @@ def test_distance_is_measured_to_the_edge_where_a_hull_lies_beside_it(apart, sta
     assert (len(drop_specks((block, speck), 1.0)) == 2) == stays
 
 
+def test_tiny_hulls_inside_of_others_go():
+    block = box_at((0, 0, 0), (0.2, 0.2, 0.2))
+    assert drop_specks((box_at((0.1, 0.1, 0.1), np.full(3, 0.01)), block), 1.0) == (block,)
+
+
 def test_hulls_in_a_row_do_not_vanish_one_after_the_other():
     """Each of them lies near the next, and none near a hull that would stay."""
     row = tuple(box_at((0.002 * n, 0, 0), (0.003, 0.003, 0.003)) for n in range(20))
