@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from sim_export.export import Covers, Exported
     from sim_export.package import SimPackage
 
-COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V201", "V202")
+COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V107", "V201", "V202")
 """Static checks whose result depends on the choice of hulls."""
 
 

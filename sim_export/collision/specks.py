@@ -10,33 +10,66 @@ import numpy as np
 from jaxtyping import Float
 
 from sim_export.checks.surface import triangle_distances
+from sim_export.collision.contacts import HullSet
 from sim_export.collision.hulls import hull_length, hull_planes
+from sim_export.geometry.islands import find_islands, nearest_points
 from sim_export.package import Hull
 
 LONGEST = 0.015
 """Hulls up to this long, over the object's diagonal, may be left out."""
 NEAR = 0.004
-"""How far (m) they may stand out of one hull that stays. Check V107 takes 5 mm for a gap."""
+"""How far (m) they may stand out of one hull that stays."""
 NEAR_SHARE = 0.005
 """The same over the object's diagonal, where that is less; a third of what check V103 allows 99 % of a
 surface."""
+JOINED = 0.005
+"""Hulls within this distance (m) hold together, as in check V107."""
 
 
 def drop_specks(hulls: Sequence[Hull], diagonal: float) -> tuple[Hull, ...]:
     """The hulls of a link without those that are tiny and close to one that stays.
+
+    What holds other hulls of the link together stays, too.
 
     Args:
         hulls: All hulls of the link.
         diagonal: That of the box around the whole object (m).
     """
     reach = min(NEAR, NEAR_SHARE * diagonal)
-    kept: list[Hull] = []
-    for hull in sorted(hulls, key=lambda hull: -hull_length(hull)[0]):
-        tiny = hull_length(hull)[0] <= LONGEST * diagonal
-        if not (tiny and any(_holds(other, hull.vertices, reach) for other in kept)):
-            kept.append(hull)
-    stays = {id(hull) for hull in kept}
-    return tuple(hull for hull in hulls if id(hull) in stays)
+    lengths = np.array([hull_length(hull)[0] for hull in hulls])
+    kept: list[int] = []
+    specks: list[int] = []
+    for index in np.argsort(-lengths, kind="stable").tolist():
+        tiny = lengths[index] <= LONGEST * diagonal
+        speck = tiny and any(_holds(hulls[other], hulls[index].vertices, reach) for other in kept)
+        (specks if speck else kept).append(index)
+    if not specks:
+        return tuple(hulls)
+    kept += _find_bridges(HullSet(hulls=tuple(hulls)), kept, specks)
+    return tuple(hulls[index] for index in sorted(kept))
+
+
+def _find_bridges(hulls: HullSet, kept: Sequence[int], specks: Sequence[int]) -> list[int]:
+    """Those of the ``specks`` without which some of the other hulls would be apart."""
+
+    def distance(one: int, other: int) -> float:
+        return nearest_points(hulls.shapes[one], hulls.shapes[other])[0]
+
+    bounds = hulls.rest_bounds[list(kept)]
+    extents = np.linalg.norm(bounds[:, 1] - bounds[:, 0], axis=1)
+    islands = find_islands(bounds, lambda i, j: distance(kept[i], kept[j]), extents, JOINED)
+    if not islands:
+        return []
+    group = np.zeros(len(kept), dtype=int)
+    for number, island in enumerate(islands):
+        group[island.members] = number + 1
+    bridges = []
+    for speck in specks:
+        touched = [group[k] for k, other in enumerate(kept) if distance(speck, other) <= JOINED]
+        if len(set(touched)) > 1:
+            bridges.append(speck)
+            group[np.isin(group, touched)] = touched[0]
+    return bridges
 
 
 def _holds(hull: Hull, points: Float[np.ndarray, "N 3"], reach: float) -> bool:

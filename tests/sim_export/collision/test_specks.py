@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim_export.collision.hulls import box_hull
-from sim_export.collision.specks import LONGEST, NEAR, NEAR_SHARE, drop_specks
+from sim_export.collision.specks import JOINED, LONGEST, NEAR, NEAR_SHARE, drop_specks
 
 
 def box_at(low, sides):
@@ -38,6 +38,14 @@ def test_distance_is_measured_to_the_edge_where_a_hull_lies_beside_it(apart, sta
 def test_tiny_hulls_inside_of_others_go():
     block = box_at((0, 0, 0), (0.2, 0.2, 0.2))
     assert drop_specks((box_at((0.1, 0.1, 0.1), np.full(3, 0.01)), block), 1.0) == (block,)
+
+
+@pytest.mark.parametrize(("apart", "stays"), [(0.99, False), (1.01, True)])
+def test_a_speck_stays_if_nothing_else_holds_a_hull(apart, stays):
+    block = box_at((-0.2, -0.1, -0.1), (0.2, 0.2, 0.2))
+    speck = box_at((0.0, 0.0, 0.0), (0.9 * NEAR, 0.01, 0.01))
+    post = box_at((apart * JOINED, -0.1, 0.0), (0.02, 0.2, 0.01))
+    assert drop_specks((block, speck, post), 1.0) == ((block, speck, post) if stays else (block, post))
 
 
 def test_hulls_in_a_row_do_not_vanish_one_after_the_other():
