@@ -7,7 +7,7 @@ texels take the colour of the nearest covered texel of the part, and are counted
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float, UInt8
@@ -28,30 +28,18 @@ DARKEST = 4
 """Darkest level of a texel; pure black marks texels that were not painted."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class TextureConfig:
-    """Resolution and colouring of textures."""
-
-    texels_per_voxel: float = 2.5
-    """Texels along the edge of a voxel; samples are rarely dense enough for more than three."""
-    max_size: int = 512
-    """Longest side of an image in texels; larger parts get larger texels."""
-    uniform_range: int = 3
-    """Colour range (of 255 levels) up to which a part gets one colour instead of an image."""
-    max_samples: int = 300_000
-    """Surface samples used per object; more take time without adding detail at texel size."""
-    speck: int = 24
-    """Difference (levels) from the surrounding texels above which a texel counts as a speck."""
-    discs: SurfaceSplatConfig = field(
-        default_factory=lambda: SurfaceSplatConfig(spread=0.8, edge=1.0, neighbours=4, widest=2.0, apart=0.0)
-    )
-    """Discs for surface samples; round also at edges, where their overhang lies beside the mesh."""
-
-    def __post_init__(self) -> None:
-        if not self.texels_per_voxel > 0:
-            raise ValueError(f"texture: texels_per_voxel is {self.texels_per_voxel}, expected above 0")
-        if not 16 <= self.max_size <= 8192:
-            raise ValueError(f"texture: max_size is {self.max_size} texels, expected 16 to 8192")
+TEXELS = 2.5
+"""Texels along the edge of a voxel; samples are rarely dense enough for more than three."""
+MAX_SIZE = 512
+"""Longest side of an image in texels; larger parts get larger texels."""
+UNIFORM_RANGE = 3
+"""Colour range (of 255 levels) up to which a part gets one colour instead of an image."""
+MAX_SAMPLES = 300_000
+"""Surface samples used per object; more take time without adding detail at texel size."""
+SPECK = 24
+"""Difference (levels) from the surrounding texels above which a texel counts as a speck."""
+DISCS = SurfaceSplatConfig(spread=0.8, edge=1.0, neighbours=4, widest=2.0, apart=0.0)
+"""Discs for surface samples; round also at edges, where their overhang lies beside the mesh."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -77,7 +65,6 @@ def bake_mesh(
     *,
     voxel: float,
     normals: Float[np.ndarray, "N 3"] | None = None,
-    cfg: TextureConfig | None = None,
 ) -> BakedMesh:
     """Textures a mesh with an image, or gives it one colour if its Gaussians have only one.
 
@@ -88,21 +75,19 @@ def bake_mesh(
         gaussians: Gaussians of the part, in the mesh's frame and unit.
         voxel: Edge of a voxel, in the same unit; determines the texel size and the search radius.
         normals: Outward directions of the Gaussians, if they are one-sided.
-        cfg: Resolution and selection of Gaussians.
 
     Raises:
         ValueError: If there are no Gaussians, or the charts of the mesh do not fit into an image.
     """
-    cfg = cfg or TextureConfig()
     if not len(gaussians.means):
         raise ValueError("texture: no Gaussians, expected at least 1")
     levels = np.rint(255.0 * np.clip(srgb_from_linear(gaussians.colors), 0.0, 1.0))
     red, green, blue = (levels.mean(axis=0) / 255.0).tolist()
     plain = replace(mesh, color=(red, green, blue), uv=None, texture=None)
-    if np.ptp(levels, axis=0).max() <= cfg.uniform_range and gaussians.opacities.min() >= SOLID:
+    if np.ptp(levels, axis=0).max() <= UNIFORM_RANGE and gaussians.opacities.min() >= SOLID:
         return BakedMesh(mesh=plain)
-    texel = voxel / cfg.texels_per_voxel
-    atlas = make_atlas(mesh, texel, cfg.max_size)
+    texel = voxel / TEXELS
+    atlas = make_atlas(mesh, texel, MAX_SIZE)
     places = _texel_places(mesh, atlas)
     seen = blend_places(places, gaussians, voxel=voxel, texel=texel, normals=normals)
     pane = seen.find_panes()
@@ -121,18 +106,17 @@ def bake_mesh(
     image = np.rint(255.0 * np.clip(filled, 0.0, 1.0)).astype(np.uint8)
     painted = color_atlas(plain, atlas, image)
     if normals is not None and painted.texture is not None:
-        painted = replace(painted, texture=_without_specks(painted.texture, cfg.speck))
+        painted = replace(painted, texture=_without_specks(painted.texture))
     return BakedMesh(mesh=painted, texels=len(covered), covered=int(np.count_nonzero(covered)))
 
 
-def bake_parts(asset: Asset, meshes: Sequence[Mesh], cfg: TextureConfig | None = None) -> BakedParts:
+def bake_parts(asset: Asset, meshes: Sequence[Mesh]) -> BakedParts:
     """Textures for the meshes of all parts (metres), from the asset's Gaussians or else its surface samples.
 
     A part without either keeps its mesh's colour, and a record says so. Raises `ValueError` if the asset has
     neither.
     """
-    cfg = cfg or TextureConfig()
-    gaussians, normals = _find_gaussians(asset, cfg)
+    gaussians, normals = _find_gaussians(asset)
     voxel = asset.scale / (64 if asset.voxels is None else asset.voxels.resolution)
     baked: list[BakedMesh] = []
     records: list[str] = []
@@ -144,7 +128,7 @@ def bake_parts(asset: Asset, meshes: Sequence[Mesh], cfg: TextureConfig | None =
             continue
         facing = None if normals is None else normals[rows]
         own = select_gaussians(gaussians, rows)
-        baked.append(bake_mesh(mesh, own, voxel=voxel, normals=facing, cfg=cfg))
+        baked.append(bake_mesh(mesh, own, voxel=voxel, normals=facing))
     texels, covered = sum(one.texels for one in baked), sum(one.covered for one in baked)
     if texels:
         source = "surface samples" if asset.gaussians is None else "Gaussians"
@@ -174,17 +158,17 @@ def color_atlas(mesh: Mesh, atlas: Atlas, colors: UInt8[np.ndarray, "T C"]) -> M
     return replace(mesh, uv=uv, texture=whole)
 
 
-def _without_specks(image: UInt8[np.ndarray, "H W 3"], least: int) -> UInt8[np.ndarray, "H W 3"]:
-    """Replaces texels that differ from their 3x3 median by more than ``least`` levels with the median.
+def _without_specks(image: UInt8[np.ndarray, "H W 3"]) -> UInt8[np.ndarray, "H W 3"]:
+    """Replaces texels that differ from their 3x3 median by more than `SPECK` levels with the median.
 
     Where sheets of different colours lie close together, some texels have no sample of the outer one.
     """
     median = ndimage.median_filter(image, size=(3, 3, 1), mode="nearest")
-    odd = np.abs(image.astype(np.int16) - median).max(axis=2) > least
+    odd = np.abs(image.astype(np.int16) - median).max(axis=2) > SPECK
     return np.where(odd[:, :, None], median, image)
 
 
-def _find_gaussians(asset: Asset, cfg: TextureConfig) -> tuple[Gaussians, Float[np.ndarray, "N 3"] | None]:
+def _find_gaussians(asset: Asset) -> tuple[Gaussians, Float[np.ndarray, "N 3"] | None]:
     """Gaussians in metres, and their outward directions if they are one-sided."""
     if asset.gaussians is not None:
         return scale_gaussians(asset.gaussians, asset.scale), None
@@ -192,7 +176,7 @@ def _find_gaussians(asset: Asset, cfg: TextureConfig) -> tuple[Gaussians, Float[
         raise ValueError(
             f"asset {asset.name!r} has neither Gaussians nor surface samples to take colours from"
         )
-    discs = splat_surface(thin_samples(asset.surface, cfg.max_samples), cfg.discs)
+    discs = splat_surface(thin_samples(asset.surface, MAX_SAMPLES), DISCS)
     return scale_gaussians(discs, asset.scale), matrix_from_quat(discs.quats)[:, :, 2]
 
 

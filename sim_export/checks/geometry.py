@@ -175,7 +175,7 @@ def check_attached(subject: Subject, cfg: CheckConfig) -> Finding:
             gaps[name] = rest_gap(hulls, subject.hull_sets[parent], cfg.max_gap, subject.diagonal)
     where = max(gaps, key=lambda name: gaps[name])
     return Finding(
-        passed=gaps[where] <= cfg.max_gap,
+        passed=gaps[where] <= cfg.max_gap + _FILE_PRECISION,
         value=gaps[where],
         threshold=cfg.max_gap,
         unit="m",

@@ -148,7 +148,8 @@ def _gaps(grip: np.ndarray, panel: np.ndarray) -> tuple[float, float]:
     low, high = grip.min(axis=(0, 1)), grip.max(axis=(0, 1))
     cell = float((high - low)[:2].max()) / _COLUMNS
     shape = np.maximum(np.ceil((high - low)[:2] / cell), 1).astype(int)
-    grid = Grid(low=np.array([low[0], low[1], 0.0]), cell=cell, shape=(int(shape[0]), int(shape[1]), 1))
+    corner = ((low + high)[:2] - cell * shape) / 2.0  # centred, so that handles thinner than a cell are met
+    grid = Grid(low=np.array([*corner, 0.0]), cell=cell, shape=(int(shape[0]), int(shape[1]), 1))
     back = _extreme(grip, grid, np.minimum, np.inf)
     face = _extreme(panel, grid, np.maximum, -np.inf)
     covered = np.isfinite(back)

@@ -12,7 +12,7 @@ from artigen.splats.surface import SurfaceSplatConfig, splat_surface
 from artigen.transforms import matrix_from_quat
 from artigen.types import Asset, Gaussians, SurfaceSamples
 from sim_export.appearance.atlas import make_atlas
-from sim_export.appearance.texture import BakedMesh, TextureConfig, bake_mesh, bake_parts
+from sim_export.appearance.texture import DISCS, MAX_SIZE, TEXELS, BakedMesh, bake_mesh, bake_parts
 from sim_export.geometry.meshing import mesh_parts
 from sim_export.package import Mesh
 
@@ -50,8 +50,7 @@ def bake(
     )
     discs = splat_surface(samples, SurfaceSplatConfig(edge=1.0))
     ahead = matrix_from_quat(discs.quats)[:, :, 2] if facing else None
-    cfg = TextureConfig()
-    return bake_mesh(mesh, discs, voxel=texel * cfg.texels_per_voxel, normals=ahead, cfg=cfg)
+    return bake_mesh(mesh, discs, voxel=texel * TEXELS, normals=ahead)
 
 
 def look_up(mesh: Mesh, faces: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -289,8 +288,8 @@ def test_large_parts_get_larger_texels():
     samples = SurfaceSamples(
         points=points, normals=normals, colors=colors, part_ids=np.zeros(4000, dtype=int)
     )
-    baked = bake_mesh(mesh, splat_surface(samples), voxel=0.05, cfg=TextureConfig(max_size=64)).mesh
-    assert max(baked.texture.shape[:2]) <= 64
+    baked = bake_mesh(mesh, splat_surface(samples), voxel=0.01).mesh
+    assert 0.5 * MAX_SIZE < max(baked.texture.shape[:2]) <= MAX_SIZE
     with pytest.raises(ValueError, match="do not fit"):
         make_atlas(mesh, 0.1, 4)
 
@@ -336,9 +335,7 @@ def test_colours_of_gaussians_are_light_and_those_of_textures_are_not():
     np.testing.assert_allclose(bake_mesh(mesh, discs, voxel=0.1).mesh.color, 128 / 255, atol=1e-6)
 
 
-def test_wrong_settings_and_missing_gaussians_are_errors(cabinet: Asset):
-    with pytest.raises(ValueError, match="max_size is 4"):
-        TextureConfig(max_size=4)
+def test_missing_gaussians_are_an_error(cabinet: Asset):
     none = Gaussians(**{name: value[:0] for name, value in vars(splat_surface(cabinet.surface)).items()})
     with pytest.raises(ValueError, match="no Gaussians"):
         bake_mesh(box_mesh(1, 1, 1), none, voxel=0.1)
@@ -374,7 +371,6 @@ def test_of_two_sheets_a_hair_apart_only_the_outer_one_shows():
 def test_a_sheet_behind_does_not_show_through_the_gaps_between_random_samples():
     """A panel of doubled faces: brown outside, and the white backs of the other side 12 mm below."""
     plate = box_mesh(0.4, 0.3, 0.02)
-    cfg = TextureConfig()
     rng = np.random.default_rng(3)
     points = rng.uniform([-0.2, -0.15, 0.0], [0.2, 0.15, 0.0], (12000, 3))
     points[:, 2] = np.where(np.arange(12000) % 2, 0.01, -0.002)
@@ -385,9 +381,9 @@ def test_a_sheet_behind_does_not_show_through_the_gaps_between_random_samples():
         colors=colors,
         part_ids=np.zeros(12000, dtype=np.int64),
     )
-    discs = splat_surface(samples, cfg.discs)
+    discs = splat_surface(samples, DISCS)
     ahead = matrix_from_quat(discs.quats)[:, :, 2]
-    baked = bake_mesh(plate, discs, voxel=0.016, normals=ahead, cfg=cfg).mesh
+    baked = bake_mesh(plate, discs, voxel=0.016, normals=ahead).mesh
     faces, weights, places = random_places(baked)
     top = places[:, 2] > 0.0099
     seen = look_up(baked, faces[top], weights[top])

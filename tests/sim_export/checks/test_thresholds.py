@@ -272,11 +272,12 @@ def drawer(held: float) -> Scene:
     return moving("prismatic", both(part), 1.0 - held, body=walls)
 
 
-def handle(gap: float = 0.0, width: float = 0.05, depth: float = 0.02) -> Scene:
-    """A drawer's front with a square handle: its distance from the front, its width and its depth (m)."""
+def handle(gap: float = 0.0, width: float = 0.05, depth: float = 0.02, height: float | None = None) -> Scene:
+    """A drawer's front with a handle: its distance from the front, its size across (by default a square) and
+    its depth (m)."""
     front = ((-0.02, 0.0, 0.0), (0.0, 1.0, 1.0))
-    low, high = 0.5 - width / 2.0, 0.5 + width / 2.0
-    grip = ((-0.02 - gap - depth, low, low), (-0.02 - gap, high, high))
+    half, rise = width / 2.0, (height or width) / 2.0
+    grip = ((-0.02 - gap - depth, 0.5 - half, 0.5 - rise), (-0.02 - gap, 0.5 + half, 0.5 + rise))
     return moving("prismatic", both(front) + seen(grip, "handle"), 0.3)
 
 
@@ -351,7 +352,7 @@ ROWS: list[tuple[str, str, Callable[..., Scene], object, object]] = [
     ("room kept", "V103", filled_share, 0.098, 0.102),
     ("cavity", "V103", lambda x: groove(x, 1.0), 4, 5),
     ("cavity in cells", "V103", lambda x: groove(x, 2.9), 2, 3),
-    ("gap", "V104", beside, 0.0049, 0.0051),
+    ("gap", "V104", beside, 0.005 + 1e-6, 0.005 + 3e-6),
     ("floor", "V105", lambda x: scene(link("body", seen(BODY), felt(((0, 0, x), (1, 1, 1))))),
      4.9e-3, 5.1e-3),
     ("texture", "V106", textured, 9, 11),
@@ -369,6 +370,7 @@ ROWS: list[tuple[str, str, Callable[..., Scene], object, object]] = [
     ("clearance", "V204", lambda x: handle(gap=x, width=0.1), 0.0252, 0.0248),
     ("grasp", "V204", lambda x: handle(width=x), 0.0798, 0.0802),
     ("protrusion", "V204", lambda x: handle(depth=x), 0.0051, 0.0049),
+    ("protrusion of a lip", "V204", lambda x: handle(depth=x, width=0.3, height=0.002), 0.0051, 0.0049),
     ("twins of one size", "V205", lambda x: leaves(size=1 + x), 0.054, 0.052),
     ("twins with parallel hinges", "V205", lambda x: leaves(tilt=x), 5.1, 4.9),
     ("twins", "V205", lambda x: leaves(axes=(1.0, x)), -1.0, 1.0),
