@@ -36,6 +36,9 @@ from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_n
 from sim_export.physics.masses import hold_centers, weigh_part
 from sim_export.physics.materials import part_material
 
+Covers = dict[SurfaceConfig, tuple[tuple[Hull, ...], ...]]
+"""Hulls of all parts of one object by how they are made of its triangles, before clearance."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Exported:
@@ -64,6 +67,7 @@ def export_asset(
     source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
     surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | None = None,
     detail: SurfaceConfig = USUAL,
+    covers: Covers | None = None,
     provenance: Mapping[str, str] | None = None,
 ) -> Exported:
     """Converts an articulated object to a simulation package.
@@ -76,6 +80,7 @@ def export_asset(
         surfaces: The triangles of these meshes by part (metres), from which collision is made; by default it
             is made from the voxels.
         detail: How closely collision made from these triangles follows them.
+        covers: Hulls that earlier exports of the same object made of them; those made now are added.
         provenance: Origin of the object, for ``provenance.json``.
 
     Raises:
@@ -107,7 +112,10 @@ def export_asset(
             mesh.vertices[mesh.faces] if part.label == "wheel" and mesh is not before else surface
             for part, before, mesh, surface in zip(asset.parts, plain, meshes, surfaces, strict=True)
         ]
-        hulls, changes = _cover_parts(asset, surfaces, inertials, detail), []
+        covers, usual = {} if covers is None else covers, replace(detail, shares=False)
+        if usual not in covers:
+            covers[usual] = _cover_parts(asset, surfaces, inertials, usual)
+        hulls, changes = covers[usual], []
     watch.lap("decompose")
     shown: list[tuple[Mesh | SourceMesh, ...]] = [(mesh,) for mesh in meshes]
     if source_meshes is not None:

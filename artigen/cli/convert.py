@@ -26,10 +26,10 @@ Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
 if TYPE_CHECKING:
     from artigen.datasets.source_object import SourceObject
     from artigen.types import Asset
-    from sim_export.export import Exported
+    from sim_export.export import Covers, Exported
     from sim_export.package import SimPackage
 
-COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V201", "V202")
+COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V107", "V201", "V202")
 """Static checks whose result depends on the choice of hulls."""
 
 
@@ -56,8 +56,8 @@ class ConvertSettings:
     """Add 3D Gaussians to the package: flat discs on the surface, one PLY per link."""
     mend: bool = False
     """Mend faults of the source before converting it: hinges off the edge of their door, parts inside each
-    other, ranges that run into the body, handles out of reach, pieces that float. Every change is in the
-    provenance."""
+    other, ranges that run into the body, handles out of reach, pieces that float or belong to another link.
+    Every change is in the provenance."""
     validation: Literal["full", "none"] = "full"
     """Run checks L0 to L3 on every package right after it is written."""
 
@@ -183,6 +183,7 @@ def export_source(source: "SourceObject", asset: "Asset", provenance: dict[str, 
     meshes, surfaces = place_source_meshes(source, asset), place_source_surfaces(source, asset)
     tried: list[tuple[tuple[int, float], Exported]] = []
     errors: list[ExportError] = []
+    covers: Covers = {}
     for surface in (USUAL, FINER, SPARING, None):
         try:
             made = export_asset(
@@ -190,6 +191,7 @@ def export_source(source: "SourceObject", asset: "Asset", provenance: dict[str, 
                 source_meshes=meshes,
                 surfaces=None if surface is None else surfaces,
                 detail=surface or USUAL,
+                covers=covers,
                 provenance=provenance,
             )
         except ExportError as error:
@@ -252,11 +254,15 @@ def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]
 def _explain(job: ConvertJob, failed: tuple[str, ...], scratch: Path) -> tuple[str, ...]:
     from artigen.cli.source_meshes import place_source_meshes, place_source_surfaces
     from sim_export.export import export_asset
+    from sim_export.files.read import read_package
     from sim_export.source_faults import find_source_faults
 
     source = job.read(scratch)
     asset = voxelize_object(source.asset)
-    package = export_asset(asset, source_meshes=place_source_meshes(source, asset)).package
+    if job.cfg.visual == "source":
+        package = read_package(job.out / job.key)
+    else:
+        package = export_asset(asset, source_meshes=place_source_meshes(source, asset)).package
     surfaces = dict(
         zip((part.name for part in asset.parts), place_source_surfaces(source, asset), strict=True)
     )

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from artigen.cli.give_files import give_files
 from artigen.cli.source_meshes import place_source_surfaces
 from artigen.datasets.mesh_files import write_obj
 from artigen.datasets.source_object import SourceObject, SourceVisual, TriangleMesh
@@ -24,6 +25,7 @@ def mend_object(source: SourceObject, scratch: Path) -> SourceObject:
     from sim_export.mend.mends import mend_source
     from sim_export.mend.source import open_source
 
+    source = give_files(source)
     asset, triangles = source.asset, source.triangles
     mended = mend_source(open_source(asset, tuple(place_source_surfaces(source, asset))))
     if not mended.records:

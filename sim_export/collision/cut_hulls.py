@@ -9,8 +9,9 @@ from sim_export.collision.compact import compact_hull
 from sim_export.collision.contacts import HullSet
 from sim_export.collision.hull_limits import MAX_POLYGONS, MAX_VERTICES, MIN_WIDTH, MOST_OF_LINK, trim_hull
 from sim_export.collision.hulls import hull_volume, hull_width, reduce_hull
-from sim_export.collision.motion import longest_side
+from sim_export.collision.motion import box_diagonal, longest_side
 from sim_export.collision.relief import END, MAX_REMOVED, SLIVER, SLIVER_LENGTH, find_ends
+from sim_export.collision.specks import drop_specks
 from sim_export.package import Hull, Link
 
 MAX_GROWTH = 1.5
@@ -66,14 +67,16 @@ class CutHulls:
     def trim(self, link: int) -> None:
         """Brings what cuts have left of a link's hulls within the limits of physics engines.
 
-        Oblong pieces are cut again, pieces thinner than allowed go, and where there are too many hulls
-        the smallest go; counted with those that were dropped for clearance.
+        Oblong pieces are cut again, pieces thinner than allowed go, of sheets specks go (`drop_specks`), and
+        where there are too many hulls the smallest go; counted with those that were dropped for clearance.
         """
         untouched = {id(hull) for hull in self.links[link].hulls}
         out: list[Hull] = []
         for hull in self.prepared(link)[0].hulls:
             out += [hull] if id(hull) in untouched else _trim(hull, sheets=self.sheets)
         thick = [h for h in out if id(h) in untouched or hull_width(h)[0] >= MIN_WIDTH]
+        if self.sheets:
+            thick = drop_specks(thick, box_diagonal(self.links))
         sizes = np.array([hull_volume(hull) for hull in thick])
         largest = set(np.argsort(-sizes, kind="stable")[:MOST_OF_LINK].tolist())
         kept = [hull for index, hull in enumerate(thick) if index in largest]

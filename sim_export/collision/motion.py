@@ -28,6 +28,12 @@ def longest_side(links: Sequence[Link]) -> float:
     return float(np.ptp(np.concatenate(chunks), axis=0).max()) if chunks else 0.0
 
 
+def box_diagonal(links: Sequence[Link]) -> float:
+    """Diagonal (m) of the box around all hulls at rest; 0 without hulls."""
+    chunks = [hull.vertices for link in links for hull in link.hulls]
+    return float(np.linalg.norm(np.ptp(np.concatenate(chunks), axis=0))) if chunks else 0.0
+
+
 def package_joint_motion(joint: PackageJoint, q: Float[np.ndarray, "*B"]) -> Float[np.ndarray, "*B 4 4"]:
     """Displacement by one joint at its own coordinate ``q`` (rad or m)."""
     still = np.zeros_like(np.asarray(q, dtype=np.float64))

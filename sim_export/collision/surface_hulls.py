@@ -17,6 +17,7 @@ from sim_export.collision.compact import compact_hull
 from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, find_free_space, is_open_between, look_up
 from sim_export.collision.hull_limits import MIN_WIDTH, thicken_hull
 from sim_export.collision.hulls import convex_hull
+from sim_export.collision.specks import drop_specks
 from sim_export.collision.surface_pieces import Piece, join_pieces, make_piece, split_piece
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.exposure import is_exposed, triangle_normals
@@ -159,7 +160,7 @@ def _finish(cover: Cover, diagonal: float) -> Cover:
     proper = [
         part for hull in thick for part in compact_hull(hull, THICKEST * diagonal, reach=2.0 * cover.least)
     ]
-    return replace(cover, hulls=(*cover.boxes, *proper))
+    return replace(cover, hulls=drop_specks((*cover.boxes, *proper), diagonal))
 
 
 def find_exposed(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace) -> Float[np.ndarray, "G 3 3"]:

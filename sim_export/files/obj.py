@@ -13,6 +13,7 @@ from jaxtyping import Float, Int, UInt8
 
 from artigen import wavefront
 from artigen.errors import SourceError
+from sim_export.collision.hulls import convex_hull
 from sim_export.errors import PackageError
 from sim_export.package import Hull, Mesh
 
@@ -132,8 +133,12 @@ def obj_text(mesh: Mesh, name: str, mtllib: str | None = None) -> str:
 
 
 def hull_obj_text(hull: Hull, name: str) -> str:
-    """A collision hull as OBJ with one normal per face and no material."""
-    vertices = np.round(hull.vertices, DECIMALS)
+    """A collision hull as OBJ with one normal per face and no material.
+
+    Its faces are those of the rounded corners' hull: of hulls of a few millimetres, rounding dents some.
+    """
+    hull = convex_hull(np.round(hull.vertices, DECIMALS))
+    vertices = hull.vertices
     weighted = face_normals(vertices, hull.faces)
     lengths = np.linalg.norm(weighted, axis=1, keepdims=True)
     normals, normal_of = _unique_rows(weighted / np.where(lengths > 0, lengths, 1.0), 4)

@@ -29,7 +29,9 @@ def attempts(monkeypatch):
         likeness = (0.9, 0.5, 0.7, 0.8)  # decides between as many failures
         asked = []
 
-        def export_asset(asset, *, source_meshes, surfaces, detail, provenance):
+        def export_asset(asset, *, source_meshes, surfaces, detail, covers, provenance):
+            assert len(covers) == len(asked)  # what earlier attempts made is there
+            covers[len(asked)] = ()
             asked.append(None if surfaces is None else detail)
             if failed[len(asked) - 1] is None:
                 raise DegeneratePart(f"attempt {len(asked)} is flat")

@@ -9,11 +9,11 @@ import pytest
 from box_cabinet import as_package, box_geometry, scaled
 from PIL import Image
 
-from sim_export.collision.hulls import box_hull
+from sim_export.collision.hulls import box_hull, convex_hull, hull_volume
 from sim_export.errors import PackageError
 from sim_export.files.foreign import PLATE_THICKNESS, thicken
 from sim_export.files.mjcf import mjcf_text
-from sim_export.files.obj import corner_normals, obj_text, png_bytes
+from sim_export.files.obj import corner_normals, hull_obj_text, obj_text, parse_obj, png_bytes
 from sim_export.files.read import read_package
 from sim_export.files.srdf import touching_pairs
 from sim_export.files.urdf import format_number
@@ -26,6 +26,20 @@ def test_coordinates_are_written_in_micrometres_and_joints_in_nanometres():
     assert "v 1.234567 " in obj_text(Mesh(vertices=hull.vertices, faces=hull.faces), "a")
     assert format_number(1.2345678901) == "1.23456789"
     assert format_number(1.2345678949) == "1.234567895"
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_rounding_does_not_dent_hulls_of_millimetres(tmp_path: Path, seed):
+    """A flat dome of 3 mm: its facets lean so little that rounded corners turn some edges inwards."""
+    rng = np.random.default_rng(seed)
+    turn, radius = rng.uniform(0, 2 * np.pi, 14), 1.5e-3 * np.sqrt(rng.random(14))
+    top = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), 1.5e-3 - radius**2])
+    (tmp_path / "dome.obj").write_text(
+        hull_obj_text(convex_hull(np.concatenate([top, top * [1, 1, 0]])), "a")
+    )
+    data = parse_obj(tmp_path / "dome.obj")
+    written = Hull(vertices=data.vertices, faces=data.faces)
+    assert hull_volume(written) == pytest.approx(hull_volume(convex_hull(data.vertices)), rel=1e-7, abs=0)
 
 
 @pytest.mark.parametrize(("fold", "smooth"), [(34.9, True), (35.1, False)])
