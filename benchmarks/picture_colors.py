@@ -20,6 +20,7 @@ from artigen.sketch.alignment import View, fit_camera
 from artigen.sketch.model import (
     PICTURE_EDGE,
     PICTURED,
+    TRUSTED,
     SketchConfig,
     draw_object,
     load_sketch_network,
@@ -65,7 +66,7 @@ def main(model: Path = SHIPPED, first: int = 0, each: int = 2) -> int:
             looked = look_at(network, picture)
             drawn = draw_object(network, SketchRequest(), seed, cfg, looked).shape
             fit = fit_camera(drawn, picture, View(*looked[0].view[0].tolist()))
-            for errors, shape in ((said, drawn), (read, read_colors(drawn, picture, fit))):
+            for errors, shape in ((said, drawn), (read, read_colors(drawn, picture, fit, trust=TRUSTED))):
                 for role, error in compare_finishes(shape, truth).items():
                     errors[role].append(error)
     for role in (*SEEN, "all"):

@@ -31,10 +31,10 @@ from artigen.sketch.words import CATEGORIES, STYLES
 
 PICTURE_EDGE = 256
 """Edge length (pixels) of the picture for camera fitting and colours."""
-PICTURED = DrawConfig(temperature=0.5)
-"""Sampling of headers when a picture shows their content."""
-HEADERS = 12
-"""Headers drawn for a picture; the one that agrees best with the encoder's predictions is kept."""
+PICTURED, HEADERS = DrawConfig(temperature=0.5), 12
+"""Sampling and number of headers for a picture; the encoder's predictions choose one."""
+TRUSTED = 0.15
+"""Mean difference (sRGB) from the picture up to which drawn colours are kept."""
 UNREADABLE = "unreadable"
 """Id for tables that do not describe an object."""
 DEFERRED = frozenset(("tipping", "extent"))
@@ -250,7 +250,7 @@ def draw_alike(
     fitted = [(one, fit_camera(one.shape, picture, view)) for one in drawn if len(one.faults) == fewest]
     best, fit = max(fitted, key=lambda pair: pair[1].likeness)
     asked = {finish.role for finish in request.finishes if finish.color is not None}
-    return replace(best, shape=read_colors(best.shape, picture, fit, keep=asked))
+    return replace(best, shape=read_colors(best.shape, picture, fit, keep=asked, trust=TRUSTED))
 
 
 @dataclass(kw_only=True, eq=False)

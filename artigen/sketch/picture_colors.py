@@ -76,6 +76,7 @@ def read_colors(
     fit: Fit,
     *,
     keep: Collection[str] = (),
+    trust: float = 0.0,
     lighting: Lighting = "room",
 ) -> Shape:
     """Colours a shape as in a picture.
@@ -85,6 +86,7 @@ def read_colors(
         picture: RGBA in [0, 1], premultiplied on black.
         fit: The shape's alignment with this picture.
         keep: Roles of finishes whose colour is kept.
+        trust: Mean difference (sRGB) from the picture up to which a colour is kept as well.
         lighting: Illumination to remove.
 
     Raises:
@@ -98,7 +100,9 @@ def read_colors(
         chosen = _choose(spots, index)
         if finish.opacity >= OPAQUE and len(chosen) >= FEW_PIXELS:
             r, g, b = np.median(colors[chosen], axis=0) / np.median(spots.pattern[chosen], axis=0)
-            found[role] = (min(float(r), 1.0), min(float(g), 1.0), min(float(b), 1.0))
+            color = (min(float(r), 1.0), min(float(g), 1.0), min(float(b), 1.0))
+            apart = np.abs(np.subtract(color, finish.color)).mean()
+            found[role] = finish.color if apart <= trust else color
     return replace(
         shape,
         finishes=tuple(

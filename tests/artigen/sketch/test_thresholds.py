@@ -198,6 +198,20 @@ def test_a_finish_that_is_opaque_and_shows_on_five_pixels_is_coloured(monkeypatc
     assert (found.finishes != shape.finishes) == read
 
 
+@pytest.mark.parametrize(("apart", "kept"), [(0.149, True), (0.151, False), (-0.149, True), (-0.151, False)])
+def test_a_drawn_colour_within_fifteen_hundredths_of_the_picture_is_kept(monkeypatch, apart, kept):
+    shape = blocks(finishes=(finish(0.5),))
+    light = float(picture_colors._linear(np.array(0.5 + apart)))
+    monkeypatch.setattr(picture_colors, "find_spots", lambda *_: spots({(0, 0): 9}, light=light))
+    _, camera, _ = seen_from_front(shape)
+    fit = Fit(view=View(yaw=0, pitch=0, closeness=0.1), camera=camera, overlap=1, evenness=1, edges=1)
+    found = read_colors(
+        shape, np.zeros((4, 8, 8), dtype=np.float32), fit, trust=model.TRUSTED, lighting="even"
+    )
+    level = 0.5 if kept else 0.5 + apart
+    assert found.finishes[0][1].color == pytest.approx((level,) * 3)
+
+
 @pytest.mark.parametrize(("apart", "equal"), [(0.019, True), (0.021, False)])
 def test_finishes_within_a_fiftieth_are_of_one_colour(apart, equal):
     assert picture_colors._equal(finish(0.5), finish(0.5 + apart)) == equal
