@@ -69,36 +69,8 @@ class Feed(nn.Module):
         return x + self.down(functional.gelu(self.up(self.norm(x))))
 
 
-class Block(nn.Module):
-    """Causal attention with rotary positions, then a feed-forward layer."""
-
-    def __init__(self, width: int, heads: int, *, looks: bool = False) -> None:
-        super().__init__()
-        self.heads = heads
-        self.norm = nn.RMSNorm(width)
-        self.qkv = nn.Linear(width, 3 * width, bias=False)
-        self.out = nn.Linear(width, width, bias=False)
-        self.feed = Feed(width)
-        self.look = Look(width, heads) if looks else None
-
-    def forward(
-        self, x: Float[Tensor, "B T D"], turn: tuple[Tensor, Tensor], cache: Cache | None = None
-    ) -> Float[Tensor, "B T D"]:
-        q, k, v = self.qkv(self.norm(x)).unflatten(-1, (3, self.heads, -1)).permute(2, 0, 3, 1, 4)
-        q, k = _turn(q, turn), _turn(k, turn)
-        if cache is not None:
-            k, v = cache.extend(k, v)
-        scores = q @ k.transpose(-1, -2) * q.shape[-1] ** -0.5
-        if q.shape[2] > 1:
-            ahead = torch.ones(q.shape[2], k.shape[2], dtype=torch.bool, device=x.device)
-            scores = scores.masked_fill(ahead.triu(k.shape[2] - q.shape[2] + 1), float("-inf"))
-        mixed = scores.float().softmax(dim=-1).to(v.dtype) @ v
-        x = x + self.out(mixed.transpose(1, 2).flatten(2))
-        return self.feed(x)
-
-
-class TokenBlock(nn.Module):
-    """Attention among all tokens of a picture, then a feed-forward layer."""
+class SelfAttention(nn.Module):
+    """Layers that blocks share: self-attention, then a feed-forward layer."""
 
     def __init__(self, width: int, heads: int) -> None:
         super().__init__()
@@ -108,10 +80,48 @@ class TokenBlock(nn.Module):
         self.out = nn.Linear(width, width, bias=False)
         self.feed = Feed(width)
 
-    def forward(self, x: Float[Tensor, "B N D"]) -> Float[Tensor, "B N D"]:
+    def split(self, x: Float[Tensor, "B T D"]) -> tuple[Tensor, Tensor, Tensor]:
+        """Queries, keys and values by head, each [B, H, T, E]."""
         q, k, v = self.qkv(self.norm(x)).unflatten(-1, (3, self.heads, -1)).permute(2, 0, 3, 1, 4)
-        mixed = functional.scaled_dot_product_attention(q, k, v)
+        return q, k, v
+
+    def finish(self, x: Float[Tensor, "B T D"], mixed: Float[Tensor, "B H T E"]) -> Float[Tensor, "B T D"]:
+        """Adds the attended values, then the feed-forward layer."""
         return self.feed(x + self.out(mixed.transpose(1, 2).flatten(2)))
+
+    def shrink(self, layers: int) -> None:
+        """Initialises what the block adds to its input for a stack of so many blocks."""
+        for last in (self.out, self.feed.down):
+            nn.init.normal_(last.weight, std=0.5 / (self.out.in_features * 2 * layers) ** 0.5)
+
+
+class Block(SelfAttention):
+    """Causal attention with rotary positions, then a feed-forward layer."""
+
+    def __init__(self, width: int, heads: int, *, looks: bool = False) -> None:
+        super().__init__(width, heads)
+        self.look = Look(width, heads) if looks else None
+
+    def forward(
+        self, x: Float[Tensor, "B T D"], turn: tuple[Tensor, Tensor], cache: Cache | None = None
+    ) -> Float[Tensor, "B T D"]:
+        q, k, v = self.split(x)
+        q, k = _turn(q, turn), _turn(k, turn)
+        if cache is not None:
+            k, v = cache.extend(k, v)
+        scores = q @ k.transpose(-1, -2) * q.shape[-1] ** -0.5
+        if q.shape[2] > 1:
+            ahead = torch.ones(q.shape[2], k.shape[2], dtype=torch.bool, device=x.device)
+            scores = scores.masked_fill(ahead.triu(k.shape[2] - q.shape[2] + 1), float("-inf"))
+        return self.finish(x, scores.float().softmax(dim=-1).to(v.dtype) @ v)
+
+
+class TokenBlock(SelfAttention):
+    """Attention among all tokens of a picture, then a feed-forward layer."""
+
+    def forward(self, x: Float[Tensor, "B N D"]) -> Float[Tensor, "B N D"]:
+        q, k, v = self.split(x)
+        return self.finish(x, functional.scaled_dot_product_attention(q, k, v))
 
 
 class Look(nn.Module):

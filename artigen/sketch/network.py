@@ -122,8 +122,7 @@ class SketchNetwork(nn.Module):
         nn.init.zeros_(self.biases.weight)
         for block in self.blocks:
             assert isinstance(block, Block)
-            for last in (block.out, block.feed.down):
-                nn.init.normal_(last.weight, std=0.5 / (cfg.width * 2 * cfg.layers) ** 0.5)
+            block.shrink(cfg.layers)
             if block.look is not None:  # a freshly added picture input changes nothing
                 nn.init.zeros_(block.look.out.weight)
 

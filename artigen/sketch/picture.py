@@ -117,8 +117,7 @@ class PictureEncoder(nn.Module):
         self.norm = nn.RMSNorm(width)
         for block in self.blocks:
             assert isinstance(block, TokenBlock)
-            for last in (block.out, block.feed.down):
-                nn.init.normal_(last.weight, std=0.5 / (2 * width * cfg.layers) ** 0.5)
+            block.shrink(cfg.layers)
         assert self.maps.bias is not None
         nn.init.constant_(self.maps.bias[:kinds], EMPTY)
         self.register_buffer("places", _place_waves(side), persistent=False)
