@@ -156,6 +156,8 @@ def run_supervised(
 ) -> Iterator[Value]:
     """Yields the result of ``handle`` for every item as it finishes, in no particular order.
 
+    Once every item has been handled, all processes have ended when the iteration does.
+
     Args:
         handle: Called in a thread with a worker of its own. It calls the worker for everything that may
             fail, so that it has a result for every item. An exception from it ends the run.
@@ -197,3 +199,5 @@ def run_supervised(
             yield value  # type: ignore[misc]
     finally:
         stop.set()
+    for thread in threads:  # all items are done: each only has its process to end
+        thread.join()

@@ -123,5 +123,4 @@ def test_a_worker_that_is_there_already_is_used_first_and_closed():
             run_supervised(lambda worker, item: (worker, handle(worker, item)), items, workers=2, first=first)
         )
         assert used == [(first, (item, Outcome(value=item.upper()))) for item in items]
-        process.join(10.0)
         assert not process.is_alive()
