@@ -1,8 +1,9 @@
 """Collision hulls of links from their own surface: boxes, and convex pieces of what these leave.
 
 Boxes cover the axis-aligned surface (`sim_export.collision.box_cover`). What is left is taken apart into
-connected components, those whose hulls take free space are cut, and pieces are joined as long as their
-common hull takes none, and coarser where there are too many hulls. Only surface that can be reached counts.
+connected components, or a surface of revolution into sectors (`sim_export.collision.sectors`). Those whose
+hulls take free space are cut, and pieces are joined as long as their common hull takes none, and coarser
+where there are too many hulls. Only surface that can be reached counts.
 """
 
 import heapq
@@ -17,6 +18,7 @@ from sim_export.collision.compact import compact_hull
 from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, find_free_space, is_open_between, look_up
 from sim_export.collision.hull_limits import MIN_WIDTH, thicken_hull
 from sim_export.collision.hulls import convex_hull
+from sim_export.collision.sectors import count_sectors, cut_sectors, find_axis
 from sim_export.collision.specks import drop_specks
 from sim_export.collision.surface_pieces import Piece, join_pieces, make_piece, split_piece
 from sim_export.errors import DegeneratePart
@@ -49,6 +51,8 @@ COARSEST = 0.012
 """It grows no further than this."""
 TAKEN = 0.004
 """Share of its volume that a hull may take of free space beyond."""
+TAKEN_OF_ROUND = 1.0
+"""The same of sectors of a thin curved wall, whose hulls are little more than what their arcs enclose."""
 SHEET = 0.002
 """Thickness (m) of the hulls of sheets."""
 THICKEST = 0.004
@@ -80,12 +84,14 @@ SPARING = replace(FINER, shares=True)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Cover:
-    """What covers a link's surface: boxes, and pieces that reach ``least`` (m) into free space at most."""
+    """What covers a link's surface: boxes, and pieces that reach ``least`` (m) into free space at most, with
+    a share ``taken`` of their volume."""
 
     space: FreeSpace
     boxes: tuple[Hull, ...]
     pieces: tuple[Piece, ...]
     least: float
+    taken: float = TAKEN
     hulls: tuple[Hull, ...] = ()
 
 
@@ -136,20 +142,38 @@ def cover_surface(
     """Hulls that together cover what can be reached of a link's triangles (m)."""
     least = cfg.bulge * diagonal
     whole = make_piece(triangles, space, least)
-    if _fits(whole, least):
+    if _fits(whole, least, TAKEN):
         return _finish(Cover(space=space, boxes=(), pieces=(whole,), least=least), diagonal)
     exposed = find_exposed(triangles, space)
+    axis = find_axis(exposed)
+    if axis is not None:
+        groups = cut_sectors(exposed, axis, count_sectors(axis.radius, diagonal))
+        return _cover_pieces((), groups, space, diagonal, cfg, TAKEN_OF_ROUND)
     large = np.ptp(triangles.reshape(-1, 3), axis=0).max() >= LEAST_CELLS * space.grid.cell
     boxes = cover_with_boxes(exposed, space) if large else ()
     left = find_uncovered(exposed, boxes, SLACK * diagonal)
-    pieces = [make_piece(group, space, least) for group in split_components(left)] if len(left) else []
-    cut = tuple(_cut(_uncovered(pieces, least), space, least, cfg.most_pieces))
-    return _join_again(Cover(space=space, boxes=boxes, pieces=cut, least=least), least, diagonal)
+    return _cover_pieces(boxes, split_components(left) if len(left) else [], space, diagonal, cfg)
+
+
+def _cover_pieces(
+    boxes: tuple[Hull, ...],
+    groups: Sequence[Float[np.ndarray, "F 3 3"]],
+    space: FreeSpace,
+    diagonal: float,
+    cfg: SurfaceConfig,
+    taken: float = TAKEN,
+) -> Cover:
+    """A cover of boxes and of groups of triangles, which are cut until their hulls fit, and joined."""
+    least = cfg.bulge * diagonal
+    pieces = [make_piece(group, space, least) for group in groups]
+    cut = tuple(_cut(_uncovered(pieces, least), space, least, taken, cfg.most_pieces))
+    cover = Cover(space=space, boxes=boxes, pieces=cut, least=least, taken=taken)
+    return _join_again(cover, least, diagonal)
 
 
 def _join_again(cover: Cover, least: float, diagonal: float) -> Cover:
     """A cover whose pieces are joined as far as they may take ``least`` (m) of free space."""
-    pieces = _join(_uncovered(cover.pieces, least), cover.space, least)
+    pieces = _join(_uncovered(cover.pieces, least), cover.space, least, cover.taken)
     return _finish(replace(cover, pieces=tuple(pieces), least=least), diagonal)
 
 
@@ -242,9 +266,9 @@ def split_components(triangles: Float[np.ndarray, "F 3 3"]) -> list[Float[np.nda
     return [triangles[rows] for rows in np.split(order, starts)]
 
 
-def _fits(piece: Piece, least: float) -> bool:
+def _fits(piece: Piece, least: float, taken: float) -> bool:
     """Whether a piece's hull takes next to no free space."""
-    return piece.intrusion.volume <= TAKEN * piece.volume and piece.intrusion.depth <= 2.0 * least
+    return piece.intrusion.volume <= taken * piece.volume and piece.intrusion.depth <= 2.0 * least
 
 
 def _uncovered(pieces: Sequence[Piece], least: float) -> list[Piece]:
@@ -274,10 +298,16 @@ def _is_covered(points: Float[np.ndarray, "N 3"], pieces: Sequence[Piece], slack
     return False
 
 
-def _cut(pieces: Sequence[Piece], space: FreeSpace, least: float, most_pieces: int) -> list[Piece]:
+def _cut(
+    pieces: Sequence[Piece], space: FreeSpace, least: float, taken: float, most_pieces: int
+) -> list[Piece]:
     """Cuts the pieces that take most free space, until all fit or there are many."""
-    done = [piece for piece in pieces if _fits(piece, least)]
-    queue = [(-piece.intrusion.volume, n, piece) for n, piece in enumerate(pieces) if not _fits(piece, least)]
+    done = [piece for piece in pieces if _fits(piece, least, taken)]
+    queue = [
+        (-piece.intrusion.volume, n, piece)
+        for n, piece in enumerate(pieces)
+        if not _fits(piece, least, taken)
+    ]
     heapq.heapify(queue)
     serial = len(pieces)
     most = max(most_pieces, len(pieces) + most_pieces // 2)
@@ -288,7 +318,7 @@ def _cut(pieces: Sequence[Piece], space: FreeSpace, least: float, most_pieces: i
             done.append(piece)
             continue
         for half in halves:
-            if _fits(half, least):
+            if _fits(half, least, taken):
                 done.append(half)
             else:
                 serial += 1
@@ -296,7 +326,7 @@ def _cut(pieces: Sequence[Piece], space: FreeSpace, least: float, most_pieces: i
     return done + [piece for _, _, piece in queue]
 
 
-def _join(pieces: Sequence[Piece], space: FreeSpace, least: float) -> list[Piece]:
+def _join(pieces: Sequence[Piece], space: FreeSpace, least: float, taken: float) -> list[Piece]:
     """Joins pairs of pieces, those first whose hull grows least, while the common hulls fit."""
     alive = dict(enumerate(pieces))
     queue: list[tuple[float, int, int, Piece]] = []
@@ -311,7 +341,7 @@ def _join(pieces: Sequence[Piece], space: FreeSpace, least: float) -> list[Piece
                 continue
             both = join_pieces(alive[i], alive[j], space, least)
             before = alive[i].intrusion.volume + alive[j].intrusion.volume
-            fits = _fits(both, least) or (
+            fits = _fits(both, least, taken) or (
                 both.intrusion.volume <= before and both.intrusion.depth <= 2.0 * least
             )
             if fits:

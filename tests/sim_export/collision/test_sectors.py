@@ -1,0 +1,101 @@
+"""Surfaces of revolution have an axis, and their sectors are all of them."""
+
+import numpy as np
+import pytest
+
+from artigen.transforms import rotation_about
+from sim_export.checks.surface import surface_distances
+from sim_export.collision import surface_hulls
+from sim_export.collision.hulls import box_hull
+from sim_export.collision.sectors import FEWEST, MOST, SAGITTA, count_sectors, cut_sectors, find_axis
+from sim_export.collision.surface_hulls import cover_parts
+from sim_export.geometry.sampling import sample_triangles, triangle_areas
+
+PROFILE = ((0.03, 0.0), (0.034, 0.1), (0.034, 0.15), (0.012, 0.2), (0.012, 0.25))
+"""Radius and height (m) of a bottle without a bottom."""
+
+
+def turned(profile=PROFILE, *, span=2.0 * np.pi, about=(0.0, 0.0), sides=96):
+    """Triangles of a profile that turns about a vertical axis."""
+    angles = np.linspace(0.0, span, sides + 1)
+    ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    grid = np.stack(
+        [np.column_stack([radius * ring + about, np.full(len(ring), z)]) for radius, z in profile]
+    )
+    a, b, c, d = grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]
+    return np.concatenate([np.stack([a, b, c], axis=2), np.stack([a, c, d], axis=2)]).reshape(-1, 3, 3)
+
+
+def box(low, high):
+    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
+    return hull.vertices[hull.faces]
+
+
+def test_the_axis_of_a_bottle_is_found_wherever_it_stands_and_however_it_lies():
+    upright = find_axis(turned(about=(0.2, -0.1)))
+    assert upright is not None
+    np.testing.assert_allclose(upright.direction, (0, 0, 1))
+    np.testing.assert_allclose(upright.point[:2], (0.2, -0.1), atol=2e-4)
+    assert upright.radius == pytest.approx(0.034, rel=0.02)
+    turn = rotation_about(np.array([1.0, 0.0, 0.0]), np.array(np.pi / 2))
+    lying = find_axis(turned() @ turn.T)
+    assert lying is not None
+    np.testing.assert_allclose(np.abs(lying.direction), (0, 1, 0))
+
+
+@pytest.mark.parametrize("shape", [box((0, 0, 0), (0.3, 0.2, 0.1)), box((0, 0, 0), (0.3, 0.3, 0.01))])
+def test_boxes_and_plates_have_no_axis(shape):
+    assert find_axis(shape) is None
+
+
+@pytest.mark.parametrize(("sixteenths", "found"), [(12.3, True), (10.7, False)])
+def test_a_ring_is_closed_if_it_goes_three_quarters_around(sixteenths, found):
+    """Twelve of sixteen parts count, and one that is only begun counts."""
+    assert (find_axis(turned(span=2.0 * np.pi * sixteenths / 16.0)) is not None) == found
+
+
+@pytest.mark.parametrize(("share", "found"), [(0.81, True), (0.77, False)])
+def test_seven_tenths_of_the_sides_are_round(share, found):
+    """A tube and a plate through its axis, which has more points than a tube of narrow triangles per area."""
+    tube = turned(((0.05, 0.0), (0.05, 0.2)))
+    width = triangle_areas(tube).sum() * (1.0 / share - 1.0) / 0.2
+    low, high = -width / 2.0, width / 2.0
+    corners = np.array([(low, 0, 0), (high, 0, 0), (high, 0, 0.2), (low, 0, 0.2)])
+    plate = corners[np.array([[0, 1, 2], [0, 2, 3]])]
+    assert (find_axis(np.concatenate([tube, plate])) is not None) == found
+
+
+@pytest.mark.parametrize("radius", [0.02, 0.05, 0.1])
+def test_sectors_are_as_few_as_their_arcs_allow(radius):
+    count = count_sectors(radius, 0.3)
+    depth = [radius * (1.0 - np.cos(np.pi / n)) for n in (count, count - 2)]
+    assert depth[0] <= SAGITTA * 0.3 or count == MOST
+    assert depth[1] > SAGITTA * 0.3 or count == FEWEST
+
+
+def test_sectors_together_are_the_surface_and_each_lies_within_its_angle():
+    triangles = turned()
+    axis = find_axis(triangles)
+    assert axis is not None
+    parts = cut_sectors(triangles, axis, 8)
+    assert len(parts) == 8
+    areas = [triangle_areas(part).sum() for part in parts]
+    np.testing.assert_allclose(sum(areas), triangle_areas(triangles).sum(), rtol=1e-3)
+    np.testing.assert_allclose(areas, np.mean(areas), rtol=0.05)
+
+
+def test_by_sectors_fewer_hulls_follow_a_bottle_more_closely(monkeypatch):
+    walls = np.concatenate([turned(), 0.97 * turned()[:, ::-1]])
+
+    def measure() -> tuple[int, float]:
+        """Number of hulls, and how far (m) 99 % of their surface is from the bottle at most."""
+        (hulls,) = cover_parts([walls], [0], {})
+        solid = np.concatenate([hull.vertices[hull.faces] for hull in hulls])
+        far = surface_distances(sample_triangles(solid, 4000)[0], walls, 16000)
+        return len(hulls), float(np.percentile(far, 99))
+
+    sectors = measure()
+    monkeypatch.setattr(surface_hulls, "find_axis", lambda triangles: None)
+    pieces = measure()
+    assert sectors[0] < 0.75 * pieces[0]
+    assert sectors[1] < 0.9 * pieces[1]
