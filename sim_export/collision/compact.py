@@ -42,7 +42,7 @@ def compact_hull(
         halvings: Times that it may be divided; what is left oblong then is left out.
         reach: How far (m) its box may stand out of it.
     """
-    proper = comply_hull(hull)
+    proper = comply_hull(hull, grow=False)
     if hull_aspect(proper) <= MAX_ASPECT:
         return [proper]
     box = around_box(hull)
@@ -56,7 +56,7 @@ def compact_hull(
     # Its longest diagonal, because thickening turns the directions along which its length is measured.
     needed = max(length, float(pdist(hull.vertices).max())) / (_SPARE * MAX_ASPECT)
     if needed <= max(thickest, hull_width(hull)[0]):
-        thick = comply_hull(thicken_hull(hull, needed))
+        thick = comply_hull(thicken_hull(hull, needed), grow=False)
         if hull_aspect(thick) <= MAX_ASPECT:
             return [thick]
     heights = hull.vertices @ along

@@ -59,10 +59,14 @@ def limit_hulls(hulls: Sequence[Hull], max_hulls: int) -> tuple[tuple[Hull, ...]
     return tuple(out), tuple(sentence for count, sentence in records if count)
 
 
-def comply_hull(hull: Hull) -> Hull:
-    """A hull with few enough vertices and faces and thick enough, whatever its length: itself if it is so."""
+def comply_hull(hull: Hull, *, grow: bool = True) -> Hull:
+    """A hull with few enough vertices and faces and thick enough, whatever its length: itself if it is so.
+
+    With ``grow`` it is scaled to keep its volume where it has fewer vertices, which moves the ends of a thin
+    hull by a few hundredths of its length.
+    """
     for _ in range(4):  # either change may undo a little of the other
-        changed = _reduce(thicken_hull(hull, MIN_WIDTH))
+        changed = _reduce(thicken_hull(hull, MIN_WIDTH), grow=grow)
         if changed is hull:
             break
         hull = changed
@@ -89,10 +93,10 @@ def trim_hull(hull: Hull) -> tuple[Hull, ...]:
     return tuple(_cut_to_aspect(reduced))
 
 
-def _reduce(hull: Hull) -> Hull:
-    """Fewer vertices, if there are too many, and the same volume."""
+def _reduce(hull: Hull, *, grow: bool = True) -> Hull:
+    """Fewer vertices, if there are too many, and with ``grow`` the same volume."""
     reduced = reduce_hull(hull, MAX_VERTICES, MAX_POLYGONS)
-    return hull if reduced is hull else scale_to_volume(reduced, hull_volume(hull))
+    return reduced if reduced is hull or not grow else scale_to_volume(reduced, hull_volume(hull))
 
 
 def hull_aspect(hull: Hull) -> float:

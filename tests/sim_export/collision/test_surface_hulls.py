@@ -151,3 +151,13 @@ def test_a_cut_keeps_what_is_higher_than_a_needle(height, kept):
     below, above = cut_triangles(triangle, np.array([1.0, 0.0, 0.0]), 0.01)
     assert (len(above) == 1) is kept
     assert len(below) == 2
+
+
+def test_a_hull_with_too_many_corners_keeps_its_ends():
+    """Scaled to keep its volume, this strip of a curved wall would end 4 mm below the floor."""
+    turns = np.linspace(-0.3, 0.3, 60)
+    arc = np.stack([0.2 * np.cos(turns), 0.2 * np.sin(turns)], axis=1)
+    wall = convex_hull(np.concatenate([np.column_stack([arc, np.full(60, z)]) for z in (0.0, 0.2)]))
+    for part in compact_hull(wall, 0.004):
+        assert (part.vertices.min(axis=0) >= wall.vertices.min(axis=0) - 1e-9).all()
+        assert (part.vertices.max(axis=0) <= wall.vertices.max(axis=0) + 1e-9).all()
