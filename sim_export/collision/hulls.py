@@ -11,6 +11,8 @@ from sim_export.package import Hull
 
 FLAT = 1e-6
 """Points (m) that span less than this in some direction have no hull."""
+PLANE = 2e-3
+"""Thickness (m) of the hull around a surface that has none, such as a door drawn as one face."""
 _KEPT = 4096
 """Hulls whose planes, width and length are kept: each is asked for them many times in a row."""
 
@@ -27,11 +29,17 @@ def convex_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
 
 
 def wrap_surface(triangles: Float[np.ndarray, "F 3 3"]) -> tuple[Hull, ...]:
-    """One convex hull of triangles; none where they span no volume."""
-    try:
-        return (convex_hull(triangles.reshape(-1, 3)),)
-    except DegeneratePart:
-        return ()
+    """One convex hull of triangles, of a plane as thick as `PLANE`; none where they span no plane."""
+    points = triangles.reshape(-1, 3)
+    for _ in range(2):
+        try:
+            return (convex_hull(points),)
+        except DegeneratePart:
+            if len(points) < 3:
+                break
+            normal = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][2]
+            points = np.concatenate([points + PLANE / 2 * normal, points - PLANE / 2 * normal])
+    return ()
 
 
 def _close_hull(points: Float[np.ndarray, "N 3"]) -> Hull:

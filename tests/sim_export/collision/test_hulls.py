@@ -5,7 +5,16 @@ import pytest
 
 from artigen.shapes.primitives import place_vertices, rounded_box
 from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect, trim_hull
-from sim_export.collision.hulls import FLAT, clip_hull, convex_hull, hull_volume, reduce_hull
+from sim_export.collision.hulls import (
+    FLAT,
+    PLANE,
+    clip_hull,
+    convex_hull,
+    hull_volume,
+    hull_width,
+    reduce_hull,
+    wrap_surface,
+)
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.solids import as_solid
 from sim_export.package import Hull
@@ -61,3 +70,13 @@ def test_a_bevelled_plate_that_is_cut_loses_nothing(sides: tuple[float, float]):
     assert len(pieces) > 1
     assert max(map(hull_aspect, pieces)) <= MAX_ASPECT + 1e-6
     assert sum(map(hull_volume, pieces)) == pytest.approx(hull_volume(hull))
+
+
+def test_the_hull_around_a_plane_is_a_plate_and_that_around_a_line_is_none():
+    corners = np.array([[0, 0, 0], [0.3, 0, 0.1], [0.3, 0.4, 0.1], [0, 0.4, 0.0]])
+    plane = corners[[[0, 1, 2], [0, 2, 3]]]
+    (plate,) = wrap_surface(plane)
+    assert hull_width(plate)[0] == pytest.approx(PLANE)
+    assert hull_volume(plate) == pytest.approx(PLANE * 0.4 * np.hypot(0.3, 0.1))
+    assert wrap_surface(np.zeros((0, 3, 3))) == ()
+    assert wrap_surface(np.array([[[0, 0, 0], [1, 0, 0], [2.0, 0, 0]]])) == ()
