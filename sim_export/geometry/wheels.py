@@ -12,6 +12,7 @@ from sim_export.collision.hulls import convex_hull, hull_volume
 from sim_export.geometry.solids import as_solid
 from sim_export.geometry.tidy import tidy_mesh
 from sim_export.package import Hull, Mesh
+from sim_export.physics.links import STEEPEST_AXLE
 
 SEGMENTS = 24
 """Sides of the cylinder; a corner points down, so that it stands on an edge."""
@@ -19,9 +20,6 @@ LEAST_ALIKE = 0.6
 """Smallest ratio of the volumes of mesh and cylinder, in either direction; excludes forks."""
 WELL = 0.003
 """Clearance (m) made around a wheel in other parts."""
-STEEPEST = 0.5
-"""Largest vertical component of an axle; parts that turn about steeper axes are swivels that carry a
-wheel."""
 NEAR = 1.5
 """Distance (voxels) from the lowest point of the object within which wheels are extended down to it."""
 
@@ -42,7 +40,7 @@ def round_wheels(asset: Asset, meshes: Sequence[Mesh]) -> tuple[tuple[Mesh, ...]
         if part.label != "wheel" or part.joint.type != "continuous":
             continue
         axis, origin = np.asarray(part.joint.axis), np.asarray(part.joint.origin) * asset.scale
-        if abs(axis[2]) > STEEPEST:
+        if abs(axis[2]) > STEEPEST_AXLE:  # a swivel
             continue
         along = (mesh.vertices - origin) @ axis
         across = np.linalg.norm(mesh.vertices - origin - np.outer(along, axis), axis=1)

@@ -26,7 +26,7 @@ from sim_export.package import (
     Visual,
 )
 from sim_export.physics.inertia import check_inertial, combine, inertia_about, raise_light_mass
-from sim_export.physics.materials import GRAVITY, joint_resistance
+from sim_export.physics.materials import GRAVITY, joint_resistance, rolling_resistance
 from sim_export.tree import hanging_links
 
 BASE = "base"
@@ -45,6 +45,8 @@ contacts with its neighbours, which engines predict one step ahead, can handle."
 LEAST_ROLLING = 6e-4
 """The same for wheels (kg m^2). A table rests on four castors with a few hundredths of its mass; without the
 rims and axles of real castors, contacts with the floor make them jump at a step of 1/60 s."""
+STEEPEST_AXLE = 0.5
+"""Largest vertical component of an axle; a wheel on a steeper one is a swivel that carries a wheel."""
 CARRIER_MASS = 0.01
 CARRIER_RADIUS = 0.02
 
@@ -288,6 +290,7 @@ def _with_resistance(
     held = {link.name for link in links if latched & set(link.parts[:1])}
     labels: dict[str, PartLabel | None] = {link.name: link.label for link in links}
     leads = {joint.mimic: joint for joint in joints if joint.mimic is not None}
+    rolling = _rolling_loads(links, joints)
     out = []
     for joint in joints:
         follower = leads.get(joint.name)
@@ -306,6 +309,7 @@ def _with_resistance(
         if follower is not None:  # an upright screw is self-locking
             climb = abs(float(follower.axis[2])) * follower.mimic_multiplier
             hold += (1.0 + HOLD_SLOPE) * moved.mass * GRAVITY * climb
+        hold = max(hold, rolling.get(joint.name, 0.0))
         resist = joint_resistance(label, joint.kind, moved.mass, hold)
         turning = float(joint.axis @ inertia_about(moved, joint.origin) @ joint.axis)
         moment = moved.mass if joint.type == "prismatic" else turning
@@ -319,6 +323,25 @@ def _with_resistance(
             )
         )
     return tuple(out)
+
+
+def _rolling_loads(links: Sequence[Link], joints: Sequence[PackageJoint]) -> dict[str, float]:
+    """Torque (N m) by joint that turns each wheel of an object which stands on all of them."""
+    by_name = {link.name: link for link in links}
+    wheels = [
+        joint
+        for joint in joints
+        if by_name[joint.child].label == "wheel"
+        and by_name[joint.child].hulls
+        and abs(joint.axis[2]) <= STEEPEST_AXLE
+    ]
+    mass = sum(link.inertial.mass for link in links if link.inertial is not None)
+    out = {}
+    for joint in wheels:
+        points = np.concatenate([hull.vertices for hull in by_name[joint.child].hulls]) - joint.origin
+        radius = float(np.linalg.norm(np.cross(joint.axis, points), axis=1).max())
+        out[joint.name] = rolling_resistance(mass / len(wheels), radius)
+    return out
 
 
 def check_kinematics(package: SimPackage) -> None:

@@ -26,6 +26,8 @@ MaterialName = Literal[
     "foam_panel",
 ]
 GRAVITY = 9.81
+ROLLING = 0.02
+"""Resistance of a castor with a rubber tyre on a hard floor, over its load."""
 MAX_DRAG = 12.0
 """Damping (N s/m) of sliding panels, at most: rollers of a heavy drawer hardly brake it."""
 
@@ -175,6 +177,11 @@ def joint_resistance(label: PartLabel, joint: JointType, mass: float, hold: floa
     if joint == "screw":
         return Resistance(friction=max(0.04, hold), damping=0.01, effort=5.0, velocity=6.0)
     return Resistance(friction=max(0.3, hold), damping=0.1 + 0.05 * mass, effort=50.0, velocity=3.0)
+
+
+def rolling_resistance(mass: float, radius: float) -> float:
+    """Torque (N m) that turns a wheel of a radius (m) which carries a mass (kg) on a hard floor."""
+    return ROLLING * mass * GRAVITY * radius
 
 
 def joint_load(joint: PackageJoint, mass: float, lever: float) -> float:

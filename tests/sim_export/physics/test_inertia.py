@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from artigen.transforms import rotation_about
 from artigen.types import JOINT_TYPES, PAPER_CATEGORIES, PART_LABELS, Asset, Joint, Part
 from sim_export.collision.hulls import box_hull, convex_hull
 from sim_export.errors import DegeneratePart, InvalidInertia, OpenMesh
@@ -194,6 +195,27 @@ def test_what_turns_turns_a_shaft_with_it(label, least, half):
     assert about == pytest.approx(max(before, least))
     assert sum("shaft" in record for record in tree.records) == (before < least)
     check_inertial(made, "knob")
+
+
+@pytest.mark.parametrize(("steep", "rolls"), [(0.49, True), (0.51, False)])
+def test_a_wheel_resists_rolling_by_its_load_and_radius_and_a_swivel_does_not(steep, rolls):
+    """Four wheels of 5 cm under 80 kg: two hundredths of the weight at each rim."""
+    axis = np.array([0.0, np.sqrt(1.0 - steep**2), steep])
+    still = Joint(type="fixed", axis=axis, origin=np.zeros(3))
+    unit = np.array([np.zeros(3), np.ones(3)])
+    rim = np.concatenate([rotation_about(axis, np.linspace(0.0, 5.0, 6)) @ np.cross(axis, [1.0, 0, 0])] * 2)
+    rim = rim / np.linalg.norm(rim, axis=1, keepdims=True) * 0.05 + np.outer([0.0] * 6 + [0.01] * 6, axis)
+    parts, geometry = [Part(name="body", label="base", parent=-1, joint=still, box=unit)], []
+    geometry.append(PartGeometry(inertial=Inertial(mass=76.0, com=np.zeros(3), inertia=np.eye(3))))
+    for k in range(4):
+        at = np.array([k, 0.0, 0.0])
+        joint = Joint(type="continuous", axis=axis, origin=at, upper=2 * np.pi)
+        parts.append(Part(name=f"wheel_{k}", label="wheel", parent=0, joint=joint, box=unit))
+        wheel = Inertial(mass=1.0, com=at, inertia=0.01 * np.eye(3))
+        geometry.append(PartGeometry(hulls=(convex_hull(rim + at),), inertial=wheel))
+    tree = build_links(Asset(name="a", category="Cart", scale=1.0, parts=tuple(parts)), geometry)
+    expected = 0.02 * 80.0 / 4 * 9.81 * 0.05 if rolls else 0.005
+    assert [joint.friction for joint in tree.joints] == pytest.approx([expected] * 4)
 
 
 def test_every_part_has_a_material_and_every_joint_resists():
