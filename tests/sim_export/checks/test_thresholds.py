@@ -393,6 +393,13 @@ def test_what_is_within_passes_and_what_is_beyond_fails(
     assert found["beyond"].value is not None, found["beyond"].message
 
 
+@pytest.mark.parametrize(("label", "verdict"), [("base", "fail"), ("wheel", "pass")])
+def test_the_inside_of_a_wheel_may_be_full_so_that_it_rolls(tmp_path, label, verdict):
+    content = groove(5, 1.0)
+    named = Scene(urdf=content.urdf, files={**content.files, "semantics.txt": f"body hinge {label}\n"})
+    assert run_check(SPECS["V103"], write(named, tmp_path), CheckConfig()).verdict == verdict
+
+
 @pytest.mark.parametrize(("upper", "poses"), [(0.01, 21), (0.3, 61), (3.0, 401)])
 def test_no_point_jumps_over_a_thin_thing_unless_there_are_too_many_poses(tmp_path, upper, poses):
     """Steps of 5 mm, at least 20 and at most 400 of them."""
