@@ -192,8 +192,15 @@ def _clear_joint(
                     work.cuts[link] += done.cuts[side]
                     work.deepest[link] = max(work.deepest[link], done.depths[side])
                 changes += sum(done.cuts)
-                if done.reason:
+                if not done.reason:
+                    continue
+                skin = next((at for at in ((a, i), (b, j)) if work.is_skin(*at)), None)
+                if skin is None:
                     stuck[a, i, b, j] = done.reason
+                else:
+                    work.put(*skin, ())
+                    work.cuts[skin[0]] += 1
+                    changes += 1
     return changes
 
 

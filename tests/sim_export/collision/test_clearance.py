@@ -9,6 +9,7 @@ from sample_cabinet import SAMPLE_PARTS, SamplePart, sample_box_arrays
 from artigen.kinematics import displacements, movable_parts
 from sim_export.collision.clearance import Clearance, clear_joints
 from sim_export.collision.contacts import HullSet, penetration_depths
+from sim_export.collision.cut_hulls import CutHulls
 from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect
 from sim_export.collision.hulls import box_hull, convex_hull, hull_volume
 from sim_export.collision.motion import driven_joints, link_displacements, moved_links
@@ -357,3 +358,16 @@ def test_a_thin_leaf_keeps_its_thickness_before_a_thick_body():
     assert done.links[1].hulls == (leaf,)
     assert sum(map(hull_volume, done.links[0].hulls)) > 0.95 * hull_volume(body)
     assert clear_joints(links, joints).links[0].hulls == (body,)
+
+
+@pytest.mark.parametrize(("width", "may_go"), [(0.0145, True), (0.0155, False)])
+def test_a_strip_may_go_if_no_point_is_farther_from_other_hulls_than_v103_allows(width, may_go):
+    """Beside a block with a diagonal of a metre."""
+    block, strip = box((0.0, 0.0, 0.0), (0.8, 0.6, 0.001)), box((-width, 0.0, 0.0), (0.0, 0.6, 0.001))
+    size = float(np.linalg.norm([0.8 + width, 0.6]))
+    block, strip = (Hull(vertices=hull.vertices / size, faces=hull.faces) for hull in (block, strip))
+    strip = Hull(vertices=strip.vertices * [size, 1.0, 1.0], faces=strip.faces)
+    links = [make_link("body", block, strip)]
+    assert CutHulls(links, sheets=True).is_skin(0, 1) == may_go
+    assert not CutHulls(links).is_skin(0, 1)  # hulls of voxels stand for volume
+    assert not CutHulls([make_link("body", strip)], sheets=True).is_skin(0, 0)
