@@ -13,11 +13,11 @@ import numpy as np
 
 from sim_export.errors import PackageError
 from sim_export.package import PackageJoint, SimPackage
+from sim_export.physics.standing import must_stand
 from sim_export.report import CheckResult, round_measured
 
 from .config import DynamicsConfig
 from .mujoco_check import compile_package
-from .support import must_stand
 from .titles import TITLES, not_run
 from .trials import TrialResults, limit_tolerance, run_trials
 
@@ -120,9 +120,9 @@ def check_rest(run: TrialResults) -> CheckResult:
 def check_stand(package: SimPackage, run: TrialResults) -> CheckResult:
     """V303: on the ground with a free base for 3 s, tilt < 2 degrees, drift < 5 mm, penetration < 5 mm.
 
-    Not applicable to categories that need not stand (`envs.support`: faucets, switches, doors, windows, and
-    hand-held objects) if the centre of mass is outside of the support polygon; otherwise they are checked
-    too. For other categories, the failure reports the overhang.
+    Not applicable to categories that need not stand (`sim_export.physics.standing`: faucets, switches, doors,
+    windows, and hand-held objects) if the centre of mass is outside of the support polygon; otherwise they
+    are checked too. For other categories, the failure reports the overhang.
     """
     stand = run.stand
     if stand.overhang > 0.0 and not must_stand(package.category):

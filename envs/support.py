@@ -10,13 +10,6 @@ from .loaded import LoadedPackage
 FLOOR_BAND = 0.005
 """Height (m) above the lowest point within which a vertex counts as touching the floor."""
 
-MOUNTED_CATEGORIES = frozenset({"Door", "Faucet", "Switch", "Window"})
-HELD_CATEGORIES = frozenset(
-    {"Eyeglasses", "Knife", "Lighter", "Pen", "Phone", "Pliers", "Remote", "Scissors", "Stapler", "USB"}
-)
-"""PartNet-Mobility categories that are fixed to a building or hand-held and need not stand. All others,
-including unknown categories, must stand."""
-
 
 def overhang_of(loaded: LoadedPackage, vertices: Float[np.ndarray, "V 3"]) -> float:
     """Distance (m) of the centre of mass outside of the support polygon; negative inside.
@@ -47,8 +40,3 @@ def center_of_mass(loaded: LoadedPackage) -> Float[np.ndarray, "3"]:
     if not masses.sum() > 0:
         return centers.mean(axis=0)
     return np.average(centers, axis=0, weights=masses)
-
-
-def must_stand(category: str) -> bool:
-    """Whether objects of this category must stand on their own."""
-    return category not in MOUNTED_CATEGORIES | HELD_CATEGORIES

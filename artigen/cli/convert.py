@@ -4,7 +4,7 @@ import resource
 import sys
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
@@ -56,7 +56,8 @@ class ConvertSettings:
     """Add 3D Gaussians to the package: flat discs on the surface, one PLY per link."""
     mend: bool = False
     """Mend faults of the source before converting it: hinges off the edge of their door, parts inside each
-    other, ranges that run into the body, handles out of reach, pieces that float or belong to another link.
+    other, ranges that run into the body, handles out of reach, pieces that float or belong to another link,
+    objects that fall over.
     Every change is in the provenance."""
     validation: Literal["full", "none"] = "full"
     """Run checks L0 to L3 on every package right after it is written."""
@@ -107,6 +108,7 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     from sim_export.appearance.splats import splat_package
     from sim_export.export import export_asset
     from sim_export.files.write import write_package
+    from sim_export.mend.stand import stand_on_side
     from sim_export.physics.followers import follow_parts
 
     watch = [("start", time.perf_counter())]
@@ -123,11 +125,18 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     if job.cfg.visual == "voxels":
         asset = rebuild_from_voxels(asset, job.cfg.recipe)
         watch.append(("segment", time.perf_counter()))
+
+    def finish(package: "SimPackage") -> "SimPackage":
+        package = follow_parts(package, dict(source.follows))
+        package = splat_package(package, asset, RANDOM) if job.cfg.splats else package
+        return stand_on_side(package) if job.cfg.mend else package
+
+    if job.cfg.visual == "voxels":
         exported = export_asset(asset, provenance=provenance)
+        package = finish(exported.package)
     else:
-        exported = export_source(source, asset, provenance)
-    package = follow_parts(exported.package, dict(source.follows))
-    package = splat_package(package, asset, RANDOM) if job.cfg.splats else package
+        exported = export_source(source, asset, provenance, finish)
+        package = exported.package
     written = time.perf_counter()
     write_package(package, job.out / job.key, "replace")
     laps = [(name, now - before) for (_, before), (name, now) in pairwise(watch)]
@@ -165,12 +174,17 @@ def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "ro
     return restore_tree(asset, found)
 
 
-def export_source(source: "SourceObject", asset: "Asset", provenance: dict[str, str]) -> "Exported":
+def export_source(
+    source: "SourceObject",
+    asset: "Asset",
+    provenance: dict[str, str],
+    finish: Callable[["SimPackage"], "SimPackage"] = lambda package: package,
+) -> "Exported":
     """A package with the object's own meshes and the collision that fails fewest static checks.
 
     Hulls are made from the triangles of the meshes. While they fail a check, they are made again: smaller,
     then with cuts that spare thin leaves, then from the 64^3 voxels, which are closed where the meshes are
-    open. Attempts that cannot be exported are recorded.
+    open. Each package is judged as ``finish`` leaves it. Attempts that cannot be exported are recorded.
 
     Raises:
         ExportError: If no attempt can be exported.
@@ -197,6 +211,7 @@ def export_source(source: "SourceObject", asset: "Asset", provenance: dict[str, 
         except ExportError as error:
             errors.append(error)
             continue
+        made = replace(made, package=finish(made.package))
         tried.append((judge_package(made.package), made))
         if not tried[-1][0][0]:
             break
@@ -253,24 +268,30 @@ def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]
 
 def _explain(job: ConvertJob, failed: tuple[str, ...], scratch: Path) -> tuple[str, ...]:
     from artigen.cli.source_meshes import place_source_meshes, place_source_surfaces
+    from sim_export.checks.subject import Subject
     from sim_export.export import export_asset
     from sim_export.files.read import read_package
     from sim_export.source_faults import find_source_faults
 
-    source = job.read(scratch)
-    asset = voxelize_object(source.asset)
     if job.cfg.visual == "source":
+        subject = Subject(job.out / job.key)
         package = read_package(job.out / job.key)
+        shown = {
+            link: np.concatenate([shape.triangles for shape in subject.visuals if shape.link == link])
+            for link in {shape.link for shape in subject.visuals}
+        }
     else:
+        source = job.read(scratch)
+        asset = voxelize_object(source.asset)
         package = export_asset(asset, source_meshes=place_source_meshes(source, asset)).package
-    surfaces = dict(
-        zip((part.name for part in asset.parts), place_source_surfaces(source, asset), strict=True)
-    )
-    shown = {
-        link.name: np.concatenate([surfaces[part] for part in link.parts])
-        for link in package.links
-        if link.parts
-    }
+        surfaces = dict(
+            zip((part.name for part in asset.parts), place_source_surfaces(source, asset), strict=True)
+        )
+        shown = {
+            link.name: np.concatenate([surfaces[part] for part in link.parts])
+            for link in package.links
+            if link.parts
+        }
     return tuple(f"{check} {said}" for check, said in find_source_faults(package, shown, failed).items())
 
 

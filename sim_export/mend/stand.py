@@ -1,0 +1,129 @@
+"""Turns an object that would fall over onto the nearest side on which it stands.
+
+Wheelbarrows are drawn with level handles and stand tilted, on their wheel and legs; bags are drawn on an
+edge. What needs a larger turn stays as it is: its z axis would not be up any more.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial import ConvexHull, QhullError
+
+from artigen.splats.motion import transform_gaussians
+from artigen.transforms import transform_points
+from sim_export.package import HandleAnnotation, Hull, Link, Mesh, PackageJoint, SimPackage, Visual
+from sim_export.physics.standing import must_stand
+
+FARTHEST = 30.0
+"""Largest turn (degrees)."""
+TOUCHING = 2e-3
+"""Height (m) above the floor up to which a point carries."""
+MARGIN = 0.01
+"""Distance (m) of the centre of mass from the edges of the side that it comes to stand on, at least."""
+
+
+def stand_on_side(package: SimPackage) -> SimPackage:
+    """The package on the nearest side on which it stands, with a record; unchanged if it need not stand, does
+    so already, or if no such side is near."""
+    points = np.concatenate([np.zeros((0, 3)), *(hull.vertices for k in package.links for hull in k.hulls)])
+    bodies = [link.inertial for link in package.links if link.inertial is not None]
+    if not must_stand(package.category) or not len(points) or not bodies:
+        return package
+    com = np.average([body.com for body in bodies], axis=0, weights=[body.mass for body in bodies])
+    down = np.array([0.0, 0.0, -1.0])
+    before = _depth_of_mass(points, com, down)
+    if before >= 0.0:
+        return package
+    normals = np.unique(np.round(ConvexHull(points).equations[:, :3], 4), axis=0)
+    angles = np.degrees(np.arccos(np.clip(normals @ down, -1.0, 1.0)))
+    for row in np.argsort(angles, kind="stable"):
+        if angles[row] > FARTHEST:
+            return package
+        if _depth_of_mass(points, com, normals[row]) >= MARGIN:
+            break
+    else:
+        return package
+    turned = turn_package(package, _turn_onto(normals[row], down), points)
+    record = (
+        f"mend stand (V303): the object was turned by {angles[row]:.1f} degrees onto a side on which it "
+        f"stands; its centre of mass was {1e3 * -before:.0f} mm outside of what touched the floor"
+    )
+    return replace(turned, records=(*package.records, record))
+
+
+def _depth_of_mass(
+    points: Float[np.ndarray, "N 3"], com: Float[np.ndarray, "3"], down: Float[np.ndarray, "3"]
+) -> float:
+    """How far (m) a centre of mass lies inside of the lowest points along ``down``; negative outside."""
+    down = down / np.linalg.norm(down)
+    heights = points @ down
+    axes = np.linalg.svd(down[None])[2][1:]
+    feet, center = points[heights > heights.max() - TOUCHING] @ axes.T, axes @ com
+    try:
+        edges = ConvexHull(feet).equations
+    except (QhullError, ValueError):  # a point or a line
+        return -float(np.linalg.norm(feet - center, axis=1).min())
+    return -float((edges[:, :2] @ center + edges[:, 2]).max())
+
+
+def _turn_onto(normal: Float[np.ndarray, "3"], down: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+    """The smallest rotation that brings a normal to ``down``: a half turn about it, and one about the middle
+    of both."""
+    first, second = normal / np.linalg.norm(normal), normal / np.linalg.norm(normal) + down
+    half_turns = [2.0 * np.outer(n, n) / (n @ n) - np.eye(3) for n in (first, second)]
+    return half_turns[1] @ half_turns[0]
+
+
+def turn_package(
+    package: SimPackage, rotation: Float[np.ndarray, "3 3"], points: Float[np.ndarray, "N 3"]
+) -> SimPackage:
+    """The package with all that is in it turned; the middle of the box around ``points`` (m) stays in
+    place."""
+    turned = points @ rotation.T
+    T = np.eye(4)
+    T[:3, :3] = rotation
+    T[:3, 3] = (points.min(axis=0) + points.max(axis=0) - turned.min(axis=0) - turned.max(axis=0)) / 2.0
+    return replace(
+        package,
+        links=tuple(_turn_link(link, T) for link in package.links),
+        joints=tuple(_turn_joint(joint, T) for joint in package.joints),
+        handles=tuple(_turn_handle(handle, T) for handle in package.handles),
+    )
+
+
+def _turn_link(link: Link, T: Float[np.ndarray, "4 4"]) -> Link:
+    R, inertial = T[:3, :3], link.inertial
+    return replace(
+        link,
+        visuals=tuple(_turn_visual(visual, T) for visual in link.visuals),
+        hulls=tuple(Hull(vertices=transform_points(T, h.vertices), faces=h.faces) for h in link.hulls),
+        inertial=inertial
+        and replace(
+            inertial, com=transform_points(T, inertial.com[None])[0], inertia=R @ inertial.inertia @ R.T
+        ),
+        splats=link.splats and transform_gaussians(link.splats, T),
+    )
+
+
+def _turn_visual(visual: Visual, T: Float[np.ndarray, "4 4"]) -> Visual:
+    mesh = visual.mesh
+    if isinstance(mesh, Mesh):
+        return replace(visual, mesh=replace(mesh, vertices=transform_points(T, mesh.vertices)))
+    return replace(visual, mesh=replace(mesh, T_object_file=T @ mesh.T_object_file))
+
+
+def _turn_joint(joint: PackageJoint, T: Float[np.ndarray, "4 4"]) -> PackageJoint:
+    axis = T[:3, :3] @ joint.axis
+    return replace(joint, origin=transform_points(T, joint.origin[None])[0], axis=axis / np.linalg.norm(axis))
+
+
+def _turn_handle(handle: HandleAnnotation, T: Float[np.ndarray, "4 4"]) -> HandleAnnotation:
+    R = T[:3, :3]
+    return replace(
+        handle,
+        corners=transform_points(T, handle.corners),
+        normal=R @ handle.normal,
+        grasp_line=transform_points(T, handle.grasp_line),
+        opening_direction=R @ handle.opening_direction,
+    )

@@ -1,0 +1,68 @@
+"""What falls over is turned onto the nearest side on which it stands; all that is in it turns with it."""
+
+import numpy as np
+import pytest
+
+from artigen.transforms import rotation_about
+from sim_export.collision.hulls import box_hull, convex_hull
+from sim_export.mend.stand import FARTHEST, MARGIN, stand_on_side
+from sim_export.package import Inertial, Link, Mesh, PackageJoint, SimPackage, Visual
+
+TILT_AXIS = np.array([0.0, 1.0, 0.0])
+
+
+def tilted(degrees: float, *, com=(0.0, 0.0, 0.0), category: str = "Cart") -> SimPackage:
+    """A plate of 1 x 0.4 x 0.1 m that stands on an edge, so many degrees off its side, with a wheel."""
+    R = rotation_about(TILT_AXIS, np.array(np.radians(degrees)))
+    plate = box_hull(np.array([-0.5, -0.2, -0.05]), np.array([0.5, 0.2, 0.05]))
+    hull = convex_hull(plate.vertices @ R.T)
+    mesh = Mesh(vertices=hull.vertices, faces=hull.faces)
+    body = Link(
+        name="link_1", label="base", parts=("base",), hulls=(hull,),
+        visuals=(Visual(name="base", part="base", label="base", mesh=mesh),),
+        inertial=Inertial(mass=10.0, com=R @ np.array(com), inertia=R @ np.diag([1.0, 2.0, 3.0]) @ R.T),
+    )  # fmt: skip
+    hub = R @ np.array([0.3, 0.0, 0.1])
+    wheel = Link(
+        name="link_0", label="wheel", parts=("wheel",), visuals=(), hulls=(),
+        inertial=Inertial(mass=1e-6, com=hub, inertia=1e-6 * np.eye(3)),
+    )  # fmt: skip
+    joint = PackageJoint(
+        name="joint_0", type="continuous", kind="continuous", parent="link_1", child="link_0",
+        origin=hub, axis=R @ np.array([0.0, 0.0, 1.0]),
+    )  # fmt: skip
+    return SimPackage(name="a", category=category, visual="source", links=(wheel, body), joints=(joint,))
+
+
+def test_a_tilted_plate_comes_to_lie_with_its_visual_its_joint_and_its_inertia():
+    done = stand_on_side(tilted(20.0))
+    wheel, body = done.links
+    mesh = body.visuals[0].mesh
+    assert isinstance(mesh, Mesh)
+    assert body.inertial is not None
+    assert wheel.inertial is not None
+    for points in (body.hulls[0].vertices, mesh.vertices):
+        np.testing.assert_allclose(np.ptp(points, axis=0), (1.0, 0.4, 0.1), atol=1e-4)
+    np.testing.assert_allclose(body.inertial.inertia, np.diag([1.0, 2.0, 3.0]), atol=1e-3)
+    np.testing.assert_allclose(done.joints[0].axis, (0, 0, 1), atol=1e-4)
+    np.testing.assert_allclose(done.joints[0].origin, wheel.inertial.com)
+    np.testing.assert_allclose(done.joints[0].origin - body.inertial.com, (0.3, 0.0, 0.1), atol=1e-4)
+    assert "20.0 degrees" in done.records[0]
+    assert stand_on_side(done) is done
+
+
+@pytest.mark.parametrize(("degrees", "turns"), [(FARTHEST - 0.5, True), (FARTHEST + 0.5, False)])
+def test_what_needs_more_than_thirty_degrees_stays(degrees, turns):
+    before = tilted(degrees)
+    assert (stand_on_side(before) is not before) == turns
+
+
+@pytest.mark.parametrize(("inside", "turns"), [(MARGIN + 1e-3, True), (MARGIN - 1e-3, False)])
+def test_it_comes_to_stand_on_no_side_that_hardly_carries_it(inside, turns):
+    before = tilted(20.0, com=(-0.5 + inside, 0.0, 0.0))
+    assert (stand_on_side(before) is not before) == turns
+
+
+def test_what_stands_and_what_is_mounted_stay():
+    for before in (tilted(0.0), tilted(20.0, category="Faucet")):
+        assert stand_on_side(before) is before
