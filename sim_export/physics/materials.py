@@ -156,7 +156,7 @@ def joint_resistance(label: PartLabel, joint: JointType, mass: float, hold: floa
 
     Drawers, trays and other sliding panels resist with 1 N of seals and rollers, doors with 0.3 N m of hinges
     and catch, knobs and lids of bottles with 0.04 N m, buttons with 0.5 N, and wheels with 0.005 N m; more if
-    needed to hold the part.
+    needed to hold the part, or to roll under its load.
 
     Args:
         label: Label of the moving part.
