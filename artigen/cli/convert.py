@@ -58,7 +58,7 @@ class ConvertSettings:
     """Mend faults of the source before converting it: hinges off the edge of their door, parts inside each
     other, ranges that run into the body, handles out of reach, pieces that float or belong to another link,
     objects that fall over.
-    Every change is in the provenance."""
+    Every change is in meta.json."""
     validation: Literal["full", "none"] = "full"
     """Run checks L0 to L3 on every package right after it is written."""
 
