@@ -32,7 +32,7 @@ from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.followers import couple_followers
 from sim_export.physics.inertia import combine, mesh_inertial
 from sim_export.physics.links import LinkTree, PartGeometry, build_links
-from sim_export.physics.makes import HARDWARE, Make, find_make
+from sim_export.physics.makes import Make, find_make, is_hardware
 from sim_export.physics.masses import mean_thickness, subtract
 from sim_export.physics.materials import MATERIALS, MaterialName, finish_material
 from sim_export.topology import hull_kinds
@@ -237,7 +237,7 @@ def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialNa
 
     Hardware has the density of its material, other parts that of the category's `Make`.
     """
-    hardware = part.label in HARDWARE
+    hardware = is_hardware(part.label, moves=part.motion is not None)
     names = sorted(set(made_of))
     inertials: list[Inertial] = []
     before: Mesh | None = None
