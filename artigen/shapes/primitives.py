@@ -18,6 +18,14 @@ PrimitiveKind = Literal["polytope", "cylinder"]
 SEGMENTS = 16
 """Sides of the prism that represents a cylinder in meshes and hulls."""
 Vector = tuple[float, float, float]
+Range = tuple[float, float]
+UP: Vector = (0.0, 0.0, 1.0)
+DOWN: Vector = (0.0, 0.0, -1.0)
+FRONT: Vector = (-1.0, 0.0, 0.0)
+BACK: Vector = (1.0, 0.0, 0.0)
+LEFT: Vector = (0.0, 1.0, 0.0)
+RIGHT: Vector = (0.0, -1.0, 0.0)
+"""Directions; left and right are those of a viewer in front of the object."""
 
 _ARRAYS: dict[str, tuple[type, tuple[int | None, ...]]] = {
     "center": (np.float64, (3,)),
@@ -69,6 +77,11 @@ class Primitive:
 def box(low: Vector, high: Vector, finish: str) -> Primitive:
     """An axis-aligned box from its lowest to its highest corner (m)."""
     return rounded_box(low, high, 0.0, finish)
+
+
+def block(x: Range, y: Range, z: Range, finish: str, bevel: float = 0.0) -> Primitive:
+    """An axis-aligned box over three ranges (m), its edges and corners cut off by ``bevel`` (m)."""
+    return rounded_box((x[0], y[0], z[0]), (x[1], y[1], z[1]), bevel, finish)
 
 
 def rounded_box(low: Vector, high: Vector, bevel: float, finish: str) -> Primitive:

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from artigen.shapes.fittings.hardware import Range, Space
-from artigen.shapes.primitives import Primitive, Vector, box, cylinder, line, rounded_box
+from artigen.shapes.fittings.hardware import Range, Space, narrow
+from artigen.shapes.primitives import Primitive, Vector, block, box, cylinder, line
 
 SIDES: dict[str, Vector] = {
     "left": (0.0, -1.0, 0.0),
@@ -39,8 +39,8 @@ def build_shell(
     (x0, x1), (y0, y1), (z0, z1) = outer.x, outer.y, outer.z
     (hx1, (hy0, hy1), (hz0, hz1)) = inner.x[1], inner.y, inner.z
     walls = (
-        ("left", rounded_box((x0, hy1, z0), (x1, y1, z1), bevel, finish)),
-        ("right", rounded_box((x0, y0, z0), (x1, hy0, z1), bevel, finish)),
+        ("left", block((x0, x1), (hy1, y1), (z0, z1), finish, bevel)),
+        ("right", block((x0, x1), (y0, hy0), (z0, z1), finish, bevel)),
         ("top", box((x0, hy0, hz1), (x1, hy1, z1), top)),
         ("bottom", box((x0, hy0, z0), (x1, hy1, hz0), bottom)),
         ("back", box((hx1, hy0, hz0), (x1, hy1, hz1), finish)),
@@ -60,10 +60,10 @@ def build_frame(x: Range, outer: tuple[Range, Range], inner: tuple[Range, Range]
     (y0, y1), (z0, z1) = outer
     (hy0, hy1), (hz0, hz1) = inner
     return (
-        box((x[0], y0, z0), (x[1], hy0, z1), finish),
-        box((x[0], hy1, z0), (x[1], y1, z1), finish),
-        box((x[0], hy0, z0), (x[1], hy1, hz0), finish),
-        box((x[0], hy0, hz1), (x[1], hy1, z1), finish),
+        block(x, (y0, hy0), (z0, z1), finish),
+        block(x, (hy1, y1), (z0, z1), finish),
+        block(x, (hy0, hy1), (z0, hz0), finish),
+        block(x, (hy0, hy1), (hz1, z1), finish),
     )
 
 
@@ -83,7 +83,7 @@ def build_feet(
     x: Range, y: Range, height: float, finish: str, *, radius: float = 0.022, inset: float = 0.05
 ) -> tuple[Primitive, ...]:
     """Four round feet under a rectangle, from the floor to ``height``."""
-    places = [(a, b) for a in (x[0] + inset, x[1] - inset) for b in (y[0] + inset, y[1] - inset)]
+    places = [(a, b) for a in narrow(x, inset) for b in narrow(y, inset)]
     return tuple(cylinder((a, b, 0.0), (a, b, height), radius, finish) for a, b in places)
 
 

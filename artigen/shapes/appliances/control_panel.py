@@ -6,19 +6,20 @@ plane. The gap between a dial and its face is `DIAL_GAP`, that of a button its t
 
 from dataclasses import dataclass, replace
 from functools import cache
+from math import radians
 from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.fittings.hardware import Range
-from artigen.shapes.primitives import Primitive, Vector, box, cylinder, polytope, prism
+from artigen.shapes.choices import choose, choose_one
+from artigen.shapes.fittings.hardware import Range, slide
+from artigen.shapes.primitives import FRONT, Primitive, Vector, block, box, cylinder, polytope, prism
 from artigen.shapes.shape import Motion, ShapePart
 
 DialKind = Literal["round", "grip", "collar", "faceted"]
 DIAL_GAP = 0.0015
 PRESS = 0.0022
 """Travel of a button (m)."""
-FRONT: Vector = (-1.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,14 +42,14 @@ def design_dial(
 ) -> DialDesign:
     """Draws a dial with a radius from a range; ``endless`` is the probability of no limits."""
     kinds: tuple[DialKind, ...] = ("round", "grip", "collar", "faceted")
-    drawn = float(rng.uniform(*radius))
+    drawn = choose(rng, *radius)
     return DialDesign(
-        kind=kinds[int(rng.integers(len(kinds)))],
+        kind=choose_one(rng, kinds),
         radius=drawn,
         length=float(np.clip(rng.uniform(0.9, 1.5) * drawn, 0.015, 0.035)),
         finish=finish,
         mark="accent" if finish != "accent" else "rubber",
-        upper=0.0 if rng.random() < endless else float(np.radians(rng.uniform(180, 300))),
+        upper=0.0 if rng.random() < endless else radians(choose(rng, 180, 300)),
     )
 
 
@@ -79,7 +80,7 @@ def make_dial(design: DialDesign, at: Vector, *, name: str, parent: str, out: Ve
         origin=at,
         upper=2 * np.pi if turns else design.upper,
     )
-    return ShapePart(name=name, label="knob", parent=parent, primitives=tuple(solids), motion=motion)
+    return ShapePart(name, "knob", tuple(solids), motion, parent=parent)
 
 
 def make_button(
@@ -102,8 +103,8 @@ def make_button(
         else place.bar((low, low + length), (-width / 2, width / 2), (-height / 2, height / 2), finish)
     )
     inward = (-out[0], -out[1], -out[2])
-    motion = Motion(type="prismatic", axis=inward, upper=PRESS)
-    return ShapePart(name=name, label="knob", parent=parent, primitives=(solid,), motion=motion)
+    motion = slide(PRESS, inward)
+    return ShapePart(name, "knob", (solid,), motion, parent=parent)
 
 
 def spread_controls(
@@ -135,7 +136,7 @@ def spread_controls(
     pitch = 2.5 * design.radius
     shows = rng.random() < 0.6 or dials == 0
     room = y[1] - y[0] - dials * pitch
-    window = min(max(float(rng.uniform(0.10, 0.18)), 0.032 * keys), 0.9 * room)
+    window = min(max(choose(rng, 0.10, 0.18), 0.032 * keys), 0.9 * room)
     pieces: list[Primitive] = []
     parts: list[ShapePart] = []
     left = int(dials * rng.uniform(0.35, 0.65)) if shows or keys else dials
@@ -174,7 +175,7 @@ def _make_keys(y: Range, at: tuple[float, float], count: int, parent: str) -> li
 def build_display(x: float, y: Range, z: Range, finish: str = "panel") -> Primitive:
     """A dark window that protrudes 3 to 4 mm from a front at ``x``."""
     rise = max(0.003, (y[1] - y[0]) / 50)
-    return box((x - rise, y[0], z[0]), (x, y[1], z[1]), finish)
+    return block((x - rise, x), y, z, finish)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -3,9 +3,9 @@
 import numpy as np
 
 from artigen.shapes.appliances.rings import build_ring
-from artigen.shapes.fittings.hardware import GAP, Panel, Range
-from artigen.shapes.primitives import Primitive, Vector, box, cylinder, move, prism
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, rotate
+from artigen.shapes.primitives import FRONT, UP, Primitive, Vector, box, cylinder, move, prism
+from artigen.shapes.shape import ShapePart
 
 SHEET = 0.0115
 """Thickness of a drum's wall (m); engines mishandle thinner walls of this length."""
@@ -36,9 +36,9 @@ def make_drum(
             pieces.append(move(paddle, center, turn=turn, about=(1.0, 0.0, 0.0)))
     if axis == "z" and paddles:
         pieces += _build_agitator(point(span[0] + SHEET), 0.75 * (span[1] - span[0]), paddles)
-    spin = (-1.0, 0.0, 0.0) if axis == "x" else (0.0, 0.0, 1.0)
-    motion = Motion(type="continuous", axis=spin, origin=center, upper=2 * np.pi)
-    return ShapePart(name="drum", label="tray", parent="body", primitives=tuple(pieces), motion=motion)
+    spin = FRONT if axis == "x" else UP
+    motion = rotate(spin, center)
+    return ShapePart("drum", "tray", tuple(pieces), motion)
 
 
 def fit_radius(room: float) -> float:

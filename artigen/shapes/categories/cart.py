@@ -9,16 +9,17 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, pick
+from artigen.shapes.choices import choose, choose_one, pick
+from artigen.shapes.draw import CrowdedError, Draft, Wish
 from artigen.shapes.fittings.drawers import BoxDesign, make_tray
 from artigen.shapes.fittings.feet import make_castors
-from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space
+from artigen.shapes.fittings.hardware import GAP, Range, Space, narrow
 from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
 from artigen.shapes.furniture.carcass import fits_engines
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
 from artigen.shapes.furniture.splits import Cell, Node, Split, Taste
-from artigen.shapes.primitives import Primitive, box, cylinder, rounded_box
-from artigen.shapes.shape import ShapePart
+from artigen.shapes.primitives import Primitive, block, box, cylinder
+from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Cart"
@@ -107,15 +108,15 @@ class _Frame:
     @property
     def inner(self) -> Range:
         """Range of y between the posts."""
-        return self.y[0] + self.post, self.y[1] - self.post
+        return narrow(self.y, self.post)
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a cart that meets the wish."""
     style = wish.style or pick(rng, {name: kind.weight for name, kind in STYLES.items()})
     kind = STYLES[style]
-    palette = kind.palettes[int(rng.integers(len(kind.palettes)))]
-    finishes = tuple(sorted(draw_palette(rng, "furniture", palette).items()))
+    palette = choose_one(rng, kind.palettes)
+    finishes = draw_palette(rng, "furniture", palette)
     size = (
         choose(rng, *kind.width, wish.width),
         choose(rng, *kind.depth, wish.depth),
@@ -124,7 +125,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     for _ in range(MAX_LAYOUTS):
         parts = _build(rng, kind, size, wish)
         if fits_engines(parts):
-            return Draft(style=style, parts=parts, finishes=finishes)
+            return Draft(style, parts, finishes)
     raise CrowdedError(
         f"{CATEGORY}: no cart of {size} m respects the limits of engines; request a smaller one"
     )
@@ -134,15 +135,15 @@ def _build(
     rng: np.random.Generator, kind: _Kind, size: tuple[float, float, float], wish: Wish
 ) -> tuple[ShapePart, ...]:
     width, depth, height = size
-    looks = draw_looks(rng, LOOKS[kind.looks[int(rng.integers(len(kind.looks)))]], max(size), wish)
+    looks = draw_looks(rng, LOOKS[choose_one(rng, kind.looks)], max(size), wish)
     looks = replace(looks, margin=GAP, lock=False)
-    bar = float(rng.uniform(0.045, 0.065))  # the push bar protrudes on the left
+    bar = choose(rng, 0.045, 0.065)  # the push bar protrudes on the left
     x = (looks.reach - depth / 2, depth / 2)
     y = (-width / 2, width / 2 - bar)
-    stand = make_castors(x, y, float(rng.uniform(*kind.wheel)), parent=BODY, swivel=bool(rng.random() < 0.45))
-    frame = _Frame(x=x, y=y, z=(stand.height, height), post=float(rng.uniform(*kind.post)), looks=looks)
+    stand = make_castors(x, y, choose(rng, *kind.wheel), parent=BODY, swivel=bool(rng.random() < 0.45))
+    frame = _Frame(x=x, y=y, z=(stand.height, height), post=choose(rng, *kind.post), looks=looks)
     solids, parts = _stack_tiers(rng, frame, kind) if kind.tiers else _build_chest(rng, frame)
-    body = ShapePart(name=BODY, label="base", parent=None, primitives=(*solids, *stand.primitives))
+    body = make_base((*solids, *stand.primitives))
     return (body, *parts, _make_push_bar(frame, bar), *stand.parts)
 
 
@@ -150,20 +151,17 @@ def _stack_tiers(
     rng: np.random.Generator, frame: _Frame, kind: _Kind
 ) -> tuple[list[Primitive], list[ShapePart]]:
     """Posts, a top, and two or three tiers below; the lowest begins at the castors."""
-    top = float(rng.uniform(0.02, 0.035))
+    top = choose(rng, 0.02, 0.035)
     high = frame.z[1] - top
-    over = 0.0 if kind.post[0] < 0.03 else float(rng.uniform(0.0, 0.02))
+    over = 0.0 if kind.post[0] < 0.03 else choose(rng, 0.0, 0.02)
     solids = [
-        fill_space(Space(x=(px, px + frame.post), y=(py, py + frame.post), z=(frame.z[0], high)), "leg")
+        block((px, px + frame.post), (py, py + frame.post), (frame.z[0], high), "leg")
         for px in (frame.x[0], frame.x[1] - frame.post)
         for py in (frame.y[0], frame.y[1] - frame.post)
     ]
     solids.append(
-        rounded_box(
-            (frame.x[0] - min(over, frame.looks.reach), frame.y[0], high),
-            (frame.x[1], frame.y[1], frame.z[1]),
-            0.003,
-            "top",
+        block(
+            (frame.x[0] - min(over, frame.looks.reach), frame.x[1]), frame.y, (high, frame.z[1]), "top", 0.003
         )
     )
     parts: list[ShapePart] = []
@@ -186,7 +184,7 @@ def _build_tier(
     tall = z[1] - z[0]
     wall = max(0.010, (frame.inner[1] - frame.inner[0]) / 60)
     if tier == "drawers" and tall > 0.14:
-        low = z[1] - min(tall, float(rng.uniform(0.12, 0.2)))
+        low = z[1] - min(tall, choose(rng, 0.12, 0.2))
         drawer: Node = Cell(fill="drawer")
         wide = frame.inner[1] - frame.inner[0] > 0.6 and rng.random() < 0.6
         node = Split(along="columns", shares=(1.0, 1.0), children=(drawer, drawer)) if wide else drawer
@@ -198,41 +196,31 @@ def _build_tier(
         rim = min(0.12, 0.5 * tall)
         space = Space(x=(frame.x[0] + 0.004, frame.x[1]), y=frame.inner, z=(z[0] + 0.004, z[0] + 0.004 + rim))
         rails = tuple(
-            fill_space(
-                Space(
-                    x=(frame.x[0] + frame.post, frame.x[1] - frame.post), y=y, z=(z[0] + 0.01, z[0] + 0.04)
-                ),
-                "leg",
-            )
+            block(narrow(frame.x, frame.post), y, (z[0] + 0.01, z[0] + 0.04), "leg")
             for y in ((frame.y[0], frame.inner[0]), (frame.inner[1], frame.y[1]))
         )
         design = BoxDesign(wall=wall, rim=1.0, finish="front")
         return rails, (make_tray(space, design, name=f"tray_{tag}", parent=BODY),)
-    rim = 0.0 if tier != "basket" else min(float(rng.uniform(0.04, 0.1)), 0.4 * tall)
-    shelf = ShapePart(
-        name=f"shelf_{tag}",
-        label="shelf",
-        parent=BODY,
-        primitives=_make_basket(frame.x, frame.inner, (z[0], z[0] + rim), wall),
-    )
+    rim = 0.0 if tier != "basket" else min(choose(rng, 0.04, 0.1), 0.4 * tall)
+    shelf = ShapePart(f"shelf_{tag}", "shelf", _make_basket(frame.x, frame.inner, (z[0], z[0] + rim), wall))
     return (), (shelf,)
 
 
 def _make_basket(x: Range, y: Range, z: Range, wall: float) -> tuple[Primitive, ...]:
     """A board, with a rim up to the top of ``z`` if that is higher than the board."""
-    floor = fill_space(Space(x=x, y=y, z=(z[0], z[0] + 1.3 * wall)), "inside" if z[1] > z[0] else "top")
+    floor = block(x, y, (z[0], z[0] + 1.3 * wall), "inside" if z[1] > z[0] else "top")
     up = (z[0] + 1.3 * wall, z[1])
     if up[1] - up[0] < 0.01:
         return (floor,)
     return (
         floor,
         *(
-            fill_space(Space(x=span_x, y=span_y, z=up), "front")
+            block(span_x, span_y, up, "front")
             for span_x, span_y in (
                 ((x[0], x[0] + wall), y),
                 ((x[1] - wall, x[1]), y),
-                ((x[0] + wall, x[1] - wall), (y[0], y[0] + wall)),
-                ((x[0] + wall, x[1] - wall), (y[1] - wall, y[1])),
+                (narrow(x, wall), (y[0], y[0] + wall)),
+                (narrow(x, wall), (y[1] - wall, y[1])),
             )
         ),
     )
@@ -247,7 +235,7 @@ def _hang_cabinet(
 
 def _build_chest(rng: np.random.Generator, frame: _Frame) -> tuple[list[Primitive], list[ShapePart]]:
     """A cabinet of drawers under a top with a rim."""
-    rim, wall = float(rng.uniform(0.02, 0.05)), 0.012
+    rim, wall = choose(rng, 0.02, 0.05), 0.012
     high = frame.z[1] - rim
     space = Space(x=frame.x, y=frame.y, z=(frame.z[0], high))
     built = make_cabinet(draw_layout(rng, space, frame.looks, TOOLS), space, frame.looks, parent=BODY)
@@ -259,7 +247,7 @@ def _build_chest(rng: np.random.Generator, frame: _Frame) -> tuple[list[Primitiv
         ((back + wall, x[1] - wall), (y[0], y[0] + wall)),
         ((back + wall, x[1] - wall), (y[1] - wall, y[1])),
     )
-    rims = [fill_space(Space(x=(float(a[0]), float(a[1])), y=b, z=z), "accent") for a, b in edges]
+    rims = [block((float(a[0]), float(a[1])), b, z, "accent") for a, b in edges]
     return [*built.primitives, *rims], list(built.parts)
 
 
@@ -267,11 +255,11 @@ def _make_push_bar(frame: _Frame, reach: float) -> ShapePart:
     """A push bar along the left end on two arms, below the top."""
     radius = 0.011 + 0.06 * (reach - 0.045)
     z, y = frame.z[1] - 0.09, frame.y[1] + reach - radius
-    first, last = frame.x[0] + frame.post, frame.x[1] - frame.post
+    first, last = narrow(frame.x, frame.post)
     inset = frame.post / 2
     arms = [
         box((x - 0.009, frame.y[1], z - 0.009), (x + 0.009, y, z + 0.009), "handle")
         for x in (first - inset, last + inset)
     ]
     rod = cylinder((first - inset - 0.03, y, z), (last + inset + 0.03, y, z), radius, "handle")
-    return ShapePart(name="push_bar", label="handle", parent=BODY, primitives=(rod, *arms))
+    return ShapePart("push_bar", "handle", (rod, *arms))

@@ -4,14 +4,19 @@ Arms are 300 to 450 mm long, as in balanced-arm lamps. At rest the lower arm lea
 forward. The joints move the lower arm forward, the upper arm up and the head up.
 """
 
+from math import radians
+
 import numpy as np
 
 from artigen.shapes.appliances.control_panel import make_button
 from artigen.shapes.appliances.rings import build_ring
-from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Wish, choose_size
+from artigen.shapes.fittings.hardware import rotate
 from artigen.shapes.fittings.tubes import lean_rod
 from artigen.shapes.primitives import (
     SEGMENTS,
+    UP,
     Primitive,
     Vector,
     box,
@@ -20,7 +25,7 @@ from artigen.shapes.primitives import (
     place_vertices,
     polytope,
 )
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import LACQUERS, make_ceramic, make_plastic, make_polished
 
@@ -45,17 +50,15 @@ Point = tuple[float, float]
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a desk lamp."""
     style = choose_style(rng, STYLES, wish.style)
-    width, depth, height = choose_size(
-        rng, CATEGORY, wish, width=(0.19, 0.24), depth=(0.42, 0.52), height=(0.4, 0.52)
-    )
-    foot, plate = width / 2, float(rng.uniform(0.016, 0.026))
+    width, depth, height = choose_size(rng, CATEGORY, wish, ((0.19, 0.24), (0.42, 0.52), (0.4, 0.52)))
+    foot, plate = width / 2, choose(rng, 0.016, 0.026)
     head, front = _build_head(rng, style)
-    droop = float(np.radians(rng.uniform(4.0, 14.0)))
+    droop = radians(choose(rng, 4.0, 14.0))
     base = (0.0, plate + 0.045)
     top = height - KNOB * ROUND
     # The elbow is behind the foot so that gravity holds every hinge at rest.
     forward = depth - front - KNOB * ROUND
-    elbow = (0.53 * forward + float(rng.uniform(0.066, 0.076)), top)
+    elbow = (0.53 * forward + choose(rng, 0.066, 0.076), top)
     back = max(elbow[0] + KNOB * ROUND, foot)
     tip = back - depth + front  # x of the hinge of the head
     wrist = (tip, float(top - forward * np.tan(droop)))
@@ -73,33 +76,29 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     lower = _build_arm(base, elbow, OUTER, flat=flat, springs=style == "architect")
     upper = _build_arm(elbow, wrist, INNER, flat=flat, springs=False)
     head = [move(piece, (wrist[0], 0.0, wrist[1])) for piece in head]
-    parts = [ShapePart(name="body", label="base", parent=None, primitives=tuple(pieces))]
+    parts = [make_base(pieces)]
     chain = (
         ("lower_arm", lower, base, -1.0, rng.uniform(40.0, 55.0)),
         ("upper_arm", upper, elbow, 1.0, rng.uniform(45.0, 60.0)),
         ("head", head, wrist, 1.0, rng.uniform(45.0, 70.0)),
     )
     for name, primitives, (x, z), way, upper_limit in chain:
-        motion = Motion(
-            type="revolute", axis=(0.0, way, 0.0), origin=(x, 0.0, z), upper=float(np.radians(upper_limit))
-        )
-        part = ShapePart(
-            name=name, label="handle", parent=parts[-1].name, primitives=tuple(primitives), motion=motion
-        )
+        motion = rotate((0.0, way, 0.0), (x, 0.0, z), radians(upper_limit))
+        part = ShapePart(name, "handle", tuple(primitives), motion, parent=parts[-1].name)
         parts.append(part)
     at = (base[0] - 0.62 * foot, 0.0, plate)
-    up, size = (0.0, 0.0, 1.0), (0.024, 0.024, 0.006)
+    up, size = UP, (0.024, 0.024, 0.006)
     switch = make_button(at, size, name="switch", parent="body", finish="accent", shape="round", out=up)
-    return Draft(style=style, parts=(*parts, switch), finishes=_draw_finishes(rng, style))
+    return Draft(style, (*parts, switch), _draw_finishes(rng, style))
 
 
-def _draw_finishes(rng: np.random.Generator, style: str) -> tuple[tuple[str, Finish], ...]:
+def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     seed, colors = int(rng.integers(2**30)), COLORS[style]
-    color = LACQUERS[colors[int(rng.integers(len(colors)))]]
+    color = LACQUERS[choose_one(rng, colors)]
     metal = ("brass", "brass", "chrome", "black") if style == "dome" else ("steel", "chrome", "black")
-    rods = make_polished(metal[int(rng.integers(len(metal)))], seed)
+    rods = make_polished(choose_one(rng, metal), seed)
     paint = make_plastic(color, gloss=0.4)
-    finishes = {
+    return {
         "body": paint,
         "foot": make_ceramic(color, seed),  # weighted: as heavy as stone
         "arm": paint if style == "led" and rng.random() < 0.6 else rods,
@@ -107,7 +106,6 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> tuple[tuple[str, Fin
         "lamp": make_plastic((0.96, 0.95, 0.9)),
         "inside": make_plastic(LACQUERS["white"]),
     }
-    return tuple(sorted(finishes.items()))
 
 
 def _build_arm(start: Point, end: Point, apart: float, *, flat: bool, springs: bool) -> list[Primitive]:
@@ -147,14 +145,14 @@ def _build_head(rng: np.random.Generator, style: str) -> tuple[list[Primitive], 
     sides = ((-OUTER - ROD, -OUTER + ROD), (OUTER - ROD, OUTER + ROD))
     cheeks = [box((-0.008, low, -0.034), (0.008, high, 0.008), "arm") for low, high in sides]
     if style == "led":
-        long = float(rng.uniform(0.2, 0.26))
+        long = choose(rng, 0.2, 0.26)
         bar = box((0.075 - long, -0.024, -0.046), (0.075, 0.024, -0.032), "body")
         light = box((0.085 - long, -0.019, -0.049), (0.02, 0.019, -0.045), "lamp")
-        tilt = float(np.radians(rng.uniform(2.5, 4.5)))
+        tilt = radians(choose(rng, 2.5, 4.5))
         pieces = [move(piece, turn=tilt, about=(0.0, 1.0, 0.0)) for piece in (*cheeks, bar, light)]
     else:
-        mouth, neck = float(rng.uniform(0.066, 0.08)), 0.03
-        tall = float(rng.uniform(0.1, 0.13)) if style == "architect" else float(rng.uniform(0.075, 0.095))
+        mouth, neck = choose(rng, 0.066, 0.08), 0.03
+        tall = choose(rng, 0.1, 0.13) if style == "architect" else choose(rng, 0.075, 0.095)
         low, wall = -0.06 - tall, 0.006
         belly = 0.9 if style == "dome" else 0.42  # radius of the shade where its wall bends
         bend = -0.06 - (0.45 if style == "dome" else 0.4) * tall

@@ -5,16 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import draw_grip, mount_grip
-from artigen.shapes.appliances.assembly import Assembly
 from artigen.shapes.appliances.cavity import SIDES, build_feet, build_shell, build_tub, divide_range
 from artigen.shapes.appliances.control_panel import design_dial, spread_controls
 from artigen.shapes.appliances.racks import build_basket, build_rack
-from artigen.shapes.draw import Draft, Wish, choose
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose
+from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.feet import make_plinth
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, hinge, slide, sweep_gap
-from artigen.shapes.primitives import Primitive, box, cylinder, line, rounded_box
-from artigen.shapes.shape import Need, ShapePart
+from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, hinge, narrow, slide, sweep_gap
+from artigen.shapes.primitives import Primitive, block, box, cylinder, line, rounded_box
+from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Dishwasher"
@@ -70,8 +71,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish)
     draw_fronts = _draw_drawers if plan.drawers else _draw_door_and_racks
-    built = Assembly(pieces=tuple(_build_base(plan))) + draw_fronts(rng, plan)
-    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(palette.items())))
+    built = Assembly(tuple(_build_base(plan))) + draw_fronts(rng, plan)
+    return Draft(style, built.close(), palette)
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
@@ -81,7 +82,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     height = choose(rng, *((0.43, 0.52) if low else (0.80, 0.90)), wish.height)
     longest = max(width, depth, height)
     paired = rng.random() < 0.06
-    length = float(rng.uniform(0.12, 0.16)) if paired else float(rng.uniform(0.55, 0.86)) * width
+    length = choose(rng, 0.12, 0.16) if paired else choose(rng, 0.55, 0.86) * width
     grip = draw_grip(
         rng, wish.choose_handles(("bar", "bar", "pull", "arch", "edge")), length=length, longest=longest
     )
@@ -89,11 +90,11 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
         width=width,
         depth=depth,
         height=height,
-        thickness=float(rng.uniform(0.042, 0.058)),
-        toe=0.018 if low else float(rng.uniform(0.07, 0.12)),
-        base=float(rng.uniform(0.015, 0.06)) if rng.random() < BASED and not low else 0.0,
-        lid=float(rng.uniform(0.020, 0.032)) if rng.random() < 0.4 and not low else 0.0,
-        wall=float(rng.uniform(0.020, 0.032)),
+        thickness=choose(rng, 0.042, 0.058),
+        toe=0.018 if low else choose(rng, 0.07, 0.12),
+        base=choose(rng, 0.015, 0.06) if rng.random() < BASED and not low else 0.0,
+        lid=choose(rng, 0.020, 0.032) if rng.random() < 0.4 and not low else 0.0,
+        wall=choose(rng, 0.020, 0.032),
         grip=grip if rng.random() < 0.82 or paired else None,
         paired=paired,
         drawers=int(rng.integers(1, 3)) if rng.random() < 0.16 and not low else 0,
@@ -109,9 +110,7 @@ def _build_base(plan: _Plan) -> list[Primitive]:
         pieces = list(build_feet(outer_x, plan.y, plan.toe, "leg", radius=0.018, inset=0.03))
     if plan.toe > 0.05 and not plan.base:
         kick = plan.front + 0.03
-        pieces.append(
-            box((kick, plan.y[0] + 0.002, 0.012), (kick + 0.014, plan.y[1] - 0.002, plan.toe), "leg")
-        )
+        pieces.append(block((kick, kick + 0.014), narrow(plan.y, 0.002), (0.012, plan.toe), "leg"))
     if plan.lid:
         low = (plan.x, plan.y[0], plan.top)
         pieces.append(rounded_box(low, (-plan.x, plan.y[1], plan.height), 0.004, "top"))
@@ -124,13 +123,9 @@ def _draw_door_and_racks(rng: np.random.Generator, plan: _Plan) -> Assembly:
     sill = plan.toe + 0.003
     # The liner of the open door is level with the floor of the tub.
     floor = sill + plan.thickness + BULGE + 0.004
-    tub = Space(
-        x=(plan.front, -plan.x - plan.wall),
-        y=(plan.y[0] + plan.wall, plan.y[1] - plan.wall),
-        z=(floor, plan.top - 0.04),
-    )
+    tub = Space(x=(plan.front, -plan.x - plan.wall), y=narrow(plan.y, plan.wall), z=(floor, plan.top - 0.04))
     shell = build_shell(outer, tub, "body", "steel")
-    built = Assembly(pieces=(*shell, *_build_spray_arm(tub)))
+    built = Assembly((*shell, *_build_spray_arm(tub)))
     return built + _draw_door(rng, plan, sill, tub) + _draw_racks(rng, tub)
 
 
@@ -145,7 +140,7 @@ def _build_spray_arm(tub: Space) -> tuple[Primitive, ...]:
 
 def _draw_door(rng: np.random.Generator, plan: _Plan, sill: float, tub: Space) -> Assembly:
     """The door with controls on its upper edge, or below a control strip of the housing."""
-    strip = float(rng.uniform(0.07, 0.12))
+    strip = choose(rng, 0.07, 0.12)
     fixed = rng.random() < 0.4
     top = plan.top - 0.003
     low = plan.top - strip
@@ -154,12 +149,12 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, sill: float, tub: Space) -
     panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=(sill, top))
     seam = top if fixed else top - strip
     leaf = Panel(x=panel.x, thickness=panel.thickness, y=panel.y, z=(sill, seam))
-    face = rounded_box((leaf.x, leaf.y[0], sill), (leaf.back, leaf.y[1], seam), 0.003, "front")
+    face = block((leaf.x, leaf.back), leaf.y, (sill, seam), "front", 0.003)
     finish = "panel" if rng.random() < 0.55 else "front"
     if fixed:
-        band = rounded_box((panel.x, panel.y[0], low), (plan.front, panel.y[1], plan.top), 0.003, finish)
+        band = block((panel.x, plan.front), panel.y, (low, plan.top), finish, 0.003)
     else:
-        band = rounded_box((panel.x, panel.y[0], seam), (panel.back, panel.y[1], top), 0.003, finish)
+        band = block((panel.x, panel.back), panel.y, (seam, top), finish, 0.003)
     band = line(band, "steel", SIDES["front"])
     extras, controls = _draw_controls(
         rng, panel.x, plan.y, (plan.top - strip, plan.top - 0.003), "body" if fixed else "door"
@@ -167,16 +162,16 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, sill: float, tub: Space) -
     housed = (band, *extras)
     solids = (line(face, "steel", SIDES["front"]), *_build_liner(leaf, tub), *(() if fixed else housed))
     motion = hinge(panel, "bottom", float(np.pi / 2))
-    door = ShapePart(name="door", label="door", parent="body", primitives=solids, motion=motion)
-    return Assembly(pieces=housed if fixed else (), parts=(door, *_mount(plan, leaf, "door"), *controls))
+    door = ShapePart("door", "door", solids, motion)
+    return Assembly(housed if fixed else (), (door, *_mount(plan, leaf, "door"), *controls))
 
 
 def _build_liner(leaf: Panel, tub: Space) -> tuple[Primitive, ...]:
     """The liner of the door, which enters the tub, with the detergent box."""
-    y, z = (tub.y[0] + 0.03, tub.y[1] - 0.03), (tub.z[0] + 0.02, min(leaf.z[1], tub.z[1]) - 0.04)
+    y, z = narrow(tub.y, 0.03), (tub.z[0] + 0.02, min(leaf.z[1], tub.z[1]) - 0.04)
     rear, level = leaf.back + BULGE, z[0] + 0.5 * (z[1] - z[0])
     return (
-        box((leaf.back - 0.02, y[0], z[0]), (rear, y[1], z[1]), "steel"),
+        block((leaf.back - 0.02, rear), y, z, "steel"),
         box((rear - 0.010, -0.02, level), (rear + 0.003, 0.12, level + 0.10), "plastic"),
     )
 
@@ -190,7 +185,7 @@ def _draw_controls(
         dials if parent == "body" else 0,  # drop-down doors have keys; dials are on housings
         int(rng.choice((0, 1, 3, 4, 5, 6), p=(0.5, 0.1, 0.1, 0.13, 0.1, 0.07))),
     )
-    across = (y[0] + 0.03, y[1] - 0.03)
+    across = narrow(y, 0.03)
     return spread_controls(rng, dial, x, across, z, counts=counts, parent=parent)
 
 
@@ -221,18 +216,16 @@ def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
     count = min(most, int(rng.choice((0, 1, 2, 3), p=(0.3, 0.2, 0.35, 0.15))))
     rails: list[Primitive] = []
     parts: list[ShapePart] = []
-    y = (tub.y[0] + ROOM, tub.y[1] - ROOM)
+    y = narrow(tub.y, ROOM)
     x = (tub.x[0] + 0.035, tub.x[1] - ROOM)
     ceiling = tub.z[1] - 0.05
     for k in range(count):
         if k == 0:
             start = tub.z[0] + ROOM
-            z = (start, start + min(float(rng.uniform(0.15, 0.22)), 0.7 * tub.height))
+            z = (start, start + min(choose(rng, 0.15, 0.22), 0.7 * tub.height))
         elif k == 1:
-            start = max(
-                tub.z[0] + float(rng.uniform(0.46, 0.52)) * tub.height, parts[0].bounds()[1, 2] + 0.03
-            )
-            z = (start, min(start + float(rng.uniform(0.10, 0.14)), ceiling - (0.05 if count == 3 else 0.0)))
+            start = max(tub.z[0] + choose(rng, 0.46, 0.52) * tub.height, parts[0].bounds()[1, 2] + 0.03)
+            z = (start, min(start + choose(rng, 0.10, 0.14), ceiling - (0.05 if count == 3 else 0.0)))
         else:
             z = (ceiling - 0.04, ceiling)
         space = Space(x=x, y=y, z=z)
@@ -245,15 +238,14 @@ def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
             rails.append(box((x[0], a, rail - 0.012), (tub.x[1], b, rail), "plastic"))
         parts.append(
             ShapePart(
-                name=f"rack_{k}",
-                label="tray",
-                parent="body",
-                primitives=solids,
-                motion=slide(float(rng.uniform(0.6, 0.78)) * space.depth),
-                needs=(Need(part="door", fraction=1.0),),
+                f"rack_{k}",
+                "tray",
+                solids,
+                slide(choose(rng, 0.6, 0.78) * space.depth),
+                needs=require("door", fraction=1.0),
             )
         )
-    return Assembly(pieces=tuple(rails), parts=tuple(parts))
+    return Assembly(rails, parts)
 
 
 def _draw_drawers(rng: np.random.Generator, plan: _Plan) -> Assembly:
@@ -261,9 +253,7 @@ def _draw_drawers(rng: np.random.Generator, plan: _Plan) -> Assembly:
     outer = Space(x=(plan.front, -plan.x), y=plan.y, z=(plan.toe, plan.top))
     wall = plan.wall
     hollow = Space(
-        x=(plan.front, -plan.x - wall),
-        y=(plan.y[0] + wall, plan.y[1] - wall),
-        z=(plan.toe + wall, plan.top - wall),
+        x=(plan.front, -plan.x - wall), y=narrow(plan.y, wall), z=(plan.toe + wall, plan.top - wall)
     )
     pieces = list(build_shell(outer, hollow, "body", "inside"))
     parts: list[ShapePart] = []
@@ -274,21 +264,13 @@ def _draw_drawers(rng: np.random.Generator, plan: _Plan) -> Assembly:
             shelf = (hollow.x[0], hollow.y[0], low - ROOM - 0.012)
             pieces.append(box(shelf, (hollow.x[1], hollow.y[1], low - ROOM), "inside"))
         panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=z)
-        tub = Space(
-            x=(panel.back, hollow.x[1] - 0.02),
-            y=(hollow.y[0] + ROOM, hollow.y[1] - ROOM),
-            z=(low, high),
-        )
+        tub = Space(x=(panel.back, hollow.x[1] - 0.02), y=narrow(hollow.y, ROOM), z=(low, high))
         name = f"drawer_{k}"
-        front = rounded_box((panel.x, panel.y[0], z[0]), (panel.back, panel.y[1], z[1]), 0.003, "front")
+        front = block((panel.x, panel.back), panel.y, z, "front", 0.003)
         solids = (front, *build_tub(tub, _tub_wall(tub), "steel"), *_build_tines(tub))
-        parts.append(
-            ShapePart(
-                name=name, label="drawer", parent="body", primitives=solids, motion=slide(0.62 * tub.depth)
-            )
-        )
+        parts.append(ShapePart(name, "drawer", solids, slide(0.62 * tub.depth)))
         parts += _mount(plan, panel, name)
-    return Assembly(pieces=tuple(pieces), parts=tuple(parts))
+    return Assembly(pieces, parts)
 
 
 def _tub_wall(tub: Space) -> float:
@@ -302,9 +284,7 @@ def _build_tines(tub: Space) -> tuple[Primitive, ...]:
     floor, height = tub.z[0] + wall, 0.35 * tub.height
     out = []
     for x in (tub.x[0] + tub.depth * share for share in (0.36, 0.68)):
-        out.append(
-            box((x - 0.006, tub.y[0] + wall, floor), (x + 0.006, tub.y[1] - wall, floor + 0.012), "plastic")
-        )
+        out.append(block((x - 0.006, x + 0.006), narrow(tub.y, wall), (floor, floor + 0.012), "plastic"))
         for y in np.linspace(tub.y[0] + 0.07, tub.y[1] - 0.07, 7):
             out.append(cylinder((x, float(y), floor), (x, float(y), floor + height), 0.004, "plastic"))
     return tuple(out)

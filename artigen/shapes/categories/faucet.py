@@ -4,14 +4,17 @@ Basin mixers extend 110 to 160 mm forward, kitchen mixers 180 to 240 mm forward 
 bridge faucets are 203 mm (8 inches) apart. A lever is cold in the middle and turns one way, to warm.
 """
 
+from math import radians
+
 import numpy as np
 
-from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
-from artigen.shapes.fittings.hardware import Range
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Wish, choose_size
+from artigen.shapes.fittings.hardware import Range, rotate
 from artigen.shapes.fittings.taps import PIVOT, make_cross_handle, make_mixer
 from artigen.shapes.fittings.tubes import bend_elbow, lay_pipe, lean_rod
-from artigen.shapes.primitives import SEGMENTS, Primitive, Vector, cylinder, rounded_box
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.primitives import FRONT, RIGHT, SEGMENTS, UP, Primitive, Vector, block, cylinder
+from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.materials import make_polished
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -27,26 +30,24 @@ METALS = ("chrome", "chrome", "steel", "black", "brass", "bronze")
 DECK = 0.03
 ROUND = float(np.cos(np.pi / SEGMENTS))
 """Ratio of the extent of the prism that approximates a cylinder to the cylinder's."""
-UP: Vector = (0.0, 0.0, 1.0)
-FRONT: Vector = (-1.0, 0.0, 0.0)
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a faucet."""
     style = choose_style(rng, STYLES, wish.style)
     wide, deep, tall = SIZES[style]
-    width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=deep, height=tall)
+    width, depth, height = choose_size(rng, CATEGORY, wish, (wide, deep, tall))
     back = depth / 2 - 0.06  # x of the faucet's axis
     low = -depth / 2 + 0.3 * depth
-    deck = rounded_box((low, -width / 2, 0.0), (depth / 2, width / 2, DECK), 0.002, "top")
+    deck = block((low, depth / 2), (-width / 2, width / 2), (0.0, DECK), "top", 0.002)
     reach = back + depth / 2
     build = {"single": _draw_single, "kitchen": _draw_kitchen, "bridge": _draw_bridge}[style]
     pieces, parts = build(rng, back, reach, height)
-    body = ShapePart(name="body", label="base", parent=None, primitives=(deck, *pieces))
-    finishes = draw_palette(rng, "furniture", ("oak", "white", "walnut", "anthracite")[int(rng.integers(4))])
-    metal = make_polished(METALS[int(rng.integers(len(METALS)))], int(rng.integers(2**30)))
+    body = make_base((deck, *pieces))
+    finishes = draw_palette(rng, "furniture", choose_one(rng, ("oak", "white", "walnut", "anthracite")))
+    metal = make_polished(choose_one(rng, METALS), int(rng.integers(2**30)))
     finishes |= {"handle": metal, "accent": metal}
-    return Draft(style=style, parts=(body, *parts), finishes=tuple(sorted(finishes.items())))
+    return Draft(style, (body, *parts), finishes)
 
 
 def _build_aerator(x: float, z: float, radius: float) -> Primitive:
@@ -74,12 +75,12 @@ def _draw_single(
     rng: np.random.Generator, x: float, reach: float, height: float
 ) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
     """A pillar with a fixed spout, and the cartridge with its lever on top."""
-    radius = float(rng.uniform(0.021, 0.026))
+    radius = choose(rng, 0.021, 0.026)
     cap = 0.02
     top = height - cap - 0.0015 - 2 * PIVOT - (0.013 - PIVOT)
     spout, tube = DECK + 0.6 * (top - DECK), 0.0135
     end = x - reach + 1.12 * tube * ROUND
-    rise = float(rng.uniform(0.0, 0.02))
+    rise = choose(rng, 0.0, 0.02)
     bend, level, low = 0.02, spout + rise, spout + rise - 0.03
     pieces = (
         cylinder((x, 0.0, DECK), (x, 0.0, DECK + 0.006), 1.25 * radius, "handle"),
@@ -97,8 +98,8 @@ def _draw_single(
         parent="body",
         radius=radius,
         height=cap,
-        length=float(rng.uniform(0.6, 0.8)) * reach,
-        turn=float(np.radians(50.0)),
+        length=choose(rng, 0.6, 0.8) * reach,
+        turn=radians(50.0),
         finish="handle",
     )
     return pieces, mixer
@@ -108,7 +109,7 @@ def _draw_kitchen(
     rng: np.random.Generator, x: float, reach: float, height: float
 ) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
     """A high swivelling spout on a body with a lever at its side."""
-    radius, tube = float(rng.uniform(0.022, 0.026)), 0.0125
+    radius, tube = choose(rng, 0.022, 0.026), 0.0125
     neck = DECK + 0.11
     pieces = (
         cylinder((x, 0.0, DECK), (x, 0.0, DECK + 0.006), 1.25 * radius, "handle"),
@@ -127,14 +128,14 @@ def _draw_kitchen(
     spout = _make_swivel((x, 0.0, neck), (collar, *tubes))
     mixer = make_mixer(
         (x, -radius - 0.006, DECK + 0.06),
-        (0.0, -1.0, 0.0),
+        RIGHT,
         UP,
         name="lever",
         parent="body",
         radius=0.018,
         height=0.02,
-        length=float(rng.uniform(0.08, 0.1)),
-        turn=float(np.radians(50.0)),
+        length=choose(rng, 0.08, 0.1),
+        turn=radians(50.0),
         finish="handle",
     )
     return pieces, (spout, *mixer)
@@ -142,8 +143,8 @@ def _draw_kitchen(
 
 def _make_swivel(foot: Vector, pieces: tuple[Primitive, ...]) -> ShapePart:
     """A spout that turns about the vertical axis through its foot."""
-    turn = Motion(type="continuous", axis=UP, origin=foot, upper=2 * np.pi)
-    return ShapePart(name="spout", label="handle", parent="body", primitives=pieces, motion=turn)
+    turn = rotate(UP, foot)
+    return ShapePart("spout", "handle", pieces, turn)
 
 
 def _draw_bridge(

@@ -6,14 +6,16 @@ hulls.
 """
 
 from dataclasses import dataclass
+from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly
-from artigen.shapes.draw import Draft, Wish, choose, choose_style
-from artigen.shapes.fittings.hardware import GAP, Range
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Wish
+from artigen.shapes.fittings.hardware import GAP, Range, narrow
 from artigen.shapes.fittings.lids import hinge_lid, loft, shrink
-from artigen.shapes.primitives import Primitive, box, cylinder
+from artigen.shapes.primitives import LEFT, Primitive, block, box, cylinder
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_glass, make_metal
@@ -67,22 +69,20 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     look = LOOKS[style]
     width = choose(rng, *((0.35, 0.4) if style == "gaming" else (0.295, 0.37)), wish.width)
     depth = choose(rng, 0.65 * width, 0.72 * width, wish.depth)
-    lid = float(rng.uniform(*look.lid))
+    lid = choose(rng, *look.lid)
     base = choose(rng, *look.base, None if wish.height is None else wish.height - lid - GAP - 0.002)
     built = _build(rng, (width, depth, base, lid), look, style)
-    return Draft(
-        style=style, parts=built.close(), finishes=tuple(sorted(_draw_finishes(rng, look, style).items()))
-    )
+    return Draft(style, built.close(), _draw_finishes(rng, look, style))
 
 
 def _draw_finishes(rng: np.random.Generator, look: _Look, style: str) -> dict[str, Finish]:
-    body, key = look.bodies[int(rng.integers(len(look.bodies)))], look.keys[int(rng.integers(len(look.keys)))]
+    body, key = choose_one(rng, look.bodies), choose_one(rng, look.keys)
     kind, gloss = ("steel", 0.4) if style == "light" else ("plastic", 0.25)
     shade = (0.94 * body[0], 0.94 * body[1], 0.94 * body[2])
     well = (0.05, 0.05, 0.055) if max(body) < 0.4 else (0.62 * body[0], 0.62 * body[1], 0.62 * body[2])
     dark = Finish(kind="plastic", color=BLACK, accent=BLACK, gloss=0.2)
     return {
-        "body": Finish(kind=kind, color=body, accent=shade, grain=(0.0, 1.0, 0.0), period=0.05, gloss=gloss),
+        "body": Finish(kind=kind, color=body, accent=shade, grain=LEFT, period=0.05, gloss=gloss),
         "key": Finish(kind="plastic", color=key, accent=key, gloss=0.15),
         "panel": Finish(kind="glass", color=shade, accent=shade, gloss=0.35),
         "inside": Finish(kind="plastic", color=well, accent=well, gloss=0.1),
@@ -104,7 +104,7 @@ def _build(
     top, rear = foot + thick, x[1] - BARREL - GAP
     deck = loft(shrink(((x[0], rear), y), 0.35 * thick), ((x[0], rear), y), (foot, top), "body")
     pads = [
-        box((at, y[0] + 0.05, 0.0), (at + 0.01, y[1] - 0.05, foot + 0.001), "rubber")
+        block((at, at + 0.01), narrow(y, 0.05), (0.0, foot + 0.001), "rubber")
         for at in (x[0] + 0.02, rear - 0.03)
     ]
     pieces: list[Primitive] = [deck, *pads, *_build_keys(x[0], rear, y, top, style)]
@@ -114,22 +114,20 @@ def _build(
             for a in (y[0] + 0.02, y[1] - 0.09)
         ]
     low = top + GAP
-    slab = box((x[0], y[0], low + 0.001), (x[1], y[1], low + lid), "body")
-    inset = float(rng.uniform(0.005, 0.009))
-    bezel = box((x[0] + 0.001, y[0] + 0.001, low), (x[1] - 0.012, y[1] - 0.001, low + 0.003), "trim")
-    screen = box(
-        (x[0] + inset, y[0] + inset, low - 0.0005),
-        (x[1] - 0.012 - 2 * inset, y[1] - inset, low + 0.002),
-        "screen",
+    slab = block(x, y, (low + 0.001, low + lid), "body")
+    inset = choose(rng, 0.005, 0.009)
+    bezel = block((x[0] + 0.001, x[1] - 0.012), narrow(y, 0.001), (low, low + 0.003), "trim")
+    screen = block(
+        (x[0] + inset, x[1] - 0.012 - 2 * inset), narrow(y, inset), (low - 0.0005, low + 0.002), "screen"
     )
     barrel = cylinder((x[1], y[0] + 0.06 * width, low), (x[1], y[1] - 0.06 * width, low), BARREL, "trim")
     solids = [slab, bezel, screen, barrel]
     if rng.random() < 0.8:
         middle = ((x[0] + x[1]) / 2, 0.0)
         solids.append(cylinder((*middle, low + 0.002), (*middle, low + lid + 0.0004), 0.045 * width, "mark"))
-    motion = hinge_lid(x, y, low, float(np.radians(rng.uniform(*look.opens))))
-    cover = ShapePart(name="screen", label="door", parent="body", primitives=tuple(solids), motion=motion)
-    return Assembly(pieces=tuple(pieces), parts=(cover,))
+    motion = hinge_lid(x, y, low, radians(choose(rng, *look.opens)))
+    cover = ShapePart("screen", "door", tuple(solids), motion)
+    return Assembly(pieces, (cover,))
 
 
 ROWS: tuple[tuple[float, ...], ...] = (

@@ -5,27 +5,23 @@ USPS-STD-7C places the bottom of a roadside box 1.04 to 1.14 m above the road; b
 """
 
 from dataclasses import replace
+from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly, draw_styled
 from artigen.shapes.appliances.cavity import build_shell
+from artigen.shapes.assembly import Assembly, draw_styled
+from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.fronts import FrontDesign, make_door
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, sweep_gap
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, narrow, rotate, sweep_gap
 from artigen.shapes.fittings.lids import build_roof
 from artigen.shapes.fittings.locks import make_lock
-from artigen.shapes.primitives import Primitive, box, move, prism, rounded_box
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.primitives import RIGHT, Primitive, block, box, move, prism
+from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
-from artigen.shapes.surfaces.materials import (
-    LACQUERS,
-    make_lacquer,
-    make_metal,
-    make_stone,
-    make_wood,
-)
+from artigen.shapes.surfaces.materials import LACQUERS, make_lacquer, make_metal, make_stone, make_wood
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Mailbox"
@@ -59,9 +55,9 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     seed = int(rng.integers(2**30))
-    paint = make_lacquer(PAINTS[int(rng.integers(len(PAINTS)))], gloss=0.4)
+    paint = make_lacquer(choose_one(rng, PAINTS), gloss=0.4)
     other = make_metal("steel", seed) if rng.random() < 0.5 else paint
-    wood = make_wood(("pine", "oak", "teak", "grey_oak")[int(rng.integers(4))], seed)
+    wood = make_wood(choose_one(rng, ("pine", "oak", "teak", "grey_oak")), seed)
     post = wood if style == "rural" and rng.random() < 0.75 else make_lacquer(LACQUERS["anthracite"])
     return draw_palette(rng, "appliance", "steel") | {
         "body": paint,
@@ -81,7 +77,7 @@ def _build_rural(rng: np.random.Generator, width: float, depth: float, height: f
     flag, grip = 0.0055, 0.03
     x, y = (grip - depth / 2, depth / 2), (flag - width / 2, width / 2)
     half, middle = (y[1] - y[0]) / 2, (y[0] + y[1]) / 2
-    high = half + float(rng.uniform(0.5, 0.8)) * (y[1] - y[0])
+    high = half + choose(rng, 0.5, 0.8) * (y[1] - y[0])
     z = (height - high, height)
     spring = height - half
     turns = np.linspace(0.0, np.pi, 9)
@@ -95,26 +91,23 @@ def _build_rural(rng: np.random.Generator, width: float, depth: float, height: f
         move(solid, turn=np.pi / 2)
         for solid in build_roof(outline[::-1], WALL, (-x[1], -start), "body", ends=False)
     ]
-    floor = box((start, y[0], z[0] - 0.006), (x[1], y[1], z[0] + 0.004), "body")
+    floor = block((start, x[1]), y, (z[0] - 0.006, z[0] + 0.004), "body")
     rear = prism(outline, (x[1] - WALL, 0, 0), (x[1], 0, 0), "body")
     front = prism(outline, (x[0], 0, 0), (x[0] + thick, 0, 0), "front")
     panel = Panel(x=x[0], thickness=thick, y=y, z=z)
-    door = ShapePart(
-        name="door", label="door", parent="body", primitives=(front,),
-        motion=hinge(panel, "bottom", float(np.radians(rng.uniform(85, 110)))),
-    )  # fmt: skip
+    door = ShapePart("door", "door", (front,), hinge(panel, "bottom", radians(choose(rng, 85, 110))))
     design = HandleDesign(kind="knob", length=0.028, thickness=0.01, finish="accent")
     handle = make_handle(
         panel, design, name="door_handle", parent="door", upright=False, at=(middle, height - 0.045)
     )
-    post, block = 0.045, 0.16
+    post, stone = 0.045, 0.16
     under = z[0] - 0.006
     board = 0.022
     pieces = [
         *walls, floor, rear,
         box((-0.38 * depth, -0.4 * width, under - board), (0.42 * depth, 0.4 * width, under), "leg"),
         box((-post, -post, 0.05), (post, post, under - board), "leg"),
-        box((-block, -width / 2, 0.0), (block, width / 2, 0.05), "foot"),
+        box((-stone, -width / 2, 0.0), (stone, width / 2, 0.05), "foot"),
     ]  # fmt: skip
     if rng.random() < 0.6:
         heights = (under - board, under - board, under - 0.3, under - 0.36)
@@ -122,8 +115,8 @@ def _build_rural(rng: np.random.Generator, width: float, depth: float, height: f
         profile = np.column_stack([heights, places])
         brace = prism(profile, (0, -0.03, 0), (0, 0.03, 0), "leg")
         pieces.append(brace)
-    at = (float(rng.uniform(-0.15, 0.1)) * depth, y[0] - 0.0015, z[0] + 0.45 * (spring - z[0]))
-    return Assembly(pieces=tuple(pieces), parts=(door, handle, _make_flag(at, min(0.15, 0.32 * depth))))
+    at = (choose(rng, -0.15, 0.1) * depth, y[0] - 0.0015, z[0] + 0.45 * (spring - z[0]))
+    return Assembly(pieces, (door, handle, _make_flag(at, min(0.15, 0.32 * depth))))
 
 
 def _make_flag(at: tuple[float, float, float], long: float) -> ShapePart:
@@ -133,31 +126,30 @@ def _make_flag(at: tuple[float, float, float], long: float) -> ShapePart:
         box((x - 0.012, y - 0.004, z - 0.008), (x + long, y, z + 0.008), "mark"),
         box((x + 0.62 * long, y - 0.004, z + 0.008), (x + long, y, z + 0.04), "mark"),
     )
-    turn = Motion(type="revolute", axis=(0.0, -1.0, 0.0), origin=(x, y, z), upper=np.pi / 2)
-    return ShapePart(name="flag", label="knob", parent="body", primitives=solids, motion=turn)
+    turn = rotate(RIGHT, (x, y, z), np.pi / 2)
+    return ShapePart("flag", "knob", solids, turn)
 
 
 def _build_modern(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A box on two legs with a foot plate: a flap over the slot, and a door with a lock below."""
-    tall = float(rng.uniform(0.32, 0.5))
+    tall = choose(rng, 0.32, 0.5)
     x, y = (KEY - depth / 2, depth / 2), (-width / 2, width / 2)
     legs = [
-        box((0.02, a - 0.02, 0.012), (0.06, a + 0.02, height - tall + 0.002), "leg")
-        for a in (y[0] + 0.05, y[1] - 0.05)
+        box((0.02, a - 0.02, 0.012), (0.06, a + 0.02, height - tall + 0.002), "leg") for a in narrow(y, 0.05)
     ]
-    plate = box((-depth / 2, y[0], 0.0), (depth / 2, y[1], 0.012), "leg")
+    plate = block((-depth / 2, depth / 2), y, (0.0, 0.012), "leg")
     built = _build_box(rng, Space(x=x, y=y, z=(height - tall, height)), (0.09, tall - 0.09))
-    return built + Assembly(pieces=(*legs, plate))
+    return built + Assembly((*legs, plate))
 
 
 def _build_parcel(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A column: a flap and a door for letters, and a large door for parcels."""
     x, y = (KEY - depth / 2, depth / 2), (-width / 2, width / 2)
-    plinth = box((x[0] + 0.05, y[0] + 0.03, 0.0), (x[1] - 0.03, y[1] - 0.03, 0.04), "leg")
+    plinth = block((x[0] + 0.05, x[1] - 0.03), narrow(y, 0.03), (0.0, 0.04), "leg")
     rest = height - 0.04 - 0.1
-    upper = float(rng.uniform(0.25, 0.4)) * rest
+    upper = choose(rng, 0.25, 0.4) * rest
     return _build_box(rng, Space(x=x, y=y, z=(0.04, height)), (0.1, upper, rest - upper)) + Assembly(
-        pieces=(plinth,)
+        (plinth,)
     )
 
 
@@ -166,21 +158,14 @@ def _build_box(rng: np.random.Generator, outer: Space, heights: tuple[float, ...
     thick = 0.012
     front, wall = outer.x[0], 0.010
     shell = Space(x=(front + thick + GAP, outer.x[1]), y=outer.y, z=outer.z)
-    inner = Space(
-        x=(shell.x[0], outer.x[1] - wall),
-        y=(outer.y[0] + wall, outer.y[1] - wall),
-        z=(outer.z[0] + wall, outer.z[1] - wall),
-    )
+    inner = Space(x=(shell.x[0], outer.x[1] - wall), y=narrow(outer.y, wall), z=narrow(outer.z, wall))
     pieces: list[Primitive] = list(build_shell(shell, inner, "body", "inside"))
-    roof = rounded_box(
-        (front - 0.012, outer.y[0], outer.z[1] - 0.012),
-        (shell.x[0] + 0.002, outer.y[1], outer.z[1]),
-        0.002,
-        "body",
+    roof = block(
+        (front - 0.012, shell.x[0] + 0.002), outer.y, (outer.z[1] - 0.012, outer.z[1]), "body", 0.002
     )
     pieces.append(roof)
     left = bool(rng.random() < 0.5)
-    upper = float(np.radians(rng.uniform(92, 115)))
+    upper = radians(choose(rng, 92, 115))
     parts: list[ShapePart] = []
     top = outer.z[1] - 0.012
     for k, high in enumerate(heights):
@@ -188,12 +173,7 @@ def _build_box(rng: np.random.Generator, outer: Space, heights: tuple[float, ...
         room = sweep_gap(outer.y[1] - outer.y[0], thick)
         across = (outer.y[0] + (0.001 if not left else room), outer.y[1] - (room if not left else 0.001))
         if k == 0:
-            panel = Panel(
-                x=front,
-                thickness=thick,
-                y=(outer.y[0] + 0.03, outer.y[1] - 0.03),
-                z=(bottom + 0.004, top - 0.018),
-            )
+            panel = Panel(x=front, thickness=thick, y=narrow(outer.y, 0.03), z=(bottom + 0.004, top - 0.018))
             frame = [
                 box(
                     (front, outer.y[0], bottom + 0.002), (shell.x[0] + 0.002, outer.y[0] + 0.028, top), "body"
@@ -201,38 +181,24 @@ def _build_box(rng: np.random.Generator, outer: Space, heights: tuple[float, ...
                 box(
                     (front, outer.y[1] - 0.028, bottom + 0.002), (shell.x[0] + 0.002, outer.y[1], top), "body"
                 ),
-                box(
-                    (front, outer.y[0] + 0.028, top - 0.014),
-                    (shell.x[0] + 0.002, outer.y[1] - 0.028, top),
-                    "body",
-                ),
+                block((front, shell.x[0] + 0.002), narrow(outer.y, 0.028), (top - 0.014, top), "body"),
             ]
             pieces += frame
-            lip = box(
-                (front - 0.008, panel.y[0] + 0.06, panel.z[0]),
-                (front, panel.y[1] - 0.06, panel.z[0] + 0.006),
-                "front",
+            lip = block(
+                (front - 0.008, front), narrow(panel.y, 0.06), (panel.z[0], panel.z[0] + 0.006), "front"
             )
-            slab = rounded_box(
-                (front, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1]), 0.001, "front"
-            )
-            motion = hinge(panel, "top", float(np.radians(70)))
-            parts.append(
-                ShapePart(name="flap", label="door", parent="body", primitives=(slab, lip), motion=motion)
-            )
+            slab = block((front, panel.back), panel.y, panel.z, "front", 0.001)
+            motion = hinge(panel, "top", radians(70))
+            parts.append(ShapePart("flap", "door", (slab, lip), motion))
         else:
             panel = Panel(x=front, thickness=thick, y=across, z=(bottom + 0.002, top - 0.002))
             parts += _make_locked_door(panel, f"door_{k}", upper, left=left)
         if k < len(heights) - 1 and k > 0:
             pieces.append(
-                box(
-                    (shell.x[0], inner.y[0], bottom - 0.004),
-                    (inner.x[1], inner.y[1], bottom + 0.004),
-                    "inside",
-                )
+                block((shell.x[0], inner.x[1]), inner.y, (bottom - 0.004, bottom + 0.004), "inside")
             )
         top = bottom
-    return Assembly(pieces=tuple(pieces), parts=tuple(parts))
+    return Assembly(pieces, parts)
 
 
 def _make_locked_door(panel: Panel, name: str, upper: float, *, left: bool) -> list[ShapePart]:
@@ -250,11 +216,11 @@ def _make_locked_door(panel: Panel, name: str, upper: float, *, left: bool) -> l
 
 def _build_cluster(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A cluster box: columns of compartments with doors and locks on a pedestal."""
-    foot = float(rng.uniform(0.35, 0.5))
+    foot = choose(rng, 0.35, 0.5)
     x, y = (KEY - depth / 2, depth / 2), (-width / 2, width / 2)
     thick, wall = 0.012, 0.012
     shell = Space(x=(x[0] + thick + GAP, x[1]), y=y, z=(foot, height))
-    inner = Space(x=(shell.x[0], x[1] - wall), y=(y[0] + wall, y[1] - wall), z=(foot + wall, height - wall))
+    inner = Space(x=(shell.x[0], x[1] - wall), y=narrow(y, wall), z=(foot + wall, height - wall))
     pieces: list[Primitive] = [
         *build_shell(shell, inner, "body", "inside"),
         box((-0.1, -0.12, 0.012), (0.1, 0.12, foot), "leg"),
@@ -264,11 +230,7 @@ def _build_cluster(rng: np.random.Generator, width: float, depth: float, height:
     rows = int(rng.integers(4, 7))
     tall = rng.random() < 0.6  # a parcel locker below one column
     middle = 0.0
-    pieces.append(
-        box(
-            (shell.x[0], middle - wall / 2, inner.z[0]), (inner.x[1], middle + wall / 2, inner.z[1]), "inside"
-        )
-    )
+    pieces.append(block((shell.x[0], inner.x[1]), (middle - wall / 2, middle + wall / 2), inner.z, "inside"))
     parts: list[ShapePart] = []
     for column in range(columns):
         span = (middle, y[1]) if column == 0 else (y[0], middle)
@@ -279,13 +241,9 @@ def _build_cluster(rng: np.random.Generator, width: float, depth: float, height:
         for k, high in enumerate(tops[:-1].tolist()):
             low = float(tops[k + 1])
             room = sweep_gap(span[1] - span[0], thick) / 2 + 0.001
-            panel = Panel(
-                x=x[0], thickness=thick, y=(span[0] + room, span[1] - room), z=(low + 0.0015, high - 0.0015)
-            )
+            panel = Panel(x=x[0], thickness=thick, y=narrow(span, room), z=(low + 0.0015, high - 0.0015))
             name = f"door_{column}_{k}"
-            parts += _make_locked_door(panel, name, float(np.radians(95)), left=bool(column))
+            parts += _make_locked_door(panel, name, radians(95), left=bool(column))
             if k < len(shares) - 1:
-                pieces.append(
-                    box((shell.x[0], deep[0], low - 0.004), (inner.x[1], deep[1], low + 0.004), "inside")
-                )
-    return Assembly(pieces=tuple(pieces), parts=tuple(parts))
+                pieces.append(block((shell.x[0], inner.x[1]), deep, (low - 0.004, low + 0.004), "inside"))
+    return Assembly(pieces, parts)

@@ -1,6 +1,7 @@
 """Microwave: a door beside or below a control panel, a cavity with a turntable, keys and dials."""
 
 from dataclasses import dataclass
+from math import radians
 
 import numpy as np
 
@@ -8,10 +9,11 @@ from artigen.shapes.appliances.appliance_doors import build_window_leaf, draw_gr
 from artigen.shapes.appliances.cavity import SIDES, build_feet, build_shell, divide_range
 from artigen.shapes.appliances.control_panel import build_display, design_dial, make_button, make_dial
 from artigen.shapes.appliances.rings import build_ring
-from artigen.shapes.draw import Draft, Wish, choose
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, sweep_gap
-from artigen.shapes.primitives import Primitive, box, cylinder
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.choices import choose
+from artigen.shapes.draw import Draft, Wish
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, narrow, rotate, sweep_gap
+from artigen.shapes.primitives import Primitive, block, cylinder
+from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Microwave"
@@ -44,14 +46,10 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     plan = _draw_plan(rng, wish)
     face = "panel" if rng.random() < (0.6 if style != "retro" else 0.15) else "front"
     controls, extras = _draw_controls(rng, plan)
-    parts = [
-        _build_body(plan, face, extras),
-        *_draw_door(rng, plan, face, wish),
-        *controls,
-    ]
+    parts = [_build_body(plan, face, extras), *_draw_door(rng, plan, face, wish), *controls]
     if rng.random() < 0.72:
         parts.append(_draw_turntable(rng, plan))
-    return Draft(style=style, parts=tuple(parts), finishes=tuple(sorted(palette.items())))
+    return Draft(style, tuple(parts), palette)
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
@@ -59,12 +57,12 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     depth = choose(rng, 0.62 * width, 0.85 * width, wish.depth)
     height = choose(rng, 0.54 * width, 0.68 * width, wish.height)
     drops = rng.random() < 0.1
-    foot = float(rng.uniform(0.008, 0.018)) if rng.random() < 0.85 else 0.0
-    thick = float(rng.uniform(0.030, 0.042))
-    wall = float(rng.uniform(0.014, 0.026))
+    foot = choose(rng, 0.008, 0.018) if rng.random() < 0.85 else 0.0
+    thick = choose(rng, 0.030, 0.042)
+    wall = choose(rng, 0.014, 0.026)
     x = -depth / 2
-    column = float(rng.uniform(0.19, 0.30)) * width
-    strip = float(rng.uniform(0.20, 0.27)) * height
+    column = choose(rng, 0.19, 0.30) * width
+    strip = choose(rng, 0.20, 0.27) * height
     if drops:
         door = Panel(x=x, thickness=thick, y=(-width / 2, width / 2), z=(foot, height - strip))
         gap = sweep_gap(door.height, thick)
@@ -100,18 +98,18 @@ def _build_body(plan: _Plan, face: str, extras: tuple[Primitive, ...]) -> ShapeP
     panel = plan.controls
     pieces = [
         *build_shell(outer, plan.hollow, "body", "inside"),
-        box((panel.x, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1]), face),
+        block((panel.x, panel.back), panel.y, panel.z, face),
         *extras,
     ]
     if plan.foot:
         pieces += build_feet(outer.x, outer.y, plan.foot, "rubber", radius=0.014, inset=0.04)
-    return ShapePart(name="body", label="base", parent=None, primitives=tuple(pieces))
+    return make_base(pieces)
 
 
 def _draw_door(rng: np.random.Generator, plan: _Plan, face: str, wish: Wish) -> list[ShapePart]:
     panel = plan.door
-    margin = float(rng.uniform(0.10, 0.17)) * panel.height
-    rail = float(rng.uniform(0.045, 0.07))
+    margin = choose(rng, 0.10, 0.17) * panel.height
+    rail = choose(rng, 0.045, 0.07)
     free = rail if not plan.drops else margin
     window = (
         (panel.y[0] + free, panel.y[1] - margin),
@@ -119,14 +117,12 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, face: str, wish: Wish) -> 
     )
     leaf = build_window_leaf(panel, window, face, "inside")
     edge = "bottom" if plan.drops else "left"
-    upper = float(np.radians(90 if plan.drops else rng.uniform(88, 125)))
-    door = ShapePart(
-        name="door", label="door", parent="body", primitives=leaf, motion=hinge(panel, edge, upper)
-    )
+    upper = radians(90 if plan.drops else rng.uniform(88, 125))
+    door = ShapePart("door", "door", leaf, hinge(panel, edge, upper))
     if rng.random() < 0.4:
         return [door]
     span = panel.width if plan.drops else panel.height
-    length = float(rng.uniform(0.6, 0.86)) * span
+    length = choose(rng, 0.6, 0.86) * span
     kinds = wish.choose_handles(("bar", "pull", "arch", "edge"))
     design = draw_grip(rng, kinds, length=length, longest=plan.width)
     inset = max(0.004, (rail - design.thickness) / 2) if design.kind != "edge" else 0.004
@@ -140,15 +136,15 @@ def _draw_controls(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePar
     panel = plan.controls
     parts: list[ShapePart] = []
     extras: list[Primitive] = []
-    low, high = panel.z[0] + 0.014, panel.z[1] - 0.014
+    low, high = narrow(panel.z, 0.014)
     y, _ = panel.center
-    inner: Range = (panel.y[0] + 0.012, panel.y[1] - 0.012)
+    inner: Range = narrow(panel.y, 0.012)
     if rng.random() < 0.7:
-        tall = float(rng.uniform(0.026, 0.042))
+        tall = choose(rng, 0.026, 0.042)
         extras.append(build_display(panel.x, inner, (high - tall, high)))
         high -= tall + 0.012
     if rng.random() < 0.45:  # a button that releases the door
-        tall = float(rng.uniform(0.024, 0.036))
+        tall = choose(rng, 0.024, 0.036)
         size = (0.8 * (inner[1] - inner[0]), tall, 0.008)
         at = (panel.x, y, low + tall / 2)
         parts.append(make_button(at, size, name="door_button", parent="body", finish="handle"))
@@ -179,7 +175,7 @@ def _draw_dials(rng: np.random.Generator, x: float, y: Range, z: Range, count: i
 
 def _draw_keys(rng: np.random.Generator, x: float, y: Range, z: Range, rows: int) -> list[ShapePart]:
     columns = 3 if y[1] - y[0] > 0.065 else 2
-    gap = float(rng.uniform(0.005, 0.007))
+    gap = choose(rng, 0.005, 0.007)
     tall = min((z[1] - z[0] - gap * (rows - 1)) / rows, 0.022)
     rows_z = divide_range((z[1] - rows * tall - gap * (rows - 1), z[1]), rows, gap)
     columns_y = divide_range(y, columns, gap)
@@ -215,7 +211,7 @@ def _draw_strip(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart],
 def _draw_turntable(rng: np.random.Generator, plan: _Plan) -> ShapePart:
     """Draws a glass plate on a coupling, `GAP` above the floor of the cavity."""
     space = plan.hollow
-    radius = min(0.46 * min(space.width, space.depth), float(rng.uniform(0.12, 0.18)))
+    radius = min(0.46 * min(space.width, space.depth), choose(rng, 0.12, 0.18))
     y = (space.y[0] + space.y[1]) / 2
     x = (space.x[0] + space.x[1]) / 2
     z = space.z[0]
@@ -231,5 +227,5 @@ def _draw_turntable(rng: np.random.Generator, plan: _Plan) -> ShapePart:
             "clear",
         ),
     ]
-    motion = Motion(type="continuous", axis=SIDES["bottom"], origin=(x, y, z), upper=2 * np.pi)
-    return ShapePart(name="turntable", label="tray", parent="body", primitives=tuple(pieces), motion=motion)
+    motion = rotate(SIDES["bottom"], (x, y, z))
+    return ShapePart("turntable", "tray", tuple(pieces), motion)

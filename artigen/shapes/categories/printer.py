@@ -6,16 +6,18 @@ deep and 0.15 to 0.22 m high; laser printers 0.36 to 0.42 m wide and 0.22 to 0.3
 """
 
 from dataclasses import dataclass
+from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly
 from artigen.shapes.appliances.control_panel import make_button
-from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_style
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_castors
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, hinge, slide, sweep_gap
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, hinge, narrow, slide, sweep_gap
 from artigen.shapes.fittings.lids import hinge_lid, loft, shrink
-from artigen.shapes.primitives import Primitive, box, cylinder, polytope, rounded_box
+from artigen.shapes.primitives import Primitive, block, box, cylinder, polytope
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_glass, make_plastic
@@ -30,7 +32,7 @@ SIZES: dict[str, tuple[Range, Range, Range]] = {
 }
 """Width, depth and height (m)."""
 SHELLS: tuple[Color, ...] = ((0.90, 0.90, 0.89), (0.82, 0.82, 0.80), (0.15, 0.15, 0.16), (0.32, 0.33, 0.35))
-WALL, FRONT = 0.012, 0.016
+WALL, FACE = 0.012, 0.016
 """Thickness (m) of the housing, and of the fronts of cassettes."""
 
 
@@ -44,7 +46,7 @@ class _Frame:
     @property
     def inner(self) -> Range:
         """Range of y between the sides."""
-        return self.y[0] + WALL, self.y[1] - WALL
+        return narrow(self.y, WALL)
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -53,11 +55,11 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     width, depth, height = choose_lengths(rng, wish, SIZES[style])
     frame = _Frame(x=(0.012 - depth / 2, depth / 2), y=(-width / 2, width / 2))
     built = _build(rng, frame, height, style)
-    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(_draw_finishes(rng).items())))
+    return Draft(style, built.close(), _draw_finishes(rng))
 
 
 def _draw_finishes(rng: np.random.Generator) -> dict[str, Finish]:
-    shell, second = (SHELLS[int(rng.integers(len(SHELLS)))] for _ in range(2))
+    shell, second = (choose_one(rng, SHELLS) for _ in range(2))
     same = rng.random() < 0.5
     dark: Color = (0.13, 0.13, 0.14)
 
@@ -83,14 +85,14 @@ def _build(rng: np.random.Generator, frame: _Frame, height: float, style: str) -
     scanner = {"inkjet": 0.055, "laser": 0.0, "multifunction": 0.11, "copier": 0.16}[style]
     lid = 0.02 if style == "inkjet" else 0.03
     top = height - scanner if scans else height
-    bay = 0.0 if style == "laser" else (0.06 if style == "inkjet" else float(rng.uniform(0.09, 0.13)))
+    bay = 0.0 if style == "laser" else (0.06 if style == "inkjet" else choose(rng, 0.09, 0.13))
     pitch = {"inkjet": 0.05, "laser": 0.085, "multifunction": 0.085, "copier": 0.13}[style]
     base = top - (bay or 0.04)
     count = {"inkjet": 1, "laser": 1, "multifunction": int(rng.integers(1, 3))}.get(style, 4)
     count = int(np.clip((base - low - (0.2 if copier else 0.03)) / pitch, 1, count))
     high = low + count * pitch
-    front = frame.x[0] + FRONT + GAP
-    built += Assembly(pieces=tuple(_make_walls(frame, (low, high), front)))
+    front = frame.x[0] + FACE + GAP
+    built += Assembly(tuple(_make_walls(frame, (low, high), front)))
     for k in range(count):
         built += _make_cassette(frame, (low + k * pitch, low + (k + 1) * pitch), f"cassette_{k}")
     if base - high > 0.02:
@@ -109,7 +111,7 @@ def _build(rng: np.random.Generator, frame: _Frame, height: float, style: str) -
     crest = 0.0 if style == "inkjet" else (0.07 if copier else 0.045)
     bed = height - lid - crest - GAP
     built += _make_scanner(rng, frame, (top, bed), height, lid)
-    across = (right + 0.03, right + 0.03 + float(rng.uniform(0.14, 0.22)))
+    across = (right + 0.03, right + 0.03 + choose(rng, 0.14, 0.22))
     return built + _make_controls(rng, frame, (top + 0.003, bed - 0.003), across)
 
 
@@ -123,69 +125,59 @@ def _make_foot(frame: _Frame, *, copier: bool) -> tuple[Assembly, float]:
         pieces = [
             cylinder((a, b, 0.0), (a, b, level), 0.012, "rubber")
             for a in (frame.x[0] + 0.05, frame.x[1] - 0.03)
-            for b in (frame.y[0] + 0.04, frame.y[1] - 0.04)
+            for b in narrow(frame.y, 0.04)
         ]
-    pieces.append(box((frame.x[0] + 0.02, frame.y[0], level), (frame.x[1], frame.y[1], level + WALL), "body"))
-    return Assembly(pieces=tuple(pieces), parts=parts), level + WALL
+    pieces.append(block((frame.x[0] + 0.02, frame.x[1]), frame.y, (level, level + WALL), "body"))
+    return Assembly(pieces, parts), level + WALL
 
 
 def _make_walls(frame: _Frame, z: Range, front: float) -> list[Primitive]:
     """Sides and back of one storey."""
     return [
-        box((front, frame.y[0], z[0]), (frame.x[1], frame.inner[0], z[1]), "body"),
-        box((front, frame.inner[1], z[0]), (frame.x[1], frame.y[1], z[1]), "body"),
-        box((frame.x[1] - WALL, frame.inner[0], z[0]), (frame.x[1], frame.inner[1], z[1]), "body"),
+        block((front, frame.x[1]), (frame.y[0], frame.inner[0]), z, "body"),
+        block((front, frame.x[1]), (frame.inner[1], frame.y[1]), z, "body"),
+        block((frame.x[1] - WALL, frame.x[1]), frame.inner, z, "body"),
     ]
 
 
 def _make_cassette(frame: _Frame, z: Range, name: str) -> Assembly:
     """A cassette below a deck: a paper tray with a grip in its front and a stack of paper."""
-    front, thick = frame.x[0], FRONT
+    front, thick = frame.x[0], FACE
     deck = z[1] - 0.008
     pieces: list[Primitive] = []
-    pieces.append(
-        box((front + thick + GAP, frame.inner[0], deck), (frame.x[1] - WALL, frame.inner[1], z[1]), "inside")
-    )
-    y = (frame.inner[0] + 0.004, frame.inner[1] - 0.004)
+    pieces.append(block((front + thick + GAP, frame.x[1] - WALL), frame.inner, (deck, z[1]), "inside"))
+    y = narrow(frame.inner, 0.004)
     x = (front + thick, frame.x[1] - WALL - 0.006)
     low, rim, wall = z[0] + GAP, min(deck - 0.006, z[0] + 0.06), 0.007
     grip = 0.32 * (y[1] - y[0])
     solids = [
-        box(
-            (front, frame.y[0] + 0.001, z[0] + 0.002),
-            (front + thick, frame.y[1] - 0.001, z[1] - 0.022),
-            "front",
-        ),
+        block((front, front + thick), narrow(frame.y, 0.001), (z[0] + 0.002, z[1] - 0.022), "front"),
         box((front, frame.y[0] + 0.001, z[1] - 0.022), (front + thick, -grip / 2, z[1] - 0.002), "front"),
         box((front, grip / 2, z[1] - 0.022), (front + thick, frame.y[1] - 0.001, z[1] - 0.002), "front"),
         box((front + 0.011, -grip / 2, z[1] - 0.022), (front + thick, grip / 2, z[1] - 0.002), "trim"),
-        box((x[0], y[0], low), (x[1], y[1], low + wall), "inside"),
-        box((x[0], y[0], low + wall), (x[1], y[0] + wall, rim), "inside"),
-        box((x[0], y[1] - wall, low + wall), (x[1], y[1], rim), "inside"),
-        box((x[1] - wall, y[0] + wall, low + wall), (x[1], y[1] - wall, rim), "inside"),
+        block(x, y, (low, low + wall), "inside"),
+        block(x, (y[0], y[0] + wall), (low + wall, rim), "inside"),
+        block(x, (y[1] - wall, y[1]), (low + wall, rim), "inside"),
+        block((x[1] - wall, x[1]), narrow(y, wall), (low + wall, rim), "inside"),
     ]
     long = min(0.297, x[1] - x[0] - 2 * wall)
     solids.append(box((x[1] - wall - long, -0.105, low + wall), (x[1] - wall, 0.105, rim - 0.008), "paper"))
     motion = slide(0.72 * (x[1] - x[0]))
-    tray = ShapePart(name=name, label="tray", parent="body", primitives=tuple(solids), motion=motion)
-    return Assembly(pieces=tuple(pieces), parts=(tray,))
+    tray = ShapePart(name, "tray", tuple(solids), motion)
+    return Assembly(pieces, (tray,))
 
 
 def _make_engine(rng: np.random.Generator, frame: _Frame, z: Range, *, opens: bool) -> Assembly:
     """The printing unit: closed, or with a drop front before the toner."""
     front, thick = frame.x[0], 0.014
     if not opens or z[1] - z[0] < 0.09:
-        body = rounded_box((front, frame.y[0], z[0]), (frame.x[1], frame.y[1], z[1]), 0.003, "body")
-        return Assembly(pieces=(body,))
+        body = block((front, frame.x[1]), frame.y, z, "body", 0.003)
+        return Assembly((body,))
     start = front + thick + GAP
-    roof = box((start, frame.inner[0], z[1] - WALL), (frame.x[1] - WALL, frame.inner[1], z[1]), "body")
+    roof = block((start, frame.x[1] - WALL), frame.inner, (z[1] - WALL, z[1]), "body")
     deep = frame.x[1] - start
     toner = [
-        box(
-            (start + 0.25 * deep, frame.inner[0], z[0]),
-            (frame.x[1] - WALL, frame.inner[1], z[0] + 0.02),
-            "inside",
-        ),
+        block((start + 0.25 * deep, frame.x[1] - WALL), frame.inner, (z[0], z[0] + 0.02), "inside"),
         cylinder(
             (start + 0.4 * deep, frame.inner[0], z[0] + 0.045),
             (start + 0.4 * deep, frame.inner[1], z[0] + 0.045),
@@ -194,34 +186,34 @@ def _make_engine(rng: np.random.Generator, frame: _Frame, z: Range, *, opens: bo
         ),
     ]
     panel = Panel(
-        x=front, thickness=thick, y=(frame.y[0] + 0.001, frame.y[1] - 0.001),
+        x=front, thickness=thick, y=narrow(frame.y, 0.001),
         z=(z[0] + 0.002, z[1] - sweep_gap(z[1] - z[0], thick)),
     )  # fmt: skip
-    slab = rounded_box((front, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1]), 0.002, "front")
+    slab = block((front, panel.back), panel.y, panel.z, "front", 0.002)
     lip = box((front - 0.008, -0.05, panel.z[1] - 0.014), (front, 0.05, panel.z[1] - 0.004), "front")
-    motion = hinge(panel, "bottom", float(np.radians(rng.uniform(70, 88))))
-    door = ShapePart(name="door", label="door", parent="body", primitives=(slab, lip), motion=motion)
-    return Assembly(pieces=(*_make_walls(frame, z, start), roof, *toner), parts=(door,))
+    motion = hinge(panel, "bottom", radians(choose(rng, 70, 88)))
+    door = ShapePart("door", "door", (slab, lip), motion)
+    return Assembly((*_make_walls(frame, z, start), roof, *toner), (door,))
 
 
 def _make_bay(frame: _Frame, z: Range, *, deep: float) -> Assembly:
     """The output bay, an open storey between printing unit and scanner, with a pull-out tray."""
     back = frame.x[0] + deep * 0.75 * (frame.x[1] - frame.x[0])
     pieces = [
-        box((frame.x[0], frame.y[0], z[0]), (back, frame.y[0] + 0.03, z[1]), "body"),
-        box((frame.x[0], frame.y[1] - 0.03, z[0]), (back, frame.y[1], z[1]), "body"),
-        box((back, frame.y[0], z[0]), (frame.x[1], frame.y[1], z[1]), "body"),
+        block((frame.x[0], back), (frame.y[0], frame.y[0] + 0.03), z, "body"),
+        block((frame.x[0], back), (frame.y[1] - 0.03, frame.y[1]), z, "body"),
+        block((back, frame.x[1]), frame.y, z, "body"),
     ]
-    x, y, low = (frame.x[0] + 0.004, back - 0.01), (frame.y[0] + 0.036, frame.y[1] - 0.036), z[0] + 0.0035
+    x, y, low = (frame.x[0] + 0.004, back - 0.01), narrow(frame.y, 0.036), z[0] + 0.0035
     stop = 0.02
     solids = (
-        box((x[0], y[0], low), (x[1], y[1], low + 0.007), "trim"),
+        block(x, y, (low, low + 0.007), "trim"),
         box((x[0], -0.06, low + 0.007), (x[0] + 0.006, 0.06, low + stop), "trim"),
         box((x[0] + 0.03, -0.105, low + 0.007), (x[1] - 0.01, 0.105, low + 0.011), "paper"),
     )
     motion = slide(0.55 * (x[1] - x[0]))
-    tray = ShapePart(name="output_tray", label="tray", parent="body", primitives=solids, motion=motion)
-    return Assembly(pieces=tuple(pieces), parts=(tray,))
+    tray = ShapePart("output_tray", "tray", solids, motion)
+    return Assembly(pieces, (tray,))
 
 
 def _make_top_tray(frame: _Frame, top: float) -> Assembly:
@@ -229,53 +221,49 @@ def _make_top_tray(frame: _Frame, top: float) -> Assembly:
     low, side = top - 0.04, 0.06
     x = (frame.x[0] + 0.03, frame.x[1] - 0.08)
     slope = np.array([(x[0], low), (x[1], low), (x[0], low + 0.028), (x[1], low + 0.004)])
-    ramp = polytope(
-        np.array([(a, b, c) for b in (frame.y[0] + side, frame.y[1] - side) for a, c in slope]), "inside"
-    )
+    ramp = polytope(np.array([(a, b, c) for b in narrow(frame.y, side) for a, c in slope]), "inside")
     pieces = (
-        box((x[1], frame.y[0], low), (frame.x[1], frame.y[1], top), "body"),
+        block((x[1], frame.x[1]), frame.y, (low, top), "body"),
         box((frame.x[0], frame.y[0], low), (x[1], frame.y[0] + side, top), "body"),
         box((frame.x[0], frame.y[1] - side, low), (x[1], frame.y[1], top), "body"),
-        box((frame.x[0], frame.y[0] + side, low), (x[0], frame.y[1] - side, low + 0.028), "body"),
+        block((frame.x[0], x[0]), narrow(frame.y, side), (low, low + 0.028), "body"),
         ramp,
     )
-    return Assembly(pieces=pieces)
+    return Assembly(pieces)
 
 
 def _make_scanner(rng: np.random.Generator, frame: _Frame, z: Range, height: float, lid: float) -> Assembly:
     """The scanner: a housing with a pane and a lid; height beyond that of a lid becomes a document feeder."""
     x, y, bed = frame.x, frame.y, z[1]
     crest = height - bed - GAP - lid
-    housing = rounded_box((x[0], y[0], z[0]), (x[1], y[1], bed - 0.001), 0.002, "body")
-    pane = box((x[0] + 0.03, y[0] + 0.05, bed - 0.006), (x[1] - 0.03, y[1] - 0.05, bed), "glass")
+    housing = block(x, y, (z[0], bed - 0.001), "body", 0.002)
+    pane = block(narrow(x, 0.03), narrow(y, 0.05), (bed - 0.006, bed), "glass")
     low = bed + GAP
-    slab = rounded_box((x[0], y[0], low + 0.003), (x[1], y[1], low + lid), 0.003, "front")
-    mat = box((x[0] + 0.025, y[0] + 0.045, low), (x[1] - 0.025, y[1] - 0.045, low + 0.006), "paper")
+    slab = block(x, y, (low + 0.003, low + lid), "front", 0.003)
+    mat = block(narrow(x, 0.025), narrow(y, 0.045), (low, low + 0.006), "paper")
     solids: list[Primitive] = [slab, mat]
     if crest > 0.01:
-        middle = y[0] + float(rng.uniform(0.45, 0.6)) * (y[1] - y[0])
+        middle = y[0] + choose(rng, 0.45, 0.6) * (y[1] - y[0])
         outline = (x[0] + 0.04, x[1] - 0.03), (middle, y[1] - 0.01)
         solids.append(loft(outline, shrink(outline, 0.012), (low + lid, height), "front"))
         near, far, rise = y[0] + 0.03, middle + 0.01, 0.3 * crest
         flat = [(near, 0.012), (near, 0.02), (far, rise), (far, rise - 0.006)]
-        ends = [(a, b, low + lid + c) for a in (x[0] + 0.06, x[1] - 0.06) for b, c in flat]
+        ends = [(a, b, low + lid + c) for a in narrow(x, 0.06) for b, c in flat]
         solids.append(polytope(np.array(ends), "trim"))
-        foot = box(
-            (x[0] + 0.06, y[0] + 0.03, low + lid - 0.002),
-            (x[1] - 0.06, y[0] + 0.05, low + lid + 0.014),
-            "trim",
+        foot = block(
+            narrow(x, 0.06), (y[0] + 0.03, y[0] + 0.05), (low + lid - 0.002, low + lid + 0.014), "trim"
         )
         solids.append(foot)
-    motion = hinge_lid(x, y, low, float(np.radians(rng.uniform(60, 85))))
-    cover = ShapePart(name="lid", label="door", parent="body", primitives=tuple(solids), motion=motion)
-    return Assembly(pieces=(housing, pane), parts=(cover,))
+    motion = hinge_lid(x, y, low, radians(choose(rng, 60, 85)))
+    cover = ShapePart("lid", "door", tuple(solids), motion)
+    return Assembly((housing, pane), (cover,))
 
 
 def _make_controls(rng: np.random.Generator, frame: _Frame, z: Range, y: Range) -> Assembly:
     """A display and a row of buttons on the front; the last button is green."""
     x, middle, half = frame.x[0], (z[0] + z[1]) / 2, 0.34 * (z[1] - z[0])
     count, wide = int(rng.integers(2, 6)), y[1] - y[0]
-    split = y[1] - float(rng.uniform(0.35, 0.55)) * wide
+    split = y[1] - choose(rng, 0.35, 0.55) * wide
     display = box((x - 0.003, split, middle - half), (x + 0.003, y[1], middle + half), "panel")
     pitch = (split - 0.006 - y[0]) / count
     size = min(0.75 * pitch, 1.6 * half)
@@ -288,4 +276,4 @@ def _make_controls(rng: np.random.Generator, frame: _Frame, z: Range, y: Range) 
         )
         for k in range(count)
     ]  # fmt: skip
-    return Assembly(pieces=(display,), parts=tuple(buttons))
+    return Assembly((display,), buttons)

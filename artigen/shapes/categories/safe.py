@@ -5,11 +5,12 @@ from math import radians
 
 import numpy as np
 
-from artigen.shapes.draw import Draft, Wish, choose
+from artigen.shapes.choices import choose, choose_one
+from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.fronts import FrontDesign, make_door
-from artigen.shapes.fittings.hardware import GAP, PASSING, Panel, Space, fill_space, sweep_gap
-from artigen.shapes.primitives import Primitive, box, cylinder, line
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.fittings.hardware import GAP, PASSING, Panel, Space, narrow, sweep_gap
+from artigen.shapes.primitives import DOWN, FRONT, LEFT, RIGHT, UP, Primitive, block, box, cylinder, line
+from artigen.shapes.shape import Motion, ShapePart, make_base
 from artigen.shapes.surfaces.materials import LACQUERS, make_lacquer
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -23,17 +24,17 @@ ARM = 0.0085
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a safe that meets the wish."""
-    style = wish.style or STYLES[int(rng.integers(len(STYLES)))]
-    color = make_lacquer(LACQUERS[COLORS[int(rng.integers(len(COLORS)))]], gloss=float(rng.uniform(0.2, 0.5)))
+    style = wish.style or choose_one(rng, STYLES)
+    color = make_lacquer(LACQUERS[choose_one(rng, COLORS)], gloss=choose(rng, 0.2, 0.5))
     finishes = draw_palette(rng, "appliance", "steel") | {"body": color, "front": color}
     width = choose(rng, 0.32, 0.7, wish.width)
     depth = choose(rng, 0.3, 0.6, wish.depth)
     height = choose(rng, 0.3, 1.4, wish.height)
-    wall = float(rng.uniform(0.03, 0.06))
+    wall = choose(rng, 0.03, 0.06)
     reach = 0.06  # of the parts that turn on the door
     foot = float(rng.choice((0.0, 0.025)))
     outer = Space(x=(reach - depth / 2, depth / 2), y=(-width / 2, width / 2), z=(foot, height))
-    thick = float(rng.uniform(0.7, 1.0)) * wall
+    thick = choose(rng, 0.7, 1.0) * wall
     left = bool(rng.random() < 0.25)
     swing = sweep_gap(width - 2 * wall, thick)
     panel = Panel(
@@ -49,27 +50,23 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     door = make_door(panel, plain, name=DOOR, parent=BODY, edge="left" if left else "right", upper=upper)[0]
     pad, lock = _make_lock(panel, style)
     door = replace(door, primitives=(*door.primitives, *pad))
-    body = ShapePart(name=BODY, label="base", parent=None, primitives=_make_body(outer, wall, foot))
+    body = make_base(_make_body(outer, wall, foot))
     shelves = _make_shelves(rng, outer, wall, panel.back + 0.01)
-    return Draft(style=style, parts=(body, door, *lock, *shelves), finishes=tuple(sorted(finishes.items())))
+    return Draft(style, (body, door, *lock, *shelves), finishes)
 
 
 def _make_body(outer: Space, wall: float, foot: float) -> tuple[Primitive, ...]:
     """Five walls without the front, with a lining, on four pads if ``foot`` is not 0."""
     x, y, z = outer.x, outer.y, outer.z
-    inner_y, back = (y[0] + wall, y[1] - wall), x[1] - wall
+    inner_y, back = narrow(y, wall), x[1] - wall
     walls = (
-        line(fill_space(Space(x=x, y=(y[0], inner_y[0]), z=z), "body"), "inside", (0.0, 1.0, 0.0)),
-        line(fill_space(Space(x=x, y=(inner_y[1], y[1]), z=z), "body"), "inside", (0.0, -1.0, 0.0)),
-        line(fill_space(Space(x=x, y=inner_y, z=(z[0], z[0] + wall)), "body"), "inside", (0.0, 0.0, 1.0)),
-        line(fill_space(Space(x=x, y=inner_y, z=(z[1] - wall, z[1])), "body"), "inside", (0.0, 0.0, -1.0)),
-        line(
-            fill_space(Space(x=(back, x[1]), y=inner_y, z=(z[0] + wall, z[1] - wall)), "body"),
-            "inside",
-            (-1.0, 0.0, 0.0),
-        ),
+        line(block(x, (y[0], inner_y[0]), z, "body"), "inside", LEFT),
+        line(block(x, (inner_y[1], y[1]), z, "body"), "inside", RIGHT),
+        line(block(x, inner_y, (z[0], z[0] + wall), "body"), "inside", UP),
+        line(block(x, inner_y, (z[1] - wall, z[1]), "body"), "inside", DOWN),
+        line(block((back, x[1]), inner_y, narrow(z, wall), "body"), "inside", FRONT),
     )
-    pads = [(a, b) for a in (x[0] + 0.05, x[1] - 0.05) for b in (y[0] + 0.05, y[1] - 0.05)] if foot else []
+    pads = [(a, b) for a in narrow(x, 0.05) for b in narrow(y, 0.05)] if foot else []
     return (*walls, *(cylinder((a, b, 0.0), (a, b, foot), 0.024, "rubber") for a, b in pads))
 
 
@@ -120,7 +117,7 @@ def _make_dial(name: str, panel: Panel, at: tuple[float, float], radius: float) 
             "inside",
         ),
     )
-    return ShapePart(name=name, label="knob", parent=DOOR, primitives=solids, motion=_turn(x, at, 2 * np.pi))
+    return ShapePart(name, "knob", solids, _turn(x, at, 2 * np.pi), parent=DOOR)
 
 
 def _make_spokes(panel: Panel, at: tuple[float, float], radius: float, count: int) -> ShapePart:
@@ -134,26 +131,21 @@ def _make_spokes(panel: Panel, at: tuple[float, float], radius: float, count: in
             cylinder((x - 0.035 + ARM, *at), (x - 0.035 + ARM, float(tip[0]), float(tip[1])), ARM, "steel")
         )
     motion = _turn(x, at, 2 * np.pi if count > 2 else np.pi / 2)
-    return ShapePart(name="lever", label="knob", parent=DOOR, primitives=tuple(solids), motion=motion)
+    return ShapePart("lever", "knob", tuple(solids), motion, parent=DOOR)
 
 
 def _turn(x: float, at: tuple[float, float], upper: float) -> Motion:
     kind = "continuous" if upper > 6 else "revolute"
-    return Motion(type=kind, axis=(-1.0, 0.0, 0.0), origin=(x, *at), upper=upper)
+    return Motion(type=kind, axis=FRONT, origin=(x, *at), upper=upper)
 
 
 def _make_shelves(rng: np.random.Generator, outer: Space, wall: float, front: float) -> list[ShapePart]:
     """Loose shelves, at least a hand's width apart."""
-    low, high = outer.z[0] + wall, outer.z[1] - wall
-    count = int((high - low) / float(rng.uniform(0.18, 0.3)))
+    low, high = narrow(outer.z, wall)
+    count = int((high - low) / choose(rng, 0.18, 0.3))
     levels = [low + (k + 1) * (high - low) / (count + 1) for k in range(count)]
-    y = (outer.y[0] + wall, outer.y[1] - wall)
+    y = narrow(outer.y, wall)
     return [
-        ShapePart(
-            name=f"shelf_{k}",
-            label="shelf",
-            parent=BODY,
-            primitives=(fill_space(Space(x=(front, outer.x[1] - wall), y=y, z=(z, z + 0.012)), "steel"),),
-        )
+        ShapePart(f"shelf_{k}", "shelf", (block((front, outer.x[1] - wall), y, (z, z + 0.012), "steel"),))
         for k, z in enumerate(levels)
     ]

@@ -7,14 +7,16 @@ of which the outer pair meets in the middle.
 
 from dataclasses import replace
 from itertools import pairwise
+from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly, draw_styled
+from artigen.shapes.assembly import Assembly, draw_styled
+from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.feet import make_legs, make_plinth
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range
+from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range, narrow
 from artigen.shapes.fittings.lids import (
     build_roof,
     build_vessel,
@@ -26,8 +28,8 @@ from artigen.shapes.fittings.lids import (
 )
 from artigen.shapes.fittings.locks import make_latch
 from artigen.shapes.fittings.turning import turn_part
-from artigen.shapes.primitives import Primitive, box, rounded_box
-from artigen.shapes.shape import Need, ShapePart
+from artigen.shapes.primitives import Primitive, block, box
+from artigen.shapes.shape import Need, ShapePart, require
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_plastic
 from artigen.shapes.surfaces.palette import draw_palette
@@ -59,7 +61,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     """Wood or paint, moulded plastic, or brown cardboard with tape."""
     seed, tub, lid = int(rng.integers(2**30)), int(rng.integers(len(TUBS))), int(rng.integers(len(TUBS)))
-    wood = ("pine", "oak", "walnut", "teak", "classic", "white")[int(rng.integers(6))]
+    wood = choose_one(rng, ("pine", "oak", "walnut", "teak", "classic", "white"))
     finishes = draw_palette(rng, "furniture", wood)
     if finishes["top"].kind == "stone":
         finishes["top"] = finishes["body"]
@@ -88,33 +90,33 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 def _build_chest(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """Boards on a plinth or on legs, and a slightly overhanging lid."""
-    wall, lid = float(rng.uniform(0.018, 0.024)), float(rng.uniform(0.02, 0.03))
-    over = float(rng.uniform(0.006, 0.018))
+    wall, lid = choose(rng, 0.018, 0.024), choose(rng, 0.02, 0.03)
+    over = choose(rng, 0.006, 0.018)
     x, y = (over - depth / 2, depth / 2), (over - width / 2, width / 2 - over)
     raised = bool(rng.random() < 0.45)
-    foot = float(rng.uniform(0.08, 0.14)) if raised else float(rng.uniform(0.04, 0.07))
+    foot = choose(rng, 0.08, 0.14) if raised else choose(rng, 0.04, 0.07)
     rim = height - lid - GAP
     stand = (
         make_legs(x, y, foot, kind="tapered" if rng.random() < 0.5 else "square", width=0.04, finish="body")
         if raised
-        else make_plinth((x[0] - 0.5 * over, x[1]), (y[0] - 0.5 * over, y[1] + 0.5 * over), foot, "body")
+        else make_plinth((x[0] - 0.5 * over, x[1]), narrow(y, -0.5 * over), foot, "body")
     )
     walls = build_vessel((x, y), (x, y), (foot, rim), wall, "body", lining="inside")
     panels: list[Primitive] = []
     if rng.random() < 0.6:
         panels = _frame_front(x[0], y, (foot, rim), int(rng.integers(2, 4)))
-    board = rounded_box((-depth / 2, -width / 2, rim + GAP), (depth / 2, width / 2, height), 0.004, "top")
+    board = block((-depth / 2, depth / 2), (-width / 2, width / 2), (rim + GAP, height), "top", 0.004)
     span = ((-depth / 2, x[1]), (-width / 2, width / 2))
-    motion = hinge_lid(*span, rim + GAP, float(np.radians(rng.uniform(92, 108))))
-    cover = ShapePart(name="lid", label="door", parent="body", primitives=(board,), motion=motion)
-    return Assembly(pieces=(*stand, *walls, *panels), parts=(cover,))
+    motion = hinge_lid(*span, rim + GAP, radians(choose(rng, 92, 108)))
+    cover = ShapePart("lid", "door", (board,), motion)
+    return Assembly((*stand, *walls, *panels), (cover,))
 
 
 def _frame_front(x: float, y: Range, z: Range, fields: int) -> list[Primitive]:
     """Stiles and rails on the front."""
     wide, thick = 0.055, 0.006
     stiles = np.linspace(y[0], y[1] - wide, fields + 1)
-    out = [box((x - thick, float(a), z[0]), (x, float(a) + wide, z[1]), "body") for a in stiles]
+    out = [block((x - thick, x), (float(a), float(a) + wide), z, "body") for a in stiles]
     for a, b in pairwise(stiles):
         for c in (z[0], z[1] - wide):
             out.append(box((x - thick, float(a) + wide, c), (x, float(b), c + wide), "body"))
@@ -125,7 +127,7 @@ def _build_trunk(rng: np.random.Generator, width: float, depth: float, height: f
     """A box with straps, a curved lid, a hasp in front, handles at the sides and a tray inside."""
     wall, strap = 0.02, 0.004
     x, y = (HASP - depth / 2, depth / 2 - strap), (BAIL - width / 2, width / 2 - BAIL)
-    rise = float(rng.uniform(0.24, 0.34)) * depth
+    rise = choose(rng, 0.24, 0.34) * depth
     rim = height - strap - rise - GAP
     walls = build_vessel((x, y), (x, y), (0.012, rim), wall, "body", lining="inside")
     feet = [
@@ -140,17 +142,10 @@ def _build_trunk(rng: np.random.Generator, width: float, depth: float, height: f
     low = rim + GAP
     solids = [*build_roof(trace_arch(x, low, rise), wall, y, "top")]
     for band in bands:
-        crest = trace_arch((x[0] - strap, x[1] + strap), low, rise + strap)
+        crest = trace_arch(narrow(x, -strap), low, rise + strap)
         solids += build_roof(crest, 2 * strap, band, "metal", ends=False)
-    motion = hinge_lid((x[0], x[1] + strap), y, low, float(np.radians(rng.uniform(92, 105))))
-    lid = ShapePart(
-        name="lid",
-        label="door",
-        parent="body",
-        primitives=tuple(solids),
-        motion=motion,
-        needs=(Need(part="hasp"),),
-    )
+    motion = hinge_lid((x[0], x[1] + strap), y, low, radians(choose(rng, 92, 105)))
+    lid = ShapePart("lid", "door", tuple(solids), motion, needs=require("hasp"))
     hasp = make_latch(
         x[0] - 0.002, (-0.03, 0.03), (rim - 0.05, rim + 0.06), name="hasp", parent="body", finish="metal"
     )
@@ -158,12 +153,12 @@ def _build_trunk(rng: np.random.Generator, width: float, depth: float, height: f
     parts = [lid, hasp, *_make_side_handles(width / 2 - BAIL, 0.55 * rim)]
     ledge = 0.55 * rim
     ledges = [
-        box((x[0] + wall, a, ledge - 0.02), (x[1] - wall, a + 0.016, ledge), "inside")
+        block(narrow(x, wall), (a, a + 0.016), (ledge - 0.02, ledge), "inside")
         for a in (y[0] + wall, y[1] - wall - 0.016)
     ]
     inside = (x[0] + wall + GAP + 0.002, x[1] - wall - GAP - 0.002), (y[0] + wall + GAP, y[1] - wall - GAP)
     parts.append(make_lift_out(inside, (ledge + 0.0015, rim - 0.012), 0.012, "drawer"))
-    return Assembly(pieces=(*walls, *feet, *straps, plate, *ledges), parts=tuple(parts))
+    return Assembly((*walls, *feet, *straps, plate, *ledges), parts)
 
 
 def _make_side_handles(half: float, z: float) -> list[ShapePart]:
@@ -178,40 +173,32 @@ def _build_tub(rng: np.random.Generator, width: float, depth: float, height: flo
     """A tub that tapers downwards, a lid with a raised field and a clip at each side; some have wheels."""
     wall, clip = 0.006, 0.0115
     x, y = (-depth / 2, depth / 2), (clip - width / 2, width / 2 - clip)
-    thick, rise = 0.012, float(rng.uniform(0.006, 0.014))
+    thick, rise = 0.012, choose(rng, 0.006, 0.014)
     rim = height - thick - rise - GAP
-    taper = float(rng.uniform(0.08, 0.16)) * min(depth, height)
+    taper = choose(rng, 0.08, 0.16) * min(depth, height)
     inner = shrink((x, y), 0.016)
     walls = build_vessel(shrink(inner, taper / 2), inner, (0.0, rim), wall, "body")
     brim = [
-        box((x[0] + 0.004, y[0], rim - 0.018), (x[1] - 0.004, inner[1][0] + wall, rim), "body"),
-        box((x[0] + 0.004, inner[1][1] - wall, rim - 0.018), (x[1] - 0.004, y[1], rim), "body"),
-        box(
-            (x[0] + 0.004, inner[1][0] + wall, rim - 0.018),
-            (inner[0][0] + wall, inner[1][1] - wall, rim),
-            "body",
-        ),
-        box(
-            (inner[0][1] - wall, inner[1][0] + wall, rim - 0.018),
-            (x[1] - 0.004, inner[1][1] - wall, rim),
-            "body",
-        ),
+        block(narrow(x, 0.004), (y[0], inner[1][0] + wall), (rim - 0.018, rim), "body"),
+        block(narrow(x, 0.004), (inner[1][1] - wall, y[1]), (rim - 0.018, rim), "body"),
+        block((x[0] + 0.004, inner[0][0] + wall), narrow(inner[1], wall), (rim - 0.018, rim), "body"),
+        block((inner[0][1] - wall, x[1] - 0.004), narrow(inner[1], wall), (rim - 0.018, rim), "body"),
     ]
     low = rim + GAP
     field = shrink((x, y), 0.03)
     solids = (
-        rounded_box((x[0], y[0], low), (x[1], y[1], low + thick), 0.004, "top"),
+        block(x, y, (low, low + thick), "top", 0.004),
         loft(field, shrink(field, 0.01), (low + thick, height), "top"),
     )
-    motion = hinge_lid(x, y, low, float(np.radians(rng.uniform(95, 110))))
-    needs = (Need(part="clip_left"), Need(part="clip_right"))
-    lid = ShapePart(name="lid", label="door", parent="body", primitives=solids, motion=motion, needs=needs)
+    motion = hinge_lid(x, y, low, radians(choose(rng, 95, 110)))
+    needs = require("clip_left", "clip_right")
+    lid = ShapePart("lid", "door", solids, motion, needs=needs)
     half = min(0.05, 0.16 * depth)
     made = make_latch(
         -y[1], (-half, half), (rim - 0.045, low + 0.9 * thick), name="clip", parent="body", finish="trim"
     )
     clips = [replace(turn_part(made, side), name=f"clip_{side}") for side in ("left", "right")]
-    return Assembly(pieces=(*walls, *brim), parts=(lid, *clips))
+    return Assembly((*walls, *brim), (lid, *clips))
 
 
 def _build_carton(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
@@ -221,15 +208,15 @@ def _build_carton(rng: np.random.Generator, width: float, depth: float, height: 
     four = bool(rng.random() < 0.75)
     upper = height - wall - GAP  # front and rear wall
     side = upper - wall - GAP if four else upper
-    inner = (x[0] + wall, x[1] - wall)
+    inner = narrow(x, wall)
     pieces = (
-        box((x[0], y[0], 0.0), (inner[0], y[1], upper), "body"),
-        box((inner[1], y[0], 0.0), (x[1], y[1], upper), "body"),
-        box((inner[0], y[0], 0.0), (inner[1], y[0] + wall, side), "body"),
-        box((inner[0], y[1] - wall, 0.0), (inner[1], y[1], side), "body"),
-        box((inner[0], y[0] + wall, 0.0), (inner[1], y[1] - wall, wall), "body"),
+        block((x[0], inner[0]), y, (0.0, upper), "body"),
+        block((inner[1], x[1]), y, (0.0, upper), "body"),
+        block(inner, (y[0], y[0] + wall), (0.0, side), "body"),
+        block(inner, (y[1] - wall, y[1]), (0.0, side), "body"),
+        block(inner, narrow(y, wall), (0.0, wall), "body"),
     )
-    opened = float(np.radians(rng.uniform(105, 178)))
+    opened = radians(choose(rng, 105, 178))
     taped, tape = bool(rng.random() < 0.6), 0.026
     parts: list[ShapePart] = []
     for name, near, far in (("front", x[0], -0.0008), ("rear", 0.0008, x[1])):
@@ -237,46 +224,29 @@ def _build_carton(rng: np.random.Generator, width: float, depth: float, height: 
         span = (near, far)
         seam = (far - tape, far) if name == "front" else (near, near + tape)
         rest = (near, far - tape) if name == "front" else (near + tape, far)
-        solids = [box((rest[0], y[0] + 0.001, height - wall), (rest[1], y[1] - 0.001, height), "body")]
-        strip = box(
-            (seam[0], y[0] + 0.001, height - wall),
-            (seam[1], y[1] - 0.001, height),
-            "trim" if taped else "body",
-        )
+        solids = [block(rest, narrow(y, 0.001), (height - wall, height), "body")]
+        strip = block(seam, narrow(y, 0.001), (height - wall, height), "trim" if taped else "body")
         motion = hinge_lid(span, y, height - wall, opened, edge)
-        parts.append(
-            ShapePart(
-                name=f"flap_{name}", label="door", parent="body", primitives=(*solids, strip), motion=motion
-            )
-        )
+        parts.append(ShapePart(f"flap_{name}", "door", (*solids, strip), motion))
     if four:
         needs = tuple(Need(part=part.name) for part in parts)
         reach = min(depth / 2, width / 2 - 0.004)
-        across = (inner[0] + GAP, inner[1] - GAP)
+        across = narrow(inner, GAP)
         sides: tuple[tuple[Edge, Range], ...] = (
             ("right", (y[0], y[0] + reach)),
             ("left", (y[1] - reach, y[1])),
         )
         for name, span in sides:
             low = side + GAP
-            solid = box((across[0], span[0], low), (across[1], span[1], low + wall), "body")
+            solid = block(across, span, (low, low + wall), "body")
             motion = hinge_lid(across, span, low, opened, name)
-            parts.append(
-                ShapePart(
-                    name=f"flap_{name}",
-                    label="door",
-                    parent="body",
-                    primitives=(solid,),
-                    motion=motion,
-                    needs=needs,
-                )
-            )
+            parts.append(ShapePart(f"flap_{name}", "door", (solid,), motion, needs=needs))
     marks = _mark_carton(rng, x[0], y, height) if rng.random() < 0.7 else ()
-    return Assembly(pieces=(*pieces, *marks), parts=tuple(parts))
+    return Assembly((*pieces, *marks), parts)
 
 
 def _mark_carton(rng: np.random.Generator, x: float, y: Range, height: float) -> tuple[Primitive, ...]:
     """Adds a paper label to the front."""
     wide, high = 0.3 * (y[1] - y[0]), 0.28 * height
-    left = float(rng.uniform(y[0] + 0.03, y[1] - 0.03 - wide))
+    left = choose(rng, y[0] + 0.03, y[1] - 0.03 - wide)
     return (box((x - 0.0012, left, 0.5 * height), (x + 0.002, left + wide, 0.5 * height + high), "paper"),)

@@ -6,7 +6,8 @@ A kind of furniture has sizes, a taste and stands (`artigen.shapes.furniture.fur
 
 import numpy as np
 
-from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, find_nearest, pick
+from artigen.shapes.choices import choose, pick
+from artigen.shapes.draw import CrowdedError, Draft, Wish, find_nearest
 from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.furniture.cabinet import Looks, count_fronts, draw_layout
 from artigen.shapes.furniture.carcass import fits_engines
@@ -29,7 +30,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """
     style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items()})
     kind = _choose_kind(rng, wish, STYLES[style])
-    finishes = tuple(sorted(draw_palette(rng, "furniture", style).items()))
+    finishes = draw_palette(rng, "furniture", style)
     size = (
         choose(rng, *kind.width, wish.width),
         choose(rng, *kind.depth, wish.depth),
@@ -41,7 +42,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         shown = not STYLES[style].closed or any(part.label == "door" for part in parts)
         moves = wish.counts or any(part.motion for part in parts)
         if shown and moves and fits_engines(parts):
-            return Draft(style=style, parts=parts, finishes=finishes)
+            return Draft(style, parts, finishes)
     raise CrowdedError(
         f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) respects the "
         "limits of engines; request a smaller one"

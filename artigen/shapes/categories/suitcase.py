@@ -5,20 +5,22 @@ shells are 0.66 and 0.76 m high. Carried cases are 0.45 to 0.7 m wide and 0.13 t
 """
 
 from dataclasses import replace
+from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly, Build, draw_styled
+from artigen.shapes.assembly import Assembly, Build, draw_styled
+from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.bowls import build_bowl
 from artigen.shapes.fittings.carrying import CHANNEL, build_channel, make_grip, make_pull_handle
 from artigen.shapes.fittings.feet import make_castors
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Edge, Panel, Range, hinge
+from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Edge, Panel, Range, hinge, narrow
 from artigen.shapes.fittings.lids import hinge_lid
 from artigen.shapes.fittings.locks import make_latch
 from artigen.shapes.fittings.outlines import Outline
-from artigen.shapes.primitives import Primitive, box, polytope
+from artigen.shapes.primitives import Primitive, block, box, polytope
 from artigen.shapes.shape import Need, ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_metal
@@ -56,7 +58,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     seed = int(rng.integers(2**30))
-    shell, hide = SHELLS[int(rng.integers(len(SHELLS)))], LEATHERS[int(rng.integers(len(LEATHERS)))]
+    shell, hide = choose_one(rng, SHELLS), choose_one(rng, LEATHERS)
     linings: tuple[Color, ...] = ((0.22, 0.22, 0.24), (0.55, 0.55, 0.56), (0.66, 0.58, 0.46))
     lining = Finish(kind="rubber", color=linings[int(rng.integers(3))], accent=(0.4, 0.4, 0.4), gloss=0.05)
     lining = replace(lining, accent=lining.color)
@@ -82,29 +84,24 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 def _build_standing(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """Two ribbed shells on four wheels that open like a book; a telescopic handle is behind the rear one."""
     grip, behind = FINGER_ROOM + 0.014, CHANNEL + 0.006
-    radius = float(rng.uniform(0.018, 0.024))
+    radius = choose(rng, 0.018, 0.024)
     x, y = (0.004 - depth / 2, depth / 2 - behind), (-width / 2, width / 2)
-    castors = make_castors(
-        (x[0] + 0.012, x[1] - 0.012), (y[0] + 0.03, y[1] - 0.03), radius, parent="body", swivel=False
-    )
+    castors = make_castors(narrow(x, 0.012), narrow(y, 0.03), radius, parent="body", swivel=False)
     z = (castors.height, height - grip)
-    seam = x[0] + float(rng.uniform(0.42, 0.5)) * (x[1] - x[0])
-    radius = float(rng.uniform(0.035, 0.06))
+    seam = x[0] + choose(rng, 0.42, 0.5) * (x[1] - x[0])
+    radius = choose(rng, 0.035, 0.06)
     outline = Outline(a=y, b=z, cuts=(radius, radius))
-    bevel = float(rng.uniform(0.012, 0.02))
+    bevel = choose(rng, 0.012, 0.02)
     wall = max(WALL, (z[1] - z[0]) / SLENDER)
     front = build_bowl(outline, (x[0], seam - GAP), wall, "body", bevel=bevel, lining="inside")
     rear = build_bowl(outline, (x[1], seam), wall, "body", bevel=bevel, lining="inside")
     edge: Edge = "left" if rng.random() < 0.5 else "right"
     ribs = _build_ribs(rng, x[0], y, z, radius)
     panel = Panel(x=seam - GAP, thickness=0.01, y=y, z=z)
-    upper = float(np.radians(rng.uniform(100, 170)))
-    door = ShapePart(
-        name="door", label="door", parent="body", primitives=(*front, *ribs, *castors.primitives[:6]),
-        motion=hinge(panel, edge, upper),
-    )  # fmt: skip
+    upper = radians(choose(rng, 100, 170))
+    door = ShapePart("door", "door", (*front, *ribs, *castors.primitives[:6]), hinge(panel, edge, upper))
     wheels = [replace(part, parent="door" if k < 2 else "body") for k, part in enumerate(castors.parts)]
-    spread = float(rng.uniform(0.38, 0.5)) * width
+    spread = choose(rng, 0.38, 0.5) * width
     channel = build_channel(x[1], spread, (z[0] + 0.06, z[1] - 0.05), "trim")
     rods = make_pull_handle(x[1], spread, (z[0] + 0.06, z[1] - 0.012), 0.62 * (z[1] - z[0]), parent="body")
     deep = (seam + x[1]) / 2
@@ -117,7 +114,7 @@ def _build_standing(rng: np.random.Generator, width: float, depth: float, height
     )
     straps = _cross_straps(seam + 0.012, y, z)
     pieces = (*rear, *castors.primitives[6:], *channel, lock, *straps)
-    return Assembly(pieces=pieces, parts=(door, carry, rods, *wheels))
+    return Assembly(pieces, (door, carry, rods, *wheels))
 
 
 def _build_ribs(rng: np.random.Generator, x: float, y: Range, z: Range, radius: float) -> list[Primitive]:
@@ -131,7 +128,7 @@ def _build_ribs(rng: np.random.Generator, x: float, y: Range, z: Range, radius: 
     for k in range(count):
         low, high = span[0] + (k + 0.2) * pitch, span[0] + (k + 0.8) * pitch
         ys, zs = ((low, high), (low_z, high_z)) if upright else ((low_y, high_y), (low, high))
-        out.append(box((x - thick, ys[0], zs[0]), (x + 0.004, ys[1], zs[1]), "body"))
+        out.append(block((x - thick, x + 0.004), ys, zs, "body"))
     return out
 
 
@@ -139,7 +136,7 @@ def _cross_straps(x: float, y: Range, z: Range) -> list[Primitive]:
     """Two elastic straps across the rear shell."""
     thick = float(np.hypot(y[1] - y[0], 0.6 * (z[1] - z[0]))) / SLENDER + 0.002
     half, low, high = 0.012, z[0] + 0.2 * (z[1] - z[0]), z[0] + 0.8 * (z[1] - z[0])
-    ends = (y[0] + 0.5 * WALL, y[1] - 0.5 * WALL)
+    ends = narrow(y, 0.5 * WALL)
     out = []
     for a, b in ((low, high), (high, low)):
         corners = [
@@ -156,10 +153,10 @@ def _build_lying(rng: np.random.Generator, width: float, depth: float, height: f
     """A case on its back, whose lid opens upwards after its latches; the handle is between these."""
     reach, band = 0.041, 0.004
     x, y = (reach - depth / 2, depth / 2 + band), (-width / 2, width / 2)
-    seam = float(rng.uniform(0.5, 0.62)) * height
-    radius = float(rng.uniform(0.02, 0.035))
+    seam = choose(rng, 0.5, 0.62) * height
+    radius = choose(rng, 0.02, 0.035)
     outline = Outline(a=(x[0], x[1] - band), b=y, cuts=(radius, radius))
-    bevel = float(rng.uniform(0.006, 0.014))
+    bevel = choose(rng, 0.006, 0.014)
     low = build_bowl(outline, (0.0, seam), WALL, "body", axis=2, bevel=bevel, lining="inside")
     high = build_bowl(
         outline, (height - band, seam + GAP), WALL, "body", axis=2, bevel=bevel, lining="inside"
@@ -173,7 +170,7 @@ def _build_lying(rng: np.random.Generator, width: float, depth: float, height: f
             box((x[0] - band, a, seam + GAP), (x[0] + 0.003, b, height - band - bevel), "trim"),
             box((x[0] + bevel, a, height - band - 0.003), (x[1] - band - bevel, b, height), "trim"),
         ]
-    half = float(rng.uniform(0.016, 0.024))
+    half = choose(rng, 0.016, 0.024)
     latches = [
         make_latch(
             x[0], (at - half, at + half), (seam - 0.03, min(seam + 0.032, height - bevel - 0.012)),
@@ -182,11 +179,9 @@ def _build_lying(rng: np.random.Generator, width: float, depth: float, height: f
         for k, at in enumerate(places)
     ]  # fmt: skip
     needs = tuple(Need(part=latch.name) for latch in latches)
-    motion = hinge_lid((x[0], x[1] - band), y, seam + GAP, float(np.radians(rng.uniform(95, 115))))
-    lid = ShapePart(
-        name="lid", label="door", parent="body", primitives=(*high, *belts), motion=motion, needs=needs
-    )
+    motion = hinge_lid((x[0], x[1] - band), y, seam + GAP, radians(choose(rng, 95, 115)))
+    lid = ShapePart("lid", "door", (*high, *belts), motion, needs=needs)
     panel = Panel(x=x[0], thickness=0.02, y=y, z=(0.0, seam))
     design = HandleDesign(kind="arch", length=0.13, thickness=0.014)
     handle = make_handle(panel, design, name="handle", parent="body", upright=False, at=(0.0, 0.55 * seam))
-    return Assembly(pieces=(*low, *straps), parts=(lid, handle, *latches))
+    return Assembly((*low, *straps), (lid, handle, *latches))

@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from artigen.shapes.categories.storage_furniture import STYLES
-from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, find_nearest, pick
+from artigen.shapes.choices import choose, choose_one, pick
+from artigen.shapes.draw import CrowdedError, Draft, Wish, find_nearest
 from artigen.shapes.fittings.feet import LEG_KINDS, LegKind, make_castors, make_legs
-from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space, lift
+from artigen.shapes.fittings.hardware import GAP, Range, Space, lift, narrow
 from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
 from artigen.shapes.furniture.carcass import fits_engines, open_carcass
 from artigen.shapes.furniture.sinks import TAP_HEIGHT, make_sink
@@ -31,8 +32,8 @@ from artigen.shapes.furniture.table_frames import (
     make_top,
     most_radius,
 )
-from artigen.shapes.primitives import Primitive, box, cylinder, place_vertices, rounded_box
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.primitives import UP, Primitive, block, box, cylinder, place_vertices, rounded_box
+from artigen.shapes.shape import Motion, ShapePart, make_base
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Table"
@@ -84,7 +85,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a table that meets the wish."""
     style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items() if not look.closed})
     kind = _choose_kind(rng, wish)
-    finishes = tuple(sorted(draw_palette(rng, "furniture", style).items()))
+    finishes = draw_palette(rng, "furniture", style)
     width = choose(rng, *kind.width, wish.width)
     depth = choose(rng, *kind.depth, wish.depth)
     size = (
@@ -94,10 +95,10 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     )
     for attempt in range(MAX_LAYOUTS):
         built = kind.build(rng, _draw_plan(wish.shared_stream(rng, attempt), style, size, wish))
-        body = ShapePart(name=BODY, label="base", parent=None, primitives=built.primitives)
+        body = make_base(built.primitives)
         parts = (body, *built.parts)
         if fits_engines(parts) and (wish.counts or any(part.motion for part in parts)):
-            return Draft(style=style, parts=parts, finishes=finishes)
+            return Draft(style, parts, finishes)
     raise CrowdedError(
         f"{CATEGORY}: no table of {size} m respects the limits of engines; request a smaller one"
     )
@@ -111,9 +112,9 @@ def _draw_plan(rng: np.random.Generator, style: str, size: tuple[float, float, f
     return _Plan(
         size=size,
         looks=replace(looks, carcass=replace(looks.carcass, lid=False), lock=False, margin=GAP),
-        top=float(rng.uniform(0.02, 0.04)),
+        top=choose(rng, 0.02, 0.04),
         leg=LEG_KINDS[int(rng.integers(3))],
-        leg_width=float(rng.uniform(0.04, 0.065)) * float(np.clip(0.55 + 0.4 * max(size), 0.7, 1.25)),
+        leg_width=choose(rng, 0.04, 0.065) * float(np.clip(0.55 + 0.4 * max(size), 0.7, 1.25)),
     )
 
 
@@ -137,13 +138,13 @@ def _draw_footing(rng: np.random.Generator, plan: _Plan) -> _Footing:
     width, depth, height = plan.size
     ahead, aside = 0.0, 0.02
     if rng.random() < OVERHANGING:
-        ahead, aside = float(rng.uniform(0.03, 0.08)) * depth, float(rng.uniform(0.05, 0.11)) * width
-    edge = float(rng.uniform(0.0, 0.03)) + plan.looks.reach + ahead
+        ahead, aside = choose(rng, 0.03, 0.08) * depth, choose(rng, 0.05, 0.11) * width
+    edge = choose(rng, 0.0, 0.03) + plan.looks.reach + ahead
     behind = min(edge, 0.02 + ahead)
     kind: TopKind = pick(
         rng, {name: chance for name, chance in TOPS.items() if name != "oval" or width > 1.3 * depth}
     )
-    radius = float(rng.uniform(0.04, 0.12))
+    radius = choose(rng, 0.04, 0.12)
     if kind == "oval":
         edge, behind = max(edge, 0.08 * depth), max(behind, 0.08 * depth)
         aside = max(aside, inset_of_oval(depth, min(edge, behind)))
@@ -168,7 +169,7 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
     rolling = high < 0.55 and rng.random() < 0.35
     long = rolling and width > 0.95 and rng.random() < 0.2  # three pairs of legs and no drawers
     if rolling:
-        swivel, radius = bool(rng.random() < 0.3) or long, float(rng.uniform(0.022, 0.03))
+        swivel, radius = bool(rng.random() < 0.3) or long, choose(rng, 0.022, 0.03)
         stand = make_castors(x, y, radius, parent=BODY, swivel=swivel, pairs=3 if long else 2)
         low, parts = stand.height, [*parts, *stand.parts]
         solids += stand.primitives
@@ -177,16 +178,16 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
     legs = lift(upright, low)
     solids += legs
     closed = not long and rng.random() < (2 * CLOSED if width < 0.7 else CLOSED)
-    inner = (y[0] + leg, y[1] - leg)
+    inner = narrow(y, leg)
     room = inner[1] - inner[0]
     drawers = int(rng.choice(5, p=(0.15, 0.5, 0.22, 0.1, 0.03))) if width > 0.4 else 1
     drawers = min(max(drawers, int(np.ceil(room / 1.05))) if drawers and not long else 0, int(room / 0.24))
-    deep = float(rng.uniform(0.085, min(0.15, 0.35 * (high - low) + 0.02)))
-    arch = float(rng.uniform(0.03, 0.06)) if rng.random() < ARCHED and not long and room > 0.25 else 0.0
+    deep = choose(rng, 0.085, min(0.15, 0.35 * (high - low) + 0.02))
+    arch = choose(rng, 0.03, 0.06) if rng.random() < ARCHED and not long and room > 0.25 else 0.0
     behind = x[1] - max(0.25 * leg + WALL, 0.5 * leg + PANEL / 2)  # x of the rear boards
     if drawers:
         girded = closed or rng.random() < GIRDED
-        back = min(x[0] + float(rng.uniform(0.45, 1.0)) * (x[1] - x[0]), behind if girded else x[1])
+        back = min(x[0] + choose(rng, 0.45, 1.0) * (x[1] - x[0]), behind if girded else x[1])
         hung = _hang_drawers(drawers, Space(x=(x[0], back), y=inner, z=(high - deep, high)), plan.looks, rng)
         solids, parts = [*solids, *hung.primitives], [*parts, *hung.parts]
         if girded and not closed:
@@ -197,12 +198,12 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
     elif rng.random() < 0.75:
         sides = SIDES[:1] if closed else SIDES
         solids += make_apron(x, y, (high - 0.6 * deep, high), leg, sides=sides, arch=arch)
-    at = low + float(rng.uniform(0.25, 0.4)) * (high - low)
+    at = low + choose(rng, 0.25, 0.4) * (high - low)
     shelved = rng.random() < (0.65 if high < 0.6 else 0.12)
     if shelved:
         parts.append(_make_shelf(legs, at))
     elif not long and rng.random() < STRETCHED:
-        kind = STRETCHER_KINDS[int(rng.integers(len(STRETCHER_KINDS)))]
+        kind = choose_one(rng, STRETCHER_KINDS)
         solids += make_stretchers(legs, 0.7 * at + 0.3 * low, 0.48 * leg, kind)
     if closed:
         solids += make_panels(legs, (at + 0.02 if shelved else at, high))
@@ -233,8 +234,8 @@ def _make_shelf(legs: Sequence[Primitive], z: float) -> ShapePart:
         inner.append((1 - share) * np.ptp(low[:, 1]) / 2 + share * np.ptp(high[:, 1]) / 2)
     edge = float(np.abs(centers[:, 1]).max() - inner[0])
     x = (float(centers[:, 0].min()) - 0.004, float(centers[:, 0].max()) + 0.004)
-    shelf = fill_space(Space(x=x, y=(-edge, edge), z=(z, top)), "top")
-    return ShapePart(name="shelf", label="shelf", parent=BODY, primitives=(shelf,))
+    shelf = block(x, (-edge, edge), (z, top), "top")
+    return ShapePart("shelf", "shelf", (shelf,))
 
 
 def _build_desk(rng: np.random.Generator, plan: _Plan) -> _Built:
@@ -243,7 +244,7 @@ def _build_desk(rng: np.random.Generator, plan: _Plan) -> _Built:
     high = height - plan.top
     reach = plan.looks.reach
     x, y = (reach - depth / 2, depth / 2), (0.015 - width / 2, width / 2 - 0.015)
-    wide = float(rng.uniform(0.32, 0.46)) * float(np.clip(width / 1.3, 0.85, 1.1))
+    wide = choose(rng, 0.32, 0.46) * float(np.clip(width / 1.3, 0.85, 1.1))
     both = width > 1.25 and rng.random() < 0.5
     solids: list[Primitive] = [_make_top(plan)]
     parts: list[ShapePart] = []
@@ -265,18 +266,18 @@ def _build_desk(rng: np.random.Generator, plan: _Plan) -> _Built:
         board = 0.03 if rng.random() < 0.5 else plan.leg_width
         end = (y[0], y[0] + board)
         if board == 0.03:
-            solids.append(fill_space(Space(x=(x[0] + 0.02, x[1]), y=end, z=(0.0, high)), "body"))
+            solids.append(block((x[0] + 0.02, x[1]), end, (0.0, high), "body"))
         else:
             solids += make_legs(
                 (x[0] + 0.02, x[1]), (y[0], y[0] + 3 * board), high, kind="square", width=board, finish="leg"
             )[::2]
         free = (end[1], free[1])
     if rng.random() < 0.7:
-        low = high - float(rng.uniform(0.2, 0.4))
+        low = high - choose(rng, 0.2, 0.4)
         board = Space(x=(x[1] - 0.06, x[1] - 0.042), y=free, z=(low, high))
-        solids.append(fill_space(board, "body"))
+        solids.append(board.fill("body"))
     if rng.random() < 0.45 and free[1] - free[0] > 0.35:
-        space = Space(x=(x[0], x[1] - 0.1), y=free, z=(high - float(rng.uniform(0.09, 0.12)), high))
+        space = Space(x=(x[0], x[1] - 0.1), y=free, z=(high - choose(rng, 0.09, 0.12), high))
         count = 2 if free[1] - free[0] > 0.9 and rng.random() < 0.6 else 1
         hung = _hang_drawers(count, space, plan.looks, rng)
         solids, parts = [*solids, *hung.primitives], [*parts, *(_rename(part, "c") for part in hung.parts)]
@@ -296,17 +297,17 @@ def _build_sink(rng: np.random.Generator, plan: _Plan) -> _Built:
     top = Space(x=(-depth / 2, depth / 2), y=y, z=(high, high + plan.top))
     if rng.random() < 0.25:
         legs = make_legs(x, y, high, kind="square", width=0.04, finish="leg")
-        shelf = _make_shelf(legs, float(rng.uniform(0.15, 0.3)))
+        shelf = _make_shelf(legs, choose(rng, 0.15, 0.3))
         sink = make_sink(rng, top, y, parent=BODY)
         return _Built(primitives=(*sink.primitives, *legs), parts=(*sink.parts, shelf))
-    foot = float(rng.uniform(0.08, 0.12))
+    foot = choose(rng, 0.08, 0.12)
     space = Space(x=x, y=y, z=(foot, high))
     node = draw_layout(rng, space, plan.looks, UNDER_SINK)
     cabinet = make_cabinet(node, space, plan.looks, parent=BODY)
     sink = make_sink(rng, top, _widest_column(node, space, plan.looks), parent=BODY)
     kick = (
-        box((x[0] + 0.06, y[0] + 0.02, 0.0), (x[0] + 0.078, y[1] - 0.02, foot), "body"),
-        box((x[1] - 0.03, y[0] + 0.02, 0.0), (x[1] - 0.012, y[1] - 0.02, foot), "body"),
+        block((x[0] + 0.06, x[0] + 0.078), narrow(y, 0.02), (0.0, foot), "body"),
+        block((x[1] - 0.03, x[1] - 0.012), narrow(y, 0.02), (0.0, foot), "body"),
     )
     return _Built(
         primitives=(*sink.primitives, *cabinet.primitives, *kick), parts=(*cabinet.parts, *sink.parts)
@@ -325,9 +326,9 @@ def _build_screw(rng: np.random.Generator, plan: _Plan) -> _Built:
     """A round top on a threaded spindle in a column on a foot."""
     width, depth, height = plan.size
     radius = min(width, depth) / 2
-    rise = float(rng.uniform(0.07, 0.12))
+    rise = choose(rng, 0.07, 0.12)
     spindle, gap, wall = 0.022, 0.0025, 0.014
-    foot = float(rng.uniform(0.02, 0.035))
+    foot = choose(rng, 0.02, 0.035)
     under = height - plan.top
     plate = under - 0.012  # a flange under the top holds the spindle
     mouth = plate - gap
@@ -346,14 +347,14 @@ def _build_screw(rng: np.random.Generator, plan: _Plan) -> _Built:
             box((-half, half, 0.0), (half, arm, foot), "leg"),
         ]
     post = box((-outer, -outer, foot), (outer, outer, start), "leg")
-    turns = float(rng.uniform(2.5, 4.0)) * 2 * np.pi
+    turns = choose(rng, 2.5, 4.0) * 2 * np.pi
     top = (
         cylinder((0.0, 0.0, under), (0.0, 0.0, height), radius, "top"),
         cylinder((0.0, 0.0, plate), (0.0, 0.0, under), min(0.09, 0.4 * radius), "steel"),
         cylinder((0.0, 0.0, start + gap), (0.0, 0.0, plate), spindle, "steel"),
     )
-    thread = Motion(type="screw", axis=(0.0, 0.0, 1.0), upper=turns, pitch=rise / turns)
-    part = ShapePart(name="top", label="shelf", parent=BODY, primitives=top, motion=thread)
+    thread = Motion(type="screw", axis=UP, upper=turns, pitch=rise / turns)
+    part = ShapePart("top", "shelf", top, thread)
     return _Built(primitives=(*base, post, *column), parts=(part,))
 
 

@@ -4,16 +4,19 @@ Sizes follow EN 997 and EN 33: 355 to 400 mm wide, 620 to 700 mm deep with the c
 above the floor. Wall-hung bowls protrude by 490 to 540 mm; their flush plates measure 246 by 164 mm.
 """
 
+from math import radians
+
 import numpy as np
 
 from artigen.shapes.appliances.cavity import build_tub
 from artigen.shapes.appliances.control_panel import PRESS, make_button
-from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
-from artigen.shapes.fittings.hardware import Range, Space
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Wish, choose_size
+from artigen.shapes.fittings.hardware import Range, Space, rotate
 from artigen.shapes.fittings.outlines import Outline, build_loft, draw_egg
 from artigen.shapes.fittings.taps import make_cross_handle
-from artigen.shapes.primitives import Primitive, Vector, box, cylinder, rounded_box
-from artigen.shapes.shape import Motion, Need, ShapePart
+from artigen.shapes.primitives import FRONT, LEFT, RIGHT, UP, Primitive, block, box, cylinder
+from artigen.shapes.shape import ShapePart, make_base, require
 from artigen.shapes.surfaces.materials import WOODS, make_ceramic, make_metal, make_plastic, make_wood
 
 CATEGORY = "Toilet"
@@ -30,7 +33,6 @@ TANK, WALL = 0.165, 0.19
 RIM, SEAT, LID = 0.4, 0.017, 0.016
 """Height of the bowl's rim; thickness of seat and lid."""
 SLIT = 0.0025
-UP: Vector = (0.0, 0.0, 1.0)
 Drawn = tuple[list[Primitive], list[ShapePart]]
 """Solids of the body, and the moving parts."""
 
@@ -39,7 +41,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a toilet."""
     style = choose_style(rng, STYLES, wish.style)
     wide, deep, tall = SIZES[style]
-    width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=deep, height=tall)
+    width, depth, height = choose_size(rng, CATEGORY, wish, (wide, deep, tall))
     hung = style == "wall_hung"
     half = min(width / 2, 0.185) if hung else width / 2
     behind = depth / 2 - (WALL if hung else TANK)  # front of the cistern or wall
@@ -47,24 +49,24 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     length = hinge + depth / 2
     outline = draw_egg((hinge - 0.4 * length, 0.0), 0.6 * length, 0.4 * length, half)
     pieces = _build_bowl(style, outline, behind, depth / 2)
-    seat, lid = _make_seat(outline, hinge, upper=float(np.radians(rng.uniform(89.0, 92.0))))
+    seat, lid = _make_seat(outline, hinge, upper=radians(choose(rng, 89.0, 92.0)))
     if hung:
         wall, flush = _draw_wall(behind, depth / 2, width, height)
     else:
         wall, flush = _draw_cistern(rng, style, behind, depth / 2, width, height)
-    body = ShapePart(name="body", label="base", parent=None, primitives=(*pieces, *wall))
+    body = make_base((*pieces, *wall))
     seed = int(rng.integers(2**30))
-    glaze = make_ceramic(GLAZES[int(rng.integers(len(GLAZES)))], seed)
+    glaze = make_ceramic(choose_one(rng, GLAZES), seed)
     plain = make_plastic(glaze.color, gloss=0.4)
     wood = make_wood(tuple(WOODS)[int(rng.integers(4))], seed)
     finishes = {
         "body": glaze,
         "front": wood if style == "close_coupled" and rng.random() < 0.3 else plain,
-        "handle": make_metal(("chrome", "chrome", "brass", "black")[int(rng.integers(4))], seed),
+        "handle": make_metal(choose_one(rng, ("chrome", "chrome", "brass", "black")), seed),
         "wall": make_ceramic((0.86, 0.85, 0.83), seed + 1),
         "panel": make_plastic((0.93, 0.93, 0.93)) if rng.random() < 0.5 else make_metal("steel", seed),
     }
-    return Draft(style=style, parts=(body, lid, seat, *flush), finishes=tuple(sorted(finishes.items())))
+    return Draft(style, (body, lid, seat, *flush), finishes)
 
 
 def _build_bowl(style: str, outline: Outline, behind: float, back: float) -> list[Primitive]:
@@ -107,17 +109,10 @@ def _make_seat(outline: Outline, hinge: float, upper: float) -> tuple[ShapePart,
     for low_y, high_y in ((-0.121, -0.099), (0.099, 0.121)):
         ears.append(box((x - 0.05, low_y, top), (x + 0.0115, high_y, top + LID - 0.004), "front"))
         ears.append(box((x - 0.0035, low_y, axis - 0.0075), (x + 0.0115, high_y, top), "front"))
-    motion = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=(x + 0.004, 0.0, axis), upper=upper - 0.05)
-    swing = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=(x + 0.004, 0.0, axis), upper=upper)
-    seat = ShapePart(
-        name="seat",
-        label="shelf",
-        parent="body",
-        primitives=(*ring, *pins),
-        motion=motion,
-        needs=(Need(part="lid", fraction=1.0),),
-    )
-    lid = ShapePart(name="lid", label="door", parent="body", primitives=(*plate, *ears), motion=swing)
+    motion = rotate(LEFT, (x + 0.004, 0.0, axis), upper - 0.05)
+    swing = rotate(LEFT, (x + 0.004, 0.0, axis), upper)
+    seat = ShapePart("seat", "shelf", (*ring, *pins), motion, needs=require("lid", fraction=1.0))
+    lid = ShapePart("lid", "door", (*plate, *ears), swing)
     return seat, lid
 
 
@@ -132,7 +127,7 @@ def _draw_cistern(
     half = width / 2
     tank = Space(x=(front + 0.008, back), y=(-half + 0.008, half - 0.008), z=(low, top - lid))
     pieces = [*build_tub(tank, 0.014, "body")]
-    pieces.append(rounded_box((front, -half, top - lid), (back, half, top), 0.005, "body"))
+    pieces.append(block((front, back), (-half, half), (top - lid, top), "body", 0.005))
     if low > RIM:
         pieces.append(cylinder((front + 0.08, 0.0, RIM), (front + 0.08, 0.0, low), 0.055, "body"))
     middle = (front + back) / 2
@@ -140,12 +135,7 @@ def _draw_cistern(
         apart = 0.021
         parts = [
             make_button(
-                (middle, y, top),
-                (0.038, 0.038, 0.006),
-                name=name,
-                parent="body",
-                finish="handle",
-                out=(0.0, 0.0, 1.0),
+                (middle, y, top), (0.038, 0.038, 0.006), name=name, parent="body", finish="handle", out=UP
             )
             for name, y in (("flush", apart), ("small_flush", -apart))
         ]
@@ -153,15 +143,15 @@ def _draw_cistern(
     at = (front + 0.008, half - 0.07, top - lid - 0.05)
     lever = make_cross_handle(
         at,
-        (-1.0, 0.0, 0.0),
-        (0.0, -1.0, 0.0),
+        FRONT,
+        RIGHT,
         name="flush",
         parent="body",
         reach=0.085,
         height=0.026,
         finish="handle",
         arms=1,
-        upper=float(np.radians(35.0)),
+        upper=radians(35.0),
     )
     return pieces, [lever]
 

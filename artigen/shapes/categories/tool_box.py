@@ -6,17 +6,19 @@ Boxes are sold by their length of 13 to 26 inches (0.33 to 0.66 m), half as deep
 
 from dataclasses import replace
 from itertools import pairwise
+from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly, draw_styled
+from artigen.shapes.assembly import Assembly, draw_styled
+from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.carrying import CHANNEL, build_channel, make_grip, make_pull_handle
 from artigen.shapes.fittings.drawers import BoxDesign, make_drawer
 from artigen.shapes.fittings.feet import make_wheel
 from artigen.shapes.fittings.fronts import FrontDesign
 from artigen.shapes.fittings.handles import HandleDesign
-from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Panel, Range, Space
+from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Panel, Range, Space, narrow
 from artigen.shapes.fittings.lids import (
     build_half_shell,
     build_roof,
@@ -26,7 +28,7 @@ from artigen.shapes.fittings.lids import (
     shrink,
 )
 from artigen.shapes.fittings.locks import make_latch
-from artigen.shapes.primitives import SEGMENTS, Primitive, box, cylinder
+from artigen.shapes.primitives import DOWN, SEGMENTS, Primitive, block, box, cylinder
 from artigen.shapes.shape import Need, ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_plastic
@@ -65,8 +67,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     seed = int(rng.integers(2**30))
-    paint = make_lacquer(PAINTS[int(rng.integers(len(PAINTS)))], gloss=0.4)
-    body, lid = (make_plastic(color) for color in PAIRS[int(rng.integers(len(PAIRS)))])
+    paint = make_lacquer(choose_one(rng, PAINTS), gloss=0.4)
+    body, lid = (make_plastic(color) for color in choose_one(rng, PAIRS))
     finishes = draw_palette(rng, "appliance", "steel") | {"handle": make_metal("chrome", seed)}
     if style in ("metal", "chest"):
         return finishes | {"body": paint, "top": paint, "front": paint, "tray": paint, "inside": paint}
@@ -81,7 +83,7 @@ def _make_latches(
     rng: np.random.Generator, x: float, width: float, rim: float, rise: float
 ) -> list[ShapePart]:
     """One latch in the middle of the front, or two latches."""
-    half, count = float(rng.uniform(0.02, 0.03)), int(rng.choice((1, 2, 2)))
+    half, count = choose(rng, 0.02, 0.03), int(rng.choice((1, 2, 2)))
     places = [0.0] if count == 1 else [-0.3 * width, 0.3 * width]
     return [
         make_latch(
@@ -96,40 +98,40 @@ def _make_lid(
 ) -> ShapePart:
     needs = tuple(Need(part=latch.name) for latch in latches)
     motion = hinge_lid(x, y, z, upper)
-    return ShapePart(name="lid", label="door", parent="body", primitives=solids, motion=motion, needs=needs)
+    return ShapePart("lid", "door", solids, motion, needs=needs)
 
 
 def _build_plastic(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A tub, a deep lid with a grip in the middle, and a tray on ledges."""
     reach, grip = 0.013, FINGER_ROOM + 0.018
     x, y = (reach - depth / 2, depth / 2), (-width / 2, width / 2)
-    rise = float(rng.uniform(0.22, 0.32)) * (height - grip)
+    rise = choose(rng, 0.22, 0.32) * (height - grip)
     rim = height - grip - rise - GAP
-    taper = float(rng.uniform(0.03, 0.1)) * depth
+    taper = choose(rng, 0.03, 0.1) * depth
     pieces = list(build_vessel(shrink((x, y), taper / 2), (x, y), (0.0, rim), WALL, "body"))
     pieces += _build_band(x, y, (rim - 0.022, rim), "body")
     latches = _make_latches(rng, x[0] - 0.003, width, rim, min(0.035, 0.8 * rise))
     low = rim + GAP
-    shell = build_half_shell(Space(x=x, y=y, z=(low, low + rise)), WALL, (0.0, 0.0, -1.0), "top", "top")
+    shell = build_half_shell(Space(x=x, y=y, z=(low, low + rise)), WALL, DOWN, "top", "top")
     ribs = [
         box((x[0] - 0.003, a - 0.012, low), (x[0] + WALL, a + 0.012, low + rise), "top")
         for a in (-0.42 * width, 0.42 * width)
     ]
-    lid = _make_lid((*shell, *ribs), x, y, low, float(np.radians(rng.uniform(95, 110))), latches)
-    span = float(rng.uniform(0.26, 0.5)) * width
+    lid = _make_lid((*shell, *ribs), x, y, low, radians(choose(rng, 95, 110)), latches)
+    span = choose(rng, 0.26, 0.5) * width
     handle = make_grip(
         (sum(x) / 2, 0.0, low + rise), span, name="lid_handle", parent="lid", thick=0.018, finish="handle"
     )
     tray = _add_tray(shrink((x, y), taper / 2), rim, pieces, lean=taper / 2)
-    return Assembly(pieces=tuple(pieces), parts=(lid, handle, *latches, *tray))
+    return Assembly(pieces, (lid, handle, *latches, *tray))
 
 
 def _build_band(x: Range, y: Range, z: Range, finish: str) -> list[Primitive]:
     """A rib around the upper edge of a tub, which protrudes 3 mm in front."""
     return [
-        box((x[0] - 0.003, y[0], z[0]), (x[0] + WALL, y[1], z[1]), finish),
-        box((x[0] + WALL, y[0], z[0]), (x[1], y[0] + WALL, z[1]), finish),
-        box((x[0] + WALL, y[1] - WALL, z[0]), (x[1], y[1], z[1]), finish),
+        block((x[0] - 0.003, x[0] + WALL), y, z, finish),
+        block((x[0] + WALL, x[1]), (y[0], y[0] + WALL), z, finish),
+        block((x[0] + WALL, x[1]), (y[1] - WALL, y[1]), z, finish),
     ]
 
 
@@ -144,7 +146,7 @@ def _add_tray(
     level = max(0.45 * rim, rim - 0.075)
     reach = lean * level / rim + 0.003  # into the wall
     pieces += [
-        box((x[0], low, level - 0.012), (x[1], high, level), "body")
+        block(x, (low, high), (level - 0.012, level), "body")
         for low, high in ((y[0] - reach, y[0] + 0.02), (y[1] - 0.02, y[1] + reach))
     ]
     inside = shrink((x, y), GAP + 0.002)
@@ -164,12 +166,12 @@ def _build_metal(rng: np.random.Generator, width: float, depth: float, height: f
     """A box of folded steel with a gabled lid and a grip along its ridge."""
     reach, grip = 0.012, FINGER_ROOM + 0.014
     x, y = (reach - depth / 2, depth / 2), (-width / 2, width / 2)
-    rise = float(rng.uniform(0.24, 0.36)) * (height - grip)
+    rise = choose(rng, 0.24, 0.36) * (height - grip)
     rim = height - grip - rise - GAP
     pieces = list(build_vessel((x, y), (x, y), (0.0, rim), WALL, "body"))
     latches = _make_latches(rng, x[0] - 0.0005, width, rim, min(0.03, 0.55 * rise))
     low, middle = rim + GAP, sum(x) / 2
-    ridge, eaves = float(rng.uniform(0.16, 0.3)) * depth, low + 0.5 * rise
+    ridge, eaves = choose(rng, 0.16, 0.3) * depth, low + 0.5 * rise
     outline = np.array(
         [
             (x[0], low),
@@ -181,19 +183,19 @@ def _build_metal(rng: np.random.Generator, width: float, depth: float, height: f
         ]
     )
     roof = build_roof(outline, WALL, y, "top")
-    lid = _make_lid(roof, x, y, low, float(np.radians(rng.uniform(95, 115))), latches)
-    span = float(rng.uniform(0.3, 0.6)) * width
+    lid = _make_lid(roof, x, y, low, radians(choose(rng, 95, 115)), latches)
+    span = choose(rng, 0.3, 0.6) * width
     handle = make_grip((middle, 0.0, low + rise), span, name="lid_handle", parent="lid", thick=0.014)
     tray = _add_tray((x, y), rim, pieces)
-    return Assembly(pieces=tuple(pieces), parts=(lid, handle, *latches, *tray))
+    return Assembly(pieces, (lid, handle, *latches, *tray))
 
 
 def _build_chest(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A bench chest: drawers below a well with a lid, a grip on top."""
     grip = FINGER_ROOM + 0.014
-    rise = float(rng.uniform(0.13, 0.2)) * height
+    rise = choose(rng, 0.13, 0.2) * height
     built = _stack(rng, (width, depth, height - grip), rise, behind=0.0, foot=0.0)
-    span = float(rng.uniform(0.3, 0.45)) * width
+    span = choose(rng, 0.3, 0.45) * width
     handle = make_grip((0.012, 0.0, height - grip), span, name="lid_handle", parent="lid", thick=0.014)
     return built + Assembly(parts=(handle,))
 
@@ -201,12 +203,12 @@ def _build_chest(rng: np.random.Generator, width: float, depth: float, height: f
 def _build_rolling(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A higher chest on two wheels, with a telescopic handle behind."""
     behind, lip = CHANNEL + 0.006, 0.024
-    radius, tread, foot = float(rng.uniform(0.055, 0.075)), 0.034, 0.03
+    radius, tread, foot = choose(rng, 0.055, 0.075), 0.034, 0.03
     aside = tread + GAP + 0.002
-    rise = float(rng.uniform(0.13, 0.2)) * height
+    rise = choose(rng, 0.13, 0.2) * height
     built = _stack(rng, (width, depth, height), rise, behind=behind, foot=foot, aside=aside)
     back, rim = depth / 2 - behind, height - rise
-    spread = float(rng.uniform(0.45, 0.6)) * width
+    spread = choose(rng, 0.45, 0.6) * width
     channel = build_channel(back, spread, (foot + 0.1, rim - 0.05), "body")
     rods = make_pull_handle(
         back, spread, (foot + 0.1, rim - 0.02), 0.5 * (rim - foot), parent="body", finish="metal"
@@ -227,7 +229,7 @@ def _build_rolling(rng: np.random.Generator, width: float, depth: float, height:
                 "body",
             )
         )
-    return built + Assembly(pieces=tuple(pieces), parts=tuple(parts))
+    return built + Assembly(pieces, parts)
 
 
 def _stack(
@@ -247,36 +249,36 @@ def _stack(
     lip, thick = 0.024, 0.012
     x, y = (lip - depth / 2, depth / 2 - behind), (aside - width / 2, width / 2 - aside)
     rim = height - rise - GAP
-    deck = foot + float(rng.uniform(0.5, 0.62)) * (rim - foot)
+    deck = foot + choose(rng, 0.5, 0.62) * (rim - foot)
     set_back = x[0] + thick + GAP
     pieces = [
-        box((set_back, y[0], foot), (x[1], y[1], foot + WALL), "body"),
-        box((x[1] - WALL, y[0], foot + WALL), (x[1], y[1], rim), "body"),
-        box((x[0], y[0], deck), (x[1] - WALL, y[1], deck + WALL), "body"),
-        box((x[0], y[0], deck + WALL), (x[0] + WALL, y[1], rim), "body"),
+        block((set_back, x[1]), y, (foot, foot + WALL), "body"),
+        block((x[1] - WALL, x[1]), y, (foot + WALL, rim), "body"),
+        block((x[0], x[1] - WALL), y, (deck, deck + WALL), "body"),
+        block((x[0], x[0] + WALL), y, (deck + WALL, rim), "body"),
     ]
     for a in (y[0], y[1] - WALL):
         pieces.append(box((set_back, a, foot + WALL), (x[1] - WALL, a + WALL, deck), "body"))
-        pieces.append(box((x[0] + WALL, a, deck + WALL), (x[1] - WALL, a + WALL, rim), "body"))
+        pieces.append(block(narrow(x, WALL), (a, a + WALL), (deck + WALL, rim), "body"))
     latches = _make_latches(rng, x[0] - 0.0005, width, rim, min(0.03, 0.6 * rise))
     low = rim + GAP
-    shell = build_half_shell(Space(x=x, y=y, z=(low, low + rise)), WALL, (0.0, 0.0, -1.0), "top", "inside")
-    lid = _make_lid(shell, x, y, low, float(np.radians(rng.uniform(84, 90))), latches)
+    shell = build_half_shell(Space(x=x, y=y, z=(low, low + rise)), WALL, DOWN, "top", "inside")
+    lid = _make_lid(shell, x, y, low, radians(choose(rng, 84, 90)), latches)
     parts = [lid, *latches]
     shares = np.linspace(
-        1.0, float(rng.uniform(1.0, 1.7)), int(np.clip((deck - foot) / rng.uniform(0.055, 0.09), 1, 4))
+        1.0, choose(rng, 1.0, 1.7), int(np.clip((deck - foot) / rng.uniform(0.055, 0.09), 1, 4))
     )
-    design = HandleDesign(kind="edge", length=float(rng.uniform(0.4, 0.8)) * width, thickness=0.010)
+    design = HandleDesign(kind="edge", length=choose(rng, 0.4, 0.8) * width, thickness=0.010)
     front = FrontDesign(style="flat", frame=0.0, handle=design)
     tops = deck - 0.003 - np.concatenate([[0.0], np.cumsum(shares)]) / shares.sum() * (deck - foot - 0.005)
     for index, (upper, lower) in enumerate(pairwise(tops.tolist())):
-        panel = Panel(x=x[0], thickness=thick, y=(y[0] + 0.001, y[1] - 0.001), z=(lower + 0.003, upper))
+        panel = Panel(x=x[0], thickness=thick, y=narrow(y, 0.001), z=(lower + 0.003, upper))
         z = (max(panel.z[0], foot + WALL), panel.z[1])
-        space = Space(x=(panel.back, x[1] - WALL), y=(y[0] + WALL, y[1] - WALL), z=z)
+        space = Space(x=(panel.back, x[1] - WALL), y=narrow(y, WALL), z=z)
         style = BoxDesign(wall=0.006, floor=0.005, rim=0.8, finish="tray")
         parts += make_drawer(
             panel, space, front, box=style, name=f"drawer_{index}", parent="body", travel=0.75
         )
     if rim - deck > 0.12:
         parts += _add_tray((x, y), rim, pieces)
-    return Assembly(pieces=tuple(pieces), parts=tuple(parts))
+    return Assembly(pieces, parts)

@@ -5,17 +5,30 @@ l, and wheeled bins of EN 840-1 from 80 l (0.45 m x 0.53 m x 0.94 m) to 240 l (0
 """
 
 from dataclasses import replace
+from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly
 from artigen.shapes.appliances.rings import build_ring
-from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_style
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_wheel
-from artigen.shapes.fittings.hardware import GAP, Range, slide
+from artigen.shapes.fittings.hardware import GAP, Range, narrow, rotate, slide
 from artigen.shapes.fittings.lids import Rectangle, build_vessel, hinge_lid, loft, shrink
-from artigen.shapes.primitives import SEGMENTS, Primitive, box, cylinder, polytope, prism, rounded_box
-from artigen.shapes.shape import Motion, Need, ShapePart
+from artigen.shapes.primitives import (
+    LEFT,
+    RIGHT,
+    SEGMENTS,
+    UP,
+    Primitive,
+    block,
+    box,
+    cylinder,
+    polytope,
+    prism,
+)
+from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_plastic
 from artigen.shapes.surfaces.palette import draw_palette
@@ -55,7 +68,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a bin that meets the wish."""
     style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_lengths(rng, wish, SIZES[style])
-    slender = float(rng.uniform(0.5, 0.8))
+    slender = choose(rng, 0.5, 0.8)
     if style in ("pedal", "flip") and wish.width is None:
         width = max(min(width, slender * height), 0.42 * height)
     if (
@@ -70,15 +83,15 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         "wheeled": _build_wheeled_bin,
     }[style]
     built = build(rng, width, depth, height)
-    finishes = tuple(sorted(_draw_finishes(rng, style).items()))
-    return Draft(style=style, parts=built.close(), finishes=finishes)
+    finishes = _draw_finishes(rng, style)
+    return Draft(style, built.close(), finishes)
 
 
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     """Finishes of the shell, its lid and its bucket."""
     seed = int(rng.integers(2**30))
     colors = STREET if style == "wheeled" else SHELL
-    shell = make_plastic(colors[int(rng.integers(len(colors)))])
+    shell = make_plastic(choose_one(rng, colors))
     lids = [make_plastic(SORTED[int(k)]) for k in rng.permutation(len(SORTED))]
     lid, metallic, dark = lids[0] if style == "wheeled" else shell, rng.random() < 0.6, rng.random() < 0.5
     if style == "wheeled" and dark:
@@ -100,11 +113,11 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A round or square steel bin with a pedal that opens its lid, and a bucket that lifts out."""
-    thick, foot, under = float(rng.uniform(0.016, 0.024)), 0.05, 0.032
+    thick, foot, under = choose(rng, 0.016, 0.024), 0.05, 0.032
     x = (PEDAL - depth / 2, depth / 2 - HUB)
     y = (-width / 2, width / 2)
     rim = height - thick - 0.012 - GAP
-    opened = float(np.radians(rng.uniform(96, 105)))
+    opened = radians(choose(rng, 96, 105))
     middle, radius = sum(x) / 2, min(x[1] - x[0], width) / 2
     round_ = abs(x[1] - x[0] - width) < 1e-6
     z = (foot, rim)
@@ -134,8 +147,8 @@ def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, heigh
         )
     else:
         walls = build_vessel((x, y), (x, y), (foot, rim), WALL, "body", lining="trim")
-        base = (box((x[0] + 0.004, y[0] + 0.004, under), (x[1] - 0.004, y[1] - 0.004, foot), "trim"),)
-        slab = rounded_box((x[0], y[0], rim + GAP), (x[1], y[1], rim + GAP + thick), 0.004, "front")
+        base = (block(narrow(x, 0.004), narrow(y, 0.004), (under, foot), "trim"),)
+        slab = block(x, y, (rim + GAP, rim + GAP + thick), "front", 0.004)
         outline = shrink((x, y), 0.005)
         cover = (slab, loft(outline, shrink(outline, 0.03), (rim + GAP + thick, height), "front"))
         inside = shrink((x, y), WALL + 0.010)
@@ -150,18 +163,15 @@ def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, heigh
         for b in (-0.62 * radius, 0.62 * radius)
     ]
     lid = ShapePart(
-        name="lid", label="door", parent="body", primitives=(*cover, tab),
-        motion=replace(hinge_lid((x[0], pivot), y, rim + GAP, opened), follows="pedal"),
-    )  # fmt: skip
+        "lid", "door", (*cover, tab), replace(hinge_lid((x[0], pivot), y, rim + GAP, opened), follows="pedal")
+    )
     pedal = _make_pedal(x[0] - PEDAL, x[0] + 0.05, width, under)
     parts = [lid, pedal]
     if rng.random() < 0.8:
-        lift = slide(0.75 * (rim - foot), (0.0, 0.0, 1.0))
-        needs = (Need(part="pedal"),)
-        parts.append(
-            ShapePart(name="bucket", label="tray", parent="body", primitives=pail, motion=lift, needs=needs)
-        )
-    return Assembly(pieces=(*walls, *base, knuckle, *feet), parts=tuple(parts))
+        lift = slide(0.75 * (rim - foot), UP)
+        needs = require("pedal")
+        parts.append(ShapePart("bucket", "tray", pail, lift, needs=needs))
+    return Assembly((*walls, *base, knuckle, *feet), parts)
 
 
 def _make_pedal(tip: float, pivot: float, width: float, under: float) -> ShapePart:
@@ -170,13 +180,11 @@ def _make_pedal(tip: float, pivot: float, width: float, under: float) -> ShapePa
     half = min(0.045, 0.17 * width)
     solids = (
         box((tip + 0.03, -0.4 * half, top - 0.006), (pivot, 0.4 * half, top), "steel"),
-        rounded_box((tip, -half, top - 0.008), (tip + 0.034, half, top), 0.002, "steel"),
+        block((tip, tip + 0.034), (-half, half), (top - 0.008, top), "steel", 0.002),
     )
     drop = float((top - 0.011) / (pivot - tip))
-    turn = Motion(
-        type="revolute", axis=(0.0, -1.0, 0.0), origin=(pivot, 0.0, top), upper=min(drop, 0.2), spring=SPRING
-    )  # fmt: skip
-    return ShapePart(name="pedal", label="knob", parent="body", primitives=solids, motion=turn)
+    turn = rotate(RIGHT, (pivot, 0.0, top), min(drop, 0.2), spring=SPRING)  # fmt: skip
+    return ShapePart("pedal", "knob", solids, turn)
 
 
 def _circle(radius: float, sides: int = SEGMENTS) -> np.ndarray:
@@ -186,39 +194,39 @@ def _circle(radius: float, sides: int = SEGMENTS) -> np.ndarray:
 
 def _build_flip_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A moulded bin that tapers downwards, and a lid with a lip."""
-    lip, rise = 0.014, float(rng.uniform(0.014, 0.03))
+    lip, rise = 0.014, choose(rng, 0.014, 0.03)
     x, y = (lip - depth / 2, depth / 2), (-width / 2, width / 2)
     rim = height - rise - 0.012 - GAP
-    taper = float(rng.uniform(0.0, 0.14)) * min(width, depth)
+    taper = choose(rng, 0.0, 0.14) * min(width, depth)
     walls = build_vessel(shrink((x, y), taper / 2), (x, y), (0.0, rim), WALL, "body")
     low = rim + GAP
-    slab = rounded_box((x[0], y[0], low), (x[1], y[1], low + 0.012), 0.003, "front")
+    slab = block(x, y, (low, low + 0.012), "front", 0.003)
     grip = box((x[0] - lip, -0.2 * width, low), (x[0] + 0.01, 0.2 * width, low + 0.012), "front")
     outline = shrink((x, y), 0.006)
-    crown = loft(outline, shrink(outline, float(rng.uniform(0.02, 0.07))), (low + 0.012, height), "front")
-    motion = hinge_lid(x, y, low, float(np.radians(rng.uniform(80, 105))))
-    lid = ShapePart(name="lid", label="door", parent="body", primitives=(slab, grip, crown), motion=motion)
-    return Assembly(pieces=walls, parts=(lid,))
+    crown = loft(outline, shrink(outline, choose(rng, 0.02, 0.07)), (low + 0.012, height), "front")
+    motion = hinge_lid(x, y, low, radians(choose(rng, 80, 105)))
+    lid = ShapePart("lid", "door", (slab, grip, crown), motion)
+    return Assembly(walls, (lid,))
 
 
 def _build_flap_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A bin below a sloping hood with a flap, which is hinged at its upper edge."""
     x, y = (-depth / 2, depth / 2), (-width / 2, width / 2)
-    rim, wall = height - float(rng.uniform(0.5, 0.62)) * depth, 0.01
-    taper = float(rng.uniform(0.0, 0.12)) * min(width, depth)
+    rim, wall = height - choose(rng, 0.5, 0.62) * depth, 0.01
+    taper = choose(rng, 0.0, 0.12) * min(width, depth)
     walls = build_vessel(shrink((x, y), taper / 2), (x, y), (0.0, rim), wall, "body")
-    front, top = x[0] + 0.008, x[0] + float(rng.uniform(0.55, 0.7)) * depth  # ends of the slope
+    front, top = x[0] + 0.008, x[0] + choose(rng, 0.55, 0.7) * depth  # ends of the slope
     eaves = rim + 0.03
     cheek = np.array([(rim, front), (eaves, front), (height, top), (height, x[1]), (rim, x[1])])
     hood = [prism(cheek, (0, a, 0), (0, a + wall, 0), "front") for a in (y[0], y[1] - wall)]
-    inner = (y[0] + wall, y[1] - wall)
+    inner = narrow(y, wall)
     hood += [
-        box((x[1] - wall, inner[0], rim), (x[1], inner[1], height), "front"),
-        box((top, inner[0], height - wall), (x[1] - wall, inner[1], height), "front"),
-        box((front, inner[0], rim), (front + wall, inner[1], eaves - 0.012), "front"),
+        block((x[1] - wall, x[1]), inner, (rim, height), "front"),
+        block((top, x[1] - wall), inner, (height - wall, height), "front"),
+        block((front, front + wall), inner, (rim, eaves - 0.012), "front"),
     ]
-    flap = _make_flap((front, eaves), (top, height), (inner[0] + GAP, inner[1] - GAP))
-    return Assembly(pieces=(*walls, *hood), parts=(flap,))
+    flap = _make_flap((front, eaves), (top, height), narrow(inner, GAP))
+    return Assembly((*walls, *hood), (flap,))
 
 
 def _make_flap(low: tuple[float, float], high: tuple[float, float], y: Range) -> ShapePart:
@@ -240,13 +248,13 @@ def _make_flap(low: tuple[float, float], high: tuple[float, float], y: Range) ->
         plate((gap, gap + 0.014), (0.0, 0.014), (middle - half, middle + half)),
     )
     x, z = (start + top * along).tolist()
-    turn = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=(x, middle, z), upper=float(np.radians(80)))
-    return ShapePart(name="flap", label="door", parent="body", primitives=solids, motion=turn)
+    turn = rotate(LEFT, (x, middle, z), radians(80))
+    return ShapePart("flap", "door", solids, turn)
 
 
 def _build_sorting_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """Compartments side by side, each with a bucket and a lid in the colour of its waste."""
-    count = int(np.clip(round(width / float(rng.uniform(0.2, 0.28))), 2, 4))
+    count = int(np.clip(round(width / choose(rng, 0.2, 0.28)), 2, 4))
     lip, thick = 0.014, 0.018
     x, y = (lip - depth / 2, depth / 2), (-width / 2, width / 2)
     rim = height - thick - GAP
@@ -257,17 +265,15 @@ def _build_sorting_bin(rng: np.random.Generator, width: float, depth: float, hei
         left = y[1] - k * pitch
         if k:
             span = (left - WALL / 2, left + WALL / 2)
-            pieces.append(box((x[0] + WALL, span[0], WALL), (x[1] - WALL, span[1], rim), "body"))
+            pieces.append(block(narrow(x, WALL), span, (WALL, rim), "body"))
         own = (left - pitch + 0.0015, left - 0.0015)
         low, middle = rim + GAP, (own[0] + own[1]) / 2
-        slab = rounded_box((x[0], own[0], low), (x[1], own[1], height), 0.004, LIDS[k])
+        slab = block(x, own, (low, height), LIDS[k], 0.004)
         grip = box(
             (x[0] - lip, middle - 0.25 * pitch, low), (x[0], middle + 0.25 * pitch, low + 0.012), LIDS[k]
         )
-        motion = hinge_lid(x, own, low, float(np.radians(98)))
-        parts.append(
-            ShapePart(name=f"lid_{k}", label="door", parent="body", primitives=(slab, grip), motion=motion)
-        )
+        motion = hinge_lid(x, own, low, radians(98))
+        parts.append(ShapePart(f"lid_{k}", "door", (slab, grip), motion))
         sign = (x[0] - 0.003, middle - 0.055, 0.66 * rim), (x[0], middle + 0.055, 0.66 * rim + 0.09)
         pieces.append(box(*sign, LIDS[k]))
         room = (
@@ -276,22 +282,18 @@ def _build_sorting_bin(rng: np.random.Generator, width: float, depth: float, hei
         )
         inside = shrink(room, WALL + 0.010)
         pail = build_vessel(inside, inside, (WALL + GAP, rim - 0.015), 0.006, "tray")
-        lift, needs = slide(0.7 * rim, (0.0, 0.0, 1.0)), (Need(part=f"lid_{k}"),)
-        parts.append(
-            ShapePart(
-                name=f"bucket_{k}", label="tray", parent="body", primitives=pail, motion=lift, needs=needs
-            )
-        )
-    return Assembly(pieces=tuple(pieces), parts=tuple(parts))
+        lift, needs = slide(0.7 * rim, UP), require(f"lid_{k}")
+        parts.append(ShapePart(f"bucket_{k}", "tray", pail, lift, needs=needs))
+    return Assembly(pieces, parts)
 
 
 def _build_wheeled_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A bin of EN 840, which tapers downwards and has two wheels behind and a push bar at its rim."""
     bar, lip, wall = 0.05, 0.016, 0.010
     x, y = (lip - depth / 2, depth / 2 - bar), (-width / 2, width / 2)
-    rise = float(rng.uniform(0.035, 0.06))
+    rise = choose(rng, 0.035, 0.06)
     rim = height - rise - GAP
-    radius, tread = float(rng.uniform(0.085, 0.1)), 0.045
+    radius, tread = choose(rng, 0.085, 0.1), 0.045
     bottom = (x[0] + 0.12 * depth, x[1] - 0.1 * depth), shrink((x, y), 0.07)[1]
     pieces = list(build_vessel(bottom, (x, y), (0.0, rim), wall, "body"))
     pieces += _build_collar((x, y), rim)
@@ -306,7 +308,7 @@ def _build_wheeled_bin(rng: np.random.Generator, width: float, depth: float, hei
         0.014,
         "trim",
     )
-    handle = ShapePart(name="handle", label="handle", parent="body", primitives=(grip,))
+    handle = ShapePart("handle", "handle", (grip,))
     low, crest = rim + GAP, rim + GAP + 0.45 * rise
     brim = loft((x, y), shrink((x, y), 0.004), (low, crest), "front")
     crown = loft(shrink((x, y), 0.012), shrink((x, y), 0.09), (crest, height), "front")
@@ -316,9 +318,11 @@ def _build_wheeled_bin(rng: np.random.Generator, width: float, depth: float, hei
         for a in (-0.28 * width, 0.28 * width)
     ]
     lid = ShapePart(
-        name="lid", label="door", parent="body", primitives=(brim, crown, hinges, *lips),
-        motion=hinge_lid((x[0], pivot), y, low, float(np.radians(rng.uniform(82, 90)))),
-    )  # fmt: skip
+        "lid",
+        "door",
+        (brim, crown, hinges, *lips),
+        hinge_lid((x[0], pivot), y, low, radians(choose(rng, 82, 90))),
+    )
     axle_x, level = bottom[0][1] - 0.3 * radius, radius * float(np.cos(np.pi / SEGMENTS))
     spread = (y[1] - bottom[1][1]) * (2 * radius / rim)  # outward lean of the sides at the wheels
     parts: list[ShapePart] = [lid, handle]
@@ -328,7 +332,7 @@ def _build_wheeled_bin(rng: np.random.Generator, width: float, depth: float, hei
         parts.append(make_wheel(f"wheel_{index}", "body", (axle_x, at, level), tread))
         stub = [(axle_x, side * s, level) for s in (bottom[1][1] - wall, face - 0.003)]
         pieces.append(cylinder(stub[0], stub[1], 0.018, "steel"))
-    return Assembly(pieces=tuple(pieces), parts=tuple(parts))
+    return Assembly(pieces, parts)
 
 
 def _build_collar(outline: Rectangle, rim: float) -> list[Primitive]:

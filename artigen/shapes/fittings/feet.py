@@ -6,8 +6,9 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space
-from artigen.shapes.primitives import SEGMENTS, Primitive, Vector, box, cylinder, polytope
+from artigen.shapes.choices import choose, choose_one
+from artigen.shapes.fittings.hardware import GAP, Range, Space, narrow, rotate
+from artigen.shapes.primitives import RIGHT, SEGMENTS, UP, Primitive, Vector, block, box, cylinder, polytope
 from artigen.shapes.shape import Motion, ShapePart
 
 LegKind = Literal["square", "tapered", "round", "splayed"]
@@ -43,10 +44,10 @@ class StandDesign:
 
 def design_stand(rng: np.random.Generator, kind: StandKind, height: float) -> StandDesign:
     """A stand for an object with a total height of ``height`` metres."""
-    drawn = float(rng.uniform(0.0, 1.0))
-    leg = LEG_KINDS[int(rng.integers(len(LEG_KINDS)))]
-    width = float(rng.uniform(0.03, 0.045))
-    notch = float(rng.uniform(0.05, 0.09)) if rng.random() < NOTCHED else 0.0
+    drawn = choose(rng, 0.0, 1.0)
+    leg = choose_one(rng, LEG_KINDS)
+    width = choose(rng, 0.03, 0.045)
+    notch = choose(rng, 0.05, 0.09) if rng.random() < NOTCHED else 0.0
     low, high = {
         "plinth": (0.05, 0.1),
         "toe_kick": (0.08, 0.12),
@@ -67,7 +68,7 @@ def design_stand(rng: np.random.Generator, kind: StandKind, height: float) -> St
 def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str) -> Stand:
     """The stand under a body whose underside is the rectangle x by y."""
     height, edge = design.height, 0.012
-    inner_x, inner_y = (x[0] + edge, x[1] - edge), (y[0] + edge, y[1] - edge)
+    inner_x, inner_y = narrow(x, edge), narrow(y, edge)
     match design.kind:
         case "floor":
             return Stand(height=0.0)
@@ -88,7 +89,7 @@ def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str) -> Stand
             )
             return Stand(height=height, primitives=legs)
         case "sled":
-            deep = y[0] + 0.06, y[1] - 0.06
+            deep = narrow(y, 0.06)
             return Stand(height=height, primitives=make_sled(inner_x, deep, height, design.width, "leg"))
         case "castors":
             return make_castors(inner_x, inner_y, design.width, parent=parent, swivel=False)
@@ -102,9 +103,9 @@ def make_toe_kick(x: Range, y: Range, height: float, notch: float = 0.0) -> tupl
     if notch:
         sides = (x[0] + room + wall, x[1])
         return (
-            box((x[0] + room, y[0], 0.0), (x[0] + room + wall, y[1], height), "body"),
+            block((x[0] + room, x[0] + room + wall), y, (0.0, height), "body"),
             *(
-                box((sides[0], span[0], 0.0), (sides[1], span[1], height), "body")
+                block(sides, span, (0.0, height), "body")
                 for span in ((y[0], y[0] + wall), (y[1] - wall, y[1]))
             ),
         )
@@ -169,9 +170,9 @@ def make_sled(x: Range, y: Range, height: float, width: float, finish: str) -> t
     out = []
     for low in (y[0], y[1] - width):
         span = (low, low + width)
-        out.append(fill_space(Space(x=x, y=span, z=(0.0, width)), finish))
+        out.append(block(x, span, (0.0, width), finish))
         for post in ((x[0], x[0] + width), (x[1] - width, x[1])):
-            out.append(fill_space(Space(x=post, y=span, z=(width, height)), finish))
+            out.append(block(post, span, (width, height), finish))
     return tuple(out)
 
 
@@ -190,7 +191,7 @@ def make_castors(
     fixed: list[Primitive] = []
     parts: list[ShapePart] = []
     across = np.linspace(y[0] + half, y[1] - half, pairs).tolist()
-    corners = [(at_x, at_y) for at_x in (x[0] + radius, x[1] - radius) for at_y in across]
+    corners = [(at_x, at_y) for at_x in narrow(x, radius) for at_y in across]
     for index, (at_x, at_y) in enumerate(corners):
         turning = swivel and (pairs > 2 or at_y > sum(y) / 2)
         thick = plate + (GAP if swivel and not turning else 0.0)
@@ -198,10 +199,8 @@ def make_castors(
         carrier = parent
         if turning:
             carrier = f"castor_{index}"
-            axle = Motion(
-                type="continuous", axis=(0.0, 0.0, 1.0), origin=(at_x, at_y, height), upper=2 * np.pi
-            )
-            parts.append(ShapePart(name=carrier, label="wheel", parent=parent, primitives=fork, motion=axle))
+            axle = rotate(UP, (at_x, at_y, height))
+            parts.append(ShapePart(carrier, "wheel", fork, axle, parent=parent))
         else:
             fixed += fork
         parts.append(
@@ -224,7 +223,7 @@ def _make_fork(
     lid = Space(
         x=(at[0] - 0.8 * radius, at[0] + 0.8 * radius), y=(at[1] - inner - wall, at[1] + inner + wall), z=high
     )
-    return (fill_space(lid, finish), *cheeks)
+    return (lid.fill(finish), *cheeks)
 
 
 def make_wheel(name: str, parent: str, center: Vector, width: float) -> ShapePart:
@@ -237,8 +236,8 @@ def make_wheel(name: str, parent: str, center: Vector, width: float) -> ShapePar
     tyre = cylinder((x, y - width / 2, z), (x, y + width / 2, z), radius, "rubber")
     hub = width / 2 + 0.001
     core = cylinder((x, y - hub, z), (x, y + hub, z), 0.55 * radius, "steel")
-    axle = Motion(type="continuous", axis=(0.0, -1.0, 0.0), origin=center, upper=2 * np.pi)
-    return ShapePart(name=name, label="wheel", parent=parent, primitives=(tyre, core), motion=axle)
+    axle = rotate(RIGHT, center)
+    return ShapePart(name, "wheel", (tyre, core), axle, parent=parent)
 
 
 def make_screw_feet(x: Range, y: Range, *, parent: str, radius: float = 0.022) -> Stand:
@@ -254,7 +253,7 @@ def make_screw_feet(x: Range, y: Range, *, parent: str, radius: float = 0.022) -
     turns = 1.5 * 2 * np.pi
     fixed: list[Primitive] = []
     parts: list[ShapePart] = []
-    for index, (at_x, at_y) in enumerate((a, b) for a in (x[0] + radius, x[1] - radius) for b in y):
+    for index, (at_x, at_y) in enumerate((a, b) for a in narrow(x, radius) for b in y):
         side = 1.0 if at_y < sum(y) / 2 else -1.0
         at_y += side * radius
         near, far = at_y + side * (radius + GAP), at_y + side * (radius + GAP + 0.016)
@@ -265,13 +264,7 @@ def make_screw_feet(x: Range, y: Range, *, parent: str, radius: float = 0.022) -
             cylinder((at_x, at_y, pad), (at_x, at_y, height - room), stem, "steel"),
         )
         thread = Motion(
-            type="screw",
-            axis=(0.0, 0.0, 1.0),
-            origin=(at_x, at_y, 0.0),
-            upper=turns,
-            pitch=SCREW_TRAVEL / turns,
+            type="screw", axis=UP, origin=(at_x, at_y, 0.0), upper=turns, pitch=SCREW_TRAVEL / turns
         )
-        parts.append(
-            ShapePart(name=f"foot_{index}", label="knob", parent=parent, primitives=solids, motion=thread)
-        )
+        parts.append(ShapePart(f"foot_{index}", "knob", solids, thread, parent=parent))
     return Stand(height=height, primitives=tuple(fixed), parts=tuple(parts))

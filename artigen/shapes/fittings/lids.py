@@ -8,9 +8,21 @@ before it (`sweep_gap`); an apron, which reaches down outside of them, needs non
 import numpy as np
 from jaxtyping import Float
 
-from artigen.shapes.fittings.hardware import Edge, Range, Space, slide
-from artigen.shapes.primitives import Primitive, Vector, box, line, polytope
-from artigen.shapes.shape import Motion, Need, ShapePart
+from artigen.shapes.fittings.hardware import Edge, Range, Space, narrow, rotate, slide
+from artigen.shapes.primitives import (
+    BACK,
+    FRONT,
+    LEFT,
+    RIGHT,
+    UP,
+    Primitive,
+    Vector,
+    block,
+    box,
+    line,
+    polytope,
+)
+from artigen.shapes.shape import Motion, ShapePart, require
 
 Rectangle = tuple[Range, Range]
 """Ranges of x and y (m)."""
@@ -28,12 +40,12 @@ def hinge_lid(x: Range, y: Range, z: float, upper: float, edge: Edge | None = No
     """
     middle = ((x[0] + x[1]) / 2, (y[0] + y[1]) / 2, z)
     axis, origin = {
-        None: ((0.0, 1.0, 0.0), (x[1], middle[1], z)),
-        "bottom": ((0.0, -1.0, 0.0), (x[0], middle[1], z)),
-        "left": ((-1.0, 0.0, 0.0), (middle[0], y[1], z)),
-        "right": ((1.0, 0.0, 0.0), (middle[0], y[0], z)),
+        None: (LEFT, (x[1], middle[1], z)),
+        "bottom": (RIGHT, (x[0], middle[1], z)),
+        "left": (FRONT, (middle[0], y[1], z)),
+        "right": (BACK, (middle[0], y[0], z)),
     }[edge]
-    return Motion(type="revolute", axis=axis, origin=origin, upper=upper)
+    return rotate(axis, origin, upper)
 
 
 def build_vessel(
@@ -51,21 +63,21 @@ def build_vessel(
     """
     (bx, by), (tx, ty) = bottom, top
     half = wall / 2  # into the sides: unions of leaning faces that only touch are unclean
-    inner_b, inner_t = (by[0] + half, by[1] - half), (ty[0] + half, ty[1] - half)
+    inner_b, inner_t = narrow(by, half), narrow(ty, half)
     share = wall / (z[1] - z[0])
     floor_x, floor_y = (
         (low[0] + share * (high[0] - low[0]) + wall / 2, low[1] + share * (high[1] - low[1]) - wall / 2)
         for low, high in ((bx, tx), (by, ty))
     )
     walls = (
-        ((0.0, 1.0, 0.0), (bx, (by[0], by[0] + wall)), (tx, (ty[0], ty[0] + wall))),
-        ((0.0, -1.0, 0.0), (bx, (by[1] - wall, by[1])), (tx, (ty[1] - wall, ty[1]))),
-        ((1.0, 0.0, 0.0), ((bx[0], bx[0] + wall), inner_b), ((tx[0], tx[0] + wall), inner_t)),
-        ((-1.0, 0.0, 0.0), ((bx[1] - wall, bx[1]), inner_b), ((tx[1] - wall, tx[1]), inner_t)),
+        (LEFT, (bx, (by[0], by[0] + wall)), (tx, (ty[0], ty[0] + wall))),
+        (RIGHT, (bx, (by[1] - wall, by[1])), (tx, (ty[1] - wall, ty[1]))),
+        (BACK, ((bx[0], bx[0] + wall), inner_b), ((tx[0], tx[0] + wall), inner_t)),
+        (FRONT, ((bx[1] - wall, bx[1]), inner_b), ((tx[1] - wall, tx[1]), inner_t)),
     )
     pieces = [(side, loft(low, high, z, finish)) for side, low, high in walls]
-    base = box((floor_x[0], floor_y[0], z[0]), (floor_x[1], floor_y[1], z[0] + wall), finish)
-    pieces.append(((0.0, 0.0, 1.0), base))
+    base = block(floor_x, floor_y, (z[0], z[0] + wall), finish)
+    pieces.append((UP, base))
     return tuple(solid if lining is None else line(solid, lining, side) for side, solid in pieces)
 
 
@@ -81,10 +93,8 @@ def make_lift_out(
 ) -> ShapePart:
     """An open tray that fills a rectangle and lifts by nearly its height once the lid is open."""
     solids = build_vessel(outline, outline, z, wall, finish)
-    lift = slide(0.85 * (z[1] - z[0]), (0.0, 0.0, 1.0))
-    return ShapePart(
-        name=name, label="tray", parent=parent, primitives=solids, motion=lift, needs=(Need(part=lid),)
-    )
+    lift = slide(0.85 * (z[1] - z[0]), UP)
+    return ShapePart(name, "tray", solids, lift, parent=parent, needs=require(lid))
 
 
 def loft(low: Rectangle, high: Rectangle, z: Range, finish: str) -> Primitive:

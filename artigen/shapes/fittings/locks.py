@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from artigen.shapes.fittings.hardware import Range
-from artigen.shapes.primitives import Vector, box, cylinder
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.fittings.hardware import Range, rotate
+from artigen.shapes.primitives import FRONT, RIGHT, Vector, block, box, cylinder
+from artigen.shapes.shape import ShapePart
 
 FREE = 0.0015
 """Gap (m) between a turning lock and its face."""
@@ -27,8 +27,8 @@ def make_lock(
         cylinder((x - FREE, y, z), (x - 0.008, y, z), radius, finish),
         box((x - 0.026, y - 0.002, z - 0.8 * radius), (x - 0.008, y + 0.002, z + 0.8 * radius), "steel"),
     )
-    turn = Motion(type="revolute", axis=(-1.0, 0.0, 0.0), origin=(x, y, z), upper=np.pi / 2)
-    return ShapePart(name=name, label="knob", parent=parent, primitives=solids, motion=turn)
+    turn = rotate(FRONT, (x, y, z), np.pi / 2)
+    return ShapePart(name, "knob", solids, turn, parent=parent)
 
 
 def make_latch(
@@ -49,13 +49,8 @@ def make_latch(
     """
     face = x - FREE
     solids = (
-        box((face - 0.004, y[0], z[0]), (face, y[1], z[1]), finish),
-        box((face - 0.010, y[0], z[1] - 0.006), (face - 0.004, y[1], z[1]), finish),
+        block((face - 0.004, face), y, z, finish),
+        block((face - 0.010, face - 0.004), y, (z[1] - 0.006, z[1]), finish),
     )
-    turn = Motion(
-        type="revolute",
-        axis=(0.0, -1.0, 0.0),
-        origin=(face - 0.004, (y[0] + y[1]) / 2, z[0]),
-        upper=upper,
-    )
-    return ShapePart(name=name, label="knob", parent=parent, primitives=solids, motion=turn)
+    turn = rotate(RIGHT, (face - 0.004, (y[0] + y[1]) / 2, z[0]), upper)
+    return ShapePart(name, "knob", solids, turn, parent=parent)

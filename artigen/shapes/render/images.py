@@ -22,13 +22,7 @@ from artigen.shapes.render.rays import (
     unpack_keys,
 )
 from artigen.shapes.render.scene import Instances, Scene, place_instances
-from artigen.shapes.render.shading import (
-    Material,
-    RenderConfig,
-    linear_from_srgb,
-    shade,
-    srgb_from_linear,
-)
+from artigen.shapes.render.shading import Material, RenderConfig, linear_from_srgb, shade, srgb_from_linear
 from artigen.shapes.surfaces.textures import apply_paint, find_rows
 
 
