@@ -6,8 +6,8 @@ from artigen.shapes.appliances.cavity import SIDES, build_frame
 from artigen.shapes.appliances.racks import SLENDER
 from artigen.shapes.choices import choose_one
 from artigen.shapes.fittings.handles import HandleDesign, HandleKind, make_handle
-from artigen.shapes.fittings.hardware import Edge, Panel, Range, narrow
-from artigen.shapes.primitives import Primitive, block, box, line
+from artigen.shapes.fittings.hardware import Edge, Panel, Range, around, narrow
+from artigen.shapes.primitives import Primitive, block, line
 from artigen.shapes.shape import ShapePart
 
 
@@ -108,7 +108,7 @@ def _build_recess(x: Range, y: Range, z: Range) -> tuple[Primitive, ...]:
     return (
         block((back, back + 0.008), y, z, "panel"),
         block((x[0] - 0.002, back), y, (head, z[1]), "panel"),
-        box((x[0] + 0.012, middle - 0.02, head - 0.03), (back, middle + 0.02, head), "plastic"),
+        block((x[0] + 0.012, back), around(middle, 0.02), (head - 0.03, head), "plastic"),
         block((x[0] + 0.003, back), y, (z[0], z[0] + 0.012), "steel"),
     )
 

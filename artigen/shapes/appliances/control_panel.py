@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from artigen.shapes.choices import choose, choose_one
-from artigen.shapes.fittings.hardware import Range, slide
+from artigen.shapes.fittings.hardware import Range, around, slide
 from artigen.shapes.primitives import FRONT, Primitive, Vector, block, box, cylinder, polytope, prism
 from artigen.shapes.shape import Motion, ShapePart
 
@@ -61,11 +61,11 @@ def make_dial(design: DialDesign, at: Vector, *, name: str, parent: str, out: Ve
     solids = {
         "round": [
             place.rod(low, high, r, design.finish),
-            place.bar((high - 0.002, high + 0.002), (-0.12 * r, 0.12 * r), (0.25 * r, 0.95 * r), design.mark),
+            place.bar(around(high, 0.002), around(0.0, 0.12 * r), (0.25 * r, 0.95 * r), design.mark),
         ],
         "grip": [
             place.rod(low, middle, r, design.finish),
-            place.bar((middle, high), (-0.22 * r, 0.22 * r), (-0.95 * r, 0.95 * r), design.finish),
+            place.bar((middle, high), around(0.0, 0.22 * r), around(0.0, 0.95 * r), design.finish),
         ],
         "collar": [
             place.rod(low, low + 0.22 * design.length, r, design.mark),
@@ -100,7 +100,7 @@ def make_button(
     solid = (
         place.rod(low, low + length, min(width, height) / 2, finish)
         if shape == "round"
-        else place.bar((low, low + length), (-width / 2, width / 2), (-height / 2, height / 2), finish)
+        else place.bar((low, low + length), around(0.0, width / 2), around(0.0, height / 2), finish)
     )
     inward = (-out[0], -out[1], -out[2])
     motion = slide(PRESS, inward)

@@ -6,8 +6,8 @@ import numpy as np
 
 from artigen.shapes.appliances.cavity import divide_range
 from artigen.shapes.choices import choose
-from artigen.shapes.fittings.hardware import Range, narrow
-from artigen.shapes.primitives import Primitive, block, box, cylinder
+from artigen.shapes.fittings.hardware import Range, around, narrow
+from artigen.shapes.primitives import Primitive, block, cylinder
 
 CooktopKind = Literal["gas", "glass", "coil"]
 
@@ -58,5 +58,5 @@ def build_grate(x: Range, y: Range, z: float, *, cheeks: int) -> tuple[Primitive
     ]
     quarter = (x[1] - x[0]) / 4
     centers = [x[0] + k * quarter for k in (1, 3)]
-    bars = [box((c - bar / 2, low, top - 0.012), (c + bar / 2, high, top), "rubber") for c in centers]
+    bars = [block(around(c, bar / 2), (low, high), (top - 0.012, top), "rubber") for c in centers]
     return (*sides, *bars)

@@ -3,8 +3,8 @@
 import numpy as np
 
 from artigen.shapes.appliances.rings import build_ring
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, rotate
-from artigen.shapes.primitives import FRONT, UP, Primitive, Vector, box, cylinder, move, prism
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, around, rotate
+from artigen.shapes.primitives import FRONT, UP, Primitive, Vector, block, cylinder, move, prism
 from artigen.shapes.shape import ShapePart
 
 SHEET = 0.0115
@@ -32,7 +32,7 @@ def make_drum(
     for k in range(paddles):
         turn = 2 * np.pi * (k + 0.5) / paddles
         if axis == "x":
-            paddle = box((low, radius - 0.05, -0.016), (high, radius + 0.004, 0.016), "plastic")
+            paddle = block((low, high), (radius - 0.05, radius + 0.004), around(0.0, 0.016), "plastic")
             pieces.append(move(paddle, center, turn=turn, about=(1.0, 0.0, 0.0)))
     if axis == "z" and paddles:
         pieces += _build_agitator(point(span[0] + SHEET), 0.75 * (span[1] - span[0]), paddles)
@@ -82,7 +82,7 @@ def _build_agitator(foot: Vector, height: float, fins: int) -> list[Primitive]:
     cap = cylinder((x, y, z), (x, y, z + 0.03), 0.13, "plastic")
     blades = [
         move(
-            box((0.03, -0.008, z + 0.02), (0.11, 0.008, z + 0.6 * height), "plastic"),
+            block((0.03, 0.11), around(0.0, 0.008), (z + 0.02, z + 0.6 * height), "plastic"),
             (x, y, 0.0),
             turn=2 * np.pi * k / fins,
         )

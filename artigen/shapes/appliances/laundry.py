@@ -11,7 +11,7 @@ from artigen.shapes.appliances.drums import build_porthole
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, narrow, slide
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, around, hinge, narrow, slide
 from artigen.shapes.primitives import Primitive, block, box, line
 from artigen.shapes.shape import ShapePart
 
@@ -118,7 +118,7 @@ def draw_box_drawer(
         block((x, x + 0.02), y, (low, high), finish, 0.002),
         block((x - 0.014, x), narrow(y, 0.02), (low, low + lip), finish),
         *build_tub(tub, 0.005, "plastic"),
-        block(tub.x, (middle - 0.003, middle + 0.003), tub.z, "plastic"),
+        block(tub.x, around(middle, 0.003), tub.z, "plastic"),
     )
     drawer = ShapePart("detergent_drawer", "drawer", solids, slide(choose(rng, 0.5, 0.7) * tub.depth))
     top = tub.z[0] - room

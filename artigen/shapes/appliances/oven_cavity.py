@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from artigen.shapes.appliances.racks import build_pan, build_rack
+from artigen.shapes.appliances.cavity import build_tub
+from artigen.shapes.appliances.racks import SLENDER, build_rack
 from artigen.shapes.choices import choose
 from artigen.shapes.fittings.hardware import ROOM, Space, narrow, slide
 from artigen.shapes.primitives import Primitive, box
@@ -49,7 +50,8 @@ def make_racks(
             x=(space.x[0] + 0.016, space.x[1] - 0.012), y=narrow(space.y, aside), z=(level, level + 0.028)
         )
         if rng.random() < 0.25:
-            pieces = build_pan(lie, "rubber" if rng.random() < 0.5 else "steel")
+            wall = max(0.006, max(lie.width, lie.depth) / SLENDER)
+            pieces = build_tub(lie, wall, "rubber" if rng.random() < 0.5 else "steel", sides=False)
         else:
             pieces = build_rack(lie, "steel", bars=int(rng.integers(7, 14)), lip=0.028)
         out.append(

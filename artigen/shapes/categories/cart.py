@@ -13,12 +13,12 @@ from artigen.shapes.choices import choose, choose_one, pick
 from artigen.shapes.draw import CrowdedError, Draft, Wish
 from artigen.shapes.fittings.drawers import BoxDesign, make_tray
 from artigen.shapes.fittings.feet import make_castors
-from artigen.shapes.fittings.hardware import GAP, Range, Space, narrow
+from artigen.shapes.fittings.hardware import GAP, Range, Space, around, narrow
 from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
 from artigen.shapes.furniture.carcass import fits_engines
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
 from artigen.shapes.furniture.splits import Cell, Node, Split, Taste
-from artigen.shapes.primitives import Primitive, block, box, cylinder
+from artigen.shapes.primitives import Primitive, block, cylinder
 from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -258,7 +258,7 @@ def _make_push_bar(frame: _Frame, reach: float) -> ShapePart:
     first, last = narrow(frame.x, frame.post)
     inset = frame.post / 2
     arms = [
-        box((x - 0.009, frame.y[1], z - 0.009), (x + 0.009, y, z + 0.009), "handle")
+        block(around(x, 0.009), (frame.y[1], y), around(z, 0.009), "handle")
         for x in (first - inset, last + inset)
     ]
     rod = cylinder((first - inset - 0.03, y, z), (last + inset + 0.03, y, z), radius, "handle")

@@ -15,7 +15,7 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, narrow, slide, sweep_gap
+from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, around, narrow, slide, sweep_gap
 from artigen.shapes.fittings.lids import build_vessel, hinge_lid
 from artigen.shapes.fittings.locks import make_lock
 from artigen.shapes.primitives import UP, Primitive, block, box, cylinder
@@ -54,7 +54,7 @@ def _build(rng: np.random.Generator, width: float, depth: float, height: float, 
     """The chest on its feet, its lid or panes, its baskets and its controls."""
     dial = design_dial(rng, (0.018, 0.024), endless=0.3)
     reach, foot = max(0.0 if shop else 0.028, dial.length + DIAL_GAP), choose(rng, 0.02, 0.045)
-    x, y = (reach - depth / 2, depth / 2), (-width / 2, width / 2)
+    x, y = (reach - depth / 2, depth / 2), around(0.0, width / 2)
     wall = choose(rng, 0.055, 0.075)
     cover = 0.05 if shop else choose(rng, 0.06, 0.075)
     rim = height - cover - GAP

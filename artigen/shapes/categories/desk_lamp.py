@@ -12,14 +12,14 @@ from artigen.shapes.appliances.control_panel import make_button
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
-from artigen.shapes.fittings.hardware import rotate
+from artigen.shapes.fittings.hardware import around, rotate
 from artigen.shapes.fittings.tubes import lean_rod
 from artigen.shapes.primitives import (
     SEGMENTS,
     UP,
     Primitive,
     Vector,
-    box,
+    block,
     cylinder,
     move,
     place_vertices,
@@ -142,12 +142,12 @@ def _build_arm(start: Point, end: Point, apart: float, *, flat: bool, springs: b
 
 def _build_head(rng: np.random.Generator, style: str) -> tuple[list[Primitive], float]:
     """A head with its hinge at the origin, and its extent forward (m)."""
-    sides = ((-OUTER - ROD, -OUTER + ROD), (OUTER - ROD, OUTER + ROD))
-    cheeks = [box((-0.008, low, -0.034), (0.008, high, 0.008), "arm") for low, high in sides]
+    sides = (around(-OUTER, ROD), around(OUTER, ROD))
+    cheeks = [block(around(0.0, 0.008), (low, high), (-0.034, 0.008), "arm") for low, high in sides]
     if style == "led":
         long = choose(rng, 0.2, 0.26)
-        bar = box((0.075 - long, -0.024, -0.046), (0.075, 0.024, -0.032), "body")
-        light = box((0.085 - long, -0.019, -0.049), (0.02, 0.019, -0.045), "lamp")
+        bar = block((0.075 - long, 0.075), around(0.0, 0.024), (-0.046, -0.032), "body")
+        light = block((0.085 - long, 0.02), around(0.0, 0.019), (-0.049, -0.045), "lamp")
         tilt = radians(choose(rng, 2.5, 4.5))
         pieces = [move(piece, turn=tilt, about=(0.0, 1.0, 0.0)) for piece in (*cheeks, bar, light)]
     else:

@@ -13,7 +13,18 @@ from artigen.shapes.choices import choose
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.feet import make_plinth
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, hinge, narrow, slide, sweep_gap
+from artigen.shapes.fittings.hardware import (
+    GAP,
+    ROOM,
+    Panel,
+    Range,
+    Space,
+    around,
+    hinge,
+    narrow,
+    slide,
+    sweep_gap,
+)
 from artigen.shapes.primitives import Primitive, block, box, cylinder, line, rounded_box
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.palette import draw_palette
@@ -134,7 +145,7 @@ def _build_spray_arm(tub: Space) -> tuple[Primitive, ...]:
     x, top, reach = sum(tub.x) / 2, tub.z[1], 0.38 * tub.width
     return (
         cylinder((x, 0.0, top - 0.02), (x, 0.0, top), 0.03, "plastic"),
-        box((x - 0.018, -reach, top - 0.032), (x + 0.018, reach, top - 0.02), "plastic"),
+        block(around(x, 0.018), around(0.0, reach), (top - 0.032, top - 0.02), "plastic"),
     )
 
 
@@ -284,7 +295,7 @@ def _build_tines(tub: Space) -> tuple[Primitive, ...]:
     floor, height = tub.z[0] + wall, 0.35 * tub.height
     out = []
     for x in (tub.x[0] + tub.depth * share for share in (0.36, 0.68)):
-        out.append(block((x - 0.006, x + 0.006), narrow(tub.y, wall), (floor, floor + 0.012), "plastic"))
+        out.append(block(around(x, 0.006), narrow(tub.y, wall), (floor, floor + 0.012), "plastic"))
         for y in np.linspace(tub.y[0] + 0.07, tub.y[1] - 0.07, 7):
             out.append(cylinder((x, float(y), floor), (x, float(y), floor + height), 0.004, "plastic"))
     return tuple(out)

@@ -11,7 +11,7 @@ import numpy as np
 
 from artigen.shapes.choices import choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
-from artigen.shapes.fittings.hardware import Range, Space, between, narrow, rotate
+from artigen.shapes.fittings.hardware import Range, Space, around, between, narrow, rotate
 from artigen.shapes.fittings.hinges import Leaf, hang_leaves
 from artigen.shapes.fittings.latches import (
     TURN,
@@ -127,15 +127,15 @@ def _build_leaf(leaf: Leaf, latch: Latch, look: str, grid: tuple[int, int]) -> l
     if look == "panelled" and rows == 2:
         levels[1] = latch.level
     slim = 0.032 if look == "glazed" else 0.09
-    between = [(float(z) - slim / 2, float(z) + slim / 2) for z in levels[1:-1]]
+    between = [around(float(z), slim / 2) for z in levels[1:-1]]
     edges = np.linspace(field[0], field[1], columns + 1)
-    posts = [(float(y) - slim / 2, float(y) + slim / 2) for y in edges[1:-1]]
+    posts = [around(float(y), slim / 2) for y in edges[1:-1]]
     rails = [(z0, bottom), *between, (top, z1)]
     pieces += [block((x0, x1), field, (low, high), finish) for low, high in rails]
     if look == "glazed":  # one pane with bars on both faces
         middle = (x0 + x1) / 2
         pieces += [block((x0 + 0.006, x1 - 0.006), y, (bottom, top), finish) for y in posts]
-        pane = block((middle - 0.004, middle + 0.004), field, (bottom, top), "glass")
+        pane = block(around(middle, 0.004), field, (bottom, top), "glass")
         return [*pieces, pane]
     spans = [(low[1], high[0]) for low, high in pairwise([(0.0, field[0]), *posts, (field[1], 0.0)])]
     for low, high in pairwise(rails):

@@ -17,7 +17,7 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, hinge, narrow, slide, sweep_gap
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, around, hinge, narrow, slide, sweep_gap
 from artigen.shapes.primitives import UP, Primitive, block, box, cylinder, rounded_box
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.palette import draw_palette
@@ -60,9 +60,7 @@ def _build(rng: np.random.Generator, plan: LaundryPlan, *, square: bool) -> Asse
     band = draw_band(rng, plan, x, (sill, plan.height - LID))
     tank = tuple(replace(part, name="water_tank") if part.label == "drawer" else part for part in band.parts)
     built += Assembly(band.pieces, tank)
-    panel = Panel(
-        x=-plan.depth / 2, thickness=plan.thickness, y=(-radius, radius), z=(level - radius, level + radius)
-    )
+    panel = Panel(x=-plan.depth / 2, thickness=plan.thickness, y=around(0.0, radius), z=around(level, radius))
     built += _make_door(rng, plan, panel, hole, square=square)
     end, wall = back - WALL - 0.05, back - WALL
     room = min(plan.width / 2 - WALL, sill - level, level - kick + 0.02) - 0.008
@@ -108,8 +106,8 @@ def _make_filter(x: float, sill: float, lowest: float) -> ShapePart:
     """The lint filter: a sieve behind the front, below the opening, which is pulled up by a tab."""
     front, half, low = x + GAP, 0.085, max(sill - 0.11, lowest)
     solids = (
-        box((front, -half, low), (front + 0.014, half, sill - 0.004), "plastic"),
-        box((front, -0.5 * half, sill - 0.004), (front + 0.014, 0.5 * half, sill + 0.012), "plastic"),
+        block((front, front + 0.014), around(0.0, half), (low, sill - 0.004), "plastic"),
+        block((front, front + 0.014), around(0.0, 0.5 * half), (sill - 0.004, sill + 0.012), "plastic"),
     )
     lift = slide(0.85 * (sill - low), UP)
     return ShapePart("lint_filter", "tray", solids, lift, needs=require("door"))

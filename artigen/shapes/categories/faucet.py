@@ -10,7 +10,7 @@ import numpy as np
 
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
-from artigen.shapes.fittings.hardware import Range, rotate
+from artigen.shapes.fittings.hardware import Range, around, rotate
 from artigen.shapes.fittings.taps import PIVOT, make_cross_handle, make_mixer
 from artigen.shapes.fittings.tubes import bend_elbow, lay_pipe, lean_rod
 from artigen.shapes.primitives import FRONT, RIGHT, SEGMENTS, UP, Primitive, Vector, block, cylinder
@@ -39,7 +39,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     width, depth, height = choose_size(rng, CATEGORY, wish, (wide, deep, tall))
     back = depth / 2 - 0.06  # x of the faucet's axis
     low = -depth / 2 + 0.3 * depth
-    deck = block((low, depth / 2), (-width / 2, width / 2), (0.0, DECK), "top", 0.002)
+    deck = block((low, depth / 2), around(0.0, width / 2), (0.0, DECK), "top", 0.002)
     reach = back + depth / 2
     build = {"single": _draw_single, "kitchen": _draw_kitchen, "bridge": _draw_bridge}[style]
     pieces, parts = build(rng, back, reach, height)

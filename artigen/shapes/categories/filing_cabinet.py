@@ -16,10 +16,10 @@ from artigen.shapes.fittings.drawers import BoxDesign, make_drawer
 from artigen.shapes.fittings.feet import StandKind, design_stand, make_stand
 from artigen.shapes.fittings.fronts import FrontDesign, FrontStyle
 from artigen.shapes.fittings.handles import HandleKind, design_handle
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, narrow
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, around, narrow
 from artigen.shapes.fittings.locks import make_lock
 from artigen.shapes.furniture.carcass import CarcassDesign, make_carcass, open_carcass
-from artigen.shapes.primitives import Primitive, block, box
+from artigen.shapes.primitives import Primitive, block
 from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import LACQUERS, make_lacquer
@@ -106,9 +106,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     if style == "lateral" and handle.kind in ("edge", "bar"):
         handle = replace(handle, length=choose(rng, 0.3, 0.8) * width)
     front = FrontDesign(style=choose_one(rng, kind.fronts), frame=0.05, handle=handle)
-    outer = Space(
-        x=(handle.reach - depth / 2, depth / 2), y=(-width / 2, width / 2), z=(stand.height, height)
-    )
+    outer = Space(x=(handle.reach - depth / 2, depth / 2), y=around(0.0, width / 2), z=(stand.height, height))
     shares = [0.4] * low + [1.0] * rows
     crown = CROWN if style != "wooden" and rng.random() < 0.6 else 0.0
     if crown:
@@ -206,7 +204,7 @@ def _make_runners(space: Space, front: float) -> list[Primitive]:
     """A rail at each side of a drawer."""
     x, z = (front + 0.004, front + 0.004 + 0.9 * (space.x[1] - front)), sum(space.z) / 2 - 0.03
     spans = (space.y[0], space.y[0] + RUNNER), (space.y[1] - RUNNER, space.y[1])
-    return [block(x, span, (z - 0.02, z + 0.02), "steel") for span in spans]
+    return [block(x, span, around(z, 0.02), "steel") for span in spans]
 
 
 def _make_files(rng: np.random.Generator, space: Space, filled: float) -> list[Primitive]:
@@ -219,7 +217,7 @@ def _make_files(rng: np.random.Generator, space: Space, filled: float) -> list[P
     out = []
     for at in np.linspace(start, end, int(rng.integers(5, 10))).tolist():
         thick = choose(rng, 0.004, 0.012)
-        near, far = (at, at + thick), (middle - half, middle + half)
+        near, far = (at, at + thick), around(middle, half)
         x, y = (far, near) if space.width > 0.6 else (near, far)
         span = Space(x=x, y=y, z=(floor, top - choose(rng, 0.0, 0.01)))
         out.append(span.fill("folder"))
@@ -229,6 +227,6 @@ def _make_files(rng: np.random.Generator, space: Space, filled: float) -> list[P
 def _make_label(panel: Panel) -> list[Primitive]:
     """A label frame above the handle."""
     y, z = panel.center[0], panel.z[1] - 0.033
-    frame = box((panel.x - 0.003, y - 0.045, z - 0.017), (panel.x, y + 0.045, z + 0.017), "handle")
-    card = box((panel.x - 0.0045, y - 0.039, z - 0.012), (panel.x, y + 0.039, z + 0.012), "paper")
+    frame = block((panel.x - 0.003, panel.x), around(y, 0.045), around(z, 0.017), "handle")
+    card = block((panel.x - 0.0045, panel.x), around(y, 0.039), around(z, 0.012), "paper")
     return [frame, card]

@@ -13,7 +13,7 @@ import numpy as np
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish
-from artigen.shapes.fittings.hardware import GAP, Range, narrow
+from artigen.shapes.fittings.hardware import GAP, Range, around, narrow
 from artigen.shapes.fittings.lids import hinge_lid, loft, shrink
 from artigen.shapes.primitives import LEFT, Primitive, block, box, cylinder
 from artigen.shapes.shape import ShapePart
@@ -100,7 +100,7 @@ def _build(
     """The base, and the lid, which turns about a barrel behind the base."""
     width, depth, thick, lid = size
     foot = 0.002
-    x, y = (-depth / 2, depth / 2 - BARREL), (-width / 2, width / 2)
+    x, y = (-depth / 2, depth / 2 - BARREL), around(0.0, width / 2)
     top, rear = foot + thick, x[1] - BARREL - GAP
     deck = loft(shrink(((x[0], rear), y), 0.35 * thick), ((x[0], rear), y), (foot, top), "body")
     pads = [
@@ -168,7 +168,9 @@ def _build_keys(front: float, rear: float, y: Range, top: float, style: str) -> 
         end -= deep
     room = end - 0.004 - front
     half = 0.5 * min(0.13, 0.38 * (y[1] - y[0]))
-    pad = box((front + 0.14 * room, -half, top - 0.002), (front + 0.9 * room, half, top + 0.0005), "panel")
+    pad = block(
+        (front + 0.14 * room, front + 0.9 * room), around(0.0, half), (top - 0.002, top + 0.0005), "panel"
+    )
     out.append(pad)
     if style == "business":
         at = end + 3.0 * pitch

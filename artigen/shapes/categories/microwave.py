@@ -11,7 +11,17 @@ from artigen.shapes.appliances.control_panel import build_display, design_dial, 
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.choices import choose
 from artigen.shapes.draw import Draft, Wish
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, narrow, rotate, sweep_gap
+from artigen.shapes.fittings.hardware import (
+    GAP,
+    Panel,
+    Range,
+    Space,
+    around,
+    hinge,
+    narrow,
+    rotate,
+    sweep_gap,
+)
 from artigen.shapes.primitives import Primitive, block, cylinder
 from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.palette import draw_palette
@@ -64,7 +74,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     column = choose(rng, 0.19, 0.30) * width
     strip = choose(rng, 0.20, 0.27) * height
     if drops:
-        door = Panel(x=x, thickness=thick, y=(-width / 2, width / 2), z=(foot, height - strip))
+        door = Panel(x=x, thickness=thick, y=around(0.0, width / 2), z=(foot, height - strip))
         gap = sweep_gap(door.height, thick)
         controls = Panel(x=x, thickness=thick + GAP, y=door.y, z=(height - strip + gap, height))
         right, top = wall, strip + gap + 0.005
@@ -92,9 +102,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
 
 
 def _build_body(plan: _Plan, face: str, extras: tuple[Primitive, ...]) -> ShapePart:
-    outer = Space(
-        x=(plan.front, plan.depth / 2), y=(-plan.width / 2, plan.width / 2), z=(plan.foot, plan.height)
-    )
+    outer = Space(x=(plan.front, plan.depth / 2), y=around(0.0, plan.width / 2), z=(plan.foot, plan.height))
     panel = plan.controls
     pieces = [
         *build_shell(outer, plan.hollow, "body", "inside"),
@@ -199,7 +207,7 @@ def _draw_strip(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart],
     panel = plan.controls
     y, z = panel.center
     third = panel.width / 3
-    display = build_display(panel.x, (y - third / 2, y + third / 2), (z - 0.016, z + 0.016))
+    display = build_display(panel.x, around(y, third / 2), around(z, 0.016))
     design = design_dial(rng, (0.26 * panel.height, 0.36 * panel.height), endless=0.65)
     parts = [
         make_dial(design, (panel.x, y + side * third, z), name=f"dial_{k}", parent="body")

@@ -15,7 +15,7 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_castors
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, hinge, narrow, slide, sweep_gap
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, around, hinge, narrow, slide, sweep_gap
 from artigen.shapes.fittings.lids import hinge_lid, loft, shrink
 from artigen.shapes.primitives import Primitive, block, box, cylinder, polytope
 from artigen.shapes.shape import ShapePart
@@ -53,7 +53,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a printer that meets the wish."""
     style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_lengths(rng, wish, SIZES[style])
-    frame = _Frame(x=(0.012 - depth / 2, depth / 2), y=(-width / 2, width / 2))
+    frame = _Frame(x=(0.012 - depth / 2, depth / 2), y=around(0.0, width / 2))
     built = _build(rng, frame, height, style)
     return Draft(style, built.close(), _draw_finishes(rng))
 
@@ -154,14 +154,16 @@ def _make_cassette(frame: _Frame, z: Range, name: str) -> Assembly:
         block((front, front + thick), narrow(frame.y, 0.001), (z[0] + 0.002, z[1] - 0.022), "front"),
         box((front, frame.y[0] + 0.001, z[1] - 0.022), (front + thick, -grip / 2, z[1] - 0.002), "front"),
         box((front, grip / 2, z[1] - 0.022), (front + thick, frame.y[1] - 0.001, z[1] - 0.002), "front"),
-        box((front + 0.011, -grip / 2, z[1] - 0.022), (front + thick, grip / 2, z[1] - 0.002), "trim"),
+        block((front + 0.011, front + thick), around(0.0, grip / 2), (z[1] - 0.022, z[1] - 0.002), "trim"),
         block(x, y, (low, low + wall), "inside"),
         block(x, (y[0], y[0] + wall), (low + wall, rim), "inside"),
         block(x, (y[1] - wall, y[1]), (low + wall, rim), "inside"),
         block((x[1] - wall, x[1]), narrow(y, wall), (low + wall, rim), "inside"),
     ]
     long = min(0.297, x[1] - x[0] - 2 * wall)
-    solids.append(box((x[1] - wall - long, -0.105, low + wall), (x[1] - wall, 0.105, rim - 0.008), "paper"))
+    solids.append(
+        block((x[1] - wall - long, x[1] - wall), around(0.0, 0.105), (low + wall, rim - 0.008), "paper")
+    )
     motion = slide(0.72 * (x[1] - x[0]))
     tray = ShapePart(name, "tray", tuple(solids), motion)
     return Assembly(pieces, (tray,))
@@ -190,7 +192,7 @@ def _make_engine(rng: np.random.Generator, frame: _Frame, z: Range, *, opens: bo
         z=(z[0] + 0.002, z[1] - sweep_gap(z[1] - z[0], thick)),
     )  # fmt: skip
     slab = block((front, panel.back), panel.y, panel.z, "front", 0.002)
-    lip = box((front - 0.008, -0.05, panel.z[1] - 0.014), (front, 0.05, panel.z[1] - 0.004), "front")
+    lip = block((front - 0.008, front), around(0.0, 0.05), (panel.z[1] - 0.014, panel.z[1] - 0.004), "front")
     motion = hinge(panel, "bottom", radians(choose(rng, 70, 88)))
     door = ShapePart("door", "door", (slab, lip), motion)
     return Assembly((*_make_walls(frame, z, start), roof, *toner), (door,))
@@ -208,8 +210,8 @@ def _make_bay(frame: _Frame, z: Range, *, deep: float) -> Assembly:
     stop = 0.02
     solids = (
         block(x, y, (low, low + 0.007), "trim"),
-        box((x[0], -0.06, low + 0.007), (x[0] + 0.006, 0.06, low + stop), "trim"),
-        box((x[0] + 0.03, -0.105, low + 0.007), (x[1] - 0.01, 0.105, low + 0.011), "paper"),
+        block((x[0], x[0] + 0.006), around(0.0, 0.06), (low + 0.007, low + stop), "trim"),
+        block((x[0] + 0.03, x[1] - 0.01), around(0.0, 0.105), (low + 0.007, low + 0.011), "paper"),
     )
     motion = slide(0.55 * (x[1] - x[0]))
     tray = ShapePart("output_tray", "tray", solids, motion)
@@ -264,7 +266,7 @@ def _make_controls(rng: np.random.Generator, frame: _Frame, z: Range, y: Range) 
     x, middle, half = frame.x[0], (z[0] + z[1]) / 2, 0.34 * (z[1] - z[0])
     count, wide = int(rng.integers(2, 6)), y[1] - y[0]
     split = y[1] - choose(rng, 0.35, 0.55) * wide
-    display = box((x - 0.003, split, middle - half), (x + 0.003, y[1], middle + half), "panel")
+    display = block(around(x, 0.003), (split, y[1]), around(middle, half), "panel")
     pitch = (split - 0.006 - y[0]) / count
     size = min(0.75 * pitch, 1.6 * half)
     round_ = rng.random() < 0.5

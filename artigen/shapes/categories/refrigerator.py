@@ -21,7 +21,18 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, pick
 from artigen.shapes.draw import Draft, Wish, find_nearest
 from artigen.shapes.fittings.handles import HandleDesign
-from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range, Space, hinge, narrow, slide, sweep_gap
+from artigen.shapes.fittings.hardware import (
+    GAP,
+    Edge,
+    Panel,
+    Range,
+    Space,
+    around,
+    hinge,
+    narrow,
+    slide,
+    sweep_gap,
+)
 from artigen.shapes.primitives import Primitive, block
 from artigen.shapes.shape import Need, ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
@@ -116,7 +127,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     grip = draw_grip(rng, wish.choose_handles(kinds), length=length, longest=longest)
     return _Plan(
         kind=kind,
-        outer=Space(x=(x + thickness + GAP, depth / 2), y=(-width / 2, width / 2), z=(foot, height)),
+        outer=Space(x=(x + thickness + GAP, depth / 2), y=around(0.0, width / 2), z=(foot, height)),
         floor=floor,
         x=x,
         thickness=thickness,
@@ -270,7 +281,7 @@ def _draw_niche(rng: np.random.Generator, panel: Panel) -> tuple[Range, Range] |
     top = bottom + choose(rng, 0.28, 0.38)
     if bottom < panel.z[0] + 0.1 or top > panel.z[1] - 0.1:
         return None
-    return (middle - wide / 2, middle + wide / 2), (bottom, top)
+    return around(middle, wide / 2), (bottom, top)
 
 
 def _half(y: Range, panel: Panel, edge: Edge) -> Range:

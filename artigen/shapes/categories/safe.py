@@ -8,8 +8,8 @@ import numpy as np
 from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.fronts import FrontDesign, make_door
-from artigen.shapes.fittings.hardware import GAP, PASSING, Panel, Space, narrow, sweep_gap
-from artigen.shapes.primitives import DOWN, FRONT, LEFT, RIGHT, UP, Primitive, block, box, cylinder, line
+from artigen.shapes.fittings.hardware import GAP, PASSING, Panel, Space, around, narrow, sweep_gap
+from artigen.shapes.primitives import DOWN, FRONT, LEFT, RIGHT, UP, Primitive, block, cylinder, line
 from artigen.shapes.shape import Motion, ShapePart, make_base
 from artigen.shapes.surfaces.materials import LACQUERS, make_lacquer
 from artigen.shapes.surfaces.palette import draw_palette
@@ -33,7 +33,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     wall = choose(rng, 0.03, 0.06)
     reach = 0.06  # of the parts that turn on the door
     foot = float(rng.choice((0.0, 0.025)))
-    outer = Space(x=(reach - depth / 2, depth / 2), y=(-width / 2, width / 2), z=(foot, height))
+    outer = Space(x=(reach - depth / 2, depth / 2), y=around(0.0, width / 2), z=(foot, height))
     thick = choose(rng, 0.7, 1.0) * wall
     left = bool(rng.random() < 0.25)
     swing = sweep_gap(width - 2 * wall, thick)
@@ -96,9 +96,9 @@ def _passes_side(panel: Panel, upper: float, beside: float) -> bool:
 def _make_keypad(panel: Panel, at: tuple[float, float], size: float) -> tuple[Primitive, ...]:
     """A keypad: a plate with nine keys."""
     x, pitch, half = panel.x - 0.008, 0.5 * size, 0.17 * size
-    plate = box((x, at[0] - size, at[1] - 0.9 * size), (panel.x, at[0] + size, at[1] + 0.9 * size), "panel")
+    plate = block((x, panel.x), around(at[0], size), around(at[1], 0.9 * size), "panel")
     keys = [
-        box((x - 0.004, y - half, z - half), (x, y + half, z + half), "plastic")
+        block((x - 0.004, x), around(y, half), around(z, half), "plastic")
         for y in (at[0] - pitch, at[0], at[0] + pitch)
         for z in (at[1] - pitch, at[1], at[1] + pitch)
     ]
@@ -111,10 +111,8 @@ def _make_dial(name: str, panel: Panel, at: tuple[float, float], radius: float) 
     solids = (
         cylinder((x, *at), (x - 0.008, *at), radius, "panel"),
         cylinder((x - 0.008, *at), (x - 0.028, *at), 0.6 * radius, "steel"),
-        box(
-            (x - 0.011, at[0] - 0.003, at[1] + 0.62 * radius),
-            (x - 0.008, at[0] + 0.003, at[1] + radius),
-            "inside",
+        block(
+            (x - 0.011, x - 0.008), around(at[0], 0.003), (at[1] + 0.62 * radius, at[1] + radius), "inside"
         ),
     )
     return ShapePart(name, "knob", solids, _turn(x, at, 2 * np.pi), parent=DOOR)

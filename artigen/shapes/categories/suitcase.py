@@ -16,7 +16,7 @@ from artigen.shapes.fittings.bowls import build_bowl
 from artigen.shapes.fittings.carrying import CHANNEL, build_channel, make_grip, make_pull_handle
 from artigen.shapes.fittings.feet import make_castors
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Edge, Panel, Range, hinge, narrow
+from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Edge, Panel, Range, around, hinge, narrow
 from artigen.shapes.fittings.lids import hinge_lid
 from artigen.shapes.fittings.locks import make_latch
 from artigen.shapes.fittings.outlines import Outline
@@ -85,7 +85,7 @@ def _build_standing(rng: np.random.Generator, width: float, depth: float, height
     """Two ribbed shells on four wheels that open like a book; a telescopic handle is behind the rear one."""
     grip, behind = FINGER_ROOM + 0.014, CHANNEL + 0.006
     radius = choose(rng, 0.018, 0.024)
-    x, y = (0.004 - depth / 2, depth / 2 - behind), (-width / 2, width / 2)
+    x, y = (0.004 - depth / 2, depth / 2 - behind), around(0.0, width / 2)
     castors = make_castors(narrow(x, 0.012), narrow(y, 0.03), radius, parent="body", swivel=False)
     z = (castors.height, height - grip)
     seam = x[0] + choose(rng, 0.42, 0.5) * (x[1] - x[0])
@@ -107,11 +107,7 @@ def _build_standing(rng: np.random.Generator, width: float, depth: float, height
     deep = (seam + x[1]) / 2
     carry = make_grip((deep, 0.0, z[1]), 0.42 * width, name="grip", parent="body", thick=0.014)
     side = y[0] if edge == "left" else y[1]
-    lock = box(
-        (seam + 0.004, side - 0.002, sum(z) / 2 - 0.03),
-        (seam + 0.03, side + 0.002, sum(z) / 2 + 0.03),
-        "trim",
-    )
+    lock = block((seam + 0.004, seam + 0.03), around(side, 0.002), around(sum(z) / 2, 0.03), "trim")
     straps = _cross_straps(seam + 0.012, y, z)
     pieces = (*rear, *castors.primitives[6:], *channel, lock, *straps)
     return Assembly(pieces, (door, carry, rods, *wheels))
@@ -152,7 +148,7 @@ def _cross_straps(x: float, y: Range, z: Range) -> list[Primitive]:
 def _build_lying(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A case on its back, whose lid opens upwards after its latches; the handle is between these."""
     reach, band = 0.041, 0.004
-    x, y = (reach - depth / 2, depth / 2 + band), (-width / 2, width / 2)
+    x, y = (reach - depth / 2, depth / 2 + band), around(0.0, width / 2)
     seam = choose(rng, 0.5, 0.62) * height
     radius = choose(rng, 0.02, 0.035)
     outline = Outline(a=(x[0], x[1] - band), b=y, cuts=(radius, radius))
@@ -173,7 +169,7 @@ def _build_lying(rng: np.random.Generator, width: float, depth: float, height: f
     half = choose(rng, 0.016, 0.024)
     latches = [
         make_latch(
-            x[0], (at - half, at + half), (seam - 0.03, min(seam + 0.032, height - bevel - 0.012)),
+            x[0], around(at, half), (seam - 0.03, min(seam + 0.032, height - bevel - 0.012)),
             name=f"latch_{k}", parent="body", upper=1.4, finish="metal",
         )
         for k, at in enumerate(places)

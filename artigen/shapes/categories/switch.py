@@ -13,9 +13,9 @@ from artigen.shapes.appliances.cavity import build_frame
 from artigen.shapes.appliances.control_panel import DIAL_GAP, DialDesign, design_dial, make_button, make_dial
 from artigen.shapes.choices import choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
-from artigen.shapes.fittings.hardware import narrow, rotate
+from artigen.shapes.fittings.hardware import around, narrow, rotate
 from artigen.shapes.fittings.tubes import lean_rod
-from artigen.shapes.primitives import LEFT, Primitive, Vector, block, box, cylinder, polytope
+from artigen.shapes.primitives import LEFT, Primitive, Vector, block, cylinder, polytope
 from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import LACQUERS, make_ceramic, make_plastic, make_polished
@@ -39,7 +39,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     count = max(1, int((width - 0.02 - PLATE) / PITCH) + 1)
     face = -depth / 2 + REACH[style]  # x of the plate's face
     wide, (low, high) = PLATE + (count - 1) * PITCH, ((height - HIGH) / 2, (height + HIGH) / 2)
-    wall = box((face + THICK, -width / 2, 0.0), (depth / 2, width / 2, height), "wall")
+    wall = block((face + THICK, depth / 2), around(0.0, width / 2), (0.0, height), "wall")
     places = [((count - 1) / 2 - k) * PITCH for k in range(count)]
     pieces: list[Primitive] = [wall]
     parts: list[ShapePart] = []
@@ -47,7 +47,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         pieces += _build_plate(face, wide, (low, high), places)
         parts = [_make_rocker(f"rocker_{k}", (face, y, height / 2)) for k, y in enumerate(places)]
     else:
-        pieces.append(block((face, face + THICK), (-wide / 2, wide / 2), (low, high), "panel", 0.002))
+        pieces.append(block((face, face + THICK), around(0.0, wide / 2), (low, high), "panel", 0.002))
         kind = _draw_dimmer(rng) if style == "dimmer" else None
         for k, y in enumerate(places):
             at = (face, y, height / 2)
@@ -86,11 +86,11 @@ def _build_plate(face: float, wide: float, z: tuple[float, float], places: list[
     """A frame with a window for each rocker, and a back."""
     half, back = 0.0295, face + THICK
     inner = wide / 2 - 0.004
-    pieces = [block((back - 0.002, back), (-inner, inner), narrow(z, 0.004), "panel")]
+    pieces = [block((back - 0.002, back), around(0.0, inner), narrow(z, 0.004), "panel")]
     middle = sum(z) / 2
     edges = [-wide / 2, *((low + high) / 2 for low, high in pairwise(places[::-1])), wide / 2]
     for k, y in enumerate(reversed(places)):
-        hole = (y - half, y + half), (middle - half, middle + half)
+        hole = around(y, half), around(middle, half)
         pieces += build_frame((face, back), ((edges[k], edges[k + 1]), z), hole, "panel")
     return pieces
 

@@ -13,7 +13,7 @@ from artigen.shapes.categories.storage_furniture import STYLES
 from artigen.shapes.choices import choose, choose_one, pick
 from artigen.shapes.draw import CrowdedError, Draft, Wish, find_nearest
 from artigen.shapes.fittings.feet import LEG_KINDS, LegKind, make_castors, make_legs
-from artigen.shapes.fittings.hardware import GAP, Range, Space, lift, narrow
+from artigen.shapes.fittings.hardware import GAP, Range, Space, around, lift, narrow
 from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
 from artigen.shapes.furniture.carcass import fits_engines, open_carcass
 from artigen.shapes.furniture.sinks import TAP_HEIGHT, make_sink
@@ -32,7 +32,7 @@ from artigen.shapes.furniture.table_frames import (
     make_top,
     most_radius,
 )
-from artigen.shapes.primitives import UP, Primitive, block, box, cylinder, place_vertices, rounded_box
+from artigen.shapes.primitives import UP, Primitive, block, cylinder, place_vertices, rounded_box
 from artigen.shapes.shape import Motion, ShapePart, make_base
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -234,7 +234,7 @@ def _make_shelf(legs: Sequence[Primitive], z: float) -> ShapePart:
         inner.append((1 - share) * np.ptp(low[:, 1]) / 2 + share * np.ptp(high[:, 1]) / 2)
     edge = float(np.abs(centers[:, 1]).max() - inner[0])
     x = (float(centers[:, 0].min()) - 0.004, float(centers[:, 0].max()) + 0.004)
-    shelf = block(x, (-edge, edge), (z, top), "top")
+    shelf = block(x, around(0.0, edge), (z, top), "top")
     return ShapePart("shelf", "shelf", (shelf,))
 
 
@@ -293,8 +293,8 @@ def _build_sink(rng: np.random.Generator, plan: _Plan) -> _Built:
     """A worktop with a basin over a cabinet or an open frame; the height includes the tap."""
     width, depth, total = plan.size
     high = total - TAP_HEIGHT - plan.top
-    x, y = (plan.looks.reach - depth / 2 + 0.005, depth / 2), (-width / 2, width / 2)
-    top = Space(x=(-depth / 2, depth / 2), y=y, z=(high, high + plan.top))
+    x, y = (plan.looks.reach - depth / 2 + 0.005, depth / 2), around(0.0, width / 2)
+    top = Space(x=around(0.0, depth / 2), y=y, z=(high, high + plan.top))
     if rng.random() < 0.25:
         legs = make_legs(x, y, high, kind="square", width=0.04, finish="leg")
         shelf = _make_shelf(legs, choose(rng, 0.15, 0.3))
@@ -334,19 +334,19 @@ def _build_screw(rng: np.random.Generator, plan: _Plan) -> _Built:
     mouth = plate - gap
     start = mouth - rise - 0.12
     inner, outer = spindle + gap, spindle + gap + wall
-    column = [box((-outer, side, start), (outer, side + wall, mouth), "leg") for side in (-outer, inner)] + [
-        box((side, -inner, start), (side + wall, inner, mouth), "leg") for side in (-outer, inner)
-    ]
+    column = [
+        block(around(0.0, outer), (side, side + wall), (start, mouth), "leg") for side in (-outer, inner)
+    ] + [block((side, side + wall), around(0.0, inner), (start, mouth), "leg") for side in (-outer, inner)]
     if rng.random() < 0.5:
         base = [cylinder((0.0, 0.0, 0.0), (0.0, 0.0, foot), 0.62 * radius, "leg")]
     else:
         arm, half = 0.8 * radius, 0.03
         base = [
-            box((-arm, -half, 0.0), (arm, half, foot), "leg"),
-            box((-half, -arm, 0.0), (half, -half, foot), "leg"),
-            box((-half, half, 0.0), (half, arm, foot), "leg"),
+            block(around(0.0, arm), around(0.0, half), (0.0, foot), "leg"),
+            block(around(0.0, half), (-arm, -half), (0.0, foot), "leg"),
+            block(around(0.0, half), (half, arm), (0.0, foot), "leg"),
         ]
-    post = box((-outer, -outer, foot), (outer, outer, start), "leg")
+    post = block(around(0.0, outer), around(0.0, outer), (foot, start), "leg")
     turns = choose(rng, 2.5, 4.0) * 2 * np.pi
     top = (
         cylinder((0.0, 0.0, under), (0.0, 0.0, height), radius, "top"),

@@ -10,7 +10,7 @@ from artigen.shapes.appliances.cavity import build_feet
 from artigen.shapes.appliances.control_panel import design_dial, make_button, make_dial
 from artigen.shapes.choices import choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
-from artigen.shapes.fittings.hardware import GAP, Range, narrow, slide
+from artigen.shapes.fittings.hardware import GAP, Range, around, narrow, slide
 from artigen.shapes.primitives import DOWN, FRONT, Primitive, block, box, rounded_box
 from artigen.shapes.shape import Motion, ShapePart, make_base
 from artigen.shapes.surfaces.palette import draw_palette
@@ -32,7 +32,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     four = bool(rng.random() < 0.3) if wish.width is None else wish.width > 0.24
     wide: Range = (0.29, 0.33) if four else (0.165, 0.195)
     width, depth, height = choose_size(rng, CATEGORY, wish, (wide, (0.28, 0.32), (0.18, 0.21)))
-    x, y = (-depth / 2 + KNOB, depth / 2), (-width / 2, width / 2)
+    x, y = (-depth / 2 + KNOB, depth / 2), around(0.0, width / 2)
     bays = [(y[0], 0.0), (0.0, y[1])] if four else [y]
     bottom = FOOT + FLOOR + 0.022
     pieces = [
@@ -66,7 +66,7 @@ def _build_bay(
     """Two slots between walls, with the lever, dial and buttons before them."""
     low, high = z
     middle, apart = sum(y) / 2, 0.25 * (y[1] - y[0]) - 0.004
-    slots = [(middle + side * apart - SLOT / 2, middle + side * apart + SLOT / 2) for side in (-1.0, 1.0)]
+    slots = [around(middle + side * apart, SLOT / 2) for side in (-1.0, 1.0)]
     inner = narrow(x, END)
     web = 0.006  # half of the gap for the lever's arm
     pieces = [
@@ -76,7 +76,7 @@ def _build_bay(
         box((inner[0] + 0.02, slots[0][1], low), (inner[1], slots[1][0], high - 0.004), "body"),
         box((x[0] + 0.004, slots[0][0], low), (inner[0], middle - web, high - 0.004), "front"),
         box((x[0] + 0.004, middle + web, low), (inner[0], slots[1][1], high - 0.004), "front"),
-        box((x[0] + 0.004, middle - web, high - 0.03), (inner[0], middle + web, high - 0.004), "front"),
+        block((x[0] + 0.004, inner[0]), around(middle, web), (high - 0.03, high - 0.004), "front"),
     ]
     top = high - 0.042
     arm = 0.004
@@ -84,7 +84,7 @@ def _build_bay(
     grip = ((x[0] - KNOB, middle - 0.02, top - 0.014), (x[0] - 0.003, middle + 0.02, top + 0.006))
     lever = [
         rounded_box(*grip, 0.003, "handle"),
-        block((x[0] - 0.004, inner[0] + 0.008), (middle - arm, middle + arm), z_arm, "steel"),
+        block((x[0] - 0.004, inner[0] + 0.008), around(middle, arm), z_arm, "steel"),
         block((inner[0] + 0.004, inner[0] + 0.014), ends, z_arm, "steel"),
     ]
     for a, b in slots:

@@ -12,7 +12,7 @@ from artigen.shapes.appliances.cavity import build_tub
 from artigen.shapes.appliances.control_panel import PRESS, make_button
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
-from artigen.shapes.fittings.hardware import Range, Space, rotate
+from artigen.shapes.fittings.hardware import Range, Space, around, rotate
 from artigen.shapes.fittings.outlines import Outline, build_loft, draw_egg
 from artigen.shapes.fittings.taps import make_cross_handle
 from artigen.shapes.primitives import FRONT, LEFT, RIGHT, UP, Primitive, block, box, cylinder
@@ -83,13 +83,13 @@ def _build_bowl(style: str, outline: Outline, behind: float, back: float) -> lis
         return [
             *pieces,
             *build_loft(base, 2, (0.0, under), "body", inset=-0.02),
-            box((end - 0.1, -0.75 * half, RIM - 0.16), (back, 0.75 * half, RIM), "body"),
+            block((end - 0.1, back), around(0.0, 0.75 * half), (RIM - 0.16, RIM), "body"),
         ]
     if style == "skirted":
         pieces += build_loft(foot, 2, (0.0, under), "body", inset=0.03)
-        return [*pieces, box((end - 0.12, -0.8 * half, 0.0), (back, 0.8 * half, RIM), "body")]
+        return [*pieces, block((end - 0.12, back), around(0.0, 0.8 * half), (0.0, RIM), "body")]
     pieces += build_loft(foot, 2, (low - 0.1, under), "body", inset=0.07)
-    return [*pieces, box((end - 0.1, -0.72 * half, low - 0.06), (behind, 0.72 * half, RIM), "body")]
+    return [*pieces, block((end - 0.1, behind), around(0.0, 0.72 * half), (low - 0.06, RIM), "body")]
 
 
 def _make_seat(outline: Outline, hinge: float, upper: float) -> tuple[ShapePart, ShapePart]:
@@ -104,7 +104,7 @@ def _make_seat(outline: Outline, hinge: float, upper: float) -> tuple[ShapePart,
     for y in (-0.07, 0.07):
         pins.append(cylinder((x + 0.004, y - 0.018, axis), (x + 0.004, y + 0.018, axis), 0.0075, "handle"))
         pins.append(
-            box((x - 0.06, y - 0.012, low + 0.002), (x + 0.004, y + 0.012, low + SEAT - 0.002), "front")
+            block((x - 0.06, x + 0.004), around(y, 0.012), (low + 0.002, low + SEAT - 0.002), "front")
         )
     for low_y, high_y in ((-0.121, -0.099), (0.099, 0.121)):
         ears.append(box((x - 0.05, low_y, top), (x + 0.0115, high_y, top + LID - 0.004), "front"))
@@ -127,7 +127,7 @@ def _draw_cistern(
     half = width / 2
     tank = Space(x=(front + 0.008, back), y=(-half + 0.008, half - 0.008), z=(low, top - lid))
     pieces = [*build_tub(tank, 0.014, "body")]
-    pieces.append(block((front, back), (-half, half), (top - lid, top), "body", 0.005))
+    pieces.append(block((front, back), around(0.0, half), (top - lid, top), "body", 0.005))
     if low > RIM:
         pieces.append(cylinder((front + 0.08, 0.0, RIM), (front + 0.08, 0.0, low), 0.055, "body"))
     middle = (front + back) / 2
@@ -159,8 +159,8 @@ def _draw_cistern(
 def _draw_wall(front: float, back: float, width: float, height: float) -> Drawn:
     """Draws a piece of wall with a flush plate of two buttons."""
     level = height - 0.16
-    wall = box((front, -width / 2, 0.0), (back, width / 2, height), "wall")
-    plate = box((front - 0.006, -0.123, level - 0.082), (front, 0.123, level + 0.082), "panel")
+    wall = block((front, back), around(0.0, width / 2), (0.0, height), "wall")
+    plate = block((front - 0.006, front), around(0.0, 0.123), around(level, 0.082), "panel")
     parts = [
         make_button((front - 0.006, y, level), (wide, 0.12, 0.006), name=name, parent="body", finish="panel")
         for name, y, wide in (("flush", 0.038, 0.13), ("small_flush", -0.071, 0.08))

@@ -14,7 +14,7 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_wheel
-from artigen.shapes.fittings.hardware import GAP, Range, narrow, rotate, slide
+from artigen.shapes.fittings.hardware import GAP, Range, around, narrow, rotate, slide
 from artigen.shapes.fittings.lids import Rectangle, build_vessel, hinge_lid, loft, shrink
 from artigen.shapes.primitives import (
     LEFT,
@@ -115,14 +115,14 @@ def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, heigh
     """A round or square steel bin with a pedal that opens its lid, and a bucket that lifts out."""
     thick, foot, under = choose(rng, 0.016, 0.024), 0.05, 0.032
     x = (PEDAL - depth / 2, depth / 2 - HUB)
-    y = (-width / 2, width / 2)
+    y = around(0.0, width / 2)
     rim = height - thick - 0.012 - GAP
     opened = radians(choose(rng, 96, 105))
     middle, radius = sum(x) / 2, min(x[1] - x[0], width) / 2
     round_ = abs(x[1] - x[0] - width) < 1e-6
     z = (foot, rim)
     if round_:
-        y, x = (-radius, radius), (middle - radius, middle + radius)
+        y, x = around(0.0, radius), around(middle, radius)
         wall = max(0.006, height / SLENDER)
         radii = (radius * np.cos(np.pi / ROUND) - wall, radius)
         walls = build_ring((middle, 0.0, 0.0), "z", z, (radii, radii), "body", sides=ROUND, lining="trim")
@@ -154,11 +154,11 @@ def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, heigh
         inside = shrink((x, y), WALL + 0.010)
         pail = build_vessel(inside, inside, (foot + WALL + 0.004, rim - 0.012), 0.006, "tray")
     pivot = x[1] + HUB
-    tab = box((x[1] - 0.02, -0.25 * width, rim + GAP), (pivot, 0.25 * width, rim + GAP + 0.012), "front")
-    knuckle = box((x[1] - 0.01, -0.28 * width, rim - 0.05), (pivot, 0.28 * width, rim), "trim")
+    tab = block((x[1] - 0.02, pivot), around(0.0, 0.25 * width), (rim + GAP, rim + GAP + 0.012), "front")
+    knuckle = block((x[1] - 0.01, pivot), around(0.0, 0.28 * width), (rim - 0.05, rim), "trim")
     toe = 0.12 * radius
     feet = [
-        box((a - toe, b - toe, 0.0), (a + toe, b + toe, under), "trim")
+        block(around(a, toe), around(b, toe), (0.0, under), "trim")
         for a in (middle - 0.5 * radius, middle + 0.5 * radius)
         for b in (-0.62 * radius, 0.62 * radius)
     ]
@@ -179,8 +179,8 @@ def _make_pedal(tip: float, pivot: float, width: float, under: float) -> ShapePa
     top = under - 0.0015
     half = min(0.045, 0.17 * width)
     solids = (
-        box((tip + 0.03, -0.4 * half, top - 0.006), (pivot, 0.4 * half, top), "steel"),
-        block((tip, tip + 0.034), (-half, half), (top - 0.008, top), "steel", 0.002),
+        block((tip + 0.03, pivot), around(0.0, 0.4 * half), (top - 0.006, top), "steel"),
+        block((tip, tip + 0.034), around(0.0, half), (top - 0.008, top), "steel", 0.002),
     )
     drop = float((top - 0.011) / (pivot - tip))
     turn = rotate(RIGHT, (pivot, 0.0, top), min(drop, 0.2), spring=SPRING)  # fmt: skip
@@ -195,13 +195,13 @@ def _circle(radius: float, sides: int = SEGMENTS) -> np.ndarray:
 def _build_flip_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A moulded bin that tapers downwards, and a lid with a lip."""
     lip, rise = 0.014, choose(rng, 0.014, 0.03)
-    x, y = (lip - depth / 2, depth / 2), (-width / 2, width / 2)
+    x, y = (lip - depth / 2, depth / 2), around(0.0, width / 2)
     rim = height - rise - 0.012 - GAP
     taper = choose(rng, 0.0, 0.14) * min(width, depth)
     walls = build_vessel(shrink((x, y), taper / 2), (x, y), (0.0, rim), WALL, "body")
     low = rim + GAP
     slab = block(x, y, (low, low + 0.012), "front", 0.003)
-    grip = box((x[0] - lip, -0.2 * width, low), (x[0] + 0.01, 0.2 * width, low + 0.012), "front")
+    grip = block((x[0] - lip, x[0] + 0.01), around(0.0, 0.2 * width), (low, low + 0.012), "front")
     outline = shrink((x, y), 0.006)
     crown = loft(outline, shrink(outline, choose(rng, 0.02, 0.07)), (low + 0.012, height), "front")
     motion = hinge_lid(x, y, low, radians(choose(rng, 80, 105)))
@@ -211,7 +211,7 @@ def _build_flip_bin(rng: np.random.Generator, width: float, depth: float, height
 
 def _build_flap_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A bin below a sloping hood with a flap, which is hinged at its upper edge."""
-    x, y = (-depth / 2, depth / 2), (-width / 2, width / 2)
+    x, y = around(0.0, depth / 2), around(0.0, width / 2)
     rim, wall = height - choose(rng, 0.5, 0.62) * depth, 0.01
     taper = choose(rng, 0.0, 0.12) * min(width, depth)
     walls = build_vessel(shrink((x, y), taper / 2), (x, y), (0.0, rim), wall, "body")
@@ -245,7 +245,7 @@ def _make_flap(low: tuple[float, float], high: tuple[float, float], y: Range) ->
     middle, half = (y[0] + y[1]) / 2, 0.22 * (y[1] - y[0])
     solids = (
         plate((gap, top), (-thick, 0.0), y),
-        plate((gap, gap + 0.014), (0.0, 0.014), (middle - half, middle + half)),
+        plate((gap, gap + 0.014), (0.0, 0.014), around(middle, half)),
     )
     x, z = (start + top * along).tolist()
     turn = rotate(LEFT, (x, middle, z), radians(80))
@@ -256,7 +256,7 @@ def _build_sorting_bin(rng: np.random.Generator, width: float, depth: float, hei
     """Compartments side by side, each with a bucket and a lid in the colour of its waste."""
     count = int(np.clip(round(width / choose(rng, 0.2, 0.28)), 2, 4))
     lip, thick = 0.014, 0.018
-    x, y = (lip - depth / 2, depth / 2), (-width / 2, width / 2)
+    x, y = (lip - depth / 2, depth / 2), around(0.0, width / 2)
     rim = height - thick - GAP
     pieces = list(build_vessel((x, y), (x, y), (0.0, rim), WALL, "body"))
     pitch = width / count
@@ -264,14 +264,12 @@ def _build_sorting_bin(rng: np.random.Generator, width: float, depth: float, hei
     for k in range(count):
         left = y[1] - k * pitch
         if k:
-            span = (left - WALL / 2, left + WALL / 2)
+            span = around(left, WALL / 2)
             pieces.append(block(narrow(x, WALL), span, (WALL, rim), "body"))
         own = (left - pitch + 0.0015, left - 0.0015)
         low, middle = rim + GAP, (own[0] + own[1]) / 2
         slab = block(x, own, (low, height), LIDS[k], 0.004)
-        grip = box(
-            (x[0] - lip, middle - 0.25 * pitch, low), (x[0], middle + 0.25 * pitch, low + 0.012), LIDS[k]
-        )
+        grip = block((x[0] - lip, x[0]), around(middle, 0.25 * pitch), (low, low + 0.012), LIDS[k])
         motion = hinge_lid(x, own, low, radians(98))
         parts.append(ShapePart(f"lid_{k}", "door", (slab, grip), motion))
         sign = (x[0] - 0.003, middle - 0.055, 0.66 * rim), (x[0], middle + 0.055, 0.66 * rim + 0.09)
@@ -290,7 +288,7 @@ def _build_sorting_bin(rng: np.random.Generator, width: float, depth: float, hei
 def _build_wheeled_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A bin of EN 840, which tapers downwards and has two wheels behind and a push bar at its rim."""
     bar, lip, wall = 0.05, 0.016, 0.010
-    x, y = (lip - depth / 2, depth / 2 - bar), (-width / 2, width / 2)
+    x, y = (lip - depth / 2, depth / 2 - bar), around(0.0, width / 2)
     rise = choose(rng, 0.035, 0.06)
     rim = height - rise - GAP
     radius, tread = choose(rng, 0.085, 0.1), 0.045
@@ -299,7 +297,7 @@ def _build_wheeled_bin(rng: np.random.Generator, width: float, depth: float, hei
     pieces += _build_collar((x, y), rim)
     pivot = x[1] + 0.012
     pieces += [
-        box((x[1] - 0.02, a - 0.02, rim - 0.05), (x[1] + bar - 0.01, a + 0.02, rim - 0.02), "body")
+        block((x[1] - 0.02, x[1] + bar - 0.01), around(a, 0.02), (rim - 0.05, rim - 0.02), "body")
         for a in (-0.3 * width, 0.3 * width)
     ]
     grip = cylinder(
@@ -312,9 +310,9 @@ def _build_wheeled_bin(rng: np.random.Generator, width: float, depth: float, hei
     low, crest = rim + GAP, rim + GAP + 0.45 * rise
     brim = loft((x, y), shrink((x, y), 0.004), (low, crest), "front")
     crown = loft(shrink((x, y), 0.012), shrink((x, y), 0.09), (crest, height), "front")
-    hinges = box((x[1] - 0.02, -0.3 * width, low), (pivot, 0.3 * width, low + 0.012), "front")
+    hinges = block((x[1] - 0.02, pivot), around(0.0, 0.3 * width), (low, low + 0.012), "front")
     lips = [
-        box((x[0] - lip, a - 0.06, low), (x[0] + 0.01, a + 0.06, low + 0.014), "front")
+        block((x[0] - lip, x[0] + 0.01), around(a, 0.06), (low, low + 0.014), "front")
         for a in (-0.28 * width, 0.28 * width)
     ]
     lid = ShapePart(
@@ -326,7 +324,7 @@ def _build_wheeled_bin(rng: np.random.Generator, width: float, depth: float, hei
     axle_x, level = bottom[0][1] - 0.3 * radius, radius * float(np.cos(np.pi / SEGMENTS))
     spread = (y[1] - bottom[1][1]) * (2 * radius / rim)  # outward lean of the sides at the wheels
     parts: list[ShapePart] = [lid, handle]
-    for index, side in enumerate((-1.0, 1.0)):
+    for index, side in enumerate(around(0.0, 1.0)):
         face = bottom[1][1] + spread + GAP + 0.002
         at = side * (face + tread / 2)
         parts.append(make_wheel(f"wheel_{index}", "body", (axle_x, at, level), tread))

@@ -22,7 +22,7 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, narrow, rotate, slide
+from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, around, narrow, rotate, slide
 from artigen.shapes.primitives import LEFT, Primitive, block, box, line, rounded_box
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
@@ -77,8 +77,8 @@ def _draw_front_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
         )
     )
     built += draw_band(rng, plan, x, (sill, plan.height - LID))
-    square = (level - radius, level + radius)
-    panel = Panel(x=-plan.depth / 2, thickness=plan.thickness, y=(-radius, radius), z=square)
+    square = around(level, radius)
+    panel = Panel(x=-plan.depth / 2, thickness=plan.thickness, y=around(0.0, radius), z=square)
     built += draw_porthole(rng, plan, panel, hole)
     end, wall = back - WALL - 0.05, back - WALL
     room = min(plan.width / 2 - WALL, sill - level, level - floor - 0.03) - 0.008
@@ -175,7 +175,7 @@ def _build_lid(
 ) -> tuple[Primitive, ...]:
     """A lid with a lip along its front edge; half of the lids have a pane."""
     (x0, x1), (y0, y1), (z0, z1) = extent
-    grip = box((x0 - 0.012, -0.12, z1 - max(lip, 0.016)), (x0, 0.12, z1), "front")
+    grip = block((x0 - 0.012, x0), around(0.0, 0.12), (z1 - max(lip, 0.016), z1), "front")
     if rng.random() < 0.4:
         return block((x0, x1), (y0, y1), (z0, z1), "front", 0.004), grip
     rail = choose(rng, 0.05, 0.08)

@@ -10,7 +10,7 @@ from artigen.shapes.appliances.cavity import build_frame
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, narrow, rotate, slide
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, around, narrow, rotate, slide
 from artigen.shapes.fittings.hinges import Leaf, hang_leaves
 from artigen.shapes.fittings.latches import (
     RELEASED,
@@ -24,7 +24,7 @@ from artigen.shapes.fittings.latches import (
     make_bolt,
 )
 from artigen.shapes.fittings.levers import LeverDesign, build_lever, design_lever
-from artigen.shapes.primitives import UP, Primitive, block, box, cylinder
+from artigen.shapes.primitives import UP, Primitive, block, cylinder
 from artigen.shapes.shape import ShapePart, make_base, require
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -58,7 +58,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     x = (depth / 2 - deep, depth / 2)
     y = (OVERHANG - width / 2, width / 2 - OVERHANG)
     inner = Space(x=x, y=narrow(y, PROFILE), z=(SILL + PROFILE, height - PROFILE))
-    sill = box((-depth / 2, -width / 2, 0.0), (depth / 2, width / 2, SILL), "top")
+    sill = block(around(0.0, depth / 2), around(0.0, width / 2), (0.0, SILL), "top")
     bars = int(rng.integers(3)) if rng.random() < 0.4 else 0
     draw_kind = {"casement": _draw_casement, "sash": _draw_sashes, "sliding": _draw_sliding}[style]
     pieces, parts = draw_kind(rng, inner, bars)
@@ -76,14 +76,14 @@ def _outline(inner: Space) -> tuple[Range, Range]:
 def _glaze(x: Range, y: Range, z: Range, bars: int) -> list[Primitive]:
     """A pane with a number of horizontal bars and, if there are any, one vertical bar."""
     middle, half = sum(x) / 2, min(PANE, 0.6 * (x[1] - x[0])) / 2
-    pieces = [block((middle - half, middle + half), y, z, "glass")]
+    pieces = [block(around(middle, half), y, z, "glass")]
     out = (middle - half - 0.006, middle + half + 0.006)
     for k in range(bars):
         at = z[0] + (k + 1) * (z[1] - z[0]) / (bars + 1)
-        pieces.append(block(out, y, (at - 0.012, at + 0.012), "front"))
+        pieces.append(block(out, y, around(at, 0.012), "front"))
     if bars:
         at = sum(y) / 2
-        pieces.append(block(out, (at - 0.012, at + 0.012), z, "front"))
+        pieces.append(block(out, around(at, 0.012), z, "front"))
     return pieces
 
 
@@ -199,8 +199,8 @@ def _draw_sashes(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     at, z = ((front[0] + front[1]) / 2, middle), top + 0.0055
     cam = (
         cylinder((*at, top + 0.0015), (*at, top + 0.019), 0.013, "handle"),
-        box((at[0], middle - 0.008, z), (back[0] + THROW, middle + 0.008, z + 0.008), "handle"),
-        box((at[0] - 0.045, middle - 0.006, z + 0.007), (at[0], middle + 0.006, z + 0.0135), "handle"),
+        block((at[0], back[0] + THROW), around(middle, 0.008), (z, z + 0.008), "handle"),
+        block((at[0] - 0.045, at[0]), around(middle, 0.006), (z + 0.007, z + 0.0135), "handle"),
     )
     turn = rotate(UP, (*at, top), np.pi / 2)
     lock = ShapePart("cam", "knob", cam, turn, parent="sash")
@@ -233,7 +233,7 @@ def _draw_sliding(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
         parent="frame",
         needs=require("bolt", fraction=RELEASED),
     )
-    panel = Panel(x=front[0], thickness=SASH, y=(stile - RAIL / 2, stile + RAIL / 2), z=z)
+    panel = Panel(x=front[0], thickness=SASH, y=around(stile, RAIL / 2), z=z)
     pull = HandleDesign(kind=choose_one(rng, ("pull", "bar", "arch")), length=0.15, thickness=0.013)
     level = inner.z[0] + 0.45 * inner.height
     grip = make_handle(panel, pull, name="pull", parent="sash", upright=True, at=(stile, level))

@@ -1,6 +1,6 @@
 """Carrying handles and telescopic handles of luggage and tool boxes."""
 
-from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Range, slide
+from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Range, around, slide
 from artigen.shapes.primitives import UP, Primitive, Vector, block, box
 from artigen.shapes.shape import ShapePart
 
@@ -16,8 +16,8 @@ def make_grip(
     """A grip along y on two posts on an upward face; `FINGER_ROOM` plus its thickness high."""
     x, y, z = at
     low, half, deep = z + FINGER_ROOM, length / 2, 0.6 * thick
-    posts = [box((x - deep, a, z), (x + deep, a + thick, low), finish) for a in (y - half, y + half - thick)]
-    bar = block((x - deep, x + deep), (y - half, y + half), (low, low + thick), finish, 0.2 * thick)
+    posts = [block(around(x, deep), (a, a + thick), (z, low), finish) for a in (y - half, y + half - thick)]
+    bar = block(around(x, deep), around(y, half), (low, low + thick), finish, 0.2 * thick)
     return ShapePart(name, "handle", (bar, *posts), parent=parent)
 
 
@@ -36,8 +36,7 @@ def make_pull_handle(
     """
     front, half = x + GAP, spread / 2
     rods: list[Primitive] = [
-        box((front, a - ROD / 2, z[0]), (front + ROD, a + ROD / 2, z[1] - 0.02), finish)
-        for a in (-half, half)
+        block((front, front + ROD), around(a, ROD / 2), (z[0], z[1] - 0.02), finish) for a in (-half, half)
     ]
     grip = box((front, -half - ROD / 2, z[1] - 0.02), (front + ROD, half + ROD / 2, z[1]), "rubber")
     return ShapePart("pull_handle", "handle", (grip, *rods), slide(travel, UP), parent=parent)

@@ -6,8 +6,9 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from artigen.shapes.appliances.cavity import build_rim
 from artigen.shapes.choices import choose, choose_one
-from artigen.shapes.fittings.hardware import GAP, Range, Space, narrow, rotate
+from artigen.shapes.fittings.hardware import GAP, Range, Space, around, narrow, rotate
 from artigen.shapes.primitives import RIGHT, SEGMENTS, UP, Primitive, Vector, block, box, cylinder, polytope
 from artigen.shapes.shape import Motion, ShapePart
 
@@ -154,15 +155,7 @@ def _make_leg(sides: int, low: float, high: float, height: float, lean: tuple[fl
 def make_plinth(x: Range, y: Range, height: float, finish: str) -> tuple[Primitive, ...]:
     """A frame of four boards on the floor under a body; long boards are thicker."""
     wall = max(0.018, max(x[1] - x[0], y[1] - y[0]) / 56)
-    return tuple(
-        box(low, high, finish)
-        for low, high in (
-            ((x[0], y[0], 0.0), (x[0] + wall, y[1], height)),
-            ((x[1] - wall, y[0], 0.0), (x[1], y[1], height)),
-            ((x[0] + wall, y[0], 0.0), (x[1] - wall, y[0] + wall, height)),
-            ((x[0] + wall, y[1] - wall, 0.0), (x[1] - wall, y[1], height)),
-        )
-    )
+    return build_rim(x, y, (0.0, height), wall, finish)
 
 
 def make_sled(x: Range, y: Range, height: float, width: float, finish: str) -> tuple[Primitive, ...]:
@@ -217,12 +210,10 @@ def _make_fork(
     high = (top, top + plate)
     run = 0.5 * radius
     cheeks = [
-        box((at[0] - run, at[1] + low, 0.75 * radius), (at[0] + run, at[1] + low + wall, top), finish)
+        block(around(at[0], run), (at[1] + low, at[1] + low + wall), (0.75 * radius, top), finish)
         for low in (inner, -inner - wall)
     ]
-    lid = Space(
-        x=(at[0] - 0.8 * radius, at[0] + 0.8 * radius), y=(at[1] - inner - wall, at[1] + inner + wall), z=high
-    )
+    lid = Space(x=around(at[0], 0.8 * radius), y=(at[1] - inner - wall, at[1] + inner + wall), z=high)
     return (lid.fill(finish), *cheeks)
 
 
@@ -258,7 +249,7 @@ def make_screw_feet(x: Range, y: Range, *, parent: str, radius: float = 0.022) -
         at_y += side * radius
         near, far = at_y + side * (radius + GAP), at_y + side * (radius + GAP + 0.016)
         low, high = sorted((near, far))
-        fixed.append(box((at_x - 0.02, low, 0.0), (at_x + 0.02, high, height), "steel"))
+        fixed.append(block(around(at_x, 0.02), (low, high), (0.0, height), "steel"))
         solids = (
             cylinder((at_x, at_y, 0.0), (at_x, at_y, pad), radius, "rubber"),
             cylinder((at_x, at_y, pad), (at_x, at_y, height - room), stem, "steel"),

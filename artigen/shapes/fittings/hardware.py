@@ -94,6 +94,11 @@ def between(a: float, b: float) -> Range:
     return min(a, b), max(a, b)
 
 
+def around(middle: float, half: float) -> Range:
+    """The range that extends by a length to both sides of a coordinate."""
+    return middle - half, middle + half
+
+
 def narrow(span: Range, by: float) -> Range:
     """A range shortened by a length at both ends, or extended if it is negative."""
     return span[0] + by, span[1] - by

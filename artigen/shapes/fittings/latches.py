@@ -15,7 +15,7 @@ import numpy as np
 
 from artigen.shapes.appliances.cavity import build_frame
 from artigen.shapes.choices import choose
-from artigen.shapes.fittings.hardware import Range, Space, narrow, slide
+from artigen.shapes.fittings.hardware import Range, Space, around, narrow, slide
 from artigen.shapes.fittings.hinges import Leaf, build_astragal, fit_hinges
 from artigen.shapes.primitives import DOWN, Primitive, Vector, block, box, cylinder, polytope
 from artigen.shapes.shape import Need, ShapePart
@@ -64,7 +64,7 @@ class Latch:
         y = sorted((self.edge, self.edge - self.side * (self.backset + 0.024)))
         ends = sorted((-self.lift * 0.024, self.lift * (self.backset + THROW + 0.006)))
         middle, half = sum(self.x) / 2, THICK / 2 + PLAY
-        x, z = (middle - half, middle + half), (self.level + ends[0], self.level + ends[1])
+        x, z = around(middle, half), (self.level + ends[0], self.level + ends[1])
         return Space(x=x, y=(y[0], y[1]), z=z)
 
     @property
@@ -149,7 +149,7 @@ def build_latch_stile(
     """Boards around the pocket of a leaf's latch, and two skins; the spindle passes through one or both."""
     free, (front, back) = latch.pocket, latch.x
     behind = (y[0], free.y[0]) if latch.side > 0 else (free.y[1], y[1])
-    hole_y, hole_z = ((at - HOLE, at + HOLE) for at in latch.axis)
+    hole_y, hole_z = (around(at, HOLE) for at in latch.axis)
     skin = block((free.x[1], back), free.y, free.z, finish)
     skins = [*build_frame((front, free.x[0]), (free.y, free.z), (hole_y, hole_z), finish), skin]
     if through:
@@ -208,7 +208,7 @@ def make_bolt(
     knob = cylinder((middle, y, low + 0.02), (middle - 0.028, y, low + 0.02), 0.009, finish)
 
     bolt = ShapePart(name, "knob", (rod, knob), slide(reach + 0.012, DOWN), parent=parent)
-    plate = box((x - base, y - 0.02, low - 0.045), (x, y + 0.02, z - 0.02), finish)
+    plate = block((x - base, x), around(y, 0.02), (low - 0.045, z - 0.02), finish)
     guide = _build_staple((middle, y), radius, x - base, (z - 0.05, z - 0.03), finish)
     return bolt, (plate, *guide), _build_staple((middle, y), radius, x - over, (z + 0.001, z + 0.016), finish)
 

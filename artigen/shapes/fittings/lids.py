@@ -5,6 +5,9 @@ that starts above the hinge stays above or behind it. A plug, which reaches down
 before it (`sweep_gap`); an apron, which reaches down outside of them, needs none.
 """
 
+from collections.abc import Sequence
+from itertools import pairwise
+
 import numpy as np
 from jaxtyping import Float
 
@@ -22,7 +25,7 @@ from artigen.shapes.primitives import (
     line,
     polytope,
 )
-from artigen.shapes.shape import Motion, ShapePart, require
+from artigen.shapes.shape import Motion, Need, ShapePart, require
 
 Rectangle = tuple[Range, Range]
 """Ranges of x and y (m)."""
@@ -46,6 +49,20 @@ def hinge_lid(x: Range, y: Range, z: float, upper: float, edge: Edge | None = No
         "right": (BACK, (middle[0], y[0], z)),
     }[edge]
     return rotate(axis, origin, upper)
+
+
+def make_lid(
+    pieces: Sequence[Primitive],
+    x: Range,
+    y: Range,
+    z: float,
+    upper: float,
+    *,
+    name: str = "lid",
+    needs: tuple[Need, ...] = (),
+) -> ShapePart:
+    """A lid that turns about its lower rear edge by ``upper`` radians (`hinge_lid`)."""
+    return ShapePart(name, "door", pieces, hinge_lid(x, y, z, upper), needs=needs)
 
 
 def build_vessel(
@@ -131,13 +148,21 @@ def build_roof(
     foot = np.array([(outline[0, 0] + outline[-1, 0]) / 2, outline[0, 1]])
     reach = np.array([outline[-1, 0] - foot[0], outline[:, 1].max() - foot[1]])
     inner = foot + (outline - foot) * (1.0 - wall / reach)
-    out = []
-    for k in range(len(outline) - 1):
-        flat = np.array([outline[k], outline[k + 1], inner[k], inner[k + 1]])
-        out.append(polytope(np.array([(a, b, c) for b in y for a, c in flat]), finish))
+    out = [*join_outlines(outline, inner, y, finish)]
     for span in ((y[0], y[0] + wall), (y[1] - wall, y[1])) if ends else ():
         out.append(polytope(np.array([(a, b, c) for b in span for a, c in outline]), finish))
     return tuple(out)
+
+
+def join_outlines(
+    outer: Float[np.ndarray, "N 2"], inner: Float[np.ndarray, "N 2"], y: Range, finish: str
+) -> tuple[Primitive, ...]:
+    """Plates between two outlines (x, z), one for each of their edges."""
+    pairs = pairwise(zip(outer, inner, strict=True))
+    return tuple(
+        polytope(np.array([(a, b, c) for b in y for a, c in (start, end, under, beyond)]), finish)
+        for (start, under), (end, beyond) in pairs
+    )
 
 
 def build_half_shell(

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from artigen.shapes.fittings.hardware import Range, rotate
-from artigen.shapes.primitives import FRONT, RIGHT, Vector, block, box, cylinder
+from artigen.shapes.fittings.hardware import Range, around, rotate
+from artigen.shapes.primitives import FRONT, RIGHT, Vector, block, cylinder
 from artigen.shapes.shape import ShapePart
 
 FREE = 0.0015
@@ -25,7 +25,7 @@ def make_lock(
     x, y, z = at
     solids = (
         cylinder((x - FREE, y, z), (x - 0.008, y, z), radius, finish),
-        box((x - 0.026, y - 0.002, z - 0.8 * radius), (x - 0.008, y + 0.002, z + 0.8 * radius), "steel"),
+        block((x - 0.026, x - 0.008), around(y, 0.002), around(z, 0.8 * radius), "steel"),
     )
     turn = rotate(FRONT, (x, y, z), np.pi / 2)
     return ShapePart(name, "knob", solids, turn, parent=parent)

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
-from artigen.shapes.fittings.hardware import Range, narrow
+from artigen.shapes.fittings.hardware import Range, around, narrow
 from artigen.shapes.primitives import Primitive, line, polytope
 
 SHARPEST = 0.2
@@ -76,7 +76,7 @@ def draw_egg(center: tuple[float, float], front: float, back: float, half: float
 
     Arcs are quarters of ellipses where ``front`` and ``back`` are longer than ``half``.
     """
-    a, b = (center[0] - front, center[0] + back), (center[1] - half, center[1] + half)
+    a, b = (center[0] - front, center[0] + back), around(center[1], half)
     return Outline(a=a, b=b, cuts=(front, back), pieces=pieces)
 
 

@@ -17,13 +17,14 @@ from artigen.shapes.fittings.hardware import (
     Panel,
     Range,
     Space,
+    around,
     narrow,
     rotate,
     slide,
     sweep_gap,
 )
 from artigen.shapes.furniture.splits import Cell, Placed
-from artigen.shapes.primitives import FRONT, LEFT, RIGHT, Primitive, block, box, cylinder
+from artigen.shapes.primitives import FRONT, LEFT, RIGHT, Primitive, block, cylinder
 from artigen.shapes.shape import Need, ShapePart
 
 RUNNER = 0.0105
@@ -112,7 +113,7 @@ def _hang_drawer(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
         start = max(fitting.body[0] + max(fitting.frame, 0.002), panel.back + 0.003)
         run = (start, start + 0.85 * (fitting.body[1] - start))
         rails = tuple(
-            block(run, span, (middle - 0.018, middle + 0.018), "steel")
+            block(run, span, around(middle, 0.018), "steel")
             for span in ((placed.room_y[0], placed.y[0] + RUNNER), (placed.y[1] - RUNNER, placed.room_y[1]))
         )
     parts = make_drawer(
@@ -189,7 +190,7 @@ def _make_lock(panel: Panel, parts: tuple[ShapePart, ...], edge: Edge) -> ShapeP
         z = high[2] + room if high[2] + 2 * room < panel.z[1] else low[2] - room
     x = panel.x - 0.0015
     disc = cylinder((x, y, z), (x - 0.010, y, z), radius, "handle")
-    bow = box((x - 0.024, y - 0.004, z - 0.012), (x - 0.010, y + 0.004, z + 0.012), "handle")
+    bow = block((x - 0.024, x - 0.010), around(y, 0.004), around(z, 0.012), "handle")
     turn = rotate(FRONT, (x, y, z))
     return ShapePart(f"{door}_lock", "knob", (disc, bow), turn, parent=door)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from artigen.shapes.choices import choose
-from artigen.shapes.fittings.hardware import Range, Space, narrow, rotate
+from artigen.shapes.fittings.hardware import Range, Space, around, narrow, rotate
 from artigen.shapes.primitives import RIGHT, Primitive, cylinder
 from artigen.shapes.shape import ShapePart
 
@@ -30,11 +30,11 @@ def make_sink(rng: np.random.Generator, top: Space, span: Range, *, parent: str)
     deep = choose(rng, 0.14, 0.2)
     middle = (span[0] + span[1]) / 2
     x = (0.075 - depth / 2, 0.075 - depth / 2 + wide)
-    y = (middle - long / 2, middle + long / 2)
+    y = around(middle, long / 2)
     z = (under, height)
     boards = [
-        Space(x=(-depth / 2, x[0]), y=(-width / 2, width / 2), z=z),
-        Space(x=(x[1], depth / 2), y=(-width / 2, width / 2), z=z),
+        Space(x=(-depth / 2, x[0]), y=around(0.0, width / 2), z=z),
+        Space(x=(x[1], depth / 2), y=around(0.0, width / 2), z=z),
         Space(x=x, y=(-width / 2, y[0]), z=z),
         Space(x=x, y=(y[1], width / 2), z=z),
     ]

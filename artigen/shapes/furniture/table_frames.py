@@ -6,7 +6,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from artigen.shapes.fittings.hardware import Range, Space, narrow
+from artigen.shapes.fittings.hardware import Range, Space, around, narrow
 from artigen.shapes.primitives import Primitive, Vector, block, cylinder, prism
 
 TopKind = Literal["plain", "rounded", "oval"]
@@ -28,14 +28,14 @@ def make_top(width: float, depth: float, z: Range, kind: TopKind, radius: float)
     """A board centred on the object, with round corners of ``radius`` (m)."""
     x, y = depth / 2, width / 2
     if kind == "plain":
-        return (block((-x, x), (-y, y), z, "top", 0.003),)
+        return (block(around(0.0, x), around(0.0, y), z, "top", 0.003),)
     radius = x if kind == "oval" else radius
     inner_x, inner_y = x - radius, y - radius
-    boards = [block((-x, x), (-inner_y, inner_y), z, "top")]
+    boards = [block(around(0.0, x), around(0.0, inner_y), z, "top")]
     if kind == "rounded":
         ends = (-y, -inner_y), (inner_y, y)
-        boards += [block((-inner_x, inner_x), (low, high), z, "top") for low, high in ends]
-    across = (-inner_x, inner_x) if kind == "rounded" else (0.0,)
+        boards += [block(around(0.0, inner_x), (low, high), z, "top") for low, high in ends]
+    across = around(0.0, inner_x) if kind == "rounded" else (0.0,)
     corners = [(at_x, at_y) for at_x in across for at_y in (-inner_y, inner_y)]
     return (*boards, *(cylinder((*at, z[0]), (*at, z[1]), radius, "top") for at in corners))
 
@@ -103,10 +103,10 @@ def make_stretchers(
     """Bars from leg to leg with lower edges at ``z``; they end at the axes of the legs."""
     x, y = _span_axes(legs)
     up, half = (z, z + 1.3 * width), width / 2
-    bars = [Space(x=x, y=(at - half, at + half), z=up) for at in y]
+    bars = [Space(x=x, y=around(at, half), z=up) for at in y]
     rows = {"h": (sum(x) / 2,), "ring": x, "rear": (x[1],)}[kind]
     inner = narrow(y, half) if kind == "h" else y
-    bars += [Space(x=(at - half, at + half), y=inner, z=up) for at in rows]
+    bars += [Space(x=around(at, half), y=inner, z=up) for at in rows]
     return tuple(bar.fill("leg") for bar in bars)
 
 
@@ -114,8 +114,8 @@ def make_panels(legs: Sequence[Primitive], z: Range) -> tuple[Primitive, ...]:
     """Boards that close the sides and the back between the legs, at the axes of the legs."""
     x, y = _span_axes(legs)
     half = PANEL / 2
-    boards = [Space(x=x, y=(at - half, at + half), z=z) for at in y]
-    boards.append(Space(x=(x[1] - half, x[1] + half), y=narrow(y, half), z=z))
+    boards = [Space(x=x, y=around(at, half), z=z) for at in y]
+    boards.append(Space(x=around(x[1], half), y=narrow(y, half), z=z))
     return tuple(board.fill("body") for board in boards)
 
 
