@@ -15,7 +15,7 @@ from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_wheel
 from artigen.shapes.fittings.hardware import GAP, Range, around, narrow, rotate, slide
-from artigen.shapes.fittings.lids import Rectangle, build_vessel, hinge_lid, loft, shrink
+from artigen.shapes.fittings.lids import build_vessel, hinge_lid, loft, make_lid, shrink
 from artigen.shapes.primitives import (
     LEFT,
     RIGHT,
@@ -23,7 +23,6 @@ from artigen.shapes.primitives import (
     UP,
     Primitive,
     block,
-    box,
     cylinder,
     polytope,
     prism,
@@ -71,10 +70,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     slender = choose(rng, 0.5, 0.8)
     if style in ("pedal", "flip") and wish.width is None:
         width = max(min(width, slender * height), 0.42 * height)
-    if (
-        style == "pedal" and wish.depth is None and rng.random() < 0.7
-    ):  # round: as deep as wide, plus the pedal
-        depth = width + HUB + PEDAL
+    if style == "pedal" and wish.depth is None and rng.random() < 0.7:
+        depth = width + HUB + PEDAL  # round: as deep as wide, plus the pedal
     build = {
         "pedal": _build_pedal_bin,
         "flip": _build_flip_bin,
@@ -83,8 +80,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         "wheeled": _build_wheeled_bin,
     }[style]
     built = build(rng, width, depth, height)
-    finishes = _draw_finishes(rng, style)
-    return Draft(style, built.close(), finishes)
+    return Draft(style, built.close(), _draw_finishes(rng, style))
 
 
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
@@ -114,99 +110,110 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A round or square steel bin with a pedal that opens its lid, and a bucket that lifts out."""
     thick, foot, under = choose(rng, 0.016, 0.024), 0.05, 0.032
-    x = (PEDAL - depth / 2, depth / 2 - HUB)
-    y = around(0.0, width / 2)
-    rim = height - thick - 0.012 - GAP
+    x, y = (PEDAL - depth / 2, depth / 2 - HUB), around(0.0, width / 2)
+    low = height - thick - 0.012
+    rim, top = low - GAP, low + thick
     opened = radians(choose(rng, 96, 105))
     middle, radius = sum(x) / 2, min(x[1] - x[0], width) / 2
-    round_ = abs(x[1] - x[0] - width) < 1e-6
-    z = (foot, rim)
-    if round_:
-        y, x = around(0.0, radius), around(middle, radius)
-        wall = max(0.006, height / SLENDER)
-        radii = (radius * np.cos(np.pi / ROUND) - wall, radius)
-        walls = build_ring((middle, 0.0, 0.0), "z", z, (radii, radii), "body", sides=ROUND, lining="trim")
-        base: tuple[Primitive, ...] = (
-            cylinder((middle, 0, under), (middle, 0, foot + 0.001), radius - 0.006, "trim"),
-            cylinder((middle, 0, foot), (middle, 0, foot + 0.008), radii[0] + 0.002, "trim"),
-        )
-        cover: tuple[Primitive, ...] = (
-            cylinder((middle, 0, rim + GAP), (middle, 0, rim + GAP + thick), radius, "front"),
-            prism(
-                _circle(radius * 0.96),
-                (middle, 0, rim + GAP + thick),
-                (middle, 0, height),
-                "front",
-                taper=0.7,
-            ),
-        )
-        ring = ((radii[0] - 0.010) * np.cos(np.pi / SEGMENTS) - wall, radii[0] - 0.010)
-        pail: tuple[Primitive, ...] = (
-            *build_ring((middle, 0, 0), "z", (foot + 0.0105, rim - 0.012), (ring, ring), "tray"),
-            cylinder((middle, 0, foot + 0.0105), (middle, 0, foot + 0.0175), ring[0] + 0.003, "tray"),
-        )
+    if abs(x[1] - x[0] - width) < 1e-6:
+        x, y = around(middle, radius), around(0.0, radius)
+        walls, cover, pail = _build_round(middle, radius, (under, foot, rim), (low, top, height))
     else:
-        walls = build_vessel((x, y), (x, y), (foot, rim), WALL, "body", lining="trim")
-        base = (block(narrow(x, 0.004), narrow(y, 0.004), (under, foot), "trim"),)
-        slab = block(x, y, (rim + GAP, rim + GAP + thick), "front", 0.004)
-        outline = shrink((x, y), 0.005)
-        cover = (slab, loft(outline, shrink(outline, 0.03), (rim + GAP + thick, height), "front"))
-        inside = shrink((x, y), WALL + 0.010)
+        walls = (
+            *build_vessel((x, y), (x, y), (foot, rim), WALL, "body", lining="trim"),
+            block(narrow(x, 0.004), narrow(y, 0.004), (under, foot), "trim"),
+        )
+        field, inside = shrink((x, y), 0.005), shrink((x, y), WALL + 0.010)
+        crown = loft(field, shrink(field, 0.03), (top, height), "front")
+        cover = (block(x, y, (low, top), "front", 0.004), crown)
         pail = build_vessel(inside, inside, (foot + WALL + 0.004, rim - 0.012), 0.006, "tray")
-    pivot = x[1] + HUB
-    tab = block((x[1] - 0.02, pivot), around(0.0, 0.25 * width), (rim + GAP, rim + GAP + 0.012), "front")
-    knuckle = block((x[1] - 0.01, pivot), around(0.0, 0.28 * width), (rim - 0.05, rim), "trim")
-    toe = 0.12 * radius
-    feet = [
-        block(around(a, toe), around(b, toe), (0.0, under), "trim")
-        for a in (middle - 0.5 * radius, middle + 0.5 * radius)
-        for b in (-0.62 * radius, 0.62 * radius)
+    pivot, toe = x[1] + HUB, 0.12 * radius
+    places = [(a, b) for a in around(middle, 0.5 * radius) for b in around(0.0, 0.62 * radius)]
+    pieces = [
+        *walls,
+        block((x[1] - 0.01, pivot), around(0.0, 0.28 * width), (rim - 0.05, rim), "trim"),
+        *(block(around(a, toe), around(b, toe), (0.0, under), "trim") for a, b in places),
     ]
-    lid = ShapePart(
-        "lid", "door", (*cover, tab), replace(hinge_lid((x[0], pivot), y, rim + GAP, opened), follows="pedal")
-    )
-    pedal = _make_pedal(x[0] - PEDAL, x[0] + 0.05, width, under)
-    parts = [lid, pedal]
+    tab = block((x[1] - 0.02, pivot), around(0.0, 0.25 * width), (low, low + 0.012), "front")
+    swing = replace(hinge_lid((x[0], pivot), y, low, opened), follows="pedal")
+    parts = [
+        ShapePart("lid", "door", (*cover, tab), swing),
+        _make_pedal(x[0] - PEDAL, x[0] + 0.05, width, under),
+    ]
     if rng.random() < 0.8:
-        lift = slide(0.75 * (rim - foot), UP)
-        needs = require("pedal")
-        parts.append(ShapePart("bucket", "tray", pail, lift, needs=needs))
-    return Assembly((*walls, *base, knuckle, *feet), parts)
+        parts.append(_make_bucket("bucket", pail, 0.75 * (rim - foot), "pedal"))
+    return Assembly(pieces, parts)
+
+
+def _make_bucket(name: str, pail: tuple[Primitive, ...], lift: float, opener: str) -> ShapePart:
+    """A bucket that lifts out once a part is open."""
+    return ShapePart(name, "tray", pail, slide(lift, UP), needs=require(opener))
+
+
+def _build_round(
+    x: float, radius: float, body: tuple[float, float, float], cover: tuple[float, float, float]
+) -> tuple[tuple[Primitive, ...], tuple[Primitive, ...], tuple[Primitive, ...]]:
+    """Walls and base, cover, and bucket of a round bin.
+
+    Args:
+        x: x of its axis (m).
+        radius: Radius.
+        body: Heights of the base, of the floor and of the rim.
+        cover: Heights of the underside, of the edge and of the dome of the cover.
+    """
+    (under, foot, rim), (low, top, crown) = body, cover
+    wall, apothem = max(0.006, crown / SLENDER), float(np.cos(np.pi / SEGMENTS))
+    inner = radius * float(np.cos(np.pi / ROUND)) - wall
+    pail = inner - 0.010
+    hollow = pail * apothem - wall
+
+    def disc(low: float, high: float, size: float, finish: str) -> Primitive:
+        return cylinder((x, 0.0, low), (x, 0.0, high), size, finish)
+
+    axis, shell, bucket = (x, 0.0, 0.0), (inner, radius), (hollow, pail)
+    walls = build_ring(axis, "z", (foot, rim), (shell, shell), "body", sides=ROUND, lining="trim")
+    turns = (np.arange(SEGMENTS) + 0.5) * 2 * np.pi / SEGMENTS
+    dome = 0.96 * radius * np.column_stack([np.cos(turns), np.sin(turns)])
+    floor = foot + 0.0105
+    return (
+        (
+            *walls,
+            disc(under, foot + 0.001, radius - 0.006, "trim"),
+            disc(foot, foot + 0.008, inner + 0.002, "trim"),
+        ),
+        (disc(low, top, radius, "front"), prism(dome, (x, 0, top), (x, 0, crown), "front", taper=0.7)),
+        (
+            *build_ring(axis, "z", (floor, rim - 0.012), (bucket, bucket), "tray"),
+            disc(floor, foot + 0.0175, hollow + 0.003, "tray"),
+        ),
+    )
 
 
 def _make_pedal(tip: float, pivot: float, width: float, under: float) -> ShapePart:
     """A pedal lever just below ``under`` that protrudes in front and moves by a centimetre."""
-    top = under - 0.0015
-    half = min(0.045, 0.17 * width)
+    top, half = under - 0.0015, min(0.045, 0.17 * width)
     solids = (
         block((tip + 0.03, pivot), around(0.0, 0.4 * half), (top - 0.006, top), "steel"),
         block((tip, tip + 0.034), around(0.0, half), (top - 0.008, top), "steel", 0.002),
     )
     drop = float((top - 0.011) / (pivot - tip))
-    turn = rotate(RIGHT, (pivot, 0.0, top), min(drop, 0.2), spring=SPRING)  # fmt: skip
-    return ShapePart("pedal", "knob", solids, turn)
-
-
-def _circle(radius: float, sides: int = SEGMENTS) -> np.ndarray:
-    turns = (np.arange(sides) + 0.5) * 2 * np.pi / sides
-    return radius * np.column_stack([np.cos(turns), np.sin(turns)])
+    return ShapePart("pedal", "knob", solids, rotate(RIGHT, (pivot, 0.0, top), min(drop, 0.2), spring=SPRING))
 
 
 def _build_flip_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A moulded bin that tapers downwards, and a lid with a lip."""
-    lip, rise = 0.014, choose(rng, 0.014, 0.03)
+    lip, thick, rise = 0.014, 0.012, choose(rng, 0.014, 0.03)
     x, y = (lip - depth / 2, depth / 2), around(0.0, width / 2)
-    rim = height - rise - 0.012 - GAP
+    low = height - rise - thick
     taper = choose(rng, 0.0, 0.14) * min(width, depth)
-    walls = build_vessel(shrink((x, y), taper / 2), (x, y), (0.0, rim), WALL, "body")
-    low = rim + GAP
-    slab = block(x, y, (low, low + 0.012), "front", 0.003)
-    grip = block((x[0] - lip, x[0] + 0.01), around(0.0, 0.2 * width), (low, low + 0.012), "front")
-    outline = shrink((x, y), 0.006)
-    crown = loft(outline, shrink(outline, choose(rng, 0.02, 0.07)), (low + 0.012, height), "front")
-    motion = hinge_lid(x, y, low, radians(choose(rng, 80, 105)))
-    lid = ShapePart("lid", "door", (slab, grip, crown), motion)
-    return Assembly(walls, (lid,))
+    walls = build_vessel(shrink((x, y), taper / 2), (x, y), (0.0, low - GAP), WALL, "body")
+    field = shrink((x, y), 0.006)
+    solids = (
+        block(x, y, (low, low + thick), "front", 0.003),
+        block((x[0] - lip, x[0] + 0.01), around(0.0, 0.2 * width), (low, low + thick), "front"),
+        loft(field, shrink(field, choose(rng, 0.02, 0.07)), (low + thick, height), "front"),
+    )
+    return Assembly(walls, (make_lid(solids, x, y, low, radians(choose(rng, 80, 105))),))
 
 
 def _build_flap_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
@@ -255,33 +262,27 @@ def _make_flap(low: tuple[float, float], high: tuple[float, float], y: Range) ->
 def _build_sorting_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """Compartments side by side, each with a bucket and a lid in the colour of its waste."""
     count = int(np.clip(round(width / choose(rng, 0.2, 0.28)), 2, 4))
-    lip, thick = 0.014, 0.018
+    lip = 0.014
     x, y = (lip - depth / 2, depth / 2), around(0.0, width / 2)
-    rim = height - thick - GAP
+    low, pitch = height - 0.018, width / count
+    rim = low - GAP
     pieces = list(build_vessel((x, y), (x, y), (0.0, rim), WALL, "body"))
-    pitch = width / count
     parts: list[ShapePart] = []
     for k in range(count):
         left = y[1] - k * pitch
+        right, middle = left - pitch, left - pitch / 2
         if k:
-            span = around(left, WALL / 2)
-            pieces.append(block(narrow(x, WALL), span, (WALL, rim), "body"))
-        own = (left - pitch + 0.0015, left - 0.0015)
-        low, middle = rim + GAP, (own[0] + own[1]) / 2
+            pieces.append(block(narrow(x, WALL), around(left, WALL / 2), (WALL, rim), "body"))
+        own, grip = (right + 0.0015, left - 0.0015), around(middle, 0.25 * pitch)
         slab = block(x, own, (low, height), LIDS[k], 0.004)
-        grip = block((x[0] - lip, x[0]), around(middle, 0.25 * pitch), (low, low + 0.012), LIDS[k])
-        motion = hinge_lid(x, own, low, radians(98))
-        parts.append(ShapePart(f"lid_{k}", "door", (slab, grip), motion))
-        sign = (x[0] - 0.003, middle - 0.055, 0.66 * rim), (x[0], middle + 0.055, 0.66 * rim + 0.09)
-        pieces.append(box(*sign, LIDS[k]))
-        room = (
-            x,
-            (left - pitch + (0.0 if k == count - 1 else -WALL / 2), left + (0.0 if k == 0 else WALL / 2)),
-        )
-        inside = shrink(room, WALL + 0.010)
+        lug = block((x[0] - lip, x[0]), grip, (low, low + 0.012), LIDS[k])
+        parts.append(make_lid((slab, lug), x, own, low, radians(98), name=f"lid_{k}"))
+        sign = (x[0] - 0.003, x[0]), around(middle, 0.055), (0.66 * rim, 0.66 * rim + 0.09)
+        pieces.append(block(*sign, LIDS[k]))
+        ends = right - (WALL / 2 if k < count - 1 else 0.0), left + (WALL / 2 if k else 0.0)
+        inside = shrink((x, ends), WALL + 0.010)
         pail = build_vessel(inside, inside, (WALL + GAP, rim - 0.015), 0.006, "tray")
-        lift, needs = slide(0.7 * rim, UP), require(f"lid_{k}")
-        parts.append(ShapePart(f"bucket_{k}", "tray", pail, lift, needs=needs))
+        parts.append(_make_bucket(f"bucket_{k}", pail, 0.7 * rim, f"lid_{k}"))
     return Assembly(pieces, parts)
 
 
@@ -290,55 +291,35 @@ def _build_wheeled_bin(rng: np.random.Generator, width: float, depth: float, hei
     bar, lip, wall = 0.05, 0.016, 0.010
     x, y = (lip - depth / 2, depth / 2 - bar), around(0.0, width / 2)
     rise = choose(rng, 0.035, 0.06)
-    rim = height - rise - GAP
+    low = height - rise
+    rim, crest = low - GAP, low + 0.45 * rise
     radius, tread = choose(rng, 0.085, 0.1), 0.045
-    bottom = (x[0] + 0.12 * depth, x[1] - 0.1 * depth), shrink((x, y), 0.07)[1]
-    pieces = list(build_vessel(bottom, (x, y), (0.0, rim), wall, "body"))
-    pieces += _build_collar((x, y), rim)
-    pivot = x[1] + 0.012
-    pieces += [
-        block((x[1] - 0.02, x[1] + bar - 0.01), around(a, 0.02), (rim - 0.05, rim - 0.02), "body")
-        for a in (-0.3 * width, 0.3 * width)
+    bottom = (x[0] + 0.12 * depth, x[1] - 0.1 * depth), narrow(y, 0.07)
+    collar, inner = (rim - 0.03, rim), narrow(y, 0.012)
+    arm, pivot = x[1] + bar - 0.014, x[1] + 0.012
+    pieces = [
+        *build_vessel(bottom, (x, y), (0.0, rim), wall, "body"),
+        block(x, (y[0], inner[0]), collar, "body"),
+        block(x, (inner[1], y[1]), collar, "body"),
+        block((x[0], x[0] + 0.012), inner, collar, "body"),
     ]
-    grip = cylinder(
-        (x[1] + bar - 0.014, -0.36 * width, rim - 0.035),
-        (x[1] + bar - 0.014, 0.36 * width, rim - 0.035),
-        0.014,
-        "trim",
-    )
-    handle = ShapePart("handle", "handle", (grip,))
-    low, crest = rim + GAP, rim + GAP + 0.45 * rise
-    brim = loft((x, y), shrink((x, y), 0.004), (low, crest), "front")
-    crown = loft(shrink((x, y), 0.012), shrink((x, y), 0.09), (crest, height), "front")
-    hinges = block((x[1] - 0.02, pivot), around(0.0, 0.3 * width), (low, low + 0.012), "front")
-    lips = [
-        block((x[0] - lip, x[0] + 0.01), around(a, 0.06), (low, low + 0.014), "front")
-        for a in (-0.28 * width, 0.28 * width)
+    for a in (-0.3 * width, 0.3 * width):
+        pieces.append(block((x[1] - 0.02, arm + 0.004), around(a, 0.02), (rim - 0.05, rim - 0.02), "body"))
+    grip = cylinder((arm, -0.36 * width, rim - 0.035), (arm, 0.36 * width, rim - 0.035), 0.014, "trim")
+    solids = [
+        loft((x, y), shrink((x, y), 0.004), (low, crest), "front"),
+        loft(shrink((x, y), 0.012), shrink((x, y), 0.09), (crest, height), "front"),
+        block((x[1] - 0.02, pivot), around(0.0, 0.3 * width), (low, low + 0.012), "front"),
     ]
-    lid = ShapePart(
-        "lid",
-        "door",
-        (brim, crown, hinges, *lips),
-        hinge_lid((x[0], pivot), y, low, radians(choose(rng, 82, 90))),
-    )
-    axle_x, level = bottom[0][1] - 0.3 * radius, radius * float(np.cos(np.pi / SEGMENTS))
-    spread = (y[1] - bottom[1][1]) * (2 * radius / rim)  # outward lean of the sides at the wheels
-    parts: list[ShapePart] = [lid, handle]
-    for index, side in enumerate(around(0.0, 1.0)):
-        face = bottom[1][1] + spread + GAP + 0.002
-        at = side * (face + tread / 2)
-        parts.append(make_wheel(f"wheel_{index}", "body", (axle_x, at, level), tread))
-        stub = [(axle_x, side * s, level) for s in (bottom[1][1] - wall, face - 0.003)]
-        pieces.append(cylinder(stub[0], stub[1], 0.018, "steel"))
+    for a in (-0.28 * width, 0.28 * width):
+        solids.append(block((x[0] - lip, x[0] + 0.01), around(a, 0.06), (low, low + 0.014), "front"))
+    lid = make_lid(solids, (x[0], pivot), y, low, radians(choose(rng, 82, 90)))
+    parts = [lid, ShapePart("handle", "handle", (grip,))]
+    axle, level = bottom[0][1] - 0.3 * radius, radius * float(np.cos(np.pi / SEGMENTS))
+    half = bottom[1][1]
+    face = half + (y[1] - half) * 2 * radius / rim + GAP + 0.002  # the sides lean outwards at the wheels
+    for index, side in enumerate((-1.0, 1.0)):
+        parts.append(make_wheel(f"wheel_{index}", "body", (axle, side * (face + tread / 2), level), tread))
+        stub = (side * (half - wall), side * (face - 0.003))
+        pieces.append(cylinder((axle, stub[0], level), (axle, stub[1], level), 0.018, "steel"))
     return Assembly(pieces, parts)
-
-
-def _build_collar(outline: Rectangle, rim: float) -> list[Primitive]:
-    """A rib around the upper edge."""
-    (x0, x1), (y0, y1) = outline
-    low = rim - 0.03
-    return [
-        box((x0, y0, low), (x1, y0 + 0.012, rim), "body"),
-        box((x0, y1 - 0.012, low), (x1, y1, rim), "body"),
-        box((x0, y0 + 0.012, low), (x0 + 0.012, y1 - 0.012, rim), "body"),
-    ]

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
-from artigen.shapes.fittings.hardware import GAP, Range, Space, around, between, rotate, sweep_gap
+from artigen.shapes.fittings.hardware import GAP, Range, Space, between, rotate, sweep_gap
 from artigen.shapes.primitives import Primitive, block, cylinder
 from artigen.shapes.shape import Motion
 
