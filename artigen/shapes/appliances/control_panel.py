@@ -53,7 +53,9 @@ def design_dial(
     )
 
 
-def make_dial(design: DialDesign, at: Vector, *, name: str, parent: str, out: Vector = FRONT) -> ShapePart:
+def make_dial(
+    design: DialDesign, at: Vector, *, name: str, parent: str = "body", out: Vector = FRONT
+) -> ShapePart:
     """A dial whose axis meets the face at ``at`` and points along ``out`` (unit vector in the x-z plane)."""
     place = _Placing(at=np.array(at), out=np.array(out))
     low, high, r = DIAL_GAP, DIAL_GAP + design.length, design.radius
@@ -88,7 +90,7 @@ def make_button(
     size: tuple[float, float, float],
     *,
     name: str,
-    parent: str,
+    parent: str = "body",
     finish: str,
     shape: Literal["round", "square"] = "square",
     out: Vector = FRONT,

@@ -80,7 +80,7 @@ def _build_drop(
     top = height - max(0.001, sweep_gap(height - foot, thick) - 0.003)
     panel = Panel(x=x[0], thickness=thick, y=narrow(y, 0.001), z=(foot + 0.001, top))
     design = FrontDesign(style=front, frame=0.032, handle=handle, glass="clear")
-    parts = [*make_door(panel, design, name="door", parent="body", edge="bottom", upper=radians(78))]
+    parts = [*make_door(panel, design, name="door", edge="bottom", upper=radians(78))]
     if height > 0.2 and rng.random() < 0.5:
         level = sum(inner.z) / 2
         board = block((inner.x[0] + 0.4 * inner.depth, inner.x[1]), inner.y, (level, level + 0.008), "inside")

@@ -140,7 +140,7 @@ def _build(
     bar = choose(rng, 0.045, 0.065)  # the push bar protrudes on the left
     x = (looks.reach - depth / 2, depth / 2)
     y = (-width / 2, width / 2 - bar)
-    stand = make_castors(x, y, choose(rng, *kind.wheel), parent=BODY, swivel=bool(rng.random() < 0.45))
+    stand = make_castors(x, y, choose(rng, *kind.wheel), swivel=bool(rng.random() < 0.45))
     frame = _Frame(x=x, y=y, z=(stand.height, height), post=choose(rng, *kind.post), looks=looks)
     solids, parts = _stack_tiers(rng, frame, kind) if kind.tiers else _build_chest(rng, frame)
     body = make_base((*solids, *stand.primitives))
@@ -229,7 +229,7 @@ def _make_basket(x: Range, y: Range, z: Range, wall: float) -> tuple[Primitive, 
 def _hang_cabinet(
     node: Node, frame: _Frame, z: Range, tag: str
 ) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
-    built = make_cabinet(node, Space(x=frame.x, y=frame.inner, z=z), frame.looks, parent=BODY, prefix=tag)
+    built = make_cabinet(node, Space(x=frame.x, y=frame.inner, z=z), frame.looks, prefix=tag)
     return built.primitives, built.parts
 
 
@@ -238,7 +238,7 @@ def _build_chest(rng: np.random.Generator, frame: _Frame) -> tuple[list[Primitiv
     rim, wall = choose(rng, 0.02, 0.05), 0.012
     high = frame.z[1] - rim
     space = Space(x=frame.x, y=frame.y, z=(frame.z[0], high))
-    built = make_cabinet(draw_layout(rng, space, frame.looks, TOOLS), space, frame.looks, parent=BODY)
+    built = make_cabinet(draw_layout(rng, space, frame.looks, TOOLS), space, frame.looks)
     x, y, z = frame.x, frame.y, (high, frame.z[1])
     back = built.primitives[0].center[0] - built.primitives[0].size[0] / 2
     edges = (

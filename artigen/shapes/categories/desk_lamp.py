@@ -88,7 +88,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         parts.append(part)
     at = (base[0] - 0.62 * foot, 0.0, plate)
     up, size = UP, (0.024, 0.024, 0.006)
-    switch = make_button(at, size, name="switch", parent="body", finish="accent", shape="round", out=up)
+    switch = make_button(at, size, name="switch", finish="accent", shape="round", out=up)
     return Draft(style, (*parts, switch), _draw_finishes(rng, style))
 
 

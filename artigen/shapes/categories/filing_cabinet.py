@@ -112,7 +112,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     if crown:
         outer = replace(outer, x=(max(handle.reach, KEY) - depth / 2, depth / 2))
     parts = _build(rng, outer, front, shares, crown, wooden=style == "wooden")
-    base = make_stand(stand, (outer.x[0] + 0.02, outer.x[1]), outer.y, parent="body")
+    base = make_stand(stand, (outer.x[0] + 0.02, outer.x[1]), outer.y)
     body = replace(parts[0], primitives=(*parts[0].primitives, *base.primitives))
     finishes = _draw_finishes(rng, style)
     return Draft(style, (body, *parts[1:], *base.parts), finishes)
@@ -179,16 +179,14 @@ def _build(
         )
         solids += _make_runners(space, body.x[0])
         style = BoxDesign(rim=0.62, wall=0.012, side_gap=RUNNER + GAP, finish="drawer")
-        drawer, *handles = make_drawer(
-            panel, space, front, box=style, name=f"drawer_{index}", parent="body", travel=travel
-        )
+        drawer, *handles = make_drawer(panel, space, front, box=style, name=f"drawer_{index}", travel=travel)
         more = _make_files(rng, space, filled) if space.height > 0.24 else []
         if labelled and panel.height > 0.2 and front.handle is not None and front.handle.kind != "edge":
             more += _make_label(panel)
         parts += [replace(drawer, primitives=(*drawer.primitives, *more)), *handles]
     if crown:
         at = (outer.x[0], outer.y[0] + 0.045, (rail.z[0] + rail.z[1]) / 2)
-        parts.append(make_lock(at, name="lock", parent="body"))
+        parts.append(make_lock(at, name="lock"))
     return (make_base(solids), *parts)
 
 

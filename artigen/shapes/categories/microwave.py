@@ -155,7 +155,7 @@ def _draw_controls(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePar
         tall = choose(rng, 0.024, 0.036)
         size = (0.8 * (inner[1] - inner[0]), tall, 0.008)
         at = (panel.x, y, low + tall / 2)
-        parts.append(make_button(at, size, name="door_button", parent="body", finish="handle"))
+        parts.append(make_button(at, size, name="door_button", finish="handle"))
         low += tall + 0.012
     kind = rng.choice(("dials", "keys", "touch", "dial_and_keys"), p=(0.44, 0.24, 0.2, 0.12))
     if kind == "dial_and_keys":
@@ -176,7 +176,7 @@ def _draw_dials(rng: np.random.Generator, x: float, y: Range, z: Range, count: i
     design = design_dial(rng, (0.72 * most, most), endless=0.65, finish=finish)
     middle = (y[0] + y[1]) / 2
     return [
-        make_dial(design, (x, middle, (a + b) / 2), name=f"dial_{k}", parent="body")
+        make_dial(design, (x, middle, (a + b) / 2), name=f"dial_{k}")
         for k, (a, b) in enumerate(divide_range(z, count, 0.0))
     ]
 
@@ -194,7 +194,6 @@ def _draw_keys(rng: np.random.Generator, x: float, y: Range, z: Range, rows: int
             (x, sum(across) / 2, sum(up) / 2),
             (wide, tall, 0.006),
             name=f"key_{row * columns + column}",
-            parent="body",
             finish=finish,
         )
         for row, up in enumerate(reversed(rows_z))
@@ -210,8 +209,7 @@ def _draw_strip(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart],
     display = build_display(panel.x, around(y, third / 2), around(z, 0.016))
     design = design_dial(rng, (0.26 * panel.height, 0.36 * panel.height), endless=0.65)
     parts = [
-        make_dial(design, (panel.x, y + side * third, z), name=f"dial_{k}", parent="body")
-        for k, side in enumerate((1, -1))
+        make_dial(design, (panel.x, y + side * third, z), name=f"dial_{k}") for k, side in enumerate((1, -1))
     ]
     return parts[: int(rng.integers(1, 3))], (display,)
 

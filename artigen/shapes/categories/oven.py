@@ -315,5 +315,5 @@ def _draw_hob(rng: np.random.Generator, plan: _Plan) -> Assembly:
         at = (plan.x + margin / 2, span / 2 - float(share) * span, plan.height)
         if aside:
             at = (x[0] + float(share) * (x[1] - x[0]), plan.y[0] + margin / 2, plan.height)
-        parts.append(make_dial(plan.dial, at, name=f"dial_{k}", parent="body", out=UP))
+        parts.append(make_dial(plan.dial, at, name=f"dial_{k}", out=UP))
     return Assembly(pieces, parts)

@@ -118,7 +118,7 @@ def _build(rng: np.random.Generator, frame: _Frame, height: float, style: str) -
 def _make_foot(frame: _Frame, *, copier: bool) -> tuple[Assembly, float]:
     """Castors or rubber feet, and the floor of the housing; returns the height of its upper side, too."""
     if copier:
-        castors = make_castors(frame.x, frame.y, 0.025, parent="body", swivel=False)
+        castors = make_castors(frame.x, frame.y, 0.025, swivel=False)
         level, pieces, parts = castors.height, [*castors.primitives], castors.parts
     else:
         level, parts = 0.008, ()
@@ -273,7 +273,6 @@ def _make_controls(rng: np.random.Generator, frame: _Frame, z: Range, y: Range) 
     buttons = [
         make_button(
             (x, split - 0.006 - (k + 0.5) * pitch, middle), (size, size, 0.0045), name=f"button_{k}",
-            parent="body",
             finish="mark" if k == count - 1 else "key", shape="round" if round_ else "square",
         )
         for k in range(count)

@@ -47,7 +47,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     upper = radians(float(rng.choice((95.0, 110.0, 135.0, 165.0))))
     if not _passes_side(panel, upper, wall + GAP):
         upper = min(upper, radians(135.0))
-    door = make_door(panel, plain, name=DOOR, parent=BODY, edge="left" if left else "right", upper=upper)[0]
+    door = make_door(panel, plain, name=DOOR, edge="left" if left else "right", upper=upper)[0]
     pad, lock = _make_lock(panel, style)
     door = replace(door, primitives=(*door.primitives, *pad))
     body = make_base(_make_body(outer, wall, foot))

@@ -138,7 +138,7 @@ def _build_trunk(rng: np.random.Generator, width: float, depth: float, height: f
     upper = radians(choose(rng, 92, 105))
     lid = make_lid(solids, (x[0], x[1] + strap), y, low, upper, needs=require("hasp"))
     place = x[0] - 0.002, around(0.0, 0.03), (rim - 0.05, rim + 0.06)
-    hasp = make_latch(*place, name="hasp", parent="body", finish="metal")
+    hasp = make_latch(*place, name="hasp", finish="metal")
     room = narrow(inner[0], GAP + 0.002), narrow(inner[1], GAP)
     tray = make_lift_out(room, (ledge + 0.0015, rim - 0.012), 0.012, "drawer")
     return Assembly(pieces, (lid, hasp, *_make_side_handles(y[1], ledge), tray))
@@ -181,7 +181,7 @@ def _build_tub(rng: np.random.Generator, width: float, depth: float, height: flo
     upper = radians(choose(rng, 95, 110))
     lid = make_lid(solids, x, y, low, upper, needs=require("clip_left", "clip_right"))
     place = -y[1], around(0.0, min(0.05, 0.16 * depth)), (rim - 0.045, low + 0.9 * thick)
-    clips = _turn_aside(make_latch(*place, name="clip", parent="body", finish="trim"))
+    clips = _turn_aside(make_latch(*place, name="clip", finish="trim"))
     return Assembly((*walls, *brim), (lid, *clips))
 
 
@@ -209,10 +209,7 @@ def _build_carton(rng: np.random.Generator, width: float, depth: float, height: 
         ("rear", None, (seam, x[1]), (cut, x[1]), (seam, cut)),
     )
     for name, edge, span, rest, strip in flaps:
-        solids = (
-            block(rest, across, (low, height), "body"),
-            block(strip, across, (low, height), tape),
-        )
+        solids = (block(rest, across, (low, height), "body"), block(strip, across, (low, height), tape))
         parts.append(ShapePart(f"flap_{name}", "door", solids, hinge_lid(span, y, low, opened, edge)))
     if four:
         reach, deep, low = min(depth / 2, width / 2 - 0.004), narrow(inner, GAP), side + GAP

@@ -86,7 +86,7 @@ def _build_standing(rng: np.random.Generator, width: float, depth: float, height
     grip, behind = FINGER_ROOM + 0.014, CHANNEL + 0.006
     radius = choose(rng, 0.018, 0.024)
     x, y = (0.004 - depth / 2, depth / 2 - behind), around(0.0, width / 2)
-    castors = make_castors(narrow(x, 0.012), narrow(y, 0.03), radius, parent="body", swivel=False)
+    castors = make_castors(narrow(x, 0.012), narrow(y, 0.03), radius, swivel=False)
     z = (castors.height, height - grip)
     seam = x[0] + choose(rng, 0.42, 0.5) * (x[1] - x[0])
     radius = choose(rng, 0.035, 0.06)
@@ -103,7 +103,7 @@ def _build_standing(rng: np.random.Generator, width: float, depth: float, height
     wheels = [replace(part, parent="door" if k < 2 else "body") for k, part in enumerate(castors.parts)]
     spread = choose(rng, 0.38, 0.5) * width
     channel = build_channel(x[1], spread, (z[0] + 0.06, z[1] - 0.05), "trim")
-    rods = make_pull_handle(x[1], spread, (z[0] + 0.06, z[1] - 0.012), 0.62 * (z[1] - z[0]), parent="body")
+    rods = make_pull_handle(x[1], spread, (z[0] + 0.06, z[1] - 0.012), 0.62 * (z[1] - z[0]))
     deep = (seam + x[1]) / 2
     carry = make_grip((deep, 0.0, z[1]), 0.42 * width, name="grip", parent="body", thick=0.014)
     side = y[0] if edge == "left" else y[1]
@@ -170,7 +170,7 @@ def _build_lying(rng: np.random.Generator, width: float, depth: float, height: f
     latches = [
         make_latch(
             x[0], around(at, half), (seam - 0.03, min(seam + 0.032, height - bevel - 0.012)),
-            name=f"latch_{k}", parent="body", upper=1.4, finish="metal",
+            name=f"latch_{k}", upper=1.4, finish="metal",
         )
         for k, at in enumerate(places)
     ]  # fmt: skip

@@ -56,7 +56,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
                 parts.append(part)
                 pieces.append(collar)
             elif kind is not None:
-                parts.append(make_dial(kind, at, name=f"dimmer_{k}", parent="body"))
+                parts.append(make_dial(kind, at, name=f"dimmer_{k}"))
             else:
                 parts += _make_pair(f"button_{k}", at)
     body = make_base(pieces)
@@ -132,7 +132,7 @@ def _make_pair(name: str, at: Vector) -> tuple[ShapePart, ShapePart]:
     """Two round push buttons above each other."""
     (x, y, z), size = at, (0.026, 0.026, 0.0126)
     first, second = (
-        make_button((x, y, z + up), size, name=f"{name}_{word}", parent="body", finish=word, shape="round")
+        make_button((x, y, z + up), size, name=f"{name}_{word}", finish=word, shape="round")
         for word, up in (("first", 0.019), ("second", -0.019))
     )
     return first, second

@@ -170,7 +170,7 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
     long = rolling and width > 0.95 and rng.random() < 0.2  # three pairs of legs and no drawers
     if rolling:
         swivel, radius = bool(rng.random() < 0.3) or long, choose(rng, 0.022, 0.03)
-        stand = make_castors(x, y, radius, parent=BODY, swivel=swivel, pairs=3 if long else 2)
+        stand = make_castors(x, y, radius, swivel=swivel, pairs=3 if long else 2)
         low, parts = stand.height, [*parts, *stand.parts]
         solids += stand.primitives
     leg = plan.leg_width
@@ -219,7 +219,7 @@ def _hang_drawers(count: int, space: Space, looks: Looks, rng: np.random.Generat
     if count > 1:
         shares = (1.0,) * count if count != 3 or rng.random() < 0.6 else (1.0, 1.6, 1.0)
         node = Split(along="columns", shares=shares, children=(drawer,) * count)
-    built = make_cabinet(node, space, looks, parent=BODY)
+    built = make_cabinet(node, space, looks)
     return _Built(primitives=built.primitives, parts=built.parts)
 
 
@@ -256,7 +256,7 @@ def _build_desk(rng: np.random.Generator, plan: _Plan) -> _Built:
         looks = replace(plan.looks, carcass=replace(plan.looks.carcass, lid=lifted > 0))
         node = first if first is not None and rng.random() < 0.6 else draw_layout(rng, space, looks, PEDESTAL)
         first = node
-        built = make_cabinet(node, space, looks, parent=BODY, prefix=f"{'ab'[index]}")
+        built = make_cabinet(node, space, looks, prefix=f"{'ab'[index]}")
         solids, parts = [*solids, *built.primitives], [*parts, *built.parts]
         if lifted:
             back = replace(space, x=(x[0] + 0.03, x[1]))
@@ -303,7 +303,7 @@ def _build_sink(rng: np.random.Generator, plan: _Plan) -> _Built:
     foot = choose(rng, 0.08, 0.12)
     space = Space(x=x, y=y, z=(foot, high))
     node = draw_layout(rng, space, plan.looks, UNDER_SINK)
-    cabinet = make_cabinet(node, space, plan.looks, parent=BODY)
+    cabinet = make_cabinet(node, space, plan.looks)
     sink = make_sink(rng, top, _widest_column(node, space, plan.looks), parent=BODY)
     kick = (
         block((x[0] + 0.06, x[0] + 0.078), narrow(y, 0.02), (0.0, foot), "body"),

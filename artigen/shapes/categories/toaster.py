@@ -100,13 +100,11 @@ def _build_bay(
     side = y[0] + 0.5 * (slots[0][0] - y[0])
     face, aside = x[0], y[1] - (side - y[0])
     dial = design_dial(rng, (0.0085, 0.0095), endless=0.0)  # within the width of a side
-    parts.append(make_dial(dial, (face, side, low + 0.035), name=f"browning{tag}", parent="body", out=FRONT))
+    parts.append(make_dial(dial, (face, side, low + 0.035), name=f"browning{tag}", out=FRONT))
     for k, word in enumerate(("cancel", "defrost", "reheat")[: int(rng.integers(1, 4))]):
         at = (face, aside, low + 0.03 + 0.022 * k)
         size = (0.014, 0.014, 0.005)
-        parts.append(
-            make_button(at, size, name=f"{word}{tag}", parent="body", finish="handle", shape="round")
-        )
+        parts.append(make_button(at, size, name=f"{word}{tag}", finish="handle", shape="round"))
     return pieces, parts
 
 

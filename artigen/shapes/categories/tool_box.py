@@ -86,10 +86,7 @@ def _make_latches(rng: np.random.Generator, x: float, y: Range, rim: float, rise
     """One latch in the middle of the front, or two latches."""
     half, count = choose(rng, 0.02, 0.03), int(rng.choice((1, 2, 2)))
     places, z = [0.0] if count == 1 else [0.6 * y[0], 0.6 * y[1]], (rim - 0.04, rim + rise)
-    return [
-        make_latch(x, around(at, half), z, name=f"latch_{k}", parent="body", upper=2.2)
-        for k, at in enumerate(places)
-    ]
+    return [make_latch(x, around(at, half), z, name=f"latch_{k}", upper=2.2) for k, at in enumerate(places)]
 
 
 def _cover(
@@ -182,9 +179,7 @@ def _build_rolling(rng: np.random.Generator, width: float, depth: float, height:
     built = _stack(rng, (width, depth, height), rise, behind=behind, foot=foot, aside=aside)
     back, rim, low = depth / 2 - behind, height - rise, foot + 0.1
     spread = choose(rng, 0.45, 0.6) * width
-    rods = make_pull_handle(
-        back, spread, (low, rim - 0.02), 0.5 * (rim - foot), parent="body", finish="metal"
-    )
+    rods = make_pull_handle(back, spread, (low, rim - 0.02), 0.5 * (rim - foot), finish="metal")
     pieces, parts = [*build_channel(back, spread, (low, rim - 0.05), "body")], [rods]
     x, level, front = back - 0.6 * radius, radius * float(np.cos(np.pi / SEGMENTS)), LIP - depth / 2 + 0.03
     for index, side in enumerate(around(0.0, 1.0)):
@@ -235,6 +230,6 @@ def _stack(
     for index, (upper, lower) in enumerate(pairwise(tops.tolist())):
         panel = Panel(x=x[0], thickness=thick, y=narrow(y, 0.001), z=(lower + 0.003, upper))
         space = Space(x=(panel.back, x1), y=narrow(y, WALL), z=(max(panel.z[0], floor), upper))
-        parts += make_drawer(panel, space, front, box=box, name=f"drawer_{index}", parent="body")
+        parts += make_drawer(panel, space, front, box=box, name=f"drawer_{index}")
     built = Assembly(pieces, parts)
     return built + _make_tray((x, y), rim) if rim - deck > 0.12 else built

@@ -16,17 +16,7 @@ from artigen.shapes.draw import Draft, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_wheel
 from artigen.shapes.fittings.hardware import GAP, Range, around, narrow, rotate, slide
 from artigen.shapes.fittings.lids import build_vessel, hinge_lid, loft, make_lid, shrink
-from artigen.shapes.primitives import (
-    LEFT,
-    RIGHT,
-    SEGMENTS,
-    UP,
-    Primitive,
-    block,
-    cylinder,
-    polytope,
-    prism,
-)
+from artigen.shapes.primitives import LEFT, RIGHT, SEGMENTS, UP, Primitive, block, cylinder, polytope, prism
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_plastic

@@ -22,7 +22,7 @@ def make_grip(
 
 
 def make_pull_handle(
-    x: float, spread: float, z: Range, travel: float, *, parent: str, finish: str = "steel"
+    x: float, spread: float, z: Range, travel: float, *, parent: str = "body", finish: str = "steel"
 ) -> ShapePart:
     """A telescopic handle: two rods and a grip that slide up out of a channel.
 

@@ -33,7 +33,7 @@ def make_drawer(
     *,
     box: BoxDesign,
     name: str,
-    parent: str,
+    parent: str = "body",
     travel: float = 0.75,
 ) -> tuple[ShapePart, ...]:
     """A drawer that fills a space behind its front, with its handles.

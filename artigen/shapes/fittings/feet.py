@@ -66,7 +66,7 @@ def design_stand(rng: np.random.Generator, kind: StandKind, height: float) -> St
     return StandDesign(kind=kind, height=tall, leg=leg, width=width, notch=notch)
 
 
-def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str) -> Stand:
+def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str = "body") -> Stand:
     """The stand under a body whose underside is the rectangle x by y."""
     height, edge = design.height, 0.012
     inner_x, inner_y = narrow(x, edge), narrow(y, edge)
@@ -170,7 +170,14 @@ def make_sled(x: Range, y: Range, height: float, width: float, finish: str) -> t
 
 
 def make_castors(
-    x: Range, y: Range, radius: float, *, parent: str, swivel: bool, pairs: int = 2, finish: str = "steel"
+    x: Range,
+    y: Range,
+    radius: float,
+    *,
+    parent: str = "body",
+    swivel: bool,
+    pairs: int = 2,
+    finish: str = "steel",
 ) -> Stand:
     """Pairs of castors within the rectangle x by y; with ``swivel`` the left forks turn too, or all of three.
 

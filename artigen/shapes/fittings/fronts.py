@@ -117,7 +117,7 @@ def _raise_field(field: Panel) -> Panel:
 
 
 def make_door(
-    panel: Panel, design: FrontDesign, *, name: str, parent: str, edge: Edge, upper: float
+    panel: Panel, design: FrontDesign, *, name: str, parent: str = "body", edge: Edge, upper: float
 ) -> tuple[ShapePart, ...]:
     """A door hinged along ``edge`` of its panel that opens by ``upper`` radians, with its handle."""
     door = ShapePart(name, "door", make_front(panel, design), hinge(panel, edge, upper), parent=parent)

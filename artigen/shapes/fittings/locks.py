@@ -11,7 +11,7 @@ FREE = 0.0015
 
 
 def make_lock(
-    at: Vector, *, name: str, parent: str, radius: float = 0.011, finish: str = "handle"
+    at: Vector, *, name: str, parent: str = "body", radius: float = 0.011, finish: str = "handle"
 ) -> ShapePart:
     """A cylinder lock with its key on a front face at x, which turns by a quarter.
 
@@ -32,7 +32,14 @@ def make_lock(
 
 
 def make_latch(
-    x: float, y: Range, z: Range, *, name: str, parent: str, upper: float = 1.9, finish: str = "steel"
+    x: float,
+    y: Range,
+    z: Range,
+    *,
+    name: str,
+    parent: str = "body",
+    upper: float = 1.9,
+    finish: str = "steel",
 ) -> ShapePart:
     """A latch before a face at x, which holds a lid down and flips outwards about its lower edge.
 

@@ -36,12 +36,12 @@ def make_mixer(
     ahead: Vector,
     *,
     name: str,
-    parent: str,
+    parent: str = "body",
     radius: float,
     height: float,
     length: float,
     turn: float,
-    finish: str,
+    finish: str = "handle",
 ) -> tuple[ShapePart, ShapePart]:
     """A cartridge that turns about ``out`` (temperature) with a lever along ``ahead`` that lifts (flow).
 
@@ -88,10 +88,10 @@ def make_cross_handle(
     ahead: Vector,
     *,
     name: str,
-    parent: str,
+    parent: str = "body",
     reach: float,
     height: float,
-    finish: str,
+    finish: str = "handle",
     arms: int = 4,
     upper: float = np.pi,
 ) -> ShapePart:

@@ -112,7 +112,9 @@ def has_fronts(node: Node) -> bool:
     return any(cell.fill in FACED for cell in list_cells(node))
 
 
-def make_cabinet(node: Node, outer: Space, looks: Looks, *, parent: str, prefix: str = "") -> Furnished:
+def make_cabinet(
+    node: Node, outer: Space, looks: Looks, *, parent: str = "body", prefix: str = ""
+) -> Furnished:
     """Builds a layout into a box whose front is the face of the fronts, handles excluded.
 
     Args:

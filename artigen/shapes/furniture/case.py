@@ -76,9 +76,9 @@ def build_case(plan: CasePlan, node: Node, size: Size) -> tuple[ShapePart, ...]:
         looks = replace(looks, carcass=replace(looks.carcass, frame=0.0))
     if has_fronts(node):
         box = replace(box, x=(max(ahead, plan.looks.reach) - depth / 2, depth / 2))
-    cabinet = make_cabinet(node, box, looks, parent=BODY)
+    cabinet = make_cabinet(node, box, looks)
     shell = cabinet.primitives[0].center[0] - cabinet.primitives[0].size[0] / 2  # where the sides begin
-    stand = make_stand(plan.stand, (float(shell), box.x[1]), box.y, parent=BODY)
+    stand = make_stand(plan.stand, (float(shell), box.x[1]), box.y)
     solids = [*cabinet.primitives, *stand.primitives]
     if plan.worktop:
         low = (box.x[0] - ahead, -width / 2, box.z[1])
