@@ -24,14 +24,14 @@ from sim_export.appearance.shared_textures import lay_shared
 from sim_export.appearance.texture import color_atlas
 from sim_export.collision.hull_limits import trim_hull
 from sim_export.collision.pins import pin_carriers
-from sim_export.collision.simplification import TOLERANCE, simplify_hulls
+from sim_export.collision.simplification import TOLERANCE, simplify_links
 from sim_export.geometry.needles import find_needles, flip_needles
 from sim_export.geometry.solids import as_solid
 from sim_export.package import Hull, Inertial, Mesh, Requirement, SimPackage
 from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.followers import couple_followers
 from sim_export.physics.inertia import combine, mesh_inertial
-from sim_export.physics.links import LinkTree, PartGeometry, build_links
+from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_owners
 from sim_export.physics.makes import Make, find_make, is_hardware
 from sim_export.physics.masses import mean_thickness, subtract
 from sim_export.physics.materials import MATERIALS, MaterialName, finish_material
@@ -84,11 +84,9 @@ def build_reference(
     make = find_make(shape.category, shape.style)
     geometry, meshes, records = [], [], []
     materials: list[tuple[str, str]] = []
-    for part, start in zip(shape.parts, first, strict=False):
-        solids = _solids(part, center)
+    for part, start, solids, simple in zip(shape.parts, first, *_collide(shape, center), strict=False):
         union = _show(solids, [primitive.kind == "cylinder" for primitive in part.primitives])
         meshes.append(_paint_part(union, table, int(start), center, cfg))
-        simple = simplify_hulls(solids)
         changed = sum(new is not old for new, old in zip(simple, solids, strict=True))
         if changed:
             records.append(
@@ -140,9 +138,9 @@ def describe_build(shape: Shape) -> list[object]:
             part.label,
             part.parent,
             None if part.motion is None else part.motion.type,
-            hull_kinds(_trim(simplify_hulls(_solids(part, np.zeros(3))))),
+            hull_kinds(_trim(simple)),
         )
-        for part in shape.parts
+        for part, simple in zip(shape.parts, _collide(shape, np.zeros(3))[1], strict=True)
     ]
 
 
@@ -151,6 +149,12 @@ def _solids(part: ShapePart, center: Float[np.ndarray, "3"]) -> list[Hull]:
         Hull(vertices=place_vertices(primitive) - center, faces=primitive.faces)
         for primitive in part.primitives
     ]
+
+
+def _collide(shape: Shape, center: Float[np.ndarray, "3"]) -> tuple[list[list[Hull]], list[tuple[Hull, ...]]]:
+    """The exact solids of every part, and the simpler ones that collide."""
+    solids = [_solids(part, center) for part in shape.parts]
+    return solids, simplify_links(solids, link_owners(shape_to_asset(shape, resolution=None)))
 
 
 def _trim(solids: Sequence[Hull]) -> tuple[Hull, ...]:

@@ -297,9 +297,7 @@ def greatest_moment(links: Sequence[Link], joints: Sequence[PackageJoint], joint
 
     def moment() -> Float[np.ndarray, "*B"]:
         T = link_displacements(links, joints, qpos)
-        arms = [
-            own.mass * (T[..., k, :3, :3] @ own.com + T[..., k, :3, 3] - joint.origin) for k, own in held
-        ]
+        arms = [own.mass * (T[..., k, :3, :3] @ own.com + T[..., k, :3, 3] - joint.origin) for k, own in held]
         return GRAVITY * np.linalg.norm(np.cross(joint.axis, sum(arms)), axis=-1)
 
     for other in (*hanging, *hanging):
@@ -329,7 +327,8 @@ def _with_resistance(
         moved = subtree_inertial(links, joints, joint.child)
         if joint.child in held:
             hold = 0.0
-        elif label == "handle" and joint.type == "revolute":  # arms of lamps, bails: they stay where they are
+        elif joint.type == "revolute" and (label == "handle" or joint.parent in held):
+            # Arms of lamps, bails and the levers of latches stay where they are put.
             hold = (1.0 + HOLD_SLOPE) * greatest_moment(links, joints, joint)
         else:
             hold = opening_pull(joint, moved)

@@ -60,6 +60,16 @@ def test_the_first_hinge_resists_no_more_than_its_load_demands(lamp):
     assert level < hinge.friction < 1.25 * level
 
 
+def test_the_handle_of_a_window_stays_turned_while_the_window_is_open():
+    """It points down at rest, where gravity has no moment; if it falls back, its tongue stops the leaf."""
+    window = build_reference(draw_shape("Window", 1015), ReferenceConfig(texel=0.1))
+    handle = next(joint for joint in window.joints if joint.name == "joint_1")
+    own = next(link.inertial for link in window.links if link.name == handle.child)
+    assert own is not None
+    arm = np.cross(handle.axis, own.com - handle.origin)
+    assert handle.friction > own.mass * GRAVITY * float(np.linalg.norm(arm))
+
+
 def weigh_plate(*, moves: bool) -> float:
     """Mass (kg) that a plate of 0.2 m x 0.2 m x 8 mm labelled as a handle adds to a lamp."""
     foot = ShapePart(
