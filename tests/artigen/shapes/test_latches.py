@@ -56,7 +56,7 @@ def test_what_a_latch_holds_turns_freely_and_what_none_holds_resists():
     )
     assert latched["link_0"].friction == pytest.approx(0.3)
     assert loose["link_0"].friction > 3.0
-    assert latched["link_1"].friction == pytest.approx(2.0 * loose["link_1"].friction)
+    assert 2.0 <= latched["link_1"].friction / loose["link_1"].friction < 2.2
 
 
 def test_a_need_of_a_part_that_something_else_carries_is_no_latch():
