@@ -129,6 +129,6 @@ def _draw_finishes(rng: np.random.Generator) -> dict[str, Finish]:
         "inside": make_ceramic((0.87, 0.85, 0.8), seed) if enamel else steel,
         "foot": make_polished("dark", seed),
         "trim": steel if glassy or not enamel else body,
-        "lid": make_glass((0.72, 0.78, 0.78), opacity=0.25) if glassy else body,
+        "lid": make_glass((0.55, 0.62, 0.62), opacity=0.45) if glassy else body,
         "handle": grips[int(rng.integers(4 if enamel else 3))],
     }
