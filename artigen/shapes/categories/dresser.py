@@ -9,14 +9,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from artigen.shapes.choices import choose, choose_one, choose_style
-from artigen.shapes.draw import CrowdedError, Draft, Wish
+from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.feet import LegKind, StandKind
 from artigen.shapes.fittings.hardware import Range
-from artigen.shapes.furniture.carcass import fits_engines
+from artigen.shapes.furniture.carcass import draw_fitting
 from artigen.shapes.furniture.case import Size, build_case, draw_plan
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
 from artigen.shapes.furniture.furniture_kinds import Kind
 from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, stack_drawers
+from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Dresser"
@@ -85,19 +86,16 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     finishes = draw_palette(rng, "furniture", choose_one(rng, look.palettes))
     if style == "midcentury":
         finishes["leg"] = finishes["top"]
-    for attempt in range(MAX_LAYOUTS):
+
+    def draw_parts(attempt: int) -> tuple[ShapePart, ...]:
         plan = draw_plan(wish.shared_stream(rng, attempt), kind, LOOKS[look.fronts], size, wish)
         leg = choose_one(rng, look.legs)
         frame = plan.looks.carcass.frame if style in ("shaker", "classic") else 0.0
         looks = replace(plan.looks, carcass=replace(plan.looks.carcass, frame=frame), lock=False)
         plan = replace(plan, looks=looks, stand=replace(plan.stand, leg=leg))
-        parts = build_case(plan, _draw_layout(rng, size), size)
-        if fits_engines(parts):
-            return Draft(style, parts, finishes)
-    raise CrowdedError(
-        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) respects the "
-        "limits of engines; request a smaller one"
-    )
+        return build_case(plan, _draw_layout(rng, size), size)
+
+    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts), finishes)
 
 
 def _draw_layout(rng: np.random.Generator, size: Size) -> Node:

@@ -9,13 +9,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from artigen.shapes.appliances.cavity import build_rim
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.categories.storage_furniture import STYLES
 from artigen.shapes.choices import choose, choose_one, pick
-from artigen.shapes.draw import CrowdedError, Draft, Wish, find_nearest
+from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths, find_nearest
 from artigen.shapes.fittings.feet import LEG_KINDS, LegKind, make_castors, make_legs
 from artigen.shapes.fittings.hardware import GAP, Range, Space, around, lift, narrow
 from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
-from artigen.shapes.furniture.carcass import fits_engines, open_carcass
+from artigen.shapes.furniture.carcass import draw_fitting, open_carcass
 from artigen.shapes.furniture.sinks import TAP_HEIGHT, make_sink
 from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, lay_out
 from artigen.shapes.furniture.table_frames import (
@@ -33,7 +35,7 @@ from artigen.shapes.furniture.table_frames import (
     most_radius,
 )
 from artigen.shapes.primitives import UP, Primitive, block, cylinder, place_vertices, rounded_box
-from artigen.shapes.shape import Motion, ShapePart, make_base
+from artigen.shapes.shape import Motion, ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Table"
@@ -73,35 +75,21 @@ class _Plan:
     leg_width: float
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Built:
-    """Solids of the body, and the parts that it carries."""
-
-    primitives: tuple[Primitive, ...]
-    parts: tuple[ShapePart, ...] = ()
-
-
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a table that meets the wish."""
     style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items() if not look.closed})
     kind = _choose_kind(rng, wish)
     finishes = draw_palette(rng, "furniture", style)
-    width = choose(rng, *kind.width, wish.width)
-    depth = choose(rng, *kind.depth, wish.depth)
-    size = (
-        width,
-        width if kind.round and wish.depth is None else depth,
-        choose(rng, *kind.height, wish.height),
-    )
-    for attempt in range(MAX_LAYOUTS):
-        built = kind.build(rng, _draw_plan(wish.shared_stream(rng, attempt), style, size, wish))
-        body = make_base(built.primitives)
-        parts = (body, *built.parts)
-        if fits_engines(parts) and (wish.counts or any(part.motion for part in parts)):
-            return Draft(style, parts, finishes)
-    raise CrowdedError(
-        f"{CATEGORY}: no table of {size} m respects the limits of engines; request a smaller one"
-    )
+    width, depth, height = choose_lengths(rng, wish, kind.spans)
+    size = (width, width if kind.round and wish.depth is None else depth, height)
+
+    def draw_parts(attempt: int) -> tuple[ShapePart, ...]:
+        return kind.build(rng, _draw_plan(wish.shared_stream(rng, attempt), style, size, wish)).close()
+
+    def suits(parts: Sequence[ShapePart]) -> bool:
+        return bool(wish.counts) or any(part.motion for part in parts)
+
+    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts, suits), finishes)
 
 
 def _draw_plan(rng: np.random.Generator, style: str, size: tuple[float, float, float], wish: Wish) -> _Plan:
@@ -158,7 +146,7 @@ def _draw_footing(rng: np.random.Generator, plan: _Plan) -> _Footing:
     )
 
 
-def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
+def _build_frame(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """Four legs under a top: drawers or an apron between them, a shelf or stretchers below, or castors."""
     width, _, height = plan.size
     low, high = 0.0, height - plan.top
@@ -189,7 +177,7 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
         girded = closed or rng.random() < GIRDED
         back = min(x[0] + choose(rng, 0.45, 1.0) * (x[1] - x[0]), behind if girded else x[1])
         hung = _hang_drawers(drawers, Space(x=(x[0], back), y=inner, z=(high - deep, high)), plan.looks, rng)
-        solids, parts = [*solids, *hung.primitives], [*parts, *hung.parts]
+        solids, parts = [*solids, *hung.pieces], [*parts, *hung.parts]
         if girded and not closed:
             solids += make_apron(x, y, (high - deep, high), leg, sides=("back", "right", "left"))
         if arch:
@@ -207,10 +195,10 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
         solids += make_stretchers(legs, 0.7 * at + 0.3 * low, 0.48 * leg, kind)
     if closed:
         solids += make_panels(legs, (at + 0.02 if shelved else at, high))
-    return _Built(primitives=tuple(solids), parts=tuple(parts))
+    return Assembly(solids, parts)
 
 
-def _hang_drawers(count: int, space: Space, looks: Looks, rng: np.random.Generator) -> _Built:
+def _hang_drawers(count: int, space: Space, looks: Looks, rng: np.random.Generator) -> Assembly:
     """One or sometimes two rows of drawers in a low carcass."""
     drawer: Node = Cell(fill="drawer")
     if space.height > 0.17 and rng.random() < 0.3:
@@ -219,8 +207,7 @@ def _hang_drawers(count: int, space: Space, looks: Looks, rng: np.random.Generat
     if count > 1:
         shares = (1.0,) * count if count != 3 or rng.random() < 0.6 else (1.0, 1.6, 1.0)
         node = Split(along="columns", shares=shares, children=(drawer,) * count)
-    built = make_cabinet(node, space, looks)
-    return _Built(primitives=built.primitives, parts=built.parts)
+    return make_cabinet(node, space, looks)
 
 
 def _make_shelf(legs: Sequence[Primitive], z: float) -> ShapePart:
@@ -238,7 +225,7 @@ def _make_shelf(legs: Sequence[Primitive], z: float) -> ShapePart:
     return ShapePart("shelf", "shelf", (shelf,))
 
 
-def _build_desk(rng: np.random.Generator, plan: _Plan) -> _Built:
+def _build_desk(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """A top on pedestals, side panels or legs, with a modesty board and sometimes drawers between them."""
     width, depth, height = plan.size
     high = height - plan.top
@@ -257,7 +244,7 @@ def _build_desk(rng: np.random.Generator, plan: _Plan) -> _Built:
         node = first if first is not None and rng.random() < 0.6 else draw_layout(rng, space, looks, PEDESTAL)
         first = node
         built = make_cabinet(node, space, looks, prefix=f"{'ab'[index]}")
-        solids, parts = [*solids, *built.primitives], [*parts, *built.parts]
+        solids, parts = [*solids, *built.pieces], [*parts, *built.parts]
         if lifted:
             back = replace(space, x=(x[0] + 0.03, x[1]))
             solids += make_legs(back.x, span, lifted, kind=plan.leg, width=0.04, finish="leg")
@@ -280,8 +267,8 @@ def _build_desk(rng: np.random.Generator, plan: _Plan) -> _Built:
         space = Space(x=(x[0], x[1] - 0.1), y=free, z=(high - choose(rng, 0.09, 0.12), high))
         count = 2 if free[1] - free[0] > 0.9 and rng.random() < 0.6 else 1
         hung = _hang_drawers(count, space, plan.looks, rng)
-        solids, parts = [*solids, *hung.primitives], [*parts, *(_rename(part, "c") for part in hung.parts)]
-    return _Built(primitives=tuple(solids), parts=tuple(parts))
+        solids, parts = [*solids, *hung.pieces], [*parts, *(_rename(part, "c") for part in hung.parts)]
+    return Assembly(solids, parts)
 
 
 def _rename(part: ShapePart, tag: str) -> ShapePart:
@@ -289,7 +276,7 @@ def _rename(part: ShapePart, tag: str) -> ShapePart:
     return replace(part, name=f"{tag}_{part.name}", parent=parent)
 
 
-def _build_sink(rng: np.random.Generator, plan: _Plan) -> _Built:
+def _build_sink(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """A worktop with a basin over a cabinet or an open frame; the height includes the tap."""
     width, depth, total = plan.size
     high = total - TAP_HEIGHT - plan.top
@@ -298,20 +285,17 @@ def _build_sink(rng: np.random.Generator, plan: _Plan) -> _Built:
     if rng.random() < 0.25:
         legs = make_legs(x, y, high, kind="square", width=0.04, finish="leg")
         shelf = _make_shelf(legs, choose(rng, 0.15, 0.3))
-        sink = make_sink(rng, top, y, parent=BODY)
-        return _Built(primitives=(*sink.primitives, *legs), parts=(*sink.parts, shelf))
+        return make_sink(rng, top, y) + Assembly(legs, (shelf,))
     foot = choose(rng, 0.08, 0.12)
     space = Space(x=x, y=y, z=(foot, high))
     node = draw_layout(rng, space, plan.looks, UNDER_SINK)
     cabinet = make_cabinet(node, space, plan.looks)
-    sink = make_sink(rng, top, _widest_column(node, space, plan.looks), parent=BODY)
+    sink = make_sink(rng, top, _widest_column(node, space, plan.looks))
     kick = (
         block((x[0] + 0.06, x[0] + 0.078), narrow(y, 0.02), (0.0, foot), "body"),
         block((x[1] - 0.03, x[1] - 0.012), narrow(y, 0.02), (0.0, foot), "body"),
     )
-    return _Built(
-        primitives=(*sink.primitives, *cabinet.primitives, *kick), parts=(*cabinet.parts, *sink.parts)
-    )
+    return Assembly((*sink.pieces, *cabinet.pieces, *kick), (*cabinet.parts, *sink.parts))
 
 
 def _widest_column(node: Node, space: Space, looks: Looks) -> Range:
@@ -322,7 +306,7 @@ def _widest_column(node: Node, space: Space, looks: Looks) -> Range:
     return max((cell.y for cell in cells), key=lambda span: round(span[1] - span[0], 6))
 
 
-def _build_screw(rng: np.random.Generator, plan: _Plan) -> _Built:
+def _build_screw(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """A round top on a threaded spindle in a column on a foot."""
     width, depth, height = plan.size
     radius = min(width, depth) / 2
@@ -333,10 +317,9 @@ def _build_screw(rng: np.random.Generator, plan: _Plan) -> _Built:
     plate = under - 0.012  # a flange under the top holds the spindle
     mouth = plate - gap
     start = mouth - rise - 0.12
-    inner, outer = spindle + gap, spindle + gap + wall
-    column = [
-        block(around(0.0, outer), (side, side + wall), (start, mouth), "leg") for side in (-outer, inner)
-    ] + [block((side, side + wall), around(0.0, inner), (start, mouth), "leg") for side in (-outer, inner)]
+    outer = spindle + gap + wall
+    tube = around(0.0, outer)
+    column = build_rim(tube, tube, (start, mouth), wall, "leg", sides=True)
     if rng.random() < 0.5:
         base = [cylinder((0.0, 0.0, 0.0), (0.0, 0.0, foot), 0.62 * radius, "leg")]
     else:
@@ -355,31 +338,27 @@ def _build_screw(rng: np.random.Generator, plan: _Plan) -> _Built:
     )
     thread = Motion(type="screw", axis=UP, upper=turns, pitch=rise / turns)
     part = ShapePart("top", "shelf", top, thread)
-    return _Built(primitives=(*base, post, *column), parts=(part,))
+    return Assembly((*base, post, *column), (part,))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class _Kind:
     """A kind of table: weight, ranges of its size (m), and its builder."""
 
     weight: float
-    width: Range
-    depth: Range
-    height: Range
-    build: Callable[[np.random.Generator, _Plan], _Built]
+    spans: Spans
+    build: Callable[[np.random.Generator, _Plan], Assembly]
     round: bool = False
 
 
 KINDS: dict[str, _Kind] = {
-    "dining": _Kind(weight=2.0, width=(0.8, 2.0), depth=(0.65, 1.0), height=(0.7, 0.78), build=_build_frame),
-    "side": _Kind(weight=2.2, width=(0.35, 0.65), depth=(0.32, 0.5), height=(0.42, 0.68), build=_build_frame),
-    "coffee": _Kind(weight=2.0, width=(0.7, 1.3), depth=(0.45, 0.75), height=(0.32, 0.5), build=_build_frame),
-    "console": _Kind(weight=1.4, width=(0.8, 1.6), depth=(0.3, 0.45), height=(0.7, 0.9), build=_build_frame),
-    "desk": _Kind(weight=3.4, width=(0.95, 1.8), depth=(0.5, 0.8), height=(0.7, 0.78), build=_build_desk),
-    "sink": _Kind(weight=1.0, width=(0.55, 1.3), depth=(0.52, 0.66), height=(1.09, 1.21), build=_build_sink),
-    "screw": _Kind(
-        weight=1.1, width=(0.45, 0.9), depth=(0.45, 0.9), height=(0.45, 0.78), build=_build_screw, round=True
-    ),
+    "dining": _Kind(2.0, ((0.8, 2.0), (0.65, 1.0), (0.7, 0.78)), _build_frame),
+    "side": _Kind(2.2, ((0.35, 0.65), (0.32, 0.5), (0.42, 0.68)), _build_frame),
+    "coffee": _Kind(2.0, ((0.7, 1.3), (0.45, 0.75), (0.32, 0.5)), _build_frame),
+    "console": _Kind(1.4, ((0.8, 1.6), (0.3, 0.45), (0.7, 0.9)), _build_frame),
+    "desk": _Kind(3.4, ((0.95, 1.8), (0.5, 0.8), (0.7, 0.78)), _build_desk),
+    "sink": _Kind(1.0, ((0.55, 1.3), (0.52, 0.66), (1.09, 1.21)), _build_sink),
+    "screw": _Kind(1.1, ((0.45, 0.9), (0.45, 0.9), (0.45, 0.78)), _build_screw, round=True),
 }
 
 
@@ -390,5 +369,5 @@ def _choose_kind(rng: np.random.Generator, wish: Wish) -> _Kind:
         for name, kind in KINDS.items()
         if not (kind.round and wish.width and wish.depth and wish.width != wish.depth)
     }
-    sizes = {name: (kind.width, kind.depth, kind.height) for name, kind in known.items()}
+    sizes = {name: kind.spans for name, kind in known.items()}
     return known[pick(rng, {name: known[name].weight for name in find_nearest(wish, sizes)})]

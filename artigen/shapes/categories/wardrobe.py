@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from artigen.shapes.choices import choose, choose_style
-from artigen.shapes.draw import CrowdedError, Draft, Wish
+from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.hardware import ROOM, Space
-from artigen.shapes.furniture.carcass import fits_engines, open_carcass
+from artigen.shapes.furniture.carcass import draw_fitting, open_carcass
 from artigen.shapes.furniture.case import BODY, CasePlan, Size, build_case, draw_plan, place_case
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
 from artigen.shapes.furniture.furniture_kinds import Kind
@@ -58,22 +58,20 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     look = LOOKS[{"mirrored": "framed_glass", "sliding": "flat"}.get(style, style)]
     mirrored = style == "mirrored" or (slides and bool(rng.random() < 0.5))
     look = replace(look, frame=0.0 if slides else 0.5 * look.frame)
-    for attempt in range(MAX_LAYOUTS):
+
+    def draw_parts(attempt: int) -> tuple[ShapePart, ...]:
         plan = draw_plan(wish.shared_stream(rng, attempt), KIND, look, size, wish)
         fronts = replace(plan.looks.doors, style="framed_glass", glass="mirror")
         carcass = replace(plan.looks.carcass, back=BACKING, recess=0.0)
         doors_look = fronts if mirrored and (not slides or attempt < MIRRORED) else plan.looks.doors
         plan = replace(plan, looks=replace(plan.looks, doors=doors_look, carcass=carcass, lock=False))
-        if slides:
-            parts = _build_sliding(rng, plan, size)
-        else:
-            parts = build_case(plan, _draw_hinged(rng, doors, size), size)
-        if fits_engines(parts):
-            return Draft(style, parts, finishes)
-    raise CrowdedError(
-        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) respects the "
-        "limits of engines; request a smaller one"
-    )
+        return (
+            _build_sliding(rng, plan, size)
+            if slides
+            else build_case(plan, _draw_hinged(rng, doors, size), size)
+        )
+
+    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts), finishes)
 
 
 def _draw_hinged(rng: np.random.Generator, doors: int, size: Size) -> Node:
@@ -125,5 +123,5 @@ def _build_sliding(rng: np.random.Generator, plan: CasePlan, size: Size) -> tupl
     tracks = 2 * plan.looks.thickness + ROOM + 0.012
     space = Space(x=(outer.x[0] + tracks, outer.x[1] - design.back - design.recess), y=y, z=z)
     inside = furnish_interior(space, node, plan.looks, parent=BODY)
-    body = replace(parts[0], primitives=(*parts[0].primitives, *inside.primitives))
+    body = replace(parts[0], primitives=(*parts[0].primitives, *inside.pieces))
     return (body, *parts[1:], *inside.parts)

@@ -5,6 +5,7 @@ from math import radians
 
 import numpy as np
 
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.draw import Wish
 from artigen.shapes.fittings.drawers import BoxDesign
@@ -12,7 +13,7 @@ from artigen.shapes.fittings.fronts import FrontDesign, design_front
 from artigen.shapes.fittings.handles import design_handle
 from artigen.shapes.fittings.hardware import GAP, Edge, Space
 from artigen.shapes.furniture.carcass import FRAME_DEPTH, CarcassDesign, make_carcass, open_carcass, widen
-from artigen.shapes.furniture.cells import Fitting, Furnished, furnish_cells
+from artigen.shapes.furniture.cells import Fitting, furnish_cells
 from artigen.shapes.furniture.furniture_kinds import Style
 from artigen.shapes.furniture.splits import FRONT_GAP, Cell, Node, Room, Taste, draw_node, lay_out
 from artigen.types import PartLabel
@@ -114,7 +115,7 @@ def has_fronts(node: Node) -> bool:
 
 def make_cabinet(
     node: Node, outer: Space, looks: Looks, *, parent: str = "body", prefix: str = ""
-) -> Furnished:
+) -> Assembly:
     """Builds a layout into a box whose front is the face of the fronts, handles excluded.
 
     Args:
@@ -159,7 +160,7 @@ def make_cabinet(
     )
     cells = furnish_cells(placed, fitting, prefix)
     solids = make_carcass(body, design, boards)
-    return Furnished(primitives=(*solids, *cells.primitives), parts=cells.parts)
+    return Assembly((*solids, *cells.pieces), cells.parts)
 
 
 def _reach_of_fronts(looks: Looks) -> dict[Edge, float]:

@@ -4,11 +4,12 @@ A face frame is glued before the boards. Its stiles and rails narrow the opening
 behind is as wide as the carcass.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from artigen.shapes.draw import CrowdedError
 from artigen.shapes.fittings.hardware import Range, Space, narrow
 from artigen.shapes.primitives import DOWN, FRONT, UP, Primitive, Vector, block, line
 from artigen.shapes.shape import ShapePart
@@ -159,3 +160,33 @@ def fits_engines(parts: Sequence[ShapePart], max_links: int = 60) -> bool:
         hulls[owner[part.name]] = hulls.get(owner[part.name], 0) + count_hulls(part.primitives)
     counts = list(hulls.values())
     return max(counts) <= MAX_HULLS_ON_LINK and sum(counts) <= MAX_HULLS and len(counts) <= max_links
+
+
+def draw_fitting(
+    category: str,
+    size: Sequence[float],
+    layouts: int,
+    draw: Callable[[int], tuple[ShapePart, ...]],
+    suits: Callable[[Sequence[ShapePart]], object] = bool,
+) -> tuple[ShapePart, ...]:
+    """The first of several layouts that respects the limits of engines and suits.
+
+    Args:
+        category: What is drawn, for the message.
+        size: Width, depth and height (m), for the message.
+        layouts: Number of layouts to try.
+        draw: Draws the parts of the object with the layout of this number.
+        suits: What else is demanded of the parts.
+
+    Raises:
+        CrowdedError: If no layout does.
+    """
+    for attempt in range(layouts):
+        parts = draw(attempt)
+        if suits(parts) and fits_engines(parts):
+            return parts
+    lengths = " x ".join(f"{length:.3g}" for length in size)
+    raise CrowdedError(
+        f"{category}: none of {layouts} layouts of {lengths} m (width, depth, height) respects the limits of "
+        "engines; request a smaller one"
+    )

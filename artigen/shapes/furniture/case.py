@@ -77,9 +77,9 @@ def build_case(plan: CasePlan, node: Node, size: Size) -> tuple[ShapePart, ...]:
     if has_fronts(node):
         box = replace(box, x=(max(ahead, plan.looks.reach) - depth / 2, depth / 2))
     cabinet = make_cabinet(node, box, looks)
-    shell = cabinet.primitives[0].center[0] - cabinet.primitives[0].size[0] / 2  # where the sides begin
+    shell = cabinet.pieces[0].center[0] - cabinet.pieces[0].size[0] / 2  # where the sides begin
     stand = make_stand(plan.stand, (float(shell), box.x[1]), box.y)
-    solids = [*cabinet.primitives, *stand.primitives]
+    solids = [*cabinet.pieces, *stand.primitives]
     if plan.worktop:
         low = (box.x[0] - ahead, -width / 2, box.z[1])
         solids.append(rounded_box(low, (depth / 2, width / 2, height), 0.002, "top"))

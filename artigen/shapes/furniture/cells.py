@@ -7,6 +7,7 @@ holds the choices that are made once per object (design, swings, runners).
 from dataclasses import dataclass, replace
 from math import radians
 
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.fittings.drawers import BoxDesign, make_drawer, make_tray
 from artigen.shapes.fittings.fronts import FrontDesign, make_door, make_front
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
@@ -61,30 +62,19 @@ class Fitting:
     """Depth of a face frame at the front of the body; 0 for none."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Furnished:
-    """Solids that a cell adds to the body, and the parts that the body carries."""
-
-    primitives: tuple[Primitive, ...] = ()
-    parts: tuple[ShapePart, ...] = ()
-
-
-def furnish_cells(placed: tuple[Placed, ...], fitting: Fitting, prefix: str = "") -> Furnished:
+def furnish_cells(placed: tuple[Placed, ...], fitting: Fitting, prefix: str = "") -> Assembly:
     """Furnishes all cells, named by a prefix and their place in the layout."""
     done = [furnish_cell(cell, fitting, f"{prefix}{index}") for index, cell in enumerate(placed)]
-    return Furnished(
-        primitives=tuple(primitive for cell in done for primitive in cell.primitives),
-        parts=tuple(part for cell in done for part in cell.parts),
-    )
+    return sum(done, Assembly())
 
 
-def furnish_cell(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
+def furnish_cell(placed: Placed, fitting: Fitting, tag: str) -> Assembly:
     """Furnishes one cell; ``tag`` makes its names unique."""
     fill = placed.cell.fill
     if fill == "drawer":
         return _hang_drawer(placed, fitting, tag)
     if fill == "blank":
-        return Furnished(primitives=(_make_blank(placed, fitting),))
+        return Assembly((_make_blank(placed, fitting),))
     if fill == "slide":
         doors = _hang_sliding(placed, fitting, tag)
         start = fitting.body[0] + 2 * fitting.thickness + ROOM + 0.012
@@ -95,7 +85,7 @@ def furnish_cell(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
         start = max(start, fitting.body[0] + fitting.frame)
     needs = tuple(Need(part=part.name) for part in doors if part.label == "door")
     inside = _fill_inside(placed, fitting, tag, start, needs)
-    return Furnished(primitives=inside.primitives, parts=(*doors, *inside.parts))
+    return Assembly(inside.pieces, (*doors, *inside.parts))
 
 
 def front_panel(placed: Placed, fitting: Fitting) -> Panel:
@@ -103,7 +93,7 @@ def front_panel(placed: Placed, fitting: Fitting) -> Panel:
     return Panel(x=fitting.front_x, thickness=fitting.thickness, y=placed.front_y, z=placed.front_z)
 
 
-def _hang_drawer(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
+def _hang_drawer(placed: Placed, fitting: Fitting, tag: str) -> Assembly:
     panel = front_panel(placed, fitting)
     space = Space(x=(panel.back, fitting.body[1]), y=placed.y, z=placed.z)
     drawer_box, rails = fitting.box, ()
@@ -125,7 +115,7 @@ def _hang_drawer(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
         parent=fitting.parent,
         travel=fitting.travel,
     )
-    return Furnished(primitives=rails, parts=parts)
+    return Assembly(rails, parts)
 
 
 def _make_blank(placed: Placed, fitting: Fitting) -> Primitive:
@@ -254,7 +244,7 @@ def _hang_sliding(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart
 
 def _fill_inside(
     placed: Placed, fitting: Fitting, tag: str, start: float, needs: tuple[Need, ...]
-) -> Furnished:
+) -> Assembly:
     """Shelves, trays or a hanging rod between ``start`` and the back."""
     cell = placed.cell
     span = (start, fitting.body[1])
@@ -265,16 +255,16 @@ def _fill_inside(
             _make_shelf(span, placed.room_y, low + (k + 1) * pitch, fitting, f"shelf_{tag}_{k}")
             for k in range(cell.count)
         ]
-        return Furnished(parts=tuple(shelves))
+        return Assembly(parts=shelves)
     if cell.inside == "rod":
         hat = high - min(0.32, 0.25 * (high - low))
         x = (span[0] + span[1]) / 2
         y = placed.room_y
         rod = cylinder((x, y[0], hat - 0.06), (x, y[1], hat - 0.06), 0.014, "steel")
-        return Furnished(primitives=(rod,), parts=(_make_shelf(span, y, hat, fitting, f"shelf_{tag}_0"),))
+        return Assembly((rod,), (_make_shelf(span, y, hat, fitting, f"shelf_{tag}_0"),))
     if cell.inside == "trays":
         return _hang_trays(placed, fitting, tag, span, needs)
-    return Furnished()
+    return Assembly()
 
 
 def _make_shelf(x: Range, y: Range, z: float, fitting: Fitting, name: str) -> ShapePart:
@@ -282,7 +272,7 @@ def _make_shelf(x: Range, y: Range, z: float, fitting: Fitting, name: str) -> Sh
     return ShapePart(name, "shelf", (shelf,), parent=fitting.parent)
 
 
-def _hang_trays(placed: Placed, fitting: Fitting, tag: str, x: Range, needs: tuple[Need, ...]) -> Furnished:
+def _hang_trays(placed: Placed, fitting: Fitting, tag: str, x: Range, needs: tuple[Need, ...]) -> Assembly:
     """Trays on spacers that keep them clear of the open doors."""
     spacer = fitting.thickness + 0.007
     pitch = (placed.z[1] - placed.z[0]) / placed.cell.count
@@ -297,4 +287,4 @@ def _hang_trays(placed: Placed, fitting: Fitting, tag: str, x: Range, needs: tup
             rails.append(block((x[0] + 0.02, x[1]), span, (low, low + 0.04), "inside"))
         space = Space(x=(x[0] + 0.004, x[1]), y=y, z=(low, rim))
         trays.append(make_tray(space, tray_box, name=f"tray_{tag}_{k}", parent=fitting.parent, needs=needs))
-    return Furnished(primitives=tuple(rails), parts=tuple(trays))
+    return Assembly(rails, trays)

@@ -1,15 +1,14 @@
 """Interiors behind doors that cover several compartments: boards, shelves and rails."""
 
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.fittings.hardware import GAP, Edge, Space
 from artigen.shapes.furniture.cabinet import Looks
-from artigen.shapes.furniture.cells import Fitting, Furnished, furnish_cells
+from artigen.shapes.furniture.cells import Fitting, furnish_cells
 from artigen.shapes.furniture.splits import Node, lay_out
 from artigen.shapes.primitives import Primitive, block
 
 
-def furnish_interior(
-    space: Space, node: Node, looks: Looks, *, parent: str, prefix: str = "in_"
-) -> Furnished:
+def furnish_interior(space: Space, node: Node, looks: Looks, *, parent: str, prefix: str = "in_") -> Assembly:
     """Furnishes open cells in a space, with the boards between them.
 
     Args:
@@ -33,4 +32,4 @@ def furnish_interior(
     )
     cells = furnish_cells(placed, fitting, prefix)
     solids: list[Primitive] = [block(space.x, y, z, "inside") for y, z in boards]
-    return Furnished(primitives=(*solids, *cells.primitives), parts=cells.parts)
+    return Assembly((*solids, *cells.pieces), cells.parts)
