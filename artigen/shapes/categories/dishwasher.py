@@ -1,6 +1,6 @@
 """Dishwasher: a drop-down door before a steel tub with racks, or drawers that are tubs."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from artigen.shapes.appliances.control_panel import design_dial, spread_controls
 from artigen.shapes.appliances.racks import build_basket, build_rack
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose
-from artigen.shapes.draw import Draft, Wish
+from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_plinth
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import (
@@ -25,12 +25,15 @@ from artigen.shapes.fittings.hardware import (
     slide,
     sweep_gap,
 )
-from artigen.shapes.primitives import Primitive, block, box, cylinder, line, rounded_box
+from artigen.shapes.primitives import Primitive, block, box, cylinder, line
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Dishwasher"
 STYLES = ("steel", "white", "black", "retro")
+LOW: Spans = ((0.50, 0.56), (0.48, 0.54), (0.43, 0.52))
+USUAL: Spans = ((0.43, 0.66), (0.54, 0.68), (0.80, 0.90))
+"""Width, depth and height (m) of machines for a worktop, and of others."""
 BASED = 0.6
 """Probability of a closed base instead of feet."""
 BULGE = 0.012
@@ -88,15 +91,11 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     low = rng.random() < 0.08 if wish.height is None else wish.height < 0.6  # stands on a worktop
-    width = choose(rng, *((0.50, 0.56) if low else (0.43, 0.66)), wish.width)
-    depth = choose(rng, *((0.48, 0.54) if low else (0.54, 0.68)), wish.depth)
-    height = choose(rng, *((0.43, 0.52) if low else (0.80, 0.90)), wish.height)
-    longest = max(width, depth, height)
+    width, depth, height = choose_lengths(rng, wish, LOW if low else USUAL)
     paired = rng.random() < 0.06
     length = choose(rng, 0.12, 0.16) if paired else choose(rng, 0.55, 0.86) * width
-    grip = draw_grip(
-        rng, wish.choose_handles(("bar", "bar", "pull", "arch", "edge")), length=length, longest=longest
-    )
+    kinds = wish.choose_handles(("bar", "bar", "pull", "arch", "edge"))
+    grip = draw_grip(rng, kinds, length=length, longest=max(width, depth, height))
     return _Plan(
         width=width,
         depth=depth,
@@ -114,17 +113,15 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
 
 def _build_base(plan: _Plan) -> list[Primitive]:
     """Feet and a toe kick, or a closed base, and the worktop."""
-    outer_x = (plan.front, -plan.x)
+    back, kick = -plan.x, plan.front + 0.03
     if plan.base:
-        pieces = list(make_plinth((plan.front + plan.base, -plan.x), plan.y, plan.toe, "body"))
+        pieces = [*make_plinth((plan.front + plan.base, back), plan.y, plan.toe, "body")]
     else:
-        pieces = list(build_feet(outer_x, plan.y, plan.toe, "leg", radius=0.018, inset=0.03))
+        pieces = [*build_feet((plan.front, back), plan.y, plan.toe, "leg", radius=0.018, inset=0.03)]
     if plan.toe > 0.05 and not plan.base:
-        kick = plan.front + 0.03
         pieces.append(block((kick, kick + 0.014), narrow(plan.y, 0.002), (0.012, plan.toe), "leg"))
     if plan.lid:
-        low = (plan.x, plan.y[0], plan.top)
-        pieces.append(rounded_box(low, (-plan.x, plan.y[1], plan.height), 0.004, "top"))
+        pieces.append(block((plan.x, back), plan.y, (plan.top, plan.height), "top", 0.004))
     return pieces
 
 
@@ -151,29 +148,23 @@ def _build_spray_arm(tub: Space) -> tuple[Primitive, ...]:
 
 def _draw_door(rng: np.random.Generator, plan: _Plan, sill: float, tub: Space) -> Assembly:
     """The door with controls on its upper edge, or below a control strip of the housing."""
-    strip = choose(rng, 0.07, 0.12)
-    fixed = rng.random() < 0.4
-    top = plan.top - 0.003
-    low = plan.top - strip
+    strip, fixed = choose(rng, 0.07, 0.12), rng.random() < 0.4
+    low, top = plan.top - strip, plan.top - 0.003
     if fixed:
         top = low - sweep_gap(low - sill, plan.thickness + BULGE)
-    panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=(sill, top))
     seam = top if fixed else top - strip
-    leaf = Panel(x=panel.x, thickness=panel.thickness, y=panel.y, z=(sill, seam))
-    face = block((leaf.x, leaf.back), leaf.y, (sill, seam), "front", 0.003)
+    leaf = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=(sill, seam))
     finish = "panel" if rng.random() < 0.55 else "front"
-    if fixed:
-        band = block((panel.x, plan.front), panel.y, (low, plan.top), finish, 0.003)
-    else:
-        band = block((panel.x, panel.back), panel.y, (seam, top), finish, 0.003)
-    band = line(band, "steel", SIDES["front"])
-    extras, controls = _draw_controls(
-        rng, panel.x, plan.y, (plan.top - strip, plan.top - 0.003), "body" if fixed else "door"
+    deep, up = ((plan.x, plan.front), (low, plan.top)) if fixed else ((plan.x, leaf.back), (seam, top))
+    face, band = (
+        line(board, "steel", SIDES["front"])
+        for board in (leaf.fill("front", 0.003), block(deep, plan.y, up, finish, 0.003))
     )
+    carrier = "body" if fixed else "door"
+    extras, controls = _draw_controls(rng, plan.x, plan.y, (low, plan.top - 0.003), carrier)
     housed = (band, *extras)
-    solids = (line(face, "steel", SIDES["front"]), *_build_liner(leaf, tub), *(() if fixed else housed))
-    motion = hinge(panel, "bottom", float(np.pi / 2))
-    door = ShapePart("door", "door", solids, motion)
+    solids = (face, *_build_liner(leaf, tub), *(() if fixed else housed))
+    door = ShapePart("door", "door", solids, hinge(replace(leaf, z=(sill, top)), "bottom", np.pi / 2))
     return Assembly(housed if fixed else (), (door, *_mount(plan, leaf, "door"), *controls))
 
 
@@ -208,16 +199,10 @@ def _mount(plan: _Plan, panel: Panel, parent: str) -> list[ShapePart]:
     if not plan.paired:
         return [mount_grip(panel, plan.grip, name=f"{parent}_handle", parent=parent, edge=None, inset=inset)]
     z = panel.z[1] - inset - plan.grip.thickness / 2
+    places = [(side * 0.26 * panel.width, z) for side in (1, -1)]
     return [
-        make_handle(
-            panel,
-            plan.grip,
-            name=f"{parent}_handle_{k}",
-            parent=parent,
-            upright=False,
-            at=(side * 0.26 * panel.width, z),
-        )
-        for k, side in enumerate((1, -1))
+        make_handle(panel, plan.grip, name=f"{parent}_handle_{k}", parent=parent, upright=False, at=at)
+        for k, at in enumerate(places)
     ]
 
 
@@ -244,44 +229,31 @@ def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
             solids = build_rack(space, "steel", bars=int(rng.integers(12, 18)), lip=0.03)
         else:
             solids = build_basket(space, "steel", bars=6, posts=4 - k, tines=5)
-        rail = z[0] - 0.0015
-        for a, b in ((tub.y[0], tub.y[0] + 2 * ROOM), (tub.y[1] - 2 * ROOM, tub.y[1])):
-            rails.append(box((x[0], a, rail - 0.012), (tub.x[1], b, rail), "plastic"))
-        parts.append(
-            ShapePart(
-                f"rack_{k}",
-                "tray",
-                solids,
-                slide(choose(rng, 0.6, 0.78) * space.depth),
-                needs=require("door", fraction=1.0),
-            )
-        )
+        rail = (z[0] - 0.0135, z[0] - 0.0015)
+        for across in ((tub.y[0], tub.y[0] + 2 * ROOM), (tub.y[1] - 2 * ROOM, tub.y[1])):
+            rails.append(block((x[0], tub.x[1]), across, rail, "plastic"))
+        motion, needs = slide(choose(rng, 0.6, 0.78) * space.depth), require("door", fraction=1.0)
+        parts.append(ShapePart(f"rack_{k}", "tray", solids, motion, needs=needs))
     return Assembly(rails, parts)
 
 
 def _draw_drawers(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """Draws one or two drawers, each a tub with a front."""
     outer = Space(x=(plan.front, -plan.x), y=plan.y, z=(plan.toe, plan.top))
-    wall = plan.wall
-    hollow = Space(
-        x=(plan.front, -plan.x - wall), y=narrow(plan.y, wall), z=(plan.toe + wall, plan.top - wall)
-    )
-    pieces = list(build_shell(outer, hollow, "body", "inside"))
-    parts: list[ShapePart] = []
+    hollow = outer.hollow(plan.wall)
+    built = Assembly(build_shell(outer, hollow, "body", "inside"))
     for k, z in enumerate(reversed(divide_range((plan.toe, plan.top - 0.003), plan.drawers, 0.004))):
-        low = max(z[0], hollow.z[0]) + ROOM
-        high = min(z[1] - 0.03, hollow.z[1] - 0.02)
+        low, high = max(z[0], hollow.z[0]) + ROOM, min(z[1] - 0.03, hollow.z[1] - 0.02)
         if k == 0 and plan.drawers == 2:
-            shelf = (hollow.x[0], hollow.y[0], low - ROOM - 0.012)
-            pieces.append(box(shelf, (hollow.x[1], hollow.y[1], low - ROOM), "inside"))
+            shelf = block(hollow.x, hollow.y, (low - ROOM - 0.012, low - ROOM), "inside")
+            built += Assembly((shelf,))
         panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=z)
         tub = Space(x=(panel.back, hollow.x[1] - 0.02), y=narrow(hollow.y, ROOM), z=(low, high))
-        name = f"drawer_{k}"
-        front = block((panel.x, panel.back), panel.y, z, "front", 0.003)
-        solids = (front, *build_tub(tub, _tub_wall(tub), "steel"), *_build_tines(tub))
-        parts.append(ShapePart(name, "drawer", solids, slide(0.62 * tub.depth)))
-        parts += _mount(plan, panel, name)
-    return Assembly(pieces, parts)
+        box = build_tub(tub, _tub_wall(tub), "steel")
+        solids, name = (panel.fill("front", 0.003), *box, *_build_tines(tub)), f"drawer_{k}"
+        drawer = ShapePart(name, "drawer", solids, slide(0.62 * tub.depth))
+        built += Assembly(parts=(drawer, *_mount(plan, panel, name)))
+    return built
 
 
 def _tub_wall(tub: Space) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
-from artigen.shapes.draw import Draft, Wish, choose_size
+from artigen.shapes.draw import Draft, Spans, Wish, choose_size
 from artigen.shapes.fittings.hardware import Range, around, rotate
 from artigen.shapes.fittings.taps import PIVOT, make_cross_handle, make_mixer
 from artigen.shapes.fittings.tubes import bend_elbow, lay_pipe, lean_rod
@@ -21,7 +21,7 @@ from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Faucet"
 STYLES = {"single": 0.35, "kitchen": 0.35, "bridge": 0.3}
-SIZES: dict[str, tuple[Range, Range, Range]] = {
+SIZES: dict[str, Spans] = {
     "single": ((0.16, 0.22), (0.17, 0.22), (0.16, 0.22)),
     "kitchen": ((0.18, 0.24), (0.24, 0.3), (0.32, 0.44)),
     "bridge": ((0.29, 0.34), (0.2, 0.26), (0.26, 0.34)),

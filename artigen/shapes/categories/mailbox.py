@@ -13,7 +13,7 @@ import numpy as np
 from artigen.shapes.appliances.cavity import build_shell
 from artigen.shapes.assembly import Assembly, draw_styled
 from artigen.shapes.choices import choose, choose_one
-from artigen.shapes.draw import Draft, Wish
+from artigen.shapes.draw import Draft, Spans, Wish
 from artigen.shapes.fittings.fronts import FrontDesign, make_front
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import (
@@ -37,7 +37,7 @@ from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Mailbox"
 STYLES = {"rural": 3.0, "modern": 2.5, "parcel": 1.5, "cluster": 1.2}
-SIZES: dict[str, tuple[Range, Range, Range]] = {
+SIZES: dict[str, Spans] = {
     "rural": ((0.17, 0.29), (0.46, 0.6), (1.25, 1.5)),
     "modern": ((0.3, 0.42), (0.16, 0.3), (1.05, 1.3)),
     "parcel": ((0.38, 0.52), (0.34, 0.46), (1.05, 1.35)),

@@ -13,7 +13,7 @@ from artigen.shapes.appliances.oven_cavity import build_rails, choose_levels, ma
 from artigen.shapes.appliances.oven_front import FrontLook, make_oven_door, make_warming_drawer
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, pick
-from artigen.shapes.draw import Draft, Wish, find_nearest
+from artigen.shapes.draw import Draft, Spans, Wish, find_nearest
 from artigen.shapes.fittings.feet import make_plinth
 from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space, narrow
 from artigen.shapes.primitives import UP, Primitive, block, box, line, rounded_box
@@ -31,7 +31,7 @@ KINDS: dict[Kind, float] = {
     "hob": 0.06,
     "rangetop": 0.05,
 }
-SIZES: dict[Kind, tuple[Range, Range, Range]] = {
+SIZES: dict[Kind, Spans] = {
     "range": ((0.50, 0.80), (0.58, 0.70), (0.85, 0.96)),
     "double_range": ((0.60, 0.80), (0.60, 0.72), (0.88, 1.00)),
     "pro": ((0.90, 1.25), (0.60, 0.76), (0.86, 0.96)),

@@ -9,8 +9,8 @@ import numpy as np
 
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.choices import choose, choose_one, choose_style
-from artigen.shapes.draw import Draft, Wish, choose_size
-from artigen.shapes.fittings.hardware import Range, lift, slide
+from artigen.shapes.draw import Draft, Spans, Wish, choose_size
+from artigen.shapes.fittings.hardware import lift, slide
 from artigen.shapes.fittings.tubes import bend_elbow, lean_rod
 from artigen.shapes.primitives import UP, Primitive, Vector, cylinder, prism
 from artigen.shapes.shape import ShapePart, make_base
@@ -26,7 +26,7 @@ from artigen.shapes.surfaces.materials import (
 
 CATEGORY = "Pot"
 STYLES = {"casserole": 0.4, "saucepan": 0.35, "stockpot": 0.25}
-SIZES: dict[str, tuple[Range, Range, Range]] = {
+SIZES: dict[str, Spans] = {
     "casserole": ((0.31, 0.37), (0.22, 0.28), (0.15, 0.19)),
     "saucepan": ((0.34, 0.4), (0.16, 0.2), (0.14, 0.17)),
     "stockpot": ((0.33, 0.39), (0.24, 0.28), (0.26, 0.33)),

@@ -1,6 +1,6 @@
 """Refrigerator: rows of compartments behind doors, pairs of doors, freezer drawers or glass doors."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import radians
 from typing import Literal
@@ -19,7 +19,7 @@ from artigen.shapes.appliances.cold_storage import (
 )
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, pick
-from artigen.shapes.draw import Draft, Wish, find_nearest
+from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths, find_nearest
 from artigen.shapes.fittings.handles import HandleDesign
 from artigen.shapes.fittings.hardware import (
     GAP,
@@ -53,7 +53,7 @@ KINDS: dict[Kind, float] = {
     "french": 0.13,
     "display": 0.07,
 }
-SIZES: dict[Kind, tuple[Range, Range, Range]] = {
+SIZES: dict[Kind, Spans] = {
     "single": ((0.54, 0.76), (0.56, 0.74), (1.15, 1.85)),
     "mini": ((0.44, 0.56), (0.44, 0.56), (0.48, 0.90)),
     "top_freezer": ((0.54, 0.80), (0.60, 0.80), (1.34, 1.80)),
@@ -113,13 +113,10 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     weights: dict[Kind, float] = {name: KINDS[name] for name in find_nearest(wish, SIZES)}
     kind = pick(rng, weights)
-    widths, depths, heights = SIZES[kind]
-    width = choose(rng, *widths, wish.width)
-    depth = choose(rng, *depths, wish.depth)
-    height = choose(rng, *heights, wish.height)
-    thickness = float(rng.uniform(0.045, 0.055) if kind in ("mini", "display") else rng.uniform(0.052, 0.072))
+    width, depth, height = choose_lengths(rng, wish, SIZES[kind])
+    thickness = choose(rng, *((0.045, 0.055) if kind in ("mini", "display") else (0.052, 0.072)))
     foot = choose(rng, 0.015, 0.028)
-    floor = foot + (choose(rng, 0.0, 0.012) if kind == "mini" else choose(rng, 0.03, 0.08))
+    floor = foot + choose(rng, *((0.0, 0.012) if kind == "mini" else (0.03, 0.08)))
     x = -depth / 2
     longest = max(width, depth, height)
     kinds = ("bar", "bar", "pull", "edge", "arch") if kind != "display" else ("bar", "pull", "edge")
@@ -131,7 +128,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
         floor=floor,
         x=x,
         thickness=thickness,
-        wall=float(rng.uniform(0.032, 0.040) if kind == "mini" else rng.uniform(0.038, 0.055)),
+        wall=choose(rng, *((0.032, 0.040) if kind == "mini" else (0.038, 0.055))),
         longest=longest,
         edge="left" if rng.random() < 0.35 else "right",
         bevel=choose(rng, 0.002, 0.012) if rng.random() < 0.6 else 0.0,
@@ -143,30 +140,22 @@ def _draw_cells(rng: np.random.Generator, plan: _Plan) -> list[_Cell]:
     """Splits the front into rows and columns, from the top left on."""
     y, z = plan.outer.y, (plan.floor, plan.outer.z[1])
     share = choose(rng, 0.26, 0.40)
-    cut = z[0] + share * (z[1] - z[0])
-    if plan.kind in ("single", "mini"):
-        return [_make_cell(plan, y, z, frozen=False, front="door")]
-    if plan.kind == "display":
-        return [_make_cell(plan, y, z, frozen=False, front="glass")]
-    if plan.kind == "top_freezer":
-        cut = z[1] - share * (z[1] - z[0])
-        return [
-            _make_cell(plan, y, (cut, z[1]), frozen=True, front="door"),
-            _make_cell(plan, y, (z[0], cut), frozen=False, front="door"),
-        ]
+    if plan.kind in ("single", "mini", "display"):
+        return [_make_cell(plan, y, z, frozen=False, front="glass" if plan.kind == "display" else "door")]
     if plan.kind == "side_by_side":
         split = y[1] - choose(rng, 0.38, 0.5) * (y[1] - y[0])
-        return [
-            _make_cell(plan, (split, y[1]), z, frozen=True, front="door"),
-            _make_cell(plan, (y[0], split), z, frozen=False, front="door"),
-        ]
-    upper = _make_cell(plan, y, (cut, z[1]), frozen=False, front="pair" if plan.kind == "french" else "door")
-    if plan.kind == "bottom_freezer":
-        return [upper, _make_cell(plan, y, (z[0], cut), frozen=True, front="door")]
+        left = _make_cell(plan, (split, y[1]), z, frozen=True, front="door")
+        return [left, _make_cell(plan, (y[0], split), z, frozen=False, front="door")]
+    first = plan.kind == "top_freezer"
+    cut = z[1] - share * (z[1] - z[0]) if first else z[0] + share * (z[1] - z[0])
+    front: FrontKind = "pair" if plan.kind == "french" else "door"
+    upper, low = _make_cell(plan, y, (cut, z[1]), frozen=first, front=front), (z[0], cut)
+    if plan.kind in ("top_freezer", "bottom_freezer"):
+        return [upper, _make_cell(plan, y, low, frozen=not first, front="door")]
     if plan.kind == "french" and rng.random() < 0.25:
-        return [upper, _make_cell(plan, y, (z[0], cut), frozen=True, front="pair")]
+        return [upper, _make_cell(plan, y, low, frozen=True, front="pair")]
     count = 2 if cut - z[0] > 0.5 or rng.random() < 0.3 else 1
-    rows = reversed(divide_range((z[0], cut), count, 0.0))
+    rows = reversed(divide_range(low, count, 0.0))
     return [upper, *(_make_cell(plan, y, row, frozen=True, front="drawer") for row in rows)]
 
 
@@ -177,9 +166,8 @@ def _make_cell(plan: _Plan, y: Range, z: Range, *, frozen: bool, front: FrontKin
     right = wall if y[0] == outer.y[0] else half
     top = wall if z[1] == outer.z[1] else half
     bottom = wall if z[0] == plan.floor else half
-    space = Space(
-        x=(outer.x[0], outer.x[1] - wall - 0.04), y=(y[0] + right, y[1] - left), z=(z[0] + bottom, z[1] - top)
-    )
+    x = (outer.x[0], outer.x[1] - wall - 0.04)
+    space = Space(x=x, y=(y[0] + right, y[1] - left), z=(z[0] + bottom, z[1] - top))
     return _Cell(frozen=frozen, front=front, y=y, z=z, space=space)
 
 
@@ -194,17 +182,12 @@ def _build_housing(plan: _Plan, cells: list[_Cell]) -> list[Primitive]:
     pieces = list(build_shell(outer, hollow, "body", "inside", bevel=min(plan.bevel, 0.005)))
     for one, other in pairwise(spaces):
         if one.y == other.y:
-            pieces.append(block(one.x, (*one.y[:1], one.y[1]), (other.z[1], one.z[0]), "inside"))
+            pieces.append(block(one.x, one.y, (other.z[1], one.z[0]), "inside"))
         else:
             pieces.append(block(one.x, (other.y[1], one.y[0]), one.z, "inside"))
     if plan.floor - outer.z[0] > 0.025:
-        grille = block(
-            (plan.x + 0.02, outer.x[0]),
-            narrow(outer.y, 0.01),
-            (outer.z[0], plan.floor - 0.006),
-            "plastic" if plan.bevel else "rubber",
-        )
-        pieces.append(grille)
+        span, finish = (outer.z[0], plan.floor - 0.006), "plastic" if plan.bevel else "rubber"
+        pieces.append(block((plan.x + 0.02, outer.x[0]), narrow(outer.y, 0.01), span, finish))
     return [*pieces, *build_feet(outer.x, outer.y, outer.z[0], "rubber", radius=0.02, inset=0.03)]
 
 
@@ -255,8 +238,7 @@ def _draw_doors(
         niche = _draw_niche(rng, panel) if dispenses and k == 0 else None
         across = cell.space.y if cell.front == "door" else _half(cell.space.y, panel, edge)
         leaf = build_cold_leaf(panel, edge, (across, cell.space.z), bins, bevel=plan.bevel, niche=niche)
-        motion = hinge(panel, edge, upper)
-        parts.append(ShapePart(name, "door", leaf, motion))
+        parts.append(ShapePart(name, "door", leaf, hinge(panel, edge, upper)))
         parts += _mount(plan, panel, edge, name)
         needs.append(Need(part=name, fraction=1.0))
         reach = reach_inwards(panel, upper, 0.036, 0.012) + 0.004
@@ -291,12 +273,12 @@ def _half(y: Range, panel: Panel, edge: Edge) -> Range:
 
 def _place_doors(plan: _Plan, cell: _Cell, z: Range) -> list[tuple[Panel, Edge]]:
     """Panels of the doors of a compartment, from the left, each with its hinged edge."""
+    panel = Panel(x=plan.x, thickness=plan.thickness, y=cell.y, z=z)
     if cell.front == "pair":
         middle = sum(cell.y) / 2
         gap = sweep_gap((cell.y[1] - cell.y[0]) / 2, plan.thickness)
-        left = Panel(x=plan.x, thickness=plan.thickness, y=(middle + gap / 2, cell.y[1]), z=z)
-        right = Panel(x=plan.x, thickness=plan.thickness, y=(cell.y[0], middle - gap / 2), z=z)
-        return [(left, "left"), (right, "right")]
+        left = replace(panel, y=(middle + gap / 2, cell.y[1]))
+        return [(left, "left"), (replace(panel, y=(cell.y[0], middle - gap / 2)), "right")]
     half = sweep_gap(cell.y[1] - cell.y[0], plan.thickness) / 2 + 0.002
     y = (
         cell.y[0] + (half if cell.y[0] != plan.outer.y[0] else 0.0),
@@ -305,7 +287,7 @@ def _place_doors(plan: _Plan, cell: _Cell, z: Range) -> list[tuple[Panel, Edge]]
     edge = plan.edge
     if plan.kind == "side_by_side":
         edge = "left" if cell.frozen else "right"
-    return [(Panel(x=plan.x, thickness=plan.thickness, y=y, z=z), edge)]
+    return [(replace(panel, y=y), edge)]
 
 
 def _mount(plan: _Plan, panel: Panel, edge: Edge, parent: str) -> list[ShapePart]:
@@ -346,7 +328,6 @@ def _draw_glass_doors(rng: np.random.Generator, plan: _Plan, cell: _Cell, z: Ran
         window = (narrow(y, rail), (z[0] + 1.3 * rail, z[1] - rail))
         leaf = build_window_leaf(panel, window, "front", "rubber", glass="clear")
         name = f"door_{k}"
-        motion = hinge(panel, plan.edge, upper)
-        parts.append(ShapePart(name, "door", leaf, motion))
+        parts.append(ShapePart(name, "door", leaf, hinge(panel, plan.edge, upper)))
         parts += _mount(plan, panel, plan.edge, name)
     return parts

@@ -13,7 +13,7 @@ import numpy as np
 
 from artigen.shapes.assembly import Assembly, draw_styled
 from artigen.shapes.choices import choose, choose_one
-from artigen.shapes.draw import Draft, Wish
+from artigen.shapes.draw import Draft, Spans, Wish
 from artigen.shapes.fittings.feet import make_legs, make_plinth
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range, around, narrow
@@ -37,7 +37,7 @@ from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Box"
 STYLES = {"chest": 2.5, "trunk": 1.5, "plastic": 2.5, "carton": 2.5}
-SIZES: dict[str, tuple[Range, Range, Range]] = {
+SIZES: dict[str, Spans] = {
     "chest": ((0.7, 1.2), (0.38, 0.52), (0.4, 0.55)),
     "trunk": ((0.6, 1.0), (0.38, 0.52), (0.45, 0.6)),
     "plastic": ((0.38, 0.78), (0.28, 0.44), (0.18, 0.42)),

@@ -11,7 +11,7 @@ import numpy as np
 
 from artigen.shapes.assembly import Assembly, Build, draw_styled
 from artigen.shapes.choices import choose, choose_one
-from artigen.shapes.draw import Draft, Wish
+from artigen.shapes.draw import Draft, Spans, Wish
 from artigen.shapes.fittings.bowls import build_bowl
 from artigen.shapes.fittings.carrying import CHANNEL, build_channel, make_grip, make_pull_handle
 from artigen.shapes.fittings.feet import make_castors
@@ -28,7 +28,7 @@ from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Suitcase"
 STYLES = {"cabin": 3.0, "large": 2.5, "leather": 2.0, "aluminium": 1.5}
-SIZES: dict[str, tuple[Range, Range, Range]] = {
+SIZES: dict[str, Spans] = {
     "cabin": ((0.35, 0.4), (0.19, 0.23), (0.5, 0.55)),
     "large": ((0.42, 0.52), (0.25, 0.32), (0.62, 0.78)),
     "leather": ((0.45, 0.7), (0.32, 0.46), (0.14, 0.21)),

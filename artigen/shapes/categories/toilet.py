@@ -12,7 +12,7 @@ from artigen.shapes.appliances.cavity import build_tub
 from artigen.shapes.appliances.control_panel import PRESS, make_button
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
-from artigen.shapes.draw import Draft, Wish, choose_size
+from artigen.shapes.draw import Draft, Spans, Wish, choose_size
 from artigen.shapes.fittings.hardware import Range, Space, around, narrow, rotate
 from artigen.shapes.fittings.outlines import Outline, build_loft, draw_egg
 from artigen.shapes.fittings.taps import make_cross_handle
@@ -22,7 +22,7 @@ from artigen.shapes.surfaces.materials import WOODS, make_ceramic, make_metal, m
 
 CATEGORY = "Toilet"
 STYLES = {"close_coupled": 0.4, "skirted": 0.3, "wall_hung": 0.3}
-SIZES: dict[str, tuple[Range, Range, Range]] = {
+SIZES: dict[str, Spans] = {
     "close_coupled": ((0.36, 0.41), (0.63, 0.7), (0.74, 0.83)),
     "skirted": ((0.36, 0.4), (0.62, 0.68), (0.78, 0.86)),
     "wall_hung": ((0.5, 0.6), (0.7, 0.76), (1.08, 1.18)),

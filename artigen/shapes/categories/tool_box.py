@@ -13,7 +13,7 @@ import numpy as np
 
 from artigen.shapes.assembly import Assembly, draw_styled
 from artigen.shapes.choices import choose, choose_one
-from artigen.shapes.draw import Draft, Wish
+from artigen.shapes.draw import Draft, Spans, Wish
 from artigen.shapes.fittings.carrying import CHANNEL, build_channel, make_grip, make_pull_handle
 from artigen.shapes.fittings.drawers import BoxDesign, make_drawer
 from artigen.shapes.fittings.feet import make_wheel
@@ -38,7 +38,7 @@ from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "ToolBox"
 STYLES = {"plastic": 2.5, "metal": 2.5, "chest": 2.5, "rolling": 1.5}
-SIZES: dict[str, tuple[Range, Range, Range]] = {
+SIZES: dict[str, Spans] = {
     "plastic": ((0.36, 0.62), (0.2, 0.29), (0.2, 0.32)),
     "metal": ((0.36, 0.56), (0.17, 0.25), (0.2, 0.3)),
     "chest": ((0.5, 0.7), (0.26, 0.36), (0.3, 0.42)),

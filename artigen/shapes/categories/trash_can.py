@@ -12,7 +12,7 @@ import numpy as np
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
-from artigen.shapes.draw import Draft, Wish, choose_lengths
+from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_wheel
 from artigen.shapes.fittings.hardware import GAP, Range, around, narrow, rotate, slide
 from artigen.shapes.fittings.lids import build_vessel, hinge_lid, loft, make_lid, shrink
@@ -24,7 +24,7 @@ from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "TrashCan"
 STYLES = {"pedal": 3.0, "flip": 2.0, "flap": 1.6, "sorting": 1.4, "wheeled": 2.2}
-SIZES: dict[str, tuple[Range, Range, Range]] = {
+SIZES: dict[str, Spans] = {
     "pedal": ((0.2, 0.34), (0.25, 0.4), (0.28, 0.68)),
     "flip": ((0.24, 0.42), (0.2, 0.34), (0.32, 0.68)),
     "flap": ((0.26, 0.42), (0.24, 0.36), (0.5, 0.8)),
