@@ -58,7 +58,7 @@ MAKES: dict[str, Make] = {
     "FilingCabinet lateral": Make(density={"steel_sheet": 480.0}, hidden=8.0),
     "ToolBox": Make(density={"steel_sheet": 1000.0}, wall={"plastic": 0.003}),
     "Cart": Make(density={"steel_sheet": 650.0}),
-    "Cart kitchen": Make(density={"steel": 480.0, "steel_sheet": 580.0}),  # painted wood
+    "Cart kitchen": Make(density={"steel": 480.0, "steel_sheet": 480.0, "wood_board": 560.0}),  # softwood
     "Pot": Make(density={"steel_sheet": 1100.0}),
     "BreadBox": Make(density={"steel_sheet": 500.0}),
     # Walls of a safe are plates around concrete.
@@ -70,7 +70,8 @@ MAKES: dict[str, Make] = {
     "Box carton": Make(density={"plastic": 85.0}),
     "Printer": Make(wall={"plastic": 0.0025}, filled=110.0),
     "Laptop": Make(wall={"plastic": 0.0015}, filled=500.0),
-    "DeskLamp": Make(wall={"plastic": 0.0025}),  # as heavy as a millimetre of aluminium
+    # Shades of plastic are as heavy as a millimetre of aluminium, feet are concrete in a cover.
+    "DeskLamp": Make(density={"stone": 2000.0}, wall={"plastic": 0.0025}),
     "Toilet": Make(wall={"stone": 0.011}),
     # Particle board on thin backs, light tops, tubular board, softwood.
     "Wardrobe": Make(density={"wood_board": 580.0}),
