@@ -22,6 +22,7 @@ from artigen.transforms import quat_from_matrix
 from .rooms.arrange import Place, Plan
 from .rooms.catalogue import Catalogue, Entry, PopulateError, demand_roles
 from .rooms.check import check_room
+from .rooms.doorway import hang_door
 from .rooms.footprints import standing_places
 from .rooms.furnish import furnish
 from .rooms.pieces import BED_PARTS, BED_WIDTH, Member
@@ -89,7 +90,7 @@ def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfi
             sweeps=cfg.sweeps,
             most=cfg.most,
         )
-        plan, missing = furnish(Plan(size=size, entrance=entrance), recipe, chooser)
+        plan, missing = furnish(hang_door(Plan(size=size, entrance=entrance), chooser), recipe, chooser)
         objects = sum(
             member.piece.entry is not None for place in plan.places for member in place.cluster.members
         )
