@@ -11,14 +11,14 @@ import numpy as np
 
 from artigen.shapes.choices import choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
-from artigen.shapes.fittings.hardware import Range, Space, around, between, narrow, rotate
+from artigen.shapes.fittings.hardware import Range, Space, around, narrow, rotate
 from artigen.shapes.fittings.hinges import Leaf, hang_leaves
 from artigen.shapes.fittings.latches import (
     TURN,
     Hanging,
     Latch,
-    build_keep,
-    build_latch_stile,
+    build_jambs,
+    build_lock_stile,
     build_tongue,
     hang_parts,
 )
@@ -93,13 +93,9 @@ def _build_frame(inner: Space, latch: Latch | None) -> list[Primitive]:
         block(x, narrow(inner.y, -LINING), (top, top + LINING), finish),
         block((stop, x[1]), inner.y, (top - STOP, top), finish),
     ]
-    for side, at in ((-1, inner.y[0]), (1, inner.y[1])):
-        low, high = between(at, at + side * LINING)
-        jamb = Space(x=x, y=(low, high), z=(0.0, top))
-        own = latch is not None and latch.side == side
-        pieces += build_keep(latch, jamb, finish) if latch is not None and own else [jamb.fill(finish)]
-        low, high = between(at, at - side * STOP)
-        pieces.append(box((stop, low, 0.0), (x[1], high, top - STOP), finish))
+    stops = ((inner.y[0], inner.y[0] + STOP), (inner.y[1] - STOP, inner.y[1]))
+    pieces += [*build_jambs(inner, LINING, latch, finish)]
+    pieces += [block((stop, x[1]), y, (0.0, top - STOP), finish) for y in stops]
     outer, edge = narrow(inner.y, -BORDER), top + BORDER
     for face in ((x[0] - TRIM_THICK, x[0]), (x[1], x[1] + TRIM_THICK)):
         for y in ((outer[0], outer[0] + TRIM), (outer[1] - TRIM, outer[1])):
@@ -113,10 +109,7 @@ def _build_leaf(leaf: Leaf, latch: Latch, look: str, grid: tuple[int, int]) -> l
     """Stiles and rails around fields of board or glass; the lock stile holds the latch or its keep."""
     (x0, x1), (z0, z1), finish = leaf.x, leaf.z, "front"
     hung, field, lock = leaf.stiles(STILE)
-    if leaf.edge == latch.edge:
-        pieces = list(build_latch_stile(latch, lock, leaf.z, finish))
-    else:
-        pieces = list(build_keep(latch, Space(x=leaf.x, y=lock, z=leaf.z), finish))
+    pieces = list(build_lock_stile(leaf, latch, lock, finish))
     if look == "flush":
         low, high = min(hung[0], field[0]), max(hung[1], field[1])
         return [*pieces, box((x0, low, z0), (x1, high, z1), finish)]

@@ -18,7 +18,7 @@ from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import GAP, Panel, Range, around, hinge, narrow, slide, sweep_gap
-from artigen.shapes.primitives import UP, Primitive, block, box, cylinder, rounded_box
+from artigen.shapes.primitives import UP, Primitive, block, box, cylinder
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -81,15 +81,11 @@ def _make_door(
     y, z = panel.center
     if square:
         plug = cylinder((panel.back - 0.004, y, z), (panel.back + 0.03, y, z), 0.8 * hole, "steel")
-        low, high = (panel.x, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1])
         inset = 0.2 * panel.width
-        field = block(
-            (panel.x - 0.003, panel.x + 0.002),
-            narrow(panel.y, inset),
-            narrow(panel.z, inset),
-            "panel" if rng.random() < 0.5 else "front",
-        )
-        solids: tuple[Primitive, ...] = (rounded_box(low, high, 0.008, "front"), field, plug)
+        finish = "panel" if rng.random() < 0.5 else "front"
+        face = (panel.x - 0.003, panel.x + 0.002)
+        field = block(face, narrow(panel.y, inset), narrow(panel.z, inset), finish)
+        solids: tuple[Primitive, ...] = (panel.fill("front", 0.008), field, plug)
     else:
         pane = choose_one(rng, ("glass", "clear", "front"))
         solids = build_porthole(panel, 0.84 * hole, choose(rng, 0.03, 0.045), pane)

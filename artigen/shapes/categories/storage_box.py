@@ -18,6 +18,7 @@ from artigen.shapes.fittings.feet import make_legs, make_plinth
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range, around, narrow
 from artigen.shapes.fittings.lids import (
+    build_collar,
     build_roof,
     build_vessel,
     hinge_lid,
@@ -165,14 +166,7 @@ def _build_tub(rng: np.random.Generator, width: float, depth: float, height: flo
     taper, low = choose(rng, 0.08, 0.16) * min(depth, height), rim + GAP
     outer = shrink((x, y), 0.016)
     walls = build_vessel(shrink(outer, taper / 2), outer, (0.0, rim), wall, "body")
-    (x0, x1), (y0, y1) = inner = shrink(outer, wall)
-    up, along = (rim - 0.018, rim), narrow(x, 0.004)
-    brim = (
-        block(along, (y[0], y0), up, "body"),
-        block(along, (y1, y[1]), up, "body"),
-        block((along[0], x0), inner[1], up, "body"),
-        block((x1, along[1]), inner[1], up, "body"),
-    )
+    brim = build_collar((narrow(x, 0.004), y), shrink(outer, wall), (rim - 0.018, rim), "body")
     field = shrink((x, y), 0.03)
     solids = (
         block(x, y, (low, low + thick), "top", 0.004),

@@ -15,7 +15,7 @@ from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_wheel
 from artigen.shapes.fittings.hardware import GAP, Range, around, narrow, rotate, slide
-from artigen.shapes.fittings.lids import build_vessel, hinge_lid, loft, make_lid, shrink
+from artigen.shapes.fittings.lids import build_collar, build_vessel, hinge_lid, loft, make_lid, shrink
 from artigen.shapes.primitives import LEFT, RIGHT, SEGMENTS, UP, Primitive, block, cylinder, polytope, prism
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.finishes import Color, Finish
@@ -285,13 +285,11 @@ def _build_wheeled_bin(rng: np.random.Generator, width: float, depth: float, hei
     rim, crest = low - GAP, low + 0.45 * rise
     radius, tread = choose(rng, 0.085, 0.1), 0.045
     bottom = (x[0] + 0.12 * depth, x[1] - 0.1 * depth), narrow(y, 0.07)
-    collar, inner = (rim - 0.03, rim), narrow(y, 0.012)
+    inner = (x[0] + 0.012, x[1]), narrow(y, 0.012)
     arm, pivot = x[1] + bar - 0.014, x[1] + 0.012
     pieces = [
         *build_vessel(bottom, (x, y), (0.0, rim), wall, "body"),
-        block(x, (y[0], inner[0]), collar, "body"),
-        block(x, (inner[1], y[1]), collar, "body"),
-        block((x[0], x[0] + 0.012), inner, collar, "body"),
+        *build_collar((x, y), inner, (rim - 0.03, rim), "body"),
     ]
     for a in (-0.3 * width, 0.3 * width):
         pieces.append(block((x[1] - 0.02, arm + 0.004), around(a, 0.02), (rim - 0.05, rim - 0.02), "body"))

@@ -4,7 +4,7 @@ from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.cavity import SIDES, build_feet, build_tub
+from artigen.shapes.appliances.cavity import SIDES, build_feet, build_rim, build_tub
 from artigen.shapes.appliances.control_panel import design_dial, spread_controls
 from artigen.shapes.appliances.drums import build_bearing, fit_radius, make_drum
 from artigen.shapes.appliances.laundry import (
@@ -23,7 +23,8 @@ from artigen.shapes.choices import choose
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, around, narrow, rotate, slide
-from artigen.shapes.primitives import LEFT, Primitive, block, box, line, rounded_box
+from artigen.shapes.fittings.lids import build_collar
+from artigen.shapes.primitives import LEFT, Primitive, block, line
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -96,11 +97,7 @@ def _draw_pedestal(rng: np.random.Generator, plan: LaundryPlan, x: float, foot: 
     tub = Space(
         x=(panel.back, back - 0.03), y=narrow(inner, ROOM), z=(foot + 0.018 + ROOM, panel.z[1] - 0.04)
     )
-    low, high = (panel.x, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1])
-    solids = (
-        rounded_box(low, high, 0.003, "front"),
-        *build_tub(tub, max(tub.width, tub.depth) / 55, "plastic"),
-    )
+    solids = (panel.fill("front", 0.003), *build_tub(tub, max(tub.width, tub.depth) / 55, "plastic"))
     name = "pedestal_drawer"
     drawer = ShapePart(name, "drawer", solids, slide(0.7 * tub.depth))
     long = choose(rng, 0.3, 0.6) * plan.width
@@ -120,12 +117,11 @@ def _draw_top_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
     hinge_x = console - dial.length - choose(rng, 0.010, 0.020)
     hole = (x + 0.05, hinge_x - 0.04), narrow(y, 0.06)
     face = "panel" if rng.random() < 0.4 else "front"
-    low = (console, y[0], deck + 0.03)
     pieces = (
         *build_feet((x, back), y, foot, "rubber", radius=0.022, inset=0.04),
         *_build_tall_cabinet(plan, (foot, deck)),
-        *_build_deck(((x, back), y), hole, (deck, deck + 0.03)),
-        rounded_box(low, (back, y[1], plan.height), 0.006, face),
+        *build_collar(((x, back), y), hole, (deck, deck + 0.03), "top"),
+        block((console, back), y, (deck + 0.03, plan.height), face, 0.006),
     )
     center, end = ((x + back) / 2 - 0.03, 0.0, 0.0), foot + 0.018 + 0.22
     room = min(plan.width / 2, center[0] - x, back - center[0]) - WALL - 0.012
@@ -159,31 +155,14 @@ def _build_tall_cabinet(plan: LaundryPlan, z: Range) -> tuple[Primitive, ...]:
     return (*(line(wall, "steel", SIDES[side]) for side, wall in walls), floor)
 
 
-def _build_deck(outline: tuple[Range, Range], hole: tuple[Range, Range], z: Range) -> tuple[Primitive, ...]:
-    """A horizontal frame around the opening for the laundry (ranges of x and y)."""
-    ((x0, x1), (y0, y1)), ((a, b), (c, d)) = outline, hole
-    return (
-        block((x0, x1), (y0, c), z, "top"),
-        block((x0, x1), (d, y1), z, "top"),
-        block((x0, a), (c, d), z, "top"),
-        block((b, x1), (c, d), z, "top"),
-    )
-
-
 def _build_lid(
     rng: np.random.Generator, extent: tuple[Range, Range, Range], lip: float
 ) -> tuple[Primitive, ...]:
     """A lid with a lip along its front edge; half of the lids have a pane."""
-    (x0, x1), (y0, y1), (z0, z1) = extent
-    grip = block((x0 - 0.012, x0), around(0.0, 0.12), (z1 - max(lip, 0.016), z1), "front")
+    x, y, z = extent
+    grip = block((x[0] - 0.012, x[0]), around(0.0, 0.12), (z[1] - max(lip, 0.016), z[1]), "front")
     if rng.random() < 0.4:
-        return block((x0, x1), (y0, y1), (z0, z1), "front", 0.004), grip
+        return block(x, y, z, "front", 0.004), grip
     rail = choose(rng, 0.05, 0.08)
-    return (
-        box((x0, y0, z0), (x0 + rail, y1, z1), "front"),
-        box((x1 - rail, y0, z0), (x1, y1, z1), "front"),
-        box((x0 + rail, y0, z0), (x1 - rail, y0 + rail, z1), "front"),
-        box((x0 + rail, y1 - rail, z0), (x1 - rail, y1, z1), "front"),
-        box((x0 + rail, y0 + rail, z0 + 0.008), (x1 - rail, y1 - rail, z1 - 0.004), "glass"),
-        grip,
-    )
+    pane = block(narrow(x, rail), narrow(y, rail), (z[0] + 0.008, z[1] - 0.004), "glass")
+    return (*build_rim(x, y, z, rail, "front"), pane, grip)

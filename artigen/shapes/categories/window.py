@@ -17,8 +17,8 @@ from artigen.shapes.fittings.latches import (
     THROW,
     Hanging,
     Latch,
-    build_keep,
-    build_latch_stile,
+    build_jambs,
+    build_lock_stile,
     build_tongue,
     hang_parts,
     make_bolt,
@@ -99,9 +99,7 @@ def _draw_casement(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     frame = [
         block(inner.x, (low, high), (a, b), "body") for a, b in ((bottom, inner.z[0]), (inner.z[1], top))
     ]
-    for side, span in ((-1, (low, inner.y[0])), (1, (inner.y[1], high))):
-        jamb = Space(x=inner.x, y=span, z=inner.z)
-        frame += build_keep(latch, jamb, "body") if count == 1 and side == latch.side else [jamb.fill("body")]
+    frame += build_jambs(inner, PROFILE, latch if count == 1 else None, "body")
     back = (inner.x[0] + LEAF + 0.003, inner.x[1])
     hole = narrow(inner.y, STOP), narrow(inner.z, STOP)
     frame += build_frame(back, (inner.y, inner.z), hole, "body")
@@ -124,10 +122,7 @@ def _build_leaf(leaf: Leaf, latch: Latch, bars: int) -> list[Primitive]:
     """Stiles and rails around a pane; the lock stile holds the latch or its keep."""
     (x0, x1), (z0, z1), wide = leaf.x, leaf.z, 0.078
     hung, field, lock = leaf.stiles(wide)
-    if leaf.edge == latch.edge:
-        pieces = list(build_latch_stile(latch, lock, leaf.z, "front", through=False))
-    else:
-        pieces = list(build_keep(latch, Space(x=leaf.x, y=lock, z=leaf.z), "front"))
+    pieces = list(build_lock_stile(leaf, latch, lock, "front", through=False))
     z = (z0 + wide, z1 - wide)
     pieces.append(block((x0, x1), hung, (z0, z1), "front"))
     pieces += [block((x0, x1), field, (a, b), "front") for a, b in ((z0, z[0]), (z[1], z1))]
@@ -157,6 +152,12 @@ def _build_tracks(inner: Space, *, upright: bool) -> list[Primitive]:
     return pieces
 
 
+def _find_tracks(inner: Space) -> tuple[Range, Range]:
+    """x of the sash that slides and of the fixed one behind it."""
+    front = (inner.x[0] + STOP, inner.x[0] + STOP + SASH)
+    return front, (front[1] + APART, front[1] + APART + SASH)
+
+
 def _build_sash(x: Range, y: Range, z: Range, rails: tuple[float, float], bars: int) -> list[Primitive]:
     """Stiles, a lower and an upper rail of the given heights, and the pane."""
     hole = narrow(y, RAIL), (z[0] + rails[0], z[1] - rails[1])
@@ -165,23 +166,17 @@ def _build_sash(x: Range, y: Range, z: Range, rails: tuple[float, float], bars: 
 
 def _draw_sashes(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     """Draws a sash that slides up before a fixed one, held by a cam on its rail in a notch of the other."""
-    front = (inner.x[0] + STOP, inner.x[0] + STOP + SASH)
-    back = (front[1] + APART, front[1] + APART + SASH)
+    front, back = _find_tracks(inner)
     y = narrow(inner.y, GAP)
     low, high = inner.z
     top = low + choose(rng, 0.46, 0.54) * (high - low)
-    middle = sum(y) / 2
-    notch_y, notch_z, deep = (
-        (middle - 0.016, middle + 0.044),
-        (top + 0.001, top + 0.0175),
-        back[0] + THROW + 0.006,
-    )
+    middle, deep = sum(y) / 2, back[0] + THROW + 0.006
+    notch_y, notch_z = (middle - 0.016, middle + 0.044), (top + 0.001, top + 0.0175)
     rail, ledge = (top - RAIL, notch_z[0]), (notch_z[1], top + 0.034)
     frame = _build_tracks(inner, upright=True)
     frame += [block(back, inner.y, (a, b), "front") for a, b in (rail, ledge)]
-    frame += [
-        block(back, (a, b), notch_z, "front") for a, b in ((inner.y[0], notch_y[0]), (notch_y[1], inner.y[1]))
-    ]
+    beside = (inner.y[0], notch_y[0]), (notch_y[1], inner.y[1])
+    frame += [block(back, side, notch_z, "front") for side in beside]
     frame.append(block((deep, back[1]), notch_y, notch_z, "front"))
     free = narrow(inner.y, RAIL)
     sides = ((inner.y[0], free[0], high), (free[1], inner.y[1], high))
@@ -212,8 +207,7 @@ def _draw_sashes(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
 
 def _draw_sliding(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     """Draws a sash that slides sideways before a fixed one, held by a bolt in the frame above."""
-    front = (inner.x[0] + STOP, inner.x[0] + STOP + SASH)
-    back = (front[1] + APART, front[1] + APART + SASH)
+    front, back = _find_tracks(inner)
     z = narrow(inner.z, GAP)
     middle, left = sum(inner.y) / 2, bool(rng.random() < 0.5)
     over = RAIL / 2

@@ -15,7 +15,7 @@ import numpy as np
 
 from artigen.shapes.appliances.cavity import build_frame
 from artigen.shapes.choices import choose
-from artigen.shapes.fittings.hardware import Range, Space, around, narrow, slide
+from artigen.shapes.fittings.hardware import Range, Space, around, between, narrow, slide
 from artigen.shapes.fittings.hinges import Leaf, build_astragal, fit_hinges
 from artigen.shapes.primitives import DOWN, Primitive, Vector, block, box, cylinder, polytope
 from artigen.shapes.shape import Need, ShapePart
@@ -160,6 +160,25 @@ def build_latch_stile(
         block((front, back), behind, free.z, finish),
         *skins,
     )
+
+
+def build_lock_stile(
+    leaf: Leaf, latch: Latch, y: Range, finish: str, *, through: bool = True
+) -> tuple[Primitive, ...]:
+    """The stile beside a leaf's edge: that of the latch, or that of a second leaf with the latch's keep."""
+    if leaf.edge == latch.edge:
+        return build_latch_stile(latch, y, leaf.z, finish, through=through)
+    return build_keep(latch, Space(x=leaf.x, y=y, z=leaf.z), finish)
+
+
+def build_jambs(inner: Space, width: float, latch: Latch | None, finish: str) -> list[Primitive]:
+    """Posts of a frame at both sides of a space; a latch in a single leaf has its keep in one of them."""
+    pieces: list[Primitive] = []
+    for side, at in zip((-1, 1), inner.y, strict=True):
+        jamb = Space(x=inner.x, y=between(at, at + side * width), z=inner.z)
+        held = latch is not None and latch.side == side
+        pieces += build_keep(latch, jamb, finish) if latch is not None and held else [jamb.fill(finish)]
+    return pieces
 
 
 def build_keep(latch: Latch, jamb: Space, finish: str) -> tuple[Primitive, ...]:

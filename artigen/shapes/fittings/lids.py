@@ -126,6 +126,18 @@ def shrink(outline: Rectangle, by: float) -> Rectangle:
     return (x0 + by, x1 - by), (y0 + by, y1 - by)
 
 
+def build_collar(outer: Rectangle, inner: Rectangle, z: Range, finish: str) -> tuple[Primitive, ...]:
+    """Boards between two rectangles, on the sides on which they differ; those along x run through."""
+    (x, y), (hole_x, hole_y) = outer, inner
+    sides = (
+        (x, (y[0], hole_y[0])),
+        (x, (hole_y[1], y[1])),
+        ((x[0], hole_x[0]), hole_y),
+        ((hole_x[1], x[1]), hole_y),
+    )
+    return tuple(block(a, b, z, finish) for a, b in sides if a[0] < a[1] and b[0] < b[1])
+
+
 def trace_arch(x: Range, z: float, rise: float, pieces: int = 6) -> Float[np.ndarray, "N 2"]:
     """Half an ellipse over a range of x, from front to rear, as points (x, z)."""
     turns = np.linspace(0.0, np.pi, pieces + 1)
