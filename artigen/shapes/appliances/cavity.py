@@ -1,7 +1,5 @@
 """Hollow housings: boards around a cavity that is open to the front, with a lining."""
 
-from collections.abc import Sequence
-
 from artigen.shapes.fittings.hardware import Range, Space, narrow
 from artigen.shapes.primitives import (
     BACK,
@@ -101,21 +99,3 @@ def build_feet(
     """Four round feet under a rectangle, from the floor to ``height``."""
     places = [(a, b) for a in narrow(x, inset) for b in narrow(y, inset)]
     return tuple(cylinder((a, b, 0.0), (a, b, height), radius, finish) for a, b in places)
-
-
-def divide_range(span: Range, count: int, gap: float) -> list[Range]:
-    """Divides a range into equal intervals with ``gap`` between them."""
-    size = (span[1] - span[0] - gap * (count - 1)) / count
-    return [(span[0] + k * (size + gap), span[0] + k * (size + gap) + size) for k in range(count)]
-
-
-def share_range(span: Range, shares: Sequence[float], gap: float) -> list[Range]:
-    """Divides a range into intervals proportional to ``shares`` with ``gap`` between them."""
-    free = span[1] - span[0] - gap * (len(shares) - 1)
-    out: list[Range] = []
-    start = span[0]
-    for share in shares:
-        end = start + free * share / sum(shares)
-        out.append((start, end))
-        start = end + gap
-    return out

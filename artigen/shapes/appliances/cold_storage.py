@@ -6,10 +6,10 @@ from math import cos, sin, sqrt
 import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import build_leaf
-from artigen.shapes.appliances.cavity import build_tub, divide_range
+from artigen.shapes.appliances.cavity import build_tub
 from artigen.shapes.appliances.racks import SLENDER
 from artigen.shapes.choices import choose
-from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space, narrow, slide
+from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space, divide_range, narrow, slide
 from artigen.shapes.primitives import Primitive, block, box
 from artigen.shapes.shape import Need, ShapePart
 from artigen.types import PartLabel

@@ -4,9 +4,8 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.appliances.cavity import divide_range
 from artigen.shapes.choices import choose
-from artigen.shapes.fittings.hardware import Range, around, narrow
+from artigen.shapes.fittings.hardware import Range, around, divide_range, narrow
 from artigen.shapes.primitives import Primitive, block, cylinder
 
 CooktopKind = Literal["gas", "glass", "coil"]

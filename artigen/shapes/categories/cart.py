@@ -5,7 +5,6 @@ Tool carts are one cabinet of drawers under a rimmed top.
 """
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -16,7 +15,7 @@ from artigen.shapes.choices import choose, choose_one, pick
 from artigen.shapes.draw import Draft, Wish, choose_lengths
 from artigen.shapes.fittings.drawers import BoxDesign, make_tray
 from artigen.shapes.fittings.feet import make_castors
-from artigen.shapes.fittings.hardware import GAP, Range, Space, around, narrow
+from artigen.shapes.fittings.hardware import GAP, Range, Space, around, narrow, share_range
 from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
 from artigen.shapes.furniture.carcass import draw_fitting
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
@@ -155,9 +154,8 @@ def _stack_tiers(rng: np.random.Generator, frame: _Frame, kind: _Kind) -> Assemb
     built = Assembly((*posts, board))
     count = int(rng.integers(2, 4))
     shares = rng.dirichlet(np.full(count, 12.0))
-    edges = (low + (high - low) * np.concatenate([[0.0], np.cumsum(shares)])).tolist()
     repeated: Tier = pick(rng, dict(kind.tiers))
-    for tag, span in zip("abc", pairwise(edges), strict=False):
+    for tag, span in zip("abc", share_range((low, high), shares.tolist()), strict=False):
         tier: Tier = repeated if rng.random() < 0.45 else pick(rng, dict(kind.tiers))
         built += _build_tier(rng, frame, tier, span, tag)
     return built

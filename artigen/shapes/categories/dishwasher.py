@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import draw_grip, mount_grip
-from artigen.shapes.appliances.cavity import SIDES, build_feet, build_shell, build_tub, divide_range
+from artigen.shapes.appliances.cavity import SIDES, build_feet, build_shell, build_tub
 from artigen.shapes.appliances.control_panel import design_dial, spread_controls
 from artigen.shapes.appliances.racks import build_basket, build_rack
 from artigen.shapes.assembly import Assembly
@@ -20,6 +20,7 @@ from artigen.shapes.fittings.hardware import (
     Range,
     Space,
     around,
+    divide_range,
     hinge,
     narrow,
     slide,

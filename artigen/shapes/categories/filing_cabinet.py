@@ -16,7 +16,7 @@ from artigen.shapes.fittings.drawers import BoxDesign, make_drawer
 from artigen.shapes.fittings.feet import StandKind, design_stand, make_stand
 from artigen.shapes.fittings.fronts import FrontDesign, FrontStyle
 from artigen.shapes.fittings.handles import HandleKind, design_handle
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, around, narrow
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, around, narrow, share_down
 from artigen.shapes.fittings.locks import make_lock
 from artigen.shapes.furniture.carcass import CarcassDesign, make_carcass, open_carcass
 from artigen.shapes.primitives import Primitive, block
@@ -169,7 +169,7 @@ def _build(
         solids.append(rail.fill("body", 0.002))
     edge = 0.002 if wooden or rng.random() < 0.5 else 0.012
     top = rail.z[0] if crown else body.z[1] - (0.004 if wooden else 0.002)
-    fronts = _divide((body.z[0] + 0.003, top), shares)
+    fronts = share_down((body.z[0] + 0.003, top), shares, SEAM)
     travel, filled, labelled = (choose(rng, 0.7, 0.85), choose(rng, 0.3, 1.0), rng.random() < 0.85)
     parts: list[ShapePart] = []
     for index, span in enumerate(fronts):
@@ -188,14 +188,6 @@ def _build(
         at = (outer.x[0], outer.y[0] + 0.045, (rail.z[0] + rail.z[1]) / 2)
         parts.append(make_lock(at, name="lock"))
     return (make_base(solids), *parts)
-
-
-def _divide(span: Range, shares: Sequence[float]) -> list[Range]:
-    """Fronts from top to bottom, separated by seams."""
-    free = span[1] - span[0] - SEAM * (len(shares) - 1)
-    heights = free * np.array(shares) / sum(shares)
-    tops = span[1] - np.concatenate([[0.0], np.cumsum(heights + SEAM)[:-1]])
-    return [(float(top - high), float(top)) for top, high in zip(tops, heights, strict=True)]
 
 
 def _make_runners(space: Space, front: float) -> list[Primitive]:

@@ -5,7 +5,6 @@ USPS-STD-7C places the bottom of a roadside box 1.04 to 1.14 m above the road; b
 """
 
 from dataclasses import replace
-from itertools import pairwise
 from math import radians
 
 import numpy as np
@@ -25,6 +24,7 @@ from artigen.shapes.fittings.hardware import (
     hinge,
     narrow,
     rotate,
+    share_down,
     sweep_gap,
 )
 from artigen.shapes.fittings.lids import build_roof
@@ -214,11 +214,10 @@ def _build_cluster(rng: np.random.Generator, width: float, depth: float, height:
     columns = ((0.0, y[1]), (0.0, inner.y[1]), [1.0] * rows), ((y[0], 0.0), (inner.y[0], 0.0), right)
     for column, (span, deep, shares) in enumerate(columns):
         across = narrow(span, sweep_gap(span[1] - span[0], THICK) / 2 + 0.001)
-        edges = height - np.concatenate([[0.0], np.cumsum(shares)]) / sum(shares) * (height - foot)
-        for k, (high, low) in enumerate(pairwise(edges.tolist())):
-            panel = Panel(x=front, thickness=THICK, y=across, z=narrow((low, high), 0.0015))
+        for k, z in enumerate(share_down((foot, height), shares)):
+            panel = Panel(x=front, thickness=THICK, y=across, z=narrow(z, 0.0015))
             door = _make_locked_door(panel, f"door_{column}_{k}", radians(95), left=bool(column))
             last = k == len(shares) - 1
-            shelf = () if last else (block(inner.x, deep, around(low, 0.004), "inside"),)
+            shelf = () if last else (block(inner.x, deep, around(z[0], 0.004), "inside"),)
             built += Assembly(shelf, door)
     return built

@@ -6,7 +6,7 @@ from math import radians
 import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import build_window_leaf, draw_grip, mount_grip
-from artigen.shapes.appliances.cavity import SIDES, build_feet, build_shell, divide_range
+from artigen.shapes.appliances.cavity import SIDES, build_feet, build_shell
 from artigen.shapes.appliances.control_panel import build_display, design_dial, make_button, make_dial
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.choices import choose
@@ -17,6 +17,7 @@ from artigen.shapes.fittings.hardware import (
     Range,
     Space,
     around,
+    divide_range,
     hinge,
     narrow,
     rotate,

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import draw_grip
-from artigen.shapes.appliances.cavity import SIDES, build_feet, share_range
+from artigen.shapes.appliances.cavity import SIDES, build_feet
 from artigen.shapes.appliances.control_panel import DialDesign, design_dial, make_dial, spread_controls
 from artigen.shapes.appliances.cooktop import CooktopKind, build_burners
 from artigen.shapes.appliances.oven_cavity import build_rails, choose_levels, make_racks
@@ -15,7 +15,7 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, pick
 from artigen.shapes.draw import Draft, Spans, Wish, find_nearest
 from artigen.shapes.fittings.feet import make_plinth
-from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space, narrow
+from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space, narrow, share_range
 from artigen.shapes.primitives import UP, Primitive, block, box, line, rounded_box
 from artigen.shapes.surfaces.palette import draw_palette
 

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import build_window_leaf, draw_grip, mount_grip
-from artigen.shapes.appliances.cavity import build_feet, build_shell, divide_range
+from artigen.shapes.appliances.cavity import build_feet, build_shell
 from artigen.shapes.appliances.cold_storage import (
     LOW,
     build_cold_leaf,
@@ -28,6 +28,7 @@ from artigen.shapes.fittings.hardware import (
     Range,
     Space,
     around,
+    divide_range,
     hinge,
     narrow,
     slide,

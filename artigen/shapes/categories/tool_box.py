@@ -6,7 +6,6 @@ Boxes are sold by their length of 13 to 26 inches (0.33 to 0.66 m), half as deep
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 from math import radians
 
 import numpy as np
@@ -19,7 +18,7 @@ from artigen.shapes.fittings.drawers import BoxDesign, make_drawer
 from artigen.shapes.fittings.feet import make_wheel
 from artigen.shapes.fittings.fronts import FrontDesign
 from artigen.shapes.fittings.handles import HandleDesign
-from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Panel, Range, Space, around, narrow
+from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Panel, Range, Space, around, narrow, share_down
 from artigen.shapes.fittings.lids import (
     Rectangle,
     build_half_shell,
@@ -226,8 +225,7 @@ def _stack(
     grip = HandleDesign(kind="edge", length=choose(rng, 0.4, 0.8) * width, thickness=0.010)
     front = FrontDesign(style="flat", frame=0.0, handle=grip)
     box = BoxDesign(wall=0.006, floor=0.005, rim=0.8, finish="tray")
-    tops = deck - 0.003 - np.concatenate([[0.0], np.cumsum(shares)]) / shares.sum() * (deck - foot - 0.005)
-    for index, (upper, lower) in enumerate(pairwise(tops.tolist())):
+    for index, (lower, upper) in enumerate(share_down((foot + 0.002, deck - 0.003), shares.tolist())):
         panel = Panel(x=x[0], thickness=thick, y=narrow(y, 0.001), z=(lower + 0.003, upper))
         space = Space(x=(panel.back, x1), y=narrow(y, WALL), z=(max(panel.z[0], floor), upper))
         parts += make_drawer(panel, space, front, box=box, name=f"drawer_{index}")

@@ -4,7 +4,7 @@ Metres, z up, front -x. Seen from the front, left is +y. A front is hinged at th
 edge: up to 90 degrees the leaf stays within its own outline, and it never moves backwards.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -102,6 +102,24 @@ def around(middle: float, half: float) -> Range:
 def narrow(span: Range, by: float) -> Range:
     """A range shortened by a length at both ends, or extended if it is negative."""
     return span[0] + by, span[1] - by
+
+
+def share_range(span: Range, shares: Sequence[float], gap: float = 0.0) -> list[Range]:
+    """Intervals of a range proportional to ``shares``, from its lower end up, with ``gap`` between them."""
+    free = span[1] - span[0] - gap * (len(shares) - 1)
+    sizes = free * np.asarray(shares) / sum(shares)
+    starts = span[0] + np.concatenate([[0.0], np.cumsum(sizes + gap)[:-1]])
+    return [(float(start), float(start + size)) for start, size in zip(starts, sizes, strict=True)]
+
+
+def share_down(span: Range, shares: Sequence[float], gap: float = 0.0) -> list[Range]:
+    """As `share_range`, from the upper end down."""
+    return share_range(span, shares[::-1], gap)[::-1]
+
+
+def divide_range(span: Range, count: int, gap: float = 0.0) -> list[Range]:
+    """Equal intervals of a range, from its lower end up, with ``gap`` between them."""
+    return share_range(span, (1.0,) * count, gap)
 
 
 def lift(primitives: Iterable[Primitive], height: float) -> tuple[Primitive, ...]:

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from artigen.shapes.choices import choose, choose_one, pick
-from artigen.shapes.fittings.hardware import Edge, Range
+from artigen.shapes.fittings.hardware import Edge, Range, share_down
 
 Fill = Literal["open", "drawer", "door", "double", "drop", "lift", "fold", "slide", "blank"]
 Inside = Literal["empty", "shelves", "trays", "rod"]
@@ -162,7 +162,7 @@ def lay_out(
     last: Edge = "bottom" if rows else "right"
     cells: list[Placed] = []
     boards: list[tuple[Range, Range]] = []
-    spans = _divide(z if rows else y, node.shares, thick)
+    spans = share_down(z if rows else y, node.shares, thick)
     for index, (span, child) in enumerate(zip(spans, node.children, strict=True)):
         own = dict(reach)
         own |= {first: inner} if index > 0 else {}
@@ -179,14 +179,6 @@ def lay_out(
             gap = (lower[1], upper[0])
             boards.append((y, gap) if rows else (gap, z))
     return tuple(cells), tuple(boards)
-
-
-def _divide(span: Range, shares: tuple[float, ...], board: float) -> list[Range]:
-    """Divides a span from its upper end down, with boards between the parts."""
-    free = span[1] - span[0] - board * (len(shares) - 1)
-    parts = free * np.array(shares) / sum(shares)
-    tops = span[1] - np.concatenate([[0.0], np.cumsum(parts + board)[:-1]])
-    return [(float(top - part), float(top)) for top, part in zip(tops, parts, strict=True)]
 
 
 COLUMNS = {
