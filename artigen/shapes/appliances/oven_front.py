@@ -11,7 +11,7 @@ from artigen.shapes.appliances.racks import SLENDER
 from artigen.shapes.choices import choose
 from artigen.shapes.fittings.handles import HandleDesign
 from artigen.shapes.fittings.hardware import Panel, Space, hinge, narrow, slide, sweep_gap
-from artigen.shapes.primitives import Primitive, block, rounded_box
+from artigen.shapes.primitives import Primitive, block
 from artigen.shapes.shape import ShapePart
 
 
@@ -62,8 +62,7 @@ def make_warming_drawer(
     """A warming drawer: a front, and a steel box that fills ``tub`` behind it."""
     wall = max(0.008, max(tub.width, tub.depth) / SLENDER)
     face = "front" if rng.random() < 0.5 else look.face
-    low, high = (panel.x, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1])
-    solids = [rounded_box(low, high, 0.003, face), *build_tub(tub, wall, "steel")]
+    solids = [panel.fill(face, 0.003), *build_tub(tub, wall, "steel")]
     handles = []
     if look.grip is not None and rng.random() < 0.6:
         handles.append(

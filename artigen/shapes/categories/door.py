@@ -23,7 +23,7 @@ from artigen.shapes.fittings.latches import (
     hang_parts,
 )
 from artigen.shapes.fittings.levers import LeverDesign, build_lever, design_lever
-from artigen.shapes.primitives import Primitive, block, box, rounded_box
+from artigen.shapes.primitives import Primitive, block
 from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -111,8 +111,8 @@ def _build_leaf(leaf: Leaf, latch: Latch, look: str, grid: tuple[int, int]) -> l
     hung, field, lock = leaf.stiles(STILE)
     pieces = list(build_lock_stile(leaf, latch, lock, finish))
     if look == "flush":
-        low, high = min(hung[0], field[0]), max(hung[1], field[1])
-        return [*pieces, box((x0, low, z0), (x1, high, z1), finish)]
+        plain = min(hung[0], field[0]), max(hung[1], field[1])
+        return [*pieces, block((x0, x1), plain, (z0, z1), finish)]
     pieces.append(block((x0, x1), hung, (z0, z1), finish))
     columns, rows = grid
     bottom, top = z0 + 0.2, z1 - STILE
@@ -140,9 +140,7 @@ def _build_leaf(leaf: Leaf, latch: Latch, look: str, grid: tuple[int, int]) -> l
 def _build_field(x: Range, y: Range, z: Range, finish: str) -> Primitive:
     """A raised panel, whose bevelled edges enter the frame."""
     back, slope = 0.004, 0.014
-    over = slope / 2
-    low, high = (x[0] + back, y[0] - over, z[0] - over), (x[1] - back, y[1] + over, z[1] + over)
-    return rounded_box(low, high, slope, finish)
+    return block(narrow(x, back), narrow(y, -slope / 2), narrow(z, -slope / 2), finish, slope)
 
 
 def _make_lever(latch: Latch, design: LeverDesign) -> ShapePart:

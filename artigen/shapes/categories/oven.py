@@ -15,8 +15,8 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, pick
 from artigen.shapes.draw import Draft, Spans, Wish, find_nearest
 from artigen.shapes.fittings.feet import make_plinth
-from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space, narrow, share_range
-from artigen.shapes.primitives import UP, Primitive, block, box, line, rounded_box
+from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space, around, narrow, share_range
+from artigen.shapes.primitives import UP, Primitive, block, line
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Oven"
@@ -176,9 +176,8 @@ def _draw_top(rng: np.random.Generator, plan: _Plan) -> tuple[Assembly, float]:
     area = ((plan.x + 0.05, rear - 0.015), narrow(plan.y, 0.03))
     pieces = (slab, *build_burners(rng, plan.cooktop, area, plan.height, count=plan.burners))
     if plan.upstand:
-        low = (-plan.x - 0.06, plan.y[0], plan.height)
-        high = (-plan.x, plan.y[1], plan.height + plan.upstand)
-        pieces += (rounded_box(low, high, 0.005, plan.look.face),)
+        x, z = (-plan.x - 0.06, -plan.x), (plan.height, plan.height + plan.upstand)
+        pieces += (block(x, plan.y, z, plan.look.face, 0.005),)
     return Assembly(pieces), under
 
 
@@ -192,9 +191,8 @@ def _draw_controls(rng: np.random.Generator, plan: _Plan, top: float) -> tuple[A
     else:
         lower = plan.foot if plan.kind == "rangetop" else top - choose(rng, 0.10, 0.14)
         x, z = plan.x, (max(lower, top - 0.15), top)
-        low = (plan.x, plan.y[0], lower)
         bands = (
-            rounded_box(low, (plan.front, plan.y[1], top), 0.003, plan.look.face),
+            block((plan.x, plan.front), plan.y, (lower, top), plan.look.face, 0.003),
             block((plan.front, -plan.x), plan.y, (lower, top), "body"),
         )
     keys = int(rng.choice((0, 1, 3, 4, 5), p=(0.62, 0.1, 0.1, 0.09, 0.09)))
@@ -263,11 +261,11 @@ def _draw_oven_row(
     free = [inner[0] + cheek, inner[1] - cheek]
     if cheek:
         fills = ((inner[0], free[0]), (free[1], inner[1]))
-        pieces += [box((plan.front, a, floor), (back, b, ceiling), "cavity") for a, b in fills]
+        pieces += [block((plan.front, back), fill, (floor, ceiling), "cavity") for fill in fills]
     if len(columns) > 1:
-        cut = (columns[0][1] + columns[1][0]) / 2
-        free[1:1] = [cut - plan.wall / 2, cut + plan.wall / 2]
-        pieces.append(box((plan.front, free[1], floor), (back, free[2], ceiling), "cavity"))
+        between = around((columns[0][1] + columns[1][0]) / 2, plan.wall / 2)
+        free[1:1] = between
+        pieces.append(block((plan.front, back), between, (floor, ceiling), "cavity"))
     built = Assembly(pieces)
     for column, y in enumerate(columns):
         space = Space(x=(plan.front, back), y=(free[2 * column], free[2 * column + 1]), z=(floor, ceiling))

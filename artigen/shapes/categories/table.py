@@ -34,7 +34,7 @@ from artigen.shapes.furniture.table_frames import (
     make_top,
     most_radius,
 )
-from artigen.shapes.primitives import UP, Primitive, block, cylinder, place_vertices, rounded_box
+from artigen.shapes.primitives import UP, Primitive, block, cylinder, place_vertices
 from artigen.shapes.shape import Motion, ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -108,8 +108,7 @@ def _draw_plan(rng: np.random.Generator, style: str, size: tuple[float, float, f
 
 def _make_top(plan: _Plan) -> Primitive:
     width, depth, height = plan.size
-    low = (-depth / 2, -width / 2, height - plan.top)
-    return rounded_box(low, (depth / 2, width / 2, height), 0.003, "top")
+    return block(around(0.0, depth / 2), around(0.0, width / 2), (height - plan.top, height), "top", 0.003)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,7 @@ import numpy as np
 from artigen.shapes.appliances.cavity import build_rim
 from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.fittings.hardware import GAP, Range, Space, around, narrow, rotate
-from artigen.shapes.primitives import RIGHT, SEGMENTS, UP, Primitive, Vector, block, box, cylinder, polytope
+from artigen.shapes.primitives import RIGHT, SEGMENTS, UP, Primitive, Vector, block, cylinder, polytope
 from artigen.shapes.shape import Motion, ShapePart
 
 LegKind = Literal["square", "tapered", "round", "splayed"]
@@ -79,15 +79,8 @@ def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str = "body")
         case "toe_kick":
             return Stand(height=height, primitives=make_toe_kick(x, y, height, design.notch))
         case "legs":
-            legs = make_legs(
-                inner_x,
-                inner_y,
-                height,
-                kind=design.leg,
-                width=design.width,
-                finish="leg",
-                middle=y[1] - y[0] > 1.35,
-            )
+            kind, width, long = design.leg, design.width, y[1] - y[0] > 1.35
+            legs = make_legs(inner_x, inner_y, height, kind=kind, width=width, finish="leg", middle=long)
             return Stand(height=height, primitives=legs)
         case "sled":
             deep = narrow(y, 0.06)
@@ -100,24 +93,13 @@ def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str = "body")
 
 def make_toe_kick(x: Range, y: Range, height: float, notch: float = 0.0) -> tuple[Primitive, ...]:
     """Sides that reach the floor and a recessed board between or before them."""
-    wall, room = 0.018, notch or 0.05
+    wall, room, z = 0.018, notch or 0.05, (0.0, height)
+    board = (x[0] + room, x[0] + room + wall)
+    sides = (y[0], y[0] + wall), (y[1] - wall, y[1])
     if notch:
-        sides = (x[0] + room + wall, x[1])
-        return (
-            block((x[0] + room, x[0] + room + wall), y, (0.0, height), "body"),
-            *(
-                block(sides, span, (0.0, height), "body")
-                for span in ((y[0], y[0] + wall), (y[1] - wall, y[1]))
-            ),
-        )
-    return tuple(
-        box(low, high, "body")
-        for low, high in (
-            ((x[0], y[0], 0.0), (x[1], y[0] + wall, height)),
-            ((x[0], y[1] - wall, 0.0), (x[1], y[1], height)),
-            ((x[0] + room, y[0] + wall, 0.0), (x[0] + room + wall, y[1] - wall, height)),
-        )
-    )
+        rest = [block((board[1], x[1]), side, z, "body") for side in sides]
+        return (block(board, y, z, "body"), *rest)
+    return (*(block(x, side, z, "body") for side in sides), block(board, narrow(y, wall), z, "body"))
 
 
 def make_legs(

@@ -7,11 +7,11 @@ import numpy as np
 from artigen.shapes.choices import choose, pick
 from artigen.shapes.draw import Wish
 from artigen.shapes.fittings.feet import StandDesign, design_stand, make_stand
-from artigen.shapes.fittings.hardware import Space
+from artigen.shapes.fittings.hardware import Space, around
 from artigen.shapes.furniture.cabinet import Looks, draw_looks, has_fronts, list_cells, make_cabinet
 from artigen.shapes.furniture.furniture_kinds import Kind, Style
 from artigen.shapes.furniture.splits import Node
-from artigen.shapes.primitives import rounded_box
+from artigen.shapes.primitives import block
 from artigen.shapes.shape import ShapePart, make_base
 
 RECESSED = 0.6
@@ -81,7 +81,7 @@ def build_case(plan: CasePlan, node: Node, size: Size) -> tuple[ShapePart, ...]:
     stand = make_stand(plan.stand, (float(shell), box.x[1]), box.y)
     solids = [*cabinet.pieces, *stand.primitives]
     if plan.worktop:
-        low = (box.x[0] - ahead, -width / 2, box.z[1])
-        solids.append(rounded_box(low, (depth / 2, width / 2, height), 0.002, "top"))
+        x = (box.x[0] - ahead, depth / 2)
+        solids.append(block(x, around(0.0, width / 2), (box.z[1], height), "top", 0.002))
     body = make_base(solids)
     return (body, *cabinet.parts, *stand.parts)
