@@ -27,17 +27,9 @@ from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "FilingCabinet"
 PAINTS = (
-    "light_grey",
-    "light_grey",
-    "grey",
-    "anthracite",
-    "black",
-    "cream",
-    "white",
-    "navy",
-    "forest",
-    "terracotta",
-)
+    "light_grey", "light_grey", "grey", "anthracite", "black", "cream", "white", "navy",
+    "forest", "terracotta",
+)  # fmt: skip
 NEUTRAL = ("light_grey", "white", "grey", "anthracite")
 """Body colours that may have fronts of another colour."""
 SEAM = 0.006
@@ -155,14 +147,12 @@ def _build(
     board = max(0.018, outer.height / 56)
     design = CarcassDesign(board=board, back=max(0.012, outer.height / 56), lining=None)
     body = replace(outer, x=(outer.x[0] + thick + GAP, outer.x[1]))
+    solids: list[Primitive] = []
     if wooden:  # the top overhangs the fronts
-        body, lid = (
-            replace(body, z=(body.z[0], outer.z[1] - 0.022)),
-            replace(outer, z=(outer.z[1] - 0.022, outer.z[1])),
-        )
-        solids = [*make_carcass(body, design, ()), lid.fill("top", 0.003)]
-    else:
-        solids = list(make_carcass(body, design, ()))
+        lid = replace(outer, z=(outer.z[1] - 0.022, outer.z[1]))
+        body = replace(body, z=(body.z[0], lid.z[0]))
+        solids.append(lid.fill("top", 0.003))
+    solids[:0] = make_carcass(body, design, ())
     y, z = open_carcass(body, design)
     rail = replace(body, z=(body.z[1] - board - crown, body.z[1]), x=(outer.x[0], body.x[0]))
     if crown:

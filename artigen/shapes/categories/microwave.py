@@ -6,7 +6,7 @@ from math import radians
 import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import build_window_leaf, draw_grip, mount_grip
-from artigen.shapes.appliances.cavity import SIDES, build_feet, build_shell
+from artigen.shapes.appliances.cavity import build_feet, build_shell
 from artigen.shapes.appliances.control_panel import build_display, design_dial, make_button, make_dial
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.choices import choose
@@ -23,7 +23,7 @@ from artigen.shapes.fittings.hardware import (
     rotate,
     sweep_gap,
 )
-from artigen.shapes.primitives import Primitive, block, cylinder
+from artigen.shapes.primitives import UP, Primitive, cylinder
 from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -35,19 +35,13 @@ STYLES = ("steel", "black", "white", "retro")
 class _Plan:
     """Layout of the parts (m)."""
 
-    width: float
-    depth: float
-    height: float
-    foot: float
+    outer: Space
+    """Outer box of the housing, behind the door."""
+    hollow: Space
     door: Panel
     controls: Panel
-    hollow: Space
     drops: bool
-
-    @property
-    def front(self) -> float:
-        """x of the front face of the housing, behind the door."""
-        return self.door.back + GAP
+    """Whether the door drops down below the controls."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -85,33 +79,20 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
         gap = sweep_gap(door.width, thick)
         controls = Panel(x=x, thickness=thick + GAP, y=(-width / 2, edge - gap), z=door.z)
         right, top = column + 0.012, wall
+    outer = Space(x=(door.back + GAP, depth / 2), y=around(0.0, width / 2), z=(foot, height))
     hollow = Space(
-        x=(door.back + GAP, depth / 2 - 1.6 * wall),
-        y=(-width / 2 + right, width / 2 - wall - 0.012),
+        x=(outer.x[0], outer.x[1] - 1.6 * wall),
+        y=(outer.y[0] + right, outer.y[1] - wall - 0.012),
         z=(foot + wall, height - top),
     )
-    return _Plan(
-        width=width,
-        depth=depth,
-        height=height,
-        foot=foot,
-        door=door,
-        controls=controls,
-        hollow=hollow,
-        drops=drops,
-    )
+    return _Plan(outer=outer, hollow=hollow, door=door, controls=controls, drops=drops)
 
 
 def _build_body(plan: _Plan, face: str, extras: tuple[Primitive, ...]) -> ShapePart:
-    outer = Space(x=(plan.front, plan.depth / 2), y=around(0.0, plan.width / 2), z=(plan.foot, plan.height))
-    panel = plan.controls
-    pieces = [
-        *build_shell(outer, plan.hollow, "body", "inside"),
-        block((panel.x, panel.back), panel.y, panel.z, face),
-        *extras,
-    ]
-    if plan.foot:
-        pieces += build_feet(outer.x, outer.y, plan.foot, "rubber", radius=0.014, inset=0.04)
+    outer, foot = plan.outer, plan.outer.z[0]
+    pieces = [*build_shell(outer, plan.hollow, "body", "inside"), plan.controls.fill(face), *extras]
+    if foot:
+        pieces += build_feet(outer.x, outer.y, foot, "rubber", radius=0.014, inset=0.04)
     return make_base(pieces)
 
 
@@ -133,7 +114,7 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, face: str, wish: Wish) -> 
     span = panel.width if plan.drops else panel.height
     length = choose(rng, 0.6, 0.86) * span
     kinds = wish.choose_handles(("bar", "pull", "arch", "edge"))
-    design = draw_grip(rng, kinds, length=length, longest=plan.width)
+    design = draw_grip(rng, kinds, length=length, longest=plan.outer.width)
     inset = max(0.004, (rail - design.thickness) / 2) if design.kind != "edge" else 0.004
     return [door, mount_grip(panel, design, name="door_handle", parent="door", edge=edge, inset=inset)]
 
@@ -219,20 +200,12 @@ def _draw_turntable(rng: np.random.Generator, plan: _Plan) -> ShapePart:
     """Draws a glass plate on a coupling, `GAP` above the floor of the cavity."""
     space = plan.hollow
     radius = min(0.46 * min(space.width, space.depth), choose(rng, 0.12, 0.18))
-    y = (space.y[0] + space.y[1]) / 2
-    x = (space.x[0] + space.x[1]) / 2
-    z = space.z[0]
+    x, y, z = sum(space.x) / 2, sum(space.y) / 2, space.z[0]
     thick, level = 0.0075, z + 0.014
-    pieces = [
+    rim = (radius - 0.012, radius), (radius - 0.008, radius + 0.004)
+    pieces = (
         cylinder((x, y, z + GAP), (x, y, level), 0.022, "plastic"),
         cylinder((x, y, level), (x, y, level + thick), radius - 0.008, "clear"),
-        *build_ring(
-            (x, y, level),
-            "z",
-            (0.0, thick + 0.008),
-            ((radius - 0.012, radius - 0.0), (radius - 0.008, radius + 0.004)),
-            "clear",
-        ),
-    ]
-    motion = rotate(SIDES["bottom"], (x, y, z))
-    return ShapePart("turntable", "tray", tuple(pieces), motion)
+        *build_ring((x, y, level), "z", (0.0, thick + 0.008), rim, "clear"),
+    )
+    return ShapePart("turntable", "tray", pieces, rotate(UP, (x, y, z)))
