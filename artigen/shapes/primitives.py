@@ -17,6 +17,8 @@ from artigen.types import frozen_array
 PrimitiveKind = Literal["polytope", "cylinder"]
 SEGMENTS = 16
 """Sides of the prism that represents a cylinder in meshes and hulls."""
+ROUND = float(np.cos(np.pi / SEGMENTS))
+"""Ratio of the extent of that prism to the cylinder's."""
 Vector = tuple[float, float, float]
 Range = tuple[float, float]
 UP: Vector = (0.0, 0.0, 1.0)
@@ -253,10 +255,15 @@ def _unit_box(bevelled: bool) -> Primitive:  # noqa: FBT001 - the two topologies
     return polytope(_box_corners(np.full(3, 0.5), 0.1 if bevelled else 0.0), "")
 
 
+def polygon(sides: int = SEGMENTS) -> Float[np.ndarray, "N 2"]:
+    """Corners of a regular polygon in the unit circle, the first one half a side from the x axis."""
+    turns = (np.arange(sides) + 0.5) * 2 * np.pi / sides
+    return np.column_stack([np.cos(turns), np.sin(turns)])
+
+
 @cache
 def _unit_cylinder() -> Primitive:
-    angles = (np.arange(SEGMENTS) + 0.5) * 2 * np.pi / SEGMENTS
-    rim = 0.5 * np.column_stack([np.cos(angles), np.sin(angles)])
+    rim = 0.5 * polygon()
     return polytope(np.concatenate([np.column_stack([rim, np.full(SEGMENTS, z)]) for z in (-0.5, 0.5)]), "")
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.fittings.hardware import Range, around, slide
-from artigen.shapes.primitives import FRONT, Primitive, Vector, block, box, cylinder, polytope, prism
+from artigen.shapes.primitives import FRONT, Primitive, Vector, block, box, cylinder, polygon, polytope, prism
 from artigen.shapes.shape import Motion, ShapePart
 
 DialKind = Literal["round", "grip", "collar", "faceted"]
@@ -217,6 +217,5 @@ class _Placing:
 @cache
 def _cone(length: float, radius: float, taper: float, finish: str) -> Primitive:
     """A faceted cone about z, centred on the origin."""
-    angles = (np.arange(10) + 0.5) * 2 * np.pi / 10
-    rim = radius * np.column_stack([np.cos(angles), np.sin(angles)])
-    return prism(rim, (0.0, 0.0, -length / 2), (0.0, 0.0, length / 2), finish, taper=taper)
+    low, high = (0.0, 0.0, -length / 2), (0.0, 0.0, length / 2)
+    return prism(radius * polygon(10), low, high, finish, taper=taper)

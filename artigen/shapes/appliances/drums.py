@@ -4,7 +4,7 @@ import numpy as np
 
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.fittings.hardware import GAP, Panel, Range, around, rotate
-from artigen.shapes.primitives import FRONT, UP, Primitive, Vector, block, cylinder, move, prism
+from artigen.shapes.primitives import FRONT, UP, Primitive, Vector, block, cylinder, move, polygon, prism
 from artigen.shapes.shape import ShapePart
 
 SHEET = 0.0115
@@ -69,8 +69,7 @@ def build_porthole(panel: Panel, glass: float, depth: float, finish: str) -> tup
         center, "x", (0.0, thickness), ((glass, radius - 0.022), (glass, radius)), "front", sides=20
     )
     pane = cylinder((panel.x + 0.008, y, z), (panel.back, y, z), glass * 1.02, finish)
-    angles = (np.arange(16) + 0.5) * 2 * np.pi / 16
-    mouth = 0.97 * glass * np.column_stack([np.cos(angles), np.sin(angles)])
+    mouth = 0.97 * glass * polygon(16)
     bowl = prism(mouth, (panel.back, y, z), (panel.back + depth, y, z), finish, taper=0.72)
     return (*rim, pane, bowl)
 

@@ -18,7 +18,7 @@ from artigen.shapes.fittings.tubes import lean_rod
 from artigen.shapes.primitives import (
     LEFT,
     RIGHT,
-    SEGMENTS,
+    ROUND,
     UP,
     Primitive,
     Vector,
@@ -44,8 +44,6 @@ OUTER, INNER, PLAY = 0.0185, 0.0095, 0.0025
 ROD = 0.0045
 KNOB = 0.013
 """Radius of the knobs on the hinges."""
-ROUND = float(np.cos(np.pi / SEGMENTS))
-"""Ratio of the extent of the prism that approximates a cylinder to the cylinder's."""
 Point = tuple[float, float]
 """Coordinates (x, z) in the plane of the arms."""
 

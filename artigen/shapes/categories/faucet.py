@@ -14,7 +14,7 @@ from artigen.shapes.draw import Draft, Spans, Wish, choose_size
 from artigen.shapes.fittings.hardware import Range, around, rotate
 from artigen.shapes.fittings.taps import PIVOT, make_cross_handle, make_mixer
 from artigen.shapes.fittings.tubes import bend_elbow, lay_pipe, lean_rod
-from artigen.shapes.primitives import FRONT, LEFT, RIGHT, SEGMENTS, UP, Primitive, block, cylinder
+from artigen.shapes.primitives import FRONT, LEFT, RIGHT, ROUND, UP, Primitive, block, cylinder
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.materials import make_polished
 from artigen.shapes.surfaces.palette import draw_palette
@@ -31,8 +31,6 @@ METALS = ("chrome", "chrome", "steel", "black", "brass", "bronze")
 DECK = 0.03
 TURN = radians(50.0)
 """Range of a cartridge."""
-ROUND = float(np.cos(np.pi / SEGMENTS))
-"""Ratio of the extent of the prism that approximates a cylinder to the cylinder's."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:

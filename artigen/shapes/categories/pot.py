@@ -12,7 +12,7 @@ from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Spans, Wish, choose_size
 from artigen.shapes.fittings.hardware import lift, slide
 from artigen.shapes.fittings.tubes import bend_elbow, lean_rod
-from artigen.shapes.primitives import UP, Primitive, Vector, cylinder, prism
+from artigen.shapes.primitives import UP, Primitive, Vector, cylinder, polygon, prism
 from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import (
@@ -66,8 +66,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 def _make_lid(axis: float, radius: float, rim: float, wall: float) -> tuple[ShapePart, ShapePart]:
     """A lid that lifts out of the pot: a flat rim, a dome, and a collar that fits into the pot."""
     low = rim + 0.0015
-    turns = (np.arange(SIDES) + 0.5) * 2 * np.pi / SIDES
-    circle = 0.86 * radius * np.column_stack([np.cos(turns), np.sin(turns)])
+    circle = 0.86 * radius * polygon(SIDES)
     top = low + LID + DOME
     pieces = (
         cylinder((0.0, axis, low), (0.0, axis, low + LID), 0.99 * radius, "trim"),

@@ -29,7 +29,7 @@ from artigen.shapes.fittings.lids import (
     shrink,
 )
 from artigen.shapes.fittings.locks import make_latch
-from artigen.shapes.primitives import DOWN, SEGMENTS, Primitive, block, cylinder
+from artigen.shapes.primitives import DOWN, ROUND, Primitive, block, cylinder
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_plastic
@@ -180,7 +180,7 @@ def _build_rolling(rng: np.random.Generator, width: float, depth: float, height:
     spread = choose(rng, 0.45, 0.6) * width
     rods = make_pull_handle(back, spread, (low, rim - 0.02), 0.5 * (rim - foot), finish="metal")
     pieces, parts = [*build_channel(back, spread, (low, rim - 0.05), "body")], [rods]
-    x, level, front = back - 0.6 * radius, radius * float(np.cos(np.pi / SEGMENTS)), LIP - depth / 2 + 0.03
+    x, level, front = back - 0.6 * radius, ROUND * radius, LIP - depth / 2 + 0.03
     for index, side in enumerate(around(0.0, 1.0)):
         parts.append(make_wheel(f"wheel_{index}", "body", (x, side * (width - tread) / 2, level), tread))
         inner, outer = (side * (width / 2 - a) for a in (aside + WALL, tread + GAP))

@@ -16,7 +16,18 @@ from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_wheel
 from artigen.shapes.fittings.hardware import GAP, Range, around, narrow, rotate, slide
 from artigen.shapes.fittings.lids import build_collar, build_vessel, hinge_lid, loft, make_lid, shrink
-from artigen.shapes.primitives import LEFT, RIGHT, SEGMENTS, UP, Primitive, block, cylinder, polytope, prism
+from artigen.shapes.primitives import (
+    LEFT,
+    RIGHT,
+    ROUND,
+    UP,
+    Primitive,
+    block,
+    cylinder,
+    polygon,
+    polytope,
+    prism,
+)
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_plastic
@@ -39,7 +50,7 @@ SHELL: tuple[Color, ...] = (
 STREET: tuple[Color, ...] = ((0.14, 0.33, 0.20), (0.20, 0.21, 0.22), (0.15, 0.26, 0.44), (0.33, 0.23, 0.16))
 SORTED: tuple[Color, ...] = ((0.22, 0.42, 0.66), (0.86, 0.72, 0.20), (0.28, 0.52, 0.30), (0.45, 0.31, 0.20))
 """Lid colours: paper, packaging, glass and compost."""
-ROUND = 22
+SIDES = 22
 """Number of sides of a round bin."""
 LIDS = ("first", "second", "third", "fourth")
 """Roles of the finishes of the lids of a sorting bin."""
@@ -152,31 +163,26 @@ def _build_round(
         cover: Heights of the underside, of the edge and of the dome of the cover.
     """
     (under, foot, rim), (low, top, crown) = body, cover
-    wall, apothem = max(0.006, crown / SLENDER), float(np.cos(np.pi / SEGMENTS))
-    inner = radius * float(np.cos(np.pi / ROUND)) - wall
+    wall = max(0.006, crown / SLENDER)
+    inner = radius * float(np.cos(np.pi / SIDES)) - wall
     pail = inner - 0.010
-    hollow = pail * apothem - wall
+    hollow = ROUND * pail - wall
 
     def disc(low: float, high: float, size: float, finish: str) -> Primitive:
         return cylinder((x, 0.0, low), (x, 0.0, high), size, finish)
 
-    axis, shell, bucket = (x, 0.0, 0.0), (inner, radius), (hollow, pail)
-    walls = build_ring(axis, "z", (foot, rim), (shell, shell), "body", sides=ROUND, lining="trim")
-    turns = (np.arange(SEGMENTS) + 0.5) * 2 * np.pi / SEGMENTS
-    dome = 0.96 * radius * np.column_stack([np.cos(turns), np.sin(turns)])
-    floor = foot + 0.0105
-    return (
-        (
-            *walls,
-            disc(under, foot + 0.001, radius - 0.006, "trim"),
-            disc(foot, foot + 0.008, inner + 0.002, "trim"),
-        ),
-        (disc(low, top, radius, "front"), prism(dome, (x, 0, top), (x, 0, crown), "front", taper=0.7)),
-        (
-            *build_ring(axis, "z", (floor, rim - 0.012), (bucket, bucket), "tray"),
-            disc(floor, foot + 0.0175, hollow + 0.003, "tray"),
-        ),
+    axis, shell, floor = (x, 0.0, 0.0), (inner, radius), foot + 0.0105
+    walls = (
+        *build_ring(axis, "z", (foot, rim), (shell, shell), "body", sides=SIDES, lining="trim"),
+        disc(under, foot + 0.001, radius - 0.006, "trim"),
+        disc(foot, foot + 0.008, inner + 0.002, "trim"),
     )
+    dome = prism(0.96 * radius * polygon(), (x, 0, top), (x, 0, crown), "front", taper=0.7)
+    bucket = (
+        *build_ring(axis, "z", (floor, rim - 0.012), ((hollow, pail), (hollow, pail)), "tray"),
+        disc(floor, foot + 0.0175, hollow + 0.003, "tray"),
+    )
+    return walls, (disc(low, top, radius, "front"), dome), bucket
 
 
 def _make_pedal(tip: float, pivot: float, width: float, under: float) -> ShapePart:
@@ -303,7 +309,7 @@ def _build_wheeled_bin(rng: np.random.Generator, width: float, depth: float, hei
         solids.append(block((x[0] - lip, x[0] + 0.01), around(a, 0.06), (low, low + 0.014), "front"))
     lid = make_lid(solids, (x[0], pivot), y, low, radians(choose(rng, 82, 90)))
     parts = [lid, ShapePart("handle", "handle", (grip,))]
-    axle, level = bottom[0][1] - 0.3 * radius, radius * float(np.cos(np.pi / SEGMENTS))
+    axle, level = bottom[0][1] - 0.3 * radius, ROUND * radius
     half = bottom[1][1]
     face = half + (y[1] - half) * 2 * radius / rim + GAP + 0.002  # the sides lean outwards at the wheels
     for index, side in enumerate((-1.0, 1.0)):

@@ -9,7 +9,7 @@ import numpy as np
 from artigen.shapes.appliances.cavity import build_rim
 from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.fittings.hardware import GAP, Range, Space, around, narrow, rotate
-from artigen.shapes.primitives import RIGHT, SEGMENTS, UP, Primitive, Vector, block, cylinder, polytope
+from artigen.shapes.primitives import RIGHT, ROUND, UP, Primitive, Vector, block, cylinder, polygon, polytope
 from artigen.shapes.shape import Motion, ShapePart
 
 LegKind = Literal["square", "tapered", "round", "splayed"]
@@ -126,8 +126,7 @@ def make_legs(
 @lru_cache(maxsize=64)
 def _make_leg(sides: int, low: float, high: float, height: float, lean: tuple[float, float]) -> Primitive:
     """A leg that tapers towards the floor from its top at x = y = 0 and leans by (x, y)."""
-    turns = (np.arange(sides) + 0.5) * 2 * np.pi / sides
-    ring = np.column_stack([np.cos(turns), np.sin(turns)])
+    ring = polygon(sides)
     ring /= 2 * np.abs(ring).max()
     foot = np.column_stack([ring * low + np.array(lean), np.zeros(sides)])
     head = np.column_stack([ring * high, np.full(sides, height)])
@@ -185,9 +184,7 @@ def make_castors(
             parts.append(ShapePart(carrier, "wheel", fork, axle, parent=parent))
         else:
             fixed += fork
-        parts.append(
-            make_wheel(f"wheel_{index}", carrier, (at_x, at_y, radius * np.cos(np.pi / SEGMENTS)), width)
-        )
+        parts.append(make_wheel(f"wheel_{index}", carrier, (at_x, at_y, ROUND * radius), width))
     return Stand(height=height, primitives=tuple(fixed), parts=tuple(parts))
 
 
@@ -212,7 +209,7 @@ def make_wheel(name: str, parent: str, center: Vector, width: float) -> ShapePar
     In simulators it is a prism that rests on a flat side.
     """
     x, y, z = center
-    radius = z / np.cos(np.pi / SEGMENTS)
+    radius = z / ROUND
     tyre = cylinder((x, y - width / 2, z), (x, y + width / 2, z), radius, "rubber")
     hub = width / 2 + 0.001
     core = cylinder((x, y - hub, z), (x, y + hub, z), 0.55 * radius, "steel")
