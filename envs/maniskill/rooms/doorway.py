@@ -12,6 +12,8 @@ from .runs import Chooser
 
 LINTEL = 0.1
 """Least height (m) of the wall above a door."""
+AWAY = (0.25, 0.75)
+"""Share of the free wall on one side of a door: the corners are left to furniture along the side walls."""
 
 
 def hang_door(plan: Plan, chooser: Chooser) -> Plan:
@@ -30,7 +32,7 @@ def hang_door(plan: Plan, chooser: Chooser) -> Plan:
     low, high = space[:, 0].min(axis=0), space[:, 1].max(axis=0)
     _, width, height = piece.box[1] - piece.box[0]
     free = plan.size[0] - float(high[0] - low[0])
-    shift = np.array([chooser.rng.uniform(0.0, max(free, 0.0)) - low[0], 0.0, 0.0])
+    shift = np.array([chooser.rng.uniform(*AWAY) * free - low[0], 0.0, 0.0])
     shift[1] = -(THICKNESS + float(piece.box[1, 0]) - piece.face) / 2.0
     if free < 0.0 or high[1] + shift[1] > plan.size[1] or height + 2 * GAP > plan.size[2] - LINTEL:
         return plan
