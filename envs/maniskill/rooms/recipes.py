@@ -152,7 +152,7 @@ PRINTER = _role("printer", "Printer", (0.25, 0.3, 0.1), (0.5, 0.6, 0.5), draws=(
 TOASTER = _role("toaster", "Toaster", (0.2, 0.1, 0.12), (0.4, 0.4, 0.3), draws=(("Toaster", (0, 0, 0)),))
 BREAD = _role("bread box", "BreadBox", (0.15, 0.2, 0.12), (0.35, 0.5, 0.3), draws=(("BreadBox", (0, 0, 0)),))
 POT = _role("pot", "Pot", (0.1, 0.15, 0.08), (0.35, 0.5, 0.35), draws=(("Pot", (0, 0, 0)),))
-DOOR = _role("door", "Door", (0.1, 0.6, 1.9), (0.45, 1.2, 2.3), draws=(("Door", (0.2, 0.93, 0)),))
+DOOR = _role("door", "Door", (0.1, 0.6, 1.9), (0.45, 1.2, 2.3), draws=(("Door", (0.2, 0, 0)),))
 WINDOW = _role("window", "Window", (0.05, 0.4, 0.6), (0.4, 1.9, 1.5), draws=(("Window", (0, 1.0, 1.2)),))
 TOILET = _role("toilet", "Toilet", (0.45, 0.3, 0.35), (0.8, 0.65, 1.2), draws=(("Toilet", (0, 0, 0)),))
 DRYER = _role("dryer", "Dryer", (0.4, 0.5, 0.7), (0.8, 0.8, 1.2), draws=(("Dryer", (0, 0, 0)),))
