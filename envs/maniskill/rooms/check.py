@@ -176,15 +176,14 @@ def _overlaps(objects: Sequence[Solid], fixtures: Sequence[Solid]) -> list[Probl
 
 def _outside(room: Room, objects: Sequence[Solid]) -> list[Problem]:
     """Objects with a hull that is neither in the room nor in its entrance."""
-    way, size = room.entrance, np.array(room.size)
-    stop, inner = way.start + way.width, room.size[1 if way.side in ("front", "back") else 0]
+    way, size = room.entrance, room.size
+    stop, inner = way.start + way.width, size[1 if way.side in ("front", "back") else 0]
     passage = along_wall(way.side, size, (way.start, -PORCH, 0.0), (stop, inner, way.height))
+    spaces = (np.array([(0.0, 0.0, 0.0), size]), passage)
     problems = []
     for solid in objects:
         low, high = solid.boxes[:, 0], solid.boxes[:, 1]
-        past = [
-            np.maximum(space[0] - low, high - space[1]).max(axis=1) for space in ((0.0 * size, size), passage)
-        ]
+        past = [np.maximum(space[0] - low, high - space[1]).max(axis=1) for space in spaces]
         beyond = float(np.minimum(*past).max())
         if beyond > DEPTH:
             message = f"{solid.id} reaches {1e3 * beyond:.2f} mm out of the room"
