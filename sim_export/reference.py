@@ -21,6 +21,7 @@ from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.shapes.surfaces.textures import PaintTable, apply_paint, find_rows, make_paint
 from sim_export.appearance.atlas import make_atlas
 from sim_export.appearance.shared_textures import lay_shared
+from sim_export.appearance.splats import attach_splats
 from sim_export.appearance.texture import color_atlas
 from sim_export.collision.hull_limits import trim_hull
 from sim_export.collision.pins import pin_carriers
@@ -43,7 +44,7 @@ NEEDLES = 0.008
 
 @dataclass(frozen=True, kw_only=True)
 class ReferenceConfig:
-    """Textures of a reference package."""
+    """Textures and Gaussians of a reference package."""
 
     texel: float = 0.005
     """Edge of a texel (m)."""
@@ -52,6 +53,8 @@ class ReferenceConfig:
     textures: Literal["own", "shared"] = "own"
     """``own``: every part has its own image, exact at every texel. ``shared``: parts with the same finishes
     share an image across objects, so their boards differ from the object's."""
+    gaussians: bool = False
+    """Whether links have 3D Gaussians, discs on their exact faces (`artigen.splats.faces`)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,7 +72,7 @@ def build_reference(
 
     Args:
         shape: The object.
-        cfg: Textures.
+        cfg: Textures and Gaussians.
         provenance: Origin of the object, for ``provenance.json``.
 
     Raises:
@@ -103,11 +106,18 @@ def build_reference(
         inertial = _weigh(part, solids, made_of, make)
         geometry.append(PartGeometry(visuals=(meshes[-1],), hulls=hulls, inertial=inertial))
     tree = _couple(shape, build_links(asset, geometry, find_latched(shape)))
+    links = pin_carriers(tree.links, tree.joints)
+    if cfg.gaussians:
+        from artigen.splats.faces import lay_gaussians
+
+        discs = lay_gaussians(shape)
+        records.append(f"{len(discs.means)} Gaussians are discs on the exact faces")
+        links = attach_splats(links, replace(asset, gaussians=discs))
     return SimPackage(
         name=asset.name,
         category=asset.category,
         visual="voxels",
-        links=pin_carriers(tree.links, tree.joints),
+        links=links,
         joints=tree.joints,
         handles=annotate_handles(asset, meshes, tree),
         requires_open=_requirements(shape, tree),

@@ -14,7 +14,7 @@ import tyro
 
 from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
 from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
-from artigen.cli.models import hash_weights, load_appearance, load_drawer, load_sketch, load_structure
+from artigen.cli.models import hash_weights, load_drawer, load_sketch, load_structure
 from artigen.cli.shape import read_counts
 from artigen.cli.shard import read_shard
 from artigen.errors import ArtigenError
@@ -224,12 +224,11 @@ def _make_exact(
     job: GenerateJob, shape: "Shape", provenance: dict[str, str], notes: tuple[str, ...]
 ) -> "SimPackage":
     """Package of the sketch's own primitives."""
-    from artigen.cli.generated import make_generated_package
+    from sim_export.reference import ReferenceConfig, build_reference
 
-    appearance = load_appearance(job.model) if job.cfg.gaussians else None
-    return make_generated_package(
-        shape, appearance, provenance=provenance, notes=notes, textures=job.cfg.textures
-    ).package
+    cfg = ReferenceConfig(textures=job.cfg.textures, gaussians=job.cfg.gaussians)
+    package = build_reference(shape, cfg, provenance=provenance)
+    return replace(package, records=(*notes, *package.records))
 
 
 def _make_latent(

@@ -63,7 +63,7 @@ class ShapeSettings:
     """``own`` bakes one texture per part; ``shared`` gives parts of the same finish one common texture (only
     with --source reference)."""
     splats: bool = False
-    """Add 3D Gaussians to the package: flat discs on the surface, one PLY per link."""
+    """Add 3D Gaussians to the package: discs on its surface, one PLY per link."""
     validation: Literal["full", "none"] = "full"
     """Run checks L0 to L3 on every package right after it is written."""
 
@@ -240,8 +240,6 @@ def make_package(
 ) -> "SimPackage":
     """The package of an object: exact, or reconstructed from its voxels."""
     from artigen import __version__
-    from artigen.shapes.asset import frame_shape, shape_to_asset
-    from sim_export.appearance.splats import splat_package
 
     provenance = {
         "generator": f"artigen {__version__} shape",
@@ -253,16 +251,15 @@ def make_package(
     if source == "reference":
         from sim_export.reference import ReferenceConfig, build_reference
 
-        package = build_reference(drawn, ReferenceConfig(textures=textures), provenance=provenance)
-        if not splats:
-            return package
-        sampled = shape_to_asset(drawn, resolution=None, spacing=SPACING * frame_shape(drawn)[1])
-        return splat_package(package, sampled)
+        cfg = ReferenceConfig(textures=textures, gaussians=splats)
+        return build_reference(drawn, cfg, provenance=provenance)
     if textures != "own":
         raise ArtigenError(
             f"textures {textures} with source {source}: only source reference can share textures"
         )
     from artigen.cli.convert import rebuild_from_voxels
+    from artigen.shapes.asset import frame_shape, shape_to_asset
+    from sim_export.appearance.splats import splat_package
     from sim_export.export import export_asset
 
     asset = rebuild_from_voxels(shape_to_asset(drawn, spacing=SPACING * frame_shape(drawn)[1]))

@@ -69,7 +69,7 @@ def picture_mesh(tables: Sequence[FaceTable], scale: float, cameras: Cameras) ->
         sky=_find_lit(vertices, faces, surface, SKY),
         open=find_openness(cameras, surface, torch.zeros_like(surface.pixel), reach=CORNER, samples=10),
     )
-    scattered, mirrored = shade(surface, material, light, cfg)
+    scattered, mirrored = shade(surface.normal, surface.view, material, light, cfg)
     height, width = cameras.height // FINE, cameras.width // FINE
     fine = np.zeros((cameras.height * cameras.width, 4))
     fine[seen.pixel, :3] = srgb_from_linear(scattered + mirrored).numpy()

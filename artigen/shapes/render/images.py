@@ -156,7 +156,7 @@ def _light_of(view: _View, cfg: RenderConfig) -> Float[Tensor, "B H W 3"]:
     through = torch.ones(count, device=device)
     surface, material = view.surface, _material_of(view)
     reached = light_surface(cameras, view.instances, surface, cfg)
-    scattered, mirrored = shade(surface, material, reached, cfg)
+    scattered, mirrored = shade(surface.normal, surface.view, material, reached, cfg)
     start = 0
     for seen in view.layers:
         layer = slice(start, start + seen)
