@@ -14,11 +14,10 @@ import numpy as np
 import torch
 from jaxtyping import Int
 
-import artigen.sketch.batch as batch_module
 from artigen.shapes.draw import draw_shape
 from artigen.sketch.batch import RowBatch, ask_for, make_batch
 from artigen.sketch.request import Asked, nothing_asked
-from artigen.sketch.rows import find_said, sketch_to_rows
+from artigen.sketch.rows import sketch_to_rows
 from artigen.sketch.rules import MAX_ROWS
 from artigen.sketch.sketch import SketchError, write_sketch
 from artigen.sketch.words import CATEGORIES
@@ -166,14 +165,6 @@ def make_batches(
         sizes: Sizes of the batches.
         number: Number of this batcher.
     """
-    said: dict[int, np.ndarray] = {}
-
-    def find_said_once(table: Table) -> np.ndarray:
-        if id(table) not in said:
-            said[id(table)] = find_said(table)
-        return said[id(table)]
-
-    batch_module.find_said = find_said_once  # three quarters of the time of `make_batch`
     rng = np.random.default_rng([number, 7])
     plain, shown, read, looked = Pool(), Pool(), set[Path](), 0.0
     while True:
