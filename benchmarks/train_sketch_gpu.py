@@ -21,12 +21,12 @@ from typing import Any
 import torch
 from sketch_stream import Album, Sizes, make_batches, make_objects, unpack
 
+from artigen.examples.batches import prefetch
+from artigen.examples.sketch import SketchBatch
 from artigen.sketch.model import load_sketch_network, save_sketch_network
 from artigen.sketch.network import SketchNetworkConfig
-from artigen.train.batches import prefetch
 from artigen.train.growth import grow_network
 from artigen.train.loop import LoopConfig, finished_steps, train
-from artigen.train.sketch_examples import SketchBatch
 from artigen.train.sketch_losses import SketchLosses, sketch_losses
 
 WEIGHTS = {"shown": 0.3, "plain": 0.25, "read": 0.35, "told": 0.1}

@@ -19,6 +19,7 @@ from artigen.appearance.states import plan_fractions
 from artigen.appearance.vae import APPEARANCE_VAE, AppearanceVae
 from artigen.appearance.views import ViewConfig
 from artigen.errors import ArtigenError, SourceError
+from artigen.examples.appearance import AppearanceExample, draw_appearance_of, sample_parts
 from artigen.latent.presets import PresetName
 from artigen.metrics.appearance import (
     Comparison,
@@ -37,7 +38,6 @@ from artigen.models.description import hash_model, read_description
 from artigen.models.rectified_flow import SamplerConfig
 from artigen.models.store import load_model
 from artigen.shapes.draw import draw_shape
-from artigen.train.appearance.examples import AppearanceExample, draw_appearance_of, sample_parts
 from artigen.types import Asset, SurfaceSamples
 
 SPACING = 0.02

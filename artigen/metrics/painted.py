@@ -3,11 +3,11 @@
 import numpy as np
 
 from artigen.appearance.draw import AppearanceModel, draw_splats
+from artigen.examples.appearance import AppearanceExample, lay_true_voxels
 from artigen.models.conditions import StructureCondition
 from artigen.models.rectified_flow import SamplerConfig
 from artigen.shapes.draw import draw_shape
 from artigen.splats.render.splats import Splats
-from artigen.train.appearance.examples import AppearanceExample, lay_true_voxels
 from artigen.types import Asset
 from artigen.voxels.layout import Canvas
 from artigen.voxels.surface import measure_places

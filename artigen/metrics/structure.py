@@ -9,12 +9,12 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from artigen.examples.batches import outline_batch, patch_batch
+from artigen.examples.structure import StructureExample
 from artigen.latent.outline import OutlineBatch
 from artigen.latent.patches import PatchBatch
 from artigen.latent.structure_vae import StructureVae
 from artigen.metrics.deviations import part_deviations
-from artigen.train.batches import outline_batch, patch_batch
-from artigen.train.examples import StructureExample
 from artigen.types import FULL_TURN, JOINT_TYPES, PART_LABELS
 from artigen.voxels.fields import ROW
 

@@ -265,7 +265,7 @@ MAY_FOLLOW = frozenset(
 @cache
 def _key_columns() -> Int[np.ndarray, "K 3"]:
     """Columns of the fields that determine the implied ones, by kind of row; 0 for none."""
-    names = {kind: ("lined", "axis", "sides") for kind in PIECE_KINDS} | {"joint": ("type", "need0", "holds")}
+    names = dict.fromkeys(PIECE_KINDS, ("lined", "axis", "sides")) | {"joint": ("type", "need0", "holds")}
     return np.array(
         [
             [column(kind, name) if name in said_fields(kind) else 0 for name in names.get(kind, ("",) * 3)]

@@ -5,13 +5,13 @@ from pathlib import Path
 from typing import Literal
 
 from artigen.errors import ArtigenError
+from artigen.examples.real import list_split
 from artigen.latent.presets import PRESETS, PresetName
 from artigen.latent.structure_dit import StructureDitConfig
 from artigen.models.conditions import ConditionConfig
 from artigen.models.description import hash_model, read_description
 from artigen.models.public_encoders import find_encoders
 from artigen.runtime.run_config import claim_folder
-from artigen.train.real import list_split
 
 Stage = Literal[
     "structure",

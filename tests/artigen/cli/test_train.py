@@ -17,6 +17,9 @@ import artigen.metrics.evaluate
 from artigen.cli.evaluate import EvaluateSettings, evaluate
 from artigen.cli.train import TrainSettings, train
 from artigen.errors import ArtigenError, SegmentationError, SourceError
+from artigen.examples.real import RealJob, list_split, read_real
+from artigen.examples.shards import HELD_OUT
+from artigen.examples.structure import draw_example, read_shard, write_shard
 from artigen.latent.draw import GenerateConfig, load_structure_model
 from artigen.latent.presets import PRESETS
 from artigen.latent.structure_vae import StructureVae
@@ -36,10 +39,7 @@ from artigen.runtime.run_config import claim_folder
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.train.curves import draw_curves, read_metrics
-from artigen.train.examples import draw_example
 from artigen.train.loop import finished_steps
-from artigen.train.real import RealJob, list_split, read_real
-from artigen.train.shards import HELD_OUT, read_shard, write_shard
 from artigen.types import Asset
 from artigen.weights import SHIPPED
 

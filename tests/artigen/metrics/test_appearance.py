@@ -17,6 +17,8 @@ from artigen.appearance.views import ViewConfig
 from artigen.cli.evaluate import AppearanceViews, EvaluateSettings, evaluate
 from artigen.cli.train import AppearanceSettings, TrainSettings, train
 from artigen.errors import ArtigenError, SourceError
+from artigen.examples.appearance import draw_appearance, write_appearance_shard
+from artigen.examples.shards import HELD_OUT
 from artigen.metrics.appearance import Comparison, score_comparisons, score_sets, split_states
 from artigen.metrics.part_colors import color_error, mean_colors
 from artigen.metrics.pictures import (
@@ -29,10 +31,7 @@ from artigen.metrics.pictures import (
 from artigen.metrics.splat_distance import score_distances
 from artigen.models.store import load_model
 from artigen.splats.render.splats import Splats
-from artigen.train.appearance.examples import draw_appearance
-from artigen.train.appearance.shards import write_appearance_shard
 from artigen.train.loop import finished_steps
-from artigen.train.shards import HELD_OUT
 from artigen.types import SurfaceSamples
 from artigen.weights import SHIPPED
 

@@ -10,11 +10,11 @@ from scipy.spatial import ConvexHull
 from artigen.datasets.mesh_raster import Pinhole, project_points, rasterize_mesh
 from artigen.datasets.partnet_mobility import ReaderConfig, read_object
 from artigen.datasets.partnet_surface import FaceTable
+from artigen.examples.photographs import NOTHING, draw_camera, photograph_mesh, photograph_shape
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.render.cameras import camera_axes, pixel_sizes
 from artigen.shapes.shape import Shape
-from artigen.train.photographs import NOTHING, draw_camera, photograph_mesh, photograph_shape
 from artigen.wavefront import Material
 
 CAMERA = Pinhole(

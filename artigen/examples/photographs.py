@@ -8,10 +8,10 @@ from jaxtyping import Bool, Float, Int, UInt8
 
 from artigen.appearance.photographs import NOTHING
 from artigen.datasets.partnet_surface import FaceTable
+from artigen.examples.mesh_pictures import FINE, join_tables, pack_picture, picture_mesh
 from artigen.shapes.primitives import Vector, place_vertices
 from artigen.shapes.render import Cameras, build_scene, frame_points, render
 from artigen.shapes.shape import Shape
-from artigen.train.mesh_pictures import FINE, join_tables, pack_picture, picture_mesh
 
 NEAR_FRONT = (0.6, 0.25)
 """Largest yaw to either side and largest pitch of the camera (radians): pictures are near-frontal."""
