@@ -14,8 +14,8 @@ from artigen.appearance.photographs import NOTHING
 from artigen.appearance.presets import APPEARANCE_PRESETS
 from artigen.appearance.slat_flow import SlatFlow
 from artigen.appearance.views import ViewConfig
-from artigen.cli.evaluate import AppearanceViews, EvaluateSettings, evaluate
-from artigen.cli.train import AppearanceSettings, TrainSettings, train
+from artigen.cli.evaluate import AppearanceViews, evaluate
+from artigen.cli.train import AppearanceSettings, train
 from artigen.errors import ArtigenError, SourceError
 from artigen.examples.appearance import draw_appearance, write_appearance_shard
 from artigen.examples.shards import HELD_OUT
@@ -28,10 +28,12 @@ from artigen.metrics.pictures import (
     measure_ssim,
     ssim_map,
 )
+from artigen.metrics.settings import EvaluateSettings
 from artigen.metrics.splat_distance import score_distances
 from artigen.models.store import load_model
 from artigen.splats.render.splats import Splats
 from artigen.train.loop import finished_steps
+from artigen.train.settings import TrainSettings
 from artigen.types import SurfaceSamples
 from artigen.weights import SHIPPED
 
