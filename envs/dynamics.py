@@ -37,8 +37,9 @@ def check_dynamics(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> tu
     try:
         main = run_trials(folder, package, cfg.timestep)
     except PackageError as error:
+        titles = {name: title for name, title in TITLES.items() if name not in ("V301", "V308")}
+        rest = not_run(titles, "the package does not load")
         loads = _result("V301", fails=True, message=str(error))
-        rest = [not_run(name, "the package does not load") for name in TITLES if name not in ("V301", "V308")]
         return tuple(sorted([loads, *rest, check_mujoco(folder)], key=lambda result: result.id))
     spent = time.perf_counter() - clock
     single = list(_single_checks(package, main))

@@ -1,5 +1,7 @@
 """Ids and titles of the L3 and L4 checks, and results of checks that were not run."""
 
+from collections.abc import Mapping
+
 from sim_export.report import CheckResult
 
 TITLES = {
@@ -20,7 +22,21 @@ TASK_TITLES = {
 }
 
 
-def not_run(check: str, reason: str) -> CheckResult:
-    """A failed result for a check that could not be run, with the reason."""
-    title, level = (TITLES[check], "L3") if check in TITLES else (TASK_TITLES[check], "L4")
-    return CheckResult(id=check, level=level, title=title, verdict="fail", message=f"not run: {reason}")
+def not_run(titles: Mapping[str, str], reason: str, first: str | None = None) -> tuple[CheckResult, ...]:
+    """Failed results for checks that could not be run.
+
+    Args:
+        titles: Ids and titles of the checks.
+        reason: The reason.
+        first: The check that the reason applies to; the others are not run because it failed. All when None.
+    """
+    return tuple(
+        CheckResult(
+            id=check,
+            level=f"L{check[1]}",  # type: ignore[arg-type]
+            title=title,
+            verdict="fail",
+            message=f"not run: {reason if first in (None, check) else f'{first} failed'}",
+        )
+        for check, title in titles.items()
+    )
