@@ -184,7 +184,7 @@ class PutInsideEnv(PackageTask):
             moves = container.link == part.joint.child
             region = transform_points(into_link, container.region) if moves else container.region
             regions.append(np.sort(region, axis=0) if moves else region - [0.0, 0.0, entry.floor])
-            aims.append(aim_in_world(entry, part, container, self._opened(entry, part)))
+            aims.append(resting_places(entry, part, container, self._opened(entry, part))[0])
             spots.append(self._cube_spot(entry, part, place))
             self.containers.append(container)
         self._regions, self.aims, self._spots = (
@@ -269,11 +269,6 @@ class PutInsideEnv(PackageTask):
         inside = info["inside"].float()
         reward = torch.where(info["inside"], torch.ones_like(reached), reached) + 2.0 * near + inside
         return torch.where(info["success"], torch.full_like(reward, self.full_reward), reward)
-
-
-def aim_in_world(entry: TaskObject, part: TaskPart, container: Container, opened: float) -> np.ndarray:
-    """The aim on the container's floor, for an object at the origin with the part open."""
-    return resting_places(entry, part, container, opened)[0]
 
 
 def resting_places(
