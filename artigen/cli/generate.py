@@ -12,7 +12,7 @@ import tyro
 from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
 from artigen.cli.batch import Finished, Laps, Made, make_and_validate, run_shown, say_results
 from artigen.cli.models import hash_weights, load_appearance, load_drawer, load_sketch, load_structure
-from artigen.cli.shape import read_counts
+from artigen.cli.shape import read_wish
 from artigen.cli.shard import read_shard
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
@@ -105,14 +105,10 @@ def _understand(job: GenerateJob) -> "Understood":
 
 def read_job(job: GenerateJob) -> "Request":
     """The request of a job."""
-    from artigen.shapes.draw import Wish
     from artigen.sketch.understand import Request
 
     cfg = job.cfg
-    wish = Wish(
-        width=cfg.width, depth=cfg.depth, height=cfg.height, style=cfg.style, counts=read_counts(cfg.counts)
-    )
-    return Request(category=job.category, text=cfg.text, image=cfg.image, wish=wish)
+    return Request(category=job.category, text=cfg.text, image=cfg.image, wish=read_wish(cfg))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

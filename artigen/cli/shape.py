@@ -18,6 +18,7 @@ from artigen.runtime.workers import Worker
 from artigen.types import PartLabel
 
 if TYPE_CHECKING:
+    from artigen.cli.generate import GenerateSettings
     from artigen.shapes.draw import Wish
     from artigen.shapes.families import Suite
     from artigen.shapes.shape import Shape
@@ -170,7 +171,7 @@ def _build_of(category: str, seed: int, wish: "Wish") -> list[object]:
     return describe_build(draw_shape(category, seed, wish))
 
 
-def read_wish(cfg: ShapeSettings) -> "Wish":
+def read_wish(cfg: "ShapeSettings | GenerateSettings") -> "Wish":
     """The wish in the settings, with parsed counts.
 
     Raises:
