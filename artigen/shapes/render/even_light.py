@@ -4,7 +4,15 @@ import numpy as np
 import torch
 from jaxtyping import Float, Int
 
-from artigen.shapes.render.shading import EVEN_LIGHT, Light, Material, linear_from_srgb, shade
+from artigen.shapes.poses import pose_parts
+from artigen.shapes.render.shading import (
+    EVEN_LIGHT,
+    Light,
+    Material,
+    linear_from_srgb,
+    shade,
+    srgb_from_linear,
+)
 from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.textures import apply_paint, find_rows, make_paint
 
@@ -13,7 +21,7 @@ OPENNESS = 0.95
 SLANT = np.radians(45.0)
 """Angle between the normal and the directions of view over which colours are averaged."""
 TURNS = 6
-"""Number of these directions."""
+"""Number of these directions; each sees another state of the joints, from closed to open."""
 
 
 def light_evenly(
@@ -24,9 +32,10 @@ def light_evenly(
     *,
     footprint: float,
 ) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N 3"]]:
-    """Opacity of surface, and its colour (linear) in even light from all around.
+    """Opacity of surface, and its colour (linear) in even light, the mean over the ranges of all joints.
 
-    The colour of glass includes what it mirrors, as if its own surface sent it out.
+    The colour of glass includes what it mirrors, as if its own surface sent it out. Its opacity is that by
+    which blending display values, as Gaussians are blended, shows black and white behind it as they are.
 
     Args:
         shape: The object.
@@ -44,11 +53,19 @@ def light_evenly(
         gloss=torch.from_numpy(table.gloss[rows]),
         opacity=torch.from_numpy(table.opacity[rows]),
     )
-    every, axes = torch.ones(len(rows), dtype=torch.float64), torch.from_numpy(frames)
+    every = torch.ones(len(rows), dtype=torch.float64)
     light, total = Light(lamp=every, sky=every, open=OPENNESS * every), torch.zeros_like(color)
-    for turn in np.arange(TURNS) * (2 * np.pi / TURNS):
+    upper = np.array([0.0 if part.motion is None else part.motion.upper for part in shape.parts])
+    part = np.repeat(np.arange(len(shape.parts)), [len(one.primitives) for one in shape.parts])[owners]
+    for number in range(TURNS):
+        turn = 2 * np.pi * number / TURNS
+        moved = pose_parts(shape, number / (TURNS - 1) * upper)[:, :3, :3]
+        axes = torch.from_numpy(moved[part] @ frames)
         aside = (np.sin(SLANT) * np.cos(turn), np.sin(SLANT) * np.sin(turn))
         toward = axes @ axes.new_tensor([*aside, np.cos(SLANT)])
         scattered, mirrored = shade(axes[:, :, 2], -toward, material, light, EVEN_LIGHT)
-        total += (scattered + mirrored / material.opacity[:, None]) / TURNS
-    return table.opacity[rows].astype(np.float64), total.clamp(0.0, 1.0).numpy()
+        total += (material.opacity[:, None] * scattered + mirrored) / TURNS
+    dark, bright = (srgb_from_linear(total + behind) for behind in (0.0, 1.0 - material.opacity[:, None]))
+    opacity = 1.0 - (bright - dark).mean(dim=1)
+    color = linear_from_srgb((dark / opacity[:, None]).clamp(max=1.0))
+    return opacity.numpy(), color.numpy()

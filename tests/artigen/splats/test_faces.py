@@ -10,12 +10,13 @@ from artigen.shapes.asset import frame_shape, shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import Primitive, box, cylinder, prism
 from artigen.shapes.render import Cameras
+from artigen.shapes.render.even_light import OPENNESS
 from artigen.shapes.sampling import place_points
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
-from artigen.splats.colors import srgb_from_linear
+from artigen.splats.colors import linear_from_srgb, srgb_from_linear
 from artigen.splats.faces import SPREAD, divide_lengths, lay_gaussians
-from artigen.splats.render import make_splats, rasterize
+from artigen.splats.render import Rendering, make_splats, rasterize
 from artigen.transforms import matrix_from_quat
 from artigen.types import Gaussians
 
@@ -30,8 +31,10 @@ def of(*primitives: Primitive, opacity: float = 1.0) -> Shape:
     return Shape(category="Thing", seed=0, style="plain", parts=(part,), finishes=(("grey", finish),))
 
 
-def cover(gaussians: Gaussians, direction: tuple[float, float, float], size: int = 300) -> np.ndarray:
-    """Coverage of each pixel, seen from 200 units away; the picture is 1.5 units wide."""
+def see(
+    gaussians: Gaussians, direction: tuple[float, float, float], behind: float = 0.0, size: int = 300
+) -> Rendering:
+    """Seen from 200 units away; the picture is 1.5 units wide."""
     camera = Cameras(
         position=200 * torch.tensor([direction], dtype=torch.float64),
         target=torch.zeros(1, 3, dtype=torch.float64),
@@ -39,7 +42,7 @@ def cover(gaussians: Gaussians, direction: tuple[float, float, float], size: int
         width=size,
         height=size,
     )
-    return rasterize(make_splats(gaussians), camera, background=(0.0, 0.0, 0.0)).alpha[0].numpy()
+    return rasterize(make_splats(gaussians), camera, background=(behind,) * 3)
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +117,7 @@ outline may be off on average (pixels of 0.005). Rows of cells end in steps at s
 @pytest.mark.parametrize("name", SOLIDS)
 def test_outlines_enclose_the_area_of_the_solid_without_holes(name: str):
     solid, area, outline, allowed = SOLIDS[name]
-    alpha = cover(lay_gaussians(of(solid)), (-1.0, 0.0, 0.0))
+    alpha = see(lay_gaussians(of(solid)), (-1.0, 0.0, 0.0)).alpha[0].numpy()
     pixel = 1.5 / len(alpha)
     assert abs(alpha.sum() * pixel**2 - area) < allowed * pixel * outline
     inside = binary_erosion(alpha > 0.5, iterations=4)
@@ -122,11 +125,15 @@ def test_outlines_enclose_the_area_of_the_solid_without_holes(name: str):
 
 
 @pytest.mark.parametrize("opacity", [0.1, 0.3, 0.6, 0.9, 1.0])
-def test_panes_let_as_much_light_through_as_their_finish_says(opacity: float):
+@pytest.mark.parametrize("behind", [0.0, 1.0])
+def test_panes_show_black_and_white_through_them_as_their_finish_says(opacity: float, behind: float):
+    """Even light on upright surface is 0.85 x 1.25 x 0.85, of which corners leave `OPENNESS`."""
     pane = of(box((-0.01, -0.5, -0.5), (0.01, 0.5, 0.5), "grey"), opacity=opacity)
-    alpha = cover(lay_gaussians(pane), (-1.0, 0.0, 0.0))
-    assert abs(alpha[75:225, 75:225].mean() - opacity) < 0.03
-    assert np.ptp(alpha[75:225, 75:225]) < 0.05
+    light = 0.85 * 1.25 * 0.85 * OPENNESS * linear_from_srgb(np.array(0.5))
+    shown = see(lay_gaussians(pane), (-1.0, 0.0, 0.0), behind).color[0, 75:225, 75:225].numpy()
+    wanted = srgb_from_linear(opacity * light + (1 - opacity) * behind)
+    assert abs(shown.mean() - wanted) < 0.02
+    assert np.ptp(shown) < 0.05
 
 
 def test_the_unit_of_length_does_not_matter():
