@@ -13,11 +13,11 @@ from pathlib import Path
 import torch
 import tyro
 
+from artigen.examples.sketch import make_examples
 from artigen.models.description import hash_model
 from artigen.sketch.model import load_sketch_network, save_sketch_network
 from artigen.sketch.network import SketchNetwork
 from artigen.train.sketch import MEASURED, score_examples
-from artigen.train.sketch_examples import make_examples
 
 
 def average_networks(before: SketchNetwork, after: SketchNetwork, share: float) -> SketchNetwork:

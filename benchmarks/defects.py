@@ -70,7 +70,7 @@ def mesh_collisions(folder: Path) -> None:
     edit_urdf(change)(folder)
 
 
-def edit_urdf(change: Callable[[ET.Element], None]) -> Mutation:
+def edit_urdf(change: Callable[[ET.Element], object]) -> Mutation:
     """Changes the URDF's element tree."""
 
     def mutate(folder: Path) -> None:
@@ -84,7 +84,7 @@ def edit_urdf(change: Callable[[ET.Element], None]) -> Mutation:
 
 
 def set_attribute(path: str, **values: str) -> Mutation:
-    """Sets attributes of the element at an XPath; ``None`` text removes them."""
+    """Sets attributes of the element at an XPath."""
 
     def change(robot: ET.Element) -> None:
         find(robot, path).attrib.update(values)

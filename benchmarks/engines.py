@@ -16,9 +16,10 @@ from pathlib import Path
 import numpy as np
 
 from artigen.cli.validate import choose_engines
-from envs.engines.judge import TITLES, judge
+from envs.engines.judge import judge
 from envs.engines.plan import make_plan
 from envs.engines.witness import FILES, WITNESSES, run_engine
+from envs.titles import ENGINE_TITLES
 from sim_export.files.read import read_package
 
 
@@ -54,9 +55,9 @@ def main() -> None:
                 if check.verdict == "fail":
                     print(f"{folder.name} {check.id} {check.title}: {check.message} ({check.value:g})")
         sys.stdout.flush()
-    print(f"\n{len(args.packages)} packages", *TITLES.values(), "no answer", sep=" | ")
+    print(f"\n{len(args.packages)} packages", *ENGINE_TITLES.values(), "no answer", sep=" | ")
     for engine, counts in passed.items():
-        print(engine, *(counts[check] for check in TITLES), counts["no answer"], sep=" | ")
+        print(engine, *(counts[check] for check in ENGINE_TITLES), counts["no answer"], sep=" | ")
     for engine, values in holds.items():
         if values:
             off = np.abs(np.array(values) - 1.0)

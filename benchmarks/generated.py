@@ -55,7 +55,10 @@ def measure_packages(category: str, out: Path, each: int, workers: int) -> tuple
     """Packages that pass at once and in the end, and mean seconds of the draw that stayed."""
     generate(out, category=category, count=each, workers=workers)
     lines = [line for key, line in read_journal(out).items() if key.startswith(f"{category}_")]
-    draws = [json.loads(_provenance(out / line.key)["draws"]) for line in lines if line.error is None]
+    origins = [
+        json.loads((out / line.key / "provenance.json").read_text()) for line in lines if line.error is None
+    ]
+    draws = [json.loads(origin["draws"]) for origin in origins]
     passed = [bool(line.passed) for line in lines if line.error is None]
     seconds = [sum(spent for name, spent in line.seconds if name != "validate") for line in lines]
     first = sum(good and len(said) == 1 for good, said in zip(passed, draws, strict=True))
@@ -91,10 +94,6 @@ def measure_headers(network: SketchNetwork, category: str, each: int) -> tuple[i
         extents += bool((np.abs(have - want) <= 0.01 * want).all())
         sound += not drawn.faults
     return counts, extents, sound, spent / each
-
-
-def _provenance(package: Path) -> dict[str, str]:
-    return json.loads((package / "provenance.json").read_text())
 
 
 def write_table(rows: Sequence[Row]) -> str:

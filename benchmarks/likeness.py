@@ -164,7 +164,7 @@ def free_space(asset: Asset, package: SimPackage) -> tuple[int, float]:
     grid = voxelize(asset.surface)
     occupied = np.zeros((64,) * 3, dtype=bool)
     occupied[tuple(grid.coords.T)] = True
-    near = dilate(occupied)
+    near = binary_dilation(occupied, np.ones((3, 3, 3)))
     total, kept = 0, 0
     planes = [hull_planes(hull) for link in package.links for hull in link.hulls]
     for index, part in enumerate(asset.parts):
@@ -188,11 +188,6 @@ def free_space(asset: Asset, package: SimPackage) -> tuple[int, float]:
         total += len(free)
         kept += int((~filled).sum())
     return total, kept / total if total else 1.0
-
-
-def dilate(cells: np.ndarray) -> np.ndarray:
-    """Cells and their 26 neighbours."""
-    return binary_dilation(cells, np.ones((3, 3, 3)))
 
 
 def reachable(own: np.ndarray) -> np.ndarray:

@@ -21,13 +21,13 @@ from roughness import measure_roughness
 from scipy.ndimage import binary_dilation
 from torch import Tensor
 
+from artigen.examples.batches import condition_batch, outline_batch, patch_batch
 from artigen.latent.draw import StructureModel, load_structure_model
 from artigen.latent.outline import OutlineBatch, blur_outlines
 from artigen.latent.structure_vae import decode_cells
 from artigen.metrics.report import format_table
 from artigen.metrics.subjects import Subject, draw_subjects
 from artigen.models.rectified_flow import diffuse
-from artigen.train.batches import condition_batch, outline_batch, patch_batch
 from artigen.voxels.cleanup.boards import make_boards
 from artigen.voxels.cleanup.rows import read_owners
 from artigen.voxels.fields import decode, encode

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import tyro
 
+from artigen.examples.photographs import photograph_shape
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.sketch.alignment import View, fit_camera
@@ -28,7 +29,6 @@ from artigen.sketch.model import (
 )
 from artigen.sketch.picture_colors import read_colors
 from artigen.sketch.request import SketchRequest
-from artigen.train.photographs import photograph_shape
 from artigen.types import PAPER_CATEGORIES
 from artigen.weights import SHIPPED
 

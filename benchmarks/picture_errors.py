@@ -21,6 +21,7 @@ from artigen.appearance.exposure import rest_surface
 from artigen.appearance.photographs import State, look_at_surface, photograph
 from artigen.appearance.states import plan_fractions
 from artigen.appearance.views import ViewConfig
+from artigen.examples.appearance import AppearanceExample
 from artigen.metrics.appearance import compare_pictures, reconstruct_splats
 from artigen.metrics.evaluate_appearance import (
     EvaluateAppearanceConfig,
@@ -33,7 +34,6 @@ from artigen.shapes.asset import frame_shape
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.render import Images, build_scene
 from artigen.shapes.render.scene import Scene
-from artigen.train.appearance.examples import AppearanceExample
 from artigen.types import SurfaceSamples, VoxelGrid
 from artigen.voxels.frames import facing_frames
 from artigen.voxels.surface import AHEAD, find_voxels

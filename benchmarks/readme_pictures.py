@@ -20,9 +20,9 @@ from PIL import Image
 
 from artigen.cli.generate import GenerateSettings, generate
 from artigen.cli.preview import draw_splats
+from artigen.examples.photographs import photograph_shape
 from artigen.shapes.draw import categories, draw_shape
 from artigen.shapes.sheet import draw_sheet
-from artigen.train.photographs import photograph_shape
 from artigen.types import PAPER_CATEGORIES
 from sim_export.files.read import read_package
 from sim_export.picture.animation import write_animation

@@ -14,18 +14,24 @@ import numpy as np
 import torch
 from jaxtyping import Int
 
-import artigen.sketch.batch as batch_module
+from artigen.examples.shards import load_shard, save_shard
+from artigen.examples.sketch import (
+    ALONE,
+    TABLES,
+    WINDOW,
+    SketchBatch,
+    Table,
+    head_of,
+    make_table,
+    pack_tables,
+    unpack_tables,
+)
+from artigen.examples.sketch_photos import CELL, EDGE, PhotoBatch, take_photo
 from artigen.shapes.draw import draw_shape
 from artigen.sketch.batch import RowBatch, ask_for, make_batch
 from artigen.sketch.request import Asked, nothing_asked
-from artigen.sketch.rows import find_said, sketch_to_rows
-from artigen.sketch.rules import MAX_ROWS
-from artigen.sketch.sketch import SketchError, write_sketch
 from artigen.sketch.words import CATEGORIES
-from artigen.train.sketch_examples import ALONE, WINDOW, SketchBatch, head_of
-from artigen.train.sketch_photos import CELL, EDGE, PhotoBatch, take_photo
 
-Table = Int[np.ndarray, "T W"]
 Arrays = dict[str, np.ndarray]
 OFTEN = CATEGORIES[:9]
 """Categories of which two objects are drawn for one of every other."""
@@ -65,11 +71,8 @@ def make_objects(folder: Path, number: int, makers: int) -> None:
         plain, shown, photos = [], [], []
         while len(photos) < CHUNK:
             shape = draw_shape(*next(wishes))
-            try:
-                table = sketch_to_rows(write_sketch(shape)).astype(np.int16)
-            except SketchError:
-                continue
-            if len(table) >= MAX_ROWS:
+            table = make_table(shape)
+            if table is None:
                 continue
             if len(plain) < len(shown):
                 plain.append(table)
@@ -80,18 +83,16 @@ def make_objects(folder: Path, number: int, makers: int) -> None:
         for row, photo in zip(spots, photos, strict=True):
             row[: len(photo.spots)] = photo.spots
         name = f"{number:02d}-{done:05d}"
-        write_tables(folder / f"shown-{name}.npz", shown)
-        write_tables(folder / f"plain-{name}.npz", plain)
-        scratch = folder / f".photos-{name}.npz"
-        np.savez(
-            scratch,
-            image=np.stack([photo.rgba for photo in photos]).transpose(0, 3, 1, 2),
-            labels=np.stack([photo.labels for photo in photos]),
-            spots=spots,
-            count=np.array([len(photo.spots) for photo in photos]),
-            view=np.stack([photo.view for photo in photos]).astype(np.float32),
-        )
-        scratch.replace(folder / f"photos-{name}.npz")
+        save_shard(folder / f"shown-{name}.npz", pack_tables(shown), packed=False)
+        save_shard(folder / f"plain-{name}.npz", pack_tables(plain), packed=False)
+        album = {
+            "image": np.stack([photo.rgba for photo in photos]).transpose(0, 3, 1, 2),
+            "labels": np.stack([photo.labels for photo in photos]),
+            "spots": spots,
+            "count": np.array([len(photo.spots) for photo in photos]),
+            "view": np.stack([photo.view for photo in photos]).astype(np.float32),
+        }
+        save_shard(folder / f"photos-{name}.npz", album, packed=False)
         done += 1
 
 
@@ -102,19 +103,6 @@ def _list_wishes(number: int, makers: int) -> Iterator[tuple[str, int]]:
         yield from ((category, seed) for category in CATEGORIES)
         yield from ((category, seed + 1_000_000_000) for category in OFTEN)
         seed += makers
-
-
-def write_tables(path: Path, tables: Sequence[Table]) -> None:
-    """Writes tables to one file, which appears whole."""
-    scratch = path.with_name("." + path.name)
-    np.savez(scratch, rows=np.concatenate(tables), n=np.array([len(table) for table in tables]))
-    scratch.replace(path)
-
-
-def read_tables(path: Path) -> list[Table]:
-    """Tables of a file of `write_tables`."""
-    with np.load(path) as stored:
-        return np.split(stored["rows"], np.cumsum(stored["n"])[:-1])
 
 
 class Pool:
@@ -166,23 +154,15 @@ def make_batches(
         sizes: Sizes of the batches.
         number: Number of this batcher.
     """
-    said: dict[int, np.ndarray] = {}
-
-    def find_said_once(table: Table) -> np.ndarray:
-        if id(table) not in said:
-            said[id(table)] = find_said(table)
-        return said[id(table)]
-
-    batch_module.find_said = find_said_once  # three quarters of the time of `make_batch`
     rng = np.random.default_rng([number, 7])
     plain, shown, read, looked = Pool(), Pool(), set[Path](), 0.0
     while True:
         if time.monotonic() - looked > LOOK:
             new = sorted({*folder.glob("plain-*.npz"), *(before.glob("*.npz") if before else ())} - read)
             for path in new:
-                plain.add(read_tables(path))
+                plain.add(unpack_tables(load_shard(path, TABLES)))
             for name in list(loaded)[len(shown.tables) // CHUNK :]:
-                shown.add(read_tables(folder / f"shown-{name}.npz"))
+                shown.add(unpack_tables(load_shard(folder / f"shown-{name}.npz", TABLES)))
             read |= set(new)
             plain.sort()
             shown.sort()
@@ -235,12 +215,12 @@ class Album:
 
     def load(self, path: Path) -> bool:
         """Adds the photos of a file of a maker; False if there is no room for them."""
-        with np.load(path) as stored:
-            here = slice(self.size, self.size + len(stored["count"]))
-            if here.stop > len(self.count):
-                return False
-            for name in ("image", "labels", "spots", "count", "view"):
-                getattr(self, name)[here] = torch.from_numpy(stored[name]).to(self.count.device)
+        stored = load_shard(path, ("image", "labels", "spots", "count", "view"))
+        here = slice(self.size, self.size + len(stored["count"]))
+        if here.stop > len(self.count):
+            return False
+        for name, values in stored.items():
+            getattr(self, name)[here] = torch.from_numpy(values).to(self.count.device)
         self.size = here.stop
         return True
 

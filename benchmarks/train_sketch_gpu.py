@@ -3,15 +3,14 @@
     python benchmarks/train_sketch_gpu.py OUT --start artigen/weights/small --seconds 590 --makers 11
 
 Every step sums the losses of four batches: whole tables with and without photos, headers and finishes with
-and without photos. OUT receives the averaged weights as a model folder, every two minutes and at the end, and
-a line of losses every 50 steps.
+and without photos. OUT/sketch receives checkpoints and metrics, OUT/model the averaged weights at the end.
+The same command resumes a run.
 """
 
 import argparse
-import json
-import queue
 import threading
 import time
+from collections.abc import Iterator
 from dataclasses import fields
 from functools import partial
 from multiprocessing import get_context
@@ -19,24 +18,19 @@ from multiprocessing.managers import ListProxy
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import torch
 from sketch_stream import Album, Sizes, make_batches, make_objects, unpack
 
-from artigen.errors import ArtigenError
-from artigen.models.precision import autocast_type
+from artigen.examples.batches import prefetch
+from artigen.examples.sketch import SketchBatch
 from artigen.sketch.model import load_sketch_network, save_sketch_network
-from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
+from artigen.sketch.network import SketchNetworkConfig
 from artigen.train.growth import grow_network
-from artigen.train.sketch_examples import SketchBatch
+from artigen.train.loop import LoopConfig, finished_steps, train
 from artigen.train.sketch_losses import SketchLosses, sketch_losses
 
 WEIGHTS = {"shown": 0.3, "plain": 0.25, "read": 0.35, "told": 0.1}
 """Weights of the losses of the four batches."""
-WARMUP, DECAY, EMA = 100, 0.02, 0.995
-"""Steps to the peak learning rate, weight decay, and decay of the averaged weights."""
-REPORT, SAVE = 50, 120.0
-"""Steps between lines of losses, and seconds between savings of the weights."""
 
 
 def main(cfg: argparse.Namespace) -> None:
@@ -44,7 +38,6 @@ def main(cfg: argparse.Namespace) -> None:
     torch.set_num_threads(1)
     torch.backends.cuda.matmul.allow_tf32 = torch.backends.cudnn.allow_tf32 = True
     torch.backends.cudnn.benchmark = True
-    cfg.out.mkdir(parents=True, exist_ok=True)
     cfg.scratch.mkdir(parents=True, exist_ok=True)
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
     context = get_context("spawn")
@@ -63,65 +56,28 @@ def main(cfg: argparse.Namespace) -> None:
     network = load_sketch_network(cfg.start)
     if network.cfg != SketchNetworkConfig():
         network = grow_network(network, SketchNetworkConfig())
+    assert network.picture is not None
     album = Album(cfg.album, device)
-    ready: queue.Queue[dict[str, SketchBatch]] = queue.Queue(3)
-    for task in (partial(_fill, album, cfg.scratch, loaded), partial(_fetch, steps, album, ready)):
-        threading.Thread(target=task, daemon=True).start()
+    threading.Thread(target=_fill, args=(album, cfg.scratch, loaded), daemon=True).start()
+    loop = LoopConfig(
+        minutes=cfg.seconds / 60.0,
+        learning_rate=cfg.rate,
+        warmup=100,
+        weight_decay=0.02,
+        ema=0.995,
+        report_every=50,
+        checkpoint_minutes=2.0,
+    )
+    losses = partial(sketch_losses, edge=network.picture.cfg.edge)
+    model, folder = SketchLosses(network.train()), cfg.out / "sketch"
     try:
-        train(network.to(device), ready, album, cfg)
+        train(model, losses, prefetch(_fetch(steps, album), 3), folder, loop, WEIGHTS)
     finally:
         for worker in workers:
             worker.kill()
-
-
-def train(
-    network: SketchNetwork,
-    ready: "queue.Queue[dict[str, SketchBatch]]",
-    album: Album,
-    cfg: argparse.Namespace,
-) -> None:
-    """The loop; the learning rate falls linearly to zero."""
-    assert network.picture is not None
-    model, edge, device = SketchLosses(network.train()), network.picture.cfg.edge, album.count.device
-    values = list(network.parameters())
-    average = [value.detach().clone() for value in values]
-    optimizer = torch.optim.AdamW(values, lr=cfg.rate, weight_decay=DECAY, betas=(0.9, 0.99), fused=True)
-    generator, number_type = torch.Generator(device).manual_seed(0), autocast_type(device)
-    begun = saved = since = time.monotonic()
-    step, sums = 0, dict[str, torch.Tensor]()
-    while (share := (time.monotonic() - begun) / cfg.seconds) < 1.0:
-        for group in optimizer.param_groups:
-            group["lr"] = cfg.rate * min(1.0, (step + 1) / WARMUP) * (1.0 - share)
-        for name, batch in ready.get(timeout=300.0).items():
-            with torch.autocast(device.type, number_type or torch.bfloat16, enabled=number_type is not None):
-                terms = sketch_losses(model, batch, generator, edge)
-            (WEIGHTS[name] * torch.stack(list(terms.values())).sum()).backward()
-            for term, value in terms.items():
-                key = f"{name} {term}"
-                sums[key] = sums.get(key, torch.zeros((), device=device)) + value.detach()
-        norm = torch.nn.utils.clip_grad_norm_(values, 1.0)
-        optimizer.step()
-        optimizer.zero_grad()
-        with torch.no_grad():
-            for mean, value in zip(average, values, strict=True):
-                mean.lerp_(value, 1.0 - min(EMA, (1 + step) / (10 + step)))
-        step += 1
-        if step % REPORT == 0:
-            line = {name: float(value) / REPORT for name, value in sums.items()}
-            pace = (time.monotonic() - since) / REPORT
-            said = {"step": step, "share": share, "seconds_per_step": pace, "photos": album.size}
-            line = {**said, "gradient": float(norm), **line}
-            with (cfg.out / "metrics.jsonl").open("a") as file:
-                file.write(json.dumps(line) + "\n")
-            print(" ".join(f"{name}={value:.4g}" for name, value in line.items()), flush=True)
-            if not np.isfinite(list(line.values())).all():
-                raise ArtigenError(f"losses at step {step}: {line}")
-            sums, since = {}, time.monotonic()
-        if time.monotonic() - saved > SAVE:
-            _save(network, average, cfg.out / "model", step)
-            saved = time.monotonic()
-    _save(network, average, cfg.out / "model", step)
-    print(f"{step} steps, {album.size} photos", flush=True)
+    count = finished_steps(folder)
+    save_sketch_network(network.cpu(), cfg.out / "model", {"preset": "small", "steps": count})
+    print(f"{count} steps, {album.size} photos", flush=True)
 
 
 def _fill(album: Album, folder: Path, loaded: "ListProxy[str]") -> None:
@@ -136,24 +92,12 @@ def _fill(album: Album, folder: Path, loaded: "ListProxy[str]") -> None:
         time.sleep(0.3)
 
 
-def _fetch(steps: Any, album: Album, ready: "queue.Queue[dict[str, SketchBatch]]") -> None:
-    """Moves batches to the device ahead of their use; photos of headers are mirrored at random."""
+def _fetch(steps: Any, album: Album) -> Iterator[dict[str, SketchBatch]]:
+    """Batches on the device; photos of headers are mirrored at random."""
     mirror = torch.Generator(album.count.device).manual_seed(1)
     while True:
-        step = steps.get()
-        ready.put(
-            {name: unpack(rows, album, mirror if name == "read" else None) for name, rows in step.items()}
-        )
-
-
-def _save(network: SketchNetwork, average: list[torch.Tensor], folder: Path, step: int) -> None:
-    """Writes the averaged weights as a model folder."""
-    mean = SketchNetwork(network.cfg)
-    mean.categories = network.categories
-    mean.load_state_dict(network.state_dict())
-    for value, one in zip(mean.parameters(), average, strict=True):
-        value.data.copy_(one)
-    save_sketch_network(mean, folder, {"preset": "small", "steps": step})
+        step = steps.get(timeout=300.0)
+        yield {name: unpack(rows, album, mirror if name == "read" else None) for name, rows in step.items()}
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ from artigen.transforms import inverse, transform_points
 from .base import SUBSTEPS, PackageEnv, open_fractions
 from .hand import measure_moved, pose_matrix
 from .loaded import LoadedJoint, advance, qpos_of
-from .package import LoadConfig
 from .plan import plan_trials
 from .trials import reset
 
@@ -56,14 +55,13 @@ class ActuateEnv(PackageEnv):
     """
 
     def __init__(
-        self, folder: Path, cfg: ActuateConfig | None = None, render_mode: str | None = None
+        self, package: Path | str, cfg: ActuateConfig | None = None, render_mode: str | None = None
     ) -> None:
-        self.cfg = ActuateConfig() if cfg is None else cfg
-        visuals = "all" if render_mode == "rgb_array" else "none"
-        super().__init__(folder, LoadConfig(visuals=visuals), render_mode, ground=False)
+        self.cfg = cfg or ActuateConfig()
+        super().__init__(package, render_mode)
         count = len(self.loaded.joints)
         if not count:
-            raise ValueError(f"{folder}: nothing moves in this package, so nothing can be opened")
+            raise ValueError(f"{package}: nothing moves in this package, so nothing can be opened")
         if self.cfg.joint is not None:
             self.loaded.joint(self.cfg.joint)
         self.action_space = gym.spaces.Box(-1.0, 1.0, (1,), np.float32)

@@ -1,7 +1,7 @@
 """Common base of the three environments: a package in its own scene, rebuilt at every reset."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import gymnasium as gym
 import numpy as np
@@ -28,20 +28,24 @@ class PackageEnv(gym.Env):
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": CONTROL_FREQUENCY}  # noqa: RUF012
 
-    def __init__(self, folder: Path, load: LoadConfig, render_mode: str | None, *, ground: bool) -> None:
+    base: Literal["fixed", "free"] = "fixed"
+    """``free`` lets the object stand on the ground."""
+
+    def __init__(self, package: Path | str, render_mode: str | None) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"render_mode {render_mode!r}, expected None or 'rgb_array'")
         self.render_mode = render_mode
-        self.folder = folder
-        self.package: SimPackage = read_package(folder)
-        self._load, self._ground = load, ground
+        self.folder = Path(package)
+        self.package: SimPackage = read_package(self.folder)
         self._camera = None
         self.scene, self.loaded = self._build()
 
     def _build(self):
         draw = self.render_mode == "rgb_array"
-        scene = create_scene(1.0 / (CONTROL_FREQUENCY * SUBSTEPS), ground=self._ground, render=draw)
-        loaded = load_package(scene, self.folder, self._load, self.package)
+        ground = self.base == "free"
+        scene = create_scene(1.0 / (CONTROL_FREQUENCY * SUBSTEPS), ground=ground, render=draw)
+        load = LoadConfig(base=self.base, visuals="all" if draw else "none")
+        loaded = load_package(scene, self.folder, load, self.package)
         if draw:
             self._camera = scene.add_camera("view", IMAGE_SIZE, IMAGE_SIZE, 1.0, 0.01, 100.0)
         return scene, loaded

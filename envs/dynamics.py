@@ -8,17 +8,18 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from sim_export.errors import PackageError
 from sim_export.package import PackageJoint, SimPackage
 from sim_export.physics.standing import must_stand
-from sim_export.report import CheckResult, round_measured
+from sim_export.report import CheckResult
 
 from .config import DynamicsConfig
 from .mujoco_check import compile_package
-from .titles import TITLES, not_run
+from .titles import TITLES, make_result, not_run
 from .trials import TrialResults, limit_tolerance, run_trials
 
 MASS_TOLERANCE = 1e-4
@@ -37,8 +38,9 @@ def check_dynamics(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> tu
     try:
         main = run_trials(folder, package, cfg.timestep)
     except PackageError as error:
+        titles = {name: title for name, title in TITLES.items() if name not in ("V301", "V308")}
+        rest = not_run(titles, "the package does not load")
         loads = _result("V301", fails=True, message=str(error))
-        rest = [not_run(name, "the package does not load") for name in TITLES if name not in ("V301", "V308")]
         return tuple(sorted([loads, *rest, check_mujoco(folder)], key=lambda result: result.id))
     spent = time.perf_counter() - clock
     single = list(_single_checks(package, main))
@@ -101,7 +103,7 @@ def check_rest(run: TrialResults) -> CheckResult:
     or rad/s at the end."""
     joints = run.joints
     if not joints:
-        return _not_applicable("V302", "nothing moves")
+        return make_result("V302", "not_applicable", "nothing moves")
     still = np.array([limit_tolerance(joint.type, _span(joint)) for joint in joints])
     worst = int(np.argmax(run.rest_drift / still))
     fast = int(np.argmax(np.where(np.isfinite(run.rest_speed), run.rest_speed, np.inf)))
@@ -126,7 +128,9 @@ def check_stand(package: SimPackage, run: TrialResults) -> CheckResult:
     """
     stand = run.stand
     if stand.overhang > 0.0 and not must_stand(package.category):
-        return _not_applicable("V303", f"a {package.category} is mounted or held, and does not balance")
+        return make_result(
+            "V303", "not_applicable", f"a {package.category} is mounted or held, and does not balance"
+        )
     parts = {
         "tilts by {:.3g} degrees": stand.tilt / STAND_TILT,
         "drifts by {:.3g} m": stand.drift / STAND_DRIFT,
@@ -155,7 +159,7 @@ def check_opens(run: TrialResults) -> CheckResult:
     """
     joints = run.joints
     if not joints:
-        return _not_applicable("V304", "nothing moves")
+        return make_result("V304", "not_applicable", "nothing moves")
     gaps = [max(pull.open_gap, pull.close_gap) for pull in run.pulls]
     near = [limit_tolerance(joint.type, _span(joint)) for joint in joints]
     ratios = np.array([gap / max(limit, 1e-12) for gap, limit in zip(gaps, near, strict=True)])
@@ -181,7 +185,7 @@ def check_stays_closed(run: TrialResults) -> CheckResult:
     joints = run.joints
     limited = [index for index, joint in enumerate(joints) if joint.type != "continuous"]
     if not limited:
-        return _not_applicable("V305", "no joint has limits")
+        return make_result("V305", "not_applicable", "no joint has limits")
     still = [limit_tolerance(joint.type, _span(joint)) for joint in joints]
     worst = max(limited, key=lambda index: run.lean_drift[index] / still[index])
     fails = not run.lean_drift[worst] <= still[worst]
@@ -199,7 +203,7 @@ def check_energy(run: TrialResults) -> CheckResult:
     gravity allows, and the object's bounding box never grows beyond 10 times its size."""
     joints = run.joints
     if not joints:
-        return _not_applicable("V306", "nothing moves")
+        return make_result("V306", "not_applicable", "nothing moves")
     if not run.size_ratio <= SIZE_RATIO:
         return _result(
             "V306", fails=True, value=run.size_ratio, threshold=SIZE_RATIO, unit="times the box at rest",
@@ -275,25 +279,8 @@ def _span(joint: PackageJoint) -> float:
     return 2.0 * np.pi if joint.type == "continuous" else max(joint.upper - joint.lower, 1e-9)
 
 
-def _result(
-    check: str, *, fails: bool, value: float | None = None, threshold: float | None = None, unit: str = "",
-    where: str = "", message: str = "",
-) -> CheckResult:  # fmt: skip
-    return CheckResult(
-        id=check,
-        level="L3",
-        title=TITLES[check],
-        verdict="fail" if fails else "pass",
-        value=round_measured(value),
-        threshold=round_measured(threshold),
-        unit=unit,
-        where=where,
-        message=message,
-    )
-
-
-def _not_applicable(check: str, reason: str) -> CheckResult:
-    return CheckResult(id=check, level="L3", title=TITLES[check], verdict="not_applicable", message=reason)
+def _result(check: str, *, fails: bool, message: str, **values: Any) -> CheckResult:
+    return make_result(check, "fail" if fails else "pass", message, **values)
 
 
 def _timed(check: Callable[[], CheckResult]) -> CheckResult:

@@ -9,12 +9,27 @@ damper beside it.
 
 from typing import TYPE_CHECKING
 
+from sim_export.package import PackageJoint
+
 if TYPE_CHECKING:
     from sapien.physx import PhysxArticulation, PhysxArticulationJoint
 
 CREEP = 1e-5
 """Speed (m/s or rad/s) at which the drive reaches its friction force: a joint loaded just below its friction
 creeps at this speed, and a faster joint feels the whole force."""
+
+
+def apply_resistance(
+    articulation: "PhysxArticulation", joint: "PhysxArticulationJoint", spec: PackageJoint
+) -> None:
+    """Applies a package's friction, damping and maximum speed to one of its joints; a joint with neither
+    friction nor damping is left to the engine."""
+    if spec.friction == 0.0 and spec.damping == 0.0:
+        return
+    apply_friction(joint, spec.friction)
+    apply_damping(articulation, joint, spec.damping)
+    if spec.velocity > 0.0:
+        apply_velocity(joint, spec.velocity)
 
 
 def apply_friction(joint: "PhysxArticulationJoint", friction: float) -> None:

@@ -13,7 +13,6 @@ from sim_export.errors import DegeneratePart
 from .base import PackageEnv
 from .hand import pose_matrix, shape_vertices
 from .loaded import set_open_fraction
-from .package import LoadConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,14 +57,13 @@ class JointSweepEnv(PackageEnv):
     """
 
     def __init__(
-        self, folder: Path, cfg: JointSweepConfig | None = None, render_mode: str | None = None
+        self, package: Path | str, cfg: JointSweepConfig | None = None, render_mode: str | None = None
     ) -> None:
-        self.cfg = JointSweepConfig() if cfg is None else cfg
-        visuals = "all" if render_mode == "rgb_array" else "none"
-        super().__init__(folder, LoadConfig(visuals=visuals), render_mode, ground=False)
+        self.cfg = cfg or JointSweepConfig()
+        super().__init__(package, render_mode)
         count = len(self.loaded.joints)
         if not count:
-            raise ValueError(f"{folder}: nothing moves in this package, so nothing can be swept")
+            raise ValueError(f"{package}: nothing moves in this package, so nothing can be swept")
         self.action_space = gym.spaces.Box(-1.0, 1.0, (count,), np.float32)
         self.observation_space = gym.spaces.Dict(
             {

@@ -14,7 +14,7 @@ from sim_export.errors import PackageError
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 
 from .follow import drive_follower
-from .friction import apply_damping, apply_friction, apply_velocity
+from .friction import apply_resistance
 from .loaded import Follower, LinkLoad, LoadedJoint, LoadedPackage
 from .urdf_text import physics_urdf
 
@@ -82,7 +82,8 @@ def load_package(
     joints = _match_joints(articulation, package)
     if cfg.joint_resistance == "package":
         for joint in joints:
-            _apply_resistance(articulation, joint)
+            if joint.spec.mimic is None:
+                apply_resistance(articulation, joint.engine, joint.spec)
     order = [joint.name for joint in package.joints]
     moving = [joint for joint in joints if joint.spec.mimic is None]
     moving.sort(key=lambda joint: order.index(joint.spec.name))
@@ -212,15 +213,3 @@ def _match_joints(articulation: "PhysxArticulation", package: SimPackage) -> tup
         )
         for index, joint in enumerate(articulation.active_joints)
     )
-
-
-def _apply_resistance(articulation: "PhysxArticulation", joint: LoadedJoint) -> None:
-    """Applies the package's friction, damping and maximum speed. A joint with neither friction nor damping is
-    left to the engine, and a follower to its drive."""
-    spec = joint.spec
-    if spec.mimic is not None or (spec.friction == 0.0 and spec.damping == 0.0):
-        return
-    apply_friction(joint.engine, spec.friction)
-    apply_damping(articulation, joint.engine, spec.damping)
-    if spec.velocity > 0.0:
-        apply_velocity(joint.engine, spec.velocity)

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import rotation_about
+from sim_export.tree import needed_fractions
 
 from .hand import Moved, hand_effort, measure_moved, weight_effort
 from .loaded import LoadedJoint, LoadedPackage, qpos_of
@@ -50,7 +51,7 @@ def plan_trials(loaded: LoadedPackage) -> TrialPlan:
     """Measures every joint of a fixed-base object and groups the independent ones."""
     plans, swept = [], []
     for index, joint in enumerate(loaded.joints):
-        needs = _all_needs(loaded, joint.spec.name)
+        needs = tuple(needed_fractions(joint.spec.name, loaded.package.requires_open))
         at_limits = {name: loaded.joint(name).spec.upper for name in needs}
         loaded.articulation.set_qpos(
             qpos_of(loaded, at_limits | {joint.spec.name: _start(joint)}).astype(np.float32)
@@ -102,21 +103,6 @@ def _plan(index: int, joint: LoadedJoint, moved: Moved, needs: tuple[str, ...]) 
         lean=lean / length if length > 1e-3 else np.zeros(3),
         axis=moved.axis,
     )
-
-
-def _all_needs(loaded: LoadedPackage, name: str) -> tuple[str, ...]:
-    """Joints that must be open before ``name`` moves, recursively."""
-    direct = {pair.joint: [] for pair in loaded.package.requires_open}
-    for pair in loaded.package.requires_open:
-        direct[pair.joint].append(pair.needs)
-    out: list[str] = []
-    waiting = list(direct.get(name, []))
-    while waiting:
-        need = waiting.pop()
-        if need not in out and need != name:
-            out.append(need)
-            waiting += direct.get(need, [])
-    return tuple(sorted(out))
 
 
 def _swept_box(joint: LoadedJoint, moved: Moved) -> np.ndarray:

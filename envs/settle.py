@@ -12,7 +12,6 @@ from sim_export.physics.materials import GRAVITY
 from .base import SUBSTEPS, PackageEnv, open_fractions
 from .hand import pose_matrix
 from .loaded import advance
-from .package import LoadConfig
 from .plan import rest_qpos
 from .support import center_of_mass
 from .trials import local_vertices, reset, world_vertices
@@ -65,10 +64,13 @@ class SettleEnv(PackageEnv):
     Version history: v0 first version.
     """
 
-    def __init__(self, folder: Path, cfg: SettleConfig | None = None, render_mode: str | None = None) -> None:
-        self.cfg = SettleConfig() if cfg is None else cfg
-        visuals = "all" if render_mode == "rgb_array" else "none"
-        super().__init__(folder, LoadConfig(base="free", visuals=visuals), render_mode, ground=True)
+    base = "free"
+
+    def __init__(
+        self, package: Path | str, cfg: SettleConfig | None = None, render_mode: str | None = None
+    ) -> None:
+        self.cfg = cfg or SettleConfig()
+        super().__init__(package, render_mode)
         self.action_space = gym.spaces.Box(-1.0, 1.0, (3,), np.float32)
         unbounded = gym.spaces.Box(-np.inf, np.inf, (3,), np.float32)
         self.observation_space = gym.spaces.Dict(

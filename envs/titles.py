@@ -1,6 +1,8 @@
-"""Ids and titles of the L3 and L4 checks, and results of checks that were not run."""
+"""Ids and titles of the L3 to L5 checks, and their results."""
 
-from sim_export.report import CheckResult
+from collections.abc import Mapping
+
+from sim_export.report import CheckResult, Verdict, round_measured
 
 TITLES = {
     "V301": "loads in SAPIEN with every hull and every mass",
@@ -18,9 +20,57 @@ TASK_TITLES = {
     "V402": "works in ManiSkill's own cabinet task",
     "V404": "a cube stays inside",
 }
+ENGINE_TITLES = {
+    "V501": "loads",
+    "V502": "masses",
+    "V503": "stays finite",
+    "V504": "rests",
+    "V505": "full range",
+    "V506": "friction",
+}
 
 
-def not_run(check: str, reason: str) -> CheckResult:
-    """A failed result for a check that could not be run, with the reason."""
-    title, level = (TITLES[check], "L3") if check in TITLES else (TASK_TITLES[check], "L4")
-    return CheckResult(id=check, level=level, title=title, verdict="fail", message=f"not run: {reason}")
+def make_result(
+    check: str,
+    verdict: Verdict,
+    message: str,
+    *,
+    engine: str = "",
+    value: float | None = None,
+    threshold: float | None = None,
+    unit: str = "",
+    where: str = "",
+) -> CheckResult:
+    """The result of a check; that of one in another engine includes the engine in its id and title."""
+    title = (TITLES | TASK_TITLES | ENGINE_TITLES)[check]
+    return CheckResult(
+        id=f"{check}-{engine}" if engine else check,
+        level=f"L{check[1]}",  # type: ignore[arg-type]
+        title=f"{title} in {engine}" if engine else title,
+        verdict=verdict,
+        value=round_measured(value),
+        threshold=round_measured(threshold),
+        unit=unit,
+        where=where,
+        message=message,
+    )
+
+
+def not_run(titles: Mapping[str, str], reason: str, first: str | None = None) -> tuple[CheckResult, ...]:
+    """Failed results for checks that could not be run.
+
+    Args:
+        titles: Ids and titles of the checks.
+        reason: The reason.
+        first: The check that the reason applies to; the others are not run because it failed. All when None.
+    """
+    return tuple(
+        CheckResult(
+            id=check,
+            level=f"L{check[1]}",  # type: ignore[arg-type]
+            title=title,
+            verdict="fail",
+            message=f"not run: {reason if first in (None, check) else f'{first} failed'}",
+        )
+        for check, title in titles.items()
+    )

@@ -1,8 +1,7 @@
 """Validates a package folder: checks L0 to L3, and optionally L4 and L5, in one report."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -11,16 +10,13 @@ from sim_export.errors import PackageError
 from sim_export.report import CheckResult, Report, write_report
 
 from .config import ValidateConfig
-from .worker import (
-    call_dynamics,
-    call_static,
-    call_tasks,
-    failed_dynamics,
-    failed_tasks,
-)
+from .titles import TASK_TITLES, TITLES, not_run
+from .worker import run_dynamics, run_static, run_tasks
 
 REPORT_FILE = "validation.json"
 ENGINES = ("artigen", "coal", "mujoco", "numpy", "sapien", "scipy", "trimesh", "yourdfpy")
+READABLE = {"V001": "well-formed"}
+"""The first check, which all levels above L2 require."""
 TIMEOUT = 120.0
 """Time limit (seconds) for the static and for the dynamic checks."""
 LONG_TIMEOUT = 600.0
@@ -41,67 +37,57 @@ def validate(folder: Path, cfg: ValidateConfig | None = None, worker: Worker | N
     Raises:
         PackageError: If the folder does not exist; problems inside it are reported by the checks.
     """
-    cfg = ValidateConfig() if cfg is None else cfg
-    folder = _existing(folder)
+    cfg, folder = cfg or ValidateConfig(), Path(folder)
+    if not folder.is_dir():
+        raise PackageError(f"{folder}: no such folder")
     own = Worker() if worker is None else worker
     try:
-        static = call_static(own, folder, TIMEOUT)
-        dynamic = (
-            failed_dynamics("V001 failed") if _unreadable(static) else call_dynamics(own, folder, TIMEOUT)
-        )
-        tasks = _tasks(partial(call_tasks, own, folder, LONG_TIMEOUT), static, cfg)
+        checks = call_checks(own, run_static, folder, READABLE, TIMEOUT)
+        unreadable = any(check.id in READABLE and check.verdict == "fail" for check in checks)
+        upper = [(run_dynamics, TITLES, TIMEOUT)]
+        upper += [(run_tasks, TASK_TITLES, LONG_TIMEOUT)] if cfg.tasks == "run" else []
+        for run, titles, timeout in upper:
+            checks += (
+                not_run(titles, "V001 failed")
+                if unreadable
+                else call_checks(own, run, folder, titles, timeout)
+            )
     finally:
         if worker is None:
             own.close()
-    return _finish(folder, static + dynamic + tasks + _engines(folder, static, cfg), cfg)
+    if cfg.engines:
+        from .engines.witness import ask_engines, not_asked
+
+        checks += (
+            not_asked(cfg.engines, "V001 failed")
+            if unreadable
+            else ask_engines(folder, cfg.engines, LONG_TIMEOUT)
+        )
+    ordered = tuple(sorted(checks, key=lambda check: check.id))
+    versions = tuple((name, _version(name)) for name in ENGINES)
+    report = Report(package=folder.resolve().name, checks=ordered, versions=versions)
+    if cfg.output == "package":
+        write_report(without_seconds(report), folder / REPORT_FILE)
+    return report
+
+
+def call_checks(
+    worker: Worker,
+    run: Callable[[Path], tuple[CheckResult, ...]],
+    folder: Path,
+    titles: Mapping[str, str],
+    timeout: float,
+) -> tuple[CheckResult, ...]:
+    """Checks in the child; a crash or timeout fails the first of ``titles``, and the others are not run."""
+    outcome = worker.call(run, folder, timeout)
+    if outcome.value is not None:
+        return outcome.value
+    return not_run(titles, str(outcome.error), first=next(iter(titles)))
 
 
 def without_seconds(report: Report) -> Report:
     """The report without durations, as it is written: equal packages give equal reports."""
     return replace(report, checks=tuple(replace(check, seconds=0.0) for check in report.checks))
-
-
-def engine_versions() -> tuple[tuple[str, str], ...]:
-    """Versions of all libraries that affect the results, by name."""
-    return tuple((name, _version(name)) for name in ENGINES)
-
-
-def _existing(folder: Path) -> Path:
-    if not Path(folder).is_dir():
-        raise PackageError(f"{folder}: no such folder")
-    return Path(folder)
-
-
-def _unreadable(static: tuple[CheckResult, ...]) -> bool:
-    return any(check.id == "V001" and check.verdict == "fail" for check in static)
-
-
-def _tasks(
-    run: Callable[[], tuple[CheckResult, ...]], static: tuple[CheckResult, ...], cfg: ValidateConfig
-) -> tuple[CheckResult, ...]:
-    """L4 checks, if requested."""
-    if cfg.tasks == "none":
-        return ()
-    return failed_tasks("V001 failed") if _unreadable(static) else run()
-
-
-def _engines(folder: Path, static: tuple[CheckResult, ...], cfg: ValidateConfig) -> tuple[CheckResult, ...]:
-    """L5 checks of the requested engines."""
-    if not cfg.engines:
-        return ()
-    from .engines.witness import ask_engines, not_asked
-
-    if _unreadable(static):
-        return not_asked(cfg.engines, "V001 failed")
-    return ask_engines(folder, cfg.engines, LONG_TIMEOUT)
-
-
-def _finish(folder: Path, checks: tuple[CheckResult, ...], cfg: ValidateConfig) -> Report:
-    ordered = tuple(sorted(checks, key=lambda check: check.id))
-    report = Report(package=Path(folder).resolve().name, checks=ordered, versions=engine_versions())
-    if cfg.output == "package":
-        write_report(without_seconds(report), Path(folder) / REPORT_FILE)
-    return report
 
 
 def _version(name: str) -> str:

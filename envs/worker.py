@@ -1,8 +1,6 @@
-"""Validation in a supervised child process, because a physics engine may abort its process.
+"""The checks that `envs.validate` runs in a supervised child process.
 
-The worker is spawned once, imports SAPIEN and MuJoCo once, processes one package after the other, and is
-replaced after a crash or a timeout. Either becomes a failed check that names the signal, the exit code or the
-limit.
+The child imports SAPIEN and MuJoCo once and processes one package after the other.
 """
 
 import os
@@ -11,7 +9,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from artigen.runtime.workers import Worker
 from sim_export.report import CheckResult
 
 from .config import DynamicsConfig
@@ -44,50 +41,6 @@ def run_tasks(folder: Path) -> tuple[CheckResult, ...]:
 
         sapien.physx.clear_cache()  # as in `envs.package.load_package`
         return check_tasks(folder)
-
-
-def call_static(worker: Worker, folder: Path, timeout: float) -> tuple[CheckResult, ...]:
-    """Checks L0 to L2 in the child; a crash fails V001, the first check."""
-    outcome = worker.call(run_static, folder, timeout)
-    if outcome.value is not None:
-        return outcome.value
-    return (
-        CheckResult(
-            id="V001", level="L0", title="well-formed", verdict="fail",
-            message=f"the static checks did not finish: {outcome.error}",
-        ),
-    )  # fmt: skip
-
-
-def call_dynamics(worker: Worker, folder: Path, timeout: float) -> tuple[CheckResult, ...]:
-    """Checks L3 in the child; a crash fails V301, and the others count as not run."""
-    outcome = worker.call(run_dynamics, folder, timeout)
-    if outcome.value is not None:
-        return outcome.value
-    return failed_dynamics(f"{outcome.error}", first="V301")
-
-
-def call_tasks(worker: Worker, folder: Path, timeout: float) -> tuple[CheckResult, ...]:
-    """Checks L4 in the child; a crash fails V401, and the others count as not run."""
-    outcome = worker.call(run_tasks, folder, timeout)
-    return failed_tasks(f"{outcome.error}") if outcome.value is None else outcome.value
-
-
-def failed_tasks(reason: str) -> tuple[CheckResult, ...]:
-    """All L4 checks as failures with one reason."""
-    from .titles import TASK_TITLES, not_run
-
-    return tuple(not_run(check, reason) for check in TASK_TITLES)
-
-
-def failed_dynamics(reason: str, *, first: str | None = None) -> tuple[CheckResult, ...]:
-    """All L3 checks as failures: ``first`` with the ``reason``, the others as not run because of it."""
-    from .titles import TITLES, not_run
-
-    return tuple(
-        not_run(check, reason) if check == first or first is None else not_run(check, f"{first} failed")
-        for check in TITLES
-    )
 
 
 @contextmanager

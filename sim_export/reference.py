@@ -21,18 +21,19 @@ from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.shapes.surfaces.textures import PaintTable, apply_paint, find_rows, make_paint
 from sim_export.appearance.atlas import make_atlas
 from sim_export.appearance.shared_textures import lay_shared
+from sim_export.appearance.splats import attach_splats
 from sim_export.appearance.texture import color_atlas
 from sim_export.collision.hull_limits import trim_hull
 from sim_export.collision.pins import pin_carriers
-from sim_export.collision.simplification import TOLERANCE, simplify_hulls
+from sim_export.collision.simplification import TOLERANCE, simplify_links
 from sim_export.geometry.needles import find_needles, flip_needles
 from sim_export.geometry.solids import as_solid
 from sim_export.package import Hull, Inertial, Mesh, Requirement, SimPackage
 from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.followers import couple_followers
 from sim_export.physics.inertia import combine, mesh_inertial
-from sim_export.physics.links import LinkTree, PartGeometry, build_links
-from sim_export.physics.makes import HARDWARE, Make, find_make
+from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_owners
+from sim_export.physics.makes import Make, find_make, is_hardware
 from sim_export.physics.masses import mean_thickness, subtract
 from sim_export.physics.materials import MATERIALS, MaterialName, finish_material
 from sim_export.topology import hull_kinds
@@ -43,7 +44,7 @@ NEEDLES = 0.008
 
 @dataclass(frozen=True, kw_only=True)
 class ReferenceConfig:
-    """Textures of a reference package."""
+    """Textures and Gaussians of a reference package."""
 
     texel: float = 0.005
     """Edge of a texel (m)."""
@@ -52,6 +53,8 @@ class ReferenceConfig:
     textures: Literal["own", "shared"] = "own"
     """``own``: every part has its own image, exact at every texel. ``shared``: parts with the same finishes
     share an image across objects, so their boards differ from the object's."""
+    gaussians: bool = False
+    """Whether links have 3D Gaussians, discs on their exact faces (`artigen.splats.faces`)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,7 +72,7 @@ def build_reference(
 
     Args:
         shape: The object.
-        cfg: Textures.
+        cfg: Textures and Gaussians.
         provenance: Origin of the object, for ``provenance.json``.
 
     Raises:
@@ -84,11 +87,9 @@ def build_reference(
     make = find_make(shape.category, shape.style)
     geometry, meshes, records = [], [], []
     materials: list[tuple[str, str]] = []
-    for part, start in zip(shape.parts, first, strict=False):
-        solids = _solids(part, center)
+    for part, start, solids, simple in zip(shape.parts, first, *_collide(shape, center), strict=False):
         union = _show(solids, [primitive.kind == "cylinder" for primitive in part.primitives])
         meshes.append(_paint_part(union, table, int(start), center, cfg))
-        simple = simplify_hulls(solids)
         changed = sum(new is not old for new, old in zip(simple, solids, strict=True))
         if changed:
             records.append(
@@ -105,11 +106,18 @@ def build_reference(
         inertial = _weigh(part, solids, made_of, make)
         geometry.append(PartGeometry(visuals=(meshes[-1],), hulls=hulls, inertial=inertial))
     tree = _couple(shape, build_links(asset, geometry, find_latched(shape)))
+    links = pin_carriers(tree.links, tree.joints)
+    if cfg.gaussians:
+        from artigen.splats.faces import lay_gaussians
+
+        discs = lay_gaussians(shape)
+        records.append(f"{len(discs.means)} Gaussians are discs on the exact faces")
+        links = attach_splats(links, replace(asset, gaussians=discs))
     return SimPackage(
         name=asset.name,
         category=asset.category,
         visual="voxels",
-        links=pin_carriers(tree.links, tree.joints),
+        links=links,
         joints=tree.joints,
         handles=annotate_handles(asset, meshes, tree),
         requires_open=_requirements(shape, tree),
@@ -140,9 +148,9 @@ def describe_build(shape: Shape) -> list[object]:
             part.label,
             part.parent,
             None if part.motion is None else part.motion.type,
-            hull_kinds(_trim(simplify_hulls(_solids(part, np.zeros(3))))),
+            hull_kinds(_trim(simple)),
         )
-        for part in shape.parts
+        for part, simple in zip(shape.parts, _collide(shape, np.zeros(3))[1], strict=True)
     ]
 
 
@@ -151,6 +159,12 @@ def _solids(part: ShapePart, center: Float[np.ndarray, "3"]) -> list[Hull]:
         Hull(vertices=place_vertices(primitive) - center, faces=primitive.faces)
         for primitive in part.primitives
     ]
+
+
+def _collide(shape: Shape, center: Float[np.ndarray, "3"]) -> tuple[list[list[Hull]], list[tuple[Hull, ...]]]:
+    """The exact solids of every part, and the simpler ones that collide."""
+    solids = [_solids(part, center) for part in shape.parts]
+    return solids, simplify_links(solids, link_owners(shape_to_asset(shape, resolution=None)))
 
 
 def _trim(solids: Sequence[Hull]) -> tuple[Hull, ...]:
@@ -237,7 +251,7 @@ def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialNa
 
     Hardware has the density of its material, other parts that of the category's `Make`.
     """
-    hardware = part.label in HARDWARE
+    hardware = is_hardware(part.label, moves=part.motion is not None)
     names = sorted(set(made_of))
     inertials: list[Inertial] = []
     before: Mesh | None = None

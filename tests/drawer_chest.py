@@ -6,12 +6,12 @@ from artigen.appearance.curation import CurationConfig, curate
 from artigen.appearance.features import PyramidFeatures
 from artigen.appearance.paint import lay_painted
 from artigen.appearance.views import ViewConfig
+from artigen.examples.appearance import AppearanceExample
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.primitives import box
 from artigen.shapes.render import RenderConfig
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
-from artigen.train.appearance.examples import AppearanceExample
 from artigen.types import Asset
 
 COLOR = (0.7, 0.4, 0.2)

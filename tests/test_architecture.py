@@ -17,6 +17,7 @@ SHARED = {"types", "transforms", "kinematics", "io", "errors", "wavefront", "run
 MODEL_CODE = (
     "artigen.appearance",
     "artigen.conditioning",
+    "artigen.examples",
     "artigen.models",
     "artigen.latent",
     "artigen.metrics",
@@ -38,8 +39,9 @@ LAYERS = (
     {"sketch"},
     {"latent"},
     {"appearance"},
-    {"trellis"},
-    {"train", "metrics"},
+    {"trellis", "examples"},
+    {"metrics"},
+    {"train"},
     {"cli", "weights"},
 )
 """Folders and loose modules of artigen, lowest first: a layer imports from itself and from below."""

@@ -10,13 +10,8 @@ from torch import Tensor
 from artigen.shapes.poses import pose_parts
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.render import Cameras, RenderConfig, frame_points
+from artigen.shapes.render.shading import EVEN_LIGHT
 from artigen.shapes.shape import Shape
-
-EVEN_LIGHT = RenderConfig(
-    shadow_rays=0, lamp_strength=0.0, sky_strength=0.0, fill_strength=0.85, fill_tilt=0.15
-)
-"""Light from all around without shadows: a part keeps its colours when it moves, and a baked texture can be
-relit. Only corners are darker."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,6 +7,7 @@ settings, in other parts or as a whole, processes only objects that are missing 
 
 import hashlib
 import os
+import resource
 import shutil
 import sys
 import time
@@ -79,6 +80,24 @@ class Made:
     seconds: tuple[tuple[str, float], ...]
     peak_mib: float
     notes: tuple[str, ...]
+
+
+class Laps:
+    """Seconds of the stages of one export, by name."""
+
+    def __init__(self) -> None:
+        self._last, self._spent = time.perf_counter(), list[tuple[str, float]]()
+
+    def end(self, name: str, *inner: tuple[str, float]) -> None:
+        """Ends the stage ``name``; with ``inner`` stages, which were timed elsewhere, these are listed."""
+        now = time.perf_counter()
+        self._spent += inner or ((name, now - self._last),)
+        self._last = now
+
+    def made(self, notes: tuple[str, ...]) -> Made:
+        """The stages so far, with the peak memory of this process."""
+        peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        return Made(seconds=tuple(self._spent), peak_mib=peak_mib, notes=notes)
 
 
 def digest_settings(text: str) -> str:
@@ -217,3 +236,14 @@ def run_shown(
                 bar.write(f"{finished.key}: {said}", file=sys.stderr)
 
         return run_batch(handle, jobs, out, runner=runner, on_done=on_done, part=part)
+
+
+def say_results(results: Sequence[Finished], out: Path) -> int:
+    """Prints how many packages were written and passed; returns the exit code of the command."""
+    passed = sum(bool(finished.passed) for finished in results)
+    lost = sum(finished.error is not None for finished in results)
+    sys.stdout.write(
+        f"{len(results)} objects: {len(results) - lost} packages in {out}, {passed} of them passed every "
+        f"check{f', {lost} not made' if lost else ''}\n"
+    )
+    return 0 if all(finished.good for finished in results) else 1

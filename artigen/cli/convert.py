@@ -1,13 +1,9 @@
 """`artigen convert`: converts URDFs, MJCFs, PartNet-Mobility folders and object.json to packages."""
 
-import resource
-import sys
-import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Literal
@@ -16,7 +12,7 @@ import numpy as np
 import tyro
 
 from artigen.cli.arguments import Out, RunnerChoice, Shard, Workers
-from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
+from artigen.cli.batch import Finished, Laps, Made, make_and_validate, run_shown, say_results
 from artigen.cli.shard import read_shard
 from artigen.runtime.runner import choose_runner
 from artigen.runtime.workers import Worker
@@ -111,9 +107,9 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     from sim_export.mend.stand import stand_on_side
     from sim_export.physics.followers import follow_parts
 
-    watch = [("start", time.perf_counter())]
+    laps = Laps()
     source = job.read(scratch)
-    watch.append(("read", time.perf_counter()))
+    laps.end("read")
     provenance = {
         "generator": f"artigen {__version__} convert",
         "source": f"{job.key} ({source.asset.category}), {find_layout(job.source)} layout",
@@ -121,10 +117,10 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
         "seed": str(job.cfg.seed),
     }
     asset = voxelize_object(source.asset)
-    watch.append(("voxelize", time.perf_counter()))
+    laps.end("voxelize")
     if job.cfg.visual == "voxels":
         asset = rebuild_from_voxels(asset, job.cfg.recipe)
-        watch.append(("segment", time.perf_counter()))
+        laps.end("segment")
 
     def finish(package: "SimPackage") -> "SimPackage":
         package = follow_parts(package, dict(source.follows))
@@ -137,14 +133,10 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     else:
         exported = export_source(source, asset, provenance, finish)
         package = exported.package
-    written = time.perf_counter()
+    laps.end("export", *exported.seconds)
     write_package(package, job.out / job.key, "replace")
-    laps = [(name, now - before) for (_, before), (name, now) in pairwise(watch)]
-    return Made(
-        seconds=(*laps, *exported.seconds, ("write", time.perf_counter() - written)),
-        peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
-        notes=package.records,
-    )
+    laps.end("write")
+    return laps.made(package.records)
 
 
 def voxelize_object(asset: "Asset") -> "Asset":
@@ -312,20 +304,10 @@ def convert(
         sources: URDF or MJCF files, object folders, or folders that contain either.
         out: Output folder for the packages and the journal run.jsonl.
         cfg: How objects are converted.
-        workers: Single-threaded worker processes; default: one per available core.
         timeout: Time limit in seconds for one stage of one object.
-        runner: Local processes or the tasks of a Ray cluster.
-        shard: Run only the K-th of N equal parts, such as 3/64.
     """
     from artigen.datasets.sources import find_sources
 
     jobs = [ConvertJob(source=source, out=out, cfg=cfg) for source in find_sources(sources)]
     handle, chosen = partial(convert_and_validate, timeout=timeout), choose_runner(runner, workers)
-    results = run_shown(handle, jobs, out, runner=chosen, part=read_shard(shard))
-    written = [finished for finished in results if finished.error is None]
-    passed = [finished for finished in written if finished.passed]
-    sys.stdout.write(
-        f"{len(results)} objects: {len(written)} packages in {out}, {len(passed)} of them passed "
-        f"every check, {len(results) - len(written)} not converted\n"
-    )
-    return 0 if all(finished.good for finished in results) else 1
+    return say_results(run_shown(handle, jobs, out, runner=chosen, part=read_shard(shard)), out)

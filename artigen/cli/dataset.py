@@ -3,7 +3,8 @@
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -62,8 +63,6 @@ def dataset(
     Args:
         words: A recipe file; or ``verify``, ``merge`` or ``unpack`` with their arguments.
         out: Output folder: the data set, or the unpacked packages.
-        workers: Single-threaded worker processes; default: one per available core.
-        runner: Local processes or the tasks of a Ray cluster.
         shard: Make only the K-th of N equal parts, such as 3/64; a run without it packs all parts.
         prove: With ``verify``: run checks L0 to L3 again on this many objects.
     """
@@ -314,20 +313,15 @@ def _write(recipe: Recipe, text: str, path: Path, out: Path, chosen: _Chosen) ->
         )
 
 
-class _progress:  # noqa: N801
+@contextmanager
+def _progress(what: str, total: int) -> Iterator[Callable[[int, int], None]]:
     """Progress bar on stderr, as a function of done and total."""
+    with tqdm(total=total, unit="object", desc=what, disable=not sys.stderr.isatty()) as bar:
 
-    def __init__(self, what: str, total: int) -> None:
-        self._bar = tqdm(total=total, unit="object", desc=what, disable=not sys.stderr.isatty())
+        def on_step(done: int, _: int) -> None:
+            bar.update(done - bar.n)
 
-    def __enter__(self) -> Callable[[int, int], None]:
-        def on_step(done: int, total: int) -> None:
-            self._bar.update(done - self._bar.n)
-
-        return on_step
-
-    def __exit__(self, *error: object) -> None:
-        self._bar.close()
+        yield on_step
 
 
 def _verify(folders: list[Path], prove: int) -> int:

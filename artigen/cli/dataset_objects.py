@@ -134,10 +134,11 @@ def pack_object(job: ObjectJob) -> tuple[float, float]:
     from sim_export.files.read import read_package
     from sim_export.fingerprint import describe_surface, quantise
     from sim_export.picture.thumbnail import draw_thumbnail, webp_bytes
+    from sim_export.report import report_from_json
 
     started = time.perf_counter()
     folder = job.inner.out / job.key
-    report = _settle_report(folder) if job.validation else None
+    report = report_from_json((folder / "validation.json").read_text()) if job.validation else None
     package = read_package(folder)
     files = read_folder(folder)
     packed = pack_files(files)
@@ -194,17 +195,6 @@ def _keep_shared(path: Path, data: bytes) -> None:
     scratch = path.with_name(f".{path.name}.{os.getpid()}")
     scratch.write_bytes(data)
     scratch.replace(path)
-
-
-def _settle_report(folder: Path) -> "Report":
-    """The report of a package, rewritten without check durations, which differ between runs."""
-    from sim_export.report import report_from_json, write_report
-
-    path = folder / "validation.json"
-    report = report_from_json(path.read_text())
-    settled = replace(report, checks=tuple(replace(check, seconds=0.0) for check in report.checks))
-    write_report(settled, path)
-    return settled
 
 
 def describe_object(

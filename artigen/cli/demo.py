@@ -20,7 +20,6 @@ def demo(out: Out = Path("out/demo"), workers: Workers = None) -> int:
 
     Args:
         out: Output folder for packages, reports and pictures.
-        workers: Single-threaded worker processes; default: one per available core.
     """
     from artigen.cli.generate import GenerateJob, generate_and_validate
     from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate, write_sheet

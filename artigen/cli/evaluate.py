@@ -10,32 +10,11 @@ import tyro
 
 from artigen.cli.arguments import Out, Workers
 from artigen.errors import ArtigenError
+from artigen.metrics.settings import EvaluateSettings
 from artigen.runtime.cores import choose_workers
 from artigen.weights import SHIPPED
 
-
-@dataclass(frozen=True, kw_only=True)
-class EvaluateSettings:
-    """Number of objects and sampler settings."""
-
-    held_out: int = 70
-    """Number of held-out procedural objects, spread over the categories."""
-    training: int = 350
-    """Number of training objects that the retrieval baselines search."""
-    partnet: Path | None = None
-    """Folder with partnet_mobility/ and splits.json, whose validation split is measured too."""
-    steps: int = 6
-    """Sampler steps of structure; appearance uses those of the preset."""
-    strength: float = 0.0
-    """Guidance strength, 0 for none."""
-    seed: int = 0
-    """Seed of the noise."""
-    packages: int = 14
-    """Number of structure draws, by counts and size, to export and check (L0 to L3); 0 skips this."""
-    redraws: int = 3
-    """Maximum number of new draws for such an object that fails a check."""
-    pictured: int = 14
-    """Number of draws by category that nearest.png shows beside their nearest training objects."""
+EVALUATE = EvaluateSettings()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +33,7 @@ def evaluate(
     what: tyro.conf.Positional[Literal["sketch", "structure", "appearance"]],
     out: Out,
     model: Path = SHIPPED,
-    cfg: tyro.conf.OmitArgPrefixes[EvaluateSettings] = EvaluateSettings(),
+    cfg: tyro.conf.OmitArgPrefixes[EvaluateSettings] = EVALUATE,
     workers: Workers = None,
     appearance: tyro.conf.OmitArgPrefixes[AppearanceViews] = AppearanceViews(),
 ) -> int:
@@ -74,7 +53,6 @@ def evaluate(
     from artigen.metrics.asks import EvaluateConfig
     from artigen.metrics.evaluate import evaluate_sketch, evaluate_structure
     from artigen.metrics.report import write_report
-    from artigen.models.rectified_flow import SamplerConfig
 
     if cfg.steps < 1 or cfg.strength < 0 or cfg.seed < 0:
         raise ArtigenError(
@@ -84,9 +62,7 @@ def evaluate(
     workers = choose_workers(workers)
     if what == "appearance":
         return _evaluate_appearance(out, model, cfg, appearance)
-    sampler = SamplerConfig(steps=cfg.steps, strength=cfg.strength)
-    others = {name: value for name, value in vars(cfg).items() if name not in ("steps", "strength")}
-    settings = EvaluateConfig(sampler=sampler, workers=workers, **others)
+    settings = EvaluateConfig(workers=workers, **vars(cfg))
     prove = partial(prove_assets, out=out / "packages", workers=workers)
     if what == "sketch":
         evaluation = evaluate_sketch(model, out, settings)

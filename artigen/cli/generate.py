@@ -2,9 +2,6 @@
 
 import json
 import math
-import resource
-import sys
-import time
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -13,9 +10,9 @@ import numpy as np
 import tyro
 
 from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
-from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
-from artigen.cli.models import hash_weights, load_appearance, load_drawer, load_sketch, load_structure
-from artigen.cli.shape import read_counts
+from artigen.cli.batch import Finished, Laps, Made, make_and_validate, run_shown, say_results
+from artigen.cli.models import hash_weights, load_drawer, load_sketch, load_structure
+from artigen.cli.shape import read_wish
 from artigen.cli.shard import read_shard
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
@@ -108,14 +105,10 @@ def _understand(job: GenerateJob) -> "Understood":
 
 def read_job(job: GenerateJob) -> "Request":
     """The request of a job."""
-    from artigen.shapes.draw import Wish
     from artigen.sketch.understand import Request
 
     cfg = job.cfg
-    wish = Wish(
-        width=cfg.width, depth=cfg.depth, height=cfg.height, style=cfg.style, counts=read_counts(cfg.counts)
-    )
-    return Request(category=job.category, text=cfg.text, image=cfg.image, wish=wish)
+    return Request(category=job.category, text=cfg.text, image=cfg.image, wish=read_wish(cfg))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -179,13 +172,13 @@ def generate_object(job: GenerateJob) -> Made:
     from artigen import __version__
     from sim_export.files.write import write_package
 
-    started = time.perf_counter()
+    laps = Laps()
     drawn, asked = draw_generated(job)
     faults = tuple(f"sketch: {fault.text}" for fault in drawn.faults)
     if faults and len(job.draws) < job.cfg.redraws:
         raise ArtigenError("; ".join(faults))
     shape = drawn.shape
-    sketched = time.perf_counter()
+    laps.end("draw")
     condition = shape.condition
     provenance = {
         "generator": f"artigen {__version__} generate",
@@ -207,29 +200,21 @@ def generate_object(job: GenerateJob) -> Made:
     notes = (*asked.notes, *drawn.notes, *faults)
     make = _make_exact if job.cfg.structure == "sketch" else _make_latent
     package = replace(make(job, shape, provenance, notes), name=job.key)
-    exported = time.perf_counter()
+    laps.end("export")
     write_package(package, job.out / job.key, "replace")
-    return Made(
-        seconds=(
-            ("draw", sketched - started),
-            ("export", exported - sketched),
-            ("write", time.perf_counter() - exported),
-        ),
-        peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
-        notes=package.records,
-    )
+    laps.end("write")
+    return laps.made(package.records)
 
 
 def _make_exact(
     job: GenerateJob, shape: "Shape", provenance: dict[str, str], notes: tuple[str, ...]
 ) -> "SimPackage":
     """Package of the sketch's own primitives."""
-    from artigen.cli.generated import make_generated_package
+    from sim_export.reference import ReferenceConfig, build_reference
 
-    appearance = load_appearance(job.model) if job.cfg.gaussians else None
-    return make_generated_package(
-        shape, appearance, provenance=provenance, notes=notes, textures=job.cfg.textures
-    ).package
+    cfg = ReferenceConfig(textures=job.cfg.textures, gaussians=job.cfg.gaussians)
+    package = build_reference(shape, cfg, provenance=provenance)
+    return replace(package, records=(*notes, *package.records))
 
 
 def _make_latent(
@@ -331,9 +316,6 @@ def generate(
         seed: Seed of the first object.
         count: Number of objects, with consecutive seeds.
         cfg: The condition and the sampling settings.
-        workers: Single-threaded worker processes; default: one per available core.
-        runner: Local processes or the tasks of a Ray cluster.
-        shard: Run only the K-th of N equal parts, such as 3/64.
     """
     from artigen.sketch.request import ask
 
@@ -367,7 +349,4 @@ def generate(
         results = run_shown(generate_and_validate, jobs, out, runner=runs, part=part)
     finally:
         worker.close()
-    passed = sum(bool(finished.passed) for finished in results)
-    written = sum(finished.error is None for finished in results)
-    sys.stdout.write(f"{len(results)} objects: {written} packages in {out}, {passed} passed every check\n")
-    return 0 if all(finished.good for finished in results) else 1
+    return say_results(results, out)

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from artigen.appearance.draw import AppearanceModel
-    from artigen.appearance.exact import ShapeAppearanceModel
     from artigen.latent.draw import StructureModel
     from artigen.sketch.network import SketchNetwork
 
@@ -25,16 +24,6 @@ def load_sketch(folder: Path) -> "SketchNetwork":
     from artigen.sketch.model import load_sketch_network
 
     return load_sketch_network(folder)
-
-
-@lru_cache(maxsize=1)
-def load_appearance(folder: Path) -> "ShapeAppearanceModel | None":
-    """The VAE that decodes Gaussians from exact surfaces; None if the folder has no appearance weights."""
-    from artigen.appearance.exact import load_shape_appearance
-    from artigen.appearance.vae import APPEARANCE_VAE
-    from artigen.models.description import read_description
-
-    return load_shape_appearance(folder) if APPEARANCE_VAE in read_description(folder) else None
 
 
 @lru_cache(maxsize=1)

@@ -1,13 +1,11 @@
 """Exports and checks drawn assets (L0 to L3) in workers, for `artigen eval`."""
 
-import resource
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from artigen.cli.batch import Finished, Made, make_and_validate
+from artigen.cli.batch import Finished, Laps, Made, make_and_validate
 from artigen.runtime.runner import LocalRunner, run_jobs
 from artigen.runtime.workers import Worker
 
@@ -55,15 +53,12 @@ def export_drawn(job: ProveJob) -> Made:
     from sim_export.export import export_asset
     from sim_export.files.write import write_package
 
-    started = time.perf_counter()
+    laps = Laps()
     provenance = {"generator": f"artigen {__version__} eval", "source": job.key}
     package = export_asset(read_asset(job.source), provenance=provenance).package
     write_package(package, job.out / job.key, "replace")
-    return Made(
-        seconds=(("export", time.perf_counter() - started),),
-        peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
-        notes=package.records,
-    )
+    laps.end("export")
+    return laps.made(package.records)
 
 
 def _prove(worker: Worker, job: ProveJob) -> Finished:

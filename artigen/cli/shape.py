@@ -1,19 +1,16 @@
 """`artigen shape`: samples procedural objects and exports them as validated packages."""
 
-import resource
 import sys
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
 
 import tyro
 
 from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
-from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
+from artigen.cli.batch import Finished, Laps, Made, make_and_validate, run_shown, say_results
 from artigen.cli.shard import read_shard, take_part
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
@@ -21,6 +18,7 @@ from artigen.runtime.workers import Worker
 from artigen.types import PartLabel
 
 if TYPE_CHECKING:
+    from artigen.cli.generate import GenerateSettings
     from artigen.shapes.draw import Wish
     from artigen.shapes.families import Suite
     from artigen.shapes.shape import Shape
@@ -63,7 +61,7 @@ class ShapeSettings:
     """``own`` bakes one texture per part; ``shared`` gives parts of the same finish one common texture (only
     with --source reference)."""
     splats: bool = False
-    """Add 3D Gaussians to the package: flat discs on the surface, one PLY per link."""
+    """Add 3D Gaussians to the package: discs on its surface, one PLY per link."""
     validation: Literal["full", "none"] = "full"
     """Run checks L0 to L3 on every package right after it is written."""
 
@@ -173,7 +171,7 @@ def _build_of(category: str, seed: int, wish: "Wish") -> list[object]:
     return describe_build(draw_shape(category, seed, wish))
 
 
-def read_wish(cfg: ShapeSettings) -> "Wish":
+def read_wish(cfg: "ShapeSettings | GenerateSettings") -> "Wish":
     """The wish in the settings, with parsed counts.
 
     Raises:
@@ -213,22 +211,18 @@ def export_shape(job: ShapeJob) -> Made:
     """Draws one object, exports it and writes the package; runs in a worker process."""
     from sim_export.files.write import write_package
 
-    watch = [("start", time.perf_counter())]
+    laps = Laps()
     drawn = draw_wished(job)
-    watch.append(("draw", time.perf_counter()))
+    laps.end("draw")
     made = make_package(drawn, job.cfg.source, splats=job.cfg.splats, textures=job.cfg.textures)
     suite = read_suite(job)
     suited = {} if suite is None else {"family": suite.family, "suite": str(suite.seed)}
     provenance = tuple(sorted((*made.provenance, *suited.items())))
     package = replace(made, name=job.name or made.name, provenance=provenance)
-    watch.append(("export", time.perf_counter()))
+    laps.end("export")
     write_package(package, job.out / job.key, "replace")
-    watch.append(("write", time.perf_counter()))
-    return Made(
-        seconds=tuple((name, now - before) for (_, before), (name, now) in pairwise(watch)),
-        peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
-        notes=package.records,
-    )
+    laps.end("write")
+    return laps.made(package.records)
 
 
 def make_package(
@@ -240,8 +234,6 @@ def make_package(
 ) -> "SimPackage":
     """The package of an object: exact, or reconstructed from its voxels."""
     from artigen import __version__
-    from artigen.shapes.asset import frame_shape, shape_to_asset
-    from sim_export.appearance.splats import splat_package
 
     provenance = {
         "generator": f"artigen {__version__} shape",
@@ -253,16 +245,15 @@ def make_package(
     if source == "reference":
         from sim_export.reference import ReferenceConfig, build_reference
 
-        package = build_reference(drawn, ReferenceConfig(textures=textures), provenance=provenance)
-        if not splats:
-            return package
-        sampled = shape_to_asset(drawn, resolution=None, spacing=SPACING * frame_shape(drawn)[1])
-        return splat_package(package, sampled)
+        cfg = ReferenceConfig(textures=textures, gaussians=splats)
+        return build_reference(drawn, cfg, provenance=provenance)
     if textures != "own":
         raise ArtigenError(
             f"textures {textures} with source {source}: only source reference can share textures"
         )
     from artigen.cli.convert import rebuild_from_voxels
+    from artigen.shapes.asset import frame_shape, shape_to_asset
+    from sim_export.appearance.splats import splat_package
     from sim_export.export import export_asset
 
     asset = rebuild_from_voxels(shape_to_asset(drawn, spacing=SPACING * frame_shape(drawn)[1]))
@@ -298,9 +289,6 @@ def shape(
         count: Number of objects, with consecutive seeds.
         cfg: Properties of the objects and how they are exported.
         sheet: Write a PNG contact sheet: all objects closed in the top row, open in the bottom row.
-        workers: Single-threaded worker processes; default: one per available core.
-        runner: Local processes or the tasks of a Ray cluster.
-        shard: Run only the K-th of N equal parts, such as 3/64.
     """
     if count < 1 or seed < 0:
         raise ArtigenError(f"{count} objects from seed {seed}: expected at least 1 object and a seed from 0")
@@ -314,12 +302,7 @@ def shape(
     results = run_shown(export_and_validate, jobs, out, runner=chosen, part=part)
     if sheet is not None:
         write_sheet(drawn, sheet)
-    passed = sum(bool(finished.passed) for finished in results)
-    written = sum(finished.error is None for finished in results)
-    sys.stdout.write(
-        f"{len(results)} objects: {written} packages in {out}, {passed} of them passed every check\n"
-    )
-    return 0 if all(finished.good for finished in results) else 1
+    return say_results(results, out)
 
 
 def write_sheet(drawn: "list[Shape]", path: Path) -> None:

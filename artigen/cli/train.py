@@ -14,33 +14,9 @@ from tqdm.contrib.logging import logging_redirect_tqdm
 from artigen.cli.arguments import Workers
 from artigen.errors import ArtigenError
 from artigen.runtime.cores import choose_workers
+from artigen.train.settings import TrainSettings
 
-
-@dataclass(frozen=True, kw_only=True)
-class TrainSettings:
-    """What to train, on which data and for how long."""
-
-    preset: Literal["tiny", "small", "compact", "paper"] = "compact"
-    """Network sizes."""
-    minutes: float = 30.0
-    """Training time of all networks together; data generation is not included."""
-    shards: int = 100
-    """Number of training shards."""
-    held_out: int = 2
-    """Number of held-out shards."""
-    objects: int | None = None
-    """Objects per shard; default: 256, or 16 for appearance."""
-    partnet: Path | None = None
-    """Folder with partnet_mobility/ and splits.json, whose training split is mixed in. The licence of the
-    data restricts such weights to research."""
-    real_share: float = 0.1
-    """Share of real objects among the examples, reached by repeating them."""
-    start: Path | None = None
-    """Folder of a model to initialise from, such as artigen/weights/small."""
-    trellis: Path | None = None
-    """Public TRELLIS checkpoint, without suffix, to initialise the flow from (structure, preset paper)."""
-    encoders: Path | None = None
-    """Folder with the public weights of DINOv2 and CLIP; only structure, preset paper."""
+TRAIN = TrainSettings()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +51,7 @@ What = Literal[
 def train(
     what: tyro.conf.Positional[What],
     run: tyro.conf.Positional[Path],
-    cfg: tyro.conf.OmitArgPrefixes[TrainSettings] = TrainSettings(),
+    cfg: tyro.conf.OmitArgPrefixes[TrainSettings] = TRAIN,
     workers: Workers = None,
     appearance: tyro.conf.OmitArgPrefixes[AppearanceSettings] = AppearanceSettings(),
 ) -> int:

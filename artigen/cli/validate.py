@@ -90,13 +90,10 @@ def validate(
         packages: Folders with a mobility.urdf, or folders that contain such folders at any depth.
         json_file: Also write all reports to this file; with --shard K/N, the part is added to its name.
         report: Write validation.json into each package, or nothing.
-        workers: Single-threaded worker processes; default: one per available core.
         task: Also run checks L4: a robot uses the object in ManiSkill tasks.
         engines: Also run checks L5 in these engines, comma-separated: mujoco, mujoco-urdf, sapien, pybullet,
             newton, newton-urdf. Engines that are not installed are skipped.
         engine_python: Python interpreters of environments that have an engine: newton=/path/to/python.
-        runner: Local processes or the tasks of a Ray cluster.
-        shard: Run only the K-th of N equal parts, such as 3/64.
     """
     from sim_export.files.folders import list_packages
     from sim_export.report import report_to_json

@@ -20,6 +20,7 @@ from artigen.datasets.partnet_annotation import (
     MAX_LENGTH,
     SourceNode,
     SourcePiece,
+    check_forest,
     read_field,
     read_json,
     read_number,
@@ -63,7 +64,10 @@ def read_acd(path: Path, scratch: Path, cfg: ReaderConfig | None = None, *, name
         raise SourceError(f"{path}: holds {type(value).__name__}, expected an object with 'diffuse_tree'")
     items = read_field(value, "diffuse_tree", list, str(path))
     every = tuple(_parse_node(item, path) for item in items)
-    _check_tree(every, path)
+    check_forest(every, path, "part")
+    bases = [node.id for node in every if node.parent == -1]
+    if len(bases) != 1:
+        raise SourceError(f"{path}: bases {bases}, expected one")
     parents = {node.id: node.parent for node in every}
     still = {node.id for node in every if node.parent != -1 and joint_kind(node) == "fixed"}
 
@@ -148,22 +152,6 @@ def _parse_node(item: object, path: Path) -> SourceNode:
         rotates=kind == "screw",
         rotation_unlimited=kind == "screw",
     )
-
-
-def _check_tree(nodes: Sequence[SourceNode], path: Path) -> None:
-    """Checks for unique ids, one base, and a tree."""
-    ids = [node.id for node in nodes]
-    bases = [node.id for node in nodes if node.parent == -1]
-    if len(set(ids)) != len(ids) or len(bases) != 1:
-        raise SourceError(f"{path}: part ids {ids} with bases {bases}, expected unique ids and one base")
-    parents = {node.id: node.parent for node in nodes}
-    for node in nodes:
-        seen, at = {node.id}, node.parent
-        while at != -1:
-            if at not in parents or at in seen:
-                raise SourceError(f"{path}: part {node.id}: its parents do not lead to the base, but to {at}")
-            seen.add(at)
-            at = parents[at]
 
 
 def _read_pieces(

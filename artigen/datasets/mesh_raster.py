@@ -1,17 +1,16 @@
-"""Rasterises any mesh in numpy: the visible triangle of each pixel."""
+"""Finds the visible triangle of each pixel in pictures of any mesh, with Intel Embree."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
 
-PIXELS = 2_000_000
-"""Pixels of triangles processed together, which bounds the memory."""
+# embreex is a compiled module without stubs.
+# pyright: reportAttributeAccessIssue=false
+
 BACK = 1e-4
 """Share of the depth by which the back of a triangle counts as behind its front: where a source draws both
 sides of a sheet, each with its own material, the side that faces the camera is visible."""
-NOTHING = np.iinfo(np.int64).max
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -20,7 +19,7 @@ class Pinhole:
 
     position: Float[np.ndarray, "3"]
     axes: Float[np.ndarray, "3 3"]
-    """Rows point to the right, down and forward in the picture."""
+    """Rows point to the right, down and forward in the picture; they need not be orthogonal."""
     pixel: float
     """Edge of a pixel at depth one."""
     width: int
@@ -46,31 +45,35 @@ def rasterize_mesh(
     """The nearest triangle at the centre of every pixel, visible from either side.
 
     Args:
-        vertices: Vertices, all in front of the camera.
+        vertices: Vertices.
         faces: Triangles of any orientation.
         camera: Camera and size of the picture.
     """
-    screen, depth = project_points(vertices, camera)
-    edges = vertices[faces[:, 1:]] - vertices[faces[:, :1]]
-    outward = np.cross(edges[:, 0], edges[:, 1])
-    faces_away = np.einsum("fk,fk->f", outward, camera.position - vertices[faces[:, 0]]) < 0
-    behind = 1.0 + BACK * faces_away
-    planes = _find_planes(screen[faces])
-    # Weights divided by depth are linear in the picture; their sum is the inverse depth of the face.
-    shares = planes / depth[faces][..., None]
-    nearness = shares.sum(axis=1)
-    nearest = np.full(camera.width * camera.height, NOTHING)
-    for face, column, row in _list_pixels(screen[faces], planes, camera):
-        plane = nearness[face]
-        far = behind[face] / (plane[:, 0] * (column + 0.5) + plane[:, 1] * (row + 0.5) + plane[:, 2])
-        key = (far.astype(np.float32).view(np.int32).astype(np.int64) << 32) | face
-        np.minimum.at(nearest, row * camera.width + column, key)
-    pixel = np.flatnonzero(nearest != NOTHING)
-    face = nearest[pixel] & 0xFFFFFFFF
-    middles = np.column_stack([pixel % camera.width + 0.5, pixel // camera.width + 0.5, np.ones(len(pixel))])
-    share = np.einsum("nkc,nc->nk", shares[face], middles)
-    total = share.sum(axis=1)
-    return SeenFaces(pixel=pixel, face=face, weights=share / total[:, None], depth=1.0 / total)
+    from embreex import rtcore_scene
+    from embreex.mesh_construction import TriangleMesh
+
+    columns, rows = np.meshgrid(np.arange(camera.width) + 0.5, np.arange(camera.height) + 0.5)
+    aside = np.stack([columns.ravel() - camera.width / 2, rows.ravel() - camera.height / 2])
+    # Depth one along each ray, so that the distance of a hit in lengths of the ray is its depth.
+    ahead = np.stack([*(camera.pixel * aside), np.ones(aside.shape[1])])
+    rays = np.ascontiguousarray(np.linalg.solve(camera.axes, ahead).T, dtype=np.float32)
+    corners = vertices[faces] - camera.position
+    edges = corners[:, 1:] - corners[:, :1]
+    away = np.einsum("fk,fk->f", np.cross(edges[:, 0], edges[:, 1]), corners[:, 0]) > 0
+    depth, face = np.full(len(rays), np.inf), np.full(len(rays), -1)
+    u, v = np.zeros((2, len(rays)))
+    for side, behind in ((~away, 1.0), (away, 1.0 + BACK)):
+        if not side.any():
+            continue
+        scene = rtcore_scene.EmbreeScene(robust=True)
+        TriangleMesh(scene, corners[side].astype(np.float32))
+        found = scene.run(np.zeros_like(rays), rays, output=True)
+        nearer = np.flatnonzero((found["primID"] >= 0) & (behind * found["tfar"] < depth))
+        face[nearer] = np.flatnonzero(side)[found["primID"][nearer]]
+        u[nearer], v[nearer], depth[nearer] = (found[name][nearer] for name in ("u", "v", "tfar"))
+    pixel = np.flatnonzero(face >= 0)
+    weights = np.stack([1.0 - u - v, u, v], axis=1)
+    return SeenFaces(pixel=pixel, face=face[pixel], weights=weights[pixel], depth=depth[pixel])
 
 
 def project_points(
@@ -80,49 +83,3 @@ def project_points(
     local = (points - camera.position) @ camera.axes.T
     middle = np.array([camera.width / 2, camera.height / 2])
     return local[:, :2] / (camera.pixel * local[:, 2:]) + middle, local[:, 2]
-
-
-def _find_planes(corners: Float[np.ndarray, "F 3 2"]) -> Float[np.ndarray, "F 3 3"]:
-    """Barycentric weight of each corner as ``a column + b row + c``; zero for degenerate triangles."""
-    after, last = np.roll(corners, -1, axis=1), np.roll(corners, -2, axis=1)
-    across = after[..., 1] - last[..., 1]
-    along = last[..., 0] - after[..., 0]
-    planes = np.stack([across, along, -across * after[..., 0] - along * after[..., 1]], axis=2)
-    area = (planes[:, 0] * np.column_stack([corners[:, 0], np.ones(len(corners))])).sum(axis=1)
-    return planes / np.where(area == 0.0, np.inf, area)[:, None, None]
-
-
-def _list_pixels(
-    corners: Float[np.ndarray, "F 3 2"], planes: Float[np.ndarray, "F 3 3"], camera: Pinhole
-) -> Iterator[tuple[Int[np.ndarray, "M"], Int[np.ndarray, "M"], Int[np.ndarray, "M"]]]:
-    """Triangle, column and row of every pixel whose centre lies in a triangle, in portions of `PIXELS`."""
-    first = np.maximum(np.ceil(corners.min(axis=1) - 0.5), 0).astype(np.int64)
-    last = np.minimum(np.floor(corners.max(axis=1) - 0.5), [camera.width - 1, camera.height - 1]).astype(
-        np.int64
-    )
-    flat = (planes == 0.0).all(axis=(1, 2))
-    rows = np.where((last[:, 0] >= first[:, 0]) & ~flat, np.maximum(last[:, 1] - first[:, 1] + 1, 0), 0)
-    face, step = _count_up(rows)
-    row = first[face, 1] + step
-    a, b, c = np.moveaxis(planes[face], 2, 0)
-    rest = b * (row + 0.5)[:, None] + c
-    with np.errstate(divide="ignore", invalid="ignore"):
-        edge = -rest / a - 0.5  # the column at which the weight passes zero
-    low = np.where(a > 0.0, np.ceil(edge), -np.inf).max(axis=1)
-    high = np.where(a < 0.0, np.floor(edge), np.inf).min(axis=1)
-    outside = ((a == 0.0) & (rest < 0.0)).any(axis=1)
-    start = np.maximum(low, first[face, 0]).astype(np.int64)
-    stop = np.minimum(high, last[face, 0]).astype(np.int64)
-    counts = np.where(outside, 0, np.maximum(stop - start + 1, 0))
-    portion = np.cumsum(counts) // PIXELS
-    for number in np.unique(portion).tolist():
-        chosen = np.flatnonzero(portion == number)
-        span, step = _count_up(counts[chosen])
-        span = chosen[span]
-        yield face[span], start[span] + step, row[span]
-
-
-def _count_up(counts: Int[np.ndarray, "N"]) -> tuple[Int[np.ndarray, "M"], Int[np.ndarray, "M"]]:
-    """For ``counts[n]`` steps of each n: n, and the number of the step."""
-    index = np.repeat(np.arange(len(counts)), counts)
-    return index, np.arange(len(index)) - np.repeat(np.cumsum(counts) - counts, counts)

@@ -85,7 +85,8 @@ def write_urdf(path: Path, scratch: Path) -> Path:
             file = folder / f"geom_{geom}.glb"
             if _write_geom(model, geom, file):
                 visual = ET.SubElement(link, "visual", name=_name(model, "geom", geom, f"visual_{number}"))
-                _add_origin(visual, inverse(frames[body].T_body_link) @ _geom_pose(model, geom))
+                T_body_geom = _pose(model.geom_pos[geom], model.geom_quat[geom])
+                _add_origin(visual, inverse(frames[body].T_body_link) @ T_body_geom)
                 ET.SubElement(ET.SubElement(visual, "geometry"), "mesh", filename=file.name)
     target = folder / f"{path.stem}.urdf"
     ET.ElementTree(robot).write(target)
@@ -223,10 +224,6 @@ def _list_leaders(model: "mujoco.MjModel", move: int) -> Iterator[tuple[str, flo
         if not any(higher):
             yield _name(model, "joint", other, f"joint_{other}"), factor, offset
             return
-
-
-def _geom_pose(model: "mujoco.MjModel", geom: int) -> Float[np.ndarray, "4 4"]:
-    return _pose(model.geom_pos[geom], model.geom_quat[geom])
 
 
 def _pose(position: np.ndarray, quat: np.ndarray) -> Float[np.ndarray, "4 4"]:

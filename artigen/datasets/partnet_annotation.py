@@ -6,6 +6,7 @@
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -77,23 +78,32 @@ def read_nodes(path: Path) -> tuple[SourceNode, ...]:
     if not isinstance(value, list) or not value:
         raise SourceError(f"{path}: holds {type(value).__name__}, expected a list of at least one node")
     nodes = tuple(_parse_node(path, index, item) for index, item in enumerate(value))
+    check_forest(nodes, path, "node")
+    return nodes
+
+
+def check_forest(nodes: Sequence[SourceNode], path: Path, noun: str) -> None:
+    """Checks that ids are unique and that all parents exist and form no cycle.
+
+    Raises:
+        SourceError: If they do not; ``noun`` is what the file calls a node.
+    """
     ids = [node.id for node in nodes]
     if len(set(ids)) != len(ids):
         twice = sorted({number for number in ids if ids.count(number) > 1})
-        raise SourceError(f"{path}: node ids occur twice: {twice}")
+        raise SourceError(f"{path}: {noun} ids occur twice: {twice}")
     parents = {node.id: node.parent for node in nodes}
     for node in nodes:
         seen, at = {node.id}, node.parent
         while at != -1:
             if at not in parents:
                 raise SourceError(
-                    f"{path}: node {node.id}: parent {at} is not a node, expected one of {sorted(ids)}"
+                    f"{path}: {noun} {node.id}: parent {at} is not a {noun}, expected one of {sorted(ids)}"
                 )
             if at in seen:
-                raise SourceError(f"{path}: node {node.id}: its parents {sorted(seen)} form a cycle")
+                raise SourceError(f"{path}: {noun} {node.id}: its parents {sorted(seen)} form a cycle")
             seen.add(at)
             at = parents[at]
-    return nodes
 
 
 def _parse_node(path: Path, index: int, item: object) -> SourceNode:

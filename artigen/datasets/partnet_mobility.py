@@ -5,7 +5,7 @@ disagrees) is a note in ``asset.notes``. See docs/reference/partnet_mobility.md.
 """
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -115,9 +115,12 @@ def _keep_drawn(
 
 
 def find_rest_poses(
-    nodes: Sequence[SourceNode], labels: Mapping[int, PartLabel], corners: Mapping[int, np.ndarray]
+    nodes: Sequence[SourceNode],
+    labels: Mapping[int, PartLabel],
+    corners: Mapping[int, np.ndarray],
+    choose: Callable[[SourceNode, PartLabel, np.ndarray, np.ndarray], RestPose] = closed_pose,
 ) -> dict[int, RestPose]:
-    """Closed pose of every node; zero for nodes without a choice."""
+    """Closed pose of every node, which ``choose`` finds; zero for nodes without a choice."""
     base = next(node.id for node in nodes if node.parent == -1)
     body = np.stack([corners[base].min(axis=0), corners[base].max(axis=0)])
     poses = {}
@@ -125,7 +128,7 @@ def find_rest_poses(
         poses[node.id] = RestPose(rest=0.0, far=0.0)
         if joint_kind(node) in ("revolute", "prismatic", "screw"):
             stride = max(1, len(corners[node.id]) // POINTS_PER_NODE)
-            poses[node.id] = closed_pose(node, labels[node.id], corners[node.id][::stride], body)
+            poses[node.id] = choose(node, labels[node.id], corners[node.id][::stride], body)
     return poses
 
 

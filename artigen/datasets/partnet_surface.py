@@ -70,6 +70,15 @@ def _merge_boxes(low: np.ndarray, high: np.ndarray, gap: float) -> np.ndarray:
     return connected_components(csr_matrix(between <= gap), directed=False)[1].astype(np.int64)
 
 
+def join_tables(
+    tables: Sequence[FaceTable],
+) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]:
+    """Vertices and faces of all tables."""
+    starts = np.cumsum([0, *(len(table.vertices) for table in tables)])[:-1]
+    faces = np.concatenate([table.faces + start for table, start in zip(tables, starts, strict=True)])
+    return np.concatenate([table.vertices for table in tables]), faces
+
+
 def sample_surface(
     tables: Sequence[FaceTable], owners: Sequence[Int[np.ndarray, "F"]], count: int, rng: np.random.Generator
 ) -> SurfaceSamples:

@@ -15,7 +15,7 @@ from artigen.datasets.partnet_annotation import SourceNode
 from artigen.datasets.partnet_joints import RestPose
 from artigen.datasets.partnet_meshes import PieceMesh
 from artigen.datasets.partnet_parts import build_parts, place_nodes
-from artigen.datasets.partnet_surface import FaceTable, make_face_table, sample_surface
+from artigen.datasets.partnet_surface import FaceTable, join_tables, make_face_table, sample_surface
 from artigen.types import Asset, Part, PartLabel, SurfaceSamples, frozen_array
 
 Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
@@ -157,10 +157,11 @@ def assemble(
         )
         for piece, owner in zip(pieces, owners, strict=True)
     )
+    vertices, faces = join_tables(tables)
     return SourceObject(
         asset=asset,
         visuals=visuals,
-        triangles=_join(tables, owners),
+        triangles=TriangleMesh(vertices=vertices, faces=faces, part_ids=np.concatenate(owners)),
         tables=tables,
         follows=tuple((parts[main[one]].name, parts[main[other]].name) for one, other in tree.follows),
     )
@@ -184,12 +185,3 @@ def _find_unsampled(parts: tuple[Part, ...], surface: SurfaceSamples) -> list[st
     seen = np.bincount(surface.part_ids, minlength=len(parts))
     missed = [part.name for part, count in zip(parts, seen, strict=True) if count == 0]
     return [f"too small for a single surface sample: {', '.join(missed)}"] if missed else []
-
-
-def _join(tables: tuple[FaceTable, ...], owners: tuple[np.ndarray, ...]) -> TriangleMesh:
-    offsets = np.cumsum([0, *(len(table.vertices) for table in tables)])[:-1]
-    return TriangleMesh(
-        vertices=np.concatenate([table.vertices for table in tables]),
-        faces=np.concatenate([table.faces + offset for table, offset in zip(tables, offsets, strict=True)]),
-        part_ids=np.concatenate(owners),
-    )

@@ -21,8 +21,9 @@ from artigen.datasets.part_labels import (
     guess_label,
 )
 from artigen.datasets.partnet_annotation import SourceNode, SourcePiece, read_json
-from artigen.datasets.partnet_joints import RestPose, closed_pose, describe_rest, joint_kind
+from artigen.datasets.partnet_joints import RestPose, closed_pose, describe_rest
 from artigen.datasets.partnet_meshes import PieceMesh
+from artigen.datasets.partnet_mobility import find_rest_poses
 from artigen.datasets.partnet_parts import order_nodes
 from artigen.datasets.source_object import (
     Direction,
@@ -41,7 +42,6 @@ logger = logging.getLogger(__name__)
 
 CLOSED_SHARE = 0.02
 """A limit within this share of the range from 0 is the closed end, because URDFs are modelled closed."""
-POINTS_PER_NODE = 2000
 PACKAGE_FILE = "package.xml"
 ANCESTORS = 4
 """Number of parent folders of a URDF in which ``package://`` paths are looked up, including its own."""
@@ -267,13 +267,7 @@ def rest_nodes(
     corners: Mapping[int, np.ndarray],
 ) -> dict[int, RestPose]:
     """Closed pose of every node: the limit at 0, else as for PartNet; followers close with their leader."""
-    base = next(node.id for node in nodes if node.parent == -1)
-    body = np.stack([corners[base].min(axis=0), corners[base].max(axis=0)])
-    poses = {node.id: RestPose(rest=0.0, far=0.0) for node in nodes}
-    for node in nodes:
-        if joint_kind(node) in ("revolute", "prismatic", "screw") and node.id not in tree.follows:
-            stride = max(1, len(corners[node.id]) // POINTS_PER_NODE)
-            poses[node.id] = _find_rest(node, labels[node.id], corners[node.id][::stride], body)
+    poses = find_rest_poses(nodes, labels, corners, _find_rest)
     for one, other in tree.follows.items():
         node, leader = (next(n for n in nodes if n.id == number) for number in (one, other))
         share = (poses[other].rest - leader.a) / (leader.b - leader.a)

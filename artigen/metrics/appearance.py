@@ -13,11 +13,16 @@ from torch import Tensor
 
 from artigen.appearance.features import FeatureExtractor
 from artigen.appearance.vae import AppearanceVae
+from artigen.examples.appearance import AppearanceExample
+from artigen.examples.appearance_batches import (
+    PictureBatch,
+    draw_pictures,
+    picture_batch,
+    raster_config,
+    voxel_batch,
+)
 from artigen.metrics.pictures import frechet_distance, kernel_distance, measure_psnr, measure_ssim
 from artigen.splats.render.splats import Splats
-from artigen.train.appearance.batches import PictureBatch, picture_batch, voxel_batch
-from artigen.train.appearance.examples import AppearanceExample
-from artigen.train.appearance.losses import draw_pictures, raster_config
 
 Scores = dict[str, float]
 

@@ -13,6 +13,7 @@ from artigen.metrics.neighbours import draw_neighbours, find_neighbours, pose_li
 from artigen.metrics.packages import PackageReport, Prove, prove_draws
 from artigen.metrics.retrieval import retrieve
 from artigen.metrics.score import ScoreConfig, Scores, score_novelty, score_objects, score_set
+from artigen.metrics.settings import EvaluateSettings
 from artigen.metrics.subjects import Field, Subject, describe_subject
 from artigen.models.rectified_flow import SamplerConfig
 from artigen.types import Asset
@@ -33,32 +34,20 @@ NEIGHBOURS = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class EvaluateConfig:
+class EvaluateConfig(EvaluateSettings):
     """Scope of an evaluation."""
 
-    held_out: int = 70
-    """Held-out procedural objects, categories in turn."""
-    training: int = 350
-    """Training objects that the baselines search, categories in turn from the first training seed."""
-    sampler: SamplerConfig = field(default_factory=SamplerConfig)
-    """Steps and guidance of the structure's latents."""
     image_size: int = 256
     """Edge of pictures in pixels."""
     score: ScoreConfig = field(default_factory=ScoreConfig)
     """Sampling density of the scores."""
-    seed: int = 0
-    """Seed of the noise."""
-    partnet: Path | None = None
-    """Folder with real objects, whose validation split is scored as well."""
-    packages: int = 14
-    """Number of held-out objects, from the first, whose draws by counts and size are exported as packages and
-    checked."""
-    redraws: int = 3
-    """Redraws of such an object whose package fails."""
-    pictured: int = 14
-    """Number of draws by category, from the first, that are shown beside their nearest training objects."""
     workers: int = 2
     """Processes that read real objects."""
+
+    @property
+    def sampler(self) -> SamplerConfig:
+        """Steps and guidance of the structure's latents."""
+        return SamplerConfig(steps=self.steps, strength=self.strength)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -49,7 +49,7 @@ def sample_cells(asset: Asset, count: int, seed: int = 0) -> PartCloud:
     return _place(asset, rows, rng)
 
 
-def sample_parts(asset: Asset, per_part: int, seed: int = 0) -> PartCloud:
+def sample_every_part(asset: Asset, per_part: int, seed: int = 0) -> PartCloud:
     """The same number of points on every part that owns a cell.
 
     Raises:

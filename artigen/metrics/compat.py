@@ -15,7 +15,7 @@ from jaxtyping import Float, Int
 from scipy.optimize import linear_sum_assignment
 
 from artigen.metrics.chamfer import chamfer
-from artigen.metrics.clouds import PartCloud, sample_parts
+from artigen.metrics.clouds import PartCloud, sample_every_part
 from artigen.transforms import joint_motion, transform_points
 from artigen.types import Asset, Part
 
@@ -36,7 +36,7 @@ class CompatDistance:
 
 def compat_distance(found: Asset, truth: Asset, *, per_part: int = 2048, seed: int = 0) -> CompatDistance:
     """RS and AS Chamfer distance by the published protocol."""
-    clouds = [_center(sample_parts(asset, per_part, seed)) for asset in (found, truth)]
+    clouds = [_center(sample_every_part(asset, per_part, seed)) for asset in (found, truth)]
     sizes = [np.ptp(_corners(asset), axis=(0, 1)) for asset in (found, truth)]
     stretched = _stretch(clouds[0], sizes[0] / np.maximum(sizes[1], 1e-9))
     ids = [np.unique(cloud.part_ids) for cloud in clouds]

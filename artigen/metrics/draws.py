@@ -10,6 +10,7 @@ from tqdm import tqdm
 
 from artigen.conditioning.image import resize_picture
 from artigen.errors import ArtigenError, SegmentationError
+from artigen.examples.batches import outline_batch, patch_batch
 from artigen.io import read_asset, write_asset
 from artigen.latent.draw import GenerateConfig, StructureModel, generate_structure
 from artigen.latent.structure_vae import decode_fields
@@ -18,7 +19,6 @@ from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
 from artigen.runtime.journal import append_line, read_lines
 from artigen.shapes.asset import shape_to_asset
-from artigen.train.batches import outline_batch, patch_batch
 from artigen.types import Asset
 from artigen.voxels.segmentation.segment import segment
 

@@ -7,6 +7,8 @@ from pathlib import Path
 import torch
 
 from artigen.errors import ArtigenError
+from artigen.examples.real import list_split
+from artigen.examples.shards import HELD_OUT
 from artigen.latent.draw import GenerateConfig, load_structure_model
 from artigen.metrics.asks import (
     ASKS,
@@ -31,8 +33,6 @@ from artigen.metrics.subjects import Subject, describe_subject, draw_subjects, r
 from artigen.models.description import hash_model, read_description
 from artigen.runtime.run_config import claim_folder
 from artigen.sketch.model import load_sketch_network
-from artigen.train.real import list_split
-from artigen.train.shards import HELD_OUT
 from artigen.types import PAPER_CATEGORIES
 
 RESOLUTION = 64

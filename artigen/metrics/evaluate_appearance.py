@@ -9,7 +9,7 @@ import torch
 from tqdm import tqdm, trange
 
 from artigen.appearance.curation import CurationConfig
-from artigen.appearance.draw import AppearanceModel, has_appearance, load_appearance_model
+from artigen.appearance.draw import AppearanceModel, draw_splats, has_appearance, load_appearance_model
 from artigen.appearance.extractors import ExtractorConfig, make_extractor
 from artigen.appearance.features import FeatureExtractor, PyramidFeatures
 from artigen.appearance.inputs import FeatureInputs
@@ -19,6 +19,12 @@ from artigen.appearance.states import plan_fractions
 from artigen.appearance.vae import APPEARANCE_VAE, AppearanceVae
 from artigen.appearance.views import ViewConfig
 from artigen.errors import ArtigenError, SourceError
+from artigen.examples.appearance import (
+    AppearanceExample,
+    draw_appearance_of,
+    lay_true_voxels,
+    sample_parts,
+)
 from artigen.latent.presets import PresetName
 from artigen.metrics.appearance import (
     Comparison,
@@ -29,16 +35,17 @@ from artigen.metrics.appearance import (
     score_sets,
     split_states,
 )
-from artigen.metrics.painted import draw_painted
 from artigen.metrics.part_colors import score_colors
 from artigen.metrics.splat_distance import score_distances
-from artigen.models.conditions import ConditionConfig
+from artigen.models.conditions import ConditionConfig, StructureCondition
 from artigen.models.description import hash_model, read_description
 from artigen.models.rectified_flow import SamplerConfig
 from artigen.models.store import load_model
 from artigen.shapes.draw import draw_shape
-from artigen.train.appearance.examples import AppearanceExample, draw_appearance_of, sample_parts
-from artigen.types import Asset, SurfaceSamples
+from artigen.shapes.shape import Shape
+from artigen.types import Asset
+from artigen.voxels.layout import Canvas
+from artigen.voxels.surface import measure_places
 
 SPACING = 0.02
 """Distance between the true points of surface distances (unit-cube length)."""
@@ -163,8 +170,9 @@ def evaluate_appearance(folder: Path, cfg: EvaluateAppearanceConfig) -> Appearan
         subjects.append((asset, example))
         splats = reconstruct_splats(model.vae, example)
         comparisons[example.name] = compare_pictures(model.vae, splats, example)
+        surface = sample_parts(_draw_again(asset), asset, SPACING)
         distances[example.name] = score_distances(
-            splats, example.part_ids, _sample_surface(asset), example.pictures.displacements
+            splats, example.part_ids, surface, example.pictures.displacements
         )
     every = list(comparisons.values())
     drawn = _compare_drawn(model, subjects, cfg)
@@ -207,10 +215,10 @@ def draw_subject(
     return asset, replace(example, pictures=take_pictures(shape, asset, fractions, views))
 
 
-def _sample_surface(asset: Asset) -> SurfaceSamples:
-    """Points on a procedural object, with the parts of its asset."""
+def _draw_again(asset: Asset) -> Shape:
+    """The procedural object of an asset, which is named after its category and seed."""
     category, seed = asset.name.rsplit("_", 1)
-    return sample_parts(draw_shape(category, int(seed)), asset, SPACING)
+    return draw_shape(category, int(seed))
 
 
 def _mean(scores: list[Scores]) -> Scores:
@@ -222,11 +230,31 @@ def _compare_drawn(
     subjects: Sequence[tuple[Asset, AppearanceExample]],
     cfg: EvaluateAppearanceConfig,
 ) -> list[Comparison]:
-    """Pictures of Gaussians that the flow samples; none without a flow that takes paint."""
+    """Pictures of Gaussians that the flow samples on true voxels, given nothing but their true paint.
+
+    None without a flow that takes paint.
+    """
     if model.drawer is None or not model.drawer.flow.attribute_channels:
         return []
     out = []
     for asset, example in tqdm(subjects, "draws", disable=None):
-        splats = draw_painted(model.drawer, asset, example, cfg.sampler, cfg.seed)
+        laid, facings = lay_true_voxels(_draw_again(asset), asset)
+        assert laid.voxels is not None
+        assert laid.surface is not None
+        canvas = Canvas(
+            coords=laid.voxels.coords,
+            part_ids=laid.voxels.part_ids,
+            facings=facings,
+            table=example.table,
+            places=measure_places(laid.surface, laid.voxels, facings),
+        )
+        splats = draw_splats(
+            model.drawer,
+            canvas,
+            StructureCondition(),
+            cfg.seed,
+            paint=(example.paint / 255.0).astype(np.float32),
+            sampler=cfg.sampler,
+        )
         out.append(compare_pictures(model.vae, splats, example))
     return out

@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from artigen.appearance.photographs import NOTHING
+from artigen.examples.appearance import AppearanceExample
 from artigen.metrics.appearance import Comparison
-from artigen.train.appearance.examples import AppearanceExample
 
 MIN_PIXELS = 12
 """Least number of pixels of a part, over all pictures, for it to count."""

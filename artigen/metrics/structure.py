@@ -7,14 +7,14 @@ from collections.abc import Sequence
 
 import numpy as np
 import torch
+from jaxtyping import Float, Int
 from torch import Tensor
 
+from artigen.examples.batches import outline_batch, patch_batch
+from artigen.examples.structure import StructureExample
 from artigen.latent.outline import OutlineBatch
 from artigen.latent.patches import PatchBatch
 from artigen.latent.structure_vae import StructureVae
-from artigen.metrics.deviations import part_deviations
-from artigen.train.batches import outline_batch, patch_batch
-from artigen.train.examples import StructureExample
 from artigen.types import FULL_TURN, JOINT_TYPES, PART_LABELS
 from artigen.voxels.fields import ROW
 
@@ -86,6 +86,28 @@ def score_spread(
         name: tuple((unit * spread[chosen][:, channels].mean(axis=0)).tolist()) if chosen.any() else ()
         for name, (channels, chosen, unit) in rows.items()
     }
+
+
+def part_deviations(
+    values: Float[np.ndarray, "N C"], part_ids: Int[np.ndarray, "N"]
+) -> tuple[Int[np.ndarray, "P"], Float[np.ndarray, "P C"]]:
+    """Population standard deviation of every channel over the cells of each part.
+
+    Args:
+        values: Attributes of each cell, in any units.
+        part_ids: Part that owns each cell; any integers.
+
+    Returns:
+        The parts that own a cell, and their deviations; zero where all cells agree, or there is only one.
+    """
+    ids, at = np.unique(part_ids, return_inverse=True)
+    counts = np.bincount(at)[:, None]
+
+    def sums(columns: np.ndarray) -> np.ndarray:
+        return np.stack([np.bincount(at, weights=column) for column in columns.T.astype(np.float64)], axis=1)
+
+    means = sums(values) / counts
+    return ids, np.sqrt(sums((values - means[at]) ** 2) / counts)
 
 
 def _subjects(examples: Sequence[StructureExample], device: torch.device) -> tuple[PatchBatch, OutlineBatch]:

@@ -10,9 +10,9 @@ from typing import Literal
 
 from tqdm import trange
 
+from artigen.examples.real import Split, read_reals
+from artigen.examples.structure import StructureExample, draw_example_of
 from artigen.models.conditions import StructureCondition
-from artigen.train.examples import StructureExample, draw_example_of
-from artigen.train.real import Split, read_reals
 from artigen.types import PART_LABELS, Asset
 
 Field = Literal["category", "counts", "size", "image"]
@@ -35,7 +35,7 @@ def draw_subjects(
     resolution: int,
     image_size: int,
 ) -> list[Subject]:
-    """Procedural objects in the order of `artigen.train.shards`: categories in turn, seeds upwards."""
+    """Procedural objects in the order of `artigen.examples.shards`: categories in turn, seeds upwards."""
     out = []
     for number in trange(count, desc="objects", disable=None):
         category = categories[number % len(categories)]

@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from artigen.datasets.partnet_surface import FaceTable
+from artigen.examples.mesh_pictures import FINE, picture_mesh
 from artigen.kinematics import articulate_points, qlimits
-from artigen.train.mesh_pictures import FINE, picture_mesh
 from artigen.types import PART_LABELS, Asset, PartLabel, VoxelGrid
 from artigen.wavefront import Material
 

@@ -1,4 +1,6 @@
-"""`shape_to_asset`: a procedural object as an `Asset`, with exact voxels and coloured surface samples."""
+"""A procedural object as an `Asset`, with exact voxels and coloured surface samples."""
+
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -56,6 +58,20 @@ def shape_to_asset(shape: Shape, resolution: int | None = 64, spacing: float | N
         surface=None if spacing is None else sample_shape(shape, spacing),
     )
     return asset if voxels is None else drop_unresolved(asset)
+
+
+def voxelize_shape(shape: Shape, resolution: int = 64) -> Asset:
+    """The asset of a shape with exact voxels and all of its parts, including those too small to own a voxel.
+
+    `artigen.voxels.fields.encode` turns it into 35 channels; `artigen.voxels.voxelize.drop_unresolved`
+    merges parts without a voxel into their parents.
+    """
+    found = rasterize_shape(shape, resolution)
+    voxels = assign_cells(found.cells, found.part_ids, found.areas, resolution)
+    asset = replace(shape_to_asset(shape, resolution=None), voxels=voxels)
+    lost = np.setdiff1d(np.arange(len(asset.parts)), voxels.part_ids)
+    notes = tuple(f"{asset.parts[index].name} is smaller than a voxel and owns none" for index in lost)
+    return replace(asset, notes=notes)
 
 
 def part_owners(shape: Shape, asset: Asset) -> Int[np.ndarray, "P"]:

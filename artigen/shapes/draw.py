@@ -5,24 +5,26 @@ wish may name, and ``draw(rng, wish) -> Draft``. Adding a file there adds a cate
 """
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
 from types import ModuleType
-from typing import TypeVar
 from zlib import crc32
 
 import numpy as np
 
 from artigen.errors import ArtigenError
+from artigen.shapes.choices import Word, choose
 from artigen.shapes.fittings.handles import HandleKind
+from artigen.shapes.primitives import Range
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import PartLabel
 
-Word = TypeVar("Word", bound=str)
+Spans = tuple[Range, Range, Range]
+"""Ranges of width, depth and height (m)."""
 MAX_DRAWS = 1000
 FEW_DRAWS = 100
 """Draws after which a count of more than twice the largest one seen is given up."""
@@ -78,13 +80,13 @@ class Wish:
         return offered
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Draft:
     """Result of a category's draw function: a `Shape` without its name."""
 
     style: str
     parts: tuple[ShapePart, ...]
-    finishes: tuple[tuple[str, Finish], ...]
+    finishes: Mapping[str, Finish]
 
 
 @cache
@@ -111,11 +113,7 @@ def draw_shape(category: str, seed: int, wish: Wish | None = None) -> Shape:
 
 
 def draw_variant(
-    category: str,
-    like: int,
-    seed: int,
-    fits: Callable[[Shape], bool],
-    wish: Wish | None = None,
+    category: str, like: int, seed: int, fits: Callable[[Shape], bool], wish: Wish | None = None
 ) -> Shape:
     """Draws an object with the topology of another one, in other sizes and materials.
 
@@ -134,7 +132,7 @@ def draw_variant(
     """
     wish = wish or Wish()
     _, attempt = _draw_draft(category, like, wish)
-    looks: dict[str, Finish] = dict(_draw_draft(category, seed, replace(wish, counts=()))[0].finishes)
+    looks = _draw_draft(category, seed, replace(wish, counts=()))[0].finishes
     key = crc32(category.encode())
     for step in range(VARIANTS):
         bits = np.random.PCG64(np.random.SeedSequence([key, like, attempt]))
@@ -143,7 +141,7 @@ def draw_variant(
             draft = categories()[category].draw(rng, wish)
         except CrowdedError:
             continue
-        worn = tuple((role, _wear(own, looks.get(role) or own)) for role, own in draft.finishes)
+        worn = {role: _wear(own, looks.get(role) or own) for role, own in draft.finishes.items()}
         shape = _make_shape(category, seed, replace(draft, finishes=worn))
         if fits(shape):
             return shape
@@ -204,7 +202,8 @@ def _wear(own: Finish, other: Finish) -> Finish:
 
 
 def _make_shape(category: str, seed: int, draft: Draft) -> Shape:
-    return Shape(category=category, seed=seed, style=draft.style, parts=draft.parts, finishes=draft.finishes)
+    finishes = tuple(sorted(draft.finishes.items()))
+    return Shape(category=category, seed=seed, style=draft.style, parts=draft.parts, finishes=finishes)
 
 
 def _draw_draft(category: str, seed: int, wish: Wish) -> tuple[Draft, int]:
@@ -257,13 +256,7 @@ def check_wish(wish: Wish) -> None:
             raise ShapeError(f"{count} parts called base: every object has one")
 
 
-def pick(rng: np.random.Generator, weights: Mapping[Word, float]) -> Word:
-    """One of the words, as likely as its weight."""
-    chances = np.array(list(weights.values()))
-    return list(weights)[int(rng.choice(len(chances), p=chances / chances.sum()))]
-
-
-def find_nearest(wish: Wish, sizes: Mapping[Word, Sequence[tuple[float, float]]]) -> tuple[Word, ...]:
+def find_nearest(wish: Wish, sizes: Mapping[Word, Spans]) -> tuple[Word, ...]:
     """The words whose ranges of width, depth and height (m) hold the lengths wished for, or come nearest.
 
     All of them where no length is wished for.
@@ -281,26 +274,8 @@ def find_nearest(wish: Wish, sizes: Mapping[Word, Sequence[tuple[float, float]]]
     return tuple(word for word, miss in misses.items() if miss <= least)
 
 
-def choose_style(rng: np.random.Generator, styles: Mapping[str, float], wished: str | None = None) -> str:
-    """The wished style, or one drawn by weight; every call takes one number from ``rng``, wished or not."""
-    drawn = pick(rng, styles)
-    return drawn if wished is None else wished
-
-
-def choose(rng: np.random.Generator, low: float, high: float, wished: float | None = None) -> float:
-    """The wished value, or a uniform one; every call takes one number from ``rng``, wished or not."""
-    drawn = float(rng.uniform(low, high))
-    return drawn if wished is None else wished
-
-
 def choose_size(
-    rng: np.random.Generator,
-    category: str,
-    wish: Wish,
-    *,
-    width: tuple[float, float],
-    depth: tuple[float, float],
-    height: tuple[float, float],
+    rng: np.random.Generator, category: str, wish: Wish, spans: Spans
 ) -> tuple[float, float, float]:
     """Width, depth and height (m): the wished ones, or uniform ones; every call takes three numbers.
 
@@ -308,20 +283,17 @@ def choose_size(
         ShapeError: If a wish is less than the shortest usual length, or more than the longest, by over
             `SIZE_MARGIN`.
     """
-    usual = {"width": width, "depth": depth, "height": height}
-    for name, (low, high) in usual.items():
+    for name, (low, high) in zip(("width", "depth", "height"), spans, strict=True):
         wished = getattr(wish, name)
         least, most = low * (1.0 - SIZE_MARGIN), high * (1.0 + SIZE_MARGIN)
         if wished is not None and not least <= wished <= most:
             raise ShapeError(
                 f"{category}: {name} {wished:g} m, expected from {least:.3g} to {most:.3g} m for this style"
             )
-    return choose_lengths(rng, wish, (width, depth, height))
+    return choose_lengths(rng, wish, spans)
 
 
-def choose_lengths(
-    rng: np.random.Generator, wish: Wish, spans: Sequence[tuple[float, float]]
-) -> tuple[float, float, float]:
+def choose_lengths(rng: np.random.Generator, wish: Wish, spans: Spans) -> tuple[float, float, float]:
     """Width, depth and height (m), in this order: the wished ones, or uniform ones within their spans."""
     wished = (wish.width, wish.depth, wish.height)
     width, depth, height = (

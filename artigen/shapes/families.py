@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from artigen.shapes.choices import choose_one
 from artigen.shapes.draw import ShapeError, Wish, categories
 from artigen.shapes.fittings.handles import HandleKind
 from artigen.shapes.shape import Shape
@@ -222,8 +223,8 @@ def choose_suite(family: str, seed: int) -> Suite:
     if family not in FAMILIES:
         raise ShapeError(f"family {family!r} is not known, expected one of {', '.join(FAMILIES)}")
     own, rng = FAMILIES[family], np.random.default_rng(seed)
-    scheme = own.schemes[int(rng.integers(len(own.schemes)))]
-    handles = own.handles[int(rng.integers(len(own.handles)))]
+    scheme = choose_one(rng, own.schemes)
+    handles = choose_one(rng, own.handles)
     look = APPLIANCES[scheme.appliance]
     metal, frame = make_metal(scheme.metal, 0), _make(scheme.frame)
     polished = metal if scheme.metal == "black" else make_polished(scheme.metal, 0)

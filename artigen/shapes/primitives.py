@@ -17,7 +17,17 @@ from artigen.types import frozen_array
 PrimitiveKind = Literal["polytope", "cylinder"]
 SEGMENTS = 16
 """Sides of the prism that represents a cylinder in meshes and hulls."""
+ROUND = float(np.cos(np.pi / SEGMENTS))
+"""Ratio of the extent of that prism to the cylinder's."""
 Vector = tuple[float, float, float]
+Range = tuple[float, float]
+UP: Vector = (0.0, 0.0, 1.0)
+DOWN: Vector = (0.0, 0.0, -1.0)
+FRONT: Vector = (-1.0, 0.0, 0.0)
+BACK: Vector = (1.0, 0.0, 0.0)
+LEFT: Vector = (0.0, 1.0, 0.0)
+RIGHT: Vector = (0.0, -1.0, 0.0)
+"""Directions; left and right are those of a viewer in front of the object."""
 
 _ARRAYS: dict[str, tuple[type, tuple[int | None, ...]]] = {
     "center": (np.float64, (3,)),
@@ -69,6 +79,11 @@ class Primitive:
 def box(low: Vector, high: Vector, finish: str) -> Primitive:
     """An axis-aligned box from its lowest to its highest corner (m)."""
     return rounded_box(low, high, 0.0, finish)
+
+
+def block(x: Range, y: Range, z: Range, finish: str, bevel: float = 0.0) -> Primitive:
+    """An axis-aligned box over three ranges (m), its edges and corners cut off by ``bevel`` (m)."""
+    return rounded_box((x[0], y[0], z[0]), (x[1], y[1], z[1]), bevel, finish)
 
 
 def rounded_box(low: Vector, high: Vector, bevel: float, finish: str) -> Primitive:
@@ -240,10 +255,15 @@ def _unit_box(bevelled: bool) -> Primitive:  # noqa: FBT001 - the two topologies
     return polytope(_box_corners(np.full(3, 0.5), 0.1 if bevelled else 0.0), "")
 
 
+def polygon(sides: int = SEGMENTS) -> Float[np.ndarray, "N 2"]:
+    """Corners of a regular polygon in the unit circle, the first one half a side from the x axis."""
+    turns = (np.arange(sides) + 0.5) * 2 * np.pi / sides
+    return np.column_stack([np.cos(turns), np.sin(turns)])
+
+
 @cache
 def _unit_cylinder() -> Primitive:
-    angles = (np.arange(SEGMENTS) + 0.5) * 2 * np.pi / SEGMENTS
-    rim = 0.5 * np.column_stack([np.cos(angles), np.sin(angles)])
+    rim = 0.5 * polygon()
     return polytope(np.concatenate([np.column_stack([rim, np.full(SEGMENTS, z)]) for z in (-0.5, 0.5)]), "")
 
 

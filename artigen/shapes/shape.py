@@ -5,7 +5,8 @@ opens; here, prismatic joints are in metres.
 """
 
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -57,18 +58,21 @@ class Need:
     fraction: float = 0.95
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ShapePart:
     """A rigid part with a label, as a union of convex primitives; ``motion`` None is a fixed joint."""
 
     name: str
     label: PartLabel
-    parent: str | None
-    primitives: tuple[Primitive, ...]
+    primitives: Sequence[Primitive]
     motion: Motion | None = None
+    _: KW_ONLY
+    parent: str | None = "body"
+    """Name of the part that carries it; None for the base."""
     needs: tuple[Need, ...] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "primitives", tuple(self.primitives))
         if self.label not in PART_LABELS:
             raise ValueError(
                 f"part {self.name!r}: label {self.label!r} is not one of {', '.join(PART_LABELS)}"
@@ -80,6 +84,16 @@ class ShapePart:
         """Lowest and highest corner at rest (m)."""
         points = np.concatenate([place_vertices(primitive) for primitive in self.primitives])
         return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+def make_base(primitives: Sequence[Primitive], name: str = "body") -> ShapePart:
+    """The base of an object, which carries its other parts."""
+    return ShapePart(name, "base", primitives, parent=None)
+
+
+def require(*parts: str, fraction: float = 0.95) -> tuple[Need, ...]:
+    """Parts that must all be open before another one moves, and the required share of their range."""
+    return tuple(Need(part=part, fraction=fraction) for part in parts)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -65,13 +65,13 @@ def make_batch(
     rows = np.full((*shape, WIDTH), 0)
     rows[:, :, 0] = ROW_KINDS.index("end")
     known, said = np.ones((*shape, WIDTH), dtype=bool), np.zeros((*shape, WIDTH), dtype=bool)
-    asked_rows = np.zeros(shape, dtype=bool)
+    asked_rows, own = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
     for index, (asked, table) in enumerate(pairs):
         start, end = len(asked.rows), len(asked.rows) + len(table)
         rows[index, :start], rows[index, start:end] = asked.rows, table
         known[index, :start] = asked.known
-        said[index, start:end] = find_said(table)
-        asked_rows[index, :start] = True
+        asked_rows[index, :start], own[index, start:end] = True, True
+    said[own] = find_said(rows[own])
     flat = rows.reshape(-1, WIDTH)
     part, piece = number_rows(rows, asked_rows)
     planes = row_planes(flat)

@@ -196,10 +196,15 @@ def column(kind: str, name: str) -> int:
 
 
 def find_said(rows: Int[np.ndarray, "T W"]) -> Bool[np.ndarray, "T W"]:
-    """Cells of a table that are predicted, not implied by earlier fields."""
-    if not len(rows):
-        return np.zeros(rows.shape, dtype=bool)
-    return np.stack([_said_cells(ROW_KINDS[row[0]], _read_key(row)) for row in rows.tolist()])
+    """Cells of rows that are predicted, not implied by earlier fields."""
+    columns = _key_columns()[rows[:, 0]]
+    keys = np.where(columns > 0, np.take_along_axis(rows, columns, axis=1), 0)
+    codes = np.ravel_multi_index((rows[:, 0], *keys.T), (len(ROW_KINDS), *[MAX_PARTS + 1] * 3))
+    _, first, inverse = np.unique(codes, return_index=True, return_inverse=True)
+    cells = np.zeros((len(first), WIDTH), dtype=bool)
+    for at, row in enumerate(first):
+        cells[at] = _said_cells(ROW_KINDS[rows[row, 0]], tuple(keys[row].tolist()))
+    return cells[inverse]
 
 
 def find_implied(row: Sequence[int]) -> frozenset[str]:
@@ -257,15 +262,21 @@ MAY_FOLLOW = frozenset(
 """Names of all fields that may be implied."""
 
 
+@cache
+def _key_columns() -> Int[np.ndarray, "K 3"]:
+    """Columns of the fields that determine the implied ones, by kind of row; 0 for none."""
+    names = dict.fromkeys(PIECE_KINDS, ("lined", "axis", "sides")) | {"joint": ("type", "need0", "holds")}
+    return np.array(
+        [
+            [column(kind, name) if name in said_fields(kind) else 0 for name in names.get(kind, ("",) * 3)]
+            for kind in ROW_KINDS
+        ]
+    )
+
+
 def _read_key(row: Sequence[int]) -> tuple[int, ...]:
-    """Key that determines the implied fields of a row."""
-    kind = ROW_KINDS[row[0]]
-    if kind == "joint":
-        return (row[column(kind, "type")], *(min(row[column(kind, name)], 1) for name in ("need0", "holds")))
-    if kind not in PIECE_KINDS:
-        return ()
-    names = said_fields(kind)
-    return tuple(row[column(kind, name)] if name in names else 0 for name in ("lined", "axis", "sides"))
+    """Values of the fields that determine the implied ones of a row."""
+    return tuple(row[at] if at else 0 for at in _key_columns()[row[0]].tolist())
 
 
 @cache

@@ -13,13 +13,13 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from artigen.examples.batches import FieldBatch, LatentBatch, draw_batches, field_batch, prefetch
+from artigen.examples.structure import StructureExample
 from artigen.latent.outline import OutlineBatch, blur_outlines
 from artigen.latent.structure_flow import StructureFlow
 from artigen.latent.structure_vae import StructureVae
 from artigen.models.conditions import ConditionConfig
 from artigen.models.rectified_flow import diffuse, predict_data
-from artigen.train.batches import FieldBatch, LatentBatch, draw_batches, field_batch, prefetch
-from artigen.train.examples import StructureExample
 from artigen.train.loop import LoopConfig, process_seed, train
 from artigen.train.structure import latent_batch
 from artigen.train.structure_losses import StructureLossConfig, structure_losses

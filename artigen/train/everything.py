@@ -12,6 +12,9 @@ import torch
 from torch import Tensor, nn
 
 from artigen.errors import SourceError
+from artigen.examples.real import real_examples
+from artigen.examples.shards import HELD_OUT, ShardConfig, make_shards
+from artigen.examples.structure import StructureExample, make_shard, read_shard
 from artigen.io import write_whole
 from artigen.latent.presets import PRESETS, StructurePreset
 from artigen.latent.structure_flow import StructureFlow
@@ -21,12 +24,9 @@ from artigen.models.public_encoders import attach_encoders
 from artigen.models.store import save_model
 from artigen.models.tensors import load_strictly
 from artigen.train.decoder import train_decoder
-from artigen.train.examples import StructureExample
 from artigen.train.loop import finished_steps
 from artigen.train.presets import TRAINING
-from artigen.train.real import real_examples
 from artigen.train.run import RunConfig, Stage, claim_run, run_conditions
-from artigen.train.shards import HELD_OUT, ShardConfig, make_shard, make_shards, read_shard
 from artigen.train.stage import begin_stage, describe_stage, load_stage, plan_loop
 from artigen.train.structure import encode_examples, train_structure_flow, train_structure_vae
 from artigen.trellis.checkpoints import load_trellis

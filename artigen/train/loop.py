@@ -91,6 +91,7 @@ def train(
     batches: Iterator[Any],
     folder: Path,
     cfg: LoopConfig,
+    weights: Mapping[str, float] | None = None,
 ) -> nn.Module:
     """Trains until the budget is used and returns the network with its averaged weights.
 
@@ -102,6 +103,8 @@ def train(
         batches: Endless batches.
         folder: Folder of the stage.
         cfg: Budget and rates.
+        weights: Weights of the losses of several batches per step; ``batches`` then yields mappings from
+            these names to batches.
 
     Raises:
         FloatingPointError: If the loss is not finite.
@@ -113,7 +116,11 @@ def train(
     device = accelerator.device
     network.to(device)
     optimizer = torch.optim.AdamW(
-        network.parameters(), lr=cfg.learning_rate, weight_decay=cfg.weight_decay, betas=(0.9, 0.99)
+        network.parameters(),
+        lr=cfg.learning_rate,
+        weight_decay=cfg.weight_decay,
+        betas=(0.9, 0.99),
+        fused=device.type == "cuda",
     )
     average = {name: value.detach().clone().float() for name, value in network.state_dict().items()}
     generator = torch.Generator(device).manual_seed(cfg.seed + accelerator.process_index)
@@ -138,18 +145,20 @@ def train(
         rate = cfg.learning_rate * _rate(progress, cfg)
         for group in optimizer.param_groups:
             group["lr"] = rate
-        batch = next(batches).to(device)
-        with torch.autocast(device.type, number_type or torch.bfloat16, enabled=number_type is not None):
-            terms = losses(wrapped, batch, generator)
-        total = torch.stack(list(terms.values())).sum()
         optimizer.zero_grad()
-        accelerator.backward(total)
+        drawn = next(batches)
+        for name, batch in (drawn if weights else {"": drawn}).items():
+            with torch.autocast(device.type, number_type or torch.bfloat16, enabled=number_type is not None):
+                terms = losses(wrapped, batch.to(device), generator)
+            loss = torch.stack(list(terms.values())).sum() * (weights[name] if weights else 1.0)
+            accelerator.backward(loss)
+            found = {"loss": loss} | {f"{name} {term}".lstrip(): value for term, value in terms.items()}
+            sums |= {term: sums.get(term, 0.0) + value.detach() for term, value in found.items()}
         norm = nn.utils.clip_grad_norm_(network.parameters(), cfg.clip)
         optimizer.step()
         _average(average, network, min(cfg.ema, (1 + progress.step) / (10 + progress.step)))
         progress.step += 1
         progress.elapsed = time.monotonic() - started
-        sums = {name: sums.get(name, torch.zeros(())) + term.detach() for name, term in terms.items()}
         summed += 1
         if progress.step % cfg.report_every == 0:
             means = {name: float(value) / summed for name, value in sums.items()}
@@ -159,7 +168,7 @@ def train(
                 "share": progress.share(cfg),
                 "rate": rate,
                 "seconds_per_step": (time.monotonic() - since) / summed,
-                "loss": sum(means.values()),
+                "loss": means["loss"],
                 "gradient": float(norm),
                 **means,
             }

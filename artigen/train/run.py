@@ -5,13 +5,14 @@ from pathlib import Path
 from typing import Literal
 
 from artigen.errors import ArtigenError
-from artigen.latent.presets import PRESETS, PresetName
+from artigen.examples.real import list_split
+from artigen.latent.presets import PRESETS
 from artigen.latent.structure_dit import StructureDitConfig
 from artigen.models.conditions import ConditionConfig
 from artigen.models.description import hash_model, read_description
 from artigen.models.public_encoders import find_encoders
 from artigen.runtime.run_config import claim_folder
-from artigen.train.real import list_split
+from artigen.train.settings import TrainSettings
 
 Stage = Literal[
     "structure",
@@ -23,33 +24,13 @@ Stage = Literal[
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunConfig:
+class RunConfig(TrainSettings):
     """One structure training run, from data to weights."""
 
     folder: Path
     """Folder for data, checkpoints and weights."""
-    preset: PresetName = "compact"
-    """Sizes of the networks."""
-    minutes: float = 30.0
-    """Training time of all networks; making data takes additional time."""
-    shards: int = 100
-    """Shards of training data, 256 objects each."""
-    held_out: int = 2
-    """Shards of held-out data."""
     objects: int = 256
     """Objects per shard."""
-    partnet: Path | None = None
-    """Folder with partnet_mobility/ and splits.json, whose training split is mixed in. The weights are then
-    licensed for research only, like the data."""
-    real_share: float = 0.1
-    """Share of real objects among the examples, by repetition."""
-    start: Path | None = None
-    """Folder of a model with the initial weights of every network."""
-    trellis: Path | None = None
-    """Public checkpoint of TRELLIS, without its suffix, with the initial weights of the flow."""
-    encoders: Path | None = None
-    """Folder with the public weights of DINOv2 and CLIP, for presets that encode pictures and sentences with
-    them; without it, both conditions stay open in training."""
     workers: int = 2
     """Processes that make data."""
 

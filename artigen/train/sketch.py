@@ -9,6 +9,10 @@ import numpy as np
 import torch
 
 from artigen.errors import ArtigenError
+from artigen.examples.batches import prefetch
+from artigen.examples.shards import HELD_OUT
+from artigen.examples.sketch import SHARD, SketchExample, draw_batches, make_examples
+from artigen.examples.sketch_photos import EDGE, gather_photos
 from artigen.models.description import hash_model
 from artigen.runtime.run_config import claim_folder
 from artigen.sketch.batch import ask_for, make_batch
@@ -17,13 +21,9 @@ from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig
 from artigen.sketch.request import nothing_asked
 from artigen.sketch.words import CATEGORIES
-from artigen.train.batches import prefetch
 from artigen.train.growth import grow_network
 from artigen.train.loop import LoopConfig, finished_steps, process_seed, train
-from artigen.train.shards import HELD_OUT
-from artigen.train.sketch_examples import SHARD, SketchExample, draw_batches, make_examples
 from artigen.train.sketch_losses import SketchLosses, sketch_losses
-from artigen.train.sketch_photos import EDGE, gather_photos
 
 SIZES: dict[str, SketchNetworkConfig] = {
     "tiny": SketchNetworkConfig(

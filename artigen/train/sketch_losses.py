@@ -7,16 +7,16 @@ from jaxtyping import Bool, Float
 from torch import Tensor, nn
 from torch.nn import functional
 
-from artigen.sketch.batch import RowBatch
-from artigen.sketch.network import SketchNetwork
-from artigen.sketch.picture import MAX_COUNT, Seen
-from artigen.sketch.rows import COUNTED, ROW_KINDS, column
-from artigen.train.sketch_examples import SketchBatch
-from artigen.train.sketch_photos import (
+from artigen.examples.sketch import SketchBatch
+from artigen.examples.sketch_photos import (
     EDGE,
     PhotoBatch,
     vary_photos,
 )
+from artigen.sketch.batch import RowBatch
+from artigen.sketch.network import SketchNetwork
+from artigen.sketch.picture import MAX_COUNT, Seen
+from artigen.sketch.rows import COUNTED, ROW_KINDS, column
 from artigen.types import PART_LABELS
 
 READING = 0.3

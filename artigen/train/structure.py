@@ -7,13 +7,7 @@ from pathlib import Path
 import torch
 from torch import Tensor, nn
 
-from artigen.latent.conv_vae import kl_divergence
-from artigen.latent.outline import blur_outlines
-from artigen.latent.structure_flow import StructureFlow
-from artigen.latent.structure_vae import StructureVae
-from artigen.models.conditions import ConditionConfig, drop_conditions
-from artigen.models.rectified_flow import diffuse, draw_times, target_velocity
-from artigen.train.batches import (
+from artigen.examples.batches import (
     FieldBatch,
     LatentBatch,
     condition_batch,
@@ -23,7 +17,13 @@ from artigen.train.batches import (
     patch_batch,
     prefetch,
 )
-from artigen.train.examples import StructureExample
+from artigen.examples.structure import StructureExample
+from artigen.latent.conv_vae import kl_divergence
+from artigen.latent.outline import blur_outlines
+from artigen.latent.structure_flow import StructureFlow
+from artigen.latent.structure_vae import StructureVae
+from artigen.models.conditions import ConditionConfig, drop_conditions
+from artigen.models.rectified_flow import diffuse, draw_times, target_velocity
 from artigen.train.loop import LoopConfig, process_seed, train
 from artigen.train.structure_losses import StructureLossConfig, structure_losses
 

@@ -4,18 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from sim_export.report import CheckResult, Verdict, round_measured
+from sim_export.report import CheckResult, Verdict
 
+from ..titles import make_result
 from .plan import HOLD, LIMIT_ANGLE, SLIP, EnginePlan, JointTask
 
-TITLES = {
-    "V501": "loads",
-    "V502": "masses",
-    "V503": "stays finite",
-    "V504": "rests",
-    "V505": "full range",
-    "V506": "friction",
-}
 NUMBER_TOLERANCE = 1e-4
 """Relative tolerance; engines compute in single precision."""
 REST_DRIFT = 0.01
@@ -51,9 +44,9 @@ def check_loads(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
     if problems:
         where, message = problems[0]
         message += f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
-    return make_check(
-        "V501", engine, "fail" if problems else "pass", message,
-        value=len(problems), threshold=0.0, unit="problems", where=where,
+    return make_result(
+        "V501", "fail" if problems else "pass", message,
+        value=len(problems), threshold=0.0, unit="problems", where=where, engine=engine,
     )  # fmt: skip
 
 
@@ -121,20 +114,20 @@ def check_masses(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
         if not error <= worst:
             worst, where = error, link.name
     if not count:
-        return make_check("V502", engine, "not_applicable", "no link has a mass on both sides")
-    return make_check(
-        "V502", engine, _verdict(worst <= NUMBER_TOLERANCE),
+        return make_result("V502", "not_applicable", "no link has a mass on both sides", engine=engine)
+    return make_result(
+        "V502", _verdict(worst <= NUMBER_TOLERANCE),
         f"{count} masses compared, {where or 'none'} differs most",
-        value=worst, threshold=NUMBER_TOLERANCE, unit="relative mass", where=where,
+        value=worst, threshold=NUMBER_TOLERANCE, unit="relative mass", where=where, engine=engine,
     )  # fmt: skip
 
 
 def check_finite(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
     """V503: all coordinates stay finite over all steps under gravity."""
     steps = answer["rest"]["steps"]
-    return make_check(
-        "V503", engine, _verdict(steps >= plan.steps), f"finite for {steps} of {plan.steps} steps",
-        value=steps, threshold=plan.steps, unit="steps",
+    return make_result(
+        "V503", _verdict(steps >= plan.steps), f"finite for {steps} of {plan.steps} steps",
+        value=steps, threshold=plan.steps, unit="steps", engine=engine,
     )  # fmt: skip
 
 
@@ -146,11 +139,11 @@ def check_rest(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
         joint.name: drift[joint.name] / _stillness(joint) for joint in plan.joints if joint.name in drift
     }
     if not shares:
-        return make_check("V504", engine, "not_applicable", "nothing moves")
+        return make_result("V504", "not_applicable", "nothing moves", engine=engine)
     where = _worst(shares)
-    return make_check(
-        "V504", engine, _verdict(shares[where] <= 1.0), f"{where} moved most",
-        value=shares[where], threshold=1.0, unit="of the allowed", where=where,
+    return make_result(
+        "V504", _verdict(shares[where] <= 1.0), f"{where} moved most",
+        value=shares[where], threshold=1.0, unit="of the allowed", where=where, engine=engine,
     )  # fmt: skip
 
 
@@ -170,16 +163,16 @@ def check_range(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
         if "mimic" not in answer["lost"]:
             gaps |= found["follow"]
     if not gaps:
-        return make_check("V505", engine, "not_applicable", "nothing moves")
+        return make_result("V505", "not_applicable", "nothing moves", engine=engine)
     where = _worst({name: gap / tolerances[name] for name, gap in gaps.items()})
     message = f"{where} stays farthest from an end of its range"
     if "mimic" in answer["lost"]:
         message += "; followers were not tested"
     joint = next(joint for joint in plan.joints if joint.name == where)
-    return make_check(
-        "V505", engine, _verdict(gaps[where] <= joint.tolerance), message,
+    return make_result(
+        "V505", _verdict(gaps[where] <= joint.tolerance), message,
         value=gaps[where], threshold=joint.tolerance, where=where,
-        unit="m to the end" if joint.type == "prismatic" else "rad to the end",
+        unit="m to the end" if joint.type == "prismatic" else "rad to the end", engine=engine,
     )  # fmt: skip
 
 
@@ -189,42 +182,24 @@ def check_friction(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
     least half of that."""
     trials = answer["friction"]
     if not trials:
-        return make_check("V506", engine, "not_applicable", "no joint has friction")
+        return make_result("V506", "not_applicable", "no joint has friction", engine=engine)
     held = _worst({name: found["held"] for name, found in trials.items()})
     slipped = _worst({name: -found["slipped"] for name, found in trials.items()})
     share = trials[held]["held"]
     if not share <= HELD:
-        return make_check(
-            "V506", engine, "fail", f"{held} gives way to {HOLD} times its friction",
-            value=share, threshold=HELD, unit="of the expected motion", where=held,
+        return make_result(
+            "V506", "fail", f"{held} gives way to {HOLD} times its friction",
+            value=share, threshold=HELD, unit="of the expected motion", where=held, engine=engine,
         )  # fmt: skip
     share = trials[slipped]["slipped"]
     passed = share >= SLIPPED
     message = f"{len(trials)} joints hold below their friction and move above it, {slipped} least"
     if not passed:
         message = f"{slipped} does not give way to {SLIP} times its friction"
-    return make_check(
-        "V506", engine, _verdict(passed), message,
-        value=share, threshold=SLIPPED, unit="of the expected motion", where=slipped,
+    return make_result(
+        "V506", _verdict(passed), message,
+        value=share, threshold=SLIPPED, unit="of the expected motion", where=slipped, engine=engine,
     )  # fmt: skip
-
-
-def make_check(
-    check: str, engine: str, verdict: Verdict, message: str, *, value: float | None = None,
-    threshold: float | None = None, unit: str = "", where: str = "",
-) -> CheckResult:  # fmt: skip
-    """A result whose id includes the engine."""
-    return CheckResult(
-        id=f"{check}-{engine}",
-        level="L5",
-        title=f"{TITLES[check]} in {engine}",
-        verdict=verdict,
-        value=round_measured(value),
-        threshold=round_measured(threshold),
-        unit=unit,
-        where=where,
-        message=message,
-    )
 
 
 def _verdict(passed: bool) -> Verdict:  # noqa: FBT001

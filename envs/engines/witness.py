@@ -14,7 +14,8 @@ from envs.config import EngineChoice
 from sim_export.errors import PackageError
 from sim_export.report import CheckResult
 
-from .judge import TITLES, judge, make_check
+from ..titles import ENGINE_TITLES, make_result
+from .judge import judge
 from .plan import EnginePlan, make_plan
 
 RUNNERS = Path(__file__).parent / "runners"
@@ -119,12 +120,12 @@ def _code(code: int) -> str:
 
 
 def _skipped(engine: str, reason: str) -> tuple[CheckResult, ...]:
-    return (make_check("V501", engine, "not_applicable", f"skipped: {reason}"),)
+    return (make_result("V501", "not_applicable", f"skipped: {reason}", engine=engine),)
 
 
 def _failed(engine: str, reason: str) -> tuple[CheckResult, ...]:
-    first, *rest = TITLES
+    first, *rest = ENGINE_TITLES
     return (
-        make_check(first, engine, "fail", reason),
-        *(make_check(check, engine, "fail", f"not run: {first} failed") for check in rest),
+        make_result(first, "fail", reason, engine=engine),
+        *(make_result(check, "fail", f"not run: {first} failed", engine=engine) for check in rest),
     )

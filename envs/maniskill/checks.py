@@ -17,7 +17,7 @@ from mani_skill.utils.structs import Pose
 from artigen.errors import ArtigenError
 from sim_export.report import CheckResult
 
-from ..titles import TASK_TITLES
+from ..titles import make_result
 from .containers import room_when_open
 from .objects import TaskObject, TaskPart, read_object
 from .solver.solve import solve_open_part
@@ -50,18 +50,14 @@ def _timed(
     try:
         result = function(folder, entry)
     except ArtigenError as error:
-        result = _result(check, verdict="fail", message=f"cannot be judged: {error}")
+        result = make_result(check, "fail", f"cannot be judged: {error}")
     return replace(result, seconds=perf_counter() - begin)
-
-
-def _result(check: str, **values: Any) -> CheckResult:
-    return CheckResult(id=check, level="L4", title=TASK_TITLES[check], **values)
 
 
 def _check_opening(folder: Path, entry: TaskObject) -> CheckResult:
     held = [part for part in entry.parts if part.handle is not None]
     if not held:
-        return _result("V401", verdict="not_applicable", message="no drawer or door has a handle")
+        return make_result("V401", "not_applicable", "no drawer or door has a handle")
     failed: list[tuple[str, str]] = []
     for part in held:
         env = gym.make(
@@ -74,10 +70,10 @@ def _check_opening(folder: Path, entry: TaskObject) -> CheckResult:
             failed.append((part.joint.name, outcome.reason))
     opened = len(held) - len(failed)
     others = "".join(f"; {name}: {reason}" for name, reason in failed)
-    return _result(
-        "V401", verdict="pass" if opened else "fail", value=float(opened), threshold=1.0, unit="parts",
-        where=failed[0][0] if failed else "",
-        message=f"a Panda opens {opened} of {len(held)} drawers and doors by their handles{others}",
+    return make_result(
+        "V401", "pass" if opened else "fail",
+        f"a Panda opens {opened} of {len(held)} drawers and doors by their handles{others}",
+        value=float(opened), threshold=1.0, unit="parts", where=failed[0][0] if failed else "",
     )  # fmt: skip
 
 
@@ -85,12 +81,14 @@ def _check_stock(folder: Path, entry: TaskObject) -> CheckResult:
     held = [part for part in entry.parts if part.handle is not None]
     kinds = [name for name, types in STOCK_TYPES if any(part.joint.type in types for part in held)]
     if not kinds:
-        return _result("V402", verdict="not_applicable", message="no drawer or door has a handle")
+        return make_result("V402", "not_applicable", "no drawer or door has a handle")
     problems = [(name, problem) for name in kinds if (problem := _stock_problem(folder, name))]
-    return _result(
-        "V402", verdict="fail" if problems else "pass", value=float(len(problems)), threshold=0.0,
-        unit="tasks", where=problems[0][0] if problems else "",
-        message=problems[0][1] if problems else f"{' and '.join(kinds)}: resets, steps, succeeds when open",
+    where, message = "", f"{' and '.join(kinds)}: resets, steps, succeeds when open"
+    if problems:
+        where, message = problems[0]
+    return make_result(
+        "V402", "fail" if problems else "pass", message,
+        value=float(len(problems)), threshold=0.0, unit="tasks", where=where,
     )  # fmt: skip
 
 
@@ -123,13 +121,13 @@ def _stock_problem(folder: Path, name: str) -> str:
 def _check_inside(folder: Path, entry: TaskObject) -> CheckResult:
     roomy = [part for part in entry.parts if room_when_open(entry, part, OPENED, CUBE) is not None]
     if not roomy:
-        return _result("V404", verdict="not_applicable", message="no drawer or compartment has room")
+        return make_result("V404", "not_applicable", "no drawer or compartment has room")
     lost = [part.joint.name for part in roomy if not _stays(folder, part)]
     kept = len(roomy) - len(lost)
-    return _result(
-        "V404", verdict="fail" if lost else "pass", value=float(len(lost)), threshold=0.0, unit="parts",
-        where=lost[0] if lost else "",
-        message=f"a cube of {100 * CUBE:.0f} cm comes to rest inside {kept} of {len(roomy)} parts",
+    return make_result(
+        "V404", "fail" if lost else "pass",
+        f"a cube of {100 * CUBE:.0f} cm comes to rest inside {kept} of {len(roomy)} parts",
+        value=float(len(lost)), threshold=0.0, unit="parts", where=lost[0] if lost else "",
     )  # fmt: skip
 
 

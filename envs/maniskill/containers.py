@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from artigen.transforms import transform_points
+from sim_export.collision.hulls import hull_planes
 from sim_export.package import Hull
 from sim_export.tree import hanging_links
 
@@ -78,11 +79,9 @@ def column_spans(
     """Lowest and highest z of vertical lines in each hull; +inf and -inf for a miss."""
     low, high = np.full((len(hulls), len(xy)), np.inf), np.full((len(hulls), len(xy)), -np.inf)
     for index, hull in enumerate(hulls):
-        a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
-        normals = np.cross(b - a, c - a)
-        length = np.linalg.norm(normals, axis=1)
-        normals, a = normals[length > 1e-12] / length[length > 1e-12, None], a[length > 1e-12]
-        rest = (normals * a).sum(axis=1)[:, None] - normals[:, :2] @ xy.T  # n_z z <= rest
+        planes = hull_planes(hull)
+        normals = planes[:, :3]
+        rest = planes[:, 3:] - normals[:, :2] @ xy.T  # n_z z <= rest
         up, down = normals[:, 2] > 1e-6, normals[:, 2] < -1e-6
         inside = (rest[~up & ~down] >= -1e-9).all(axis=0)
         top = (rest[up] / normals[up, 2, None]).min(axis=0, initial=np.inf)

@@ -7,6 +7,7 @@ turns one.
 
 import shutil
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -14,6 +15,7 @@ import numpy as np
 import sapien
 import torch
 from jaxtyping import Float
+from mani_skill.agents.robots import Fetch, Panda
 from mani_skill.utils import sapien_utils
 from mani_skill.utils.structs import Pose
 
@@ -21,15 +23,16 @@ from artigen.errors import ArtigenError
 from sim_export.package import SimPackage
 
 from ..follow import drive_follower, pull_spring
-from ..friction import apply_damping, apply_friction, apply_velocity
+from ..friction import apply_resistance
 from ..urdf_text import physics_urdf
 from .objects import TaskObject
 
 if TYPE_CHECKING:
     from mani_skill.agents.base_agent import BaseAgent
+    from mani_skill.envs.sapien_env import BaseEnv
     from mani_skill.envs.scene import ManiSkillScene
     from mani_skill.utils.building.articulation_builder import ArticulationBuilder
-    from mani_skill.utils.structs import Articulation
+    from mani_skill.utils.structs import Actor, Articulation
 
 SURFACE = {"static_friction": 1.0, "dynamic_friction": 1.0, "restitution": 0.0}
 """Contact material of every object, as in ManiSkill's own cabinet tasks."""
@@ -78,15 +81,39 @@ def load_placed(
     return _build(builder, folder, package, name, scene_index, pose)
 
 
-def without_visuals(agent: "type[BaseAgent]", scratch: Path) -> "type[BaseAgent]":
-    """The same robot without visuals, for a scene that cannot render: SAPIEN would look for a render device
-    as soon as it reads a material. ``scratch`` must exist until the robot is built."""
-    urdf = Path(str(agent.urdf_path))
-    stripped = scratch / urdf.name
-    stripped.write_text(physics_urdf(urdf))
-    if (srdf := urdf.with_suffix(".srdf")).is_file():
-        shutil.copy(srdf, scratch)
-    return type(agent.__name__, (agent,), {"urdf_path": str(stripped)})
+def load_robot(env: "BaseEnv", name: str, pose: sapien.Pose) -> "BaseAgent":
+    """The robot ``panda`` or ``fetch`` at an initial pose in an environment, without visuals if its scene
+    cannot render: SAPIEN would look for a render device as soon as it reads a material."""
+    agent: type[BaseAgent] = {"panda": Panda, "fetch": Fetch}[name]
+    with tempfile.TemporaryDirectory() as scratch:
+        # Only Fetch has materials; Panda's end-effector controllers also read its own file.
+        if name == "fetch" and not env.scene.can_render():
+            urdf = Path(str(agent.urdf_path))
+            stripped = Path(scratch) / urdf.name
+            stripped.write_text(physics_urdf(urdf))
+            shutil.copy(urdf.with_suffix(".srdf"), scratch)
+            agent = type(agent.__name__, (agent,), {"urdf_path": str(stripped)})
+        return agent(env.scene, env._control_freq, env._control_mode, initial_pose=pose)
+
+
+def build_box(
+    scene: "ManiSkillScene",
+    name: str,
+    scene_index: int,
+    low: Float[np.ndarray, "3"],
+    high: Float[np.ndarray, "3"],
+    color: Sequence[float] | None = None,
+) -> "Actor":
+    """Builds a static box in one of the parallel scenes."""
+    half = tuple(((high - low) / 2.0).tolist())
+    builder = scene.create_actor_builder()
+    builder.add_box_collision(half_size=half)
+    if scene.can_render():
+        paint = None if color is None else sapien.render.RenderMaterial(base_color=[*color, 1.0])
+        builder.add_box_visual(half_size=half, material=paint)
+    builder.set_scene_idxs([scene_index])
+    builder.initial_pose = Pose.create(sapien.Pose(p=((high + low) / 2.0).tolist()))
+    return builder.build_static(name=name)
 
 
 def _parse(scene: "ManiSkillScene", folder: Path) -> "ArticulationBuilder":
@@ -126,26 +153,16 @@ def _build(
     builder.initial_pose = pose
     articulation = builder.build(name=name, build_mimic_joints=False)
     prefix = f"scene-{scene_index}-{name}_"
-    _apply_resistance(articulation, package, prefix)
-    _compare(articulation, folder, package, prefix)
-    return articulation
-
-
-def _apply_resistance(articulation: "Articulation", package: SimPackage, prefix: str) -> None:
-    """Sets the package's friction (N, N m), damping and maximum speed on every joint that states either."""
     specs = {joint.name: joint for joint in package.joints}
     for engine in articulation._objs:
         for joint in engine.active_joints:
             spec = specs[joint.name.removeprefix(prefix)]
             if spec.mimic is not None:
                 drive_follower(joint, spec, package)
-                continue
-            if spec.friction == 0.0 and spec.damping == 0.0:
-                continue
-            apply_friction(joint, spec.friction)
-            apply_damping(engine, joint, spec.damping)
-            if spec.velocity > 0.0:
-                apply_velocity(joint, spec.velocity)
+            else:
+                apply_resistance(engine, joint, spec)
+    _compare(articulation, folder, package, prefix)
+    return articulation
 
 
 def play_mechanisms(articulation: "Articulation", package: SimPackage) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.types import PartLabel
+from sim_export.collision.hulls import hull_planes
 from sim_export.files.read import read_package
 from sim_export.package import HandleAnnotation, Hull, PackageJoint, SimPackage
 from sim_export.tree import hanging_links, needed_fractions
@@ -287,15 +288,8 @@ def _read_latches(package: SimPackage, needs: dict[str, float]) -> tuple[Latchin
 def _is_hollow(hulls: tuple[Hull, ...], handle: HandleAnnotation) -> bool:
     """Whether the middle of a handle's box is far from all hulls."""
     middle = handle.corners.mean(axis=0)
-    return all(_gap(hull, middle) > HOLLOW for hull in hulls)
-
-
-def _gap(hull: Hull, point: Float[np.ndarray, "3"]) -> float:
-    """Distance of a point outside of the face planes of a hull, metres; a lower bound of its distance."""
-    a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
-    normals = np.cross(b - a, c - a)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
-    return float(((point - a) * normals).sum(axis=1).max())
+    planes = map(hull_planes, hulls)  # the distance from a plane is a lower bound of that from its hull
+    return all((faces[:, :3] @ middle - faces[:, 3]).max() > HOLLOW for faces in planes)
 
 
 def _hulls_of_handle(hulls: tuple[Hull, ...], handle: HandleAnnotation) -> tuple[Hull, ...]:

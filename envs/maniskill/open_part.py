@@ -12,7 +12,6 @@ from .verbs import Verb
 
 STARTS = {"open": 0.0, "close": 0.75}
 GOALS = {"open": 0.75, "close": 0.05}
-FULL_REWARD = 5.0
 
 
 class OpenPartEnv(PackageTask):
@@ -46,6 +45,8 @@ class OpenPartEnv(PackageTask):
     Raises:
         TaskError: If there is no package, one failed validation, or none has the part.
     """
+
+    full_reward = 5.0
 
     def __init__(
         self,
@@ -97,8 +98,4 @@ class OpenPartEnv(PackageTask):
         """Up to 1 for reaching the grip, 3 for progress, 5 on success."""
         distance = torch.linalg.norm(self.agent.tcp.pose.p - info["grip_position"], dim=1)
         reward = 1.0 - torch.tanh(5.0 * distance) + 3.0 * info["progress"]
-        return torch.where(info["success"], torch.full_like(reward, FULL_REWARD), reward)
-
-    def compute_normalized_dense_reward(self, obs: Any, action: torch.Tensor, info: dict) -> torch.Tensor:
-        """The dense reward in [0, 1]."""
-        return self.compute_dense_reward(obs, action, info) / FULL_REWARD
+        return torch.where(info["success"], torch.full_like(reward, self.full_reward), reward)

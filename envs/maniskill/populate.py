@@ -17,17 +17,18 @@ import numpy as np
 from artigen import __version__
 from artigen.shapes.families import choose_suite
 from artigen.shapes.surfaces.finishes import Color
-from artigen.transforms import quat_from_matrix
+from artigen.transforms import quat_from_matrix, transform_points
 
 from .rooms.arrange import Place, Plan
 from .rooms.catalogue import Catalogue, Entry, PopulateError, demand_roles
 from .rooms.check import check_room
+from .rooms.doorway import hang_door
 from .rooms.footprints import standing_places
 from .rooms.furnish import furnish
 from .rooms.pieces import BED_PARTS, BED_WIDTH, Member
 from .rooms.recipes import RECIPES, Recipe
 from .rooms.room import Entrance, Fixture, Placement, Room, RoomKind, corner, room_shell
-from .rooms.runs import Chooser, draw_shortlists
+from .rooms.runs import Chooser, count_objects, draw_shortlists
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,10 +90,8 @@ def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfi
             sweeps=cfg.sweeps,
             most=cfg.most,
         )
-        plan, missing = furnish(Plan(size=size, entrance=entrance), recipe, chooser)
-        objects = sum(
-            member.piece.entry is not None for place in plan.places for member in place.cluster.members
-        )
+        plan, missing = furnish(hang_door(Plan(size=size, entrance=entrance), chooser), recipe, chooser)
+        objects = count_objects(plan)
         best = max(best, objects)
         if missing or objects < cfg.least:
             reasons[missing or f"only {objects} objects fit"] += 1
@@ -143,11 +142,7 @@ def _room(
     for place in plan.places:
         for member in place.cluster.members:
             if member.piece.entry is None:
-                fixtures += (
-                    _bed_fixtures(place, member)
-                    if member.piece.role == "bed"
-                    else _filler(place, member, color)
-                )
+                fixtures += _fixtures(place, member, color)
                 continue
             slug = member.piece.role.replace(" ", "_")
             counts[slug] += 1
@@ -175,7 +170,7 @@ def _placement(place: Place, member: Member, entry: Entry, names: dict[int, str]
     footprint = member.piece.footprint
     assert footprint is not None
     middles = standing_places(footprint, radius, member.piece.front)
-    points = np.column_stack([middles, np.zeros(len(middles))]) @ T[:3, :3].T + T[:3, 3]
+    points = transform_points(T, np.column_stack([middles, np.zeros(len(middles))]))
     manifest = (entry.folder / "manifest.json").read_bytes()
     w, x, y, z = (round(float(value), 9) + 0.0 for value in quat_from_matrix(T[:3, :3]))
     support = place.support
@@ -193,16 +188,18 @@ def _placement(place: Place, member: Member, entry: Entry, names: dict[int, str]
     )
 
 
-def _bed_fixtures(place: Place, member: Member) -> list[Fixture]:
-    T = place.T @ member.T
-    scale = np.array([1.0, BED_WIDTH, 1.0])
-    fixtures = []
-    for name, low, high, color in BED_PARTS:
-        ends = np.array([low, high]) * scale @ T[:3, :3].T + T[:3, 3]
-        fixtures.append(
-            Fixture(name=name, low=corner(ends.min(axis=0)), high=corner(ends.max(axis=0)), color=color)
-        )
-    return fixtures
+def _fixtures(place: Place, member: Member, color: Color) -> list[Fixture]:
+    """The boxes of a bed, or the cabinet front that closes the corner between two runs."""
+    if member.piece.role == "bed":
+        T, scale = place.T @ member.T, np.array([1.0, BED_WIDTH, 1.0])
+        boxes = [(name, np.array([low, high]) * scale, paint) for name, low, high, paint in BED_PARTS]
+    else:
+        T, boxes = place.T, [(f"filler_{place.cluster.name}", member.piece.boxes.bodies[0], color)]
+    placed = [(name, transform_points(T, ends), paint) for name, ends, paint in boxes]
+    return [
+        Fixture(name=name, low=corner(ends.min(axis=0)), high=corner(ends.max(axis=0)), color=paint)
+        for name, ends, paint in placed
+    ]
 
 
 def choose_filler_color(catalogue: Catalogue) -> Color:
@@ -213,10 +210,3 @@ def choose_filler_color(catalogue: Catalogue) -> Color:
         return (0.80, 0.79, 0.76)
     family, seed = suite
     return choose_suite(str(family), int(str(seed))).finishes["furniture"]["front"].color
-
-
-def _filler(place: Place, member: Member, color: Color) -> list[Fixture]:
-    """A cabinet front that closes the corner between two runs."""
-    ends = member.piece.boxes.bodies[0] @ place.T[:3, :3].T + place.T[:3, 3]
-    name = f"filler_{place.cluster.name}"
-    return [Fixture(name=name, low=corner(ends.min(axis=0)), high=corner(ends.max(axis=0)), color=color)]

@@ -45,7 +45,6 @@ deep drawer."""
 COARSE = 0.06
 """Spacing of the points that represent the arm in the search for a base, metres."""
 STAND_HALF = (0.025, 0.025, 1.0)
-FULL_REWARD = 6.0
 
 
 class PutInsideEnv(PackageTask):
@@ -71,6 +70,8 @@ class PutInsideEnv(PackageTask):
     Raises:
         TaskError: If there is no package, one failed validation, none has the part, or no part has room.
     """
+
+    full_reward = 6.0
 
     def __init__(
         self,
@@ -183,7 +184,7 @@ class PutInsideEnv(PackageTask):
             moves = container.link == part.joint.child
             region = transform_points(into_link, container.region) if moves else container.region
             regions.append(np.sort(region, axis=0) if moves else region - [0.0, 0.0, entry.floor])
-            aims.append(aim_in_world(entry, part, container, self._opened(entry, part)))
+            aims.append(resting_places(entry, part, container, self._opened(entry, part))[0])
             spots.append(self._cube_spot(entry, part, place))
             self.containers.append(container)
         self._regions, self.aims, self._spots = (
@@ -267,16 +268,7 @@ class PutInsideEnv(PackageTask):
         near = 1.0 - torch.tanh(3.0 * torch.linalg.norm(self.aims - self.cube.pose.p, dim=1))
         inside = info["inside"].float()
         reward = torch.where(info["inside"], torch.ones_like(reached), reached) + 2.0 * near + inside
-        return torch.where(info["success"], torch.full_like(reward, FULL_REWARD), reward)
-
-    def compute_normalized_dense_reward(self, obs: Any, action: torch.Tensor, info: dict) -> torch.Tensor:
-        """The dense reward in [0, 1]."""
-        return self.compute_dense_reward(obs, action, info) / FULL_REWARD
-
-
-def aim_in_world(entry: TaskObject, part: TaskPart, container: Container, opened: float) -> np.ndarray:
-    """The aim on the container's floor, for an object at the origin with the part open."""
-    return resting_places(entry, part, container, opened)[0]
+        return torch.where(info["success"], torch.full_like(reward, self.full_reward), reward)
 
 
 def resting_places(

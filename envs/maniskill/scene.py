@@ -3,7 +3,6 @@
 The builder is registered as ``ArtiGenRoom``. Without a render device no visuals are created.
 """
 
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,6 @@ from typing import Any
 import numpy as np
 import sapien
 import torch
-from mani_skill.agents.robots import Fetch, Panda
 from mani_skill.agents.robots.fetch import FETCH_WHEELS_COLLISION_BIT
 from mani_skill.envs.sapien_env import BaseEnv
 from mani_skill.sensors.camera import CameraConfig
@@ -21,7 +19,7 @@ from mani_skill.utils.scene_builder.registration import register_scene_builder
 from mani_skill.utils.structs import Actor, Articulation, Pose
 from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
 
-from .load import without_visuals
+from .load import build_box, load_robot
 from .rooms.file import read_room
 from .rooms.load import item_pose, load_item, load_placement
 from .rooms.map import start_place
@@ -94,18 +92,8 @@ class RoomSceneBuilder(SceneBuilder):
                 actor.set_angular_velocity(torch.zeros((1, 3), device=self.env.device))
 
     def _build_fixture(self, fixture: Fixture, index: int) -> Actor:
-        half, middle = (
-            (np.array(fixture.high) - fixture.low) / 2.0,
-            (np.array(fixture.high) + fixture.low) / 2.0,
-        )
-        builder = self.scene.create_actor_builder()
-        builder.add_box_collision(half_size=tuple(half.tolist()))
-        if self.scene.can_render():
-            paint = sapien.render.RenderMaterial(base_color=[*fixture.color, 1.0])
-            builder.add_box_visual(half_size=tuple(half.tolist()), material=paint)
-        builder.set_scene_idxs([index])
-        builder.initial_pose = Pose.create(sapien.Pose(p=middle.tolist()))
-        actor = builder.build_static(name=f"{fixture.name}-{index}")
+        name, (low, high) = f"{fixture.name}-{index}", np.array([fixture.low, fixture.high])
+        actor = build_box(self.scene, name, index, low, high, fixture.color)
         if fixture.name == "floor":
             actor.set_collision_group_bit(group=2, bit_idx=FETCH_WHEELS_COLLISION_BIT, bit=1)
         return actor
@@ -181,11 +169,7 @@ class RoomEnv(BaseEnv):
         return []
 
     def _load_agent(self, options: dict) -> None:  # type: ignore[override]
-        agent = {"panda": Panda, "fetch": Fetch}[str(self.robot_uids)]
-        with tempfile.TemporaryDirectory() as scratch:
-            if self.robot_uids == "fetch" and not self.scene.can_render():
-                agent = without_visuals(agent, Path(scratch))
-            self.agent = agent(self.scene, self._control_freq, self._control_mode, initial_pose=AWAY)
+        self.agent = load_robot(self, str(self.robot_uids), AWAY)
 
     def _load_scene(self, options: dict) -> None:
         drawn = [

@@ -10,7 +10,6 @@ a render device is needed. Joints without limits are fixed, because their limit 
 cabinet's pose.
 """
 
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,6 @@ from typing import Any
 import numpy as np
 import sapien
 import torch
-from mani_skill.agents.robots import Fetch
 from mani_skill.envs.tasks.mobile_manipulation.open_cabinet_drawer import (
     CABINET_COLLISION_BIT,
     OpenCabinetDoorEnv,
@@ -29,7 +27,7 @@ from mani_skill.utils.structs import Articulation, Link
 from artigen.transforms import inverse, transform_points
 
 from .folders import TaskError
-from .load import load_object, without_visuals
+from .load import load_object, load_robot
 from .objects import TaskObject, TaskPart, Validation, read_objects
 from .task import AWAY
 
@@ -60,9 +58,7 @@ class _FromPackages:
         super().__init__(*args, **kwargs)
 
     def _load_agent(self: Any, options: dict) -> None:
-        with tempfile.TemporaryDirectory() as scratch:
-            agent = Fetch if self.scene.can_render() else without_visuals(Fetch, Path(scratch))
-            self.agent = agent(self.scene, self._control_freq, self._control_mode, initial_pose=AWAY)
+        self.agent = load_robot(self, "fetch", AWAY)
 
     def _load_cabinets(self: Any, joint_types: list[str]) -> None:
         self._cabinets: list[Articulation] = []

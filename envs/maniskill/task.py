@@ -4,7 +4,6 @@ Lengths in metres, angles in radians, everything batched over parallel scenes in
 random draws use the episode's own generators, so that a seed determines everything.
 """
 
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,6 @@ import numpy as np
 import sapien
 import torch
 from jaxtyping import Float
-from mani_skill.agents.robots import Fetch, Panda
 from mani_skill.agents.robots.fetch import FETCH_WHEELS_COLLISION_BIT
 from mani_skill.envs.sapien_env import BaseEnv
 from mani_skill.sensors.camera import CameraConfig
@@ -25,7 +23,7 @@ from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
 
 from artigen.transforms import inverse, transform_points, transform_vectors
 
-from .load import load_object, play_mechanisms, without_visuals
+from .load import build_box, load_object, load_robot, play_mechanisms
 from .objects import HandleNeed, PartKind, TaskObject, TaskPart, Validation, on_plinth, read_objects
 from .placement import PATH_SAMPLES, Stand, find_stand, grip_path
 from .robots import ROBOTS, RobotSpec
@@ -49,6 +47,8 @@ class PackageTask(BaseEnv):
 
     SUPPORTED_ROBOTS = ["panda", "fetch"]  # noqa: RUF012
     agent: Any
+    full_reward: float
+    """Dense reward on success."""
     SUPPORTED_REWARD_MODES = ("normalized_dense", "dense", "sparse", "none")
 
     def __init__(
@@ -108,12 +108,7 @@ class PackageTask(BaseEnv):
         return [CameraConfig("base_camera", pose=pose, width=128, height=128, fov=1.2, near=0.01, far=100)]
 
     def _load_agent(self, options: dict) -> None:  # type: ignore[override]
-        agent = {"panda": Panda, "fetch": Fetch}[self.robot_spec.name]
-        with tempfile.TemporaryDirectory() as scratch:
-            # Only Fetch has materials; Panda's end-effector controllers also read its own file.
-            if self.robot_spec.name == "fetch" and not self.scene.can_render():
-                agent = without_visuals(agent, Path(scratch))
-            self.agent = agent(self.scene, self._control_freq, self._control_mode, initial_pose=AWAY)
+        self.agent = load_robot(self, self.robot_spec.name, AWAY)
 
     def _load_scene(self, options: dict) -> None:
         self.ground = build_ground(self.scene)
@@ -127,7 +122,9 @@ class PackageTask(BaseEnv):
             entry, part = self._draw(rng)
             name = f"{entry.package.name}-{index}"
             if entry.raised > 0.0:
-                self._build_plinth(entry, index)
+                low, high = np.array(entry.bounds)
+                low[2], high[2] = 0.0, entry.raised
+                build_box(self.scene, f"plinth-{index}", index, low, high)
             articulation, frames = load_object(self.scene, entry, name, index)
             self.remove_from_state_dict_registry(articulation)
             into_link = inverse(frames[part.joint.child])
@@ -138,19 +135,6 @@ class PackageTask(BaseEnv):
             self.into_links.append(into_link)
             targets.append(articulation.links_map[part.joint.child])
         self._adopt(built, targets, np.array(grips), np.array(pulls))
-
-    def _build_plinth(self, entry: TaskObject, index: int) -> None:
-        half = np.diff(entry.bounds, axis=0)[0] / 2.0
-        half[2] = entry.raised / 2.0
-        middle = entry.bounds.mean(axis=0)
-        middle[2] = half[2]
-        builder = self.scene.create_actor_builder()
-        builder.add_box_collision(half_size=tuple(half.tolist()))
-        if self.scene.can_render():
-            builder.add_box_visual(half_size=tuple(half.tolist()))
-        builder.set_scene_idxs([index])
-        builder.initial_pose = Pose.create(sapien.Pose(p=middle.tolist()))
-        builder.build_static(name=f"plinth-{index}")
 
     def _draw(self, rng: np.random.RandomState) -> tuple[TaskObject, TaskPart]:
         """Samples an object and one of its parts with one scene's generator."""
@@ -275,6 +259,10 @@ class PackageTask(BaseEnv):
                 "pull_direction": pull,
             }
         return obs
+
+    def compute_normalized_dense_reward(self, obs: Any, action: torch.Tensor, info: dict) -> torch.Tensor:
+        """The dense reward in [0, 1]."""
+        return self.compute_dense_reward(obs, action, info) / self.full_reward
 
 
 def _column(articulation: Articulation, joint: str) -> int:

@@ -1,4 +1,4 @@
-"""`simplify_hulls`: replaces convex pieces by boxes and cylinders within a tolerance.
+"""`simplify_hulls`, `simplify_links`: replace convex pieces by boxes and cylinders within a tolerance.
 
 Engines load primitives without cooking, and importers keep them. The pieces of a part are judged together:
 the box around a wedge of a ring reaches only into the neighbouring wedges, so the ring stays what it is.
@@ -12,6 +12,7 @@ import manifold3d
 import numpy as np
 from jaxtyping import Float
 
+from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hulls import hull_planes, hull_width, merge_planes
 from sim_export.geometry.primitives import (
     PrimitiveShape,
@@ -52,6 +53,27 @@ def simplify_hulls(hulls: Sequence[Hull], tolerance: float = TOLERANCE) -> tuple
     """
     pieces = [_Piece(hull=hull, tolerance=tolerance) for hull in hulls]
     return tuple(_simplify(piece, pieces) for piece in pieces)
+
+
+def simplify_links(parts: Sequence[Sequence[Hull]], owners: Sequence[int]) -> list[tuple[Hull, ...]]:
+    """`simplify_hulls` of every part; a piece whose primitive would overlap another link at rest stays exact.
+
+    Args:
+        parts: Convex pieces of each part.
+        owners: The part that leads the link of each part.
+    """
+    out = [simplify_hulls(hulls) for hulls in parts]
+    for k, hulls in enumerate(parts):
+        changed = [i for i, hull in enumerate(hulls) if out[k][i] is not hull]
+        others = HullSet(
+            hulls=tuple(hull for j, own in enumerate(out) if owners[j] != owners[k] for hull in own)
+        )
+        found = signed_distances(
+            HullSet(hulls=tuple(out[k][i] for i in changed)), others, np.eye(4), np.eye(4)
+        )
+        met = {changed[first] for first in found.first[found.distance < 0.0].tolist()}
+        out[k] = tuple(hulls[i] if i in met else hull for i, hull in enumerate(out[k]))
+    return out
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,8 +10,10 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float
 
 from artigen.types import FULL_TURN, Asset, Joint, Part, PartLabel
+from sim_export.collision.motion import driven_joints, link_displacements
 from sim_export.errors import DegeneratePart, InvalidKinematics
 from sim_export.package import (
     URDF_JOINT_TYPES,
@@ -32,6 +34,8 @@ from sim_export.tree import hanging_links
 BASE = "base"
 MAX_LINKS = 64
 HOLD_SLOPE = 0.09
+TRIED_POSES = 9
+"""Positions of each joint of a chain that are tried for the greatest moment."""
 LATCH_HOLD = 2.0
 """Holding force of a latch relative to its load under gravity: it has a spring, and the leaf it holds pushes
 on it too."""
@@ -265,11 +269,9 @@ def _with_shafts(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple
     return out, records
 
 
-def opening_pull(joint: PackageJoint, moved: Inertial, *, anywhere: bool = False) -> float:
+def opening_pull(joint: PackageJoint, moved: Inertial) -> float:
     """Largest force (N) or torque (N m) with which gravity opens a closed joint on a sloping floor; 0 if it
     closes it.
-
-    With ``anywhere``, the largest one from any position, as for arms that must stay in place.
 
     Catches, seals and runners keep furniture shut on floors that slope by 5 degrees in any direction;
     `HOLD_SLOPE` is slightly larger.
@@ -277,10 +279,34 @@ def opening_pull(joint: PackageJoint, moved: Inertial, *, anywhere: bool = False
     weight = moved.mass * GRAVITY
     arm = np.asarray(moved.com) - joint.origin
     moving = np.asarray(joint.axis) if joint.type == "prismatic" else np.cross(joint.axis, arm)
-    if anywhere or joint.type == "continuous":  # it may start from any position
+    if joint.type == "continuous":  # it may start from any position
         return weight * float(np.linalg.norm(moving)) * (1.0 + HOLD_SLOPE)
     level = -weight * float(moving[2])
     return max(0.0, level + HOLD_SLOPE * weight * float(np.hypot(moving[0], moving[1])))
+
+
+def greatest_moment(links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint) -> float:
+    """Greatest gravity moment (N m) about a turning joint, over all its positions and those of the joints
+    that hang from it.
+
+    It is what the hinge of a lamp's arm holds when the arms are stretched, found by moving one joint after
+    the other to where the moment is greatest.
+    """
+    inside = hanging_links(joints, joint.child)
+    held = [(k, link.inertial) for k, link in enumerate(links) if link.name in inside and link.inertial]
+    hanging = [other for other in driven_joints(joints) if other.parent in inside]
+    qpos: dict[str, object] = {}
+
+    def moment() -> Float[np.ndarray, "*B"]:
+        T = link_displacements(links, joints, qpos)
+        arms = [own.mass * (T[..., k, :3, :3] @ own.com + T[..., k, :3, 3] - joint.origin) for k, own in held]
+        return GRAVITY * np.linalg.norm(np.cross(joint.axis, sum(arms)), axis=-1)
+
+    for other in (*hanging, *hanging):
+        tried = np.linspace(other.lower, other.upper, TRIED_POSES)
+        qpos[other.name] = tried
+        qpos[other.name] = tried[int(moment().argmax())]
+    return float(moment())
 
 
 def _with_resistance(
@@ -302,8 +328,13 @@ def _with_resistance(
             out.append(replace(joint, friction=0.0, damping=0.0, effort=100.0, velocity=1.0))
             continue
         moved = subtree_inertial(links, joints, joint.child)
-        stays = label == "handle" and joint.type == "revolute"  # arms of lamps, bails
-        hold = 0.0 if joint.child in held else opening_pull(joint, moved, anywhere=stays)
+        if joint.child in held:
+            hold = 0.0
+        elif joint.type == "revolute" and (label == "handle" or joint.parent in held):
+            # Arms of lamps, bails and the levers of latches stay where they are put.
+            hold = (1.0 + HOLD_SLOPE) * greatest_moment(links, joints, joint)
+        else:
+            hold = opening_pull(joint, moved)
         if joint.parent in held:  # a latch, loaded by its leaf
             hold *= LATCH_HOLD
         if follower is not None:  # an upright screw is self-locking

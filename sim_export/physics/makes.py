@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Float
 
+from artigen.types import PartLabel
 from sim_export.package import Inertial
 from sim_export.physics.materials import MATERIALS, MaterialName
 
@@ -40,8 +41,6 @@ class Make:
         return replace(drawn, mass=share * drawn.mass, inertia=share * drawn.inertia)
 
 
-HARDWARE = frozenset({"handle", "knob", "wheel"})
-"""Labels of parts that have the density of their material in every category."""
 PLAIN = Make()
 MAKES: dict[str, Make] = {
     # Compressors; counterweights of concrete and motors; fans; pumps; transformers.
@@ -59,7 +58,7 @@ MAKES: dict[str, Make] = {
     "FilingCabinet lateral": Make(density={"steel_sheet": 480.0}, hidden=8.0),
     "ToolBox": Make(density={"steel_sheet": 1000.0}, wall={"plastic": 0.003}),
     "Cart": Make(density={"steel_sheet": 650.0}),
-    "Cart kitchen": Make(density={"steel": 480.0, "steel_sheet": 580.0}),  # painted wood
+    "Cart kitchen": Make(density={"steel": 480.0, "steel_sheet": 480.0, "wood_board": 560.0}),  # softwood
     "Pot": Make(density={"steel_sheet": 1100.0}),
     "BreadBox": Make(density={"steel_sheet": 500.0}),
     # Walls of a safe are plates around concrete.
@@ -71,7 +70,8 @@ MAKES: dict[str, Make] = {
     "Box carton": Make(density={"plastic": 85.0}),
     "Printer": Make(wall={"plastic": 0.0025}, filled=110.0),
     "Laptop": Make(wall={"plastic": 0.0015}, filled=500.0),
-    "DeskLamp": Make(wall={"plastic": 0.0015}),
+    # Shades of plastic are as heavy as a millimetre of aluminium, feet are concrete in a cover.
+    "DeskLamp": Make(density={"stone": 2000.0}, wall={"plastic": 0.0025}),
     "Toilet": Make(wall={"stone": 0.011}),
     # Particle board on thin backs, light tops, tubular board, softwood.
     "Wardrobe": Make(density={"wood_board": 580.0}),
@@ -87,3 +87,11 @@ MAKES: dict[str, Make] = {
 def find_make(category: str, style: str | None = None) -> Make:
     """The make of a category, or of one of its styles."""
     return MAKES.get(f"{category} {style}", MAKES.get(category, PLAIN))
+
+
+def is_hardware(label: PartLabel, *, moves: bool) -> bool:
+    """Whether a part has the density of its material in every category.
+
+    A handle on a joint of its own is no fitting but a body that is taken by hand: the arm or shade of a lamp.
+    """
+    return label in ("knob", "wheel") or (label == "handle" and not moves)

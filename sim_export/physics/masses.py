@@ -18,7 +18,7 @@ from sim_export.errors import DegeneratePart
 from sim_export.geometry.occupancy import PartOccupancy
 from sim_export.package import Inertial, Link, Mesh
 from sim_export.physics.inertia import inertia_about, mesh_inertial
-from sim_export.physics.makes import HARDWARE, find_make
+from sim_export.physics.makes import find_make, is_hardware
 from sim_export.physics.materials import MATERIALS, part_material
 
 _INSIDE = 2e-4
@@ -38,7 +38,8 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy)
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     part = asset.parts[part_id]
     name, make = part_material(part.label, asset.category), find_make(asset.category)
-    own = MATERIALS[name].density if part.label in HARDWARE else make.wall_density(name)
+    hardware = is_hardware(part.label, moves=part.joint.type != "fixed")
+    own = MATERIALS[name].density if hardware else make.wall_density(name)
     density = own * min(1.0, MATERIALS[name].thickest / mean_thickness(mesh))
     solid = mesh_inertial(mesh, density)
     cavity = binary_erosion(occupancy.occupancy)  # the outermost cells are walls

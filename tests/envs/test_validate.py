@@ -10,8 +10,8 @@ from sample_packages import SAMPLE_PARTS, build_package
 from artigen.runtime.workers import Outcome, Worker
 from envs.config import ValidateConfig
 from envs.titles import TITLES
-from envs.validate import REPORT_FILE, validate, without_seconds
-from envs.worker import call_dynamics, run_static
+from envs.validate import REPORT_FILE, call_checks, validate, without_seconds
+from envs.worker import run_dynamics, run_static
 from sim_export.errors import PackageError
 from sim_export.files.write import manifest_problems, write_package
 from sim_export.report import report_from_json
@@ -69,7 +69,7 @@ def test_the_report_is_written_and_the_same_every_time(folder):
 def test_the_death_of_an_engine_is_a_failed_v301(folder, action, argument, timeout, reason):
     worker = DoomedWorker(action, argument, timeout)
     try:
-        results = call_dynamics(worker, folder, timeout)
+        results = call_checks(worker, run_dynamics, folder, TITLES, timeout)
     finally:
         worker.close()
     assert [result.id for result in results] == list(TITLES)

@@ -1,18 +1,22 @@
 """Packages straight from procedural objects: exact volumes, masses, joints, needs, and static checks."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import box, cylinder, line, place_vertices, rounded_box
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
+from artigen.splats.faces import lay_gaussians
 from sim_export.checks.suite import run_checks
-from sim_export.files.write import write_package
+from sim_export.files.write import package_files, write_package
 from sim_export.geometry.needles import find_needles, flip_needles
 from sim_export.geometry.primitives import find_primitive
 from sim_export.physics.inertia import is_closed, mesh_inertial
 from sim_export.physics.materials import MATERIALS, finish_material
-from sim_export.reference import build_reference
+from sim_export.reference import ReferenceConfig, build_reference
 
 FINISHES = (
     ("rubber", Finish(kind="rubber", color=(0.1, 0.1, 0.1), accent=(0.1, 0.1, 0.1))),
@@ -213,3 +217,15 @@ def test_flips_do_not_pinch_a_surface():
     faces = np.array([[0, 1, 2], [1, 0, 3], [1, 3, 2], [3, 0, 2]])
     assert find_needles(vertices[faces])[0]
     assert np.array_equal(flip_needles(vertices, faces, np.zeros(4, dtype=np.int64)), faces)
+
+
+def test_gaussians_add_a_file_per_link_and_change_no_mesh():
+    shape = draw_shape("Oven", 0)
+    plain, shown = (build_reference(shape, ReferenceConfig(gaussians=wanted)) for wanted in (False, True))
+    files, known = package_files(shown), package_files(plain)
+    assert {Path(name).suffix for name in set(files) - set(known)} == {".ply"}
+    changed = {name for name in known if files[name] != known[name]}
+    assert not {name for name in changed if name.endswith((".obj", ".png", ".mtl"))}
+    held = [0 if link.splats is None else len(link.splats.means) for link in shown.links]
+    assert sum(held) == len(lay_gaussians(shape).means)
+    assert all(count for count, link in zip(held, shown.links, strict=True) if link.parts)

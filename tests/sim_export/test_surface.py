@@ -7,9 +7,9 @@ import pytest
 import trimesh
 from drawer_chest import make_chest
 
+from artigen.examples.appearance import sample_parts
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
-from artigen.train.appearance.examples import sample_parts
 from artigen.types import Asset
 from artigen.voxels.frames import find_facings
 from artigen.voxels.surface import measure_places

@@ -4,9 +4,10 @@ import numpy as np
 
 from artigen.shapes.appliances.cavity import SIDES, build_frame
 from artigen.shapes.appliances.racks import SLENDER
+from artigen.shapes.choices import choose_one
 from artigen.shapes.fittings.handles import HandleDesign, HandleKind, make_handle
-from artigen.shapes.fittings.hardware import Edge, Panel, Range
-from artigen.shapes.primitives import Primitive, box, line, rounded_box
+from artigen.shapes.fittings.hardware import Edge, Panel, Range, around, narrow
+from artigen.shapes.primitives import Primitive, block, line
 from artigen.shapes.shape import ShapePart
 
 
@@ -37,11 +38,11 @@ def build_leaf(
     y, z = (max(y[0], free_y[0]), min(y[1], free_y[1])), (max(z[0], free_z[0]), min(z[1], free_z[1]))
     core = panel.x + (0.3 if niche is None else 0.68) * panel.thickness
     gasket = _shrink(panel.y, inset), _shrink(panel.z, inset)
-    liner = box((core, y[0], z[0]), (panel.back + bulge, y[1], z[1]), lining)
+    liner = block((core, panel.back + bulge), y, z, lining)
     skin = panel.back - seal
     if niche is None:
-        rubber = box((core, gasket[0][0], gasket[1][0]), (panel.back, gasket[0][1], gasket[1][1]), "rubber")
-        slab = rounded_box((panel.x, panel.y[0], panel.z[0]), (skin, panel.y[1], panel.z[1]), bevel, finish)
+        rubber = block((core, panel.back), gasket[0], gasket[1], "rubber")
+        slab = block((panel.x, skin), panel.y, panel.z, finish, bevel)
         return slab, line(rubber, "plastic", SIDES["front"]), liner
     start = panel.x + 0.35 * panel.thickness
     rubbers = build_frame((start, panel.back), gasket, niche, "rubber")
@@ -58,11 +59,7 @@ def build_window_leaf(
     size = max(window[0][1] - window[0][0], window[1][1] - window[1][0])
     thickness = max(0.006, size / SLENDER)
     depth = min(0.003, (panel.thickness - thickness) / 2)
-    pane = box(
-        (panel.x + depth, window[0][0], window[1][0]),
-        (panel.x + depth + thickness, window[0][1], window[1][1]),
-        glass,
-    )
+    pane = block((panel.x + depth, panel.x + depth + thickness), window[0], window[1], glass)
     return (*(line(board, lining, SIDES["front"]) for board in frame), pane)
 
 
@@ -75,7 +72,7 @@ def draw_grip(
     finish: str = "handle",
 ) -> HandleDesign:
     """Draws a handle for an appliance whose longest edge is ``longest`` metres."""
-    kind = kinds[int(rng.integers(len(kinds)))]
+    kind = choose_one(rng, kinds)
     thickness = float(np.clip(rng.uniform(0.016, 0.021) * longest, 0.012, 0.032))
     return HandleDesign(kind=kind, length=max(length, 0.1), thickness=thickness, finish=finish)
 
@@ -109,12 +106,12 @@ def _build_recess(x: Range, y: Range, z: Range) -> tuple[Primitive, ...]:
     back = x[1] - 0.002
     middle, head = (y[0] + y[1]) / 2, z[1] - 0.35 * (z[1] - z[0])
     return (
-        box((back, y[0], z[0]), (back + 0.008, y[1], z[1]), "panel"),
-        box((x[0] - 0.002, y[0], head), (back, y[1], z[1]), "panel"),
-        box((x[0] + 0.012, middle - 0.02, head - 0.03), (back, middle + 0.02, head), "plastic"),
-        box((x[0] + 0.003, y[0], z[0]), (back, y[1], z[0] + 0.012), "steel"),
+        block((back, back + 0.008), y, z, "panel"),
+        block((x[0] - 0.002, back), y, (head, z[1]), "panel"),
+        block((x[0] + 0.012, back), around(middle, 0.02), (head - 0.03, head), "plastic"),
+        block((x[0] + 0.003, back), y, (z[0], z[0] + 0.012), "steel"),
     )
 
 
 def _shrink(span: Range, by: float) -> Range:
-    return span[0] + by, span[1] - by
+    return narrow(span, by)

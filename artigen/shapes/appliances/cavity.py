@@ -1,17 +1,27 @@
 """Hollow housings: boards around a cavity that is open to the front, with a lining."""
 
-from collections.abc import Sequence
-
-from artigen.shapes.fittings.hardware import Range, Space
-from artigen.shapes.primitives import Primitive, Vector, box, cylinder, line, rounded_box
+from artigen.shapes.fittings.hardware import Range, Space, narrow
+from artigen.shapes.primitives import (
+    BACK,
+    DOWN,
+    FRONT,
+    LEFT,
+    RIGHT,
+    UP,
+    Primitive,
+    Vector,
+    block,
+    cylinder,
+    line,
+)
 
 SIDES: dict[str, Vector] = {
-    "left": (0.0, -1.0, 0.0),
-    "right": (0.0, 1.0, 0.0),
-    "top": (0.0, 0.0, -1.0),
-    "bottom": (0.0, 0.0, 1.0),
-    "back": (-1.0, 0.0, 0.0),
-    "front": (1.0, 0.0, 0.0),
+    "left": RIGHT,
+    "right": LEFT,
+    "top": DOWN,
+    "bottom": UP,
+    "back": FRONT,
+    "front": BACK,
 }
 """Direction of the inner face of each wall of a housing."""
 
@@ -36,14 +46,13 @@ def build_shell(
         bevel: Chamfer of the outer edges of the two sides (m).
     """
     top, bottom = ends or (finish, finish)
-    (x0, x1), (y0, y1), (z0, z1) = outer.x, outer.y, outer.z
-    (hx1, (hy0, hy1), (hz0, hz1)) = inner.x[1], inner.y, inner.z
+    x, (y0, y1), (z0, z1) = outer.x, inner.y, inner.z
     walls = (
-        ("left", rounded_box((x0, hy1, z0), (x1, y1, z1), bevel, finish)),
-        ("right", rounded_box((x0, y0, z0), (x1, hy0, z1), bevel, finish)),
-        ("top", box((x0, hy0, hz1), (x1, hy1, z1), top)),
-        ("bottom", box((x0, hy0, z0), (x1, hy1, hz0), bottom)),
-        ("back", box((hx1, hy0, hz0), (x1, hy1, hz1), finish)),
+        ("left", block(x, (y1, outer.y[1]), outer.z, finish, bevel)),
+        ("right", block(x, (outer.y[0], y0), outer.z, finish, bevel)),
+        ("top", block(x, inner.y, (z1, outer.z[1]), top)),
+        ("bottom", block(x, inner.y, (outer.z[0], z0), bottom)),
+        ("back", block((inner.x[1], x[1]), inner.y, inner.z, finish)),
     )
     return tuple(line(wall, lining, SIDES[side]) for side, wall in walls)
 
@@ -57,49 +66,36 @@ def build_frame(x: Range, outer: tuple[Range, Range], inner: tuple[Range, Range]
         inner: Ranges (y, z) of the hole.
         finish: Role of the finish.
     """
-    (y0, y1), (z0, z1) = outer
-    (hy0, hy1), (hz0, hz1) = inner
+    (y, z), (inner_y, inner_z) = outer, inner
     return (
-        box((x[0], y0, z0), (x[1], hy0, z1), finish),
-        box((x[0], hy1, z0), (x[1], y1, z1), finish),
-        box((x[0], hy0, z0), (x[1], hy1, hz0), finish),
-        box((x[0], hy0, hz1), (x[1], hy1, z1), finish),
+        block(x, (y[0], inner_y[0]), z, finish),
+        block(x, (inner_y[1], y[1]), z, finish),
+        block(x, inner_y, (z[0], inner_z[0]), finish),
+        block(x, inner_y, (inner_z[1], z[1]), finish),
     )
 
 
-def build_tub(space: Space, wall: float, finish: str) -> tuple[Primitive, ...]:
-    """An open box that fills a space: drawers, crispers, bins."""
-    (x0, x1), (y0, y1), (z0, z1) = space.x, space.y, space.z
-    return (
-        box((x0, y0, z0), (x1, y1, z0 + wall), finish),
-        box((x0, y0, z0 + wall), (x1, y0 + wall, z1), finish),
-        box((x0, y1 - wall, z0 + wall), (x1, y1, z1), finish),
-        box((x0, y0 + wall, z0 + wall), (x0 + wall, y1 - wall, z1), finish),
-        box((x1 - wall, y0 + wall, z0 + wall), (x1, y1 - wall, z1), finish),
-    )
+def build_rim(
+    x: Range, y: Range, z: Range, wall: float, finish: str, *, sides: bool = False
+) -> tuple[Primitive, ...]:
+    """Four boards around a rectangle; those in front and behind run through, or with ``sides`` the others."""
+    (x0, x1), (y0, y1) = narrow(x, wall), narrow(y, wall)
+    across, along = (x, (y0, y1)) if sides else ((x0, x1), y)
+    ends = block((x[0], x0), along, z, finish), block((x1, x[1]), along, z, finish)
+    flanks = block(across, (y[0], y0), z, finish), block(across, (y1, y[1]), z, finish)
+    return (*flanks, *ends) if sides else (*ends, *flanks)
+
+
+def build_tub(space: Space, wall: float, finish: str, *, sides: bool = True) -> tuple[Primitive, ...]:
+    """An open box that fills a space: drawers, crispers, bins; its rim is that of `build_rim`."""
+    floor = space.z[0] + wall
+    rim = build_rim(space.x, space.y, (floor, space.z[1]), wall, finish, sides=sides)
+    return block(space.x, space.y, (space.z[0], floor), finish), *rim
 
 
 def build_feet(
     x: Range, y: Range, height: float, finish: str, *, radius: float = 0.022, inset: float = 0.05
 ) -> tuple[Primitive, ...]:
     """Four round feet under a rectangle, from the floor to ``height``."""
-    places = [(a, b) for a in (x[0] + inset, x[1] - inset) for b in (y[0] + inset, y[1] - inset)]
+    places = [(a, b) for a in narrow(x, inset) for b in narrow(y, inset)]
     return tuple(cylinder((a, b, 0.0), (a, b, height), radius, finish) for a, b in places)
-
-
-def divide_range(span: Range, count: int, gap: float) -> list[Range]:
-    """Divides a range into equal intervals with ``gap`` between them."""
-    size = (span[1] - span[0] - gap * (count - 1)) / count
-    return [(span[0] + k * (size + gap), span[0] + k * (size + gap) + size) for k in range(count)]
-
-
-def share_range(span: Range, shares: Sequence[float], gap: float) -> list[Range]:
-    """Divides a range into intervals proportional to ``shares`` with ``gap`` between them."""
-    free = span[1] - span[0] - gap * (len(shares) - 1)
-    out: list[Range] = []
-    start = span[0]
-    for share in shares:
-        end = start + free * share / sum(shares)
-        out.append((start, end))
-        start = end + gap
-    return out

@@ -6,10 +6,11 @@ from math import cos, sin, sqrt
 import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import build_leaf
-from artigen.shapes.appliances.cavity import build_tub, divide_range
+from artigen.shapes.appliances.cavity import build_tub
 from artigen.shapes.appliances.racks import SLENDER
-from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space, slide
-from artigen.shapes.primitives import Primitive, box
+from artigen.shapes.choices import choose
+from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space, divide_range, narrow, slide
+from artigen.shapes.primitives import Primitive, block, box
 from artigen.shapes.shape import Need, ShapePart
 from artigen.types import PartLabel
 
@@ -44,11 +45,11 @@ def plan_bins(rng: np.random.Generator, depth: float, z: Range) -> BinPlan | Non
     count = int(min(rng.integers(2, 5), (z[1] - z[0]) / 0.17))
     if count < 1:
         return None
-    rows = divide_range((z[0] + 0.02, z[1] - 0.02), count, 0.0)
+    rows = divide_range(narrow(z, 0.02), count, 0.0)
     levels = tuple(
-        low + float(rng.uniform(0.0, 0.25)) * (high - low) * (k > 0) for k, (low, high) in enumerate(rows)
+        low + choose(rng, 0.0, 0.25) * (high - low) * (k > 0) for k, (low, high) in enumerate(rows)
     )
-    return BinPlan(depth=depth, z=(z[0] + 0.015, z[1] - 0.015), levels=levels)
+    return BinPlan(depth=depth, z=narrow(z, 0.015), levels=levels)
 
 
 def build_cold_leaf(
@@ -81,8 +82,8 @@ def build_cold_leaf(
     x0, x1 = panel.back, panel.back + bins.depth
     rib = max(0.022, (bins.z[1] - bins.z[0]) / SLENDER)
     pieces = [
-        box((x0, y0, bins.z[0]), (x1, y0 + rib, bins.z[1]), "inside"),
-        box((x0, y1 - rib, bins.z[0]), (x1, y1, bins.z[1]), "inside"),
+        block((x0, x1), (y0, y0 + rib), bins.z, "inside"),
+        block((x0, x1), (y1 - rib, y1), bins.z, "inside"),
     ]
     floor = max(0.008, (y1 - y0) / SLENDER)
     for level in bins.levels:
@@ -106,9 +107,10 @@ def build_shelf(space: Space, level: float, *, trim: bool) -> tuple[Primitive, .
 def build_crisper(space: Space, finish: str) -> tuple[Primitive, ...]:
     """A tub with a grip along the upper edge of its front."""
     wall = max(0.006, max(space.width, space.depth) / SLENDER)
-    lip = box(
-        (space.x[0] - 1.2 * wall - 0.004, space.y[0] + 0.015, space.z[1] - 0.026),
-        (space.x[0], space.y[1] - 0.015, space.z[1]),
+    lip = block(
+        (space.x[0] - 1.2 * wall - 0.004, space.x[0]),
+        narrow(space.y, 0.015),
+        (space.z[1] - 0.026, space.z[1]),
         finish,
     )
     return (*build_tub(space, wall, finish), lip)
@@ -122,14 +124,7 @@ def make_crispers(
     for k, (y0, y1) in enumerate(reversed(divide_range(space.y, count, GAP))):
         tub = Space(x=space.x, y=(y0, y1), z=(space.z[0] + GAP, space.z[1]))
         out.append(
-            ShapePart(
-                name=f"{stem}_{k}",
-                label=label,
-                parent="body",
-                primitives=build_crisper(tub, finish),
-                motion=slide(0.68 * tub.depth),
-                needs=needs,
-            )
+            ShapePart(f"{stem}_{k}", label, build_crisper(tub, finish), slide(0.68 * tub.depth), needs=needs)
         )
     return out
 
@@ -139,9 +134,7 @@ def build_freezer_drawer(panel: Panel, space: Space, *, bevel: float) -> tuple[P
     wall = max(0.008, max(space.width, space.depth) / SLENDER)
     low = space.z[0] + 0.012
     tub = Space(
-        x=(panel.back, space.x[1] - 0.03),
-        y=(space.y[0] + ROOM, space.y[1] - ROOM),
-        z=(low, low + 0.72 * (space.z[1] - low)),
+        x=(panel.back, space.x[1] - 0.03), y=narrow(space.y, ROOM), z=(low, low + 0.72 * (space.z[1] - low))
     )
     return (
         *build_leaf(panel, (space.y, space.z), "front", "inside", bevel=bevel),
@@ -179,7 +172,7 @@ def draw_shelves_and_crispers(
     sliding: list[ShapePart] = []
     bottom = space.z[0]
     if crispers is not None and rng.random() < 0.6 and space.height > 0.36:
-        rows, tall = 1, float(rng.uniform(0.15, 0.22))
+        rows, tall = 1, choose(rng, 0.15, 0.22)
         if full and space.height > 0.5:
             rows = min(int(space.height / rng.uniform(0.19, 0.26)), 5)
             tall = (space.height - 0.02) / rows - 0.012 - pane
@@ -204,5 +197,5 @@ def draw_shelves_and_crispers(
         # Low shelves are below the bins and extend further forward.
         x = (front if level > space.z[0] + LOW else space.x[0] + 0.045, space.x[1])
         pieces = build_shelf(Space(x=x, y=space.y, z=space.z), level, trim=trim)
-        shelves.append(ShapePart(name=f"shelf_{stem}_{k}", label="shelf", parent="body", primitives=pieces))
+        shelves.append(ShapePart(f"shelf_{stem}_{k}", "shelf", pieces))
     return shelves, sliding

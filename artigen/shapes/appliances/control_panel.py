@@ -6,19 +6,20 @@ plane. The gap between a dial and its face is `DIAL_GAP`, that of a button its t
 
 from dataclasses import dataclass, replace
 from functools import cache
+from math import radians
 from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.fittings.hardware import Range
-from artigen.shapes.primitives import Primitive, Vector, box, cylinder, polytope, prism
+from artigen.shapes.choices import choose, choose_one
+from artigen.shapes.fittings.hardware import Range, around, slide
+from artigen.shapes.primitives import FRONT, Primitive, Vector, block, box, cylinder, polygon, polytope, prism
 from artigen.shapes.shape import Motion, ShapePart
 
 DialKind = Literal["round", "grip", "collar", "faceted"]
 DIAL_GAP = 0.0015
 PRESS = 0.0022
 """Travel of a button (m)."""
-FRONT: Vector = (-1.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,18 +42,20 @@ def design_dial(
 ) -> DialDesign:
     """Draws a dial with a radius from a range; ``endless`` is the probability of no limits."""
     kinds: tuple[DialKind, ...] = ("round", "grip", "collar", "faceted")
-    drawn = float(rng.uniform(*radius))
+    drawn = choose(rng, *radius)
     return DialDesign(
-        kind=kinds[int(rng.integers(len(kinds)))],
+        kind=choose_one(rng, kinds),
         radius=drawn,
         length=float(np.clip(rng.uniform(0.9, 1.5) * drawn, 0.015, 0.035)),
         finish=finish,
         mark="accent" if finish != "accent" else "rubber",
-        upper=0.0 if rng.random() < endless else float(np.radians(rng.uniform(180, 300))),
+        upper=0.0 if rng.random() < endless else radians(choose(rng, 180, 300)),
     )
 
 
-def make_dial(design: DialDesign, at: Vector, *, name: str, parent: str, out: Vector = FRONT) -> ShapePart:
+def make_dial(
+    design: DialDesign, at: Vector, *, name: str, parent: str = "body", out: Vector = FRONT
+) -> ShapePart:
     """A dial whose axis meets the face at ``at`` and points along ``out`` (unit vector in the x-z plane)."""
     place = _Placing(at=np.array(at), out=np.array(out))
     low, high, r = DIAL_GAP, DIAL_GAP + design.length, design.radius
@@ -60,11 +63,11 @@ def make_dial(design: DialDesign, at: Vector, *, name: str, parent: str, out: Ve
     solids = {
         "round": [
             place.rod(low, high, r, design.finish),
-            place.bar((high - 0.002, high + 0.002), (-0.12 * r, 0.12 * r), (0.25 * r, 0.95 * r), design.mark),
+            place.bar(around(high, 0.002), around(0.0, 0.12 * r), (0.25 * r, 0.95 * r), design.mark),
         ],
         "grip": [
             place.rod(low, middle, r, design.finish),
-            place.bar((middle, high), (-0.22 * r, 0.22 * r), (-0.95 * r, 0.95 * r), design.finish),
+            place.bar((middle, high), around(0.0, 0.22 * r), around(0.0, 0.95 * r), design.finish),
         ],
         "collar": [
             place.rod(low, low + 0.22 * design.length, r, design.mark),
@@ -79,7 +82,7 @@ def make_dial(design: DialDesign, at: Vector, *, name: str, parent: str, out: Ve
         origin=at,
         upper=2 * np.pi if turns else design.upper,
     )
-    return ShapePart(name=name, label="knob", parent=parent, primitives=tuple(solids), motion=motion)
+    return ShapePart(name, "knob", tuple(solids), motion, parent=parent)
 
 
 def make_button(
@@ -87,7 +90,7 @@ def make_button(
     size: tuple[float, float, float],
     *,
     name: str,
-    parent: str,
+    parent: str = "body",
     finish: str,
     shape: Literal["round", "square"] = "square",
     out: Vector = FRONT,
@@ -99,11 +102,11 @@ def make_button(
     solid = (
         place.rod(low, low + length, min(width, height) / 2, finish)
         if shape == "round"
-        else place.bar((low, low + length), (-width / 2, width / 2), (-height / 2, height / 2), finish)
+        else place.bar((low, low + length), around(0.0, width / 2), around(0.0, height / 2), finish)
     )
     inward = (-out[0], -out[1], -out[2])
-    motion = Motion(type="prismatic", axis=inward, upper=PRESS)
-    return ShapePart(name=name, label="knob", parent=parent, primitives=(solid,), motion=motion)
+    motion = slide(PRESS, inward)
+    return ShapePart(name, "knob", (solid,), motion, parent=parent)
 
 
 def spread_controls(
@@ -135,7 +138,7 @@ def spread_controls(
     pitch = 2.5 * design.radius
     shows = rng.random() < 0.6 or dials == 0
     room = y[1] - y[0] - dials * pitch
-    window = min(max(float(rng.uniform(0.10, 0.18)), 0.032 * keys), 0.9 * room)
+    window = min(max(choose(rng, 0.10, 0.18), 0.032 * keys), 0.9 * room)
     pieces: list[Primitive] = []
     parts: list[ShapePart] = []
     left = int(dials * rng.uniform(0.35, 0.65)) if shows or keys else dials
@@ -174,7 +177,7 @@ def _make_keys(y: Range, at: tuple[float, float], count: int, parent: str) -> li
 def build_display(x: float, y: Range, z: Range, finish: str = "panel") -> Primitive:
     """A dark window that protrudes 3 to 4 mm from a front at ``x``."""
     rise = max(0.003, (y[1] - y[0]) / 50)
-    return box((x - rise, y[0], z[0]), (x, y[1], z[1]), finish)
+    return block((x - rise, x), y, z, finish)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -214,6 +217,5 @@ class _Placing:
 @cache
 def _cone(length: float, radius: float, taper: float, finish: str) -> Primitive:
     """A faceted cone about z, centred on the origin."""
-    angles = (np.arange(10) + 0.5) * 2 * np.pi / 10
-    rim = radius * np.column_stack([np.cos(angles), np.sin(angles)])
-    return prism(rim, (0.0, 0.0, -length / 2), (0.0, 0.0, length / 2), finish, taper=taper)
+    low, high = (0.0, 0.0, -length / 2), (0.0, 0.0, length / 2)
+    return prism(radius * polygon(10), low, high, finish, taper=taper)

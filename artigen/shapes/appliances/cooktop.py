@@ -4,9 +4,9 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.appliances.cavity import divide_range
-from artigen.shapes.fittings.hardware import Range
-from artigen.shapes.primitives import Primitive, box, cylinder
+from artigen.shapes.choices import choose
+from artigen.shapes.fittings.hardware import Range, around, divide_range, narrow
+from artigen.shapes.primitives import Primitive, block, cylinder
 
 CooktopKind = Literal["gas", "glass", "coil"]
 
@@ -30,7 +30,7 @@ def build_burners(
     x, y = area
     pieces: list[Primitive] = []
     for cx, cy, room in place_burners(x, y, count):
-        size = float(rng.uniform(0.72, 0.92)) * room
+        size = choose(rng, 0.72, 0.92) * room
         if kind == "glass":
             pieces.append(cylinder((cx, cy, z), (cx, cy, z + max(0.004, size / 27)), size, "rubber"))
         elif kind == "coil":
@@ -49,13 +49,13 @@ def build_grate(x: Range, y: Range, z: float, *, cheeks: int) -> tuple[Primitive
     """A cast-iron grate over a column of burners: cheeks or one spine on the hob, and two cross bars."""
     bar = max(0.009, (x[1] - x[0]) / 50)
     top = z + 0.034
-    low, high = y[0] + 0.012, y[1] - 0.012
+    low, high = narrow(y, 0.012)
     middle = (low + high - bar) / 2
     sides = [
-        box((x[0], side, z), (x[1], side + bar, top), "rubber")
+        block(x, (side, side + bar), (z, top), "rubber")
         for side in ((low, high - bar) if cheeks == 2 else (middle,))
     ]
     quarter = (x[1] - x[0]) / 4
     centers = [x[0] + k * quarter for k in (1, 3)]
-    bars = [box((c - bar / 2, low, top - 0.012), (c + bar / 2, high, top), "rubber") for c in centers]
+    bars = [block(around(c, bar / 2), (low, high), (top - 0.012, top), "rubber") for c in centers]
     return (*sides, *bars)

@@ -3,9 +3,9 @@
 import numpy as np
 
 from artigen.shapes.appliances.rings import build_ring
-from artigen.shapes.fittings.hardware import GAP, Panel, Range
-from artigen.shapes.primitives import Primitive, Vector, box, cylinder, move, prism
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, around, rotate
+from artigen.shapes.primitives import FRONT, UP, Primitive, Vector, block, cylinder, move, polygon, prism
+from artigen.shapes.shape import ShapePart
 
 SHEET = 0.0115
 """Thickness of a drum's wall (m); engines mishandle thinner walls of this length."""
@@ -32,13 +32,13 @@ def make_drum(
     for k in range(paddles):
         turn = 2 * np.pi * (k + 0.5) / paddles
         if axis == "x":
-            paddle = box((low, radius - 0.05, -0.016), (high, radius + 0.004, 0.016), "plastic")
+            paddle = block((low, high), (radius - 0.05, radius + 0.004), around(0.0, 0.016), "plastic")
             pieces.append(move(paddle, center, turn=turn, about=(1.0, 0.0, 0.0)))
     if axis == "z" and paddles:
         pieces += _build_agitator(point(span[0] + SHEET), 0.75 * (span[1] - span[0]), paddles)
-    spin = (-1.0, 0.0, 0.0) if axis == "x" else (0.0, 0.0, 1.0)
-    motion = Motion(type="continuous", axis=spin, origin=center, upper=2 * np.pi)
-    return ShapePart(name="drum", label="tray", parent="body", primitives=tuple(pieces), motion=motion)
+    spin = FRONT if axis == "x" else UP
+    motion = rotate(spin, center)
+    return ShapePart("drum", "tray", tuple(pieces), motion)
 
 
 def fit_radius(room: float) -> float:
@@ -69,8 +69,7 @@ def build_porthole(panel: Panel, glass: float, depth: float, finish: str) -> tup
         center, "x", (0.0, thickness), ((glass, radius - 0.022), (glass, radius)), "front", sides=20
     )
     pane = cylinder((panel.x + 0.008, y, z), (panel.back, y, z), glass * 1.02, finish)
-    angles = (np.arange(16) + 0.5) * 2 * np.pi / 16
-    mouth = 0.97 * glass * np.column_stack([np.cos(angles), np.sin(angles)])
+    mouth = 0.97 * glass * polygon(16)
     bowl = prism(mouth, (panel.back, y, z), (panel.back + depth, y, z), finish, taper=0.72)
     return (*rim, pane, bowl)
 
@@ -82,7 +81,7 @@ def _build_agitator(foot: Vector, height: float, fins: int) -> list[Primitive]:
     cap = cylinder((x, y, z), (x, y, z + 0.03), 0.13, "plastic")
     blades = [
         move(
-            box((0.03, -0.008, z + 0.02), (0.11, 0.008, z + 0.6 * height), "plastic"),
+            block((0.03, 0.11), around(0.0, 0.008), (z + 0.02, z + 0.6 * height), "plastic"),
             (x, y, 0.0),
             turn=2 * np.pi * k / fins,
         )

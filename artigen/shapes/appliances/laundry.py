@@ -1,16 +1,18 @@
 """Components of washing machines and dryers: cabinet, round door, drum, control band."""
 
 from dataclasses import dataclass
+from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly
 from artigen.shapes.appliances.cavity import SIDES, build_tub
 from artigen.shapes.appliances.control_panel import design_dial, spread_controls
 from artigen.shapes.appliances.drums import build_porthole
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, slide
-from artigen.shapes.primitives import Primitive, box, line, rounded_box
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, around, hinge, narrow, slide
+from artigen.shapes.primitives import Primitive, block, box, line
 from artigen.shapes.shape import ShapePart
 
 WALL = 0.024
@@ -44,8 +46,8 @@ class LaundryPlan:
 def seat_drum(rng: np.random.Generator, drum: ShapePart, bearing: Primitive) -> Assembly:
     """Draws the drum and its bearing; sometimes none, as in display models."""
     if rng.random() < 0.15:
-        return Assembly(pieces=(bearing,))
-    return Assembly(pieces=(bearing,), parts=(drum,))
+        return Assembly((bearing,))
+    return Assembly((bearing,), (drum,))
 
 
 def draw_porthole(rng: np.random.Generator, plan: LaundryPlan, panel: Panel, hole: float) -> Assembly:
@@ -54,16 +56,15 @@ def draw_porthole(rng: np.random.Generator, plan: LaundryPlan, panel: Panel, hol
     glass = "clear" if rng.random() < 0.45 else "glass"
     mouth = 0.84 * hole
     door = ShapePart(
-        name="door",
-        label="door",
-        parent="body",
-        primitives=build_porthole(panel, mouth, float(rng.uniform(0.035, 0.055)), glass),
-        motion=hinge(panel, edge, float(np.radians(rng.uniform(100, 170)))),
+        "door",
+        "door",
+        build_porthole(panel, mouth, choose(rng, 0.035, 0.055), glass),
+        hinge(panel, edge, radians(choose(rng, 100, 170))),
     )
     if rng.random() < 0.5:
         return Assembly(parts=(door,))
     thickness = max(0.016, 0.017 * plan.longest)
-    design = HandleDesign(kind="block", length=float(rng.uniform(0.09, 0.14)), thickness=thickness)
+    design = HandleDesign(kind="block", length=choose(rng, 0.09, 0.14), thickness=thickness)
     aside = (mouth + panel.width / 2 - 0.022) / 2
     at = (-aside if edge == "left" else aside, panel.center[1])
     handle = make_handle(panel, design, name="door_handle", parent="door", upright=True, at=at)
@@ -78,9 +79,9 @@ def build_cabinet(plan: LaundryPlan, x: float, z: Range) -> list[Primitive]:
     return [
         line(box((x + FACE, y0, low), (back, inner[0], z[1] - LID), "body"), "steel", SIDES["right"]),
         line(box((x + FACE, inner[1], low), (back, y1, z[1] - LID), "body"), "steel", SIDES["left"]),
-        line(box((back - WALL, inner[0], low), (back, inner[1], z[1] - LID), "body"), "steel", SIDES["back"]),
-        box((x + FACE, inner[0], z[0]), (back - WALL, inner[1], z[0] + 0.018), "body"),
-        rounded_box((x, y0, z[1] - LID), (back, y1, z[1]), 0.004, "top"),
+        line(block((back - WALL, back), inner, (low, z[1] - LID), "body"), "steel", SIDES["back"]),
+        block((x + FACE, back - WALL), inner, (z[0], z[0] + 0.018), "body"),
+        block((x, back), (y0, y1), (z[1] - LID, z[1]), "top", 0.004),
     ]
 
 
@@ -90,9 +91,9 @@ def draw_band(rng: np.random.Generator, plan: LaundryPlan, x: float, z: Range) -
     left = plan.y[1]
     built = Assembly()
     if rng.random() < 0.74:
-        left -= float(rng.uniform(0.17, 0.22))
+        left -= choose(rng, 0.17, 0.22)
         built = draw_box_drawer(rng, plan, x, (left, z), finish)
-    band = rounded_box((x, plan.y[0], z[0]), (x + FACE, left, z[1]), 0.002, finish)
+    band = block((x, x + FACE), (plan.y[0], left), z, finish, 0.002)
     dial = design_dial(rng, (0.024, 0.034), endless=0.7)
     counts = (
         int(rng.choice((0, 1, 2, 3), p=(0.1, 0.6, 0.12, 0.18))),
@@ -100,7 +101,7 @@ def draw_band(rng: np.random.Generator, plan: LaundryPlan, x: float, z: Range) -
     )
     across = (plan.y[0] + WALL + 0.012, left - 0.012)
     extras, controls = spread_controls(rng, dial, x, across, z, counts=counts)
-    return built + Assembly(pieces=(band, *extras), parts=tuple(controls))
+    return built + Assembly((band, *extras), controls)
 
 
 def draw_box_drawer(
@@ -109,23 +110,17 @@ def draw_box_drawer(
     """A drawer with two chambers between a y and the left side, and the shelf that it runs on."""
     left, z = place
     y, wall = (left + GAP, plan.y[1]), plan.y[1] - WALL
-    low, high = z[0] + GAP, z[1] - GAP
+    low, high = narrow(z, GAP)
     room = 0.010
     tub = Space(x=(x + 0.02, x + 0.24), y=(y[0] + room, wall - room), z=(z[0] + 0.026, z[1] - 0.02))
     lip, middle = max(0.016, 0.016 * plan.longest), sum(tub.y) / 2
     solids = (
-        rounded_box((x, y[0], low), (x + 0.02, y[1], high), 0.002, finish),
-        box((x - 0.014, y[0] + 0.02, low), (x, y[1] - 0.02, low + lip), finish),
+        block((x, x + 0.02), y, (low, high), finish, 0.002),
+        block((x - 0.014, x), narrow(y, 0.02), (low, low + lip), finish),
         *build_tub(tub, 0.005, "plastic"),
-        box((tub.x[0], middle - 0.003, tub.z[0]), (tub.x[1], middle + 0.003, tub.z[1]), "plastic"),
+        block(tub.x, around(middle, 0.003), tub.z, "plastic"),
     )
-    drawer = ShapePart(
-        name="detergent_drawer",
-        label="drawer",
-        parent="body",
-        primitives=solids,
-        motion=slide(float(rng.uniform(0.5, 0.7)) * tub.depth),
-    )
+    drawer = ShapePart("detergent_drawer", "drawer", solids, slide(choose(rng, 0.5, 0.7) * tub.depth))
     top = tub.z[0] - room
     shelf = box((x + FACE, left - 0.01, top - 0.008), (tub.x[1] + 0.01, wall, top), "steel")
-    return Assembly(pieces=(shelf,), parts=(drawer,))
+    return Assembly((shelf,), (drawer,))

@@ -2,10 +2,12 @@
 
 import numpy as np
 
-from artigen.shapes.appliances.racks import build_pan, build_rack
-from artigen.shapes.fittings.hardware import ROOM, Space, slide
+from artigen.shapes.appliances.cavity import build_tub
+from artigen.shapes.appliances.racks import SLENDER, build_rack
+from artigen.shapes.choices import choose
+from artigen.shapes.fittings.hardware import ROOM, Space, narrow, slide
 from artigen.shapes.primitives import Primitive, box
-from artigen.shapes.shape import Need, ShapePart
+from artigen.shapes.shape import ShapePart, require
 
 RAIL = 0.024
 """Protrusion of a rail from its wall (m)."""
@@ -45,22 +47,20 @@ def make_racks(
     out = []
     for k, level in enumerate(levels):
         lie = Space(
-            x=(space.x[0] + 0.016, space.x[1] - 0.012),
-            y=(space.y[0] + aside, space.y[1] - aside),
-            z=(level, level + 0.028),
+            x=(space.x[0] + 0.016, space.x[1] - 0.012), y=narrow(space.y, aside), z=(level, level + 0.028)
         )
         if rng.random() < 0.25:
-            pieces = build_pan(lie, "rubber" if rng.random() < 0.5 else "steel")
+            wall = max(0.006, max(lie.width, lie.depth) / SLENDER)
+            pieces = build_tub(lie, wall, "rubber" if rng.random() < 0.5 else "steel", sides=False)
         else:
             pieces = build_rack(lie, "steel", bars=int(rng.integers(7, 14)), lip=0.028)
         out.append(
             ShapePart(
-                name=f"{stem}_{k}",
-                label="tray",
-                parent="body",
-                primitives=pieces,
-                motion=slide(float(rng.uniform(0.5, 0.7)) * lie.depth),
-                needs=(Need(part=door, fraction=1.0),),
+                f"{stem}_{k}",
+                "tray",
+                pieces,
+                slide(choose(rng, 0.5, 0.7) * lie.depth),
+                needs=require(door, fraction=1.0),
             )
         )
     return out

@@ -8,9 +8,10 @@ import numpy as np
 from artigen.shapes.appliances.appliance_doors import build_window_leaf, mount_grip
 from artigen.shapes.appliances.cavity import build_tub
 from artigen.shapes.appliances.racks import SLENDER
+from artigen.shapes.choices import choose
 from artigen.shapes.fittings.handles import HandleDesign
-from artigen.shapes.fittings.hardware import Panel, Space, hinge, slide, sweep_gap
-from artigen.shapes.primitives import Primitive, box, rounded_box
+from artigen.shapes.fittings.hardware import Panel, Space, hinge, narrow, slide, sweep_gap
+from artigen.shapes.primitives import Primitive, block
 from artigen.shapes.shape import ShapePart
 
 
@@ -37,10 +38,10 @@ def make_oven_door(
     """A door with a window and a handle, which fills its slot except for the gaps that it needs to turn."""
     low, high = (0.002, sweep_gap(slot.height, slot.thickness)) if edge == "bottom" else (0.0, 0.003)
     panel = Panel(x=slot.x, thickness=slot.thickness, y=slot.y, z=(slot.z[0] + low, slot.z[1] - high))
-    aside = float(rng.uniform(0.08, 0.17)) * panel.width
-    top = max(float(rng.uniform(0.17, 0.28)) * panel.height, 0.055)
-    bottom = float(rng.uniform(0.10, 0.2)) * panel.height
-    window = ((panel.y[0] + aside, panel.y[1] - aside), (panel.z[0] + bottom, panel.z[1] - top))
+    aside = choose(rng, 0.08, 0.17) * panel.width
+    top = max(choose(rng, 0.17, 0.28) * panel.height, 0.055)
+    bottom = choose(rng, 0.10, 0.2) * panel.height
+    window = (narrow(panel.y, aside), (panel.z[0] + bottom, panel.z[1] - top))
     leaf = build_window_leaf(panel, window, look.face, "cavity")
     upper = float(np.pi / 2 if edge == "bottom" else np.radians(rng.uniform(90, 120)))
     handles = []
@@ -52,7 +53,7 @@ def make_oven_door(
             mount_grip(panel, look.grip, name=f"{name}_handle", parent=name, edge=edge, inset=inset)
         )
     motion = hinge(panel, edge, upper)
-    return [ShapePart(name=name, label="door", parent="body", primitives=leaf, motion=motion), *handles]
+    return [ShapePart(name, "door", leaf, motion), *handles]
 
 
 def make_warming_drawer(
@@ -61,8 +62,7 @@ def make_warming_drawer(
     """A warming drawer: a front, and a steel box that fills ``tub`` behind it."""
     wall = max(0.008, max(tub.width, tub.depth) / SLENDER)
     face = "front" if rng.random() < 0.5 else look.face
-    low, high = (panel.x, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1])
-    solids = [rounded_box(low, high, 0.003, face), *build_tub(tub, wall, "steel")]
+    solids = [panel.fill(face, 0.003), *build_tub(tub, wall, "steel")]
     handles = []
     if look.grip is not None and rng.random() < 0.6:
         handles.append(
@@ -71,7 +71,7 @@ def make_warming_drawer(
     else:
         solids.append(_build_lip(panel, "bottom", 0.3 * panel.width, look.longest))
     motion = slide(0.68 * tub.depth)
-    drawer = ShapePart(name="drawer", label="drawer", parent="body", primitives=tuple(solids), motion=motion)
+    drawer = ShapePart("drawer", "drawer", tuple(solids), motion)
     return [drawer, *handles]
 
 
@@ -80,9 +80,9 @@ def _build_lip(
 ) -> Primitive:
     """A grip lip for the fingertips along the free edge, ``aside`` metres short at both ends."""
     size, inset = max(0.018, 0.017 * longest), 0.008
-    y, z = (panel.y[0] + aside, panel.y[1] - aside), (panel.z[1] - inset - size, panel.z[1] - inset)
+    y, z = narrow(panel.y, aside), (panel.z[1] - inset - size, panel.z[1] - inset)
     if edge != "bottom":
         z = (panel.z[0] + 0.1 * panel.height, panel.z[1] - 0.2 * panel.height)
         start = panel.y[0] + inset if edge == "left" else panel.y[1] - inset - size
         y = (start, start + size)
-    return box((panel.x - 0.022, y[0], z[0]), (panel.x, y[1], z[1]), "handle")
+    return block((panel.x - 0.022, panel.x), y, z, "handle")

@@ -61,16 +61,3 @@ def build_basket(space: Space, finish: str, *, bars: int, posts: int, tines: int
     for y in np.linspace(y0 + r, y1 - r, tines + 2)[1:-1]:
         pieces.append(cylinder((row, float(y), z0 + r), (row, float(y), height), r, finish))
     return tuple(pieces)
-
-
-def build_pan(space: Space, finish: str, wall: float = 0.006) -> tuple[Primitive, ...]:
-    """A baking sheet that fills a space: a floor and four low walls."""
-    wall = max(wall, max(space.width, space.depth) / SLENDER)
-    (x0, x1), (y0, y1), (z0, z1) = space.x, space.y, space.z
-    return (
-        box((x0, y0, z0), (x1, y1, z0 + wall), finish),
-        box((x0, y0, z0 + wall), (x0 + wall, y1, z1), finish),
-        box((x1 - wall, y0, z0 + wall), (x1, y1, z1), finish),
-        box((x0 + wall, y0, z0 + wall), (x1 - wall, y0 + wall, z1), finish),
-        box((x0 + wall, y1 - wall, z0 + wall), (x1 - wall, y1, z1), finish),
-    )

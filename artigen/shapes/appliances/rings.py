@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from artigen.shapes.fittings.hardware import Range
-from artigen.shapes.primitives import Primitive, Vector, line, move, polytope, prism
+from artigen.shapes.primitives import FRONT, RIGHT, Primitive, Vector, line, move, polytope, prism
 
 AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -34,7 +34,7 @@ def build_ring(
     """
     wedge = _wedge(axis, span, radii, finish, sides)
     if lining is not None:
-        inward = (0.0, -1.0, 0.0) if axis == "x" else (-1.0, 0.0, 0.0)
+        inward = RIGHT if axis == "x" else FRONT
         wedge = line(wedge, lining, inward)
     turn = 2 * np.pi / sides
     return tuple(move(wedge, center, turn=(k + 0.5) * turn, about=AXES[axis]) for k in range(sides))

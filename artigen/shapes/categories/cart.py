@@ -9,15 +9,18 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, pick
+from artigen.shapes.appliances.cavity import build_rim
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose, choose_one, pick
+from artigen.shapes.draw import Draft, Wish, choose_lengths
 from artigen.shapes.fittings.drawers import BoxDesign, make_tray
 from artigen.shapes.fittings.feet import make_castors
-from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space
+from artigen.shapes.fittings.hardware import GAP, Range, Space, around, narrow, share_range
 from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
-from artigen.shapes.furniture.carcass import fits_engines
+from artigen.shapes.furniture.carcass import draw_fitting
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
 from artigen.shapes.furniture.splits import Cell, Node, Split, Taste
-from artigen.shapes.primitives import Primitive, box, cylinder, rounded_box
+from artigen.shapes.primitives import block, cylinder
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -107,171 +110,102 @@ class _Frame:
     @property
     def inner(self) -> Range:
         """Range of y between the posts."""
-        return self.y[0] + self.post, self.y[1] - self.post
+        return narrow(self.y, self.post)
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a cart that meets the wish."""
     style = wish.style or pick(rng, {name: kind.weight for name, kind in STYLES.items()})
     kind = STYLES[style]
-    palette = kind.palettes[int(rng.integers(len(kind.palettes)))]
-    finishes = tuple(sorted(draw_palette(rng, "furniture", palette).items()))
-    size = (
-        choose(rng, *kind.width, wish.width),
-        choose(rng, *kind.depth, wish.depth),
-        choose(rng, *kind.height, wish.height),
-    )
-    for _ in range(MAX_LAYOUTS):
-        parts = _build(rng, kind, size, wish)
-        if fits_engines(parts):
-            return Draft(style=style, parts=parts, finishes=finishes)
-    raise CrowdedError(
-        f"{CATEGORY}: no cart of {size} m respects the limits of engines; request a smaller one"
-    )
+    palette = choose_one(rng, kind.palettes)
+    finishes = draw_palette(rng, "furniture", palette)
+    size = choose_lengths(rng, wish, (kind.width, kind.depth, kind.height))
+    parts = draw_fitting(CATEGORY, size, MAX_LAYOUTS, lambda _: _build(rng, kind, size, wish))
+    return Draft(style, parts, finishes)
 
 
 def _build(
     rng: np.random.Generator, kind: _Kind, size: tuple[float, float, float], wish: Wish
 ) -> tuple[ShapePart, ...]:
     width, depth, height = size
-    looks = draw_looks(rng, LOOKS[kind.looks[int(rng.integers(len(kind.looks)))]], max(size), wish)
+    looks = draw_looks(rng, LOOKS[choose_one(rng, kind.looks)], max(size), wish)
     looks = replace(looks, margin=GAP, lock=False)
-    bar = float(rng.uniform(0.045, 0.065))  # the push bar protrudes on the left
+    bar = choose(rng, 0.045, 0.065)  # the push bar protrudes on the left
     x = (looks.reach - depth / 2, depth / 2)
     y = (-width / 2, width / 2 - bar)
-    stand = make_castors(x, y, float(rng.uniform(*kind.wheel)), parent=BODY, swivel=bool(rng.random() < 0.45))
-    frame = _Frame(x=x, y=y, z=(stand.height, height), post=float(rng.uniform(*kind.post)), looks=looks)
-    solids, parts = _stack_tiers(rng, frame, kind) if kind.tiers else _build_chest(rng, frame)
-    body = ShapePart(name=BODY, label="base", parent=None, primitives=(*solids, *stand.primitives))
-    return (body, *parts, _make_push_bar(frame, bar), *stand.parts)
+    stand = make_castors(x, y, choose(rng, *kind.wheel), swivel=bool(rng.random() < 0.45))
+    frame = _Frame(x=x, y=y, z=(stand.height, height), post=choose(rng, *kind.post), looks=looks)
+    built = _stack_tiers(rng, frame, kind) if kind.tiers else _build_chest(rng, frame)
+    rest = Assembly(stand.primitives, (_make_push_bar(frame, bar), *stand.parts))
+    return (built + rest).close()
 
 
-def _stack_tiers(
-    rng: np.random.Generator, frame: _Frame, kind: _Kind
-) -> tuple[list[Primitive], list[ShapePart]]:
+def _stack_tiers(rng: np.random.Generator, frame: _Frame, kind: _Kind) -> Assembly:
     """Posts, a top, and two or three tiers below; the lowest begins at the castors."""
-    top = float(rng.uniform(0.02, 0.035))
-    high = frame.z[1] - top
-    over = 0.0 if kind.post[0] < 0.03 else float(rng.uniform(0.0, 0.02))
-    solids = [
-        fill_space(Space(x=(px, px + frame.post), y=(py, py + frame.post), z=(frame.z[0], high)), "leg")
-        for px in (frame.x[0], frame.x[1] - frame.post)
-        for py in (frame.y[0], frame.y[1] - frame.post)
+    (x0, x1), (y0, y1), (low, top), post = frame.x, frame.y, frame.z, frame.post
+    high = top - choose(rng, 0.02, 0.035)
+    over = 0.0 if kind.post[0] < 0.03 else choose(rng, 0.0, 0.02)
+    posts = [
+        block((x, x + post), (y, y + post), (low, high), "leg")
+        for x in (x0, x1 - post)
+        for y in (y0, y1 - post)
     ]
-    solids.append(
-        rounded_box(
-            (frame.x[0] - min(over, frame.looks.reach), frame.y[0], high),
-            (frame.x[1], frame.y[1], frame.z[1]),
-            0.003,
-            "top",
-        )
-    )
-    parts: list[ShapePart] = []
+    board = block((x0 - min(over, frame.looks.reach), x1), frame.y, (high, top), "top", 0.003)
+    built = Assembly((*posts, board))
     count = int(rng.integers(2, 4))
     shares = rng.dirichlet(np.full(count, 12.0))
-    edges = frame.z[0] + (high - frame.z[0]) * np.concatenate([[0.0], np.cumsum(shares)])
     repeated: Tier = pick(rng, dict(kind.tiers))
-    for index in range(count):
+    for tag, span in zip("abc", share_range((low, high), shares.tolist()), strict=False):
         tier: Tier = repeated if rng.random() < 0.45 else pick(rng, dict(kind.tiers))
-        span = (float(edges[index]), float(edges[index + 1]))
-        own, hung = _build_tier(rng, frame, tier, span, f"{'abc'[index]}")
-        solids, parts = [*solids, *own], [*parts, *hung]
-    return solids, parts
+        built += _build_tier(rng, frame, tier, span, tag)
+    return built
 
 
-def _build_tier(
-    rng: np.random.Generator, frame: _Frame, tier: Tier, z: Range, tag: str
-) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
-    """One tier between the posts: solids of the body, and parts."""
-    tall = z[1] - z[0]
-    wall = max(0.010, (frame.inner[1] - frame.inner[0]) / 60)
+def _build_tier(rng: np.random.Generator, frame: _Frame, tier: Tier, z: Range, tag: str) -> Assembly:
+    """One tier between the posts."""
+    low, tall, (right, left) = z[0], z[1] - z[0], frame.inner
+    wall = max(0.010, (left - right) / 60)
     if tier == "drawers" and tall > 0.14:
-        low = z[1] - min(tall, float(rng.uniform(0.12, 0.2)))
+        space = Space(x=frame.x, y=frame.inner, z=(z[1] - min(tall, choose(rng, 0.12, 0.2)), z[1]))
         drawer: Node = Cell(fill="drawer")
-        wide = frame.inner[1] - frame.inner[0] > 0.6 and rng.random() < 0.6
+        wide = left - right > 0.6 and rng.random() < 0.6
         node = Split(along="columns", shares=(1.0, 1.0), children=(drawer, drawer)) if wide else drawer
-        return _hang_cabinet(node, frame, (low, z[1]), tag)
+        return make_cabinet(node, space, frame.looks, prefix=tag)
     if tier == "cabinet" and tall > 0.3:
         space = Space(x=frame.x, y=frame.inner, z=z)
-        return _hang_cabinet(draw_layout(rng, space, frame.looks, CABINET), frame, z, tag)
+        return make_cabinet(draw_layout(rng, space, frame.looks, CABINET), space, frame.looks, prefix=tag)
     if tier == "pull_out":
-        rim = min(0.12, 0.5 * tall)
-        space = Space(x=(frame.x[0] + 0.004, frame.x[1]), y=frame.inner, z=(z[0] + 0.004, z[0] + 0.004 + rim))
-        rails = tuple(
-            fill_space(
-                Space(
-                    x=(frame.x[0] + frame.post, frame.x[1] - frame.post), y=y, z=(z[0] + 0.01, z[0] + 0.04)
-                ),
-                "leg",
-            )
-            for y in ((frame.y[0], frame.inner[0]), (frame.inner[1], frame.y[1]))
-        )
+        start, rim = (frame.x[0] + 0.004, frame.x[1]), (low + 0.004, low + 0.004 + min(0.12, 0.5 * tall))
+        run, rail = narrow(frame.x, frame.post), (low + 0.01, low + 0.04)
+        rails = [block(run, y, rail, "leg") for y in ((frame.y[0], right), (left, frame.y[1]))]
         design = BoxDesign(wall=wall, rim=1.0, finish="front")
-        return rails, (make_tray(space, design, name=f"tray_{tag}", parent=BODY),)
-    rim = 0.0 if tier != "basket" else min(float(rng.uniform(0.04, 0.1)), 0.4 * tall)
-    shelf = ShapePart(
-        name=f"shelf_{tag}",
-        label="shelf",
-        parent=BODY,
-        primitives=_make_basket(frame.x, frame.inner, (z[0], z[0] + rim), wall),
-    )
-    return (), (shelf,)
+        tray = make_tray(Space(x=start, y=frame.inner, z=rim), design, name=f"tray_{tag}", parent=BODY)
+        return Assembly(rails, (tray,))
+    rim = min(choose(rng, 0.04, 0.1), 0.4 * tall) if tier == "basket" else 0.0
+    floor, up = (low, low + 1.3 * wall), (low + 1.3 * wall, low + rim)
+    board = block(frame.x, frame.inner, floor, "inside" if rim else "top")
+    sides = build_rim(frame.x, frame.inner, up, wall, "front") if up[1] - up[0] >= 0.01 else ()
+    return Assembly(parts=(ShapePart(f"shelf_{tag}", "shelf", (board, *sides)),))
 
 
-def _make_basket(x: Range, y: Range, z: Range, wall: float) -> tuple[Primitive, ...]:
-    """A board, with a rim up to the top of ``z`` if that is higher than the board."""
-    floor = fill_space(Space(x=x, y=y, z=(z[0], z[0] + 1.3 * wall)), "inside" if z[1] > z[0] else "top")
-    up = (z[0] + 1.3 * wall, z[1])
-    if up[1] - up[0] < 0.01:
-        return (floor,)
-    return (
-        floor,
-        *(
-            fill_space(Space(x=span_x, y=span_y, z=up), "front")
-            for span_x, span_y in (
-                ((x[0], x[0] + wall), y),
-                ((x[1] - wall, x[1]), y),
-                ((x[0] + wall, x[1] - wall), (y[0], y[0] + wall)),
-                ((x[0] + wall, x[1] - wall), (y[1] - wall, y[1])),
-            )
-        ),
-    )
-
-
-def _hang_cabinet(
-    node: Node, frame: _Frame, z: Range, tag: str
-) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
-    built = make_cabinet(node, Space(x=frame.x, y=frame.inner, z=z), frame.looks, parent=BODY, prefix=tag)
-    return built.primitives, built.parts
-
-
-def _build_chest(rng: np.random.Generator, frame: _Frame) -> tuple[list[Primitive], list[ShapePart]]:
+def _build_chest(rng: np.random.Generator, frame: _Frame) -> Assembly:
     """A cabinet of drawers under a top with a rim."""
-    rim, wall = float(rng.uniform(0.02, 0.05)), 0.012
-    high = frame.z[1] - rim
+    high = frame.z[1] - choose(rng, 0.02, 0.05)
     space = Space(x=frame.x, y=frame.y, z=(frame.z[0], high))
-    built = make_cabinet(draw_layout(rng, space, frame.looks, TOOLS), space, frame.looks, parent=BODY)
-    x, y, z = frame.x, frame.y, (high, frame.z[1])
-    back = built.primitives[0].center[0] - built.primitives[0].size[0] / 2
-    edges = (
-        ((back, back + wall), y),
-        ((x[1] - wall, x[1]), y),
-        ((back + wall, x[1] - wall), (y[0], y[0] + wall)),
-        ((back + wall, x[1] - wall), (y[1] - wall, y[1])),
-    )
-    rims = [fill_space(Space(x=(float(a[0]), float(a[1])), y=b, z=z), "accent") for a, b in edges]
-    return [*built.primitives, *rims], list(built.parts)
+    built = make_cabinet(draw_layout(rng, space, frame.looks, TOOLS), space, frame.looks)
+    start = float(built.pieces[0].center[0] - built.pieces[0].size[0] / 2)  # of the sides, behind the fronts
+    return built + Assembly(build_rim((start, frame.x[1]), frame.y, (high, frame.z[1]), 0.012, "accent"))
 
 
 def _make_push_bar(frame: _Frame, reach: float) -> ShapePart:
     """A push bar along the left end on two arms, below the top."""
     radius = 0.011 + 0.06 * (reach - 0.045)
     z, y = frame.z[1] - 0.09, frame.y[1] + reach - radius
-    first, last = frame.x[0] + frame.post, frame.x[1] - frame.post
+    first, last = narrow(frame.x, frame.post)
     inset = frame.post / 2
     arms = [
-        box((x - 0.009, frame.y[1], z - 0.009), (x + 0.009, y, z + 0.009), "handle")
+        block(around(x, 0.009), (frame.y[1], y), around(z, 0.009), "handle")
         for x in (first - inset, last + inset)
     ]
     rod = cylinder((first - inset - 0.03, y, z), (last + inset + 0.03, y, z), radius, "handle")
-    return ShapePart(name="push_bar", label="handle", parent=BODY, primitives=(rod, *arms))
+    return ShapePart("push_bar", "handle", (rod, *arms))

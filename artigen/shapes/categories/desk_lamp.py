@@ -4,23 +4,31 @@ Arms are 300 to 450 mm long, as in balanced-arm lamps. At rest the lower arm lea
 forward. The joints move the lower arm forward, the upper arm up and the head up.
 """
 
+from math import radians
+
 import numpy as np
 
 from artigen.shapes.appliances.control_panel import make_button
 from artigen.shapes.appliances.rings import build_ring
-from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Wish, choose_size
+from artigen.shapes.fittings.hardware import around, rotate
 from artigen.shapes.fittings.tubes import lean_rod
 from artigen.shapes.primitives import (
-    SEGMENTS,
+    LEFT,
+    RIGHT,
+    ROUND,
+    UP,
     Primitive,
     Vector,
-    box,
+    block,
     cylinder,
     move,
     place_vertices,
     polytope,
 )
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import LACQUERS, make_ceramic, make_plastic, make_polished
 
@@ -36,8 +44,6 @@ OUTER, INNER, PLAY = 0.0185, 0.0095, 0.0025
 ROD = 0.0045
 KNOB = 0.013
 """Radius of the knobs on the hinges."""
-ROUND = float(np.cos(np.pi / SEGMENTS))
-"""Ratio of the extent of the prism that approximates a cylinder to the cylinder's."""
 Point = tuple[float, float]
 """Coordinates (x, z) in the plane of the arms."""
 
@@ -45,61 +51,49 @@ Point = tuple[float, float]
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a desk lamp."""
     style = choose_style(rng, STYLES, wish.style)
-    width, depth, height = choose_size(
-        rng, CATEGORY, wish, width=(0.19, 0.24), depth=(0.42, 0.52), height=(0.4, 0.52)
-    )
-    foot, plate = width / 2, float(rng.uniform(0.016, 0.026))
+    width, depth, height = choose_size(rng, CATEGORY, wish, ((0.19, 0.24), (0.42, 0.52), (0.4, 0.52)))
+    foot, plate = width / 2, choose(rng, 0.016, 0.026)
     head, front = _build_head(rng, style)
-    droop = float(np.radians(rng.uniform(4.0, 14.0)))
-    base = (0.0, plate + 0.045)
-    top = height - KNOB * ROUND
+    droop = radians(choose(rng, 4.0, 14.0))
+    level, top = plate + 0.045, height - KNOB * ROUND
     # The elbow is behind the foot so that gravity holds every hinge at rest.
     forward = depth - front - KNOB * ROUND
-    elbow = (0.53 * forward + float(rng.uniform(0.066, 0.076)), top)
-    back = max(elbow[0] + KNOB * ROUND, foot)
-    tip = back - depth + front  # x of the hinge of the head
-    wrist = (tip, float(top - forward * np.tan(droop)))
-    shift = depth / 2 - back
-    base, elbow, wrist = ((point[0] + shift, point[1]) for point in (base, elbow, wrist))
+    behind = 0.53 * forward + choose(rng, 0.066, 0.076)  # from the foot to the elbow
+    x = depth / 2 - max(behind + KNOB * ROUND, foot)  # of the foot
+    base, elbow = (x, level), (x + behind, top)
+    wrist = (front - depth / 2, float(top - forward * np.tan(droop)))
+    pin = OUTER - ROD - PLAY
+    pieces = (
+        cylinder((x, 0.0, 0.0), (x, 0.0, plate), foot / ROUND, "foot"),
+        cylinder((x, 0.0, plate), (x, 0.0, level - 0.02), 0.016, "body"),
+        cylinder((x, -pin, level), (x, pin, level), 0.011, "body"),
+        cylinder((x, 0.0, plate), (x, 0.0, level), 0.009, "body"),
+    )
     flat = style == "led"
-    pieces = [
-        cylinder((base[0], 0.0, 0.0), (base[0], 0.0, plate), foot / ROUND, "foot"),
-        cylinder((base[0], 0.0, plate), (base[0], 0.0, base[1] - 0.02), 0.016, "body"),
-        cylinder(
-            (base[0], -OUTER + ROD + PLAY, base[1]), (base[0], OUTER - ROD - PLAY, base[1]), 0.011, "body"
-        ),
-        cylinder((base[0], 0.0, plate), (base[0], 0.0, base[1]), 0.009, "body"),
-    ]
     lower = _build_arm(base, elbow, OUTER, flat=flat, springs=style == "architect")
     upper = _build_arm(elbow, wrist, INNER, flat=flat, springs=False)
-    head = [move(piece, (wrist[0], 0.0, wrist[1])) for piece in head]
-    parts = [ShapePart(name="body", label="base", parent=None, primitives=tuple(pieces))]
+    tip = [move(piece, (wrist[0], 0.0, wrist[1])) for piece in head]
     chain = (
-        ("lower_arm", lower, base, -1.0, rng.uniform(40.0, 55.0)),
-        ("upper_arm", upper, elbow, 1.0, rng.uniform(45.0, 60.0)),
-        ("head", head, wrist, 1.0, rng.uniform(45.0, 70.0)),
+        ("lower_arm", lower, base, RIGHT, choose(rng, 40.0, 55.0), "body"),
+        ("upper_arm", upper, elbow, LEFT, choose(rng, 45.0, 60.0), "lower_arm"),
+        ("head", tip, wrist, LEFT, choose(rng, 45.0, 70.0), "upper_arm"),
     )
-    for name, primitives, (x, z), way, upper_limit in chain:
-        motion = Motion(
-            type="revolute", axis=(0.0, way, 0.0), origin=(x, 0.0, z), upper=float(np.radians(upper_limit))
-        )
-        part = ShapePart(
-            name=name, label="handle", parent=parts[-1].name, primitives=tuple(primitives), motion=motion
-        )
-        parts.append(part)
-    at = (base[0] - 0.62 * foot, 0.0, plate)
-    up, size = (0.0, 0.0, 1.0), (0.024, 0.024, 0.006)
-    switch = make_button(at, size, name="switch", parent="body", finish="accent", shape="round", out=up)
-    return Draft(style=style, parts=(*parts, switch), finishes=_draw_finishes(rng, style))
+    parts = [
+        ShapePart(name, "handle", solids, rotate(axis, (at[0], 0.0, at[1]), radians(opens)), parent=parent)
+        for name, solids, at, axis, opens, parent in chain
+    ]
+    at, size = (x - 0.62 * foot, 0.0, plate), (0.024, 0.024, 0.006)
+    parts.append(make_button(at, size, name="switch", finish="accent", shape="round", out=UP))
+    return Draft(style, Assembly(pieces, parts).close(), _draw_finishes(rng, style))
 
 
-def _draw_finishes(rng: np.random.Generator, style: str) -> tuple[tuple[str, Finish], ...]:
+def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     seed, colors = int(rng.integers(2**30)), COLORS[style]
-    color = LACQUERS[colors[int(rng.integers(len(colors)))]]
+    color = LACQUERS[choose_one(rng, colors)]
     metal = ("brass", "brass", "chrome", "black") if style == "dome" else ("steel", "chrome", "black")
-    rods = make_polished(metal[int(rng.integers(len(metal)))], seed)
+    rods = make_polished(choose_one(rng, metal), seed)
     paint = make_plastic(color, gloss=0.4)
-    finishes = {
+    return {
         "body": paint,
         "foot": make_ceramic(color, seed),  # weighted: as heavy as stone
         "arm": paint if style == "led" and rng.random() < 0.6 else rods,
@@ -107,14 +101,13 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> tuple[tuple[str, Fin
         "lamp": make_plastic((0.96, 0.95, 0.9)),
         "inside": make_plastic(LACQUERS["white"]),
     }
-    return tuple(sorted(finishes.items()))
 
 
 def _build_arm(start: Point, end: Point, apart: float, *, flat: bool, springs: bool) -> list[Primitive]:
-    """Two rods or flat bars side by side, with spacers between them and knobs on the hinge at the end."""
+    """Two rods or flat bars side by side, with spacers between them and knobs on the hinges of the outer
+    ones."""
     way = np.array(end) - np.array(start)
     way /= np.linalg.norm(way)
-    over = 0.006
 
     def place(base: Point, run: float, y: float, up: float = 0.0) -> Vector:
         x, z = np.array(base) + run * way + up * np.array((-way[1], way[0]))
@@ -123,45 +116,44 @@ def _build_arm(start: Point, end: Point, apart: float, *, flat: bool, springs: b
     pieces: list[Primitive] = []
     for y in (-apart, apart):
         if flat:
-            ends = ((start, -over), (end, over))
-            corners = [place(p, r, y + a, b) for p, r in ends for a in (-ROD, ROD) for b in (-0.011, 0.011)]
+            ends, wide = ((start, -0.006), (end, 0.006)), (-0.011, 0.011)
+            corners = [place(p, r, a, b) for p, r in ends for a in around(y, ROD) for b in wide]
             pieces.append(polytope(np.array(corners), "arm"))
         else:
-            pieces.append(lean_rod(place(start, -over, y), place(end, over, y), ROD, "arm"))
-    spacers = ((start, 0.05), (start, 0.15), (end, -0.05)) if springs else ((start, 0.05), (end, -0.05))
+            pieces.append(lean_rod(place(start, -0.006, y), place(end, 0.006, y), ROD, "arm"))
+    spacers = ((start, 0.05), *(((start, 0.15),) if springs else ()), (end, -0.05))
     pieces += [cylinder(place(p, r, -apart), place(p, r, apart), 0.004, "arm") for p, r in spacers]
     if springs:
-        pieces += [
-            lean_rod(place(start, 0.05, y), place(start, 0.15, y), 0.0055, "accent") for y in (-0.007, 0.007)
-        ]
+        for y in (-0.007, 0.007):
+            pieces.append(lean_rod(place(start, 0.05, y), place(start, 0.15, y), 0.0055, "accent"))
     if apart == OUTER:
-        for base in (start, end):
+        near, far = apart + ROD - 0.001, apart + ROD + 0.006
+        for p in (start, end):
             for side in (-1.0, 1.0):
-                out = (side * (apart + ROD - 0.001), side * (apart + ROD + 0.006))
-                pieces.append(cylinder(place(base, 0.0, out[0]), place(base, 0.0, out[1]), KNOB, "accent"))
+                ends = place(p, 0.0, side * near), place(p, 0.0, side * far)
+                pieces.append(cylinder(*ends, KNOB, "accent"))
     return pieces
 
 
 def _build_head(rng: np.random.Generator, style: str) -> tuple[list[Primitive], float]:
     """A head with its hinge at the origin, and its extent forward (m)."""
-    sides = ((-OUTER - ROD, -OUTER + ROD), (OUTER - ROD, OUTER + ROD))
-    cheeks = [box((-0.008, low, -0.034), (0.008, high, 0.008), "arm") for low, high in sides]
+    pieces = [block(around(0.0, 0.008), around(y, ROD), (-0.034, 0.008), "arm") for y in (-OUTER, OUTER)]
     if style == "led":
-        long = float(rng.uniform(0.2, 0.26))
-        bar = box((0.075 - long, -0.024, -0.046), (0.075, 0.024, -0.032), "body")
-        light = box((0.085 - long, -0.019, -0.049), (0.02, 0.019, -0.045), "lamp")
-        tilt = float(np.radians(rng.uniform(2.5, 4.5)))
-        pieces = [move(piece, turn=tilt, about=(0.0, 1.0, 0.0)) for piece in (*cheeks, bar, light)]
+        long = choose(rng, 0.2, 0.26)
+        pieces.append(block((0.075 - long, 0.075), around(0.0, 0.024), (-0.046, -0.032), "body"))
+        pieces.append(block((0.085 - long, 0.02), around(0.0, 0.019), (-0.049, -0.045), "lamp"))
+        tilt = radians(choose(rng, 2.5, 4.5))
+        pieces = [move(piece, turn=tilt, about=(0.0, 1.0, 0.0)) for piece in pieces]
     else:
-        mouth, neck = float(rng.uniform(0.066, 0.08)), 0.03
-        tall = float(rng.uniform(0.1, 0.13)) if style == "architect" else float(rng.uniform(0.075, 0.095))
-        low, wall = -0.06 - tall, 0.006
-        belly = 0.9 if style == "dome" else 0.42  # radius of the shade where its wall bends
-        bend = -0.06 - (0.45 if style == "dome" else 0.4) * tall
-        middle = neck + belly * (mouth - neck)
-        top, waist, rim = ((radius, radius + wall) for radius in (neck, middle, mouth))
-        pieces = [*cheeks, cylinder((0.0, 0.0, -0.065), (0.0, 0.0, -0.03), neck + wall, "body")]
-        for span, ends in (((bend, -0.06), (waist, top)), ((low, bend), (rim, waist))):
+        dome = style == "dome"
+        mouth, neck, wall = choose(rng, 0.066, 0.08), 0.03, 0.006
+        tall = choose(rng, 0.075, 0.095) if dome else choose(rng, 0.1, 0.13)
+        belly, bent = (0.9, 0.45) if dome else (0.42, 0.4)  # where the wall of the shade bends
+        high, bend, low = -0.06, -0.06 - bent * tall, -0.06 - tall
+        radii = (neck, neck + belly * (mouth - neck), mouth)
+        top, waist, rim = ((radius, radius + wall) for radius in radii)
+        pieces.append(cylinder((0.0, 0.0, -0.065), (0.0, 0.0, -0.03), neck + wall, "body"))
+        for span, ends in (((bend, high), (waist, top)), ((low, bend), (rim, waist))):
             pieces += build_ring((0.0, 0.0, 0.0), "z", span, ends, "body", sides=12, lining="inside")
         pieces.append(cylinder((0.0, 0.0, -0.115), (0.0, 0.0, -0.065), 0.02, "lamp"))
     return pieces, -float(min(place_vertices(piece)[:, 0].min() for piece in pieces))

@@ -1,24 +1,40 @@
 """Dishwasher: a drop-down door before a steel tub with racks, or drawers that are tubs."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import draw_grip, mount_grip
-from artigen.shapes.appliances.assembly import Assembly
-from artigen.shapes.appliances.cavity import SIDES, build_feet, build_shell, build_tub, divide_range
+from artigen.shapes.appliances.cavity import SIDES, build_feet, build_shell, build_tub
 from artigen.shapes.appliances.control_panel import design_dial, spread_controls
 from artigen.shapes.appliances.racks import build_basket, build_rack
-from artigen.shapes.draw import Draft, Wish, choose
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose
+from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_plinth
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, hinge, slide, sweep_gap
-from artigen.shapes.primitives import Primitive, box, cylinder, line, rounded_box
-from artigen.shapes.shape import Need, ShapePart
+from artigen.shapes.fittings.hardware import (
+    GAP,
+    ROOM,
+    Panel,
+    Range,
+    Space,
+    around,
+    divide_range,
+    hinge,
+    narrow,
+    slide,
+    sweep_gap,
+)
+from artigen.shapes.primitives import Primitive, block, box, cylinder, line
+from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Dishwasher"
 STYLES = ("steel", "white", "black", "retro")
+LOW: Spans = ((0.50, 0.56), (0.48, 0.54), (0.43, 0.52))
+USUAL: Spans = ((0.43, 0.66), (0.54, 0.68), (0.80, 0.90))
+"""Width, depth and height (m) of machines for a worktop, and of others."""
 BASED = 0.6
 """Probability of a closed base instead of feet."""
 BULGE = 0.012
@@ -70,30 +86,26 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish)
     draw_fronts = _draw_drawers if plan.drawers else _draw_door_and_racks
-    built = Assembly(pieces=tuple(_build_base(plan))) + draw_fronts(rng, plan)
-    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(palette.items())))
+    built = Assembly(tuple(_build_base(plan))) + draw_fronts(rng, plan)
+    return Draft(style, built.close(), palette)
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     low = rng.random() < 0.08 if wish.height is None else wish.height < 0.6  # stands on a worktop
-    width = choose(rng, *((0.50, 0.56) if low else (0.43, 0.66)), wish.width)
-    depth = choose(rng, *((0.48, 0.54) if low else (0.54, 0.68)), wish.depth)
-    height = choose(rng, *((0.43, 0.52) if low else (0.80, 0.90)), wish.height)
-    longest = max(width, depth, height)
+    width, depth, height = choose_lengths(rng, wish, LOW if low else USUAL)
     paired = rng.random() < 0.06
-    length = float(rng.uniform(0.12, 0.16)) if paired else float(rng.uniform(0.55, 0.86)) * width
-    grip = draw_grip(
-        rng, wish.choose_handles(("bar", "bar", "pull", "arch", "edge")), length=length, longest=longest
-    )
+    length = choose(rng, 0.12, 0.16) if paired else choose(rng, 0.55, 0.86) * width
+    kinds = wish.choose_handles(("bar", "bar", "pull", "arch", "edge"))
+    grip = draw_grip(rng, kinds, length=length, longest=max(width, depth, height))
     return _Plan(
         width=width,
         depth=depth,
         height=height,
-        thickness=float(rng.uniform(0.042, 0.058)),
-        toe=0.018 if low else float(rng.uniform(0.07, 0.12)),
-        base=float(rng.uniform(0.015, 0.06)) if rng.random() < BASED and not low else 0.0,
-        lid=float(rng.uniform(0.020, 0.032)) if rng.random() < 0.4 and not low else 0.0,
-        wall=float(rng.uniform(0.020, 0.032)),
+        thickness=choose(rng, 0.042, 0.058),
+        toe=0.018 if low else choose(rng, 0.07, 0.12),
+        base=choose(rng, 0.015, 0.06) if rng.random() < BASED and not low else 0.0,
+        lid=choose(rng, 0.020, 0.032) if rng.random() < 0.4 and not low else 0.0,
+        wall=choose(rng, 0.020, 0.032),
         grip=grip if rng.random() < 0.82 or paired else None,
         paired=paired,
         drawers=int(rng.integers(1, 3)) if rng.random() < 0.16 and not low else 0,
@@ -102,19 +114,15 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
 
 def _build_base(plan: _Plan) -> list[Primitive]:
     """Feet and a toe kick, or a closed base, and the worktop."""
-    outer_x = (plan.front, -plan.x)
+    back, kick = -plan.x, plan.front + 0.03
     if plan.base:
-        pieces = list(make_plinth((plan.front + plan.base, -plan.x), plan.y, plan.toe, "body"))
+        pieces = [*make_plinth((plan.front + plan.base, back), plan.y, plan.toe, "body")]
     else:
-        pieces = list(build_feet(outer_x, plan.y, plan.toe, "leg", radius=0.018, inset=0.03))
+        pieces = [*build_feet((plan.front, back), plan.y, plan.toe, "leg", radius=0.018, inset=0.03)]
     if plan.toe > 0.05 and not plan.base:
-        kick = plan.front + 0.03
-        pieces.append(
-            box((kick, plan.y[0] + 0.002, 0.012), (kick + 0.014, plan.y[1] - 0.002, plan.toe), "leg")
-        )
+        pieces.append(block((kick, kick + 0.014), narrow(plan.y, 0.002), (0.012, plan.toe), "leg"))
     if plan.lid:
-        low = (plan.x, plan.y[0], plan.top)
-        pieces.append(rounded_box(low, (-plan.x, plan.y[1], plan.height), 0.004, "top"))
+        pieces.append(block((plan.x, back), plan.y, (plan.top, plan.height), "top", 0.004))
     return pieces
 
 
@@ -124,13 +132,9 @@ def _draw_door_and_racks(rng: np.random.Generator, plan: _Plan) -> Assembly:
     sill = plan.toe + 0.003
     # The liner of the open door is level with the floor of the tub.
     floor = sill + plan.thickness + BULGE + 0.004
-    tub = Space(
-        x=(plan.front, -plan.x - plan.wall),
-        y=(plan.y[0] + plan.wall, plan.y[1] - plan.wall),
-        z=(floor, plan.top - 0.04),
-    )
+    tub = Space(x=(plan.front, -plan.x - plan.wall), y=narrow(plan.y, plan.wall), z=(floor, plan.top - 0.04))
     shell = build_shell(outer, tub, "body", "steel")
-    built = Assembly(pieces=(*shell, *_build_spray_arm(tub)))
+    built = Assembly((*shell, *_build_spray_arm(tub)))
     return built + _draw_door(rng, plan, sill, tub) + _draw_racks(rng, tub)
 
 
@@ -139,44 +143,38 @@ def _build_spray_arm(tub: Space) -> tuple[Primitive, ...]:
     x, top, reach = sum(tub.x) / 2, tub.z[1], 0.38 * tub.width
     return (
         cylinder((x, 0.0, top - 0.02), (x, 0.0, top), 0.03, "plastic"),
-        box((x - 0.018, -reach, top - 0.032), (x + 0.018, reach, top - 0.02), "plastic"),
+        block(around(x, 0.018), around(0.0, reach), (top - 0.032, top - 0.02), "plastic"),
     )
 
 
 def _draw_door(rng: np.random.Generator, plan: _Plan, sill: float, tub: Space) -> Assembly:
     """The door with controls on its upper edge, or below a control strip of the housing."""
-    strip = float(rng.uniform(0.07, 0.12))
-    fixed = rng.random() < 0.4
-    top = plan.top - 0.003
-    low = plan.top - strip
+    strip, fixed = choose(rng, 0.07, 0.12), rng.random() < 0.4
+    low, top = plan.top - strip, plan.top - 0.003
     if fixed:
         top = low - sweep_gap(low - sill, plan.thickness + BULGE)
-    panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=(sill, top))
     seam = top if fixed else top - strip
-    leaf = Panel(x=panel.x, thickness=panel.thickness, y=panel.y, z=(sill, seam))
-    face = rounded_box((leaf.x, leaf.y[0], sill), (leaf.back, leaf.y[1], seam), 0.003, "front")
+    leaf = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=(sill, seam))
     finish = "panel" if rng.random() < 0.55 else "front"
-    if fixed:
-        band = rounded_box((panel.x, panel.y[0], low), (plan.front, panel.y[1], plan.top), 0.003, finish)
-    else:
-        band = rounded_box((panel.x, panel.y[0], seam), (panel.back, panel.y[1], top), 0.003, finish)
-    band = line(band, "steel", SIDES["front"])
-    extras, controls = _draw_controls(
-        rng, panel.x, plan.y, (plan.top - strip, plan.top - 0.003), "body" if fixed else "door"
+    deep, up = ((plan.x, plan.front), (low, plan.top)) if fixed else ((plan.x, leaf.back), (seam, top))
+    face, band = (
+        line(board, "steel", SIDES["front"])
+        for board in (leaf.fill("front", 0.003), block(deep, plan.y, up, finish, 0.003))
     )
+    carrier = "body" if fixed else "door"
+    extras, controls = _draw_controls(rng, plan.x, plan.y, (low, plan.top - 0.003), carrier)
     housed = (band, *extras)
-    solids = (line(face, "steel", SIDES["front"]), *_build_liner(leaf, tub), *(() if fixed else housed))
-    motion = hinge(panel, "bottom", float(np.pi / 2))
-    door = ShapePart(name="door", label="door", parent="body", primitives=solids, motion=motion)
-    return Assembly(pieces=housed if fixed else (), parts=(door, *_mount(plan, leaf, "door"), *controls))
+    solids = (face, *_build_liner(leaf, tub), *(() if fixed else housed))
+    door = ShapePart("door", "door", solids, hinge(replace(leaf, z=(sill, top)), "bottom", np.pi / 2))
+    return Assembly(housed if fixed else (), (door, *_mount(plan, leaf, "door"), *controls))
 
 
 def _build_liner(leaf: Panel, tub: Space) -> tuple[Primitive, ...]:
     """The liner of the door, which enters the tub, with the detergent box."""
-    y, z = (tub.y[0] + 0.03, tub.y[1] - 0.03), (tub.z[0] + 0.02, min(leaf.z[1], tub.z[1]) - 0.04)
+    y, z = narrow(tub.y, 0.03), (tub.z[0] + 0.02, min(leaf.z[1], tub.z[1]) - 0.04)
     rear, level = leaf.back + BULGE, z[0] + 0.5 * (z[1] - z[0])
     return (
-        box((leaf.back - 0.02, y[0], z[0]), (rear, y[1], z[1]), "steel"),
+        block((leaf.back - 0.02, rear), y, z, "steel"),
         box((rear - 0.010, -0.02, level), (rear + 0.003, 0.12, level + 0.10), "plastic"),
     )
 
@@ -190,7 +188,7 @@ def _draw_controls(
         dials if parent == "body" else 0,  # drop-down doors have keys; dials are on housings
         int(rng.choice((0, 1, 3, 4, 5, 6), p=(0.5, 0.1, 0.1, 0.13, 0.1, 0.07))),
     )
-    across = (y[0] + 0.03, y[1] - 0.03)
+    across = narrow(y, 0.03)
     return spread_controls(rng, dial, x, across, z, counts=counts, parent=parent)
 
 
@@ -202,16 +200,10 @@ def _mount(plan: _Plan, panel: Panel, parent: str) -> list[ShapePart]:
     if not plan.paired:
         return [mount_grip(panel, plan.grip, name=f"{parent}_handle", parent=parent, edge=None, inset=inset)]
     z = panel.z[1] - inset - plan.grip.thickness / 2
+    places = [(side * 0.26 * panel.width, z) for side in (1, -1)]
     return [
-        make_handle(
-            panel,
-            plan.grip,
-            name=f"{parent}_handle_{k}",
-            parent=parent,
-            upright=False,
-            at=(side * 0.26 * panel.width, z),
-        )
-        for k, side in enumerate((1, -1))
+        make_handle(panel, plan.grip, name=f"{parent}_handle_{k}", parent=parent, upright=False, at=at)
+        for k, at in enumerate(places)
     ]
 
 
@@ -221,18 +213,16 @@ def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
     count = min(most, int(rng.choice((0, 1, 2, 3), p=(0.3, 0.2, 0.35, 0.15))))
     rails: list[Primitive] = []
     parts: list[ShapePart] = []
-    y = (tub.y[0] + ROOM, tub.y[1] - ROOM)
+    y = narrow(tub.y, ROOM)
     x = (tub.x[0] + 0.035, tub.x[1] - ROOM)
     ceiling = tub.z[1] - 0.05
     for k in range(count):
         if k == 0:
             start = tub.z[0] + ROOM
-            z = (start, start + min(float(rng.uniform(0.15, 0.22)), 0.7 * tub.height))
+            z = (start, start + min(choose(rng, 0.15, 0.22), 0.7 * tub.height))
         elif k == 1:
-            start = max(
-                tub.z[0] + float(rng.uniform(0.46, 0.52)) * tub.height, parts[0].bounds()[1, 2] + 0.03
-            )
-            z = (start, min(start + float(rng.uniform(0.10, 0.14)), ceiling - (0.05 if count == 3 else 0.0)))
+            start = max(tub.z[0] + choose(rng, 0.46, 0.52) * tub.height, parts[0].bounds()[1, 2] + 0.03)
+            z = (start, min(start + choose(rng, 0.10, 0.14), ceiling - (0.05 if count == 3 else 0.0)))
         else:
             z = (ceiling - 0.04, ceiling)
         space = Space(x=x, y=y, z=z)
@@ -240,55 +230,31 @@ def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
             solids = build_rack(space, "steel", bars=int(rng.integers(12, 18)), lip=0.03)
         else:
             solids = build_basket(space, "steel", bars=6, posts=4 - k, tines=5)
-        rail = z[0] - 0.0015
-        for a, b in ((tub.y[0], tub.y[0] + 2 * ROOM), (tub.y[1] - 2 * ROOM, tub.y[1])):
-            rails.append(box((x[0], a, rail - 0.012), (tub.x[1], b, rail), "plastic"))
-        parts.append(
-            ShapePart(
-                name=f"rack_{k}",
-                label="tray",
-                parent="body",
-                primitives=solids,
-                motion=slide(float(rng.uniform(0.6, 0.78)) * space.depth),
-                needs=(Need(part="door", fraction=1.0),),
-            )
-        )
-    return Assembly(pieces=tuple(rails), parts=tuple(parts))
+        rail = (z[0] - 0.0135, z[0] - 0.0015)
+        for across in ((tub.y[0], tub.y[0] + 2 * ROOM), (tub.y[1] - 2 * ROOM, tub.y[1])):
+            rails.append(block((x[0], tub.x[1]), across, rail, "plastic"))
+        motion, needs = slide(choose(rng, 0.6, 0.78) * space.depth), require("door", fraction=1.0)
+        parts.append(ShapePart(f"rack_{k}", "tray", solids, motion, needs=needs))
+    return Assembly(rails, parts)
 
 
 def _draw_drawers(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """Draws one or two drawers, each a tub with a front."""
     outer = Space(x=(plan.front, -plan.x), y=plan.y, z=(plan.toe, plan.top))
-    wall = plan.wall
-    hollow = Space(
-        x=(plan.front, -plan.x - wall),
-        y=(plan.y[0] + wall, plan.y[1] - wall),
-        z=(plan.toe + wall, plan.top - wall),
-    )
-    pieces = list(build_shell(outer, hollow, "body", "inside"))
-    parts: list[ShapePart] = []
+    hollow = outer.hollow(plan.wall)
+    built = Assembly(build_shell(outer, hollow, "body", "inside"))
     for k, z in enumerate(reversed(divide_range((plan.toe, plan.top - 0.003), plan.drawers, 0.004))):
-        low = max(z[0], hollow.z[0]) + ROOM
-        high = min(z[1] - 0.03, hollow.z[1] - 0.02)
+        low, high = max(z[0], hollow.z[0]) + ROOM, min(z[1] - 0.03, hollow.z[1] - 0.02)
         if k == 0 and plan.drawers == 2:
-            shelf = (hollow.x[0], hollow.y[0], low - ROOM - 0.012)
-            pieces.append(box(shelf, (hollow.x[1], hollow.y[1], low - ROOM), "inside"))
+            shelf = block(hollow.x, hollow.y, (low - ROOM - 0.012, low - ROOM), "inside")
+            built += Assembly((shelf,))
         panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=z)
-        tub = Space(
-            x=(panel.back, hollow.x[1] - 0.02),
-            y=(hollow.y[0] + ROOM, hollow.y[1] - ROOM),
-            z=(low, high),
-        )
-        name = f"drawer_{k}"
-        front = rounded_box((panel.x, panel.y[0], z[0]), (panel.back, panel.y[1], z[1]), 0.003, "front")
-        solids = (front, *build_tub(tub, _tub_wall(tub), "steel"), *_build_tines(tub))
-        parts.append(
-            ShapePart(
-                name=name, label="drawer", parent="body", primitives=solids, motion=slide(0.62 * tub.depth)
-            )
-        )
-        parts += _mount(plan, panel, name)
-    return Assembly(pieces=tuple(pieces), parts=tuple(parts))
+        tub = Space(x=(panel.back, hollow.x[1] - 0.02), y=narrow(hollow.y, ROOM), z=(low, high))
+        box = build_tub(tub, _tub_wall(tub), "steel")
+        solids, name = (panel.fill("front", 0.003), *box, *_build_tines(tub)), f"drawer_{k}"
+        drawer = ShapePart(name, "drawer", solids, slide(0.62 * tub.depth))
+        built += Assembly(parts=(drawer, *_mount(plan, panel, name)))
+    return built
 
 
 def _tub_wall(tub: Space) -> float:
@@ -302,9 +268,7 @@ def _build_tines(tub: Space) -> tuple[Primitive, ...]:
     floor, height = tub.z[0] + wall, 0.35 * tub.height
     out = []
     for x in (tub.x[0] + tub.depth * share for share in (0.36, 0.68)):
-        out.append(
-            box((x - 0.006, tub.y[0] + wall, floor), (x + 0.006, tub.y[1] - wall, floor + 0.012), "plastic")
-        )
+        out.append(block(around(x, 0.006), narrow(tub.y, wall), (floor, floor + 0.012), "plastic"))
         for y in np.linspace(tub.y[0] + 0.07, tub.y[1] - 0.07, 7):
             out.append(cylinder((x, float(y), floor), (x, float(y), floor + height), 0.004, "plastic"))
     return tuple(out)

@@ -9,21 +9,22 @@ from itertools import pairwise
 
 import numpy as np
 
-from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
-from artigen.shapes.fittings.hardware import Range, Space, fill_space
+from artigen.shapes.choices import choose_one, choose_style
+from artigen.shapes.draw import Draft, Wish, choose_size
+from artigen.shapes.fittings.hardware import Range, Space, around, narrow, rotate
 from artigen.shapes.fittings.hinges import Leaf, hang_leaves
 from artigen.shapes.fittings.latches import (
     TURN,
     Hanging,
     Latch,
-    build_keep,
-    build_latch_stile,
+    build_jambs,
+    build_lock_stile,
     build_tongue,
     hang_parts,
 )
 from artigen.shapes.fittings.levers import LeverDesign, build_lever, design_lever
-from artigen.shapes.primitives import Primitive, box, rounded_box
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.primitives import Primitive, block
+from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Door"
@@ -53,13 +54,13 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     tall = float(rng.choice(HEIGHTS)) + BORDER
     lever = design_lever(rng)
     width, depth, height = choose_size(
-        rng, CATEGORY, wish, width=(wide, wide + 0.02), depth=(0.2, 0.36), height=(tall, tall + 0.02)
+        rng, CATEGORY, wish, ((wide, wide + 0.02), (0.2, 0.36), (tall, tall + 0.02))
     )
     x = (lever.reach - depth / 2, depth / 2 - TRIM_THICK)
     inner = Space(x=x, y=(BORDER - width / 2, width / 2 - BORDER), z=(0.0, height - BORDER))
-    look = style if count == 1 else ("panelled", "glazed")[int(rng.integers(2))]
+    look = style if count == 1 else choose_one(rng, ("panelled", "glazed"))
     grids = GRIDS.get(look, ((1, 1),))
-    columns, rows = grids[int(rng.integers(len(grids)))]
+    columns, rows = choose_one(rng, grids)
     leaves = hang_leaves(inner, THICK, count=count, hand=1 if rng.random() < 0.5 else -1, sill=0.007)
     first = leaves[0]
     latch = Latch(x=first.x, edge=first.edge, side=first.side, level=min(LEVER, 0.55 * height))
@@ -79,11 +80,9 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     grid = (columns if count == 1 else 1, rows)
     hinges, parts = hang_parts(rng, leaves, hanging, lambda leaf: _build_leaf(leaf, latch, look, grid))
     frame += hinges
-    base = ShapePart(name="frame", label="base", parent=None, primitives=tuple(frame))
-    finishes = draw_palette(rng, "furniture", PALETTES[int(rng.integers(len(PALETTES)))])
-    return Draft(
-        style=style, parts=(base, *parts, _make_lever(latch, lever)), finishes=tuple(sorted(finishes.items()))
-    )
+    base = make_base(frame, "frame")
+    finishes = draw_palette(rng, "furniture", choose_one(rng, PALETTES))
+    return Draft(style, (base, *parts, _make_lever(latch, lever)), finishes)
 
 
 def _build_frame(inner: Space, latch: Latch | None) -> list[Primitive]:
@@ -91,22 +90,18 @@ def _build_frame(inner: Space, latch: Latch | None) -> list[Primitive]:
     x, top, finish = inner.x, inner.z[1], "body"
     stop = x[0] + THICK + 0.003
     pieces = [
-        box((x[0], inner.y[0] - LINING, top), (x[1], inner.y[1] + LINING, top + LINING), finish),
-        box((stop, inner.y[0], top - STOP), (x[1], inner.y[1], top), finish),
+        block(x, narrow(inner.y, -LINING), (top, top + LINING), finish),
+        block((stop, x[1]), inner.y, (top - STOP, top), finish),
     ]
-    for side, at in ((-1, inner.y[0]), (1, inner.y[1])):
-        low, high = sorted((at, at + side * LINING))
-        jamb = Space(x=x, y=(low, high), z=(0.0, top))
-        own = latch is not None and latch.side == side
-        pieces += build_keep(latch, jamb, finish) if latch is not None and own else [fill_space(jamb, finish)]
-        low, high = sorted((at, at - side * STOP))
-        pieces.append(box((stop, low, 0.0), (x[1], high, top - STOP), finish))
-    outer, edge = (inner.y[0] - BORDER, inner.y[1] + BORDER), top + BORDER
+    stops = ((inner.y[0], inner.y[0] + STOP), (inner.y[1] - STOP, inner.y[1]))
+    pieces += [*build_jambs(inner, LINING, latch, finish)]
+    pieces += [block((stop, x[1]), y, (0.0, top - STOP), finish) for y in stops]
+    outer, edge = narrow(inner.y, -BORDER), top + BORDER
     for face in ((x[0] - TRIM_THICK, x[0]), (x[1], x[1] + TRIM_THICK)):
         for y in ((outer[0], outer[0] + TRIM), (outer[1] - TRIM, outer[1])):
-            pieces.append(box((face[0], y[0], 0.0), (face[1], y[1], edge), finish))
-        low, high = outer[0] + TRIM, outer[1] - TRIM
-        pieces.append(box((face[0], low, edge - TRIM), (face[1], high, edge), finish))
+            pieces.append(block(face, y, (0.0, edge), finish))
+        low, high = narrow(outer, TRIM)
+        pieces.append(block(face, (low, high), (edge - TRIM, edge), finish))
     return pieces
 
 
@@ -114,33 +109,30 @@ def _build_leaf(leaf: Leaf, latch: Latch, look: str, grid: tuple[int, int]) -> l
     """Stiles and rails around fields of board or glass; the lock stile holds the latch or its keep."""
     (x0, x1), (z0, z1), finish = leaf.x, leaf.z, "front"
     hung, field, lock = leaf.stiles(STILE)
-    if leaf.edge == latch.edge:
-        pieces = list(build_latch_stile(latch, lock, leaf.z, finish))
-    else:
-        pieces = list(build_keep(latch, Space(x=leaf.x, y=lock, z=leaf.z), finish))
+    pieces = list(build_lock_stile(leaf, latch, lock, finish))
     if look == "flush":
-        low, high = min(hung[0], field[0]), max(hung[1], field[1])
-        return [*pieces, box((x0, low, z0), (x1, high, z1), finish)]
-    pieces.append(box((x0, hung[0], z0), (x1, hung[1], z1), finish))
+        plain = min(hung[0], field[0]), max(hung[1], field[1])
+        return [*pieces, block((x0, x1), plain, (z0, z1), finish)]
+    pieces.append(block((x0, x1), hung, (z0, z1), finish))
     columns, rows = grid
     bottom, top = z0 + 0.2, z1 - STILE
     levels = np.linspace(bottom, top, rows + 1)
     if look == "panelled" and rows == 2:
         levels[1] = latch.level
     slim = 0.032 if look == "glazed" else 0.09
-    between = [(float(z) - slim / 2, float(z) + slim / 2) for z in levels[1:-1]]
+    between = [around(float(z), slim / 2) for z in levels[1:-1]]
     edges = np.linspace(field[0], field[1], columns + 1)
-    posts = [(float(y) - slim / 2, float(y) + slim / 2) for y in edges[1:-1]]
+    posts = [around(float(y), slim / 2) for y in edges[1:-1]]
     rails = [(z0, bottom), *between, (top, z1)]
-    pieces += [box((x0, field[0], low), (x1, field[1], high), finish) for low, high in rails]
+    pieces += [block((x0, x1), field, (low, high), finish) for low, high in rails]
     if look == "glazed":  # one pane with bars on both faces
         middle = (x0 + x1) / 2
-        pieces += [box((x0 + 0.006, y[0], bottom), (x1 - 0.006, y[1], top), finish) for y in posts]
-        pane = box((middle - 0.004, field[0], bottom), (middle + 0.004, field[1], top), "glass")
+        pieces += [block((x0 + 0.006, x1 - 0.006), y, (bottom, top), finish) for y in posts]
+        pane = block(around(middle, 0.004), field, (bottom, top), "glass")
         return [*pieces, pane]
     spans = [(low[1], high[0]) for low, high in pairwise([(0.0, field[0]), *posts, (field[1], 0.0)])]
     for low, high in pairwise(rails):
-        pieces += [box((x0, y[0], low[1]), (x1, y[1], high[0]), finish) for y in posts]
+        pieces += [block((x0, x1), y, (low[1], high[0]), finish) for y in posts]
         pieces += [_build_field(leaf.x, y, (low[1], high[0]), finish) for y in spans]
     return pieces
 
@@ -148,9 +140,7 @@ def _build_leaf(leaf: Leaf, latch: Latch, look: str, grid: tuple[int, int]) -> l
 def _build_field(x: Range, y: Range, z: Range, finish: str) -> Primitive:
     """A raised panel, whose bevelled edges enter the frame."""
     back, slope = 0.004, 0.014
-    over = slope / 2
-    low, high = (x[0] + back, y[0] - over, z[0] - over), (x[1] - back, y[1] + over, z[1] + over)
-    return rounded_box(low, high, slope, finish)
+    return block(narrow(x, back), narrow(y, -slope / 2), narrow(z, -slope / 2), finish, slope)
 
 
 def _make_lever(latch: Latch, design: LeverDesign) -> ShapePart:
@@ -161,5 +151,5 @@ def _make_lever(latch: Latch, design: LeverDesign) -> ShapePart:
         *build_lever(design, (latch.x[1], y, z), out=1.0, along=along),
         *build_tongue(latch, "steel"),
     )
-    motion = Motion(type="revolute", axis=(latch.side, 0.0, 0.0), origin=(latch.x[0], y, z), upper=TURN)
-    return ShapePart(name="lever", label="knob", parent="leaf", primitives=pieces, motion=motion)
+    motion = rotate((latch.side, 0.0, 0.0), (latch.x[0], y, z), TURN)
+    return ShapePart("lever", "knob", pieces, motion, parent="leaf")

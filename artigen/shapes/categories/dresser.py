@@ -8,14 +8,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, choose_style
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.feet import LegKind, StandKind
 from artigen.shapes.fittings.hardware import Range
-from artigen.shapes.furniture.carcass import fits_engines
+from artigen.shapes.furniture.carcass import draw_fitting
 from artigen.shapes.furniture.case import Size, build_case, draw_plan
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
 from artigen.shapes.furniture.furniture_kinds import Kind
 from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, stack_drawers
+from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Dresser"
@@ -81,28 +83,25 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     )
     kind = Kind(weight=1, width=width, depth=(0.42, 0.53), height=height, stands=look.stands,
                 taste=Taste(), worktop=0.75)  # fmt: skip
-    finishes = draw_palette(rng, "furniture", look.palettes[int(rng.integers(len(look.palettes)))])
+    finishes = draw_palette(rng, "furniture", choose_one(rng, look.palettes))
     if style == "midcentury":
         finishes["leg"] = finishes["top"]
-    for attempt in range(MAX_LAYOUTS):
+
+    def draw_parts(attempt: int) -> tuple[ShapePart, ...]:
         plan = draw_plan(wish.shared_stream(rng, attempt), kind, LOOKS[look.fronts], size, wish)
-        leg = look.legs[int(rng.integers(len(look.legs)))]
+        leg = choose_one(rng, look.legs)
         frame = plan.looks.carcass.frame if style in ("shaker", "classic") else 0.0
         looks = replace(plan.looks, carcass=replace(plan.looks.carcass, frame=frame), lock=False)
         plan = replace(plan, looks=looks, stand=replace(plan.stand, leg=leg))
-        parts = build_case(plan, _draw_layout(rng, size), size)
-        if fits_engines(parts):
-            return Draft(style=style, parts=parts, finishes=tuple(sorted(finishes.items())))
-    raise CrowdedError(
-        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) respects the "
-        "limits of engines; request a smaller one"
-    )
+        return build_case(plan, _draw_layout(rng, size), size)
+
+    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts), finishes)
 
 
 def _draw_layout(rng: np.random.Generator, size: Size) -> Node:
     """Draws drawers in columns, often below a row of smaller ones, sometimes with a cupboard between."""
     width, _, height = size
-    rows = int(np.clip(round(height / float(rng.uniform(0.2, 0.27))), 2, 7))
+    rows = int(np.clip(round(height / choose(rng, 0.2, 0.27)), 2, 7))
     small = rng.random() < 0.55
     columns = 1 if width < WIDE else int(rng.choice((2, 2, 3) if width < 1.35 else (2, 3, 3)))
     columns = max(columns, int(np.ceil(width / 1.05)))
@@ -120,9 +119,7 @@ def _draw_layout(rng: np.random.Generator, size: Size) -> Node:
         return body
     count = {1: int(rng.choice((2, 2, 3))), 2: int(rng.choice((2, 3, 4))), 3: 3}.get(columns, columns)
     row = _stand_abreast((Cell(fill="drawer"),) * count)
-    return Split(
-        along="rows", shares=(float(rng.uniform(0.7, 0.85)), float(graded.sum())), children=(row, body)
-    )
+    return Split(along="rows", shares=(choose(rng, 0.7, 0.85), float(graded.sum())), children=(row, body))
 
 
 def _stand_abreast(cells: tuple[Node, ...]) -> Node:

@@ -5,19 +5,21 @@ European tumble dryers are 0.6 m wide, 0.85 m high and 0.55 to 0.66 m deep; Amer
 """
 
 from dataclasses import replace
+from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly
 from artigen.shapes.appliances.cavity import build_feet
 from artigen.shapes.appliances.drums import build_bearing, build_porthole, fit_radius, make_drum
 from artigen.shapes.appliances.laundry import FACE, LID, WALL, LaundryPlan, build_cabinet, draw_band
 from artigen.shapes.appliances.rings import build_pierced_plate
-from artigen.shapes.draw import Draft, Wish, choose, choose_style
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, hinge, slide, sweep_gap
-from artigen.shapes.primitives import Primitive, box, cylinder, rounded_box
-from artigen.shapes.shape import Need, ShapePart
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, around, hinge, narrow, slide, sweep_gap
+from artigen.shapes.primitives import UP, Primitive, block, box, cylinder
+from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Dryer"
@@ -29,38 +31,36 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     style = choose_style(rng, STYLES, wish.style)
     american = style == "american"
     palette = draw_palette(
-        rng, "appliance", ("white", "white", "steel")[int(rng.integers(3))] if american else style
+        rng, "appliance", choose_one(rng, ("white", "white", "steel")) if american else style
     )
     width = choose(rng, *((0.67, 0.7) if american else (0.59, 0.61)), wish.width)
     depth = choose(rng, *((0.68, 0.76) if american else (0.55, 0.66)), wish.depth)
     height = choose(rng, *((0.96, 1.0) if american else (0.84, 0.87)), wish.height)
     plan = LaundryPlan(
         width=width, depth=depth, height=height, pedestal=0.0,
-        thickness=float(rng.uniform(0.036, 0.05)), band=float(rng.uniform(0.1, 0.14)),
+        thickness=choose(rng, 0.036, 0.05), band=choose(rng, 0.1, 0.14),
         longest=max(width, depth, height),
     )  # fmt: skip
     built = _build(rng, plan, square=american or bool(rng.random() < 0.12))
-    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(palette.items())))
+    return Draft(style, built.close(), palette)
 
 
 def _build(rng: np.random.Generator, plan: LaundryPlan, *, square: bool) -> Assembly:
     """Cabinet, band, door, drum, lint filter, and the kick plate with its flap."""
     x, back, y = -plan.depth / 2 + plan.thickness + GAP, plan.depth / 2, plan.y
-    foot = float(rng.uniform(0.012, 0.025))
-    kick = foot + float(rng.uniform(0.14, 0.17)) * plan.height
+    foot = choose(rng, 0.012, 0.025)
+    kick = foot + choose(rng, 0.14, 0.17) * plan.height
     sill = plan.height - plan.band
-    radius = min(float(rng.uniform(0.86, 0.96)) * (sill - kick) / 2, 0.43 * plan.width)
+    radius = min(choose(rng, 0.86, 0.96) * (sill - kick) / 2, 0.43 * plan.width)
     level = (kick + sill) / 2
-    hole = float(rng.uniform(0.72, 0.78)) * radius
+    hole = choose(rng, 0.72, 0.78) * radius
     plate = build_pierced_plate((x, x + FACE), (y, (kick, sill)), (0.0, level, hole), "front", lining="steel")
     feet = build_feet((x + FACE, back), y, foot, "rubber", radius=0.022, inset=0.03)
-    built = Assembly(pieces=(*feet, *build_cabinet(plan, x, (foot, plan.height)), *plate))
+    built = Assembly((*feet, *build_cabinet(plan, x, (foot, plan.height)), *plate))
     band = draw_band(rng, plan, x, (sill, plan.height - LID))
     tank = tuple(replace(part, name="water_tank") if part.label == "drawer" else part for part in band.parts)
-    built += Assembly(pieces=band.pieces, parts=tank)
-    panel = Panel(
-        x=-plan.depth / 2, thickness=plan.thickness, y=(-radius, radius), z=(level - radius, level + radius)
-    )
+    built += Assembly(band.pieces, tank)
+    panel = Panel(x=-plan.depth / 2, thickness=plan.thickness, y=around(0.0, radius), z=around(level, radius))
     built += _make_door(rng, plan, panel, hole, square=square)
     end, wall = back - WALL - 0.05, back - WALL
     room = min(plan.width / 2 - WALL, sill - level, level - kick + 0.02) - 0.008
@@ -68,7 +68,7 @@ def _build(rng: np.random.Generator, plan: LaundryPlan, *, square: bool) -> Asse
         (0.0, 0.0, level), "x", (x + FACE + 0.055, end), fit_radius(room), paddles=int(rng.integers(2, 4))
     )
     bearing = build_bearing(end, wall, (0.0, 0.0, level), "x")
-    built += Assembly(pieces=(bearing,), parts=(drum, _make_filter(x + FACE, level - hole, kick + 0.01)))
+    built += Assembly((bearing,), (drum, _make_filter(x + FACE, level - hole, kick + 0.01)))
     return built + _make_kick(rng, plan, x, (foot, kick))
 
 
@@ -77,26 +77,21 @@ def _make_door(
 ) -> Assembly:
     """A round door with a glass or sheet bowl, or a square one with a plug; most have a grip."""
     edge = "right" if rng.random() < 0.8 else "left"
-    upper = float(np.radians(rng.uniform(100, 165)))
+    upper = radians(choose(rng, 100, 165))
     y, z = panel.center
     if square:
         plug = cylinder((panel.back - 0.004, y, z), (panel.back + 0.03, y, z), 0.8 * hole, "steel")
-        low, high = (panel.x, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1])
         inset = 0.2 * panel.width
-        field = box(
-            (panel.x - 0.003, panel.y[0] + inset, panel.z[0] + inset),
-            (panel.x + 0.002, panel.y[1] - inset, panel.z[1] - inset),
-            "panel" if rng.random() < 0.5 else "front",
-        )
-        solids: tuple[Primitive, ...] = (rounded_box(low, high, 0.008, "front"), field, plug)
+        finish = "panel" if rng.random() < 0.5 else "front"
+        face = (panel.x - 0.003, panel.x + 0.002)
+        field = block(face, narrow(panel.y, inset), narrow(panel.z, inset), finish)
+        solids: tuple[Primitive, ...] = (panel.fill("front", 0.008), field, plug)
     else:
-        pane = ("glass", "clear", "front")[int(rng.integers(3))]
-        solids = build_porthole(panel, 0.84 * hole, float(rng.uniform(0.03, 0.045)), pane)
-    door = ShapePart(
-        name="door", label="door", parent="body", primitives=solids, motion=hinge(panel, edge, upper)
-    )
+        pane = choose_one(rng, ("glass", "clear", "front"))
+        solids = build_porthole(panel, 0.84 * hole, choose(rng, 0.03, 0.045), pane)
+    door = ShapePart("door", "door", solids, hinge(panel, edge, upper))
     thickness = max(0.016, 0.017 * plan.longest)
-    design = HandleDesign(kind="block", length=float(rng.uniform(0.1, 0.16)), thickness=thickness)
+    design = HandleDesign(kind="block", length=choose(rng, 0.1, 0.16), thickness=thickness)
     aside = (0.84 * hole + panel.width / 2 - 0.022) / 2
     at = (-aside if edge == "left" else aside, z)
     handle = make_handle(panel, design, name="door_handle", parent="door", upright=True, at=at)
@@ -107,50 +102,35 @@ def _make_filter(x: float, sill: float, lowest: float) -> ShapePart:
     """The lint filter: a sieve behind the front, below the opening, which is pulled up by a tab."""
     front, half, low = x + GAP, 0.085, max(sill - 0.11, lowest)
     solids = (
-        box((front, -half, low), (front + 0.014, half, sill - 0.004), "plastic"),
-        box((front, -0.5 * half, sill - 0.004), (front + 0.014, 0.5 * half, sill + 0.012), "plastic"),
+        block((front, front + 0.014), around(0.0, half), (low, sill - 0.004), "plastic"),
+        block((front, front + 0.014), around(0.0, 0.5 * half), (sill - 0.004, sill + 0.012), "plastic"),
     )
-    lift = slide(0.85 * (sill - low), (0.0, 0.0, 1.0))
-    return ShapePart(
-        name="lint_filter",
-        label="tray",
-        parent="body",
-        primitives=solids,
-        motion=lift,
-        needs=(Need(part="door"),),
-    )
+    lift = slide(0.85 * (sill - low), UP)
+    return ShapePart("lint_filter", "tray", solids, lift, needs=require("door"))
 
 
 def _make_kick(rng: np.random.Generator, plan: LaundryPlan, x: float, z: Range) -> Assembly:
     """The kick plate, with a flap before the fins of the heat exchanger."""
-    wide, thick = float(rng.uniform(0.24, 0.34)), 0.014
+    wide, thick = choose(rng, 0.24, 0.34), 0.014
     left = plan.y[1] - 0.05 if rng.random() < 0.5 else plan.y[0] + 0.05 + wide
     hole_y, hole_z = (left - wide, left), (z[0], z[1])
     pieces = [
-        box((x, plan.y[0], z[0]), (x + FACE, hole_y[0], z[1]), "front"),
-        box((x, hole_y[1], z[0]), (x + FACE, plan.y[1], z[1]), "front"),
+        block((x, x + FACE), (plan.y[0], hole_y[0]), z, "front"),
+        block((x, x + FACE), (hole_y[1], plan.y[1]), z, "front"),
     ]
     floor = z[0] + 0.018
     for k in range(3):
         at = hole_y[0] + (k + 0.5) * wide / 3 - 0.02
         pieces.append(box((x + 0.06, at, floor), (x + 0.19, at + 0.04, hole_z[1] - 0.012), "steel"))
     room = sweep_gap(hole_z[1] - hole_z[0], thick)
-    panel = Panel(
-        x=x, thickness=thick, y=(hole_y[0] + GAP, hole_y[1] - GAP), z=(hole_z[0] + GAP, hole_z[1] - room)
-    )
+    panel = Panel(x=x, thickness=thick, y=narrow(hole_y, GAP), z=(hole_z[0] + GAP, hole_z[1] - room))
     solids = (
-        rounded_box((x, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1]), 0.002, "front"),
+        block((x, panel.back), panel.y, panel.z, "front", 0.002),
         box(
             (x - 0.008, left - 0.65 * wide, panel.z[1] - 0.016),
             (x, left - 0.35 * wide, panel.z[1] - 0.004),
             "front",
         ),
     )
-    flap = ShapePart(
-        name="flap",
-        label="door",
-        parent="body",
-        primitives=solids,
-        motion=hinge(panel, "bottom", float(np.radians(88))),
-    )
-    return Assembly(pieces=tuple(pieces), parts=(flap,))
+    flap = ShapePart("flap", "door", solids, hinge(panel, "bottom", radians(88)))
+    return Assembly(pieces, (flap,))

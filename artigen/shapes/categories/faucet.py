@@ -4,20 +4,24 @@ Basin mixers extend 110 to 160 mm forward, kitchen mixers 180 to 240 mm forward 
 bridge faucets are 203 mm (8 inches) apart. A lever is cold in the middle and turns one way, to warm.
 """
 
+from math import radians
+
 import numpy as np
 
-from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
-from artigen.shapes.fittings.hardware import Range
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Spans, Wish, choose_size
+from artigen.shapes.fittings.hardware import Range, around, rotate
 from artigen.shapes.fittings.taps import PIVOT, make_cross_handle, make_mixer
 from artigen.shapes.fittings.tubes import bend_elbow, lay_pipe, lean_rod
-from artigen.shapes.primitives import SEGMENTS, Primitive, Vector, cylinder, rounded_box
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.primitives import FRONT, LEFT, RIGHT, ROUND, UP, Primitive, block, cylinder
+from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.materials import make_polished
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Faucet"
 STYLES = {"single": 0.35, "kitchen": 0.35, "bridge": 0.3}
-SIZES: dict[str, tuple[Range, Range, Range]] = {
+SIZES: dict[str, Spans] = {
     "single": ((0.16, 0.22), (0.17, 0.22), (0.16, 0.22)),
     "kitchen": ((0.18, 0.24), (0.24, 0.3), (0.32, 0.44)),
     "bridge": ((0.29, 0.34), (0.2, 0.26), (0.26, 0.34)),
@@ -25,161 +29,126 @@ SIZES: dict[str, tuple[Range, Range, Range]] = {
 """Width and depth, including the piece of worktop, and height."""
 METALS = ("chrome", "chrome", "steel", "black", "brass", "bronze")
 DECK = 0.03
-ROUND = float(np.cos(np.pi / SEGMENTS))
-"""Ratio of the extent of the prism that approximates a cylinder to the cylinder's."""
-UP: Vector = (0.0, 0.0, 1.0)
-FRONT: Vector = (-1.0, 0.0, 0.0)
+TURN = radians(50.0)
+"""Range of a cartridge."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a faucet."""
     style = choose_style(rng, STYLES, wish.style)
-    wide, deep, tall = SIZES[style]
-    width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=deep, height=tall)
+    width, depth, height = choose_size(rng, CATEGORY, wish, SIZES[style])
     back = depth / 2 - 0.06  # x of the faucet's axis
-    low = -depth / 2 + 0.3 * depth
-    deck = rounded_box((low, -width / 2, 0.0), (depth / 2, width / 2, DECK), 0.002, "top")
-    reach = back + depth / 2
+    deck = block((0.3 * depth - depth / 2, depth / 2), around(0.0, width / 2), (0.0, DECK), "top", 0.002)
     build = {"single": _draw_single, "kitchen": _draw_kitchen, "bridge": _draw_bridge}[style]
-    pieces, parts = build(rng, back, reach, height)
-    body = ShapePart(name="body", label="base", parent=None, primitives=(deck, *pieces))
-    finishes = draw_palette(rng, "furniture", ("oak", "white", "walnut", "anthracite")[int(rng.integers(4))])
-    metal = make_polished(METALS[int(rng.integers(len(METALS)))], int(rng.integers(2**30)))
-    finishes |= {"handle": metal, "accent": metal}
-    return Draft(style=style, parts=(body, *parts), finishes=tuple(sorted(finishes.items())))
+    built = Assembly((deck,)) + build(rng, back, back + depth / 2, height)
+    finishes = draw_palette(rng, "furniture", choose_one(rng, ("oak", "white", "walnut", "anthracite")))
+    metal = make_polished(choose_one(rng, METALS), int(rng.integers(2**30)))
+    return Draft(style, built.close(), finishes | {"handle": metal, "accent": metal})
+
+
+def _rod(at: tuple[float, float], z: Range, radius: float) -> Primitive:
+    """An upright rod at (x, y)."""
+    return cylinder((*at, z[0]), (*at, z[1]), radius, "handle")
 
 
 def _build_aerator(x: float, z: float, radius: float) -> Primitive:
     """The aerator on the end of a tube that points down."""
-    return cylinder((x, 0.0, z - 0.008), (x, 0.0, z + 0.012), 1.12 * radius, "handle")
+    return _rod((x, 0.0), (z - 0.008, z + 0.012), 1.12 * radius)
 
 
-def _build_spout(x: Range, z: Range, top: float, bend: float, radius: float) -> tuple[Primitive, ...]:
-    """A tube from its foot up, across and down to its aerator.
+def _make_spout(
+    x: Range, neck: float, collar: tuple[float, float], z: Range, top: float, *, bend: float, radius: float
+) -> ShapePart:
+    """A spout that swivels about its foot: a collar, and a tube up, across and down to its aerator.
 
     Args:
         x: x of the foot and of the aerator (m).
-        z: Height of the foot and of the aerator.
+        neck: Height of what it turns on.
+        collar: Height and radius of the collar.
+        z: Height of the tube's foot and of the aerator.
         top: Highest point of the tube's middle.
         bend: Radius of its bends.
         radius: Radius of the tube.
     """
     path = [(x[0], 0.0, z[0]), (x[0], 0.0, top), (x[1], 0.0, top), (x[1], 0.0, z[1])]
     bow = abs(x[1] - x[0]) < 2 * bend + 1e-9
-    tube = lay_pipe(path, radius, bend, "handle", pieces=4 if bow else 2)
-    return *tube, _build_aerator(x[1], z[1], radius)
-
-
-def _draw_single(
-    rng: np.random.Generator, x: float, reach: float, height: float
-) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
-    """A pillar with a fixed spout, and the cartridge with its lever on top."""
-    radius = float(rng.uniform(0.021, 0.026))
-    cap = 0.02
-    top = height - cap - 0.0015 - 2 * PIVOT - (0.013 - PIVOT)
-    spout, tube = DECK + 0.6 * (top - DECK), 0.0135
-    end = x - reach + 1.12 * tube * ROUND
-    rise = float(rng.uniform(0.0, 0.02))
-    bend, level, low = 0.02, spout + rise, spout + rise - 0.03
     pieces = (
-        cylinder((x, 0.0, DECK), (x, 0.0, DECK + 0.006), 1.25 * radius, "handle"),
-        cylinder((x, 0.0, DECK), (x, 0.0, top), radius, "handle"),
+        _rod((x[0], 0.0), (neck + 0.0015, neck + collar[0]), collar[1]),
+        *lay_pipe(path, radius, bend, "handle", pieces=4 if bow else 2),
+        _build_aerator(x[1], z[1], radius),
+    )
+    return ShapePart("spout", "handle", pieces, rotate(UP, (x[0], 0.0, neck)))
+
+
+def _draw_single(rng: np.random.Generator, x: float, reach: float, height: float) -> Assembly:
+    """A pillar with a fixed spout, and the cartridge with its lever on top."""
+    radius, cap, tube, bend = choose(rng, 0.021, 0.026), 0.02, 0.0135, 0.02
+    top = height - cap - 0.0015 - 2 * PIVOT - (0.013 - PIVOT)
+    spout, end = DECK + 0.6 * (top - DECK), x - reach + 1.12 * tube * ROUND
+    level = spout + choose(rng, 0.0, 0.02)
+    pieces = (
+        _rod((x, 0.0), (DECK, DECK + 0.006), 1.25 * radius),
+        _rod((x, 0.0), (DECK, top), radius),
         lean_rod((x, 0.0, spout), (end + bend, 0.0, level), tube, "handle"),
         *bend_elbow((end + bend, 0.0, level - bend), (UP, FRONT), bend, tube, "handle"),
-        cylinder((end, 0.0, level - bend), (end, 0.0, low), tube, "handle"),
-        _build_aerator(end, low, tube),
+        cylinder((end, 0.0, level - bend), (end, 0.0, level - 0.03), tube, "handle"),
+        _build_aerator(end, level - 0.03, tube),
     )
-    mixer = make_mixer(
-        (x, 0.0, top),
-        UP,
-        FRONT,
-        name="lever",
-        parent="body",
-        radius=radius,
-        height=cap,
-        length=float(rng.uniform(0.6, 0.8)) * reach,
-        turn=float(np.radians(50.0)),
-        finish="handle",
-    )
-    return pieces, mixer
+    long = choose(rng, 0.6, 0.8) * reach
+    at = (x, 0.0, top)
+    lever = make_mixer(at, UP, FRONT, name="lever", radius=radius, height=cap, length=long, turn=TURN)
+    return Assembly(pieces, lever)
 
 
-def _draw_kitchen(
-    rng: np.random.Generator, x: float, reach: float, height: float
-) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
+def _draw_kitchen(rng: np.random.Generator, x: float, reach: float, height: float) -> Assembly:
     """A high swivelling spout on a body with a lever at its side."""
-    radius, tube = float(rng.uniform(0.022, 0.026)), 0.0125
-    neck = DECK + 0.11
+    radius, tube, neck, level = choose(rng, 0.022, 0.026), 0.0125, DECK + 0.11, DECK + 0.06
+    side = (x, -radius - 0.006, level)
     pieces = (
-        cylinder((x, 0.0, DECK), (x, 0.0, DECK + 0.006), 1.25 * radius, "handle"),
-        cylinder((x, 0.0, DECK), (x, 0.0, neck), radius, "handle"),
-        cylinder((x, -radius - 0.006, DECK + 0.06), (x, 0.0, DECK + 0.06), 0.019, "handle"),
+        _rod((x, 0.0), (DECK, DECK + 0.006), 1.25 * radius),
+        _rod((x, 0.0), (DECK, neck), radius),
+        cylinder(side, (x, 0.0, level), 0.019, "handle"),
     )
     end = x - reach + 1.12 * tube * ROUND
-    collar = cylinder((x, 0.0, neck + 0.0015), (x, 0.0, neck + 0.03), 0.9 * radius, "handle")
-    if rng.random() < 0.6:  # a bow
-        bend, level = (x - end) / 2, height - tube * ROUND
-        low = level - bend - 0.03
-    else:  # square, with short bends
-        bend, level = 0.03, height - tube
-        low = level - 0.07
-    tubes = _build_spout((x, end), (neck + 0.02, low), level, bend, tube)
-    spout = _make_swivel((x, 0.0, neck), (collar, *tubes))
-    mixer = make_mixer(
-        (x, -radius - 0.006, DECK + 0.06),
-        (0.0, -1.0, 0.0),
-        UP,
-        name="lever",
-        parent="body",
-        radius=0.018,
-        height=0.02,
-        length=float(rng.uniform(0.08, 0.1)),
-        turn=float(np.radians(50.0)),
-        finish="handle",
-    )
-    return pieces, (spout, *mixer)
+    bend, top, drop = (x - end) / 2, height - tube * ROUND, 0.03  # a bow
+    if rng.random() >= 0.6:  # square, with short bends
+        bend, top, drop = 0.03, height - tube, 0.04
+    collar, z = (0.03, 0.9 * radius), (neck + 0.02, top - bend - drop)
+    spout = _make_spout((x, end), neck, collar, z, top, bend=bend, radius=tube)
+    long = choose(rng, 0.08, 0.1)
+    lever = make_mixer(side, RIGHT, UP, name="lever", radius=0.018, height=0.02, length=long, turn=TURN)
+    return Assembly(pieces, (spout, *lever))
 
 
-def _make_swivel(foot: Vector, pieces: tuple[Primitive, ...]) -> ShapePart:
-    """A spout that turns about the vertical axis through its foot."""
-    turn = Motion(type="continuous", axis=UP, origin=foot, upper=2 * np.pi)
-    return ShapePart(name="spout", label="handle", parent="body", primitives=pieces, motion=turn)
-
-
-def _draw_bridge(
-    rng: np.random.Generator, x: float, reach: float, height: float
-) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
+def _draw_bridge(rng: np.random.Generator, x: float, reach: float, height: float) -> Assembly:
     """Two taps on pillars joined by a bridge, with a swivelling spout on its middle."""
     apart, level, tube = 0.1015, DECK + 0.055, 0.0115
+    neck, end = level + 0.022, x - reach + 1.12 * tube * ROUND
     pieces = [cylinder((x, -apart, level), (x, apart, level), 0.011, "handle")]
     for y in (-apart, apart):
-        pieces.append(cylinder((x, y, DECK), (x, y, DECK + 0.007), 0.026, "handle"))
-        pieces.append(cylinder((x, y, DECK), (x, y, level + 0.022), 0.0145, "handle"))
-    pieces.append(cylinder((x, 0.0, level - 0.014), (x, 0.0, level + 0.022), 0.0165, "handle"))
-    neck, end = level + 0.022, x - reach + 1.12 * tube * ROUND
+        pieces += [_rod((x, y), (DECK, DECK + 0.007), 0.026), _rod((x, y), (DECK, neck), 0.0145)]
+    pieces.append(_rod((x, 0.0), (level - 0.014, neck), 0.0165))
     bend, top = (x - end) / 2, height - tube * ROUND
     lowest = neck + 0.068  # above the taps, which it passes
     low = top - bend - 0.02
     if low <= lowest:
         bend, top = 0.02, height - tube
         low = min(lowest, top - 0.03)
-    tubes = _build_spout((x, end), (neck + 0.01, low), top, bend, tube)
-    collar = cylinder((x, 0.0, neck + 0.0015), (x, 0.0, neck + 0.022), 0.0155, "handle")
-    spout = _make_swivel((x, 0.0, neck), (collar, *tubes))
-    arms = 4 if rng.random() < 0.65 else 1
-    taps = [
+    z = (neck + 0.01, low)
+    spout = _make_spout((x, end), neck, (0.022, 0.0155), z, top, bend=bend, radius=tube)
+    cross = rng.random() < 0.65
+    arms, long, upper = (4, 0.034, np.pi) if cross else (1, 0.042, np.pi / 2)
+    hot, cold = (
         make_cross_handle(
             (x, y, neck),
             UP,
-            FRONT if arms > 1 else (0.0, float(np.sign(y)), 0.0),
+            FRONT if cross else away,
             name=name,
-            parent="body",
-            reach=0.034 if arms > 1 else 0.042,
+            reach=long,
             height=0.05,
-            finish="handle",
             arms=arms,
-            upper=float(np.pi if arms > 1 else np.pi / 2),
+            upper=upper,
         )
-        for name, y in (("hot", apart), ("cold", -apart))
-    ]
-    return tuple(pieces), (spout, *taps)
+        for name, y, away in (("hot", apart, LEFT), ("cold", -apart, RIGHT))
+    )
+    return Assembly(pieces, (spout, hot, cold))

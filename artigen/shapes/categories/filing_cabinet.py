@@ -10,33 +10,26 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from artigen.shapes.draw import Draft, Wish, choose, choose_style
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.drawers import BoxDesign, make_drawer
 from artigen.shapes.fittings.feet import StandKind, design_stand, make_stand
 from artigen.shapes.fittings.fronts import FrontDesign, FrontStyle
 from artigen.shapes.fittings.handles import HandleKind, design_handle
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, fill_space
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, around, narrow, share_down
 from artigen.shapes.fittings.locks import make_lock
 from artigen.shapes.furniture.carcass import CarcassDesign, make_carcass, open_carcass
-from artigen.shapes.primitives import Primitive, box
-from artigen.shapes.shape import ShapePart
+from artigen.shapes.primitives import Primitive, block
+from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import LACQUERS, make_lacquer
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "FilingCabinet"
 PAINTS = (
-    "light_grey",
-    "light_grey",
-    "grey",
-    "anthracite",
-    "black",
-    "cream",
-    "white",
-    "navy",
-    "forest",
-    "terracotta",
-)
+    "light_grey", "light_grey", "grey", "anthracite", "black", "cream", "white", "navy",
+    "forest", "terracotta",
+)  # fmt: skip
 NEUTRAL = ("light_grey", "white", "grey", "anthracite")
 """Body colours that may have fronts of another colour."""
 SEAM = 0.006
@@ -93,30 +86,28 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     style = choose_style(rng, {name: kind.weight for name, kind in STYLES.items()}, wish.style)
     kind = STYLES[style]
     width, depth = choose(rng, *kind.width, wish.width), choose(rng, *kind.depth, wish.depth)
-    rows, pitch = int(rng.choice(kind.rows)), float(rng.uniform(0.295, 0.315))
+    rows, pitch = int(rng.choice(kind.rows)), choose(rng, 0.295, 0.315)
     low = kind.low if rows == 1 else 0
-    stand = design_stand(rng, kind.stands[int(rng.integers(len(kind.stands)))], 1.0)
-    drawn = stand.height + rows * pitch + low * float(rng.uniform(0.105, 0.14)) + 0.06
+    stand = design_stand(rng, choose_one(rng, kind.stands), 1.0)
+    drawn = stand.height + rows * pitch + low * choose(rng, 0.105, 0.14) + 0.06
     height = drawn if wish.height is None else wish.height
     if wish.height is not None:
         rows, low = _fit_rows(wish.height - stand.height - 0.06, pitch, kind.low)
     handles = wish.choose_handles(kind.handles)
-    handle = design_handle(rng, handles[int(rng.integers(len(handles)))], longest=height)
+    handle = design_handle(rng, choose_one(rng, handles), longest=height)
     if style == "lateral" and handle.kind in ("edge", "bar"):
-        handle = replace(handle, length=float(rng.uniform(0.3, 0.8)) * width)
-    front = FrontDesign(style=kind.fronts[int(rng.integers(len(kind.fronts)))], frame=0.05, handle=handle)
-    outer = Space(
-        x=(handle.reach - depth / 2, depth / 2), y=(-width / 2, width / 2), z=(stand.height, height)
-    )
+        handle = replace(handle, length=choose(rng, 0.3, 0.8) * width)
+    front = FrontDesign(style=choose_one(rng, kind.fronts), frame=0.05, handle=handle)
+    outer = Space(x=(handle.reach - depth / 2, depth / 2), y=around(0.0, width / 2), z=(stand.height, height))
     shares = [0.4] * low + [1.0] * rows
     crown = CROWN if style != "wooden" and rng.random() < 0.6 else 0.0
     if crown:
         outer = replace(outer, x=(max(handle.reach, KEY) - depth / 2, depth / 2))
     parts = _build(rng, outer, front, shares, crown, wooden=style == "wooden")
-    base = make_stand(stand, (outer.x[0] + 0.02, outer.x[1]), outer.y, parent="body")
+    base = make_stand(stand, (outer.x[0] + 0.02, outer.x[1]), outer.y)
     body = replace(parts[0], primitives=(*parts[0].primitives, *base.primitives))
-    finishes = tuple(sorted(_draw_finishes(rng, style).items()))
-    return Draft(style=style, parts=(body, *parts[1:], *base.parts), finishes=finishes)
+    finishes = _draw_finishes(rng, style)
+    return Draft(style, (body, *parts[1:], *base.parts), finishes)
 
 
 def _fit_rows(height: float, pitch: float, low: int) -> tuple[int, int]:
@@ -130,7 +121,7 @@ def _fit_rows(height: float, pitch: float, low: int) -> tuple[int, int]:
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     """Painted steel, sometimes with fronts of another colour, or wood."""
     folder, paint, other = (int(rng.integers(len(of))) for of in (FOLDERS, PAINTS, NEUTRAL))
-    gloss, same = float(rng.uniform(0.15, 0.35)), bool(rng.random() < 0.75)
+    gloss, same = choose(rng, 0.15, 0.35), bool(rng.random() < 0.75)
     wooden = draw_palette(rng, "furniture", "classic" if rng.random() < 0.6 else "oak")
     steel = draw_palette(rng, "furniture", "industrial" if rng.random() < 0.4 else PAINTS[paint])
     front = make_lacquer(LACQUERS[PAINTS[paint]], gloss=gloss)
@@ -152,64 +143,48 @@ def _build(
     wooden: bool,
 ) -> tuple[ShapePart, ...]:
     """The body, and its drawers from top to bottom."""
-    thick = float(rng.uniform(0.016, 0.022))
+    thick = choose(rng, 0.016, 0.022)
     board = max(0.018, outer.height / 56)
     design = CarcassDesign(board=board, back=max(0.012, outer.height / 56), lining=None)
     body = replace(outer, x=(outer.x[0] + thick + GAP, outer.x[1]))
+    solids: list[Primitive] = []
     if wooden:  # the top overhangs the fronts
-        body, lid = (
-            replace(body, z=(body.z[0], outer.z[1] - 0.022)),
-            replace(outer, z=(outer.z[1] - 0.022, outer.z[1])),
-        )
-        solids = [*make_carcass(body, design, ()), fill_space(lid, "top", 0.003)]
-    else:
-        solids = list(make_carcass(body, design, ()))
+        lid = replace(outer, z=(outer.z[1] - 0.022, outer.z[1]))
+        body = replace(body, z=(body.z[0], lid.z[0]))
+        solids.append(lid.fill("top", 0.003))
+    solids[:0] = make_carcass(body, design, ())
     y, z = open_carcass(body, design)
     rail = replace(body, z=(body.z[1] - board - crown, body.z[1]), x=(outer.x[0], body.x[0]))
     if crown:
-        solids.append(fill_space(rail, "body", 0.002))
+        solids.append(rail.fill("body", 0.002))
     edge = 0.002 if wooden or rng.random() < 0.5 else 0.012
     top = rail.z[0] if crown else body.z[1] - (0.004 if wooden else 0.002)
-    fronts = _divide((body.z[0] + 0.003, top), shares)
-    travel, filled, labelled = (
-        float(rng.uniform(0.7, 0.85)),
-        float(rng.uniform(0.3, 1.0)),
-        rng.random() < 0.85,
-    )
+    fronts = share_down((body.z[0] + 0.003, top), shares, SEAM)
+    travel, filled, labelled = (choose(rng, 0.7, 0.85), choose(rng, 0.3, 1.0), rng.random() < 0.85)
     parts: list[ShapePart] = []
     for index, span in enumerate(fronts):
-        panel = Panel(x=outer.x[0], thickness=thick, y=(outer.y[0] + edge, outer.y[1] - edge), z=span)
+        panel = Panel(x=outer.x[0], thickness=thick, y=narrow(outer.y, edge), z=span)
         space = Space(
             x=(panel.back, body.x[1] - design.back), y=y, z=(max(span[0], z[0]), min(span[1], z[1]))
         )
         solids += _make_runners(space, body.x[0])
         style = BoxDesign(rim=0.62, wall=0.012, side_gap=RUNNER + GAP, finish="drawer")
-        drawer, *handles = make_drawer(
-            panel, space, front, box=style, name=f"drawer_{index}", parent="body", travel=travel
-        )
+        drawer, *handles = make_drawer(panel, space, front, box=style, name=f"drawer_{index}", travel=travel)
         more = _make_files(rng, space, filled) if space.height > 0.24 else []
         if labelled and panel.height > 0.2 and front.handle is not None and front.handle.kind != "edge":
             more += _make_label(panel)
         parts += [replace(drawer, primitives=(*drawer.primitives, *more)), *handles]
     if crown:
         at = (outer.x[0], outer.y[0] + 0.045, (rail.z[0] + rail.z[1]) / 2)
-        parts.append(make_lock(at, name="lock", parent="body"))
-    return (ShapePart(name="body", label="base", parent=None, primitives=tuple(solids)), *parts)
-
-
-def _divide(span: Range, shares: Sequence[float]) -> list[Range]:
-    """Fronts from top to bottom, separated by seams."""
-    free = span[1] - span[0] - SEAM * (len(shares) - 1)
-    heights = free * np.array(shares) / sum(shares)
-    tops = span[1] - np.concatenate([[0.0], np.cumsum(heights + SEAM)[:-1]])
-    return [(float(top - high), float(top)) for top, high in zip(tops, heights, strict=True)]
+        parts.append(make_lock(at, name="lock"))
+    return (make_base(solids), *parts)
 
 
 def _make_runners(space: Space, front: float) -> list[Primitive]:
     """A rail at each side of a drawer."""
     x, z = (front + 0.004, front + 0.004 + 0.9 * (space.x[1] - front)), sum(space.z) / 2 - 0.03
     spans = (space.y[0], space.y[0] + RUNNER), (space.y[1] - RUNNER, space.y[1])
-    return [fill_space(Space(x=x, y=span, z=(z - 0.02, z + 0.02)), "steel") for span in spans]
+    return [block(x, span, around(z, 0.02), "steel") for span in spans]
 
 
 def _make_files(rng: np.random.Generator, space: Space, filled: float) -> list[Primitive]:
@@ -221,17 +196,17 @@ def _make_files(rng: np.random.Generator, space: Space, filled: float) -> list[P
     start, end = along[0] + 0.04, along[0] + 0.04 + filled * (along[1] - along[0] - 0.09)
     out = []
     for at in np.linspace(start, end, int(rng.integers(5, 10))).tolist():
-        thick = float(rng.uniform(0.004, 0.012))
-        near, far = (at, at + thick), (middle - half, middle + half)
+        thick = choose(rng, 0.004, 0.012)
+        near, far = (at, at + thick), around(middle, half)
         x, y = (far, near) if space.width > 0.6 else (near, far)
-        span = Space(x=x, y=y, z=(floor, top - float(rng.uniform(0.0, 0.01))))
-        out.append(fill_space(span, "folder"))
+        span = Space(x=x, y=y, z=(floor, top - choose(rng, 0.0, 0.01)))
+        out.append(span.fill("folder"))
     return out
 
 
 def _make_label(panel: Panel) -> list[Primitive]:
     """A label frame above the handle."""
     y, z = panel.center[0], panel.z[1] - 0.033
-    frame = box((panel.x - 0.003, y - 0.045, z - 0.017), (panel.x, y + 0.045, z + 0.017), "handle")
-    card = box((panel.x - 0.0045, y - 0.039, z - 0.012), (panel.x, y + 0.039, z + 0.012), "paper")
+    frame = block((panel.x - 0.003, panel.x), around(y, 0.045), around(z, 0.017), "handle")
+    card = block((panel.x - 0.0045, panel.x), around(y, 0.039), around(z, 0.012), "paper")
     return [frame, card]

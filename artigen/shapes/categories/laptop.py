@@ -6,15 +6,16 @@ hulls.
 """
 
 from dataclasses import dataclass
+from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly
-from artigen.shapes.draw import Draft, Wish, choose, choose_style
-from artigen.shapes.fittings.hardware import GAP, Range
-from artigen.shapes.fittings.lids import hinge_lid, loft, shrink
-from artigen.shapes.primitives import Primitive, box, cylinder
-from artigen.shapes.shape import ShapePart
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Wish
+from artigen.shapes.fittings.hardware import GAP, Range, around, narrow
+from artigen.shapes.fittings.lids import loft, make_lid, shrink
+from artigen.shapes.primitives import LEFT, Primitive, block, cylinder
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_glass, make_metal
 
@@ -60,6 +61,16 @@ LOOKS = {
     ),
 }  # fmt: skip
 
+ROWS: tuple[tuple[float, ...], ...] = (
+    (1.5, 4.0, 4.0, 4.0, 1.5),
+    (5.0, 4.0, 4.0, 2.0),
+    (1.5, 5.0, 5.0, 3.5),
+    (1.8, 5.0, 5.0, 3.2),
+    (2.3, 5.0, 5.0, 2.7),
+    (4.0, 6.5, 4.5),
+)
+"""Widths of key blocks in keys, row by row from the rear; 15 keys per row."""
+
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a laptop that meets the wish."""
@@ -67,22 +78,20 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     look = LOOKS[style]
     width = choose(rng, *((0.35, 0.4) if style == "gaming" else (0.295, 0.37)), wish.width)
     depth = choose(rng, 0.65 * width, 0.72 * width, wish.depth)
-    lid = float(rng.uniform(*look.lid))
+    lid = choose(rng, *look.lid)
     base = choose(rng, *look.base, None if wish.height is None else wish.height - lid - GAP - 0.002)
     built = _build(rng, (width, depth, base, lid), look, style)
-    return Draft(
-        style=style, parts=built.close(), finishes=tuple(sorted(_draw_finishes(rng, look, style).items()))
-    )
+    return Draft(style, built.close(), _draw_finishes(rng, look, style))
 
 
 def _draw_finishes(rng: np.random.Generator, look: _Look, style: str) -> dict[str, Finish]:
-    body, key = look.bodies[int(rng.integers(len(look.bodies)))], look.keys[int(rng.integers(len(look.keys)))]
+    body, key = choose_one(rng, look.bodies), choose_one(rng, look.keys)
     kind, gloss = ("steel", 0.4) if style == "light" else ("plastic", 0.25)
     shade = (0.94 * body[0], 0.94 * body[1], 0.94 * body[2])
     well = (0.05, 0.05, 0.055) if max(body) < 0.4 else (0.62 * body[0], 0.62 * body[1], 0.62 * body[2])
     dark = Finish(kind="plastic", color=BLACK, accent=BLACK, gloss=0.2)
     return {
-        "body": Finish(kind=kind, color=body, accent=shade, grain=(0.0, 1.0, 0.0), period=0.05, gloss=gloss),
+        "body": Finish(kind=kind, color=body, accent=shade, grain=LEFT, period=0.05, gloss=gloss),
         "key": Finish(kind="plastic", color=key, accent=key, gloss=0.15),
         "panel": Finish(kind="glass", color=shade, accent=shade, gloss=0.35),
         "inside": Finish(kind="plastic", color=well, accent=well, gloss=0.1),
@@ -99,80 +108,50 @@ def _build(
 ) -> Assembly:
     """The base, and the lid, which turns about a barrel behind the base."""
     width, depth, thick, lid = size
-    foot = 0.002
-    x, y = (-depth / 2, depth / 2 - BARREL), (-width / 2, width / 2)
+    foot, end = 0.002, 0.06 * width
+    x, y = (-depth / 2, depth / 2 - BARREL), around(0.0, width / 2)
     top, rear = foot + thick, x[1] - BARREL - GAP
-    deck = loft(shrink(((x[0], rear), y), 0.35 * thick), ((x[0], rear), y), (foot, top), "body")
-    pads = [
-        box((at, y[0] + 0.05, 0.0), (at + 0.01, y[1] - 0.05, foot + 0.001), "rubber")
-        for at in (x[0] + 0.02, rear - 0.03)
-    ]
-    pieces: list[Primitive] = [deck, *pads, *_build_keys(x[0], rear, y, top, style)]
+    low, deck = top + GAP, ((x[0], rear), y)
+    pieces = [loft(shrink(deck, 0.35 * thick), deck, (foot, top), "body")]
+    for at in (x[0] + 0.02, rear - 0.03):
+        pieces.append(block((at, at + 0.01), narrow(y, 0.05), (0.0, foot + 0.001), "rubber"))
+    pieces += _build_keys(x[0], rear, y, top, style)
     if style == "gaming":
-        pieces += [
-            box((rear - 0.001, a, top - 0.008), (rear + 0.0012, a + 0.07, top - 0.002), "key")
-            for a in (y[0] + 0.02, y[1] - 0.09)
-        ]
-    low = top + GAP
-    slab = box((x[0], y[0], low + 0.001), (x[1], y[1], low + lid), "body")
-    inset = float(rng.uniform(0.005, 0.009))
-    bezel = box((x[0] + 0.001, y[0] + 0.001, low), (x[1] - 0.012, y[1] - 0.001, low + 0.003), "trim")
-    screen = box(
-        (x[0] + inset, y[0] + inset, low - 0.0005),
-        (x[1] - 0.012 - 2 * inset, y[1] - inset, low + 0.002),
-        "screen",
-    )
-    barrel = cylinder((x[1], y[0] + 0.06 * width, low), (x[1], y[1] - 0.06 * width, low), BARREL, "trim")
-    solids = [slab, bezel, screen, barrel]
+        for at in (y[0] + 0.02, y[1] - 0.09):
+            pieces.append(
+                block((rear - 0.001, rear + 0.0012), (at, at + 0.07), (top - 0.008, top - 0.002), "key")
+            )
+    inset, front = choose(rng, 0.005, 0.009), x[1] - 0.012
+    solids = [
+        block(x, y, (low + 0.001, low + lid), "body"),
+        block((x[0] + 0.001, front), narrow(y, 0.001), (low, low + 0.003), "trim"),
+        block((x[0] + inset, front - 2 * inset), narrow(y, inset), (low - 0.0005, low + 0.002), "screen"),
+        cylinder((x[1], y[0] + end, low), (x[1], y[1] - end, low), BARREL, "trim"),
+    ]
     if rng.random() < 0.8:
-        middle = ((x[0] + x[1]) / 2, 0.0)
+        middle = (sum(x) / 2, 0.0)
         solids.append(cylinder((*middle, low + 0.002), (*middle, low + lid + 0.0004), 0.045 * width, "mark"))
-    motion = hinge_lid(x, y, low, float(np.radians(rng.uniform(*look.opens))))
-    cover = ShapePart(name="screen", label="door", parent="body", primitives=tuple(solids), motion=motion)
-    return Assembly(pieces=tuple(pieces), parts=(cover,))
-
-
-ROWS: tuple[tuple[float, ...], ...] = (
-    (1.5, 4.0, 4.0, 4.0, 1.5),
-    (5.0, 4.0, 4.0, 2.0),
-    (1.5, 5.0, 5.0, 3.5),
-    (1.8, 5.0, 5.0, 3.2),
-    (2.3, 5.0, 5.0, 2.7),
-    (4.0, 6.5, 4.5),
-)
-"""Widths of key blocks in keys, row by row from the rear; 15 keys per row."""
+    return Assembly(pieces, (make_lid(solids, x, y, low, radians(choose(rng, *look.opens)), name="screen"),))
 
 
 def _build_keys(front: float, rear: float, y: Range, top: float, style: str) -> list[Primitive]:
     """Six rows of keys on a dark field, with the touchpad before them."""
     pitch = min(PITCH, 0.92 * (y[1] - y[0]) / 15)
-    wide, gap, rise = 15 * pitch, 0.0022, 0.0012
-    back = rear - 0.018
-    out = [
-        box(
-            (back - 5.7 * pitch - 0.002, -wide / 2 - 0.002, top - 0.002),
-            (back + 0.002, wide / 2 + 0.002, top + 0.0003),
-            "inside",
-        )
-    ]
-    end = back
+    half, gap, end = 15 * pitch / 2, 0.0022, rear - 0.018
+    field = (end - 5.7 * pitch - 0.002, end + 0.002)
+    out = [block(field, around(0.0, half + 0.002), (top - 0.002, top + 0.0003), "inside")]
     for number, row in enumerate(ROWS):
-        deep = 0.7 * pitch if number == 0 else pitch
-        left = wide / 2
+        deep, left = 0.7 * pitch if number == 0 else pitch, half
         for keys in row:
             right = left - keys * pitch
-            out.append(
-                box(
-                    (end - deep + gap, right + gap / 2, top - 0.001), (end, left - gap / 2, top + rise), "key"
-                )
-            )
+            across = (right + gap / 2, left - gap / 2)
+            out.append(block((end - deep + gap, end), across, (top - 0.001, top + 0.0012), "key"))
             left = right
         end -= deep
-    room = end - 0.004 - front
-    half = 0.5 * min(0.13, 0.38 * (y[1] - y[0]))
-    pad = box((front + 0.14 * room, -half, top - 0.002), (front + 0.9 * room, half, top + 0.0005), "panel")
-    out.append(pad)
+    room, wide = end - 0.004 - front, 0.5 * min(0.13, 0.38 * (y[1] - y[0]))
+    pad = (front + 0.14 * room, front + 0.9 * room)
+    out.append(block(pad, around(0.0, wide), (top - 0.002, top + 0.0005), "panel"))
     if style == "business":
-        at = end + 3.0 * pitch
-        out.append(cylinder((at, 0.6 * pitch, top), (at, 0.6 * pitch, top + 0.0018), 0.004, "accent"))
+        at = (end + 3.0 * pitch, 0.6 * pitch)
+        out.append(cylinder((*at, top), (*at, top + 0.0018), 0.004, "accent"))
     return out

@@ -1,17 +1,30 @@
 """Microwave: a door beside or below a control panel, a cavity with a turntable, keys and dials."""
 
 from dataclasses import dataclass
+from math import radians
 
 import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import build_window_leaf, draw_grip, mount_grip
-from artigen.shapes.appliances.cavity import SIDES, build_feet, build_shell, divide_range
+from artigen.shapes.appliances.cavity import build_feet, build_shell
 from artigen.shapes.appliances.control_panel import build_display, design_dial, make_button, make_dial
 from artigen.shapes.appliances.rings import build_ring
-from artigen.shapes.draw import Draft, Wish, choose
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, sweep_gap
-from artigen.shapes.primitives import Primitive, box, cylinder
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.choices import choose
+from artigen.shapes.draw import Draft, Wish
+from artigen.shapes.fittings.hardware import (
+    GAP,
+    Panel,
+    Range,
+    Space,
+    around,
+    divide_range,
+    hinge,
+    narrow,
+    rotate,
+    sweep_gap,
+)
+from artigen.shapes.primitives import UP, Primitive, cylinder
+from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Microwave"
@@ -22,19 +35,13 @@ STYLES = ("steel", "black", "white", "retro")
 class _Plan:
     """Layout of the parts (m)."""
 
-    width: float
-    depth: float
-    height: float
-    foot: float
+    outer: Space
+    """Outer box of the housing, behind the door."""
+    hollow: Space
     door: Panel
     controls: Panel
-    hollow: Space
     drops: bool
-
-    @property
-    def front(self) -> float:
-        """x of the front face of the housing, behind the door."""
-        return self.door.back + GAP
+    """Whether the door drops down below the controls."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -44,14 +51,10 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     plan = _draw_plan(rng, wish)
     face = "panel" if rng.random() < (0.6 if style != "retro" else 0.15) else "front"
     controls, extras = _draw_controls(rng, plan)
-    parts = [
-        _build_body(plan, face, extras),
-        *_draw_door(rng, plan, face, wish),
-        *controls,
-    ]
+    parts = [_build_body(plan, face, extras), *_draw_door(rng, plan, face, wish), *controls]
     if rng.random() < 0.72:
         parts.append(_draw_turntable(rng, plan))
-    return Draft(style=style, parts=tuple(parts), finishes=tuple(sorted(palette.items())))
+    return Draft(style, tuple(parts), palette)
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
@@ -59,14 +62,14 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     depth = choose(rng, 0.62 * width, 0.85 * width, wish.depth)
     height = choose(rng, 0.54 * width, 0.68 * width, wish.height)
     drops = rng.random() < 0.1
-    foot = float(rng.uniform(0.008, 0.018)) if rng.random() < 0.85 else 0.0
-    thick = float(rng.uniform(0.030, 0.042))
-    wall = float(rng.uniform(0.014, 0.026))
+    foot = choose(rng, 0.008, 0.018) if rng.random() < 0.85 else 0.0
+    thick = choose(rng, 0.030, 0.042)
+    wall = choose(rng, 0.014, 0.026)
     x = -depth / 2
-    column = float(rng.uniform(0.19, 0.30)) * width
-    strip = float(rng.uniform(0.20, 0.27)) * height
+    column = choose(rng, 0.19, 0.30) * width
+    strip = choose(rng, 0.20, 0.27) * height
     if drops:
-        door = Panel(x=x, thickness=thick, y=(-width / 2, width / 2), z=(foot, height - strip))
+        door = Panel(x=x, thickness=thick, y=around(0.0, width / 2), z=(foot, height - strip))
         gap = sweep_gap(door.height, thick)
         controls = Panel(x=x, thickness=thick + GAP, y=door.y, z=(height - strip + gap, height))
         right, top = wall, strip + gap + 0.005
@@ -76,42 +79,27 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
         gap = sweep_gap(door.width, thick)
         controls = Panel(x=x, thickness=thick + GAP, y=(-width / 2, edge - gap), z=door.z)
         right, top = column + 0.012, wall
+    outer = Space(x=(door.back + GAP, depth / 2), y=around(0.0, width / 2), z=(foot, height))
     hollow = Space(
-        x=(door.back + GAP, depth / 2 - 1.6 * wall),
-        y=(-width / 2 + right, width / 2 - wall - 0.012),
+        x=(outer.x[0], outer.x[1] - 1.6 * wall),
+        y=(outer.y[0] + right, outer.y[1] - wall - 0.012),
         z=(foot + wall, height - top),
     )
-    return _Plan(
-        width=width,
-        depth=depth,
-        height=height,
-        foot=foot,
-        door=door,
-        controls=controls,
-        hollow=hollow,
-        drops=drops,
-    )
+    return _Plan(outer=outer, hollow=hollow, door=door, controls=controls, drops=drops)
 
 
 def _build_body(plan: _Plan, face: str, extras: tuple[Primitive, ...]) -> ShapePart:
-    outer = Space(
-        x=(plan.front, plan.depth / 2), y=(-plan.width / 2, plan.width / 2), z=(plan.foot, plan.height)
-    )
-    panel = plan.controls
-    pieces = [
-        *build_shell(outer, plan.hollow, "body", "inside"),
-        box((panel.x, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1]), face),
-        *extras,
-    ]
-    if plan.foot:
-        pieces += build_feet(outer.x, outer.y, plan.foot, "rubber", radius=0.014, inset=0.04)
-    return ShapePart(name="body", label="base", parent=None, primitives=tuple(pieces))
+    outer, foot = plan.outer, plan.outer.z[0]
+    pieces = [*build_shell(outer, plan.hollow, "body", "inside"), plan.controls.fill(face), *extras]
+    if foot:
+        pieces += build_feet(outer.x, outer.y, foot, "rubber", radius=0.014, inset=0.04)
+    return make_base(pieces)
 
 
 def _draw_door(rng: np.random.Generator, plan: _Plan, face: str, wish: Wish) -> list[ShapePart]:
     panel = plan.door
-    margin = float(rng.uniform(0.10, 0.17)) * panel.height
-    rail = float(rng.uniform(0.045, 0.07))
+    margin = choose(rng, 0.10, 0.17) * panel.height
+    rail = choose(rng, 0.045, 0.07)
     free = rail if not plan.drops else margin
     window = (
         (panel.y[0] + free, panel.y[1] - margin),
@@ -119,16 +107,14 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, face: str, wish: Wish) -> 
     )
     leaf = build_window_leaf(panel, window, face, "inside")
     edge = "bottom" if plan.drops else "left"
-    upper = float(np.radians(90 if plan.drops else rng.uniform(88, 125)))
-    door = ShapePart(
-        name="door", label="door", parent="body", primitives=leaf, motion=hinge(panel, edge, upper)
-    )
+    upper = radians(90 if plan.drops else rng.uniform(88, 125))
+    door = ShapePart("door", "door", leaf, hinge(panel, edge, upper))
     if rng.random() < 0.4:
         return [door]
     span = panel.width if plan.drops else panel.height
-    length = float(rng.uniform(0.6, 0.86)) * span
+    length = choose(rng, 0.6, 0.86) * span
     kinds = wish.choose_handles(("bar", "pull", "arch", "edge"))
-    design = draw_grip(rng, kinds, length=length, longest=plan.width)
+    design = draw_grip(rng, kinds, length=length, longest=plan.outer.width)
     inset = max(0.004, (rail - design.thickness) / 2) if design.kind != "edge" else 0.004
     return [door, mount_grip(panel, design, name="door_handle", parent="door", edge=edge, inset=inset)]
 
@@ -140,18 +126,18 @@ def _draw_controls(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePar
     panel = plan.controls
     parts: list[ShapePart] = []
     extras: list[Primitive] = []
-    low, high = panel.z[0] + 0.014, panel.z[1] - 0.014
+    low, high = narrow(panel.z, 0.014)
     y, _ = panel.center
-    inner: Range = (panel.y[0] + 0.012, panel.y[1] - 0.012)
+    inner: Range = narrow(panel.y, 0.012)
     if rng.random() < 0.7:
-        tall = float(rng.uniform(0.026, 0.042))
+        tall = choose(rng, 0.026, 0.042)
         extras.append(build_display(panel.x, inner, (high - tall, high)))
         high -= tall + 0.012
     if rng.random() < 0.45:  # a button that releases the door
-        tall = float(rng.uniform(0.024, 0.036))
+        tall = choose(rng, 0.024, 0.036)
         size = (0.8 * (inner[1] - inner[0]), tall, 0.008)
         at = (panel.x, y, low + tall / 2)
-        parts.append(make_button(at, size, name="door_button", parent="body", finish="handle"))
+        parts.append(make_button(at, size, name="door_button", finish="handle"))
         low += tall + 0.012
     kind = rng.choice(("dials", "keys", "touch", "dial_and_keys"), p=(0.44, 0.24, 0.2, 0.12))
     if kind == "dial_and_keys":
@@ -172,14 +158,14 @@ def _draw_dials(rng: np.random.Generator, x: float, y: Range, z: Range, count: i
     design = design_dial(rng, (0.72 * most, most), endless=0.65, finish=finish)
     middle = (y[0] + y[1]) / 2
     return [
-        make_dial(design, (x, middle, (a + b) / 2), name=f"dial_{k}", parent="body")
+        make_dial(design, (x, middle, (a + b) / 2), name=f"dial_{k}")
         for k, (a, b) in enumerate(divide_range(z, count, 0.0))
     ]
 
 
 def _draw_keys(rng: np.random.Generator, x: float, y: Range, z: Range, rows: int) -> list[ShapePart]:
     columns = 3 if y[1] - y[0] > 0.065 else 2
-    gap = float(rng.uniform(0.005, 0.007))
+    gap = choose(rng, 0.005, 0.007)
     tall = min((z[1] - z[0] - gap * (rows - 1)) / rows, 0.022)
     rows_z = divide_range((z[1] - rows * tall - gap * (rows - 1), z[1]), rows, gap)
     columns_y = divide_range(y, columns, gap)
@@ -190,7 +176,6 @@ def _draw_keys(rng: np.random.Generator, x: float, y: Range, z: Range, rows: int
             (x, sum(across) / 2, sum(up) / 2),
             (wide, tall, 0.006),
             name=f"key_{row * columns + column}",
-            parent="body",
             finish=finish,
         )
         for row, up in enumerate(reversed(rows_z))
@@ -203,11 +188,10 @@ def _draw_strip(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart],
     panel = plan.controls
     y, z = panel.center
     third = panel.width / 3
-    display = build_display(panel.x, (y - third / 2, y + third / 2), (z - 0.016, z + 0.016))
+    display = build_display(panel.x, around(y, third / 2), around(z, 0.016))
     design = design_dial(rng, (0.26 * panel.height, 0.36 * panel.height), endless=0.65)
     parts = [
-        make_dial(design, (panel.x, y + side * third, z), name=f"dial_{k}", parent="body")
-        for k, side in enumerate((1, -1))
+        make_dial(design, (panel.x, y + side * third, z), name=f"dial_{k}") for k, side in enumerate((1, -1))
     ]
     return parts[: int(rng.integers(1, 3))], (display,)
 
@@ -215,21 +199,13 @@ def _draw_strip(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart],
 def _draw_turntable(rng: np.random.Generator, plan: _Plan) -> ShapePart:
     """Draws a glass plate on a coupling, `GAP` above the floor of the cavity."""
     space = plan.hollow
-    radius = min(0.46 * min(space.width, space.depth), float(rng.uniform(0.12, 0.18)))
-    y = (space.y[0] + space.y[1]) / 2
-    x = (space.x[0] + space.x[1]) / 2
-    z = space.z[0]
+    radius = min(0.46 * min(space.width, space.depth), choose(rng, 0.12, 0.18))
+    x, y, z = sum(space.x) / 2, sum(space.y) / 2, space.z[0]
     thick, level = 0.0075, z + 0.014
-    pieces = [
+    rim = (radius - 0.012, radius), (radius - 0.008, radius + 0.004)
+    pieces = (
         cylinder((x, y, z + GAP), (x, y, level), 0.022, "plastic"),
         cylinder((x, y, level), (x, y, level + thick), radius - 0.008, "clear"),
-        *build_ring(
-            (x, y, level),
-            "z",
-            (0.0, thick + 0.008),
-            ((radius - 0.012, radius - 0.0), (radius - 0.008, radius + 0.004)),
-            "clear",
-        ),
-    ]
-    motion = Motion(type="continuous", axis=SIDES["bottom"], origin=(x, y, z), upper=2 * np.pi)
-    return ShapePart(name="turntable", label="tray", parent="body", primitives=tuple(pieces), motion=motion)
+        *build_ring((x, y, level), "z", (0.0, thick + 0.008), rim, "clear"),
+    )
+    return ShapePart("turntable", "tray", pieces, rotate(UP, (x, y, z)))

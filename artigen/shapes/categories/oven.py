@@ -6,16 +6,17 @@ from typing import Literal
 import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import draw_grip
-from artigen.shapes.appliances.assembly import Assembly
-from artigen.shapes.appliances.cavity import SIDES, build_feet, share_range
+from artigen.shapes.appliances.cavity import SIDES, build_feet
 from artigen.shapes.appliances.control_panel import DialDesign, design_dial, make_dial, spread_controls
 from artigen.shapes.appliances.cooktop import CooktopKind, build_burners
 from artigen.shapes.appliances.oven_cavity import build_rails, choose_levels, make_racks
 from artigen.shapes.appliances.oven_front import FrontLook, make_oven_door, make_warming_drawer
-from artigen.shapes.draw import Draft, Wish, choose, find_nearest, pick
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose, pick
+from artigen.shapes.draw import Draft, Spans, Wish, find_nearest
 from artigen.shapes.fittings.feet import make_plinth
-from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space
-from artigen.shapes.primitives import Primitive, box, line, rounded_box
+from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space, around, narrow, share_range
+from artigen.shapes.primitives import UP, Primitive, block, line
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Oven"
@@ -30,7 +31,7 @@ KINDS: dict[Kind, float] = {
     "hob": 0.06,
     "rangetop": 0.05,
 }
-SIZES: dict[Kind, tuple[Range, Range, Range]] = {
+SIZES: dict[Kind, Spans] = {
     "range": ((0.50, 0.80), (0.58, 0.70), (0.85, 0.96)),
     "double_range": ((0.60, 0.80), (0.60, 0.72), (0.88, 1.00)),
     "pro": ((0.90, 1.25), (0.60, 0.76), (0.86, 0.96)),
@@ -100,13 +101,11 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
             room = MAX_PIECES - len(built.pieces)
             built += _draw_bands(rng, plan, (plan.foot, lower), room)
         if plan.foot and plan.base:
-            built += Assembly(
-                pieces=make_plinth((plan.front + plan.base, -plan.x), plan.y, plan.foot, "body")
-            )
+            built += Assembly(make_plinth((plan.front + plan.base, -plan.x), plan.y, plan.foot, "body"))
         elif plan.foot:
             feet = build_feet((plan.front, -plan.x), plan.y, plan.foot, "leg", inset=0.04)
-            built += Assembly(pieces=feet)
-    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(palette.items())))
+            built += Assembly(feet)
+    return Draft(style, built.close(), palette)
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
@@ -125,7 +124,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
     foot = float(rng.uniform(0.02, 0.05) if rng.random() < 0.7 else rng.uniform(0.07, 0.13))
     if built_in:
         foot = 0.02 if kind == "rangetop" else 0.0
-    length = float(rng.uniform(0.62, 0.86)) * width
+    length = choose(rng, 0.62, 0.86) * width
     grip = draw_grip(rng, wish.choose_handles(("bar", "bar", "pull", "arch")), length=length, longest=longest)
     heat: tuple[CooktopKind, ...] = ("gas", "glass", "coil")
     drawn = heat[int(rng.choice(3, p=(0.55, 0.35, 0.10)))]
@@ -139,10 +138,10 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
         width=width,
         depth=depth,
         height=height,
-        thickness=float(rng.uniform(0.036, 0.05)),
-        wall=float(rng.uniform(0.045, 0.065)),
+        thickness=choose(rng, 0.036, 0.05),
+        wall=choose(rng, 0.045, 0.065),
         foot=foot,
-        base=float(rng.uniform(0.01, 0.06)) if rng.random() < BASED and not built_in else 0.0,
+        base=choose(rng, 0.01, 0.06) if rng.random() < BASED and not built_in else 0.0,
         look=look,
         cooktop="gas" if kind in ("pro", "rangetop") else drawn,
         burners=_draw_burners(rng, kind, width),
@@ -170,17 +169,16 @@ def _draw_top(rng: np.random.Generator, plan: _Plan) -> tuple[Assembly, float]:
     """Draws the worktop with its burners and upstand; returns the height of its underside, too."""
     if plan.kind in ("wall", "double_wall"):
         return Assembly(), plan.height
-    under = plan.height - float(rng.uniform(0.026, 0.04))
+    under = plan.height - choose(rng, 0.026, 0.04)
     finish = "panel" if plan.cooktop == "glass" else "top"
-    slab = rounded_box((plan.x, plan.y[0], under), (-plan.x, plan.y[1], plan.height), 0.004, finish)
+    slab = block((plan.x, -plan.x), plan.y, (under, plan.height), finish, 0.004)
     rear = -plan.x - (0.065 if plan.upstand else 0.03)
-    area = ((plan.x + 0.05, rear - 0.015), (plan.y[0] + 0.03, plan.y[1] - 0.03))
+    area = ((plan.x + 0.05, rear - 0.015), narrow(plan.y, 0.03))
     pieces = (slab, *build_burners(rng, plan.cooktop, area, plan.height, count=plan.burners))
     if plan.upstand:
-        low = (-plan.x - 0.06, plan.y[0], plan.height)
-        high = (-plan.x, plan.y[1], plan.height + plan.upstand)
-        pieces += (rounded_box(low, high, 0.005, plan.look.face),)
-    return Assembly(pieces=pieces), under
+        x, z = (-plan.x - 0.06, -plan.x), (plan.height, plan.height + plan.upstand)
+        pieces += (block(x, plan.y, z, plan.look.face, 0.005),)
+    return Assembly(pieces), under
 
 
 def _draw_controls(rng: np.random.Generator, plan: _Plan, top: float) -> tuple[Assembly, float]:
@@ -191,18 +189,17 @@ def _draw_controls(rng: np.random.Generator, plan: _Plan, top: float) -> tuple[A
         lower = top
         x, z = -plan.x - 0.06, (plan.height + 0.04, plan.height + plan.upstand)
     else:
-        lower = plan.foot if plan.kind == "rangetop" else top - float(rng.uniform(0.10, 0.14))
+        lower = plan.foot if plan.kind == "rangetop" else top - choose(rng, 0.10, 0.14)
         x, z = plan.x, (max(lower, top - 0.15), top)
-        low = (plan.x, plan.y[0], lower)
         bands = (
-            rounded_box(low, (plan.front, plan.y[1], top), 0.003, plan.look.face),
-            box((plan.front, plan.y[0], lower), (-plan.x, plan.y[1], top), "body"),
+            block((plan.x, plan.front), plan.y, (lower, top), plan.look.face, 0.003),
+            block((plan.front, -plan.x), plan.y, (lower, top), "body"),
         )
     keys = int(rng.choice((0, 1, 3, 4, 5), p=(0.62, 0.1, 0.1, 0.09, 0.09)))
     counts = (_count_dials(rng, plan), keys)
-    across = (plan.y[0] + 0.03, plan.y[1] - 0.03)
+    across = narrow(plan.y, 0.03)
     extras, controls = spread_controls(rng, plan.dial, x, across, z, counts=counts)
-    return Assembly(pieces=(*bands, *extras), parts=tuple(controls)), lower
+    return Assembly((*bands, *extras), controls), lower
 
 
 def _count_dials(rng: np.random.Generator, plan: _Plan) -> int:
@@ -224,17 +221,17 @@ def _draw_bands(rng: np.random.Generator, plan: _Plan, z: Range, room: int) -> A
     """
     rows = (1.0,)
     if plan.kind in ("double_range", "double_wall"):
-        rows = (1.0, float(rng.uniform(0.5, 1.0)))
+        rows = (1.0, choose(rng, 0.5, 1.0))
     has_drawer = plan.kind in ("range", "pro") and rng.random() < 0.55 and z[1] - z[0] > 0.5
-    drawer = float(rng.uniform(0.13, 0.2)) if has_drawer else 0.0
+    drawer = choose(rng, 0.13, 0.2) if has_drawer else 0.0
     racks = 0 if rng.random() < 0.4 else int(rng.integers(1, 4))
-    back, inner = -plan.x, (plan.y[0] + SKIN, plan.y[1] - SKIN)
+    back, inner = -plan.x, narrow(plan.y, SKIN)
     walls = (
-        ("right", box((plan.front, plan.y[0], z[0]), (back, inner[0], z[1]), "body")),
-        ("left", box((plan.front, inner[1], z[0]), (back, plan.y[1], z[1]), "body")),
-        ("back", box((back - SKIN, inner[0], z[0]), (back, inner[1], z[1]), "body")),
+        ("right", block((plan.front, back), (plan.y[0], inner[0]), z, "body")),
+        ("left", block((plan.front, back), (inner[1], plan.y[1]), z, "body")),
+        ("back", block((back - SKIN, back), inner, z, "body")),
     )
-    built = Assembly(pieces=tuple(line(wall, "cavity", SIDES[side]) for side, wall in walls))
+    built = Assembly(tuple(line(wall, "cavity", SIDES[side]) for side, wall in walls))
     if has_drawer:
         built += _draw_drawer(rng, plan, (z[0], z[0] + drawer), inner)
     for row, span in enumerate(share_range((z[0] + drawer, z[1]), rows, 0.0)):
@@ -247,29 +244,29 @@ def _draw_oven_row(
     rng: np.random.Generator, plan: _Plan, row: str, z: Range, *, racks: int, room: int
 ) -> Assembly:
     """Draws ovens side by side: floor and ceiling, walls between and beside them, doors and racks."""
-    inner, back = (plan.y[0] + SKIN, plan.y[1] - SKIN), -plan.x - SKIN
+    inner, back = narrow(plan.y, SKIN), -plan.x - SKIN
     floor, ceiling = z[0] + plan.wall, z[1] - 0.7 * plan.wall
     columns = [plan.y]
     if plan.kind == "pro" and rng.random() < 0.6:
-        columns = share_range(plan.y, (float(rng.uniform(0.4, 1.0)), 1.0), 0.004)
+        columns = share_range(plan.y, (choose(rng, 0.4, 1.0), 1.0), 0.004)
     edge: Edge = "bottom"
     if plan.kind == "wall" and rng.random() < 0.3:
         edge = "left" if rng.random() < 0.5 else "right"
     # Racks must clear the edge of a side-hinged leaf.
     cheek = 0.0 if edge == "bottom" else plan.thickness + 0.008 - SKIN
     pieces = [
-        line(box((plan.front, inner[0], z[0]), (back, inner[1], floor), "body"), "cavity", SIDES["bottom"]),
-        line(box((plan.front, inner[0], ceiling), (back, inner[1], z[1]), "body"), "cavity", SIDES["top"]),
+        line(block((plan.front, back), inner, (z[0], floor), "body"), "cavity", SIDES["bottom"]),
+        line(block((plan.front, back), inner, (ceiling, z[1]), "body"), "cavity", SIDES["top"]),
     ]
     free = [inner[0] + cheek, inner[1] - cheek]
     if cheek:
         fills = ((inner[0], free[0]), (free[1], inner[1]))
-        pieces += [box((plan.front, a, floor), (back, b, ceiling), "cavity") for a, b in fills]
+        pieces += [block((plan.front, back), fill, (floor, ceiling), "cavity") for fill in fills]
     if len(columns) > 1:
-        cut = (columns[0][1] + columns[1][0]) / 2
-        free[1:1] = [cut - plan.wall / 2, cut + plan.wall / 2]
-        pieces.append(box((plan.front, free[1], floor), (back, free[2], ceiling), "cavity"))
-    built = Assembly(pieces=tuple(pieces))
+        between = around((columns[0][1] + columns[1][0]) / 2, plan.wall / 2)
+        free[1:1] = between
+        pieces.append(block((plan.front, back), between, (floor, ceiling), "cavity"))
+    built = Assembly(pieces)
     for column, y in enumerate(columns):
         space = Space(x=(plan.front, back), y=(free[2 * column], free[2 * column + 1]), z=(floor, ceiling))
         slot = Panel(x=plan.x, thickness=plan.thickness, y=y, z=z)
@@ -281,21 +278,18 @@ def _draw_oven_row(
             rails = ()
         stem, aside = f"rack_{row}_{column}", ROOM if rails else GAP
         inside = make_racks(rng, space, levels, stem=stem, door=door, aside=aside)
-        built += Assembly(pieces=rails, parts=(*fronts, *inside))
+        built += Assembly(rails, (*fronts, *inside))
     return built
 
 
 def _draw_drawer(rng: np.random.Generator, plan: _Plan, z: Range, inner: Range) -> Assembly:
     """Draws a warming drawer and the floor below it."""
     floor, back = z[0] + SKIN, -plan.x - SKIN
-    board = box((plan.front, inner[0], z[0]), (back, inner[1], floor), "body")
+    board = block((plan.front, back), inner, (z[0], floor), "body")
     panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=(z[0], z[1] - 0.003))
-    tub = Space(
-        x=(panel.back, back - 0.02), y=(inner[0] + ROOM, inner[1] - ROOM), z=(floor + ROOM, z[1] - 0.03)
-    )
+    tub = Space(x=(panel.back, back - 0.02), y=narrow(inner, ROOM), z=(floor + ROOM, z[1] - 0.03))
     return Assembly(
-        pieces=(line(board, "cavity", SIDES["bottom"]),),
-        parts=tuple(make_warming_drawer(rng, panel, tub, plan.look)),
+        (line(board, "cavity", SIDES["bottom"]),), tuple(make_warming_drawer(rng, panel, tub, plan.look))
     )
 
 
@@ -308,8 +302,8 @@ def _draw_hob(rng: np.random.Generator, plan: _Plan) -> Assembly:
     x = (plan.x + (0.02 if aside else margin), -plan.x - 0.02)
     y = (plan.y[0] + (margin if aside else 0.02), plan.y[1] - 0.02)
     pieces = (
-        box((plan.x + 0.02, plan.y[0] + 0.02, 0.0), (-plan.x - 0.02, plan.y[1] - 0.02, lid), "body"),
-        box((plan.x, plan.y[0], lid), (-plan.x, plan.y[1], plan.height), finish),
+        block((plan.x + 0.02, -plan.x - 0.02), narrow(plan.y, 0.02), (0.0, lid), "body"),
+        block((plan.x, -plan.x), plan.y, (lid, plan.height), finish),
         *build_burners(rng, plan.cooktop, (x, y), plan.height, count=plan.burners),
     )
     count = plan.burners + int(rng.integers(0, 2))
@@ -319,5 +313,5 @@ def _draw_hob(rng: np.random.Generator, plan: _Plan) -> Assembly:
         at = (plan.x + margin / 2, span / 2 - float(share) * span, plan.height)
         if aside:
             at = (x[0] + float(share) * (x[1] - x[0]), plan.y[0] + margin / 2, plan.height)
-        parts.append(make_dial(plan.dial, at, name=f"dial_{k}", parent="body", out=(0.0, 0.0, 1.0)))
-    return Assembly(pieces=pieces, parts=tuple(parts))
+        parts.append(make_dial(plan.dial, at, name=f"dial_{k}", out=UP))
+    return Assembly(pieces, parts)

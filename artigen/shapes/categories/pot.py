@@ -8,11 +8,12 @@ from itertools import pairwise
 import numpy as np
 
 from artigen.shapes.appliances.rings import build_ring
-from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
-from artigen.shapes.fittings.hardware import Range, lift
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Spans, Wish, choose_size
+from artigen.shapes.fittings.hardware import lift, slide
 from artigen.shapes.fittings.tubes import bend_elbow, lean_rod
-from artigen.shapes.primitives import Primitive, Vector, cylinder, prism
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.primitives import UP, Primitive, Vector, cylinder, polygon, prism
+from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import (
     LACQUERS,
@@ -25,7 +26,7 @@ from artigen.shapes.surfaces.materials import (
 
 CATEGORY = "Pot"
 STYLES = {"casserole": 0.4, "saucepan": 0.35, "stockpot": 0.25}
-SIZES: dict[str, tuple[Range, Range, Range]] = {
+SIZES: dict[str, Spans] = {
     "casserole": ((0.31, 0.37), (0.22, 0.28), (0.15, 0.19)),
     "saucepan": ((0.34, 0.4), (0.16, 0.2), (0.14, 0.17)),
     "stockpot": ((0.33, 0.39), (0.24, 0.28), (0.26, 0.33)),
@@ -43,7 +44,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a pot."""
     style = choose_style(rng, STYLES, wish.style)
     wide, deep, tall = SIZES[style]
-    width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=deep, height=tall)
+    width, depth, height = choose_size(rng, CATEGORY, wish, (wide, deep, tall))
     radius, rim = depth / 2, height - 0.0015 - LID - DOME - KNOB
     axis = width / 2 - radius if style == "saucepan" else 0.0  # y of the middle of the pot
     slope = 0.94 if style == "casserole" and rng.random() < 0.5 else 1.0
@@ -57,32 +58,31 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         grips = lift(_build_grip(rng, axis - radius, width), 0.8 * rim)
     else:
         grips = _build_ears(rng, radius, width, rim)
-    body = ShapePart(name="body", label="base", parent=None, primitives=(*pieces, base, *grips))
+    body = make_base((*pieces, base, *grips))
     lid, knob = _make_lid(axis, radius, rim, wall)
-    return Draft(style=style, parts=(body, lid, knob), finishes=_draw_finishes(rng))
+    return Draft(style, (body, lid, knob), _draw_finishes(rng))
 
 
 def _make_lid(axis: float, radius: float, rim: float, wall: float) -> tuple[ShapePart, ShapePart]:
     """A lid that lifts out of the pot: a flat rim, a dome, and a collar that fits into the pot."""
     low = rim + 0.0015
-    turns = (np.arange(SIDES) + 0.5) * 2 * np.pi / SIDES
-    circle = 0.86 * radius * np.column_stack([np.cos(turns), np.sin(turns)])
+    circle = 0.86 * radius * polygon(SIDES)
     top = low + LID + DOME
     pieces = (
         cylinder((0.0, axis, low), (0.0, axis, low + LID), 0.99 * radius, "trim"),
         cylinder((0.0, axis, rim - 0.008), (0.0, axis, low), ROUND * radius - wall - 0.01, "trim"),
         prism(circle, (0.0, axis, low + LID), (0.0, axis, top), "lid", taper=0.4),
     )
-    rise = Motion(type="prismatic", axis=(0.0, 0.0, 1.0), upper=0.12)
-    lid = ShapePart(name="lid", label="door", parent="body", primitives=pieces, motion=rise)
+    rise = slide(0.12, UP)
+    lid = ShapePart("lid", "door", pieces, rise)
     stem = cylinder((0.0, axis, top), (0.0, axis, top + 0.4 * KNOB), 0.007, "handle")
     head = cylinder((0.0, axis, top + 0.4 * KNOB), (0.0, axis, top + KNOB), 0.019, "handle")
-    return lid, ShapePart(name="lid_knob", label="handle", parent="lid", primitives=(stem, head))
+    return lid, ShapePart("lid_knob", "handle", (stem, head), parent="lid")
 
 
 def _build_ears(rng: np.random.Generator, radius: float, width: float, rim: float) -> tuple[Primitive, ...]:
     """Two handles below the rim, left and right."""
-    rod, level, half = 0.0055, 0.82 * rim, float(rng.uniform(0.038, 0.05))
+    rod, level, half = 0.0055, 0.82 * rim, choose(rng, 0.038, 0.05)
     root = (radius**2 - half**2) ** 0.5 - WALL
     bend, pieces = 0.014, []
     for side in (-1.0, 1.0):
@@ -101,7 +101,7 @@ def _build_ears(rng: np.random.Generator, radius: float, width: float, rim: floa
 
 def _build_grip(rng: np.random.Generator, start: float, width: float) -> tuple[Primitive, ...]:
     """A long, slightly rising grip on the right."""
-    rise = float(rng.uniform(0.012, 0.03))
+    rise = choose(rng, 0.012, 0.03)
     end = -width / 2
     neck = start - 0.03
     stub = lean_rod((0.0, start + 2 * WALL, 0.0), (0.0, neck, 0.004), 0.0075, "trim")
@@ -111,10 +111,10 @@ def _build_grip(rng: np.random.Generator, start: float, width: float) -> tuple[P
     return stub, *(lean_rod(a, b, (first, second), "handle") for (a, first), (b, second) in rods)
 
 
-def _draw_finishes(rng: np.random.Generator) -> tuple[tuple[str, Finish], ...]:
+def _draw_finishes(rng: np.random.Generator) -> dict[str, Finish]:
     seed, steel = int(rng.integers(2**30)), make_polished("steel", 0)
     enamel = bool(rng.random() < 0.4)
-    color = LACQUERS[ENAMELS[int(rng.integers(len(ENAMELS)))]]
+    color = LACQUERS[choose_one(rng, ENAMELS)]
     glassy = bool(rng.random() < (0.15 if enamel else 0.5))
     grips = (
         make_plastic((0.12, 0.12, 0.125)),
@@ -123,12 +123,11 @@ def _draw_finishes(rng: np.random.Generator) -> tuple[tuple[str, Finish], ...]:
         make_polished("brass", seed),
     )
     body = make_ceramic(color, seed) if enamel else steel
-    finishes = {
+    return {
         "body": body,
         "inside": make_ceramic((0.87, 0.85, 0.8), seed) if enamel else steel,
         "foot": make_polished("dark", seed),
         "trim": steel if glassy or not enamel else body,
-        "lid": make_glass((0.72, 0.78, 0.78), opacity=0.25) if glassy else body,
+        "lid": make_glass((0.55, 0.62, 0.62), opacity=0.45) if glassy else body,
         "handle": grips[int(rng.integers(4 if enamel else 3))],
     }
-    return tuple(sorted(finishes.items()))

@@ -6,23 +6,25 @@ deep and 0.15 to 0.22 m high; laser printers 0.36 to 0.42 m wide and 0.22 to 0.3
 """
 
 from dataclasses import dataclass
+from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly
 from artigen.shapes.appliances.control_panel import make_button
-from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_style
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_castors
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, hinge, slide, sweep_gap
-from artigen.shapes.fittings.lids import hinge_lid, loft, shrink
-from artigen.shapes.primitives import Primitive, box, cylinder, polytope, rounded_box
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, around, hinge, narrow, slide, sweep_gap
+from artigen.shapes.fittings.lids import loft, make_lid, shrink
+from artigen.shapes.primitives import Primitive, block, cylinder, polytope
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_glass, make_plastic
 
 CATEGORY = "Printer"
 STYLES = {"inkjet": 3.0, "laser": 2.5, "multifunction": 2.5, "copier": 1.5}
-SIZES: dict[str, tuple[Range, Range, Range]] = {
+SIZES: dict[str, Spans] = {
     "inkjet": ((0.40, 0.46), (0.31, 0.38), (0.15, 0.22)),
     "laser": ((0.36, 0.42), (0.36, 0.42), (0.22, 0.3)),
     "multifunction": ((0.40, 0.46), (0.38, 0.46), (0.36, 0.5)),
@@ -30,8 +32,12 @@ SIZES: dict[str, tuple[Range, Range, Range]] = {
 }
 """Width, depth and height (m)."""
 SHELLS: tuple[Color, ...] = ((0.90, 0.90, 0.89), (0.82, 0.82, 0.80), (0.15, 0.15, 0.16), (0.32, 0.33, 0.35))
-WALL, FRONT = 0.012, 0.016
+WALL, FACE = 0.012, 0.016
 """Thickness (m) of the housing, and of the fronts of cassettes."""
+
+
+PAPER: Range = (-0.105, 0.105)
+"""Range of y of a sheet of A4 paper."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,20 +50,19 @@ class _Frame:
     @property
     def inner(self) -> Range:
         """Range of y between the sides."""
-        return self.y[0] + WALL, self.y[1] - WALL
+        return narrow(self.y, WALL)
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a printer that meets the wish."""
     style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_lengths(rng, wish, SIZES[style])
-    frame = _Frame(x=(0.012 - depth / 2, depth / 2), y=(-width / 2, width / 2))
-    built = _build(rng, frame, height, style)
-    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(_draw_finishes(rng).items())))
+    frame = _Frame(x=(0.012 - depth / 2, depth / 2), y=around(0.0, width / 2))
+    return Draft(style, _build(rng, frame, height, style).close(), _draw_finishes(rng))
 
 
 def _draw_finishes(rng: np.random.Generator) -> dict[str, Finish]:
-    shell, second = (SHELLS[int(rng.integers(len(SHELLS)))] for _ in range(2))
+    shell, second = (choose_one(rng, SHELLS) for _ in range(2))
     same = rng.random() < 0.5
     dark: Color = (0.13, 0.13, 0.14)
 
@@ -78,214 +83,172 @@ def _draw_finishes(rng: np.random.Generator) -> dict[str, Finish]:
 
 def _build(rng: np.random.Generator, frame: _Frame, height: float, style: str) -> Assembly:
     """Stacks, from the floor up: feet, cassettes, the printing unit, the output bay, the scanner."""
-    copier, scans = style == "copier", style != "laser"
+    copier, scans, flat = style == "copier", style != "laser", style == "inkjet"
     built, low = _make_foot(frame, copier=copier)
     scanner = {"inkjet": 0.055, "laser": 0.0, "multifunction": 0.11, "copier": 0.16}[style]
-    lid = 0.02 if style == "inkjet" else 0.03
-    top = height - scanner if scans else height
-    bay = 0.0 if style == "laser" else (0.06 if style == "inkjet" else float(rng.uniform(0.09, 0.13)))
+    lid, top = 0.02 if flat else 0.03, height - scanner
+    bay = 0.0 if not scans else (0.06 if flat else choose(rng, 0.09, 0.13))
     pitch = {"inkjet": 0.05, "laser": 0.085, "multifunction": 0.085, "copier": 0.13}[style]
     base = top - (bay or 0.04)
     count = {"inkjet": 1, "laser": 1, "multifunction": int(rng.integers(1, 3))}.get(style, 4)
     count = int(np.clip((base - low - (0.2 if copier else 0.03)) / pitch, 1, count))
     high = low + count * pitch
-    front = frame.x[0] + FRONT + GAP
-    built += Assembly(pieces=tuple(_make_walls(frame, (low, high), front)))
+    built += Assembly(_build_walls(frame, (low, high), frame.x[0] + FACE + GAP))
     for k in range(count):
         built += _make_cassette(frame, (low + k * pitch, low + (k + 1) * pitch), f"cassette_{k}")
     if base - high > 0.02:
-        built += _make_engine(rng, frame, (high, base), opens=style != "inkjet")
+        built += _make_engine(rng, frame, (high, base), opens=not flat)
     else:
         base = high
-    if bay:
-        built += _make_bay(frame, (base, top), deep=0.6 if style == "inkjet" else 1.0)
-    else:
-        built += _make_top_tray(frame, top)
     right = frame.y[0]
     if not scans:
-        return built + _make_controls(
-            rng, frame, (height - 0.038, height - 0.004), (right + 0.004, right + 0.056)
-        )
-    crest = 0.0 if style == "inkjet" else (0.07 if copier else 0.045)
-    bed = height - lid - crest - GAP
+        built += Assembly(_build_top_tray(frame, top))
+        across = (right + 0.004, right + 0.056)
+        return built + _make_controls(rng, frame, (height - 0.038, height - 0.004), across)
+    built += _make_bay(frame, (base, top), deep=0.6 if flat else 1.0)
+    bed = height - lid - (0.0 if flat else (0.07 if copier else 0.045)) - GAP
     built += _make_scanner(rng, frame, (top, bed), height, lid)
-    across = (right + 0.03, right + 0.03 + float(rng.uniform(0.14, 0.22)))
-    return built + _make_controls(rng, frame, (top + 0.003, bed - 0.003), across)
+    across = (right + 0.03, right + 0.03 + choose(rng, 0.14, 0.22))
+    return built + _make_controls(rng, frame, narrow((top, bed), 0.003), across)
 
 
 def _make_foot(frame: _Frame, *, copier: bool) -> tuple[Assembly, float]:
     """Castors or rubber feet, and the floor of the housing; returns the height of its upper side, too."""
+    (x0, x1), y = frame.x, frame.y
     if copier:
-        castors = make_castors(frame.x, frame.y, 0.025, parent="body", swivel=False)
-        level, pieces, parts = castors.height, [*castors.primitives], castors.parts
+        castors = make_castors(frame.x, y, 0.025, swivel=False)
+        level, pieces, parts = castors.height, castors.primitives, castors.parts
     else:
         level, parts = 0.008, ()
-        pieces = [
-            cylinder((a, b, 0.0), (a, b, level), 0.012, "rubber")
-            for a in (frame.x[0] + 0.05, frame.x[1] - 0.03)
-            for b in (frame.y[0] + 0.04, frame.y[1] - 0.04)
-        ]
-    pieces.append(box((frame.x[0] + 0.02, frame.y[0], level), (frame.x[1], frame.y[1], level + WALL), "body"))
-    return Assembly(pieces=tuple(pieces), parts=parts), level + WALL
+        places = [(a, b) for a in (x0 + 0.05, x1 - 0.03) for b in narrow(y, 0.04)]
+        pieces = [cylinder((*at, 0.0), (*at, level), 0.012, "rubber") for at in places]
+    floor = block((x0 + 0.02, x1), y, (level, level + WALL), "body")
+    return Assembly((*pieces, floor), parts), level + WALL
 
 
-def _make_walls(frame: _Frame, z: Range, front: float) -> list[Primitive]:
+def _build_walls(frame: _Frame, z: Range, front: float) -> tuple[Primitive, ...]:
     """Sides and back of one storey."""
-    return [
-        box((front, frame.y[0], z[0]), (frame.x[1], frame.inner[0], z[1]), "body"),
-        box((front, frame.inner[1], z[0]), (frame.x[1], frame.y[1], z[1]), "body"),
-        box((frame.x[1] - WALL, frame.inner[0], z[0]), (frame.x[1], frame.inner[1], z[1]), "body"),
-    ]
+    back, (right, left) = frame.x[1], frame.inner
+    return (
+        block((front, back), (frame.y[0], right), z, "body"),
+        block((front, back), (left, frame.y[1]), z, "body"),
+        block((back - WALL, back), frame.inner, z, "body"),
+    )
 
 
 def _make_cassette(frame: _Frame, z: Range, name: str) -> Assembly:
     """A cassette below a deck: a paper tray with a grip in its front and a stack of paper."""
-    front, thick = frame.x[0], FRONT
+    start, end = frame.x[0] + FACE, frame.x[1] - WALL
     deck = z[1] - 0.008
-    pieces: list[Primitive] = []
-    pieces.append(
-        box((front + thick + GAP, frame.inner[0], deck), (frame.x[1] - WALL, frame.inner[1], z[1]), "inside")
-    )
-    y = (frame.inner[0] + 0.004, frame.inner[1] - 0.004)
-    x = (front + thick, frame.x[1] - WALL - 0.006)
+    (right, left), x, y = narrow(frame.y, 0.001), (start, end - 0.006), narrow(frame.inner, 0.004)
     low, rim, wall = z[0] + GAP, min(deck - 0.006, z[0] + 0.06), 0.007
-    grip = 0.32 * (y[1] - y[0])
-    solids = [
-        box(
-            (front, frame.y[0] + 0.001, z[0] + 0.002),
-            (front + thick, frame.y[1] - 0.001, z[1] - 0.022),
-            "front",
-        ),
-        box((front, frame.y[0] + 0.001, z[1] - 0.022), (front + thick, -grip / 2, z[1] - 0.002), "front"),
-        box((front, grip / 2, z[1] - 0.022), (front + thick, frame.y[1] - 0.001, z[1] - 0.002), "front"),
-        box((front + 0.011, -grip / 2, z[1] - 0.022), (front + thick, grip / 2, z[1] - 0.002), "trim"),
-        box((x[0], y[0], low), (x[1], y[1], low + wall), "inside"),
-        box((x[0], y[0], low + wall), (x[1], y[0] + wall, rim), "inside"),
-        box((x[0], y[1] - wall, low + wall), (x[1], y[1], rim), "inside"),
-        box((x[1] - wall, y[0] + wall, low + wall), (x[1], y[1] - wall, rim), "inside"),
-    ]
+    face, (bottom, top), notch = (frame.x[0], start), narrow(z, 0.002), z[1] - 0.022
+    half, floor, rear = 0.16 * (y[1] - y[0]), low + wall, x[1] - wall
     long = min(0.297, x[1] - x[0] - 2 * wall)
-    solids.append(box((x[1] - wall - long, -0.105, low + wall), (x[1] - wall, 0.105, rim - 0.008), "paper"))
-    motion = slide(0.72 * (x[1] - x[0]))
-    tray = ShapePart(name=name, label="tray", parent="body", primitives=tuple(solids), motion=motion)
-    return Assembly(pieces=tuple(pieces), parts=(tray,))
+    solids = (
+        block(face, (right, left), (bottom, notch), "front"),
+        block(face, (right, -half), (notch, top), "front"),
+        block(face, (half, left), (notch, top), "front"),
+        block((frame.x[0] + 0.011, start), around(0.0, half), (notch, top), "trim"),
+        block(x, y, (low, floor), "inside"),
+        block(x, (y[0], y[0] + wall), (floor, rim), "inside"),
+        block(x, (y[1] - wall, y[1]), (floor, rim), "inside"),
+        block((rear, x[1]), narrow(y, wall), (floor, rim), "inside"),
+        block((rear - long, rear), PAPER, (floor, rim - 0.008), "paper"),
+    )
+    tray = ShapePart(name, "tray", solids, slide(0.72 * (x[1] - x[0])))
+    return Assembly((block((start + GAP, end), frame.inner, (deck, z[1]), "inside"),), (tray,))
 
 
 def _make_engine(rng: np.random.Generator, frame: _Frame, z: Range, *, opens: bool) -> Assembly:
     """The printing unit: closed, or with a drop front before the toner."""
-    front, thick = frame.x[0], 0.014
-    if not opens or z[1] - z[0] < 0.09:
-        body = rounded_box((front, frame.y[0], z[0]), (frame.x[1], frame.y[1], z[1]), 0.003, "body")
-        return Assembly(pieces=(body,))
-    start = front + thick + GAP
-    roof = box((start, frame.inner[0], z[1] - WALL), (frame.x[1] - WALL, frame.inner[1], z[1]), "body")
-    deep = frame.x[1] - start
-    toner = [
-        box(
-            (start + 0.25 * deep, frame.inner[0], z[0]),
-            (frame.x[1] - WALL, frame.inner[1], z[0] + 0.02),
-            "inside",
-        ),
-        cylinder(
-            (start + 0.4 * deep, frame.inner[0], z[0] + 0.045),
-            (start + 0.4 * deep, frame.inner[1], z[0] + 0.045),
-            0.026,
-            "trim",
-        ),
-    ]
-    panel = Panel(
-        x=front, thickness=thick, y=(frame.y[0] + 0.001, frame.y[1] - 0.001),
-        z=(z[0] + 0.002, z[1] - sweep_gap(z[1] - z[0], thick)),
-    )  # fmt: skip
-    slab = rounded_box((front, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1]), 0.002, "front")
-    lip = box((front - 0.008, -0.05, panel.z[1] - 0.014), (front, 0.05, panel.z[1] - 0.004), "front")
-    motion = hinge(panel, "bottom", float(np.radians(rng.uniform(70, 88))))
-    door = ShapePart(name="door", label="door", parent="body", primitives=(slab, lip), motion=motion)
-    return Assembly(pieces=(*_make_walls(frame, z, start), roof, *toner), parts=(door,))
+    (front, back), thick, tall = frame.x, 0.014, z[1] - z[0]
+    if not opens or tall < 0.09:
+        return Assembly((block(frame.x, frame.y, z, "body", 0.003),))
+    start, (right, left), level = front + thick + GAP, frame.inner, z[0] + 0.045
+    axis = start + 0.4 * (back - start)
+    deck = (start + 0.25 * (back - start), back - WALL)
+    pieces = (
+        *_build_walls(frame, z, start),
+        block((start, back - WALL), frame.inner, (z[1] - WALL, z[1]), "body"),
+        block(deck, frame.inner, (z[0], z[0] + 0.02), "inside"),
+        cylinder((axis, right, level), (axis, left, level), 0.026, "trim"),
+    )
+    top = z[1] - sweep_gap(tall, thick)
+    panel = Panel(x=front, thickness=thick, y=narrow(frame.y, 0.001), z=(z[0] + 0.002, top))
+    lip = block((front - 0.008, front), around(0.0, 0.05), (top - 0.014, top - 0.004), "front")
+    swing = hinge(panel, "bottom", radians(choose(rng, 70, 88)))
+    return Assembly(pieces, (ShapePart("door", "door", (panel.fill("front", 0.002), lip), swing),))
 
 
 def _make_bay(frame: _Frame, z: Range, *, deep: float) -> Assembly:
     """The output bay, an open storey between printing unit and scanner, with a pull-out tray."""
-    back = frame.x[0] + deep * 0.75 * (frame.x[1] - frame.x[0])
-    pieces = [
-        box((frame.x[0], frame.y[0], z[0]), (back, frame.y[0] + 0.03, z[1]), "body"),
-        box((frame.x[0], frame.y[1] - 0.03, z[0]), (back, frame.y[1], z[1]), "body"),
-        box((back, frame.y[0], z[0]), (frame.x[1], frame.y[1], z[1]), "body"),
-    ]
-    x, y, low = (frame.x[0] + 0.004, back - 0.01), (frame.y[0] + 0.036, frame.y[1] - 0.036), z[0] + 0.0035
-    stop = 0.02
-    solids = (
-        box((x[0], y[0], low), (x[1], y[1], low + 0.007), "trim"),
-        box((x[0], -0.06, low + 0.007), (x[0] + 0.006, 0.06, low + stop), "trim"),
-        box((x[0] + 0.03, -0.105, low + 0.007), (x[1] - 0.01, 0.105, low + 0.011), "paper"),
-    )
-    motion = slide(0.55 * (x[1] - x[0]))
-    tray = ShapePart(name="output_tray", label="tray", parent="body", primitives=solids, motion=motion)
-    return Assembly(pieces=tuple(pieces), parts=(tray,))
-
-
-def _make_top_tray(frame: _Frame, top: float) -> Assembly:
-    """The output tray of a laser printer, a hollow in its top."""
-    low, side = top - 0.04, 0.06
-    x = (frame.x[0] + 0.03, frame.x[1] - 0.08)
-    slope = np.array([(x[0], low), (x[1], low), (x[0], low + 0.028), (x[1], low + 0.004)])
-    ramp = polytope(
-        np.array([(a, b, c) for b in (frame.y[0] + side, frame.y[1] - side) for a, c in slope]), "inside"
-    )
+    (x0, x1), (y0, y1) = frame.x, frame.y
+    back = x0 + deep * 0.75 * (x1 - x0)
     pieces = (
-        box((x[1], frame.y[0], low), (frame.x[1], frame.y[1], top), "body"),
-        box((frame.x[0], frame.y[0], low), (x[1], frame.y[0] + side, top), "body"),
-        box((frame.x[0], frame.y[1] - side, low), (x[1], frame.y[1], top), "body"),
-        box((frame.x[0], frame.y[0] + side, low), (x[0], frame.y[1] - side, low + 0.028), "body"),
-        ramp,
+        block((x0, back), (y0, y0 + 0.03), z, "body"),
+        block((x0, back), (y1 - 0.03, y1), z, "body"),
+        block((back, x1), frame.y, z, "body"),
     )
-    return Assembly(pieces=pieces)
+    (start, end), low = (x0 + 0.004, back - 0.01), z[0] + 0.0035
+    floor = low + 0.007
+    solids = (
+        block((start, end), narrow(frame.y, 0.036), (low, floor), "trim"),
+        block((start, start + 0.006), around(0.0, 0.06), (floor, low + 0.02), "trim"),
+        block((start + 0.03, end - 0.01), PAPER, (floor, low + 0.011), "paper"),
+    )
+    return Assembly(pieces, (ShapePart("output_tray", "tray", solids, slide(0.55 * (end - start))),))
+
+
+def _build_top_tray(frame: _Frame, top: float) -> tuple[Primitive, ...]:
+    """The output tray of a laser printer, a hollow in its top."""
+    (x0, x1), (y0, y1), low = frame.x, frame.y, top - 0.04
+    start, end, inner = x0 + 0.03, x1 - 0.08, narrow(frame.y, 0.06)
+    slope = ((start, low), (end, low), (start, low + 0.028), (end, low + 0.004))
+    return (
+        block((end, x1), frame.y, (low, top), "body"),
+        block((x0, end), (y0, inner[0]), (low, top), "body"),
+        block((x0, end), (inner[1], y1), (low, top), "body"),
+        block((x0, start), inner, (low, low + 0.028), "body"),
+        polytope(np.array([(a, b, c) for b in inner for a, c in slope]), "inside"),
+    )
 
 
 def _make_scanner(rng: np.random.Generator, frame: _Frame, z: Range, height: float, lid: float) -> Assembly:
     """The scanner: a housing with a pane and a lid; height beyond that of a lid becomes a document feeder."""
     x, y, bed = frame.x, frame.y, z[1]
-    crest = height - bed - GAP - lid
-    housing = rounded_box((x[0], y[0], z[0]), (x[1], y[1], bed - 0.001), 0.002, "body")
-    pane = box((x[0] + 0.03, y[0] + 0.05, bed - 0.006), (x[1] - 0.03, y[1] - 0.05, bed), "glass")
-    low = bed + GAP
-    slab = rounded_box((x[0], y[0], low + 0.003), (x[1], y[1], low + lid), 0.003, "front")
-    mat = box((x[0] + 0.025, y[0] + 0.045, low), (x[1] - 0.025, y[1] - 0.045, low + 0.006), "paper")
-    solids: list[Primitive] = [slab, mat]
-    if crest > 0.01:
-        middle = y[0] + float(rng.uniform(0.45, 0.6)) * (y[1] - y[0])
+    low, top = bed + GAP, bed + GAP + lid
+    housing = block(x, y, (z[0], bed - 0.001), "body", 0.002)
+    pane = block(narrow(x, 0.03), narrow(y, 0.05), (bed - 0.006, bed), "glass")
+    solids = [
+        block(x, y, (low + 0.003, top), "front", 0.003),
+        block(narrow(x, 0.025), narrow(y, 0.045), (low, low + 0.006), "paper"),
+    ]
+    if height - top > 0.01:
+        middle = y[0] + choose(rng, 0.45, 0.6) * (y[1] - y[0])
         outline = (x[0] + 0.04, x[1] - 0.03), (middle, y[1] - 0.01)
-        solids.append(loft(outline, shrink(outline, 0.012), (low + lid, height), "front"))
-        near, far, rise = y[0] + 0.03, middle + 0.01, 0.3 * crest
+        near, far, rise, ends = y[0] + 0.03, middle + 0.01, 0.3 * (height - top), narrow(x, 0.06)
         flat = [(near, 0.012), (near, 0.02), (far, rise), (far, rise - 0.006)]
-        ends = [(a, b, low + lid + c) for a in (x[0] + 0.06, x[1] - 0.06) for b, c in flat]
-        solids.append(polytope(np.array(ends), "trim"))
-        foot = box(
-            (x[0] + 0.06, y[0] + 0.03, low + lid - 0.002),
-            (x[1] - 0.06, y[0] + 0.05, low + lid + 0.014),
-            "trim",
-        )
-        solids.append(foot)
-    motion = hinge_lid(x, y, low, float(np.radians(rng.uniform(60, 85))))
-    cover = ShapePart(name="lid", label="door", parent="body", primitives=tuple(solids), motion=motion)
-    return Assembly(pieces=(housing, pane), parts=(cover,))
+        solids += [
+            loft(outline, shrink(outline, 0.012), (top, height), "front"),
+            polytope(np.array([(a, b, top + c) for a in ends for b, c in flat]), "trim"),
+            block(ends, (near, near + 0.02), (top - 0.002, top + 0.014), "trim"),
+        ]
+    cover = make_lid(solids, x, y, low, radians(choose(rng, 60, 85)))
+    return Assembly((housing, pane), (cover,))
 
 
 def _make_controls(rng: np.random.Generator, frame: _Frame, z: Range, y: Range) -> Assembly:
     """A display and a row of buttons on the front; the last button is green."""
-    x, middle, half = frame.x[0], (z[0] + z[1]) / 2, 0.34 * (z[1] - z[0])
-    count, wide = int(rng.integers(2, 6)), y[1] - y[0]
-    split = y[1] - float(rng.uniform(0.35, 0.55)) * wide
-    display = box((x - 0.003, split, middle - half), (x + 0.003, y[1], middle + half), "panel")
+    x, middle, half = frame.x[0], sum(z) / 2, 0.34 * (z[1] - z[0])
+    count = int(rng.integers(2, 6))
+    split = y[1] - choose(rng, 0.35, 0.55) * (y[1] - y[0])
+    display = block(around(x, 0.003), (split, y[1]), around(middle, half), "panel")
     pitch = (split - 0.006 - y[0]) / count
     size = min(0.75 * pitch, 1.6 * half)
-    round_ = rng.random() < 0.5
-    buttons = [
-        make_button(
-            (x, split - 0.006 - (k + 0.5) * pitch, middle), (size, size, 0.0045), name=f"button_{k}",
-            parent="body",
-            finish="mark" if k == count - 1 else "key", shape="round" if round_ else "square",
-        )
-        for k in range(count)
-    ]  # fmt: skip
-    return Assembly(pieces=(display,), parts=tuple(buttons))
+    shape = "round" if rng.random() < 0.5 else "square"
+    buttons = []
+    for k in range(count):
+        at, finish = (x, split - 0.006 - (k + 0.5) * pitch, middle), "mark" if k == count - 1 else "key"
+        buttons.append(make_button(at, (size, size, 0.0045), name=f"button_{k}", finish=finish, shape=shape))
+    return Assembly((display,), buttons)

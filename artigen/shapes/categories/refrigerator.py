@@ -1,14 +1,14 @@
 """Refrigerator: rows of compartments behind doors, pairs of doors, freezer drawers or glass doors."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import radians
 from typing import Literal
 
 import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import build_window_leaf, draw_grip, mount_grip
-from artigen.shapes.appliances.assembly import Assembly
-from artigen.shapes.appliances.cavity import build_feet, build_shell, divide_range
+from artigen.shapes.appliances.cavity import build_feet, build_shell
 from artigen.shapes.appliances.cold_storage import (
     LOW,
     build_cold_leaf,
@@ -17,10 +17,24 @@ from artigen.shapes.appliances.cold_storage import (
     plan_bins,
     reach_inwards,
 )
-from artigen.shapes.draw import Draft, Wish, choose, find_nearest, pick
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose, pick
+from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths, find_nearest
 from artigen.shapes.fittings.handles import HandleDesign
-from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range, Space, hinge, slide, sweep_gap
-from artigen.shapes.primitives import Primitive, box
+from artigen.shapes.fittings.hardware import (
+    GAP,
+    Edge,
+    Panel,
+    Range,
+    Space,
+    around,
+    divide_range,
+    hinge,
+    narrow,
+    slide,
+    sweep_gap,
+)
+from artigen.shapes.primitives import Primitive, block
 from artigen.shapes.shape import Need, ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -40,7 +54,7 @@ KINDS: dict[Kind, float] = {
     "french": 0.13,
     "display": 0.07,
 }
-SIZES: dict[Kind, tuple[Range, Range, Range]] = {
+SIZES: dict[Kind, Spans] = {
     "single": ((0.54, 0.76), (0.56, 0.74), (1.15, 1.85)),
     "mini": ((0.44, 0.56), (0.44, 0.56), (0.48, 0.90)),
     "top_freezer": ((0.54, 0.80), (0.60, 0.80), (1.34, 1.80)),
@@ -89,39 +103,36 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish)
     cells = _draw_cells(rng, plan)
-    built = Assembly(pieces=tuple(_build_housing(plan, cells)))
+    built = Assembly(tuple(_build_housing(plan, cells)))
     moulded = rng.random() < 0.12  # shelves that are part of the cabinet
     bare = rng.random() < 0.45  # empty behind solid doors
     for index, cell in enumerate(cells):
         built += _draw_compartment(rng, plan, cell, f"{index}", moulded=moulded, bare=bare)
-    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(palette.items())))
+    return Draft(style, built.close(), palette)
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     weights: dict[Kind, float] = {name: KINDS[name] for name in find_nearest(wish, SIZES)}
     kind = pick(rng, weights)
-    widths, depths, heights = SIZES[kind]
-    width = choose(rng, *widths, wish.width)
-    depth = choose(rng, *depths, wish.depth)
-    height = choose(rng, *heights, wish.height)
-    thickness = float(rng.uniform(0.045, 0.055) if kind in ("mini", "display") else rng.uniform(0.052, 0.072))
-    foot = float(rng.uniform(0.015, 0.028))
-    floor = foot + (float(rng.uniform(0.0, 0.012)) if kind == "mini" else float(rng.uniform(0.03, 0.08)))
+    width, depth, height = choose_lengths(rng, wish, SIZES[kind])
+    thickness = choose(rng, *((0.045, 0.055) if kind in ("mini", "display") else (0.052, 0.072)))
+    foot = choose(rng, 0.015, 0.028)
+    floor = foot + choose(rng, *((0.0, 0.012) if kind == "mini" else (0.03, 0.08)))
     x = -depth / 2
     longest = max(width, depth, height)
     kinds = ("bar", "bar", "pull", "edge", "arch") if kind != "display" else ("bar", "pull", "edge")
-    length = float(rng.uniform(0.24, 0.62)) * min(1.0, height)
+    length = choose(rng, 0.24, 0.62) * min(1.0, height)
     grip = draw_grip(rng, wish.choose_handles(kinds), length=length, longest=longest)
     return _Plan(
         kind=kind,
-        outer=Space(x=(x + thickness + GAP, depth / 2), y=(-width / 2, width / 2), z=(foot, height)),
+        outer=Space(x=(x + thickness + GAP, depth / 2), y=around(0.0, width / 2), z=(foot, height)),
         floor=floor,
         x=x,
         thickness=thickness,
-        wall=float(rng.uniform(0.032, 0.040) if kind == "mini" else rng.uniform(0.038, 0.055)),
+        wall=choose(rng, *((0.032, 0.040) if kind == "mini" else (0.038, 0.055))),
         longest=longest,
         edge="left" if rng.random() < 0.35 else "right",
-        bevel=float(rng.uniform(0.002, 0.012)) if rng.random() < 0.6 else 0.0,
+        bevel=choose(rng, 0.002, 0.012) if rng.random() < 0.6 else 0.0,
         grip=grip if rng.random() < 0.76 else None,
     )
 
@@ -129,31 +140,23 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
 def _draw_cells(rng: np.random.Generator, plan: _Plan) -> list[_Cell]:
     """Splits the front into rows and columns, from the top left on."""
     y, z = plan.outer.y, (plan.floor, plan.outer.z[1])
-    share = float(rng.uniform(0.26, 0.40))
-    cut = z[0] + share * (z[1] - z[0])
-    if plan.kind in ("single", "mini"):
-        return [_make_cell(plan, y, z, frozen=False, front="door")]
-    if plan.kind == "display":
-        return [_make_cell(plan, y, z, frozen=False, front="glass")]
-    if plan.kind == "top_freezer":
-        cut = z[1] - share * (z[1] - z[0])
-        return [
-            _make_cell(plan, y, (cut, z[1]), frozen=True, front="door"),
-            _make_cell(plan, y, (z[0], cut), frozen=False, front="door"),
-        ]
+    share = choose(rng, 0.26, 0.40)
+    if plan.kind in ("single", "mini", "display"):
+        return [_make_cell(plan, y, z, frozen=False, front="glass" if plan.kind == "display" else "door")]
     if plan.kind == "side_by_side":
-        split = y[1] - float(rng.uniform(0.38, 0.5)) * (y[1] - y[0])
-        return [
-            _make_cell(plan, (split, y[1]), z, frozen=True, front="door"),
-            _make_cell(plan, (y[0], split), z, frozen=False, front="door"),
-        ]
-    upper = _make_cell(plan, y, (cut, z[1]), frozen=False, front="pair" if plan.kind == "french" else "door")
-    if plan.kind == "bottom_freezer":
-        return [upper, _make_cell(plan, y, (z[0], cut), frozen=True, front="door")]
+        split = y[1] - choose(rng, 0.38, 0.5) * (y[1] - y[0])
+        left = _make_cell(plan, (split, y[1]), z, frozen=True, front="door")
+        return [left, _make_cell(plan, (y[0], split), z, frozen=False, front="door")]
+    first = plan.kind == "top_freezer"
+    cut = z[1] - share * (z[1] - z[0]) if first else z[0] + share * (z[1] - z[0])
+    front: FrontKind = "pair" if plan.kind == "french" else "door"
+    upper, low = _make_cell(plan, y, (cut, z[1]), frozen=first, front=front), (z[0], cut)
+    if plan.kind in ("top_freezer", "bottom_freezer"):
+        return [upper, _make_cell(plan, y, low, frozen=not first, front="door")]
     if plan.kind == "french" and rng.random() < 0.25:
-        return [upper, _make_cell(plan, y, (z[0], cut), frozen=True, front="pair")]
+        return [upper, _make_cell(plan, y, low, frozen=True, front="pair")]
     count = 2 if cut - z[0] > 0.5 or rng.random() < 0.3 else 1
-    rows = reversed(divide_range((z[0], cut), count, 0.0))
+    rows = reversed(divide_range(low, count, 0.0))
     return [upper, *(_make_cell(plan, y, row, frozen=True, front="drawer") for row in rows)]
 
 
@@ -164,9 +167,8 @@ def _make_cell(plan: _Plan, y: Range, z: Range, *, frozen: bool, front: FrontKin
     right = wall if y[0] == outer.y[0] else half
     top = wall if z[1] == outer.z[1] else half
     bottom = wall if z[0] == plan.floor else half
-    space = Space(
-        x=(outer.x[0], outer.x[1] - wall - 0.04), y=(y[0] + right, y[1] - left), z=(z[0] + bottom, z[1] - top)
-    )
+    x = (outer.x[0], outer.x[1] - wall - 0.04)
+    space = Space(x=x, y=(y[0] + right, y[1] - left), z=(z[0] + bottom, z[1] - top))
     return _Cell(frozen=frozen, front=front, y=y, z=z, space=space)
 
 
@@ -181,16 +183,12 @@ def _build_housing(plan: _Plan, cells: list[_Cell]) -> list[Primitive]:
     pieces = list(build_shell(outer, hollow, "body", "inside", bevel=min(plan.bevel, 0.005)))
     for one, other in pairwise(spaces):
         if one.y == other.y:
-            pieces.append(box((one.x[0], *one.y[:1], other.z[1]), (one.x[1], one.y[1], one.z[0]), "inside"))
+            pieces.append(block(one.x, one.y, (other.z[1], one.z[0]), "inside"))
         else:
-            pieces.append(box((one.x[0], other.y[1], one.z[0]), (one.x[1], one.y[0], one.z[1]), "inside"))
+            pieces.append(block(one.x, (other.y[1], one.y[0]), one.z, "inside"))
     if plan.floor - outer.z[0] > 0.025:
-        grille = box(
-            (plan.x + 0.02, outer.y[0] + 0.01, outer.z[0]),
-            (outer.x[0], outer.y[1] - 0.01, plan.floor - 0.006),
-            "plastic" if plan.bevel else "rubber",
-        )
-        pieces.append(grille)
+        span, finish = (outer.z[0], plan.floor - 0.006), "plastic" if plan.bevel else "rubber"
+        pieces.append(block((plan.x + 0.02, outer.x[0]), narrow(outer.y, 0.01), span, finish))
     return [*pieces, *build_feet(outer.x, outer.y, outer.z[0], "rubber", radius=0.02, inset=0.03)]
 
 
@@ -209,14 +207,14 @@ def _draw_compartment(
     else:
         fronts, needs, free, bins = _draw_doors(rng, plan, cell, (low, high), stem)
     if bare and cell.front != "glass":
-        return Assembly(parts=tuple(fronts))
+        return Assembly(parts=fronts)
     full = cell.frozen and not bins
     shelves, sliding = draw_shelves_and_crispers(
         rng, cell.space, stem=stem, bins=bins, crispers=free, needs=needs, full=full
     )
     if moulded:
         pieces = tuple(piece for shelf in shelves for piece in shelf.primitives)
-        return Assembly(pieces=pieces, parts=(*fronts, *sliding))
+        return Assembly(pieces, (*fronts, *sliding))
     return Assembly(parts=(*fronts, *sliding, *shelves))
 
 
@@ -229,20 +227,19 @@ def _draw_doors(
         The parts; the parts that must be open before a crisper slides out; the range of y that is then free
         at the height of the crispers; the depth of the bins on the doors.
     """
-    upper = float(np.radians(rng.uniform(92, 150)))
-    depth = float(rng.uniform(0.07, 0.11)) if rng.random() < (0.5 if cell.frozen else 0.88) else 0.0
+    upper = radians(choose(rng, 92, 150))
+    depth = choose(rng, 0.07, 0.11) if rng.random() < (0.5 if cell.frozen else 0.88) else 0.0
     bins = plan_bins(rng, depth, (cell.space.z[0] + LOW, cell.space.z[1])) if depth else None
     dispenses = _dispenses(rng, plan, cell)
     parts: list[ShapePart] = []
     needs: list[Need] = []
-    low, high = cell.space.y[0] + 0.004, cell.space.y[1] - 0.004
+    low, high = narrow(cell.space.y, 0.004)
     for k, (panel, edge) in enumerate(_place_doors(plan, cell, z)):
         name = f"door_{stem}_{k}"
         niche = _draw_niche(rng, panel) if dispenses and k == 0 else None
         across = cell.space.y if cell.front == "door" else _half(cell.space.y, panel, edge)
         leaf = build_cold_leaf(panel, edge, (across, cell.space.z), bins, bevel=plan.bevel, niche=niche)
-        motion = hinge(panel, edge, upper)
-        parts.append(ShapePart(name=name, label="door", parent="body", primitives=leaf, motion=motion))
+        parts.append(ShapePart(name, "door", leaf, hinge(panel, edge, upper)))
         parts += _mount(plan, panel, edge, name)
         needs.append(Need(part=name, fraction=1.0))
         reach = reach_inwards(panel, upper, 0.036, 0.012) + 0.004
@@ -261,13 +258,13 @@ def _dispenses(rng: np.random.Generator, plan: _Plan, cell: _Cell) -> bool:
 
 
 def _draw_niche(rng: np.random.Generator, panel: Panel) -> tuple[Range, Range] | None:
-    wide = float(rng.uniform(0.40, 0.55)) * panel.width
+    wide = choose(rng, 0.40, 0.55) * panel.width
     middle = panel.center[0] + 0.04
-    bottom = float(rng.uniform(0.92, 1.05))
-    top = bottom + float(rng.uniform(0.28, 0.38))
+    bottom = choose(rng, 0.92, 1.05)
+    top = bottom + choose(rng, 0.28, 0.38)
     if bottom < panel.z[0] + 0.1 or top > panel.z[1] - 0.1:
         return None
-    return (middle - wide / 2, middle + wide / 2), (bottom, top)
+    return around(middle, wide / 2), (bottom, top)
 
 
 def _half(y: Range, panel: Panel, edge: Edge) -> Range:
@@ -277,12 +274,12 @@ def _half(y: Range, panel: Panel, edge: Edge) -> Range:
 
 def _place_doors(plan: _Plan, cell: _Cell, z: Range) -> list[tuple[Panel, Edge]]:
     """Panels of the doors of a compartment, from the left, each with its hinged edge."""
+    panel = Panel(x=plan.x, thickness=plan.thickness, y=cell.y, z=z)
     if cell.front == "pair":
         middle = sum(cell.y) / 2
         gap = sweep_gap((cell.y[1] - cell.y[0]) / 2, plan.thickness)
-        left = Panel(x=plan.x, thickness=plan.thickness, y=(middle + gap / 2, cell.y[1]), z=z)
-        right = Panel(x=plan.x, thickness=plan.thickness, y=(cell.y[0], middle - gap / 2), z=z)
-        return [(left, "left"), (right, "right")]
+        left = replace(panel, y=(middle + gap / 2, cell.y[1]))
+        return [(left, "left"), (replace(panel, y=(cell.y[0], middle - gap / 2)), "right")]
     half = sweep_gap(cell.y[1] - cell.y[0], plan.thickness) / 2 + 0.002
     y = (
         cell.y[0] + (half if cell.y[0] != plan.outer.y[0] else 0.0),
@@ -291,7 +288,7 @@ def _place_doors(plan: _Plan, cell: _Cell, z: Range) -> list[tuple[Panel, Edge]]
     edge = plan.edge
     if plan.kind == "side_by_side":
         edge = "left" if cell.frozen else "right"
-    return [(Panel(x=plan.x, thickness=plan.thickness, y=y, z=z), edge)]
+    return [(replace(panel, y=y), edge)]
 
 
 def _mount(plan: _Plan, panel: Panel, edge: Edge, parent: str) -> list[ShapePart]:
@@ -312,32 +309,26 @@ def _mount(plan: _Plan, panel: Panel, edge: Edge, parent: str) -> list[ShapePart
 def _make_drawer(plan: _Plan, cell: _Cell, panel: Panel, stem: str) -> list[ShapePart]:
     name = f"drawer_{stem}"
     pieces = build_freezer_drawer(panel, cell.space, bevel=plan.bevel)
-    drawer = ShapePart(
-        name=name, label="drawer", parent="body", primitives=pieces, motion=slide(0.7 * cell.space.depth)
-    )
+    drawer = ShapePart(name, "drawer", pieces, slide(0.7 * cell.space.depth))
     if plan.grip is None:
         return [drawer]
     inset = 0.002 if plan.grip.kind == "edge" else min(0.035, panel.height / 5)
-    return [
-        drawer,
-        mount_grip(panel, plan.grip, name=f"{name}_handle", parent=name, edge=None, inset=inset),
-    ]
+    return [drawer, mount_grip(panel, plan.grip, name=f"{name}_handle", parent=name, edge=None, inset=inset)]
 
 
 def _draw_glass_doors(rng: np.random.Generator, plan: _Plan, cell: _Cell, z: Range) -> list[ShapePart]:
     """Draws one to three glass doors side by side, hinged on the same edge."""
     count = int(np.clip(round((cell.y[1] - cell.y[0]) / rng.uniform(0.42, 0.65)), 1, 3))
     gap = sweep_gap((cell.y[1] - cell.y[0]) / count, plan.thickness)
-    rail = float(rng.uniform(0.035, 0.06))
+    rail = choose(rng, 0.035, 0.06)
     # A door that opens beyond 90 degrees would hit the handle of its neighbour.
-    upper = float(np.radians(rng.uniform(90, 120) if count == 1 else 90))
+    upper = radians(rng.uniform(90, 120) if count == 1 else 90)
     parts: list[ShapePart] = []
     for k, y in enumerate(reversed(divide_range(cell.y, count, gap))):
         panel = Panel(x=plan.x, thickness=plan.thickness, y=y, z=z)
-        window = ((y[0] + rail, y[1] - rail), (z[0] + 1.3 * rail, z[1] - rail))
+        window = (narrow(y, rail), (z[0] + 1.3 * rail, z[1] - rail))
         leaf = build_window_leaf(panel, window, "front", "rubber", glass="clear")
         name = f"door_{k}"
-        motion = hinge(panel, plan.edge, upper)
-        parts.append(ShapePart(name=name, label="door", parent="body", primitives=leaf, motion=motion))
+        parts.append(ShapePart(name, "door", leaf, hinge(panel, plan.edge, upper)))
         parts += _mount(plan, panel, plan.edge, name)
     return parts

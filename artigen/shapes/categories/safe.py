@@ -5,84 +5,70 @@ from math import radians
 
 import numpy as np
 
-from artigen.shapes.draw import Draft, Wish, choose
-from artigen.shapes.fittings.fronts import FrontDesign, make_door
-from artigen.shapes.fittings.hardware import GAP, PASSING, Panel, Space, fill_space, sweep_gap
-from artigen.shapes.primitives import Primitive, box, cylinder, line
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.appliances.cavity import build_feet, build_shell
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose, choose_one
+from artigen.shapes.draw import Draft, Wish, choose_lengths
+from artigen.shapes.fittings.fronts import FrontDesign, make_front
+from artigen.shapes.fittings.hardware import (
+    GAP,
+    PASSING,
+    Panel,
+    Space,
+    around,
+    hinge,
+    narrow,
+    rotate,
+    sweep_gap,
+)
+from artigen.shapes.primitives import FRONT, Primitive, block, cylinder
+from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.materials import LACQUERS, make_lacquer
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Safe"
 STYLES = ("dial", "handwheel", "keypad")
 COLORS = ("anthracite", "black", "grey", "forest", "navy", "white")
-BODY, DOOR = "body", "door"
+REACH = 0.06
+"""Protrusion (m) of the parts that turn on the door."""
 ARM = 0.0085
 """Radius (m) of the spokes of a lever or handwheel."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a safe that meets the wish."""
-    style = wish.style or STYLES[int(rng.integers(len(STYLES)))]
-    color = make_lacquer(LACQUERS[COLORS[int(rng.integers(len(COLORS)))]], gloss=float(rng.uniform(0.2, 0.5)))
+    style = wish.style or choose_one(rng, STYLES)
+    color = make_lacquer(LACQUERS[choose_one(rng, COLORS)], gloss=choose(rng, 0.2, 0.5))
     finishes = draw_palette(rng, "appliance", "steel") | {"body": color, "front": color}
-    width = choose(rng, 0.32, 0.7, wish.width)
-    depth = choose(rng, 0.3, 0.6, wish.depth)
-    height = choose(rng, 0.3, 1.4, wish.height)
-    wall = float(rng.uniform(0.03, 0.06))
-    reach = 0.06  # of the parts that turn on the door
-    foot = float(rng.choice((0.0, 0.025)))
-    outer = Space(x=(reach - depth / 2, depth / 2), y=(-width / 2, width / 2), z=(foot, height))
-    thick = float(rng.uniform(0.7, 1.0)) * wall
-    left = bool(rng.random() < 0.25)
-    swing = sweep_gap(width - 2 * wall, thick)
-    panel = Panel(
-        x=outer.x[0],
-        thickness=thick,
-        y=(outer.y[0] + wall + (swing if left else GAP), outer.y[1] - wall - (GAP if left else swing)),
-        z=(foot + wall + GAP, height - wall - GAP),
-    )
-    plain = FrontDesign(style="flat", frame=0.0, handle=None)
+    width, depth, height = choose_lengths(rng, wish, ((0.32, 0.7), (0.3, 0.6), (0.3, 1.4)))
+    wall, foot = choose(rng, 0.03, 0.06), float(rng.choice((0.0, 0.025)))
+    x, y = (REACH - depth / 2, depth / 2), around(0.0, width / 2)
+    outer = Space(x=x, y=y, z=(foot, height))
+    hollow = outer.hollow(wall)
+    thick, left = choose(rng, 0.7, 1.0) * wall, bool(rng.random() < 0.25)
+    swing, (low, high) = sweep_gap(width - 2 * wall, thick), hollow.y
+    across = (low + swing, high - GAP) if left else (low + GAP, high - swing)
+    panel = Panel(x=x[0], thickness=thick, y=across, z=narrow(hollow.z, GAP))
     upper = radians(float(rng.choice((95.0, 110.0, 135.0, 165.0))))
     if not _passes_side(panel, upper, wall + GAP):
         upper = min(upper, radians(135.0))
-    door = make_door(panel, plain, name=DOOR, parent=BODY, edge="left" if left else "right", upper=upper)[0]
     pad, lock = _make_lock(panel, style)
-    door = replace(door, primitives=(*door.primitives, *pad))
-    body = ShapePart(name=BODY, label="base", parent=None, primitives=_make_body(outer, wall, foot))
-    shelves = _make_shelves(rng, outer, wall, panel.back + 0.01)
-    return Draft(style=style, parts=(body, door, *lock, *shelves), finishes=tuple(sorted(finishes.items())))
-
-
-def _make_body(outer: Space, wall: float, foot: float) -> tuple[Primitive, ...]:
-    """Five walls without the front, with a lining, on four pads if ``foot`` is not 0."""
-    x, y, z = outer.x, outer.y, outer.z
-    inner_y, back = (y[0] + wall, y[1] - wall), x[1] - wall
-    walls = (
-        line(fill_space(Space(x=x, y=(y[0], inner_y[0]), z=z), "body"), "inside", (0.0, 1.0, 0.0)),
-        line(fill_space(Space(x=x, y=(inner_y[1], y[1]), z=z), "body"), "inside", (0.0, -1.0, 0.0)),
-        line(fill_space(Space(x=x, y=inner_y, z=(z[0], z[0] + wall)), "body"), "inside", (0.0, 0.0, 1.0)),
-        line(fill_space(Space(x=x, y=inner_y, z=(z[1] - wall, z[1])), "body"), "inside", (0.0, 0.0, -1.0)),
-        line(
-            fill_space(Space(x=(back, x[1]), y=inner_y, z=(z[0] + wall, z[1] - wall)), "body"),
-            "inside",
-            (-1.0, 0.0, 0.0),
-        ),
-    )
-    pads = [(a, b) for a in (x[0] + 0.05, x[1] - 0.05) for b in (y[0] + 0.05, y[1] - 0.05)] if foot else []
-    return (*walls, *(cylinder((a, b, 0.0), (a, b, foot), 0.024, "rubber") for a, b in pads))
+    solids = (*make_front(panel, FrontDesign(style="flat", frame=0.0, handle=None)), *pad)
+    door = ShapePart("door", "door", solids, hinge(panel, "left" if left else "right", upper))
+    feet = build_feet(x, y, foot, "rubber", radius=0.024) if foot else ()
+    shelves = _make_shelves(rng, replace(hollow, x=(panel.back + 0.01, hollow.x[1])))
+    built = Assembly((*build_shell(outer, hollow, "body", "inside"), *feet), (door, *lock, *shelves))
+    return Draft(style, built.close(), finishes)
 
 
 def _make_lock(panel: Panel, style: str) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
     """A dial or keypad above a lever or handwheel: solids of the door, and turning parts."""
-    y, z = panel.center
-    size = _lock_size(panel)
+    (y, z), size, wheel = panel.center, _lock_size(panel), style == "handwheel"
     apart = min(0.3 * panel.height, 2.6 * size) / 2 + 0.012
-    upper, lower = (y, z + apart), (y, z - apart)
-    spokes = _make_spokes(panel, lower, size, count=4 if style == "handwheel" else 2)
+    spokes = _make_spokes(panel, (y, z - apart), size, count=4 if wheel else 2)
     if style == "keypad":
-        return _make_keypad(panel, upper, size), (spokes,)
-    return (), (_make_dial("dial", panel, upper, 0.7 * size if style == "handwheel" else size), spokes)
+        return _build_keypad(panel, (y, z + apart), size), (spokes,)
+    return (), (_make_dial(panel, (y, z + apart), 0.7 * size if wheel else size), spokes)
 
 
 def _lock_size(panel: Panel) -> float:
@@ -96,64 +82,44 @@ def _passes_side(panel: Panel, upper: float, beside: float) -> bool:
     return nearest * np.cos(np.pi - upper) > beside + PASSING
 
 
-def _make_keypad(panel: Panel, at: tuple[float, float], size: float) -> tuple[Primitive, ...]:
+def _build_keypad(panel: Panel, at: tuple[float, float], size: float) -> tuple[Primitive, ...]:
     """A keypad: a plate with nine keys."""
     x, pitch, half = panel.x - 0.008, 0.5 * size, 0.17 * size
-    plate = box((x, at[0] - size, at[1] - 0.9 * size), (panel.x, at[0] + size, at[1] + 0.9 * size), "panel")
-    keys = [
-        box((x - 0.004, y - half, z - half), (x, y + half, z + half), "plastic")
-        for y in (at[0] - pitch, at[0], at[0] + pitch)
-        for z in (at[1] - pitch, at[1], at[1] + pitch)
-    ]
-    return (plate, *keys)
+    rows, columns = ((middle - pitch, middle, middle + pitch) for middle in at)
+    plate = block((x, panel.x), around(at[0], size), around(at[1], 0.9 * size), "panel")
+    keys = [(around(y, half), around(z, half)) for y in rows for z in columns]
+    return plate, *(block((x - 0.004, x), *key, "plastic") for key in keys)
 
 
-def _make_dial(name: str, panel: Panel, at: tuple[float, float], radius: float) -> ShapePart:
+def _make_dial(panel: Panel, at: tuple[float, float], radius: float) -> ShapePart:
     """A combination dial: a flange, a knob and a mark."""
     x = panel.x - 0.0015
+    up = (at[1] + 0.62 * radius, at[1] + radius)
     solids = (
         cylinder((x, *at), (x - 0.008, *at), radius, "panel"),
         cylinder((x - 0.008, *at), (x - 0.028, *at), 0.6 * radius, "steel"),
-        box(
-            (x - 0.011, at[0] - 0.003, at[1] + 0.62 * radius),
-            (x - 0.008, at[0] + 0.003, at[1] + radius),
-            "inside",
-        ),
+        block((x - 0.011, x - 0.008), around(at[0], 0.003), up, "inside"),
     )
-    return ShapePart(name=name, label="knob", parent=DOOR, primitives=solids, motion=_turn(x, at, 2 * np.pi))
+    return ShapePart("dial", "knob", solids, rotate(FRONT, (x, *at)), parent="door")
 
 
 def _make_spokes(panel: Panel, at: tuple[float, float], radius: float, count: int) -> ShapePart:
     """A hub with arms: two arms are a lever with a quarter turn, four a handwheel without limits."""
     x = panel.x - 0.0015
+    middle = x - 0.035 + ARM
     solids = [cylinder((x, *at), (x - 0.035, *at), 0.4 * radius, "steel")]
-    for k in range(count):
-        turn = 2 * np.pi * k / count
-        tip = (at[0] + radius * 1.25 * np.cos(turn), at[1] + radius * 1.25 * np.sin(turn))
-        solids.append(
-            cylinder((x - 0.035 + ARM, *at), (x - 0.035 + ARM, float(tip[0]), float(tip[1])), ARM, "steel")
-        )
-    motion = _turn(x, at, 2 * np.pi if count > 2 else np.pi / 2)
-    return ShapePart(name="lever", label="knob", parent=DOOR, primitives=tuple(solids), motion=motion)
+    for turn in 2 * np.pi * np.arange(count) / count:
+        run, rise = 1.25 * radius * float(np.cos(turn)), 1.25 * radius * float(np.sin(turn))
+        solids.append(cylinder((middle, *at), (middle, at[0] + run, at[1] + rise), ARM, "steel"))
+    motion = rotate(FRONT, (x, *at), None if count > 2 else np.pi / 2)
+    return ShapePart("lever", "knob", solids, motion, parent="door")
 
 
-def _turn(x: float, at: tuple[float, float], upper: float) -> Motion:
-    kind = "continuous" if upper > 6 else "revolute"
-    return Motion(type=kind, axis=(-1.0, 0.0, 0.0), origin=(x, *at), upper=upper)
-
-
-def _make_shelves(rng: np.random.Generator, outer: Space, wall: float, front: float) -> list[ShapePart]:
+def _make_shelves(rng: np.random.Generator, space: Space) -> list[ShapePart]:
     """Loose shelves, at least a hand's width apart."""
-    low, high = outer.z[0] + wall, outer.z[1] - wall
-    count = int((high - low) / float(rng.uniform(0.18, 0.3)))
-    levels = [low + (k + 1) * (high - low) / (count + 1) for k in range(count)]
-    y = (outer.y[0] + wall, outer.y[1] - wall)
+    count = int(space.height / choose(rng, 0.18, 0.3))
+    levels = [space.z[0] + (k + 1) * space.height / (count + 1) for k in range(count)]
     return [
-        ShapePart(
-            name=f"shelf_{k}",
-            label="shelf",
-            parent=BODY,
-            primitives=(fill_space(Space(x=(front, outer.x[1] - wall), y=y, z=(z, z + 0.012)), "steel"),),
-        )
+        ShapePart(f"shelf_{k}", "shelf", (block(space.x, space.y, (z, z + 0.012), "steel"),))
         for k, z in enumerate(levels)
     ]

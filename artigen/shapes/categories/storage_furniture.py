@@ -4,13 +4,16 @@ A kind of furniture has sizes, a taste and stands (`artigen.shapes.furniture.fur
 `artigen.shapes.furniture.splits` divides its front.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, find_nearest, pick
+from artigen.shapes.choices import choose, pick
+from artigen.shapes.draw import Draft, Wish, find_nearest
 from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.furniture.cabinet import Looks, count_fronts, draw_layout
-from artigen.shapes.furniture.carcass import fits_engines
-from artigen.shapes.furniture.case import CasePlan, Size, build_case, draw_plan, place_case
+from artigen.shapes.furniture.carcass import draw_fitting
+from artigen.shapes.furniture.case import build_case, draw_plan, place_case
 from artigen.shapes.furniture.furniture_kinds import KINDS, STYLES, Kind, Style
 from artigen.shapes.furniture.splits import Node
 from artigen.shapes.shape import ShapePart
@@ -29,23 +32,23 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """
     style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items()})
     kind = _choose_kind(rng, wish, STYLES[style])
-    finishes = tuple(sorted(draw_palette(rng, "furniture", style).items()))
+    finishes = draw_palette(rng, "furniture", style)
     size = (
         choose(rng, *kind.width, wish.width),
         choose(rng, *kind.depth, wish.depth),
         choose(rng, *kind.height, wish.height),
     )
-    for attempt in range(MAX_LAYOUTS):
+
+    def draw_parts(attempt: int) -> tuple[ShapePart, ...]:
         plan = draw_plan(wish.shared_stream(rng, attempt), kind, STYLES[style], size, wish)
-        parts = _build(rng, kind, plan, size, wish)
+        node = _draw_wanted(rng, place_case(plan, size), plan.looks, kind, wish)
+        return build_case(plan, node, size)
+
+    def suits(parts: Sequence[ShapePart]) -> bool:
         shown = not STYLES[style].closed or any(part.label == "door" for part in parts)
-        moves = wish.counts or any(part.motion for part in parts)
-        if shown and moves and fits_engines(parts):
-            return Draft(style=style, parts=parts, finishes=finishes)
-    raise CrowdedError(
-        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) respects the "
-        "limits of engines; request a smaller one"
-    )
+        return shown and (bool(wish.counts) or any(part.motion for part in parts))
+
+    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts, suits), finishes)
 
 
 def _choose_kind(rng: np.random.Generator, wish: Wish, style: Style) -> Kind:
@@ -71,10 +74,3 @@ def _draw_wanted(rng: np.random.Generator, box: Space, looks: Looks, kind: Kind,
             break
         node = draw_layout(rng, box, looks, kind.taste)
     return node
-
-
-def _build(
-    rng: np.random.Generator, kind: Kind, plan: CasePlan, size: Size, wish: Wish
-) -> tuple[ShapePart, ...]:
-    """Builds one layout of a plan in a size."""
-    return build_case(plan, _draw_wanted(rng, place_case(plan, size), plan.looks, kind, wish), size)

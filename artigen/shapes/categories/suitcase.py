@@ -5,28 +5,30 @@ shells are 0.66 and 0.76 m high. Carried cases are 0.45 to 0.7 m wide and 0.13 t
 """
 
 from dataclasses import replace
+from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly, Build, draw_styled
-from artigen.shapes.draw import Draft, Wish
+from artigen.shapes.assembly import Assembly, Build, draw_styled
+from artigen.shapes.choices import choose, choose_one
+from artigen.shapes.draw import Draft, Spans, Wish
 from artigen.shapes.fittings.bowls import build_bowl
 from artigen.shapes.fittings.carrying import CHANNEL, build_channel, make_grip, make_pull_handle
 from artigen.shapes.fittings.feet import make_castors
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Edge, Panel, Range, hinge
-from artigen.shapes.fittings.lids import hinge_lid
+from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Edge, Panel, Range, around, hinge, narrow
+from artigen.shapes.fittings.lids import make_lid
 from artigen.shapes.fittings.locks import make_latch
 from artigen.shapes.fittings.outlines import Outline
-from artigen.shapes.primitives import Primitive, box, polytope
-from artigen.shapes.shape import Need, ShapePart
+from artigen.shapes.primitives import Primitive, block, polytope
+from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_metal
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Suitcase"
 STYLES = {"cabin": 3.0, "large": 2.5, "leather": 2.0, "aluminium": 1.5}
-SIZES: dict[str, tuple[Range, Range, Range]] = {
+SIZES: dict[str, Spans] = {
     "cabin": ((0.35, 0.4), (0.19, 0.23), (0.5, 0.55)),
     "large": ((0.42, 0.52), (0.25, 0.32), (0.62, 0.78)),
     "leather": ((0.45, 0.7), (0.32, 0.46), (0.14, 0.21)),
@@ -39,6 +41,7 @@ SHELLS: tuple[Color, ...] = (
 )  # fmt: skip
 LEATHERS: tuple[Color, ...] = ((0.42, 0.25, 0.14), (0.30, 0.18, 0.11), (0.55, 0.36, 0.20), (0.14, 0.12, 0.11),
                                (0.20, 0.27, 0.22))  # fmt: skip
+LININGS: tuple[Color, ...] = ((0.22, 0.22, 0.24), (0.55, 0.55, 0.56), (0.66, 0.58, 0.46))
 WALL = 0.007
 """Minimum thickness (m) of a shell with its lining."""
 SLENDER = 57
@@ -47,146 +50,112 @@ SLENDER = 57
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a suitcase that meets the wish."""
-    builders: dict[str, Build] = dict.fromkeys(STYLES, _build_lying) | {
-        "cabin": _build_standing,
-        "large": _build_standing,
-    }
+    standing: dict[str, Build] = dict.fromkeys(("cabin", "large"), _build_standing)
+    builders = standing | dict.fromkeys(("leather", "aluminium"), _build_lying)
     return draw_styled(rng, wish, STYLES, SIZES, builders, _draw_finishes)
 
 
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     seed = int(rng.integers(2**30))
-    shell, hide = SHELLS[int(rng.integers(len(SHELLS)))], LEATHERS[int(rng.integers(len(LEATHERS)))]
-    linings: tuple[Color, ...] = ((0.22, 0.22, 0.24), (0.55, 0.55, 0.56), (0.66, 0.58, 0.46))
-    lining = Finish(kind="rubber", color=linings[int(rng.integers(3))], accent=(0.4, 0.4, 0.4), gloss=0.05)
-    lining = replace(lining, accent=lining.color)
+    shell, hide = choose_one(rng, SHELLS), choose_one(rng, LEATHERS)
+    lining = choose_one(rng, LININGS)
     body = {
-        "leather": Finish(
-            kind="rubber", color=hide, accent=(0.9 * hide[0], 0.9 * hide[1], 0.9 * hide[2]), gloss=0.2
-        ),
+        "leather": Finish(kind="rubber", color=hide, accent=_shade(hide, 0.9), gloss=0.2),
         "aluminium": make_metal("steel" if rng.random() < 0.75 else "black", seed),
     }.get(style) or Finish(kind="plastic", color=shell, accent=shell, period=0.3, gloss=0.4)
     dark = Finish(kind="plastic", color=(0.12, 0.12, 0.13), accent=(0.12, 0.12, 0.13), gloss=0.3)
-    belt = Finish(
-        kind="rubber", color=(0.75 * hide[0], 0.75 * hide[1], 0.75 * hide[2]), accent=hide, gloss=0.2
-    )
+    belt = Finish(kind="rubber", color=_shade(hide, 0.75), accent=hide, gloss=0.2)
     return draw_palette(rng, "appliance", "steel") | {
         "body": body,
-        "inside": lining,
+        "inside": Finish(kind="rubber", color=lining, accent=lining, gloss=0.05),
         "trim": {"leather": belt, "aluminium": make_metal("dark", seed)}.get(style, dark),
         "handle": belt if style == "leather" else dark,
         "metal": make_metal("brass" if style == "leather" else "chrome", seed),
     }
 
 
+def _shade(color: Color, factor: float) -> Color:
+    return factor * color[0], factor * color[1], factor * color[2]
+
+
 def _build_standing(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """Two ribbed shells on four wheels that open like a book; a telescopic handle is behind the rear one."""
-    grip, behind = FINGER_ROOM + 0.014, CHANNEL + 0.006
-    radius = float(rng.uniform(0.018, 0.024))
-    x, y = (0.004 - depth / 2, depth / 2 - behind), (-width / 2, width / 2)
-    castors = make_castors(
-        (x[0] + 0.012, x[1] - 0.012), (y[0] + 0.03, y[1] - 0.03), radius, parent="body", swivel=False
-    )
+    grip, behind, wheel = FINGER_ROOM + 0.014, CHANNEL + 0.006, choose(rng, 0.018, 0.024)
+    x, y = (0.004 - depth / 2, depth / 2 - behind), around(0.0, width / 2)
+    castors = make_castors(narrow(x, 0.012), narrow(y, 0.03), wheel, swivel=False)
     z = (castors.height, height - grip)
-    seam = x[0] + float(rng.uniform(0.42, 0.5)) * (x[1] - x[0])
-    radius = float(rng.uniform(0.035, 0.06))
-    outline = Outline(a=y, b=z, cuts=(radius, radius))
-    bevel = float(rng.uniform(0.012, 0.02))
-    wall = max(WALL, (z[1] - z[0]) / SLENDER)
+    seam = x[0] + choose(rng, 0.42, 0.5) * (x[1] - x[0])
+    radius, bevel = choose(rng, 0.035, 0.06), choose(rng, 0.012, 0.02)
+    outline, wall = Outline(a=y, b=z, cuts=(radius, radius)), max(WALL, (z[1] - z[0]) / SLENDER)
     front = build_bowl(outline, (x[0], seam - GAP), wall, "body", bevel=bevel, lining="inside")
     rear = build_bowl(outline, (x[1], seam), wall, "body", bevel=bevel, lining="inside")
     edge: Edge = "left" if rng.random() < 0.5 else "right"
-    ribs = _build_ribs(rng, x[0], y, z, radius)
-    panel = Panel(x=seam - GAP, thickness=0.01, y=y, z=z)
-    upper = float(np.radians(rng.uniform(100, 170)))
-    door = ShapePart(
-        name="door", label="door", parent="body", primitives=(*front, *ribs, *castors.primitives[:6]),
-        motion=hinge(panel, edge, upper),
-    )  # fmt: skip
+    ribs = _build_ribs(rng, x[0], narrow(y, radius), narrow(z, radius))
+    swing = hinge(Panel(x=seam - GAP, thickness=0.01, y=y, z=z), edge, radians(choose(rng, 100, 170)))
+    door = ShapePart("door", "door", (*front, *ribs, *castors.primitives[:6]), swing)
     wheels = [replace(part, parent="door" if k < 2 else "body") for k, part in enumerate(castors.parts)]
-    spread = float(rng.uniform(0.38, 0.5)) * width
-    channel = build_channel(x[1], spread, (z[0] + 0.06, z[1] - 0.05), "trim")
-    rods = make_pull_handle(x[1], spread, (z[0] + 0.06, z[1] - 0.012), 0.62 * (z[1] - z[0]), parent="body")
-    deep = (seam + x[1]) / 2
-    carry = make_grip((deep, 0.0, z[1]), 0.42 * width, name="grip", parent="body", thick=0.014)
-    side = y[0] if edge == "left" else y[1]
-    lock = box(
-        (seam + 0.004, side - 0.002, sum(z) / 2 - 0.03),
-        (seam + 0.03, side + 0.002, sum(z) / 2 + 0.03),
-        "trim",
+    spread, low = choose(rng, 0.38, 0.5) * width, z[0] + 0.06
+    rods = make_pull_handle(x[1], spread, (low, z[1] - 0.012), 0.62 * (z[1] - z[0]))
+    top = ((seam + x[1]) / 2, 0.0, z[1])
+    carry = make_grip(top, 0.42 * width, name="grip", parent="body", thick=0.014)
+    side = around(y[0] if edge == "left" else y[1], 0.002)
+    pieces = (
+        *rear,
+        *castors.primitives[6:],
+        *build_channel(x[1], spread, (low, z[1] - 0.05), "trim"),
+        block((seam + 0.004, seam + 0.03), side, around(sum(z) / 2, 0.03), "trim"),
+        *_cross_straps(seam + 0.012, y, z),
     )
-    straps = _cross_straps(seam + 0.012, y, z)
-    pieces = (*rear, *castors.primitives[6:], *channel, lock, *straps)
-    return Assembly(pieces=pieces, parts=(door, carry, rods, *wheels))
+    return Assembly(pieces, (door, carry, rods, *wheels))
 
 
-def _build_ribs(rng: np.random.Generator, x: float, y: Range, z: Range, radius: float) -> list[Primitive]:
+def _build_ribs(rng: np.random.Generator, x: float, y: Range, z: Range) -> list[Primitive]:
     """Vertical or horizontal ribs on the front."""
-    thick, count = 0.004, int(rng.integers(4, 8))
-    upright = rng.random() < 0.65
-    low_y, high_y, low_z, high_z = y[0] + radius, y[1] - radius, z[0] + radius, z[1] - radius
-    span = (low_y, high_y) if upright else (low_z, high_z)
-    pitch = (span[1] - span[0]) / count
-    out = []
-    for k in range(count):
-        low, high = span[0] + (k + 0.2) * pitch, span[0] + (k + 0.8) * pitch
-        ys, zs = ((low, high), (low_z, high_z)) if upright else ((low_y, high_y), (low, high))
-        out.append(box((x - thick, ys[0], zs[0]), (x + 0.004, ys[1], zs[1]), "body"))
-    return out
+    count, upright = int(rng.integers(4, 8)), rng.random() < 0.65
+    low, high = y if upright else z
+    pitch = (high - low) / count
+    spans = [(low + (k + 0.2) * pitch, low + (k + 0.8) * pitch) for k in range(count)]
+    face = (x - 0.004, x + 0.004)
+    return [block(face, span, z, "body") if upright else block(face, y, span, "body") for span in spans]
 
 
 def _cross_straps(x: float, y: Range, z: Range) -> list[Primitive]:
     """Two elastic straps across the rear shell."""
-    thick = float(np.hypot(y[1] - y[0], 0.6 * (z[1] - z[0]))) / SLENDER + 0.002
-    half, low, high = 0.012, z[0] + 0.2 * (z[1] - z[0]), z[0] + 0.8 * (z[1] - z[0])
-    ends = (y[0] + 0.5 * WALL, y[1] - 0.5 * WALL)
-    out = []
-    for a, b in ((low, high), (high, low)):
-        corners = [
-            (x + t, at, c + s)
-            for t in (0.0, thick)
-            for at, c in ((ends[0], a), (ends[1], b))
-            for s in (-half, half)
-        ]
-        out.append(polytope(np.array(corners), "trim"))
-    return out
+    rise, ends = 0.2 * (z[1] - z[0]), narrow(y, 0.5 * WALL)
+    thick = float(np.hypot(y[1] - y[0], 3 * rise)) / SLENDER + 0.002
+    levels = narrow(z, rise)
+    straps = [tuple(zip(ends, order, strict=True)) for order in (levels, levels[::-1])]
+    corners = [
+        [(a, b, c + s) for a in (x, x + thick) for b, c in strap for s in (-0.012, 0.012)] for strap in straps
+    ]
+    return [polytope(np.array(strap), "trim") for strap in corners]
 
 
 def _build_lying(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A case on its back, whose lid opens upwards after its latches; the handle is between these."""
     reach, band = 0.041, 0.004
-    x, y = (reach - depth / 2, depth / 2 + band), (-width / 2, width / 2)
-    seam = float(rng.uniform(0.5, 0.62)) * height
-    radius = float(rng.uniform(0.02, 0.035))
-    outline = Outline(a=(x[0], x[1] - band), b=y, cuts=(radius, radius))
-    bevel = float(rng.uniform(0.006, 0.014))
+    x, y, top = (reach - depth / 2, depth / 2), around(0.0, width / 2), height - band
+    seam = choose(rng, 0.5, 0.62) * height
+    radius, bevel = choose(rng, 0.02, 0.035), choose(rng, 0.006, 0.014)
+    outline, high = Outline(a=x, b=y, cuts=(radius, radius)), seam + GAP
     low = build_bowl(outline, (0.0, seam), WALL, "body", axis=2, bevel=bevel, lining="inside")
-    high = build_bowl(
-        outline, (height - band, seam + GAP), WALL, "body", axis=2, bevel=bevel, lining="inside"
-    )
-    places = [float(at) for at in (-0.22 * width, 0.22 * width)]
-    belts, straps = [], []
+    cover = [*build_bowl(outline, (top, high), WALL, "body", axis=2, bevel=bevel, lining="inside")]
+    straps, face = [], (x[0] - band, x[0] + 0.003)
     for at in (-0.38 * width, 0.38 * width):
-        a, b = at - 0.016, at + 0.016
-        straps.append(box((x[0] - band, a, bevel), (x[0] + 0.003, b, seam), "trim"))
-        belts += [
-            box((x[0] - band, a, seam + GAP), (x[0] + 0.003, b, height - band - bevel), "trim"),
-            box((x[0] + bevel, a, height - band - 0.003), (x[1] - band - bevel, b, height), "trim"),
+        belt = around(at, 0.016)
+        straps.append(block(face, belt, (bevel, seam), "trim"))
+        cover += [
+            block(face, belt, (high, top - bevel), "trim"),
+            block(narrow(x, bevel), belt, (top - 0.003, height), "trim"),
         ]
-    half = float(rng.uniform(0.016, 0.024))
+    half, z = choose(rng, 0.016, 0.024), (seam - 0.03, min(seam + 0.032, height - bevel - 0.012))
     latches = [
-        make_latch(
-            x[0], (at - half, at + half), (seam - 0.03, min(seam + 0.032, height - bevel - 0.012)),
-            name=f"latch_{k}", parent="body", upper=1.4, finish="metal",
-        )
-        for k, at in enumerate(places)
-    ]  # fmt: skip
-    needs = tuple(Need(part=latch.name) for latch in latches)
-    motion = hinge_lid((x[0], x[1] - band), y, seam + GAP, float(np.radians(rng.uniform(95, 115))))
-    lid = ShapePart(
-        name="lid", label="door", parent="body", primitives=(*high, *belts), motion=motion, needs=needs
-    )
+        make_latch(x[0], around(at, half), z, name=f"latch_{k}", upper=1.4, finish="metal")
+        for k, at in enumerate((-0.22 * width, 0.22 * width))
+    ]
+    needs = require("latch_0", "latch_1")
+    lid = make_lid(cover, x, y, high, radians(choose(rng, 95, 115)), needs=needs)
     panel = Panel(x=x[0], thickness=0.02, y=y, z=(0.0, seam))
     design = HandleDesign(kind="arch", length=0.13, thickness=0.014)
     handle = make_handle(panel, design, name="handle", parent="body", upright=False, at=(0.0, 0.55 * seam))
-    return Assembly(pieces=(*low, *straps), parts=(lid, handle, *latches))
+    return Assembly((*low, *straps), (lid, handle, *latches))

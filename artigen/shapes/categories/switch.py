@@ -5,15 +5,18 @@ Plates are 80 mm wide and inserts 71 mm apart (DIN 49075); rockers tilt by 10 de
 
 from dataclasses import replace
 from itertools import pairwise
+from math import radians
 
 import numpy as np
 
 from artigen.shapes.appliances.cavity import build_frame
 from artigen.shapes.appliances.control_panel import DIAL_GAP, DialDesign, design_dial, make_button, make_dial
-from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
+from artigen.shapes.choices import choose_one, choose_style
+from artigen.shapes.draw import Draft, Wish, choose_size
+from artigen.shapes.fittings.hardware import around, narrow, rotate
 from artigen.shapes.fittings.tubes import lean_rod
-from artigen.shapes.primitives import Primitive, Vector, box, cylinder, polytope, rounded_box
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.primitives import LEFT, Primitive, Vector, block, cylinder, polytope
+from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import LACQUERS, make_ceramic, make_plastic, make_polished
 
@@ -24,7 +27,7 @@ THICK = 0.009
 """Thickness (m) of a plate."""
 REACH = {"rocker": 0.00565, "toggle": 0.03, "dimmer": 0.026, "buttons": 0.016}
 """Protrusion of the moving parts from their plate."""
-ROCK, FLIP = float(np.radians(10.0)), float(np.radians(50.0))
+ROCK, FLIP = radians(10.0), radians(50.0)
 SIGNALS = ((0.13, 0.5, 0.25), (0.7, 0.13, 0.12), (0.12, 0.12, 0.125), (0.85, 0.65, 0.1), (0.15, 0.3, 0.6))
 LIGHT = ((0.94, 0.94, 0.935), (0.94, 0.94, 0.935), (0.9, 0.88, 0.82), (0.2, 0.2, 0.21), (0.75, 0.75, 0.74))
 
@@ -32,13 +35,11 @@ LIGHT = ((0.94, 0.94, 0.935), (0.94, 0.94, 0.935), (0.9, 0.88, 0.82), (0.2, 0.2,
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a plate of switches."""
     style = choose_style(rng, STYLES, wish.style)
-    width, depth, height = choose_size(
-        rng, CATEGORY, wish, width=(0.115, 0.29), depth=(0.065, 0.09), height=(0.115, 0.145)
-    )
+    width, depth, height = choose_size(rng, CATEGORY, wish, ((0.115, 0.29), (0.065, 0.09), (0.115, 0.145)))
     count = max(1, int((width - 0.02 - PLATE) / PITCH) + 1)
     face = -depth / 2 + REACH[style]  # x of the plate's face
     wide, (low, high) = PLATE + (count - 1) * PITCH, ((height - HIGH) / 2, (height + HIGH) / 2)
-    wall = box((face + THICK, -width / 2, 0.0), (depth / 2, width / 2, height), "wall")
+    wall = block((face + THICK, depth / 2), around(0.0, width / 2), (0.0, height), "wall")
     places = [((count - 1) / 2 - k) * PITCH for k in range(count)]
     pieces: list[Primitive] = [wall]
     parts: list[ShapePart] = []
@@ -46,7 +47,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         pieces += _build_plate(face, wide, (low, high), places)
         parts = [_make_rocker(f"rocker_{k}", (face, y, height / 2)) for k, y in enumerate(places)]
     else:
-        pieces.append(rounded_box((face, -wide / 2, low), (face + THICK, wide / 2, high), 0.002, "panel"))
+        pieces.append(block((face, face + THICK), around(0.0, wide / 2), (low, high), "panel", 0.002))
         kind = _draw_dimmer(rng) if style == "dimmer" else None
         for k, y in enumerate(places):
             at = (face, y, height / 2)
@@ -55,22 +56,22 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
                 parts.append(part)
                 pieces.append(collar)
             elif kind is not None:
-                parts.append(make_dial(kind, at, name=f"dimmer_{k}", parent="body"))
+                parts.append(make_dial(kind, at, name=f"dimmer_{k}"))
             else:
                 parts += _make_pair(f"button_{k}", at)
-    body = ShapePart(name="body", label="base", parent=None, primitives=tuple(pieces))
-    return Draft(style=style, parts=(body, *parts), finishes=_draw_finishes(rng, style))
+    body = make_base(pieces)
+    return Draft(style, (body, *parts), _draw_finishes(rng, style))
 
 
-def _draw_finishes(rng: np.random.Generator, style: str) -> tuple[tuple[str, Finish], ...]:
-    seed, color = int(rng.integers(2**30)), LIGHT[int(rng.integers(len(LIGHT)))]
-    metal = make_polished(("brass", "steel", "black", "chrome")[int(rng.integers(4))], seed)
+def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
+    seed, color = int(rng.integers(2**30)), choose_one(rng, LIGHT)
+    metal = make_polished(choose_one(rng, ("brass", "steel", "black", "chrome")), seed)
     plain = make_plastic(color, gloss=0.35)
     plate = metal if style in ("toggle", "dimmer") and rng.random() < 0.6 else plain
     signals = rng.permutation(len(SIGNALS))
     paints = ("white", "cream", "sage", "light_grey", "blue", "terracotta")
-    finishes = {
-        "wall": make_ceramic(LACQUERS[paints[int(rng.integers(len(paints)))]], seed),
+    return {
+        "wall": make_ceramic(LACQUERS[choose_one(rng, paints)], seed),
         "panel": make_polished("steel", seed) if style == "buttons" and rng.random() < 0.5 else plate,
         "front": plain if rng.random() < 0.8 else make_plastic(LIGHT[3]),
         "metal": metal,
@@ -79,18 +80,17 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> tuple[tuple[str, Fin
         "first": make_plastic(SIGNALS[int(signals[0])]),
         "second": make_plastic(SIGNALS[int(signals[1])]),
     }
-    return tuple(sorted(finishes.items()))
 
 
 def _build_plate(face: float, wide: float, z: tuple[float, float], places: list[float]) -> list[Primitive]:
     """A frame with a window for each rocker, and a back."""
     half, back = 0.0295, face + THICK
     inner = wide / 2 - 0.004
-    pieces = [box((back - 0.002, -inner, z[0] + 0.004), (back, inner, z[1] - 0.004), "panel")]
+    pieces = [block((back - 0.002, back), around(0.0, inner), narrow(z, 0.004), "panel")]
     middle = sum(z) / 2
     edges = [-wide / 2, *((low + high) / 2 for low, high in pairwise(places[::-1])), wide / 2]
     for k, y in enumerate(reversed(places)):
-        hole = (y - half, y + half), (middle - half, middle + half)
+        hole = around(y, half), around(middle, half)
         pieces += build_frame((face, back), ((edges[k], edges[k + 1]), z), hole, "panel")
     return pieces
 
@@ -104,8 +104,8 @@ def _make_rocker(name: str, at: Vector) -> ShapePart:
     flat = flat @ np.array([(cosine, sine), (-sine, cosine)])
     corners = np.array([(x, y, z) for x, z in flat for y in (-half, half)])
     tilted = polytope(corners, "front", center=pivot)
-    motion = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=pivot, upper=ROCK)
-    return ShapePart(name=name, label="knob", parent="body", primitives=(tilted,), motion=motion)
+    motion = rotate(LEFT, pivot, ROCK)
+    return ShapePart(name, "knob", (tilted,), motion)
 
 
 def _make_toggle(name: str, at: Vector) -> tuple[ShapePart, Primitive]:
@@ -118,8 +118,8 @@ def _make_toggle(name: str, at: Vector) -> tuple[ShapePart, Primitive]:
     stem = lean_rod(pivot, tip, 0.0042, "metal")
     ball = cylinder((pivot[0], y - 0.008, z), (pivot[0], y + 0.008, z), 0.0055, "metal")
     pieces = (stem, ball)
-    motion = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=pivot, upper=FLIP)
-    return ShapePart(name=name, label="knob", parent="body", primitives=pieces, motion=motion), collar
+    motion = rotate(LEFT, pivot, FLIP)
+    return ShapePart(name, "knob", pieces, motion), collar
 
 
 def _draw_dimmer(rng: np.random.Generator) -> DialDesign:
@@ -132,7 +132,7 @@ def _make_pair(name: str, at: Vector) -> tuple[ShapePart, ShapePart]:
     """Two round push buttons above each other."""
     (x, y, z), size = at, (0.026, 0.026, 0.0126)
     first, second = (
-        make_button((x, y, z + up), size, name=f"{name}_{word}", parent="body", finish=word, shape="round")
+        make_button((x, y, z + up), size, name=f"{name}_{word}", finish=word, shape="round")
         for word, up in (("first", 0.019), ("second", -0.019))
     )
     return first, second

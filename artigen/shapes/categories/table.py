@@ -9,12 +9,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from artigen.shapes.appliances.cavity import build_rim
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.categories.storage_furniture import STYLES
-from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, find_nearest, pick
+from artigen.shapes.choices import choose, choose_one, pick
+from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths, find_nearest
 from artigen.shapes.fittings.feet import LEG_KINDS, LegKind, make_castors, make_legs
-from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space, lift
+from artigen.shapes.fittings.hardware import GAP, Range, Space, around, lift, narrow
 from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
-from artigen.shapes.furniture.carcass import fits_engines, open_carcass
+from artigen.shapes.furniture.carcass import draw_fitting, open_carcass
 from artigen.shapes.furniture.sinks import TAP_HEIGHT, make_sink
 from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, lay_out
 from artigen.shapes.furniture.table_frames import (
@@ -31,7 +34,7 @@ from artigen.shapes.furniture.table_frames import (
     make_top,
     most_radius,
 )
-from artigen.shapes.primitives import Primitive, box, cylinder, place_vertices, rounded_box
+from artigen.shapes.primitives import UP, Primitive, block, cylinder, place_vertices
 from artigen.shapes.shape import Motion, ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -72,35 +75,21 @@ class _Plan:
     leg_width: float
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Built:
-    """Solids of the body, and the parts that it carries."""
-
-    primitives: tuple[Primitive, ...]
-    parts: tuple[ShapePart, ...] = ()
-
-
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a table that meets the wish."""
     style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items() if not look.closed})
     kind = _choose_kind(rng, wish)
-    finishes = tuple(sorted(draw_palette(rng, "furniture", style).items()))
-    width = choose(rng, *kind.width, wish.width)
-    depth = choose(rng, *kind.depth, wish.depth)
-    size = (
-        width,
-        width if kind.round and wish.depth is None else depth,
-        choose(rng, *kind.height, wish.height),
-    )
-    for attempt in range(MAX_LAYOUTS):
-        built = kind.build(rng, _draw_plan(wish.shared_stream(rng, attempt), style, size, wish))
-        body = ShapePart(name=BODY, label="base", parent=None, primitives=built.primitives)
-        parts = (body, *built.parts)
-        if fits_engines(parts) and (wish.counts or any(part.motion for part in parts)):
-            return Draft(style=style, parts=parts, finishes=finishes)
-    raise CrowdedError(
-        f"{CATEGORY}: no table of {size} m respects the limits of engines; request a smaller one"
-    )
+    finishes = draw_palette(rng, "furniture", style)
+    width, depth, height = choose_lengths(rng, wish, kind.spans)
+    size = (width, width if kind.round and wish.depth is None else depth, height)
+
+    def draw_parts(attempt: int) -> tuple[ShapePart, ...]:
+        return kind.build(rng, _draw_plan(wish.shared_stream(rng, attempt), style, size, wish)).close()
+
+    def suits(parts: Sequence[ShapePart]) -> bool:
+        return bool(wish.counts) or any(part.motion for part in parts)
+
+    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts, suits), finishes)
 
 
 def _draw_plan(rng: np.random.Generator, style: str, size: tuple[float, float, float], wish: Wish) -> _Plan:
@@ -111,16 +100,15 @@ def _draw_plan(rng: np.random.Generator, style: str, size: tuple[float, float, f
     return _Plan(
         size=size,
         looks=replace(looks, carcass=replace(looks.carcass, lid=False), lock=False, margin=GAP),
-        top=float(rng.uniform(0.02, 0.04)),
+        top=choose(rng, 0.02, 0.04),
         leg=LEG_KINDS[int(rng.integers(3))],
-        leg_width=float(rng.uniform(0.04, 0.065)) * float(np.clip(0.55 + 0.4 * max(size), 0.7, 1.25)),
+        leg_width=choose(rng, 0.04, 0.065) * float(np.clip(0.55 + 0.4 * max(size), 0.7, 1.25)),
     )
 
 
 def _make_top(plan: _Plan) -> Primitive:
     width, depth, height = plan.size
-    low = (-depth / 2, -width / 2, height - plan.top)
-    return rounded_box(low, (depth / 2, width / 2, height), 0.003, "top")
+    return block(around(0.0, depth / 2), around(0.0, width / 2), (height - plan.top, height), "top", 0.003)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,13 +125,13 @@ def _draw_footing(rng: np.random.Generator, plan: _Plan) -> _Footing:
     width, depth, height = plan.size
     ahead, aside = 0.0, 0.02
     if rng.random() < OVERHANGING:
-        ahead, aside = float(rng.uniform(0.03, 0.08)) * depth, float(rng.uniform(0.05, 0.11)) * width
-    edge = float(rng.uniform(0.0, 0.03)) + plan.looks.reach + ahead
+        ahead, aside = choose(rng, 0.03, 0.08) * depth, choose(rng, 0.05, 0.11) * width
+    edge = choose(rng, 0.0, 0.03) + plan.looks.reach + ahead
     behind = min(edge, 0.02 + ahead)
     kind: TopKind = pick(
         rng, {name: chance for name, chance in TOPS.items() if name != "oval" or width > 1.3 * depth}
     )
-    radius = float(rng.uniform(0.04, 0.12))
+    radius = choose(rng, 0.04, 0.12)
     if kind == "oval":
         edge, behind = max(edge, 0.08 * depth), max(behind, 0.08 * depth)
         aside = max(aside, inset_of_oval(depth, min(edge, behind)))
@@ -157,7 +145,7 @@ def _draw_footing(rng: np.random.Generator, plan: _Plan) -> _Footing:
     )
 
 
-def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
+def _build_frame(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """Four legs under a top: drawers or an apron between them, a shelf or stretchers below, or castors."""
     width, _, height = plan.size
     low, high = 0.0, height - plan.top
@@ -168,8 +156,8 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
     rolling = high < 0.55 and rng.random() < 0.35
     long = rolling and width > 0.95 and rng.random() < 0.2  # three pairs of legs and no drawers
     if rolling:
-        swivel, radius = bool(rng.random() < 0.3) or long, float(rng.uniform(0.022, 0.03))
-        stand = make_castors(x, y, radius, parent=BODY, swivel=swivel, pairs=3 if long else 2)
+        swivel, radius = bool(rng.random() < 0.3) or long, choose(rng, 0.022, 0.03)
+        stand = make_castors(x, y, radius, swivel=swivel, pairs=3 if long else 2)
         low, parts = stand.height, [*parts, *stand.parts]
         solids += stand.primitives
     leg = plan.leg_width
@@ -177,18 +165,18 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
     legs = lift(upright, low)
     solids += legs
     closed = not long and rng.random() < (2 * CLOSED if width < 0.7 else CLOSED)
-    inner = (y[0] + leg, y[1] - leg)
+    inner = narrow(y, leg)
     room = inner[1] - inner[0]
     drawers = int(rng.choice(5, p=(0.15, 0.5, 0.22, 0.1, 0.03))) if width > 0.4 else 1
     drawers = min(max(drawers, int(np.ceil(room / 1.05))) if drawers and not long else 0, int(room / 0.24))
-    deep = float(rng.uniform(0.085, min(0.15, 0.35 * (high - low) + 0.02)))
-    arch = float(rng.uniform(0.03, 0.06)) if rng.random() < ARCHED and not long and room > 0.25 else 0.0
+    deep = choose(rng, 0.085, min(0.15, 0.35 * (high - low) + 0.02))
+    arch = choose(rng, 0.03, 0.06) if rng.random() < ARCHED and not long and room > 0.25 else 0.0
     behind = x[1] - max(0.25 * leg + WALL, 0.5 * leg + PANEL / 2)  # x of the rear boards
     if drawers:
         girded = closed or rng.random() < GIRDED
-        back = min(x[0] + float(rng.uniform(0.45, 1.0)) * (x[1] - x[0]), behind if girded else x[1])
+        back = min(x[0] + choose(rng, 0.45, 1.0) * (x[1] - x[0]), behind if girded else x[1])
         hung = _hang_drawers(drawers, Space(x=(x[0], back), y=inner, z=(high - deep, high)), plan.looks, rng)
-        solids, parts = [*solids, *hung.primitives], [*parts, *hung.parts]
+        solids, parts = [*solids, *hung.pieces], [*parts, *hung.parts]
         if girded and not closed:
             solids += make_apron(x, y, (high - deep, high), leg, sides=("back", "right", "left"))
         if arch:
@@ -197,19 +185,19 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
     elif rng.random() < 0.75:
         sides = SIDES[:1] if closed else SIDES
         solids += make_apron(x, y, (high - 0.6 * deep, high), leg, sides=sides, arch=arch)
-    at = low + float(rng.uniform(0.25, 0.4)) * (high - low)
+    at = low + choose(rng, 0.25, 0.4) * (high - low)
     shelved = rng.random() < (0.65 if high < 0.6 else 0.12)
     if shelved:
         parts.append(_make_shelf(legs, at))
     elif not long and rng.random() < STRETCHED:
-        kind = STRETCHER_KINDS[int(rng.integers(len(STRETCHER_KINDS)))]
+        kind = choose_one(rng, STRETCHER_KINDS)
         solids += make_stretchers(legs, 0.7 * at + 0.3 * low, 0.48 * leg, kind)
     if closed:
         solids += make_panels(legs, (at + 0.02 if shelved else at, high))
-    return _Built(primitives=tuple(solids), parts=tuple(parts))
+    return Assembly(solids, parts)
 
 
-def _hang_drawers(count: int, space: Space, looks: Looks, rng: np.random.Generator) -> _Built:
+def _hang_drawers(count: int, space: Space, looks: Looks, rng: np.random.Generator) -> Assembly:
     """One or sometimes two rows of drawers in a low carcass."""
     drawer: Node = Cell(fill="drawer")
     if space.height > 0.17 and rng.random() < 0.3:
@@ -218,8 +206,7 @@ def _hang_drawers(count: int, space: Space, looks: Looks, rng: np.random.Generat
     if count > 1:
         shares = (1.0,) * count if count != 3 or rng.random() < 0.6 else (1.0, 1.6, 1.0)
         node = Split(along="columns", shares=shares, children=(drawer,) * count)
-    built = make_cabinet(node, space, looks, parent=BODY)
-    return _Built(primitives=built.primitives, parts=built.parts)
+    return make_cabinet(node, space, looks)
 
 
 def _make_shelf(legs: Sequence[Primitive], z: float) -> ShapePart:
@@ -233,17 +220,17 @@ def _make_shelf(legs: Sequence[Primitive], z: float) -> ShapePart:
         inner.append((1 - share) * np.ptp(low[:, 1]) / 2 + share * np.ptp(high[:, 1]) / 2)
     edge = float(np.abs(centers[:, 1]).max() - inner[0])
     x = (float(centers[:, 0].min()) - 0.004, float(centers[:, 0].max()) + 0.004)
-    shelf = fill_space(Space(x=x, y=(-edge, edge), z=(z, top)), "top")
-    return ShapePart(name="shelf", label="shelf", parent=BODY, primitives=(shelf,))
+    shelf = block(x, around(0.0, edge), (z, top), "top")
+    return ShapePart("shelf", "shelf", (shelf,))
 
 
-def _build_desk(rng: np.random.Generator, plan: _Plan) -> _Built:
+def _build_desk(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """A top on pedestals, side panels or legs, with a modesty board and sometimes drawers between them."""
     width, depth, height = plan.size
     high = height - plan.top
     reach = plan.looks.reach
     x, y = (reach - depth / 2, depth / 2), (0.015 - width / 2, width / 2 - 0.015)
-    wide = float(rng.uniform(0.32, 0.46)) * float(np.clip(width / 1.3, 0.85, 1.1))
+    wide = choose(rng, 0.32, 0.46) * float(np.clip(width / 1.3, 0.85, 1.1))
     both = width > 1.25 and rng.random() < 0.5
     solids: list[Primitive] = [_make_top(plan)]
     parts: list[ShapePart] = []
@@ -255,8 +242,8 @@ def _build_desk(rng: np.random.Generator, plan: _Plan) -> _Built:
         looks = replace(plan.looks, carcass=replace(plan.looks.carcass, lid=lifted > 0))
         node = first if first is not None and rng.random() < 0.6 else draw_layout(rng, space, looks, PEDESTAL)
         first = node
-        built = make_cabinet(node, space, looks, parent=BODY, prefix=f"{'ab'[index]}")
-        solids, parts = [*solids, *built.primitives], [*parts, *built.parts]
+        built = make_cabinet(node, space, looks, prefix=f"{'ab'[index]}")
+        solids, parts = [*solids, *built.pieces], [*parts, *built.parts]
         if lifted:
             back = replace(space, x=(x[0] + 0.03, x[1]))
             solids += make_legs(back.x, span, lifted, kind=plan.leg, width=0.04, finish="leg")
@@ -265,22 +252,22 @@ def _build_desk(rng: np.random.Generator, plan: _Plan) -> _Built:
         board = 0.03 if rng.random() < 0.5 else plan.leg_width
         end = (y[0], y[0] + board)
         if board == 0.03:
-            solids.append(fill_space(Space(x=(x[0] + 0.02, x[1]), y=end, z=(0.0, high)), "body"))
+            solids.append(block((x[0] + 0.02, x[1]), end, (0.0, high), "body"))
         else:
             solids += make_legs(
                 (x[0] + 0.02, x[1]), (y[0], y[0] + 3 * board), high, kind="square", width=board, finish="leg"
             )[::2]
         free = (end[1], free[1])
     if rng.random() < 0.7:
-        low = high - float(rng.uniform(0.2, 0.4))
+        low = high - choose(rng, 0.2, 0.4)
         board = Space(x=(x[1] - 0.06, x[1] - 0.042), y=free, z=(low, high))
-        solids.append(fill_space(board, "body"))
+        solids.append(board.fill("body"))
     if rng.random() < 0.45 and free[1] - free[0] > 0.35:
-        space = Space(x=(x[0], x[1] - 0.1), y=free, z=(high - float(rng.uniform(0.09, 0.12)), high))
+        space = Space(x=(x[0], x[1] - 0.1), y=free, z=(high - choose(rng, 0.09, 0.12), high))
         count = 2 if free[1] - free[0] > 0.9 and rng.random() < 0.6 else 1
         hung = _hang_drawers(count, space, plan.looks, rng)
-        solids, parts = [*solids, *hung.primitives], [*parts, *(_rename(part, "c") for part in hung.parts)]
-    return _Built(primitives=tuple(solids), parts=tuple(parts))
+        solids, parts = [*solids, *hung.pieces], [*parts, *(_rename(part, "c") for part in hung.parts)]
+    return Assembly(solids, parts)
 
 
 def _rename(part: ShapePart, tag: str) -> ShapePart:
@@ -288,29 +275,26 @@ def _rename(part: ShapePart, tag: str) -> ShapePart:
     return replace(part, name=f"{tag}_{part.name}", parent=parent)
 
 
-def _build_sink(rng: np.random.Generator, plan: _Plan) -> _Built:
+def _build_sink(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """A worktop with a basin over a cabinet or an open frame; the height includes the tap."""
     width, depth, total = plan.size
     high = total - TAP_HEIGHT - plan.top
-    x, y = (plan.looks.reach - depth / 2 + 0.005, depth / 2), (-width / 2, width / 2)
-    top = Space(x=(-depth / 2, depth / 2), y=y, z=(high, high + plan.top))
+    x, y = (plan.looks.reach - depth / 2 + 0.005, depth / 2), around(0.0, width / 2)
+    top = Space(x=around(0.0, depth / 2), y=y, z=(high, high + plan.top))
     if rng.random() < 0.25:
         legs = make_legs(x, y, high, kind="square", width=0.04, finish="leg")
-        shelf = _make_shelf(legs, float(rng.uniform(0.15, 0.3)))
-        sink = make_sink(rng, top, y, parent=BODY)
-        return _Built(primitives=(*sink.primitives, *legs), parts=(*sink.parts, shelf))
-    foot = float(rng.uniform(0.08, 0.12))
+        shelf = _make_shelf(legs, choose(rng, 0.15, 0.3))
+        return make_sink(rng, top, y) + Assembly(legs, (shelf,))
+    foot = choose(rng, 0.08, 0.12)
     space = Space(x=x, y=y, z=(foot, high))
     node = draw_layout(rng, space, plan.looks, UNDER_SINK)
-    cabinet = make_cabinet(node, space, plan.looks, parent=BODY)
-    sink = make_sink(rng, top, _widest_column(node, space, plan.looks), parent=BODY)
+    cabinet = make_cabinet(node, space, plan.looks)
+    sink = make_sink(rng, top, _widest_column(node, space, plan.looks))
     kick = (
-        box((x[0] + 0.06, y[0] + 0.02, 0.0), (x[0] + 0.078, y[1] - 0.02, foot), "body"),
-        box((x[1] - 0.03, y[0] + 0.02, 0.0), (x[1] - 0.012, y[1] - 0.02, foot), "body"),
+        block((x[0] + 0.06, x[0] + 0.078), narrow(y, 0.02), (0.0, foot), "body"),
+        block((x[1] - 0.03, x[1] - 0.012), narrow(y, 0.02), (0.0, foot), "body"),
     )
-    return _Built(
-        primitives=(*sink.primitives, *cabinet.primitives, *kick), parts=(*cabinet.parts, *sink.parts)
-    )
+    return Assembly((*sink.pieces, *cabinet.pieces, *kick), (*cabinet.parts, *sink.parts))
 
 
 def _widest_column(node: Node, space: Space, looks: Looks) -> Range:
@@ -321,64 +305,59 @@ def _widest_column(node: Node, space: Space, looks: Looks) -> Range:
     return max((cell.y for cell in cells), key=lambda span: round(span[1] - span[0], 6))
 
 
-def _build_screw(rng: np.random.Generator, plan: _Plan) -> _Built:
+def _build_screw(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """A round top on a threaded spindle in a column on a foot."""
     width, depth, height = plan.size
     radius = min(width, depth) / 2
-    rise = float(rng.uniform(0.07, 0.12))
+    rise = choose(rng, 0.07, 0.12)
     spindle, gap, wall = 0.022, 0.0025, 0.014
-    foot = float(rng.uniform(0.02, 0.035))
+    foot = choose(rng, 0.02, 0.035)
     under = height - plan.top
     plate = under - 0.012  # a flange under the top holds the spindle
     mouth = plate - gap
     start = mouth - rise - 0.12
-    inner, outer = spindle + gap, spindle + gap + wall
-    column = [box((-outer, side, start), (outer, side + wall, mouth), "leg") for side in (-outer, inner)] + [
-        box((side, -inner, start), (side + wall, inner, mouth), "leg") for side in (-outer, inner)
-    ]
+    outer = spindle + gap + wall
+    tube = around(0.0, outer)
+    column = build_rim(tube, tube, (start, mouth), wall, "leg", sides=True)
     if rng.random() < 0.5:
         base = [cylinder((0.0, 0.0, 0.0), (0.0, 0.0, foot), 0.62 * radius, "leg")]
     else:
         arm, half = 0.8 * radius, 0.03
         base = [
-            box((-arm, -half, 0.0), (arm, half, foot), "leg"),
-            box((-half, -arm, 0.0), (half, -half, foot), "leg"),
-            box((-half, half, 0.0), (half, arm, foot), "leg"),
+            block(around(0.0, arm), around(0.0, half), (0.0, foot), "leg"),
+            block(around(0.0, half), (-arm, -half), (0.0, foot), "leg"),
+            block(around(0.0, half), (half, arm), (0.0, foot), "leg"),
         ]
-    post = box((-outer, -outer, foot), (outer, outer, start), "leg")
-    turns = float(rng.uniform(2.5, 4.0)) * 2 * np.pi
+    post = block(around(0.0, outer), around(0.0, outer), (foot, start), "leg")
+    turns = choose(rng, 2.5, 4.0) * 2 * np.pi
     top = (
         cylinder((0.0, 0.0, under), (0.0, 0.0, height), radius, "top"),
         cylinder((0.0, 0.0, plate), (0.0, 0.0, under), min(0.09, 0.4 * radius), "steel"),
         cylinder((0.0, 0.0, start + gap), (0.0, 0.0, plate), spindle, "steel"),
     )
-    thread = Motion(type="screw", axis=(0.0, 0.0, 1.0), upper=turns, pitch=rise / turns)
-    part = ShapePart(name="top", label="shelf", parent=BODY, primitives=top, motion=thread)
-    return _Built(primitives=(*base, post, *column), parts=(part,))
+    thread = Motion(type="screw", axis=UP, upper=turns, pitch=rise / turns)
+    part = ShapePart("top", "shelf", top, thread)
+    return Assembly((*base, post, *column), (part,))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class _Kind:
     """A kind of table: weight, ranges of its size (m), and its builder."""
 
     weight: float
-    width: Range
-    depth: Range
-    height: Range
-    build: Callable[[np.random.Generator, _Plan], _Built]
+    spans: Spans
+    build: Callable[[np.random.Generator, _Plan], Assembly]
     round: bool = False
 
 
 KINDS: dict[str, _Kind] = {
-    "dining": _Kind(weight=2.0, width=(0.8, 2.0), depth=(0.65, 1.0), height=(0.7, 0.78), build=_build_frame),
-    "side": _Kind(weight=2.2, width=(0.35, 0.65), depth=(0.32, 0.5), height=(0.42, 0.68), build=_build_frame),
-    "coffee": _Kind(weight=2.0, width=(0.7, 1.3), depth=(0.45, 0.75), height=(0.32, 0.5), build=_build_frame),
-    "console": _Kind(weight=1.4, width=(0.8, 1.6), depth=(0.3, 0.45), height=(0.7, 0.9), build=_build_frame),
-    "desk": _Kind(weight=3.4, width=(0.95, 1.8), depth=(0.5, 0.8), height=(0.7, 0.78), build=_build_desk),
-    "sink": _Kind(weight=1.0, width=(0.55, 1.3), depth=(0.52, 0.66), height=(1.09, 1.21), build=_build_sink),
-    "screw": _Kind(
-        weight=1.1, width=(0.45, 0.9), depth=(0.45, 0.9), height=(0.45, 0.78), build=_build_screw, round=True
-    ),
+    "dining": _Kind(2.0, ((0.8, 2.0), (0.65, 1.0), (0.7, 0.78)), _build_frame),
+    "side": _Kind(2.2, ((0.35, 0.65), (0.32, 0.5), (0.42, 0.68)), _build_frame),
+    "coffee": _Kind(2.0, ((0.7, 1.3), (0.45, 0.75), (0.32, 0.5)), _build_frame),
+    "console": _Kind(1.4, ((0.8, 1.6), (0.3, 0.45), (0.7, 0.9)), _build_frame),
+    "desk": _Kind(3.4, ((0.95, 1.8), (0.5, 0.8), (0.7, 0.78)), _build_desk),
+    "sink": _Kind(1.0, ((0.55, 1.3), (0.52, 0.66), (1.09, 1.21)), _build_sink),
+    "screw": _Kind(1.1, ((0.45, 0.9), (0.45, 0.9), (0.45, 0.78)), _build_screw, round=True),
 }
 
 
@@ -389,5 +368,5 @@ def _choose_kind(rng: np.random.Generator, wish: Wish) -> _Kind:
         for name, kind in KINDS.items()
         if not (kind.round and wish.width and wish.depth and wish.width != wish.depth)
     }
-    sizes = {name: (kind.width, kind.depth, kind.height) for name, kind in known.items()}
+    sizes = {name: kind.spans for name, kind in known.items()}
     return known[pick(rng, {name: known[name].weight for name in find_nearest(wish, sizes)})]

@@ -7,11 +7,12 @@ about 300 mm wide; slots are 30 to 38 mm wide, levers travel 60 to 70 mm.
 import numpy as np
 
 from artigen.shapes.appliances.cavity import build_feet
-from artigen.shapes.appliances.control_panel import FRONT, design_dial, make_button, make_dial
-from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
-from artigen.shapes.fittings.hardware import GAP, Range, slide
-from artigen.shapes.primitives import Primitive, box, rounded_box
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.appliances.control_panel import design_dial, make_button, make_dial
+from artigen.shapes.choices import choose_style
+from artigen.shapes.draw import Draft, Wish, choose_size
+from artigen.shapes.fittings.hardware import GAP, Range, around, narrow, slide
+from artigen.shapes.primitives import DOWN, FRONT, Primitive, block, box, rounded_box
+from artigen.shapes.shape import Motion, ShapePart, make_base
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Toaster"
@@ -30,15 +31,13 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     style = choose_style(rng, STYLES, wish.style)
     four = bool(rng.random() < 0.3) if wish.width is None else wish.width > 0.24
     wide: Range = (0.29, 0.33) if four else (0.165, 0.195)
-    width, depth, height = choose_size(
-        rng, CATEGORY, wish, width=wide, depth=(0.28, 0.32), height=(0.18, 0.21)
-    )
-    x, y = (-depth / 2 + KNOB, depth / 2), (-width / 2, width / 2)
+    width, depth, height = choose_size(rng, CATEGORY, wish, (wide, (0.28, 0.32), (0.18, 0.21)))
+    x, y = (-depth / 2 + KNOB, depth / 2), around(0.0, width / 2)
     bays = [(y[0], 0.0), (0.0, y[1])] if four else [y]
     bottom = FOOT + FLOOR + 0.022
     pieces = [
         *build_feet(x, y, FOOT, "rubber", radius=0.01, inset=0.025),
-        box((x[0], y[0], FOOT), (x[1], y[1], FOOT + 0.008), "rubber"),
+        block(x, y, (FOOT, FOOT + 0.008), "rubber"),
         *_build_skirt(x, y, bottom),
     ]
     parts: list[ShapePart] = []
@@ -47,18 +46,18 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         pieces += made
         parts += moving
     tray = _make_tray(x, y)
-    body = ShapePart(name="body", label="base", parent=None, primitives=tuple(pieces))
-    finishes = tuple(sorted(draw_palette(rng, "appliance", style).items()))
-    return Draft(style=style, parts=(body, *parts, tray), finishes=finishes)
+    body = make_base(pieces)
+    finishes = draw_palette(rng, "appliance", style)
+    return Draft(style, (body, *parts, tray), finishes)
 
 
 def _build_skirt(x: Range, y: Range, top: float) -> list[Primitive]:
     """Sides and back around the tray, and the floor above it."""
     low = FOOT + 0.008
     spans = ((y[0], y[0] + WALL), (y[1] - WALL, y[1]))
-    pieces = [box((x[0], a, low), (x[1], b, top), "front") for a, b in spans]
-    pieces.append(box((x[1] - END, y[0] + WALL, low), (x[1], y[1] - WALL, top), "front"))
-    return [*pieces, box((x[0], y[0] + WALL, top - 0.008), (x[1] - END, y[1] - WALL, top), "rubber")]
+    pieces = [block(x, (a, b), (low, top), "front") for a, b in spans]
+    pieces.append(block((x[1] - END, x[1]), narrow(y, WALL), (low, top), "front"))
+    return [*pieces, block((x[0], x[1] - END), narrow(y, WALL), (top - 0.008, top), "rubber")]
 
 
 def _build_bay(
@@ -67,17 +66,17 @@ def _build_bay(
     """Two slots between walls, with the lever, dial and buttons before them."""
     low, high = z
     middle, apart = sum(y) / 2, 0.25 * (y[1] - y[0]) - 0.004
-    slots = [(middle + side * apart - SLOT / 2, middle + side * apart + SLOT / 2) for side in (-1.0, 1.0)]
-    inner = (x[0] + END, x[1] - END)
+    slots = [around(middle + side * apart, SLOT / 2) for side in (-1.0, 1.0)]
+    inner = narrow(x, END)
     web = 0.006  # half of the gap for the lever's arm
     pieces = [
-        rounded_box((x[0], y[0], low), (x[1], slots[0][0], high), 0.006, "front"),
-        rounded_box((x[0], slots[1][1], low), (x[1], y[1], high), 0.006, "front"),
+        block(x, (y[0], slots[0][0]), (low, high), "front", 0.006),
+        block(x, (slots[1][1], y[1]), (low, high), "front", 0.006),
         box((inner[1], slots[0][0], low), (x[1] - 0.004, slots[1][1], high - 0.004), "front"),
         box((inner[0] + 0.02, slots[0][1], low), (inner[1], slots[1][0], high - 0.004), "body"),
         box((x[0] + 0.004, slots[0][0], low), (inner[0], middle - web, high - 0.004), "front"),
         box((x[0] + 0.004, middle + web, low), (inner[0], slots[1][1], high - 0.004), "front"),
-        box((x[0] + 0.004, middle - web, high - 0.03), (inner[0], middle + web, high - 0.004), "front"),
+        block((x[0] + 0.004, inner[0]), around(middle, web), (high - 0.03, high - 0.004), "front"),
     ]
     top = high - 0.042
     arm = 0.004
@@ -85,8 +84,8 @@ def _build_bay(
     grip = ((x[0] - KNOB, middle - 0.02, top - 0.014), (x[0] - 0.003, middle + 0.02, top + 0.006))
     lever = [
         rounded_box(*grip, 0.003, "handle"),
-        box((x[0] - 0.004, middle - arm, z_arm[0]), (inner[0] + 0.008, middle + arm, z_arm[1]), "steel"),
-        box((inner[0] + 0.004, ends[0], z_arm[0]), (inner[0] + 0.014, ends[1], z_arm[1]), "steel"),
+        block((x[0] - 0.004, inner[0] + 0.008), around(middle, arm), z_arm, "steel"),
+        block((inner[0] + 0.004, inner[0] + 0.014), ends, z_arm, "steel"),
     ]
     for a, b in slots:
         at = (a + b) / 2
@@ -96,18 +95,16 @@ def _build_bay(
         )
         lever.append(box(low_end, high_end, "steel"))
     travel = min(TRAVEL, top - 0.014 - low - 0.012)
-    down = Motion(type="prismatic", axis=(0.0, 0.0, -1.0), upper=travel, spring=SPRING)
-    parts = [ShapePart(name=f"lever{tag}", label="knob", parent="body", primitives=tuple(lever), motion=down)]
+    down = Motion(type="prismatic", axis=DOWN, upper=travel, spring=SPRING)
+    parts = [ShapePart(f"lever{tag}", "knob", tuple(lever), down)]
     side = y[0] + 0.5 * (slots[0][0] - y[0])
     face, aside = x[0], y[1] - (side - y[0])
     dial = design_dial(rng, (0.0085, 0.0095), endless=0.0)  # within the width of a side
-    parts.append(make_dial(dial, (face, side, low + 0.035), name=f"browning{tag}", parent="body", out=FRONT))
+    parts.append(make_dial(dial, (face, side, low + 0.035), name=f"browning{tag}", out=FRONT))
     for k, word in enumerate(("cancel", "defrost", "reheat")[: int(rng.integers(1, 4))]):
         at = (face, aside, low + 0.03 + 0.022 * k)
         size = (0.014, 0.014, 0.005)
-        parts.append(
-            make_button(at, size, name=f"{word}{tag}", parent="body", finish="handle", shape="round")
-        )
+        parts.append(make_button(at, size, name=f"{word}{tag}", finish="handle", shape="round"))
     return pieces, parts
 
 
@@ -117,10 +114,8 @@ def _make_tray(x: Range, y: Range) -> ShapePart:
     span = (y[0] + WALL + 0.004, y[1] - WALL - 0.004)
     end = x[1] - END - 0.006
     pieces = (
-        box((x[0], span[0], low), (end, span[1], low + 0.005), "steel"),
-        box((x[0] - 0.002, span[0], low), (x[0] + 0.006, span[1], top), "handle"),
-        box((end - 0.005, span[0], low), (end, span[1], low + 0.011), "steel"),
+        block((x[0], end), span, (low, low + 0.005), "steel"),
+        block((x[0] - 0.002, x[0] + 0.006), span, (low, top), "handle"),
+        block((end - 0.005, end), span, (low, low + 0.011), "steel"),
     )
-    return ShapePart(
-        name="crumb_tray", label="tray", parent="body", primitives=pieces, motion=slide(0.7 * (end - x[0]))
-    )
+    return ShapePart("crumb_tray", "tray", pieces, slide(0.7 * (end - x[0])))

@@ -4,21 +4,25 @@ Sizes follow EN 997 and EN 33: 355 to 400 mm wide, 620 to 700 mm deep with the c
 above the floor. Wall-hung bowls protrude by 490 to 540 mm; their flush plates measure 246 by 164 mm.
 """
 
+from math import radians
+
 import numpy as np
 
 from artigen.shapes.appliances.cavity import build_tub
 from artigen.shapes.appliances.control_panel import PRESS, make_button
-from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
-from artigen.shapes.fittings.hardware import Range, Space
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Spans, Wish, choose_size
+from artigen.shapes.fittings.hardware import Range, Space, around, narrow, rotate
 from artigen.shapes.fittings.outlines import Outline, build_loft, draw_egg
 from artigen.shapes.fittings.taps import make_cross_handle
-from artigen.shapes.primitives import Primitive, Vector, box, cylinder, rounded_box
-from artigen.shapes.shape import Motion, Need, ShapePart
+from artigen.shapes.primitives import FRONT, LEFT, RIGHT, UP, Primitive, block, cylinder
+from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.materials import WOODS, make_ceramic, make_metal, make_plastic, make_wood
 
 CATEGORY = "Toilet"
 STYLES = {"close_coupled": 0.4, "skirted": 0.3, "wall_hung": 0.3}
-SIZES: dict[str, tuple[Range, Range, Range]] = {
+SIZES: dict[str, Spans] = {
     "close_coupled": ((0.36, 0.41), (0.63, 0.7), (0.74, 0.83)),
     "skirted": ((0.36, 0.4), (0.62, 0.68), (0.78, 0.86)),
     "wall_hung": ((0.5, 0.6), (0.7, 0.76), (1.08, 1.18)),
@@ -30,41 +34,33 @@ TANK, WALL = 0.165, 0.19
 RIM, SEAT, LID = 0.4, 0.017, 0.016
 """Height of the bowl's rim; thickness of seat and lid."""
 SLIT = 0.0025
-UP: Vector = (0.0, 0.0, 1.0)
-Drawn = tuple[list[Primitive], list[ShapePart]]
-"""Solids of the body, and the moving parts."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a toilet."""
     style = choose_style(rng, STYLES, wish.style)
-    wide, deep, tall = SIZES[style]
-    width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=deep, height=tall)
+    width, depth, height = choose_size(rng, CATEGORY, wish, SIZES[style])
     hung = style == "wall_hung"
     half = min(width / 2, 0.185) if hung else width / 2
     behind = depth / 2 - (WALL if hung else TANK)  # front of the cistern or wall
     hinge = behind - 0.085
     length = hinge + depth / 2
     outline = draw_egg((hinge - 0.4 * length, 0.0), 0.6 * length, 0.4 * length, half)
-    pieces = _build_bowl(style, outline, behind, depth / 2)
-    seat, lid = _make_seat(outline, hinge, upper=float(np.radians(rng.uniform(89.0, 92.0))))
-    if hung:
-        wall, flush = _draw_wall(behind, depth / 2, width, height)
-    else:
-        wall, flush = _draw_cistern(rng, style, behind, depth / 2, width, height)
-    body = ShapePart(name="body", label="base", parent=None, primitives=(*pieces, *wall))
+    built = Assembly(_build_bowl(style, outline, behind, depth / 2), _draw_seat(rng, outline))
+    rear = (behind, depth / 2)
+    built += _build_wall(rear, width, height) if hung else _draw_cistern(rng, style, rear, width, height)
     seed = int(rng.integers(2**30))
-    glaze = make_ceramic(GLAZES[int(rng.integers(len(GLAZES)))], seed)
+    glaze = make_ceramic(choose_one(rng, GLAZES), seed)
     plain = make_plastic(glaze.color, gloss=0.4)
     wood = make_wood(tuple(WOODS)[int(rng.integers(4))], seed)
     finishes = {
         "body": glaze,
         "front": wood if style == "close_coupled" and rng.random() < 0.3 else plain,
-        "handle": make_metal(("chrome", "chrome", "brass", "black")[int(rng.integers(4))], seed),
+        "handle": make_metal(choose_one(rng, ("chrome", "chrome", "brass", "black")), seed),
         "wall": make_ceramic((0.86, 0.85, 0.83), seed + 1),
         "panel": make_plastic((0.93, 0.93, 0.93)) if rng.random() < 0.5 else make_metal("steel", seed),
     }
-    return Draft(style=style, parts=(body, lid, seat, *flush), finishes=tuple(sorted(finishes.items())))
+    return Draft(style, built.close(), finishes)
 
 
 def _build_bowl(style: str, outline: Outline, behind: float, back: float) -> list[Primitive]:
@@ -81,98 +77,74 @@ def _build_bowl(style: str, outline: Outline, behind: float, back: float) -> lis
         return [
             *pieces,
             *build_loft(base, 2, (0.0, under), "body", inset=-0.02),
-            box((end - 0.1, -0.75 * half, RIM - 0.16), (back, 0.75 * half, RIM), "body"),
+            block((end - 0.1, back), around(0.0, 0.75 * half), (RIM - 0.16, RIM), "body"),
         ]
     if style == "skirted":
         pieces += build_loft(foot, 2, (0.0, under), "body", inset=0.03)
-        return [*pieces, box((end - 0.12, -0.8 * half, 0.0), (back, 0.8 * half, RIM), "body")]
+        return [*pieces, block((end - 0.12, back), around(0.0, 0.8 * half), (0.0, RIM), "body")]
     pieces += build_loft(foot, 2, (low - 0.1, under), "body", inset=0.07)
-    return [*pieces, box((end - 0.1, -0.72 * half, low - 0.06), (behind, 0.72 * half, RIM), "body")]
+    return [*pieces, block((end - 0.1, behind), around(0.0, 0.72 * half), (low - 0.06, RIM), "body")]
 
 
-def _make_seat(outline: Outline, hinge: float, upper: float) -> tuple[ShapePart, ShapePart]:
-    """A seat ring and a lid that turn about one axis behind them; the lid opens first."""
-    low = RIM + SLIT
-    edge = outline.shrink(0.002)
-    ring = build_loft(edge, 2, (low, low + SEAT), "front", wall=0.07)
-    top = low + SEAT + SLIT
-    plate = build_loft(edge, 2, (top, top + LID), "front", inset=-0.012)
-    axis, x = low + SEAT / 2, edge.a[1]
-    pins, ears = [], []
+def _draw_seat(rng: np.random.Generator, outline: Outline) -> tuple[ShapePart, ShapePart]:
+    """A lid and a seat ring that turn about one axis behind them; the lid opens first."""
+    low, edge = RIM + SLIT, outline.shrink(0.002)
+    high, x = low + SEAT, edge.a[1]
+    top, axis = high + SLIT, (x + 0.004, 0.0, low + SEAT / 2)
+    ring = [*build_loft(edge, 2, (low, high), "front", wall=0.07)]
+    plate = [*build_loft(edge, 2, (top, top + LID), "front", inset=-0.012)]
     for y in (-0.07, 0.07):
-        pins.append(cylinder((x + 0.004, y - 0.018, axis), (x + 0.004, y + 0.018, axis), 0.0075, "handle"))
-        pins.append(
-            box((x - 0.06, y - 0.012, low + 0.002), (x + 0.004, y + 0.012, low + SEAT - 0.002), "front")
-        )
-    for low_y, high_y in ((-0.121, -0.099), (0.099, 0.121)):
-        ears.append(box((x - 0.05, low_y, top), (x + 0.0115, high_y, top + LID - 0.004), "front"))
-        ears.append(box((x - 0.0035, low_y, axis - 0.0075), (x + 0.0115, high_y, top), "front"))
-    motion = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=(x + 0.004, 0.0, axis), upper=upper - 0.05)
-    swing = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=(x + 0.004, 0.0, axis), upper=upper)
-    seat = ShapePart(
-        name="seat",
-        label="shelf",
-        parent="body",
-        primitives=(*ring, *pins),
-        motion=motion,
-        needs=(Need(part="lid", fraction=1.0),),
-    )
-    lid = ShapePart(name="lid", label="door", parent="body", primitives=(*plate, *ears), motion=swing)
-    return seat, lid
+        pin = ((axis[0], y - 0.018, axis[2]), (axis[0], y + 0.018, axis[2]))
+        ring += [
+            cylinder(*pin, 0.0075, "handle"),
+            block((x - 0.06, axis[0]), around(y, 0.012), narrow((low, high), 0.002), "front"),
+        ]
+    for ear in ((-0.121, -0.099), (0.099, 0.121)):
+        plate += [
+            block((x - 0.05, x + 0.0115), ear, (top, top + LID - 0.004), "front"),
+            block((x - 0.0035, x + 0.0115), ear, (axis[2] - 0.0075, top), "front"),
+        ]
+    upper = radians(choose(rng, 89.0, 92.0))
+    needs = require("lid", fraction=1.0)
+    seat = ShapePart("seat", "shelf", ring, rotate(LEFT, axis, upper - 0.05), needs=needs)
+    return ShapePart("lid", "door", plate, rotate(LEFT, axis, upper)), seat
 
 
-def _draw_cistern(
-    rng: np.random.Generator, style: str, front: float, back: float, width: float, height: float
-) -> Drawn:
-    """Draws a tank with a lid on the block behind the bowl, and a lever on its front or buttons on top."""
+def _draw_cistern(rng: np.random.Generator, style: str, x: Range, width: float, height: float) -> Assembly:
+    """A tank with a lid on the block behind the bowl, and a lever on its front or buttons on top."""
     buttons = style == "skirted" or rng.random() < 0.4
-    lid = 0.03
     top = height - (0.0012 + PRESS + 0.006 if buttons else 0.0)
-    low = RIM if style == "skirted" else RIM + 0.012
-    half = width / 2
-    tank = Space(x=(front + 0.008, back), y=(-half + 0.008, half - 0.008), z=(low, top - lid))
-    pieces = [*build_tub(tank, 0.014, "body")]
-    pieces.append(rounded_box((front, -half, top - lid), (back, half, top), 0.005, "body"))
+    low, cover = RIM if style == "skirted" else RIM + 0.012, top - 0.03
+    (front, back), half = x, width / 2
+    pieces = [
+        *build_tub(
+            Space(x=(front + 0.008, back), y=around(0.0, half - 0.008), z=(low, cover)), 0.014, "body"
+        ),
+        block(x, around(0.0, half), (cover, top), "body", 0.005),
+    ]
     if low > RIM:
         pieces.append(cylinder((front + 0.08, 0.0, RIM), (front + 0.08, 0.0, low), 0.055, "body"))
-    middle = (front + back) / 2
-    if buttons:
-        apart = 0.021
-        parts = [
-            make_button(
-                (middle, y, top),
-                (0.038, 0.038, 0.006),
-                name=name,
-                parent="body",
-                finish="handle",
-                out=(0.0, 0.0, 1.0),
-            )
-            for name, y in (("flush", apart), ("small_flush", -apart))
-        ]
-        return pieces, parts
-    at = (front + 0.008, half - 0.07, top - lid - 0.05)
-    lever = make_cross_handle(
-        at,
-        (-1.0, 0.0, 0.0),
-        (0.0, -1.0, 0.0),
-        name="flush",
-        parent="body",
-        reach=0.085,
-        height=0.026,
-        finish="handle",
-        arms=1,
-        upper=float(np.radians(35.0)),
+    if not buttons:
+        at = (front + 0.008, half - 0.07, cover - 0.05)
+        lever = make_cross_handle(
+            at, FRONT, RIGHT, name="flush", reach=0.085, height=0.026, arms=1, upper=radians(35)
+        )
+        return Assembly(pieces, (lever,))
+    size = (0.038, 0.038, 0.006)
+    flush, small = (
+        make_button((sum(x) / 2, y, top), size, name=name, finish="handle", out=UP)
+        for name, y in (("flush", 0.021), ("small_flush", -0.021))
     )
-    return pieces, [lever]
+    return Assembly(pieces, (flush, small))
 
 
-def _draw_wall(front: float, back: float, width: float, height: float) -> Drawn:
-    """Draws a piece of wall with a flush plate of two buttons."""
-    level = height - 0.16
-    wall = box((front, -width / 2, 0.0), (back, width / 2, height), "wall")
-    plate = box((front - 0.006, -0.123, level - 0.082), (front, 0.123, level + 0.082), "panel")
-    parts = [
-        make_button((front - 0.006, y, level), (wide, 0.12, 0.006), name=name, parent="body", finish="panel")
+def _build_wall(x: Range, width: float, height: float) -> Assembly:
+    """A piece of wall with a flush plate of two buttons."""
+    level, face = height - 0.16, x[0] - 0.006
+    wall = block(x, around(0.0, width / 2), (0.0, height), "wall")
+    plate = block((face, x[0]), around(0.0, 0.123), around(level, 0.082), "panel")
+    buttons = [
+        make_button((face, y, level), (wide, 0.12, 0.006), name=name, finish="panel")
         for name, y, wide in (("flush", 0.038, 0.13), ("small_flush", -0.071, 0.08))
     ]
-    return [wall, plate], parts
+    return Assembly((wall, plate), buttons)

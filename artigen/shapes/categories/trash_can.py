@@ -5,24 +5,37 @@ l, and wheeled bins of EN 840-1 from 80 l (0.45 m x 0.53 m x 0.94 m) to 240 l (0
 """
 
 from dataclasses import replace
+from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly
 from artigen.shapes.appliances.rings import build_ring
-from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_style
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_wheel
-from artigen.shapes.fittings.hardware import GAP, Range, slide
-from artigen.shapes.fittings.lids import Rectangle, build_vessel, hinge_lid, loft, shrink
-from artigen.shapes.primitives import SEGMENTS, Primitive, box, cylinder, polytope, prism, rounded_box
-from artigen.shapes.shape import Motion, Need, ShapePart
+from artigen.shapes.fittings.hardware import GAP, Range, around, narrow, rotate, slide
+from artigen.shapes.fittings.lids import build_collar, build_vessel, hinge_lid, loft, make_lid, shrink
+from artigen.shapes.primitives import (
+    LEFT,
+    RIGHT,
+    ROUND,
+    UP,
+    Primitive,
+    block,
+    cylinder,
+    polygon,
+    polytope,
+    prism,
+)
+from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_plastic
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "TrashCan"
 STYLES = {"pedal": 3.0, "flip": 2.0, "flap": 1.6, "sorting": 1.4, "wheeled": 2.2}
-SIZES: dict[str, tuple[Range, Range, Range]] = {
+SIZES: dict[str, Spans] = {
     "pedal": ((0.2, 0.34), (0.25, 0.4), (0.28, 0.68)),
     "flip": ((0.24, 0.42), (0.2, 0.34), (0.32, 0.68)),
     "flap": ((0.26, 0.42), (0.24, 0.36), (0.5, 0.8)),
@@ -37,7 +50,7 @@ SHELL: tuple[Color, ...] = (
 STREET: tuple[Color, ...] = ((0.14, 0.33, 0.20), (0.20, 0.21, 0.22), (0.15, 0.26, 0.44), (0.33, 0.23, 0.16))
 SORTED: tuple[Color, ...] = ((0.22, 0.42, 0.66), (0.86, 0.72, 0.20), (0.28, 0.52, 0.30), (0.45, 0.31, 0.20))
 """Lid colours: paper, packaging, glass and compost."""
-ROUND = 22
+SIDES = 22
 """Number of sides of a round bin."""
 LIDS = ("first", "second", "third", "fourth")
 """Roles of the finishes of the lids of a sorting bin."""
@@ -55,13 +68,11 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a bin that meets the wish."""
     style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_lengths(rng, wish, SIZES[style])
-    slender = float(rng.uniform(0.5, 0.8))
+    slender = choose(rng, 0.5, 0.8)
     if style in ("pedal", "flip") and wish.width is None:
         width = max(min(width, slender * height), 0.42 * height)
-    if (
-        style == "pedal" and wish.depth is None and rng.random() < 0.7
-    ):  # round: as deep as wide, plus the pedal
-        depth = width + HUB + PEDAL
+    if style == "pedal" and wish.depth is None and rng.random() < 0.7:
+        depth = width + HUB + PEDAL  # round: as deep as wide, plus the pedal
     build = {
         "pedal": _build_pedal_bin,
         "flip": _build_flip_bin,
@@ -70,15 +81,14 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         "wheeled": _build_wheeled_bin,
     }[style]
     built = build(rng, width, depth, height)
-    finishes = tuple(sorted(_draw_finishes(rng, style).items()))
-    return Draft(style=style, parts=built.close(), finishes=finishes)
+    return Draft(style, built.close(), _draw_finishes(rng, style))
 
 
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     """Finishes of the shell, its lid and its bucket."""
     seed = int(rng.integers(2**30))
     colors = STREET if style == "wheeled" else SHELL
-    shell = make_plastic(colors[int(rng.integers(len(colors)))])
+    shell = make_plastic(choose_one(rng, colors))
     lids = [make_plastic(SORTED[int(k)]) for k in rng.permutation(len(SORTED))]
     lid, metallic, dark = lids[0] if style == "wheeled" else shell, rng.random() < 0.6, rng.random() < 0.5
     if style == "wheeled" and dark:
@@ -100,125 +110,126 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A round or square steel bin with a pedal that opens its lid, and a bucket that lifts out."""
-    thick, foot, under = float(rng.uniform(0.016, 0.024)), 0.05, 0.032
-    x = (PEDAL - depth / 2, depth / 2 - HUB)
-    y = (-width / 2, width / 2)
-    rim = height - thick - 0.012 - GAP
-    opened = float(np.radians(rng.uniform(96, 105)))
+    thick, foot, under = choose(rng, 0.016, 0.024), 0.05, 0.032
+    x, y = (PEDAL - depth / 2, depth / 2 - HUB), around(0.0, width / 2)
+    low = height - thick - 0.012
+    rim, top = low - GAP, low + thick
+    opened = radians(choose(rng, 96, 105))
     middle, radius = sum(x) / 2, min(x[1] - x[0], width) / 2
-    round_ = abs(x[1] - x[0] - width) < 1e-6
-    z = (foot, rim)
-    if round_:
-        y, x = (-radius, radius), (middle - radius, middle + radius)
-        wall = max(0.006, height / SLENDER)
-        radii = (radius * np.cos(np.pi / ROUND) - wall, radius)
-        walls = build_ring((middle, 0.0, 0.0), "z", z, (radii, radii), "body", sides=ROUND, lining="trim")
-        base: tuple[Primitive, ...] = (
-            cylinder((middle, 0, under), (middle, 0, foot + 0.001), radius - 0.006, "trim"),
-            cylinder((middle, 0, foot), (middle, 0, foot + 0.008), radii[0] + 0.002, "trim"),
-        )
-        cover: tuple[Primitive, ...] = (
-            cylinder((middle, 0, rim + GAP), (middle, 0, rim + GAP + thick), radius, "front"),
-            prism(
-                _circle(radius * 0.96),
-                (middle, 0, rim + GAP + thick),
-                (middle, 0, height),
-                "front",
-                taper=0.7,
-            ),
-        )
-        ring = ((radii[0] - 0.010) * np.cos(np.pi / SEGMENTS) - wall, radii[0] - 0.010)
-        pail: tuple[Primitive, ...] = (
-            *build_ring((middle, 0, 0), "z", (foot + 0.0105, rim - 0.012), (ring, ring), "tray"),
-            cylinder((middle, 0, foot + 0.0105), (middle, 0, foot + 0.0175), ring[0] + 0.003, "tray"),
-        )
+    if abs(x[1] - x[0] - width) < 1e-6:
+        x, y = around(middle, radius), around(0.0, radius)
+        walls, cover, pail = _build_round(middle, radius, (under, foot, rim), (low, top, height))
     else:
-        walls = build_vessel((x, y), (x, y), (foot, rim), WALL, "body", lining="trim")
-        base = (box((x[0] + 0.004, y[0] + 0.004, under), (x[1] - 0.004, y[1] - 0.004, foot), "trim"),)
-        slab = rounded_box((x[0], y[0], rim + GAP), (x[1], y[1], rim + GAP + thick), 0.004, "front")
-        outline = shrink((x, y), 0.005)
-        cover = (slab, loft(outline, shrink(outline, 0.03), (rim + GAP + thick, height), "front"))
-        inside = shrink((x, y), WALL + 0.010)
-        pail = build_vessel(inside, inside, (foot + WALL + 0.004, rim - 0.012), 0.006, "tray")
-    pivot = x[1] + HUB
-    tab = box((x[1] - 0.02, -0.25 * width, rim + GAP), (pivot, 0.25 * width, rim + GAP + 0.012), "front")
-    knuckle = box((x[1] - 0.01, -0.28 * width, rim - 0.05), (pivot, 0.28 * width, rim), "trim")
-    toe = 0.12 * radius
-    feet = [
-        box((a - toe, b - toe, 0.0), (a + toe, b + toe, under), "trim")
-        for a in (middle - 0.5 * radius, middle + 0.5 * radius)
-        for b in (-0.62 * radius, 0.62 * radius)
-    ]
-    lid = ShapePart(
-        name="lid", label="door", parent="body", primitives=(*cover, tab),
-        motion=replace(hinge_lid((x[0], pivot), y, rim + GAP, opened), follows="pedal"),
-    )  # fmt: skip
-    pedal = _make_pedal(x[0] - PEDAL, x[0] + 0.05, width, under)
-    parts = [lid, pedal]
-    if rng.random() < 0.8:
-        lift = slide(0.75 * (rim - foot), (0.0, 0.0, 1.0))
-        needs = (Need(part="pedal"),)
-        parts.append(
-            ShapePart(name="bucket", label="tray", parent="body", primitives=pail, motion=lift, needs=needs)
+        walls = (
+            *build_vessel((x, y), (x, y), (foot, rim), WALL, "body", lining="trim"),
+            block(narrow(x, 0.004), narrow(y, 0.004), (under, foot), "trim"),
         )
-    return Assembly(pieces=(*walls, *base, knuckle, *feet), parts=tuple(parts))
+        field, inside = shrink((x, y), 0.005), shrink((x, y), WALL + 0.010)
+        crown = loft(field, shrink(field, 0.03), (top, height), "front")
+        cover = (block(x, y, (low, top), "front", 0.004), crown)
+        pail = build_vessel(inside, inside, (foot + WALL + 0.004, rim - 0.012), 0.006, "tray")
+    pivot, toe = x[1] + HUB, 0.12 * radius
+    places = [(a, b) for a in around(middle, 0.5 * radius) for b in around(0.0, 0.62 * radius)]
+    pieces = [
+        *walls,
+        block((x[1] - 0.01, pivot), around(0.0, 0.28 * width), (rim - 0.05, rim), "trim"),
+        *(block(around(a, toe), around(b, toe), (0.0, under), "trim") for a, b in places),
+    ]
+    tab = block((x[1] - 0.02, pivot), around(0.0, 0.25 * width), (low, low + 0.012), "front")
+    swing = replace(hinge_lid((x[0], pivot), y, low, opened), follows="pedal")
+    parts = [
+        ShapePart("lid", "door", (*cover, tab), swing),
+        _make_pedal(x[0] - PEDAL, x[0] + 0.05, width, under),
+    ]
+    if rng.random() < 0.8:
+        parts.append(_make_bucket("bucket", pail, 0.75 * (rim - foot), "pedal"))
+    return Assembly(pieces, parts)
+
+
+def _make_bucket(name: str, pail: tuple[Primitive, ...], lift: float, opener: str) -> ShapePart:
+    """A bucket that lifts out once a part is open."""
+    return ShapePart(name, "tray", pail, slide(lift, UP), needs=require(opener))
+
+
+def _build_round(
+    x: float, radius: float, body: tuple[float, float, float], cover: tuple[float, float, float]
+) -> tuple[tuple[Primitive, ...], tuple[Primitive, ...], tuple[Primitive, ...]]:
+    """Walls and base, cover, and bucket of a round bin.
+
+    Args:
+        x: x of its axis (m).
+        radius: Radius.
+        body: Heights of the base, of the floor and of the rim.
+        cover: Heights of the underside, of the edge and of the dome of the cover.
+    """
+    (under, foot, rim), (low, top, crown) = body, cover
+    wall = max(0.006, crown / SLENDER)
+    inner = radius * float(np.cos(np.pi / SIDES)) - wall
+    pail = inner - 0.010
+    hollow = ROUND * pail - wall
+
+    def disc(low: float, high: float, size: float, finish: str) -> Primitive:
+        return cylinder((x, 0.0, low), (x, 0.0, high), size, finish)
+
+    axis, shell, floor = (x, 0.0, 0.0), (inner, radius), foot + 0.0105
+    walls = (
+        *build_ring(axis, "z", (foot, rim), (shell, shell), "body", sides=SIDES, lining="trim"),
+        disc(under, foot + 0.001, radius - 0.006, "trim"),
+        disc(foot, foot + 0.008, inner + 0.002, "trim"),
+    )
+    dome = prism(0.96 * radius * polygon(), (x, 0, top), (x, 0, crown), "front", taper=0.7)
+    bucket = (
+        *build_ring(axis, "z", (floor, rim - 0.012), ((hollow, pail), (hollow, pail)), "tray"),
+        disc(floor, foot + 0.0175, hollow + 0.003, "tray"),
+    )
+    return walls, (disc(low, top, radius, "front"), dome), bucket
 
 
 def _make_pedal(tip: float, pivot: float, width: float, under: float) -> ShapePart:
     """A pedal lever just below ``under`` that protrudes in front and moves by a centimetre."""
-    top = under - 0.0015
-    half = min(0.045, 0.17 * width)
+    top, half = under - 0.0015, min(0.045, 0.17 * width)
     solids = (
-        box((tip + 0.03, -0.4 * half, top - 0.006), (pivot, 0.4 * half, top), "steel"),
-        rounded_box((tip, -half, top - 0.008), (tip + 0.034, half, top), 0.002, "steel"),
+        block((tip + 0.03, pivot), around(0.0, 0.4 * half), (top - 0.006, top), "steel"),
+        block((tip, tip + 0.034), around(0.0, half), (top - 0.008, top), "steel", 0.002),
     )
     drop = float((top - 0.011) / (pivot - tip))
-    turn = Motion(
-        type="revolute", axis=(0.0, -1.0, 0.0), origin=(pivot, 0.0, top), upper=min(drop, 0.2), spring=SPRING
-    )  # fmt: skip
-    return ShapePart(name="pedal", label="knob", parent="body", primitives=solids, motion=turn)
-
-
-def _circle(radius: float, sides: int = SEGMENTS) -> np.ndarray:
-    turns = (np.arange(sides) + 0.5) * 2 * np.pi / sides
-    return radius * np.column_stack([np.cos(turns), np.sin(turns)])
+    return ShapePart("pedal", "knob", solids, rotate(RIGHT, (pivot, 0.0, top), min(drop, 0.2), spring=SPRING))
 
 
 def _build_flip_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A moulded bin that tapers downwards, and a lid with a lip."""
-    lip, rise = 0.014, float(rng.uniform(0.014, 0.03))
-    x, y = (lip - depth / 2, depth / 2), (-width / 2, width / 2)
-    rim = height - rise - 0.012 - GAP
-    taper = float(rng.uniform(0.0, 0.14)) * min(width, depth)
-    walls = build_vessel(shrink((x, y), taper / 2), (x, y), (0.0, rim), WALL, "body")
-    low = rim + GAP
-    slab = rounded_box((x[0], y[0], low), (x[1], y[1], low + 0.012), 0.003, "front")
-    grip = box((x[0] - lip, -0.2 * width, low), (x[0] + 0.01, 0.2 * width, low + 0.012), "front")
-    outline = shrink((x, y), 0.006)
-    crown = loft(outline, shrink(outline, float(rng.uniform(0.02, 0.07))), (low + 0.012, height), "front")
-    motion = hinge_lid(x, y, low, float(np.radians(rng.uniform(80, 105))))
-    lid = ShapePart(name="lid", label="door", parent="body", primitives=(slab, grip, crown), motion=motion)
-    return Assembly(pieces=walls, parts=(lid,))
+    lip, thick, rise = 0.014, 0.012, choose(rng, 0.014, 0.03)
+    x, y = (lip - depth / 2, depth / 2), around(0.0, width / 2)
+    low = height - rise - thick
+    taper = choose(rng, 0.0, 0.14) * min(width, depth)
+    walls = build_vessel(shrink((x, y), taper / 2), (x, y), (0.0, low - GAP), WALL, "body")
+    field = shrink((x, y), 0.006)
+    solids = (
+        block(x, y, (low, low + thick), "front", 0.003),
+        block((x[0] - lip, x[0] + 0.01), around(0.0, 0.2 * width), (low, low + thick), "front"),
+        loft(field, shrink(field, choose(rng, 0.02, 0.07)), (low + thick, height), "front"),
+    )
+    return Assembly(walls, (make_lid(solids, x, y, low, radians(choose(rng, 80, 105))),))
 
 
 def _build_flap_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A bin below a sloping hood with a flap, which is hinged at its upper edge."""
-    x, y = (-depth / 2, depth / 2), (-width / 2, width / 2)
-    rim, wall = height - float(rng.uniform(0.5, 0.62)) * depth, 0.01
-    taper = float(rng.uniform(0.0, 0.12)) * min(width, depth)
+    x, y = around(0.0, depth / 2), around(0.0, width / 2)
+    rim, wall = height - choose(rng, 0.5, 0.62) * depth, 0.01
+    taper = choose(rng, 0.0, 0.12) * min(width, depth)
     walls = build_vessel(shrink((x, y), taper / 2), (x, y), (0.0, rim), wall, "body")
-    front, top = x[0] + 0.008, x[0] + float(rng.uniform(0.55, 0.7)) * depth  # ends of the slope
+    front, top = x[0] + 0.008, x[0] + choose(rng, 0.55, 0.7) * depth  # ends of the slope
     eaves = rim + 0.03
     cheek = np.array([(rim, front), (eaves, front), (height, top), (height, x[1]), (rim, x[1])])
     hood = [prism(cheek, (0, a, 0), (0, a + wall, 0), "front") for a in (y[0], y[1] - wall)]
-    inner = (y[0] + wall, y[1] - wall)
+    inner = narrow(y, wall)
     hood += [
-        box((x[1] - wall, inner[0], rim), (x[1], inner[1], height), "front"),
-        box((top, inner[0], height - wall), (x[1] - wall, inner[1], height), "front"),
-        box((front, inner[0], rim), (front + wall, inner[1], eaves - 0.012), "front"),
+        block((x[1] - wall, x[1]), inner, (rim, height), "front"),
+        block((top, x[1] - wall), inner, (height - wall, height), "front"),
+        block((front, front + wall), inner, (rim, eaves - 0.012), "front"),
     ]
-    flap = _make_flap((front, eaves), (top, height), (inner[0] + GAP, inner[1] - GAP))
-    return Assembly(pieces=(*walls, *hood), parts=(flap,))
+    flap = _make_flap((front, eaves), (top, height), narrow(inner, GAP))
+    return Assembly((*walls, *hood), (flap,))
 
 
 def _make_flap(low: tuple[float, float], high: tuple[float, float], y: Range) -> ShapePart:
@@ -237,106 +248,72 @@ def _make_flap(low: tuple[float, float], high: tuple[float, float], y: Range) ->
     middle, half = (y[0] + y[1]) / 2, 0.22 * (y[1] - y[0])
     solids = (
         plate((gap, top), (-thick, 0.0), y),
-        plate((gap, gap + 0.014), (0.0, 0.014), (middle - half, middle + half)),
+        plate((gap, gap + 0.014), (0.0, 0.014), around(middle, half)),
     )
     x, z = (start + top * along).tolist()
-    turn = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=(x, middle, z), upper=float(np.radians(80)))
-    return ShapePart(name="flap", label="door", parent="body", primitives=solids, motion=turn)
+    turn = rotate(LEFT, (x, middle, z), radians(80))
+    return ShapePart("flap", "door", solids, turn)
 
 
 def _build_sorting_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """Compartments side by side, each with a bucket and a lid in the colour of its waste."""
-    count = int(np.clip(round(width / float(rng.uniform(0.2, 0.28))), 2, 4))
-    lip, thick = 0.014, 0.018
-    x, y = (lip - depth / 2, depth / 2), (-width / 2, width / 2)
-    rim = height - thick - GAP
+    count = int(np.clip(round(width / choose(rng, 0.2, 0.28)), 2, 4))
+    lip = 0.014
+    x, y = (lip - depth / 2, depth / 2), around(0.0, width / 2)
+    low, pitch = height - 0.018, width / count
+    rim = low - GAP
     pieces = list(build_vessel((x, y), (x, y), (0.0, rim), WALL, "body"))
-    pitch = width / count
     parts: list[ShapePart] = []
     for k in range(count):
         left = y[1] - k * pitch
+        right, middle = left - pitch, left - pitch / 2
         if k:
-            span = (left - WALL / 2, left + WALL / 2)
-            pieces.append(box((x[0] + WALL, span[0], WALL), (x[1] - WALL, span[1], rim), "body"))
-        own = (left - pitch + 0.0015, left - 0.0015)
-        low, middle = rim + GAP, (own[0] + own[1]) / 2
-        slab = rounded_box((x[0], own[0], low), (x[1], own[1], height), 0.004, LIDS[k])
-        grip = box(
-            (x[0] - lip, middle - 0.25 * pitch, low), (x[0], middle + 0.25 * pitch, low + 0.012), LIDS[k]
-        )
-        motion = hinge_lid(x, own, low, float(np.radians(98)))
-        parts.append(
-            ShapePart(name=f"lid_{k}", label="door", parent="body", primitives=(slab, grip), motion=motion)
-        )
-        sign = (x[0] - 0.003, middle - 0.055, 0.66 * rim), (x[0], middle + 0.055, 0.66 * rim + 0.09)
-        pieces.append(box(*sign, LIDS[k]))
-        room = (
-            x,
-            (left - pitch + (0.0 if k == count - 1 else -WALL / 2), left + (0.0 if k == 0 else WALL / 2)),
-        )
-        inside = shrink(room, WALL + 0.010)
+            pieces.append(block(narrow(x, WALL), around(left, WALL / 2), (WALL, rim), "body"))
+        own, grip = (right + 0.0015, left - 0.0015), around(middle, 0.25 * pitch)
+        slab = block(x, own, (low, height), LIDS[k], 0.004)
+        lug = block((x[0] - lip, x[0]), grip, (low, low + 0.012), LIDS[k])
+        parts.append(make_lid((slab, lug), x, own, low, radians(98), name=f"lid_{k}"))
+        sign = (x[0] - 0.003, x[0]), around(middle, 0.055), (0.66 * rim, 0.66 * rim + 0.09)
+        pieces.append(block(*sign, LIDS[k]))
+        ends = right - (WALL / 2 if k < count - 1 else 0.0), left + (WALL / 2 if k else 0.0)
+        inside = shrink((x, ends), WALL + 0.010)
         pail = build_vessel(inside, inside, (WALL + GAP, rim - 0.015), 0.006, "tray")
-        lift, needs = slide(0.7 * rim, (0.0, 0.0, 1.0)), (Need(part=f"lid_{k}"),)
-        parts.append(
-            ShapePart(
-                name=f"bucket_{k}", label="tray", parent="body", primitives=pail, motion=lift, needs=needs
-            )
-        )
-    return Assembly(pieces=tuple(pieces), parts=tuple(parts))
+        parts.append(_make_bucket(f"bucket_{k}", pail, 0.7 * rim, f"lid_{k}"))
+    return Assembly(pieces, parts)
 
 
 def _build_wheeled_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A bin of EN 840, which tapers downwards and has two wheels behind and a push bar at its rim."""
     bar, lip, wall = 0.05, 0.016, 0.010
-    x, y = (lip - depth / 2, depth / 2 - bar), (-width / 2, width / 2)
-    rise = float(rng.uniform(0.035, 0.06))
-    rim = height - rise - GAP
-    radius, tread = float(rng.uniform(0.085, 0.1)), 0.045
-    bottom = (x[0] + 0.12 * depth, x[1] - 0.1 * depth), shrink((x, y), 0.07)[1]
-    pieces = list(build_vessel(bottom, (x, y), (0.0, rim), wall, "body"))
-    pieces += _build_collar((x, y), rim)
-    pivot = x[1] + 0.012
-    pieces += [
-        box((x[1] - 0.02, a - 0.02, rim - 0.05), (x[1] + bar - 0.01, a + 0.02, rim - 0.02), "body")
-        for a in (-0.3 * width, 0.3 * width)
+    x, y = (lip - depth / 2, depth / 2 - bar), around(0.0, width / 2)
+    rise = choose(rng, 0.035, 0.06)
+    low = height - rise
+    rim, crest = low - GAP, low + 0.45 * rise
+    radius, tread = choose(rng, 0.085, 0.1), 0.045
+    bottom = (x[0] + 0.12 * depth, x[1] - 0.1 * depth), narrow(y, 0.07)
+    inner = (x[0] + 0.012, x[1]), narrow(y, 0.012)
+    arm, pivot = x[1] + bar - 0.014, x[1] + 0.012
+    pieces = [
+        *build_vessel(bottom, (x, y), (0.0, rim), wall, "body"),
+        *build_collar((x, y), inner, (rim - 0.03, rim), "body"),
     ]
-    grip = cylinder(
-        (x[1] + bar - 0.014, -0.36 * width, rim - 0.035),
-        (x[1] + bar - 0.014, 0.36 * width, rim - 0.035),
-        0.014,
-        "trim",
-    )
-    handle = ShapePart(name="handle", label="handle", parent="body", primitives=(grip,))
-    low, crest = rim + GAP, rim + GAP + 0.45 * rise
-    brim = loft((x, y), shrink((x, y), 0.004), (low, crest), "front")
-    crown = loft(shrink((x, y), 0.012), shrink((x, y), 0.09), (crest, height), "front")
-    hinges = box((x[1] - 0.02, -0.3 * width, low), (pivot, 0.3 * width, low + 0.012), "front")
-    lips = [
-        box((x[0] - lip, a - 0.06, low), (x[0] + 0.01, a + 0.06, low + 0.014), "front")
-        for a in (-0.28 * width, 0.28 * width)
+    for a in (-0.3 * width, 0.3 * width):
+        pieces.append(block((x[1] - 0.02, arm + 0.004), around(a, 0.02), (rim - 0.05, rim - 0.02), "body"))
+    grip = cylinder((arm, -0.36 * width, rim - 0.035), (arm, 0.36 * width, rim - 0.035), 0.014, "trim")
+    solids = [
+        loft((x, y), shrink((x, y), 0.004), (low, crest), "front"),
+        loft(shrink((x, y), 0.012), shrink((x, y), 0.09), (crest, height), "front"),
+        block((x[1] - 0.02, pivot), around(0.0, 0.3 * width), (low, low + 0.012), "front"),
     ]
-    lid = ShapePart(
-        name="lid", label="door", parent="body", primitives=(brim, crown, hinges, *lips),
-        motion=hinge_lid((x[0], pivot), y, low, float(np.radians(rng.uniform(82, 90)))),
-    )  # fmt: skip
-    axle_x, level = bottom[0][1] - 0.3 * radius, radius * float(np.cos(np.pi / SEGMENTS))
-    spread = (y[1] - bottom[1][1]) * (2 * radius / rim)  # outward lean of the sides at the wheels
-    parts: list[ShapePart] = [lid, handle]
+    for a in (-0.28 * width, 0.28 * width):
+        solids.append(block((x[0] - lip, x[0] + 0.01), around(a, 0.06), (low, low + 0.014), "front"))
+    lid = make_lid(solids, (x[0], pivot), y, low, radians(choose(rng, 82, 90)))
+    parts = [lid, ShapePart("handle", "handle", (grip,))]
+    axle, level = bottom[0][1] - 0.3 * radius, ROUND * radius
+    half = bottom[1][1]
+    face = half + (y[1] - half) * 2 * radius / rim + GAP + 0.002  # the sides lean outwards at the wheels
     for index, side in enumerate((-1.0, 1.0)):
-        face = bottom[1][1] + spread + GAP + 0.002
-        at = side * (face + tread / 2)
-        parts.append(make_wheel(f"wheel_{index}", "body", (axle_x, at, level), tread))
-        stub = [(axle_x, side * s, level) for s in (bottom[1][1] - wall, face - 0.003)]
-        pieces.append(cylinder(stub[0], stub[1], 0.018, "steel"))
-    return Assembly(pieces=tuple(pieces), parts=tuple(parts))
-
-
-def _build_collar(outline: Rectangle, rim: float) -> list[Primitive]:
-    """A rib around the upper edge."""
-    (x0, x1), (y0, y1) = outline
-    low = rim - 0.03
-    return [
-        box((x0, y0, low), (x1, y0 + 0.012, rim), "body"),
-        box((x0, y1 - 0.012, low), (x1, y1, rim), "body"),
-        box((x0, y0 + 0.012, low), (x0 + 0.012, y1 - 0.012, rim), "body"),
-    ]
+        parts.append(make_wheel(f"wheel_{index}", "body", (axle, side * (face + tread / 2), level), tread))
+        stub = (side * (half - wall), side * (face - 0.003))
+        pieces.append(cylinder((axle, stub[0], level), (axle, stub[1], level), 0.018, "steel"))
+    return Assembly(pieces, parts)

@@ -8,9 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, choose_style
+from artigen.shapes.choices import choose, choose_style
+from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.hardware import ROOM, Space
-from artigen.shapes.furniture.carcass import fits_engines, open_carcass
+from artigen.shapes.furniture.carcass import draw_fitting, open_carcass
 from artigen.shapes.furniture.case import BODY, CasePlan, Size, build_case, draw_plan, place_case
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
 from artigen.shapes.furniture.furniture_kinds import Kind
@@ -28,7 +29,7 @@ MIRRORED = 10
 """Layouts with mirrored sliding doors that are tried before plain ones; wide mirrors need too many hulls."""
 DOOR = 0.5
 """Usual width (m) of a door."""
-BACK = 0.014
+BACKING = 0.014
 """Thickness (m) of the back: the minimum for engines at this height."""
 KIND = Kind(
     weight=1,
@@ -57,22 +58,20 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     look = LOOKS[{"mirrored": "framed_glass", "sliding": "flat"}.get(style, style)]
     mirrored = style == "mirrored" or (slides and bool(rng.random() < 0.5))
     look = replace(look, frame=0.0 if slides else 0.5 * look.frame)
-    for attempt in range(MAX_LAYOUTS):
+
+    def draw_parts(attempt: int) -> tuple[ShapePart, ...]:
         plan = draw_plan(wish.shared_stream(rng, attempt), KIND, look, size, wish)
         fronts = replace(plan.looks.doors, style="framed_glass", glass="mirror")
-        carcass = replace(plan.looks.carcass, back=BACK, recess=0.0)
+        carcass = replace(plan.looks.carcass, back=BACKING, recess=0.0)
         doors_look = fronts if mirrored and (not slides or attempt < MIRRORED) else plan.looks.doors
         plan = replace(plan, looks=replace(plan.looks, doors=doors_look, carcass=carcass, lock=False))
-        if slides:
-            parts = _build_sliding(rng, plan, size)
-        else:
-            parts = build_case(plan, _draw_hinged(rng, doors, size), size)
-        if fits_engines(parts):
-            return Draft(style=style, parts=parts, finishes=tuple(sorted(finishes.items())))
-    raise CrowdedError(
-        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) respects the "
-        "limits of engines; request a smaller one"
-    )
+        return (
+            _build_sliding(rng, plan, size)
+            if slides
+            else build_case(plan, _draw_hinged(rng, doors, size), size)
+        )
+
+    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts), finishes)
 
 
 def _draw_hinged(rng: np.random.Generator, doors: int, size: Size) -> Node:
@@ -81,9 +80,9 @@ def _draw_hinged(rng: np.random.Generator, doors: int, size: Size) -> Node:
     pairs = doors // 2 if rng.random() < 0.75 else max(doors // 2 - 1, 0)
     widths = [2] * pairs + [1] * (doors - 2 * pairs)
     rng.shuffle(widths)
-    low = float(rng.uniform(0.18, 0.3)) * int(rng.choice((1, 1, 2))) if rng.random() < 0.45 else 0.0
+    low = choose(rng, 0.18, 0.3) * int(rng.choice((1, 1, 2))) if rng.random() < 0.45 else 0.0
     low = low if height - low > 1.3 else 0.0
-    high = float(rng.uniform(0.35, 0.45)) if height > 2.1 and not low and rng.random() < 0.35 else 0.0
+    high = choose(rng, 0.35, 0.45) if height > 2.1 and not low and rng.random() < 0.35 else 0.0
     inside = ["rod"] + ["shelves" if rng.random() < 0.4 else "rod" for _ in widths[1:]]
     rng.shuffle(inside)
     columns: list[Node] = []
@@ -114,7 +113,7 @@ def _build_sliding(rng: np.random.Generator, plan: CasePlan, size: Size) -> tupl
     parts = build_case(plan, Cell(fill="slide"), size)
     rail = Cell(fill="open", inside="rod", count=1)
     shelves = Cell(fill="open", inside="shelves", count=int(rng.integers(3, 6)))
-    share = float(rng.uniform(0.5, 0.65))
+    share = choose(rng, 0.5, 0.65)
     pair, shares = (rail, shelves), (share, 1 - share)
     if rng.random() < 0.5:
         pair, shares = pair[::-1], shares[::-1]
@@ -124,5 +123,5 @@ def _build_sliding(rng: np.random.Generator, plan: CasePlan, size: Size) -> tupl
     tracks = 2 * plan.looks.thickness + ROOM + 0.012
     space = Space(x=(outer.x[0] + tracks, outer.x[1] - design.back - design.recess), y=y, z=z)
     inside = furnish_interior(space, node, plan.looks, parent=BODY)
-    body = replace(parts[0], primitives=(*parts[0].primitives, *inside.primitives))
+    body = replace(parts[0], primitives=(*parts[0].primitives, *inside.pieces))
     return (body, *parts[1:], *inside.parts)

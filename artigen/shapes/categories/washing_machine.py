@@ -1,9 +1,10 @@
 """WashingMachine: a round door before a horizontal drum, or a lid over a vertical one."""
 
+from math import radians
+
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly
-from artigen.shapes.appliances.cavity import SIDES, build_feet, build_tub
+from artigen.shapes.appliances.cavity import SIDES, build_feet, build_rim, build_tub
 from artigen.shapes.appliances.control_panel import design_dial, spread_controls
 from artigen.shapes.appliances.drums import build_bearing, fit_radius, make_drum
 from artigen.shapes.appliances.laundry import (
@@ -17,11 +18,14 @@ from artigen.shapes.appliances.laundry import (
     seat_drum,
 )
 from artigen.shapes.appliances.rings import build_pierced_plate
-from artigen.shapes.draw import Draft, Wish, choose
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose
+from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, slide
-from artigen.shapes.primitives import Primitive, box, line, rounded_box
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, around, narrow, rotate, slide
+from artigen.shapes.fittings.lids import build_collar
+from artigen.shapes.primitives import LEFT, Primitive, block, line
+from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "WashingMachine"
@@ -35,7 +39,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     loads_at_top = rng.random() < 0.22 if wish.height is None else wish.height >= 1.0
     plan = _draw_plan(rng, wish, loads_at_top=loads_at_top)
     built = _draw_top_loader(rng, plan) if loads_at_top else _draw_front_loader(rng, plan)
-    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(palette.items())))
+    return Draft(style, built.close(), palette)
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish, *, loads_at_top: bool) -> LaundryPlan:
@@ -44,14 +48,14 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, *, loads_at_top: bool) -> L
     height = choose(rng, *((1.00, 1.12) if loads_at_top else (0.82, 0.99)), wish.height)
     pedestal = 0.0
     if not loads_at_top and wish.height is None and rng.random() < 0.12:
-        pedestal = float(rng.uniform(0.26, 0.36))
+        pedestal = choose(rng, 0.26, 0.36)
     return LaundryPlan(
         width=width,
         depth=depth,
         height=height + pedestal,
         pedestal=pedestal,
-        thickness=float(rng.uniform(0.036, 0.052)),
-        band=float(rng.uniform(0.105, 0.145)),
+        thickness=choose(rng, 0.036, 0.052),
+        band=choose(rng, 0.105, 0.145),
         longest=max(width, depth, height + pedestal),
     )
 
@@ -59,13 +63,13 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, *, loads_at_top: bool) -> L
 def _draw_front_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
     x = -plan.depth / 2 + plan.thickness + GAP
     back, y = plan.depth / 2, plan.y
-    foot = float(rng.uniform(0.012, 0.025))
+    foot = choose(rng, 0.012, 0.025)
     floor, sill = foot + plan.pedestal, plan.height - plan.band
-    radius = min(float(rng.uniform(0.80, 0.94)) * (sill - floor) / 2, 0.40 * plan.width)
+    radius = min(choose(rng, 0.80, 0.94) * (sill - floor) / 2, 0.40 * plan.width)
     level = (floor + sill) / 2 + 0.01
-    hole = float(rng.uniform(0.72, 0.8)) * radius
+    hole = choose(rng, 0.72, 0.8) * radius
     built = Assembly(
-        pieces=(
+        (
             *build_feet((x + FACE, back), y, foot, "rubber", radius=0.022, inset=0.03),
             *build_cabinet(plan, x, (floor, plan.height)),
             *build_pierced_plate(
@@ -74,8 +78,8 @@ def _draw_front_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
         )
     )
     built += draw_band(rng, plan, x, (sill, plan.height - LID))
-    square = (level - radius, level + radius)
-    panel = Panel(x=-plan.depth / 2, thickness=plan.thickness, y=(-radius, radius), z=square)
+    square = around(level, radius)
+    panel = Panel(x=-plan.depth / 2, thickness=plan.thickness, y=around(0.0, radius), z=square)
     built += draw_porthole(rng, plan, panel, hole)
     end, wall = back - WALL - 0.05, back - WALL
     room = min(plan.width / 2 - WALL, sill - level, level - floor - 0.03) - 0.008
@@ -87,67 +91,53 @@ def _draw_front_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
 
 def _draw_pedestal(rng: np.random.Generator, plan: LaundryPlan, x: float, foot: float) -> Assembly:
     """Draws a drawer under the machine and the floor below it."""
-    inner, back = (plan.y[0] + WALL, plan.y[1] - WALL), plan.depth / 2 - WALL
-    board = box((x + FACE, inner[0], foot), (back, inner[1], foot + 0.018), "body")
+    inner, back = narrow(plan.y, WALL), plan.depth / 2 - WALL
+    board = block((x + FACE, back), inner, (foot, foot + 0.018), "body")
     panel = Panel(x=x + FACE - 0.028 - GAP, thickness=0.028, y=plan.y, z=(foot, foot + plan.pedestal - 0.004))
     tub = Space(
-        x=(panel.back, back - 0.03),
-        y=(inner[0] + ROOM, inner[1] - ROOM),
-        z=(foot + 0.018 + ROOM, panel.z[1] - 0.04),
+        x=(panel.back, back - 0.03), y=narrow(inner, ROOM), z=(foot + 0.018 + ROOM, panel.z[1] - 0.04)
     )
-    low, high = (panel.x, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1])
-    solids = (
-        rounded_box(low, high, 0.003, "front"),
-        *build_tub(tub, max(tub.width, tub.depth) / 55, "plastic"),
-    )
+    solids = (panel.fill("front", 0.003), *build_tub(tub, max(tub.width, tub.depth) / 55, "plastic"))
     name = "pedestal_drawer"
-    drawer = ShapePart(
-        name=name, label="drawer", parent="body", primitives=solids, motion=slide(0.7 * tub.depth)
-    )
-    long = float(rng.uniform(0.3, 0.6)) * plan.width
+    drawer = ShapePart(name, "drawer", solids, slide(0.7 * tub.depth))
+    long = choose(rng, 0.3, 0.6) * plan.width
     design = HandleDesign(kind="bar", length=long, thickness=0.018 * plan.longest)
     at = (0.0, panel.z[1] - 0.05)
     handle = make_handle(panel, design, name="pedestal_handle", parent=name, upright=False, at=at)
-    return Assembly(pieces=(board,), parts=(drawer, handle))
+    return Assembly((board,), (drawer, handle))
 
 
 def _draw_top_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
     """Draws a vertical drum under a lid, with a console of controls behind."""
     x, back, y = -plan.depth / 2, plan.depth / 2, plan.y
-    foot = float(rng.uniform(0.015, 0.03))
+    foot = choose(rng, 0.015, 0.03)
     deck = plan.height - plan.band - 0.03
-    console = back - float(rng.uniform(0.13, 0.17))
+    console = back - choose(rng, 0.13, 0.17)
     dial = design_dial(rng, (0.022, 0.032), endless=0.7)
-    hinge_x = console - dial.length - float(rng.uniform(0.010, 0.020))
-    hole = (x + 0.05, hinge_x - 0.04), (y[0] + 0.06, y[1] - 0.06)
+    hinge_x = console - dial.length - choose(rng, 0.010, 0.020)
+    hole = (x + 0.05, hinge_x - 0.04), narrow(y, 0.06)
     face = "panel" if rng.random() < 0.4 else "front"
-    low = (console, y[0], deck + 0.03)
     pieces = (
         *build_feet((x, back), y, foot, "rubber", radius=0.022, inset=0.04),
         *_build_tall_cabinet(plan, (foot, deck)),
-        *_build_deck(((x, back), y), hole, (deck, deck + 0.03)),
-        rounded_box(low, (back, y[1], plan.height), 0.006, face),
+        *build_collar(((x, back), y), hole, (deck, deck + 0.03), "top"),
+        block((console, back), y, (deck + 0.03, plan.height), face, 0.006),
     )
     center, end = ((x + back) / 2 - 0.03, 0.0, 0.0), foot + 0.018 + 0.22
     room = min(plan.width / 2, center[0] - x, back - center[0]) - WALL - 0.012
     drum = make_drum(center, "z", (end, deck - 0.02), fit_radius(room), paddles=int(rng.choice((0, 3, 4))))
     bottom = deck + 0.03 + GAP
-    extent = (x + 0.006, hinge_x), (y[0] + 0.012, y[1] - 0.012), (bottom, bottom + 0.026)
-    motion = Motion(
-        type="revolute",
-        axis=(0.0, 1.0, 0.0),
-        origin=(hinge_x, 0.0, extent[2][1]),
-        upper=float(np.radians(rng.uniform(78, 90))),  # more would collide with the dials
-    )
+    extent = (x + 0.006, hinge_x), narrow(y, 0.012), (bottom, bottom + 0.026)
+    motion = rotate(LEFT, (hinge_x, 0.0, extent[2][1]), radians(choose(rng, 78, 90)))
     lid = _build_lid(rng, extent, 0.016 * plan.longest)
-    door = ShapePart(name="lid", label="door", parent="body", primitives=lid, motion=motion)
+    door = ShapePart("lid", "door", lid, motion)
     counts = (
         int(rng.choice((1, 2, 3, 4), p=(0.3, 0.2, 0.3, 0.2))),
         int(rng.choice((0, 3, 5, 6), p=(0.5, 0.2, 0.2, 0.1))),
     )
-    across, up = (y[0] + 0.03, y[1] - 0.03), (deck + 0.05, plan.height)
+    across, up = narrow(y, 0.03), (deck + 0.05, plan.height)
     extras, controls = spread_controls(rng, dial, console, across, up, counts=counts)
-    built = Assembly(pieces=(*pieces, *extras), parts=(door, *controls))
+    built = Assembly((*pieces, *extras), (door, *controls))
     return built + seat_drum(rng, drum, build_bearing(end, foot + 0.018, center, "z"))
 
 
@@ -156,40 +146,23 @@ def _build_tall_cabinet(plan: LaundryPlan, z: Range) -> tuple[Primitive, ...]:
     x, back, (y0, y1) = -plan.depth / 2, plan.depth / 2, plan.y
     inner = (y0 + WALL, y1 - WALL)
     walls = (
-        ("right", box((x, y0, z[0]), (back, inner[0], z[1]), "body")),
-        ("left", box((x, inner[1], z[0]), (back, y1, z[1]), "body")),
-        ("back", box((back - WALL, inner[0], z[0]), (back, inner[1], z[1]), "body")),
-        ("front", box((x, inner[0], z[0]), (x + WALL, inner[1], z[1]), "front")),
+        ("right", block((x, back), (y0, inner[0]), z, "body")),
+        ("left", block((x, back), (inner[1], y1), z, "body")),
+        ("back", block((back - WALL, back), inner, z, "body")),
+        ("front", block((x, x + WALL), inner, z, "front")),
     )
-    floor = box((x + WALL, inner[0], z[0]), (back - WALL, inner[1], z[0] + 0.018), "body")
+    floor = block((x + WALL, back - WALL), inner, (z[0], z[0] + 0.018), "body")
     return (*(line(wall, "steel", SIDES[side]) for side, wall in walls), floor)
-
-
-def _build_deck(outline: tuple[Range, Range], hole: tuple[Range, Range], z: Range) -> tuple[Primitive, ...]:
-    """A horizontal frame around the opening for the laundry (ranges of x and y)."""
-    ((x0, x1), (y0, y1)), ((a, b), (c, d)) = outline, hole
-    return (
-        box((x0, y0, z[0]), (x1, c, z[1]), "top"),
-        box((x0, d, z[0]), (x1, y1, z[1]), "top"),
-        box((x0, c, z[0]), (a, d, z[1]), "top"),
-        box((b, c, z[0]), (x1, d, z[1]), "top"),
-    )
 
 
 def _build_lid(
     rng: np.random.Generator, extent: tuple[Range, Range, Range], lip: float
 ) -> tuple[Primitive, ...]:
     """A lid with a lip along its front edge; half of the lids have a pane."""
-    (x0, x1), (y0, y1), (z0, z1) = extent
-    grip = box((x0 - 0.012, -0.12, z1 - max(lip, 0.016)), (x0, 0.12, z1), "front")
+    x, y, z = extent
+    grip = block((x[0] - 0.012, x[0]), around(0.0, 0.12), (z[1] - max(lip, 0.016), z[1]), "front")
     if rng.random() < 0.4:
-        return rounded_box((x0, y0, z0), (x1, y1, z1), 0.004, "front"), grip
-    rail = float(rng.uniform(0.05, 0.08))
-    return (
-        box((x0, y0, z0), (x0 + rail, y1, z1), "front"),
-        box((x1 - rail, y0, z0), (x1, y1, z1), "front"),
-        box((x0 + rail, y0, z0), (x1 - rail, y0 + rail, z1), "front"),
-        box((x0 + rail, y1 - rail, z0), (x1 - rail, y1, z1), "front"),
-        box((x0 + rail, y0 + rail, z0 + 0.008), (x1 - rail, y1 - rail, z1 - 0.004), "glass"),
-        grip,
-    )
+        return block(x, y, z, "front", 0.004), grip
+    rail = choose(rng, 0.05, 0.08)
+    pane = block(narrow(x, rail), narrow(y, rail), (z[0] + 0.008, z[1] - 0.004), "glass")
+    return (*build_rim(x, y, z, rail, "front"), pane, grip)

@@ -7,24 +7,25 @@ Profiles are 70 to 80 mm as in DIN 68121 (IV 68, IV 78), insulating glass is 24 
 import numpy as np
 
 from artigen.shapes.appliances.cavity import build_frame
-from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
+from artigen.shapes.choices import choose, choose_one, choose_style
+from artigen.shapes.draw import Draft, Wish, choose_size
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, fill_space, slide
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, around, narrow, rotate, slide
 from artigen.shapes.fittings.hinges import Leaf, hang_leaves
 from artigen.shapes.fittings.latches import (
     RELEASED,
     THROW,
     Hanging,
     Latch,
-    build_keep,
-    build_latch_stile,
+    build_jambs,
+    build_lock_stile,
     build_tongue,
     hang_parts,
     make_bolt,
 )
 from artigen.shapes.fittings.levers import LeverDesign, build_lever, design_lever
-from artigen.shapes.primitives import Primitive, box, cylinder
-from artigen.shapes.shape import Motion, Need, ShapePart
+from artigen.shapes.primitives import UP, Primitive, block, cylinder
+from artigen.shapes.shape import ShapePart, make_base, require
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Window"
@@ -52,37 +53,37 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a window on its sill."""
     style = choose_style(rng, STYLES, wish.style)
     wide, tall = SIZES[style]
-    width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=(0.19, 0.28), height=tall)
+    width, depth, height = choose_size(rng, CATEGORY, wish, (wide, (0.19, 0.28), tall))
     deep = 0.084 if style == "casement" else STOP + SASH + APART + SASH + STOP
     x = (depth / 2 - deep, depth / 2)
     y = (OVERHANG - width / 2, width / 2 - OVERHANG)
-    inner = Space(x=x, y=(y[0] + PROFILE, y[1] - PROFILE), z=(SILL + PROFILE, height - PROFILE))
-    sill = box((-depth / 2, -width / 2, 0.0), (depth / 2, width / 2, SILL), "top")
+    inner = Space(x=x, y=narrow(y, PROFILE), z=(SILL + PROFILE, height - PROFILE))
+    sill = block(around(0.0, depth / 2), around(0.0, width / 2), (0.0, SILL), "top")
     bars = int(rng.integers(3)) if rng.random() < 0.4 else 0
     draw_kind = {"casement": _draw_casement, "sash": _draw_sashes, "sliding": _draw_sliding}[style]
     pieces, parts = draw_kind(rng, inner, bars)
-    base = ShapePart(name="frame", label="base", parent=None, primitives=(sill, *pieces))
-    finishes = draw_palette(rng, "furniture", PALETTES[int(rng.integers(len(PALETTES)))])
+    base = make_base((sill, *pieces), "frame")
+    finishes = draw_palette(rng, "furniture", choose_one(rng, PALETTES))
     finishes["top"] = finishes["top"] if finishes["top"].kind == "stone" else finishes["front"]
-    return Draft(style=style, parts=(base, *parts), finishes=tuple(sorted(finishes.items())))
+    return Draft(style, (base, *parts), finishes)
 
 
 def _outline(inner: Space) -> tuple[Range, Range]:
     """Outer edges (y, z) of the frame."""
-    return (inner.y[0] - PROFILE, inner.y[1] + PROFILE), (inner.z[0] - PROFILE, inner.z[1] + PROFILE)
+    return narrow(inner.y, -PROFILE), narrow(inner.z, -PROFILE)
 
 
 def _glaze(x: Range, y: Range, z: Range, bars: int) -> list[Primitive]:
     """A pane with a number of horizontal bars and, if there are any, one vertical bar."""
     middle, half = sum(x) / 2, min(PANE, 0.6 * (x[1] - x[0])) / 2
-    pieces = [box((middle - half, y[0], z[0]), (middle + half, y[1], z[1]), "glass")]
+    pieces = [block(around(middle, half), y, z, "glass")]
     out = (middle - half - 0.006, middle + half + 0.006)
     for k in range(bars):
         at = z[0] + (k + 1) * (z[1] - z[0]) / (bars + 1)
-        pieces.append(box((out[0], y[0], at - 0.012), (out[1], y[1], at + 0.012), "front"))
+        pieces.append(block(out, y, around(at, 0.012), "front"))
     if bars:
         at = sum(y) / 2
-        pieces.append(box((out[0], at - 0.012, z[0]), (out[1], at + 0.012, z[1]), "front"))
+        pieces.append(block(out, around(at, 0.012), z, "front"))
     return pieces
 
 
@@ -96,21 +97,14 @@ def _draw_casement(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     latch = Latch(x=first.x, edge=first.edge, side=first.side, level=level, backset=0.034, lift=-1)
     (low, high), (bottom, top) = _outline(inner)
     frame = [
-        box((inner.x[0], low, a), (inner.x[1], high, b), "body")
-        for a, b in ((bottom, inner.z[0]), (inner.z[1], top))
+        block(inner.x, (low, high), (a, b), "body") for a, b in ((bottom, inner.z[0]), (inner.z[1], top))
     ]
-    for side, span in ((-1, (low, inner.y[0])), (1, (inner.y[1], high))):
-        jamb = Space(x=inner.x, y=span, z=inner.z)
-        frame += (
-            build_keep(latch, jamb, "body")
-            if count == 1 and side == latch.side
-            else [fill_space(jamb, "body")]
-        )
+    frame += build_jambs(inner, PROFILE, latch if count == 1 else None, "body")
     back = (inner.x[0] + LEAF + 0.003, inner.x[1])
-    hole = (inner.y[0] + STOP, inner.y[1] - STOP), (inner.z[0] + STOP, inner.z[1] - STOP)
+    hole = narrow(inner.y, STOP), narrow(inner.z, STOP)
     frame += build_frame(back, (inner.y, inner.z), hole, "body")
     hanging = Hanging(
-        levels=(first.z[0] + 0.13, first.z[1] - 0.13),
+        levels=narrow(first.z, 0.13),
         barrel=0.07,
         straps=(0.025, 0.02),
         swing=(90.0, 105.0),
@@ -128,13 +122,10 @@ def _build_leaf(leaf: Leaf, latch: Latch, bars: int) -> list[Primitive]:
     """Stiles and rails around a pane; the lock stile holds the latch or its keep."""
     (x0, x1), (z0, z1), wide = leaf.x, leaf.z, 0.078
     hung, field, lock = leaf.stiles(wide)
-    if leaf.edge == latch.edge:
-        pieces = list(build_latch_stile(latch, lock, leaf.z, "front", through=False))
-    else:
-        pieces = list(build_keep(latch, Space(x=leaf.x, y=lock, z=leaf.z), "front"))
+    pieces = list(build_lock_stile(leaf, latch, lock, "front", through=False))
     z = (z0 + wide, z1 - wide)
-    pieces.append(box((x0, hung[0], z0), (x1, hung[1], z1), "front"))
-    pieces += [box((x0, field[0], a), (x1, field[1], b), "front") for a, b in ((z0, z[0]), (z[1], z1))]
+    pieces.append(block((x0, x1), hung, (z0, z1), "front"))
+    pieces += [block((x0, x1), field, (a, b), "front") for a, b in ((z0, z[0]), (z[1], z1))]
     return pieces + _glaze(leaf.x, field, z, bars)
 
 
@@ -142,9 +133,9 @@ def _make_turn_handle(latch: Latch, design: LeverDesign) -> ShapePart:
     """A handle that points down and turns to horizontal to open."""
     (y, z) = latch.axis
     lever = build_lever(design, (latch.x[0], y, z), out=-1.0, along=(0.0, -1.0))
-    motion = Motion(type="revolute", axis=(-latch.side, 0.0, 0.0), origin=(latch.x[0], y, z), upper=np.pi / 2)
+    motion = rotate((-latch.side, 0.0, 0.0), (latch.x[0], y, z), np.pi / 2)
     pieces = (*lever, *build_tongue(latch, "steel", through=False))
-    return ShapePart(name="handle", label="knob", parent="leaf", primitives=pieces, motion=motion)
+    return ShapePart("handle", "knob", pieces, motion, parent="leaf")
 
 
 def _build_tracks(inner: Space, *, upright: bool) -> list[Primitive]:
@@ -157,58 +148,57 @@ def _build_tracks(inner: Space, *, upright: bool) -> list[Primitive]:
         spans = inner.y if upright else inner.z
         for at in ((spans[0], spans[0] + STOP), (spans[1] - STOP, spans[1])):
             y, z = (at, inner.z) if upright else (inner.y, at)
-            pieces.append(box((low, y[0], z[0]), (high, y[1], z[1]), "body"))
+            pieces.append(block((low, high), y, z, "body"))
     return pieces
+
+
+def _find_tracks(inner: Space) -> tuple[Range, Range]:
+    """x of the sash that slides and of the fixed one behind it."""
+    front = (inner.x[0] + STOP, inner.x[0] + STOP + SASH)
+    return front, (front[1] + APART, front[1] + APART + SASH)
 
 
 def _build_sash(x: Range, y: Range, z: Range, rails: tuple[float, float], bars: int) -> list[Primitive]:
     """Stiles, a lower and an upper rail of the given heights, and the pane."""
-    hole = (y[0] + RAIL, y[1] - RAIL), (z[0] + rails[0], z[1] - rails[1])
+    hole = narrow(y, RAIL), (z[0] + rails[0], z[1] - rails[1])
     return [*build_frame(x, (y, z), hole, "front"), *_glaze(x, *hole, bars)]
 
 
 def _draw_sashes(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     """Draws a sash that slides up before a fixed one, held by a cam on its rail in a notch of the other."""
-    front = (inner.x[0] + STOP, inner.x[0] + STOP + SASH)
-    back = (front[1] + APART, front[1] + APART + SASH)
-    y = (inner.y[0] + GAP, inner.y[1] - GAP)
+    front, back = _find_tracks(inner)
+    y = narrow(inner.y, GAP)
     low, high = inner.z
-    top = low + float(rng.uniform(0.46, 0.54)) * (high - low)
-    middle = sum(y) / 2
-    notch_y, notch_z, deep = (
-        (middle - 0.016, middle + 0.044),
-        (top + 0.001, top + 0.0175),
-        back[0] + THROW + 0.006,
-    )
+    top = low + choose(rng, 0.46, 0.54) * (high - low)
+    middle, deep = sum(y) / 2, back[0] + THROW + 0.006
+    notch_y, notch_z = (middle - 0.016, middle + 0.044), (top + 0.001, top + 0.0175)
     rail, ledge = (top - RAIL, notch_z[0]), (notch_z[1], top + 0.034)
     frame = _build_tracks(inner, upright=True)
-    frame += [box((back[0], inner.y[0], a), (back[1], inner.y[1], b), "front") for a, b in (rail, ledge)]
-    frame += [
-        box((back[0], a, notch_z[0]), (back[1], b, notch_z[1]), "front")
-        for a, b in ((inner.y[0], notch_y[0]), (notch_y[1], inner.y[1]))
-    ]
-    frame.append(box((deep, notch_y[0], notch_z[0]), (back[1], notch_y[1], notch_z[1]), "front"))
-    free = inner.y[0] + RAIL, inner.y[1] - RAIL
+    frame += [block(back, inner.y, (a, b), "front") for a, b in (rail, ledge)]
+    beside = (inner.y[0], notch_y[0]), (notch_y[1], inner.y[1])
+    frame += [block(back, side, notch_z, "front") for side in beside]
+    frame.append(block((deep, back[1]), notch_y, notch_z, "front"))
+    free = narrow(inner.y, RAIL)
     sides = ((inner.y[0], free[0], high), (free[1], inner.y[1], high))
-    frame += [box((back[0], a, ledge[1]), (back[1], b, c), "front") for a, b, c in sides]
-    frame.append(box((back[0], free[0], high - RAIL), (back[1], free[1], high), "front"))
+    frame += [block(back, (a, b), (ledge[1], c), "front") for a, b, c in sides]
+    frame.append(block(back, free, (high - RAIL, high), "front"))
     frame += _glaze(back, free, (ledge[1], high - RAIL), bars)
     sash = ShapePart(
-        name="sash",
-        label="door",
+        "sash",
+        "door",
+        tuple(_build_sash(front, y, (low + 0.002, top), (0.075, RAIL), bars)),
+        slide(0.92 * (high - top - 0.024), UP),
         parent="frame",
-        primitives=tuple(_build_sash(front, y, (low + 0.002, top), (0.075, RAIL), bars)),
-        motion=slide(0.92 * (high - top - 0.024), (0.0, 0.0, 1.0)),
-        needs=(Need(part="cam", fraction=RELEASED),),
+        needs=require("cam", fraction=RELEASED),
     )
     at, z = ((front[0] + front[1]) / 2, middle), top + 0.0055
     cam = (
         cylinder((*at, top + 0.0015), (*at, top + 0.019), 0.013, "handle"),
-        box((at[0], middle - 0.008, z), (back[0] + THROW, middle + 0.008, z + 0.008), "handle"),
-        box((at[0] - 0.045, middle - 0.006, z + 0.007), (at[0], middle + 0.006, z + 0.0135), "handle"),
+        block((at[0], back[0] + THROW), around(middle, 0.008), (z, z + 0.008), "handle"),
+        block((at[0] - 0.045, at[0]), around(middle, 0.006), (z + 0.007, z + 0.0135), "handle"),
     )
-    turn = Motion(type="revolute", axis=(0.0, 0.0, 1.0), origin=(*at, top), upper=np.pi / 2)
-    lock = ShapePart(name="cam", label="knob", parent="sash", primitives=cam, motion=turn)
+    turn = rotate(UP, (*at, top), np.pi / 2)
+    lock = ShapePart("cam", "knob", cam, turn, parent="sash")
     panel = Panel(x=front[0], thickness=SASH, y=y, z=(low, low + 0.075))
     lift = HandleDesign(kind="pull", length=0.11, thickness=0.012)
     grip = make_handle(panel, lift, name="lift", parent="sash", upright=False, at=(middle, low + 0.045))
@@ -217,9 +207,8 @@ def _draw_sashes(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
 
 def _draw_sliding(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     """Draws a sash that slides sideways before a fixed one, held by a bolt in the frame above."""
-    front = (inner.x[0] + STOP, inner.x[0] + STOP + SASH)
-    back = (front[1] + APART, front[1] + APART + SASH)
-    z = (inner.z[0] + GAP, inner.z[1] - GAP)
+    front, back = _find_tracks(inner)
+    z = narrow(inner.z, GAP)
     middle, left = sum(inner.y) / 2, bool(rng.random() < 0.5)
     over = RAIL / 2
     y = (middle - over, inner.y[1] - GAP) if left else (inner.y[0] + GAP, middle + over)
@@ -231,15 +220,15 @@ def _draw_sliding(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     bolt, guides, staple = make_bolt(at, STOP, name="bolt", parent="sash", finish="handle", length=0.11)
     way = (0.0, -1.0 if left else 1.0, 0.0)
     sash = ShapePart(
-        name="sash",
-        label="door",
+        "sash",
+        "door",
+        (*_build_sash(front, y, z, (RAIL, RAIL), bars), *guides),
+        slide(0.92 * (inner.width - (y[1] - y[0])), way),
         parent="frame",
-        primitives=(*_build_sash(front, y, z, (RAIL, RAIL), bars), *guides),
-        motion=slide(0.92 * (inner.width - (y[1] - y[0])), way),
-        needs=(Need(part="bolt", fraction=RELEASED),),
+        needs=require("bolt", fraction=RELEASED),
     )
-    panel = Panel(x=front[0], thickness=SASH, y=(stile - RAIL / 2, stile + RAIL / 2), z=z)
-    pull = HandleDesign(kind=("pull", "bar", "arch")[int(rng.integers(3))], length=0.15, thickness=0.013)
+    panel = Panel(x=front[0], thickness=SASH, y=around(stile, RAIL / 2), z=z)
+    pull = HandleDesign(kind=choose_one(rng, ("pull", "bar", "arch")), length=0.15, thickness=0.013)
     level = inner.z[0] + 0.45 * inner.height
     grip = make_handle(panel, pull, name="pull", parent="sash", upright=True, at=(stile, level))
     return [*frame, *staple], [sash, bolt, grip]

@@ -1,7 +1,7 @@
 """Carrying handles and telescopic handles of luggage and tool boxes."""
 
-from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Range, slide
-from artigen.shapes.primitives import Primitive, Vector, box, rounded_box
+from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Range, around, slide
+from artigen.shapes.primitives import UP, Primitive, Vector, block, box
 from artigen.shapes.shape import ShapePart
 
 ROD = 0.013
@@ -16,13 +16,13 @@ def make_grip(
     """A grip along y on two posts on an upward face; `FINGER_ROOM` plus its thickness high."""
     x, y, z = at
     low, half, deep = z + FINGER_ROOM, length / 2, 0.6 * thick
-    posts = [box((x - deep, a, z), (x + deep, a + thick, low), finish) for a in (y - half, y + half - thick)]
-    bar = rounded_box((x - deep, y - half, low), (x + deep, y + half, low + thick), 0.2 * thick, finish)
-    return ShapePart(name=name, label="handle", parent=parent, primitives=(bar, *posts))
+    posts = [block(around(x, deep), (a, a + thick), (z, low), finish) for a in (y - half, y + half - thick)]
+    bar = block(around(x, deep), around(y, half), (low, low + thick), finish, 0.2 * thick)
+    return ShapePart(name, "handle", (bar, *posts), parent=parent)
 
 
 def make_pull_handle(
-    x: float, spread: float, z: Range, travel: float, *, parent: str, finish: str = "steel"
+    x: float, spread: float, z: Range, travel: float, *, parent: str = "body", finish: str = "steel"
 ) -> ShapePart:
     """A telescopic handle: two rods and a grip that slide up out of a channel.
 
@@ -36,17 +36,10 @@ def make_pull_handle(
     """
     front, half = x + GAP, spread / 2
     rods: list[Primitive] = [
-        box((front, a - ROD / 2, z[0]), (front + ROD, a + ROD / 2, z[1] - 0.02), finish)
-        for a in (-half, half)
+        block((front, front + ROD), around(a, ROD / 2), (z[0], z[1] - 0.02), finish) for a in (-half, half)
     ]
     grip = box((front, -half - ROD / 2, z[1] - 0.02), (front + ROD, half + ROD / 2, z[1]), "rubber")
-    return ShapePart(
-        name="pull_handle",
-        label="handle",
-        parent=parent,
-        primitives=(grip, *rods),
-        motion=slide(travel, (0.0, 0.0, 1.0)),
-    )
+    return ShapePart("pull_handle", "handle", (grip, *rods), slide(travel, UP), parent=parent)
 
 
 def build_channel(
@@ -56,7 +49,7 @@ def build_channel(
     half = spread / 2 + ROD / 2 + GAP
     back = x + CHANNEL
     return (
-        box((x, -half - wall, z[0]), (back, -half, z[1]), finish),
-        box((x, half, z[0]), (back, half + wall, z[1]), finish),
-        box((back, -half - wall, z[0]), (back + wall, half + wall, z[1]), finish),
+        block((x, back), (-half - wall, -half), z, finish),
+        block((x, back), (half, half + wall), z, finish),
+        block((back, back + wall), (-half - wall, half + wall), z, finish),
     )

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from artigen.shapes.fittings.fronts import FrontDesign, fit_handle, make_front, suit_drawer
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, fill_space, slide
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, narrow, slide
 from artigen.shapes.primitives import Primitive
 from artigen.shapes.shape import Need, ShapePart
 
@@ -33,7 +33,7 @@ def make_drawer(
     *,
     box: BoxDesign,
     name: str,
-    parent: str,
+    parent: str = "body",
     travel: float = 0.75,
 ) -> tuple[ShapePart, ...]:
     """A drawer that fills a space behind its front, with its handles.
@@ -50,13 +50,7 @@ def make_drawer(
     front = suit_drawer(panel, front)
     depth = space.x[1] - GAP - panel.back
     primitives = (*make_front(panel, front), *make_box(space, box, (panel.back, space.x[1] - GAP)))
-    drawer = ShapePart(
-        name=name,
-        label="drawer",
-        parent=parent,
-        primitives=primitives,
-        motion=slide(travel * depth),
-    )
+    drawer = ShapePart(name, "drawer", primitives, slide(travel * depth), parent=parent)
     return (drawer, *fit_handle(panel, front, parent=name, edge=None))
 
 
@@ -70,11 +64,11 @@ def make_tray(
     rim = z[0] + _rim(space, box)
     lip = Space(x=(front, front + box.wall), y=y, z=(z[0], rim))
     return ShapePart(
-        name=name,
-        label="tray",
+        name,
+        "tray",
+        (lip.fill(box.finish), *solids),
+        slide(travel * (back - front)),
         parent=parent,
-        primitives=(fill_space(lip, box.finish), *solids),
-        motion=slide(travel * (back - front)),
         needs=needs,
     )
 
@@ -91,11 +85,11 @@ def make_box(space: Space, box: BoxDesign, x: Range) -> tuple[Primitive, ...]:
     sides = [
         Space(x=(x[0], x[1] - wall), y=span, z=up) for span in ((y[0], y[0] + wall), (y[1] - wall, y[1]))
     ]
-    return tuple(fill_space(part, box.finish) for part in (bottom, back, *sides))
+    return tuple(part.fill(box.finish) for part in (bottom, back, *sides))
 
 
 def _inner_edges(space: Space, box: BoxDesign) -> tuple[Range, Range]:
-    return (space.y[0] + box.side_gap, space.y[1] - box.side_gap), (space.z[0] + GAP, space.z[1] - GAP)
+    return narrow(space.y, box.side_gap), narrow(space.z, GAP)
 
 
 def _rim(space: Space, box: BoxDesign) -> float:

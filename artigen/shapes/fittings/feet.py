@@ -6,8 +6,10 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space
-from artigen.shapes.primitives import SEGMENTS, Primitive, Vector, box, cylinder, polytope
+from artigen.shapes.appliances.cavity import build_rim
+from artigen.shapes.choices import choose, choose_one
+from artigen.shapes.fittings.hardware import GAP, Range, Space, around, narrow, rotate
+from artigen.shapes.primitives import RIGHT, ROUND, UP, Primitive, Vector, block, cylinder, polygon, polytope
 from artigen.shapes.shape import Motion, ShapePart
 
 LegKind = Literal["square", "tapered", "round", "splayed"]
@@ -43,10 +45,10 @@ class StandDesign:
 
 def design_stand(rng: np.random.Generator, kind: StandKind, height: float) -> StandDesign:
     """A stand for an object with a total height of ``height`` metres."""
-    drawn = float(rng.uniform(0.0, 1.0))
-    leg = LEG_KINDS[int(rng.integers(len(LEG_KINDS)))]
-    width = float(rng.uniform(0.03, 0.045))
-    notch = float(rng.uniform(0.05, 0.09)) if rng.random() < NOTCHED else 0.0
+    drawn = choose(rng, 0.0, 1.0)
+    leg = choose_one(rng, LEG_KINDS)
+    width = choose(rng, 0.03, 0.045)
+    notch = choose(rng, 0.05, 0.09) if rng.random() < NOTCHED else 0.0
     low, high = {
         "plinth": (0.05, 0.1),
         "toe_kick": (0.08, 0.12),
@@ -64,10 +66,10 @@ def design_stand(rng: np.random.Generator, kind: StandKind, height: float) -> St
     return StandDesign(kind=kind, height=tall, leg=leg, width=width, notch=notch)
 
 
-def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str) -> Stand:
+def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str = "body") -> Stand:
     """The stand under a body whose underside is the rectangle x by y."""
     height, edge = design.height, 0.012
-    inner_x, inner_y = (x[0] + edge, x[1] - edge), (y[0] + edge, y[1] - edge)
+    inner_x, inner_y = narrow(x, edge), narrow(y, edge)
     match design.kind:
         case "floor":
             return Stand(height=0.0)
@@ -77,18 +79,11 @@ def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str) -> Stand
         case "toe_kick":
             return Stand(height=height, primitives=make_toe_kick(x, y, height, design.notch))
         case "legs":
-            legs = make_legs(
-                inner_x,
-                inner_y,
-                height,
-                kind=design.leg,
-                width=design.width,
-                finish="leg",
-                middle=y[1] - y[0] > 1.35,
-            )
+            kind, width, long = design.leg, design.width, y[1] - y[0] > 1.35
+            legs = make_legs(inner_x, inner_y, height, kind=kind, width=width, finish="leg", middle=long)
             return Stand(height=height, primitives=legs)
         case "sled":
-            deep = y[0] + 0.06, y[1] - 0.06
+            deep = narrow(y, 0.06)
             return Stand(height=height, primitives=make_sled(inner_x, deep, height, design.width, "leg"))
         case "castors":
             return make_castors(inner_x, inner_y, design.width, parent=parent, swivel=False)
@@ -98,24 +93,13 @@ def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str) -> Stand
 
 def make_toe_kick(x: Range, y: Range, height: float, notch: float = 0.0) -> tuple[Primitive, ...]:
     """Sides that reach the floor and a recessed board between or before them."""
-    wall, room = 0.018, notch or 0.05
+    wall, room, z = 0.018, notch or 0.05, (0.0, height)
+    board = (x[0] + room, x[0] + room + wall)
+    sides = (y[0], y[0] + wall), (y[1] - wall, y[1])
     if notch:
-        sides = (x[0] + room + wall, x[1])
-        return (
-            box((x[0] + room, y[0], 0.0), (x[0] + room + wall, y[1], height), "body"),
-            *(
-                box((sides[0], span[0], 0.0), (sides[1], span[1], height), "body")
-                for span in ((y[0], y[0] + wall), (y[1] - wall, y[1]))
-            ),
-        )
-    return tuple(
-        box(low, high, "body")
-        for low, high in (
-            ((x[0], y[0], 0.0), (x[1], y[0] + wall, height)),
-            ((x[0], y[1] - wall, 0.0), (x[1], y[1], height)),
-            ((x[0] + room, y[0] + wall, 0.0), (x[0] + room + wall, y[1] - wall, height)),
-        )
-    )
+        rest = [block((board[1], x[1]), side, z, "body") for side in sides]
+        return (block(board, y, z, "body"), *rest)
+    return (*(block(x, side, z, "body") for side in sides), block(board, narrow(y, wall), z, "body"))
 
 
 def make_legs(
@@ -142,8 +126,7 @@ def make_legs(
 @lru_cache(maxsize=64)
 def _make_leg(sides: int, low: float, high: float, height: float, lean: tuple[float, float]) -> Primitive:
     """A leg that tapers towards the floor from its top at x = y = 0 and leans by (x, y)."""
-    turns = (np.arange(sides) + 0.5) * 2 * np.pi / sides
-    ring = np.column_stack([np.cos(turns), np.sin(turns)])
+    ring = polygon(sides)
     ring /= 2 * np.abs(ring).max()
     foot = np.column_stack([ring * low + np.array(lean), np.zeros(sides)])
     head = np.column_stack([ring * high, np.full(sides, height)])
@@ -153,15 +136,7 @@ def _make_leg(sides: int, low: float, high: float, height: float, lean: tuple[fl
 def make_plinth(x: Range, y: Range, height: float, finish: str) -> tuple[Primitive, ...]:
     """A frame of four boards on the floor under a body; long boards are thicker."""
     wall = max(0.018, max(x[1] - x[0], y[1] - y[0]) / 56)
-    return tuple(
-        box(low, high, finish)
-        for low, high in (
-            ((x[0], y[0], 0.0), (x[0] + wall, y[1], height)),
-            ((x[1] - wall, y[0], 0.0), (x[1], y[1], height)),
-            ((x[0] + wall, y[0], 0.0), (x[1] - wall, y[0] + wall, height)),
-            ((x[0] + wall, y[1] - wall, 0.0), (x[1] - wall, y[1], height)),
-        )
-    )
+    return build_rim(x, y, (0.0, height), wall, finish)
 
 
 def make_sled(x: Range, y: Range, height: float, width: float, finish: str) -> tuple[Primitive, ...]:
@@ -169,14 +144,21 @@ def make_sled(x: Range, y: Range, height: float, width: float, finish: str) -> t
     out = []
     for low in (y[0], y[1] - width):
         span = (low, low + width)
-        out.append(fill_space(Space(x=x, y=span, z=(0.0, width)), finish))
+        out.append(block(x, span, (0.0, width), finish))
         for post in ((x[0], x[0] + width), (x[1] - width, x[1])):
-            out.append(fill_space(Space(x=post, y=span, z=(width, height)), finish))
+            out.append(block(post, span, (width, height), finish))
     return tuple(out)
 
 
 def make_castors(
-    x: Range, y: Range, radius: float, *, parent: str, swivel: bool, pairs: int = 2, finish: str = "steel"
+    x: Range,
+    y: Range,
+    radius: float,
+    *,
+    parent: str = "body",
+    swivel: bool,
+    pairs: int = 2,
+    finish: str = "steel",
 ) -> Stand:
     """Pairs of castors within the rectangle x by y; with ``swivel`` the left forks turn too, or all of three.
 
@@ -190,7 +172,7 @@ def make_castors(
     fixed: list[Primitive] = []
     parts: list[ShapePart] = []
     across = np.linspace(y[0] + half, y[1] - half, pairs).tolist()
-    corners = [(at_x, at_y) for at_x in (x[0] + radius, x[1] - radius) for at_y in across]
+    corners = [(at_x, at_y) for at_x in narrow(x, radius) for at_y in across]
     for index, (at_x, at_y) in enumerate(corners):
         turning = swivel and (pairs > 2 or at_y > sum(y) / 2)
         thick = plate + (GAP if swivel and not turning else 0.0)
@@ -198,15 +180,11 @@ def make_castors(
         carrier = parent
         if turning:
             carrier = f"castor_{index}"
-            axle = Motion(
-                type="continuous", axis=(0.0, 0.0, 1.0), origin=(at_x, at_y, height), upper=2 * np.pi
-            )
-            parts.append(ShapePart(name=carrier, label="wheel", parent=parent, primitives=fork, motion=axle))
+            axle = rotate(UP, (at_x, at_y, height))
+            parts.append(ShapePart(carrier, "wheel", fork, axle, parent=parent))
         else:
             fixed += fork
-        parts.append(
-            make_wheel(f"wheel_{index}", carrier, (at_x, at_y, radius * np.cos(np.pi / SEGMENTS)), width)
-        )
+        parts.append(make_wheel(f"wheel_{index}", carrier, (at_x, at_y, ROUND * radius), width))
     return Stand(height=height, primitives=tuple(fixed), parts=tuple(parts))
 
 
@@ -218,13 +196,11 @@ def _make_fork(
     high = (top, top + plate)
     run = 0.5 * radius
     cheeks = [
-        box((at[0] - run, at[1] + low, 0.75 * radius), (at[0] + run, at[1] + low + wall, top), finish)
+        block(around(at[0], run), (at[1] + low, at[1] + low + wall), (0.75 * radius, top), finish)
         for low in (inner, -inner - wall)
     ]
-    lid = Space(
-        x=(at[0] - 0.8 * radius, at[0] + 0.8 * radius), y=(at[1] - inner - wall, at[1] + inner + wall), z=high
-    )
-    return (fill_space(lid, finish), *cheeks)
+    lid = Space(x=around(at[0], 0.8 * radius), y=(at[1] - inner - wall, at[1] + inner + wall), z=high)
+    return (lid.fill(finish), *cheeks)
 
 
 def make_wheel(name: str, parent: str, center: Vector, width: float) -> ShapePart:
@@ -233,12 +209,12 @@ def make_wheel(name: str, parent: str, center: Vector, width: float) -> ShapePar
     In simulators it is a prism that rests on a flat side.
     """
     x, y, z = center
-    radius = z / np.cos(np.pi / SEGMENTS)
+    radius = z / ROUND
     tyre = cylinder((x, y - width / 2, z), (x, y + width / 2, z), radius, "rubber")
     hub = width / 2 + 0.001
     core = cylinder((x, y - hub, z), (x, y + hub, z), 0.55 * radius, "steel")
-    axle = Motion(type="continuous", axis=(0.0, -1.0, 0.0), origin=center, upper=2 * np.pi)
-    return ShapePart(name=name, label="wheel", parent=parent, primitives=(tyre, core), motion=axle)
+    axle = rotate(RIGHT, center)
+    return ShapePart(name, "wheel", (tyre, core), axle, parent=parent)
 
 
 def make_screw_feet(x: Range, y: Range, *, parent: str, radius: float = 0.022) -> Stand:
@@ -254,24 +230,18 @@ def make_screw_feet(x: Range, y: Range, *, parent: str, radius: float = 0.022) -
     turns = 1.5 * 2 * np.pi
     fixed: list[Primitive] = []
     parts: list[ShapePart] = []
-    for index, (at_x, at_y) in enumerate((a, b) for a in (x[0] + radius, x[1] - radius) for b in y):
+    for index, (at_x, at_y) in enumerate((a, b) for a in narrow(x, radius) for b in y):
         side = 1.0 if at_y < sum(y) / 2 else -1.0
         at_y += side * radius
         near, far = at_y + side * (radius + GAP), at_y + side * (radius + GAP + 0.016)
         low, high = sorted((near, far))
-        fixed.append(box((at_x - 0.02, low, 0.0), (at_x + 0.02, high, height), "steel"))
+        fixed.append(block(around(at_x, 0.02), (low, high), (0.0, height), "steel"))
         solids = (
             cylinder((at_x, at_y, 0.0), (at_x, at_y, pad), radius, "rubber"),
             cylinder((at_x, at_y, pad), (at_x, at_y, height - room), stem, "steel"),
         )
         thread = Motion(
-            type="screw",
-            axis=(0.0, 0.0, 1.0),
-            origin=(at_x, at_y, 0.0),
-            upper=turns,
-            pitch=SCREW_TRAVEL / turns,
+            type="screw", axis=UP, origin=(at_x, at_y, 0.0), upper=turns, pitch=SCREW_TRAVEL / turns
         )
-        parts.append(
-            ShapePart(name=f"foot_{index}", label="knob", parent=parent, primitives=solids, motion=thread)
-        )
+        parts.append(ShapePart(f"foot_{index}", "knob", solids, thread, parent=parent))
     return Stand(height=height, primitives=tuple(fixed), parts=tuple(parts))

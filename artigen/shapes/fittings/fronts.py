@@ -9,8 +9,9 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from artigen.shapes.choices import choose
 from artigen.shapes.fittings.handles import HandleDesign, make_handle, place_handle
-from artigen.shapes.fittings.hardware import Edge, Panel, Space, fill_space, hinge
+from artigen.shapes.fittings.hardware import Edge, Panel, Space, hinge, narrow
 from artigen.shapes.primitives import Primitive
 from artigen.shapes.shape import ShapePart
 
@@ -45,7 +46,7 @@ def design_front(
     """Draws a design with frames of 45 to 75 mm, wide enough for the handles; the style if not given."""
     drawn = FRONT_STYLES[int(rng.choice(len(FRONT_STYLES), p=(0.5, 0.2, 0.1, 0.1, 0.06, 0.04)))]
     stile = 0.0 if handle is None else min(handle.height, 0.05) + 0.012
-    frame = max(float(rng.uniform(0.045, 0.075)), stile)
+    frame = max(choose(rng, 0.045, 0.075), stile)
     return FrontDesign(style=style or drawn, frame=frame, handle=handle, finish=finish)
 
 
@@ -86,9 +87,7 @@ def _frame_width(panel: Panel, design: FrontDesign) -> float:
 
 
 def _inside_frame(panel: Panel, frame: float) -> Panel:
-    return replace(
-        panel, y=(panel.y[0] + frame, panel.y[1] - frame), z=(panel.z[0] + frame, panel.z[1] - frame)
-    )
+    return replace(panel, y=narrow(panel.y, frame), z=narrow(panel.z, frame))
 
 
 def _find_field(panel: Panel, design: FrontDesign) -> Panel | None:
@@ -118,16 +117,10 @@ def _raise_field(field: Panel) -> Panel:
 
 
 def make_door(
-    panel: Panel, design: FrontDesign, *, name: str, parent: str, edge: Edge, upper: float
+    panel: Panel, design: FrontDesign, *, name: str, parent: str = "body", edge: Edge, upper: float
 ) -> tuple[ShapePart, ...]:
     """A door hinged along ``edge`` of its panel that opens by ``upper`` radians, with its handle."""
-    door = ShapePart(
-        name=name,
-        label="door",
-        parent=parent,
-        primitives=make_front(panel, design),
-        motion=hinge(panel, edge, upper),
-    )
+    door = ShapePart(name, "door", make_front(panel, design), hinge(panel, edge, upper), parent=parent)
     return (door, *fit_handle(panel, design, parent=name, edge=edge))
 
 
@@ -171,7 +164,7 @@ def fit_handle(panel: Panel, design: FrontDesign, *, parent: str, edge: Edge | N
 
 def _fill(panel: Panel, finish: str, bevel: float = 0.0) -> Primitive:
     space = Space(x=(panel.x, panel.back), y=panel.y, z=panel.z)
-    return fill_space(space, finish, bevel)
+    return space.fill(finish, bevel)
 
 
 def _make_field(field: Panel, design: FrontDesign) -> list[Primitive]:

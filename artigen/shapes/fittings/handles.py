@@ -11,6 +11,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from artigen.shapes.choices import choose
 from artigen.shapes.fittings.hardware import Edge, Panel
 from artigen.shapes.primitives import Primitive, Vector, cylinder, polytope, rounded_box
 from artigen.shapes.shape import ShapePart
@@ -66,8 +67,8 @@ def design_handle(
     drawn = HANDLE_KINDS[int(rng.choice(len(HANDLE_KINDS), p=(0.26, 0.17, 0.1, 0.2, 0.08, 0.06, 0.09, 0.04)))]
     kind = kind or drawn
     low, high = LENGTHS[kind]
-    length = float(rng.uniform(low, high)) * float(np.clip(0.75 + 0.25 * longest, 0.85, 1.3))
-    thickness = float(rng.uniform(0.010, 0.014)) * float(np.clip(0.7 + 0.4 * longest, 0.9, 1.6))
+    length = choose(rng, low, high) * float(np.clip(0.75 + 0.25 * longest, 0.85, 1.3))
+    thickness = choose(rng, 0.010, 0.014) * float(np.clip(0.7 + 0.4 * longest, 0.9, 1.6))
     return HandleDesign(kind=kind, length=length, thickness=thickness, finish=finish)
 
 
@@ -102,13 +103,7 @@ def place_handle(
 
 
 def make_handle(
-    panel: Panel,
-    design: HandleDesign,
-    *,
-    name: str,
-    parent: str,
-    upright: bool,
-    at: tuple[float, float],
+    panel: Panel, design: HandleDesign, *, name: str, parent: str, upright: bool, at: tuple[float, float]
 ) -> ShapePart:
     """A handle on the face of a panel, its centre at (y, z) = ``at``, fixed to ``parent``."""
     span = panel.height if upright else panel.width
@@ -116,7 +111,7 @@ def make_handle(
     offset = np.array([panel.x, *at])
     model = _build_model(design, long, upright)
     primitives = tuple(replace(primitive, center=primitive.center + offset) for primitive in model)
-    return ShapePart(name=name, label="handle", parent=parent, primitives=primitives)
+    return ShapePart(name, "handle", primitives, parent=parent)
 
 
 @dataclass(frozen=True)

@@ -4,17 +4,16 @@ Metres, z up, front -x. Seen from the front, left is +y. A front is hinged at th
 edge: up to 90 degrees the leaf stays within its own outline, and it never moves backwards.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.primitives import Primitive, Vector, rounded_box
+from artigen.shapes.primitives import DOWN, FRONT, LEFT, RIGHT, UP, Primitive, Range, Vector, block
 from artigen.shapes.shape import Motion
 
 Edge = Literal["left", "right", "top", "bottom"]
-Range = tuple[float, float]
 GAP = 0.0025
 """Clearance (m) between a moving part and other parts."""
 ROOM = 0.014
@@ -56,6 +55,10 @@ class Panel:
         """The x of the rear face."""
         return self.x + self.thickness
 
+    def fill(self, finish: str, bevel: float = 0.0) -> Primitive:
+        """A board with edges chamfered by ``bevel`` (m)."""
+        return block((self.x, self.back), self.y, self.z, finish, bevel)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Space:
@@ -69,6 +72,14 @@ class Space:
     def depth(self) -> float:
         return self.x[1] - self.x[0]
 
+    def fill(self, finish: str, bevel: float = 0.0) -> Primitive:
+        """A box with edges chamfered by ``bevel`` (m)."""
+        return block(self.x, self.y, self.z, finish, bevel)
+
+    def hollow(self, wall: float) -> "Space":
+        """The space within walls at the back and at all sides (m), open to the front."""
+        return Space(x=(self.x[0], self.x[1] - wall), y=narrow(self.y, wall), z=narrow(self.z, wall))
+
     @property
     def width(self) -> float:
         return self.y[1] - self.y[0]
@@ -78,11 +89,37 @@ class Space:
         return self.z[1] - self.z[0]
 
 
-def fill_space(space: Space, finish: str, bevel: float = 0.0) -> Primitive:
-    """A box that fills a space, with edges chamfered by ``bevel`` (m)."""
-    low: Vector = (space.x[0], space.y[0], space.z[0])
-    high: Vector = (space.x[1], space.y[1], space.z[1])
-    return rounded_box(low, high, bevel, finish)
+def between(a: float, b: float) -> Range:
+    """The range between two coordinates in either order."""
+    return min(a, b), max(a, b)
+
+
+def around(middle: float, half: float) -> Range:
+    """The range that extends by a length to both sides of a coordinate."""
+    return middle - half, middle + half
+
+
+def narrow(span: Range, by: float) -> Range:
+    """A range shortened by a length at both ends, or extended if it is negative."""
+    return span[0] + by, span[1] - by
+
+
+def share_range(span: Range, shares: Sequence[float], gap: float = 0.0) -> list[Range]:
+    """Intervals of a range proportional to ``shares``, from its lower end up, with ``gap`` between them."""
+    free = span[1] - span[0] - gap * (len(shares) - 1)
+    sizes = free * np.asarray(shares) / sum(shares)
+    starts = span[0] + np.concatenate([[0.0], np.cumsum(sizes + gap)[:-1]])
+    return [(float(start), float(start + size)) for start, size in zip(starts, sizes, strict=True)]
+
+
+def share_down(span: Range, shares: Sequence[float], gap: float = 0.0) -> list[Range]:
+    """As `share_range`, from the upper end down."""
+    return share_range(span, shares[::-1], gap)[::-1]
+
+
+def divide_range(span: Range, count: int, gap: float = 0.0) -> list[Range]:
+    """Equal intervals of a range, from its lower end up, with ``gap`` between them."""
+    return share_range(span, (1.0,) * count, gap)
 
 
 def lift(primitives: Iterable[Primitive], height: float) -> tuple[Primitive, ...]:
@@ -95,17 +132,24 @@ def hinge(panel: Panel, edge: Edge, upper: float) -> Motion:
     """A hinge along ``edge`` that opens by ``upper`` radians towards the viewer."""
     y, z = panel.center
     axis, y, z = {
-        "left": ((0.0, 0.0, -1.0), panel.y[1], z),
-        "right": ((0.0, 0.0, 1.0), panel.y[0], z),
-        "top": ((0.0, 1.0, 0.0), y, panel.z[1]),
-        "bottom": ((0.0, -1.0, 0.0), y, panel.z[0]),
+        "left": (DOWN, panel.y[1], z),
+        "right": (UP, panel.y[0], z),
+        "top": (LEFT, y, panel.z[1]),
+        "bottom": (RIGHT, y, panel.z[0]),
     }[edge]
-    return Motion(type="revolute", axis=axis, origin=(panel.x, y, z), upper=upper)
+    return rotate(axis, (panel.x, y, z), upper)
 
 
-def slide(upper: float, axis: Vector = (-1.0, 0.0, 0.0)) -> Motion:
+def rotate(axis: Vector, origin: Vector, upper: float | None = None, *, spring: float = 0.0) -> Motion:
+    """A joint that turns by ``upper`` radians about an axis through a point, or without limits (None)."""
+    if upper is None:
+        return Motion(type="continuous", axis=axis, origin=origin, upper=2 * np.pi)
+    return Motion(type="revolute", axis=axis, origin=origin, upper=upper, spring=spring)
+
+
+def slide(upper: float, axis: Vector = FRONT, *, spring: float = 0.0) -> Motion:
     """A runner that travels ``upper`` metres towards the viewer, or along ``axis``."""
-    return Motion(type="prismatic", axis=axis, upper=upper)
+    return Motion(type="prismatic", axis=axis, upper=upper, spring=spring)
 
 
 def sweep_gap(width: float, thickness: float) -> float:

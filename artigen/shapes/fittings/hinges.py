@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
-from artigen.shapes.fittings.hardware import GAP, Range, Space, sweep_gap
-from artigen.shapes.primitives import Primitive, box, cylinder
+from artigen.shapes.fittings.hardware import GAP, Range, Space, between, rotate, sweep_gap
+from artigen.shapes.primitives import Primitive, block, cylinder
 from artigen.shapes.shape import Motion
 
 BARREL = 0.0065
@@ -35,10 +35,10 @@ def build_butt_hinge(
     half = length / 2
     upper = cylinder((x, y, z + GAP / 2), (x, y, z + half), BARREL, finish)
     lower = cylinder((x, y, z - half), (x, y, z - GAP / 2), BARREL, finish)
-    leaf, frame = sorted((y, y - side * straps[0])), sorted((y, y + side * straps[1]))
+    leaf, frame = between(y, y - side * straps[0]), between(y, y + side * straps[1])
     face = x + AXIS
-    on_leaf = box((face - 0.004, leaf[0], z + GAP / 2), (face, leaf[1], z + half), finish)
-    on_frame = box((face - 0.004, frame[0], z - half), (face, frame[1], z - GAP / 2), finish)
+    on_leaf = block((face - 0.004, face), leaf, (z + GAP / 2, z + half), finish)
+    on_frame = block((face - 0.004, face), frame, (z - half, z - GAP / 2), finish)
     return (upper, on_leaf), (lower, on_frame)
 
 
@@ -70,7 +70,7 @@ class Leaf:
     def swing(self, upper: float) -> Motion:
         """A hinge axis before the face; the leaf opens by ``upper`` radians towards the viewer."""
         origin = (self.x[0] - AXIS, self.hung, self.z[0])
-        return Motion(type="revolute", axis=(0.0, 0.0, float(self.side)), origin=origin, upper=upper)
+        return rotate((0.0, 0.0, float(self.side)), origin, upper)
 
 
 def hang_leaves(
@@ -116,9 +116,9 @@ def build_astragal(
 ) -> tuple[Primitive, ...]:
     """A strip on the leaf that opens first, which covers the gap and holds back the other leaf."""
     edge, x = leaf.edge, leaf.x[0]
-    low, high = sorted((edge - leaf.side * inset, edge))
-    over = sorted((edge - leaf.side * inset, edge + leaf.side * cover))
+    low, high = between(edge - leaf.side * inset, edge)
+    over = between(edge - leaf.side * inset, edge + leaf.side * cover)
     return (
-        box((x - GAP, low, leaf.z[0]), (x, high, leaf.z[1]), finish),
-        box((x - thick, over[0], leaf.z[0]), (x - GAP, over[1], leaf.z[1]), finish),
+        block((x - GAP, x), (low, high), leaf.z, finish),
+        block((x - thick, x - GAP), over, leaf.z, finish),
     )

@@ -8,17 +8,19 @@ of the leaf. Lengths are in metres; ``edge`` is the y of the leaf's edge and ``s
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import radians
 from typing import Literal
 
 import numpy as np
 
 from artigen.shapes.appliances.cavity import build_frame
-from artigen.shapes.fittings.hardware import Range, Space, fill_space
+from artigen.shapes.choices import choose
+from artigen.shapes.fittings.hardware import Range, Space, around, between, narrow, slide
 from artigen.shapes.fittings.hinges import Leaf, build_astragal, fit_hinges
-from artigen.shapes.primitives import Primitive, Vector, box, cylinder, polytope
-from artigen.shapes.shape import Motion, Need, ShapePart
+from artigen.shapes.primitives import DOWN, Primitive, Vector, block, box, cylinder, polytope
+from artigen.shapes.shape import Need, ShapePart
 
-TURN = float(np.radians(45.0))
+TURN = radians(45.0)
 """Angle (rad) by which a lever is pressed down (DIN 18255)."""
 RELEASED = 0.9
 """Share of the lever's range at which the tongue has left the keep."""
@@ -62,7 +64,7 @@ class Latch:
         y = sorted((self.edge, self.edge - self.side * (self.backset + 0.024)))
         ends = sorted((-self.lift * 0.024, self.lift * (self.backset + THROW + 0.006)))
         middle, half = sum(self.x) / 2, THICK / 2 + PLAY
-        x, z = (middle - half, middle + half), (self.level + ends[0], self.level + ends[1])
+        x, z = around(middle, half), (self.level + ends[0], self.level + ends[1])
         return Space(x=x, y=(y[0], y[1]), z=z)
 
     @property
@@ -130,11 +132,11 @@ def hang_parts(
         needs = (hanging.key,) if index == 0 else ("leaf", "bolt")
         parts.append(
             ShapePart(
-                name=("leaf", "leaf_1")[index],
-                label="door",
+                ("leaf", "leaf_1")[index],
+                "door",
+                tuple(pieces),
+                leaf.swing(radians(choose(rng, *hanging.swing))),
                 parent="frame",
-                primitives=tuple(pieces),
-                motion=leaf.swing(float(np.radians(rng.uniform(*hanging.swing)))),
                 needs=tuple(Need(part=name, fraction=RELEASED) for name in needs),
             )
         )
@@ -147,17 +149,36 @@ def build_latch_stile(
     """Boards around the pocket of a leaf's latch, and two skins; the spindle passes through one or both."""
     free, (front, back) = latch.pocket, latch.x
     behind = (y[0], free.y[0]) if latch.side > 0 else (free.y[1], y[1])
-    hole_y, hole_z = ((at - HOLE, at + HOLE) for at in latch.axis)
-    skin = fill_space(Space(x=(free.x[1], back), y=free.y, z=free.z), finish)
+    hole_y, hole_z = (around(at, HOLE) for at in latch.axis)
+    skin = block((free.x[1], back), free.y, free.z, finish)
     skins = [*build_frame((front, free.x[0]), (free.y, free.z), (hole_y, hole_z), finish), skin]
     if through:
         skins[-1:] = build_frame((free.x[1], back), (free.y, free.z), (hole_y, hole_z), finish)
     return (
-        box((front, y[0], z[0]), (back, y[1], free.z[0]), finish),
-        box((front, y[0], free.z[1]), (back, y[1], z[1]), finish),
-        box((front, behind[0], free.z[0]), (back, behind[1], free.z[1]), finish),
+        block((front, back), y, (z[0], free.z[0]), finish),
+        block((front, back), y, (free.z[1], z[1]), finish),
+        block((front, back), behind, free.z, finish),
         *skins,
     )
+
+
+def build_lock_stile(
+    leaf: Leaf, latch: Latch, y: Range, finish: str, *, through: bool = True
+) -> tuple[Primitive, ...]:
+    """The stile beside a leaf's edge: that of the latch, or that of a second leaf with the latch's keep."""
+    if leaf.edge == latch.edge:
+        return build_latch_stile(latch, y, leaf.z, finish, through=through)
+    return build_keep(latch, Space(x=leaf.x, y=y, z=leaf.z), finish)
+
+
+def build_jambs(inner: Space, width: float, latch: Latch | None, finish: str) -> list[Primitive]:
+    """Posts of a frame at both sides of a space; a latch in a single leaf has its keep in one of them."""
+    pieces: list[Primitive] = []
+    for side, at in zip((-1, 1), inner.y, strict=True):
+        jamb = Space(x=inner.x, y=between(at, at + side * width), z=inner.z)
+        held = latch is not None and latch.side == side
+        pieces += build_keep(latch, jamb, finish) if latch is not None and held else [jamb.fill(finish)]
+    return pieces
 
 
 def build_keep(latch: Latch, jamb: Space, finish: str) -> tuple[Primitive, ...]:
@@ -165,16 +186,14 @@ def build_keep(latch: Latch, jamb: Space, finish: str) -> tuple[Primitive, ...]:
     free, (x0, x1), (y0, y1), (z0, z1) = latch.keep, jamb.x, jamb.y, jamb.z
     web = (free.y[1], y1) if latch.side > 0 else (y0, free.y[0])
     pieces = [box((x0, y0, z0), (x1, y1, free.z[0]), finish), box((x0, y0, free.z[1]), (x1, y1, z1), finish)]
-    pieces += [
-        box((x[0], y0, free.z[0]), (x[1], y1, free.z[1]), finish) for x in ((x0, free.x[0]), (free.x[1], x1))
-    ]
-    return (*pieces, box((free.x[0], web[0], free.z[0]), (free.x[1], web[1], free.z[1]), finish))
+    pieces += [block(x, (y0, y1), free.z, finish) for x in ((x0, free.x[0]), (free.x[1], x1))]
+    return (*pieces, block(free.x, web, free.z, finish))
 
 
 def build_tongue(latch: Latch, finish: str, *, through: bool = True) -> tuple[Primitive, ...]:
     """Tongue, hub, and the spindle to a lever before the leaf, or to levers on both faces."""
     (y, z), free = latch.axis, latch.pocket
-    x = (free.x[0] + PLAY, free.x[1] - PLAY)
+    x = narrow(free.x, PLAY)
     tip, high = y + latch.side * (latch.backset + THROW), latch.lift * TONGUE
     profile = [(y, z + high), (y, z - high), (tip, z + high), (tip, z), (tip - latch.side * 0.012, z - high)]
     tongue = polytope(np.array([(at, *corner) for at in x for corner in profile]), finish)
@@ -206,9 +225,9 @@ def make_bolt(
     top, low = z + reach, z + reach - length
     rod = cylinder((middle, y, low), (middle, y, top), radius, finish)
     knob = cylinder((middle, y, low + 0.02), (middle - 0.028, y, low + 0.02), 0.009, finish)
-    slide = Motion(type="prismatic", axis=(0.0, 0.0, -1.0), upper=reach + 0.012)
-    bolt = ShapePart(name=name, label="knob", parent=parent, primitives=(rod, knob), motion=slide)
-    plate = box((x - base, y - 0.02, low - 0.045), (x, y + 0.02, z - 0.02), finish)
+
+    bolt = ShapePart(name, "knob", (rod, knob), slide(reach + 0.012, DOWN), parent=parent)
+    plate = block((x - base, x), around(y, 0.02), (low - 0.045, z - 0.02), finish)
     guide = _build_staple((middle, y), radius, x - base, (z - 0.05, z - 0.03), finish)
     return bolt, (plate, *guide), _build_staple((middle, y), radius, x - over, (z + 0.001, z + 0.016), finish)
 
@@ -219,5 +238,5 @@ def _build_staple(
     """Two cheeks and a cap around a rod at (x, y) before a face."""
     (x, y), inner, wall = at, radius + BOLT_PLAY, 0.004
     cap = x - inner
-    cheeks = [box((cap, y + a, z[0]), (face, y + a + wall, z[1]), finish) for a in (-inner - wall, inner)]
-    return (*cheeks, box((cap - wall, y - inner - wall, z[0]), (cap, y + inner + wall, z[1]), finish))
+    cheeks = [block((cap, face), (y + a, y + a + wall), z, finish) for a in (-inner - wall, inner)]
+    return (*cheeks, block((cap - wall, cap), (y - inner - wall, y + inner + wall), z, finish))

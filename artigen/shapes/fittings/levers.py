@@ -10,6 +10,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.fittings.hardware import Range
 from artigen.shapes.fittings.tubes import lay_pipe, lean_rod
 from artigen.shapes.primitives import Primitive, Vector, cylinder, rounded_box
@@ -39,8 +40,8 @@ class LeverDesign:
 
 def design_lever(rng: np.random.Generator, length: Range = (0.115, 0.14), reach: float = 0.06) -> LeverDesign:
     """Draws a lever of one of three kinds."""
-    kind = LEVER_KINDS[int(rng.integers(len(LEVER_KINDS)))]
-    return LeverDesign(kind=kind, length=float(rng.uniform(*length)), reach=reach)
+    kind = choose_one(rng, LEVER_KINDS)
+    return LeverDesign(kind=kind, length=choose(rng, *length), reach=reach)
 
 
 def build_lever(

@@ -5,12 +5,27 @@ that starts above the hinge stays above or behind it. A plug, which reaches down
 before it (`sweep_gap`); an apron, which reaches down outside of them, needs none.
 """
 
+from collections.abc import Sequence
+from itertools import pairwise
+
 import numpy as np
 from jaxtyping import Float
 
-from artigen.shapes.fittings.hardware import Edge, Range, Space, slide
-from artigen.shapes.primitives import Primitive, Vector, box, line, polytope
-from artigen.shapes.shape import Motion, Need, ShapePart
+from artigen.shapes.fittings.hardware import Edge, Range, Space, narrow, rotate, slide
+from artigen.shapes.primitives import (
+    BACK,
+    FRONT,
+    LEFT,
+    RIGHT,
+    UP,
+    Primitive,
+    Vector,
+    block,
+    box,
+    line,
+    polytope,
+)
+from artigen.shapes.shape import Motion, Need, ShapePart, require
 
 Rectangle = tuple[Range, Range]
 """Ranges of x and y (m)."""
@@ -28,12 +43,26 @@ def hinge_lid(x: Range, y: Range, z: float, upper: float, edge: Edge | None = No
     """
     middle = ((x[0] + x[1]) / 2, (y[0] + y[1]) / 2, z)
     axis, origin = {
-        None: ((0.0, 1.0, 0.0), (x[1], middle[1], z)),
-        "bottom": ((0.0, -1.0, 0.0), (x[0], middle[1], z)),
-        "left": ((-1.0, 0.0, 0.0), (middle[0], y[1], z)),
-        "right": ((1.0, 0.0, 0.0), (middle[0], y[0], z)),
+        None: (LEFT, (x[1], middle[1], z)),
+        "bottom": (RIGHT, (x[0], middle[1], z)),
+        "left": (FRONT, (middle[0], y[1], z)),
+        "right": (BACK, (middle[0], y[0], z)),
     }[edge]
-    return Motion(type="revolute", axis=axis, origin=origin, upper=upper)
+    return rotate(axis, origin, upper)
+
+
+def make_lid(
+    pieces: Sequence[Primitive],
+    x: Range,
+    y: Range,
+    z: float,
+    upper: float,
+    *,
+    name: str = "lid",
+    needs: tuple[Need, ...] = (),
+) -> ShapePart:
+    """A lid that turns about its lower rear edge by ``upper`` radians (`hinge_lid`)."""
+    return ShapePart(name, "door", pieces, hinge_lid(x, y, z, upper), needs=needs)
 
 
 def build_vessel(
@@ -51,21 +80,21 @@ def build_vessel(
     """
     (bx, by), (tx, ty) = bottom, top
     half = wall / 2  # into the sides: unions of leaning faces that only touch are unclean
-    inner_b, inner_t = (by[0] + half, by[1] - half), (ty[0] + half, ty[1] - half)
+    inner_b, inner_t = narrow(by, half), narrow(ty, half)
     share = wall / (z[1] - z[0])
     floor_x, floor_y = (
         (low[0] + share * (high[0] - low[0]) + wall / 2, low[1] + share * (high[1] - low[1]) - wall / 2)
         for low, high in ((bx, tx), (by, ty))
     )
     walls = (
-        ((0.0, 1.0, 0.0), (bx, (by[0], by[0] + wall)), (tx, (ty[0], ty[0] + wall))),
-        ((0.0, -1.0, 0.0), (bx, (by[1] - wall, by[1])), (tx, (ty[1] - wall, ty[1]))),
-        ((1.0, 0.0, 0.0), ((bx[0], bx[0] + wall), inner_b), ((tx[0], tx[0] + wall), inner_t)),
-        ((-1.0, 0.0, 0.0), ((bx[1] - wall, bx[1]), inner_b), ((tx[1] - wall, tx[1]), inner_t)),
+        (LEFT, (bx, (by[0], by[0] + wall)), (tx, (ty[0], ty[0] + wall))),
+        (RIGHT, (bx, (by[1] - wall, by[1])), (tx, (ty[1] - wall, ty[1]))),
+        (BACK, ((bx[0], bx[0] + wall), inner_b), ((tx[0], tx[0] + wall), inner_t)),
+        (FRONT, ((bx[1] - wall, bx[1]), inner_b), ((tx[1] - wall, tx[1]), inner_t)),
     )
     pieces = [(side, loft(low, high, z, finish)) for side, low, high in walls]
-    base = box((floor_x[0], floor_y[0], z[0]), (floor_x[1], floor_y[1], z[0] + wall), finish)
-    pieces.append(((0.0, 0.0, 1.0), base))
+    base = block(floor_x, floor_y, (z[0], z[0] + wall), finish)
+    pieces.append((UP, base))
     return tuple(solid if lining is None else line(solid, lining, side) for side, solid in pieces)
 
 
@@ -81,10 +110,8 @@ def make_lift_out(
 ) -> ShapePart:
     """An open tray that fills a rectangle and lifts by nearly its height once the lid is open."""
     solids = build_vessel(outline, outline, z, wall, finish)
-    lift = slide(0.85 * (z[1] - z[0]), (0.0, 0.0, 1.0))
-    return ShapePart(
-        name=name, label="tray", parent=parent, primitives=solids, motion=lift, needs=(Need(part=lid),)
-    )
+    lift = slide(0.85 * (z[1] - z[0]), UP)
+    return ShapePart(name, "tray", solids, lift, parent=parent, needs=require(lid))
 
 
 def loft(low: Rectangle, high: Rectangle, z: Range, finish: str) -> Primitive:
@@ -97,6 +124,18 @@ def shrink(outline: Rectangle, by: float) -> Rectangle:
     """A rectangle inset by a distance (m) on every side."""
     (x0, x1), (y0, y1) = outline
     return (x0 + by, x1 - by), (y0 + by, y1 - by)
+
+
+def build_collar(outer: Rectangle, inner: Rectangle, z: Range, finish: str) -> tuple[Primitive, ...]:
+    """Boards between two rectangles, on the sides on which they differ; those along x run through."""
+    (x, y), (hole_x, hole_y) = outer, inner
+    sides = (
+        (x, (y[0], hole_y[0])),
+        (x, (hole_y[1], y[1])),
+        ((x[0], hole_x[0]), hole_y),
+        ((hole_x[1], x[1]), hole_y),
+    )
+    return tuple(block(a, b, z, finish) for a, b in sides if a[0] < a[1] and b[0] < b[1])
 
 
 def trace_arch(x: Range, z: float, rise: float, pieces: int = 6) -> Float[np.ndarray, "N 2"]:
@@ -121,13 +160,21 @@ def build_roof(
     foot = np.array([(outline[0, 0] + outline[-1, 0]) / 2, outline[0, 1]])
     reach = np.array([outline[-1, 0] - foot[0], outline[:, 1].max() - foot[1]])
     inner = foot + (outline - foot) * (1.0 - wall / reach)
-    out = []
-    for k in range(len(outline) - 1):
-        flat = np.array([outline[k], outline[k + 1], inner[k], inner[k + 1]])
-        out.append(polytope(np.array([(a, b, c) for b in y for a, c in flat]), finish))
+    out = [*join_outlines(outline, inner, y, finish)]
     for span in ((y[0], y[0] + wall), (y[1] - wall, y[1])) if ends else ():
         out.append(polytope(np.array([(a, b, c) for b in span for a, c in outline]), finish))
     return tuple(out)
+
+
+def join_outlines(
+    outer: Float[np.ndarray, "N 2"], inner: Float[np.ndarray, "N 2"], y: Range, finish: str
+) -> tuple[Primitive, ...]:
+    """Plates between two outlines (x, z), one for each of their edges."""
+    pairs = pairwise(zip(outer, inner, strict=True))
+    return tuple(
+        polytope(np.array([(a, b, c) for b in y for a, c in (start, end, under, beyond)]), finish)
+        for (start, under), (end, beyond) in pairs
+    )
 
 
 def build_half_shell(

@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from artigen.shapes.fittings.hardware import Range
-from artigen.shapes.primitives import Vector, box, cylinder
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.fittings.hardware import Range, around, rotate
+from artigen.shapes.primitives import FRONT, RIGHT, Vector, block, cylinder
+from artigen.shapes.shape import ShapePart
 
 FREE = 0.0015
 """Gap (m) between a turning lock and its face."""
 
 
 def make_lock(
-    at: Vector, *, name: str, parent: str, radius: float = 0.011, finish: str = "handle"
+    at: Vector, *, name: str, parent: str = "body", radius: float = 0.011, finish: str = "handle"
 ) -> ShapePart:
     """A cylinder lock with its key on a front face at x, which turns by a quarter.
 
@@ -25,14 +25,21 @@ def make_lock(
     x, y, z = at
     solids = (
         cylinder((x - FREE, y, z), (x - 0.008, y, z), radius, finish),
-        box((x - 0.026, y - 0.002, z - 0.8 * radius), (x - 0.008, y + 0.002, z + 0.8 * radius), "steel"),
+        block((x - 0.026, x - 0.008), around(y, 0.002), around(z, 0.8 * radius), "steel"),
     )
-    turn = Motion(type="revolute", axis=(-1.0, 0.0, 0.0), origin=(x, y, z), upper=np.pi / 2)
-    return ShapePart(name=name, label="knob", parent=parent, primitives=solids, motion=turn)
+    turn = rotate(FRONT, (x, y, z), np.pi / 2)
+    return ShapePart(name, "knob", solids, turn, parent=parent)
 
 
 def make_latch(
-    x: float, y: Range, z: Range, *, name: str, parent: str, upper: float = 1.9, finish: str = "steel"
+    x: float,
+    y: Range,
+    z: Range,
+    *,
+    name: str,
+    parent: str = "body",
+    upper: float = 1.9,
+    finish: str = "steel",
 ) -> ShapePart:
     """A latch before a face at x, which holds a lid down and flips outwards about its lower edge.
 
@@ -49,13 +56,8 @@ def make_latch(
     """
     face = x - FREE
     solids = (
-        box((face - 0.004, y[0], z[0]), (face, y[1], z[1]), finish),
-        box((face - 0.010, y[0], z[1] - 0.006), (face - 0.004, y[1], z[1]), finish),
+        block((face - 0.004, face), y, z, finish),
+        block((face - 0.010, face - 0.004), y, (z[1] - 0.006, z[1]), finish),
     )
-    turn = Motion(
-        type="revolute",
-        axis=(0.0, -1.0, 0.0),
-        origin=(face - 0.004, (y[0] + y[1]) / 2, z[0]),
-        upper=upper,
-    )
-    return ShapePart(name=name, label="knob", parent=parent, primitives=solids, motion=turn)
+    turn = rotate(RIGHT, (face - 0.004, (y[0] + y[1]) / 2, z[0]), upper)
+    return ShapePart(name, "knob", solids, turn, parent=parent)

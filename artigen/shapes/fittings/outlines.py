@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
-from artigen.shapes.fittings.hardware import Range
+from artigen.shapes.fittings.hardware import Range, around, narrow
 from artigen.shapes.primitives import Primitive, line, polytope
 
 SHARPEST = 0.2
@@ -59,7 +59,7 @@ class Outline:
 
     def shrink(self, by: float) -> "Outline":
         """The outline inset by a distance on every side."""
-        a, b = (self.a[0] + by, self.a[1] - by), (self.b[0] + by, self.b[1] - by)
+        a, b = narrow(self.a, by), narrow(self.b, by)
         low, high = (max(cut - by, SHARPEST * cut) for cut in self.cuts)
         fit = min(1.0, (a[1] - a[0]) / (low + high)) if low + high > 0 else 1.0
         return Outline(a=a, b=b, cuts=(fit * low, fit * high), pieces=self.pieces)
@@ -76,7 +76,7 @@ def draw_egg(center: tuple[float, float], front: float, back: float, half: float
 
     Arcs are quarters of ellipses where ``front`` and ``back`` are longer than ``half``.
     """
-    a, b = (center[0] - front, center[0] + back), (center[1] - half, center[1] + half)
+    a, b = (center[0] - front, center[0] + back), around(center[1], half)
     return Outline(a=a, b=b, cuts=(front, back), pieces=pieces)
 
 
@@ -101,8 +101,8 @@ def build_loft(
         wall: Wall thickness across the axis (m); 0 for a solid.
         lining: Role of the finish of the inside.
     """
-    narrow = outline.shrink(abs(inset))
-    ends = (narrow, outline) if inset > 0 else (outline, narrow)
+    small = outline.shrink(abs(inset))
+    ends = (small, outline) if inset > 0 else (outline, small)
     outer = [_lift(end.trace(), at, axis) for end, at in zip(ends, span, strict=True)]
     if wall == 0:
         return (polytope(np.concatenate(outer), finish),)

@@ -3,15 +3,18 @@
 Each stands at a point of a face and points along ``out``, its axis of rotation. Lengths are in metres.
 """
 
+from math import radians
+
 import numpy as np
 
 from artigen.shapes.appliances.control_panel import DIAL_GAP
+from artigen.shapes.fittings.hardware import rotate
 from artigen.shapes.primitives import Primitive, Vector, cylinder, polytope
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.shape import ShapePart
 
 PIVOT = 0.007
 """Radius of the pin that a mixer's lever lifts about."""
-LIFT = float(np.radians(25.0))
+LIFT = radians(25.0)
 """Range of a mixer's lever (EN 817: 20 to 30 degrees)."""
 
 
@@ -33,12 +36,12 @@ def make_mixer(
     ahead: Vector,
     *,
     name: str,
-    parent: str,
+    parent: str = "body",
     radius: float,
     height: float,
     length: float,
     turn: float,
-    finish: str,
+    finish: str = "handle",
 ) -> tuple[ShapePart, ShapePart]:
     """A cartridge that turns about ``out`` (temperature) with a lever along ``ahead`` that lifts (flow).
 
@@ -58,13 +61,7 @@ def make_mixer(
     spin: Vector = out if turn > 0 else (-out[0], -out[1], -out[2])
     pin = height + 0.0015 + PIVOT
     body = cylinder(along(at, (out, DIAL_GAP)), along(at, (out, height)), radius, finish)
-    cartridge = ShapePart(
-        name=f"{name}_cartridge",
-        label="knob",
-        parent=parent,
-        primitives=(body,),
-        motion=Motion(type="revolute", axis=spin, origin=at, upper=abs(turn)),
-    )
+    cartridge = ShapePart(f"{name}_cartridge", "knob", (body,), rotate(spin, at, abs(turn)), parent=parent)
     ends = [along(at, (out, pin), (aside, side * 0.8 * radius)) for side in (-1, 1)]
     stations = ((0.0, 0.72 * radius, (-0.6 * PIVOT, PIVOT)), (length, 0.4 * radius, (0.006, 0.013)))
     blade = np.array(
@@ -76,11 +73,11 @@ def make_mixer(
         ]
     )
     lever = ShapePart(
-        name=name,
-        label="knob",
+        name,
+        "knob",
+        (cylinder(ends[0], ends[1], PIVOT, finish), polytope(blade, finish)),
+        rotate(aside, along(at, (out, pin)), LIFT),
         parent=cartridge.name,
-        primitives=(cylinder(ends[0], ends[1], PIVOT, finish), polytope(blade, finish)),
-        motion=Motion(type="revolute", axis=aside, origin=along(at, (out, pin)), upper=LIFT),
     )
     return cartridge, lever
 
@@ -91,10 +88,10 @@ def make_cross_handle(
     ahead: Vector,
     *,
     name: str,
-    parent: str,
+    parent: str = "body",
     reach: float,
     height: float,
-    finish: str,
+    finish: str = "handle",
     arms: int = 4,
     upper: float = np.pi,
 ) -> ShapePart:
@@ -125,5 +122,5 @@ def make_cross_handle(
         pieces.append(cylinder(along(at, (out, level)), tip, rod, finish))
         if arms > 1:
             pieces.append(cylinder(along(tip, (way, -0.012)), tip, 1.45 * rod, finish))
-    motion = Motion(type="revolute", axis=out, origin=at, upper=upper)
-    return ShapePart(name=name, label="knob", parent=parent, primitives=tuple(pieces), motion=motion)
+    motion = rotate(out, at, upper)
+    return ShapePart(name, "knob", tuple(pieces), motion, parent=parent)

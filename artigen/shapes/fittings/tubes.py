@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
-from artigen.shapes.primitives import SEGMENTS, Primitive, Vector, cylinder, polytope
+from artigen.shapes.primitives import SEGMENTS, Primitive, Vector, cylinder, polygon, polytope
 
 
 def lean_rod(start: Vector, end: Vector, radii: float | tuple[float, float], finish: str) -> Primitive:
@@ -48,11 +48,11 @@ def bend_elbow(
     if (np.abs(second).argmax() - np.abs(first).argmax()) % 3 != 1:  # the same pieces in both directions
         first, second = second, first
     aside = np.cross(first, second)
-    turns = (np.arange(SEGMENTS) + 0.5) * 2 * np.pi / SEGMENTS
+    along, across = polygon().T[:, :, None]
     rings = []
     for angle in np.linspace(0.0, np.pi / 2, pieces + 1):
         out = np.cos(angle) * first + np.sin(angle) * second
-        ring = (bend + radius * np.cos(turns))[:, None] * out + radius * np.sin(turns)[:, None] * aside
+        ring = (bend + radius * along) * out + radius * across * aside
         rings.append(np.array(center) + ring)
     return tuple(polytope(np.concatenate(pair), finish) for pair in pairwise(rings))
 
@@ -89,10 +89,7 @@ def lay_pipe(
 
 def _trace_circle(axis: int) -> Float[np.ndarray, "N 3"]:
     """Corners of a circle of radius 1 about an axis."""
-    turns = (np.arange(SEGMENTS) + 0.5) * 2 * np.pi / SEGMENTS
-    out = np.zeros((SEGMENTS, 3))
-    out[:, (axis + 1) % 3], out[:, (axis + 2) % 3] = np.cos(turns), np.sin(turns)
-    return out
+    return np.roll(np.column_stack([polygon(), np.zeros(SEGMENTS)]), axis + 1, axis=1)
 
 
 def _vector(values: Float[np.ndarray, "3"]) -> Vector:

@@ -5,13 +5,15 @@ from math import radians
 
 import numpy as np
 
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.draw import Wish
 from artigen.shapes.fittings.drawers import BoxDesign
 from artigen.shapes.fittings.fronts import FrontDesign, design_front
 from artigen.shapes.fittings.handles import design_handle
 from artigen.shapes.fittings.hardware import GAP, Edge, Space
 from artigen.shapes.furniture.carcass import FRAME_DEPTH, CarcassDesign, make_carcass, open_carcass, widen
-from artigen.shapes.furniture.cells import Fitting, Furnished, furnish_cells
+from artigen.shapes.furniture.cells import Fitting, furnish_cells
 from artigen.shapes.furniture.furniture_kinds import Style
 from artigen.shapes.furniture.splits import FRONT_GAP, Cell, Node, Room, Taste, draw_node, lay_out
 from artigen.types import PartLabel
@@ -56,28 +58,28 @@ def draw_looks(
 ) -> Looks:
     """Draws a design in a style for an object whose longest edge is ``longest`` metres."""
     handles = wish.choose_handles(style.handles)
-    handle = design_handle(rng, handles[int(rng.integers(len(handles)))], longest=longest)
-    front = style.doors[int(rng.integers(len(style.doors)))]
+    handle = design_handle(rng, choose_one(rng, handles), longest=longest)
+    front = choose_one(rng, style.doors)
     doors = replace(design_front(rng, front, handle=handle), hand=hand)
     # A leaf that opens past 90 degrees sweeps over the edge of its neighbour, where that has its handle.
     margin = 0.0 if handle.kind == "edge" else 0.006
     limit = 90.0 + np.degrees(np.arctan2(margin + 0.0025, handle.reach))
-    narrow = [angle for angle in (95.0, 100.0, 105.0, 110.0) if angle < limit]
+    angles = [angle for angle in (95.0, 100.0, 105.0, 110.0) if angle < limit]
     doors = replace(doors, handle=None) if rng.random() < PUSH_OPEN else doors
     return Looks(
         doors=doors,
-        drawers=replace(doors, style=style.drawers[int(rng.integers(len(style.drawers)))]),
+        drawers=replace(doors, style=choose_one(rng, style.drawers)),
         carcass=CarcassDesign(
-            board=float(rng.uniform(0.016, 0.022)),
-            inner=float(rng.uniform(0.015, 0.019)),
-            back=0.010 if longest > 1.4 else float(rng.uniform(0.006, 0.008)),
+            board=choose(rng, 0.016, 0.022),
+            inner=choose(rng, 0.015, 0.019),
+            back=0.010 if longest > 1.4 else choose(rng, 0.006, 0.008),
         ),
-        box=BoxDesign(rim=float(rng.uniform(0.55, 0.82))),
-        thickness=float(rng.uniform(0.017, 0.021)),
+        box=BoxDesign(rim=choose(rng, 0.55, 0.82)),
+        thickness=choose(rng, 0.017, 0.021),
         inset=bool(rng.random() < style.inset),
-        swing=radians(float(rng.choice(narrow))),
+        swing=radians(float(rng.choice(angles))),
         wide_swing=radians(float(rng.choice((95.0, 105.0, 110.0, 125.0, 155.0, 165.0)))),
-        travel=float(rng.uniform(0.62, 0.84)),
+        travel=choose(rng, 0.62, 0.84),
         runners=bool(rng.random() < 0.75),
         lock=bool(rng.random() < 0.08),
     )
@@ -111,7 +113,9 @@ def has_fronts(node: Node) -> bool:
     return any(cell.fill in FACED for cell in list_cells(node))
 
 
-def make_cabinet(node: Node, outer: Space, looks: Looks, *, parent: str, prefix: str = "") -> Furnished:
+def make_cabinet(
+    node: Node, outer: Space, looks: Looks, *, parent: str = "body", prefix: str = ""
+) -> Assembly:
     """Builds a layout into a box whose front is the face of the fronts, handles excluded.
 
     Args:
@@ -156,7 +160,7 @@ def make_cabinet(node: Node, outer: Space, looks: Looks, *, parent: str, prefix:
     )
     cells = furnish_cells(placed, fitting, prefix)
     solids = make_carcass(body, design, boards)
-    return Furnished(primitives=(*solids, *cells.primitives), parts=cells.parts)
+    return Assembly((*solids, *cells.pieces), cells.parts)
 
 
 def _reach_of_fronts(looks: Looks) -> dict[Edge, float]:

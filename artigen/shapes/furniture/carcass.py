@@ -4,13 +4,14 @@ A face frame is glued before the boards. Its stiles and rails narrow the opening
 behind is as wide as the carcass.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from artigen.shapes.fittings.hardware import Range, Space, fill_space
-from artigen.shapes.primitives import Primitive, Vector, line
+from artigen.shapes.draw import CrowdedError
+from artigen.shapes.fittings.hardware import Range, Space, narrow
+from artigen.shapes.primitives import DOWN, FRONT, UP, Primitive, Vector, block, line
 from artigen.shapes.shape import ShapePart
 
 HULL_RATIO = 59.0
@@ -61,27 +62,27 @@ def make_carcass(outer: Space, design: CarcassDesign, boards: Boards) -> tuple[P
     y, z = _inside(outer, design)
     pieces = [*framed]
     for span, side in (((outer.y[0], y[0]), 1.0), ((y[1], outer.y[1]), -1.0)):
-        wall = fill_space(Space(x=deep, y=span, z=outer.z), design.finish)
+        wall = block(deep, span, outer.z, design.finish)
         pieces.append(_line(wall, design, (0.0, side, 0.0)))
-    bottom = fill_space(Space(x=x, y=y, z=(outer.z[0], z[0])), design.finish)
-    pieces.append(_line(bottom, design, (0.0, 0.0, 1.0)))
+    bottom = block(x, y, (outer.z[0], z[0]), design.finish)
+    pieces.append(_line(bottom, design, UP))
     top = (outer.z[1] - design.board, outer.z[1])
     if design.lid and design.rails:
         spans = (x[0], x[0] + RAIL), (x[1] - RAIL, x[1])
-        pieces += [fill_space(Space(x=span, y=y, z=top), design.finish) for span in spans]
+        pieces += [block(span, y, top, design.finish) for span in spans]
     elif design.lid:
-        pieces.append(_line(fill_space(Space(x=x, y=y, z=top), design.finish), design, (0.0, 0.0, -1.0)))
+        pieces.append(_line(block(x, y, top, design.finish), design, DOWN))
     if design.back:
         behind = Space(x=(x[1], x[1] + design.back), y=y if design.recess else outer.y, z=outer.z)
-        pieces.append(_line(fill_space(behind, design.finish), design, (-1.0, 0.0, 0.0)))
+        pieces.append(_line(behind.fill(design.finish), design, FRONT))
     if design.recess:
         hanging = Space(x=(x[1] + design.back, outer.x[1]), y=y, z=(outer.z[1] - RAIL, outer.z[1]))
-        pieces.append(fill_space(hanging, design.finish))
+        pieces.append(hanging.fill(design.finish))
     inner = design.lining or design.finish
     for rectangle in boards:
         span_y, span_z = _thin_board(rectangle, outer, design, boards) if design.frame else rectangle
-        board = fill_space(Space(x=x, y=span_y, z=span_z), inner)
-        pieces.append(board if inner == design.finish else line(board, design.finish, (-1.0, 0.0, 0.0)))
+        board = block(x, span_y, span_z, inner)
+        pieces.append(board if inner == design.finish else line(board, design.finish, FRONT))
     return tuple(pieces)
 
 
@@ -90,7 +91,7 @@ def open_carcass(outer: Space, design: CarcassDesign) -> tuple[Range, Range]:
     if not design.frame:
         return _inside(outer, design)
     f = design.frame
-    return (outer.y[0] + f, outer.y[1] - f), (outer.z[0] + f, outer.z[1] - f)
+    return narrow(outer.y, f), narrow(outer.z, f)
 
 
 def widen(y: Range, z: Range, outer: Space, design: CarcassDesign, boards: Boards) -> tuple[Range, Range]:
@@ -114,7 +115,7 @@ def _inside(outer: Space, design: CarcassDesign) -> tuple[Range, Range]:
     """The space (y, z) between sides, bottom and top."""
     t = design.board
     top = outer.z[1] - (t if design.lid else 0.0)
-    return (outer.y[0] + t, outer.y[1] - t), (outer.z[0] + t, top)
+    return narrow(outer.y, t), (outer.z[0] + t, top)
 
 
 def _make_frame(outer: Space, design: CarcassDesign, boards: Boards) -> tuple[Primitive, ...]:
@@ -123,10 +124,7 @@ def _make_frame(outer: Space, design: CarcassDesign, boards: Boards) -> tuple[Pr
     stiles = ((outer.y[0], y[0]), outer.z), ((y[1], outer.y[1]), outer.z)
     rails = (y, (outer.z[0], z[0])), (y, (z[1], outer.z[1]))
     x = (outer.x[0], outer.x[0] + FRAME_DEPTH)
-    return tuple(
-        fill_space(Space(x=x, y=span_y, z=span_z), design.finish)
-        for span_y, span_z in (*stiles, *rails, *boards)
-    )
+    return tuple(block(x, span_y, span_z, design.finish) for span_y, span_z in (*stiles, *rails, *boards))
 
 
 def _thin_board(
@@ -136,8 +134,8 @@ def _thin_board(
     (y, z), spare = rectangle, (design.frame - design.inner) / 2
     long_y, long_z = widen(y, z, outer, design, boards)
     if z[1] - z[0] < y[1] - y[0]:
-        return long_y, (z[0] + spare, z[1] - spare)
-    return (y[0] + spare, y[1] - spare), long_z
+        return long_y, narrow(z, spare)
+    return narrow(y, spare), long_z
 
 
 def _line(board: Primitive, design: CarcassDesign, side: Vector) -> Primitive:
@@ -162,3 +160,33 @@ def fits_engines(parts: Sequence[ShapePart], max_links: int = 60) -> bool:
         hulls[owner[part.name]] = hulls.get(owner[part.name], 0) + count_hulls(part.primitives)
     counts = list(hulls.values())
     return max(counts) <= MAX_HULLS_ON_LINK and sum(counts) <= MAX_HULLS and len(counts) <= max_links
+
+
+def draw_fitting(
+    category: str,
+    size: Sequence[float],
+    layouts: int,
+    draw: Callable[[int], tuple[ShapePart, ...]],
+    suits: Callable[[Sequence[ShapePart]], object] = bool,
+) -> tuple[ShapePart, ...]:
+    """The first of several layouts that respects the limits of engines and suits.
+
+    Args:
+        category: What is drawn, for the message.
+        size: Width, depth and height (m), for the message.
+        layouts: Number of layouts to try.
+        draw: Draws the parts of the object with the layout of this number.
+        suits: What else is demanded of the parts.
+
+    Raises:
+        CrowdedError: If no layout does.
+    """
+    for attempt in range(layouts):
+        parts = draw(attempt)
+        if suits(parts) and fits_engines(parts):
+            return parts
+    lengths = " x ".join(f"{length:.3g}" for length in size)
+    raise CrowdedError(
+        f"{category}: none of {layouts} layouts of {lengths} m (width, depth, height) respects the limits of "
+        "engines; request a smaller one"
+    )

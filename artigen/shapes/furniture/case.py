@@ -4,14 +4,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from artigen.shapes.draw import Wish, pick
+from artigen.shapes.choices import choose, pick
+from artigen.shapes.draw import Wish
 from artigen.shapes.fittings.feet import StandDesign, design_stand, make_stand
-from artigen.shapes.fittings.hardware import Space
+from artigen.shapes.fittings.hardware import Space, around
 from artigen.shapes.furniture.cabinet import Looks, draw_looks, has_fronts, list_cells, make_cabinet
 from artigen.shapes.furniture.furniture_kinds import Kind, Style
 from artigen.shapes.furniture.splits import Node
-from artigen.shapes.primitives import rounded_box
-from artigen.shapes.shape import ShapePart
+from artigen.shapes.primitives import block
+from artigen.shapes.shape import ShapePart, make_base
 
 RECESSED = 0.6
 """Probability of a back between the sides with a hanging rail behind it."""
@@ -39,8 +40,8 @@ def draw_plan(rng: np.random.Generator, kind: Kind, style: Style, size: Size, wi
     """
     looks = draw_looks(rng, style, max(size), wish, hand=kind.hand)
     covered = bool(rng.random() < kind.worktop) or (wish.suite is not None and kind.rails > 0.0)
-    overhang = (float(rng.uniform(0.0, 0.02)), float(rng.choice((0.0, 0.012))))
-    frame, recess = float(rng.uniform(0.036, 0.045)), float(rng.uniform(0.012, 0.019))
+    overhang = (choose(rng, 0.0, 0.02), float(rng.choice((0.0, 0.012))))
+    frame, recess = choose(rng, 0.036, 0.045), choose(rng, 0.012, 0.019)
     carcass = replace(
         looks.carcass,
         lid=not covered,
@@ -51,7 +52,7 @@ def draw_plan(rng: np.random.Generator, kind: Kind, style: Style, size: Size, wi
     return CasePlan(
         looks=replace(looks, carcass=carcass),
         stand=design_stand(rng, pick(rng, dict(kind.stands)), size[2]),
-        worktop=float(rng.uniform(0.018, 0.04)) if covered else 0.0,
+        worktop=choose(rng, 0.018, 0.04) if covered else 0.0,
         overhang=overhang if covered else (0.0, 0.0),
     )
 
@@ -75,12 +76,12 @@ def build_case(plan: CasePlan, node: Node, size: Size) -> tuple[ShapePart, ...]:
         looks = replace(looks, carcass=replace(looks.carcass, frame=0.0))
     if has_fronts(node):
         box = replace(box, x=(max(ahead, plan.looks.reach) - depth / 2, depth / 2))
-    cabinet = make_cabinet(node, box, looks, parent=BODY)
-    shell = cabinet.primitives[0].center[0] - cabinet.primitives[0].size[0] / 2  # where the sides begin
-    stand = make_stand(plan.stand, (float(shell), box.x[1]), box.y, parent=BODY)
-    solids = [*cabinet.primitives, *stand.primitives]
+    cabinet = make_cabinet(node, box, looks)
+    shell = cabinet.pieces[0].center[0] - cabinet.pieces[0].size[0] / 2  # where the sides begin
+    stand = make_stand(plan.stand, (float(shell), box.x[1]), box.y)
+    solids = [*cabinet.pieces, *stand.primitives]
     if plan.worktop:
-        low = (box.x[0] - ahead, -width / 2, box.z[1])
-        solids.append(rounded_box(low, (depth / 2, width / 2, height), 0.002, "top"))
-    body = ShapePart(name=BODY, label="base", parent=None, primitives=tuple(solids))
+        x = (box.x[0] - ahead, depth / 2)
+        solids.append(block(x, around(0.0, width / 2), (box.z[1], height), "top", 0.002))
+    body = make_base(solids)
     return (body, *cabinet.parts, *stand.parts)

@@ -7,8 +7,7 @@ holds the choices that are made once per object (design, swings, runners).
 from dataclasses import dataclass, replace
 from math import radians
 
-import numpy as np
-
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.fittings.drawers import BoxDesign, make_drawer, make_tray
 from artigen.shapes.fittings.fronts import FrontDesign, make_door, make_front
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
@@ -19,13 +18,15 @@ from artigen.shapes.fittings.hardware import (
     Panel,
     Range,
     Space,
-    fill_space,
+    around,
+    narrow,
+    rotate,
     slide,
     sweep_gap,
 )
 from artigen.shapes.furniture.splits import Cell, Placed
-from artigen.shapes.primitives import Primitive, box, cylinder
-from artigen.shapes.shape import Motion, Need, ShapePart
+from artigen.shapes.primitives import FRONT, LEFT, RIGHT, Primitive, block, cylinder
+from artigen.shapes.shape import Need, ShapePart
 
 RUNNER = 0.0105
 """Thickness (m) of a runner beside a drawer box."""
@@ -61,30 +62,19 @@ class Fitting:
     """Depth of a face frame at the front of the body; 0 for none."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Furnished:
-    """Solids that a cell adds to the body, and the parts that the body carries."""
-
-    primitives: tuple[Primitive, ...] = ()
-    parts: tuple[ShapePart, ...] = ()
-
-
-def furnish_cells(placed: tuple[Placed, ...], fitting: Fitting, prefix: str = "") -> Furnished:
+def furnish_cells(placed: tuple[Placed, ...], fitting: Fitting, prefix: str = "") -> Assembly:
     """Furnishes all cells, named by a prefix and their place in the layout."""
     done = [furnish_cell(cell, fitting, f"{prefix}{index}") for index, cell in enumerate(placed)]
-    return Furnished(
-        primitives=tuple(primitive for cell in done for primitive in cell.primitives),
-        parts=tuple(part for cell in done for part in cell.parts),
-    )
+    return sum(done, Assembly())
 
 
-def furnish_cell(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
+def furnish_cell(placed: Placed, fitting: Fitting, tag: str) -> Assembly:
     """Furnishes one cell; ``tag`` makes its names unique."""
     fill = placed.cell.fill
     if fill == "drawer":
         return _hang_drawer(placed, fitting, tag)
     if fill == "blank":
-        return Furnished(primitives=(_make_blank(placed, fitting),))
+        return Assembly((_make_blank(placed, fitting),))
     if fill == "slide":
         doors = _hang_sliding(placed, fitting, tag)
         start = fitting.body[0] + 2 * fitting.thickness + ROOM + 0.012
@@ -95,7 +85,7 @@ def furnish_cell(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
         start = max(start, fitting.body[0] + fitting.frame)
     needs = tuple(Need(part=part.name) for part in doors if part.label == "door")
     inside = _fill_inside(placed, fitting, tag, start, needs)
-    return Furnished(primitives=inside.primitives, parts=(*doors, *inside.parts))
+    return Assembly(inside.pieces, (*doors, *inside.parts))
 
 
 def front_panel(placed: Placed, fitting: Fitting) -> Panel:
@@ -103,7 +93,7 @@ def front_panel(placed: Placed, fitting: Fitting) -> Panel:
     return Panel(x=fitting.front_x, thickness=fitting.thickness, y=placed.front_y, z=placed.front_z)
 
 
-def _hang_drawer(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
+def _hang_drawer(placed: Placed, fitting: Fitting, tag: str) -> Assembly:
     panel = front_panel(placed, fitting)
     space = Space(x=(panel.back, fitting.body[1]), y=placed.y, z=placed.z)
     drawer_box, rails = fitting.box, ()
@@ -113,7 +103,7 @@ def _hang_drawer(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
         start = max(fitting.body[0] + max(fitting.frame, 0.002), panel.back + 0.003)
         run = (start, start + 0.85 * (fitting.body[1] - start))
         rails = tuple(
-            fill_space(Space(x=run, y=span, z=(middle - 0.018, middle + 0.018)), "steel")
+            block(run, span, around(middle, 0.018), "steel")
             for span in ((placed.room_y[0], placed.y[0] + RUNNER), (placed.y[1] - RUNNER, placed.room_y[1]))
         )
     parts = make_drawer(
@@ -125,16 +115,16 @@ def _hang_drawer(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
         parent=fitting.parent,
         travel=fitting.travel,
     )
-    return Furnished(primitives=rails, parts=parts)
+    return Assembly(rails, parts)
 
 
 def _make_blank(placed: Placed, fitting: Fitting) -> Primitive:
     """A fixed board: before the body like the fronts of other cells, or within the opening."""
     if fitting.body[0] - fitting.front_x > 0.5 * fitting.thickness:
         x = (fitting.front_x, fitting.body[0])
-        return fill_space(Space(x=x, y=placed.front_y, z=placed.front_z), fitting.doors.finish)
+        return block(x, placed.front_y, placed.front_z, fitting.doors.finish)
     x = (fitting.body[0], fitting.body[0] + fitting.thickness)
-    return fill_space(Space(x=x, y=placed.y, z=placed.z), fitting.doors.finish)
+    return block(x, placed.y, placed.z, fitting.doors.finish)
 
 
 def _hang_doors(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart, ...]:
@@ -150,10 +140,10 @@ def _hang_doors(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart, 
             left = replace(panel, y=(middle + room, panel.y[1]))
             right = replace(panel, y=(panel.y[0], middle - room))
             upper = min(_choose_swing(placed, "left", fitting), _choose_swing(placed, "right", fitting))
-            narrow = replace(fitting, swing=upper, wide_swing=upper)
+            alike = replace(fitting, swing=upper, wide_swing=upper)
             return (
-                *_hang_leaf(left, placed, "left", narrow, f"{name}_left"),
-                *_hang_leaf(right, placed, "right", replace(narrow, lock=False), f"{name}_right"),
+                *_hang_leaf(left, placed, "left", alike, f"{name}_left"),
+                *_hang_leaf(right, placed, "right", replace(alike, lock=False), f"{name}_right"),
             )
         case "drop" | "lift":
             low_handle = cell.fill == "drop" and panel.z[0] < 0.07
@@ -190,9 +180,9 @@ def _make_lock(panel: Panel, parts: tuple[ShapePart, ...], edge: Edge) -> ShapeP
         z = high[2] + room if high[2] + 2 * room < panel.z[1] else low[2] - room
     x = panel.x - 0.0015
     disc = cylinder((x, y, z), (x - 0.010, y, z), radius, "handle")
-    bow = box((x - 0.024, y - 0.004, z - 0.012), (x - 0.010, y + 0.004, z + 0.012), "handle")
-    turn = Motion(type="continuous", axis=(-1.0, 0.0, 0.0), origin=(x, y, z), upper=2 * np.pi)
-    return ShapePart(name=f"{door}_lock", label="knob", parent=door, primitives=(disc, bow), motion=turn)
+    bow = block((x - 0.024, x - 0.010), around(y, 0.004), around(z, 0.012), "handle")
+    turn = rotate(FRONT, (x, y, z))
+    return ShapePart(f"{door}_lock", "knob", (disc, bow), turn, parent=door)
 
 
 def _hang_folding(panel: Panel, cell: Cell, fitting: Fitting, name: str) -> tuple[ShapePart, ...]:
@@ -225,7 +215,7 @@ SLIDING_GRIP = HandleDesign(kind="recessed", length=0.15, thickness=0.012)
 def _hang_sliding(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart, ...]:
     """Two sliding leaves on two tracks within the opening, the left one in front."""
     overlap, margin = 0.03, 0.028
-    y, z = (placed.y[0] + GAP, placed.y[1] - GAP), (placed.z[0] + GAP, placed.z[1] - GAP)
+    y, z = narrow(placed.y, GAP), narrow(placed.z, GAP)
     width = (y[1] - y[0] + overlap) / 2
     grip = replace(SLIDING_GRIP, length=min(SLIDING_GRIP.length, 0.5 * (z[1] - z[0])))
     x = fitting.body[0] + 0.004
@@ -243,12 +233,10 @@ def _hang_sliding(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart
     grips = [hold(front, names[0], at, k) for k, at in enumerate((front.y[1] - inset, front.y[0] + inset))]
     still = hold(rear, names[1], rear.y[0] + inset, 0)  # its leading edge is covered
     leaves = [
-        ShapePart(
-            name=name, label="door", parent=fitting.parent, primitives=solids, motion=slide(travel, axis)
-        )
+        ShapePart(name, "door", solids, slide(travel, axis), parent=fitting.parent)
         for name, solids, axis in (
-            (names[0], make_front(front, plain), (0.0, -1.0, 0.0)),
-            (names[1], (*make_front(rear, plain), *still.primitives), (0.0, 1.0, 0.0)),
+            (names[0], make_front(front, plain), RIGHT),
+            (names[1], (*make_front(rear, plain), *still.primitives), LEFT),
         )
     ]
     return (leaves[0], *grips, leaves[1])
@@ -256,7 +244,7 @@ def _hang_sliding(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart
 
 def _fill_inside(
     placed: Placed, fitting: Fitting, tag: str, start: float, needs: tuple[Need, ...]
-) -> Furnished:
+) -> Assembly:
     """Shelves, trays or a hanging rod between ``start`` and the back."""
     cell = placed.cell
     span = (start, fitting.body[1])
@@ -267,28 +255,28 @@ def _fill_inside(
             _make_shelf(span, placed.room_y, low + (k + 1) * pitch, fitting, f"shelf_{tag}_{k}")
             for k in range(cell.count)
         ]
-        return Furnished(parts=tuple(shelves))
+        return Assembly(parts=shelves)
     if cell.inside == "rod":
         hat = high - min(0.32, 0.25 * (high - low))
         x = (span[0] + span[1]) / 2
         y = placed.room_y
         rod = cylinder((x, y[0], hat - 0.06), (x, y[1], hat - 0.06), 0.014, "steel")
-        return Furnished(primitives=(rod,), parts=(_make_shelf(span, y, hat, fitting, f"shelf_{tag}_0"),))
+        return Assembly((rod,), (_make_shelf(span, y, hat, fitting, f"shelf_{tag}_0"),))
     if cell.inside == "trays":
         return _hang_trays(placed, fitting, tag, span, needs)
-    return Furnished()
+    return Assembly()
 
 
 def _make_shelf(x: Range, y: Range, z: float, fitting: Fitting, name: str) -> ShapePart:
-    shelf = fill_space(Space(x=x, y=y, z=(z, z + fitting.shelf)), "inside")
-    return ShapePart(name=name, label="shelf", parent=fitting.parent, primitives=(shelf,))
+    shelf = block(x, y, (z, z + fitting.shelf), "inside")
+    return ShapePart(name, "shelf", (shelf,), parent=fitting.parent)
 
 
-def _hang_trays(placed: Placed, fitting: Fitting, tag: str, x: Range, needs: tuple[Need, ...]) -> Furnished:
+def _hang_trays(placed: Placed, fitting: Fitting, tag: str, x: Range, needs: tuple[Need, ...]) -> Assembly:
     """Trays on spacers that keep them clear of the open doors."""
-    block = fitting.thickness + 0.007
+    spacer = fitting.thickness + 0.007
     pitch = (placed.z[1] - placed.z[0]) / placed.cell.count
-    y = (placed.y[0] + block, placed.y[1] - block)
+    y = narrow(placed.y, spacer)
     rails: list[Primitive] = []
     trays: list[ShapePart] = []
     tray_box = replace(fitting.box, rim=1.0, side_gap=GAP)
@@ -296,7 +284,7 @@ def _hang_trays(placed: Placed, fitting: Fitting, tag: str, x: Range, needs: tup
         low = placed.z[0] + k * pitch + 0.012
         rim = low + min(0.11, 0.6 * pitch)
         for span in ((placed.room_y[0], y[0]), (y[1], placed.room_y[1])):
-            rails.append(fill_space(Space(x=(x[0] + 0.02, x[1]), y=span, z=(low, low + 0.04)), "inside"))
+            rails.append(block((x[0] + 0.02, x[1]), span, (low, low + 0.04), "inside"))
         space = Space(x=(x[0] + 0.004, x[1]), y=y, z=(low, rim))
         trays.append(make_tray(space, tray_box, name=f"tray_{tag}_{k}", parent=fitting.parent, needs=needs))
-    return Furnished(primitives=tuple(rails), parts=tuple(trays))
+    return Assembly(rails, trays)

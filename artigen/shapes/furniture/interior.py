@@ -1,15 +1,14 @@
 """Interiors behind doors that cover several compartments: boards, shelves and rails."""
 
-from artigen.shapes.fittings.hardware import GAP, Edge, Space, fill_space
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.fittings.hardware import GAP, Edge, Space
 from artigen.shapes.furniture.cabinet import Looks
-from artigen.shapes.furniture.cells import Fitting, Furnished, furnish_cells
+from artigen.shapes.furniture.cells import Fitting, furnish_cells
 from artigen.shapes.furniture.splits import Node, lay_out
-from artigen.shapes.primitives import Primitive
+from artigen.shapes.primitives import Primitive, block
 
 
-def furnish_interior(
-    space: Space, node: Node, looks: Looks, *, parent: str, prefix: str = "in_"
-) -> Furnished:
+def furnish_interior(space: Space, node: Node, looks: Looks, *, parent: str, prefix: str = "in_") -> Assembly:
     """Furnishes open cells in a space, with the boards between them.
 
     Args:
@@ -32,5 +31,5 @@ def furnish_interior(
         parent=parent,
     )
     cells = furnish_cells(placed, fitting, prefix)
-    solids: list[Primitive] = [fill_space(Space(x=space.x, y=y, z=z), "inside") for y, z in boards]
-    return Furnished(primitives=(*solids, *cells.primitives), parts=cells.parts)
+    solids: list[Primitive] = [block(space.x, y, z, "inside") for y, z in boards]
+    return Assembly((*solids, *cells.pieces), cells.parts)

@@ -1,55 +1,39 @@
 """Sinks: a basin in a worktop and a tap with a turning lever."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from artigen.shapes.fittings.hardware import Range, Space, fill_space
-from artigen.shapes.primitives import Primitive, cylinder
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.appliances.cavity import build_rim
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import choose
+from artigen.shapes.fittings.hardware import Range, Space, around, rotate
+from artigen.shapes.primitives import RIGHT, Primitive, block, cylinder
+from artigen.shapes.shape import ShapePart
 
 TAP_HEIGHT = 0.27
 """Height (m) of the tap above the worktop."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Sink:
-    """A worktop with its basin, and the lever of the tap."""
-
-    primitives: tuple[Primitive, ...]
-    parts: tuple[ShapePart, ...]
-
-
-def make_sink(rng: np.random.Generator, top: Space, span: Range, *, parent: str) -> Sink:
+def make_sink(rng: np.random.Generator, top: Space, span: Range, *, parent: str = "body") -> Assembly:
     """A worktop in a box: four boards around a steel basin within the ``span`` of y."""
     width, depth = top.width, top.depth
     under, height = top.z
-    long = min(float(rng.uniform(0.36, 0.6)), span[1] - span[0] - 0.1)
-    wide = min(float(rng.uniform(0.32, 0.4)), depth - 0.2)
-    deep = float(rng.uniform(0.14, 0.2))
+    long = min(choose(rng, 0.36, 0.6), span[1] - span[0] - 0.1)
+    wide = min(choose(rng, 0.32, 0.4), depth - 0.2)
+    deep = choose(rng, 0.14, 0.2)
     middle = (span[0] + span[1]) / 2
     x = (0.075 - depth / 2, 0.075 - depth / 2 + wide)
-    y = (middle - long / 2, middle + long / 2)
-    z = (under, height)
-    boards = [
-        Space(x=(-depth / 2, x[0]), y=(-width / 2, width / 2), z=z),
-        Space(x=(x[1], depth / 2), y=(-width / 2, width / 2), z=z),
-        Space(x=x, y=(-width / 2, y[0]), z=z),
-        Space(x=x, y=(y[1], width / 2), z=z),
-    ]
-    wall, floor, rim = 0.006, max(0.008, long / 60), height + 0.003
-    bottom = (height - deep, height - deep + floor)
-    sides = (bottom[1], rim)
-    basin = [
-        Space(x=x, y=y, z=bottom),
-        Space(x=(x[0], x[0] + wall), y=y, z=sides),
-        Space(x=(x[1] - wall, x[1]), y=y, z=sides),
-        Space(x=(x[0] + wall, x[1] - wall), y=(y[0], y[0] + wall), z=sides),
-        Space(x=(x[0] + wall, x[1] - wall), y=(y[1] - wall, y[1]), z=sides),
-    ]
+    y = around(middle, long / 2)
+    z, (front, side) = (under, height), (depth / 2, width / 2)
+    boards = (
+        block((-front, x[0]), around(0.0, side), z, "top"),
+        block((x[1], front), around(0.0, side), z, "top"),
+        block(x, (-side, y[0]), z, "top"),
+        block(x, (y[1], side), z, "top"),
+    )
+    bottom = (height - deep, height - deep + max(0.008, long / 60))
+    rim = build_rim(x, y, (bottom[1], height + 0.003), 0.006, "steel")
     tap, lever = _make_tap((x[1] + 0.055, middle, height), wide, parent)
-    solids = [fill_space(board, "top") for board in boards] + [fill_space(sheet, "steel") for sheet in basin]
-    return Sink(primitives=(*solids, *tap), parts=(lever,))
+    return Assembly((*boards, block(x, y, bottom, "steel"), *rim, *tap), (lever,))
 
 
 def _make_tap(
@@ -72,5 +56,5 @@ def _make_tap(
         cylinder((x, side, axle), (x, side - 0.028, axle), 0.016, "steel"),
         cylinder((x, side - 0.018, axle), (x, side - 0.018, axle + 0.095), 0.007, "steel"),
     )
-    turn = Motion(type="revolute", axis=(0.0, -1.0, 0.0), origin=(x, side, axle), upper=np.pi / 2)
-    return spout, ShapePart(name="lever", label="knob", parent=parent, primitives=lever, motion=turn)
+    turn = rotate(RIGHT, (x, side, axle), np.pi / 2)
+    return spout, ShapePart("lever", "knob", lever, turn, parent=parent)

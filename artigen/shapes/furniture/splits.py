@@ -12,8 +12,8 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.draw import pick
-from artigen.shapes.fittings.hardware import Edge, Range
+from artigen.shapes.choices import choose, choose_one, pick
+from artigen.shapes.fittings.hardware import Edge, Range, share_down
 
 Fill = Literal["open", "drawer", "door", "double", "drop", "lift", "fold", "slide", "blank"]
 Inside = Literal["empty", "shelves", "trays", "rod"]
@@ -162,7 +162,7 @@ def lay_out(
     last: Edge = "bottom" if rows else "right"
     cells: list[Placed] = []
     boards: list[tuple[Range, Range]] = []
-    spans = _divide(z if rows else y, node.shares, thick)
+    spans = share_down(z if rows else y, node.shares, thick)
     for index, (span, child) in enumerate(zip(spans, node.children, strict=True)):
         own = dict(reach)
         own |= {first: inner} if index > 0 else {}
@@ -179,14 +179,6 @@ def lay_out(
             gap = (lower[1], upper[0])
             boards.append((y, gap) if rows else (gap, z))
     return tuple(cells), tuple(boards)
-
-
-def _divide(span: Range, shares: tuple[float, ...], board: float) -> list[Range]:
-    """Divides a span from its upper end down, with boards between the parts."""
-    free = span[1] - span[0] - board * (len(shares) - 1)
-    parts = free * np.array(shares) / sum(shares)
-    tops = span[1] - np.concatenate([[0.0], np.cumsum(parts + board)[:-1]])
-    return [(float(top - part), float(top)) for top, part in zip(tops, parts, strict=True)]
 
 
 COLUMNS = {
@@ -211,7 +203,7 @@ def _draw_columns(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     ][-1:]
     count = int(rng.choice(counts))
     options = [s for s in COLUMNS[count] if min(s) / sum(s) * room.width >= 0.8 * low]
-    shares = options[int(rng.integers(len(options)))] if options else (1.0,) * count
+    shares = choose_one(rng, options) if options else (1.0,) * count
     children: list[Node] = []
     same = rng.random() < 0.35  # repeat the first column
     for index, share in enumerate(shares):
@@ -248,9 +240,9 @@ def _draw_stack(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     kind = rng.choice(3, p=(0.45, 0.3, 0.25))
     shares = np.ones(count)
     if kind == 1:
-        shares = np.linspace(1.0, float(rng.uniform(1.3, 1.9)), count)
+        shares = np.linspace(1.0, choose(rng, 1.3, 1.9), count)
     elif kind == 2 and count > 1:
-        shares[0] = float(rng.uniform(0.5, 0.7))
+        shares[0] = choose(rng, 0.5, 0.7)
     return stack_drawers(tuple(float(share) for share in shares))
 
 
@@ -264,7 +256,7 @@ def stack_drawers(shares: tuple[float, ...]) -> Node:
 
 def _draw_drawer_row(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     """A row of drawers above the rest, sometimes below it."""
-    high = float(rng.uniform(taste.drawer[0], min(taste.drawer[1], 0.2)))
+    high = choose(rng, taste.drawer[0], min(taste.drawer[1], 0.2))
     count = int(np.clip(round(room.width / rng.uniform(0.4, 0.9)), 1, 4))
     drawers: Node = Cell(fill="drawer")
     if count > 1:
@@ -281,9 +273,9 @@ def _draw_rows(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     """A tall space in two: lockers above, drawers below, or two parts in a typical proportion."""
     kind = rng.choice(3, p=(0.25, 0.4, 0.35))
     if kind == 0:
-        top = float(rng.uniform(0.3, 0.42))
+        top = choose(rng, 0.3, 0.42)
     elif kind == 1:
-        top = room.height - float(rng.uniform(0.35, 0.7))
+        top = room.height - choose(rng, 0.35, 0.7)
     else:
         top = room.height * float(rng.choice((0.382, 0.5, 0.618)))
     rooms = [
@@ -300,7 +292,7 @@ def _draw_rows(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
 
 def _draw_open_row(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     """An open compartment above or below the rest."""
-    high = float(rng.uniform(0.16, min(0.36, 0.45 * room.height)))
+    high = choose(rng, 0.16, min(0.36, 0.45 * room.height))
     rest = replace(room, height=room.height - high, level=room.level + 1, within="open_row")
     pair, shares = (Cell(fill="open"), draw_node(rng, rest, taste)), (high, room.height - high)
     if rng.random() < 0.4:
@@ -319,7 +311,7 @@ def _draw_blank(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     if room.height < 0.55:
         along = "columns"
     whole = room.width if along == "columns" else room.height
-    size = float(rng.uniform(0.27, 0.42)) * whole if along == "columns" else float(rng.uniform(0.13, 0.19))
+    size = choose(rng, 0.27, 0.42) * whole if along == "columns" else choose(rng, 0.13, 0.19)
     rest = replace(room, level=room.level + 1, within="blank")
     rest = replace(rest, width=whole - size) if along == "columns" else replace(rest, height=whole - size)
     pair, shares = (Cell(fill="blank"), _draw_closed(rng, rest, taste)), (size, whole - size)

@@ -6,8 +6,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from artigen.shapes.fittings.hardware import Range, Space, fill_space
-from artigen.shapes.primitives import Primitive, Vector, box, cylinder, prism, rounded_box
+from artigen.shapes.fittings.hardware import Range, Space, around, narrow
+from artigen.shapes.primitives import Primitive, Vector, block, cylinder, prism
 
 TopKind = Literal["plain", "rounded", "oval"]
 """A rectangle, a rectangle with round corners, or one with semicircular ends."""
@@ -28,14 +28,14 @@ def make_top(width: float, depth: float, z: Range, kind: TopKind, radius: float)
     """A board centred on the object, with round corners of ``radius`` (m)."""
     x, y = depth / 2, width / 2
     if kind == "plain":
-        return (rounded_box((-x, -y, z[0]), (x, y, z[1]), 0.003, "top"),)
+        return (block(around(0.0, x), around(0.0, y), z, "top", 0.003),)
     radius = x if kind == "oval" else radius
     inner_x, inner_y = x - radius, y - radius
-    boards = [box((-x, -inner_y, z[0]), (x, inner_y, z[1]), "top")]
+    boards = [block(around(0.0, x), around(0.0, inner_y), z, "top")]
     if kind == "rounded":
         ends = (-y, -inner_y), (inner_y, y)
-        boards += [box((-inner_x, low, z[0]), (inner_x, high, z[1]), "top") for low, high in ends]
-    across = (-inner_x, inner_x) if kind == "rounded" else (0.0,)
+        boards += [block(around(0.0, inner_x), (low, high), z, "top") for low, high in ends]
+    across = around(0.0, inner_x) if kind == "rounded" else (0.0,)
     corners = [(at_x, at_y) for at_x in across for at_y in (-inner_y, inner_y)]
     return (*boards, *(cylinder((*at, z[0]), (*at, z[1]), radius, "top") for at in corners))
 
@@ -66,10 +66,10 @@ def make_apron(
     """
     setback = 0.25 * leg
     spans: dict[Side, tuple[Range, Range]] = {
-        "front": ((x[0] + setback, x[0] + setback + WALL), (y[0] + leg, y[1] - leg)),
-        "back": ((x[1] - setback - WALL, x[1] - setback), (y[0] + leg, y[1] - leg)),
-        "right": ((x[0] + leg, x[1] - leg), (y[0] + setback, y[0] + setback + WALL)),
-        "left": ((x[0] + leg, x[1] - leg), (y[1] - setback - WALL, y[1] - setback)),
+        "front": ((x[0] + setback, x[0] + setback + WALL), narrow(y, leg)),
+        "back": ((x[1] - setback - WALL, x[1] - setback), narrow(y, leg)),
+        "right": (narrow(x, leg), (y[0] + setback, y[0] + setback + WALL)),
+        "left": (narrow(x, leg), (y[1] - setback - WALL, y[1] - setback)),
     }
     made: list[Primitive] = []
     for side in sides:
@@ -77,7 +77,7 @@ def make_apron(
         if arch and side in ("front", "back"):
             made += make_arch(span_x, span_y, z, arch, "leg")
         else:
-            made.append(fill_space(Space(x=span_x, y=span_y, z=z), "leg"))
+            made.append(block(span_x, span_y, z, "leg"))
     return tuple(made)
 
 
@@ -93,7 +93,7 @@ def make_arch(x: Range, y: Range, z: Range, rise: float, finish: str) -> tuple[P
             start: Vector = (x[0], middle, level)
             made.append(prism(profile - (middle, level), start, (x[1], middle, level), finish))
     reach = ARCH[-1][0] * length
-    made.append(fill_space(Space(x=x, y=(y[0] + reach, y[1] - reach), z=z), finish))
+    made.append(block(x, narrow(y, reach), z, finish))
     return tuple(made)
 
 
@@ -103,20 +103,20 @@ def make_stretchers(
     """Bars from leg to leg with lower edges at ``z``; they end at the axes of the legs."""
     x, y = _span_axes(legs)
     up, half = (z, z + 1.3 * width), width / 2
-    bars = [Space(x=x, y=(at - half, at + half), z=up) for at in y]
+    bars = [Space(x=x, y=around(at, half), z=up) for at in y]
     rows = {"h": (sum(x) / 2,), "ring": x, "rear": (x[1],)}[kind]
-    inner = (y[0] + half, y[1] - half) if kind == "h" else y
-    bars += [Space(x=(at - half, at + half), y=inner, z=up) for at in rows]
-    return tuple(fill_space(bar, "leg") for bar in bars)
+    inner = narrow(y, half) if kind == "h" else y
+    bars += [Space(x=around(at, half), y=inner, z=up) for at in rows]
+    return tuple(bar.fill("leg") for bar in bars)
 
 
 def make_panels(legs: Sequence[Primitive], z: Range) -> tuple[Primitive, ...]:
     """Boards that close the sides and the back between the legs, at the axes of the legs."""
     x, y = _span_axes(legs)
     half = PANEL / 2
-    boards = [Space(x=x, y=(at - half, at + half), z=z) for at in y]
-    boards.append(Space(x=(x[1] - half, x[1] + half), y=(y[0] + half, y[1] - half), z=z))
-    return tuple(fill_space(board, "body") for board in boards)
+    boards = [Space(x=x, y=around(at, half), z=z) for at in y]
+    boards.append(Space(x=around(x[1], half), y=narrow(y, half), z=z))
+    return tuple(board.fill("body") for board in boards)
 
 
 def _span_axes(legs: Sequence[Primitive]) -> tuple[Range, Range]:

@@ -22,13 +22,7 @@ from artigen.shapes.render.rays import (
     unpack_keys,
 )
 from artigen.shapes.render.scene import Instances, Scene, place_instances
-from artigen.shapes.render.shading import (
-    Material,
-    RenderConfig,
-    linear_from_srgb,
-    shade,
-    srgb_from_linear,
-)
+from artigen.shapes.render.shading import Material, RenderConfig, linear_from_srgb, shade, srgb_from_linear
 from artigen.shapes.surfaces.textures import apply_paint, find_rows
 
 
@@ -162,7 +156,7 @@ def _light_of(view: _View, cfg: RenderConfig) -> Float[Tensor, "B H W 3"]:
     through = torch.ones(count, device=device)
     surface, material = view.surface, _material_of(view)
     reached = light_surface(cameras, view.instances, surface, cfg)
-    scattered, mirrored = shade(surface, material, reached, cfg)
+    scattered, mirrored = shade(surface.normal, surface.view, material, reached, cfg)
     start = 0
     for seen in view.layers:
         layer = slice(start, start + seen)

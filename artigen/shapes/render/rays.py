@@ -118,11 +118,7 @@ def unpack_keys(key: Int[Tensor, "N"]) -> tuple[Float[Tensor, "N"], Int[Tensor, 
 
 
 def find_surface(
-    cameras: Cameras,
-    instances: Instances,
-    rays: Rays,
-    pixel: Int[Tensor, "N"],
-    key: Int[Tensor, "N"],
+    cameras: Cameras, instances: Instances, rays: Rays, pixel: Int[Tensor, "N"], key: Int[Tensor, "N"]
 ) -> Surface:
     """The surface at hits: its point in the world and at rest, and its normal."""
     depth, instance = unpack_keys(key)

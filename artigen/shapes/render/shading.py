@@ -7,7 +7,6 @@ from jaxtyping import Float, Int
 from torch import Tensor
 
 from artigen.shapes.primitives import Vector
-from artigen.shapes.render.rays import Surface
 from artigen.shapes.surfaces.textures import KINDS
 
 STEEL = KINDS.index("steel")
@@ -55,6 +54,13 @@ class RenderConfig:
             )
 
 
+EVEN_LIGHT = RenderConfig(
+    shadow_rays=0, lamp_strength=0.0, sky_strength=0.0, fill_strength=0.85, fill_tilt=0.15
+)
+"""Light from all around without shadows: a part keeps its colours when it moves, and a baked texture can be
+relit. Only corners are darker."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Material:
     """Surface properties that shading needs at some points."""
@@ -76,20 +82,32 @@ class Light:
 
 
 def shade(
-    surface: Surface, material: Material, light: Light, cfg: RenderConfig
+    normal: Float[Tensor, "N 3"],
+    view: Float[Tensor, "N 3"],
+    material: Material,
+    light: Light,
+    cfg: RenderConfig,
 ) -> tuple[Float[Tensor, "N 3"], Float[Tensor, "N 3"]]:
-    """Linear light that leaves a surface towards the camera: scattered, and mirrored."""
-    up = surface.normal[:, 2]
-    lamp = torch.nn.functional.normalize(surface.normal.new_tensor(cfg.lamp), dim=0)
-    facing = (surface.normal @ lamp).clamp(min=0.0)
+    """Linear light that leaves a surface towards the camera: scattered, and mirrored.
+
+    Args:
+        normal: Unit normals towards the camera.
+        view: Unit directions from the camera to the surface.
+        material: Properties of the surface.
+        light: Light that reaches it.
+        cfg: Lights of the room.
+    """
+    up = normal[:, 2]
+    lamp = torch.nn.functional.normalize(normal.new_tensor(cfg.lamp), dim=0)
+    facing = (normal @ lamp).clamp(min=0.0)
     fill = (1.0 - cfg.fill_tilt + cfg.fill_tilt * up) * light.open
     diffuse = (
         cfg.lamp_strength * facing * light.lamp
         + cfg.sky_strength * (0.15 + 0.85 * (0.5 + 0.5 * up)) * light.sky * (0.4 + 0.6 * light.open)
         + cfg.fill_strength * 1.25 * fill
     )
-    cosine = -(surface.normal * surface.view).sum(dim=1)
-    mirrored = surface.view + 2.0 * cosine[:, None] * surface.normal
+    cosine = -(normal * view).sum(dim=1)
+    mirrored = view + 2.0 * cosine[:, None] * normal
     metal = material.kind == STEEL
     base = torch.where(metal, 0.55 * material.gloss, 0.06 * material.gloss)
     fresnel = base + (0.5 * material.gloss - base).clamp(min=0.0) * (1.0 - cosine).clamp(0.0, 1.0) ** 5

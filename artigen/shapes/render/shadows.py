@@ -47,10 +47,7 @@ class Tiles:
 
 
 def find_lit(
-    instances: Instances,
-    image: Int[Tensor, "N"],
-    points: Float[Tensor, "N 3"],
-    light: Vector,
+    instances: Instances, image: Int[Tensor, "N"], points: Float[Tensor, "N 3"], light: Vector
 ) -> Bool[Tensor, "N"]:
     """Whether points of the images see the distant light; ``light`` is the unit direction towards it."""
     frame = _light_frame(light, points.device)

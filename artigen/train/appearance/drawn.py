@@ -13,14 +13,13 @@ import torch
 from jaxtyping import Int
 from scipy.spatial import KDTree
 
-from artigen.io import read_arrays
+from artigen.examples.appearance import lay_true_voxels
+from artigen.examples.shards import ShardConfig, ShardJob, draw_shard, load_shard, save_shard, split_rows
 from artigen.latent.draw import GenerateConfig, StructureModel, draw_cells, load_structure_model
 from artigen.latent.outline import outline_rows
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
-from artigen.train.appearance.examples import lay_true_voxels
-from artigen.train.shards import ShardConfig, ShardJob, draw_shard, save_shard
 from artigen.types import Asset, SurfaceSamples, VoxelGrid
 from artigen.voxels.frames import find_facings
 from artigen.voxels.layout import lay_out
@@ -200,18 +199,11 @@ def read_drawn_shard(path: Path) -> Iterator[DrawnVoxels]:
     Raises:
         SourceError: If the file is missing or damaged.
     """
-    arrays = read_arrays(path)
-    voxel_ends, row_ends = np.cumsum(arrays["voxel_counts"]), np.cumsum(arrays["row_counts"])
-    for voxels, rows, voxel_end, row_end in zip(
-        arrays["voxel_counts"], arrays["row_counts"], voxel_ends, row_ends, strict=True
-    ):
-        per_row, per_voxel = slice(row_end - rows, row_end), slice(voxel_end - voxels, voxel_end)
-        yield DrawnVoxels(
-            **{
-                name: arrays[name][per_row if name in PER_ROW else per_voxel].astype(np.int64)
-                for name in STORED
-            }
-        )
+    arrays = load_shard(path, ("voxel_counts", "row_counts", *STORED))
+    counts = {name: arrays["row_counts" if name in PER_ROW else "voxel_counts"] for name in STORED}
+    columns = [split_rows(arrays[name].astype(np.int64), counts[name]) for name in STORED]
+    for rows in zip(*columns, strict=True):
+        yield DrawnVoxels(**dict(zip(STORED, rows, strict=True)))
 
 
 def _find_like(

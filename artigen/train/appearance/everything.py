@@ -15,6 +15,13 @@ from artigen.appearance.presets import APPEARANCE_PRESETS
 from artigen.appearance.slat_flow import SlatFlow
 from artigen.appearance.vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
 from artigen.errors import SourceError
+from artigen.examples.appearance import (
+    AppearanceExample,
+    AppearanceShardConfig,
+    make_appearance_shard,
+    read_appearance_shard,
+)
+from artigen.examples.shards import HELD_OUT, make_shards
 from artigen.io import write_whole
 from artigen.metrics.appearance import score_vae
 from artigen.models.store import save_model
@@ -25,7 +32,6 @@ from artigen.train.appearance.drawn import (
     make_drawn_shard,
     read_drawn_shard,
 )
-from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.flow import train_appearance_flow
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.run import (
@@ -33,13 +39,7 @@ from artigen.train.appearance.run import (
     AppearanceStage,
     claim_appearance_run,
 )
-from artigen.train.appearance.shards import (
-    AppearanceShardConfig,
-    make_appearance_shard,
-    read_appearance_shard,
-)
 from artigen.train.appearance.vae import encode_appearance, train_appearance_vae
-from artigen.train.shards import HELD_OUT, make_shards
 from artigen.train.stage import begin_stage, describe_stage, load_stage, plan_loop
 
 logger = logging.getLogger(__name__)

@@ -13,6 +13,9 @@ from torch import Tensor, nn
 from artigen.appearance.linear_prior import Expectation, fit_expectation
 from artigen.appearance.paint import PAINT
 from artigen.appearance.slat_flow import SlatFlow
+from artigen.examples.appearance import AppearanceExample
+from artigen.examples.appearance_batches import place_batch
+from artigen.examples.batches import condition_batch, draw_batches, prefetch
 from artigen.models.conditions import (
     ALONE,
     ConditionBatch,
@@ -21,11 +24,8 @@ from artigen.models.conditions import (
     isolate_pictures,
 )
 from artigen.models.rectified_flow import diffuse, draw_times, target_velocity
-from artigen.train.appearance.batches import place_batch
 from artigen.train.appearance.drawn import DrawnVoxels
-from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.transfer import find_models, transfer_latents, transfer_looks
-from artigen.train.batches import condition_batch, draw_batches, prefetch
 from artigen.train.loop import LoopConfig, process_seed, train
 from artigen.train.structure import DROPOUT
 from artigen.types import PART_LABELS

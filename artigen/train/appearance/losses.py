@@ -6,20 +6,14 @@ Weights are those of TRELLIS. Its perceptual term takes any feature extractor he
 from dataclasses import dataclass
 
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from torch import Tensor
 
 from artigen.appearance.features import FeatureExtractor
-from artigen.appearance.gaussian_decoder import select_voxels
-from artigen.appearance.vae import AppearanceVae, Encoded
-from artigen.appearance.views import pick_cameras
+from artigen.appearance.vae import Encoded
+from artigen.examples.appearance_batches import PictureBatch
 from artigen.latent.conv_vae import kl_divergence
 from artigen.metrics.pictures import ssim_map
-from artigen.splats.render import RasterConfig, move_splats, rasterize
-from artigen.splats.render.splats import Splats
-from artigen.train.appearance.batches import PictureBatch
-
-CPU_FRAGMENTS, GPU_FRAGMENTS = 1 << 19, 1 << 24
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,53 +72,3 @@ def appearance_losses(
         maps = [extractor(torch.cat([one, torch.ones_like(one[:, :1])], dim=1)) for one in (first, second)]
         terms["perceptual"] = cfg.perceptual * (maps[0] - maps[1]).abs().mean()
     return terms
-
-
-def draw_pictures(splats: Splats, batch: PictureBatch, cfg: RasterConfig) -> Float[Tensor, "B M H W 3"]:
-    """Pictures of a batch: the Gaussians of each object, moved with their parts, from its cameras.
-
-    Args:
-        splats: Gaussians of all voxels of the batch, voxel after voxel.
-        batch: Joint states, cameras and backgrounds.
-        cfg: Configuration of the rasteriser.
-    """
-    return torch.stack(
-        [
-            draw_sample(
-                select_voxels(splats, batch.coords[:, 0] == sample),
-                batch.part_ids[batch.coords[:, 0] == sample],
-                batch,
-                sample,
-                cfg,
-            )
-            for sample in range(len(batch.cameras))
-        ]
-    )
-
-
-def draw_sample(
-    splats: Splats, part_ids: Int[Tensor, "N"], batch: PictureBatch, sample: int, cfg: RasterConfig
-) -> Float[Tensor, "M H W 3"]:
-    """The pictures of one object of a batch; ``part_ids`` are those of its voxels."""
-    owners = part_ids.repeat_interleave(len(splats.means) // len(part_ids))
-    cameras = batch.cameras[sample]
-    out = []
-    for picture, displacements in enumerate(batch.displacements[sample]):
-        one = torch.tensor([picture])
-        out.append(
-            rasterize(
-                move_splats(splats, owners, displacements),
-                pick_cameras(cameras, one),
-                background=batch.background[sample, picture],
-                cfg=cfg,
-            ).color[0]
-        )
-    return torch.stack(out)
-
-
-def raster_config(vae: AppearanceVae, device: torch.device) -> RasterConfig:
-    """Rasteriser configuration for a decoder's Gaussians, with working memory for the device."""
-    return RasterConfig(
-        filter_variance=vae.decoder.gaussians.screen_filter,
-        fragments=GPU_FRAGMENTS if device.type == "cuda" else CPU_FRAGMENTS,
-    )

@@ -10,8 +10,8 @@ from torch import Tensor
 
 from artigen.appearance.slat_flow import SlatFlow
 from artigen.appearance.vae import SIDE_CHANNELS
+from artigen.examples.appearance import AppearanceExample
 from artigen.train.appearance.drawn import DrawnVoxels
-from artigen.train.appearance.examples import AppearanceExample
 
 
 def find_models(

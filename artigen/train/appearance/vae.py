@@ -10,15 +10,16 @@ from torch import Tensor, nn
 
 from artigen.appearance.features import FeatureExtractor
 from artigen.appearance.vae import SIDE_CHANNELS, AppearanceVae
-from artigen.train.appearance.batches import PictureBatch, draw_picture_batches, voxel_batch
-from artigen.train.appearance.examples import AppearanceExample
-from artigen.train.appearance.losses import (
-    AppearanceLossConfig,
-    appearance_losses,
+from artigen.examples.appearance import AppearanceExample
+from artigen.examples.appearance_batches import (
+    PictureBatch,
+    draw_picture_batches,
     draw_pictures,
     raster_config,
+    voxel_batch,
 )
-from artigen.train.batches import prefetch
+from artigen.examples.batches import prefetch
+from artigen.train.appearance.losses import AppearanceLossConfig, appearance_losses
 from artigen.train.loop import LoopConfig, finished_steps, process_seed, train
 
 HIDDEN = 0.5

@@ -20,13 +20,15 @@ from sim_export.package import SimPackage
 from ..hulls import move_hull
 from .footprints import cached_package
 from .map import CELL, ROBOT_HEIGHT, reachable_map, way_to
-from .room import Item, Placement, Room, pose_matrix_of
+from .room import Item, Placement, Room, along_wall, pose_matrix_of
 from .solids import Solid, fixture_solids, item_hulls, item_motion, item_solid, make_solid, place_solid
 from .sweeps import Sweep, opening_joints, sweep_boxes, sweep_joint
 
 ProblemKind = Literal["overlap", "outside", "sweep", "standing", "unreachable", "unsupported"]
 DEPTH = 1e-6
 """Penetration (m) that is attributed to rounding."""
+PORCH = 0.4
+"""Depth (m) of the space behind the entrance that a door may take."""
 RESTS = 0.002
 """Largest distance (m) of an item from what it lies on."""
 CORNERS = 24
@@ -173,10 +175,16 @@ def _overlaps(objects: Sequence[Solid], fixtures: Sequence[Solid]) -> list[Probl
 
 
 def _outside(room: Room, objects: Sequence[Solid]) -> list[Problem]:
+    """Objects with a hull that is neither in the room nor in its entrance."""
+    way, size = room.entrance, room.size
+    stop, inner = way.start + way.width, size[1 if way.side in ("front", "back") else 0]
+    passage = along_wall(way.side, size, (way.start, -PORCH, 0.0), (stop, inner, way.height))
+    spaces = (np.array([(0.0, 0.0, 0.0), size]), passage)
     problems = []
     for solid in objects:
-        low, high = solid.boxes[:, 0].min(axis=0), solid.boxes[:, 1].max(axis=0)
-        beyond = float(np.maximum(-low, high - np.array(room.size)).max())
+        low, high = solid.boxes[:, 0], solid.boxes[:, 1]
+        past = [np.maximum(space[0] - low, high - space[1]).max(axis=1) for space in spaces]
+        beyond = float(np.minimum(*past).max())
         if beyond > DEPTH:
             message = f"{solid.id} reaches {1e3 * beyond:.2f} mm out of the room"
             problems.append(Problem(kind="outside", id=solid.id, other="room", depth=beyond, message=message))

@@ -182,13 +182,13 @@ def _level_tops(package: SimPackage, height: float) -> tuple[Float[np.ndarray, "
             continue
         for hull in link.hulls:
             points = hull.vertices[hull.vertices[:, 2] > height - LEVEL, :2]
-            outline = _outline(points)
+            outline = outline_of(points)
             if len(outline) >= 3:
                 tops.append(outline)
     return tuple(tops)
 
 
-def _outline(points: Float[np.ndarray, "N 2"]) -> Float[np.ndarray, "V 2"]:
+def outline_of(points: Float[np.ndarray, "N 2"]) -> Float[np.ndarray, "V 2"]:
     """Corners of the convex outline, counter-clockwise; empty if the points have no area."""
     from scipy.spatial import ConvexHull
 

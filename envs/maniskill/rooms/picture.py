@@ -22,7 +22,7 @@ from sim_export.picture.lighting import RenderConfig
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import move_surface, render_scene, surface_from_mesh, surface_points
 
-from .footprints import cached_package, read_footprint
+from .footprints import cached_package, outline_of, read_footprint
 from .room import Fixture, Item, Placement, Room, Side, pose_matrix_of
 from .solids import item_hulls, item_motion, item_solid
 from .sweeps import opening_joints, sweep_joint
@@ -145,17 +145,9 @@ def draw_plan(room: Room, cfg: RoomPictureConfig | None = None) -> UInt8[np.ndar
             name = placement.id.replace("_", " ")
             draw.text(pixel(corners.mean(axis=0)[None])[0], name, fill=(30, 32, 38), font=font, anchor="mm")
     for item in room.contents:
-        outline = _outline(item_solid(item, item_motion(room, item)).hulls.vertices)
+        outline = outline_of(item_solid(item, item_motion(room, item)).hulls.vertices[:, :2])
         draw.polygon(pixel(outline), outline=(50, 120, 70, 160))
     return np.asarray(picture)
-
-
-def _outline(points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "V 2"]:
-    """Convex outline from above."""
-    from scipy.spatial import ConvexHull
-
-    flat = points[:, :2]
-    return flat[ConvexHull(flat).vertices]
 
 
 def _rectangle(low: Sequence[float], high: Sequence[float]) -> Float[np.ndarray, "4 2"]:
@@ -183,7 +175,7 @@ def _sweep_outlines(placement: Placement) -> list[Float[np.ndarray, "V 2"]]:
                 for hull in package.links[index].hulls
             ]
             if points:
-                outlines.append(_outline(np.concatenate(points)))
+                outlines.append(outline_of(np.concatenate(points)[:, :2]))
     return outlines
 
 

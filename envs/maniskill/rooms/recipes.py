@@ -152,6 +152,7 @@ PRINTER = _role("printer", "Printer", (0.25, 0.3, 0.1), (0.5, 0.6, 0.5), draws=(
 TOASTER = _role("toaster", "Toaster", (0.2, 0.1, 0.12), (0.4, 0.4, 0.3), draws=(("Toaster", (0, 0, 0)),))
 BREAD = _role("bread box", "BreadBox", (0.15, 0.2, 0.12), (0.35, 0.5, 0.3), draws=(("BreadBox", (0, 0, 0)),))
 POT = _role("pot", "Pot", (0.1, 0.15, 0.08), (0.35, 0.5, 0.35), draws=(("Pot", (0, 0, 0)),))
+DOOR = _role("door", "Door", (0.1, 0.6, 1.9), (0.45, 1.2, 2.3), draws=(("Door", (0.2, 0, 0)),))
 WINDOW = _role("window", "Window", (0.05, 0.4, 0.6), (0.4, 1.9, 1.5), draws=(("Window", (0, 1.0, 1.2)),))
 TOILET = _role("toilet", "Toilet", (0.45, 0.3, 0.35), (0.8, 0.65, 1.2), draws=(("Toilet", (0, 0, 0)),))
 DRYER = _role("dryer", "Dryer", (0.4, 0.5, 0.7), (0.8, 0.8, 1.2), draws=(("Dryer", (0, 0, 0)),))
@@ -220,7 +221,7 @@ KITCHEN = Recipe(
         Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
         WINDOWS,
     ),
-    roles=(ISLAND, DINING, CART, BIN, WINDOW),
+    roles=(ISLAND, DINING, CART, BIN, DOOR, WINDOW),
     tops=(
         Share(role=MICROWAVE, least=0, wanted=2, most=2),
         Share(role=TABLE_OVEN, least=0, wanted=1, most=1),
@@ -248,7 +249,7 @@ OFFICE = Recipe(
         Group(name="bin", roles=("bin",), count=(0, 2), like="corner", near="desks"),
         WINDOWS,
     ),
-    roles=(DESK, PEDESTAL, BOOKCASE, FILING, SIDEBOARD, SAFE, SMALL_FRIDGE, CART, BIN, WINDOW),
+    roles=(DESK, PEDESTAL, BOOKCASE, FILING, SIDEBOARD, SAFE, SMALL_FRIDGE, CART, BIN, DOOR, WINDOW),
     tops=(
         Share(role=LAPTOP, least=0, wanted=3, most=3, on=("desk",)),
         Share(role=LAMP, least=0, wanted=2, most=2, on=("desk",)),
@@ -291,6 +292,7 @@ BEDROOM = Recipe(
         LOW_TABLE,
         BIN,
         LUGGAGE,
+        DOOR,
         WINDOW,
     ),
     tops=(
@@ -316,7 +318,7 @@ BATHROOM = Recipe(
         Group(name="cart", roles=("cart",), count=(0, 1), like="anywhere"),
         WINDOWS,
     ),
-    roles=(TOILET, WASHER, DRYER, NIGHTSTAND, BOOKCASE, DRESSER, BIN, CRATE, CART, WINDOW),
+    roles=(TOILET, WASHER, DRYER, NIGHTSTAND, BOOKCASE, DRESSER, BIN, CRATE, CART, DOOR, WINDOW),
     wall_color=(0.86, 0.91, 0.92),
 )
 
@@ -337,7 +339,7 @@ WORKSHOP = Recipe(
         Group(name="safe", roles=("safe",), count=(0, 1), like="corner"),
         WINDOWS,
     ),
-    roles=(DESK, TOOL_CHEST, FILING, BOOKCASE, FREEZER, CART, CRATE, BIN, SAFE, WINDOW),
+    roles=(DESK, TOOL_CHEST, FILING, BOOKCASE, FREEZER, CART, CRATE, BIN, SAFE, DOOR, WINDOW),
     tops=(
         Share(role=TOOL_BOX, least=0, wanted=3, most=3, on=("desk", "filing cabinet")),
         Share(role=LAMP, least=0, wanted=1, most=1, on=("desk",)),

@@ -1,7 +1,7 @@
 """Gapless runs of cabinets and appliances along walls, with fillers in corners and gaps."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
 
@@ -41,10 +41,7 @@ class Chooser:
         if self.sweeps == "free":
             return piece
         empty = np.zeros((0, 2, 3))
-        boxes = Boxes(bodies=piece.boxes.bodies, sweeps=empty, stands=empty)
-        return Piece(
-            role=role, entry=entry, boxes=boxes, face=piece.face, footprint=piece.footprint, front=front
-        )
+        return replace(piece, boxes=Boxes(bodies=piece.boxes.bodies, sweeps=empty, stands=empty))
 
 
 def draw_shortlists(

@@ -12,6 +12,7 @@ from jaxtyping import Float
 
 from artigen.transforms import rotation_about
 
+from ...hand import pose_matrix
 from ..robots import RobotSpec
 
 if TYPE_CHECKING:
@@ -38,29 +39,10 @@ class Chain:
 
 def read_arm(articulation: "PhysxArticulation", robot: RobotSpec) -> Chain:
     """The arm of a robot in the engine, with all other joints fixed at their current position."""
-    prefix = next(link.name for link in articulation.links if link.name.endswith(robot.tool))
+    link = next(link for link in articulation.links if link.name.endswith(robot.tool))
+    prefix = link.name.removesuffix(robot.tool)
     qpos = np.asarray(articulation.qpos, dtype=np.float64)
-    return read_chain(articulation, prefix.removesuffix(robot.tool), robot.tool, robot.arm, qpos)
-
-
-def read_chain(
-    articulation: "PhysxArticulation",
-    prefix: str,
-    tool: str,
-    arm: tuple[str, ...],
-    qpos: Float[np.ndarray, "Q"],
-) -> Chain:
-    """The joints named ``arm`` between the root and the link ``tool``.
-
-    Args:
-        articulation: The robot in the engine.
-        prefix: Prefix of every link and joint name there.
-        tool: Link of the end effector.
-        arm: Joints that may move, all of them turning; the others are fixed at ``qpos``.
-        qpos: Joint vector of the whole robot, rad and m.
-    """
     columns = {joint.name: index for index, joint in enumerate(articulation.active_joints)}
-    link = next(link for link in articulation.links if link.name == prefix + tool)
     way = []
     while link.parent is not None:
         way.append(link.joint)
@@ -68,15 +50,15 @@ def read_chain(
     before, limits, moving = [], [], []
     constant = np.eye(4)
     for joint in reversed(way):
-        constant = constant @ _matrix(joint.pose_in_parent)
-        if joint.name.removeprefix(prefix) in arm:
+        constant = constant @ pose_matrix(joint.pose_in_parent)
+        if joint.name.removeprefix(prefix) in robot.arm:
             before.append(constant)
             limits.append(np.asarray(joint.limit, dtype=np.float64).reshape(-1)[:2])
             moving.append(columns[joint.name])
             constant = np.eye(4)
         elif joint.name in columns:
             constant = constant @ held_motion(joint.type, float(qpos[columns[joint.name]]))
-        constant = constant @ np.linalg.inv(_matrix(joint.pose_in_child))
+        constant = constant @ np.linalg.inv(pose_matrix(joint.pose_in_child))
     lower, upper = np.array(limits).T
     return Chain(before=np.stack(before), tool=constant, lower=lower, upper=upper, columns=tuple(moving))
 
@@ -166,7 +148,3 @@ def held_motion(kind: str, value: float) -> Float[np.ndarray, "4 4"]:
     else:
         T[:3, :3] = rotation_about(X_AXIS, np.array(value))
     return T
-
-
-def _matrix(pose) -> np.ndarray:
-    return np.asarray(pose.to_transformation_matrix(), dtype=np.float64)

@@ -11,11 +11,12 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from artigen.transforms import inverse, rotation_about, transform_points
+from sim_export.collision.hulls import hull_planes
 from sim_export.package import Hull, PackageJoint
 
 from .body import HAND_GAP, Body
 from .field import distances
-from .grasp import SPARE, TIP, Grasps
+from .grasp import SPARE, TIP, Grasps, across, gripper_pose
 from .opening import Opening
 
 NEAR = 0.20
@@ -68,13 +69,13 @@ def push_contacts(opening: Opening, sign: float) -> Contacts:
         base = 0.5 * float(np.linalg.norm(points[k] - part.grip)) + 0.2 * (1.0 - lever[k])
         for lean in LEANS:
             for turn in np.linspace(0.0, 2.0 * np.pi, 1 if lean == 0.0 else AROUND, endpoint=False):
-                side = rotation_about(normals[k], np.array(turn)) @ _across(normals[k])
+                side = rotation_about(normals[k], np.array(turn)) @ across(normals[k])
                 point = -np.cos(lean) * normals[k] + np.sin(lean) * side
                 # Contact with the tip, and with the flank of the leaning finger.
                 place = points[k] - TIP * np.cos(lean) * point + FINGER * np.sin(lean) * normals[k]
-                for close in (_across(point), np.cross(point, _across(point))):
+                for close in (across(point), np.cross(point, across(point))):
                     for way_round in (1.0, -1.0):
-                        poses.append(_pose(opening, point, way_round * close, place))
+                        poses.append(gripper_pose(point, way_round * close, place, opening.robot))
                         cost.append(base + 0.15 * lean)
                         out.append(normals[k])
     return _with_room(opening, Contacts(**_arrays(poses, cost, out)), opening.closed, TOUCHING)
@@ -93,10 +94,10 @@ def pinch_grasps(opening: Opening) -> Grasps:
     for k in np.flatnonzero(np.isfinite(thick) & (lever > LEVER)):
         base = 0.5 * float(np.linalg.norm(points[k] - part.grip)) + 0.2 * (1.0 - lever[k])
         for turn in np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False):
-            point = rotation_about(normals[k], np.array(turn)) @ _across(normals[k])
+            point = rotation_about(normals[k], np.array(turn)) @ across(normals[k])
             place = points[k] - 0.5 * thick[k] * normals[k]
             for way_round in (1.0, -1.0):
-                poses.append(_pose(opening, point, way_round * normals[k], place))
+                poses.append(gripper_pose(point, way_round * normals[k], place, robot))
                 cost.append(base + 0.1 * max(0.0, float(point[2])))
                 out.append(normals[k])
     found = _with_room(opening, Contacts(**_arrays(poses, cost, out)), opening.body, 0.0, fingers=True)
@@ -192,10 +193,8 @@ def _thickness(
 
 def is_inside(hull: Hull, points: Float[np.ndarray, "*N 3"]) -> Bool[np.ndarray, "*N"]:
     """Whether points lie in a hull."""
-    a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
-    normals = np.cross(b - a, c - a)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
-    return (points @ normals.T <= (normals * a).sum(axis=1) + 1e-6).all(axis=-1)
+    planes = hull_planes(hull)
+    return np.asarray((points @ planes[:, :3].T <= planes[:, 3] + 1e-6).all(axis=-1))
 
 
 def _velocity(joint: PackageJoint, points: Float[np.ndarray, "P 3"]) -> Float[np.ndarray, "P 3"]:
@@ -203,21 +202,6 @@ def _velocity(joint: PackageJoint, points: Float[np.ndarray, "P 3"]) -> Float[np
     if joint.type == "prismatic":
         return np.repeat(np.asarray(joint.axis)[None], len(points), axis=0)
     return np.cross(joint.axis, points - joint.origin)
-
-
-def _pose(opening: Opening, point: np.ndarray, close: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Tool pose for a pointing and a closing direction."""
-    T = np.eye(4)
-    T[:3, :3] = np.stack([point, close, np.cross(point, close)], axis=1) @ opening.robot.tool_axes.T
-    T[:3, 3] = place
-    return T
-
-
-def _across(direction: np.ndarray) -> np.ndarray:
-    """A unit vector perpendicular to a direction, horizontal if possible."""
-    side = np.cross(direction, [0.0, 0.0, 1.0])
-    length = float(np.linalg.norm(side))
-    return side / length if length > 1e-2 else np.array([0.0, 1.0, 0.0])
 
 
 def _arrays(poses: list, cost: list, normals: list) -> dict[str, np.ndarray]:

@@ -11,6 +11,7 @@ from jaxtyping import Float
 from artigen.transforms import inverse
 from sim_export.package import Hull
 
+from ...hand import pose_matrix
 from ..hulls import hulls_at
 from ..objects import TaskPart
 from ..robots import RobotSpec
@@ -105,8 +106,7 @@ def object_hulls(driver: Driver, part: TaskPart) -> tuple[tuple[Hull, ...], tupl
 
 def root_pose(driver: Driver) -> Float[np.ndarray, "4 4"]:
     """``T_world_root`` of the robot's root link."""
-    pose = driver.task.agent.robot._objs[0].root_pose
-    return np.asarray(pose.to_transformation_matrix(), dtype=np.float64)
+    return pose_matrix(driver.task.agent.robot._objs[0].root_pose)
 
 
 def step(driver: Driver, target: Float[np.ndarray, "J"]) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.ndimage import distance_transform_edt
 
+from sim_export.collision.hulls import hull_planes
 from sim_export.package import Hull
 
 FINEST = 0.008
@@ -77,14 +78,8 @@ def distances(field: Field, points: Float[np.ndarray, "*N 3"]) -> Float[np.ndarr
 
 def _within(hull: Hull, axes: list[np.ndarray], slack: float) -> Bool[np.ndarray, "X Y Z"]:
     """Grid points inside a hull or at most ``slack`` beyond one of its planes."""
-    a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
-    normals = np.cross(b - a, c - a)
-    length = np.linalg.norm(normals, axis=1)
-    keep = length > 1e-12
-    normals = normals[keep] / length[keep, None]
-    planes = np.c_[normals, (normals * a[keep]).sum(axis=1)]
     inside = np.ones([len(axis) for axis in axes], dtype=bool)
-    for nx, ny, nz, d in np.unique(np.round(planes, 7), axis=0):
+    for nx, ny, nz, d in np.unique(np.round(hull_planes(hull), 7), axis=0):
         level = nx * axes[0][:, None, None] + ny * axes[1][None, :, None] + nz * axes[2][None, None, :]
         inside &= level <= d + slack
     return inside

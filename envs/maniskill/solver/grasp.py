@@ -54,7 +54,7 @@ def find_grasps(handle: HandleAnnotation, held: tuple[Hull, ...], robot: RobotSp
     middle = handle.corners.mean(axis=0)
     half = (handle.grasp_line[1] - handle.grasp_line[0]) / 2.0
     length = float(np.linalg.norm(half))
-    bar = half / length if length > 1e-6 else _across(handle.normal)
+    bar = half / length if length > 1e-6 else across(handle.normal)
     point = -handle.normal + (handle.normal @ bar) * bar
     point /= np.linalg.norm(point)
     close = np.cross(bar, point)
@@ -65,7 +65,7 @@ def find_grasps(handle: HandleAnnotation, held: tuple[Hull, ...], robot: RobotSp
                 turn = rotation_about(bar, tilt) @ rotation_about(close, yaw)
                 for sign in (1.0, -1.0):
                     ahead, between = turn @ point, sign * (turn @ close)
-                    poses.append(_pose((ahead, between, np.cross(ahead, between)), middle + along * half))
+                    poses.append(gripper_pose(ahead, between, middle + along * half))
                     cost.append(0.1 * abs(along) + 0.3 * abs(yaw) + 0.6 * abs(tilt))
     width, long = handle.width, float(np.ptp(handle.corners @ bar))
     if long + SPARE <= robot.opening:  # knob or short pull: neighbours may leave room one way only
@@ -73,8 +73,7 @@ def find_grasps(handle: HandleAnnotation, held: tuple[Hull, ...], robot: RobotSp
         for yaw in HUB_YAWS:
             for sign in (1.0, -1.0):
                 turn = rotation_about(bar, yaw)
-                axes = (turn @ point, sign * bar, np.cross(turn @ point, sign * bar))
-                poses.append(_pose(axes, middle))
+                poses.append(gripper_pose(turn @ point, sign * bar, middle))
                 cost.append(ACROSS + 0.3 * abs(yaw))
     width = min(robot.opening, width + ROOMY)
     return Grasps(poses=np.array(poses), cost=np.array(cost), width=width)
@@ -91,7 +90,7 @@ def _hub_grasps(handle: HandleAnnotation, held: tuple[Hull, ...], robot: RobotSp
     if reach.max() - behind < LEAST_HUB:
         return none
     hub = np.concatenate([hull.vertices for hull, flag in zip(held, foremost, strict=True) if flag])
-    level = _across(handle.normal)
+    level = across(handle.normal)
     poses, cost = [], []
     for close in (level, np.cross(handle.normal, level)):
         if np.ptp(hub @ close) + SPARE > robot.opening:
@@ -100,21 +99,28 @@ def _hub_grasps(handle: HandleAnnotation, held: tuple[Hull, ...], robot: RobotSp
         middle += (behind + TIP + TIP_GAP - middle @ handle.normal) * handle.normal
         for yaw in HUB_YAWS:
             for sign in (1.0, -1.0):
-                turn, between = rotation_about(close, yaw), sign * close
-                ahead = turn @ -handle.normal
-                poses.append(_pose((ahead, between, np.cross(ahead, between)), middle))
+                ahead = rotation_about(close, yaw) @ -handle.normal
+                poses.append(gripper_pose(ahead, sign * close, middle))
                 cost.append(0.3 * abs(yaw))
     return Grasps(poses=np.array(poses), cost=np.array(cost), width=robot.opening) if poses else none
 
 
-def _pose(axes: tuple[np.ndarray, np.ndarray, np.ndarray], place: np.ndarray) -> np.ndarray:
+def gripper_pose(
+    point: Float[np.ndarray, "3"],
+    close: Float[np.ndarray, "3"],
+    place: Float[np.ndarray, "3"],
+    robot: RobotSpec | None = None,
+) -> Float[np.ndarray, "4 4"]:
+    """Pose with x along a pointing and y along a closing direction, or the pose of a robot's tool there."""
     T = np.eye(4)
-    T[:3, :3], T[:3, 3] = np.stack(axes, axis=1), place
+    T[:3, :3], T[:3, 3] = np.stack([point, close, np.cross(point, close)], axis=1), place
+    if robot is not None:
+        T[:3, :3] = T[:3, :3] @ robot.tool_axes.T
     return T
 
 
-def _across(normal: np.ndarray) -> np.ndarray:
-    """A horizontal direction along a panel, for a knob without a long side."""
-    side = np.cross(normal, [0.0, 0.0, 1.0])
+def across(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+    """A unit vector perpendicular to a direction, horizontal if possible."""
+    side = np.cross(direction, [0.0, 0.0, 1.0])
     length = float(np.linalg.norm(side))
     return side / length if length > 1e-3 else np.array([0.0, 1.0, 0.0])

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from artigen.transforms import inverse
 
@@ -21,6 +21,8 @@ NEAREST, NEAREST_HAND = 0.012, 0.004
 """Clearances of arm and hand below which they count as pressing, metres."""
 PRESSED = 20.0
 """Cost per metre by which the arm would press into a solid along a path."""
+COMPARED = 12
+"""Number of ways along the path whose clearances are compared."""
 STEP = 0.025
 """Travel of the handle between two waypoints, metres."""
 BEYOND = 0.06
@@ -68,6 +70,13 @@ class Opening:
         """Poses of the closed part's frame in the root's, at fractions of its range."""
         return self.T_root_object @ part_motion(self.part, fractions)
 
+    def obstacles(self, at: Float[np.ndarray, "*B 4 4"]) -> tuple[Obstacle, Obstacle]:
+        """The other solids, and those of the part with the closed part's frame at ``at`` in the root's."""
+        return (
+            Obstacle(field=self.others, T_field_root=inverse(self.T_root_object)),
+            Obstacle(field=self.carried, T_field_root=inverse(at)),
+        )
+
     def way(self, begin: float, end: float) -> Way:
         """Motion from ``begin`` to slightly beyond ``end``; the lever of a latched leaf is turned before."""
         carried = self.motions(path_fractions(self.part, begin, end))
@@ -96,18 +105,40 @@ def path_fractions(part: TaskPart, begin: float, end: float) -> Float[np.ndarray
     return np.linspace(begin, beyond, max(LEAST_STEPS, int(np.ceil(travel / STEP))) + 1)
 
 
-def pressure(
+def least_pressing(
     opening: Opening,
-    ways: Float[np.ndarray, "N K J"],
+    path: Float[np.ndarray, "N K J"],
     motions: Float[np.ndarray, "N 4 4"],
+    cost: Float[np.ndarray, "K"],
+    good: Int[np.ndarray, "G"],
+    *,
+    skip: int = 0,
     body: Body | None = None,
+) -> tuple[int, float]:
+    """The best of K ways along the part's motion, and the distance (m) by which the arm would press into
+    solids on it.
+
+    Args:
+        opening: The arm and the part.
+        path: The ways.
+        motions: Motion of the part, in the frame of the robot's root.
+        cost: Costs of the ways, to which pressing adds.
+        good: Indices of the ways to choose from.
+        skip: Number of best ways to skip.
+        body: The arm; default: with open fingers.
+    """
+    good = good[np.argsort(cost[good], kind="stable")][: skip + COMPARED]
+    pressed = _pressure(opening, path[:, good], motions, body or opening.body)
+    chosen = np.argsort(cost[good] + PRESSED * pressed, kind="stable")[skip]
+    return int(good[chosen]), float(pressed[chosen])
+
+
+def _pressure(
+    opening: Opening, ways: Float[np.ndarray, "N K J"], motions: Float[np.ndarray, "N 4 4"], body: Body
 ) -> Float[np.ndarray, "K"]:
-    """Distance (m) by which the arm would press into solids on each of K ways along the part's motion: the
-    sum of maximum and mean. The hand may touch the part. The arm is ``body``, by default with open
-    fingers."""
-    body, still = body or opening.body, inverse(opening.T_root_object)
-    others = Obstacle(field=opening.others, T_field_root=still)
-    carried = Obstacle(field=opening.carried, T_field_root=np.repeat(inverse(motions), ways.shape[1], axis=0))
+    """Distance (m) by which the arm would press into solids on each way: the sum of maximum and mean. The
+    hand may touch the part."""
+    others, carried = opening.obstacles(np.repeat(motions, ways.shape[1], axis=0))
     q = ways.reshape(-1, ways.shape[2])
     pressed = np.zeros(len(q))
     hand = body.gap <= HAND_GAP
@@ -127,10 +158,7 @@ def way_around(
     work = Work(
         chain=opening.chain, robot=opening.robot,
         body=replace(opening.body, gap=CLOSE * opening.body.gap),
-        obstacles=(
-            Obstacle(field=opening.others, T_field_root=inverse(opening.T_root_object)),
-            Obstacle(field=opening.carried, T_field_root=inverse(at)),
-        ),
+        obstacles=opening.obstacles(at),
     )  # fmt: skip
     way = detour(work, q, goal, seed=0)
     return goal[None] if way is None else way

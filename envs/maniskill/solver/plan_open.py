@@ -15,14 +15,12 @@ from ..robots import RobotSpec
 from .chain import Chain, solve, tool_pose
 from .contacts import pinch_grasps
 from .grasp import Grasps, find_grasps
-from .opening import PRESSED, Opening, pressure, way_around
+from .opening import Opening, least_pressing, way_around
 from .reach import NEAR, follow, reach, starts_of
 
 BACK = 0.10
 """Distance in front of the handle at which the open gripper stops before grasping, metres."""
 LOOSE = 0.01
-COMPARED = 12
-"""Number of ways along the path whose clearances are compared."""
 MOST_TURN = 0.9
 """Largest rotation of the gripper about the held geometry, rad, where the arm cannot turn along with a
 door."""
@@ -38,8 +36,7 @@ class OpenPlan:
     joint's path; retreat.
 
     ``width`` is the opening of the fingers (m) before they close on a handle, 0 if they push and stay closed.
-    ``miss`` is the largest position error along the path and ``pressed`` the largest missing clearance of the
-    arm, metres.
+    ``pressed`` is the distance (m) by which the arm presses into solids along the path.
     """
 
     before: Float[np.ndarray, "B J"]
@@ -47,7 +44,6 @@ class OpenPlan:
     path: Float[np.ndarray, "N J"]
     leave: Float[np.ndarray, "L J"]
     width: float
-    miss: float
     pressed: float
 
 
@@ -121,18 +117,14 @@ def plan_open(
             f"joint {part.joint.name!r}: {len(good)} grasps can be carried along the path within "
             f"{1e3 * NEAR:.0f} mm, the best misses it by {1e3 * missed.min():.0f} mm"
         )
-    good = good[np.argsort(cost[good], kind="stable")][: skip + COMPARED]
-    pressed = pressure(opening, path[:, good], way.carried)
-    chosen = np.argsort(cost[good] + PRESSED * pressed, kind="stable")[skip]
-    best = good[chosen]
+    best, pressed = least_pressing(opening, path, way.carried, cost, good, skip=skip)
     return OpenPlan(
         before=way_around(opening, begin, q, drawn_back(chain, robot, path[0, best])),
         approach=path[:1, best],
         path=path[1:, best],
         leave=drawn_back(chain, robot, path[-1, best])[None],
         width=grasps.width,
-        miss=float(missed[best]),
-        pressed=float(pressed[chosen]),
+        pressed=pressed,
     )
 
 

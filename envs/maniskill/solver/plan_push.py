@@ -10,8 +10,9 @@ from artigen.transforms import rotation_about
 
 from ..objects import TaskPart
 from ..robots import RobotSpec
-from .opening import PRESSED, Opening, path_fractions, pressure, way_around
-from .plan_open import COMPARED, NoPlan, OpenPlan
+from .grasp import gripper_pose
+from .opening import Opening, least_pressing, path_fractions, way_around
+from .plan_open import NoPlan, OpenPlan
 from .reach import NEAR, follow, reach, starts_of
 
 AJAR = 0.22
@@ -63,18 +64,14 @@ def plan_push(opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: fl
             f"joint {name!r}: no way along the inside of its edge, the best misses by "
             f"{1e3 * missed.min():.0f} mm"
         )
-    good = good[np.argsort(total[good], kind="stable")][:COMPARED]
-    pressed = pressure(opening, path[:, good], motions)
-    chosen = int(np.argmin(total[good] + PRESSED * pressed))
-    best = good[chosen]
+    best, pressed = least_pressing(opening, path, motions, total, good)
     return OpenPlan(
         before=way_around(opening, begin, q, entry[-1, best]),
         approach=entry[-2::-1, best],
         path=path[1:, best],
         leave=path[-1:, best],
         width=0.0,
-        miss=float(missed[best]),
-        pressed=float(pressed[chosen]),
+        pressed=pressed,
     )
 
 
@@ -101,12 +98,8 @@ def _contacts(part: TaskPart, robot: RobotSpec) -> tuple[np.ndarray, np.ndarray,
                     point = rotation_about(axis, slant) @ push
                     if point @ radial > 0.0:
                         point = rotation_about(axis, -slant) @ push
-                    T = np.eye(4)
-                    T[:3, 0], T[:3, 1] = point, sign * axis
-                    T[:3, 2] = np.cross(T[:3, 0], T[:3, 1])
-                    T[:3, :3] = T[:3, :3] @ robot.tool_axes.T
-                    T[:3, 3] = origin + at * axis + (edge - insert) * radial + (inner - FINGER) * push
-                    poses.append(T)
+                    place = origin + at * axis + (edge - insert) * radial + (inner - FINGER) * push
+                    poses.append(gripper_pose(point, sign * axis, place, robot))
                     cost.append(0.5 * abs(height) + 2.0 * insert + 0.2 * abs(slant - np.pi / 2.0))
                     off = -0.04 * push
                     outside.append([off, off + (insert + SPREAD) * radial])

@@ -8,13 +8,11 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Bool, Float
 
-from artigen.transforms import inverse
-
 from ..objects import TaskPart
-from .body import Obstacle, is_free
+from .body import is_free
 from .contacts import push_contacts
-from .opening import PRESSED, Opening, pressure, way_around
-from .plan_open import COMPARED, NoPlan, OpenPlan
+from .opening import Opening, least_pressing, way_around
+from .plan_open import NoPlan, OpenPlan
 from .reach import NEAR, follow, reach, starts_of
 
 OFF = 0.02
@@ -48,11 +46,8 @@ def _enters(
     """Whether each approach to the surface is collision-free."""
     ways = np.linspace(entry[1:-1], entry[2:], SAMPLES).reshape(-1, entry.shape[2])
     body = replace(opening.closed, gap=np.full(len(opening.closed.gap), ENTERED))
-    obstacles = (
-        Obstacle(field=opening.others, T_field_root=inverse(opening.T_root_object)),
-        Obstacle(field=opening.carried, T_field_root=inverse(at)),
-    )
-    return np.asarray(is_free(opening.chain, body, obstacles, ways).reshape(SAMPLES, -1).all(axis=0))
+    free = is_free(opening.chain, body, opening.obstacles(at), ways)
+    return np.asarray(free.reshape(SAMPLES, -1).all(axis=0))
 
 
 def plan_touch(
@@ -90,16 +85,12 @@ def plan_touch(
             f"joint {name!r}: {len(good)} ways to push it along its path, the best misses by "
             f"{1e3 * missed.min():.0f} mm"
         )
-    good = good[np.argsort(total[good], kind="stable")][: skip + COMPARED]
-    pressed = pressure(opening, path[:, good], motions, opening.closed)
-    chosen = np.argsort(total[good] + PRESSED * pressed, kind="stable")[skip]
-    best = good[chosen]
+    best, pressed = least_pressing(opening, path, motions, total, good, skip=skip, body=opening.closed)
     return OpenPlan(
         before=way_around(opening, begin, q, entry[-1, best]),
         approach=entry[-2::-1, best],
         path=path[1:, best],
         leave=entry[::-1, best][-1:],
         width=0.0,
-        miss=float(missed[best]),
-        pressed=float(pressed[chosen]),
+        pressed=pressed,
     )

@@ -26,6 +26,7 @@ from artigen.cli.generate import (
     generate_object,
 )
 from artigen.errors import ArtigenError
+from artigen.examples.photographs import photograph_shape
 from artigen.latent.draw import build_structure_model
 from artigen.latent.presets import PRESETS
 from artigen.models.description import hash_model
@@ -36,7 +37,6 @@ from artigen.sketch.fault import Fault
 from artigen.sketch.model import Drawn, save_sketch_network
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig
-from artigen.train.photographs import photograph_shape
 from artigen.types import Asset
 from sim_export.files.read import read_package
 

@@ -14,9 +14,12 @@ from sample_partnet import write_sample
 
 import artigen.metrics.draws
 import artigen.metrics.evaluate
-from artigen.cli.evaluate import EvaluateSettings, evaluate
-from artigen.cli.train import TrainSettings, train
+from artigen.cli.evaluate import evaluate
+from artigen.cli.train import train
 from artigen.errors import ArtigenError, SegmentationError, SourceError
+from artigen.examples.real import RealJob, list_split, read_real
+from artigen.examples.shards import HELD_OUT
+from artigen.examples.structure import draw_example, read_shard, write_shard
 from artigen.latent.draw import GenerateConfig, load_structure_model
 from artigen.latent.presets import PRESETS
 from artigen.latent.structure_vae import StructureVae
@@ -26,20 +29,18 @@ from artigen.metrics.evaluate import Evaluation, evaluate_structure
 from artigen.metrics.instantiation import InstantiationConfig
 from artigen.metrics.report import write_report
 from artigen.metrics.score import ScoreConfig
+from artigen.metrics.settings import EvaluateSettings
 from artigen.metrics.shapes import ShapeSource
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
-from artigen.models.rectified_flow import SamplerConfig
 from artigen.models.store import load_model, save_model
 from artigen.models.tensors import read_tensors
 from artigen.runtime.run_config import claim_folder
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.train.curves import draw_curves, read_metrics
-from artigen.train.examples import draw_example
 from artigen.train.loop import finished_steps
-from artigen.train.real import RealJob, list_split, read_real
-from artigen.train.shards import HELD_OUT, read_shard, write_shard
+from artigen.train.settings import TrainSettings
 from artigen.types import Asset
 from artigen.weights import SHIPPED
 
@@ -156,7 +157,8 @@ def test_the_command_knows_every_preset():
 COARSE = EvaluateConfig(
     held_out=7,
     training=7,
-    sampler=SamplerConfig(steps=2),
+    steps=2,
+    strength=3.0,
     image_size=32,
     score=ScoreConfig(per_part=50, points=300, poses=InstantiationConfig(poses=2, points=40)),
     workers=1,

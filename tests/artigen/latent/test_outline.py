@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import torch
 
+from artigen.examples.structure import draw_example
 from artigen.latent.outline import (
     DEPTH,
     OutlineBatch,
@@ -22,7 +23,6 @@ from artigen.latent.presets import PRESETS
 from artigen.latent.structure_vae import StructureVae
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
-from artigen.train.examples import draw_example
 from artigen.types import PART_LABELS, Asset
 from artigen.voxels.fields import ROW, part_attributes
 from artigen.voxels.voxelize import voxelize

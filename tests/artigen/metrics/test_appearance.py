@@ -14,9 +14,11 @@ from artigen.appearance.photographs import NOTHING
 from artigen.appearance.presets import APPEARANCE_PRESETS
 from artigen.appearance.slat_flow import SlatFlow
 from artigen.appearance.views import ViewConfig
-from artigen.cli.evaluate import AppearanceViews, EvaluateSettings, evaluate
-from artigen.cli.train import AppearanceSettings, TrainSettings, train
+from artigen.cli.evaluate import AppearanceViews, evaluate
+from artigen.cli.train import AppearanceSettings, train
 from artigen.errors import ArtigenError, SourceError
+from artigen.examples.appearance import draw_appearance, write_appearance_shard
+from artigen.examples.shards import HELD_OUT
 from artigen.metrics.appearance import Comparison, score_comparisons, score_sets, split_states
 from artigen.metrics.part_colors import color_error, mean_colors
 from artigen.metrics.pictures import (
@@ -26,13 +28,12 @@ from artigen.metrics.pictures import (
     measure_ssim,
     ssim_map,
 )
+from artigen.metrics.settings import EvaluateSettings
 from artigen.metrics.splat_distance import score_distances
 from artigen.models.store import load_model
 from artigen.splats.render.splats import Splats
-from artigen.train.appearance.examples import draw_appearance
-from artigen.train.appearance.shards import write_appearance_shard
 from artigen.train.loop import finished_steps
-from artigen.train.shards import HELD_OUT
+from artigen.train.settings import TrainSettings
 from artigen.types import SurfaceSamples
 from artigen.weights import SHIPPED
 

@@ -7,9 +7,8 @@ import pytest
 
 from artigen.conditioning.delivery import asset_size, has_counts, part_counts, size_error
 from artigen.metrics.chamfer import chamfer
-from artigen.metrics.clouds import sample_cells, sample_parts
+from artigen.metrics.clouds import sample_cells, sample_every_part
 from artigen.metrics.compat import compat_distance, pair_with_leftovers
-from artigen.metrics.deviations import part_deviations
 from artigen.metrics.distribution import coverage, minimum_matching_distance, nearest_neighbour_accuracy
 from artigen.metrics.instantiation import (
     InstantiationConfig,
@@ -18,6 +17,7 @@ from artigen.metrics.instantiation import (
     pose_object,
 )
 from artigen.metrics.strict import PENALTY, strict_distance
+from artigen.metrics.structure import part_deviations
 from artigen.types import PART_LABELS, Asset, Joint, Part, VoxelGrid
 
 POINTS = 4000
@@ -95,12 +95,12 @@ def test_the_distance_of_a_shifted_cloud_is_the_shift_squared_both_ways():
 
 def test_points_lie_in_the_cells_of_their_parts_and_follow_from_the_seed(oven: Asset):
     assert oven.voxels is not None
-    for cloud in (sample_cells(oven, POINTS), sample_parts(oven, 50)):
+    for cloud in (sample_cells(oven, POINTS), sample_every_part(oven, 50)):
         for index, part in enumerate(oven.parts):
             inside = np.abs(cloud.points[cloud.part_ids == index] - part.box[0]) <= part.box[1] / 2
             assert inside.all()
     assert np.array_equal(sample_cells(oven, POINTS).points, sample_cells(oven, POINTS).points)
-    assert (np.bincount(sample_parts(oven, 50).part_ids) == 50).all()
+    assert (np.bincount(sample_every_part(oven, 50).part_ids) == 50).all()
     shares = np.bincount(sample_cells(oven, 10 * len(oven.voxels.coords)).part_ids)
     assert np.array_equal(shares, 10 * np.bincount(oven.voxels.part_ids))
 

@@ -7,6 +7,8 @@ import pytest
 import torch
 from grammar_source import grammar_source
 
+from artigen.examples.shards import ShardConfig, ShardJob
+from artigen.examples.structure import make_shard, read_shard
 from artigen.latent.presets import PRESETS
 from artigen.latent.structure_vae import StructureVae
 from artigen.metrics.instantiation import pose_set
@@ -17,7 +19,6 @@ from artigen.metrics.structure import score_reconstruction, score_spread
 from artigen.metrics.subjects import Field, Subject, describe_subject, draw_subjects
 from artigen.models.conditions import StructureCondition
 from artigen.shapes.draw import ShapeError
-from artigen.train.shards import ShardConfig, ShardJob, make_shard, read_shard
 from artigen.voxels.fields import ROW
 
 COARSE = ScoreConfig(per_part=100, points=1000)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from artigen.shapes.draw import ShapeError, Wish, categories, choose, choose_style, draw_shape
+from artigen.shapes.choices import choose, choose_style
+from artigen.shapes.draw import ShapeError, Wish, categories, draw_shape
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
 from artigen.types import PAPER_CATEGORIES, PART_LABELS

@@ -56,7 +56,7 @@ def test_what_a_latch_holds_turns_freely_and_what_none_holds_resists():
     )
     assert latched["link_0"].friction == pytest.approx(0.3)
     assert loose["link_0"].friction > 3.0
-    assert latched["link_1"].friction == pytest.approx(2.0 * loose["link_1"].friction)
+    assert 2.0 <= latched["link_1"].friction / loose["link_1"].friction < 2.2
 
 
 def test_a_need_of_a_part_that_something_else_carries_is_no_latch():
@@ -144,20 +144,20 @@ def test_a_leaning_rod_runs_from_point_to_point_and_meets_what_it_is_laid_to():
 
 @pytest.mark.parametrize(("share", "kept"), [(0.999, False), (1.001, True)])
 def test_sizes_may_be_wished_a_little_beyond_what_is_usual(share: float, kept: bool):  # noqa: FBT001
-    usual = {"width": (1.0, 2.0), "depth": (0.5, 0.6), "height": (3.0, 4.0)}
+    usual = ((1.0, 2.0), (0.5, 0.6), (3.0, 4.0))
     wished = share * (1.0 - SIZE_MARGIN) * 1.0
     if kept:
-        assert choose_size(np.random.default_rng(0), "Sofa", Wish(width=wished), **usual)[0] == wished
+        assert choose_size(np.random.default_rng(0), "Sofa", Wish(width=wished), usual)[0] == wished
     else:
         with pytest.raises(ShapeError, match=r"Sofa: width .* expected from 0\.8 to 2\.4 m"):
-            choose_size(np.random.default_rng(0), "Sofa", Wish(width=wished), **usual)
+            choose_size(np.random.default_rng(0), "Sofa", Wish(width=wished), usual)
 
 
 def test_sizes_take_the_same_numbers_from_the_stream_wished_or_not():
-    usual = {"width": (1.0, 2.0), "depth": (0.5, 0.6), "height": (3.0, 4.0)}
+    usual = ((1.0, 2.0), (0.5, 0.6), (3.0, 4.0))
     free, wished = np.random.default_rng(0), np.random.default_rng(0)
-    sizes = choose_size(free, "Sofa", Wish(), **usual)
-    assert choose_size(wished, "Sofa", Wish(depth=0.55), **usual) == (sizes[0], 0.55, sizes[2])
+    sizes = choose_size(free, "Sofa", Wish(), usual)
+    assert choose_size(wished, "Sofa", Wish(depth=0.55), usual) == (sizes[0], 0.55, sizes[2])
     assert free.random() == wished.random()
 
 

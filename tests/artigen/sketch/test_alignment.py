@@ -9,6 +9,7 @@ import torch
 from jaxtyping import Float
 
 from artigen.datasets.mesh_raster import Pinhole
+from artigen.examples.photographs import draw_camera, photograph_shape
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import box, move, place_vertices
 from artigen.shapes.shape import Shape, ShapePart
@@ -16,7 +17,6 @@ from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.sketch.alignment import Fit, View, find_hull, fit_camera, place_camera
 from artigen.sketch.overlay import Faces, PictureError, list_faces, look, read_target
 from artigen.sketch.picture_colors import THIN, read_colors
-from artigen.train.photographs import draw_camera, photograph_shape
 
 SIZE = 128
 CABINET, FRIDGE = ("StorageFurniture", 4), ("Refrigerator", 1)

@@ -10,6 +10,16 @@ import torch
 from average_weights import average_networks
 
 from artigen.errors import ArtigenError, SourceError
+from artigen.examples.sketch import (
+    TOLD,
+    TOLD_HEADS,
+    SketchBatch,
+    SketchExample,
+    draw_batches,
+    head_of,
+    make_examples,
+)
+from artigen.examples.sketch_photos import EDGE, NOTHING, PhotoBatch, gather_photos
 from artigen.shapes.draw import draw_shape
 from artigen.sketch.batch import make_batch
 from artigen.sketch.model import load_sketch_network
@@ -20,15 +30,6 @@ from artigen.sketch.rows import ROW_KINDS, sketch_to_rows
 from artigen.sketch.sketch import write_sketch
 from artigen.sketch.words import CATEGORIES
 from artigen.train.sketch import SIZES, SketchRunConfig, train_sketch
-from artigen.train.sketch_examples import (
-    TOLD,
-    TOLD_HEADS,
-    SketchBatch,
-    SketchExample,
-    draw_batches,
-    head_of,
-    make_examples,
-)
 from artigen.train.sketch_losses import (
     HEADER,
     SketchLosses,
@@ -37,7 +38,6 @@ from artigen.train.sketch_losses import (
     spread_spots,
     weigh_fields,
 )
-from artigen.train.sketch_photos import EDGE, NOTHING, PhotoBatch, gather_photos
 from artigen.types import PART_LABELS
 
 NINE = CATEGORIES[:9]
@@ -155,10 +155,11 @@ def test_a_run_goes_on_where_it_was_and_its_model_loads(tmp_path: Path, monkeypa
     assert scores["pictured_per_field"] > 0
     network = load_sketch_network(tmp_path / "model")
     assert network.cfg == SIZES["tiny"]
-    before = (tmp_path / "train" / "tables-000.npz").stat().st_mtime_ns
+    shard = tmp_path / "train" / "shard_00000.npz"
+    before = shard.stat().st_mtime_ns
     assert train_sketch(cfg) == pytest.approx(scores)
-    assert (tmp_path / "train" / "tables-000.npz").stat().st_mtime_ns == before
-    (tmp_path / "train" / "tables-000.npz").write_bytes(b"torn")
+    assert shard.stat().st_mtime_ns == before
+    shard.write_bytes(b"torn")
     with pytest.raises(SourceError, match="delete it"):
         make_examples(tmp_path / "train", 10_000, 1, categories=NINE, count=1, workers=1, photos=True)
 
@@ -183,6 +184,3 @@ def test_tables_of_a_shard_are_those_of_the_grammar_and_photos_show_them(tmp_pat
     seen = Counter(PART_LABELS[int(label)] for label in shown.spots[:, 0])
     assert seen["door"] == held["door"]
     assert all(count <= held[label] for label, count in seen.items())
-    (tmp_path / "photos-000.npz").write_bytes(b"torn")
-    with pytest.raises(SourceError, match="delete it"):
-        make_examples(tmp_path, 3, 1, categories=NINE, count=1, workers=1, photos=True)

@@ -1,4 +1,4 @@
-"""Training: shards, batches, and a loop that can be stopped anywhere."""
+"""Training: a loop that can be stopped anywhere, and what the networks of structure learn in it."""
 
 import itertools
 import json
@@ -10,15 +10,13 @@ import pytest
 import torch
 
 from artigen.errors import SourceError
+from artigen.examples.structure import StructureExample, draw_example
 from artigen.latent.presets import PRESETS
 from artigen.latent.structure_flow import StructureFlow
 from artigen.latent.structure_vae import StructureVae
-from artigen.train.batches import draw_batches, prefetch
 from artigen.train.curves import read_metrics
 from artigen.train.decoder import guess_latents, train_decoder
-from artigen.train.examples import StructureExample, draw_example
 from artigen.train.loop import LoopConfig, train
-from artigen.train.shards import read_shard, write_shard
 from artigen.train.structure import encode_examples, latent_batch, measure_latents
 from artigen.train.structure_losses import StructureLossConfig
 
@@ -26,68 +24,6 @@ from artigen.train.structure_losses import StructureLossConfig
 @pytest.fixture(scope="module")
 def examples() -> list[StructureExample]:
     return [draw_example("Microwave", seed, resolution=32, image_size=32) for seed in (0, 1)]
-
-
-def test_examples_follow_from_their_seed(examples: list[StructureExample]):
-    again = draw_example("Microwave", 1, resolution=32, image_size=32)
-    assert np.array_equal(again.field.rows, examples[1].field.rows)
-    assert np.array_equal(again.image, examples[1].image)
-    assert not np.array_equal(examples[0].image, examples[1].image)
-
-
-def test_a_picture_shows_the_object_in_full(examples: list[StructureExample]):
-    for example in examples:
-        assert example.image is not None
-        alpha = example.image[..., 3] > 0
-        border = np.concatenate([alpha[0], alpha[-1], alpha[:, 0], alpha[:, -1]])
-        assert alpha.mean() > 0.2
-        assert not border.any()
-        assert not example.image[~alpha].any()
-
-
-def test_shards_give_back_what_was_written(tmp_path: Path, examples: list[StructureExample]):
-    path = tmp_path / "shard.npz"
-    write_shard(path, examples)
-    for one, two in zip(read_shard(path), examples, strict=True):
-        assert (one.name, one.category) == (two.name, two.category)
-        for name in ("counts", "size", "image"):
-            assert np.array_equal(getattr(one, name), getattr(two, name))
-        for name in ("resolution", "index", "rows", "table"):
-            assert np.array_equal(getattr(one.field, name), getattr(two.field, name))
-    write_shard(path, [replace(example, image=None) for example in examples])
-    assert all(example.image is None for example in read_shard(path))
-    assert [file.name for file in tmp_path.iterdir()] == ["shard.npz"]
-
-
-def test_what_is_no_whole_shard_is_named(tmp_path: Path, examples: list[StructureExample]):
-    path = tmp_path / "shard.npz"
-    write_shard(path, examples)
-    whole = path.read_bytes()
-    for content in (whole[: len(whole) // 2], b"", b"hello"):
-        path.write_bytes(content)
-        with pytest.raises(SourceError, match=r"shard.npz: is no complete shard .* delete it"):
-            list(read_shard(path))
-    np.savez(path, names=np.array(["one"]))
-    with pytest.raises(SourceError, match="it lacks categories, resolution"):
-        list(read_shard(path))
-
-
-def test_every_epoch_holds_every_example_once():
-    batches = draw_batches(range(7), tuple, 3, seed=0)
-    drawn = list(itertools.chain.from_iterable(itertools.islice(batches, 7)))
-    assert [sorted(drawn[start : start + 7]) for start in (0, 7, 14)] == [list(range(7))] * 3
-    assert drawn[:7] != drawn[7:14]
-
-
-def test_prefetching_keeps_order_and_errors():
-    def batches():
-        yield from range(5)
-        raise KeyError("sixth")
-
-    ahead = prefetch(batches(), depth=2)
-    assert list(itertools.islice(ahead, 5)) == list(range(5))
-    with pytest.raises(KeyError, match="sixth"):
-        next(ahead)
 
 
 @dataclass(frozen=True)
@@ -142,6 +78,28 @@ def test_a_line_of_metrics_is_the_mean_of_the_steps_since_the_last(tmp_path: Pat
     lines = [json.loads(line) for line in (tmp_path / "metrics.jsonl").read_text().splitlines()]
     assert [line["number"] for line in lines] == [2.0, 5.0]
     assert [line["loss"] for line in lines] == [3.0, 6.0]
+
+
+def test_gradients_of_several_batches_add_up_by_their_weights(tmp_path: Path):
+    def losses(wrapped: torch.nn.Module, batch: Points, _: torch.Generator) -> dict:
+        return {"square": (wrapped(batch.x) ** 2).mean()}
+
+    near, far = Points(torch.ones(2, 1)), Points(torch.full((2, 1), 3.0))
+    found = {}
+    for name, batches, weights in (
+        ("both", {"near": near, "far": far}, {"near": 0.25, "far": 0.75}),
+        ("joined", Points(torch.tensor([[1.0], [3.0], [3.0], [3.0]])), None),
+    ):
+        torch.manual_seed(0)
+        cfg = LoopConfig(steps=5, learning_rate=0.1, report_every=1)
+        found[name] = train(
+            torch.nn.Linear(1, 1), losses, itertools.repeat(batches), tmp_path / name, cfg, weights
+        )
+    for one, two in zip(found["both"].parameters(), found["joined"].parameters(), strict=True):
+        torch.testing.assert_close(one, two)
+    first, second = (read_metrics(tmp_path / name / "metrics.jsonl")[0] for name in found)
+    assert first["loss"] == pytest.approx(second["loss"])
+    assert first["loss"] == pytest.approx(0.25 * first["near square"] + 0.75 * first["far square"])
 
 
 def test_a_checkpoint_that_is_cut_short_or_of_something_else_is_named(tmp_path: Path):

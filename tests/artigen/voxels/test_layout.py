@@ -5,9 +5,9 @@ import pytest
 from box_surface import EDGE, sample_box
 from drawer_chest import make_chest
 
+from artigen.examples.appearance import lay_true_voxels
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
-from artigen.train.appearance.examples import lay_true_voxels
 from artigen.types import SurfaceSamples, VoxelGrid
 from artigen.voxels.frames import find_facings
 from artigen.voxels.layout import MORE, cover_surface, lay_out, turn_facings

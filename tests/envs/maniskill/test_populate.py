@@ -16,11 +16,12 @@ from envs.maniskill.rooms.catalogue import PopulateError, read_catalogue
 from envs.maniskill.rooms.check import check_room
 from envs.maniskill.rooms.choose import Offer, Wall, choose_units, order_units
 from envs.maniskill.rooms.file import SceneFileError, read_room, write_room
-from envs.maniskill.rooms.footprints import carries, measure_footprint, read_footprint
+from envs.maniskill.rooms.footprints import cached_package, carries, measure_footprint, read_footprint
 from envs.maniskill.rooms.map import label_regions, start_place, way_to
 from envs.maniskill.rooms.picture import RoomPictureConfig, draw_plan, draw_room
 from envs.maniskill.rooms.recipes import BASE, KITCHEN, RANGE, RECIPES, WINDOWS, Share
-from envs.maniskill.rooms.room import Room, RoomKind, pose_matrix_of
+from envs.maniskill.rooms.room import THICKNESS, Room, RoomKind, pose_matrix_of
+from envs.maniskill.rooms.solids import place_solid
 from envs.maniskill.rooms.sweeps import opening_joints, sweep_boxes, sweep_joint
 from sim_export.collision.hulls import box_hull
 from sim_export.files.write import write_package
@@ -68,6 +69,7 @@ FURNITURE = (
     Furniture(name="files", category="FilingCabinet", size=(0.6, 0.45, 1.3), drawers=4),
     Furniture(name="bin", category="TrashCan", size=(0.3, 0.3, 0.5)),
     Furniture(name="window", category="Window", size=(0.08, 0.9, 1.1), doors=1, swing=1.4),
+    Furniture(name="door", category="Door", size=(0.2, 0.9, 2.1), doors=1, swing=1.6),
     Furniture(name="laptop", category="Laptop", size=(0.25, 0.36, 0.03)),
     Furniture(name="sideboard", category="StorageFurniture", size=(0.42, 1.4, 0.78), doors=2),
 )
@@ -457,3 +459,24 @@ def test_windows_hang_on_walls_and_small_things_stand_on_their_roles(rooms):
                     assert roles[placement.support] in share.on
                     seen.add(placement.role)
     assert {"window", "laptop"} <= seen
+
+
+def test_a_door_fills_its_entrance_and_swings_into_the_room(rooms):
+    for room in rooms.values():
+        door, way = room.placement("door_1"), room.entrance
+        low, high = place_solid(door).boxes[:, 0].min(axis=0), place_solid(door).boxes[:, 1].max(axis=0)
+        assert (low[0], high[0]) == pytest.approx(
+            (way.start + 0.003, way.start + way.width - 0.003), abs=1e-4
+        )
+        assert high[2] == pytest.approx(way.height - 0.003, abs=1e-4)
+        assert low[1] < -THICKNESS
+        assert high[1] > 0.0
+        package = cached_package(door.package)
+        sweep = sweep_joint(package, opening_joints(package)[0])
+        assert sweep_boxes(package, sweep, pose_matrix_of(door))[0][..., 1, 1].max() > 0.7
+
+
+def test_only_what_is_in_the_entrance_may_reach_out_of_the_room(rooms):
+    room = rooms["kitchen", 0]
+    assert "outside" in kinds_of(move(room, "door_1", (0.05, 0.0, 0.0)), "door_1")
+    assert "outside" in kinds_of(move(room, "door_1", (0.0, -0.5, 0.0)), "door_1")

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.primitives import Primitive, box, cylinder, place_vertices, prism, rounded_box
 from sim_export.collision.hulls import convex_hull, hull_planes, hull_volume, hull_width
-from sim_export.collision.simplification import SHARE, TOLERANCE, simplify_hulls
+from sim_export.collision.simplification import SHARE, TOLERANCE, simplify_hulls, simplify_links
 from sim_export.geometry.primitives import find_primitive
 from sim_export.geometry.solids import as_solid
 from sim_export.package import Hull
@@ -136,3 +136,16 @@ def test_poses_do_not_matter(seed: int):
         Hull(vertices=turn.apply(np.array(piece.vertices)) + offset, faces=piece.faces) for piece in pieces
     ]
     assert kinds(simplify_hulls(moved)) == kinds(simplify_hulls(pieces))
+
+
+@pytest.mark.parametrize(("clearance", "kind"), [(1.1, "box"), (0.9, "mesh")])
+def test_a_piece_stays_exact_where_its_box_would_overlap_another_link(clearance: float, kind: str):
+    """The corner of a bevelled board is free; a rod of another link stands in it."""
+    bevel = 0.9 * TOLERANCE / CORNER
+    board = bevelled(bevel)
+    radius = 0.2 * bevel
+    at = -clearance * radius / np.sqrt(2.0)
+    rod = hull_of(cylinder((at, at, -1.0), (at, at, 1.0), radius, ""))
+    assert as_solid(board).__xor__(as_solid(rod)).volume() == 0.0
+    assert kinds(simplify_links([[board], [rod]], [0, 1])[0]) == [kind]
+    assert kinds(simplify_links([[board], [rod]], [0, 0])[0]) == ["box"]  # its own link may be in the way

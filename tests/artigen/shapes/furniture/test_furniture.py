@@ -342,7 +342,7 @@ def _cabinet(node: Node, carcass: CarcassDesign, *, inset: bool = False) -> Shap
     looks = replace(looks, carcass=carcass, inset=inset, doors=replace(looks.doors, handle=None), lock=False)
     looks = replace(looks, drawers=replace(looks.drawers, handle=None))
     built = make_cabinet(node, OUTER, looks, parent="body")
-    body = ShapePart(name="body", label="base", parent=None, primitives=built.primitives)
+    body = ShapePart(name="body", label="base", parent=None, primitives=built.pieces)
     finishes = tuple(sorted(draw_palette(rng, "furniture", "flat").items()))
     return Shape(
         category="StorageFurniture", seed=0, style="flat", parts=(body, *built.parts), finishes=finishes

@@ -30,21 +30,30 @@ from artigen.appearance.vae import (
 )
 from artigen.appearance.views import ViewConfig, place_cameras, spread_directions
 from artigen.appearance.visibility import SeenVoxels
+from artigen.examples.appearance import (
+    PER_VOXEL,
+    AppearanceExample,
+    read_appearance_shard,
+    write_appearance_shard,
+)
+from artigen.examples.appearance_batches import (
+    PictureBatch,
+    draw_picture_batches,
+    draw_pictures,
+    picture_batch,
+    raster_config,
+)
+from artigen.examples.shards import PER_OBJECT
 from artigen.models.conditions import ConditionConfig
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.render import build_scene, render
 from artigen.splats.render import rasterize
-from artigen.train.appearance.batches import PictureBatch, draw_picture_batches, picture_batch
 from artigen.train.appearance.drawn import roughen
-from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.flow import measure_slats, train_appearance_flow
 from artigen.train.appearance.losses import (
     AppearanceLossConfig,
     appearance_losses,
-    draw_pictures,
-    raster_config,
 )
-from artigen.train.appearance.shards import PER_VOXEL, read_appearance_shard, write_appearance_shard
 from artigen.train.appearance.vae import (
     HIDDEN,
     encode_appearance,
@@ -54,7 +63,6 @@ from artigen.train.appearance.vae import (
 )
 from artigen.train.curves import METRICS, read_metrics
 from artigen.train.loop import LoopConfig
-from artigen.train.shards import PER_OBJECT
 from artigen.types import Asset, VoxelGrid
 from artigen.voxels.surface import HEIGHT_REACH
 

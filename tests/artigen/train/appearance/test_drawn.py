@@ -9,6 +9,7 @@ from drawer_chest import make_chest
 
 import artigen.train.appearance.drawn
 from artigen.errors import ArtigenError
+from artigen.examples.appearance import lay_true_voxels
 from artigen.latent.draw import build_structure_model, load_structure_model
 from artigen.latent.outline import outline_rows
 from artigen.latent.presets import PRESETS
@@ -16,7 +17,6 @@ from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.train.appearance.drawn import NEAR, DrawnVoxels, redraw, roughen
-from artigen.train.appearance.examples import lay_true_voxels
 from artigen.train.appearance.run import AppearanceRunConfig, claim_appearance_run
 from artigen.types import Asset, SurfaceSamples
 from artigen.voxels.frames import find_facings

@@ -10,9 +10,9 @@ from drawer_chest import make_chest, make_example
 
 from artigen.appearance.slat_flow import SlatFlow
 from artigen.appearance.slat_patch_dit import SlatPatchDitConfig
+from artigen.examples.appearance import AppearanceExample
 from artigen.models.conditions import ConditionConfig
 from artigen.train.appearance.drawn import DrawnVoxels, read_drawn_shard, roughen, write_drawn_shard
-from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.flow import measure_slats, redraw_slats
 from artigen.train.appearance.transfer import find_models, transfer_looks
 from artigen.types import Asset

@@ -7,11 +7,11 @@ import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
 
 from artigen.appearance.photographs import NOTHING
-from artigen.datasets.partnet_surface import FaceTable
+from artigen.datasets.partnet_surface import FaceTable, join_tables
+from artigen.examples.mesh_pictures import FINE, pack_picture, picture_mesh
 from artigen.shapes.primitives import Vector, place_vertices
 from artigen.shapes.render import Cameras, build_scene, frame_points, render
 from artigen.shapes.shape import Shape
-from artigen.train.mesh_pictures import FINE, join_tables, pack_picture, picture_mesh
 
 NEAR_FRONT = (0.6, 0.25)
 """Largest yaw to either side and largest pitch of the camera (radians): pictures are near-frontal."""
@@ -82,7 +82,8 @@ def photograph_mesh(
     Raises:
         SourceError: If an image of a material cannot be decoded.
     """
-    vertices, faces = join_tables(tables, scale)
+    vertices, faces = join_tables(tables)
+    vertices = scale * vertices
     camera = draw_camera(vertices[np.unique(faces)], seed, FINE * size)
     seen = picture_mesh(tables, scale, camera)
     return Photograph(rgba=seen.rgba, parts=_mark(owners, seen.faces, seen.faces >= 0))

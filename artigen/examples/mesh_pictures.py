@@ -1,4 +1,4 @@
-"""Renders any textured mesh with a depth buffer and a shadow map per light.
+"""Renders any textured mesh, with a shadow map per light.
 
 The shading is that of procedural objects (`artigen.shapes.render`), so pictures of both look alike.
 """
@@ -11,7 +11,7 @@ import torch
 from jaxtyping import Bool, Float, Int, UInt8
 
 from artigen.datasets.mesh_raster import Pinhole, SeenFaces, project_points, rasterize_mesh
-from artigen.datasets.partnet_surface import FaceTable, look_up_colors
+from artigen.datasets.partnet_surface import FaceTable, join_tables, look_up_colors
 from artigen.shapes.primitives import Vector
 from artigen.shapes.render.cameras import Cameras, camera_axes, frame_points, pixel_sizes
 from artigen.shapes.render.lighting import CORNER, SKY
@@ -30,11 +30,11 @@ from artigen.shapes.surfaces.textures import KINDS
 FINE = 3
 """Rays per pixel edge for meshes, whose textures are not filtered; odd, so that one is at the centre."""
 SHADOW_EDGE = 384
-"""Edge of the depth buffer of a light, in pixels."""
+"""Edge of the shadow map of a light, in pixels."""
 SHADOW_FOV = 4.0
 """Angle of view of a light (degrees): so small that its rays are nearly parallel."""
 SHADOW_OFFSET = 2.0
-"""Offset of shadow tests from the surface, in pixels of the light's buffer."""
+"""Offset of shadow tests from the surface, in pixels of the shadow map."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -58,7 +58,8 @@ def picture_mesh(tables: Sequence[FaceTable], scale: float, cameras: Cameras) ->
     Raises:
         SourceError: If an image of a material cannot be decoded.
     """
-    vertices, faces = join_tables(tables, scale)
+    vertices, faces = join_tables(tables)
+    vertices = scale * vertices
     seen = rasterize_mesh(vertices, faces, _pinhole(cameras))
     surface = _find_surface(vertices, faces, seen, cameras)
     uv = np.einsum("nk,nkd->nd", seen.weights, np.concatenate([table.uv for table in tables])[seen.face])
@@ -69,7 +70,7 @@ def picture_mesh(tables: Sequence[FaceTable], scale: float, cameras: Cameras) ->
         sky=_find_lit(vertices, faces, surface, SKY),
         open=find_openness(cameras, surface, torch.zeros_like(surface.pixel), reach=CORNER, samples=10),
     )
-    scattered, mirrored = shade(surface, material, light, cfg)
+    scattered, mirrored = shade(surface.normal, surface.view, material, light, cfg)
     height, width = cameras.height // FINE, cameras.width // FINE
     fine = np.zeros((cameras.height * cameras.width, 4))
     fine[seen.pixel, :3] = srgb_from_linear(scattered + mirrored).numpy()
@@ -81,15 +82,6 @@ def picture_mesh(tables: Sequence[FaceTable], scale: float, cameras: Cameras) ->
     middle[seen.pixel] = seen.face
     faces_seen = middle.reshape(cameras.height, cameras.width)[FINE // 2 :: FINE, FINE // 2 :: FINE]
     return MeshPicture(rgba=pack_picture(rgb, faces_seen >= 0), faces=faces_seen)
-
-
-def join_tables(
-    tables: Sequence[FaceTable], scale: float
-) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]:
-    """Vertices (m) and faces of all tables."""
-    starts = np.cumsum([0, *(len(table.vertices) for table in tables)])[:-1]
-    faces = np.concatenate([table.faces + start for table, start in zip(tables, starts, strict=True)])
-    return scale * np.concatenate([table.vertices for table in tables]), faces
 
 
 def _pinhole(cameras: Cameras) -> Pinhole:

@@ -1,11 +1,10 @@
-"""Training examples of the sketch network: tables and photos in shards, and batches of them.
+"""Examples of the sketch network: tables and photos in shards, and batches of them.
 
 Worker processes make the shards before training begins. A batch holds objects of similar length, with or
 without pictures. Every time an object is used, a new request for it is sampled, from vague to exact.
 """
 
-import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,25 +12,27 @@ import numpy as np
 import torch
 from jaxtyping import Int
 
-from artigen.errors import SourceError
-from artigen.runtime.workers import Outcome, Worker, run_supervised
+from artigen.examples.shards import ShardConfig, ShardJob, load_shard, make_shards, save_shard, split_rows
+from artigen.examples.sketch_photos import (
+    EDGE,
+    PackedPhoto,
+    PhotoBatch,
+    gather_photos,
+    pack_photos,
+    take_photo,
+    unpack_photos,
+)
 from artigen.shapes.draw import draw_shape
+from artigen.shapes.shape import Shape
 from artigen.sketch.batch import RowBatch, ask_for, make_batch
 from artigen.sketch.request import nothing_asked
 from artigen.sketch.rows import ROW_KINDS, sketch_to_rows
 from artigen.sketch.rules import MAX_ROWS
 from artigen.sketch.sketch import SketchError, write_sketch
-from artigen.train.sketch_photos import (
-    PackedPhoto,
-    PhotoBatch,
-    gather_photos,
-    read_photos,
-    take_photo,
-    write_photos,
-)
 
-logger = logging.getLogger(__name__)
 Table = Int[np.ndarray, "T W"]
+TABLES = ("tables", "lengths")
+"""Arrays of the tables in a shard."""
 SHARD = 100
 """Seeds per shard, each drawn for all categories."""
 TIMEOUT = 1800.0
@@ -45,23 +46,6 @@ PICTURED, ALONE = 0.8, 0.6
 """Share of the other batches with pictures, and share of their objects without any other request."""
 WINDOW = 6
 """A batch is sampled from this many times its size of objects that are adjacent by length."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class _ShardJob:
-    folder: Path
-    number: int
-    first: int
-    count: int
-    photos: bool
-    categories: tuple[str, ...]
-
-    def path(self, what: str) -> Path:
-        return self.folder / f"{what}-{self.number:03d}.npz"
-
-    @property
-    def done(self) -> bool:
-        return self.path("tables").is_file() and (not self.photos or self.path("photos").is_file())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -155,67 +139,59 @@ def make_examples(
     Raises:
         SourceError: If a shard cannot be made or read.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    jobs = [
-        _ShardJob(
-            folder=folder,
-            number=index,
-            first=first + index * count,
-            count=count,
-            photos=photos,
-            categories=categories,
-        )
-        for index in range(shards)
-    ]
-    missing = [job for job in jobs if not job.done]
-    for done, outcome in enumerate(run_supervised(_make_shard, missing, workers=workers), start=1):
-        if outcome.value is None:
-            raise SourceError(f"{folder}: a shard could not be made: {outcome.error}")
-        logger.info("%d of %d shards made", done, len(missing))
-    return [example for job in jobs for example in _read_shard(job)]
+    cfg = ShardConfig(
+        categories=categories,
+        first_seed=first,
+        objects=count * len(categories),
+        image_size=EDGE if photos else 0,
+        timeout=TIMEOUT,
+    )
+    paths = make_shards(folder, shards, cfg, make_sketch_shard, workers=workers)
+    return [example for path in paths for example in read_sketch_shard(path)]
 
 
-def _make_shard(worker: Worker, job: _ShardJob) -> Outcome[int]:
-    return worker.call(_write_shard, job, TIMEOUT)
-
-
-def _write_shard(job: _ShardJob) -> int:
-    """Draws objects of the categories and writes their tables and photos; too long tables are left out."""
+def make_sketch_shard(job: ShardJob[ShardConfig]) -> Path:
+    """Draws the objects of one shard and writes tables and photos; objects without a table are left out."""
+    objects = job.objects()
+    rng = np.random.default_rng([objects[0][1], 1])
     tables, photos = [], []
-    rng = np.random.default_rng([job.first, 1])
-    for seed in range(job.first, job.first + job.count):
-        for category in job.categories:
-            shape = draw_shape(category, seed)
-            try:
-                table = sketch_to_rows(write_sketch(shape))
-            except SketchError:
-                continue
-            if len(table) < MAX_ROWS:
-                tables.append(table.astype(np.int16))
-                photos += [take_photo(shape, rng)] if job.photos else []
-    if job.photos:
-        write_photos(job.path("photos"), photos)
-    path = job.path("tables")
-    scratch = path.with_name("." + path.name)
-    ends = np.cumsum([len(table) for table in tables])
-    np.savez_compressed(scratch, rows=np.concatenate(tables), ends=ends)
-    scratch.replace(path)
-    return len(tables)
+    for category, seed in objects:
+        shape = draw_shape(category, seed)
+        table = make_table(shape)
+        if table is not None:
+            tables.append(table)
+            photos += [take_photo(shape, rng)] if job.cfg.image_size else []
+    save_shard(job.path, pack_tables(tables) | (pack_photos(photos) if photos else {}), packed=True)
+    return job.path
 
 
-def _read_shard(job: _ShardJob) -> list[SketchExample]:
-    path = job.path("tables")
-    try:
-        with np.load(path) as stored:
-            rows, ends = stored["rows"].astype(np.int64), stored["ends"]
-    except (OSError, ValueError, KeyError) as error:
-        raise SourceError(f"{path}: is no shard of tables ({error}); delete it to make it again") from error
-    tables = np.split(rows, ends[:-1])
-    if not job.photos:
-        return [SketchExample(table=table) for table in tables]
-    photos = read_photos(job.path("photos"))
-    if len(photos) != len(tables):
-        raise SourceError(
-            f"{path}: {len(tables)} tables, but {len(photos)} photos; delete both files to make them again"
-        )
+def read_sketch_shard(path: Path) -> list[SketchExample]:
+    """The examples of a shard.
+
+    Raises:
+        SourceError: If the file is damaged or no shard.
+    """
+    arrays = load_shard(path, TABLES)
+    tables = unpack_tables(arrays)
+    photos = unpack_photos(arrays) if "pictures" in arrays else [None] * len(tables)
     return [SketchExample(table=t, photo=p) for t, p in zip(tables, photos, strict=True)]
+
+
+def make_table(shape: Shape) -> Table | None:
+    """The table of an object; None if it cannot be written, or is too long."""
+    try:
+        table = sketch_to_rows(write_sketch(shape))
+    except SketchError:
+        return None
+    return table if len(table) < MAX_ROWS else None
+
+
+def pack_tables(tables: Sequence[Table]) -> dict[str, np.ndarray]:
+    """Tables as the arrays `TABLES`."""
+    lengths = np.array([len(table) for table in tables])
+    return {"tables": np.concatenate(tables).astype(np.int16), "lengths": lengths}
+
+
+def unpack_tables(arrays: Mapping[str, np.ndarray]) -> list[Table]:
+    """Inverts `pack_tables`."""
+    return split_rows(arrays["tables"].astype(np.int64), arrays["lengths"])

@@ -13,10 +13,9 @@ from typing import Literal
 from tqdm import tqdm
 
 from artigen.errors import SourceError
+from artigen.examples.photographs import photograph_mesh
+from artigen.examples.structure import StructureExample, example_of_asset, read_shard, write_shard
 from artigen.runtime.workers import Outcome, Worker, run_supervised
-from artigen.train.examples import StructureExample, example_of_asset
-from artigen.train.photographs import photograph_mesh
-from artigen.train.shards import read_shard, write_shard
 from artigen.types import PAPER_CATEGORIES, Asset
 from artigen.voxels.voxelize import drop_unresolved, find_heirs, voxelize
 

@@ -4,18 +4,18 @@ import queue
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import torch
-from jaxtyping import Float, UInt8
 from torch import Tensor
 
 from artigen.conditioning.prompt import write_text
+from artigen.examples.shards import Described
+from artigen.examples.structure import StructureExample
 from artigen.latent.outline import OutlineBatch, gather_outlines
 from artigen.latent.patches import PatchBatch, collate
 from artigen.models.conditions import ConditionBatch, ConditionConfig
-from artigen.train.examples import StructureExample
 from artigen.types import PART_LABELS
 
 Batch = TypeVar("Batch")
@@ -56,22 +56,6 @@ class LatentBatch:
 def patch_batch(examples: Sequence[StructureExample]) -> PatchBatch:
     """Batch of the fields of examples."""
     return collate([example.field for example in examples])
-
-
-class Described(Protocol):
-    """An example with the values of all conditions; ``image`` is RGBA, premultiplied on black."""
-
-    @property
-    def category(self) -> str: ...
-
-    @property
-    def counts(self) -> UInt8[np.ndarray, "L"]: ...
-
-    @property
-    def size(self) -> Float[np.ndarray, "3"]: ...
-
-    @property
-    def image(self) -> UInt8[np.ndarray, "H W 4"] | None: ...
 
 
 def field_batch(examples: Sequence[StructureExample]) -> FieldBatch:

@@ -1,4 +1,4 @@
-"""Pictures of meshes: the depth buffer against rays, and the camera and light that shapes have."""
+"""Pictures of meshes: visible faces against rays, and the camera and light that shapes have."""
 
 from pathlib import Path
 
@@ -10,11 +10,11 @@ from scipy.spatial import ConvexHull
 from artigen.datasets.mesh_raster import Pinhole, project_points, rasterize_mesh
 from artigen.datasets.partnet_mobility import ReaderConfig, read_object
 from artigen.datasets.partnet_surface import FaceTable
+from artigen.examples.photographs import NOTHING, draw_camera, photograph_mesh, photograph_shape
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.render.cameras import camera_axes, pixel_sizes
 from artigen.shapes.shape import Shape
-from artigen.train.photographs import NOTHING, draw_camera, photograph_mesh, photograph_shape
 from artigen.wavefront import Material
 
 CAMERA = Pinhole(
@@ -57,11 +57,11 @@ def test_weights_give_the_point_that_is_seen():
     vertices, faces = soup(1, 40)
     seen = rasterize_mesh(vertices, faces, CAMERA)
     assert len(seen.pixel) > 100
-    assert (seen.weights > -1e-9).all()
+    assert (seen.weights > -1e-5).all()
     screen, depth = project_points(np.einsum("nk,nkd->nd", seen.weights, vertices[faces[seen.face]]), CAMERA)
     middles = np.column_stack([seen.pixel % CAMERA.width, seen.pixel // CAMERA.width]) + 0.5
-    np.testing.assert_allclose(screen, middles, atol=1e-9)
-    np.testing.assert_allclose(depth, seen.depth)
+    np.testing.assert_allclose(screen, middles, atol=1e-4)
+    np.testing.assert_allclose(depth, seen.depth, rtol=1e-5)
 
 
 @pytest.mark.parametrize("turned", [False, True])

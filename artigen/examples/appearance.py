@@ -1,25 +1,51 @@
-"""One training example of the appearance models: voxels with features, pictures, and its condition.
+"""Examples of the appearance models, each voxels with features, pictures and its condition; shards of them.
 
-It is made from a procedural object by seed; the same arguments give the same example.
+They are made from procedural objects by seed; the same arguments give the same example.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, fields, replace
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from artigen.appearance.attributes import describe_voxels, read_kinds
 from artigen.appearance.curation import CurationConfig, curate
+from artigen.appearance.extractors import ExtractorConfig, make_extractor
 from artigen.appearance.features import FeatureExtractor
 from artigen.appearance.paint import lay_painted
 from artigen.appearance.photographs import Pictures
 from artigen.appearance.sides import recall_places
+from artigen.examples.shards import (
+    CONDITION,
+    ShardConfig,
+    ShardJob,
+    condition_arrays,
+    draw_shard,
+    load_shard,
+    pick_condition,
+    save_shard,
+    split_rows,
+)
+from artigen.examples.structure import draw_example_of
 from artigen.shapes.asset import part_owners
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.sampling import sample_shape
 from artigen.shapes.shape import Shape
-from artigen.train.examples import draw_example_of
 from artigen.types import Asset, SurfaceSamples
+
+PER_VOXEL = ("coords", "part_ids", "facings", "paint", "features", "views")
+PER_PICTURE = tuple(one.name for one in fields(Pictures) if one.name != "displacements")
+PACKED = ("exposed",)
+"""Arrays stored as bits."""
+ARRAYS = (
+    *CONDITION,
+    *("resolution", "voxel_counts", "part_counts", "displacements", "table"),
+    *PER_VOXEL,
+    *PER_PICTURE,
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -118,3 +144,70 @@ def sample_parts(shape: Shape, asset: Asset, spacing: float) -> SurfaceSamples:
     """Samples of the surface, ``spacing`` apart (unit-cube length), with their parts of the asset."""
     surface = sample_shape(shape, spacing * asset.scale)
     return replace(surface, part_ids=part_owners(shape, asset)[surface.part_ids])
+
+
+@dataclass(frozen=True, kw_only=True)
+class AppearanceShardConfig(ShardConfig):
+    """Configuration of the examples of a folder."""
+
+    curation: CurationConfig
+    """Joint states, views, and features."""
+    extractor: ExtractorConfig = field(default_factory=ExtractorConfig)
+    """Extractor of image features."""
+    objects: int = 16
+    """Objects per shard."""
+    timeout: float = 3600.0
+    """Seconds after which a shard counts as failed."""
+
+
+def make_appearance_shard(job: ShardJob[AppearanceShardConfig]) -> Path:
+    """Draws and renders the objects of one shard and writes it; runs in a worker process."""
+    cfg = job.cfg
+    extractor = make_extractor(cfg.extractor)
+    draw = partial(
+        draw_appearance,
+        extractor=extractor,
+        cfg=cfg.curation,
+        resolution=cfg.resolution,
+        image_size=cfg.image_size,
+    )
+    return draw_shard(job, draw, write_appearance_shard)
+
+
+def write_appearance_shard(path: Path, examples: Sequence[AppearanceExample]) -> None:
+    """Writes examples, all with equally many pictures and states, to one npz file, whole or not at all."""
+    arrays = condition_arrays(examples) | {
+        "resolution": np.array([one.resolution for one in examples]),
+        "voxel_counts": np.array([len(one.coords) for one in examples]),
+        "part_counts": np.array([len(one.table) for one in examples]),
+        "displacements": np.concatenate([one.pictures.displacements for one in examples], axis=1),
+    }
+    for name in (*PER_VOXEL, "table"):
+        arrays[name] = np.concatenate([getattr(one, name) for one in examples])
+    for name in PER_PICTURE:
+        values = np.stack([getattr(one.pictures, name) for one in examples])
+        arrays[name] = np.packbits(values, axis=-1) if name in PACKED else values
+    save_shard(path, arrays, packed=True)
+
+
+def read_appearance_shard(path: Path) -> Iterator[AppearanceExample]:
+    """The examples of a shard.
+
+    Raises:
+        SourceError: If the file is missing or damaged.
+    """
+    arrays = load_shard(path, ARRAYS)
+    width = arrays["rgb"].shape[-2]
+    for name in PACKED:
+        arrays[name] = np.unpackbits(arrays[name], axis=-1, count=width).astype(bool)
+    fields = {name: split_rows(arrays[name], arrays["voxel_counts"]) for name in PER_VOXEL}
+    fields["table"] = split_rows(arrays["table"], arrays["part_counts"])
+    moves = split_rows(arrays["displacements"], arrays["part_counts"], axis=1)
+    for number, resolution in enumerate(arrays["resolution"].tolist()):
+        shown = {name: arrays[name][number] for name in PER_PICTURE}
+        yield AppearanceExample(
+            resolution=resolution,
+            pictures=Pictures(displacements=moves[number], **shown),
+            **{name: values[number] for name, values in fields.items()},
+            **pick_condition(arrays, number),
+        )

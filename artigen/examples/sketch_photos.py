@@ -6,9 +6,8 @@ picture is used.
 """
 
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 import torch
@@ -16,14 +15,14 @@ from jaxtyping import Float, Int, UInt8
 from torch import Tensor
 from torch.nn import functional
 
-from artigen.errors import SourceError
+from artigen.examples.mesh_pictures import pack_picture
+from artigen.examples.photographs import find_direction
+from artigen.examples.shards import split_rows
 from artigen.shapes.poses import pose_parts
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.render import RenderConfig, build_scene, frame_points, render
 from artigen.shapes.shape import Shape
 from artigen.sketch.picture import CELL
-from artigen.train.mesh_pictures import pack_picture
-from artigen.train.photographs import find_direction
 from artigen.types import PART_LABELS
 
 EDGE = 256
@@ -114,20 +113,17 @@ def _find_spots(parts: Int[np.ndarray, "S S"], names: Int[np.ndarray, "P"]) -> F
     return np.column_stack([names[seen], *(2.0 * one / pixels[seen] / len(parts) - 1.0 for one in sums)])
 
 
-def write_photos(path: Path, photos: Sequence[Photo]) -> None:
-    """Writes photos to one file, their pictures as PNG; the file appears whole."""
-    pictures = [_to_png(photo.rgba) for photo in photos]
-    scratch = path.with_name("." + path.name)
-    np.savez(
-        scratch,
-        pictures=np.frombuffer(b"".join(pictures), dtype=np.uint8),
-        picture_ends=np.cumsum([len(picture) for picture in pictures]),
-        labels=np.stack([photo.labels for photo in photos]),
-        spots=np.concatenate([photo.spots for photo in photos]).astype(np.float32),
-        spot_ends=np.cumsum([len(photo.spots) for photo in photos]),
-        views=np.stack([photo.view for photo in photos]).astype(np.float32),
-    )
-    scratch.replace(path)
+def pack_photos(photos: Sequence[Photo]) -> dict[str, np.ndarray]:
+    """Photos as arrays, their pictures as PNG."""
+    pictures = [np.frombuffer(_to_png(photo.rgba), dtype=np.uint8) for photo in photos]
+    return {
+        "pictures": np.concatenate(pictures),
+        "picture_bytes": np.array([len(picture) for picture in pictures]),
+        "labels": np.stack([photo.labels for photo in photos]),
+        "spots": np.concatenate([photo.spots for photo in photos]).astype(np.float32),
+        "spot_counts": np.array([len(photo.spots) for photo in photos]),
+        "views": np.stack([photo.view for photo in photos]).astype(np.float32),
+    }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -140,23 +136,13 @@ class PackedPhoto:
     view: Float[np.ndarray, "3"]
 
 
-def read_photos(path: Path) -> list[PackedPhoto]:
-    """Reads a file of photos.
-
-    Raises:
-        SourceError: If it is missing or damaged.
-    """
-    try:
-        with np.load(path) as stored:
-            blob, ends = stored["pictures"].tobytes(), stored["picture_ends"].tolist()
-            labels, views = stored["labels"], stored["views"]
-            spots = np.split(stored["spots"], stored["spot_ends"][:-1])
-    except (OSError, ValueError, KeyError) as error:
-        raise SourceError(f"{path}: is no file of photos ({error}); delete it to make it again") from error
-    starts = [0, *ends[:-1]]
+def unpack_photos(arrays: Mapping[str, np.ndarray]) -> list[PackedPhoto]:
+    """Inverts `pack_photos`, apart from the PNG."""
+    pictures = split_rows(arrays["pictures"], arrays["picture_bytes"])
+    spots = split_rows(arrays["spots"], arrays["spot_counts"])
     return [
-        PackedPhoto(png=blob[start:end], labels=labels[k], spots=spots[k], view=views[k])
-        for k, (start, end) in enumerate(zip(starts, ends, strict=True))
+        PackedPhoto(png=picture.tobytes(), labels=labels, spots=own, view=view)
+        for picture, labels, own, view in zip(pictures, arrays["labels"], spots, arrays["views"], strict=True)
     ]
 
 

@@ -1,29 +1,27 @@
 """Pictures for training: they show what they say they show, are kept whole, and vary without lying."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
-import artigen.train.sketch_photos
-from artigen.errors import SourceError
-from artigen.shapes.draw import draw_shape
-from artigen.sketch.alignment import View, find_hull, place_camera
-from artigen.sketch.overlay import list_faces, look, read_target
-from artigen.sketch.picture import CELL
-from artigen.train.sketch_photos import (
+import artigen.examples.sketch_photos
+from artigen.examples.sketch_photos import (
     EDGE,
     NOTHING,
     Photo,
     PhotoBatch,
     gather_photos,
-    read_photos,
+    pack_photos,
     take_photo,
+    unpack_photos,
     vary_photos,
-    write_photos,
 )
+from artigen.shapes.draw import draw_shape
+from artigen.sketch.alignment import View, find_hull, place_camera
+from artigen.sketch.overlay import list_faces, look, read_target
+from artigen.sketch.picture import CELL
 from artigen.types import PART_LABELS
 
 SHAPE = draw_shape("StorageFurniture", 3)
@@ -35,10 +33,8 @@ def photos() -> list[Photo]:
 
 
 @pytest.fixture(scope="module")
-def batch(photos: list[Photo], tmp_path_factory: pytest.TempPathFactory) -> PhotoBatch:
-    path = tmp_path_factory.mktemp("photos") / "photos.npz"
-    write_photos(path, photos)
-    return gather_photos(read_photos(path))
+def batch(photos: list[Photo]) -> PhotoBatch:
+    return gather_photos(unpack_photos(pack_photos(photos)))
 
 
 def test_what_is_written_is_read_again(photos: list[Photo], batch: PhotoBatch):
@@ -64,7 +60,7 @@ def test_labels_are_where_the_picture_is_and_spots_on_their_labels(photos: list[
 
 def test_the_view_is_that_of_the_camera(monkeypatch: pytest.MonkeyPatch):
     """From the view alone, the closed object covers the picture again."""
-    monkeypatch.setattr(artigen.train.sketch_photos, "OPEN", 0.0)
+    monkeypatch.setattr(artigen.examples.sketch_photos, "OPEN", 0.0)
     faces = list_faces(SHAPE)
     hull = find_hull(faces.vertices)
     for seed in range(4):
@@ -97,9 +93,3 @@ def test_pictures_vary_and_what_they_show_moves_along(batch: PhotoBatch):
             assert float(here) > float(varied.image[index, :3].mean()) + 0.2
     assert int(varied.labels.min()) >= 0
     assert int(varied.labels.max()) <= NOTHING
-
-
-def test_a_torn_file_is_named(tmp_path: Path):
-    (tmp_path / "photos.npz").write_bytes(b"torn")
-    with pytest.raises(SourceError, match=r"photos\.npz.*delete it"):
-        read_photos(tmp_path / "photos.npz")

@@ -8,19 +8,17 @@ import tempfile
 import time
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
+from jaxtyping import Float, Int, UInt8
 
 from artigen.errors import SourceError
-from artigen.latent.patches import PackedField
 from artigen.runtime.workers import Outcome, Worker, run_supervised
-from artigen.train.batches import Described
-from artigen.train.examples import StructureExample, draw_example
 from artigen.types import PAPER_CATEGORIES
 
 logger = logging.getLogger(__name__)
@@ -28,8 +26,8 @@ HELD_OUT = 10_000
 """Seeds below this are never trained on."""
 PER_OBJECT = ("counts", "size")
 """Arrays of an example's condition that have the same shape for every object."""
-ARRAYS = ("names", "categories", "resolution", "patches", "parts", "index", "rows", "table", "counts", "size")
-"""Arrays of every shard; there are also pictures if all examples have one."""
+CONDITION = ("names", "categories", *PER_OBJECT)
+"""Arrays of conditions; there are also pictures if all examples have one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,11 +52,23 @@ Config = TypeVar("Config", bound=ShardConfig)
 Example = TypeVar("Example")
 
 
-class Conditioned(Described, Protocol):
-    """An example with a name and the values of all conditions."""
+class Described(Protocol):
+    """An example with the values of all conditions; ``image`` is RGBA, premultiplied on black."""
 
     @property
     def name(self) -> str: ...
+
+    @property
+    def category(self) -> str: ...
+
+    @property
+    def counts(self) -> UInt8[np.ndarray, "L"]: ...
+
+    @property
+    def size(self) -> Float[np.ndarray, "3"]: ...
+
+    @property
+    def image(self) -> UInt8[np.ndarray, "H W 4"] | None: ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,7 +135,7 @@ def draw_shard(
     return job.path
 
 
-def condition_arrays(examples: Sequence[Conditioned]) -> dict[str, np.ndarray]:
+def condition_arrays(examples: Sequence[Described]) -> dict[str, np.ndarray]:
     """Names and conditions of examples as arrays, with pictures if all have one."""
     arrays = {
         "names": np.array([one.name for one in examples]),
@@ -154,51 +164,26 @@ def save_shard(path: Path, arrays: dict[str, np.ndarray], *, packed: bool) -> No
     Path(file.name).replace(path)
 
 
-def write_shard(path: Path, examples: Sequence[StructureExample]) -> None:
-    """Writes examples to one npz file, whole or not at all."""
-    arrays = condition_arrays(examples) | {
-        "resolution": np.array([one.field.resolution for one in examples]),
-        "patches": np.array([len(one.field.index) for one in examples]),
-        "parts": np.array([len(one.field.table) for one in examples]),
-    }
-    for name in ("index", "rows", "table"):
-        arrays[name] = np.concatenate([getattr(one.field, name) for one in examples])
-    save_shard(path, arrays, packed=False)
-
-
-def read_shard(path: Path) -> Iterator[StructureExample]:
-    """The examples of a shard.
+def load_shard(path: Path, needed: Sequence[str]) -> dict[str, np.ndarray]:
+    """The arrays of a shard.
 
     Raises:
-        SourceError: If the file is damaged or no shard.
+        SourceError: If the file is damaged or lacks one of the ``needed`` arrays.
     """
     try:
         with np.load(path) as stored:
             arrays = {name: stored[name] for name in stored.files}
     except (OSError, EOFError, ValueError, zipfile.BadZipFile, zlib.error) as error:
         raise SourceError(f"{path}: is no complete shard ({error}); delete it to make it again") from error
-    missing = [name for name in ARRAYS if name not in arrays]
+    missing = [name for name in needed if name not in arrays]
     if missing:
         raise SourceError(f"{path}: is no shard of examples, it lacks {', '.join(missing)}")
-    patch_ends, part_ends = np.cumsum(arrays["patches"]), np.cumsum(arrays["parts"])
-    for number in range(len(arrays["names"])):
-        at = slice(patch_ends[number] - arrays["patches"][number], patch_ends[number])
-        of = slice(part_ends[number] - arrays["parts"][number], part_ends[number])
-        yield StructureExample(
-            field=PackedField(
-                resolution=int(arrays["resolution"][number]),
-                index=arrays["index"][at],
-                rows=arrays["rows"][at],
-                table=arrays["table"][of],
-            ),
-            **pick_condition(arrays, number),
-        )
+    return arrays
 
 
-def make_shard(job: ShardJob[ShardConfig]) -> Path:
-    """Draws the objects of one shard and writes it; runs in a worker process."""
-    draw = partial(draw_example, resolution=job.cfg.resolution, image_size=job.cfg.image_size)
-    return draw_shard(job, draw, write_shard)
+def split_rows(values: np.ndarray, counts: Int[np.ndarray, "N"], axis: int = 0) -> list[np.ndarray]:
+    """The rows of each example, which are stored one example after the other."""
+    return np.split(values, np.cumsum(counts)[:-1], axis=axis)
 
 
 def _run_job(

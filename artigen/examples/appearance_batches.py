@@ -1,4 +1,4 @@
-"""Batches for appearance training: voxels of several objects with pictures of each."""
+"""Batches of appearance examples: voxels of several objects, their pictures, and pictures of Gaussians."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -8,8 +8,15 @@ import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
+from artigen.appearance.gaussian_decoder import select_voxels
+from artigen.appearance.vae import AppearanceVae
+from artigen.appearance.views import pick_cameras
+from artigen.examples.appearance import AppearanceExample
 from artigen.shapes.render import Cameras
-from artigen.train.appearance.examples import AppearanceExample
+from artigen.splats.render import RasterConfig, move_splats, rasterize
+from artigen.splats.render.splats import Splats
+
+CPU_FRAGMENTS, GPU_FRAGMENTS = 1 << 19, 1 << 24
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -83,6 +90,40 @@ def picture_batch(
         background=background,
         cameras=tuple(pictures.cameras(rows) for pictures, rows in taken),
         displacements=tuple(pictures.displacements[pictures.state[rows]] for pictures, rows in taken),
+    )
+
+
+def draw_pictures(splats: Splats, batch: PictureBatch, cfg: RasterConfig) -> Float[Tensor, "B M H W 3"]:
+    """Pictures of a batch: the Gaussians of each object, moved with their parts, from its cameras.
+
+    Args:
+        splats: Gaussians of all voxels of the batch, voxel after voxel.
+        batch: Joint states, cameras and backgrounds.
+        cfg: Configuration of the rasteriser.
+    """
+    out = []
+    for sample, cameras in enumerate(batch.cameras):
+        mine = batch.coords[:, 0] == sample
+        own, part_ids = select_voxels(splats, mine), batch.part_ids[mine]
+        owners = part_ids.repeat_interleave(len(own.means) // len(part_ids))
+        pictures = [
+            rasterize(
+                move_splats(own, owners, displacements),
+                pick_cameras(cameras, torch.tensor([picture])),
+                background=batch.background[sample, picture],
+                cfg=cfg,
+            ).color[0]
+            for picture, displacements in enumerate(batch.displacements[sample])
+        ]
+        out.append(torch.stack(pictures))
+    return torch.stack(out)
+
+
+def raster_config(vae: AppearanceVae, device: torch.device) -> RasterConfig:
+    """Rasteriser configuration for a decoder's Gaussians, with working memory for the device."""
+    return RasterConfig(
+        filter_variance=vae.decoder.gaussians.screen_filter,
+        fragments=GPU_FRAGMENTS if device.type == "cuda" else CPU_FRAGMENTS,
     )
 
 

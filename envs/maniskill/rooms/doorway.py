@@ -1,0 +1,46 @@
+"""Hangs a door in the entrance of a room."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from .arrange import Place, Plan
+from .pieces import GAP, line_up, move_boxes, shift_boxes
+from .recipes import DOOR
+from .room import THICKNESS, YAWS, turn_matrix
+from .runs import Chooser
+
+LINTEL = 0.1
+"""Least height (m) of the wall above a door."""
+AWAY = (0.25, 0.75)
+"""Share of the free wall on one side of a door: the corners are left to furniture along the side walls."""
+
+
+def hang_door(plan: Plan, chooser: Chooser) -> Plan:
+    """The plan with a door in the middle of the front wall's thickness, opening into the room.
+
+    The entrance becomes as large as the frame. Without a door that fits, the plan stays as it is.
+    """
+    entries = chooser.shortlists[DOOR.name]
+    if not entries:
+        return plan
+    piece = chooser.piece(entries[int(chooser.rng.integers(len(entries)))], DOOR.name)
+    cluster = line_up("door", [piece])
+    turn = turn_matrix(YAWS["front"])
+    boxes = move_boxes(cluster.boxes, turn)
+    space = np.concatenate([boxes.bodies, boxes.sweeps, boxes.stands])
+    low, high = space[:, 0].min(axis=0), space[:, 1].max(axis=0)
+    _, width, height = piece.box[1] - piece.box[0]
+    free = plan.size[0] - float(high[0] - low[0])
+    shift = np.array([chooser.rng.uniform(*AWAY) * free - low[0], 0.0, 0.0])
+    shift[1] = -(THICKNESS + float(piece.box[1, 0]) - piece.face) / 2.0
+    if free < 0.0 or high[1] + shift[1] > plan.size[1] or height + 2 * GAP > plan.size[2] - LINTEL:
+        return plan
+    T = turn.copy()
+    T[:3, 3] = shift
+    start = float(boxes.bodies[:, 0, 0].min() + shift[0])
+    entrance = replace(
+        plan.entrance, start=start - GAP, width=float(width) + 2 * GAP, height=float(height) + 2 * GAP
+    )
+    place = Place(cluster=cluster, T=T, boxes=shift_boxes(boxes, shift), side=None)
+    return replace(plan, entrance=entrance).with_place(place)
