@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sim_export.package import PackageJoint, SimPackage
-from sim_export.physics.inertia import inertia_about
-from sim_export.physics.links import subtree_inertial
+from sim_export.physics.inertia import inertia_about, subtree_inertial
 
 if TYPE_CHECKING:
     from sapien.physx import PhysxArticulationJoint

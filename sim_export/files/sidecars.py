@@ -18,7 +18,7 @@ from sim_export.package import (
     SimPackage,
     SourceMesh,
 )
-from sim_export.physics.links import subtree_inertial
+from sim_export.physics.inertia import subtree_inertial
 from sim_export.physics.materials import MATERIALS, physx_friction_coefficient
 from sim_export.topology import find_topology
 

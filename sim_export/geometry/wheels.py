@@ -12,7 +12,7 @@ from sim_export.collision.hulls import convex_hull, hull_volume
 from sim_export.geometry.solids import as_solid
 from sim_export.geometry.tidy import tidy_mesh
 from sim_export.package import Hull, Mesh
-from sim_export.physics.links import STEEPEST_AXLE
+from sim_export.physics.resistance import STEEPEST_AXLE
 
 SEGMENTS = 24
 """Sides of the cylinder; a corner points down, so that it stands on an edge."""

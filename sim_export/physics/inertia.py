@@ -11,7 +11,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from sim_export.errors import DegeneratePart, InvalidInertia, OpenMesh
-from sim_export.package import Hull, Inertial, Mesh
+from sim_export.package import Hull, Inertial, Link, Mesh, PackageJoint
+from sim_export.tree import hanging_links
 
 MIN_LINK_MASS = 0.01
 TRIANGLE_TOLERANCE = 1e-6
@@ -119,3 +120,9 @@ def raise_light_mass(inertial: Inertial, owner: str) -> tuple[Inertial, str | No
         inertial, mass=MIN_LINK_MASS, inertia=inertial.inertia * (MIN_LINK_MASS / inertial.mass)
     )
     return heavier, f"{owner}: mass raised from {inertial.mass:.3g} to {MIN_LINK_MASS:g} kg"
+
+
+def subtree_inertial(links: Sequence[Link], joints: Sequence[PackageJoint], name: str) -> Inertial:
+    """Mass properties, at rest, of a link and all its descendants."""
+    inside = hanging_links(joints, name)
+    return combine([link.inertial for link in links if link.name in inside and link.inertial is not None])

@@ -10,10 +10,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
 
-from artigen.types import FULL_TURN, Asset, Joint, Part, PartLabel
-from sim_export.collision.motion import driven_joints, link_displacements
+from artigen.types import FULL_TURN, Asset, Joint, Part
 from sim_export.errors import DegeneratePart, InvalidKinematics
 from sim_export.package import (
     URDF_JOINT_TYPES,
@@ -27,21 +25,18 @@ from sim_export.package import (
     UrdfJointType,
     Visual,
 )
-from sim_export.physics.inertia import check_inertial, combine, inertia_about, raise_light_mass
-from sim_export.physics.materials import GRAVITY, joint_resistance, rolling_resistance
+from sim_export.physics.inertia import (
+    check_inertial,
+    combine,
+    inertia_about,
+    raise_light_mass,
+    subtree_inertial,
+)
+from sim_export.physics.resistance import resist_joints
 from sim_export.tree import hanging_links
 
 BASE = "base"
 MAX_LINKS = 64
-HOLD_SLOPE = 0.09
-TRIED_POSES = 9
-"""Positions of each joint of a chain that are tried for the greatest moment."""
-LATCH_HOLD = 2.0
-"""Holding force of a latch relative to its load under gravity: it has a spring, and the leaf it holds pushes
-on it too."""
-SHORTEST_DECAY = 0.1
-"""Smallest time constant of damping (seconds); engines exaggerate damping that stops a body within a few
-steps of 1/60 s."""
 LEAST_TURNING = 1e-4
 """Smallest inertia (kg m^2) about a turning joint. A knob turns a shaft and a valve or gears, which are not
 modelled. A bare knob of ten grams has a fiftieth of this. Fingers would accelerate it in one step beyond what
@@ -49,8 +44,6 @@ contacts with its neighbours, which engines predict one step ahead, can handle."
 LEAST_ROLLING = 6e-4
 """The same for wheels (kg m^2). A table rests on four castors with a few hundredths of its mass; without the
 rims and axles of real castors, contacts with the floor make them jump at a step of 1/60 s."""
-STEEPEST_AXLE = 0.5
-"""Largest vertical component of an axle; a wheel on a steeper one is a swivel that carries a wheel."""
 CARRIER_MASS = 0.01
 CARRIER_RADIUS = 0.02
 
@@ -142,7 +135,7 @@ def build_links(asset: Asset, geometry: Sequence[PartGeometry], latched: Collect
         joints.append(_fix(links[-1].name))
     return LinkTree(
         links=tuple(links),
-        joints=_with_resistance(links, joints, frozenset(latched)),
+        joints=resist_joints(links, joints, frozenset(latched)),
         records=(*records, *raised),
     )
 
@@ -240,12 +233,6 @@ def _screw(turn: PackageJoint, link: Link, per_radian: float) -> tuple[list[Link
     return [carrier], [replace(turn, child=carrier.name), travel]
 
 
-def subtree_inertial(links: Sequence[Link], joints: Sequence[PackageJoint], name: str) -> Inertial:
-    """Mass properties, at rest, of a link and all its descendants."""
-    inside = hanging_links(joints, name)
-    return combine([link.inertial for link in links if link.name in inside and link.inertial is not None])
-
-
 def _with_shafts(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple[list[Link], list[str]]:
     """Raises the inertia of links about their own joint to at least `LEAST_TURNING`; one sentence per
     change."""
@@ -267,112 +254,6 @@ def _with_shafts(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple
                 f"{least:g} kg m^2, for the shaft that turns with it"
             )
     return out, records
-
-
-def opening_pull(joint: PackageJoint, moved: Inertial) -> float:
-    """Largest force (N) or torque (N m) with which gravity opens a closed joint on a sloping floor; 0 if it
-    closes it.
-
-    Catches, seals and runners keep furniture shut on floors that slope by 5 degrees in any direction;
-    `HOLD_SLOPE` is slightly larger.
-    """
-    weight = moved.mass * GRAVITY
-    arm = np.asarray(moved.com) - joint.origin
-    moving = np.asarray(joint.axis) if joint.type == "prismatic" else np.cross(joint.axis, arm)
-    if joint.type == "continuous":  # it may start from any position
-        return weight * float(np.linalg.norm(moving)) * (1.0 + HOLD_SLOPE)
-    level = -weight * float(moving[2])
-    return max(0.0, level + HOLD_SLOPE * weight * float(np.hypot(moving[0], moving[1])))
-
-
-def greatest_moment(links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint) -> float:
-    """Greatest gravity moment (N m) about a turning joint, over all its positions and those of the joints
-    that hang from it.
-
-    It is what the hinge of a lamp's arm holds when the arms are stretched, found by moving one joint after
-    the other to where the moment is greatest.
-    """
-    inside = hanging_links(joints, joint.child)
-    held = [(k, link.inertial) for k, link in enumerate(links) if link.name in inside and link.inertial]
-    hanging = [other for other in driven_joints(joints) if other.parent in inside]
-    qpos: dict[str, object] = {}
-
-    def moment() -> Float[np.ndarray, "*B"]:
-        T = link_displacements(links, joints, qpos)
-        arms = [own.mass * (T[..., k, :3, :3] @ own.com + T[..., k, :3, 3] - joint.origin) for k, own in held]
-        return GRAVITY * np.linalg.norm(np.cross(joint.axis, sum(arms)), axis=-1)
-
-    for other in (*hanging, *hanging):
-        tried = np.linspace(other.lower, other.upper, TRIED_POSES)
-        qpos[other.name] = tried
-        qpos[other.name] = tried[int(moment().argmax())]
-    return float(moment())
-
-
-def _with_resistance(
-    links: Sequence[Link], joints: Sequence[PackageJoint], latched: frozenset[str]
-) -> tuple[PackageJoint, ...]:
-    """Friction, damping, effort and velocity of every movable joint."""
-    held = {link.name for link in links if latched & set(link.parts[:1])}
-    labels: dict[str, PartLabel | None] = {link.name: link.label for link in links}
-    leads = {joint.mimic: joint for joint in joints if joint.mimic is not None}
-    rolling = _rolling_loads(links, joints)
-    out = []
-    for joint in joints:
-        follower = leads.get(joint.name)
-        label = labels[follower.child if follower is not None else joint.child]
-        if joint.type == "fixed" or label is None:
-            out.append(joint)
-            continue
-        if joint.mimic is not None:  # the turning joint has the resistance of both
-            out.append(replace(joint, friction=0.0, damping=0.0, effort=100.0, velocity=1.0))
-            continue
-        moved = subtree_inertial(links, joints, joint.child)
-        if joint.child in held:
-            hold = 0.0
-        elif joint.type == "revolute" and (label == "handle" or joint.parent in held):
-            # Arms of lamps, bails and the levers of latches stay where they are put.
-            hold = (1.0 + HOLD_SLOPE) * greatest_moment(links, joints, joint)
-        else:
-            hold = opening_pull(joint, moved)
-        if joint.parent in held:  # a latch, loaded by its leaf
-            hold *= LATCH_HOLD
-        if follower is not None:  # an upright screw is self-locking
-            climb = abs(float(follower.axis[2])) * follower.mimic_multiplier
-            hold += (1.0 + HOLD_SLOPE) * moved.mass * GRAVITY * climb
-        hold = max(hold, rolling.get(joint.name, 0.0))
-        resist = joint_resistance(label, joint.kind, moved.mass, hold)
-        turning = float(joint.axis @ inertia_about(moved, joint.origin) @ joint.axis)
-        moment = moved.mass if joint.type == "prismatic" else turning
-        out.append(
-            replace(
-                joint,
-                friction=resist.friction,
-                damping=min(resist.damping, moment / SHORTEST_DECAY),
-                effort=resist.effort,
-                velocity=resist.velocity,
-            )
-        )
-    return tuple(out)
-
-
-def _rolling_loads(links: Sequence[Link], joints: Sequence[PackageJoint]) -> dict[str, float]:
-    """Torque (N m) by joint that turns each wheel of an object which stands on all of them."""
-    by_name = {link.name: link for link in links}
-    wheels = [
-        joint
-        for joint in joints
-        if by_name[joint.child].label == "wheel"
-        and by_name[joint.child].hulls
-        and abs(joint.axis[2]) <= STEEPEST_AXLE
-    ]
-    mass = sum(link.inertial.mass for link in links if link.inertial is not None)
-    out = {}
-    for joint in wheels:
-        points = np.concatenate([hull.vertices for hull in by_name[joint.child].hulls]) - joint.origin
-        radius = float(np.linalg.norm(np.cross(joint.axis, points), axis=1).max())
-        out[joint.name] = rolling_resistance(mass / len(wheels), radius)
-    return out
 
 
 def check_kinematics(package: SimPackage) -> None:

@@ -162,7 +162,7 @@ def joint_resistance(label: PartLabel, joint: JointType, mass: float, hold: floa
         label: Label of the moving part.
         joint: Type of its joint.
         mass: Mass of everything that moves with it (kg).
-        hold: Load that pulls it open on a sloping floor (N or N m; `sim_export.physics.links.opening_pull`).
+        hold: Load that pulls it open on a sloping floor (N or N m; `opening_pull` in `resistance.py`).
     """
     sliding = joint == "prismatic"
     if label == "wheel":

@@ -17,7 +17,7 @@ from artigen.shapes.shape import Need, Shape
 from artigen.sketch.faults import find_faults
 from sim_export.checks.suite import run_checks
 from sim_export.files.write import write_package
-from sim_export.physics.links import subtree_inertial
+from sim_export.physics.inertia import subtree_inertial
 from sim_export.reference import build_reference, find_latched
 
 DOORS = ("panelled", "flush", "glazed", "double")

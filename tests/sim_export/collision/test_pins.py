@@ -10,7 +10,7 @@ from sim_export.collision.pins import pin_carriers
 from sim_export.files.write import write_package
 from sim_export.geometry.primitives import find_primitive
 from sim_export.package import SimPackage
-from sim_export.physics.links import subtree_inertial
+from sim_export.physics.inertia import subtree_inertial
 from sim_export.physics.materials import GRAVITY
 from sim_export.reference import build_reference
 

@@ -14,8 +14,8 @@ from sim_export.errors import DegeneratePart, InvalidKinematics
 from sim_export.files.urdf import format_number, link_origins, urdf_text
 from sim_export.files.write import write_package
 from sim_export.package import SimPackage
-from sim_export.physics.inertia import combine
-from sim_export.physics.links import PartGeometry, build_links, check_kinematics, subtree_inertial
+from sim_export.physics.inertia import combine, subtree_inertial
+from sim_export.physics.links import PartGeometry, build_links, check_kinematics
 
 
 @pytest.fixture(scope="module", params=["plain", "screw"])

@@ -20,7 +20,7 @@ from sim_export.physics.inertia import (
     mesh_inertial,
     raise_light_mass,
 )
-from sim_export.physics.links import PartGeometry, build_links, opening_pull
+from sim_export.physics.links import PartGeometry, build_links
 from sim_export.physics.materials import (
     GRAVITY,
     MATERIALS,
@@ -28,6 +28,7 @@ from sim_export.physics.materials import (
     part_material,
     physx_friction_coefficient,
 )
+from sim_export.physics.resistance import opening_pull
 
 
 def prism(sides: int, radius: float, height: float) -> Mesh:

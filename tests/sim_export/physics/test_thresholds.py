@@ -13,8 +13,9 @@ from sim_export.package import Hull, Inertial, PackageJoint
 from sim_export.physics import annotations
 from sim_export.physics.annotations import gapart_class
 from sim_export.physics.inertia import check_inertial, raise_light_mass
-from sim_export.physics.links import LinkTree, PartGeometry, build_links, opening_pull
+from sim_export.physics.links import LinkTree, PartGeometry, build_links
 from sim_export.physics.materials import finish_material, joint_load
+from sim_export.physics.resistance import opening_pull
 
 UNIT = np.array([np.zeros(3), np.ones(3)])
 BODY = Part(name="body", label="base", parent=-1, joint=FIXED, box=UNIT)
