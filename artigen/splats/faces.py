@@ -5,6 +5,7 @@ those inside, so that edges are sharp and large faces take few discs. Colours ar
 even light, averaged over directions of view. There is no detail finer than a cell.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +22,9 @@ SPACING = 1 / 96
 """Width of a cell inside a face, as a share of the longest edge of the object."""
 BORDER = (0.25, 0.25, 0.5)
 """Widths of the cells along a border, from the edge inwards, as shares of the width inside."""
+FINE = 4
+"""How many times narrower rows and borders of faces with slanted edges are: rows end in steps there, and such
+faces often meet others in one plane, as around a round hole."""
 SPREAD = 0.7
 """Standard deviation of a disc, as a share of the width of its cell. Less shows the grid, more blurs."""
 INSET = 2.1
@@ -28,10 +32,12 @@ INSET = 2.1
 its front, back and end overlap: less thickens outlines, more opens seams."""
 FLATNESS = 0.001
 """Standard deviation along the normal, as a share of the width inside a face."""
+SQUARE = 0.999
+"""Cosine from which edges count as parallel; 1 less it, below which they count as perpendicular."""
 SIDES = 32
 """Corners of the polygon that stands for the round end of a cylinder."""
-LEAST_AROUND = 6
-"""Fewest discs around a cylinder."""
+LEAST_AROUND = 16
+"""Fewest discs around a cylinder: wide ones stick out of its outline."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,6 +49,10 @@ class _Faces:
     normals: Float[np.ndarray, "F 3"]
     owners: Int[np.ndarray, "F"]
     """Index of the primitive."""
+    directions: Float[np.ndarray, "F 3"]
+    """Directions of the rows."""
+    slanted: bool
+    """Whether some edges are neither parallel nor perpendicular to the rows."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -110,48 +120,48 @@ def lay_discs(solids: Solids, spacing: float) -> Discs:
         spacing: Width of a cell inside a face (m).
     """
     round_ones = [index for index, one in enumerate(solids.primitives) if one.kind == "cylinder"]
-    laid = [_cover_faces(_list_faces(solids), spacing)]
+    laid = [_cover_faces(faces, spacing) for faces in _list_faces(solids)]
     laid += [_cover_side(solids.primitives[index], index, spacing) for index in round_ones]
     every = Discs(**{name: np.concatenate([vars(one)[name] for one in laid]) for name in vars(laid[0])})
     return every.select(np.argsort(every.owners, kind="stable"))
 
 
 def divide_lengths(
-    lengths: Float[np.ndarray, "K"], spacing: float
+    lengths: Float[np.ndarray, "K"], spacing: float, border: Sequence[float] = BORDER
 ) -> tuple[Int[np.ndarray, "N"], Float[np.ndarray, "N"], Float[np.ndarray, "N"]]:
     """Divides lengths into cells, narrow ones at both ends; short lengths into narrow cells only.
 
     Returns:
         Row of the length, place along it, and standard deviation, of the disc of each cell.
     """
-    border = spacing * np.array(BORDER)
-    narrow, reach = border[0], INSET * SPREAD
+    widths = spacing * np.array(border)
+    narrow, reach = widths[0], INSET * SPREAD
     inset = (reach - 0.5) * narrow  # the narrow cells at the ends begin here
     free = lengths - 2 * inset
-    inner = free - 2 * border.sum()
+    inner = free - 2 * widths.sum()
     graded = inner > spacing / 2
     inside = np.where(graded, np.maximum(1, np.rint(inner / spacing)), 0).astype(np.int64)
     alike = np.maximum(1, np.rint(free / narrow)).astype(np.int64)
-    count = np.where(graded, inside + 2 * len(border), alike)
+    count = np.where(graded, inside + 2 * len(widths), alike)
     row = np.repeat(np.arange(len(lengths)), count)
     order = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
     rest = count[row] - 1 - order
     width = (lengths / (alike - 1 + 2 * reach))[row]
     place = (reach + order) * width
     wide = np.where(graded, inner / np.maximum(inside, 1), 0.0)[row]
-    end = np.minimum(np.minimum(order, rest), len(border) - 1)
-    from_end = inset + (np.cumsum(border) - border / 2)[end]
-    middle = inset + border.sum() + (order - len(border) + 0.5) * wide
-    at_end = np.minimum(order, rest) < len(border)
+    end = np.minimum(np.minimum(order, rest), len(widths) - 1)
+    from_end = inset + (np.cumsum(widths) - widths / 2)[end]
+    middle = inset + widths.sum() + (order - len(widths) + 0.5) * wide
+    at_end = np.minimum(order, rest) < len(widths)
     told = np.where(order < rest, from_end, lengths[row] - from_end)
     split = graded[row]
     place = np.where(split, np.where(at_end, told, middle), place)
-    width = np.where(split, np.where(at_end, border[end], wide), width)
+    width = np.where(split, np.where(at_end, widths[end], wide), width)
     return row, place, SPREAD * width
 
 
-def _list_faces(solids: Solids) -> _Faces:
-    """The flat faces of all primitives, ends of cylinders included."""
+def _list_faces(solids: Solids) -> list[_Faces]:
+    """The flat faces of all primitives, ends of cylinders included: the rectangular ones, and the others."""
     rings, normals, owners = [], [], []
     for index, one in enumerate(solids.primitives):
         if one.kind == "cylinder":
@@ -168,23 +178,33 @@ def _list_faces(solids: Solids) -> _Faces:
             owners.extend([index] * len(one.rings))
     most = max(len(ring) for ring in rings)
     padded = [np.concatenate([ring, np.repeat(ring[-1:], most - len(ring), axis=0)]) for ring in rings]
-    return _Faces(rings=np.stack(padded), normals=np.stack(normals), owners=np.array(owners))
+    outlines = np.stack(padded)
+    directions, slanted = _find_directions(outlines)
+    return [
+        _Faces(
+            rings=outlines[rows],
+            normals=np.stack(normals)[rows],
+            owners=np.array(owners)[rows],
+            directions=directions[rows],
+            slanted=kind,
+        )
+        for kind, rows in ((False, ~slanted), (True, slanted))
+    ]
 
 
 def _cover_faces(faces: _Faces, spacing: float) -> Discs:
-    """Rows of discs along the longest edge of each face, from border to border."""
-    edges = np.roll(faces.rings, -1, axis=1) - faces.rings
-    lengths = np.linalg.norm(edges, axis=2)
-    longest = np.argmax(lengths, axis=1)
-    every = np.arange(len(edges))
-    along = edges[every, longest] / lengths[every, longest, None]
+    """Rows of discs from border to border of each face."""
+    along = faces.directions
     frames = np.stack([along, np.cross(faces.normals, along), faces.normals], axis=2)
     corners = np.einsum("fmi,fij->fmj", faces.rings - faces.rings[:, :1], frames[:, :, :2])
     low, high = corners[:, :, 1].min(axis=1), corners[:, :, 1].max(axis=1)
-    face, height, tall = divide_lengths(high - low, spacing)
+    fine, border = 1, BORDER
+    if faces.slanted:
+        fine, border = FINE, (*(share / FINE for share in BORDER), *BORDER[1:])
+    face, height, tall = divide_lengths(high - low, spacing / fine)
     height += low[face]
     start, stop = _cut_rows(corners[face], height)
-    row, place, wide = divide_lengths(stop - start, spacing)
+    row, place, wide = divide_lengths(stop - start, spacing, border)
     own = face[row]
     flat = np.stack([start[row] + place, height[row]], axis=1)
     return Discs(
@@ -193,6 +213,25 @@ def _cover_faces(faces: _Faces, spacing: float) -> Discs:
         deviations=np.stack([wide, tall[row]], axis=1),
         owners=faces.owners[own],
     )
+
+
+def _find_directions(
+    rings: Float[np.ndarray, "F M 3"],
+) -> tuple[Float[np.ndarray, "F 3"], Bool[np.ndarray, "F"]]:
+    """The direction of the edge to which most of a face's outline is parallel or perpendicular.
+
+    Returns:
+        The directions, and whether an edge is neither.
+    """
+    edges = np.roll(rings, -1, axis=1) - rings
+    lengths = np.linalg.norm(edges, axis=2)
+    units = edges / np.where(lengths == 0, 1.0, lengths)[:, :, None]
+    cosines = np.abs(np.einsum("fmi,fki->fmk", units, units))
+    aligned = (cosines > SQUARE) | (cosines < 1 - SQUARE)
+    score = np.einsum("fmk,fk->fm", aligned, lengths)
+    best = np.where(lengths == 0, -1.0, score + lengths / 2).argmax(axis=1)
+    every = np.arange(len(rings))
+    return units[every, best], score[every, best] < 0.999 * lengths.sum(axis=1)
 
 
 def _cut_rows(

@@ -15,7 +15,7 @@ from artigen.shapes.sampling import place_points
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.splats.colors import linear_from_srgb, srgb_from_linear
-from artigen.splats.faces import SPREAD, divide_lengths, lay_gaussians
+from artigen.splats.faces import SPREAD, SQUARE, divide_lengths, lay_gaussians
 from artigen.splats.render import Rendering, make_splats, rasterize
 from artigen.transforms import matrix_from_quat
 from artigen.types import Gaussians
@@ -107,8 +107,8 @@ SOLIDS = {
     "box": (box((-0.5, -0.5, -0.25), (0.5, 0.5, 0.25), "grey"), 0.5, 3.0, 0.4),
     "board": (box((-0.5, -0.5, -0.01), (0.5, 0.5, 0.01), "grey"), 0.02, 2.04, 0.4),
     "rod": (cylinder((0.0, -0.5, 0.0), (0.0, 0.5, 0.0), 0.2, "grey"), 0.4, 2.8, 0.4),
-    "end of a rod": (cylinder((-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), 0.4, "grey"), np.pi * 0.16, 2.51, 0.8),
-    "wedge": (prism(CORNERS, (-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), "grey"), 0.5, 3.41, 1.0),
+    "end of a rod": (cylinder((-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), 0.4, "grey"), np.pi * 0.16, 2.51, 0.6),
+    "wedge": (prism(CORNERS, (-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), "grey"), 0.5, 3.41, 0.7),
 }
 """Solids that reach from -0.5 to 0.5 along x: area and length of the outline from there, and by how much the
 outline may be off on average (pixels of 0.005). Rows of cells end in steps at slanted edges."""
@@ -134,6 +134,18 @@ def test_panes_show_black_and_white_through_them_as_their_finish_says(opacity: f
     wanted = srgb_from_linear(opacity * light + (1 - opacity) * behind)
     assert abs(shown.mean() - wanted) < 0.02
     assert np.ptp(shown) < 0.05
+
+
+@pytest.mark.parametrize("angle", [1.0, 2.5, 3.0, 10.0])
+def test_edges_that_are_not_square_end_in_fine_steps(angle: float):
+    """From 2.6 degrees on, the cosine at which edges no longer count as parallel."""
+    lean = np.tan(np.radians(angle))
+    corners = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5 - lean, 0.5], [-0.5, 0.5]])
+    slab = prism(corners, (-0.1, 0.0, 0.0), (0.1, 0.0, 0.0), "grey")
+    discs = lay_gaussians(of(slab))
+    front = discs.scales[np.abs(matrix_from_quat(discs.quats)[:, 0, 2]) > 0.999]
+    rows = front[:, :2].max() / np.median(front[:, 1])
+    assert (rows > 2) == (angle > np.degrees(np.arccos(SQUARE)))
 
 
 def test_the_unit_of_length_does_not_matter():
