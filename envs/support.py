@@ -2,7 +2,8 @@
 
 import numpy as np
 from jaxtyping import Float
-from scipy.spatial import ConvexHull, QhullError
+
+from artigen.shapes.support import measure_overhang
 
 from .hand import pose_matrix
 from .loaded import LoadedPackage
@@ -19,13 +20,7 @@ def overhang_of(loaded: LoadedPackage, vertices: Float[np.ndarray, "V 3"]) -> fl
         vertices: Its collision vertices in the world.
     """
     feet = vertices[vertices[:, 2] < vertices[:, 2].min() + FLOOR_BAND][:, :2]
-    center = center_of_mass(loaded)[:2]
-    try:
-        hull = ConvexHull(feet)
-    except (QhullError, ValueError):
-        # A point or a line gives no support: any sideways push tips the object over.
-        return float(np.linalg.norm(feet - center, axis=1).min())
-    return float((hull.equations[:, :2] @ center + hull.equations[:, 2]).max())
+    return measure_overhang(feet, center_of_mass(loaded)[:2])
 
 
 def center_of_mass(loaded: LoadedPackage) -> Float[np.ndarray, "3"]:

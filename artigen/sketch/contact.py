@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float, Int
 
 from artigen.shapes.primitives import Primitive, place_vertices
 from artigen.shapes.shape import Shape
+from artigen.shapes.support import measure_overhang
 
 SMALL = (8, 6)
 """Vertices and faces of a box: box pairs are the majority and are measured separately."""
@@ -190,24 +191,18 @@ def measure_thickness(bodies: Bodies) -> Float[np.ndarray, "N"]:
     return -heights.min(axis=2).max(axis=1)
 
 
-def measure_overhang(bodies: Bodies, band: float) -> float:
+def find_overhang(bodies: Bodies, band: float) -> float:
     """Distance (m) of the centre of volume from the support polygon in plan; negative inside.
 
     Args:
         bodies: All primitives.
         band: Height (m) above the lowest point within which corners count as support.
     """
-    from scipy.spatial import ConvexHull, QhullError
-
     corners = bodies.vertices.reshape(-1, 3)
     feet = corners[corners[:, 2] < corners[:, 2].min() + band, :2]
     volumes, middles = _weigh(bodies)
     middle = volumes @ middles[:, :2] / volumes.sum()
-    try:
-        hull = ConvexHull(feet)
-    except QhullError:  # collinear points span no polygon
-        return float(np.linalg.norm(feet - middle, axis=1).min())
-    return float((hull.equations[:, :2] @ middle + hull.equations[:, 2]).max())
+    return measure_overhang(feet, middle)
 
 
 def _weigh(bodies: Bodies) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N 3"]]:

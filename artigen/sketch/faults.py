@@ -19,8 +19,8 @@ from artigen.sketch.contact import (
     Bodies,
     Near,
     find_near,
+    find_overhang,
     list_bodies,
-    measure_overhang,
     measure_pairs,
     measure_thickness,
     penetrate,
@@ -375,7 +375,7 @@ def _is_box(primitive: Primitive) -> bool:
 
 
 def _tips(subject: _Subject) -> Iterator[Fault]:
-    outside = measure_overhang(subject.bodies, FLOOR_BAND)
+    outside = find_overhang(subject.bodies, FLOOR_BAND)
     if outside > 0.0:
         lowest = int(subject.bodies.low[:, 2].argmin())
         yield Fault(id="tipping", part=subject.name(lowest), value=outside, allowed=0.0)

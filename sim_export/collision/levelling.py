@@ -11,7 +11,6 @@ from itertools import combinations
 
 import numpy as np
 from jaxtyping import Float
-from scipy.spatial import ConvexHull, QhullError
 
 from sim_export.collision.additions import add_hull
 from sim_export.collision.contacts import HullSet, signed_distances
@@ -19,18 +18,15 @@ from sim_export.collision.hulls import box_hull, hull_planes
 from sim_export.collision.sweeps import Sweep, read_sweeps
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement, Visual
+from sim_export.physics.standing import MARGIN, center_of_mass, depth_of_mass
 
 NEIGHBOURS = 4
 """Hulls near a foot that are tried for it to grow out of, where the body has no hull left to give."""
 
-# Lengths in metres.
-MARGIN = 0.01
-"""The centre of mass lies at least this deep in the polygon of what touches the floor, or feet are
-added; less where the object is small."""
 MARGIN_SHARE = 0.02
-"""That depth over the smaller side of the object's floor plan, where this is less."""
-TOUCHING = 0.002
-"""Height above the floor up to which a point carries."""
+"""`MARGIN` over the smaller side of the object's floor plan, where this is less."""
+
+# Lengths in metres.
 LIFT = 0.003
 """How far feet lift what moves off the floor."""
 MAX_HEIGHT = 0.2
@@ -153,15 +149,7 @@ def _bounds(sets: Sequence[HullSet]) -> tuple[np.ndarray, np.ndarray]:
 
 def _depth_of_mass(links: Sequence[Link], sets: Sequence[HullSet]) -> float:
     """How far (m) the centre of mass lies inside of what touches the floor; negative outside."""
-    inertials = [link.inertial for link in links if link.inertial is not None]
-    center = np.average([i.com for i in inertials], axis=0, weights=[i.mass for i in inertials])
-    points = np.concatenate([hulls.vertices for hulls in sets])
-    feet = points[points[:, 2] < points[:, 2].min() + TOUCHING][:, :2]
-    try:
-        edges = ConvexHull(feet).equations
-    except (QhullError, ValueError):
-        return -float(np.linalg.norm(feet - center[:2], axis=1).min())
-    return -float((edges[:, :2] @ center[:2] + edges[:, 2]).max())
+    return depth_of_mass(np.concatenate([hulls.vertices for hulls in sets]), center_of_mass(links))
 
 
 def _choose_feet(

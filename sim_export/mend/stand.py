@@ -8,63 +8,43 @@ from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import ConvexHull
 
 from artigen.splats.motion import transform_gaussians
 from artigen.transforms import transform_points
 from sim_export.package import HandleAnnotation, Hull, Link, Mesh, PackageJoint, SimPackage, Visual
-from sim_export.physics.standing import must_stand
+from sim_export.physics.standing import DOWN, MARGIN, center_of_mass, depth_of_mass, must_stand
 
 FARTHEST = 30.0
 """Largest turn (degrees)."""
-TOUCHING = 2e-3
-"""Height (m) above the floor up to which a point carries."""
-MARGIN = 0.01
-"""Distance (m) of the centre of mass from the edges of the side that it comes to stand on, at least."""
 
 
 def stand_on_side(package: SimPackage) -> SimPackage:
     """The package on the nearest side on which it stands, with a record; unchanged if it need not stand, does
     so already, or if no such side is near."""
     points = np.concatenate([np.zeros((0, 3)), *(hull.vertices for k in package.links for hull in k.hulls)])
-    bodies = [link.inertial for link in package.links if link.inertial is not None]
-    if not must_stand(package.category) or not len(points) or not bodies:
+    weighed = any(link.inertial is not None for link in package.links)
+    if not must_stand(package.category) or not len(points) or not weighed:
         return package
-    com = np.average([body.com for body in bodies], axis=0, weights=[body.mass for body in bodies])
-    down = np.array([0.0, 0.0, -1.0])
-    before = _depth_of_mass(points, com, down)
+    com = center_of_mass(package.links)
+    before = depth_of_mass(points, com)
     if before >= 0.0:
         return package
     normals = np.unique(np.round(ConvexHull(points).equations[:, :3], 4), axis=0)
-    angles = np.degrees(np.arccos(np.clip(normals @ down, -1.0, 1.0)))
+    angles = np.degrees(np.arccos(np.clip(normals @ DOWN, -1.0, 1.0)))
     for row in np.argsort(angles, kind="stable"):
         if angles[row] > FARTHEST:
             return package
-        if _depth_of_mass(points, com, normals[row]) >= MARGIN:
+        if depth_of_mass(points, com, normals[row]) >= MARGIN:
             break
     else:
         return package
-    turned = turn_package(package, _turn_onto(normals[row], down), points)
+    turned = turn_package(package, _turn_onto(normals[row], DOWN), points)
     record = (
         f"mend stand (V303): the object was turned by {angles[row]:.1f} degrees onto a side on which it "
         f"stands; its centre of mass was {1e3 * -before:.0f} mm outside of what touched the floor"
     )
     return replace(turned, records=(*package.records, record))
-
-
-def _depth_of_mass(
-    points: Float[np.ndarray, "N 3"], com: Float[np.ndarray, "3"], down: Float[np.ndarray, "3"]
-) -> float:
-    """How far (m) a centre of mass lies inside of the lowest points along ``down``; negative outside."""
-    down = down / np.linalg.norm(down)
-    heights = points @ down
-    axes = np.linalg.svd(down[None])[2][1:]
-    feet, center = points[heights > heights.max() - TOUCHING] @ axes.T, axes @ com
-    try:
-        edges = ConvexHull(feet).equations
-    except (QhullError, ValueError):  # a point or a line
-        return -float(np.linalg.norm(feet - center, axis=1).min())
-    return -float((edges[:, :2] @ center + edges[:, 2]).max())
 
 
 def _turn_onto(normal: Float[np.ndarray, "3"], down: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:

@@ -1,5 +1,18 @@
-"""Which objects must stand on their own."""
+"""Which objects must stand on their own, and how well they do."""
 
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.shapes.support import measure_overhang
+from sim_export.package import Link
+
+TOUCHING = 2e-3
+"""Height (m) above the floor up to which a point carries."""
+MARGIN = 0.01
+"""Least distance (m) of the centre of mass from the edges of what carries an object that stands well."""
+DOWN = np.array([0.0, 0.0, -1.0])
 MOUNTED_CATEGORIES = frozenset({"Door", "Faucet", "Switch", "Window"})
 HELD_CATEGORIES = frozenset(
     {"Eyeglasses", "Knife", "Lighter", "Pen", "Phone", "Pliers", "Remote", "Scissors", "Stapler", "USB"}
@@ -11,3 +24,19 @@ including unknown categories, must stand."""
 def must_stand(category: str) -> bool:
     """Whether objects of this category must stand on their own."""
     return category not in MOUNTED_CATEGORIES | HELD_CATEGORIES
+
+
+def center_of_mass(links: Sequence[Link]) -> Float[np.ndarray, "3"]:
+    """Centre of mass (m) of all links that have a mass, at rest."""
+    bodies = [link.inertial for link in links if link.inertial is not None]
+    return np.average([body.com for body in bodies], axis=0, weights=[body.mass for body in bodies])
+
+
+def depth_of_mass(
+    points: Float[np.ndarray, "N 3"], com: Float[np.ndarray, "3"], down: Float[np.ndarray, "3"] = DOWN
+) -> float:
+    """How far (m) a centre of mass lies inside of the lowest points along ``down``; negative outside."""
+    down = down / np.linalg.norm(down)
+    heights = points @ down
+    axes = np.linalg.svd(down[None])[2][1:]
+    return -measure_overhang(points[heights > heights.max() - TOUCHING] @ axes.T, axes @ com)
