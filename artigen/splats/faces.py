@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.special import spence
 
+from artigen.shapes.asset import frame_shape
 from artigen.shapes.primitives import Primitive
 from artigen.shapes.shape import Shape
 from artigen.shapes.solids import Solids, list_solids, see_points
@@ -93,8 +94,7 @@ def lay_gaussians(shape: Shape, spacing: float = SPACING) -> Gaussians:
 
     if not spacing > 0:
         raise ValueError(f"Gaussians {spacing} of the longest edge apart, expected above 0")
-    low, high = shape.bounds()
-    scale = float((high - low).max())
+    center, scale = frame_shape(shape)
     solids = list_solids(shape)
     discs = lay_discs(solids, spacing * scale)
     discs = discs.select(see_points(solids, discs.centers, discs.normals, discs.owners))
@@ -103,7 +103,7 @@ def lay_gaussians(shape: Shape, spacing: float = SPACING) -> Gaussians:
     )
     flat = np.full(len(opacity), FLATNESS * spacing)
     return Gaussians(
-        means=(discs.centers - (low + high) / 2) / scale,
+        means=(discs.centers - center) / scale,
         quats=quat_from_matrix(discs.frames),
         scales=np.column_stack([discs.deviations / scale, flat]),
         opacities=_disc_opacity(opacity),
@@ -149,14 +149,13 @@ def divide_lengths(
     width = (lengths / (alike - 1 + 2 * reach))[row]
     place = (reach + order) * width
     wide = np.where(graded, inner / np.maximum(inside, 1), 0.0)[row]
-    end = np.minimum(np.minimum(order, rest), len(widths) - 1)
+    away = np.minimum(order, rest)  # cells from the nearer end
+    at_end, end = away < len(widths), np.minimum(away, len(widths) - 1)
     from_end = inset + (np.cumsum(widths) - widths / 2)[end]
+    outer = np.where(order < rest, from_end, lengths[row] - from_end)
     middle = inset + widths.sum() + (order - len(widths) + 0.5) * wide
-    at_end = np.minimum(order, rest) < len(widths)
-    told = np.where(order < rest, from_end, lengths[row] - from_end)
-    split = graded[row]
-    place = np.where(split, np.where(at_end, told, middle), place)
-    width = np.where(split, np.where(at_end, widths[end], wide), width)
+    place = np.where(graded[row], np.where(at_end, outer, middle), place)
+    width = np.where(graded[row], np.where(at_end, widths[end], wide), width)
     return row, place, SPREAD * width
 
 
