@@ -8,6 +8,7 @@ each, but neighbours are open by different shares at a time.
 import numpy as np
 from jaxtyping import Float
 
+from artigen.shapes.poses import joint_ranges
 from artigen.shapes.shape import Shape
 from artigen.types import Asset
 
@@ -52,10 +53,7 @@ def shape_coordinates(
 ) -> Float[np.ndarray, "S P"]:
     """Joint coordinates of a shape (metres, radians), one per part; zero for parts that its asset lacks."""
     kept = {part.name for part in asset.parts}
-    upper = [
-        0.0 if part.motion is None or part.name not in kept else part.motion.upper for part in shape.parts
-    ]
-    return fractions * np.array(upper)
+    return fractions * np.where([part.name in kept for part in shape.parts], joint_ranges(shape), 0.0)
 
 
 def asset_coordinates(

@@ -8,7 +8,7 @@ from jaxtyping import Float, Int
 from artigen.shapes.rasterize import rasterize_shape
 from artigen.shapes.sampling import sample_shape
 from artigen.shapes.shape import Motion, Shape
-from artigen.types import FIXED, Asset, Joint, Part
+from artigen.types import FIXED, Asset, Joint, Part, VoxelGrid
 from artigen.voxels.voxelize import assign_cells, drop_unresolved, find_heirs
 
 
@@ -45,10 +45,7 @@ def shape_to_asset(shape: Shape, resolution: int | None = 64, spacing: float | N
         spacing: Mean distance (m) of coloured surface samples; None omits them.
     """
     center, scale = frame_shape(shape)
-    voxels = None
-    if resolution is not None:
-        found = rasterize_shape(shape, resolution)
-        voxels = assign_cells(found.cells, found.part_ids, found.areas, resolution)
+    voxels = None if resolution is None else _voxelize(shape, resolution)
     asset = Asset(
         name=shape.name,
         category=shape.category,
@@ -66,8 +63,7 @@ def voxelize_shape(shape: Shape, resolution: int = 64) -> Asset:
     `artigen.voxels.fields.encode` turns it into 35 channels; `artigen.voxels.voxelize.drop_unresolved`
     merges parts without a voxel into their parents.
     """
-    found = rasterize_shape(shape, resolution)
-    voxels = assign_cells(found.cells, found.part_ids, found.areas, resolution)
+    voxels = _voxelize(shape, resolution)
     asset = replace(shape_to_asset(shape, resolution=None), voxels=voxels)
     lost = np.setdiff1d(np.arange(len(asset.parts)), voxels.part_ids)
     notes = tuple(f"{asset.parts[index].name} is smaller than a voxel and owns none" for index in lost)
@@ -77,6 +73,11 @@ def voxelize_shape(shape: Shape, resolution: int = 64) -> Asset:
 def part_owners(shape: Shape, asset: Asset) -> Int[np.ndarray, "P"]:
     """Asset part of each part of the shape: itself, or the ancestor that it was merged into."""
     return find_heirs({part.name: part.parent for part in shape.parts}, asset)
+
+
+def _voxelize(shape: Shape, resolution: int) -> VoxelGrid:
+    found = rasterize_shape(shape, resolution)
+    return assign_cells(found.cells, found.part_ids, found.areas, resolution)
 
 
 def _joint(motion: Motion, center: Float[np.ndarray, "3"], scale: float) -> Joint:

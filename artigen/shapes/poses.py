@@ -58,6 +58,11 @@ def lead_followers(shape: Shape, qpos: Float[np.ndarray, "P"]) -> Float[np.ndarr
     )
 
 
+def joint_ranges(shape: Shape) -> Float[np.ndarray, "P"]:
+    """Upper end of the range of every part's joint (m, rad); zero for fixed parts."""
+    return np.array([0.0 if part.motion is None else part.motion.upper for part in shape.parts])
+
+
 def open_parts(shape: Shape, fraction: float) -> Float[np.ndarray, "P"]:
     """Coordinates with every limited joint at the same share of its range and the others closed."""
     return np.array(

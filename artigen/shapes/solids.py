@@ -32,7 +32,6 @@ class Solids:
 def list_solids(shape: Shape) -> Solids:
     """Collects the primitives of all parts in order."""
     primitives = tuple(primitive for part in shape.parts for primitive in part.primitives)
-    counts = [len(part.primitives) for part in shape.parts]
     bounds = np.array([primitive_bounds(primitive) for primitive in primitives])
     sizes = bounds[:, 1] - bounds[:, 0]
     upright = [
@@ -45,11 +44,16 @@ def list_solids(shape: Shape) -> Solids:
     ]
     return Solids(
         primitives=primitives,
-        part_ids=np.repeat(np.arange(len(shape.parts)), counts),
+        part_ids=primitive_parts(shape),
         low=bounds[:, 0],
         high=bounds[:, 1],
         upright=np.array(upright),
     )
+
+
+def primitive_parts(shape: Shape) -> Int[np.ndarray, "P"]:
+    """Index of the part of every primitive, counted through all parts in order."""
+    return np.repeat(np.arange(len(shape.parts)), [len(part.primitives) for part in shape.parts])
 
 
 def primitive_bounds(primitive: Primitive) -> Float[np.ndarray, "2 3"]:

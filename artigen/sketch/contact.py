@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float, Int
 
 from artigen.shapes.primitives import Primitive, place_vertices
 from artigen.shapes.shape import Shape
+from artigen.shapes.solids import primitive_parts
 from artigen.shapes.support import measure_overhang
 
 SMALL = (8, 6)
@@ -64,7 +65,7 @@ def list_bodies(shape: Shape, leaders: Int[np.ndarray, "P"]) -> Bodies:
         leaders: For every part the leading part of its rigid body.
     """
     primitives = tuple(primitive for part in shape.parts for primitive in part.primitives)
-    parts = np.repeat(np.arange(len(shape.parts)), [len(part.primitives) for part in shape.parts])
+    parts = primitive_parts(shape)
     corners = [place_vertices(primitive) for primitive in primitives]
     sides = [_place_planes(primitive) for primitive in primitives]
     vertices, planes = _pad(corners), _pad(sides)

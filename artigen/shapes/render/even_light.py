@@ -4,7 +4,7 @@ import numpy as np
 import torch
 from jaxtyping import Float, Int
 
-from artigen.shapes.poses import pose_parts
+from artigen.shapes.poses import joint_ranges, pose_parts
 from artigen.shapes.render.shading import (
     EVEN_LIGHT,
     Light,
@@ -14,6 +14,7 @@ from artigen.shapes.render.shading import (
     srgb_from_linear,
 )
 from artigen.shapes.shape import Shape
+from artigen.shapes.solids import primitive_parts
 from artigen.shapes.surfaces.textures import apply_paint, find_rows, make_paint
 
 OPENNESS = 0.95
@@ -55,11 +56,10 @@ def light_evenly(
     )
     every = torch.ones(len(rows), dtype=torch.float64)
     light, total = Light(lamp=every, sky=every, open=OPENNESS * every), torch.zeros_like(color)
-    upper = np.array([0.0 if part.motion is None else part.motion.upper for part in shape.parts])
-    part = np.repeat(np.arange(len(shape.parts)), [len(one.primitives) for one in shape.parts])[owners]
+    part, ranges = primitive_parts(shape)[owners], joint_ranges(shape)
     for number in range(TURNS):
         turn = 2 * np.pi * number / TURNS
-        moved = pose_parts(shape, number / (TURNS - 1) * upper)[:, :3, :3]
+        moved = pose_parts(shape, number / (TURNS - 1) * ranges)[:, :3, :3]
         axes = torch.from_numpy(moved[part] @ frames)
         aside = (np.sin(SLANT) * np.cos(turn), np.sin(SLANT) * np.sin(turn))
         toward = axes @ axes.new_tensor([*aside, np.cos(SLANT)])
