@@ -66,6 +66,16 @@ def list_bodies(shape: Shape, leaders: Int[np.ndarray, "P"]) -> Bodies:
     """
     primitives = tuple(primitive for part in shape.parts for primitive in part.primitives)
     parts = primitive_parts(shape)
+    return gather_bodies(primitives, parts, leaders[parts])
+
+
+def gather_bodies(
+    primitives: tuple[Primitive, ...],
+    parts: Int[np.ndarray, "N"] | None = None,
+    links: Int[np.ndarray, "N"] | None = None,
+) -> Bodies:
+    """Collects primitives; by default each belongs to part and rigid body 0."""
+    zero = np.zeros(len(primitives), dtype=int)
     corners = [place_vertices(primitive) for primitive in primitives]
     sides = [_place_planes(primitive) for primitive in primitives]
     vertices, planes = _pad(corners), _pad(sides)
@@ -79,8 +89,8 @@ def list_bodies(shape: Shape, leaders: Int[np.ndarray, "P"]) -> Bodies:
         high=vertices.max(axis=1),
         upright=aligned & (counts[:, 1] == SMALL[1]),
         large=np.any(counts > np.array(SMALL), axis=1),
-        parts=parts,
-        links=leaders[parts],
+        parts=zero if parts is None else parts,
+        links=zero if links is None else links,
     )
 
 
@@ -184,6 +194,20 @@ def penetrate(bodies: Bodies, first: int, second: int, T: Float[np.ndarray, "P 4
     if not len(deep):
         return 0.0
     return max(0.0, float(np.minimum(depth[deep], -separate_edges(bodies, first, second, T[deep])).max()))
+
+
+def find_overlaps(bodies: Bodies, others: Bodies, limit: float) -> Int[np.ndarray, "K"]:
+    """Primitives of ``bodies`` that ``others`` penetrate by more than ``limit`` (m), in ascending order."""
+    depth = np.minimum(bodies.high[:, None] - others.low, others.high - bodies.low[:, None]).min(axis=2)
+    first, second = np.nonzero(depth > limit)
+    hit = bodies.upright[first] & others.upright[second]
+    if not hit.all():
+        rows = np.unique(first)
+        both = gather_bodies((*(bodies.primitives[row] for row in rows), *others.primitives))
+        one, other = np.searchsorted(rows, first), len(rows) + second
+        for k in np.flatnonzero(~hit & (measure_pairs(both, one, other) < -limit)):
+            hit[k] = penetrate(both, int(one[k]), int(other[k]), np.eye(4)[None]) > limit
+    return np.unique(first[hit])
 
 
 def measure_thickness(bodies: Bodies) -> Float[np.ndarray, "N"]:

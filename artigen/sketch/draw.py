@@ -91,8 +91,11 @@ def continue_drafts(
     until: Callable[[Writer], bool],
     rngs: Sequence[np.random.Generator],
     cfg: DrawConfig | None = None,
+    *,
+    fits: Callable[[Writer], bool] = lambda _: True,
 ) -> list[Draft | None]:
-    """Extends tables in parallel until ``until`` holds for each; None for a table that grows too long.
+    """Extends tables in parallel until ``until`` holds for each; None for a table that grows too long or has
+    a row that does not fit.
 
     The result for a table does not depend on the other tables.
 
@@ -102,10 +105,11 @@ def continue_drafts(
         until: Stopping condition, evaluated after every row.
         rngs: Random generator of each draft.
         cfg: Sampling parameters.
+        fits: Whether a table may go on, evaluated before each row is closed.
     """
     pen = _Pen(network, drafts, rngs, cfg or DrawConfig())
     while pen.writers:
-        pen.write_row()
+        pen.write_row(fits)
         pen.put_aside(until)
     return pen.finished
 
@@ -138,8 +142,8 @@ class _Pen:
         ]
         self.sight = join_sights([draft.sight for draft in drafts if draft.sight is not None])
 
-    def write_row(self) -> None:
-        """Samples one row of every table and feeds it to the network."""
+    def write_row(self, fits: Callable[[Writer], bool]) -> None:
+        """Samples one row of every table, and feeds it to the network where it fits; removes other tables."""
         network = self.network
         before = torch.zeros_like(self.state)
         self.planes = network.plane_keys(self.keys)
@@ -148,6 +152,11 @@ class _Pen:
             if not open_rows:
                 break
             self._write_fields(open_rows, before)
+        kept = [k for k, writer in enumerate(self.writers) if fits(writer)]
+        self._keep(kept)
+        if not kept:
+            return
+        before = before[kept]
         last = _describe(self.writers, np.array([writer.close() for writer in self.writers]))
         # The embedding of a row is the sum of its cells, accumulated field by field.
         self.state = network.read_rows(before[:, None, None], last, self.cache, self.sight)[:, -1]
@@ -169,6 +178,10 @@ class _Pen:
                 )
             elif not writer.stuck:
                 going.append(k)
+        self._keep(going)
+
+    def _keep(self, going: list[int]) -> None:
+        """Removes all tables but the given ones."""
         if len(going) == len(self.writers):
             return
         self.writers = [self.writers[k] for k in going]
@@ -188,14 +201,16 @@ class _Pen:
         slot = np.array([table.of_cell[w.row[0], len(w.row)] if w.row else 0 for w in writers])
         values = [writer.follows() for writer in writers]
         number = table.size[slot] == 0
-        for numbers, draw in ((False, self._draw_symbols), (True, self._draw_numbers)):
-            rows = [at for at, value in enumerate(values) if value is None and number[at] == numbers]
-            if rows:
-                which = [some[at] for at in rows]
-                where = torch.from_numpy(slot[rows])
-                x = self.network.think(self.state[which], before[which], where)
-                for at, value in zip(rows, draw(which, x, where), strict=True):
-                    values[at] = value
+        drawn = [at for at, value in enumerate(values) if value is None]
+        if drawn:
+            which, where = [some[at] for at in drawn], torch.from_numpy(slot[drawn])
+            x = self.network.think(self.state[which], before[which], where)
+            for numbers, draw in ((False, self._draw_symbols), (True, self._draw_numbers)):
+                rows = [row for row, at in enumerate(drawn) if number[at] == numbers]
+                if rows:
+                    found = draw([which[row] for row in rows], x[rows], where[rows])
+                    for row, value in zip(rows, found, strict=True):
+                        values[drawn[row]] = value
         for writer, value in zip(writers, values, strict=True):
             assert value is not None
             writer.put(value)

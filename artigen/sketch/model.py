@@ -1,7 +1,6 @@
 """The sketch network with its weights, and sampling of objects until one has no fault."""
 
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -19,13 +18,14 @@ from artigen.sketch.alignment import View, fit_camera
 from artigen.sketch.blocks import Sight
 from artigen.sketch.draw import Draft, DrawConfig, begin_drafts, continue_drafts
 from artigen.sketch.fault import Fault
-from artigen.sketch.faults import find_extent_faults, find_faults, search_faults
+from artigen.sketch.faults import find_extent_faults, find_faults
+from artigen.sketch.growth import Grower
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig, Seen
 from artigen.sketch.picture_colors import read_colors
 from artigen.sketch.request import NETWORK, SketchRequest, ask, check_category
 from artigen.sketch.rows import COUNTED, column, rows_to_sketch
-from artigen.sketch.sketch import STEP, SketchError, read_sketch
+from artigen.sketch.sketch import STEP, read_sketch
 from artigen.sketch.vocabulary import carry_weights, describe_vocabulary, find_new_symbols
 from artigen.sketch.words import CATEGORIES, STYLES
 
@@ -35,10 +35,6 @@ PICTURED, HEADERS = DrawConfig(temperature=0.5), 12
 """Sampling and number of headers for a picture; the encoder's predictions choose one."""
 TRUSTED = 0.15
 """Mean difference (sRGB) from the picture up to which drawn colours are kept."""
-UNREADABLE = "unreadable"
-"""Id for tables that do not describe an object."""
-DEFERRED = frozenset(("tipping", "extent"))
-"""Faults that only a complete object can have."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,16 +156,18 @@ def draw_object(
     """
     cfg = cfg or SketchConfig()
     seen, sight = looked or (None, None)
-    hand = _Hand(network=network, rng=np.random.default_rng(seed), cfg=cfg, shown=seen)
+    grower = Grower(
+        network=network, rng=np.random.default_rng(seed), draw=cfg.draw, candidates=cfg.candidates
+    )
     if request.category is not None:
         check_category(request.category, network.categories)
     grown = begin_drafts(network, [ask(request)], sight)
     dead_ends: Counter[int] = Counter()
     best: tuple[Shape, tuple[Fault, ...]] | None = None
-    while hand.batches < cfg.batches:
+    while grower.batches < cfg.batches:
         if len(grown) == 1:
-            grown.append(hand.head(grown[0]))
-        found, blamed = hand.grow(grown[-1])
+            grown.append(_draw_header(network, grown[0], grower.rng, cfg.header, seen))
+        found, blamed = grower.grow(grown[-1])
         if found is not None:
             grown.append(found)
             if not found.writer.delivered:
@@ -179,17 +177,17 @@ def draw_object(
                 best = (shape, faults)
             if not faults:
                 break
-            hand.seen.update(fault.id for fault in faults)
+            grower.seen.update(fault.id for fault in faults)
             del grown[1:]
         else:
             dead_ends[len(grown)] += 1
             # The empty table and the header come before the first part.
             del grown[max(1, min(blamed + 2, len(grown) - dead_ends[len(grown)])) :]
     if best is None:
-        best = _judge(hand.finish(grown[-1]).writer.table, seed, request)
-    why = ", ".join(f"{count} {name}" for name, count in hand.seen.most_common())
-    note = f"sketch: {hand.batches} batches were drawn" + (f"; left out on the way: {why}" if why else "")
-    return Drawn(shape=best[0], faults=best[1], notes=(note,), seen=hand.seen, batches=hand.batches)
+        best = _judge(grower.finish(grown[-1]).writer.table, seed, request)
+    why = ", ".join(f"{count} {name}" for name, count in grower.seen.most_common())
+    note = f"sketch: {grower.batches} batches were drawn" + (f"; left out on the way: {why}" if why else "")
+    return Drawn(shape=best[0], faults=best[1], notes=(note,), seen=grower.seen, batches=grower.batches)
 
 
 def read_object_picture(network: SketchNetwork, path: Path) -> Picture:
@@ -251,95 +249,6 @@ def draw_alike(
     best, fit = max(fitted, key=lambda pair: pair[1].likeness)
     asked = {finish.role for finish in request.finishes if finish.color is not None}
     return replace(best, shape=read_colors(best.shape, picture, fit, keep=asked, trust=TRUSTED))
-
-
-@dataclass(kw_only=True, eq=False)
-class _Hand:
-    """Extends drafts by parts and counts the rejected ones by their first fault."""
-
-    network: SketchNetwork
-    rng: np.random.Generator
-    cfg: SketchConfig
-    shown: Seen | None = None
-    seen: Counter[str] = field(default_factory=Counter)
-    batches: int = 0
-
-    def head(self, draft: Draft) -> Draft:
-        """Adds a header to an empty table."""
-        return _draw_header(self.network, draft, self.rng, self.cfg.header, self.shown)
-
-    def grow(self, draft: Draft) -> tuple[Draft | None, int]:
-        """First continuation by one part without a fault, or None.
-
-        The second value is the earlier part that most of the faults involve, or the last part if they involve
-        none.
-        """
-        before = len(draft.writer.moving)
-        blamed: Counter[int] = Counter()
-        for one in self._batch(draft):
-            fault = next(_search_lasting(one), None)
-            if fault is None:
-                return one, before
-            self.seen[fault.id] += 1
-            blamed.update(part for part in fault.parts if part < before)
-        return None, max(blamed, key=lambda part: (blamed[part], part), default=before - 1)
-
-    def finish(self, draft: Draft) -> Draft:
-        """Adds the missing parts, choosing the continuation with the fewest faults in every batch.
-
-        Raises:
-            SketchError: If no continuation describes an object.
-        """
-        while not draft.writer.delivered:
-            drawn = [(one, {fault.id for fault in _search_lasting(one)}) for one in self._batch(draft)]
-            batch = [(one, faults) for one, faults in drawn if UNREADABLE not in faults]
-            if not batch:
-                raise SketchError(
-                    f"none of {self.cfg.candidates} continuations of an object could be read; the last had "
-                    f"{len(draft.writer.moving)} parts"
-                )
-            draft = min(batch, key=lambda drawn: len(drawn[1]))[0]
-        return draft
-
-    def _batch(self, draft: Draft) -> Iterator[Draft]:
-        """Yields continuations by one part, except those that grew too long."""
-        self.batches += 1
-        parts = len(draft.writer.moving)
-        rngs = self.rng.spawn(self.cfg.candidates)
-        # The first one is usually valid, and the others are then not drawn.
-        for some in filter(None, (rngs[:1], rngs[1:])):
-            drawn = continue_drafts(
-                self.network,
-                [draft] * len(some),
-                lambda writer: len(writer.moving) > parts,
-                some,
-                self.cfg.draw,
-            )
-            yield from (one for one in drawn if one is not None)
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Found:
-    """A fault's id and the indices of the parts that it involves."""
-
-    id: str
-    parts: tuple[int, ...] = ()
-
-
-def _search_lasting(draft: Draft) -> Iterator[_Found]:
-    """Faults of an incomplete object that further parts cannot remove."""
-    try:
-        shape = read_sketch(rows_to_sketch(draft.writer.table))
-    except SketchError:
-        yield _Found(id=UNREADABLE)
-        return
-    numbers = {part.name: number for number, part in enumerate(shape.parts)}
-    for fault in search_faults(shape):
-        if fault.id not in DEFERRED:
-            yield _Found(
-                id=fault.id,
-                parts=tuple(numbers[name] for name in (fault.part, fault.other) if name in numbers),
-            )
 
 
 def draw_header(

@@ -183,6 +183,12 @@ def rows_to_sketch(rows: Int[np.ndarray, "T W"]) -> Sketch:
     )
 
 
+def read_row_piece(row: Sequence[int]) -> Piece:
+    """The piece of a row (kind first)."""
+    kind = ROW_KINDS[row[0]]
+    return read_piece(_PIECE_KIND[kind], said_fields(kind), list(row[1:]))
+
+
 @cache
 def said_fields(kind: str) -> tuple[str, ...]:
     """Field names of a row, in order."""

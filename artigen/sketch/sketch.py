@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from artigen.errors import ArtigenError
+from artigen.shapes.primitives import Primitive
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
 from artigen.shapes.surfaces.palette import ROLES
@@ -328,7 +329,7 @@ def _name_parts(parts: Sequence[SketchPart]) -> tuple[str, ...]:
 
 def _read_part(part: SketchPart, name: str, names: Sequence[str]) -> ShapePart:
     try:
-        primitives = tuple(primitive for piece in part.pieces for primitive in build_piece(_scale(piece)))
+        primitives = tuple(primitive for piece in part.pieces for primitive in build_primitives(piece))
         motion = None if part.joint is None else _read_joint(part.joint)
     except ValueError as error:
         raise ValueError(f"part {name!r}: {error}") from error
@@ -344,6 +345,15 @@ def _read_part(part: SketchPart, name: str, names: Sequence[str]) -> ShapePart:
         motion=motion,
         needs=needs,
     )
+
+
+def build_primitives(piece: Piece) -> tuple[Primitive, ...]:
+    """The convex primitives of a sketch's piece.
+
+    Raises:
+        ValueError: If the numbers describe no solid.
+    """
+    return build_piece(_scale(piece))
 
 
 def _scale(piece: Piece) -> Piece:

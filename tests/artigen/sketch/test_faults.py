@@ -13,7 +13,7 @@ from artigen.shapes.primitives import Primitive, Vector, box, cylinder, move, pl
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.sketch import faults, opening, sweep
-from artigen.sketch.contact import list_bodies, measure_pairs, penetrate
+from artigen.sketch.contact import find_overlaps, gather_bodies, list_bodies, measure_pairs, penetrate
 from artigen.sketch.faults import WITHIN, find_extent_faults, find_faults
 from artigen.sketch.request import SketchRequest
 from artigen.sketch.sweep import deepest, find_meetings, open_needed, place_opened, read_path
@@ -482,6 +482,27 @@ def test_depths_and_distances_are_those_of_exact_ones():
         assert measure_pairs(bodies, pair, pair + 1)[0] <= apart + 1e-6
         overlaps += true > 0
     assert 20 < overlaps < 60
+
+
+@pytest.mark.parametrize("limit", [0.0, 0.01])
+def test_overlapping_primitives_are_those_that_a_new_one_penetrates(limit: float):
+    rng, seen = np.random.default_rng(0), 0
+    for k in range(30):
+        old = tuple(turned(SOLIDS[(k + n) % 3], rng) for n in range(4))
+        new = box((0.0, 0.0, 0.0), (0.3, 0.3, 0.3), "body") if k % 2 else turned(SOLIDS[k % 3], rng)
+        bodies = gather_bodies((*old, new))
+        deep = [n for n in range(4) if penetrate(bodies, n, 4, np.eye(4)[None]) > limit]
+        assert find_overlaps(gather_bodies(old), gather_bodies((new,)), limit).tolist() == deep
+        seen += len(deep)
+    assert 10 < seen < 110
+
+
+@pytest.mark.parametrize(("deep", "found"), [(0.9, []), (1.1, [0])])
+def test_boxes_may_overlap_up_to_the_limit(deep: float, found: list[int]):
+    old, new = (
+        gather_bodies((box((x, 0.0, 0.0), (x + 1.0, 1.0, 1.0), "body"),)) for x in (0.0, 1.0 - 0.01 * deep)
+    )
+    assert find_overlaps(old, new, 0.01).tolist() == found
 
 
 @pytest.mark.parametrize(

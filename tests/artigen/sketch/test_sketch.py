@@ -1,6 +1,6 @@
 """Sketches: exact inverses of shapes, rules that never stumble, chances that add up."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -14,7 +14,7 @@ from artigen.errors import SourceError
 from artigen.shapes.draw import categories, draw_shape
 from artigen.shapes.primitives import Primitive, box, cylinder, move, place_vertices, polytope
 from artigen.shapes.shape import Shape
-from artigen.sketch import draw, model
+from artigen.sketch import draw, growth, model
 from artigen.sketch.batch import ask_for, make_batch
 from artigen.sketch.draw import DrawConfig, begin_drafts, continue_drafts
 from artigen.sketch.model import (
@@ -155,7 +155,7 @@ class _Reciter(draw._Pen):
         self.truth = tables
         self.cost = np.zeros(len(tables))
         while self.writers:
-            self.write_row()
+            self.write_row(lambda _: True)
             self.put_aside(lambda writer: writer.done)
 
     def _true(self, k: int) -> int:
@@ -392,21 +392,57 @@ def test_after_a_dead_end_the_part_that_its_faults_involve_is_drawn_again(
 
     begun: list[int] = []
 
-    def batch(_hand: model._Hand, draft: SimpleNamespace) -> list[SimpleNamespace]:
+    def batch(_grower: growth.Grower, draft: SimpleNamespace, _fits: object) -> list[SimpleNamespace]:
         begun.append(len(draft.writer.moving))
         return [stand_in(begun[-1] + 1)]
 
-    def search(draft: SimpleNamespace) -> Iterator[model._Found]:
+    def search(draft: SimpleNamespace) -> Iterator[growth._Found]:
         fails = len(draft.writer.moving) == 3 and begun.count(2) == 1
-        return iter([model._Found(id="overlap", parts=blamed)] if fails else [])
+        return iter([growth._Found(id="overlap", parts=blamed)] if fails else [])
 
     monkeypatch.setattr(model, "begin_drafts", lambda *_: [stand_in(0)])
-    monkeypatch.setattr(model, "_search_lasting", search)
+    monkeypatch.setattr(growth, "_search_lasting", search)
+    monkeypatch.setattr(growth, "_list_finished", lambda _: None)
     monkeypatch.setattr(model, "_judge", lambda *_: (None, ()))
-    monkeypatch.setattr(model._Hand, "head", lambda *_: stand_in(0))
-    monkeypatch.setattr(model._Hand, "_batch", batch)
+    monkeypatch.setattr(model, "_draw_header", lambda *_: stand_in(0))
+    monkeypatch.setattr(growth.Grower, "_batch", batch)
     draw_object(_network(), REQUEST, 1)
     assert begun == [0, 1, 2, *range(again, 3)]
+
+
+@pytest.mark.parametrize(("deeper", "fits"), [(0, True), (1, False)])
+def test_a_continuation_ends_at_its_first_piece_that_overlaps_a_finished_part(
+    deeper: int,
+    fits: bool,  # noqa: FBT001 - a case
+    monkeypatch: pytest.MonkeyPatch,
+):
+    """A door that touches its body, and the same door one step deeper."""
+    rows = _table("Safe", 1)
+    starts = np.flatnonzero(rows[:, 0] == ROW_KINDS.index("part"))
+    door = rows[starts[1] + 1].copy()
+    assert ROW_KINDS[door[0]] == "box"
+    first = column("box", "x0")
+    body = rows[starts[0] + 1 : starts[1] - 1]
+    door[first], door[first + 3] = body[0][first] - 40 + deeper, body[0][first] + deeper
+    door[first + 1 : first + 3], door[first + 4 : first + 6] = (
+        body[0][first + 1 : first + 3],
+        body[0][first + 4 : first + 6],
+    )
+    draft = begin_drafts(_network(), [ask(REQUEST)])[0]
+    draft.writer.rows = [*rows[: starts[1] + 1].tolist()]
+    draft.writer.labels, draft.writer.moving, draft.writer.row = [0, 1], [False], door.tolist()
+    found: list[bool] = []
+
+    def stand_in(*_: object, fits: Callable[[object], bool]) -> list[None]:
+        found.append(fits(draft.writer))
+        return []
+
+    monkeypatch.setattr(growth, "continue_drafts", stand_in)
+    finished = replace(draft, writer=replace(draft.writer, rows=rows[: starts[1]].tolist(), row=[]))
+    grower = growth.Grower(network=_network(), rng=np.random.default_rng(0), draw=DrawConfig(), candidates=1)
+    assert grower.grow(finished) == (None, 0)
+    assert found == [fits]
+    assert dict(grower.seen) == ({} if fits else {"overlap": 1})
 
 
 def _seen(category: str, counts: dict[str, int]) -> Seen:
@@ -479,6 +515,23 @@ def test_a_table_does_not_depend_on_those_beside_it():
         return [draft.writer.rows for draft in drafts if draft is not None]
 
     assert draw_some(slice(4)) == draw_some(slice(1)) + draw_some(slice(1, 4))
+
+
+@pytest.mark.usefixtures("_short")
+def test_a_table_with_a_row_that_does_not_fit_is_dropped_and_changes_no_other():
+    begun = begin_drafts(_network(), [ask(REQUEST)]) * 4
+
+    def draw_those(fits: Callable[[Writer], bool]) -> list[list[list[int]] | None]:
+        rngs = np.random.default_rng(3).spawn(4)
+        drafts = continue_drafts(_network(), begun, lambda writer: len(writer.rows) > 5, rngs, fits=fits)
+        return [None if draft is None else draft.writer.rows for draft in drafts]
+
+    every = draw_those(lambda _: True)
+    assert None not in every
+    unlike = [rows[0] for rows in every if rows is not None]
+    chosen = [row for row in unlike if row != unlike[1]]
+    some = draw_those(lambda writer: bool(writer.rows) or writer.padded() != unlike[1])
+    assert some == [rows if rows is not None and rows[0] in chosen else None for rows in every]
 
 
 @torch.no_grad()

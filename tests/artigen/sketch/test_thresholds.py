@@ -14,7 +14,7 @@ from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import box, place_vertices
 from artigen.shapes.shape import Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
-from artigen.sketch import alignment, model, picture_colors
+from artigen.sketch import alignment, growth, model, picture_colors
 from artigen.sketch.alignment import Fit, View, find_hull, place_camera
 from artigen.sketch.batch import make_batch
 from artigen.sketch.model import load_sketch_network
@@ -48,13 +48,13 @@ def test_an_object_is_given_up_after_eighty_batches_of_one_and_seven(monkeypatch
     start = SimpleNamespace(writer=SimpleNamespace(moving=[], delivered=False))
     asked: list[int] = []
 
-    def draw(_network: object, drafts: list[object], *_: object) -> list[None]:
+    def draw(_network: object, drafts: list[object], *_: object, fits: object) -> list[None]:
         asked.append(len(drafts))
         return [None] * len(drafts)
 
     monkeypatch.setattr(model, "begin_drafts", lambda *_: [start])
-    monkeypatch.setattr(model._Hand, "head", lambda *_: start)
-    monkeypatch.setattr(model, "continue_drafts", draw)
+    monkeypatch.setattr(model, "_draw_header", lambda *_: start)
+    monkeypatch.setattr(growth, "continue_drafts", draw)
     with pytest.raises(SketchError, match="none of 8 continuations"):
         model.draw_object(MagicMock(), SketchRequest(), 0)
     assert asked == [1, 7] * 81
