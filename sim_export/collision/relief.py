@@ -113,6 +113,9 @@ def relieve_pair(pair: OverlappingPair, gap: float, *, sheets: bool = False, sha
         good += _notch(pair, gap, sheets=sheets)
     if good:
         return min(good, key=lambda plan: _cost(plan, pair, sheets=sheets, shares=shares))
+    beside = _cut_for_all(pair, gap, faces=True)
+    if beside:
+        return min(beside, key=lambda plan: _cost(plan, pair, sheets=sheets, shares=shares))
     for side in sorted(range(2), key=lambda side: pair.volumes[side]):
         if pair.slivers[side]:
             left = [(pair.hulls[0],), (pair.hulls[1],)]
@@ -210,9 +213,10 @@ def _face_normal(
     return normals[best] if needed[best] <= depth + NEARLY else normal
 
 
-def _cut_for_all(pair: OverlappingPair, gap: float) -> list[Relief]:
+def _cut_for_all(pair: OverlappingPair, gap: float, *, faces: bool = False) -> list[Relief]:
     """Single cuts that free all poses: along the joint's axis, along the deepest contacts, or across the
-    ends of a post, as one above a wheel needs it."""
+    ends of a post, as one above a wheel needs it; or else along all ``faces`` of the other hull, as two
+    sheets in one plane need it."""
     found = signed_distances(HullSet(hulls=pair.hulls[:1]), HullSet(hulls=pair.hulls[1:]), *pair.poses, gap)
     deepest = np.argsort(found.distance, kind="stable")[:3]
     if not len(deepest) or found.distance[deepest[0]] >= gap:
@@ -226,8 +230,12 @@ def _cut_for_all(pair: OverlappingPair, gap: float) -> list[Relief]:
         contact = (1.0 - 2.0 * side) * np.einsum(
             "kij,kj->ki", turn[found.pose[deepest]], found.normal[deepest]
         )
-        for normal in (axis, -axis, *contact, *find_ends(pair.hulls[side])):
-            cut = _cut(pair.hulls[side], normal, points)
+        normals = np.concatenate([[axis, -axis], contact, find_ends(pair.hulls[side])])
+        if faces:
+            turned = (turn @ other[:, :3, :3])[found.pose[deepest[0]]]
+            normals = -merge_planes(hull_planes(pair.hulls[1 - side]))[:, :3] @ turned.T
+        for normal in normals:
+            cut = _cut(pair.hulls[side], normal, points, gap + NEARLY if faces else MARGIN)
             if cut is None:
                 continue
             depth = float((pair.hulls[side].vertices @ normal).max() - (cut.vertices @ normal).max())
@@ -291,7 +299,10 @@ def _one_sided(pair: OverlappingPair, side: int, left: tuple[Hull, ...], depth: 
     return Relief(hulls=((pair.hulls[0],), left), cuts=(0, 1), depths=(0.0, depth))
 
 
-def _cut(hull: Hull, normal: Float[np.ndarray, "3"], points: Float[np.ndarray, "N 3"]) -> Hull | None:
-    """A hull cut back to where ``points`` begin along ``normal``; ``None`` if too little is left."""
-    cut = clip_hull(hull, normal, float((points @ normal).min()) - MARGIN)
+def _cut(
+    hull: Hull, normal: Float[np.ndarray, "3"], points: Float[np.ndarray, "N 3"], margin: float = MARGIN
+) -> Hull | None:
+    """A hull cut back to a ``margin`` (m) before ``points`` begin along ``normal``; ``None`` if too little is
+    left."""
+    cut = clip_hull(hull, normal, float((points @ normal).min()) - margin)
     return None if cut is None or hull_width(cut)[0] < MIN_WIDTH else cut

@@ -16,6 +16,7 @@ from typing import Literal
 from artigen.splats.motion import transform_gaussians
 from artigen.splats.ply import encode_ply
 from artigen.transforms import shift
+from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.errors import PackageError
 from sim_export.files.mjcf import mjcf_text
 from sim_export.files.obj import Material, hull_obj_text, mtl_text, obj_text, png_bytes
@@ -29,7 +30,7 @@ from sim_export.files.sidecars import (
     provenance_json,
     semantics_text,
 )
-from sim_export.files.srdf import srdf_text, touching_pairs
+from sim_export.files.srdf import srdf_text
 from sim_export.files.urdf import hull_path, link_origins, splats_path, urdf_text, visual_path
 from sim_export.geometry.primitives import find_primitive
 from sim_export.package import SimPackage, SourceMesh, Visual
@@ -59,7 +60,7 @@ def package_files(package: SimPackage) -> dict[str, bytes]:
         if link.splats is not None:
             own = transform_gaussians(link.splats, shift(-origins[link.name]))
             files[splats_path(link.name)] = encode_ply(own)
-    pairs = touching_pairs(package)
+    pairs = ignored_pairs(package)
     texts = {
         "mobility.urdf": urdf_text(package),
         "mobility_cvx.urdf": urdf_text(package, "maniskill"),
