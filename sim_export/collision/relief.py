@@ -64,7 +64,7 @@ class OverlappingPair:
     (m^3) where they go deeper than `MAX_DEPTH`, up to `MAX_SLIVER_DEPTH`; ``slivers`` tells which may be
     dropped, ``room`` how many hulls each link may still gain. ``size`` is the object's longest side (m), and
     ``axis`` the moving joint's direction in the frame of the first hull's link: one cut along it may free all
-    poses.
+    poses. ``margin`` (m) is the gap that a cut leaves.
     """
 
     hulls: tuple[Hull, Hull]
@@ -76,6 +76,7 @@ class OverlappingPair:
     room: tuple[int, int]
     size: float
     axis: Float[np.ndarray, "3"]
+    margin: float = MARGIN
 
     @property
     def max_depth(self) -> float:
@@ -168,7 +169,7 @@ def _cut_by_pose(pair: OverlappingPair, gap: float) -> Relief:
         for side, outward in enumerate((normal, -normal)):
             own, other = pair.poses[side][pose], pair.poses[1 - side][pose]
             points = transform_points(inverse(own) @ other, current[1 - side].vertices)
-            cut = _cut(current[side], own[:3, :3].T @ outward, points)
+            cut = _cut(current[side], own[:3, :3].T @ outward, points, pair.margin)
             if cut is not None and pair.allows(side, hull_volume(cut), depth):
                 options.append((hull_volume(current[side]) - hull_volume(cut), side, cut))
         if not options:
@@ -235,7 +236,7 @@ def _cut_for_all(pair: OverlappingPair, gap: float, *, faces: bool = False) -> l
             turned = (turn @ other[:, :3, :3])[found.pose[deepest[0]]]
             normals = -merge_planes(hull_planes(pair.hulls[1 - side]))[:, :3] @ turned.T
         for normal in normals:
-            cut = _cut(pair.hulls[side], normal, points, gap + NEARLY if faces else MARGIN)
+            cut = _cut(pair.hulls[side], normal, points, gap + NEARLY if faces else pair.margin)
             if cut is None:
                 continue
             depth = float((pair.hulls[side].vertices @ normal).max() - (cut.vertices @ normal).max())
@@ -273,7 +274,7 @@ def _notch(pair: OverlappingPair, gap: float, *, sheets: bool) -> list[Relief]:
         if sheets and own is not None and own.kind == "box":  # what is left of a box is boxes
             other = box_along(other.vertices, own.T_object_shape[:3, :3].T)
         planes = merge_planes(hull_planes(other))
-        planes[:, 3] += MARGIN
+        planes[:, 3] += pair.margin
         pieces = subtract_hull(pair.hulls[side], planes, MIN_WIDTH)
         left = sum(map(hull_volume, pieces))
         if not pieces or len(pieces) - 1 > pair.room[side]:
@@ -300,7 +301,7 @@ def _one_sided(pair: OverlappingPair, side: int, left: tuple[Hull, ...], depth: 
 
 
 def _cut(
-    hull: Hull, normal: Float[np.ndarray, "3"], points: Float[np.ndarray, "N 3"], margin: float = MARGIN
+    hull: Hull, normal: Float[np.ndarray, "3"], points: Float[np.ndarray, "N 3"], margin: float
 ) -> Hull | None:
     """A hull cut back to a ``margin`` (m) before ``points`` begin along ``normal``; ``None`` if too little is
     left."""
