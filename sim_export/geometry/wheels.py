@@ -8,7 +8,9 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.types import Asset
+from sim_export.checks.surface import surface_distances
 from sim_export.collision.hulls import convex_hull, hull_volume
+from sim_export.geometry.sampling import sample_triangles
 from sim_export.geometry.solids import as_solid
 from sim_export.geometry.tidy import tidy_mesh
 from sim_export.package import Hull, Mesh
@@ -22,6 +24,20 @@ WELL = 0.003
 """Clearance (m) made around a wheel in other parts."""
 NEAR = 1.5
 """Distance (voxels) from the lowest point of the object within which wheels are extended down to it."""
+
+
+OPEN = 0.015
+"""Distance of 99 % of a cylinder from the surface that it stands for, over the object's diagonal, above which
+a wheel has openings, such as those between spokes; as in check V103."""
+SAMPLES = 2000
+"""Points by which this is measured."""
+
+
+def is_open(triangles: Float[np.ndarray, "F 3 3"], cylinder: Mesh, diagonal: float) -> bool:
+    """Whether a cylinder would close openings of a wheel with these triangles; all lengths in metres."""
+    points, _ = sample_triangles(cylinder.vertices[cylinder.faces], SAMPLES)
+    distances = surface_distances(points, triangles, 4 * SAMPLES)
+    return float(np.percentile(distances, 99)) > OPEN * diagonal
 
 
 def round_wheels(asset: Asset, meshes: Sequence[Mesh]) -> tuple[tuple[Mesh, ...], tuple[str, ...]]:
