@@ -29,7 +29,7 @@ from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import separate_solids
 from sim_export.geometry.strays import settle_strays
 from sim_export.geometry.struts import brace_links
-from sim_export.geometry.wheels import is_open, round_wheels
+from sim_export.geometry.wheels import fit_width, is_open, round_wheels
 from sim_export.package import Hull, Inertial, Link, Mesh, SimPackage, SourceMesh
 from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_names, link_owners
@@ -207,17 +207,20 @@ def _round_surfaces(
     plain: Sequence[Mesh],
     meshes: Sequence[Mesh],
 ) -> tuple[list[Float[np.ndarray, "F 3 3"]], tuple[str, ...]]:
-    """The triangles of all parts, those of wheels that became cylinders replaced by these, and a record of
-    each that would be closed by its cylinder and keeps its own."""
+    """The triangles of all parts, those of wheels that became cylinders replaced by these.
+
+    A wheel that its cylinder would close keeps its own, and a record says so.
+    """
     diagonal = float(np.linalg.norm(np.ptp(np.concatenate([s.reshape(-1, 3) for s in surfaces]), axis=0)))
     out, records = list(surfaces), []
     for index, (part, before, mesh) in enumerate(zip(asset.parts, plain, meshes, strict=True)):
-        if part.label != "wheel" or mesh is before:
+        if part.label != "wheel" or mesh is before or not len(surfaces[index]):
             continue
-        if is_open(surfaces[index], mesh, diagonal):
+        cylinder = fit_width(mesh, part.joint, asset.scale, surfaces[index])
+        if is_open(surfaces[index], cylinder, diagonal):
             records.append(f"{part.name}: keeps its own surface, whose openings the cylinder would close")
         else:
-            out[index] = mesh.vertices[mesh.faces]
+            out[index] = cylinder.vertices[cylinder.faces]
     return out, tuple(records)
 
 

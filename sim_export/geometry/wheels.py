@@ -7,7 +7,7 @@ import manifold3d
 import numpy as np
 from jaxtyping import Float
 
-from artigen.types import Asset
+from artigen.types import Asset, Joint
 from sim_export.checks.surface import surface_distances
 from sim_export.collision.hulls import convex_hull, hull_volume
 from sim_export.geometry.sampling import sample_triangles
@@ -33,7 +33,19 @@ SAMPLES = 2000
 """Points by which this is measured."""
 
 
-def is_open(triangles: Float[np.ndarray, "F 3 3"], cylinder: Mesh, diagonal: float) -> bool:
+def fit_width(cylinder: Mesh, joint: Joint, scale: float, triangles: Float[np.ndarray, "F 3 3"]) -> Hull:
+    """A cylinder about the axle ``joint`` that is as wide as a wheel's triangles (m).
+
+    One made of cells is wider, most of all on a slanted axle.
+    """
+    origin, axis = scale * np.asarray(joint.origin), np.asarray(joint.axis)
+    arms = cylinder.vertices - origin
+    radius = float(np.linalg.norm(arms - np.outer(arms @ axis, axis), axis=1).max())
+    along = (triangles.reshape(-1, 3) - origin) @ axis
+    return _cylinder(origin, axis, (float(along.min()), float(along.max())), radius, SEGMENTS)
+
+
+def is_open(triangles: Float[np.ndarray, "F 3 3"], cylinder: Hull, diagonal: float) -> bool:
     """Whether a cylinder would close openings of a wheel with these triangles; all lengths in metres."""
     points, _ = sample_triangles(cylinder.vertices[cylinder.faces], SAMPLES)
     distances = surface_distances(points, triangles, 4 * SAMPLES)
