@@ -8,6 +8,7 @@ hulls to be off the surface.
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -108,6 +109,11 @@ class Shown:
 
     def entered(self, other: "Shown", T: Float[np.ndarray, "4 4"]) -> tuple[float, str]:
         """Depth (m) to which another surface, moved by ``T``, is inside or pierces this one, and the kind."""
+        box = transform_points(
+            T, np.array(list(product(*zip(other.surface.low, other.surface.high, strict=True))))
+        )
+        if (box.max(axis=0) < self.surface.low).any() or (box.min(axis=0) > self.surface.high).any():
+            return 0.0, "lies inside"
         inside = float(find_inside(transform_points(T, other.points), self.space).max(initial=0.0))
         pierced = piercing_depth((self.surface, self.edges), (other.surface, other.edges), T)
         return (inside, "lies inside") if inside >= pierced else (pierced, "pierces")

@@ -1,5 +1,7 @@
 """Moves a part out of its neighbour if a short translation suffices."""
 
+from collections.abc import Iterator, Sequence
+
 import numpy as np
 from jaxtyping import Float
 
@@ -28,13 +30,19 @@ def pull_apart(source: Source, cfg: CheckConfig) -> Source:
     for name in surfaces:
         if name == body:
             continue
-        before = _depth(shown, name, np.zeros(3))
+        depths = {
+            other: max(_depths(shown[name], link, np.zeros(3)))
+            for other, link in shown.items()
+            if other != name
+        }
+        before = max(depths.values())
         if before <= cfg.max_rest_overlap_parent:
             continue
+        deepest_first = [shown[other] for other in sorted(depths, key=lambda other: -depths[other])]
         part = leading_part(source, name)
         shifts = FARTHEST * diagonal * _shifts(source.asset.parts[part].joint.axis)
         allowed = FREE * cfg.max_rest_overlap_parent
-        found = next((shift for shift in shifts if _depth(shown, name, shift) <= allowed), None)
+        found = next((s for s in shifts if _is_free(shown[name], deepest_first, s, allowed)), None)
         if found is None:
             continue
         label = source.asset.parts[part].name
@@ -64,14 +72,14 @@ def _shifts(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "N 3"]:
     return np.concatenate(groups)
 
 
-def _depth(shown: dict[str, Shown], name: str, shift: np.ndarray) -> float:
-    """Depth (m) to which a link, moved by ``shift`` (m), overlaps any other link."""
-    T = np.eye(4)
-    T[:3, 3] = shift
-    back = np.eye(4)
-    back[:3, 3] = -shift
-    return max(
-        max(link.entered(shown[name], T)[0], shown[name].entered(link, back)[0])
-        for other, link in shown.items()
-        if other != name
-    )
+def _is_free(link: Shown, others: Sequence[Shown], shift: Float[np.ndarray, "3"], allowed: float) -> bool:
+    """Whether a link, moved by ``shift`` (m), overlaps no other by more than is allowed (m)."""
+    return all(depth <= allowed for other in others for depth in _depths(link, other, shift))
+
+
+def _depths(link: Shown, other: Shown, shift: Float[np.ndarray, "3"]) -> Iterator[float]:
+    """Depths (m) to which a link, moved by ``shift`` (m), enters another one, and this one enters it."""
+    for into, moved, way in ((other, link, shift), (link, other, -shift)):
+        T = np.eye(4)
+        T[:3, 3] = way
+        yield into.entered(moved, T)[0]
