@@ -119,12 +119,24 @@ class Shown:
         return (inside, "lies inside") if inside >= pierced else (pierced, "pierces")
 
 
-def show_links(surfaces: Surfaces) -> dict[str, Shown]:
-    """The surfaces of all links that have one."""
+def show_links(
+    surfaces: Surfaces, known: "tuple[Surfaces, Mapping[str, Shown]] | None" = None
+) -> dict[str, Shown]:
+    """The surfaces of all links that have one.
+
+    Args:
+        surfaces: Triangles (m) by link.
+        known: Such triangles and what was made of them; used where they are the same in an object of the same
+            size.
+    """
     shown = {name: triangles for name, triangles in surfaces.items() if len(triangles)}
     diagonal = _diagonal(shown)
+    before, made = known or ({}, {})
+    same = bool(before) and _diagonal(before) == diagonal
     return {
-        name: Shown(
+        name: made[name]
+        if same and name in made and np.array_equal(before[name], triangles)
+        else Shown(
             points=sample_triangles(triangles, SAMPLES)[0],
             edges=find_edges(triangles),
             space=find_free_space(triangles, diagonal),

@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from sim_export.checks.config import CheckConfig
 from sim_export.mend.source import Source, leading_part, link_surfaces, move_part
-from sim_export.source_faults import Shown, show_links
+from sim_export.source_faults import Shown
 
 FARTHEST = 0.02
 """Longest translation relative to the object's diagonal."""
@@ -23,13 +23,13 @@ def pull_apart(source: Source, cfg: CheckConfig) -> Source:
     They move along an axis of the object, or else across the axis of their joint, as a laptop's hinge must.
     """
     surfaces = link_surfaces(source)
-    shown = show_links(surfaces)
     corners = np.concatenate([triangles.reshape(-1, 3) for triangles in surfaces.values()])
     diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
     body = next(reversed(surfaces))
     for name in surfaces:
         if name == body:
             continue
+        shown = source.shown
         depths = {
             other: max(_depths(shown[name], link, np.zeros(3)))
             for other, link in shown.items()
@@ -53,7 +53,6 @@ def pull_apart(source: Source, cfg: CheckConfig) -> Source:
             found,
             f"{label}: {1e3 * before:.1f} mm inside its neighbour, was moved by {far:.1f} mm",
         )
-        shown = show_links(link_surfaces(source))
     return source
 
 
