@@ -12,8 +12,10 @@ from itertools import combinations
 
 import numpy as np
 from jaxtyping import Float
+from scipy.spatial import ConvexHull
 
 from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.hulls import convex_hull
 from sim_export.collision.motion import link_displacements
 from sim_export.package import Link, PackageJoint, SimPackage
 
@@ -25,6 +27,8 @@ CLEAR = 2e-3
 """Links that come nearer than this (m) may meet: engines round hulls, and limits of joints give way."""
 NEAR = 0.02
 """Distance (m) up to which PhysX makes contacts: SAPIEN's contact offset, 10 mm, for each of two hulls."""
+SIDES = 32
+"""Sides of the prism around all positions of what turns without limits."""
 MOST_POSES = 512
 """Poses at which a pair is measured, at most; pairs that need more are not listed."""
 
@@ -38,6 +42,7 @@ def ignored_pairs(package: SimPackage) -> tuple[tuple[str, str], ...]:
     screws = [(joint.child, parents[joint.parent].parent) for joint in joints if joint.is_travel]
     screws = [pair for pair in screws if sets.keys() >= set(pair)]
     joined = {frozenset(pair) for pair in [*screws, *((joint.parent, joint.child) for joint in joints)]}
+    solids = {name: _swept_solid(hulls, parents.get(name)) for name, hulls in sets.items()}
     still, touching, apart = np.eye(4), [], []
     for first, second in combinations(sets, 2):
         if frozenset((first, second)) in joined:
@@ -47,7 +52,7 @@ def ignored_pairs(package: SimPackage) -> tuple[tuple[str, str], ...]:
         if -TOUCH_DEPTH <= nearest <= TOUCH_DISTANCE:
             touching.append((nearest, first, second))
         elif nearest > CLEAR:
-            nearest = kept_distance(links, joints, (first, second), sets)
+            nearest = kept_distance(links, joints, (first, second), solids)
             if nearest is not None and nearest <= NEAR:
                 apart.append((nearest, first, second))
     return (*screws, *(pair[1:] for pair in (*sorted(touching), *sorted(apart))))
@@ -63,6 +68,13 @@ def kept_distance(
 
     The ranges of the joints that move one against the other are halved until no point moves so far within a
     part of them as the two are apart in its middle.
+
+    Args:
+        links: The links of a package.
+        joints: Its joints.
+        pair: The names of the two links.
+        sets: The hulls of all links that have any; of a link that turns without limits against its parent,
+            hulls that hold all its positions.
     """
     own, other = sets[pair[0]], sets[pair[1]]
     moves = _relative_moves(joints, pair, sets)
@@ -91,6 +103,31 @@ def kept_distance(
         least = min(least, float(sure[sure > CLEAR].min(initial=np.inf)))
         parts = _halve(parts[sure <= CLEAR], reach)
     return least
+
+
+def _turns_freely(joint: PackageJoint | None) -> bool:
+    return joint is not None and joint.type == "continuous" and joint.mimic is None
+
+
+def _swept_solid(hulls: HullSet, joint: PackageJoint | None) -> HullSet:
+    """Hulls that hold all positions of a link that turns without limits; those of other links as they are."""
+    if joint is None or not _turns_freely(joint):
+        return hulls
+    across = np.cross(joint.axis, np.eye(3)[int(np.abs(joint.axis).argmin())])
+    across /= np.linalg.norm(across)
+    angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
+    ring = np.outer(np.cos(angles), across) + np.outer(np.sin(angles), np.cross(joint.axis, across))
+    ring /= np.cos(np.pi / SIDES)
+    solids = []
+    for hull in hulls.hulls:
+        arms = hull.vertices - joint.origin
+        along = arms @ joint.axis
+        radii = np.linalg.norm(arms - np.outer(along, joint.axis), axis=1)
+        outline = np.concatenate([np.column_stack([along, side * radii]) for side in (1.0, -1.0)])
+        kept = [row for row in ConvexHull(outline).vertices if row < len(along)]
+        rings = joint.origin + along[kept, None, None] * joint.axis + radii[kept, None, None] * ring
+        solids.append(convex_hull(rings.reshape(-1, 3)))
+    return HullSet(hulls=tuple(solids))
 
 
 def _halve(
@@ -137,6 +174,8 @@ def _relative_moves(
         while link in by_child:
             paths[-1].append(by_child[link])
             link = by_child[link].parent
+        if paths[-1] and _turns_freely(paths[-1][0]):  # its hulls hold all positions
+            del paths[-1][0]
     shared = {joint.name for joint in paths[0]} & {joint.name for joint in paths[1]}
     reach: dict[str, list[Float[np.ndarray, "H"]]] = {}
     for side, (link, path) in enumerate(zip(pair, paths, strict=True)):
