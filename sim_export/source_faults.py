@@ -22,7 +22,7 @@ from sim_export.collision.free_space import FreeSpace, find_free_space, find_ins
 from sim_export.collision.hulls import wrap_surface
 from sim_export.collision.motion import driven_joints, link_displacements, moved_links
 from sim_export.collision.requirements import required_openings, sweep_coordinates
-from sim_export.files.write import write_package
+from sim_export.files.write import write_draft
 from sim_export.geometry.islands import visual_islands
 from sim_export.geometry.piercing import PiercedSurface, find_edges, piercing_depth
 from sim_export.geometry.sampling import sample_triangles
@@ -54,7 +54,7 @@ def find_source_faults(
             replace(link, hulls=wrap_surface(surfaces.get(link.name, NOTHING))) for link in package.links
         )
         with TemporaryDirectory() as scratch:
-            folder = write_package(replace(package, links=around), Path(scratch) / package.name)
+            folder = write_draft(replace(package, links=around), Path(scratch) / package.name)
             found = {check.id: check for check in run_checks(folder, ("L2",), cfg)}
         for name in ("V203", "V204"):
             if name in failed and found[name].verdict == "fail":
