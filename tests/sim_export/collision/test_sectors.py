@@ -54,14 +54,15 @@ def test_a_ring_is_closed_if_it_goes_three_quarters_around(sixteenths, found):
     assert (find_axis(turned(span=2.0 * np.pi * sixteenths / 16.0)) is not None) == found
 
 
-@pytest.mark.parametrize(("share", "found"), [(0.81, True), (0.77, False)])
+@pytest.mark.parametrize(("share", "found"), [(0.72, True), (0.68, False)])
 def test_seven_tenths_of_the_sides_are_round(share, found):
-    """A tube and a plate through its axis, which has more points than a tube of narrow triangles per area."""
+    """A tube and a plate through its axis, in strips like those of the tube."""
     tube = turned(((0.05, 0.0), (0.05, 0.2)))
     width = triangle_areas(tube).sum() * (1.0 / share - 1.0) / 0.2
-    low, high = -width / 2.0, width / 2.0
-    corners = np.array([(low, 0, 0), (high, 0, 0), (high, 0, 0.2), (low, 0, 0.2)])
-    plate = corners[np.array([[0, 1, 2], [0, 2, 3]])]
+    edges = np.linspace(-width / 2.0, width / 2.0, 1 + round(96 * (1.0 / share - 1.0)))
+    foot, top = (np.column_stack([edges, 0.0 * edges, np.full(len(edges), z)]) for z in (0.0, 0.2))
+    a, b, c, d = foot[:-1], foot[1:], top[1:], top[:-1]
+    plate = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
     assert (find_axis(np.concatenate([tube, plate])) is not None) == found
 
 
