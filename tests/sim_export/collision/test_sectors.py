@@ -54,10 +54,11 @@ def test_a_ring_is_closed_if_it_goes_three_quarters_around(sixteenths, found):
     assert (find_axis(turned(span=2.0 * np.pi * sixteenths / 16.0)) is not None) == found
 
 
-@pytest.mark.parametrize(("share", "found"), [(0.72, True), (0.68, False)])
+@pytest.mark.parametrize(("share", "found"), [(0.7, True), (0.66, False)])
 def test_seven_tenths_of_the_sides_are_round(share, found):
-    """A tube and a plate through its axis, in strips like those of the tube."""
-    tube = turned(((0.05, 0.0), (0.05, 0.2)))
+    """A tube, in the middle of a ring, and a plate through its axis in strips like those of the tube; where it
+    crosses the tube, some more is round."""
+    tube = turned(((0.048, 0.0), (0.048, 0.2)))
     width = triangle_areas(tube).sum() * (1.0 / share - 1.0) / 0.2
     edges = np.linspace(-width / 2.0, width / 2.0, 1 + round(96 * (1.0 / share - 1.0)))
     foot, top = (np.column_stack([edges, 0.0 * edges, np.full(len(edges), z)]) for z in (0.0, 0.2))
