@@ -56,8 +56,10 @@ def test_a_ring_is_closed_if_it_goes_three_quarters_around(sixteenths, found):
 
 @pytest.mark.parametrize(("share", "found"), [(0.7, True), (0.66, False)])
 def test_seven_tenths_of_the_sides_are_round(share, found):
-    """A tube, in the middle of a ring, and a plate through its axis in strips like those of the tube; where it
-    crosses the tube, some more is round."""
+    """A tube, in the middle of a ring, and a plate through its axis in such strips as those of the tube.
+
+    Where the plate crosses the tube, some more is round.
+    """
     tube = turned(((0.048, 0.0), (0.048, 0.2)))
     width = triangle_areas(tube).sum() * (1.0 / share - 1.0) / 0.2
     edges = np.linspace(-width / 2.0, width / 2.0, 1 + round(96 * (1.0 / share - 1.0)))
