@@ -29,7 +29,7 @@ NEAR = 0.02
 """Distance (m) up to which PhysX makes contacts: SAPIEN's contact offset, 10 mm, for each of two hulls."""
 SIDES = 32
 """Sides of the prism around all positions of what turns without limits."""
-MOST_POSES = 512
+MOST_POSES = 128
 """Poses at which a pair is measured, at most; pairs that need more are not listed."""
 
 
