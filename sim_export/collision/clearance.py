@@ -21,7 +21,7 @@ from sim_export.collision.motion import (
     longest_side,
     moved_links,
 )
-from sim_export.collision.relief import MARGIN, OverlappingPair, relieve_pair
+from sim_export.collision.relief import MARGIN, OverlappingPair, Relief, cut_along_faces, relieve_pair
 from sim_export.collision.requirements import required_openings
 from sim_export.collision.sweeps import sample_sweep
 from sim_export.package import Link, PackageJoint, Requirement
@@ -193,21 +193,28 @@ def _clear_joint(
                     margin=2.0 * THREAD if threaded else MARGIN,
                 )
                 done = relieve_pair(pair, gap, sheets=work.sheets, shares=work.shares)
-                for side, (link, slot) in enumerate(((a, i), (b, j))):
-                    work.put(link, slot, done.hulls[side])
-                    work.cuts[link] += done.cuts[side]
-                    work.deepest[link] = max(work.deepest[link], done.depths[side])
-                changes += sum(done.cuts)
+                changes += _apply(work, ((a, i), (b, j)), done)
                 if not done.reason:
                     continue
                 skin = next((at for at in ((a, i), (b, j)) if work.is_skin(*at)), None)
-                if skin is None:
-                    stuck[a, i, b, j] = done.reason
-                else:
+                if skin is not None:
                     work.put(*skin, ())
                     work.cuts[skin[0]] += 1
                     changes += 1
+                elif beside := cut_along_faces(pair, gap, sheets=work.sheets, shares=work.shares):
+                    changes += _apply(work, ((a, i), (b, j)), beside)
+                else:
+                    stuck[a, i, b, j] = done.reason
     return changes
+
+
+def _apply(work: CutHulls, places: tuple[tuple[int, int], tuple[int, int]], done: Relief) -> int:
+    """Replaces two hulls, each given by its link and its place there, by what is left; the number of cuts."""
+    for side, (link, slot) in enumerate(places):
+        work.put(link, slot, done.hulls[side])
+        work.cuts[link] += done.cuts[side]
+        work.deepest[link] = max(work.deepest[link], done.depths[side])
+    return sum(done.cuts)
 
 
 def _settle_limits(

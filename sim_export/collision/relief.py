@@ -114,15 +114,19 @@ def relieve_pair(pair: OverlappingPair, gap: float, *, sheets: bool = False, sha
         good += _notch(pair, gap, sheets=sheets)
     if good:
         return min(good, key=lambda plan: _cost(plan, pair, sheets=sheets, shares=shares))
-    beside = _cut_for_all(pair, gap, faces=True)
-    if beside:
-        return min(beside, key=lambda plan: _cost(plan, pair, sheets=sheets, shares=shares))
     for side in sorted(range(2), key=lambda side: pair.volumes[side]):
         if pair.slivers[side]:
             left = [(pair.hulls[0],), (pair.hulls[1],)]
             kept = ((), left[1]) if side == 0 else (left[0], ())
             return Relief(hulls=kept, cuts=(1 - side, side), depths=(0.0, 0.0))
     return plans[0]
+
+
+def cut_along_faces(pair: OverlappingPair, gap: float, *, sheets: bool, shares: bool) -> Relief | None:
+    """One cut along a face of the other hull that leaves ``gap`` (m) at all poses, as two sheets in one plane
+    need it; None if all take too much."""
+    plans = _cut_for_all(pair, gap, faces=True)
+    return min(plans, key=lambda plan: _cost(plan, pair, sheets=sheets, shares=shares), default=None)
 
 
 def _cost(plan: Relief, pair: OverlappingPair, *, sheets: bool, shares: bool) -> float:
