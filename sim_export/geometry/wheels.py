@@ -36,7 +36,7 @@ SAMPLES = 2000
 def fit_width(cylinder: Mesh, joint: Joint, scale: float, triangles: Float[np.ndarray, "F 3 3"]) -> Hull:
     """A cylinder about the axle ``joint`` that is as wide as a wheel's triangles (m).
 
-    One made of cells is wider, most of all on a slanted axle.
+    One made of cells is wider, most of all on an oblique axle.
     """
     origin, axis = scale * np.asarray(joint.origin), np.asarray(joint.axis)
     arms = cylinder.vertices - origin
