@@ -29,7 +29,7 @@ from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import separate_solids
 from sim_export.geometry.strays import settle_strays
 from sim_export.geometry.struts import brace_links
-from sim_export.geometry.wheels import round_wheels
+from sim_export.geometry.wheels import fit_width, is_open, round_wheels
 from sim_export.package import Hull, Inertial, Link, Mesh, SimPackage, SourceMesh
 from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_names, link_owners
@@ -108,10 +108,8 @@ def export_asset(
             for said in item.records
         ]
     else:
-        surfaces = [
-            mesh.vertices[mesh.faces] if part.label == "wheel" and mesh is not before else surface
-            for part, before, mesh, surface in zip(asset.parts, plain, meshes, surfaces, strict=True)
-        ]
+        surfaces, spoked = _round_surfaces(asset, surfaces, plain, meshes)
+        rounded = (*rounded, *spoked)
         covers, usual = {} if covers is None else covers, replace(detail, shares=False)
         if usual not in covers:
             covers[usual] = _cover_parts(asset, surfaces, inertials, usual)
@@ -201,6 +199,29 @@ def export_asset(
         records=records,
     )
     return Exported(package=package, seconds=tuple(watch.laps))
+
+
+def _round_surfaces(
+    asset: Asset,
+    surfaces: Sequence[Float[np.ndarray, "F 3 3"]],
+    plain: Sequence[Mesh],
+    meshes: Sequence[Mesh],
+) -> tuple[list[Float[np.ndarray, "F 3 3"]], tuple[str, ...]]:
+    """The triangles of all parts, those of wheels that became cylinders replaced by these.
+
+    A wheel that its cylinder would close keeps its own, and a record says so.
+    """
+    diagonal = float(np.linalg.norm(np.ptp(np.concatenate([s.reshape(-1, 3) for s in surfaces]), axis=0)))
+    out, records = list(surfaces), []
+    for index, (part, before, mesh) in enumerate(zip(asset.parts, plain, meshes, strict=True)):
+        if part.label != "wheel" or mesh is before or not len(surfaces[index]):
+            continue
+        cylinder = fit_width(mesh, part.joint, asset.scale, surfaces[index])
+        if is_open(surfaces[index], cylinder, diagonal):
+            records.append(f"{part.name}: keeps its own surface, whose openings the cylinder would close")
+        else:
+            out[index] = cylinder.vertices[cylinder.faces]
+    return out, tuple(records)
 
 
 def _cover_parts(

@@ -8,6 +8,7 @@ hulls to be off the surface.
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -21,7 +22,7 @@ from sim_export.collision.free_space import FreeSpace, find_free_space, find_ins
 from sim_export.collision.hulls import wrap_surface
 from sim_export.collision.motion import driven_joints, link_displacements, moved_links
 from sim_export.collision.requirements import required_openings, sweep_coordinates
-from sim_export.files.write import write_package
+from sim_export.files.write import write_draft
 from sim_export.geometry.islands import visual_islands
 from sim_export.geometry.piercing import PiercedSurface, find_edges, piercing_depth
 from sim_export.geometry.sampling import sample_triangles
@@ -53,7 +54,7 @@ def find_source_faults(
             replace(link, hulls=wrap_surface(surfaces.get(link.name, NOTHING))) for link in package.links
         )
         with TemporaryDirectory() as scratch:
-            folder = write_package(replace(package, links=around), Path(scratch) / package.name)
+            folder = write_draft(replace(package, links=around), Path(scratch) / package.name)
             found = {check.id: check for check in run_checks(folder, ("L2",), cfg)}
         for name in ("V203", "V204"):
             if name in failed and found[name].verdict == "fail":
@@ -108,17 +109,34 @@ class Shown:
 
     def entered(self, other: "Shown", T: Float[np.ndarray, "4 4"]) -> tuple[float, str]:
         """Depth (m) to which another surface, moved by ``T``, is inside or pierces this one, and the kind."""
+        box = transform_points(
+            T, np.array(list(product(*zip(other.surface.low, other.surface.high, strict=True))))
+        )
+        if (box.max(axis=0) < self.surface.low).any() or (box.min(axis=0) > self.surface.high).any():
+            return 0.0, "lies inside"
         inside = float(find_inside(transform_points(T, other.points), self.space).max(initial=0.0))
         pierced = piercing_depth((self.surface, self.edges), (other.surface, other.edges), T)
         return (inside, "lies inside") if inside >= pierced else (pierced, "pierces")
 
 
-def show_links(surfaces: Surfaces) -> dict[str, Shown]:
-    """The surfaces of all links that have one."""
+def show_links(
+    surfaces: Surfaces, known: "tuple[Surfaces, Mapping[str, Shown]] | None" = None
+) -> dict[str, Shown]:
+    """The surfaces of all links that have one.
+
+    Args:
+        surfaces: Triangles (m) by link.
+        known: Such triangles and what was made of them; used where they are the same in an object of the same
+            size.
+    """
     shown = {name: triangles for name, triangles in surfaces.items() if len(triangles)}
     diagonal = _diagonal(shown)
+    before, made = known or ({}, {})
+    same = bool(before) and _diagonal(before) == diagonal
     return {
-        name: Shown(
+        name: made[name]
+        if same and name in made and np.array_equal(before[name], triangles)
+        else Shown(
             points=sample_triangles(triangles, SAMPLES)[0],
             edges=find_edges(triangles),
             space=find_free_space(triangles, diagonal),

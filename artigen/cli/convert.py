@@ -221,12 +221,13 @@ def export_source(
 def judge_package(package: "SimPackage") -> tuple[int, float]:
     """Number of failed collision checks of a package, and its value of V103; less is better."""
     from sim_export.checks.suite import run_checks
-    from sim_export.files.write import write_package
+    from sim_export.files.write import write_draft
 
     with TemporaryDirectory() as scratch:
-        results = run_checks(write_package(package, Path(scratch) / package.name))
+        folder = write_draft(package, Path(scratch) / package.name)
+        results = run_checks(folder, only=COLLISION_CHECKS)
     unlike = [check.value for check in results if check.id == "V103" and check.value is not None]
-    failed = [check for check in results if check.verdict == "fail" and check.id in COLLISION_CHECKS]
+    failed = [check for check in results if check.verdict == "fail"]
     return len(failed), max(unlike, default=0.0)
 
 

@@ -1,6 +1,6 @@
 """All checks from L0 to L2, in order of their ids."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from sim_export.checks.appearance import APPEARANCE_CHECKS
@@ -41,6 +41,7 @@ def run_checks(
     levels: Sequence[Level] = STATIC_LEVELS,
     cfg: CheckConfig | None = None,
     *,
+    only: Collection[str] | None = None,
     subject: Subject | None = None,
 ) -> tuple[CheckResult, ...]:
     """Runs the static checks of some levels on a package or an original PartNet-Mobility folder.
@@ -49,7 +50,8 @@ def run_checks(
         folder: The folder with ``mobility.urdf``.
         levels: Which of L0, L1 and L2.
         cfg: Thresholds; the documented ones by default.
+        only: Ids of the checks to run; all of these levels by default.
         subject: The folder as already parsed, where a caller has it.
     """
-    specs = [spec for spec in CHECKS if spec.level in levels]
+    specs = [spec for spec in CHECKS if spec.level in levels and (only is None or spec.id in only)]
     return run_specs(specs, folder, CheckConfig() if cfg is None else cfg, subject=subject)

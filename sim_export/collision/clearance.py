@@ -21,7 +21,7 @@ from sim_export.collision.motion import (
     longest_side,
     moved_links,
 )
-from sim_export.collision.relief import OverlappingPair, relieve_pair
+from sim_export.collision.relief import MARGIN, OverlappingPair, Relief, cut_along_faces, relieve_pair
 from sim_export.collision.requirements import required_openings
 from sim_export.collision.sweeps import sample_sweep
 from sim_export.package import Link, PackageJoint, Requirement
@@ -34,6 +34,9 @@ round hulls by some tenths of a millimetre."""
 PASSING = 3e-3
 """The same between a leaf that turns and what else moves: engines foresee contacts where the corner of
 a leaf swings close past its neighbour, and keep some."""
+THREAD = 1e-4
+"""The same between what a screw connects, which are one in the other and whose contacts engines ignore
+(`sim_export.collision.ignored_pairs`); cuts leave twice this."""
 TOLERANCE = 2e-5
 """Depth (m) from which an overlap that cannot be cut counts as one."""
 ROUNDS = 12
@@ -159,11 +162,13 @@ def _clear_joint(
     T = _poses(work, joint, joints, requirements, q)
     moving = moved_links(work.links, joints, joint)
     size = longest_side(work.links)
+    turned = {other.child for other in joints if other.is_travel and other.mimic == joint.name}
     changes = 0
     for a in moving:
         for b in (index for index in range(len(work.links)) if index not in moving):
             leaves = joint.type == "revolute" and {work.links[a].label, work.links[b].label} <= _FRONTS
-            gap = PASSING if leaves else GAP
+            threaded = work.links[a].name in turned and work.links[b].name == joint.parent
+            gap = THREAD if threaded else PASSING if leaves else GAP
             (first, slots_a), (second, slots_b) = work.prepared(a), work.prepared(b)
             found = signed_distances(first, second, T[:, a], T[:, b], gap)
             deep = found.distance < gap
@@ -185,23 +190,31 @@ def _clear_joint(
                     room=(work.room(a), work.room(b)),
                     size=size,
                     axis=joint.axis,
+                    margin=2.0 * THREAD if threaded else MARGIN,
                 )
                 done = relieve_pair(pair, gap, sheets=work.sheets, shares=work.shares)
-                for side, (link, slot) in enumerate(((a, i), (b, j))):
-                    work.put(link, slot, done.hulls[side])
-                    work.cuts[link] += done.cuts[side]
-                    work.deepest[link] = max(work.deepest[link], done.depths[side])
-                changes += sum(done.cuts)
+                changes += _apply(work, ((a, i), (b, j)), done)
                 if not done.reason:
                     continue
                 skin = next((at for at in ((a, i), (b, j)) if work.is_skin(*at)), None)
-                if skin is None:
-                    stuck[a, i, b, j] = done.reason
-                else:
+                if skin is not None:
                     work.put(*skin, ())
                     work.cuts[skin[0]] += 1
                     changes += 1
+                elif beside := cut_along_faces(pair, gap, sheets=work.sheets, shares=work.shares):
+                    changes += _apply(work, ((a, i), (b, j)), beside)
+                else:
+                    stuck[a, i, b, j] = done.reason
     return changes
+
+
+def _apply(work: CutHulls, places: tuple[tuple[int, int], tuple[int, int]], done: Relief) -> int:
+    """Replaces two hulls, each given by its link and its place there, by what is left; the number of cuts."""
+    for side, (link, slot) in enumerate(places):
+        work.put(link, slot, done.hulls[side])
+        work.cuts[link] += done.cuts[side]
+        work.deepest[link] = max(work.deepest[link], done.depths[side])
+    return sum(done.cuts)
 
 
 def _settle_limits(

@@ -4,7 +4,7 @@ Feet are few, low and small, so hulls of a whole body may end above them, and th
 when it stands. Where the mesh reaches further down than every hull, what of it is lowest becomes feet.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +13,8 @@ from sim_export.collision.additions import add_hull
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hull_limits import trim_hull
 from sim_export.collision.hulls import clip_hull, convex_hull, hull_volume, hull_width
+from sim_export.collision.surface_hulls import split_components
+from sim_export.collision.surface_pieces import cut_triangles
 from sim_export.collision.sweeps import read_sweeps
 from sim_export.errors import DegeneratePart
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
@@ -49,6 +51,7 @@ def add_feet(
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
     meshes: Mapping[str, Mesh],
+    find: Callable[[Sequence[Mesh], float, float], list[Hull]] | None = None,
 ) -> Standing:
     """Adds hulls where the meshes reach further down than all hulls, at rest.
 
@@ -56,7 +59,8 @@ def add_feet(
         links: Links with hulls, object frame at rest.
         joints: Their joints.
         requirements: Joints that must be open while another moves.
-        meshes: Closed mesh of every part, by name; metres, object frame.
+        meshes: Mesh of every part, by name; metres, object frame.
+        find: Makes feet of meshes between two heights; by default of closed meshes. `find_tips` takes any.
 
     Returns:
         New links; those without feet are the same objects. Hulls only grow.
@@ -64,7 +68,8 @@ def add_feet(
     sets = [HullSet(hulls=link.hulls) for link in links]
     felt = min(float(hulls.vertices[:, 2].min()) for hulls in sets if hulls.hulls)
     seen = [
-        min((float(meshes[part].vertices[:, 2].min()) for part in link.parts), default=felt) for link in links
+        min((float(meshes[p].vertices[:, 2].min()) for p in link.parts if p in meshes), default=felt)
+        for link in links
     ]
     if not NEAR < felt - min(seen) <= FAR:
         return Standing(links=tuple(links))
@@ -73,7 +78,8 @@ def add_feet(
     for slot, link in enumerate(links):
         if felt - seen[slot] <= NEAR or not link.hulls:
             continue
-        feet = _find_feet([meshes[part] for part in link.parts], seen[slot], felt + ROOT)
+        own = [meshes[part] for part in link.parts if part in meshes]
+        feet = (find or _find_feet)(own, seen[slot], felt + ROOT)
         added = 0
         for foot in feet:
             hulls = None
@@ -116,6 +122,23 @@ def _find_feet(meshes: Sequence[Mesh], low: float, high: float) -> list[Hull]:
             fill = piece.volume() / max(piece.hull().volume(), 1e-12)
             for pad in [points] if fill >= LEAST_FILL else _corners(points, CORNER):
                 found.append(np.concatenate([pad, pad * [1, 1, 0] + [0, 0, high]]))
+    return _as_feet(found)
+
+
+def find_tips(meshes: Sequence[Mesh], low: float, high: float) -> list[Hull]:
+    """Convex feet from ``low`` to ``high`` under what any meshes, open ones too, have in the lower half of
+    that: the ends of legs and handles."""
+    middle, found = (low + high) / 2, []
+    for mesh in meshes:
+        below = cut_triangles(mesh.vertices[mesh.faces], np.array([0.0, 0.0, 1.0]), middle)[0]
+        for tip in split_components(below) if len(below) else []:
+            points = tip.reshape(-1, 3)
+            found.append(np.concatenate([points, points * [1, 1, 0] + [0, 0, high]]))
+    return _as_feet(found)
+
+
+def _as_feet(found: Sequence[np.ndarray]) -> list[Hull]:
+    """The hulls of points within the limits of physics engines, largest first; no more than `MOST`."""
     feet = []
     for points in found:
         try:

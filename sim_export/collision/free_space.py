@@ -154,9 +154,8 @@ def look_up(
 
 def find_inside(points: Float[np.ndarray, "N 3"], space: FreeSpace) -> Float[np.ndarray, "N"]:
     """How deep (m) points lie in enclosed space, at least; 0 beyond the grid, in wall and in free cells."""
-    enclosed = np.where(space.depth > 0, np.float32(0.0), space.away)
     cells = space.grid.cells_of(points)
     within = ((cells >= 0) & (cells < space.grid.shape)).all(axis=1)
-    deep = np.zeros(len(points))
-    deep[within] = enclosed[tuple(cells[within].T)]
+    deep, where = np.zeros(len(points)), tuple(cells[within].T)
+    deep[within] = np.where(space.depth[where] > 0, np.float32(0.0), space.away[where])
     return np.maximum(deep - space.grid.cell, 0.0)

@@ -64,7 +64,7 @@ class OverlappingPair:
     (m^3) where they go deeper than `MAX_DEPTH`, up to `MAX_SLIVER_DEPTH`; ``slivers`` tells which may be
     dropped, ``room`` how many hulls each link may still gain. ``size`` is the object's longest side (m), and
     ``axis`` the moving joint's direction in the frame of the first hull's link: one cut along it may free all
-    poses.
+    poses. ``margin`` (m) is the gap that a cut leaves.
     """
 
     hulls: tuple[Hull, Hull]
@@ -76,6 +76,7 @@ class OverlappingPair:
     room: tuple[int, int]
     size: float
     axis: Float[np.ndarray, "3"]
+    margin: float = MARGIN
 
     @property
     def max_depth(self) -> float:
@@ -119,6 +120,13 @@ def relieve_pair(pair: OverlappingPair, gap: float, *, sheets: bool = False, sha
             kept = ((), left[1]) if side == 0 else (left[0], ())
             return Relief(hulls=kept, cuts=(1 - side, side), depths=(0.0, 0.0))
     return plans[0]
+
+
+def cut_along_faces(pair: OverlappingPair, gap: float, *, sheets: bool, shares: bool) -> Relief | None:
+    """One cut along a face of the other hull that leaves ``gap`` (m) at all poses, as two sheets in one plane
+    need it; None if all take too much."""
+    plans = _cut_for_all(pair, gap, faces=True)
+    return min(plans, key=lambda plan: _cost(plan, pair, sheets=sheets, shares=shares), default=None)
 
 
 def _cost(plan: Relief, pair: OverlappingPair, *, sheets: bool, shares: bool) -> float:
@@ -165,7 +173,7 @@ def _cut_by_pose(pair: OverlappingPair, gap: float) -> Relief:
         for side, outward in enumerate((normal, -normal)):
             own, other = pair.poses[side][pose], pair.poses[1 - side][pose]
             points = transform_points(inverse(own) @ other, current[1 - side].vertices)
-            cut = _cut(current[side], own[:3, :3].T @ outward, points)
+            cut = _cut(current[side], own[:3, :3].T @ outward, points, pair.margin)
             if cut is not None and pair.allows(side, hull_volume(cut), depth):
                 options.append((hull_volume(current[side]) - hull_volume(cut), side, cut))
         if not options:
@@ -210,9 +218,10 @@ def _face_normal(
     return normals[best] if needed[best] <= depth + NEARLY else normal
 
 
-def _cut_for_all(pair: OverlappingPair, gap: float) -> list[Relief]:
+def _cut_for_all(pair: OverlappingPair, gap: float, *, faces: bool = False) -> list[Relief]:
     """Single cuts that free all poses: along the joint's axis, along the deepest contacts, or across the
-    ends of a post, as one above a wheel needs it."""
+    ends of a post, as one above a wheel needs it; or else along all ``faces`` of the other hull, as two
+    sheets in one plane need it."""
     found = signed_distances(HullSet(hulls=pair.hulls[:1]), HullSet(hulls=pair.hulls[1:]), *pair.poses, gap)
     deepest = np.argsort(found.distance, kind="stable")[:3]
     if not len(deepest) or found.distance[deepest[0]] >= gap:
@@ -226,8 +235,12 @@ def _cut_for_all(pair: OverlappingPair, gap: float) -> list[Relief]:
         contact = (1.0 - 2.0 * side) * np.einsum(
             "kij,kj->ki", turn[found.pose[deepest]], found.normal[deepest]
         )
-        for normal in (axis, -axis, *contact, *find_ends(pair.hulls[side])):
-            cut = _cut(pair.hulls[side], normal, points)
+        normals = np.concatenate([[axis, -axis], contact, find_ends(pair.hulls[side])])
+        if faces:
+            turned = (turn @ other[:, :3, :3])[found.pose[deepest[0]]]
+            normals = -merge_planes(hull_planes(pair.hulls[1 - side]))[:, :3] @ turned.T
+        for normal in normals:
+            cut = _cut(pair.hulls[side], normal, points, gap + NEARLY if faces else pair.margin)
             if cut is None:
                 continue
             depth = float((pair.hulls[side].vertices @ normal).max() - (cut.vertices @ normal).max())
@@ -265,7 +278,7 @@ def _notch(pair: OverlappingPair, gap: float, *, sheets: bool) -> list[Relief]:
         if sheets and own is not None and own.kind == "box":  # what is left of a box is boxes
             other = box_along(other.vertices, own.T_object_shape[:3, :3].T)
         planes = merge_planes(hull_planes(other))
-        planes[:, 3] += MARGIN
+        planes[:, 3] += pair.margin
         pieces = subtract_hull(pair.hulls[side], planes, MIN_WIDTH)
         left = sum(map(hull_volume, pieces))
         if not pieces or len(pieces) - 1 > pair.room[side]:
@@ -291,7 +304,10 @@ def _one_sided(pair: OverlappingPair, side: int, left: tuple[Hull, ...], depth: 
     return Relief(hulls=((pair.hulls[0],), left), cuts=(0, 1), depths=(0.0, depth))
 
 
-def _cut(hull: Hull, normal: Float[np.ndarray, "3"], points: Float[np.ndarray, "N 3"]) -> Hull | None:
-    """A hull cut back to where ``points`` begin along ``normal``; ``None`` if too little is left."""
-    cut = clip_hull(hull, normal, float((points @ normal).min()) - MARGIN)
+def _cut(
+    hull: Hull, normal: Float[np.ndarray, "3"], points: Float[np.ndarray, "N 3"], margin: float
+) -> Hull | None:
+    """A hull cut back to a ``margin`` (m) before ``points`` begin along ``normal``; ``None`` if too little is
+    left."""
+    cut = clip_hull(hull, normal, float((points @ normal).min()) - margin)
     return None if cut is None or hull_width(cut)[0] < MIN_WIDTH else cut

@@ -16,6 +16,7 @@ from typing import Literal
 from artigen.splats.motion import transform_gaussians
 from artigen.splats.ply import encode_ply
 from artigen.transforms import shift
+from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.errors import PackageError
 from sim_export.files.mjcf import mjcf_text
 from sim_export.files.obj import Material, hull_obj_text, mtl_text, obj_text, png_bytes
@@ -29,7 +30,7 @@ from sim_export.files.sidecars import (
     provenance_json,
     semantics_text,
 )
-from sim_export.files.srdf import srdf_text, touching_pairs
+from sim_export.files.srdf import srdf_text
 from sim_export.files.urdf import hull_path, link_origins, splats_path, urdf_text, visual_path
 from sim_export.geometry.primitives import find_primitive
 from sim_export.package import SimPackage, SourceMesh, Visual
@@ -40,8 +41,12 @@ MANIFEST = "manifest.json"
 UNHASHED = frozenset({MANIFEST, "validation.json"})
 
 
-def package_files(package: SimPackage) -> dict[str, bytes]:
+def package_files(package: SimPackage, *, engines: bool = True) -> dict[str, bytes]:
     """All files of a package by their path in it, including the manifest.
+
+    Args:
+        package: The package.
+        engines: Whether files are included that only engines read: MJCF, SRDF and the URDF for ManiSkill.
 
     Raises:
         InvalidKinematics: If links and joints are not a tree that URDF can express.
@@ -59,12 +64,8 @@ def package_files(package: SimPackage) -> dict[str, bytes]:
         if link.splats is not None:
             own = transform_gaussians(link.splats, shift(-origins[link.name]))
             files[splats_path(link.name)] = encode_ply(own)
-    pairs = touching_pairs(package)
     texts = {
         "mobility.urdf": urdf_text(package),
-        "mobility_cvx.urdf": urdf_text(package, "maniskill"),
-        "mobility.srdf": srdf_text(package.name, pairs),
-        "mobility.mjcf.xml": mjcf_text(package, pairs),
         "semantics.txt": semantics_text(package),
         "mobility_v2.json": mobility_json(package),
         "meta.json": meta_json(package),
@@ -73,6 +74,11 @@ def package_files(package: SimPackage) -> dict[str, bytes]:
         "physics.json": physics_json(package),
         "provenance.json": provenance_json(package),
     }
+    if engines:
+        pairs = ignored_pairs(package)
+        texts["mobility_cvx.urdf"] = urdf_text(package, "maniskill")
+        texts["mobility.srdf"] = srdf_text(package.name, pairs)
+        texts["mobility.mjcf.xml"] = mjcf_text(package, pairs)
     files |= {path: text.encode() for path, text in texts.items()}
     return files | {MANIFEST: manifest_text(files).encode()}
 
@@ -196,6 +202,12 @@ def write_package(package: SimPackage, folder: Path, overwrite: Overwrite = "ref
     ):
         raise PackageError(f"{folder}: is no package (it has no {MANIFEST}), so it is not replaced")
     write_files(package_files(package), folder)
+    return folder
+
+
+def write_draft(package: SimPackage, folder: Path) -> Path:
+    """Writes what checks of geometry and motion read of a package to a new folder, and returns the folder."""
+    write_files(package_files(package, engines=False), folder)
     return folder
 
 

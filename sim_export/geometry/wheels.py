@@ -7,8 +7,10 @@ import manifold3d
 import numpy as np
 from jaxtyping import Float
 
-from artigen.types import Asset
+from artigen.types import Asset, Joint
+from sim_export.checks.surface import surface_distances
 from sim_export.collision.hulls import convex_hull, hull_volume
+from sim_export.geometry.sampling import sample_triangles
 from sim_export.geometry.solids import as_solid
 from sim_export.geometry.tidy import tidy_mesh
 from sim_export.package import Hull, Mesh
@@ -22,6 +24,32 @@ WELL = 0.003
 """Clearance (m) made around a wheel in other parts."""
 NEAR = 1.5
 """Distance (voxels) from the lowest point of the object within which wheels are extended down to it."""
+
+
+OPEN = 0.015
+"""Distance of 99 % of a cylinder from the surface that it stands for, over the object's diagonal, above which
+a wheel has openings, such as those between spokes; as in check V103."""
+SAMPLES = 2000
+"""Points by which this is measured."""
+
+
+def fit_width(cylinder: Mesh, joint: Joint, scale: float, triangles: Float[np.ndarray, "F 3 3"]) -> Hull:
+    """A cylinder about the axle ``joint`` that is as wide as a wheel's triangles (m).
+
+    One made of cells is wider, most of all on an oblique axle.
+    """
+    origin, axis = scale * np.asarray(joint.origin), np.asarray(joint.axis)
+    arms = cylinder.vertices - origin
+    radius = float(np.linalg.norm(arms - np.outer(arms @ axis, axis), axis=1).max())
+    along = (triangles.reshape(-1, 3) - origin) @ axis
+    return _cylinder(origin, axis, (float(along.min()), float(along.max())), radius, SEGMENTS)
+
+
+def is_open(triangles: Float[np.ndarray, "F 3 3"], cylinder: Hull, diagonal: float) -> bool:
+    """Whether a cylinder would close openings of a wheel with these triangles; all lengths in metres."""
+    points, _ = sample_triangles(cylinder.vertices[cylinder.faces], SAMPLES)
+    distances = surface_distances(points, triangles, 4 * SAMPLES)
+    return float(np.percentile(distances, 99)) > OPEN * diagonal
 
 
 def round_wheels(asset: Asset, meshes: Sequence[Mesh]) -> tuple[tuple[Mesh, ...], tuple[str, ...]]:

@@ -1,10 +1,13 @@
 """Moves a part out of its neighbour if a short translation suffices."""
 
+from collections.abc import Iterator, Sequence
+
 import numpy as np
+from jaxtyping import Float
 
 from sim_export.checks.config import CheckConfig
 from sim_export.mend.source import Source, leading_part, link_surfaces, move_part
-from sim_export.source_faults import Shown, show_links
+from sim_export.source_faults import Shown
 
 FARTHEST = 0.02
 """Longest translation relative to the object's diagonal."""
@@ -15,26 +18,33 @@ FREE = 0.5
 
 
 def pull_apart(source: Source, cfg: CheckConfig) -> Source:
-    """Moves movable links along an axis out of the links that they overlap at rest, if that frees them."""
+    """Moves movable links out of the links that they overlap at rest, if that frees them.
+
+    They move along an axis of the object, or else across the axis of their joint, as a laptop's hinge must.
+    """
     surfaces = link_surfaces(source)
-    shown = show_links(surfaces)
     corners = np.concatenate([triangles.reshape(-1, 3) for triangles in surfaces.values()])
     diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
-    lengths = FARTHEST * diagonal * np.arange(1, STEPS + 1) / STEPS
-    ways = np.concatenate([np.eye(3), -np.eye(3)])
     body = next(reversed(surfaces))
     for name in surfaces:
         if name == body:
             continue
-        before = _depth(shown, name, np.zeros(3))
+        shown = source.shown
+        depths = {
+            other: max(_depths(shown[name], link, np.zeros(3)))
+            for other, link in shown.items()
+            if other != name
+        }
+        before = max(depths.values())
         if before <= cfg.max_rest_overlap_parent:
             continue
-        shifts = [length * way for length in lengths for way in ways]
+        deepest_first = [shown[other] for other in sorted(depths, key=lambda other: -depths[other])]
+        part = leading_part(source, name)
+        shifts = FARTHEST * diagonal * _shifts(source.asset.parts[part].joint.axis)
         allowed = FREE * cfg.max_rest_overlap_parent
-        found = next((shift for shift in shifts if _depth(shown, name, shift) <= allowed), None)
+        found = next((s for s in shifts if _is_free(shown[name], deepest_first, s, allowed)), None)
         if found is None:
             continue
-        part = leading_part(source, name)
         label = source.asset.parts[part].name
         far = 1e3 * float(np.linalg.norm(found))
         source = move_part(
@@ -43,18 +53,32 @@ def pull_apart(source: Source, cfg: CheckConfig) -> Source:
             found,
             f"{label}: {1e3 * before:.1f} mm inside its neighbour, was moved by {far:.1f} mm",
         )
-        shown = show_links(link_surfaces(source))
     return source
 
 
-def _depth(shown: dict[str, Shown], name: str, shift: np.ndarray) -> float:
-    """Depth (m) to which a link, moved by ``shift`` (m), overlaps any other link."""
-    T = np.eye(4)
-    T[:3, 3] = shift
-    back = np.eye(4)
-    back[:3, 3] = -shift
-    return max(
-        max(link.entered(shown[name], T)[0], shown[name].entered(link, back)[0])
-        for other, link in shown.items()
-        if other != name
-    )
+def _shifts(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "N 3"]:
+    """Translations no longer than 1: first those along the axes of the object, then those along two of them
+    at once, across the one that is nearest to a joint's ``axis``; each group in ascending order."""
+    steps = np.arange(-STEPS, STEPS + 1) / STEPS
+    along, across = np.eye(3), np.delete(np.eye(3), int(np.abs(axis).argmax()), axis=0)
+    straight = (steps[:, None, None] * along).reshape(-1, 3)
+    slanted = (steps[:, None, None] * across[0] + steps[None, :, None] * across[1]).reshape(-1, 3)
+    groups = []
+    for group, directions in ((straight, 1), (slanted, 2)):
+        lengths = np.linalg.norm(group, axis=1)
+        kept = (np.count_nonzero(group, axis=1) == directions) & (lengths <= 1.0 + 1e-9)
+        groups.append(group[kept][np.argsort(lengths[kept], kind="stable")])
+    return np.concatenate(groups)
+
+
+def _is_free(link: Shown, others: Sequence[Shown], shift: Float[np.ndarray, "3"], allowed: float) -> bool:
+    """Whether a link, moved by ``shift`` (m), overlaps no other by more than is allowed (m)."""
+    return all(depth <= allowed for other in others for depth in _depths(link, other, shift))
+
+
+def _depths(link: Shown, other: Shown, shift: Float[np.ndarray, "3"]) -> Iterator[float]:
+    """Depths (m) to which a link, moved by ``shift`` (m), enters another one, and this one enters it."""
+    for into, moved, way in ((other, link, shift), (link, other, -shift)):
+        T = np.eye(4)
+        T[:3, 3] = way
+        yield into.entered(moved, T)[0]

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.handles import handle_joints, handle_shapes, judge_grip, measure_grip, way_out
 from sim_export.checks.subject import Shape, Subject
-from sim_export.files.write import write_package
+from sim_export.files.write import write_draft
 from sim_export.mend.source import Source, move_part, source_package
 from sim_export.package import PackageJoint
 
@@ -26,7 +26,7 @@ def move_handles(source: Source, cfg: CheckConfig) -> Source:
     package = source_package(source)
     parts = {link.name: [visual.part for visual in link.visuals] for link in package.links}
     with TemporaryDirectory() as scratch:
-        subject = Subject(write_package(package, Path(scratch) / package.name))
+        subject = Subject(write_draft(package, Path(scratch) / package.name))
         moves = list(_find_moves(subject, cfg, parts))
     names = [part.name for part in source.asset.parts]
     for name, shift in moves:

@@ -1,6 +1,7 @@
 """The source object for repairs: parts, joints, surfaces, and translations of parts."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
@@ -9,6 +10,7 @@ from artigen.types import Asset
 from sim_export.collision.hulls import wrap_surface
 from sim_export.package import Inertial, Mesh, SimPackage
 from sim_export.physics.links import PartGeometry, build_links, link_names, link_owners
+from sim_export.source_faults import Shown, show_links
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -17,7 +19,7 @@ class Source:
 
     ``surfaces`` are the triangles of every part (m, object frame at rest), ``shifts`` the translation of each
     part (m), ``posts`` the triangles (m) that were added and the part of each, ``records`` the repairs, one
-    sentence each.
+    sentence each, and ``before`` the object before the last of them.
     """
 
     asset: Asset
@@ -25,6 +27,13 @@ class Source:
     shifts: Float[np.ndarray, "P 3"]
     posts: tuple[tuple[int, Float[np.ndarray, "F 3 3"]], ...] = ()
     records: tuple[str, ...] = ()
+    before: "Source | None" = None
+
+    @cached_property
+    def shown(self) -> dict[str, Shown]:
+        """The surfaces of all links for measuring overlaps; those of ``before`` where they are the same."""
+        known = self.before and (link_surfaces(self.before), self.before.shown)
+        return show_links(link_surfaces(self), known)
 
 
 def open_source(asset: Asset, surfaces: tuple[Float[np.ndarray, "F 3 3"], ...]) -> Source:
@@ -75,7 +84,8 @@ def set_joint(source: Source, part: int, record: str, **changes: object) -> Sour
     """The object with one joint changed; its fields are in unit-cube lengths."""
     parts = list(source.asset.parts)
     parts[part] = replace(parts[part], joint=replace(parts[part].joint, **changes))  # pyright: ignore[reportArgumentType]
-    return replace(source, asset=replace(source.asset, parts=tuple(parts)), records=(*source.records, record))
+    changed = replace(source.asset, parts=tuple(parts))
+    return replace(source, asset=changed, records=(*source.records, record), before=source)
 
 
 def move_part(source: Source, part: int, shift: Float[np.ndarray, "3"], record: str) -> Source:
@@ -110,4 +120,5 @@ def move_part(source: Source, part: int, shift: Float[np.ndarray, "3"], record: 
         ),
         shifts=source.shifts + np.where(moved[:, None], shift, 0.0),
         records=(*source.records, record),
+        before=source,
     )  # fmt: skip

@@ -1,7 +1,8 @@
 """Turns an object that would fall over onto the nearest side on which it stands.
 
 Wheelbarrows are drawn with level handles and stand tilted, on their wheel and legs; bags are drawn on an
-edge. What needs a larger turn stays as it is: its z axis would not be up any more.
+edge. What needs a larger turn stays as it is: its z axis would not be up any more. Where hulls end above what
+is lowest after the turn, such as the ends of handles, these get hulls of their own.
 """
 
 from dataclasses import replace
@@ -12,8 +13,10 @@ from scipy.spatial import ConvexHull
 
 from artigen.splats.motion import transform_gaussians
 from artigen.transforms import transform_points
+from sim_export.collision.feet import add_feet, find_tips
 from sim_export.package import HandleAnnotation, Hull, Link, Mesh, PackageJoint, SimPackage, Visual
 from sim_export.physics.standing import DOWN, MARGIN, center_of_mass, depth_of_mass, must_stand
+from sim_export.picture.draw import visual_meshes
 
 FARTHEST = 30.0
 """Largest turn (degrees)."""
@@ -44,7 +47,24 @@ def stand_on_side(package: SimPackage) -> SimPackage:
         f"mend stand (V303): the object was turned by {angles[row]:.1f} degrees onto a side on which it "
         f"stands; its centre of mass was {1e3 * -before:.0f} mm outside of what touched the floor"
     )
-    return replace(turned, records=(*package.records, record))
+    standing = add_feet(
+        turned.links, turned.joints, turned.requires_open, _shown_parts(turned), find=find_tips
+    )
+    return replace(turned, links=standing.links, records=(*package.records, record, *standing.records))
+
+
+def _shown_parts(package: SimPackage) -> dict[str, Mesh]:
+    """What is seen of every part (m), as one mesh."""
+    corners: dict[str, list[np.ndarray]] = {}
+    for visual in (visual for link in package.links for visual in link.visuals):
+        corners.setdefault(visual.part, []).extend(
+            mesh.vertices[mesh.faces].reshape(-1, 3) for mesh in visual_meshes(visual)
+        )
+    joined = {part: np.concatenate(chunks) for part, chunks in corners.items()}
+    return {
+        part: Mesh(vertices=points, faces=np.arange(len(points)).reshape(-1, 3))
+        for part, points in joined.items()
+    }
 
 
 def _turn_onto(normal: Float[np.ndarray, "3"], down: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:

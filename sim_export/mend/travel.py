@@ -5,8 +5,8 @@ import numpy as np
 from sim_export.checks.config import CheckConfig
 from sim_export.collision.motion import driven_joints
 from sim_export.collision.requirements import sweep_coordinates
-from sim_export.mend.source import Source, leading_part, link_surfaces, set_joint, source_package
-from sim_export.source_faults import POSES, overlap_along, show_links
+from sim_export.mend.source import Source, leading_part, set_joint, source_package
+from sim_export.source_faults import POSES, overlap_along
 
 LEAST = 0.5
 """Smallest share of its range to which a joint is shortened."""
@@ -15,7 +15,7 @@ LEAST = 0.5
 def cut_travel(source: Source, cfg: CheckConfig) -> Source:
     """Lowers upper limits to where a link enters one of its carriers by more than V201 allows."""
     package = source_package(source)
-    shown = show_links(link_surfaces(source))
+    shown = source.shown
     parents = {joint.child: joint.parent for joint in package.joints}
     for joint in driven_joints(package.joints):
         if joint.type == "continuous" or joint.child not in shown:

@@ -36,8 +36,8 @@ def opening_pull(joint: PackageJoint, moved: Inertial) -> float:
     weight = moved.mass * GRAVITY
     arm = np.asarray(moved.com) - joint.origin
     moving = np.asarray(joint.axis) if joint.type == "prismatic" else np.cross(joint.axis, arm)
-    if joint.type == "continuous":  # it may start from any position
-        return weight * float(np.linalg.norm(moving)) * (1.0 + HOLD_SLOPE)
+    if joint.type == "continuous":  # it may start from any position; a level turntable only feels the slope
+        return weight * float(np.linalg.norm(moving)) * (float(np.hypot(*joint.axis[:2])) + HOLD_SLOPE)
     level = -weight * float(moving[2])
     return max(0.0, level + HOLD_SLOPE * weight * float(np.hypot(moving[0], moving[1])))
 

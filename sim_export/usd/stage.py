@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.files.srdf import touching_pairs
+from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.files.urdf import link_origins
 from sim_export.package import Hull, Link, Mesh, SimPackage, Visual
 from sim_export.physics.links import check_kinematics
@@ -228,7 +228,7 @@ def _add_joints(stage: "Usd.Stage", root: "Sdf.Path", package: SimPackage, frame
         if joint.mimic is not None:
             follower, leader = (stage.GetPrimAtPath(places[name]) for name in (joint.name, joint.mimic))
             follow_joint(follower, joint, leader)
-    for first, second in touching_pairs(package):
+    for first, second in ignored_pairs(package):
         apart = UsdPhysics.FilteredPairsAPI.Apply(stage.GetPrimAtPath(frames.paths[first]))
         apart.CreateFilteredPairsRel().AddTarget(frames.paths[second])
 

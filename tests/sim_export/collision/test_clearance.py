@@ -8,7 +8,7 @@ from sample_cabinet import SAMPLE_PARTS, SamplePart, sample_box_arrays
 
 from artigen.kinematics import displacements, movable_parts
 from sim_export.collision.clearance import Clearance, clear_joints
-from sim_export.collision.contacts import HullSet, penetration_depths
+from sim_export.collision.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.collision.cut_hulls import CutHulls
 from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect
 from sim_export.collision.hulls import box_hull, convex_hull, hull_volume
@@ -371,3 +371,44 @@ def test_a_strip_may_go_if_no_point_is_farther_from_other_hulls_than_v103_allows
     assert CutHulls(links, sheets=True).is_skin(0, 1) == may_go
     assert not CutHulls(links).is_skin(0, 1)  # hulls of voxels stand for volume
     assert not CutHulls([make_link("body", strip)], sheets=True).is_skin(0, 0)
+
+
+def capped(gap: float, *, screwed: bool):
+    """A wall of a cap that turns by next to nothing, so far (m) from its neck."""
+    links = [
+        make_link("body", box((-0.01, -0.01, 0.0), (0.01, 0.01, 0.03))),
+        make_link("carrier"),
+        make_link("cap", box((0.01 + gap, -0.01, 0.0), (0.02, 0.01, 0.03))),
+    ]
+    turn = make_joint("carrier", "revolute", (1, 0, 0), (0, 0, 0), 1e-6)
+    travel = make_joint("cap", "prismatic", (1, 0, 0), (0, 0, 0), 1e-9, parent="carrier")
+    if not screwed:
+        return links, [turn, replace(travel, type="fixed", kind="fixed")]
+    return links, [turn, replace(travel, kind="screw", mimic=turn.name, mimic_multiplier=1e-3)]
+
+
+@pytest.mark.parametrize(
+    ("gap", "screwed", "left"),
+    [(0.9e-4, True, 2e-4), (1.1e-4, True, 1.1e-4), (1.1e-4, False, MARGIN), (1.1e-3, False, 1.1e-3)],
+)
+def test_a_cap_keeps_a_tenth_of_a_millimetre_from_its_neck_and_other_parts_one(gap, screwed, left):
+    links, joints = capped(gap, screwed=screwed)
+    done = clear_joints(links, joints)
+    sets = [HullSet(hulls=link.hulls) for link in done.links]
+    found = signed_distances(sets[0], sets[2], np.eye(4), np.eye(4), 1.0).distance
+    assert found.min() == pytest.approx(left, rel=0.02)
+
+
+@pytest.mark.parametrize(("shared", "freed"), [(0.0042, True), (0.0046, False)])
+def test_sheets_in_one_plane_are_cut_along_their_edges(shared, freed):
+    """Strips 8.3 mm wide that share some of it: a cut takes that and the gap of 1 mm, and up to 65 %."""
+    width = 0.0083
+    links = [
+        make_link("body", box((0.0, 0.0, 0.0), (width, 0.3, 0.002))),
+        make_link("lid", box((width - shared, 0.0, 1e-4), (2.0 * width - shared, 0.3, 0.0021))),
+    ]
+    joints = [make_joint("lid", "revolute", (0, 1, 0), (0, 0, 0), 1e-4)]
+    done = clear_joints(links, joints, sheets=True)
+    assert (not done.residuals) == freed
+    assert (deepest(done.links, done.joints, ()) == {"joint_lid": 0.0}) == freed
+    assert all(link.hulls for link in done.links)

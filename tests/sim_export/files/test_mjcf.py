@@ -11,8 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from artigen.kinematics import displacements, qlimits
 from artigen.types import Asset
+from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.files.mjcf import mjcf_text
-from sim_export.files.srdf import srdf_text, touching_pairs
+from sim_export.files.srdf import srdf_text
 from sim_export.files.urdf import link_origins
 from sim_export.files.write import write_package
 from sim_export.package import SimPackage
@@ -133,18 +134,19 @@ def test_joined_bodies_do_not_collide(case):
     assert model.nexclude >= 3
 
 
-def test_only_pairs_that_touch_without_a_joint_are_in_the_srdf(cabinet):
+def test_pairs_that_touch_without_a_joint_are_in_the_srdf(cabinet):
     geometry = box_geometry()
     package = as_package(scaled(cabinet), geometry)
-    assert touching_pairs(package) == ()
+    pair = ("link_0", "link_1")
+    assert pair not in ignored_pairs(package)
     drawer_floor = min(hull.vertices[:, 2].min() for hull in geometry[2].hulls)
     door_top = max(hull.vertices[:, 2].max() for hull in geometry[4].hulls)
-    for gap, expected in ((0.0, (("link_0", "link_1"),)), (-0.0005, (("link_0", "link_1"),)), (-0.01, ())):
+    for gap, touch in ((0.0, True), (-0.0005, True), (-0.01, False)):
         lift = np.array([0.0, 0.0, drawer_floor - door_top - gap])
         raised = tuple(replace(hull, vertices=hull.vertices + lift) for hull in geometry[4].hulls)
         changed = [*geometry[:4], replace(geometry[4], hulls=raised), *geometry[5:]]
-        assert touching_pairs(as_package(scaled(cabinet), changed)) == expected
-    text = srdf_text("x", (("link_0", "link_1"),))
+        assert (pair in ignored_pairs(as_package(scaled(cabinet), changed))) == touch
+    text = srdf_text("x", (pair,))
     assert 'reason="Default"' in text
     assert text.count("disable_collisions") == 1
-    assert '<exclude body1="link_0" body2="link_1"' in mjcf_text(package, (("link_0", "link_1"),))
+    assert '<exclude body1="link_0" body2="link_1"' in mjcf_text(package, (pair,))

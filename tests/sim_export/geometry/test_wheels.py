@@ -6,7 +6,7 @@ import pytest
 from artigen.types import Asset, Joint, Part
 from sim_export.collision.hulls import box_hull
 from sim_export.geometry.solids import as_solid
-from sim_export.geometry.wheels import round_wheels
+from sim_export.geometry.wheels import fit_width, is_open, round_wheels
 from sim_export.package import Mesh
 
 BODY = ((-0.4, -0.4, -0.2), (0.4, 0.4, 0.5))
@@ -58,3 +58,36 @@ def test_what_is_not_like_a_wheel_stays_as_it_is():
     rounded, records = round_wheels(asset, meshes)
     assert rounded[1] is meshes[1]
     assert records == ()
+
+
+def ring(outer: float, inner: float, width: float, sides: int = 96) -> np.ndarray:
+    """Triangles of a rim about y."""
+    angles = 2.0 * np.pi * np.arange(sides + 1) / sides
+    turn = np.column_stack([np.cos(angles), np.zeros_like(angles), np.sin(angles)])
+    loop = [
+        (outer, -width / 2),
+        (outer, width / 2),
+        (inner, width / 2),
+        (inner, -width / 2),
+        (outer, -width / 2),
+    ]
+    grid = np.stack([radius * turn + [0.0, y, 0.0] for radius, y in loop])
+    a, b, c, d = grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]
+    return np.concatenate([np.stack([a, b, c], axis=2), np.stack([a, c, d], axis=2)]).reshape(-1, 3, 3)
+
+
+@pytest.mark.parametrize(("slack", "opened"), [(0.9, True), (1.1, False)])
+def test_a_wheel_is_open_where_its_cylinder_is_farther_from_it_than_v103_allows(slack, opened):
+    """The middle of a cylinder is the hole's radius from its rim; 99 % of its faces are nearly there."""
+    inner, axle = (
+        0.06,
+        Joint(type="continuous", axis=np.array([0.0, 1.0, 0.0]), origin=np.zeros(3), upper=6.28),
+    )
+    rim = ring(0.1, inner, 0.02)
+    cylinder = fit_width(box_mesh((-0.07, -0.05, -0.07), (0.07, 0.05, 0.07)), axle, 2.0, rim)
+    np.testing.assert_allclose(cylinder.vertices[:, 1].min(), -0.01)  # as wide as the rim, not as the cells
+    np.testing.assert_allclose(cylinder.vertices[:, 1].max(), 0.01)
+    sides = np.pi * 0.2 * 0.02
+    farther = 0.01 * (sides + 2.0 * np.pi * 0.1**2) / (2.0 * np.pi)  # one hundredth lies nearer to the axle
+    farthest = inner - np.sqrt(farther)
+    assert is_open(rim, cylinder, slack * farthest / 0.015) == opened

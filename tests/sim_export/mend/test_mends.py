@@ -13,6 +13,7 @@ from sim_export.checks.subject import Subject
 from sim_export.collision.hulls import box_hull
 from sim_export.files.write import write_package
 from sim_export.geometry.islands import visual_islands
+from sim_export.mend.apart import pull_apart
 from sim_export.mend.mends import mend_source
 from sim_export.mend.source import link_surfaces, open_source, source_package
 from sim_export.source_faults import overlaps_at_rest, overlaps_on_the_way, show_links
@@ -164,3 +165,36 @@ def test_a_piece_that_floats_within_reach_is_held_by_a_post(gap, held):
         part, post = mended.posts[0]
         assert part == 1  # the door, whose link holds both
         assert np.ptp(post.reshape(-1, 3), axis=0).max() == pytest.approx(gap + 0.012)
+
+
+def nested(depth: float, axis=(0.0, 1.0, 0.0)):
+    """A lid whose barrel lies in a groove at the edge of its base, inside both walls by a depth (m)."""
+    groove = 0.06
+    base = np.concatenate(
+        [
+            box((-0.2, -0.25, -0.5), (0.3, 0.25, 0.4)),
+            box((-0.2, -0.25, 0.4), (0.3 - groove, 0.25, 0.5)),
+        ]
+    )
+    barrel = box((0.3 - groove - depth, -0.2, 0.4 - depth), (0.3 - depth, 0.2, 0.45 - depth))
+    joint = Joint(
+        type="revolute", axis=np.array(axis, dtype=float), origin=np.array([0.27, 0.0, 0.42]), upper=0.1
+    )
+    parts = (part_of(base, "base", "base", -1, FIXED), part_of(barrel, "door_0", "door", 0, joint))
+    return open_source(Asset(name="laptop", category="Laptop", scale=1.0, parts=parts), (base, barrel))
+
+
+@pytest.mark.parametrize(
+    ("depth", "axis", "moves"),
+    [(0.012, (0, 1, 0), True), (0.021, (0, 1, 0), False), (0.012, (1, 0, 0), False)],
+)
+def test_a_barrel_in_two_walls_moves_across_its_hinge(depth, axis, moves):
+    """No way along one axis is short enough. All but 1 mm of the depth is left in both directions at once, by
+    eighths of 25 mm, as long as that is no longer than 25 mm altogether."""
+    shift = pull_apart(nested(depth, axis), CFG).shifts[1]
+    assert bool(shift.any()) == moves
+    if moves:
+        least = depth - 0.5 * CFG.max_rest_overlap_parent
+        assert least <= shift[0] <= least + 0.02 * np.linalg.norm([0.5, 0.5, 1.0]) / 8
+        assert shift[1] == 0.0
+        assert least <= shift[2] <= least + 0.02 * np.linalg.norm([0.5, 0.5, 1.0]) / 8

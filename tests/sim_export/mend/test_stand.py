@@ -1,5 +1,7 @@
 """What falls over is turned onto the nearest side on which it stands; all that is in it turns with it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -66,3 +68,24 @@ def test_it_comes_to_stand_on_no_side_that_hardly_carries_it(inside, turns):
 def test_what_stands_and_what_is_mounted_stay():
     for before in (tilted(0.0), tilted(20.0, category="Faucet")):
         assert stand_on_side(before) is before
+
+
+@pytest.mark.parametrize(("height", "added"), [(0.004, False), (0.006, True)])
+def test_what_is_lowest_after_the_turn_gets_a_hull(height, added):
+    """A foot that is seen below the plate, as high (m) as it says, and that no hull stands for."""
+    package = tilted(20.0)
+    R = rotation_about(TILT_AXIS, np.array(np.radians(20.0)))
+    foot = box_hull(np.array([-0.4, -0.02, -0.05 - height]), np.array([-0.36, 0.02, -0.05]))
+    mesh = Mesh(vertices=foot.vertices @ R.T, faces=foot.faces[:-4])  # open, as drawn meshes are
+    wheel, body = package.links
+    body = replace(body, visuals=(*body.visuals, Visual(name="foot", part="base", label="base", mesh=mesh)))
+    done = stand_on_side(replace(package, links=(wheel, body)))
+    low = [
+        min(points[:, 2].min() for points in chunks)
+        for chunks in (
+            [hull.vertices for hull in done.links[1].hulls],
+            [visual.mesh.vertices for visual in done.links[1].visuals if isinstance(visual.mesh, Mesh)],
+        )
+    ]
+    assert low[0] - low[1] == pytest.approx(0.0 if added else height, abs=1e-4)
+    assert len(done.links[1].hulls) == (2 if added else 1)

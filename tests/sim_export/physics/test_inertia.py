@@ -28,7 +28,7 @@ from sim_export.physics.materials import (
     part_material,
     physx_friction_coefficient,
 )
-from sim_export.physics.resistance import opening_pull
+from sim_export.physics.resistance import HOLD_SLOPE, opening_pull
 
 
 def prism(sides: int, radius: float, height: float) -> Mesh:
@@ -291,3 +291,18 @@ def test_a_hand_opens_the_heaviest_drawer_that_friction_holds_on_a_slope_in_time
     assert resist.friction == hold
     assert (30.0 - resist.friction) / resist.damping * 5.0 > 0.6
     assert joint_resistance("drawer", "prismatic", 6.0, 0.0).damping == 8.0  # light ones as before
+
+
+@pytest.mark.parametrize("degrees", [0.0, 30.0, 90.0])
+def test_a_turntable_resists_what_gravity_can_do_about_its_axle(degrees):
+    """A level one, about an upright axle, only feels the slope of the floor."""
+    axis = rotation_about(np.array([1.0, 0.0, 0.0]), np.array(np.radians(degrees))) @ [0.0, 0.0, 1.0]
+    joint = PackageJoint(
+        name="joint_0", type="continuous", kind="continuous", parent="link_1", child="link_0",
+        origin=np.zeros(3), axis=axis,
+    )  # fmt: skip
+    plate = Inertial(mass=10.0, com=np.array([0.1, 0.0, 0.0]), inertia=np.eye(3))
+    turns = rotation_about(axis, np.linspace(0.0, 2.0 * np.pi, 361))
+    moments = np.cross(turns @ np.asarray(plate.com), [0.0, 0.0, -10.0 * GRAVITY]) @ axis
+    slope = HOLD_SLOPE * 10.0 * GRAVITY * 0.1
+    assert opening_pull(joint, plate) == pytest.approx(np.abs(moments).max() + slope, rel=1e-3)

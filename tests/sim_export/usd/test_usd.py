@@ -15,10 +15,10 @@ from PIL import Image
 from artigen.shapes.draw import draw_shape
 from artigen.transforms import inverse, matrix_from_quat, shift, transform_points
 from sim_export.collision.hulls import box_hull
+from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.collision.motion import link_displacements
 from sim_export.errors import PackageError
 from sim_export.files.read import read_package
-from sim_export.files.srdf import touching_pairs
 from sim_export.files.urdf import link_origins
 from sim_export.files.write import write_package
 from sim_export.geometry.primitives import find_primitive
@@ -235,7 +235,7 @@ def test_pairs_that_touch_at_rest_do_not_collide(package, stage, pxr):
         for prim in link_prims(package, stage).values()
         for target in pxr.UsdPhysics.FilteredPairsAPI(prim).GetFilteredPairsRel().GetTargets()
     }
-    assert written == set(touching_pairs(package))
+    assert written == set(ignored_pairs(package))
 
 
 def test_visuals_show_the_packages_triangles_in_its_colours(package, stage, main: Path, pxr):

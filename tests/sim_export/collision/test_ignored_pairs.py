@@ -1,0 +1,143 @@
+"""Pairs of links without contact: screws, what touches, and what never meets."""
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.hulls import convex_hull
+from sim_export.collision.ignored_pairs import ignored_pairs, kept_distance
+from sim_export.collision.motion import link_displacements
+from sim_export.package import Hull, Link, PackageJoint, SimPackage
+
+
+def box(low, high) -> Hull:
+    signs = np.array(np.meshgrid([0, 1], [0, 1], [0, 1])).reshape(3, -1).T
+    return convex_hull(np.asarray(low) + signs * (np.asarray(high) - np.asarray(low)))
+
+
+def joint(
+    number: int,
+    axis,
+    origin=(0.0, 0.0, 0.0),
+    upper: float = 1.0,
+    kind: Literal["fixed", "prismatic", "revolute", "continuous"] = "prismatic",
+    parent: str = "link_9",
+    child: str | None = None,
+) -> PackageJoint:
+    return PackageJoint(
+        name=f"joint_{number}",
+        type=kind,
+        kind=kind,
+        parent=parent,
+        child=child or f"link_{number}",
+        origin=np.asarray(origin, dtype=float),
+        axis=np.asarray(axis, dtype=float),
+        upper=upper,
+    )
+
+
+def package(joints, **hulls) -> SimPackage:
+    links = tuple(
+        Link(name=name, label=None, parts=(), visuals=(), hulls=(hull,), inertial=None)
+        for name, hull in hulls.items()
+    )
+    return SimPackage(name="a", category="Table", visual="source", links=links, joints=tuple(joints))
+
+
+FAR = box([9.0, 9.0, 9.0], [9.1, 9.1, 9.1])
+
+
+@pytest.mark.parametrize(
+    ("least", "listed"), [(1.9e-3, False), (2.1e-3, True), (19.9e-3, True), (20.1e-3, False)]
+)
+def test_links_that_slide_towards_each_other_are_listed_by_how_near_they_come(least, listed):
+    made = package(
+        [joint(0, [1, 0, 0], upper=0.1), joint(1, [-1, 0, 0], upper=0.1)],
+        link_0=box([0.0, 0.0, 0.0], [0.1, 0.1, 0.1]),
+        link_1=box([0.3 + least, 0.0, 0.0], [0.4, 0.1, 0.1]),
+        link_9=FAR,
+    )
+    assert (ignored_pairs(made) == (("link_0", "link_1"),)) == listed
+
+
+@pytest.mark.parametrize(("least", "listed"), [(1.9e-3, False), (2.3e-3, True)])
+def test_square_knobs_are_listed_unless_their_corners_meet(least, listed):
+    side = 0.03
+    center = np.array([side * np.sqrt(2.0) + least, 0.0, 0.0])
+    half = np.array([side / 2.0, side / 2.0, 0.01])
+    knobs = {"link_0": box(-half, half), "link_1": box(center - half, center + half)}
+    turns = [
+        joint(k, [0, 0, 1], at, upper=2.0 * np.pi, kind="continuous")
+        for k, at in enumerate((np.zeros(3), center))
+    ]
+    made = package(turns, **knobs, link_9=FAR)
+    assert (ignored_pairs(made) == (("link_0", "link_1"),)) == listed
+
+
+@pytest.mark.parametrize(("travel", "listed"), [(1.0, True), (1.05, False)])
+def test_pairs_that_need_more_poses_are_not_listed(travel, listed):
+    """A bar that slides beside a longer one at 10 mm: halved six times, 127 poses, for up to 1.024 m."""
+    made = package(
+        [joint(0, [1, 0, 0], upper=travel), joint(1, [0, 1, 0], upper=1e-9)],
+        link_0=box([0.0, 0.0, 0.0], [1.0, 0.1, 0.1]),
+        link_1=box([-1.0, 0.11, 0.0], [8.0, 0.2, 0.1]),
+        link_9=FAR,
+    )
+    assert (ignored_pairs(made) == (("link_0", "link_1"),)) == listed
+
+
+def test_what_a_screw_connects_is_listed_and_comes_first():
+    cap = joint(1, [0, 0, 1], parent="link_0", child="link_1", kind="prismatic")
+    turn = joint(0, [0, 0, 1], kind="continuous", upper=2.0 * np.pi)
+    travel = replace(cap, kind="screw", mimic="joint_0", mimic_multiplier=0.001)
+    inside = {
+        "link_0": box([-0.002, -0.002, 0.0], [0.002, 0.002, 0.004]),
+        "link_1": box([-0.02, -0.02, 0.0], [0.005, 0.02, 0.02]),
+        "link_9": box([-0.03, -0.03, -0.2], [0.03, 0.03, 0.01]),
+        "link_8": box([0.03, -0.03, -0.2], [0.05, 0.03, -0.05]),
+    }
+    fixed = joint(8, [1, 0, 0], upper=0.0, kind="fixed", parent="link_7", child="link_8")
+    base = joint(7, [1, 0, 0], upper=0.0, kind="fixed", child="link_7")
+    made = package([turn, travel, base, fixed], **inside, link_7=FAR)
+    assert ignored_pairs(made) == (("link_1", "link_9"), ("link_9", "link_8"))
+    without = package([turn, cap, base, fixed], **inside, link_7=FAR)
+    assert ("link_1", "link_9") not in ignored_pairs(without)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_links_keep_their_distance_at_every_pose(seed):
+    """Against poses drawn at random, in chains of two joints on either side."""
+    rng = np.random.default_rng(seed)
+    kinds: list[Literal["revolute", "prismatic"]] = [
+        "revolute" if turns else "prismatic" for turns in rng.integers(0, 2, 3)
+    ]
+    joints = []
+    for k, (parent, child) in enumerate((("link_9", "link_2"), ("link_2", "link_0"), ("link_9", "link_1"))):
+        axis = rng.normal(size=3)
+        joints.append(
+            joint(
+                k, axis / np.linalg.norm(axis), rng.uniform(-0.1, 0.1, 3), kind=kinds[k],
+                upper=rng.uniform(0.0, 0.05), parent=parent, child=child,
+            )
+        )  # fmt: skip
+    low = rng.uniform(0.0, 0.04, 3)
+    hulls = {
+        "link_0": box([-0.05] * 3, [0.0] * 3),
+        "link_1": box(low, low + 0.05),
+        "link_2": FAR,
+        "link_9": FAR,
+    }
+    made = package(joints, **hulls)
+    sets = {link.name: HullSet(hulls=link.hulls) for link in made.links}
+    least = kept_distance(made.links, joints, ("link_0", "link_1"), sets)
+    qpos = {each.name: rng.uniform(0.0, each.upper, 200) for each in joints}
+    T = link_displacements(made.links, joints, qpos)
+    found = signed_distances(sets["link_0"], sets["link_1"], T[:, 0], T[:, 1], 0.05).distance
+    if least is not None:
+        assert found.min(initial=np.inf) >= min(least, 0.02)
