@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from artigen.cli.scene import SceneSettings, scene
 from artigen.errors import ArtigenError
@@ -18,9 +20,21 @@ from envs.maniskill.rooms.choose import Offer, Wall, choose_units, order_units
 from envs.maniskill.rooms.file import SceneFileError, read_room, write_room
 from envs.maniskill.rooms.footprints import cached_package, carries, measure_footprint, read_footprint
 from envs.maniskill.rooms.map import label_regions, start_place, way_to
+from envs.maniskill.rooms.openings import find_openings
 from envs.maniskill.rooms.picture import RoomPictureConfig, draw_plan, draw_room
 from envs.maniskill.rooms.recipes import BASE, KITCHEN, RANGE, RECIPES, WINDOWS, Share
-from envs.maniskill.rooms.room import THICKNESS, Room, RoomKind, pose_matrix_of
+from envs.maniskill.rooms.room import (
+    SIDES,
+    THICKNESS,
+    Opening,
+    Room,
+    RoomKind,
+    along_wall,
+    from_wall,
+    pose_matrix_of,
+    room_shell,
+    wall_length,
+)
 from envs.maniskill.rooms.solids import place_solid
 from envs.maniskill.rooms.sweeps import opening_joints, sweep_boxes, sweep_joint
 from sim_export.collision.hulls import box_hull
@@ -442,7 +456,64 @@ def test_hulls_of_the_test_furniture_are_closed():
     assert KITCHEN.role("base cabinet") is BASE
 
 
-def test_windows_hang_on_walls_and_small_things_stand_on_their_roles(rooms):
+def _walls_behind(room, placement):
+    """Walls in which the middle of a window lies."""
+    T, body = pose_matrix_of(placement), read_footprint(placement.package).body
+    middle = T[:3, :3] @ body.mean(axis=0) + T[:3, 3]
+    middle += T[:3, 0] * (body[1, 0] - body.mean(axis=0)[0] - 0.01)
+    assert not (np.zeros(2) < middle[:2]).all() or not (middle[:2] < room.size[:2]).all()
+    walls = [fixture for fixture in room.fixtures if fixture.name.startswith("wall")]
+    return [wall.name for wall in walls if (wall.low < middle).all() and (middle < wall.high).all()]
+
+
+@given(
+    holes=st.lists(
+        st.tuples(st.floats(0.0, 3.0), st.floats(0.05, 1.5), st.floats(0.0, 1.5), st.floats(0.05, 1.0)),
+        max_size=4,
+    ),
+    side=st.sampled_from(SIDES),
+)
+def test_walls_and_openings_fill_a_wall_without_overlap(holes, side):
+    openings = [Opening(side=side, start=a, width=w, bottom=b, height=h) for a, w, b, h in holes]
+    size = (4.0, 5.0, 2.6)
+    walls = [f for f in room_shell(size, openings, (1, 1, 1)) if f.name.startswith(f"wall_{side}")]
+    boxes = from_wall(side, size, np.array([[f.low, f.high] for f in walls]))
+    points = np.random.default_rng(0).uniform((0.0, 0.0), (wall_length(side, size), size[2]), (500, 2))
+    inside = [
+        sum(bool((box[0, [0, 2]] < point).all() and (point < box[1, [0, 2]]).all()) for box in boxes)
+        for point in points
+    ]
+    cut = [
+        any(hole.start < x < hole.stop and hole.bottom < z < hole.top for hole in openings) for x, z in points
+    ]
+    assert inside == [int(not hole) for hole in cut]
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_a_box_comes_back_from_a_wall(side):
+    low, high, size = (0.5, -0.1, 0.2), (1.5, 0.3, 0.9), (4.0, 5.0, 2.6)
+    box = along_wall(side, size, low, high)
+    np.testing.assert_allclose(from_wall(side, size, box[None])[0], [low, high], atol=1e-12)
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_openings_follow_what_lies_in_a_wall(side):
+    size = (4.0, 5.0, 2.6)
+    sill, frame, lever = (
+        along_wall(side, size, low, high)
+        for low, high in (
+            ((1.0, -0.09, 0.9), (2.0, 0.1, 0.92)),
+            ((1.1, -0.09, 0.92), (1.9, 0.0, 1.9)),
+            ((1.4, 0.01, 1.4), (1.5, 0.05, 2.2)),
+        )
+    )
+    low, high = find_openings(np.stack([sill, frame, lever]), side, size)
+    assert (low.start, low.stop, low.bottom, low.top) == pytest.approx((1.0, 2.0, 0.9, 0.92), abs=1e-3)
+    assert (high.start, high.stop, high.bottom, high.top) == pytest.approx((1.1, 1.9, 0.92, 1.9), abs=1e-3)
+    assert find_openings(lever[None], side, size) == ()
+
+
+def test_windows_hang_in_walls_and_small_things_stand_on_their_roles(rooms):
     seen = set()
     for room in rooms.values():
         roles = {placement.id: placement.role for placement in room.placements}
@@ -452,6 +523,7 @@ def test_windows_hang_on_walls_and_small_things_stand_on_their_roles(rooms):
             if placement.role == "window":
                 assert low == pytest.approx(WINDOWS.height)
                 assert placement.support is None
+                assert _walls_behind(room, placement) == []
                 seen.add("window")
             for share in RECIPES[room.kind].tops:
                 if share.on and share.role.name == placement.role:
