@@ -120,7 +120,7 @@ BASE = _role(
 LARDER = _role("larder", STORAGE, (0.45, 0.4, 1.6), (0.74, 1.7, 2.3))
 HUNG = _role(
     "wall cabinet", STORAGE, (0.25, 0.3, 0.34), (0.44, 1.25, 0.95), needs="revolute",
-    draws=tuple((STORAGE, (0.34, width, 0.7)) for width in (0.6, 0.8)),
+    draws=tuple((STORAGE, (0.34, width, 0.72)) for width in (0.6, 0.8)),
 )  # fmt: skip
 MICROWAVE = _role(
     "microwave", "Microwave", (0.25, 0.35, 0.2), (0.6, 0.7, 0.5), draws=(("Microwave", (0, 0, 0)),)

@@ -14,11 +14,12 @@ from artigen.errors import ArtigenError
 from artigen.shapes.families import choose_suite
 from envs.maniskill.populate import PopulateConfig, choose_filler_color, populate
 from envs.maniskill.rooms.ajar import open_some
-from envs.maniskill.rooms.catalogue import PopulateError, read_catalogue
+from envs.maniskill.rooms.catalogue import Entry, PopulateError, read_catalogue
 from envs.maniskill.rooms.check import check_room
 from envs.maniskill.rooms.choose import Offer, Wall, choose_units, order_units
 from envs.maniskill.rooms.file import SceneFileError, read_room, write_room
 from envs.maniskill.rooms.footprints import cached_package, carries, measure_footprint, read_footprint
+from envs.maniskill.rooms.hung import hangs_flat
 from envs.maniskill.rooms.map import label_regions, start_place, way_to
 from envs.maniskill.rooms.openings import find_openings
 from envs.maniskill.rooms.picture import RoomPictureConfig, draw_plan, draw_room
@@ -448,6 +449,23 @@ def test_panels_have_the_colour_of_the_suite_that_all_packages_are_of(folder, tm
     assert choose_filler_color(catalogue) != front
     with pytest.raises(ArtigenError, match="family shaker with packages"):
         scene("kitchen", tmp_path / "room", 0, folder, SceneSettings(family="shaker"), pictures="none")
+
+
+@pytest.mark.parametrize("legs", [False, True])
+def test_cabinets_on_legs_do_not_hang_on_walls(tmp_path, legs):
+    package = build_furniture(next(item for item in FURNITURE if item.name == "hung"))
+    body = package.links[-1]
+    corners = np.concatenate([hull.vertices for hull in body.hulls])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    feet = [
+        box_hull(np.array([x, y, low[2] - 0.1]), np.array([x + 0.03, y + 0.03, low[2]]))
+        for x in (low[0], high[0] - 0.03)
+        for y in (low[1], high[1] - 0.03)
+    ]
+    body = replace(body, hulls=(*body.hulls, *(feet if legs else ())))
+    folder = write_package(replace(package, links=(*package.links[:-1], body)), tmp_path / "hung")
+    entry = Entry(folder=folder, name="hung", category="", size=(0, 0, 0), kinds=(), provenance=())
+    assert hangs_flat(entry) != legs
 
 
 def test_hulls_of_the_test_furniture_are_closed():
