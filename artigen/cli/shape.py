@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 TIMEOUT = 300.0
 """Time limit (seconds) for one stage of one object."""
+GRIDS = (64, 96, 128)
+"""Cells along the longest edge of the grids from which an object is rebuilt, until its package passes."""
 SPACING = 1 / 192
 """Mean distance of the coloured surface samples for textures, relative to the longest edge."""
 
@@ -56,7 +58,8 @@ class ShapeSettings:
     """Number of parts by label, such as drawer=3 door=0: like ``--like``, with the first seed whose
     object has these counts as its template."""
     source: Literal["reference", "voxels"] = "reference"
-    """``reference`` exports the exact primitives; ``voxels`` reconstructs the object from its 64^3 voxels."""
+    """``reference`` exports the exact primitives; ``voxels`` reconstructs the object from its 64^3 voxels,
+    and from 96^3 and 128^3 voxels while its package fails validation."""
     textures: Literal["own", "shared"] = "own"
     """``own`` bakes one texture per part; ``shared`` gives parts of the same finish one common texture (only
     with --source reference)."""
@@ -76,6 +79,8 @@ class ShapeJob:
     cfg: ShapeSettings = field(default_factory=ShapeSettings)
     name: str | None = None
     """Name of the package; default: category and seed."""
+    grid: int = GRIDS[0]
+    """Cells along the longest edge, with ``source`` voxels."""
 
     @property
     def key(self) -> str:
@@ -214,7 +219,9 @@ def export_shape(job: ShapeJob) -> Made:
     laps = Laps()
     drawn = draw_wished(job)
     laps.end("draw")
-    made = make_package(drawn, job.cfg.source, splats=job.cfg.splats, textures=job.cfg.textures)
+    made = make_package(
+        drawn, job.cfg.source, splats=job.cfg.splats, textures=job.cfg.textures, grid=job.grid
+    )
     suite = read_suite(job)
     suited = {} if suite is None else {"family": suite.family, "suite": str(suite.seed)}
     provenance = tuple(sorted((*made.provenance, *suited.items())))
@@ -231,8 +238,9 @@ def make_package(
     *,
     splats: bool = False,
     textures: Literal["own", "shared"] = "own",
+    grid: int = GRIDS[0],
 ) -> "SimPackage":
-    """The package of an object: exact, or reconstructed from its voxels."""
+    """The package of an object: exact, or reconstructed from ``grid`` voxels along its longest edge."""
     from artigen import __version__
 
     provenance = {
@@ -256,15 +264,26 @@ def make_package(
     from sim_export.appearance.splats import splat_package
     from sim_export.export import export_asset
 
-    asset = rebuild_from_voxels(shape_to_asset(drawn, spacing=SPACING * frame_shape(drawn)[1]))
-    package = export_asset(asset, provenance=provenance).package
+    spacing = SPACING * frame_shape(drawn)[1]
+    asset = rebuild_from_voxels(shape_to_asset(drawn, resolution=grid, spacing=spacing))
+    package = export_asset(asset, provenance=provenance | {"grid": str(grid)}).package
     return splat_package(package, asset) if splats else package
 
 
 def export_and_validate(worker: Worker, job: ShapeJob) -> Finished:
-    """Makes and validates one object in a supervised process."""
+    """Makes and validates one object in a supervised process; from voxels, on finer grids while it fails."""
     full = job.cfg.validation == "full"
-    return make_and_validate(worker, job, export_shape, timeout=TIMEOUT, validation=full)
+    finished = make_and_validate(worker, job, export_shape, timeout=TIMEOUT, validation=full)
+    for grid in GRIDS[1:] if job.cfg.source == "voxels" else ():
+        if finished.good:
+            break
+        coarser, finer = finished, replace(job, grid=grid)
+        finished = make_and_validate(worker, finer, export_shape, timeout=TIMEOUT, validation=full)
+        note = (
+            f"made from {grid}^3 voxels, as coarser ones fail: {coarser.error or '; '.join(coarser.failures)}"
+        )
+        finished = replace(finished, notes=(*finished.notes, note))
+    return finished
 
 
 def shape(

@@ -215,6 +215,12 @@ def contains(
     return np.all(own @ primitive.planes[:, :3].T + primitive.planes[:, 3] < -margin, axis=1)
 
 
+def as_vector(values: Float[np.ndarray, "3"]) -> Vector:
+    """An array as a vector."""
+    x, y, z = values.tolist()
+    return x, y, z
+
+
 def _is_frozen(value: object, dtype: type) -> bool:
     return (
         isinstance(value, np.ndarray)

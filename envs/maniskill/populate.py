@@ -25,10 +25,12 @@ from .rooms.check import check_room
 from .rooms.doorway import hang_door
 from .rooms.footprints import standing_places
 from .rooms.furnish import furnish
+from .rooms.openings import find_openings
 from .rooms.pieces import BED_PARTS, BED_WIDTH, Member
 from .rooms.recipes import RECIPES, Recipe
-from .rooms.room import Entrance, Fixture, Placement, Room, RoomKind, corner, room_shell
+from .rooms.room import Fixture, Opening, Placement, Room, RoomKind, corner, room_shell
 from .rooms.runs import Chooser, count_objects, draw_shortlists
+from .rooms.solids import place_solid
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,13 +119,13 @@ def _text(asked: float | None, drawn: tuple[float, float]) -> str:
 
 def _draw_room(
     recipe: Recipe, rng: np.random.Generator, cfg: PopulateConfig
-) -> tuple[tuple[float, float, float], Entrance]:
+) -> tuple[tuple[float, float, float], Opening]:
     """Size of the room, and its entrance in the front wall."""
     width, depth = round(float(rng.uniform(*recipe.width)), 2), round(float(rng.uniform(*recipe.depth)), 2)
     size = (cfg.width or width, cfg.depth or depth, cfg.height)
     opening = min(0.95, size[0] - 0.2)
     start = float(rng.uniform(0.08, max(size[0] - opening - 0.08, 0.09)))
-    entrance = Entrance(
+    entrance = Opening(
         side="front", start=round(start, 2), width=round(opening, 2), height=min(2.05, size[2] - 0.1)
     )
     return size, entrance
@@ -136,7 +138,8 @@ def _room(
     radius = cfg.standing_radius if cfg.sweeps == "free" else 0.0
     counts: Counter[str] = Counter()
     placements: list[Placement] = []
-    fixtures = list(room_shell(plan.size, plan.entrance, RECIPES[kind].wall_color))
+    fixtures: list[Fixture] = []
+    openings: list[Opening] = []
     names: dict[int, str] = {}
     color = choose_filler_color(catalogue)
     for place in plan.places:
@@ -148,6 +151,10 @@ def _room(
             counts[slug] += 1
             names[id(member.piece)] = f"{slug}_{counts[slug]}"
             placements.append(_placement(place, member, member.piece.entry, names, radius))
+            if place.side is not None:
+                boxes = place_solid(placements[-1]).boxes
+                openings += find_openings(boxes, place.side, plan.size)
+    shell = room_shell(plan.size, (plan.entrance, *openings), RECIPES[kind].wall_color)
     return Room(
         kind=kind,
         seed=seed,
@@ -155,7 +162,8 @@ def _room(
         size=plan.size,
         entrance=plan.entrance,
         standing_radius=radius,
-        fixtures=tuple(fixtures),
+        openings=tuple(openings),
+        fixtures=(*shell, *fixtures),
         placements=tuple(placements),
         provenance=(
             ("generator", f"artigen {__version__} scene"),

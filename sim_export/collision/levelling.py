@@ -45,19 +45,11 @@ SAMPLES = 200_000
 """Points on the body at which that is looked up."""
 COLOR = (0.12, 0.12, 0.12)
 """Colour of feet: black rubber."""
-CATEGORIES = frozenset(
-    {
-        "Cart",
-        "Dishwasher",
-        "Microwave",
-        "Oven",
-        "Refrigerator",
-        "Safe",
-        "StorageFurniture",
-        "Table",
-        "WashingMachine",
-    }
-)
+CATEGORIES = frozenset({
+    "BreadBox", "Cart", "ChestFreezer", "Dishwasher", "Dresser", "Dryer", "FilingCabinet", "Microwave",
+    "Oven", "Printer", "Refrigerator", "Safe", "StorageFurniture", "Table", "Toaster", "Toilet", "ToolBox",
+    "TrashCan", "Wardrobe", "WashingMachine",
+})  # fmt: skip
 """What stands on the floor or on a worktop by itself."""
 
 

@@ -83,6 +83,9 @@ PLASTIC_CATEGORIES: frozenset[str] = frozenset(
 )
 METAL_CATEGORIES: frozenset[str] = frozenset({"Faucet", "Pot", "Cart", "Scissors", "Pliers", "ToolBox"})
 
+WEIGHTED: frozenset[str] = frozenset({"DeskLamp"})
+"""Categories whose base is a block of concrete or cast iron, which keeps them from tipping."""
+
 
 def part_material(label: PartLabel, category: str) -> MaterialName:
     """Material of a part: by label for hardware, else by the object's category."""
@@ -99,7 +102,7 @@ def part_material(label: PartLabel, category: str) -> MaterialName:
         return "plastic"
     if category in METAL_CATEGORIES:
         return "steel"
-    return "wood_board"
+    return "stone" if label == "base" and category in WEIGHTED else "wood_board"
 
 
 def finish_material(

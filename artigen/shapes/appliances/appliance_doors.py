@@ -33,11 +33,11 @@ def build_leaf(
         niche: (y, z) ranges of a dispenser: a dark recess with a spout and a drip tray.
     """
     seal, inset, bulge = 0.009, 0.006, 0.012
-    y, z = _shrink(panel.y, 0.036), _shrink(panel.z, 0.036)
-    free_y, free_z = _shrink(opening[0], 0.014), _shrink(opening[1], 0.014)
+    y, z = narrow(panel.y, 0.036), narrow(panel.z, 0.036)
+    free_y, free_z = narrow(opening[0], 0.014), narrow(opening[1], 0.014)
     y, z = (max(y[0], free_y[0]), min(y[1], free_y[1])), (max(z[0], free_z[0]), min(z[1], free_z[1]))
     core = panel.x + (0.3 if niche is None else 0.68) * panel.thickness
-    gasket = _shrink(panel.y, inset), _shrink(panel.z, inset)
+    gasket = narrow(panel.y, inset), narrow(panel.z, inset)
     liner = block((core, panel.back + bulge), y, z, lining)
     skin = panel.back - seal
     if niche is None:
@@ -111,7 +111,3 @@ def _build_recess(x: Range, y: Range, z: Range) -> tuple[Primitive, ...]:
         block((x[0] + 0.012, back), around(middle, 0.02), (head - 0.03, head), "plastic"),
         block((x[0] + 0.003, back), y, (z[0], z[0] + 0.012), "steel"),
     )
-
-
-def _shrink(span: Range, by: float) -> Range:
-    return narrow(span, by)

@@ -63,12 +63,15 @@ def draw_porthole(rng: np.random.Generator, plan: LaundryPlan, panel: Panel, hol
     )
     if rng.random() < 0.5:
         return Assembly(parts=(door,))
-    thickness = max(0.016, 0.017 * plan.longest)
-    design = HandleDesign(kind="block", length=choose(rng, 0.09, 0.14), thickness=thickness)
+    return Assembly(parts=(door, make_door_grip(plan, panel, edge, mouth, choose(rng, 0.09, 0.14))))
+
+
+def make_door_grip(plan: LaundryPlan, panel: Panel, edge: str, mouth: float, length: float) -> ShapePart:
+    """A handle on the rim of a round door, opposite its hinged edge; ``mouth`` is the radius of its glass."""
+    design = HandleDesign(kind="block", length=length, thickness=max(0.016, 0.017 * plan.longest))
     aside = (mouth + panel.width / 2 - 0.022) / 2
     at = (-aside if edge == "left" else aside, panel.center[1])
-    handle = make_handle(panel, design, name="door_handle", parent="door", upright=True, at=at)
-    return Assembly(parts=(door, handle))
+    return make_handle(panel, design, name="door_handle", parent="door", upright=True, at=at)
 
 
 def build_cabinet(plan: LaundryPlan, x: float, z: Range) -> list[Primitive]:

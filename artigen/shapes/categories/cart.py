@@ -183,7 +183,7 @@ def _build_tier(rng: np.random.Generator, frame: _Frame, tier: Tier, z: Range, t
         return Assembly(rails, (tray,))
     rim = min(choose(rng, 0.04, 0.1), 0.4 * tall) if tier == "basket" else 0.0
     floor, up = (low, low + 1.3 * wall), (low + 1.3 * wall, low + rim)
-    board = block(frame.x, frame.inner, floor, "inside" if rim else "top")
+    board = block(frame.x, frame.inner, floor, "front" if rim else "top")
     sides = build_rim(frame.x, frame.inner, up, wall, "front") if up[1] - up[0] >= 0.01 else ()
     return Assembly(parts=(ShapePart(f"shelf_{tag}", "shelf", (board, *sides)),))
 

@@ -16,7 +16,7 @@ from artigen.shapes.furniture.carcass import draw_fitting
 from artigen.shapes.furniture.case import Size, build_case, draw_plan
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
 from artigen.shapes.furniture.furniture_kinds import Kind
-from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, stack_drawers
+from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, join_cells, stack_drawers
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -114,16 +114,9 @@ def _draw_layout(rng: np.random.Generator, size: Size) -> Node:
         at = 1 if columns == 3 else int(rng.integers(columns))
         shelves = 1 if height < 0.95 else 2
         children[at] = Cell(fill="door", edge="left" if at == 0 else "right", inside="shelves", count=shelves)
-    body = _stand_abreast(tuple(children))
+    body = join_cells("columns", (1.0,) * columns, children)
     if not small or cupboard:
         return body
     count = {1: int(rng.choice((2, 2, 3))), 2: int(rng.choice((2, 3, 4))), 3: 3}.get(columns, columns)
-    row = _stand_abreast((Cell(fill="drawer"),) * count)
+    row = join_cells("columns", (1.0,) * count, (Cell(fill="drawer"),) * count)
     return Split(along="rows", shares=(choose(rng, 0.7, 0.85), float(graded.sum())), children=(row, body))
-
-
-def _stand_abreast(cells: tuple[Node, ...]) -> Node:
-    """Columns of equal width."""
-    if len(cells) == 1:
-        return cells[0]
-    return Split(along="columns", shares=(1.0,) * len(cells), children=cells)

@@ -11,12 +11,19 @@ import numpy as np
 
 from artigen.shapes.appliances.cavity import build_feet
 from artigen.shapes.appliances.drums import build_bearing, build_porthole, fit_radius, make_drum
-from artigen.shapes.appliances.laundry import FACE, LID, WALL, LaundryPlan, build_cabinet, draw_band
+from artigen.shapes.appliances.laundry import (
+    FACE,
+    LID,
+    WALL,
+    LaundryPlan,
+    build_cabinet,
+    draw_band,
+    make_door_grip,
+)
 from artigen.shapes.appliances.rings import build_pierced_plate
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish
-from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import GAP, Panel, Range, around, hinge, narrow, slide, sweep_gap
 from artigen.shapes.primitives import UP, Primitive, block, box, cylinder
 from artigen.shapes.shape import ShapePart, require
@@ -90,12 +97,8 @@ def _make_door(
         pane = choose_one(rng, ("glass", "clear", "front"))
         solids = build_porthole(panel, 0.84 * hole, choose(rng, 0.03, 0.045), pane)
     door = ShapePart("door", "door", solids, hinge(panel, edge, upper))
-    thickness = max(0.016, 0.017 * plan.longest)
-    design = HandleDesign(kind="block", length=choose(rng, 0.1, 0.16), thickness=thickness)
-    aside = (0.84 * hole + panel.width / 2 - 0.022) / 2
-    at = (-aside if edge == "left" else aside, z)
-    handle = make_handle(panel, design, name="door_handle", parent="door", upright=True, at=at)
-    return Assembly(parts=(door, handle))
+    grip = make_door_grip(plan, panel, edge, 0.84 * hole, choose(rng, 0.1, 0.16))
+    return Assembly(parts=(door, grip))
 
 
 def _make_filter(x: float, sill: float, lowest: float) -> ShapePart:

@@ -16,7 +16,7 @@ from artigen.shapes.furniture.case import BODY, CasePlan, Size, build_case, draw
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
 from artigen.shapes.furniture.furniture_kinds import Kind
 from artigen.shapes.furniture.interior import furnish_interior
-from artigen.shapes.furniture.splits import Cell, Node, Split, Taste
+from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, draw_order, join_cells
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.palette import draw_palette
@@ -103,9 +103,7 @@ def _draw_hinged(rng: np.random.Generator, doors: int, size: Size) -> Node:
         else:
             column = tall
         columns.append(column)
-    if len(columns) == 1:
-        return columns[0]
-    return Split(along="columns", shares=tuple(float(wide) for wide in widths), children=tuple(columns))
+    return join_cells("columns", [float(wide) for wide in widths], columns)
 
 
 def _build_sliding(rng: np.random.Generator, plan: CasePlan, size: Size) -> tuple[ShapePart, ...]:
@@ -114,10 +112,7 @@ def _build_sliding(rng: np.random.Generator, plan: CasePlan, size: Size) -> tupl
     rail = Cell(fill="open", inside="rod", count=1)
     shelves = Cell(fill="open", inside="shelves", count=int(rng.integers(3, 6)))
     share = choose(rng, 0.5, 0.65)
-    pair, shares = (rail, shelves), (share, 1 - share)
-    if rng.random() < 0.5:
-        pair, shares = pair[::-1], shares[::-1]
-    node = Split(along="columns", shares=shares, children=pair)
+    node = draw_order(rng, 0.5, "columns", (share, 1 - share), (rail, shelves))
     outer, design = place_case(plan, size), plan.looks.carcass
     y, z = open_carcass(outer, design)
     tracks = 2 * plan.looks.thickness + ROOM + 0.012

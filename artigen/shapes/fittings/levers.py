@@ -13,7 +13,7 @@ import numpy as np
 from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.fittings.hardware import Range
 from artigen.shapes.fittings.tubes import lay_pipe, lean_rod
-from artigen.shapes.primitives import Primitive, Vector, cylinder, rounded_box
+from artigen.shapes.primitives import Primitive, Vector, as_vector, cylinder, rounded_box
 
 LeverKind = Literal["round", "square", "curved"]
 LEVER_KINDS: tuple[LeverKind, ...] = get_args(LeverKind)
@@ -69,7 +69,7 @@ def build_lever(
         corners = np.array([point(middle - 0.7 * half, -half), point(middle + half, design.length)])
         wide = np.array([0.0, abs(along[1]), abs(along[0])]) * across
         low, high = corners.min(axis=0) - wide, corners.max(axis=0) + wide
-        grip = rounded_box(_vector(low), _vector(high), 0.0025, design.finish)
+        grip = rounded_box(as_vector(low), as_vector(high), 0.0025, design.finish)
         return rose, neck, grip
     straight = 0.55 if design.kind == "curved" else 1.0
     path = [point(0.009, 0.0), point(middle, 0.0), point(middle, straight * design.length)]
@@ -87,8 +87,3 @@ def build_lever(
         for before, after in pairwise(stations)
     ]
     return rose, *grip, *tail
-
-
-def _vector(values: np.ndarray) -> Vector:
-    x, y, z = values.tolist()
-    return x, y, z

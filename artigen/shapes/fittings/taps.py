@@ -9,7 +9,7 @@ import numpy as np
 
 from artigen.shapes.appliances.control_panel import DIAL_GAP
 from artigen.shapes.fittings.hardware import rotate
-from artigen.shapes.primitives import Primitive, Vector, cylinder, polytope
+from artigen.shapes.primitives import Primitive, Vector, as_vector, cylinder, polytope
 from artigen.shapes.shape import ShapePart
 
 PIVOT = 0.007
@@ -20,14 +20,12 @@ LIFT = radians(25.0)
 
 def along(at: Vector, *steps: tuple[Vector, float]) -> Vector:
     """A point moved by the given lengths along the given directions."""
-    x, y, z = np.array(at) + sum((length * np.array(way) for way, length in steps), np.zeros(3))
-    return float(x), float(y), float(z)
+    return as_vector(np.array(at) + sum((length * np.array(way) for way, length in steps), np.zeros(3)))
 
 
 def cross(first: Vector, second: Vector) -> Vector:
     """The direction perpendicular to two others."""
-    x, y, z = np.cross(first, second)
-    return float(x), float(y), float(z)
+    return as_vector(np.cross(first, second).astype(float))
 
 
 def make_mixer(

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
-from artigen.shapes.primitives import SEGMENTS, Primitive, Vector, cylinder, polygon, polytope
+from artigen.shapes.primitives import SEGMENTS, Primitive, Vector, as_vector, cylinder, polygon, polytope
 
 
 def lean_rod(start: Vector, end: Vector, radii: float | tuple[float, float], finish: str) -> Primitive:
@@ -78,20 +78,15 @@ def lay_pipe(
         start = points[k] + (bend * way if k else 0.0)
         end = points[k + 1] - (bend * way if k + 1 < len(ways) else 0.0)
         if float((end - start) @ way) > 1e-9:
-            out.append(cylinder(_vector(start), _vector(end), radius, finish))
+            out.append(cylinder(as_vector(start), as_vector(end), radius, finish))
         if k + 1 < len(ways):
             after = ways[k + 1]
             center = points[k + 1] + bend * (after - way)
-            sides = (_vector(-after), _vector(way))
-            out += bend_elbow(_vector(center), sides, bend, radius, finish, pieces=pieces)
+            sides = (as_vector(-after), as_vector(way))
+            out += bend_elbow(as_vector(center), sides, bend, radius, finish, pieces=pieces)
     return tuple(out)
 
 
 def _trace_circle(axis: int) -> Float[np.ndarray, "N 3"]:
     """Corners of a circle of radius 1 about an axis."""
     return np.roll(np.column_stack([polygon(), np.zeros(SEGMENTS)]), axis + 1, axis=1)
-
-
-def _vector(values: Float[np.ndarray, "3"]) -> Vector:
-    x, y, z = values.tolist()
-    return x, y, z

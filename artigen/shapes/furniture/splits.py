@@ -5,7 +5,7 @@ from the front) with proportions. `draw_node` derives one from a `Taste` by rule
 space, `mirror` reflects it, and `lay_out` gives every cell its opening and front.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Literal
@@ -17,6 +17,7 @@ from artigen.shapes.fittings.hardware import Edge, Range, share_down
 
 Fill = Literal["open", "drawer", "door", "double", "drop", "lift", "fold", "slide", "blank"]
 Inside = Literal["empty", "shelves", "trays", "rod"]
+Axis = Literal["rows", "columns"]
 
 FRONT_GAP = 0.003
 """Gap (m) between two fronts."""
@@ -38,7 +39,7 @@ class Cell:
 class Split:
     """A rectangle divided into rows or columns; ``board`` says whether boards separate them."""
 
-    along: Literal["rows", "columns"]
+    along: Axis
     shares: tuple[float, ...]
     children: tuple["Node", ...]
     board: bool = True
@@ -246,6 +247,21 @@ def _draw_stack(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     return stack_drawers(tuple(float(share) for share in shares))
 
 
+def join_cells(along: Axis, shares: Sequence[float], children: Sequence[Node]) -> Node:
+    """Cells in rows or columns; a single one as it is."""
+    if len(children) == 1:
+        return children[0]
+    return Split(along=along, shares=tuple(shares), children=tuple(children))
+
+
+def draw_order(
+    rng: np.random.Generator, swapped: float, along: Axis, shares: Sequence[float], children: Sequence[Node]
+) -> Node:
+    """Cells in the given order, or with probability ``swapped`` in the reverse one."""
+    step = -1 if swapped and rng.random() < swapped else 1
+    return join_cells(along, shares[::step], children[::step])
+
+
 def stack_drawers(shares: tuple[float, ...]) -> Node:
     """Drawers of the given heights from top to bottom, without boards between them."""
     drawer = Cell(fill="drawer")
@@ -258,15 +274,10 @@ def _draw_drawer_row(rng: np.random.Generator, room: Room, taste: Taste) -> Node
     """A row of drawers above the rest, sometimes below it."""
     high = choose(rng, taste.drawer[0], min(taste.drawer[1], 0.2))
     count = int(np.clip(round(room.width / rng.uniform(0.4, 0.9)), 1, 4))
-    drawers: Node = Cell(fill="drawer")
-    if count > 1:
-        drawers = Split(along="columns", shares=(1.0,) * count, children=(drawers,) * count)
+    drawers = join_cells("columns", (1.0,) * count, (Cell(fill="drawer"),) * count)
     rest = replace(room, height=room.height - high, level=room.level + 1, within="drawer_row")
     below = draw_node(rng, rest, taste)
-    pair, shares = (drawers, below), (high, room.height - high)
-    if rng.random() < 0.15:
-        pair, shares = pair[::-1], shares[::-1]
-    return Split(along="rows", shares=shares, children=pair)
+    return draw_order(rng, 0.15, "rows", (high, room.height - high), (drawers, below))
 
 
 def _draw_rows(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
@@ -294,10 +305,8 @@ def _draw_open_row(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     """An open compartment above or below the rest."""
     high = choose(rng, 0.16, min(0.36, 0.45 * room.height))
     rest = replace(room, height=room.height - high, level=room.level + 1, within="open_row")
-    pair, shares = (Cell(fill="open"), draw_node(rng, rest, taste)), (high, room.height - high)
-    if rng.random() < 0.4:
-        pair, shares = pair[::-1], shares[::-1]
-    return Split(along="rows", shares=shares, children=pair)
+    pair = (Cell(fill="open"), draw_node(rng, rest, taste))
+    return draw_order(rng, 0.4, "rows", (high, room.height - high), pair)
 
 
 def _blank_fits(room: Room, taste: Taste) -> bool:
@@ -307,17 +316,15 @@ def _blank_fits(room: Room, taste: Taste) -> bool:
 
 def _draw_blank(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     """A fixed board: beside a door in a corner, or in place of a drawer below a basin."""
-    along: Literal["rows", "columns"] = "columns" if room.width > 0.75 and rng.random() < 0.5 else "rows"
+    along: Axis = "columns" if room.width > 0.75 and rng.random() < 0.5 else "rows"
     if room.height < 0.55:
         along = "columns"
     whole = room.width if along == "columns" else room.height
     size = choose(rng, 0.27, 0.42) * whole if along == "columns" else choose(rng, 0.13, 0.19)
     rest = replace(room, level=room.level + 1, within="blank")
     rest = replace(rest, width=whole - size) if along == "columns" else replace(rest, height=whole - size)
-    pair, shares = (Cell(fill="blank"), _draw_closed(rng, rest, taste)), (size, whole - size)
-    if along == "columns" and rng.random() < 0.5:
-        pair, shares = pair[::-1], shares[::-1]
-    return Split(along=along, shares=shares, children=pair)
+    pair = (Cell(fill="blank"), _draw_closed(rng, rest, taste))
+    return draw_order(rng, 0.5 if along == "columns" else 0.0, along, (size, whole - size), pair)
 
 
 def _draw_open(rng: np.random.Generator, room: Room, taste: Taste) -> Node:

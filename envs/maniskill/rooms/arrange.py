@@ -19,7 +19,7 @@ from .pieces import (
     shift_boxes,
     widened,
 )
-from .room import YAWS, Entrance, Side, along_wall, turn_matrix, wall_length
+from .room import YAWS, Opening, Side, along_wall, turn_matrix, wall_length
 
 STEP = 0.04
 """Step (m) of candidate places along a wall."""
@@ -52,7 +52,7 @@ class Plan:
     """A partially furnished room. ``doorway`` is kept free of bodies."""
 
     size: tuple[float, float, float]
-    entrance: Entrance
+    entrance: Opening
     places: tuple[Place, ...] = ()
 
     @property
@@ -99,11 +99,17 @@ def fits(plan: Plan, boxes: Boxes, against: Boxes, *, aisle: float = 0.0) -> boo
 
 
 def wall_places(
-    plan: Plan, cluster: Cluster, side: Side, starts: Float[np.ndarray, "S"] | None = None
+    plan: Plan,
+    cluster: Cluster,
+    side: Side,
+    starts: Float[np.ndarray, "S"] | None = None,
+    sunk: float = 0.0,
 ) -> Iterator[Place]:
-    """Places along a wall: at ``starts`` (metres along it), or at regular steps and flush with both
-    corners."""
-    gap = GAP
+    """Places along a wall: at ``starts`` (metres along it), or at regular steps and flush with both corners.
+
+    What is ``sunk`` reaches that far (m) into the wall; boxes are those of the rest of it.
+    """
+    gap, back = GAP, GAP - sunk
     if starts is None:
         last = wall_length(side, plan.size) - cluster.length - gap
         starts = np.append(np.arange(gap, last, STEP), last) if last >= gap else np.zeros(0)
@@ -113,11 +119,26 @@ def wall_places(
     turned = frame @ turn[:3, :3].T
     low = np.minimum(turned[0, 0], turned[0, 1])
     for start in starts:
-        high = (start + cluster.length, gap + cluster.depth, 1.0)
-        target = along_wall(side, plan.size, (start, gap, 0.0), high)
+        high = (start + cluster.length, back + cluster.depth, 1.0)
+        target = along_wall(side, plan.size, (start, back, 0.0), high)
         T = turn.copy()
         T[:2, 3] = (target[0] - low)[:2]
-        yield Place(cluster=cluster, T=T, boxes=shift_boxes(boxes, T[:3, 3]), side=side)
+        placed = shift_boxes(boxes, T[:3, 3])
+        if sunk > 0.0:
+            placed = _in_room(side, plan.size, placed)
+        yield Place(cluster=cluster, T=T, boxes=placed, side=side)
+
+
+def _in_room(side: Side, size: tuple[float, float, float], boxes: Boxes) -> Boxes:
+    """Boxes without what lies in a wall."""
+    axis = 1 if side in ("front", "back") else 0
+
+    def cut(whole: Float[np.ndarray, "N 2 3"]) -> Float[np.ndarray, "N 2 3"]:
+        out = whole.copy()
+        out[..., axis] = np.clip(out[..., axis], 0.0, size[axis])
+        return out
+
+    return Boxes(bodies=cut(boxes.bodies), sweeps=cut(boxes.sweeps), stands=cut(boxes.stands))
 
 
 def middle_places(plan: Plan, cluster: Cluster) -> Iterator[Place]:

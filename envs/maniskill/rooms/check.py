@@ -20,7 +20,7 @@ from sim_export.package import SimPackage
 from ..hulls import move_hull
 from .footprints import cached_package
 from .map import CELL, ROBOT_HEIGHT, reachable_map, way_to
-from .room import Item, Placement, Room, along_wall, pose_matrix_of
+from .room import THICKNESS, Item, Placement, Room, along_wall, pose_matrix_of
 from .solids import Solid, fixture_solids, item_hulls, item_motion, item_solid, make_solid, place_solid
 from .sweeps import Sweep, opening_joints, sweep_boxes, sweep_joint
 
@@ -175,16 +175,21 @@ def _overlaps(objects: Sequence[Solid], fixtures: Sequence[Solid]) -> list[Probl
 
 
 def _outside(room: Room, objects: Sequence[Solid]) -> list[Problem]:
-    """Objects with a hull that is neither in the room nor in its entrance."""
-    way, size = room.entrance, room.size
-    stop, inner = way.start + way.width, size[1 if way.side in ("front", "back") else 0]
-    passage = along_wall(way.side, size, (way.start, -PORCH, 0.0), (stop, inner, way.height))
-    spaces = (np.array([(0.0, 0.0, 0.0), size]), passage)
+    """Objects with a hull that is neither in the room nor in its entrance or another opening."""
+    size = room.size
+    spaces = [np.array([(0.0, 0.0, 0.0), size])]
+    for hole in (room.entrance, *room.openings):
+        inner, beyond = (
+            size[1 if hole.side in ("front", "back") else 0],
+            PORCH if hole is room.entrance else THICKNESS,
+        )
+        low, high = (hole.start, -beyond, hole.bottom), (hole.stop, inner, hole.top)
+        spaces.append(along_wall(hole.side, size, low, high))
     problems = []
     for solid in objects:
         low, high = solid.boxes[:, 0], solid.boxes[:, 1]
         past = [np.maximum(space[0] - low, high - space[1]).max(axis=1) for space in spaces]
-        beyond = float(np.minimum(*past).max())
+        beyond = float(np.min(past, axis=0).max())
         if beyond > DEPTH:
             message = f"{solid.id} reaches {1e3 * beyond:.2f} mm out of the room"
             problems.append(Problem(kind="outside", id=solid.id, other="room", depth=beyond, message=message))

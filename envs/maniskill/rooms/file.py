@@ -9,7 +9,7 @@ from typing import Any
 from artigen.errors import ArtigenError
 from artigen.io import write_whole
 
-from .room import Entrance, Fixture, Item, Placement, Room
+from .room import Fixture, Item, Opening, Placement, Room
 
 FORMAT = "artigen-scene"
 VERSION = 1
@@ -29,8 +29,9 @@ def room_json(room: Room, folder: Path) -> str:
         placement["joints"] = dict(placement["joints"])
         placement["provenance"] = dict(placement["provenance"])
     value["provenance"] = dict(value["provenance"])
-    if not room.contents:
-        del value["contents"]
+    for key in ("contents", "openings"):
+        if not value[key]:
+            del value[key]
     head = {"format": FORMAT, "version": VERSION, "frame": "corner of the floor, z up, metres, wxyz"}
     return json.dumps(head | value, indent=1) + "\n"
 
@@ -74,7 +75,8 @@ def read_room(path: Path) -> Room:
         room = Room(
             placements=placements,
             fixtures=fixtures,
-            entrance=Entrance(**value.pop("entrance")),
+            entrance=Opening(**value.pop("entrance")),
+            openings=tuple(Opening(**entry) for entry in value.pop("openings", ())),
             size=tuple(value.pop("size")),
             contents=tuple(_item(entry) for entry in value.pop("contents", ())),
             provenance=tuple(value.pop("provenance").items()),

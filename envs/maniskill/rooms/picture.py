@@ -1,7 +1,8 @@
 """Renders rooms on the CPU: a dollhouse view, and a plan of the space that stays free.
 
-The walls towards the camera are removed. In the plan bodies are grey, the swept space of doors and drawers is
-orange, the robot's standing places are blue, and contents of drawers and cupboards are outlined in green.
+The walls towards the camera are removed, with their windows. In the plan bodies are grey, the swept space of
+doors and drawers is orange, the robot's standing places are blue, and contents of drawers and cupboards are
+outlined in green.
 """
 
 from collections.abc import Sequence
@@ -23,8 +24,8 @@ from sim_export.picture.raycast import Surface
 from sim_export.picture.render import move_surface, render_scene, surface_from_mesh, surface_points
 
 from .footprints import cached_package, outline_of, read_footprint
-from .room import Fixture, Item, Placement, Room, Side, pose_matrix_of
-from .solids import item_hulls, item_motion, item_solid
+from .room import Fixture, Item, Placement, Room, Side, from_wall, pose_matrix_of
+from .solids import item_hulls, item_motion, item_solid, place_solid
 from .sweeps import opening_joints, sweep_joint
 from .things import thing_solids
 
@@ -55,14 +56,13 @@ def draw_room(room: Room, cfg: RoomPictureConfig | None = None) -> UInt8[np.ndar
     """The room seen from above its entrance, without the front walls and the ceiling."""
     cfg = cfg or RoomPictureConfig()
     side = _emptier_side(room)
-    hidden = {f"{name}_{wall}" for name in ("wall", "wall_a", "wall_b", "lintel") for wall in ("front", side)}
+    hidden = tuple(f"wall_{wall}" for wall in ("front", side))
     azimuth = -cfg.azimuth if side == "left" else cfg.azimuth - 180.0
     packages = {place.package: read_package(place.package) for place in room.placements}
-    surfaces = [
-        surface for place in room.placements for surface in placement_surfaces(place, packages[place.package])
-    ]
+    shown = [place for place in room.placements if not _hangs_in(room, place, ("front", side))]
+    surfaces = [surface for place in shown for surface in placement_surfaces(place, packages[place.package])]
     surfaces += [surface for item in room.contents for surface in item_surfaces(room, item)]
-    surfaces += [fixture_surface(fixture) for fixture in room.fixtures if fixture.name not in hidden]
+    surfaces += [fixture_surface(fixture) for fixture in room.fixtures if not fixture.name.startswith(hidden)]
     viewpoint = Viewpoint(
         azimuth=azimuth, elevation=cfg.elevation, fov=30.0, margin=0.02, width=cfg.width, height=cfg.height
     )
@@ -79,6 +79,13 @@ def _emptier_side(room: Room) -> Side:
         top = placement.position[2] + placement.size[2] / 2.0
         hidden[side] += placement.size[1] * top**3 if from_wall < 0.8 else 0.0
     return "left" if hidden["left"] <= hidden["right"] else "right"
+
+
+def _hangs_in(room: Room, placement: Placement, sides: Sequence[Side]) -> bool:
+    """Whether an object hangs in an opening of one of the walls."""
+    boxes = place_solid(placement).boxes
+    low = [from_wall(side, room.size, boxes)[:, 0, 1].min() for side in sides]
+    return bool(boxes[:, 0, 2].min() > 0.1 and min(low) < -0.01)
 
 
 def placement_surfaces(placement: Placement, package: SimPackage) -> tuple[Surface, ...]:
@@ -120,7 +127,7 @@ def draw_plan(room: Room, cfg: RoomPictureConfig | None = None) -> UInt8[np.ndar
         return list(zip(x.tolist(), y.tolist(), strict=True))
 
     for fixture in room.fixtures:
-        if fixture.name == "floor" or fixture.name.startswith("lintel"):
+        if fixture.name == "floor" or (fixture.name.startswith("wall") and fixture.low[2] > 0.0):
             continue
         shade = (90, 92, 98, 255) if fixture.name.startswith("wall") else (214, 205, 192, 255)
         draw.polygon(pixel(_rectangle(fixture.low, fixture.high)), fill=shade)

@@ -6,7 +6,7 @@ Sizes are depth, width and height in metres, handles included.
 from dataclasses import dataclass
 from typing import Literal
 
-from .room import RoomKind, Side
+from .room import THICKNESS, RoomKind, Side
 
 Size = tuple[float, float, float]
 Where = Literal["wall", "middle"]
@@ -59,6 +59,8 @@ class Group:
     """A group to be close to."""
     height: float | None = None
     """Height (m) of the undersides above the floor, for groups that hang on a wall."""
+    sunk: float = 0.0
+    """Depth (m) of the part that lies in an opening of the wall."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,7 +120,7 @@ BASE = _role(
 LARDER = _role("larder", STORAGE, (0.45, 0.4, 1.6), (0.74, 1.7, 2.3))
 HUNG = _role(
     "wall cabinet", STORAGE, (0.25, 0.3, 0.34), (0.44, 1.25, 0.95), needs="revolute",
-    draws=tuple((STORAGE, (0.34, width, 0.7)) for width in (0.6, 0.8)),
+    draws=tuple((STORAGE, (0.34, width, 0.72)) for width in (0.6, 0.8)),
 )  # fmt: skip
 MICROWAVE = _role(
     "microwave", "Microwave", (0.25, 0.35, 0.2), (0.6, 0.7, 0.5), draws=(("Microwave", (0, 0, 0)),)
@@ -152,7 +154,7 @@ PRINTER = _role("printer", "Printer", (0.25, 0.3, 0.1), (0.5, 0.6, 0.5), draws=(
 TOASTER = _role("toaster", "Toaster", (0.2, 0.1, 0.12), (0.4, 0.4, 0.3), draws=(("Toaster", (0, 0, 0)),))
 BREAD = _role("bread box", "BreadBox", (0.15, 0.2, 0.12), (0.35, 0.5, 0.3), draws=(("BreadBox", (0, 0, 0)),))
 POT = _role("pot", "Pot", (0.1, 0.15, 0.08), (0.35, 0.5, 0.35), draws=(("Pot", (0, 0, 0)),))
-DOOR = _role("door", "Door", (0.1, 0.6, 1.9), (0.45, 1.2, 2.3), draws=(("Door", (0.2, 0, 0)),))
+DOOR = _role("door", "Door", (0.1, 0.6, 1.9), (0.45, 1.95, 2.3), draws=(("Door", (0.2, 0, 0)),))
 WINDOW = _role("window", "Window", (0.05, 0.4, 0.6), (0.4, 1.9, 1.5), draws=(("Window", (0, 1.0, 1.2)),))
 TOILET = _role("toilet", "Toilet", (0.45, 0.3, 0.35), (0.8, 0.65, 1.2), draws=(("Toilet", (0, 0, 0)),))
 DRYER = _role("dryer", "Dryer", (0.4, 0.5, 0.7), (0.8, 0.8, 1.2), draws=(("Dryer", (0, 0, 0)),))
@@ -195,7 +197,7 @@ LOWBOARD = _role(
     "lowboard", STORAGE, (0.3, 0.8, 0.34), (0.6, 2.0, 0.78), draws=((STORAGE, (0.42, 1.4, 0.5)),)
 )
 
-WINDOWS = Group(name="windows", roles=("window",), count=(0, 2), like="middle", height=0.92)
+WINDOWS = Group(name="windows", roles=("window",), count=(0, 2), like="middle", height=0.92, sunk=THICKNESS)
 COUNTERS = ("base cabinet", "island", "sideboard")
 
 KITCHEN = Recipe(

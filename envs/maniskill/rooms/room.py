@@ -7,6 +7,7 @@ their packages (front -x) and, against a wall, face the room.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Literal
 
@@ -35,13 +36,24 @@ class Fixture:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entrance:
-    """The opening in a wall; ``start`` is its nearer edge along x or y."""
+class Opening:
+    """A rectangular hole in a wall; ``start`` is its nearer edge along x or y, ``bottom`` above the floor."""
 
     side: Side
     start: float
     width: float
     height: float
+    bottom: float = 0.0
+
+    @property
+    def stop(self) -> float:
+        """Its farther edge along x or y."""
+        return self.start + self.width
+
+    @property
+    def top(self) -> float:
+        """Height of its upper edge above the floor."""
+        return self.bottom + self.height
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,21 +102,22 @@ class Item:
 class Room:
     """A furnished room.
 
-    ``size`` is width (x), depth (y) and height. ``standing_radius`` is that of the robot's free space, 0 if
-    disabled. ``attempt`` counts the arrangements that were rejected before this one. ``contents`` lie in the
-    drawers and cupboards.
+    ``size`` is width (x), depth (y) and height. ``openings`` are those of the walls besides the entrance.
+    ``standing_radius`` is that of the robot's free space, 0 if disabled. ``attempt`` counts the arrangements
+    that were rejected before this one. ``contents`` lie in the drawers and cupboards.
     """
 
     kind: RoomKind
     seed: int
     attempt: int
     size: tuple[float, float, float]
-    entrance: Entrance
+    entrance: Opening
     standing_radius: float
     fixtures: tuple[Fixture, ...]
     placements: tuple[Placement, ...]
     provenance: tuple[tuple[str, str], ...] = ()
     contents: tuple[Item, ...] = ()
+    openings: tuple[Opening, ...] = ()
 
     def placement(self, name: str) -> Placement:
         """The object with that id; raises `ValueError` with the existing ids."""
@@ -155,10 +168,19 @@ def along_wall(side: Side, size: Sequence[float], low: Sequence[float], high: Se
     return np.array(box)
 
 
+def from_wall(side: Side, size: Sequence[float], boxes: Float[np.ndarray, "N 2 3"]) -> np.ndarray:
+    """Converts boxes from the room to (along the wall, out of the wall, up)."""
+    turned = boxes if side in ("front", "back") else boxes[..., [1, 0, 2]]
+    if side in ("front", "left"):
+        return turned.copy()
+    ends = np.array([1.0, -1.0, 1.0]) * turned + np.array([0.0, size[1 if side == "back" else 0], 0.0])
+    return np.stack([ends.min(axis=1), ends.max(axis=1)], axis=1)
+
+
 def room_shell(
-    size: tuple[float, float, float], entrance: Entrance, color: tuple[float, float, float]
+    size: tuple[float, float, float], openings: Sequence[Opening], color: tuple[float, float, float]
 ) -> tuple[Fixture, ...]:
-    """Floor and walls of the room, the wall with the entrance in three pieces."""
+    """Floor and walls of the room; walls with openings are in pieces."""
     width, depth, height = size
     shell = [
         Fixture(
@@ -169,21 +191,32 @@ def room_shell(
         )
     ]
     for side in SIDES:
-        length = wall_length(side, size)
-        pieces = [("wall", -THICKNESS, length + THICKNESS, 0.0)]
-        if side == entrance.side:
-            end = entrance.start + entrance.width
-            pieces = [
-                ("wall_a", -THICKNESS, entrance.start, 0.0),
-                ("wall_b", end, length + THICKNESS, 0.0),
-                ("lintel", entrance.start, end, entrance.height),
-            ]
-        for name, start, stop, bottom in pieces:
-            if stop - start < 1e-6:
-                continue
-            box = along_wall(side, size, (start, -THICKNESS, bottom), (stop, 0.0, height))
-            shell.append(Fixture(name=f"{name}_{side}", low=corner(box[0]), high=corner(box[1]), color=color))
+        pieces = _cut_wall(wall_length(side, size), height, [hole for hole in openings if hole.side == side])
+        for index, (start, stop, bottom, top) in enumerate(pieces):
+            box = along_wall(side, size, (start, -THICKNESS, bottom), (stop, 0.0, top))
+            name = f"wall_{side}" if len(pieces) == 1 else f"wall_{side}_{index}"
+            shell.append(Fixture(name=name, low=corner(box[0]), high=corner(box[1]), color=color))
     return tuple(shell)
+
+
+def _cut_wall(
+    length: float, height: float, holes: Sequence[Opening]
+) -> list[tuple[float, float, float, float]]:
+    """Rectangles (start, stop, bottom, top) of a wall around its openings: upright strips, cut by those that
+    pass through them."""
+    ends = -THICKNESS, length + THICKNESS
+    edges = sorted(
+        {*ends, *(float(np.clip(edge, *ends)) for hole in holes for edge in (hole.start, hole.stop))}
+    )
+    pieces = []
+    for start, stop in pairwise(edges):
+        bottom = 0.0
+        passing = [hole for hole in holes if hole.start < (start + stop) / 2.0 < hole.stop]
+        for hole in sorted(passing, key=lambda hole: hole.bottom):
+            pieces.append((start, stop, bottom, hole.bottom))
+            bottom = max(bottom, hole.top)
+        pieces.append((start, stop, bottom, height))
+    return [piece for piece in pieces if piece[1] - piece[0] > 1e-6 and piece[3] - piece[2] > 1e-6]
 
 
 def corner(point: Float[np.ndarray, "3"]) -> tuple[float, float, float]:

@@ -24,7 +24,7 @@ from envs.maniskill.rooms.contents import LIFT, SPACING, fill_room
 from envs.maniskill.rooms.file import SceneFileError, read_room, room_json, write_room
 from envs.maniskill.rooms.footprints import cached_package
 from envs.maniskill.rooms.picture import item_surfaces
-from envs.maniskill.rooms.room import Entrance, Item, Placement, Room, RoomKind, room_shell
+from envs.maniskill.rooms.room import Item, Opening, Placement, Room, RoomKind, room_shell
 from envs.maniskill.rooms.solids import item_hulls, item_motion, item_solid
 from envs.maniskill.rooms.things import THINGS, thing_hulls, thing_solids
 from sim_export.collision.contacts import HullSet, signed_distances
@@ -55,10 +55,10 @@ def empty(tmp_path_factory: pytest.TempPathFactory) -> Room:
                 joints=(("joint_0", 0.2),) if index else (),
             )
         )  # fmt: skip
-    entrance = Entrance(side="front", start=1.5, width=0.9, height=2.0)
+    entrance = Opening(side="front", start=1.5, width=0.9, height=2.0)
     return Room(
         kind="kitchen", seed=1, attempt=0, size=SIZE, entrance=entrance, standing_radius=0.0,
-        fixtures=room_shell(SIZE, entrance, (0.9, 0.9, 0.9)), placements=tuple(placements),
+        fixtures=room_shell(SIZE, (entrance,), (0.9, 0.9, 0.9)), placements=tuple(placements),
     )  # fmt: skip
 
 

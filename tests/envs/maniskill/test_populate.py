@@ -6,21 +6,36 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from artigen.cli.scene import SceneSettings, scene
 from artigen.errors import ArtigenError
 from artigen.shapes.families import choose_suite
 from envs.maniskill.populate import PopulateConfig, choose_filler_color, populate
 from envs.maniskill.rooms.ajar import open_some
-from envs.maniskill.rooms.catalogue import PopulateError, read_catalogue
+from envs.maniskill.rooms.catalogue import Entry, PopulateError, read_catalogue
 from envs.maniskill.rooms.check import check_room
 from envs.maniskill.rooms.choose import Offer, Wall, choose_units, order_units
 from envs.maniskill.rooms.file import SceneFileError, read_room, write_room
 from envs.maniskill.rooms.footprints import cached_package, carries, measure_footprint, read_footprint
+from envs.maniskill.rooms.hung import hangs_flat
 from envs.maniskill.rooms.map import label_regions, start_place, way_to
+from envs.maniskill.rooms.openings import find_openings
 from envs.maniskill.rooms.picture import RoomPictureConfig, draw_plan, draw_room
 from envs.maniskill.rooms.recipes import BASE, KITCHEN, RANGE, RECIPES, WINDOWS, Share
-from envs.maniskill.rooms.room import THICKNESS, Room, RoomKind, pose_matrix_of
+from envs.maniskill.rooms.room import (
+    SIDES,
+    THICKNESS,
+    Opening,
+    Room,
+    RoomKind,
+    along_wall,
+    from_wall,
+    pose_matrix_of,
+    room_shell,
+    wall_length,
+)
 from envs.maniskill.rooms.solids import place_solid
 from envs.maniskill.rooms.sweeps import opening_joints, sweep_boxes, sweep_joint
 from sim_export.collision.hulls import box_hull
@@ -436,13 +451,87 @@ def test_panels_have_the_colour_of_the_suite_that_all_packages_are_of(folder, tm
         scene("kitchen", tmp_path / "room", 0, folder, SceneSettings(family="shaker"), pictures="none")
 
 
+@pytest.mark.parametrize("legs", [False, True])
+def test_cabinets_on_legs_do_not_hang_on_walls(tmp_path, legs):
+    package = build_furniture(next(item for item in FURNITURE if item.name == "hung"))
+    body = package.links[-1]
+    corners = np.concatenate([hull.vertices for hull in body.hulls])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    feet = [
+        box_hull(np.array([x, y, low[2] - 0.1]), np.array([x + 0.03, y + 0.03, low[2]]))
+        for x in (low[0], high[0] - 0.03)
+        for y in (low[1], high[1] - 0.03)
+    ]
+    body = replace(body, hulls=(*body.hulls, *(feet if legs else ())))
+    folder = write_package(replace(package, links=(*package.links[:-1], body)), tmp_path / "hung")
+    entry = Entry(folder=folder, name="hung", category="", size=(0, 0, 0), kinds=(), provenance=())
+    assert hangs_flat(entry) != legs
+
+
 def test_hulls_of_the_test_furniture_are_closed():
     package = build_furniture(FURNITURE[0])
     assert all(isinstance(hull, Hull) for link in package.links for hull in link.hulls)
     assert KITCHEN.role("base cabinet") is BASE
 
 
-def test_windows_hang_on_walls_and_small_things_stand_on_their_roles(rooms):
+def _walls_behind(room, placement):
+    """Walls in which the middle of a window lies."""
+    T, body = pose_matrix_of(placement), read_footprint(placement.package).body
+    middle = T[:3, :3] @ body.mean(axis=0) + T[:3, 3]
+    middle += T[:3, 0] * (body[1, 0] - body.mean(axis=0)[0] - 0.01)
+    assert not (np.zeros(2) < middle[:2]).all() or not (middle[:2] < room.size[:2]).all()
+    walls = [fixture for fixture in room.fixtures if fixture.name.startswith("wall")]
+    return [wall.name for wall in walls if (wall.low < middle).all() and (middle < wall.high).all()]
+
+
+@given(
+    holes=st.lists(
+        st.tuples(st.floats(0.0, 3.0), st.floats(0.05, 1.5), st.floats(0.0, 1.5), st.floats(0.05, 1.0)),
+        max_size=4,
+    ),
+    side=st.sampled_from(SIDES),
+)
+def test_walls_and_openings_fill_a_wall_without_overlap(holes, side):
+    openings = [Opening(side=side, start=a, width=w, bottom=b, height=h) for a, w, b, h in holes]
+    size = (4.0, 5.0, 2.6)
+    walls = [f for f in room_shell(size, openings, (1, 1, 1)) if f.name.startswith(f"wall_{side}")]
+    boxes = from_wall(side, size, np.array([[f.low, f.high] for f in walls]))
+    points = np.random.default_rng(0).uniform((0.0, 0.0), (wall_length(side, size), size[2]), (500, 2))
+    inside = [
+        sum(bool((box[0, [0, 2]] < point).all() and (point < box[1, [0, 2]]).all()) for box in boxes)
+        for point in points
+    ]
+    cut = [
+        any(hole.start < x < hole.stop and hole.bottom < z < hole.top for hole in openings) for x, z in points
+    ]
+    assert inside == [int(not hole) for hole in cut]
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_a_box_comes_back_from_a_wall(side):
+    low, high, size = (0.5, -0.1, 0.2), (1.5, 0.3, 0.9), (4.0, 5.0, 2.6)
+    box = along_wall(side, size, low, high)
+    np.testing.assert_allclose(from_wall(side, size, box[None])[0], [low, high], atol=1e-12)
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_openings_follow_what_lies_in_a_wall(side):
+    size = (4.0, 5.0, 2.6)
+    sill, frame, lever = (
+        along_wall(side, size, low, high)
+        for low, high in (
+            ((1.0, -0.09, 0.9), (2.0, 0.1, 0.92)),
+            ((1.1, -0.09, 0.92), (1.9, 0.0, 1.9)),
+            ((1.4, 0.01, 1.4), (1.5, 0.05, 2.2)),
+        )
+    )
+    low, high = find_openings(np.stack([sill, frame, lever]), side, size)
+    assert (low.start, low.stop, low.bottom, low.top) == pytest.approx((1.0, 2.0, 0.9, 0.92), abs=1e-3)
+    assert (high.start, high.stop, high.bottom, high.top) == pytest.approx((1.1, 1.9, 0.92, 1.9), abs=1e-3)
+    assert find_openings(lever[None], side, size) == ()
+
+
+def test_windows_hang_in_walls_and_small_things_stand_on_their_roles(rooms):
     seen = set()
     for room in rooms.values():
         roles = {placement.id: placement.role for placement in room.placements}
@@ -452,6 +541,7 @@ def test_windows_hang_on_walls_and_small_things_stand_on_their_roles(rooms):
             if placement.role == "window":
                 assert low == pytest.approx(WINDOWS.height)
                 assert placement.support is None
+                assert _walls_behind(room, placement) == []
                 seen.add("window")
             for share in RECIPES[room.kind].tops:
                 if share.on and share.role.name == placement.role:

@@ -15,7 +15,7 @@ from sample_packages import SAMPLE_PARTS, build_package
 import envs
 from envs.maniskill.rooms.file import write_room
 from envs.maniskill.rooms.footprints import read_footprint
-from envs.maniskill.rooms.room import Entrance, Placement, Room, room_shell
+from envs.maniskill.rooms.room import Opening, Placement, Room, room_shell
 from sim_export.files.write import write_package
 
 pytest.importorskip("mani_skill")
@@ -32,7 +32,7 @@ def scenes(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     package = build_package(SAMPLE_PARTS)
     cabinet = write_package(package, base / "cabinet").resolve()
     body = read_footprint(cabinet).body
-    entrance = Entrance(side="front", start=1.5, width=0.9, height=2.0)
+    entrance = Opening(side="front", start=1.5, width=0.9, height=2.0)
     rooms = []
     for count in (3, 2):
         placements = [
@@ -46,7 +46,7 @@ def scenes(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
         ]  # fmt: skip
         room = Room(
             kind="kitchen", seed=count, attempt=0, size=SIZE, entrance=entrance, standing_radius=0.3,
-            fixtures=room_shell(SIZE, entrance, (0.9, 0.9, 0.9)), placements=tuple(placements),
+            fixtures=room_shell(SIZE, (entrance,), (0.9, 0.9, 0.9)), placements=tuple(placements),
         )  # fmt: skip
         rooms.append(write_room(room, base / f"room_{count}"))
     return rooms

@@ -31,8 +31,9 @@ def lowest(links) -> np.ndarray:
     return points[points[:, 2] < points[:, 2].min() + 1e-9]
 
 
-def test_a_body_on_its_front_trim_gets_four_feet_and_stands_on_them():
-    done = level((link("body", BODY, TRIM),), [], [], "StorageFurniture")
+@pytest.mark.parametrize("category", ["StorageFurniture", "ChestFreezer", "Dryer", "Toilet"])
+def test_a_body_on_its_front_trim_gets_four_feet_and_stands_on_them(category):
+    done = level((link("body", BODY, TRIM),), [], [], category)
     assert len(done.feet) == 4
     stands = lowest(done.links)
     np.testing.assert_allclose(stands[:, 2], 0.0, atol=1e-9)
@@ -41,7 +42,7 @@ def test_a_body_on_its_front_trim_gets_four_feet_and_stands_on_them():
         assert foot.mesh.vertices[:, 2].min() == pytest.approx(0.0)
         assert foot.mesh.vertices[:, 2].max() > BODY[0][2]  # it reaches into the body
     assert "levelling feet" in done.records[0]
-    again = level(done.links, [], [], "StorageFurniture")
+    again = level(done.links, [], [], category)
     assert again.links[0] is done.links[0]
 
 

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import categories, draw_shape
 from artigen.types import FIXED, Asset, Part, VoxelGrid
 from sim_export.collision.hulls import box_hull
-from sim_export.geometry.meshing import mesh_parts
+from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.occupancy import part_occupancy
 from sim_export.package import Inertial, Link
 from sim_export.physics.inertia import check_inertial, combine
@@ -137,3 +138,16 @@ def test_a_centre_of_mass_just_outside_of_the_collision_is_moved_into_it(above: 
     assert (held is not link) == moves
     if moves:
         assert held.inertial.com[2] == pytest.approx(0.0998)
+
+
+@pytest.mark.parametrize("seed", [1000, 1001])
+def test_the_foot_of_a_lamp_made_of_voxels_outweighs_its_other_parts(seed: int):
+    shape = draw_shape("DeskLamp", seed)
+    asset = shape_to_asset(shape)
+    solids = solid_parts(asset)
+    masses = [
+        weigh_part(asset, index, mesh, solids[index]).mass
+        for index, mesh in enumerate(mesh_parts(asset, solids))
+    ]
+    assert masses[asset.root] == max(masses)
+    assert masses[asset.root] > 0.4 * weigh_shape(shape)
