@@ -45,6 +45,7 @@ from artigen.examples.appearance_batches import (
 )
 from artigen.examples.shards import PER_OBJECT
 from artigen.models.conditions import ConditionConfig
+from artigen.runtime.journal import read_lines
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.render import build_scene, render
 from artigen.splats.render import rasterize
@@ -61,7 +62,6 @@ from artigen.train.appearance.vae import (
     measure_features,
     train_appearance_vae,
 )
-from artigen.train.curves import METRICS, read_metrics
 from artigen.train.loop import LoopConfig
 from artigen.types import Asset, VoxelGrid
 from artigen.voxels.surface import HEIGHT_REACH
@@ -472,7 +472,7 @@ def test_networks_in_half_precision_feed_pictures_in_full(
         losses=AppearanceLossConfig(),
     )
     assert kinds == [torch.float32]
-    assert np.isfinite(read_metrics(tmp_path / METRICS)[0]["loss"])
+    assert np.isfinite(read_lines(tmp_path / "metrics.jsonl")[0]["loss"])
 
 
 def test_what_views_show_is_hidden_beyond_a_plane_as_often_as_said():
@@ -545,7 +545,7 @@ def test_the_flow_is_trained_on_normalised_latents_of_all_voxels(
         conditions=conditions,
         drawn=[roughen(voxels, facings, np.random.default_rng(seed)) for seed in range(2)],
     )
-    lines = [line["velocity"] for line in read_metrics(tmp_path / METRICS)]
+    lines = [line["velocity"] for line in read_lines(tmp_path / "metrics.jsonl")]
     assert len(lines) == 3
     assert np.isfinite(lines).all()
     assert (flow.network.get_parameter("out_layer.weight") != before).any()
