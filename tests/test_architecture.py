@@ -12,7 +12,7 @@ import pytest
 from project import ROOT
 
 PACKAGES = ("artigen", "sim_export", "envs")
-SHARED = {"types", "transforms", "kinematics", "io", "errors", "wavefront", "runtime", "shapes", "splats"}
+SHARED = {"types", "transforms", "kinematics", "io", "errors", "files", "runtime", "shapes", "splats"}
 """Modules of artigen that the other two packages may use."""
 MODEL_CODE = (
     "artigen.appearance",
@@ -30,8 +30,8 @@ MODEL_CODE = (
 )
 """The only places where torch is imported."""
 LAYERS = (
-    {"errors", "types", "transforms", "kinematics", "io", "wavefront"},
-    {"runtime"},
+    {"errors", "types", "transforms", "kinematics", "io"},
+    {"files", "runtime"},
     {"voxels"},
     {"shapes"},
     {"splats", "datasets", "conditioning"},

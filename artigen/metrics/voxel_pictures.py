@@ -7,9 +7,9 @@ from jaxtyping import Float, Int, UInt8
 
 from artigen.datasets.partnet_surface import FaceTable
 from artigen.examples.mesh_pictures import FINE, picture_mesh
+from artigen.files.wavefront import Material
 from artigen.kinematics import articulate_points, qlimits
 from artigen.types import PART_LABELS, Asset, PartLabel, VoxelGrid
-from artigen.wavefront import Material
 
 HUES: dict[PartLabel, float | None] = {
     "base": None,

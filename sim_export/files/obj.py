@@ -5,14 +5,17 @@ equal bytes.
 """
 
 import io
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen import wavefront
 from artigen.errors import SourceError
+from artigen.files import urdf, wavefront
+from artigen.files.wavefront import ObjText
 from sim_export.collision.hulls import convex_hull
 from sim_export.errors import PackageError
 from sim_export.package import Hull, Mesh
@@ -20,38 +23,6 @@ from sim_export.package import Hull, Mesh
 DECIMALS = 6
 CREASE_DEGREES = 35.0
 PALETTE = 256
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ObjGroup:
-    """The faces of an OBJ that share one material."""
-
-    material: str | None
-    faces: Int[np.ndarray, "F 3"]
-    uv_faces: Int[np.ndarray, "F 3"]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ObjData:
-    """An OBJ file as arrays: triangulated, zero-based; missing texture indices are -1."""
-
-    vertices: Float[np.ndarray, "V 3"]
-    uv: Float[np.ndarray, "T 2"]
-    groups: tuple[ObjGroup, ...]
-    mtllib: str | None
-
-    @property
-    def faces(self) -> Int[np.ndarray, "F 3"]:
-        """All triangles, group after group."""
-        return np.concatenate([np.zeros((0, 3), np.int64), *(group.faces for group in self.groups)])
-
-
-@dataclass(frozen=True, kw_only=True)
-class Material:
-    """One entry of an MTL file."""
-
-    color: tuple[float, float, float] = (0.7, 0.7, 0.7)
-    image: str | None = None
 
 
 def face_normals(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]) -> np.ndarray:
@@ -149,12 +120,11 @@ def hull_obj_text(hull: Hull, name: str) -> str:
     )
 
 
-def mtl_text(name: str, material: Material) -> str:
+def mtl_text(name: str, color: tuple[float, float, float], image: str) -> str:
     """One material: its image (over white) if it has one, else its colour."""
-    color = (1.0, 1.0, 1.0) if material.image else material.color
-    red, green, blue = color
+    red, green, blue = (1.0, 1.0, 1.0) if image else color
     text = f"newmtl {name}\nKa 0 0 0\nKd {red:.6f} {green:.6f} {blue:.6f}\nKs 0 0 0\nNs 10\nd 1\nillum 1\n"
-    return text + (f"map_Kd {material.image}\n" if material.image else "")
+    return text + (f"map_Kd {image}\n" if image else "")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -205,48 +175,46 @@ def read_image(path: Path) -> UInt8[np.ndarray, "H W C"]:
     return pixels if pixels[..., 3].min() < 255 else pixels[..., :3]
 
 
-def parse_obj(path: Path) -> ObjData:
-    """Reads an OBJ with absolute indices; polygons become fans.
+def parse_obj(path: Path) -> ObjText:
+    """Reads an OBJ; raises `PackageError` with the file and what is wrong in it."""
+    with _as_package():
+        return wavefront.parse_obj(path)
 
-    Raises `PackageError` with the file and the content of the line if it cannot be parsed.
-    """
+
+def parse_mtl(path: Path) -> dict[str, tuple[tuple[float, float, float], str]]:
+    """Colour, and image as written in the file ("" for none), of the materials of an MTL file."""
+    with _as_package():
+        return wavefront.parse_mtl(path)
+
+
+def parse_urdf(path: Path) -> urdf.UrdfFile:
+    """Reads a URDF without validating it."""
+    with _as_package():
+        return urdf.parse_urdf(path, path.name)
+
+
+@contextmanager
+def _as_package() -> Iterator[None]:
+    """Makes errors of files those of packages."""
     try:
-        said = wavefront.parse_obj(path)
+        yield
     except SourceError as err:
         raise PackageError(str(err)) from err
-    names = np.array(said.names, dtype=object)[said.material_ids]
-    groups = tuple(
-        ObjGroup(
-            material=name or None, faces=said.faces[names == name], uv_faces=said.uv_faces[names == name]
-        )
-        for name in dict.fromkeys(names.tolist())
-    )
-    mtllib = said.libraries[-1] if said.libraries else None
-    return ObjData(vertices=said.vertices, uv=said.coords, groups=groups, mtllib=mtllib)
-
-
-def parse_mtl(path: Path) -> dict[str, Material]:
-    """Materials of an MTL file: diffuse colour, and image name as written in the file."""
-    try:
-        known = wavefront.parse_mtl(path)
-    except SourceError as err:
-        raise PackageError(str(err)) from err
-    return {name: Material(color=color, image=image or None) for name, (color, image) in known.items()}
 
 
 def read_mesh(path: Path) -> Mesh:
     """Reads an OBJ with one material into a `Mesh`, with its texture or colour."""
     data = parse_obj(path)
-    material = Material()
-    if data.mtllib is not None and data.groups and data.groups[0].material is not None:
-        material = parse_mtl(path.parent / data.mtllib).get(data.groups[0].material, material)
-    uv_faces = np.concatenate([np.zeros((0, 3), np.int64), *(group.uv_faces for group in data.groups)])
-    if material.image is None or not len(data.uv) or (uv_faces < 0).any():
-        return Mesh(vertices=data.vertices, faces=data.faces, color=material.color)
+    color, image = wavefront.NO_MATERIAL, ""
+    if data.libraries and len(data.faces):
+        materials = parse_mtl(path.parent / data.libraries[-1])
+        color, image = materials.get(data.face_materials[0], (color, image))
+    if not image or not len(data.coords) or (data.uv_faces < 0).any():
+        return Mesh(vertices=data.vertices, faces=data.faces, color=color)
     return Mesh(
         vertices=data.vertices,
         faces=data.faces,
-        uv=data.uv[uv_faces],
-        texture=read_image(path.parent / material.image),
-        color=material.color,
+        uv=data.coords[data.uv_faces],
+        texture=read_image(path.parent / image),
+        color=color,
     )

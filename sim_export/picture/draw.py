@@ -12,11 +12,12 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+from artigen.files.wavefront import NO_MATERIAL
 from artigen.transforms import transform_points
 from artigen.types import PartLabel
 from sim_export.collision.motion import driven_joints, link_displacements, package_joint_motion
 from sim_export.errors import PackageError
-from sim_export.files.obj import Material, ObjData, ObjGroup, parse_mtl, parse_obj, read_image
+from sim_export.files.obj import parse_mtl, parse_obj, read_image
 from sim_export.package import Hull, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import move_surface, surface_from_mesh
@@ -58,26 +59,24 @@ def load_source_meshes(source: SourceMesh) -> tuple[Mesh, ...]:
         PackageError: If the OBJ, its MTL or an image cannot be read.
     """
     data = parse_obj(source.path)
-    materials: dict[str, Material] = {}
-    if data.mtllib is not None:
-        materials = parse_mtl(source.path.parent / data.mtllib)
+    materials = parse_mtl(source.path.parent / data.libraries[-1]) if data.libraries else {}
     vertices = transform_points(source.T_object_file, data.vertices * source.scale)
-    return tuple(_group_mesh(source, data, group, materials, vertices) for group in data.groups)
-
-
-def _group_mesh(
-    source: SourceMesh, data: ObjData, group: ObjGroup, materials: dict[str, Material], vertices: np.ndarray
-) -> Mesh:
-    if group.material is not None and data.mtllib is not None and group.material not in materials:
-        raise PackageError(
-            f"{source.path}: material {group.material!r} is not in {data.mtllib}, which has "
-            f"{', '.join(sorted(materials)) or 'none'}"
-        )
-    material = materials.get(group.material or "", Material())
-    if material.image is None or not len(data.uv) or (group.uv_faces < 0).any():
-        return Mesh(vertices=vertices, faces=group.faces, color=material.color)
-    texture = read_image(source.path.parent / material.image)
-    return Mesh(vertices=vertices, faces=group.faces, uv=data.uv[group.uv_faces], texture=texture)
+    meshes = []
+    for name in dict.fromkeys(data.face_materials.tolist()):
+        if name and data.libraries and name not in materials:
+            raise PackageError(
+                f"{source.path}: material {name!r} is not in {data.libraries[-1]}, which has "
+                f"{', '.join(sorted(materials)) or 'none'}"
+            )
+        color, image = materials.get(name, (NO_MATERIAL, ""))
+        own = data.face_materials == name
+        faces, uv_faces = data.faces[own], data.uv_faces[own]
+        if image and len(data.coords) and (uv_faces >= 0).all():
+            texture = read_image(source.path.parent / image)
+            meshes.append(Mesh(vertices=vertices, faces=faces, uv=data.coords[uv_faces], texture=texture))
+        else:
+            meshes.append(Mesh(vertices=vertices, faces=faces, color=color))
+    return tuple(meshes)
 
 
 def visual_meshes(visual: Visual) -> tuple[Mesh, ...]:

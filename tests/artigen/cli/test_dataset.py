@@ -53,7 +53,8 @@ def kill_at(owner, name, number):
     setattr(owner, name, counted)
 
 owners = {"journal": (artigen.cli.batch, "append_line"), "tar": (artigen.datasets.publish, "add_member"),
-          "move": (Path, "replace"), "clean": (artigen.cli.dataset.shutil, "rmtree"), "card": (artigen.datasets.publish, "card_text")}
+          "move": (Path, "replace"), "clean": (artigen.cli.dataset.shutil, "rmtree"),
+          "card": (artigen.datasets.publish, "card_text")}
 where, number, recipe, out = sys.argv[1:]
 kill_at(*owners[where], int(number))
 artigen.cli.dataset.dataset((recipe,), Path(out), workers=1)
