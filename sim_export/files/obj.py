@@ -18,10 +18,10 @@ from artigen.files import urdf, wavefront
 from artigen.files.wavefront import ObjText
 from sim_export.collision.hulls import convex_hull
 from sim_export.errors import PackageError
+from sim_export.geometry.normals import corner_normals
 from sim_export.package import Hull, Mesh
 
 DECIMALS = 6
-CREASE_DEGREES = 35.0
 PALETTE = 256
 
 
@@ -29,32 +29,6 @@ def face_normals(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3
     """Normals with the length of twice the area of each triangle."""
     a, b, c = vertices[faces[:, 0]], vertices[faces[:, 1]], vertices[faces[:, 2]]
     return np.cross(b - a, c - a)
-
-
-def corner_normals(
-    vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]
-) -> Float[np.ndarray, "F 3 3"]:
-    """Unit normals per face corner: smooth across edges flatter than `CREASE_DEGREES`, sharp elsewhere.
-
-    Every corner averages, weighted by area, the faces around its vertex whose normal is close to
-    its own face's. A degenerate face gets the direction +z.
-    """
-    from scipy.sparse import csr_matrix
-
-    weighted = face_normals(vertices, faces)
-    lengths = np.linalg.norm(weighted, axis=1, keepdims=True)
-    unit = np.where(lengths > 0, weighted / np.where(lengths > 0, lengths, 1.0), [0.0, 0.0, 1.0])
-    count = faces.size
-    touches = csr_matrix((np.ones(count, np.int8), (np.arange(count), faces.ravel())), (count, len(vertices)))
-    pairs = (touches @ touches.T).tocoo()  # corners that share a vertex
-    near = np.einsum("ij,ij->i", unit[pairs.row // 3], unit[pairs.col // 3]) > np.cos(
-        np.radians(CREASE_DEGREES)
-    )
-    row, col = pairs.row[near], pairs.col[near] // 3
-    total = np.stack([np.bincount(row, weighted[col, k], count) for k in range(3)], axis=1)
-    size = np.linalg.norm(total, axis=1, keepdims=True)
-    total = np.where(size > 0, total / np.where(size > 0, size, 1.0), np.repeat(unit, 3, axis=0))
-    return total.reshape(-1, 3, 3)
 
 
 def format_rows(prefix: str, values: np.ndarray, decimals: int) -> str:
@@ -84,7 +58,7 @@ def _unique_rows(values: np.ndarray, decimals: int) -> tuple[np.ndarray, np.ndar
 def obj_text(mesh: Mesh, name: str, mtllib: str | None = None) -> str:
     """A mesh as OBJ: one object ``name``, one material of the same name where there is an MTL."""
     vertices = np.round(mesh.vertices, DECIMALS)
-    normals, normal_of = _unique_rows(corner_normals(vertices, mesh.faces).reshape(-1, 3), 4)
+    normals, normal_of = _unique_rows(corner_normals(vertices[mesh.faces]).reshape(-1, 3), 4)
     head = f"mtllib {mtllib}\n" if mtllib else ""
     chunks = [head, f"o {name}\n", format_rows("v", vertices, DECIMALS)]
     columns = [mesh.faces.ravel() + 1]

@@ -117,7 +117,7 @@ def _hull_surfaces(package: SimPackage) -> tuple[Surface, ...]:
                 faces=hull.faces,
                 color=distinct_color(index * 7 + place),
             )
-            surfaces.append(surface_from_mesh(mesh, surface_id=index, crease_angle=0.0))
+            surfaces.append(surface_from_mesh(mesh, surface_id=index, crease=0.0))
     return tuple(surfaces)
 
 
