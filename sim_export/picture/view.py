@@ -21,7 +21,7 @@ from sim_export.collision.motion import driven_joints, link_displacements
 from sim_export.files.glb import textured_trimesh
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 from sim_export.picture.camera import Viewpoint, frame_points
-from sim_export.picture.draw import open_end, package_surfaces
+from sim_export.picture.draw import hull_surfaces, open_end, package_surfaces
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import surface_points
 from sim_export.picture.splats import has_splats
@@ -79,7 +79,7 @@ def build_view(package: SimPackage, *, host: str = "127.0.0.1", port: int = 8080
     """
     import viser
 
-    visual, hulls = package_surfaces(package), package_surfaces(package, "collision")
+    visual, hulls = package_surfaces(package), hull_surfaces(package)
     server = viser.ViserServer(host=host, port=port, label=package.name, verbose=False)
     _place_camera(server, visual)
     branches, frames = _add_branches(server, package)
