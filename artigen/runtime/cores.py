@@ -71,12 +71,11 @@ def start_pools(environ: Mapping[str, str]) -> None:
         os.sched_setaffinity(0, cores)
 
 
-def choose_workers(asked: int | None, *, peak_mib: float = PEAK_MIB) -> int:
+def choose_workers(asked: int | None) -> int:
     """Number of worker processes: the requested one, else one per core as far as memory suffices.
 
     Args:
         asked: Requested number; None derives it from the machine.
-        peak_mib: Largest resident memory of one worker, in MiB.
 
     Raises:
         ArtigenError: If fewer than one are requested.
@@ -88,7 +87,7 @@ def choose_workers(asked: int | None, *, peak_mib: float = PEAK_MIB) -> int:
             )
         return asked
     cores, memory = count_cores(), available_mib()
-    return cores if memory is None else max(1, min(cores, int(MEMORY_SHARE * memory / peak_mib)))
+    return cores if memory is None else max(1, min(cores, int(MEMORY_SHARE * memory / PEAK_MIB)))
 
 
 def count_cores() -> int:

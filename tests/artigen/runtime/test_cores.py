@@ -82,8 +82,9 @@ def test_workers_are_one_per_core_that_memory_suffices_for(
 ):
     monkeypatch.setattr(cores, "count_cores", lambda: cores_there)
     monkeypatch.setattr(cores, "available_mib", lambda: mib)
-    assert choose_workers(None, peak_mib=1000.0 * cores.MEMORY_SHARE) == expected
-    assert choose_workers(5, peak_mib=1000.0) == 5
+    monkeypatch.setattr(cores, "PEAK_MIB", 1000.0 * cores.MEMORY_SHARE)
+    assert choose_workers(None) == expected
+    assert choose_workers(5) == 5
 
 
 def test_no_workers_are_refused():

@@ -11,7 +11,6 @@ from drawer_chest import COLOR, INSIDE, LIGHT, make_cabinet, make_chest, make_ex
 
 import artigen.train.loop
 from artigen.appearance.exposure import find_exposed
-from artigen.appearance.features import PyramidFeatures
 from artigen.appearance.gaussian_decoder import GaussianConfig, GaussianDecoderConfig
 from artigen.appearance.inputs import close_curation
 from artigen.appearance.paint import PAINT, VoxelPaint
@@ -391,24 +390,17 @@ def test_open_pictures_show_moved_gaussians(chest: tuple[Asset, AppearanceExampl
     assert (losses_of(vae, batch)[1] - losses_of(vae, still)[1]).abs().max() > 0.1
 
 
-def test_terms_have_their_weights_and_the_perceptual_one_its_extractor(
-    chest: tuple[Asset, AppearanceExample],
-):
+def test_terms_have_their_weights(chest: tuple[Asset, AppearanceExample]):
     vae, example = make_vae(), chest[1]
     batch = picture_batch([example], [np.array([0, 5])])
     encoded, drawn = losses_of(vae, batch)
-    cfg = AppearanceLossConfig(perceptual=0.3)
-    terms = appearance_losses(encoded, drawn, batch, cfg, PyramidFeatures())
-    double = appearance_losses(encoded, drawn, batch, replace(cfg, perceptual=0.6, l1=2.0), PyramidFeatures())
-    assert double["perceptual"].item() == pytest.approx(2 * terms["perceptual"].item())
-    assert double["l1"].item() == pytest.approx(2 * (drawn - batch.rgb).abs().mean().item())
+    terms = appearance_losses(encoded, drawn, batch, AppearanceLossConfig(l1=2.0))
+    assert terms["l1"].item() == pytest.approx(2 * (drawn - batch.rgb).abs().mean().item())
     assert terms["volume"].item() == pytest.approx(1e4 * (0.02**2 + 9e-4**2) ** 1.5, rel=1e-3)
     assert terms["opacity"].item() == pytest.approx(1e-3 * 0.25, rel=1e-3)
-    terms["perceptual"].backward()
+    terms["l1"].backward()
     assert vae.decoder.out_layer.weight.grad is not None
     assert vae.decoder.out_layer.weight.grad.abs().max() > 0
-    with pytest.raises(ValueError, match="feature extractor"):
-        appearance_losses(encoded, drawn, batch, cfg)
 
 
 def test_batches_follow_from_their_number_and_epochs_hold_every_object(
