@@ -17,7 +17,7 @@ SLIDE = Joint(type="prismatic", axis=np.array([-1.0, 0.0, 0.0]), origin=np.zeros
 def solid(low, high) -> PartOccupancy:
     grid = np.zeros((24, 24, 24), dtype=bool)
     grid[tuple(slice(a, b) for a, b in zip(low, high, strict=True))] = True
-    return PartOccupancy(occupancy=grid, shared=0, shaved=0, enclosed=0, joined=0)
+    return PartOccupancy(occupancy=grid, shared=0, enclosed=0, joined=0)
 
 
 def table(label="drawer", joint: Joint = SLIDE) -> Asset:
