@@ -371,3 +371,9 @@ def test_a_strip_may_go_if_no_point_is_farther_from_other_hulls_than_v103_allows
     assert CutHulls(links, sheets=True).is_skin(0, 1) == may_go
     assert not CutHulls(links).is_skin(0, 1)  # hulls of voxels stand for volume
     assert not CutHulls([make_link("body", strip)], sheets=True).is_skin(0, 0)
+
+
+@pytest.mark.parametrize(("hulls", "more"), [(1, 8), (2, 9), (10, 13), (59, 37), (60, 36), (96, 0)])
+def test_cuts_may_add_eight_hulls_and_half_as_many_as_there_are_up_to_the_limit_of_a_link(hulls, more):
+    cubes = [box((k, 0.0, 0.0), (k + 0.9, 0.9, 0.9)) for k in range(hulls)]
+    assert CutHulls([make_link("body", *cubes)]).room(0) == more
