@@ -1,6 +1,8 @@
 """Voxel fields back to parts: both recipes, the tree, regularisation, and noise of the paper's size."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,7 +32,9 @@ from artigen.voxels.segmentation.aggregate import (
 from artigen.voxels.segmentation.neighbours import connected_groups, neighbour_pairs
 from artigen.voxels.segmentation.regularise import regularise
 from artigen.voxels.segmentation.segment import SegmentConfig, segment
+from artigen.voxels.segmentation.segment_robust import OVERLONG
 from artigen.voxels.segmentation.tree import ALLOWED_PARENTS
+from artigen.voxels.segmentation.votes import overlong_axis
 from artigen.voxels.voxelize import voxelize
 
 PAPER = SegmentConfig(recipe="paper")
@@ -491,3 +495,16 @@ def test_real_objects_are_found_again_from_true_fields(real_objects, key):
     assert max(part.axis_degrees for part in score.parts if part.axis_degrees is not None) < 1.0
     assert max((part.line_voxels or 0.0) for part in score.parts) < 0.5
     assert max((part.range_error or 0.0) for part in score.parts) < 0.02
+
+
+@pytest.mark.parametrize(("cells", "axis"), [(8.9, 1), (9.1, None)])
+def test_a_row_of_parts_is_a_voxel_and_a_half_longer_than_it_votes(cells, axis):
+    """Ten and a half cells long, the mean reach of a box of that length; exact votes."""
+    votes: Any = SimpleNamespace(
+        coords=np.array([(0, y, 0) for y in range(11)]),
+        resolution=64,
+        whitened=np.tile(np.array([1, cells, 1]) / 64, (11, 2)),
+        sigma=np.ones(6),
+        patch=1e-9,
+    )
+    assert overlong_axis(votes, np.arange(11), OVERLONG) == axis
