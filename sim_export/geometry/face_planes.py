@@ -24,8 +24,6 @@ INSET = 0.5
 """Inward shift of a patch backed by two or more cells: voxelising dilates by half a cell."""
 THIN_INSET = 0.1
 """Inward shift of a patch backed by one cell."""
-CONTACT_INSET = 0.1
-"""Inward shift of a patch that another part touches."""
 CONTACT_SHARE = 0.1
 """Share of a patch's faces that other parts must touch for the patch to count as touched."""
 MIN_THICKNESS = 0.8
@@ -237,7 +235,7 @@ def _place_patches(
     side = box[(sign > 0).astype(int), axis]
     at_box = (sign * level == extreme[direction]) & (np.abs(side - level) <= BOX_REACH)
     contact = np.bincount(faces.patch, weights=touched) > CONTACT_SHARE * area
-    inset = np.where(contact, CONTACT_INSET, np.where(thick, INSET, THIN_INSET))
+    inset = np.where(thick & ~contact, INSET, THIN_INSET)
     return np.where(at_box, side, level - sign * inset), at_box
 
 

@@ -142,10 +142,8 @@ class AggregatedPart:
     """A part that is not yet in a tree, with the standard errors of its votes and notes of repairs."""
 
     part: Part
-    axis_error: float = 0.0
-    """Standard error of the axis, radians."""
-    origin_error: float = 0.0
-    """Standard error of the position of the axis line, unit lengths."""
+    errors: tuple[float, float] = (0.0, 0.0)
+    """Of the axis (radians) and of the position of its line (unit lengths); none of a fixed part."""
     notes: tuple[str, ...] = ()
 
 
@@ -181,11 +179,9 @@ def aggregate_part(
     if kind == "fixed":
         return AggregatedPart(part=part, notes=tuple(notes))
     gauged = replace(joint, origin=canonical_origin(part))
-    axis_error, origin_error = standard_errors(fields, rows, joint.axis)
     return AggregatedPart(
         part=replace(part, joint=gauged),
-        axis_error=axis_error,
-        origin_error=origin_error,
+        errors=standard_errors(fields, rows, joint.axis),
         notes=tuple(notes),
     )
 

@@ -97,7 +97,7 @@ def segment(
         voxels=VoxelGrid(resolution=fields.resolution, coords=fields.coords, part_ids=divided.part_ids),
         notes=(*(note for one in found for note in one.notes), *said),
     )
-    return regularise(asset, [(one.axis_error, one.origin_error) for one in found])
+    return regularise(asset, [one.errors for one in found])
 
 
 def _hang(
