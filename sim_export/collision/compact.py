@@ -78,6 +78,7 @@ def around_box(hull: Hull) -> Hull:
     flat = hull.vertices @ axes.T
     outline = flat[ConvexHull(flat).vertices]
     edges = np.roll(outline, -1, axis=0) - outline
+    edges = edges[edges.any(axis=1)]  # two corners may lie in one place
     edges /= np.linalg.norm(edges, axis=1, keepdims=True)
     sides = np.stack([edges, np.column_stack([-edges[:, 1], edges[:, 0]])], axis=1)  # E 2 2
     spread = np.ptp(np.einsum("esi,ni->ens", sides, outline), axis=1)
