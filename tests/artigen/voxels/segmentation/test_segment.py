@@ -496,3 +496,27 @@ def test_a_row_of_parts_is_a_voxel_and_a_half_longer_than_it_votes(cells, axis):
         patch=1e-9,
     )
     assert overlong_axis(votes, np.arange(11), OVERLONG) == axis
+
+
+@pytest.mark.parametrize(
+    ("degrees", "error", "snaps"),
+    [(0.99, 0.0, 1), (1.01, 0.0, 0), (5.9, 2.0, 1), (6.1, 2.0, 0), (7.9, 10.0, 1), (8.1, 10.0, 0)],
+)
+def test_axes_snap_within_a_degree_three_standard_errors_and_never_beyond_eight(degrees, error, snaps):
+    made = regularise(slanted(degrees), [(0.0, 0.0), (np.radians(error), 0.0)])
+    assert len(made.notes) == snaps
+
+
+@pytest.mark.parametrize(
+    ("cells", "error", "moved"),
+    [(0.24, 0.0, 1), (0.26, 0.0, 0), (0.9, 0.31, 1), (0.95, 0.31, 0), (1.49, 1.0, 1), (1.51, 1.0, 0)],
+)
+def test_continuous_axes_move_by_a_quarter_cell_three_standard_errors_and_never_beyond_one_and_a_half(
+    cells, error, moved
+):
+    dial = slanted(0.0, "continuous")
+    part = dial.parts[1]
+    origin = part.box[0] + np.array([cells / 64.0, 0.0, 0.0])
+    off = replace(part, joint=replace(part.joint, origin=origin))
+    made = regularise(replace(dial, parts=(dial.parts[0], off)), [(0.0, 0.0), (0.0, error / 64.0)])
+    assert len(made.notes) == moved
