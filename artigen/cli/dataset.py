@@ -132,7 +132,7 @@ def _make(path: Path, out: Path, runner: Runner, shard: str | None) -> int:
         for number, lacking in enumerate(chosen.missing):
             tries[number] += lacking
             _give_up(pools[number], tries[number], chosen, path)
-    _write(recipe, text, path, out, chosen)
+    _write(recipe, text, out, chosen)
     shutil.rmtree(work)
     shards = open_shards(out)
     total = sum(facts["bytes"] for facts in shards.index["files"].values())
@@ -281,7 +281,7 @@ def _give_up(pool: _Pool, tries: int, chosen: _Chosen, path: Path) -> None:
     )
 
 
-def _write(recipe: Recipe, text: str, path: Path, out: Path, chosen: _Chosen) -> None:
+def _write(recipe: Recipe, text: str, out: Path, chosen: _Chosen) -> None:
     about = About(
         name=recipe.name,
         title=recipe.title,

@@ -97,7 +97,7 @@ def draw_all(
     return out
 
 
-def reconstruct(model: StructureModel, subject: Subject, cfg: GenerateConfig) -> Asset | None:
+def reconstruct(model: StructureModel, subject: Subject) -> Asset | None:
     """The object reconstructed from its own latent by voting; None if that gives no object.
 
     It is the upper bound that decoder and segmentation set, whatever the condition.

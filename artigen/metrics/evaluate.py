@@ -149,7 +149,7 @@ def evaluate_structure(
     generation = GenerateConfig(sampler=sampler)
     bench = Bench(
         draw_asset=draw_latent(model, source, generation),
-        reconstruct=lambda subject: reconstruct(model, subject, generation),
+        reconstruct=lambda subject: reconstruct(model, subject),
         library=library,
         out=out,
         cfg=cfg,
