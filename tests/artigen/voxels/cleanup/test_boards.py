@@ -181,7 +181,7 @@ def test_boards_exceed_the_box_of_their_part_by_a_quarter_of_a_cell(short: float
 @pytest.mark.parametrize(("lumps", "found"), [(19, 1), (20, 0)])
 def test_the_search_for_boxes_ends_after_twenty_starts_in_vain(lumps: int, found: int):
     """Lumps of 18 cells are surer than a bar of 20, and too small."""
-    evidence = np.full((24, 24, 24), -1.0)
+    evidence = np.full((24, 24, 24), -9.0)
     for lump in range(lumps):
         x, y = 1 + 5 * (lump % 4), 1 + 4 * (lump // 4)
         evidence[x : x + 3, y : y + 3, 1:3] = 1.0
