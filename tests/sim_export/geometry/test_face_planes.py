@@ -180,3 +180,23 @@ def test_a_face_of_which_others_touch_more_than_a_tenth_lies_at_their_border(row
     others[5 + rows, 5, 3 + 7] = True
     far = np.array([[2.0, 2.0, 4.0], [22.0, 22.0, 11.0]])
     assert fit_face_planes(block, far, others).plane[5][15, 15, 6] == pytest.approx(7.0 - inset)
+
+
+def is_terrace(edge: int, *, higher: int, wide: int) -> bool:
+    """Whether a square between a strip that is higher along part of a side and a lower one is no panel."""
+    block = np.zeros((12, edge + 2 * wide + 4, edge + 4), dtype=bool)
+    block[2:8, 2 : 2 + edge + 2 * wide, 2 : 2 + edge] = True
+    block[7, 2 + edge + wide :] = False
+    block[8, 2 : 2 + wide, 2 : 2 + higher] = True
+    planes = fit_face_planes(block, tight_box(block))
+    return not planes.flat[1][7, 2 + wide + edge // 2, 2 + edge // 2]
+
+
+@pytest.mark.parametrize(("edge", "terrace"), [(33, True), (34, False)])
+def test_strips_of_less_than_three_hundredths_of_a_face_do_not_make_it_a_terrace(edge: int, terrace: object):
+    assert is_terrace(edge, higher=edge, wide=1) == terrace
+
+
+@pytest.mark.parametrize(("higher", "terrace"), [(17, True), (16, False)])
+def test_a_terrace_has_steps_along_three_twentieths_of_its_rim_either_way(higher: int, terrace: object):
+    assert is_terrace(30, higher=higher, wide=2) == terrace
