@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from field_noise import TABLE_4, TABLES_3_AND_4, FieldNoise, add_noise
+from scipy.stats import chi2
 from segment_score import part_overlaps, score_segmentation
 
 from artigen.errors import SegmentationError
@@ -32,7 +33,7 @@ from artigen.voxels.segmentation.aggregate import (
 from artigen.voxels.segmentation.neighbours import connected_groups, neighbour_pairs
 from artigen.voxels.segmentation.regularise import regularise
 from artigen.voxels.segmentation.segment import segment
-from artigen.voxels.segmentation.segment_robust import OVERLONG
+from artigen.voxels.segmentation.segment_robust import OVERLONG, _explained_below
 from artigen.voxels.segmentation.tree import ALLOWED_PARENTS
 from artigen.voxels.segmentation.votes import overlong_axis
 from artigen.voxels.voxelize import voxelize
@@ -520,3 +521,12 @@ def test_continuous_axes_move_by_a_quarter_cell_three_standard_errors_and_never_
     off = replace(part, joint=replace(part.joint, origin=origin))
     made = regularise(replace(dial, parts=(dial.parts[0], off)), [(0.0, 0.0), (0.0, error / 64.0)])
     assert len(made.notes) == moved
+
+
+def test_a_single_voxel_is_explained_up_to_eight_deviations_of_half_a_chi_squared():
+    """Of fourteen votes; many voxels are explained by hardly more than the mean."""
+    votes = chi2(14)
+    limits = _explained_below(np.array([1, 16, 10_000]))
+    assert 2.0 * limits[0] == pytest.approx(votes.mean() + 8.0 * votes.std())
+    assert 2.0 * limits[1] == pytest.approx(votes.mean() + votes.std())
+    assert 2.0 * limits[2] == pytest.approx(votes.mean(), rel=0.01)
