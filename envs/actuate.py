@@ -127,7 +127,7 @@ class ActuateEnv(PackageEnv):
     def _grasp_point(self) -> Float[np.ndarray, "3"]:
         """Grasp point in the world at the pose of the reset."""
         joint = self._joint
-        moved = measure_moved(self.loaded, joint)
+        moved = measure_moved(joint)
         if joint.handle is not None:
             # Annotations are in the object frame at rest; the link may have moved since.
             T = pose_matrix(joint.engine.child_link.entity_pose)

@@ -15,7 +15,7 @@ from jaxtyping import Float
 from artigen.transforms import rotation_about, transform_points
 from sim_export.physics.materials import GRAVITY
 
-from .loaded import LoadedJoint, LoadedPackage, moving_links
+from .loaded import LoadedJoint, moving_links
 
 if TYPE_CHECKING:
     import sapien
@@ -63,12 +63,12 @@ def shape_vertices(shape: "PhysxCollisionShape") -> Float[np.ndarray, "V 3"]:
     return transform_points(pose_matrix(shape.local_pose), _shape_points(shape))
 
 
-def measure_moved(loaded: LoadedPackage, joint: LoadedJoint) -> Moved:
+def measure_moved(joint: LoadedJoint) -> Moved:
     """Mass properties of everything that ``joint`` moves at the current pose."""
     frame = pose_matrix(joint.engine.global_pose)
     axis, origin = frame[:3, 0], frame[:3, 3]  # the axis of a SAPIEN joint is the x axis of its frame
     masses, centers, inertias, vertices = [], [], [], [np.zeros((0, 3))]
-    for link in moving_links(loaded, joint):
+    for link in moving_links(joint):
         T = pose_matrix(link.entity_pose)
         principal = T @ pose_matrix(link.cmass_local_pose)
         arm = np.cross(axis, principal[:3, 3] - origin)

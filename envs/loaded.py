@@ -136,7 +136,7 @@ def qpos_of(loaded: LoadedPackage, coordinates: dict[str, float]) -> Float[np.nd
     return qpos
 
 
-def moving_links(loaded: LoadedPackage, joint: LoadedJoint) -> list["PhysxArticulationLinkComponent"]:
+def moving_links(joint: LoadedJoint) -> list["PhysxArticulationLinkComponent"]:
     """The joint's child link and its descendants."""
     out, waiting = [], [joint.engine.child_link]
     while waiting:

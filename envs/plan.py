@@ -50,17 +50,17 @@ class TrialPlan:
 def plan_trials(loaded: LoadedPackage) -> TrialPlan:
     """Measures every joint of a fixed-base object and groups the independent ones."""
     plans, swept = [], []
-    for index, joint in enumerate(loaded.joints):
+    for joint in loaded.joints:
         needs = tuple(needed_fractions(joint.spec.name, loaded.package.requires_open))
         at_limits = {name: loaded.joint(name).spec.upper for name in needs}
         loaded.articulation.set_qpos(
             qpos_of(loaded, at_limits | {joint.spec.name: _start(joint)}).astype(np.float32)
         )
-        moved = measure_moved(loaded, joint)
-        plans.append(_plan(index, joint, moved, needs))
+        moved = measure_moved(joint)
+        plans.append(_plan(joint, moved, needs))
         swept.append(_swept_box(joint, moved))
     loaded.articulation.set_qpos(rest_qpos(loaded))
-    return TrialPlan(joints=tuple(plans), groups=_group(loaded, plans, np.array(swept).reshape(-1, 2, 3)))
+    return TrialPlan(joints=tuple(plans), groups=_group(plans, np.array(swept).reshape(-1, 2, 3)))
 
 
 def rest_qpos(loaded: LoadedPackage) -> Float[np.ndarray, "Q"]:
@@ -78,7 +78,7 @@ def _start(joint: LoadedJoint) -> float:
     return joint.spec.lower if joint.limited else 0.0
 
 
-def _plan(index: int, joint: LoadedJoint, moved: Moved, needs: tuple[str, ...]) -> JointPlan:
+def _plan(joint: LoadedJoint, moved: Moved, needs: tuple[str, ...]) -> JointPlan:
     hand = hand_effort(joint, moved)
     travel = np.linspace(0.0, joint.span, SWEEP_SAMPLES)
     weight = weight_effort(joint, moved, travel) - joint.spec.spring - joint.spec.stiffness * travel
@@ -124,7 +124,7 @@ def _swept_box(joint: LoadedJoint, moved: Moved) -> np.ndarray:
     return np.stack([points.min(axis=0) - bulge, points.max(axis=0) + bulge])
 
 
-def _group(loaded: LoadedPackage, plans: list[JointPlan], swept: np.ndarray) -> tuple[tuple[int, ...], ...]:
+def _group(plans: list[JointPlan], swept: np.ndarray) -> tuple[tuple[int, ...], ...]:
     """Greedy colouring: equal requirements, and disjoint swept boxes."""
     groups: list[list[int]] = []
     for index, plan in enumerate(plans):

@@ -26,7 +26,7 @@ from sim_export.appearance.texture import color_atlas
 from sim_export.collision.hull_limits import trim_hull
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.simplification import TOLERANCE, simplify_links
-from sim_export.geometry.needles import find_needles, flip_needles
+from sim_export.geometry.sampling import find_slivers
 from sim_export.geometry.solids import as_solid
 from sim_export.package import Hull, Inertial, Mesh, Requirement, SimPackage
 from sim_export.physics.annotations import annotate_handles
@@ -38,8 +38,8 @@ from sim_export.physics.masses import mean_thickness, subtract
 from sim_export.physics.materials import MATERIALS, MaterialName, finish_material
 from sim_export.topology import hull_kinds
 
-NEEDLES = 0.008
-"""Share of needle triangles above which a union is not used as visual; checks allow a hundredth."""
+SLIVERS = 0.01
+"""Share of triangles that may be slivers in a union, as V101 allows; one always may."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,7 +174,7 @@ def _trim(solids: Sequence[Hull]) -> tuple[Hull, ...]:
 def _show(solids: Sequence[Hull], round_ones: Sequence[bool]) -> _Union:
     """The surface of a part: its exact union if that is a clean mesh, else overlapping closed pieces.
 
-    Unions of crossing wires and of nearly aligned boards have needles and vertices closer than the precision
+    Unions of crossing wires and of nearly aligned boards have slivers and vertices closer than the precision
     of files. Then round pieces stay separate and, if necessary, all pieces do.
     """
     level = [Hull(vertices=np.round(solid.vertices, 6), faces=solid.faces) for solid in solids]
@@ -197,7 +197,7 @@ def _unite(solids: Sequence[Hull]) -> _Union:
     runs = np.diff(np.asarray(mesh.run_index).astype(np.int64)) // 3
     owners = np.repeat([number[int(original)] for original in mesh.run_original_id], runs)
     vertices = np.asarray(mesh.vert_properties)[:, :3]
-    faces = flip_needles(vertices, np.asarray(mesh.tri_verts).astype(np.int64), owners)
+    faces = np.asarray(mesh.tri_verts).astype(np.int64)
     return _Union(mesh=Mesh(vertices=vertices, faces=faces), owners=owners)
 
 
@@ -216,10 +216,11 @@ def _join(pieces: Sequence[tuple[_Union, list[int]]]) -> _Union:
 
 
 def _is_clean(mesh: Mesh) -> bool:
-    """Whether there are few needles and no edges below the precision of files, a micrometre."""
+    """Whether there are few slivers and no edges below the precision of files, a micrometre."""
     triangles = mesh.vertices[mesh.faces]
     shortest = np.abs(triangles - np.roll(triangles, -1, axis=1)).max(axis=2).min()
-    return bool(shortest > 2e-6 and find_needles(triangles, 1.1e-4).mean() < NEEDLES)
+    slivers = np.count_nonzero(find_slivers(triangles, 1.1e-4))
+    return bool(shortest > 2e-6 and slivers <= np.ceil(SLIVERS * len(triangles)))
 
 
 def _paint_part(

@@ -36,18 +36,15 @@ NOTHING = np.zeros((0, 3, 3))
 Surfaces = Mapping[str, Float[np.ndarray, "F 3 3"]]
 
 
-def find_source_faults(
-    package: SimPackage, surfaces: Surfaces, failed: Collection[str], cfg: CheckConfig | None = None
-) -> dict[str, str]:
+def find_source_faults(package: SimPackage, surfaces: Surfaces, failed: Collection[str]) -> dict[str, str]:
     """The evidence, one sentence, for each failed check that the source fails as well.
 
     Args:
         package: The object with its own meshes as visuals.
         surfaces: Triangles of the visuals by link (m, object frame at rest).
         failed: Ids of the checks.
-        cfg: Thresholds of the checks.
     """
-    cfg = cfg or CheckConfig()
+    cfg = CheckConfig()
     out = {}
     if {"V203", "V204"} & set(failed):
         around = tuple(

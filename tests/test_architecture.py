@@ -12,7 +12,7 @@ import pytest
 from project import ROOT
 
 PACKAGES = ("artigen", "sim_export", "envs")
-SHARED = {"types", "transforms", "kinematics", "io", "errors", "wavefront", "runtime", "shapes", "splats"}
+SHARED = {"types", "transforms", "kinematics", "io", "errors", "files", "runtime", "shapes", "splats"}
 """Modules of artigen that the other two packages may use."""
 MODEL_CODE = (
     "artigen.appearance",
@@ -30,8 +30,8 @@ MODEL_CODE = (
 )
 """The only places where torch is imported."""
 LAYERS = (
-    {"errors", "types", "transforms", "kinematics", "io", "wavefront"},
-    {"runtime"},
+    {"errors", "types", "transforms", "kinematics", "io"},
+    {"files", "runtime"},
     {"voxels"},
     {"shapes"},
     {"splats", "datasets", "conditioning"},
@@ -259,7 +259,7 @@ def test_loading_a_package_loads_no_heavy_module(package: str):
     assert done.stdout.split() == []
 
 
-LATE = (*HEAVY, "scipy", "PIL", "matplotlib", "pandas", "sklearn", "lxml", "coal", "manifold3d")
+LATE = (*HEAVY, "scipy", "PIL", "matplotlib", "pandas", "lxml", "coal", "manifold3d")
 """Modules that the process which only hands out work does not need."""
 
 

@@ -3,8 +3,6 @@
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -134,7 +132,7 @@ def _make(path: Path, out: Path, runner: Runner, shard: str | None) -> int:
         for number, lacking in enumerate(chosen.missing):
             tries[number] += lacking
             _give_up(pools[number], tries[number], chosen, path)
-    _write(recipe, text, path, out, chosen)
+    _write(recipe, text, out, chosen)
     shutil.rmtree(work)
     shards = open_shards(out)
     total = sum(facts["bytes"] for facts in shards.index["files"].values())
@@ -283,7 +281,7 @@ def _give_up(pool: _Pool, tries: int, chosen: _Chosen, path: Path) -> None:
     )
 
 
-def _write(recipe: Recipe, text: str, path: Path, out: Path, chosen: _Chosen) -> None:
+def _write(recipe: Recipe, text: str, out: Path, chosen: _Chosen) -> None:
     about = About(
         name=recipe.name,
         title=recipe.title,
@@ -301,35 +299,21 @@ def _write(recipe: Recipe, text: str, path: Path, out: Path, chosen: _Chosen) ->
     )
     work = out / WORK
     ids = order_objects(chosen.ids, chosen.full.__contains__)
-    with _progress("packed", len(ids)) as on_step:
-        write_dataset(
-            out,
-            ids,
-            partial(load_object, work),
-            lambda sha256: (work / SHARED / sha256).read_bytes(),
-            about,
-            per_shard=recipe.options.objects_per_shard,
-            on_step=on_step,
-        )
-
-
-@contextmanager
-def _progress(what: str, total: int) -> Iterator[Callable[[int, int], None]]:
-    """Progress bar on stderr, as a function of done and total."""
-    with tqdm(total=total, unit="object", desc=what, disable=not sys.stderr.isatty()) as bar:
-
-        def on_step(done: int, _: int) -> None:
-            bar.update(done - bar.n)
-
-        yield on_step
+    write_dataset(
+        out,
+        ids,
+        partial(load_object, work),
+        lambda sha256: (work / SHARED / sha256).read_bytes(),
+        about,
+        per_shard=recipe.options.objects_per_shard,
+    )
 
 
 def _verify(folders: list[Path], prove: int) -> int:
     if len(folders) != 1 or prove < 0:
         raise ArtigenError("verify: expected one folder of a data set, and --prove of at least 0")
     shards = open_shards(folders[0])
-    with _progress("verified", len(shards)) as on_step:
-        problems = [*verify_dataset(shards, on_step=on_step), *_prove(shards, prove)]
+    problems = [*verify_dataset(shards), *_prove(shards, prove)]
     for problem in problems:
         sys.stderr.write(f"{problem}\n")
     tried = f", {prove} tried again" if prove else ""
@@ -366,8 +350,7 @@ def _merge(folders: list[Path], out: Path) -> int:
         raise ArtigenError(f"{out}: is not empty; choose another folder with -o")
     (out / WORK).mkdir(parents=True, exist_ok=True)
     sources = [open_shards(folder) for folder in folders]
-    with _progress("merged", sum(len(one) for one in sources)) as on_step:
-        merge_datasets(sources, out, f"artigen {__version__}", on_step=on_step)
+    merge_datasets(sources, out, f"artigen {__version__}")
     shutil.rmtree(out / WORK)
     merged = open_shards(out)
     total = sum(len(one) for one in sources)

@@ -37,7 +37,7 @@ def evaluate(
     workers: Workers = None,
     appearance: tyro.conf.OmitArgPrefixes[AppearanceViews] = AppearanceViews(),
 ) -> int:
-    """Evaluate a trained model; writes evaluation.json, evaluation.md and nearest.png.
+    """Evaluate a trained model; writes evaluation.json and evaluation.md.
 
     Running the same command again reuses the objects that were already drawn.
 

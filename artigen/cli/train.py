@@ -61,7 +61,7 @@ def train(
 
     Args:
         what: A model (sketch, structure, appearance) or one of its networks; a flow needs its VAE.
-        run: Run folder for data, checkpoints, curves and weights.
+        run: Run folder for data, checkpoints, metrics and weights.
         cfg: What to train, on which data and for how long.
         workers: Worker processes that generate data; default: one per available core.
         appearance: Settings of appearance only.

@@ -31,11 +31,11 @@ from artigen.datasets.partnet_meshes import PieceMesh
 from artigen.datasets.partnet_mobility import choose_size
 from artigen.datasets.partnet_parts import order_nodes
 from artigen.datasets.source_object import ReaderConfig, SourceObject, SourceTree, assemble, collect_corners
-from artigen.datasets.urdf_file import UrdfShape
 from artigen.datasets.urdf_object import OTHER, turn_upright
 from artigen.errors import SourceError
+from artigen.files.urdf import UrdfShape
+from artigen.files.wavefront import inside
 from artigen.types import PART_LABELS, PartLabel
-from artigen.wavefront import inside
 
 logger = logging.getLogger(__name__)
 
@@ -167,7 +167,7 @@ def _read_pieces(
             if not isinstance(name, str):
                 raise SourceError(f"{where}: {key!r} holds {name!r}, expected the name of a file")
             file = _find_file(name, path, where)
-            shape = UrdfShape(link=node.name, name=name, kind="mesh", T_base_shape=np.eye(4), file=name)
+            shape = UrdfShape(link=node.name, name=name, kind="mesh", T_link_shape=np.eye(4), file=name)
             placed = load_shape(shape, file, path.parent, scratch) if file.is_file() else None
             if placed is None:
                 lost.append(name)
@@ -188,7 +188,7 @@ def _read_pieces(
     if min(size) <= 0.0:
         raise SourceError(f"{where}: 'size' of 'aabb' holds {list(size)}, expected lengths above 0")
     placed = load_shape(
-        UrdfShape(link=node.name, name="aabb", kind="box", T_base_shape=T, size=size), None, path, scratch
+        UrdfShape(link=node.name, name="aabb", kind="box", T_link_shape=T, sizes=size), None, path, scratch
     )
     assert placed is not None
     notes.append(f"part {node.id} ({node.name}) has no mesh; its box stands for it")

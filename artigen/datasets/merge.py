@@ -1,6 +1,6 @@
 """`merge_datasets`: several data sets as one, without duplicates; samples keep their bytes."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from artigen.datasets.about import About
@@ -13,13 +13,7 @@ from artigen.datasets.shards import ARCHIVE, Shards
 COLUMNS = ("id", "category", "joint_kinds", "depth", "width", "height", "geometry", "package", "descriptor")
 
 
-def merge_datasets(
-    sources: Sequence[Shards],
-    out: Path,
-    generator: str,
-    *,
-    on_step: Callable[[int, int], None] | None = None,
-) -> Path:
+def merge_datasets(sources: Sequence[Shards], out: Path, generator: str) -> Path:
     """Writes the objects of several data sets as one; of duplicates, the first one is kept.
 
     Raises:
@@ -79,7 +73,6 @@ def merge_datasets(
         fetch,
         _describe(sources, out, generator, tuple(duplicates), near),
         per_shard=Options().objects_per_shard,
-        on_step=on_step,
     )
 
 

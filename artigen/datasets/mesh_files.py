@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from artigen.datasets.urdf_file import UrdfShape
 from artigen.errors import SourceError
-from artigen.wavefront import NO_MATERIAL, ObjMesh, read_obj
+from artigen.files.urdf import UrdfShape
+from artigen.files.wavefront import NO_MATERIAL, ObjMesh, read_obj
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -96,11 +96,11 @@ def _primitive(shape: UrdfShape) -> list["Trimesh"]:
 
     match shape.kind:
         case "box":
-            return [creation.box(shape.size)]
+            return [creation.box(shape.sizes)]
         case "cylinder":
-            return [creation.cylinder(radius=shape.size[0], height=shape.size[1], sections=48)]
+            return [creation.cylinder(radius=shape.sizes[0], height=shape.sizes[1], sections=48)]
         case _:
-            return [creation.icosphere(subdivisions=3, radius=shape.size[0])]
+            return [creation.icosphere(subdivisions=3, radius=shape.sizes[0])]
 
 
 def _load(path: Path) -> list["Trimesh"]:

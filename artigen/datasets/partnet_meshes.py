@@ -13,9 +13,10 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.datasets.partnet_annotation import SourceNode, SourcePiece
-from artigen.datasets.urdf_file import UrdfFile, UrdfShape
+from artigen.datasets.urdf_file import SourceUrdf
 from artigen.errors import SourceError
-from artigen.wavefront import ObjMesh, inside, read_obj
+from artigen.files.urdf import UrdfShape
+from artigen.files.wavefront import ObjMesh, inside, read_obj
 
 MESH_FOLDER = "textured_objs"
 
@@ -52,7 +53,7 @@ def read_pieces(
     folder: Path,
     nodes: tuple[SourceNode, ...],
     live: frozenset[int],
-    urdf: UrdfFile,
+    urdf: SourceUrdf,
     files: dict[int, tuple[str, ...]],
 ) -> tuple[tuple[PieceMesh, ...], tuple[str, ...]]:
     """Reads every mesh of the live nodes; returns them with notes on missing files.
@@ -99,7 +100,7 @@ def read_pieces(
 
 
 def _collect(
-    folder: Path, nodes: tuple[SourceNode, ...], urdf: UrdfFile, files: dict[int, tuple[str, ...]]
+    folder: Path, nodes: tuple[SourceNode, ...], urdf: SourceUrdf, files: dict[int, tuple[str, ...]]
 ) -> tuple[list[_Reference], list[str]]:
     by_id = {piece.id: (node, piece) for node in nodes for piece in node.pieces}
     by_name = {

@@ -18,7 +18,7 @@ from artigen.datasets.partnet_parts import order_nodes
 from artigen.datasets.partnet_urdf import check_scales, compare_urdf
 from artigen.datasets.sizes import estimate_size
 from artigen.datasets.source_object import ReaderConfig, SourceObject, SourceTree, assemble, collect_corners
-from artigen.datasets.urdf_file import UrdfFile, read_urdf
+from artigen.datasets.urdf_file import SourceUrdf, read_urdf
 from artigen.errors import SourceError
 from artigen.transforms import T_ZUP_FROM_PARTNET
 from artigen.types import PartLabel
@@ -132,7 +132,7 @@ def find_rest_poses(
     return poses
 
 
-def _find_turn(nodes: tuple[SourceNode, ...], urdf: UrdfFile) -> tuple[np.ndarray, list[str]]:
+def _find_turn(nodes: tuple[SourceNode, ...], urdf: SourceUrdf) -> tuple[np.ndarray, list[str]]:
     """Rotation of mesh files to z up: that of the base in the URDF, which is nearly always the same."""
     base = next(node for node in nodes if node.parent == -1)
     placed = urdf.T_base_link.get(f"link_{base.id}")

@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from artigen.errors import SourceError
+from artigen.files.wavefront import Material, ObjMesh
 from artigen.types import SurfaceSamples
-from artigen.wavefront import Material, ObjMesh
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

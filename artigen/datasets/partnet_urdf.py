@@ -10,8 +10,9 @@ import numpy as np
 
 from artigen.datasets.partnet_annotation import SourceNode
 from artigen.datasets.partnet_joints import joint_kind
-from artigen.datasets.urdf_file import UrdfFile, UrdfJoint
+from artigen.datasets.urdf_file import SourceUrdf
 from artigen.errors import SourceError
+from artigen.files.urdf import UrdfJoint
 
 EXPECTED_TYPES: dict[str, tuple[str, ...]] = {
     "fixed": ("fixed",),
@@ -22,7 +23,7 @@ EXPECTED_TYPES: dict[str, tuple[str, ...]] = {
 }
 
 
-def compare_urdf(nodes: tuple[SourceNode, ...], urdf: UrdfFile) -> list[str]:
+def compare_urdf(nodes: tuple[SourceNode, ...], urdf: SourceUrdf) -> list[str]:
     """The differences of the URDF from mobility_v2.json, which is used."""
     joints = {joint.child: joint for joint in urdf.joints}
     changed = [
@@ -42,7 +43,7 @@ def compare_urdf(nodes: tuple[SourceNode, ...], urdf: UrdfFile) -> list[str]:
     expected = urdf.T_base_link.get(f"link_{base.id}")
     if expected is not None:
         meshes = [visual for visual in urdf.visuals if visual.kind == "mesh"]
-        shifted = [v.link for v in meshes if not np.allclose(v.T_base_shape, expected, atol=1e-4)]
+        shifted = [v.link for v in meshes if not np.allclose(urdf.place(v), expected, atol=1e-4)]
         if shifted:
             notes.append(
                 f"{len(shifted)} visuals are shifted by the URDF ({', '.join(dict.fromkeys(shifted))}); "
@@ -65,7 +66,7 @@ def _compare_joint(node: SourceNode, joint: UrdfJoint | None) -> str:
     return ""
 
 
-def check_scales(urdf: UrdfFile, path: Path) -> None:
+def check_scales(urdf: SourceUrdf, path: Path) -> None:
     """Raises `SourceError` if the URDF scales a mesh, since the annotation has one unit of length."""
     for visual in urdf.visuals:
         if visual.scale != (1.0, 1.0, 1.0):

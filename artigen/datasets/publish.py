@@ -10,7 +10,10 @@ import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from tarfile import TarFile
 from typing import Any
+
+from tqdm import tqdm
 
 from artigen.datasets.about import About
 from artigen.datasets.card import COLUMNS as CARD_COLUMNS
@@ -38,7 +41,7 @@ from artigen.datasets.shards import (
     VERSION,
     write_folder,
 )
-from artigen.datasets.tars import TarWriter
+from artigen.datasets.tars import add_member, open_tar
 
 SCRATCH = ".partial"
 SHARED_BYTES = 256 * 2**20
@@ -83,7 +86,6 @@ def write_dataset(
     about: About,
     *,
     per_shard: int,
-    on_step: Callable[[int, int], None] | None = None,
 ) -> Path:
     """Writes a data set.
 
@@ -94,7 +96,6 @@ def write_dataset(
         fetch: Returns the content of a shared file by its SHA-256.
         about: Description of the data set.
         per_shard: Objects per shard.
-        on_step: Called with the number of objects written, and of all.
 
     Returns:
         ``out``.
@@ -105,19 +106,19 @@ def write_dataset(
         (scratch / folder).mkdir(parents=True)
     thumbnails: list[bytes] = []
     contents: set[str] = set()
-    with TableWriter(scratch / MANIFEST, COLUMNS) as manifest:
+    bar = tqdm(total=len(ids), unit="object", desc="packed", disable=None)
+    with TableWriter(scratch / MANIFEST, COLUMNS) as manifest, bar:
         for number, start in enumerate(range(0, len(ids), per_shard)):
             rows = []
             name = f"objects-{number:05d}.tar"
-            with TarWriter(scratch / SHARDS / name) as tar:
+            with open_tar(scratch / SHARDS / name) as tar:
                 for one in ids[start : start + per_shard]:
                     packed = load(one)
                     rows.append(_add_object(tar, name, packed))
                     contents |= {file.sha256 for file in packed.sample.shared}
                     if len(thumbnails) < SHEET_COLUMNS * SHEET_ROWS:
                         thumbnails.append(packed.thumbnail)
-                    if on_step is not None:
-                        on_step(start + len(rows), len(ids))
+                    bar.update()
             manifest.write(rows)
     _write_shared(scratch, sorted(contents), fetch)
     for name, text in about.recipes:
@@ -140,19 +141,19 @@ def write_dataset(
     return _move(scratch, out)
 
 
-def _add_object(tar: TarWriter, shard: str, packed: PackedObject) -> dict[str, Any]:
+def _add_object(tar: TarFile, shard: str, packed: PackedObject) -> dict[str, Any]:
     """Appends the members of an object; returns its row."""
     sample = packed.sample
-    offset = tar.tell()
-    tar.add(f"{sample.id}.{JSON}", sample_json(sample))
-    tar.add(f"{sample.id}.{ARCHIVE}", packed.archive)
-    tar.add(f"{sample.id}.{THUMBNAIL}", packed.thumbnail)
+    offset = tar.offset
+    add_member(tar, f"{sample.id}.{JSON}", sample_json(sample))
+    add_member(tar, f"{sample.id}.{ARCHIVE}", packed.archive)
+    add_member(tar, f"{sample.id}.{THUMBNAIL}", packed.thumbnail)
     return sample_row(
         sample,
         packed_bytes=len(packed.archive),
         shard=shard,
         offset=offset,
-        size=tar.tell() - offset,
+        size=tar.offset - offset,
         thumbnail={"bytes": packed.thumbnail, "path": f"{sample.id}.{THUMBNAIL}"},
         descriptor=packed.descriptor,
     )
@@ -164,10 +165,10 @@ def _write_shared(scratch: Path, contents: Sequence[str], fetch: Callable[[str],
         number, at = 0, 0
         while at < len(contents) or number == 0:
             name, rows = f"shared-{number:05d}.tar", []
-            with TarWriter(scratch / SHARED / name) as tar:
-                while at < len(contents) and tar.tell() < SHARED_BYTES:
+            with open_tar(scratch / SHARED / name) as tar:
+                while at < len(contents) and tar.offset < SHARED_BYTES:
                     data = fetch(contents[at])
-                    offset = tar.add(f"{contents[at]}.png", data)
+                    offset = add_member(tar, f"{contents[at]}.png", data)
                     rows.append({"sha256": contents[at], "shard": name, "offset": offset, "size": len(data)})
                     at += 1
             index.write(rows)

@@ -19,6 +19,8 @@ from artigen.datasets.partnet_surface import FaceTable, join_tables, make_face_t
 from artigen.types import Asset, Part, PartLabel, SurfaceSamples, frozen_array
 
 Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
+PIECE_GAP = 0.04
+"""Handles of one name that are farther apart become separate parts (unit-cube lengths)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,8 +34,6 @@ class ReaderConfig:
     size: float | None = None
     """Longest edge of the closed object in metres; None keeps the lengths of a URDF and uses the category
     table for layouts without metres."""
-    piece_gap: float = 0.04
-    """Handles of one name that are farther apart become separate parts (unit-cube lengths)."""
     category: str | None = None
     """Category of the object; None takes it from its files or name."""
     up: Direction | None = None
@@ -46,8 +46,6 @@ class ReaderConfig:
             raise ValueError(f"samples is {self.samples}, expected at least 1")
         if self.size is not None and not self.size > 0:
             raise ValueError(f"size is {self.size} metres, expected > 0")
-        if not self.piece_gap > 0:
-            raise ValueError(f"piece_gap is {self.piece_gap}, expected > 0")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -132,7 +130,7 @@ def assemble(
         make_face_table(piece.mesh, placement.T_unit[piece.node], placement.scale) for piece in pieces
     )
     parts, owners = build_parts(
-        nodes, dict(tree.labels), dict(tree.poses), pieces, tables, placement, cfg.piece_gap
+        nodes, dict(tree.labels), dict(tree.poses), pieces, tables, placement, PIECE_GAP
     )
     size, size_notes = choose_size(placement.extents)
     surface = sample_surface(tables, owners, cfg.samples, np.random.default_rng(cfg.seed))

@@ -4,41 +4,23 @@ import io
 import tarfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from types import TracebackType
 
 from artigen.datasets.packing import PackingError, tar_info
 
-BLOCK = tarfile.BLOCKSIZE
-END = bytes(2 * BLOCK)
+END = bytes(2 * tarfile.BLOCKSIZE)
 
 
-class TarWriter:
-    """Appends members to a new tar file and returns their offsets; a context manager."""
+def open_tar(path: Path) -> tarfile.TarFile:
+    """A new tar file for `add_member`."""
+    return tarfile.open(path, "w", format=tarfile.USTAR_FORMAT)
 
-    def __init__(self, path: Path) -> None:
-        self._file = path.open("wb")
 
-    def __enter__(self) -> "TarWriter":
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if kind is None:
-            self._file.write(END)
-        self._file.close()
-
-    def add(self, path: str, data: bytes) -> int:
-        """Appends a file; returns the offset of its first byte."""
-        self._file.write(tar_info(path, len(data)).tobuf(tarfile.USTAR_FORMAT))
-        at = self._file.tell()
-        self._file.write(data)
-        self._file.write(bytes(-len(data) % BLOCK))
-        return at
-
-    def tell(self) -> int:
-        """Offset of the next member."""
-        return self._file.tell()
+def add_member(tar: tarfile.TarFile, path: str, data: bytes) -> int:
+    """Appends a file; returns the offset of its first byte."""
+    info = tar_info(path, len(data))
+    at = tar.offset + len(info.tobuf(tarfile.USTAR_FORMAT))
+    tar.addfile(info, io.BytesIO(data))
+    return at
 
 
 def read_members(data: bytes, where: str) -> dict[str, bytes]:

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from artigen.datasets.partnet_annotation import SourceNode
-from artigen.datasets.urdf_file import UrdfFile, UrdfJoint
+from artigen.datasets.urdf_file import SourceUrdf
 from artigen.errors import SourceError
+from artigen.files.urdf import UrdfJoint
 from artigen.types import FULL_TURN
 
 ROUND = 1e-3
@@ -40,7 +41,7 @@ class _Coupling:
     offset: float
 
 
-def build_tree(urdf: UrdfFile, path: Path) -> Tree:
+def build_tree(urdf: SourceUrdf, path: Path) -> Tree:
     """The nodes of a URDF, in its own frame at zero joint values.
 
     Raises:
@@ -88,7 +89,7 @@ def build_tree(urdf: UrdfFile, path: Path) -> Tree:
     )
 
 
-def _check(joint: UrdfJoint, urdf: UrdfFile, path: Path, notes: list[str]) -> UrdfJoint:
+def _check(joint: UrdfJoint, urdf: SourceUrdf, path: Path, notes: list[str]) -> UrdfJoint:
     """The joint with a type and limits that are valid for a part."""
     where = f"{path}: joint {joint.name!r}"
     shown = {shape.link for shape in (*urdf.visuals, *urdf.collisions)}
@@ -106,7 +107,7 @@ def _check(joint: UrdfJoint, urdf: UrdfFile, path: Path, notes: list[str]) -> Ur
     if joint.type == "fixed":
         return joint
     if not np.linalg.norm(joint.axis) > 1e-6:
-        raise SourceError(f"{where}: axis {list(joint.axis)} has no length, expected a direction")
+        raise SourceError(f"{where}: axis {joint.axis.tolist()} has no length, expected a direction")
     if joint.type == "continuous":
         return joint
     lower, upper = joint.lower, joint.upper
@@ -132,7 +133,7 @@ def _check(joint: UrdfJoint, urdf: UrdfFile, path: Path, notes: list[str]) -> Ur
     return joint
 
 
-def _find_screws(joints: Mapping[str, UrdfJoint], urdf: UrdfFile) -> dict[str, str]:
+def _find_screws(joints: Mapping[str, UrdfJoint], urdf: SourceUrdf) -> dict[str, str]:
     """The sliding joint of every screw, with the turning joint that it mimics."""
     shown = {shape.link for shape in urdf.visuals}
     found = {}
@@ -147,7 +148,7 @@ def _find_screws(joints: Mapping[str, UrdfJoint], urdf: UrdfFile) -> dict[str, s
 
 
 def _simplify_chains(
-    joints: Mapping[str, UrdfJoint], screws: frozenset[str], urdf: UrdfFile, notes: list[str]
+    joints: Mapping[str, UrdfJoint], screws: frozenset[str], urdf: SourceUrdf, notes: list[str]
 ) -> dict[str, UrdfJoint]:
     """Fixes one of two joints in a row through an empty link, because a part has one joint.
 
@@ -176,8 +177,8 @@ def _resolve(joint: UrdfJoint, joints: Mapping[str, UrdfJoint], path: Path) -> _
     """The joint that a joint follows, directly or through other followers."""
     ratio, offset, at, seen = 1.0, 0.0, joint, {joint.name}
     while at.mimic is not None:
-        offset += ratio * at.offset
-        ratio *= at.multiplier
+        offset += ratio * at.mimic_offset
+        ratio *= at.mimic_multiplier
         if at.mimic in seen:
             raise SourceError(f"{path}: joint {joint.name!r}: mimics {', '.join(sorted(seen))} form a cycle")
         seen.add(at.mimic)
@@ -199,7 +200,7 @@ def _follow(joint: UrdfJoint, leader: UrdfJoint, coupling: _Coupling, path: Path
     return replace(joint, type=kind, lower=ends[0], upper=ends[1])
 
 
-def _build_node(joint: UrdfJoint, turn: UrdfJoint, number: int, urdf: UrdfFile, path: Path) -> SourceNode:
+def _build_node(joint: UrdfJoint, turn: UrdfJoint, number: int, urdf: SourceUrdf, path: Path) -> SourceNode:
     """A node without its parent; ``turn`` is the joint itself or the turning joint of a screw."""
     T = urdf.T_base_link[joint.child]
     direction = T[:3, :3] @ np.array(joint.axis)
@@ -222,13 +223,13 @@ def _build_node(joint: UrdfJoint, turn: UrdfJoint, number: int, urdf: UrdfFile, 
     if turn is joint or turn.name == joint.name:
         return node
     axis = urdf.T_base_link[turn.child][:3, :3] @ np.array(turn.axis)
-    pitch = joint.multiplier * float(np.sign(axis @ direction))
+    pitch = joint.mimic_multiplier * float(np.sign(axis @ direction))
     if pitch <= 0.0:
         raise SourceError(
             f"{path}: joint {joint.name!r} follows {turn.name!r} as a left-handed screw, "
             "allowed are right-handed ones"
         )
     if turn.type == "revolute":
-        lower, upper = (abs(joint.multiplier) * (value or 0.0) for value in (turn.lower, turn.upper))
-    degrees = float(np.degrees((upper - lower) / abs(joint.multiplier)))
+        lower, upper = (abs(joint.mimic_multiplier) * (value or 0.0) for value in (turn.lower, turn.upper))
+    degrees = float(np.degrees((upper - lower) / abs(joint.mimic_multiplier)))
     return replace(node, a=lower, b=upper, rotates=True, rotation_limit=degrees)

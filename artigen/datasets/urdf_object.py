@@ -33,9 +33,10 @@ from artigen.datasets.source_object import (
     assemble,
     collect_corners,
 )
-from artigen.datasets.urdf_file import UrdfFile, UrdfShape, read_urdf
+from artigen.datasets.urdf_file import SourceUrdf, read_urdf
 from artigen.datasets.urdf_joints import Tree, build_tree
 from artigen.errors import SourceError
+from artigen.files.urdf import UrdfShape
 from artigen.types import PartLabel
 
 logger = logging.getLogger(__name__)
@@ -100,7 +101,7 @@ def read_urdf_object(
     return found
 
 
-def _find_category(urdf: UrdfFile, path: Path, name: str, cfg: ReaderConfig) -> tuple[str, str]:
+def _find_category(urdf: SourceUrdf, path: Path, name: str, cfg: ReaderConfig) -> tuple[str, str]:
     """The requested category, that of a ``meta.json`` beside the URDF, or a guess by names; and a note."""
     meta = path.parent / "meta.json"
     value = read_json(meta) if meta.is_file() else None
@@ -129,7 +130,7 @@ def _axis(direction: Direction) -> np.ndarray:
 
 
 def read_shapes(
-    urdf: UrdfFile, tree: Tree, path: Path, scratch: Path
+    urdf: SourceUrdf, tree: Tree, path: Path, scratch: Path
 ) -> tuple[tuple[PieceMesh, ...], list[str]]:
     """The geometry of every node: its visuals, or its collision shapes if it has none."""
     pieces: list[PieceMesh] = []
@@ -148,7 +149,7 @@ def read_shapes(
                 continue
             name = _piece_name(shape, leads=shape.link == node.name)
             number = numbers.setdefault((node.id, name), len(numbers))
-            pieces.append(_place(shape, placed, node.id, SourcePiece(id=number, name=name)))
+            pieces.append(_place(urdf.place(shape), placed, node.id, SourcePiece(id=number, name=name)))
         if lost and len(lost) == len(own):
             raise SourceError(f"{path}: {lost[0]}, and node {node.name!r} has no other geometry")
         notes += [f"{sentence}, and is left out" for sentence in lost]
@@ -176,8 +177,7 @@ def _piece_name(shape: UrdfShape, *, leads: bool) -> str:
     return OTHER
 
 
-def _place(shape: UrdfShape, placed: PlacedMesh, node: int, piece: SourcePiece) -> PieceMesh:
-    T = shape.T_base_shape
+def _place(T: np.ndarray, placed: PlacedMesh, node: int, piece: SourcePiece) -> PieceMesh:
     mesh = replace(placed.mesh, vertices=placed.mesh.vertices @ T[:3, :3].T + T[:3, 3])
     return PieceMesh(node=node, piece=piece, path=placed.path, mesh=mesh, T_tree_file=T, scale=placed.scale)
 
@@ -241,7 +241,7 @@ def _keep_drawn(tree: Tree, drawn: set[int], path: Path) -> tuple[Tree, list[str
 def label_links(
     tree: Tree,
     nodes: Sequence[SourceNode],
-    urdf: UrdfFile,
+    urdf: SourceUrdf,
     corners: Mapping[int, np.ndarray],
     T_zup_file: np.ndarray,
 ) -> tuple[dict[int, PartLabel], list[str]]:

@@ -1,7 +1,9 @@
 """`verify_dataset`: checks every file and every record of a data set."""
 
 import hashlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+
+from tqdm import tqdm
 
 from artigen.datasets.manifest import SHARED_INDEX
 from artigen.datasets.packing import LISTING, PackingError, digest
@@ -9,14 +11,14 @@ from artigen.datasets.samples import Sample
 from artigen.datasets.shards import SHARDS, SHARED, Shards, StoredObject
 
 
-def verify_dataset(shards: Shards, *, on_step: Callable[[int, int], None] | None = None) -> list[str]:
+def verify_dataset(shards: Shards) -> list[str]:
     """Every problem of a data set, one sentence each; empty if it is intact.
 
     Checks every file of ``dataset.json``, every sample, every row of the manifest and every shared file, and
     unpacks every package.
     """
     try:
-        return [*_verify_files(shards), *_verify_objects(shards, on_step)]
+        return [*_verify_files(shards), *_verify_objects(shards)]
     except PackingError as error:
         return [*_verify_files(shards), str(error)]
 
@@ -40,7 +42,7 @@ def _verify_files(shards: Shards) -> Iterator[str]:
                     yield f"{path} was changed"
 
 
-def _verify_objects(shards: Shards, on_step: Callable[[int, int], None] | None) -> Iterator[str]:
+def _verify_objects(shards: Shards) -> Iterator[str]:
     columns = ("id", "geometry", "package", "shard", "offset", "size", "shared")
     table = shards.manifest(*columns).to_pydict()
     rows = {name: {key: table[key][row] for key in columns} for row, name in enumerate(table["id"])}
@@ -50,7 +52,7 @@ def _verify_objects(shards: Shards, on_step: Callable[[int, int], None] | None) 
         yield f"{shards.folder}: the manifest has {len(rows)} objects, dataset.json states {len(shards)}"
     found: dict[str, str] = {}
     geometry: dict[str, str] = {}
-    for number, item in enumerate(shards, start=1):
+    for item in tqdm(shards, "verified", unit="object", disable=None):
         if item.id in found:
             yield f"{item.id}: is in the shards twice"
         row = rows.get(item.id)
@@ -69,8 +71,6 @@ def _verify_objects(shards: Shards, on_step: Callable[[int, int], None] | None) 
             yield f"{item.id}: has the geometry of {geometry[sample.geometry]}"
         geometry[sample.geometry] = item.id
         found[item.id] = item.id
-        if on_step is not None:
-            on_step(number, len(shards))
     for name in rows.keys() - found.keys():
         yield f"{name}: is in the manifest, not readable in a shard"
     used = {one for row in rows.values() for one in row["shared"]}

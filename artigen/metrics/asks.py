@@ -9,7 +9,6 @@ from tqdm import tqdm
 
 from artigen.metrics.draws import DrawAsset, DrawJob, draw_all
 from artigen.metrics.instantiation import PosedSet
-from artigen.metrics.neighbours import draw_neighbours, find_neighbours, pose_library, write_sheet
 from artigen.metrics.packages import PackageReport, Prove, prove_draws
 from artigen.metrics.retrieval import retrieve
 from artigen.metrics.score import ScoreConfig, Scores, score_novelty, score_objects, score_set
@@ -29,8 +28,6 @@ REAL_ASKS: dict[str, tuple[Field, ...]] = {
     "real: picture": ASKS["picture"],
 }
 """The same for real objects."""
-NEIGHBOURS = 3
-"""Training objects beside each drawn one in ``nearest.png``."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,22 +110,6 @@ def measure_ask(bench: Bench, ask: str, fields: Sequence[Field], held: HeldOut) 
             scores["seconds"] = float(np.mean([draw.seconds for draw in draws]))
         rows.append(Row(ask=ask, method=method, objects=len(found), scores=scores))
     return rows
-
-
-def picture_neighbours(bench: Bench, held: HeldOut) -> None:
-    """Writes ``nearest.png``: draws by category beside the nearest training objects."""
-    chosen = held.subjects[: bench.cfg.pictured]
-    jobs = _list_jobs(bench, "category", ASKS["category"], chosen)
-    draws = draw_all(jobs, bench.out / "draws", bench.draw_asset)
-    found = [draw.asset for draw in draws if draw.asset is not None]
-    if not found:
-        return
-    posed = pose_library(bench.library, bench.cfg.score.poses)
-    rows = [
-        (asset, find_neighbours(asset, posed, bench.cfg.score.poses, NEIGHBOURS))
-        for asset in tqdm(found, "nearest training objects", disable=None)
-    ]
-    write_sheet(draw_neighbours(rows), bench.out / "nearest.png")
 
 
 def measure_packages(bench: Bench, held: HeldOut, prove: Prove) -> PackageReport:

@@ -34,9 +34,9 @@ class CompatDistance:
     """AS-d_CD: mean of five states, the one at rest among them."""
 
 
-def compat_distance(found: Asset, truth: Asset, *, per_part: int = 2048, seed: int = 0) -> CompatDistance:
+def compat_distance(found: Asset, truth: Asset, *, per_part: int = 2048) -> CompatDistance:
     """RS and AS Chamfer distance by the published protocol."""
-    clouds = [_center(sample_every_part(asset, per_part, seed)) for asset in (found, truth)]
+    clouds = [_center(sample_every_part(asset, per_part)) for asset in (found, truth)]
     sizes = [np.ptp(_corners(asset), axis=(0, 1)) for asset in (found, truth)]
     stretched = _stretch(clouds[0], sizes[0] / np.maximum(sizes[1], 1e-9))
     ids = [np.unique(cloud.part_ids) for cloud in clouds]

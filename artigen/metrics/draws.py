@@ -97,7 +97,7 @@ def draw_all(
     return out
 
 
-def reconstruct(model: StructureModel, subject: Subject, cfg: GenerateConfig) -> Asset | None:
+def reconstruct(model: StructureModel, subject: Subject) -> Asset | None:
     """The object reconstructed from its own latent by voting; None if that gives no object.
 
     It is the upper bound that decoder and segmentation set, whatever the condition.
@@ -108,7 +108,7 @@ def reconstruct(model: StructureModel, subject: Subject, cfg: GenerateConfig) ->
     (fields,) = decode_fields(model.vae, mean, outline_batch([subject.example]).to(device))
     asset = subject.asset
     try:
-        return segment(fields, cfg.segment, name=asset.name, scale=asset.scale, category=asset.category)
+        return segment(fields, name=asset.name, scale=asset.scale, category=asset.category)
     except SegmentationError:
         return None
 

@@ -19,7 +19,6 @@ from artigen.metrics.asks import (
     Row,
     measure_ask,
     measure_packages,
-    picture_neighbours,
 )
 from artigen.metrics.draws import draw_exact, draw_latent, reconstruct
 from artigen.metrics.footprint import Footprint, FootprintJob, measure_footprint
@@ -64,8 +63,8 @@ class Evaluation:
 def evaluate_sketch(folder: Path, out: Path, cfg: EvaluateConfig) -> Evaluation:
     """Evaluates the sketch network of a model folder.
 
-    Scores the reading of pictures, and objects drawn by category, counts, size and pictures. Draws and
-    ``nearest.png`` are stored in ``out``; existing draws are reused.
+    Scores the reading of pictures, and objects drawn by category, counts, size and pictures. Draws are
+    stored in ``out``; existing ones are reused.
 
     Args:
         folder: Folder of the model.
@@ -91,7 +90,6 @@ def evaluate_sketch(folder: Path, out: Path, cfg: EvaluateConfig) -> Evaluation:
     )
     held = _pose_sets(sets, cfg)
     rows = _measure_asks(bench, held, pictured=pictured)
-    picture_neighbours(bench, held["procedural"])
     return Evaluation(
         model=hash_model(folder),
         device="cpu",
@@ -110,7 +108,7 @@ def evaluate_structure(
     prove: Prove | None = None,
     draw_shape_for: ShapeSource | None = None,
 ) -> Evaluation:
-    """Evaluates the structure model of a folder; stores draws and ``nearest.png`` in ``out``, reuses draws.
+    """Evaluates the structure model of a folder; stores draws in ``out``, and reuses them.
 
     Args:
         folder: Folder of the model.
@@ -151,14 +149,13 @@ def evaluate_structure(
     generation = GenerateConfig(sampler=sampler)
     bench = Bench(
         draw_asset=draw_latent(model, source, generation),
-        reconstruct=lambda subject: reconstruct(model, subject, generation),
+        reconstruct=lambda subject: reconstruct(model, subject),
         library=library,
         out=out,
         cfg=cfg,
     )
     held = _pose_sets(sets, cfg)
     rows = _measure_asks(bench, held, pictured=model.preset.conditions.image_size > 0)
-    picture_neighbours(bench, held["procedural"])
     packages = None
     if prove is not None and cfg.packages:
         packages = measure_packages(bench, held["procedural"], prove)
@@ -185,10 +182,9 @@ def _check_evaluation(cfg: EvaluateConfig) -> None:
             raise ArtigenError(
                 f"{count} {name} objects: expected at least {len(PAPER_CATEGORIES)}, one of each category"
             )
-    if min(cfg.packages, cfg.redraws, cfg.pictured) < 0:
+    if min(cfg.packages, cfg.redraws) < 0:
         raise ArtigenError(
-            f"{cfg.packages} objects as packages with {cfg.redraws} redraws, {cfg.pictured} pictured: "
-            "expected 0 or more of each"
+            f"{cfg.packages} objects as packages with {cfg.redraws} redraws: expected 0 or more of each"
         )
     if cfg.partnet is not None:
         list_split(cfg.partnet, "val")

@@ -13,6 +13,7 @@ from artigen.runtime.workers import Worker
 from artigen.types import Asset
 
 TIMEOUT = 1800.0
+REPEATS = 3
 STATUS = Path("/proc/self/status")
 
 
@@ -30,13 +31,12 @@ class Footprint:
 
 @dataclass(frozen=True, kw_only=True)
 class FootprintJob:
-    """Object to draw, and number of repetitions."""
+    """Object to draw."""
 
     model: Path
     asked: StructureCondition
     boxes: Asset
     cfg: GenerateConfig
-    repeats: int = 3
 
 
 def measure_footprint(job: FootprintJob) -> Footprint:
@@ -54,10 +54,10 @@ def measure_footprint(job: FootprintJob) -> Footprint:
 
 
 def time_draws(job: FootprintJob) -> Footprint:
-    """Times ``repeats`` draws after a warm-up; runs in a worker process."""
+    """Times `REPEATS` draws after a warm-up; runs in a worker process."""
     model = load_structure_model(job.model)
     seconds, busy = [], []
-    for seed in range(job.repeats + 1):
+    for seed in range(REPEATS + 1):
         started, worked = time.perf_counter(), time.process_time()
         with suppress(SegmentationError):  # quality is measured elsewhere
             generate_structure(model, job.asked, seed, job.cfg, boxes=job.boxes)

@@ -11,11 +11,13 @@ from artigen.metrics.compat import compat_distance
 from artigen.metrics.distribution import coverage, minimum_matching_distance, nearest_neighbour_accuracy
 from artigen.metrics.instantiation import (
     InstantiationConfig,
+    PosedObject,
     PosedSet,
+    instantiation_distance,
     pairwise_distances,
+    pose_object,
     pose_set,
 )
-from artigen.metrics.neighbours import find_neighbours, pose_library
 from artigen.metrics.strict import PENALTY, strict_distance
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
@@ -117,13 +119,14 @@ def score_novelty(
 
     A value far below that of held-out objects means that training objects are copied.
     """
-    posed = pose_library(library, cfg)
-    nearest = [
-        neighbour.distance
-        for one in found
-        if one is not None
-        for neighbour in find_neighbours(one, posed, cfg, 1)
-    ]
+    posed: dict[str, list[PosedObject]] = {}
+    for subject in library:
+        posed.setdefault(subject.asset.category, []).append(pose_object(subject.asset, cfg))
+    nearest = []
+    for one in found:
+        if one is not None and one.category in posed:
+            own = pose_object(one, cfg)
+            nearest.append(min(instantiation_distance(own, other) for other in posed[one.category]))
     return {"nearest_training": float(np.median(nearest))} if nearest else {}
 
 

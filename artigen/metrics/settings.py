@@ -24,5 +24,3 @@ class EvaluateSettings:
     """Number of structure draws, by counts and size, to export and check (L0 to L3); 0 skips this."""
     redraws: int = 3
     """Maximum number of new draws for such an object that fails a check."""
-    pictured: int = 14
-    """Number of draws by category that nearest.png shows beside their nearest training objects."""

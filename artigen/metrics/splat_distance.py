@@ -23,7 +23,6 @@ def score_distances(
     displacements: Float[np.ndarray, "S P 4 4"],
     *,
     points: int = POINTS,
-    seed: int = 0,
 ) -> Scores:
     """``shape_rest`` in the first state, ``shape_articulated`` as a mean over all.
 
@@ -33,7 +32,6 @@ def score_distances(
         surface: True points at rest, with the same parts.
         displacements: Displacements of the parts, by state; the first is closed.
         points: Points of each cloud.
-        seed: Seed of the choice of points.
 
     Raises:
         ValueError: If the Gaussians do not divide evenly among the voxels.
@@ -41,7 +39,7 @@ def score_distances(
     means, opacities = (value.detach().double().cpu().numpy() for value in (splats.means, splats.opacities))
     if not len(part_ids) or len(means) % len(part_ids):
         raise ValueError(f"{len(means)} Gaussians for {len(part_ids)} voxels, expected as many for each")
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     owners = np.repeat(part_ids, len(means) // len(part_ids))
     drawn = rng.choice(len(means), points, p=opacities / opacities.sum())
     true = rng.choice(len(surface.points), points, replace=len(surface.points) < points)

@@ -39,9 +39,9 @@ class StrictDistance:
     """The same for open objects."""
 
 
-def strict_distance(found: Asset, truth: Asset, *, points: int = POINTS, seed: int = 0) -> StrictDistance:
+def strict_distance(found: Asset, truth: Asset, *, points: int = POINTS) -> StrictDistance:
     """Chamfer distances per part and of whole objects, closed and opened."""
-    clouds = sample_cells(found, points, seed), sample_cells(truth, points, seed)
+    clouds = sample_cells(found, points), sample_cells(truth, points)
     rest, opened = [(clouds[0].opened(share), clouds[1].opened(share)) for share in (0.0, 1.0)]
     pairs = pair_parts(clouds[0], clouds[1])
     matched = [_matched(clouds, pairs, state) for state in (rest, opened)]

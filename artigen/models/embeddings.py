@@ -9,9 +9,9 @@ from torch import Tensor, nn
 FREQUENCIES = 256
 
 
-def embed_times(times: Float[Tensor, "B"], width: int = FREQUENCIES) -> Float[Tensor, "B W"]:
-    """Cosines, then sines, of the times at ``width / 2`` frequencies from 1 down to 1/10000."""
-    half = width // 2
+def embed_times(times: Float[Tensor, "B"]) -> Float[Tensor, "B W"]:
+    """Cosines, then sines, of the times at ``FREQUENCIES / 2`` frequencies from 1 down to 1/10000."""
+    half = FREQUENCIES // 2
     rates = torch.exp(
         -math.log(10000.0) * torch.arange(half, dtype=torch.float32, device=times.device) / half
     )

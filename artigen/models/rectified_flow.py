@@ -69,9 +69,9 @@ def predict_data(x_t: Tensor, velocity: Tensor, times: Float[Tensor, "B"]) -> Te
     return (1.0 - SIGMA_MIN) * x_t - (SIGMA_MIN + (1.0 - SIGMA_MIN) * t) * velocity
 
 
-def draw_times(count: int, generator: torch.Generator, mean: float = 1.0, std: float = 1.0) -> Tensor:
+def draw_times(count: int, generator: torch.Generator, mean: float = 1.0) -> Tensor:
     """Logit-normal training times, TRELLIS' schedule."""
-    return torch.sigmoid(mean + std * torch.randn(count, generator=generator, device=generator.device))
+    return torch.sigmoid(mean + torch.randn(count, generator=generator, device=generator.device))
 
 
 def sample_flow(

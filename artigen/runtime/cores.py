@@ -6,7 +6,6 @@ its slowest member, so one busy core slows all of them. And sums of floating-poi
 on the number of cores. ``OMP_NUM_THREADS`` in the environment takes precedence.
 """
 
-import math
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,7 +13,7 @@ from pathlib import Path
 from artigen.errors import ArtigenError
 
 THREAD_VARIABLES = (
-    "OMP_NUM_THREADS",  # PyTorch, CoACD, scikit-learn
+    "OMP_NUM_THREADS",  # PyTorch, CoACD
     "OPENBLAS_NUM_THREADS",  # NumPy and SciPy of PyPI
     "MKL_NUM_THREADS",
     "BLIS_NUM_THREADS",
@@ -23,7 +22,8 @@ THREAD_VARIABLES = (
     "NUMBA_NUM_THREADS",
 )
 """Variables that libraries read at load time to size their thread pools."""
-CGROUPS = Path("/sys/fs/cgroup")
+CGROUP = Path("/sys/fs/cgroup")
+"""The control group that a container sees as its own."""
 PEAK_MIB = 1500.0
 """Resident memory of a worker that draws, exports and checks objects, in MiB (see docs/reports/speed.md)."""
 MEMORY_SHARE = 0.9
@@ -71,12 +71,11 @@ def start_pools(environ: Mapping[str, str]) -> None:
         os.sched_setaffinity(0, cores)
 
 
-def choose_workers(asked: int | None, *, peak_mib: float = PEAK_MIB) -> int:
+def choose_workers(asked: int | None) -> int:
     """Number of worker processes: the requested one, else one per core as far as memory suffices.
 
     Args:
         asked: Requested number; None derives it from the machine.
-        peak_mib: Largest resident memory of one worker, in MiB.
 
     Raises:
         ArtigenError: If fewer than one are requested.
@@ -88,76 +87,31 @@ def choose_workers(asked: int | None, *, peak_mib: float = PEAK_MIB) -> int:
             )
         return asked
     cores, memory = count_cores(), available_mib()
-    return cores if memory is None else max(1, min(cores, int(MEMORY_SHARE * memory / peak_mib)))
+    return cores if memory is None else max(1, min(cores, int(MEMORY_SHARE * memory / PEAK_MIB)))
 
 
 def count_cores() -> int:
-    """Number of cores that this process may use, by its affinity and the CPU quotas of its cgroups."""
-    affinity = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(1, min([affinity, *(math.ceil(quota) for quota in _cpu_quotas(own_cgroups()))]))
+    """Number of cores that this process may use, by its affinity and the CPU quota of its cgroup."""
+    from joblib import cpu_count
+
+    return cpu_count()
 
 
 def available_mib() -> float | None:
-    """Memory available without swapping, in MiB, on the machine and within the cgroups.
+    """Memory available without swapping, in MiB: on the machine, and within a limit of the container.
 
     None if the system does not report it (other than Linux).
     """
-    amounts = _cgroup_memory(own_cgroups())
-    for line in _lines(Path("/proc/meminfo")):
-        if line.startswith("MemAvailable:"):
-            amounts.append(1024.0 * float(line.split()[1]))
+    amounts = [
+        1024.0 * float(line.split()[1])
+        for line in _lines(Path("/proc/meminfo"))
+        if line.startswith("MemAvailable:")
+    ]
+    limit, used = ("".join(_lines(CGROUP / name)) for name in ("memory.max", "memory.current"))
+    if limit.isdecimal() and used.isdecimal():
+        facts = dict(line.split() for line in _lines(CGROUP / "memory.stat"))
+        amounts.append(float(limit) - float(used) + float(facts.get("inactive_file", 0)))  # cached files
     return min(amounts) / 2**20 if amounts else None
-
-
-def own_cgroups(
-    listing: Path = Path("/proc/self/cgroup"), root: Path = CGROUPS
-) -> tuple[tuple[str, Path], ...]:
-    """Folders of the cgroups of this process and of their ancestors, innermost first.
-
-    Each comes with its controller: ``""`` (all) for version 2, ``"cpu"`` or ``"memory"`` for version 1. If
-    the path is not mounted, as in a container, the root is used.
-    """
-    found: list[tuple[str, Path]] = []
-    for line in _lines(listing):
-        _, controllers, path = line.split(":", 2)
-        for controller in {"", "cpu", "memory"} & set(controllers.split(",")):
-            top = root / controller
-            inner = top / path.strip().lstrip("/")
-            around = [one for one in (inner, *inner.parents) if one.is_relative_to(top) and one.is_dir()]
-            found += [(controller, one) for one in around or [top]]
-    return tuple(found)
-
-
-def _cpu_quotas(groups: tuple[tuple[str, Path], ...]) -> list[float]:
-    """CPU quotas of the groups that have one, in cores."""
-    quotas = []
-    for controller, folder in groups:
-        if controller == "memory":
-            continue
-        names = ("cpu.cfs_quota_us", "cpu.cfs_period_us") if controller else ("cpu.max",)
-        words = " ".join(line for name in names for line in _lines(folder / name)).split()
-        if len(words) == 2 and words[0] not in ("max", "-1"):
-            quotas.append(float(words[0]) / float(words[1]))
-    return quotas
-
-
-def _cgroup_memory(groups: tuple[tuple[str, Path], ...]) -> list[float]:
-    """Bytes left in the groups that have a memory limit; cached files count as free."""
-    left = []
-    for controller, folder in groups:
-        if controller == "cpu":
-            continue
-        new = controller == ""
-        limit = "".join(_lines(folder / ("memory.max" if new else "memory.limit_in_bytes")))
-        used = "".join(_lines(folder / ("memory.current" if new else "memory.usage_in_bytes")))
-        if not limit.isdecimal() or not used.isdecimal():
-            continue
-        name = "inactive_file" if new else "total_inactive_file"
-        cached = sum(
-            float(line.split()[1]) for line in _lines(folder / "memory.stat") if line.split()[0] == name
-        )
-        left.append(float(limit) - float(used) + cached)
-    return left
 
 
 def _lines(path: Path) -> list[str]:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol, TypeVar
 
-from artigen.runtime.cores import PEAK_MIB, choose_workers
+from artigen.runtime.cores import choose_workers
 from artigen.runtime.workers import Worker, run_supervised
 
 Job = TypeVar("Job")
@@ -44,22 +44,19 @@ class LocalRunner:
         return replace(self, first=worker)
 
 
-def choose_runner(
-    name: RunnerName = "local", workers: int | None = None, *, peak_mib: float = PEAK_MIB
-) -> Runner:
+def choose_runner(name: RunnerName = "local", workers: int | None = None) -> Runner:
     """A runner by name.
 
     Args:
         name: ``local``, or ``ray`` for the cluster that ``RAY_ADDRESS`` names or this machine belongs to;
             without one, a local cluster is started.
         workers: Number of concurrent jobs; None derives it from the machine or the cluster.
-        peak_mib: Largest resident memory of one worker, in MiB.
 
     Raises:
         ArtigenError: If there are no workers, or Ray is not installed.
     """
     if name == "local":
-        return LocalRunner(workers=choose_workers(workers, peak_mib=peak_mib))
+        return LocalRunner(workers=choose_workers(workers))
     from artigen.runtime.ray_runner import make_ray_runner
 
     return make_ray_runner(workers)

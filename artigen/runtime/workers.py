@@ -11,11 +11,12 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
-from queue import Empty, SimpleQueue
+from queue import SimpleQueue
 from typing import Generic, TypeVar
 
 from artigen.errors import ArtigenError
@@ -92,6 +93,7 @@ class Worker:
         self._process: BaseProcess | None = None
         self._connection: Connection | None = None
         self._closing = threading.Lock()
+        self._retired = False
 
     def call(self, function: Callable[[Item], Value], item: Item, timeout: float) -> Outcome[Value]:
         """Runs ``function(item)`` in the process; failures there become outcomes, never exceptions.
@@ -101,6 +103,8 @@ class Worker:
             item: Picklable argument.
             timeout: Seconds after which the process is stopped.
         """
+        if self._retired:
+            return Outcome(error="the run was stopped")
         connection = self._start()
         try:
             connection.send((function, item))
@@ -108,7 +112,7 @@ class Worker:
                 self.close()
                 return Outcome(error=f"took longer than {timeout:g} s and was stopped")
             return connection.recv()
-        except (EOFError, ConnectionError):
+        except (EOFError, OSError):  # of a process that died, or of a connection closed by another thread
             code = self._exit_code()
             self.close()
             return Outcome(error=f"the worker process died: {code}")
@@ -123,6 +127,11 @@ class Worker:
         if process is not None and process.is_alive():
             process.kill()
             process.join()
+
+    def retire(self) -> None:
+        """Ends the process for good: further calls fail."""
+        self._retired = True
+        self.close()
 
     def _start(self) -> Connection:
         if self._connection is None:
@@ -163,41 +172,26 @@ def run_supervised(
             fail, so that it has a result for every item. An exception from it ends the run.
         items: Items of any type.
         workers: Number of threads, each with one process.
-        first: Running worker to use as the first one; closed at the end.
+        first: Running worker to use as the first one; retired at the end.
     """
-    waiting: SimpleQueue[Item] = SimpleQueue()
-    total = 0
-    for item in items:
-        waiting.put(item)
-        total += 1
-    finished: SimpleQueue[tuple[Value | None, BaseException | None]] = SimpleQueue()
-    stop = threading.Event()
-
-    def drain(worker: Worker) -> None:
-        while not stop.is_set():
-            try:
-                item = waiting.get_nowait()
-            except Empty:
-                break
-            try:
-                finished.put((handle(worker, item), None))
-            except BaseException as error:  # raised again where the results are read
-                finished.put((None, error))
-        worker.close()
-
+    work = list(items)
     crew = [first or Worker(), *(Worker() for _ in range(workers - 1))]
-    for spare in crew[total:]:
-        spare.close()
-    threads = [threading.Thread(target=drain, args=(worker,), daemon=True) for worker in crew[:total]]
-    for thread in threads:
-        thread.start()
+    idle: SimpleQueue[Worker] = SimpleQueue()
+    for worker in crew:
+        idle.put(worker)
+
+    def do(item: Item) -> Value:
+        worker = idle.get()
+        try:
+            return handle(worker, item)
+        finally:
+            idle.put(worker)
+
+    pool = ThreadPoolExecutor(workers)
     try:
-        for _ in range(total):
-            value, error = finished.get()
-            if error is not None:
-                raise error
-            yield value  # type: ignore[misc]
+        for done in as_completed([pool.submit(do, item) for item in work]):
+            yield done.result()
     finally:
-        stop.set()
-    for thread in threads:  # all items are done: each only has its process to end
-        thread.join()
+        pool.shutdown(wait=False, cancel_futures=True)
+        for worker in crew:
+            worker.retire()

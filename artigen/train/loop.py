@@ -1,6 +1,6 @@
 """The training loop: budgets in minutes or steps, EMA, checkpoints that resume, metrics on disk.
 
-A stage is a folder: ``metrics.jsonl``, ``curves.svg``, ``checkpoint.pt`` (everything needed to resume) and
+A stage is a folder: ``metrics.jsonl``, ``checkpoint.pt`` (everything needed to resume) and
 ``weights.safetensors`` (the EMA weights); all but the first are written at the end and with every checkpoint.
 """
 
@@ -20,35 +20,40 @@ from torch import Tensor, nn
 from tqdm import tqdm
 
 from artigen.errors import SourceError
-from artigen.io import write_whole
 from artigen.models.precision import autocast_type
 from artigen.models.tensors import load_strictly
-from artigen.train.curves import METRICS, draw_curves, read_metrics
 
 logger = logging.getLogger(__name__)
+METRICS = "metrics.jsonl"
 BAR = "{desc} {percentage:3.0f} %|{bar}| {postfix}"
 CHECKPOINT = {"network", "optimizer", "average", "generator", "step", "elapsed"}
 """Keys of a checkpoint."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class LoopConfig:
-    """Budget, learning rate and bookkeeping of a loop."""
+class Rates:
+    """How fast a network learns."""
 
-    minutes: float | None = None
-    """Wall time of the run over all its starts; the learning rate is zero at its end."""
-    steps: int | None = None
-    """Steps of the run; give minutes or steps."""
     learning_rate: float = 1e-3
     """Peak learning rate."""
     warmup: int = 100
     """Steps over which the learning rate rises."""
     decay: float = 1.0
     """Share of the run, at its end, over which the learning rate falls as a cosine."""
-    weight_decay: float = 0.0
-    """Weight decay of AdamW."""
     ema: float = 0.999
     """Decay of the averaged weights."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopConfig(Rates):
+    """Budget, rates and bookkeeping of a loop."""
+
+    minutes: float | None = None
+    """Wall time of the run over all its starts; the learning rate is zero at its end."""
+    steps: int | None = None
+    """Steps of the run; give minutes or steps."""
+    weight_decay: float = 0.0
+    """Weight decay of AdamW."""
     clip: float = 1.0
     """Largest norm of the gradient."""
     report_every: int = 20
@@ -253,7 +258,7 @@ def _save(
     generator: torch.Generator,
     progress: _Progress,
 ) -> None:
-    """Writes checkpoint, averaged weights and curves, each whole or not at all."""
+    """Writes checkpoint and averaged weights, each whole or not at all."""
     from safetensors.torch import save_file
 
     stored = {
@@ -270,4 +275,3 @@ def _save(
     scratch = folder / ".weights.safetensors"
     save_file({name: value.contiguous().cpu() for name, value in average.items()}, scratch)
     scratch.replace(folder / "weights.safetensors")
-    write_whole(folder / "curves.svg", draw_curves(read_metrics(folder / METRICS), folder.name))

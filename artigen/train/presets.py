@@ -3,23 +3,16 @@
 from dataclasses import dataclass, field
 
 from artigen.latent.presets import PresetName
+from artigen.train.loop import Rates
 from artigen.train.structure_losses import PAPER_LOSS, StructureLossConfig
 
 
 @dataclass(frozen=True, kw_only=True)
-class StageConfig:
-    """Training of one network: batch, rates, and its share of the budget."""
+class StageConfig(Rates):
+    """Training of one network: its rates, batch, and share of the budget."""
 
     batch: int
     """Objects per step and process."""
-    learning_rate: float
-    """Peak learning rate."""
-    warmup: int
-    """Steps over which the learning rate rises."""
-    decay: float
-    """Share of the run, at its end, over which the learning rate falls."""
-    ema: float
-    """Decay of the averaged weights."""
     share: float
     """Share of the whole budget."""
 

@@ -1,5 +1,6 @@
 """One stage of a training run: its loop, initial weights and resulting weights."""
 
+from dataclasses import fields
 from pathlib import Path
 from typing import TypeVar
 
@@ -9,7 +10,7 @@ from torch import nn
 from artigen.models.description import read_description
 from artigen.models.store import load_model
 from artigen.models.tensors import load_strictly, read_tensors
-from artigen.train.loop import LoopConfig, finished_steps
+from artigen.train.loop import LoopConfig, Rates, finished_steps
 from artigen.train.presets import StageConfig
 
 Network = TypeVar("Network", bound=nn.Module)
@@ -17,13 +18,8 @@ Network = TypeVar("Network", bound=nn.Module)
 
 def plan_loop(stage: StageConfig, minutes: float) -> LoopConfig:
     """Loop configuration of a stage, with its share of the budget."""
-    return LoopConfig(
-        minutes=minutes * stage.share,
-        learning_rate=stage.learning_rate,
-        warmup=stage.warmup,
-        decay=stage.decay,
-        ema=stage.ema,
-    )
+    rates = {one.name: getattr(stage, one.name) for one in fields(Rates)}
+    return LoopConfig(minutes=minutes * stage.share, **rates)
 
 
 def begin_stage(network: Network, start: Path | None, name: str) -> Network:

@@ -29,6 +29,8 @@ from artigen.train.structure_losses import StructureLossConfig, structure_losses
 
 DROPOUT = 0.1
 """Share of samples without any condition, and of open fields in the others."""
+AT_ONCE = 32
+"""Examples that are encoded at once."""
 
 
 def train_structure_vae(
@@ -66,14 +68,12 @@ def train_structure_vae(
 
 
 @torch.no_grad()
-def encode_examples(
-    vae: StructureVae, examples: Sequence[StructureExample], *, batch: int = 32
-) -> tuple[Tensor, Tensor]:
+def encode_examples(vae: StructureVae, examples: Sequence[StructureExample]) -> tuple[Tensor, Tensor]:
     """Posterior means and standard deviations of all examples, in half precision on the VAE's device."""
     device = next(vae.parameters()).device
     means, stds = [], []
-    for start in range(0, len(examples), batch):
-        mean, logvar = vae.encode(patch_batch(examples[start : start + batch]).to(device))
+    for start in range(0, len(examples), AT_ONCE):
+        mean, logvar = vae.encode(patch_batch(examples[start : start + AT_ONCE]).to(device))
         means.append(mean.half())
         stds.append(torch.exp(0.5 * logvar).half())
     return torch.cat(means), torch.cat(stds)

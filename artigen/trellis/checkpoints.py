@@ -7,7 +7,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-import torch
 from torch import Tensor, nn
 
 from artigen.appearance.gaussian_decoder import GaussianDecoder
@@ -27,12 +26,11 @@ from artigen.trellis.arguments import (
 )
 
 
-def load_trellis(path: Path, *, dtype: torch.dtype = torch.float32) -> nn.Module:
+def load_trellis(path: Path) -> nn.Module:
     """Builds the network that a checkpoint describes and loads it.
 
     Args:
         path: Checkpoint without its suffix, for example ``ckpts/ss_flow_img_dit_L_16l8_fp16``.
-        dtype: Number type of the weights; float32 on a CPU, where half precision overflows in places.
 
     Raises:
         SourceError: If a file is missing or truncated, the class or an argument is unknown, or keys or shapes
@@ -42,7 +40,7 @@ def load_trellis(path: Path, *, dtype: torch.dtype = torch.float32) -> nn.Module
     network = build_trellis(described["name"], described["args"])
     tensors = orient_kernels(network, read_tensors(path.with_name(path.name + ".safetensors")))
     load_strictly(network, tensors, str(path))
-    return network.to(dtype).eval()
+    return network.float().eval()
 
 
 def build_trellis(name: str, args: dict[str, Any]) -> nn.Module:

@@ -48,20 +48,21 @@ def check_texture(subject: Subject, cfg: CheckConfig) -> Finding:
 
 def _image_of(subject: Subject, shape: Shape) -> str:
     """The image that a visual mesh uses, relative to the folder, or ""."""
-    if shape.obj.mtllib is None or not shape.obj.groups:
+    if not shape.obj.libraries or not len(shape.faces):
         return ""
     folder = PurePosixPath(shape.file).parent
-    material = parse_mtl(subject.folder / folder / shape.obj.mtllib).get(shape.obj.groups[0].material or "")
-    return "" if material is None or material.image is None else str(folder / material.image)
+    materials = parse_mtl(subject.folder / folder / shape.obj.libraries[-1])
+    _, image = materials.get(shape.obj.face_materials[0], (None, ""))
+    return str(folder / image) if image else ""
 
 
 def _shown(shape: Shape, image: np.ndarray) -> float:
     """Share of the surface with non-degenerate texture coordinates and a colour that is not black."""
-    faces = np.concatenate([group.uv_faces for group in shape.obj.groups])
+    faces = shape.obj.uv_faces
     area = triangle_areas(shape.triangles)
     placed = (faces >= 0).all(axis=1)
     uv = np.zeros((len(faces), 3, 2))
-    uv[placed] = shape.obj.uv[faces[placed]]
+    uv[placed] = shape.obj.coords[faces[placed]]
     placed &= (uv >= -1e-6).all(axis=(1, 2)) & (uv <= 1.0 + 1e-6).all(axis=(1, 2))
     a, b = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
     placed &= np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) > 1e-12

@@ -6,11 +6,11 @@ from pathlib import PurePosixPath
 
 import numpy as np
 
+from artigen.files.urdf import UrdfJoint, tree_problems
 from artigen.types import FULL_TURN
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, always, count_problems
 from sim_export.checks.subject import MAIN_URDF, Subject
-from sim_export.checks.urdf_file import UrdfJoint, tree_problems
 from sim_export.errors import PackageError
 from sim_export.files.urdf import splats_path
 from sim_export.files.write import MANIFEST, manifest_problems

@@ -9,7 +9,7 @@ from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hulls import count_polygons, hull_length, hull_width
 from sim_export.errors import PackageError
 from sim_export.files.obj import face_normals
-from sim_export.geometry.sampling import triangle_areas
+from sim_export.geometry.sampling import find_slivers
 from sim_export.package import Hull
 
 _FILE_PRECISION = 2e-6
@@ -49,7 +49,7 @@ def mesh_faults(shape: Shape, cfg: CheckConfig) -> list[str]:
         faults.append(f"is open or wound inconsistently along {open_edges} edges")
     else:
         faults += _topology_faults(shape, faces)
-    slivers = int(_sliver_mask(shape.triangles, cfg.sliver_ratio).sum())
+    slivers = int(find_slivers(shape.triangles, cfg.sliver_ratio).sum())
     allowed = int(np.ceil(cfg.max_sliver_share * len(shape.faces)))
     if slivers > allowed:
         faults.append(f"has {slivers} degenerate faces, allowed are {allowed}")
@@ -101,11 +101,6 @@ def _merge_vertices(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     merged = same.ravel()[faces]
     proper = (merged[:, 0] != merged[:, 1]) & (merged[:, 1] != merged[:, 2]) & (merged[:, 2] != merged[:, 0])
     return merged[proper]
-
-
-def _sliver_mask(triangles: np.ndarray, ratio: float) -> np.ndarray:
-    edges = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2).max(axis=1)
-    return 2.0 * triangle_areas(triangles) <= ratio * edges**2
 
 
 def has_collision(subject: Subject) -> str:

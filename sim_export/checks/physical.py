@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from artigen.files.urdf import UrdfInertial, UrdfLink
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, always, count_problems
 from sim_export.checks.subject import Subject
-from sim_export.checks.urdf_file import UrdfInertial, UrdfLink
 from sim_export.collision.contacts import HullSet
 
 

@@ -90,9 +90,7 @@ def run_check(spec: CheckSpec, subject: Subject, cfg: CheckConfig) -> CheckResul
     )
 
 
-def run_specs(
-    specs: Sequence[CheckSpec], folder: Path, cfg: CheckConfig, *, subject: Subject | None = None
-) -> tuple[CheckResult, ...]:
-    """Runs checks on a folder, in the given order; pass a `Subject` to reuse parsed data."""
-    subject = Subject(folder) if subject is None else subject
+def run_specs(specs: Sequence[CheckSpec], folder: Path, cfg: CheckConfig) -> tuple[CheckResult, ...]:
+    """Runs checks on a folder, in the given order."""
+    subject = Subject(folder)
     return tuple(run_check(spec, subject, cfg) for spec in specs)

@@ -13,16 +13,19 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int
 
+from artigen.files.urdf import UrdfFile, UrdfLink, UrdfShape, rest_poses, tree_problems
+from artigen.files.wavefront import ObjText
 from artigen.transforms import transform_points
-from artigen.types import PART_LABELS, PartLabel
-from sim_export.checks.urdf_file import UrdfFile, UrdfJoint, UrdfLink, UrdfShape, parse_urdf, tree_problems
+from artigen.types import PartLabel
 from sim_export.collision.contacts import HullSet
 from sim_export.collision.hulls import convex_hull
 from sim_export.collision.motion import MOVING_TYPES, link_displacements
 from sim_export.errors import DegeneratePart, PackageError
-from sim_export.files.obj import ObjData, ObjGroup, parse_obj
+from sim_export.files.foreign import read_semantics
+from sim_export.files.joints import place_joint
+from sim_export.files.obj import parse_obj, parse_urdf
 from sim_export.geometry.primitives import primitive_mesh
-from sim_export.package import URDF_JOINT_TYPES, Hull, Link, PackageJoint, Requirement, UrdfJointType
+from sim_export.package import Hull, Link, PackageJoint, Requirement
 
 MAIN_URDF = "mobility.urdf"
 OWN_SIDECARS = ("annotations.json", "manifest.json", "physics.json", "provenance.json")
@@ -40,7 +43,7 @@ class Shape:
     """The mesh file, or the element's name for a primitive."""
     vertices: Float[np.ndarray, "V 3"]
     faces: Int[np.ndarray, "F 3"]
-    obj: ObjData
+    obj: ObjText
 
     @property
     def triangles(self) -> Float[np.ndarray, "F 3 3"]:
@@ -53,7 +56,7 @@ class Subject:
 
     def __init__(self, folder: Path) -> None:
         self.folder = Path(folder)
-        self._meshes: dict[Path, ObjData] = {}
+        self._meshes: dict[Path, ObjText] = {}
 
     @cached_property
     def files(self) -> tuple[str, ...]:
@@ -117,59 +120,16 @@ class Subject:
 
     @cached_property
     def poses(self) -> dict[str, Float[np.ndarray, "4 4"]]:
-        """Frame of every link in the object frame at rest."""
-        poses = {name: np.eye(4) for name in self.links}
-        for joint in self._parents_first:
-            poses[joint.child] = poses[joint.parent] @ joint.T_parent_joint
-        return poses
-
-    @cached_property
-    def _parents_first(self) -> tuple[UrdfJoint, ...]:
-        links = self.links
-        depth = dict.fromkeys(links, 0)
-        parents = {joint.child: joint.parent for joint in self.urdf.joints}
-        for name in links:
-            at = name
-            while at in parents:
-                depth[name] += 1
-                at = parents[at]
-        return tuple(sorted(self.urdf.joints, key=lambda joint: depth[joint.child]))
+        """Frame of every link in the object frame at rest, parents first."""
+        return rest_poses(self.urdf) if self.links else {}
 
     @cached_property
     def joints(self) -> tuple[PackageJoint, ...]:
         """Joints in the object frame at rest, parents first; raises for a joint that cannot move."""
-        return tuple(self._joint(joint) for joint in self._parents_first)
-
-    def _joint(self, joint: UrdfJoint) -> PackageJoint:
-        type_: UrdfJointType | None = next((known for known in URDF_JOINT_TYPES if known == joint.type), None)
-        if type_ is None:
-            raise PackageError(
-                f"{MAIN_URDF}: joint {joint.name!r} has type {joint.type!r}, which cannot be moved"
-            )
-        T = self.poses[joint.child]
-        length = float(np.linalg.norm(joint.axis))
-        lower, upper = joint.lower or 0.0, joint.upper or 0.0
-        if type_ == "continuous":
-            lower, upper = 0.0, 2.0 * np.pi
-        if type_ != "fixed" and not (
-            np.isfinite([length, lower, upper]).all() and length > 0.0 and lower <= upper
-        ):
-            raise PackageError(
-                f"{MAIN_URDF}: joint {joint.name!r} cannot be moved: axis {joint.axis.tolist()}, "
-                f"limits [{lower}, {upper}]"
-            )
-        return PackageJoint(
-            name=joint.name,
-            type=type_,
-            kind=type_,
-            parent=joint.parent,
-            child=joint.child,
-            origin=T[:3, 3],
-            axis=T[:3, :3] @ (joint.axis / length if length > 0.0 else joint.axis),
-            lower=lower,
-            upper=upper,
-            mimic=joint.mimic,
-            mimic_multiplier=joint.mimic_multiplier,
+        order = list(self.poses)
+        return tuple(
+            place_joint(joint, self.poses, MAIN_URDF)
+            for joint in sorted(self.urdf.joints, key=lambda joint: order.index(joint.child))
         )
 
     @cached_property
@@ -240,7 +200,7 @@ class Subject:
             obj=obj,
         )
 
-    def _mesh(self, shape: UrdfShape) -> ObjData:
+    def _mesh(self, shape: UrdfShape) -> ObjText:
         path = self.folder / shape.file
         if path not in self._meshes:
             if path.suffix.lower() != ".obj":
@@ -298,16 +258,7 @@ class Subject:
     @cached_property
     def labels(self) -> dict[str, PartLabel]:
         """Label of each link from ``semantics.txt``; links with unknown labels are missing."""
-        path = self.folder / "semantics.txt"
-        if not path.is_file():
-            return {}
-        rows = [line.split() for line in path.read_text(errors="replace").splitlines()]
-        known: dict[str, PartLabel] = {}
-        for row in rows:
-            label = _label(row[1], row[2]) if len(row) >= 3 else None
-            if label is not None:
-                known[row[0]] = label
-        return known
+        return read_semantics(self.folder / "semantics.txt")
 
     @cached_property
     def annotations(self) -> dict:
@@ -328,21 +279,6 @@ class Subject:
             ) from err
 
 
-def _label(kind: str, name: str) -> PartLabel | None:
-    """Label for a kind and name in ``semantics.txt``, ours or PartNet-Mobility's."""
-    word = name.lower()
-    if kind in ("heavy", "static", "free") and not word.startswith("caster"):
-        return "base"
-    for label in PART_LABELS:
-        if label != "base" and word.split("_")[-1] == label:
-            return label
-    if word.split("_")[-1] == "lid" and kind == "hinge":
-        return "door"
-    if word in ("button", "switch", "toggle_button"):
-        return "knob"
-    return "wheel" if word == "caster" else None
-
-
 def _engine_hull(vertices: np.ndarray) -> Hull | None:
     try:
         return convex_hull(vertices)
@@ -350,8 +286,15 @@ def _engine_hull(vertices: np.ndarray) -> Hull | None:
         return None
 
 
-def _primitive(shape: UrdfShape) -> ObjData:
+def _primitive(shape: UrdfShape) -> ObjText:
     """A URDF box, cylinder or sphere as triangles."""
     mesh = primitive_mesh(shape.kind, shape.sizes)
-    group = ObjGroup(material=None, faces=mesh.faces, uv_faces=np.full_like(mesh.faces, -1))
-    return ObjData(vertices=mesh.vertices, uv=np.zeros((0, 2)), groups=(group,), mtllib=None)
+    return ObjText(
+        vertices=mesh.vertices,
+        coords=np.zeros((0, 2)),
+        faces=mesh.faces,
+        uv_faces=np.full_like(mesh.faces, -1),
+        names=("",),
+        material_ids=np.zeros(len(mesh.faces), dtype=np.int64),
+        libraries=(),
+    )

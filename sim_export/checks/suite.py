@@ -13,7 +13,6 @@ from sim_export.checks.likeness import LIKENESS_CHECKS
 from sim_export.checks.opening import OPENING_CHECKS
 from sim_export.checks.physical import PHYSICAL_CHECKS
 from sim_export.checks.registry import CheckSpec, run_specs
-from sim_export.checks.subject import Subject
 from sim_export.checks.sweep import SWEEP_CHECKS
 from sim_export.report import CheckResult, Level
 
@@ -42,7 +41,6 @@ def run_checks(
     cfg: CheckConfig | None = None,
     *,
     only: Collection[str] | None = None,
-    subject: Subject | None = None,
 ) -> tuple[CheckResult, ...]:
     """Runs the static checks of some levels on a package or an original PartNet-Mobility folder.
 
@@ -51,7 +49,6 @@ def run_checks(
         levels: Which of L0, L1 and L2.
         cfg: Thresholds; the documented ones by default.
         only: Ids of the checks to run; all of these levels by default.
-        subject: The folder as already parsed, where a caller has it.
     """
     specs = [spec for spec in CHECKS if spec.level in levels and (only is None or spec.id in only)]
-    return run_specs(specs, folder, CheckConfig() if cfg is None else cfg, subject=subject)
+    return run_specs(specs, folder, CheckConfig() if cfg is None else cfg)

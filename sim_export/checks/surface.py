@@ -16,17 +16,15 @@ if TYPE_CHECKING:
 _NEAREST = 8
 
 
-def inside_hulls(
-    points: Float[np.ndarray, "N 3"], hulls: tuple[Hull, ...], depth: float = 0.0
-) -> Bool[np.ndarray, "N"]:
-    """Points that lie at least ``depth`` (m) deep in some hull."""
+def inside_hulls(points: Float[np.ndarray, "N 3"], hulls: tuple[Hull, ...]) -> Bool[np.ndarray, "N"]:
+    """Points that lie in some hull."""
     out = np.zeros(len(points), dtype=bool)
     for hull in hulls:
-        low, high = hull.vertices.min(axis=0) + depth, hull.vertices.max(axis=0) - depth
+        low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
         near = np.flatnonzero(~out & np.all((points >= low) & (points <= high), axis=1))
         if len(near):
             planes = hull_planes(hull)
-            deep = points[near] @ planes[:, :3].T - planes[:, 3] <= -depth
+            deep = points[near] @ planes[:, :3].T - planes[:, 3] <= 0.0
             out[near[deep.all(axis=1)]] = True
     return out
 

@@ -20,8 +20,6 @@ ALIKE = 1.12
 """A box stands for a hull of up to this many times less volume."""
 HALVINGS = 7
 """Times that a hull is divided, and its halves again."""
-SHORTEST = 1e-7
-"""Edges of an outline (m) that give a direction; shorter ones are two corners in one place."""
 _SPARE = 0.97
 """Share of the longest allowed length that hulls are made for."""
 
@@ -80,8 +78,8 @@ def around_box(hull: Hull) -> Hull:
     flat = hull.vertices @ axes.T
     outline = flat[ConvexHull(flat).vertices]
     edges = np.roll(outline, -1, axis=0) - outline
-    lengths = np.linalg.norm(edges, axis=1, keepdims=True)
-    edges = (edges / np.maximum(lengths, 1e-12))[lengths[:, 0] > SHORTEST]
+    edges = edges[edges.any(axis=1)]  # two corners may lie in one place
+    edges /= np.linalg.norm(edges, axis=1, keepdims=True)
     sides = np.stack([edges, np.column_stack([-edges[:, 1], edges[:, 0]])], axis=1)  # E 2 2
     spread = np.ptp(np.einsum("esi,ni->ens", sides, outline), axis=1)
     rows = sides[int(spread.prod(axis=1).argmin())] @ axes

@@ -54,10 +54,9 @@ SAMPLES = 20_000
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trimmed:
-    """The meshes of all parts by name, those that changed, and one sentence for each of these."""
+    """The meshes of all parts by name, and one sentence for each that changed."""
 
     meshes: Mapping[str, Mesh]
-    changed: tuple[str, ...] = ()
     records: tuple[str, ...] = ()
 
 
@@ -85,7 +84,7 @@ def trim_meshes(
     much = sum(len(points) for points, _ in lost) > SHARE * SAMPLES
     sets = [HullSet(hulls=link.hulls) for link in links]
     sweeps = read_sweeps(links, joints, requirements)
-    records, changed = [], []
+    records = []
     for slot, (link, (points, distances)) in enumerate(zip(links, lost, strict=True)):
         if not len(points) or (distances.max() <= MOST * diagonal and not much):
             continue
@@ -110,9 +109,8 @@ def trim_meshes(
             if mesh is None:
                 continue
             out[part] = mesh
-            changed.append(part)
             records.append(f"{part}: {share:.1%} of its mesh, for which no hull stands, is left out")
-    return Trimmed(meshes=out, changed=tuple(changed), records=tuple(records))
+    return Trimmed(meshes=out, records=tuple(records))
 
 
 def _find_lost(

@@ -5,12 +5,14 @@ as in SAPIEN. MuJoCo by itself would let a drawer collide with a carcass that is
 """
 
 import xml.etree.ElementTree as ET
+from collections import Counter
 
 import numpy as np
 from jaxtyping import Float
 
+from artigen.files.wavefront import NO_MATERIAL
 from artigen.transforms import quat_from_matrix
-from sim_export.files.obj import Material, parse_mtl, parse_obj, read_image
+from sim_export.files.obj import parse_mtl, parse_obj, read_image
 from sim_export.files.urdf import (
     format_number,
     format_vector,
@@ -168,14 +170,14 @@ def _add_visual(body: ET.Element, asset: ET.Element, visual: Visual, origin: Flo
 def source_color(source: SourceMesh) -> tuple[float, float, float]:
     """Colour of the material that covers most faces of a source mesh; the mean colour for an image."""
     data = parse_obj(source.path)
-    if data.mtllib is None or not data.groups:
-        return Material().color
-    main = max(data.groups, key=lambda group: len(group.faces))
-    library = source.path.parent / data.mtllib
-    material = parse_mtl(library).get(main.material or "", Material())
-    if material.image is None:
-        return material.color
-    red, green, blue = read_image(library.parent / material.image)[..., :3].mean(axis=(0, 1)) / 255.0
+    if not data.libraries or not len(data.faces):
+        return NO_MATERIAL
+    ((main, _),) = Counter(data.face_materials.tolist()).most_common(1)
+    library = source.path.parent / data.libraries[-1]
+    color, image = parse_mtl(library).get(main, (NO_MATERIAL, ""))
+    if not image:
+        return color
+    red, green, blue = read_image(library.parent / image)[..., :3].mean(axis=(0, 1)) / 255.0
     return float(red), float(green), float(blue)
 
 

@@ -5,85 +5,30 @@ equal bytes.
 """
 
 import io
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen import wavefront
 from artigen.errors import SourceError
+from artigen.files import urdf, wavefront
+from artigen.files.wavefront import ObjText
 from sim_export.collision.hulls import convex_hull
 from sim_export.errors import PackageError
+from sim_export.geometry.normals import corner_normals
 from sim_export.package import Hull, Mesh
 
 DECIMALS = 6
-CREASE_DEGREES = 35.0
 PALETTE = 256
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ObjGroup:
-    """The faces of an OBJ that share one material."""
-
-    material: str | None
-    faces: Int[np.ndarray, "F 3"]
-    uv_faces: Int[np.ndarray, "F 3"]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ObjData:
-    """An OBJ file as arrays: triangulated, zero-based; missing texture indices are -1."""
-
-    vertices: Float[np.ndarray, "V 3"]
-    uv: Float[np.ndarray, "T 2"]
-    groups: tuple[ObjGroup, ...]
-    mtllib: str | None
-
-    @property
-    def faces(self) -> Int[np.ndarray, "F 3"]:
-        """All triangles, group after group."""
-        return np.concatenate([np.zeros((0, 3), np.int64), *(group.faces for group in self.groups)])
-
-
-@dataclass(frozen=True, kw_only=True)
-class Material:
-    """One entry of an MTL file."""
-
-    color: tuple[float, float, float] = (0.7, 0.7, 0.7)
-    image: str | None = None
 
 
 def face_normals(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]) -> np.ndarray:
     """Normals with the length of twice the area of each triangle."""
     a, b, c = vertices[faces[:, 0]], vertices[faces[:, 1]], vertices[faces[:, 2]]
     return np.cross(b - a, c - a)
-
-
-def corner_normals(
-    vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]
-) -> Float[np.ndarray, "F 3 3"]:
-    """Unit normals per face corner: smooth across edges flatter than `CREASE_DEGREES`, sharp elsewhere.
-
-    Every corner averages, weighted by area, the faces around its vertex whose normal is close to
-    its own face's. A degenerate face gets the direction +z.
-    """
-    from scipy.sparse import csr_matrix
-
-    weighted = face_normals(vertices, faces)
-    lengths = np.linalg.norm(weighted, axis=1, keepdims=True)
-    unit = np.where(lengths > 0, weighted / np.where(lengths > 0, lengths, 1.0), [0.0, 0.0, 1.0])
-    count = faces.size
-    touches = csr_matrix((np.ones(count, np.int8), (np.arange(count), faces.ravel())), (count, len(vertices)))
-    pairs = (touches @ touches.T).tocoo()  # corners that share a vertex
-    near = np.einsum("ij,ij->i", unit[pairs.row // 3], unit[pairs.col // 3]) > np.cos(
-        np.radians(CREASE_DEGREES)
-    )
-    row, col = pairs.row[near], pairs.col[near] // 3
-    total = np.stack([np.bincount(row, weighted[col, k], count) for k in range(3)], axis=1)
-    size = np.linalg.norm(total, axis=1, keepdims=True)
-    total = np.where(size > 0, total / np.where(size > 0, size, 1.0), np.repeat(unit, 3, axis=0))
-    return total.reshape(-1, 3, 3)
 
 
 def format_rows(prefix: str, values: np.ndarray, decimals: int) -> str:
@@ -113,7 +58,7 @@ def _unique_rows(values: np.ndarray, decimals: int) -> tuple[np.ndarray, np.ndar
 def obj_text(mesh: Mesh, name: str, mtllib: str | None = None) -> str:
     """A mesh as OBJ: one object ``name``, one material of the same name where there is an MTL."""
     vertices = np.round(mesh.vertices, DECIMALS)
-    normals, normal_of = _unique_rows(corner_normals(vertices, mesh.faces).reshape(-1, 3), 4)
+    normals, normal_of = _unique_rows(corner_normals(vertices[mesh.faces]).reshape(-1, 3), 4)
     head = f"mtllib {mtllib}\n" if mtllib else ""
     chunks = [head, f"o {name}\n", format_rows("v", vertices, DECIMALS)]
     columns = [mesh.faces.ravel() + 1]
@@ -149,12 +94,11 @@ def hull_obj_text(hull: Hull, name: str) -> str:
     )
 
 
-def mtl_text(name: str, material: Material) -> str:
+def mtl_text(name: str, color: tuple[float, float, float], image: str) -> str:
     """One material: its image (over white) if it has one, else its colour."""
-    color = (1.0, 1.0, 1.0) if material.image else material.color
-    red, green, blue = color
+    red, green, blue = (1.0, 1.0, 1.0) if image else color
     text = f"newmtl {name}\nKa 0 0 0\nKd {red:.6f} {green:.6f} {blue:.6f}\nKs 0 0 0\nNs 10\nd 1\nillum 1\n"
-    return text + (f"map_Kd {material.image}\n" if material.image else "")
+    return text + (f"map_Kd {image}\n" if image else "")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -205,48 +149,46 @@ def read_image(path: Path) -> UInt8[np.ndarray, "H W C"]:
     return pixels if pixels[..., 3].min() < 255 else pixels[..., :3]
 
 
-def parse_obj(path: Path) -> ObjData:
-    """Reads an OBJ with absolute indices; polygons become fans.
+def parse_obj(path: Path) -> ObjText:
+    """Reads an OBJ; raises `PackageError` with the file and what is wrong in it."""
+    with _as_package():
+        return wavefront.parse_obj(path)
 
-    Raises `PackageError` with the file and the content of the line if it cannot be parsed.
-    """
+
+def parse_mtl(path: Path) -> dict[str, tuple[tuple[float, float, float], str]]:
+    """Colour, and image as written in the file ("" for none), of the materials of an MTL file."""
+    with _as_package():
+        return wavefront.parse_mtl(path)
+
+
+def parse_urdf(path: Path) -> urdf.UrdfFile:
+    """Reads a URDF without validating it."""
+    with _as_package():
+        return urdf.parse_urdf(path, path.name)
+
+
+@contextmanager
+def _as_package() -> Iterator[None]:
+    """Makes errors of files those of packages."""
     try:
-        said = wavefront.parse_obj(path)
+        yield
     except SourceError as err:
         raise PackageError(str(err)) from err
-    names = np.array(said.names, dtype=object)[said.material_ids]
-    groups = tuple(
-        ObjGroup(
-            material=name or None, faces=said.faces[names == name], uv_faces=said.uv_faces[names == name]
-        )
-        for name in dict.fromkeys(names.tolist())
-    )
-    mtllib = said.libraries[-1] if said.libraries else None
-    return ObjData(vertices=said.vertices, uv=said.coords, groups=groups, mtllib=mtllib)
-
-
-def parse_mtl(path: Path) -> dict[str, Material]:
-    """Materials of an MTL file: diffuse colour, and image name as written in the file."""
-    try:
-        known = wavefront.parse_mtl(path)
-    except SourceError as err:
-        raise PackageError(str(err)) from err
-    return {name: Material(color=color, image=image or None) for name, (color, image) in known.items()}
 
 
 def read_mesh(path: Path) -> Mesh:
     """Reads an OBJ with one material into a `Mesh`, with its texture or colour."""
     data = parse_obj(path)
-    material = Material()
-    if data.mtllib is not None and data.groups and data.groups[0].material is not None:
-        material = parse_mtl(path.parent / data.mtllib).get(data.groups[0].material, material)
-    uv_faces = np.concatenate([np.zeros((0, 3), np.int64), *(group.uv_faces for group in data.groups)])
-    if material.image is None or not len(data.uv) or (uv_faces < 0).any():
-        return Mesh(vertices=data.vertices, faces=data.faces, color=material.color)
+    color, image = wavefront.NO_MATERIAL, ""
+    if data.libraries and len(data.faces):
+        materials = parse_mtl(path.parent / data.libraries[-1])
+        color, image = materials.get(data.face_materials[0], (color, image))
+    if not image or not len(data.coords) or (data.uv_faces < 0).any():
+        return Mesh(vertices=data.vertices, faces=data.faces, color=color)
     return Mesh(
         vertices=data.vertices,
         faces=data.faces,
-        uv=data.uv[uv_faces],
-        texture=read_image(path.parent / material.image),
-        color=material.color,
+        uv=data.coords[data.uv_faces],
+        texture=read_image(path.parent / image),
+        color=color,
     )

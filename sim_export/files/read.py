@@ -13,28 +13,20 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.errors import SourceError
+from artigen.files.urdf import UrdfFile, UrdfInertial, UrdfLink, UrdfShape, rest_poses, tree_problems
 from artigen.splats.motion import transform_gaussians
 from artigen.splats.ply import read_ply
-from artigen.transforms import transform_points, transform_vectors
-from artigen.types import FULL_TURN, JOINT_TYPES, Gaussians, PartLabel
-from sim_export.checks.urdf_file import (
-    UrdfFile,
-    UrdfInertial,
-    UrdfJoint,
-    UrdfLink,
-    UrdfShape,
-    parse_urdf,
-    tree_problems,
-)
+from artigen.transforms import transform_points
+from artigen.types import JOINT_TYPES, Gaussians, PartLabel
 from sim_export.collision.hulls import convex_hull
 from sim_export.errors import DegeneratePart, PackageError
 from sim_export.files.foreign import PLATE_THICKNESS, label_of, read_semantics, thicken
-from sim_export.files.obj import parse_obj, read_mesh
+from sim_export.files.joints import place_joint
+from sim_export.files.obj import parse_obj, parse_urdf, read_mesh
 from sim_export.files.sidecars import FORMAT, VERSION, handles_from_json
 from sim_export.files.urdf import splats_path
 from sim_export.geometry.primitives import primitive_mesh
 from sim_export.package import (
-    URDF_JOINT_TYPES,
     Hull,
     Inertial,
     Link,
@@ -85,19 +77,6 @@ def read_package(folder: Path, *, appearance: bool = True) -> SimPackage:
     return replace(package, links=tuple(replace(link, visuals=()) for link in package.links))
 
 
-def rest_poses(urdf: UrdfFile) -> dict[str, Float[np.ndarray, "4 4"]]:
-    """Pose of every link frame in the root link's frame with all joints at 0."""
-    children = {joint.child for joint in urdf.joints}
-    poses = {link.name: np.eye(4) for link in urdf.links if link.name not in children}
-    waiting = list(urdf.joints)
-    while waiting:
-        for joint in waiting:
-            if joint.parent in poses:
-                poses[joint.child] = poses[joint.parent] @ joint.T_parent_joint
-        waiting = [joint for joint in waiting if joint.child not in poses]
-    return poses
-
-
 def _json(path: Path) -> object:
     try:
         return json.loads(path.read_text())
@@ -124,50 +103,6 @@ def package_file(folder: Path, name: str, owner: str) -> Path:
     if not path.is_file():
         raise PackageError(f"{owner}: mesh file {name!r} is missing")
     return path
-
-
-def _joint(urdf: UrdfFile, joint: UrdfJoint, poses: dict[str, Float[np.ndarray, "4 4"]]) -> PackageJoint:
-    """A URDF joint in the object frame."""
-    owner = f"{urdf.path}: joint {joint.name!r}"
-    if joint.type not in URDF_JOINT_TYPES:
-        raise PackageError(f"{owner}: type {joint.type!r}, supported: {', '.join(URDF_JOINT_TYPES)}")
-    limits: tuple[float | None, float | None] = (0.0, 0.0)
-    if joint.type in ("revolute", "prismatic"):
-        limits = (joint.lower, joint.upper)
-    elif joint.type == "continuous":
-        limits = (0.0, FULL_TURN)
-    lower, upper = limits
-    if lower is None or upper is None:
-        raise PackageError(f"{owner}: a {joint.type} joint without <limit>")
-    optional = {
-        key: value
-        for key in ("effort", "velocity", "friction", "damping")
-        if (value := getattr(joint, key)) is not None
-    }
-    T = poses[joint.child]
-    numbers = [lower, upper, joint.mimic_multiplier, *T.ravel(), *joint.axis, *optional.values()]
-    if not np.isfinite(numbers).all():
-        raise PackageError(f"{owner}: origin, axis, limits or dynamics hold NaN or infinite values")
-    if lower > upper:
-        raise PackageError(f"{owner}: lower {lower} is above upper {upper}")
-    length = float(np.linalg.norm(joint.axis))
-    if length < 1e-9 and joint.type != "fixed":
-        raise PackageError(f"{owner}: axis {joint.axis.tolist()} has no direction")
-    axis = joint.axis / length if length >= 1e-9 else np.array([1.0, 0.0, 0.0])
-    return PackageJoint(
-        name=joint.name,
-        type=joint.type,
-        kind=joint.type,
-        parent=joint.parent,
-        child=joint.child,
-        origin=T[:3, 3],
-        axis=transform_vectors(T, axis[None])[0],
-        lower=lower,
-        upper=upper,
-        mimic=joint.mimic,
-        mimic_multiplier=joint.mimic_multiplier if joint.mimic is not None else 0.0,
-        **optional,
-    )
 
 
 def _inertial(inertial: UrdfInertial | None, T: Float[np.ndarray, "4 4"], owner: str) -> Inertial | None:
@@ -205,7 +140,8 @@ def _read_own(
             for index, link in enumerate(urdf.links)
         )
         joints = tuple(
-            _own_joint(_joint(urdf, joint, poses), motion.get(joint.name)) for joint in urdf.joints
+            _own_joint(place_joint(joint, poses, str(urdf.path)), motion.get(joint.name))
+            for joint in urdf.joints
         )
         return SimPackage(
             name=meta["model_id"],
@@ -285,9 +221,9 @@ def _own_splats(path: Path, T: Float[np.ndarray, "4 4"], index: int) -> Gaussian
 
 
 def _source_mesh(path: Path, shape: UrdfShape, T: Float[np.ndarray, "4 4"], owner: str) -> SourceMesh:
-    scale = float(shape.scale[0])
-    if scale <= 0 or np.abs(shape.scale - scale).max() > 1e-9 * scale:
-        raise PackageError(f"{owner}: mesh scale {shape.scale.tolist()}, expected one positive number thrice")
+    scale = shape.scale[0]
+    if scale <= 0 or max(abs(other - scale) for other in shape.scale) > 1e-9 * scale:
+        raise PackageError(f"{owner}: mesh scale {list(shape.scale)}, expected one positive number thrice")
     return SourceMesh(path=path, T_object_file=T @ shape.T_link_shape, scale=scale)
 
 
@@ -304,7 +240,7 @@ def _read_foreign(
         category=str(meta.get("model_cat", "")),
         visual="source",
         links=links,
-        joints=tuple(_joint(urdf, joint, poses) for joint in urdf.joints),
+        joints=tuple(place_joint(joint, poses, str(urdf.path)) for joint in urdf.joints),
         records=tuple(foreign.records),
     )
 

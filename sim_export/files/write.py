@@ -19,7 +19,7 @@ from artigen.transforms import shift
 from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.errors import PackageError
 from sim_export.files.mjcf import mjcf_text
-from sim_export.files.obj import Material, hull_obj_text, mtl_text, obj_text, png_bytes
+from sim_export.files.obj import hull_obj_text, mtl_text, obj_text, png_bytes
 from sim_export.files.sidecars import (
     annotations_json,
     bounding_box_json,
@@ -119,11 +119,11 @@ def _visual_files(visual: Visual) -> dict[str, bytes]:
         return _source_files(visual.mesh, stem)
     name = visual.name
     files = {path: obj_text(visual.mesh, name, f"{name}.mtl").encode()}
-    image = None
+    image = ""
     if visual.mesh.texture is not None:
         image = f"{name}.png"
         files[f"{stem}.png"] = png_bytes(visual.mesh.texture)
-    files[f"{stem}.mtl"] = mtl_text(name, Material(color=visual.mesh.color, image=image)).encode()
+    files[f"{stem}.mtl"] = mtl_text(name, visual.mesh.color, image).encode()
     return files
 
 

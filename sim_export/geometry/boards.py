@@ -22,9 +22,7 @@ MAX_FOREIGN = 0.25
 """Share of walls belonging to other links from which a space is not the inside of a board."""
 
 
-def fill_boards(
-    voxels: VoxelGrid, owners: Sequence[int] | None = None, max_width: int = MAX_BOARD
-) -> tuple[VoxelGrid, int]:
+def fill_boards(voxels: VoxelGrid, owners: Sequence[int] | None = None) -> tuple[VoxelGrid, int]:
     """Fills the gaps inside boards; also returns the number of filled cells.
 
     A gap is assigned to the part that owns most of the surrounding cells. ``owners`` gives for every part the
@@ -34,7 +32,7 @@ def fill_boards(
     owner = np.full(shape, -1, dtype=np.int64)
     owner[tuple(voxels.coords.T + 1)] = voxels.part_ids
     spaces, count = label_spaces(owner < 0)
-    wide = np.unique(spaces[wider_than(owner < 0, max_width)])
+    wide = np.unique(spaces[wider_than(owner < 0, MAX_BOARD)])
     thin = np.setdiff1d(np.arange(1, count + 1), wide)
     gaps = np.isin(spaces, thin)
     if not gaps.any():

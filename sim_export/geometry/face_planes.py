@@ -17,18 +17,13 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from artigen.types import Part
-from sim_export.geometry.neighbours import DIRECTIONS, NeighbourFaces
 
+DIRECTIONS: tuple[tuple[int, int], ...] = ((0, -1), (0, 1), (1, -1), (1, 1), (2, -1), (2, 1))
+"""(axis, sign) of the six face normals, in the order in which faces are listed everywhere."""
 INSET = 0.5
 """Inward shift of a patch backed by two or more cells: voxelising dilates by half a cell."""
 THIN_INSET = 0.1
 """Inward shift of a patch backed by one cell."""
-CONTACT_INSET = 0.1
-"""Inward shift of a patch that another part touches."""
-JOINT_ROOM = 0.03
-"""Gap kept to the plane at which a neighbour's box ends."""
-JOINT_INSET = 0.6
-"""Largest inward shift to such a plane; a neighbour farther in is embedded in the part."""
 CONTACT_SHARE = 0.1
 """Share of a patch's faces that other parts must touch for the patch to count as touched."""
 MIN_THICKNESS = 0.8
@@ -101,7 +96,6 @@ def fit_face_planes(
     occupancy: Bool[np.ndarray, "X Y Z"],
     box: Float[np.ndarray, "2 3"],
     others: Bool[np.ndarray, "X2 Y2 Z2"] | None = None,
-    neighbours: NeighbourFaces | None = None,
 ) -> FacePlanes:
     """Fits a plane to every exposed face of a part; ``box`` is its lowest and highest corner.
 
@@ -122,15 +116,10 @@ def fit_face_planes(
         beside[np.arange(len(level)), axis] += sign
         touched = others[tuple(beside.T)]
     coordinate, at_box = _place_patches(faces, blocky, box, touched)
-    known = at_box
-    if neighbours is not None:
-        met = _meet_neighbours(faces, blocky, neighbours)
-        coordinate = np.where(at_box | np.isnan(met), coordinate, met)
-        known = at_box | ~np.isnan(met)
     coordinate = _keep_thickness(faces, coordinate, at_box)
     flat = _find_flat(faces, steps)
     plane = coordinate[faces.patch]
-    curved = ~flat[faces.patch] & ~known[faces.patch]
+    curved = ~flat[faces.patch] & ~at_box[faces.patch]
     if curved.any():
         outward = _outwardness(level, axis, sign, box)
         shift = _curved_inset(faces, outward)[curved]
@@ -246,35 +235,8 @@ def _place_patches(
     side = box[(sign > 0).astype(int), axis]
     at_box = (sign * level == extreme[direction]) & (np.abs(side - level) <= BOX_REACH)
     contact = np.bincount(faces.patch, weights=touched) > CONTACT_SHARE * area
-    inset = np.where(contact, CONTACT_INSET, np.where(thick, INSET, THIN_INSET))
+    inset = np.where(thick & ~contact, INSET, THIN_INSET)
     return np.where(at_box, side, level - sign * inset), at_box
-
-
-def _meet_neighbours(faces: _Faces, blocky: np.ndarray, neighbours: NeighbourFaces) -> np.ndarray:
-    """Coordinate of each patch just before the plane at which neighbours end, NaN without neighbours.
-
-    If several neighbours end at one patch, the median is used.
-    """
-    shape = np.array(faces.grid.shape[1:])
-    at = neighbours.cell + MARGIN
-    inside = ((at >= 0) & (at < shape)).all(axis=1)
-    patch = np.full(len(at), -1)
-    patch[inside] = faces.grid[(neighbours.direction[inside], *at[inside].T)]
-    met, end = patch[patch >= 0], neighbours.coordinate[patch >= 0]
-    out = np.full(int(faces.patch.max()) + 1, np.nan)
-    if not len(met):
-        return out
-    level, sign = np.zeros(len(out)), np.zeros(len(out))
-    level[faces.patch] = blocky
-    sign[faces.patch] = np.array(DIRECTIONS)[faces.direction, 1]
-    order = np.lexsort((end, met))
-    met, end = met[order], end[order]
-    found, first, count = np.unique(met, return_index=True, return_counts=True)
-    depth = sign[found] * (level[found] - end[first + count // 2]) + JOINT_ROOM
-    follow = (depth <= JOINT_INSET) & (depth >= -BOX_REACH)
-    found, depth = found[follow], np.maximum(depth[follow], 0.0)
-    out[found] = level[found] - sign[found] * depth
-    return out
 
 
 def _keep_thickness(faces: _Faces, coordinate: np.ndarray, at_box: np.ndarray) -> np.ndarray:

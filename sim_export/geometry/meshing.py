@@ -14,8 +14,13 @@ from jaxtyping import Bool, Float, Int
 
 from artigen.types import Asset, Part
 from sim_export.errors import DegeneratePart, OpenMesh
-from sim_export.geometry.face_planes import BOX_REACH, MARGIN, box_in_lattice, fit_face_planes
-from sim_export.geometry.neighbours import DIRECTIONS, NeighbourFaces, find_neighbour_faces
+from sim_export.geometry.face_planes import (
+    BOX_REACH,
+    DIRECTIONS,
+    MARGIN,
+    box_in_lattice,
+    fit_face_planes,
+)
 from sim_export.geometry.occupancy import PartOccupancy, part_occupancy
 from sim_export.geometry.slants import find_slants
 from sim_export.geometry.smoothing import (
@@ -62,8 +67,7 @@ def mesh_parts(asset: Asset, solids: Sequence[PartOccupancy] | None = None) -> t
         occupancy = solid.occupancy
         others = np.zeros_like(occupancy)
         others[tuple(asset.voxels.coords[asset.voxels.part_ids != index].T)] = True
-        neighbours = find_neighbour_faces(asset.voxels, boxes, index)
-        vertices, faces = mesh_occupancy(occupancy, boxes[index], others & ~occupancy, neighbours)
+        vertices, faces = mesh_occupancy(occupancy, boxes[index], others & ~occupancy)
         _check_closed(asset.name, part, vertices, faces)
         metres = (vertices / asset.voxels.resolution - 0.5) * asset.scale
         meshes.append(Mesh(vertices=metres, faces=faces))
@@ -74,13 +78,8 @@ def mesh_occupancy(
     occupancy: Bool[np.ndarray, "X Y Z"],
     box: Float[np.ndarray, "2 3"],
     others: Bool[np.ndarray, "X Y Z"] | None = None,
-    neighbours: NeighbourFaces | None = None,
 ) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]:
-    """Closed mesh of a well-composed solid with the extent ``box``, next to ``others``, which end at
-    ``neighbours``.
-
-    Lattice units.
-    """
+    """Closed mesh of a well-composed solid with the extent ``box``, next to ``others``; lattice units."""
     cells = np.nonzero(occupancy)
     low = np.array([axis.min() for axis in cells])
     window = tuple(slice(axis.min(), axis.max() + 1) for axis in cells)
@@ -88,14 +87,7 @@ def mesh_occupancy(
     if others is not None:
         wide = tuple(slice(axis.min(), axis.max() + 1 + 2 * MARGIN) for axis in cells)
         around = np.pad(others, MARGIN)[wide]
-    if neighbours is not None:
-        axis = np.array(DIRECTIONS)[neighbours.direction, 0]
-        neighbours = NeighbourFaces(
-            direction=neighbours.direction,
-            cell=neighbours.cell - low,
-            coordinate=neighbours.coordinate - low[axis],
-        )
-    surface = read_surface(occupancy[window], box - low, around, neighbours)
+    surface = read_surface(occupancy[window], box - low, around)
     vertices = smooth_surface(surface)
     vertices = stretch_to_box(vertices, ~surface.locked, box - low, BOX_REACH)
     faces = _split_quads(vertices, surface.quads)
@@ -106,10 +98,9 @@ def read_surface(
     occupancy: Bool[np.ndarray, "X Y Z"],
     box: Float[np.ndarray, "2 3"],
     others: Bool[np.ndarray, "X2 Y2 Z2"] | None = None,
-    neighbours: NeighbourFaces | None = None,
 ) -> BlockySurface:
     """The blocky surface with every vertex moved to the fitted planes of its faces."""
-    planes = fit_face_planes(occupancy, box, others, neighbours)
+    planes = fit_face_planes(occupancy, box, others)
     slants = find_slants(planes)
     rows = np.argwhere(planes.patch >= 0)
     direction, cell = rows[:, 0], rows[:, 1:]

@@ -34,16 +34,14 @@ _FACES = ndimage.generate_binary_structure(3, 1)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PartOccupancy:
-    """The solid cells of one part, on the asset's whole grid, and the numbers of added and removed cells.
+    """The solid cells of one part, on the asset's whole grid, and the numbers of added cells.
 
-    ``shared`` cells belong to another part whose surface runs through the same layer. ``shaved`` cells were
-    specks of this part in a layer that others own. ``enclosed`` cells were cavities without an exit.
-    ``joined`` cells connect cells that touched only along an edge or at a corner.
+    ``shared`` cells belong to another part whose surface runs through the same layer. ``enclosed`` cells were
+    cavities without an exit. ``joined`` cells connect cells that touched only along an edge or at a corner.
     """
 
     occupancy: Bool[np.ndarray, "X Y Z"]
     shared: int
-    shaved: int
     enclosed: int
     joined: int
 
@@ -52,7 +50,6 @@ class PartOccupancy:
         """One sentence for each kind of change."""
         kinds = (
             (self.shared, "cells shared with a neighbour completed its surface"),
-            (self.shaved, "specks of cells were left out"),
             (self.enclosed, "cells of an enclosed cavity became solid"),
             (self.joined, "cells joined others that touched along an edge only"),
         )
@@ -83,8 +80,7 @@ def part_occupancy(
     shared = own | _pits(own, others)
     if box is not None:
         shared |= _ragged_layers(shared, others, box - low + 2)
-    shaved = _shave_specks(shared, others & ~shared)
-    filled = _fill_cavities(shaved, others)
+    filled = _fill_cavities(shared, others)
     joined = join_cells(filled, others)
     solid = _fill_cavities(joined, others)
     inside = tuple(slice(2, -2) for _ in range(3))
@@ -93,30 +89,9 @@ def part_occupancy(
     return PartOccupancy(
         occupancy=out,
         shared=int(shared.sum() - own.sum()),
-        shaved=int(shared.sum() - shaved.sum()),
-        enclosed=int(filled.sum() - shaved.sum() + solid.sum() - joined.sum()),
+        enclosed=int(filled.sum() - shared.sum() + solid.sum() - joined.sum()),
         joined=int(joined.sum() - filled.sum()),
     )
-
-
-def _shave_specks(own: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Removes single cells and pairs that protrude from a layer of this part into another part.
-
-    Such a cell has this part behind it, and its neighbours in its own layer are cells of others, at most one
-    cell of this part, and no empty cell. A part that consists of specks only is kept.
-    """
-    specks = np.zeros_like(own)
-    neighbours = {axis: [np.roll(own, shift, axis) for shift in (1, -1)] for axis in range(3)}
-    around = {axis: [np.roll(others, shift, axis) for shift in (1, -1)] for axis in range(3)}
-    for normal in range(3):
-        beside = [grid for axis in range(3) if axis != normal for grid in neighbours[axis]]
-        foreign = [grid for axis in range(3) if axis != normal for grid in around[axis]]
-        alone = np.sum(foreign, axis=0, dtype=np.int8) >= 3
-        alone &= np.sum(foreign + beside, axis=0, dtype=np.int8) == 4
-        behind, front = neighbours[normal]
-        specks |= own & alone & (behind ^ front)
-    left = own & ~specks
-    return left if left.any() else own
 
 
 def _pits(own: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -1,7 +1,7 @@
 """Deterministic, evenly spread points on surfaces."""
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 _STEP = np.array([0.7548776662466927, 0.5698402909980532])
 """The plastic number's two-dimensional low-discrepancy sequence."""
@@ -11,6 +11,12 @@ def triangle_areas(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "
     """Area of each triangle."""
     edges = triangles[:, 1:] - triangles[:, :1]
     return np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1) / 2.0
+
+
+def find_slivers(triangles: Float[np.ndarray, "F 3 3"], ratio: float) -> Bool[np.ndarray, "F"]:
+    """Triangles with a height of at most ``ratio`` of their longest edge."""
+    longest = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2).max(axis=1)
+    return 2.0 * triangle_areas(triangles) <= ratio * longest**2
 
 
 def sample_triangles(

@@ -14,6 +14,8 @@ from sim_export.errors import OpenMesh
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import Hull, Mesh
 
+CAVITY_CELLS = 36
+"""Grid points along each edge of the box in which cavities are measured."""
 SURFACE_SAMPLES = 10_000
 """Points on a solid's surface for measuring how far hulls bulge."""
 
@@ -119,9 +121,7 @@ def measure_bulge(
     return distances_to(free, surface, near)
 
 
-def measure_kept_cavity(
-    hulls: Sequence[Hull], solid: manifold3d.Manifold, skin: float, resolution: int = 36
-) -> float:
+def measure_kept_cavity(hulls: Sequence[Hull], solid: manifold3d.Manifold, skin: float) -> float:
     """Share of the space that a solid encloses or shelters and its hulls leave free.
 
     Measured at grid points inside the solid's convex hull and more than ``skin`` (m) away from the solid; 1
@@ -129,15 +129,14 @@ def measure_kept_cavity(
     """
     vertices, faces = solid_arrays(solid)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    x, y, z = (
-        low[axis] + (high - low)[axis] * (np.arange(resolution) + 0.4871) / resolution for axis in range(3)
-    )
+    shares = (np.arange(CAVITY_CELLS) + 0.4871) / CAVITY_CELLS
+    x, y, z = (low[axis] + (high - low)[axis] * shares for axis in range(3))
     solid_points = inside_grid(vertices, faces, (x, y, z))
-    reach = ndimage.distance_transform_edt(~solid_points, sampling=(high - low) / resolution)
+    reach = ndimage.distance_transform_edt(~solid_points, sampling=(high - low) / CAVITY_CELLS)
     grid = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)
     points = grid[np.asarray(reach) > skin]
     points = points[_inside_hull(points, solid_hull(solid))]
-    cell = float(np.prod((high - low) / resolution))
+    cell = float(np.prod((high - low) / CAVITY_CELLS))
     if len(points) * cell < 0.05 * solid.hull().volume():
         return 1.0
     free = points

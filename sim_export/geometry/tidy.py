@@ -1,10 +1,10 @@
-"""Removes needles and tiny edges from meshes after exact booleans."""
+"""Removes slivers and tiny edges from meshes after exact booleans."""
 
 import manifold3d
 import numpy as np
 
 from sim_export.errors import OpenMesh
-from sim_export.geometry.needles import find_needles, flip_needles
+from sim_export.geometry.sampling import find_slivers
 from sim_export.geometry.solids import as_solid, solid_arrays
 from sim_export.package import Mesh
 
@@ -14,14 +14,14 @@ LEAST_DETAIL = 2e-6
 """Smallest simplification tolerance (m); files have micrometre precision."""
 MOST_LOST = 0.005
 """Largest relative change of the volume by simplification."""
-MOST_NEEDLES = 0.008
-"""Largest share of needles of a clean mesh; checks allow a hundredth, or one."""
+MOST_SLIVERS = 0.008
+"""Largest share of slivers in a clean mesh; V101 allows a hundredth, or one."""
 
 
 def tidy_mesh(solid: manifold3d.Manifold, like: Mesh) -> Mesh | None:
     """The mesh of a solid in the colour of another; `None` if no clean mesh is found.
 
-    Clean means closed, with edges that survive rounding in a file, and with hardly any needles.
+    Clean means closed, with edges that survive rounding in a file, and with hardly any slivers.
     """
     vertices, _ = solid_arrays(solid)
     if not len(vertices):
@@ -29,13 +29,12 @@ def tidy_mesh(solid: manifold3d.Manifold, like: Mesh) -> Mesh | None:
     size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     for detail in DETAILS:
         vertices, faces = solid_arrays(solid.simplify(max(detail * size, LEAST_DETAIL)))
-        faces = flip_needles(vertices, faces, np.zeros(len(faces), dtype=np.int64))
         mesh = Mesh(vertices=vertices, faces=faces, color=like.color)
-        needles = int(find_needles(vertices[faces], 1.2e-4).sum())
+        slivers = np.count_nonzero(find_slivers(vertices[faces], 1.2e-4))
         try:
             volume = as_solid(mesh).volume()
         except OpenMesh:
             continue
-        if needles <= max(1, MOST_NEEDLES * len(faces)) and abs(volume / solid.volume() - 1.0) <= MOST_LOST:
+        if slivers <= max(1, MOST_SLIVERS * len(faces)) and abs(volume / solid.volume() - 1.0) <= MOST_LOST:
             return mesh
     return None

@@ -7,34 +7,18 @@ separate the links.
 
 import colorsys
 from collections.abc import Sequence
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
 
+from artigen.files.wavefront import NO_MATERIAL
 from artigen.transforms import transform_points
-from artigen.types import PartLabel
 from sim_export.collision.motion import driven_joints, link_displacements, package_joint_motion
 from sim_export.errors import PackageError
-from sim_export.files.obj import Material, ObjData, ObjGroup, parse_mtl, parse_obj, read_image
+from sim_export.files.obj import parse_mtl, parse_obj, read_image
 from sim_export.package import Hull, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import move_surface, surface_from_mesh
-
-Look = Literal["own", "label", "link", "collision"]
-"""Meaning of colours: the visuals' own, the parts' labels, one per link, or one per collision hull."""
-
-LABEL_COLORS: dict[PartLabel, tuple[float, float, float]] = {
-    "base": (0.74, 0.75, 0.77),
-    "drawer": (0.30, 0.53, 0.79),
-    "door": (0.92, 0.60, 0.25),
-    "handle": (0.80, 0.25, 0.27),
-    "knob": (0.58, 0.36, 0.65),
-    "tray": (0.33, 0.66, 0.49),
-    "shelf": (0.87, 0.78, 0.36),
-    "wheel": (0.35, 0.35, 0.38),
-}
-"""sRGB colour of each part label in pictures coloured by label."""
 
 CONTINUOUS_OPEN = np.pi / 2
 """Open position (radians) of a joint without limits: a quarter turn."""
@@ -58,26 +42,24 @@ def load_source_meshes(source: SourceMesh) -> tuple[Mesh, ...]:
         PackageError: If the OBJ, its MTL or an image cannot be read.
     """
     data = parse_obj(source.path)
-    materials: dict[str, Material] = {}
-    if data.mtllib is not None:
-        materials = parse_mtl(source.path.parent / data.mtllib)
+    materials = parse_mtl(source.path.parent / data.libraries[-1]) if data.libraries else {}
     vertices = transform_points(source.T_object_file, data.vertices * source.scale)
-    return tuple(_group_mesh(source, data, group, materials, vertices) for group in data.groups)
-
-
-def _group_mesh(
-    source: SourceMesh, data: ObjData, group: ObjGroup, materials: dict[str, Material], vertices: np.ndarray
-) -> Mesh:
-    if group.material is not None and data.mtllib is not None and group.material not in materials:
-        raise PackageError(
-            f"{source.path}: material {group.material!r} is not in {data.mtllib}, which has "
-            f"{', '.join(sorted(materials)) or 'none'}"
-        )
-    material = materials.get(group.material or "", Material())
-    if material.image is None or not len(data.uv) or (group.uv_faces < 0).any():
-        return Mesh(vertices=vertices, faces=group.faces, color=material.color)
-    texture = read_image(source.path.parent / material.image)
-    return Mesh(vertices=vertices, faces=group.faces, uv=data.uv[group.uv_faces], texture=texture)
+    meshes = []
+    for name in dict.fromkeys(data.face_materials.tolist()):
+        if name and data.libraries and name not in materials:
+            raise PackageError(
+                f"{source.path}: material {name!r} is not in {data.libraries[-1]}, which has "
+                f"{', '.join(sorted(materials)) or 'none'}"
+            )
+        color, image = materials.get(name, (NO_MATERIAL, ""))
+        own = data.face_materials == name
+        faces, uv_faces = data.faces[own], data.uv_faces[own]
+        if image and len(data.coords) and (uv_faces >= 0).all():
+            texture = read_image(source.path.parent / image)
+            meshes.append(Mesh(vertices=vertices, faces=faces, uv=data.coords[uv_faces], texture=texture))
+        else:
+            meshes.append(Mesh(vertices=vertices, faces=faces, color=color))
+    return tuple(meshes)
 
 
 def visual_meshes(visual: Visual) -> tuple[Mesh, ...]:
@@ -85,23 +67,17 @@ def visual_meshes(visual: Visual) -> tuple[Mesh, ...]:
     return load_source_meshes(visual.mesh) if isinstance(visual.mesh, SourceMesh) else (visual.mesh,)
 
 
-def package_surfaces(package: SimPackage, look: Look = "own") -> tuple[Surface, ...]:
-    """All drawable surfaces at rest; each surface's id is the index of its link."""
-    if look == "collision":
-        return _hull_surfaces(package)
-    surfaces: list[Surface] = []
-    for index, link in enumerate(package.links):
-        for visual in link.visuals:
-            color = None
-            if look != "own":
-                color = LABEL_COLORS[visual.label] if look == "label" else distinct_color(index)
-            surfaces += [
-                surface_from_mesh(mesh, surface_id=index, color=color) for mesh in visual_meshes(visual)
-            ]
-    return tuple(surfaces)
+def package_surfaces(package: SimPackage) -> tuple[Surface, ...]:
+    """All visual surfaces at rest; each surface's id is the index of its link."""
+    return tuple(
+        surface_from_mesh(mesh, surface_id=index)
+        for index, link in enumerate(package.links)
+        for visual in link.visuals
+        for mesh in visual_meshes(visual)
+    )
 
 
-def _hull_surfaces(package: SimPackage) -> tuple[Surface, ...]:
+def hull_surfaces(package: SimPackage) -> tuple[Surface, ...]:
     """Hulls in their own colours, each enlarged by a different small amount.
 
     Hulls overlap and often share a plane; the enlargement determines which of them is visible there.
@@ -118,7 +94,7 @@ def _hull_surfaces(package: SimPackage) -> tuple[Surface, ...]:
                 faces=hull.faces,
                 color=distinct_color(index * 7 + place),
             )
-            surfaces.append(surface_from_mesh(mesh, surface_id=index, crease_angle=0.0))
+            surfaces.append(surface_from_mesh(mesh, surface_id=index, crease=0.0))
     return tuple(surfaces)
 
 

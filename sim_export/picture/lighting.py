@@ -145,7 +145,7 @@ def _find_samples(
 ) -> Samples:
     """Samples of one layer of hits, and of the floor that ``free`` rays hit."""
     place, seen = hits.place, rays[hits.place]
-    normals, geometric = orient_to_viewer(corner_normals_at(scene, hits), hits.normals, seen)
+    normals, geometric = orient_to_viewer(corner_normals_at(scene, hits), scene.normals[hits.triangle], seen)
     points = camera.position.astype(np.float32) + seen * hits.depth[:, None]
     label, albedo = surface_ids_at(scene, hits), albedo_at(scene, hits)
     if cfg.ground:

@@ -19,8 +19,8 @@ from sim_export.collision.motion import driven_joints
 from sim_export.package import SimPackage
 from sim_export.picture.camera import Camera, Viewpoint, frame_points
 from sim_export.picture.draw import (
-    Look,
     explode_links,
+    hull_surfaces,
     open_links,
     package_surfaces,
     pose_surfaces,
@@ -30,7 +30,7 @@ from sim_export.picture.raycast import Surface
 from sim_export.picture.render import render_scene, surface_points
 from sim_export.picture.splats import DrawSplats, has_splats, pose_splats
 
-Panel = Literal["closed", "half", "open", "exploded", "collision", "inside", "labels"]
+Panel = Literal["closed", "half", "open", "exploded", "collision"]
 SPLAT_PANELS: tuple[Panel, ...] = ("closed", "half", "open", "exploded")
 """Panels that also show Gaussians."""
 PANEL_CAPTIONS: dict[Panel, str] = {
@@ -39,8 +39,6 @@ PANEL_CAPTIONS: dict[Panel, str] = {
     "open": "open",
     "exploded": "exploded",
     "collision": "collision hulls",
-    "inside": "inside",
-    "labels": "part labels",
 }
 
 INK = (38, 42, 50)
@@ -53,8 +51,6 @@ class PreviewConfig:
 
     panels: tuple[Panel, ...] = ("closed", "half", "open", "exploded", "collision")
     """States to draw, left to right."""
-    look: Look = "own"
-    """Colours of the visual panels: the object's own, or by part label or link."""
     viewpoint: Viewpoint = field(default_factory=Viewpoint)
     """Viewpoint of the camera and pixels per panel."""
     render: RenderConfig = field(default_factory=RenderConfig)
@@ -83,7 +79,7 @@ class Shapes:
 
 def describe_size(package: SimPackage) -> str:
     """Width (along y), depth (along x) and height of the closed object in metres."""
-    points = surface_points(package_surfaces(package, "link"))
+    points = surface_points(package_surfaces(package))
     depth, width, height = np.ptp(points, axis=0) if len(points) else np.zeros(3)
     return f"{width:.2f} m wide, {depth:.2f} m deep, {height:.2f} m high"
 
@@ -195,48 +191,14 @@ def write_preview(
     scratch.replace(png)
 
 
-def inside_camera(package: SimPackage, surfaces: Sequence[Surface], viewpoint: Viewpoint) -> Camera:
-    """A view into the widest opening, for surfaces posed with everything open.
-
-    Behind a hinged front, the camera is straight in front at the opening's height; for drawers and lids it
-    looks down from above the front.
-    """
-    points = surface_points(surfaces)
-    rest = package_surfaces(package, "link")
-    slot = {link.name: index for index, link in enumerate(package.links)}
-    best, opening, hinged = -1.0, (points.min(axis=0) + points.max(axis=0)) / 2.0, False
-    for joint in driven_joints(package.joints):
-        own = [surface.triangles.reshape(-1, 3) for surface in rest if surface.id == slot[joint.child]]
-        if not own:
-            continue
-        low, high = np.concatenate(own).min(axis=0), np.concatenate(own).max(axis=0)
-        front = float((high - low)[1] * (high - low)[2])
-        if front > best:
-            best, opening = front, (low + high) / 2.0
-            hinged = joint.type == "revolute"
-    if not hinged:
-        return frame_points(points, replace(viewpoint, azimuth=0.0, elevation=48.0))
-    slope = np.tan(np.radians(viewpoint.fov) / 2.0) * (1.0 - 2.0 * viewpoint.margin)
-    wide = slope * viewpoint.width / viewpoint.height
-    needed = np.maximum(np.abs(points[:, 2] - opening[2]) / slope, np.abs(points[:, 1] - opening[1]) / wide)
-    position = np.array([float((points[:, 0] - needed).min()), opening[1], opening[2]])
-    return Camera(
-        position=position,
-        target=position + np.array([1.0, 0.0, 0.0]),
-        fov=viewpoint.fov,
-        width=viewpoint.width,
-        height=viewpoint.height,
-    )
-
-
 def prepare_shapes(package: SimPackage, cfg: PreviewConfig) -> Shapes:
     """Prepares the drawable data of a package.
 
     Raises:
         ValueError: If the package has nothing to draw.
     """
-    visual = package_surfaces(package, cfg.look)
-    hulls = package_surfaces(package, "collision") if "collision" in cfg.panels else ()
+    visual = package_surfaces(package)
+    hulls = hull_surfaces(package) if "collision" in cfg.panels else ()
     if not any(len(surface.triangles) for surface in visual):
         raise ValueError(f"package {package.name!r} has no visual triangles, there is nothing to draw")
     return Shapes(
@@ -246,15 +208,13 @@ def prepare_shapes(package: SimPackage, cfg: PreviewConfig) -> Shapes:
 
 def _panel_surfaces(shapes: Shapes, panel: Panel) -> tuple[Surface, ...]:
     match panel:
-        case "closed" | "half" | "open" | "inside":
+        case "closed" | "half" | "open":
             fraction = {"closed": 0.0, "half": 0.5}.get(panel, 1.0)
             return pose_surfaces(shapes.visual, open_links(shapes.package, fraction))
         case "exploded":
             return pose_surfaces(shapes.visual, shapes.exploded)
         case "collision":
             return pose_surfaces(shapes.hulls, open_links(shapes.package, 1.0))
-        case "labels":
-            return pose_surfaces(package_surfaces(shapes.package, "label"), open_links(shapes.package, 1.0))
 
 
 def frame_shapes(shapes: Shapes, cfg: PreviewConfig, panels: Sequence[Panel]) -> Camera:
@@ -266,11 +226,8 @@ def frame_shapes(shapes: Shapes, cfg: PreviewConfig, panels: Sequence[Panel]) ->
 def draw_panel(
     shapes: Shapes, panel: Panel, camera: Camera, cfg: PreviewConfig
 ) -> UInt8[np.ndarray, "H W 3"]:
-    """Renders one state of a package with a camera of `frame_shapes`; ``inside`` has its own camera."""
-    surfaces = _panel_surfaces(shapes, panel)
-    if panel == "inside":
-        return render_scene(surfaces, inside_camera(shapes.package, surfaces, cfg.viewpoint), cfg.render)
-    return draw_standing(shapes, surfaces, camera, cfg)
+    """Renders one state of a package with a camera of `frame_shapes`."""
+    return draw_standing(shapes, _panel_surfaces(shapes, panel), camera, cfg)
 
 
 def draw_standing(

@@ -2,16 +2,15 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
 
 from artigen.splats.colors import linear_from_srgb
 from artigen.types import frozen_array
+from sim_export.geometry.exposure import triangle_normals
 from sim_export.picture.shading import (
     blend_corners,
-    dot_rows,
     sample_cover,
     sample_texture,
 )
@@ -23,6 +22,8 @@ OPAQUE = 0.99
 """Opacity above which a surface hides what is behind it."""
 MOST_LAYERS = 8
 """Largest number of transparent surfaces along a ray."""
+LIFT = 1e-6
+"""Distance between a triangle and its front, relative to the scene's extent."""
 BEYOND = 1e-5
 """Offset behind a transparent surface from which the next one is searched, relative to the scene's
 diagonal."""
@@ -73,61 +74,39 @@ class Surface:
 class Scene:
     """All triangles of some surfaces, with Embree's hierarchy.
 
-    Drawing programs often store a face twice, with opposite windings and two materials. Only one of such
-    twins is in the hierarchy, and a ray sees the one whose front it hits. For this, the corners of every
-    triangle are sorted by position; twins then have equal corners.
+    Drawing programs often store a face twice, with opposite windings and two materials. Every triangle is
+    therefore moved ahead of its back by `LIFT`, so that a ray meets the one whose front it sees.
     """
 
     surfaces: tuple[Surface, ...]
     owner: Int[np.ndarray, "T"]
     """Index of each triangle's surface."""
-    corners: Int[np.ndarray, "T 3"]
-    """Each triangle's sorted corners, as indices into all corners, one surface after the other."""
-    triangles: Float[np.ndarray, "K 3 3"]
-    """Sorted corners of the triangles in the hierarchy, float32."""
-    twins: Int[np.ndarray, "K 2"]
-    """Per triangle in the hierarchy: the faces visible against and along its normal."""
+    normals: Float[np.ndarray, "T 3"]
+    """Unit normals of the triangles, float32."""
+    corner_normals: Float[np.ndarray, "T 3 3"]
+    """Shading normals of their corners, float32."""
+    bounds: Float[np.ndarray, "2 3"]
+    """Lowest and highest corner of all triangles."""
     tree: object | None
     """embreex scene; None if there are no triangles."""
-
-    @cached_property
-    def normals(self) -> Float[np.ndarray, "K 3"]:
-        """Normals of the sorted corners, not normalised."""
-        edges = self.triangles[:, 1:] - self.triangles[:, :1]
-        return np.cross(edges[:, 0], edges[:, 1])
-
-    @cached_property
-    def bounds(self) -> Float[np.ndarray, "2 3"]:
-        """Lowest and highest corner of all triangles."""
-        corners = self.triangles.reshape(-1, 3)
-        return np.stack([corners.min(axis=0), corners.max(axis=0)])
 
     @property
     def diagonal(self) -> float:
         """Length of the diagonal of the bounds."""
         return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
 
-    @cached_property
-    def corner_normals(self) -> Float[np.ndarray, "C 3"]:
-        """Shading normals of all corners, float32."""
-        return np.concatenate([surface.normals.reshape(-1, 3) for surface in self.surfaces]).astype(
-            np.float32
-        )
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Hits:
-    """Rays that hit a triangle: index, position on the triangle, depth, and face normal.
+    """Rays that hit a triangle: index, position on the triangle, and depth.
 
-    ``triangle`` indexes all triangles of all surfaces, ``weights`` refer to its sorted corners, ``normals``
-    have either orientation and are not normalised.
+    ``triangle`` indexes all triangles of all surfaces.
     """
 
     place: Int[np.ndarray, "N"]
     triangle: Int[np.ndarray, "N"]
     weights: Float[np.ndarray, "N 3"]
     depth: Float[np.ndarray, "N"]
-    normals: Float[np.ndarray, "N 3"]
 
 
 def build_scene(surfaces: Sequence[Surface]) -> Scene:
@@ -135,51 +114,24 @@ def build_scene(surfaces: Sequence[Surface]) -> Scene:
     from embreex import rtcore_scene
     from embreex.mesh_construction import TriangleMesh
 
-    counts = [len(surface.triangles) for surface in surfaces]
     empty = np.zeros((0, 3, 3))
-    triangles = np.concatenate([empty, *(surface.triangles for surface in surfaces)]).astype(np.float32)
-    places = _number_places(triangles)
-    order = np.argsort(places, axis=1)
-    shown, twins = _pair_twins(np.take_along_axis(places, order, axis=1), _ODD[order[:, 0], order[:, 1]])
-    sorted_triangles = np.take_along_axis(triangles[shown], order[shown][:, :, None], axis=1)
+    triangles = np.concatenate([empty, *(surface.triangles for surface in surfaces)])
+    normals = triangle_normals(triangles)
+    corners = triangles.reshape(-1, 3)
+    bounds = np.stack([corners.min(axis=0), corners.max(axis=0)]) if len(corners) else np.zeros((2, 3))
     tree = None
-    if len(shown):
+    if len(triangles):
         tree = rtcore_scene.EmbreeScene(robust=True)
-        TriangleMesh(tree, sorted_triangles)
+        lift = LIFT * float(np.ptp(bounds, axis=0).max())
+        TriangleMesh(tree, (triangles + lift * normals[:, None]).astype(np.float32))
     return Scene(
         surfaces=tuple(surfaces),
-        owner=np.repeat(np.arange(len(counts)), counts),
-        corners=order + 3 * np.arange(len(triangles))[:, None],
-        triangles=sorted_triangles,
-        twins=twins,
+        owner=np.repeat(np.arange(len(surfaces)), [len(surface.triangles) for surface in surfaces]),
+        normals=normals.astype(np.float32),
+        corner_normals=np.concatenate([empty, *(one.normals for one in surfaces)]).astype(np.float32),
+        bounds=bounds,
         tree=tree,
     )
-
-
-_ODD = np.array([[False, False, True], [True, False, False], [False, True, False]])
-"""Whether the permutation that starts with these two of (0, 1, 2) is odd."""
-
-
-def _number_places(triangles: np.ndarray) -> np.ndarray:
-    """One number per distinct corner position, to within a millionth of the scene's extent."""
-    points = triangles.reshape(-1, 3).astype(np.float64)
-    if not len(points):
-        return np.zeros((0, 3), dtype=np.int64)
-    extent = max(float(np.ptp(points, axis=0).max()), 1e-12)
-    cells = np.round((points - points.min(axis=0)) / (extent * 1e-6)).astype(np.int64)
-    keys = (cells[:, 0] << 42) | (cells[:, 1] << 21) | cells[:, 2]
-    return np.unique(keys, return_inverse=True)[1].reshape(-1, 3)
-
-
-def _pair_twins(places: np.ndarray, odd: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Groups triangles with the same sorted corners: one of each group, and its two faces."""
-    if not len(places):
-        return np.zeros(0, dtype=np.int64), np.zeros((0, 2), dtype=np.int64)
-    members = np.lexsort((odd, *places.T))
-    starts = np.append(True, (np.diff(places[members], axis=0) != 0).any(axis=1))
-    ends = np.append(starts[1:], True)
-    first, last = members[starts], members[ends]
-    return first, np.stack([first, np.where(odd[last], last, first)], axis=1)
 
 
 def cast_layers(
@@ -204,20 +156,12 @@ def cast_rays(scene: Scene, origin: Float[np.ndarray, "*N 3"], rays: Float[np.nd
     """First hit of every ray, from a common or individual origins; depth is in units of each ray's length."""
     if scene.tree is None:
         none, flat = np.zeros(0, dtype=np.int64), np.zeros((0, 3), dtype=np.float32)
-        return Hits(place=none, triangle=none, weights=flat, depth=flat[:, 0], normals=flat)
+        return Hits(place=none, triangle=none, weights=flat, depth=flat[:, 0])
     origins = np.ascontiguousarray(np.broadcast_to(origin.astype(np.float32), rays.shape))
     found = scene.tree.run(origins, rays, output=True)
     place = np.flatnonzero(found["primID"] >= 0)
-    shown, u, v = (found[name][place] for name in ("primID", "u", "v"))
-    normals = scene.normals[shown]
-    along = dot_rows(normals, rays[place]) > 0
-    return Hits(
-        place=place,
-        triangle=scene.twins[shown, along.astype(np.int64)],
-        weights=np.stack([1.0 - u - v, u, v], axis=1),
-        depth=found["tfar"][place],
-        normals=normals,
-    )
+    triangle, u, v, depth = (found[name][place] for name in ("primID", "u", "v", "tfar"))
+    return Hits(place=place, triangle=triangle, weights=np.stack([1.0 - u - v, u, v], axis=1), depth=depth)
 
 
 def are_occluded(
@@ -234,7 +178,7 @@ def are_occluded(
 
 def corner_normals_at(scene: Scene, hits: Hits) -> Float[np.ndarray, "N 3"]:
     """Interpolated shading normals at hits, not normalised."""
-    return blend_corners(scene.corner_normals[scene.corners[hits.triangle]], hits.weights)
+    return blend_corners(scene.corner_normals[hits.triangle], hits.weights)
 
 
 def surface_ids_at(scene: Scene, hits: Hits) -> Int[np.ndarray, "N"]:
@@ -268,11 +212,10 @@ def _find_texels(
     owner = scene.owner[hits.triangle]
     by_owner = np.argsort(owner, kind="stable")
     bounds = np.searchsorted(owner[by_owner], np.arange(len(scene.surfaces) + 1))
-    start = 0  # offset of the surface among all corners
+    start = 0  # of the surface among all triangles
     for index, surface in enumerate(scene.surfaces):
         seen = by_owner[bounds[index] : bounds[index + 1]]
         if surface.uv is not None and surface.texture is not None and len(seen):
-            corners = scene.corners[hits.triangle[seen]] - start
-            uv = blend_corners(surface.uv.reshape(-1, 2)[corners], hits.weights[seen].astype(np.float64))
+            uv = blend_corners(surface.uv[hits.triangle[seen] - start], hits.weights[seen].astype(np.float64))
             yield surface, surface.texture, seen, uv
-        start += 3 * len(surface.triangles)
+        start += len(surface.triangles)

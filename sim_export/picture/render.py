@@ -12,6 +12,7 @@ from jaxtyping import Float, UInt8
 
 from artigen.splats.colors import srgb_from_linear
 from artigen.transforms import transform_points, transform_vectors
+from sim_export.geometry.normals import CREASE, corner_normals
 from sim_export.package import Mesh
 from sim_export.picture.camera import Camera, pixel_rays, rays_through
 from sim_export.picture.lighting import (
@@ -26,7 +27,6 @@ from sim_export.picture.lighting import (
     shade_samples,
 )
 from sim_export.picture.raycast import Scene, Surface, build_scene
-from sim_export.picture.shading import smooth_corner_normals
 
 GOLDEN = 0.618033988749895
 
@@ -36,16 +36,16 @@ def surface_from_mesh(
     *,
     surface_id: int = 0,
     color: tuple[float, float, float] | None = None,
-    crease_angle: float = 30.0,
+    crease: float = CREASE,
 ) -> Surface:
-    """A mesh as a surface; edges flatter than ``crease_angle`` (degrees) are shaded smoothly.
+    """A mesh as a surface; edges flatter than ``crease`` (degrees) are shaded smoothly.
 
     ``color`` (sRGB in [0, 1]) replaces the mesh's own colour and texture.
     """
     triangles = mesh.vertices[mesh.faces]
     return Surface(
         triangles=triangles,
-        normals=smooth_corner_normals(triangles, crease_angle),
+        normals=corner_normals(triangles, crease),
         id=surface_id,
         uv=mesh.uv if color is None else None,
         texture=mesh.texture if color is None else None,

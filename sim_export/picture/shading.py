@@ -9,7 +9,6 @@ from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
-from scipy import sparse
 
 from artigen.splats.colors import linear_from_srgb
 
@@ -21,46 +20,6 @@ Occluded = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 LINEAR_OF_BYTE = linear_from_srgb(np.arange(256) / 255.0).astype(np.float32)
 SHARE_OF_BYTE = (np.arange(256) / 255.0).astype(np.float32)
-
-
-def smooth_corner_normals(
-    triangles: Float[np.ndarray, "F 3 3"], crease_angle: float
-) -> Float[np.ndarray, "F 3 3"]:
-    """Unit normals at triangle corners: neighbours within ``crease_angle`` (degrees) are averaged.
-
-    Corners at the same position are neighbours even if they share no vertex, weighted by the areas of their
-    faces; faces without area keep the zero normal.
-    """
-    area_normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    lengths = np.linalg.norm(area_normals, axis=1, keepdims=True)
-    normals = area_normals / np.where(lengths > 0, lengths, 1.0)
-    flat = np.repeat(normals[:, None], 3, axis=1)
-    if crease_angle <= 0 or len(triangles) == 0:
-        return flat
-    extent = max(float(np.ptp(triangles.reshape(-1, 3), axis=0).max()), 1e-12)
-    cells = np.round(triangles.reshape(-1, 3) / (extent * 1e-6)).astype(np.int64)
-    _, places = np.unique(cells, axis=0, return_inverse=True)
-    places = places.ravel()
-    # A rounded face direction stands for all coplanar faces, so that large fans stay cheap.
-    _, first, kinds = np.unique(
-        np.round(normals * 500).astype(np.int64), axis=0, return_index=True, return_inverse=True
-    )
-    kinds = np.repeat(kinds.ravel(), 3)
-    pairs, pair_of_corner = np.unique(np.stack([places, kinds]), axis=1, return_inverse=True)
-    pair_of_corner = pair_of_corner.ravel()
-    sums = np.zeros((pairs.shape[1], 3))
-    np.add.at(sums, pair_of_corner, np.repeat(area_normals, 3, axis=0))
-    incidence = sparse.csr_matrix(
-        (np.ones(pairs.shape[1]), (np.arange(pairs.shape[1]), pairs[0])),
-        shape=(pairs.shape[1], int(places.max()) + 1),
-    )
-    near = (incidence @ incidence.T).tocoo()
-    direction = normals[first][pairs[1]]
-    close = (direction[near.row] * direction[near.col]).sum(axis=1) > np.cos(np.radians(crease_angle))
-    blend = sparse.csr_matrix((np.ones(close.sum()), (near.row[close], near.col[close])), shape=near.shape)
-    smooth = (blend @ sums)[pair_of_corner].reshape(-1, 3, 3)
-    size = np.linalg.norm(smooth, axis=2, keepdims=True)
-    return np.where(size > 1e-9 * extent**2, smooth / np.where(size > 0, size, 1.0), flat)
 
 
 def sphere_points(count: int, seed: int) -> Float[np.ndarray, "K 3"]:

@@ -21,7 +21,7 @@ from sim_export.collision.motion import driven_joints, link_displacements
 from sim_export.files.glb import textured_trimesh
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 from sim_export.picture.camera import Viewpoint, frame_points
-from sim_export.picture.draw import open_end, package_surfaces
+from sim_export.picture.draw import hull_surfaces, open_end, package_surfaces
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import surface_points
 from sim_export.picture.splats import has_splats
@@ -61,26 +61,26 @@ class PackageView:
     """The frame of each link, by group and link name; its pose is the link's displacement from rest."""
 
 
-def view_package(folder: Path, *, host: str = "127.0.0.1", port: int = 8080) -> PackageView:
-    """Serves the package in ``folder`` at ``http://host:port``; see `build_view`.
+def view_package(folder: Path, *, port: int = 8080) -> PackageView:
+    """Serves the package in ``folder`` at ``http://127.0.0.1:port``; see `build_view`.
 
     Raises:
         PackageError: If the folder is not a readable package.
     """
     from sim_export.files.read import read_package
 
-    return build_view(read_package(folder), host=host, port=port)
+    return build_view(read_package(folder), port=port)
 
 
-def build_view(package: SimPackage, *, host: str = "127.0.0.1", port: int = 8080) -> PackageView:
+def build_view(package: SimPackage, *, port: int = 8080) -> PackageView:
     """Starts a server that shows ``package`` and returns without blocking; stop it with ``server.stop()``.
 
     viser takes the next free port if ``port`` is in use; ``server.get_port()`` returns it.
     """
     import viser
 
-    visual, hulls = package_surfaces(package), package_surfaces(package, "collision")
-    server = viser.ViserServer(host=host, port=port, label=package.name, verbose=False)
+    visual, hulls = package_surfaces(package), hull_surfaces(package)
+    server = viser.ViserServer(host="127.0.0.1", port=port, label=package.name, verbose=False)
     _place_camera(server, visual)
     branches, frames = _add_branches(server, package)
     for group, surfaces in (("visual", visual), ("collision", hulls)):

@@ -11,7 +11,8 @@ import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from artigen.splats.colors import linear_from_srgb
-from sim_export.files.obj import corner_normals, png_bytes
+from sim_export.files.obj import png_bytes
+from sim_export.geometry.normals import corner_normals
 from sim_export.package import Mesh, Visual
 from sim_export.physics.materials import MaterialName
 from sim_export.usd.labels import MATERIAL_WORDS, NONVISUAL_BASES, add_label, label_part
@@ -48,7 +49,7 @@ def add_visual(
     from pxr import Gf, Sdf, UsdGeom, UsdShade, Vt
 
     shape = define_mesh(looks.stage, path, mesh.vertices - offset, mesh.faces)
-    normals = corner_normals(mesh.vertices, mesh.faces).reshape(-1, 3)
+    normals = corner_normals(mesh.vertices[mesh.faces]).reshape(-1, 3)
     shape.CreateNormalsAttr().Set(Vt.Vec3fArray.FromNumpy(normals.astype(np.float32)))
     shape.SetNormalsInterpolation(UsdGeom.Tokens.faceVarying)
     color = np.array(mesh.color)

@@ -10,7 +10,6 @@ from artigen.shapes.primitives import Vector
 from artigen.shapes.surfaces.textures import KINDS
 
 STEEL = KINDS.index("steel")
-GLASS = KINDS.index("glass")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,15 +1,13 @@
 """Losses of the appearance VAE: pictures of articulated Gaussians against the true ones (section 4.2.2).
 
-Weights are those of TRELLIS. Its perceptual term takes any feature extractor here and is off by default.
+Weights are those of TRELLIS, without its perceptual term.
 """
 
 from dataclasses import dataclass
 
-import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from artigen.appearance.features import FeatureExtractor
 from artigen.appearance.vae import Encoded
 from artigen.examples.appearance_batches import PictureBatch
 from artigen.latent.conv_vae import kl_divergence
@@ -32,9 +30,6 @@ class AppearanceLossConfig:
     """Mean product of the three scales of a Gaussian (unit-cube lengths)."""
     opacity: float = 1e-3
     """Mean squared distance of opacities to 1."""
-    perceptual: float = 0.0
-    """Mean absolute difference of feature maps of the pictures; needs an extractor that lets gradients
-    through."""
 
 
 def appearance_losses(
@@ -42,7 +37,6 @@ def appearance_losses(
     drawn: Float[Tensor, "B M H W 3"],
     batch: PictureBatch,
     cfg: AppearanceLossConfig,
-    extractor: FeatureExtractor | None = None,
 ) -> dict[str, Tensor]:
     """The terms, each with its weight, by name.
 
@@ -51,24 +45,14 @@ def appearance_losses(
         drawn: Pictures of its Gaussians, from `draw_pictures`.
         batch: Ground truth.
         cfg: Weights.
-        extractor: Extractor of the perceptual term.
-
-    Raises:
-        ValueError: If there is a perceptual term and no extractor.
     """
     first, second = (values.flatten(0, 1).permute(0, 3, 1, 2) for values in (drawn, batch.rgb))
     weight = 1.0 + (cfg.exposed - 1.0) * batch.exposed.flatten(0, 1)[:, None]
     splats = encoded.splats
-    terms = {
+    return {
         "l1": cfg.l1 * (weight * (first - second).abs()).mean(),
         "ssim": cfg.ssim * (1.0 - ssim_map(first, second).mean()),
         "kl": cfg.kl * kl_divergence(encoded.mean, encoded.logvar),
         "volume": cfg.volume * splats.scales.prod(dim=1).mean(),
         "opacity": cfg.opacity * ((splats.opacities - 1.0) ** 2).mean(),
     }
-    if cfg.perceptual:
-        if extractor is None:
-            raise ValueError(f"a perceptual term of weight {cfg.perceptual:g} needs a feature extractor")
-        maps = [extractor(torch.cat([one, torch.ones_like(one[:, :1])], dim=1)) for one in (first, second)]
-        terms["perceptual"] = cfg.perceptual * (maps[0] - maps[1]).abs().mean()
-    return terms

@@ -8,7 +8,6 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
-from artigen.appearance.features import FeatureExtractor
 from artigen.appearance.vae import SIDE_CHANNELS, AppearanceVae
 from artigen.examples.appearance import AppearanceExample
 from artigen.examples.appearance_batches import (
@@ -37,7 +36,6 @@ def train_appearance_vae(
     batch: int,
     pictures: int,
     losses: AppearanceLossConfig,
-    extractor: FeatureExtractor | None = None,
 ) -> AppearanceVae:
     """Trains {E, D} on pictures of objects in the joint states that the examples hold.
 
@@ -49,7 +47,6 @@ def train_appearance_vae(
         batch: Objects per step.
         pictures: Pictures of each object per step.
         losses: Weights of the terms.
-        extractor: Extractor of the perceptual term, if that has a weight.
     """
 
     scaled = SIDE_CHANNELS if vae.encoder.cfg.sided else 0
@@ -61,7 +58,7 @@ def train_appearance_vae(
         encoded = network(drawn.coords, feats, noise, drawn.facings)
         with torch.autocast(drawn.coords.device.type, enabled=False):  # positions need full precision
             made = draw_pictures(encoded.splats, drawn, raster_config(vae, drawn.coords.device))
-            return appearance_losses(encoded, made, drawn, losses, extractor)
+            return appearance_losses(encoded, made, drawn, losses)
 
     center, spread = measure_features(examples, scaled=scaled)
     vae.feature_mean.copy_(center)

@@ -15,12 +15,8 @@ Box = tuple[slice, slice, slice]
 Sums = tuple[np.ndarray, np.ndarray, np.ndarray]
 ORDERS = tuple(permutations(range(3)))
 """Orders of axes in which faces move: a wall that meets a shelf grows along itself or along the shelf."""
-SWEEPS = 12
-"""Most sweeps over all faces; they come to rest after three or four."""
 ROUNDING = 1e-3
 """Cells by which the box of a part may reach into a cell without counting as in it."""
-MOST = 200
-"""Most boxes sought; furniture needs fewer."""
 TRIES = 20
 """Starts without a box of enough evidence that end the search."""
 NO_SEED = -np.inf
@@ -38,7 +34,7 @@ def find_boxes(evidence: Float[np.ndarray, "X Y Z"], least: float) -> list[Box]:
     seeds, sums = _seeds(rest), _summed(rest)
     in_vain, found = np.zeros(rest.shape, dtype=bool), []
     tries = 0
-    while len(found) < MOST and tries < TRIES:
+    while tries < TRIES:
         start = np.unravel_index(int(seeds.argmax()), rest.shape)
         if seeds[start] == NO_SEED:
             break
@@ -76,8 +72,8 @@ def _summed(rest: Float[np.ndarray, "X Y Z"]) -> Sums:
 def _grow(sums: Sums, start: tuple[np.intp, ...], order: tuple[int, ...]) -> tuple[float, Box]:
     """Sum and extent of the box that grows from a cell when faces are moved in this order of axes."""
     faces = [(int(at), int(at) + 1) for at in start]
-    gain = -np.inf
-    for _ in range(SWEEPS):
+    gain, before = 0.0, -np.inf
+    while gain > before:
         before = gain
         for axis in order:
             along = _sums_along(sums, faces, axis)
@@ -86,8 +82,6 @@ def _grow(sums: Sums, start: tuple[np.intp, ...], order: tuple[int, ...]) -> tup
             high = low + 1 + int(along[low + 1 :].argmax())
             faces[axis] = (low, high)
             gain = float(along[high] - along[low])
-        if gain <= before:
-            break
     x, y, z = (slice(low, high) for low, high in faces)
     return gain, (x, y, z)
 

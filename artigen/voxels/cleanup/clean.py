@@ -10,7 +10,6 @@ from artigen.voxels.cleanup.boards import make_boards
 from artigen.voxels.cleanup.claim import claim_cells
 from artigen.voxels.cleanup.doorways import clear_doorways
 from artigen.voxels.cleanup.faces import even_faces
-from artigen.voxels.cleanup.paths import clear_paths
 from artigen.voxels.cleanup.portholes import round_portholes
 from artigen.voxels.cleanup.revolve import revolve_parts
 from artigen.voxels.cleanup.rows import Owners
@@ -35,7 +34,6 @@ def mend_cells(
         partial(make_boards, logits=logits, rows=rows),
         partial(round_portholes, rows=rows),
         partial(even_faces, logits=logits, rows=rows),
-        partial(clear_paths, logits=logits, rows=rows),
         partial(clear_doorways, rows=rows),
         partial(claim_cells, rows=rows),
         partial(revolve_parts, rows=rows),

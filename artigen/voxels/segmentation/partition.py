@@ -1,4 +1,4 @@
-"""Assignment of voxels to parts, the result of every segmentation recipe."""
+"""Assignment of voxels to parts, the result of segmentation."""
 
 from dataclasses import dataclass
 

@@ -109,7 +109,7 @@ def fixture_surface(fixture: Fixture) -> Surface:
     """A fixture in its colour."""
     hull = box_hull(np.array(fixture.low), np.array(fixture.high))
     mesh = Mesh(vertices=hull.vertices, faces=hull.faces, color=fixture.color)
-    return surface_from_mesh(mesh, crease_angle=0.0)
+    return surface_from_mesh(mesh, crease=0.0)
 
 
 def draw_plan(room: Room, cfg: RoomPictureConfig | None = None) -> UInt8[np.ndarray, "H W 3"]:

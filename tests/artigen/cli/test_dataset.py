@@ -42,7 +42,6 @@ import os, signal, sys
 from pathlib import Path
 
 import artigen.cli.batch, artigen.cli.dataset, artigen.datasets.publish
-from artigen.datasets.tars import TarWriter
 
 def kill_at(owner, name, number):
     own, calls = getattr(owner, name), []
@@ -53,8 +52,9 @@ def kill_at(owner, name, number):
         return own(*args, **kwargs)
     setattr(owner, name, counted)
 
-owners = {"journal": (artigen.cli.batch, "append_line"), "tar": (TarWriter, "add"), "move": (Path, "replace"),
-          "clean": (artigen.cli.dataset.shutil, "rmtree"), "card": (artigen.datasets.publish, "card_text")}
+owners = {"journal": (artigen.cli.batch, "append_line"), "tar": (artigen.datasets.publish, "add_member"),
+          "move": (Path, "replace"), "clean": (artigen.cli.dataset.shutil, "rmtree"),
+          "card": (artigen.datasets.publish, "card_text")}
 where, number, recipe, out = sys.argv[1:]
 kill_at(*owners[where], int(number))
 artigen.cli.dataset.dataset((recipe,), Path(out), workers=1)

@@ -5,8 +5,8 @@ import pytest
 
 from artigen.cli.mend import mend_object
 from artigen.datasets.source_object import SourceObject, TriangleMesh
+from artigen.files.wavefront import read_obj
 from artigen.types import FIXED, Asset, Part, SurfaceSamples
-from artigen.wavefront import read_obj
 from sim_export.collision.hulls import box_hull
 
 

@@ -5,7 +5,6 @@ import shutil
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import get_args, get_type_hints
-from xml.etree import ElementTree
 
 import pytest
 import torch
@@ -38,7 +37,6 @@ from artigen.models.tensors import read_tensors
 from artigen.runtime.run_config import claim_folder
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
-from artigen.train.curves import draw_curves, read_metrics
 from artigen.train.loop import finished_steps
 from artigen.train.settings import TrainSettings
 from artigen.types import Asset
@@ -70,7 +68,7 @@ def run(tmp_path_factory: pytest.TempPathFactory, partnet: Path) -> Path:
     return folder
 
 
-def test_a_run_leaves_weights_metrics_curves_and_what_it_was(run: Path):
+def test_a_run_leaves_weights_and_what_it_was(run: Path):
     model = load_structure_model(run / "model")
     assert model.preset == PRESETS["tiny"]
     said = json.loads((run / "model" / "model.json").read_text())
@@ -84,7 +82,6 @@ def test_a_run_leaves_weights_metrics_curves_and_what_it_was(run: Path):
     assert json.loads((run / "config.json").read_text())["real_share"] == 0.25
     assert set(json.loads((run / "spread.json").read_text())) >= {"axis", "origin", "box_center"}
     for stage in ("vae", "flow", "decoder"):
-        ElementTree.parse(run / stage / "curves.svg")
         assert (run / stage / "weights.safetensors").is_file()
 
 
@@ -319,17 +316,6 @@ def test_a_folder_that_is_no_model_is_named(run: Path, tmp_path: Path, spoil, me
     with pytest.raises(SourceError, match=message):
         evaluate("structure", tmp_path / "out", folder)
     assert not (tmp_path / "out").exists()
-
-
-def test_steps_done_twice_are_drawn_once(tmp_path: Path):
-    path = tmp_path / "metrics.jsonl"
-    lines = [{"step": step, "minutes": step / 60, "loss": loss} for step, loss in ((1, 9), (2, 8), (1, 7))]
-    path.write_text("".join(json.dumps(line) + "\n" for line in lines) + '{"step": 3, "lo')
-    read = read_metrics(path)
-    assert [(line["step"], line["loss"]) for line in read] == [(1, 7), (2, 8)]
-    drawn = ElementTree.fromstring(draw_curves(read, "a <run>"))
-    assert len(drawn.findall("{http://www.w3.org/2000/svg}polyline")) == 1
-    ElementTree.fromstring(draw_curves([], "empty"))
 
 
 def test_a_claimed_folder_takes_the_same_settings_only(tmp_path: Path):

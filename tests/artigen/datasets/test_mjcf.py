@@ -67,7 +67,7 @@ def place_urdf(urdf, q: dict[str, float]) -> dict[str, np.ndarray]:
         elif joint.type != "fixed":
             step[:3, :3] = rotation_about(np.array(joint.axis), np.array([value]))[0]
         moved[joint.child] = T @ at @ step @ np.linalg.inv(at)
-    return {s.name: moved.get(s.link, np.eye(4)) @ s.T_base_shape for s in urdf.visuals}
+    return {s.name: moved.get(s.link, np.eye(4)) @ urdf.place(s) for s in urdf.visuals}
 
 
 def test_the_urdf_moves_as_mujoco_does(tmp_path):
@@ -108,7 +108,7 @@ def test_ranges_begin_at_the_reference_and_followers_are_mimics(tmp_path):
     assert (joints["hinge"].lower, joints["hinge"].upper) == pytest.approx((0.0, np.pi / 2))
     assert (joints["slide"].lower, joints["slide"].upper) == pytest.approx((0.0, 0.02))
     assert joints["twist"].type == "continuous"
-    assert (joints["lid_hinge"].mimic, joints["lid_hinge"].multiplier) == ("hinge", -0.5)
+    assert (joints["lid_hinge"].mimic, joints["lid_hinge"].mimic_multiplier) == ("hinge", -0.5)
 
 
 @pytest.mark.parametrize("category", ["Microwave", "StorageFurniture", "TrashCan"])

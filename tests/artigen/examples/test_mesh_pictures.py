@@ -11,11 +11,11 @@ from artigen.datasets.mesh_raster import Pinhole, project_points, rasterize_mesh
 from artigen.datasets.partnet_mobility import ReaderConfig, read_object
 from artigen.datasets.partnet_surface import FaceTable
 from artigen.examples.photographs import NOTHING, draw_camera, photograph_mesh, photograph_shape
+from artigen.files.wavefront import Material
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.render.cameras import camera_axes, pixel_sizes
 from artigen.shapes.shape import Shape
-from artigen.wavefront import Material
 
 CAMERA = Pinhole(
     position=np.array([-3.0, 0.1, 0.2]), axes=np.eye(3)[[1, 2, 0]], pixel=0.02, width=40, height=30

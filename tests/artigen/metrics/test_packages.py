@@ -1,10 +1,9 @@
-"""Draws as packages, and beside their nearest training objects: counting, going on, and pictures."""
+"""Draws as packages: counting, and going on."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 import torch
 
@@ -16,17 +15,11 @@ from artigen.errors import SegmentationError
 from artigen.latent.draw import GenerateConfig, StructureModel, build_structure_model
 from artigen.latent.presets import PRESETS
 from artigen.metrics.draws import DrawJob, draw_latent
-from artigen.metrics.instantiation import InstantiationConfig
-from artigen.metrics.neighbours import Neighbour, draw_neighbours, find_neighbours, pose_library
 from artigen.metrics.packages import JOURNAL, Proof, count_proofs, name_cause, prove_draws
-from artigen.metrics.subjects import draw_subjects
-from artigen.metrics.voxel_pictures import draw_voxels, list_squares
 from artigen.models.conditions import StructureCondition
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
-from artigen.types import Asset, VoxelGrid
-
-POSES = InstantiationConfig(poses=2, points=60)
+from artigen.types import Asset
 
 
 @pytest.fixture(scope="module")
@@ -125,46 +118,3 @@ def test_a_package_fails_for_its_checks_or_for_what_kept_it_from_being_made(
         "bad": (False, ("V103", "V301")),
         "none": (False, ("no package: part door_# has # faces",)),
     }
-
-
-def test_the_nearest_training_object_of_one_of_them_is_itself():
-    library = draw_subjects(("Oven", "Microwave"), 10_000, 8, resolution=32, image_size=0)
-    posed = pose_library(library, POSES)
-    chosen = library[3].asset
-    found = find_neighbours(chosen, posed, POSES, 3)
-    assert found[0].asset is chosen
-    assert found[0].distance == 0.0
-    assert [one.asset.category for one in found] == [chosen.category] * 3
-    assert 0.0 < found[1].distance <= found[2].distance
-    assert find_neighbours(replace(chosen, category="Table"), posed, POSES, 3) == []
-
-
-def test_squares_are_the_outside_of_each_part():
-    def count(coords: list[list[int]], part_ids: list[int]) -> list[int]:
-        grid = VoxelGrid(resolution=8, coords=np.array(coords), part_ids=np.array(part_ids))
-        squares, owners = list_squares(grid)
-        assert (np.ptp(squares, axis=1).max(axis=1) == 1 / 8).all()
-        return np.bincount(owners).tolist()
-
-    assert count([[0, 0, 0]], [0]) == [6]
-    assert count([[3, 3, 3], [4, 3, 3]], [0, 0]) == [10]
-    assert count([[3, 3, 3], [4, 3, 3]], [0, 1]) == [6, 6]
-    assert count([[7, 7, 7], [0, 0, 0]], [0, 0]) == [12]
-
-
-def test_a_sheet_shows_objects_closed_and_open_in_the_colours_of_their_parts(cabinet: Asset):
-    asset = replace(cabinet, surface=None)
-    closed, opened = (draw_voxels(asset, share, 48) for share in (0.0, 0.7))
-    assert closed.shape == (48, 48, 3)
-    larger = draw_voxels(replace(asset, scale=3.0 * asset.scale), 0.0, 48)
-    assert ((larger < 250).any(axis=2) == (closed < 250).any(axis=2)).mean() > 0.99
-    assert (closed[0] == 255).all()
-    assert (closed != opened).any(axis=2).mean() > 0.1
-    seen = closed[(closed < 250).any(axis=2)].astype(int)
-    assert np.ptp(seen, axis=1).max() > 40  # fronts have a colour, the base has none
-    assert np.ptp(seen, axis=1).min() < 8
-    sheet = draw_neighbours([(asset, [Neighbour(asset=asset, distance=0.0)]), (asset, [])], 32)
-    assert sheet.shape == (2 * (32 + 14), 2 * 2 * 32, 3)
-    assert (sheet[46:, 64:] == 255).all()
-    with pytest.raises(ValueError, match="at least one row"):
-        draw_neighbours([])

@@ -12,8 +12,6 @@ from artigen.runtime import cores
 from artigen.runtime.cores import (
     THREAD_VARIABLES,
     choose_workers,
-    count_cores,
-    own_cgroups,
     thread_environment,
 )
 from artigen.runtime.workers import Worker
@@ -84,8 +82,9 @@ def test_workers_are_one_per_core_that_memory_suffices_for(
 ):
     monkeypatch.setattr(cores, "count_cores", lambda: cores_there)
     monkeypatch.setattr(cores, "available_mib", lambda: mib)
-    assert choose_workers(None, peak_mib=1000.0 * cores.MEMORY_SHARE) == expected
-    assert choose_workers(5, peak_mib=1000.0) == 5
+    monkeypatch.setattr(cores, "PEAK_MIB", 1000.0 * cores.MEMORY_SHARE)
+    assert choose_workers(None) == expected
+    assert choose_workers(5) == 5
 
 
 def test_no_workers_are_refused():
@@ -105,50 +104,27 @@ def test_cores_are_those_of_the_affinity():
 
 
 def write(folder: Path, **files: str) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
     for name, text in files.items():
         (folder / name.replace("__", ".")).write_text(text + "\n")
 
 
-@pytest.fixture
-def groups(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A tree of cgroups, and this process in /job/step of it, by both versions."""
-    listing = tmp_path / "cgroup"
-    listing.write_text("3:cpuset:/x\n2:memory:/job/step\n1:cpu,cpuacct:/job/step\n0::/job/step\n")
-    found = own_cgroups
-    monkeypatch.setattr(cores, "own_cgroups", lambda: found(listing, tmp_path / "fs"))
-    (tmp_path / "fs").mkdir()
-    return tmp_path / "fs"
-
-
-@pytest.mark.parametrize(("quota", "expected"), [("100000", 1), ("100001", 2), ("50000", 1), ("max", 64)])
-def test_a_quota_of_a_group_around_counts_rounded_up(
-    groups: Path, monkeypatch: pytest.MonkeyPatch, quota: str, expected: int
+def test_memory_is_what_the_container_has_left_besides_cached_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(64)), raising=False)
-    write(groups / "job", cpu__max=f"{quota} 100000")
-    write(groups / "job" / "step", cpu__max="max 100000")
-    assert count_cores() == expected
-
-
-def test_quotas_of_version_1_count_too(groups: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(64)), raising=False)
-    write(groups / "cpu" / "job", cpu__cfs_quota_us="300000", cpu__cfs_period_us="100000")
-    write(groups / "cpu" / "job" / "step", cpu__cfs_quota_us="-1", cpu__cfs_period_us="100000")
-    assert count_cores() == 3
-
-
-def test_memory_is_what_the_tightest_group_has_left_besides_cached_files(groups: Path):
     mib = 2**20
+    monkeypatch.setattr(cores, "CGROUP", tmp_path)
     write(
-        groups / "job",
+        tmp_path,
         memory__max=str(300 * mib),
         memory__current=str(250 * mib),
         memory__stat=f"anon {200 * mib}\ninactive_file {40 * mib}",
     )
-    write(groups / "job" / "step", memory__max="max", memory__current=str(250 * mib), memory__stat="anon 1")
     assert cores.available_mib() == pytest.approx(90.0)
-    write(
-        groups / "memory" / "job", memory__limit_in_bytes=str(60 * mib), memory__usage_in_bytes=str(10 * mib)
-    )
-    assert cores.available_mib() == pytest.approx(50.0)
+
+
+def test_without_a_limit_the_memory_of_the_machine_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(cores, "CGROUP", tmp_path / "none")
+    free = cores.available_mib()
+    monkeypatch.setattr(cores, "CGROUP", tmp_path)
+    write(tmp_path, memory__max="max", memory__current="1", memory__stat="anon 1")
+    assert cores.available_mib() == (None if free is None else pytest.approx(free, rel=0.2))

@@ -91,6 +91,24 @@ def test_what_the_handler_itself_raises_ends_the_run():
         list(run_supervised(broken, [1, 2], workers=1))
 
 
+def test_a_run_that_is_left_stops_what_is_under_way_and_starts_nothing_more():
+    calls = []
+
+    def twice(worker: Worker, item: str) -> str | None:
+        for _ in range(2):
+            calls.append(worker.call(act, item, 30.0).error)
+        return calls[-1]
+
+    run = run_supervised(twice, ["a", "hang", "hang"], workers=2)
+    next(run)
+    started = time.monotonic()
+    run.close()
+    while len(calls) < 4 and time.monotonic() - started < 10.0:
+        time.sleep(0.05)
+    assert calls[-1] == "the run was stopped"
+    assert time.monotonic() - started < 10.0
+
+
 def test_many_threads_may_close_a_worker():
     worker, errors = Worker(), []
     assert worker.call(act, "fine", 10.0).value == "FINE"

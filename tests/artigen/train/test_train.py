@@ -14,7 +14,7 @@ from artigen.examples.structure import StructureExample, draw_example
 from artigen.latent.presets import PRESETS
 from artigen.latent.structure_flow import StructureFlow
 from artigen.latent.structure_vae import StructureVae
-from artigen.train.curves import read_metrics
+from artigen.runtime.journal import read_lines
 from artigen.train.decoder import guess_latents, train_decoder
 from artigen.train.loop import LoopConfig, train
 from artigen.train.structure import encode_examples, latent_batch, measure_latents
@@ -97,7 +97,7 @@ def test_gradients_of_several_batches_add_up_by_their_weights(tmp_path: Path):
         )
     for one, two in zip(found["both"].parameters(), found["joined"].parameters(), strict=True):
         torch.testing.assert_close(one, two)
-    first, second = (read_metrics(tmp_path / name / "metrics.jsonl")[0] for name in found)
+    first, second = (read_lines(tmp_path / name / "metrics.jsonl")[0] for name in found)
     assert first["loss"] == pytest.approx(second["loss"])
     assert first["loss"] == pytest.approx(0.25 * first["near square"] + 0.75 * first["far square"])
 
@@ -163,7 +163,7 @@ def test_the_decoder_learns_from_guesses_and_the_encoder_stays(
     assert changed == {"decoder"}
     assert all(torch.equal(value, flow_before[name]) for name, value in flow.state_dict().items())
     assert all(parameter.requires_grad for parameter in vae.parameters())
-    lost = [line["loss"] for line in read_metrics(tmp_path / "metrics.jsonl")]
+    lost = [line["loss"] for line in read_lines(tmp_path / "metrics.jsonl")]
     assert np.mean(lost[-5:]) < 0.8 * np.mean(lost[:5])
 
 

@@ -118,3 +118,15 @@ def test_cells_in_a_row_with_a_voxel_are_those_of_its_part_along_its_facing():
         behind = count_behind(cells, part_ids, np.full(len(cells), facing), EDGE)
         assert (behind[:-2] == length).all()
         assert behind[-2:].tolist() == [1, 1]
+
+
+@pytest.mark.parametrize(("span", "back"), [(4, 0), (5, 1)])
+def test_the_back_of_a_leaf_of_six_cells_faces_the_object(span: int, back: int):
+    """Both boards of a thinner one face away from the object."""
+    board = np.argwhere(np.ones((1, 12, 12), dtype=bool))
+    leaf = np.concatenate([board, board + np.array([span, 0, 0])])
+    cells = np.concatenate([leaf, board + np.array([18, 0, 0])]) + np.array([1, 4, 4])
+    facings = find_facings(cells, np.repeat([0, 1], [len(leaf), len(board)]), EDGE)
+    alone = (np.abs(cells[:, 1:] - 9.5) < 4).all(axis=1)
+    assert (facings[alone & (cells[:, 0] == 1)] == 0).all()
+    assert (facings[alone & (cells[:, 0] == 1 + span)] == back).all()

@@ -10,7 +10,7 @@ from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.types import SurfaceSamples, VoxelGrid
 from artigen.voxels.frames import find_facings
-from artigen.voxels.layout import MORE, cover_surface, lay_out, turn_facings
+from artigen.voxels.layout import cover_surface, lay_out, turn_facings
 from artigen.voxels.surface import SAMPLES, find_voxels
 from artigen.voxels.voxelize import voxelize
 
@@ -101,11 +101,11 @@ def test_sides_face_along_the_axis_that_most_surface_does():
     areas = np.zeros((len(facings), 3))
     np.add.at(areas, rows, laid.surface.normals[own] ** 2)
     shown = areas[np.arange(len(facings)), facings // 2]
-    assert (MORE * shown >= areas.max(axis=1) - 1e-3).all()
+    assert (1.5 * shown >= areas.max(axis=1) - 1e-3).all()
     plain = find_facings(laid.voxels.coords, laid.voxels.part_ids, 16)
     turned = facings != plain
     assert (shown[turned] == areas.max(axis=1)[turned]).all()
-    assert (shown[turned] > MORE * areas[np.arange(len(plain)), plain // 2][turned]).all()
+    assert (shown[turned] > 1.5 * areas[np.arange(len(plain)), plain // 2][turned]).all()
     assert 0.0 < (facings != plain).mean() < 0.5
 
 

@@ -18,7 +18,7 @@ from artigen.types import (
     VoxelGrid,
 )
 from artigen.voxels.fields import CHANNELS, FIELD, canonical_origin, joint_ranges, part_attributes
-from artigen.voxels.voxelize import decode, drop_unresolved, encode, voxelize, voxelize_again
+from artigen.voxels.voxelize import assign_cells, decode, drop_unresolved, encode, voxelize, voxelize_again
 
 
 def make_surface(points, part_ids) -> SurfaceSamples:
@@ -67,6 +67,13 @@ def test_a_button_smaller_than_a_cell_keeps_one():
     grid = voxelize(surface)
     assert (grid.part_ids == 1).sum() == 1
     assert owner_of(grid, button[0]) == 1
+
+
+@pytest.mark.parametrize(("lost", "claimed"), [(0.51, True), (0.49, False)])
+def test_a_part_that_holds_less_than_half_of_its_area_claims_a_cell(lost: float, claimed: object):
+    cells = np.array([[0, 0, 0], [0, 0, 0], [1, 0, 0]])
+    grid = assign_cells(cells, np.array([0, 1, 1]), np.array([5.0, lost, 1.0 - lost]), 4)
+    assert (owner_of(grid, np.array([-0.4, -0.4, -0.4])) == 1) == claimed
 
 
 def test_every_sampled_part_holds_half_its_area_or_competes_for_it(cabinet: Asset):

@@ -11,6 +11,7 @@ from artigen.splats.render.picture import draw_gaussians
 from artigen.splats.surface import SurfaceSplatConfig, splat_surface
 from artigen.transforms import matrix_from_quat
 from artigen.types import Asset, Gaussians, SurfaceSamples
+from sim_export.appearance import texture
 from sim_export.appearance.atlas import make_atlas
 from sim_export.appearance.texture import DISCS, MAX_SIZE, TEXELS, BakedMesh, bake_mesh, bake_parts
 from sim_export.geometry.meshing import mesh_parts
@@ -388,3 +389,32 @@ def test_a_sheet_behind_does_not_show_through_the_gaps_between_random_samples():
     top = places[:, 2] > 0.0099
     seen = look_up(baked, faces[top], weights[top])
     assert np.count_nonzero(seen[:, 2] > 60) <= 0.002 * top.sum()
+
+
+@pytest.mark.parametrize(("levels", "images"), [(3, 0), (4, 1)])
+def test_colours_within_three_levels_are_one(levels: int, images: int):
+    mesh = box_mesh(0.2, 0.2, 0.2)
+    points, normals = sample(mesh, 2000)
+    colors = np.full((2000, 3), 100, dtype=np.uint8)
+    colors[::2, 1] += levels
+    baked = bake(mesh, points, colors, 0.02, normals).mesh
+    assert (baked.texture is not None) == images
+
+
+@pytest.mark.parametrize(("samples", "used"), [(300_000, 300_000), (300_001, 150_001)])
+def test_colours_come_from_three_hundred_thousand_samples_at_most(monkeypatch, cabinet, samples, used):
+    seen = []
+    monkeypatch.setattr(
+        texture,
+        "splat_surface",
+        lambda surface, _: (
+            seen.append(surface)
+            or splat_surface(
+                SurfaceSamples(**{name: value[:9] for name, value in vars(surface).items()}), DISCS
+            )
+        ),
+    )
+    rows = np.arange(samples) % len(cabinet.surface.points)
+    many = SurfaceSamples(**{name: value[rows] for name, value in vars(cabinet.surface).items()})
+    texture._find_gaussians(replace(cabinet, surface=many))
+    assert [len(surface.points) for surface in seen] == [used]

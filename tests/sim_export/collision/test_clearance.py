@@ -412,3 +412,9 @@ def test_sheets_in_one_plane_are_cut_along_their_edges(shared, freed):
     assert (not done.residuals) == freed
     assert (deepest(done.links, done.joints, ()) == {"joint_lid": 0.0}) == freed
     assert all(link.hulls for link in done.links)
+
+
+@pytest.mark.parametrize(("hulls", "more"), [(1, 8), (2, 9), (10, 13), (59, 37), (60, 36), (96, 0)])
+def test_cuts_may_add_eight_hulls_and_half_as_many_as_there_are_up_to_the_limit_of_a_link(hulls, more):
+    cubes = [box((k, 0.0, 0.0), (k + 0.9, 0.9, 0.9)) for k in range(hulls)]
+    assert CutHulls([make_link("body", *cubes)]).room(0) == more

@@ -140,3 +140,63 @@ def test_the_crest_of_a_disc_is_curved_however_thin_it_is(thick: int):
         rim = planes.patch[direction] >= 0
         assert not planes.flat[direction][rim].any()
     assert planes.flat[0][planes.patch[0] >= 0].all()
+
+
+def plate_faces(low: float, high: float) -> list[float]:
+    """Faces of a plate one cell thick, from 4 to 5, whose box is between these heights."""
+    plate = np.zeros((12, 12, 12), dtype=bool)
+    plate[2:10, 2:10, 4] = True
+    planes = fit_face_planes(plate, np.array([[2.0, 2.0, low], [10.0, 10.0, high]]))
+    return [float(planes.plane[number][5, 5, 4]) for number in (4, 5)]
+
+
+@pytest.mark.parametrize(("thickness", "made"), [(0.5, 0.5), (0.41, 0.41), (0.39, 0.4), (0.2, 0.4)])
+def test_the_box_makes_a_plate_as_thin_as_two_fifths_of_a_cell(thickness: float, made: float):
+    assert plate_faces(4.5 - thickness / 2, 4.5 + thickness / 2) == pytest.approx(
+        [4.5 - made / 2, 4.5 + made / 2]
+    )
+
+
+@pytest.mark.parametrize(("beyond", "inset"), [(1.24, -1.24), (1.26, THIN_INSET)])
+def test_faces_are_those_of_a_box_within_a_cell_and_a_quarter(beyond: float, inset: float):
+    assert plate_faces(4.0 - beyond, 5.0)[0] == pytest.approx(4.0 + inset)
+
+
+@pytest.mark.parametrize(("low", "top"), [(0.0, 5.9), (0.2, 6.0), (0.9, 6.7)])
+def test_a_wall_keeps_four_fifths_of_a_cell_above_its_box(low: float, top: float):
+    """The floor of a tray: its lower face is that of the box, its upper one lies inside."""
+    occupancy = open_box()
+    box = tight_box(occupancy)
+    box[0, 2] += low
+    assert fit_face_planes(occupancy, box).plane[5][10, 10, 5] == pytest.approx(top)
+
+
+@pytest.mark.parametrize(("rows", "inset"), [(2, THIN_INSET), (1, INSET)])
+def test_a_face_of_which_others_touch_more_than_a_tenth_lies_at_their_border(rows: int, inset: float):
+    block = np.zeros((24, 24, 12), dtype=bool)
+    block[2:22, 2:22, 4:7] = True
+    others = np.zeros((30, 30, 18), dtype=bool)
+    others[5 : 5 + rows, 5:25, 3 + 7] = True
+    others[5 + rows, 5, 3 + 7] = True
+    far = np.array([[2.0, 2.0, 4.0], [22.0, 22.0, 11.0]])
+    assert fit_face_planes(block, far, others).plane[5][15, 15, 6] == pytest.approx(7.0 - inset)
+
+
+def is_terrace(edge: int, *, higher: int, wide: int) -> bool:
+    """Whether a square between a strip that is higher along part of a side and a lower one is no panel."""
+    block = np.zeros((12, edge + 2 * wide + 4, edge + 4), dtype=bool)
+    block[2:8, 2 : 2 + edge + 2 * wide, 2 : 2 + edge] = True
+    block[7, 2 + edge + wide :] = False
+    block[8, 2 : 2 + wide, 2 : 2 + higher] = True
+    planes = fit_face_planes(block, tight_box(block))
+    return not planes.flat[1][7, 2 + wide + edge // 2, 2 + edge // 2]
+
+
+@pytest.mark.parametrize(("edge", "terrace"), [(33, True), (34, False)])
+def test_strips_of_less_than_three_hundredths_of_a_face_do_not_make_it_a_terrace(edge: int, terrace: object):
+    assert is_terrace(edge, higher=edge, wide=1) == terrace
+
+
+@pytest.mark.parametrize(("higher", "terrace"), [(17, True), (16, False)])
+def test_a_terrace_has_steps_along_three_twentieths_of_its_rim_either_way(higher: int, terrace: object):
+    assert is_terrace(30, higher=higher, wide=2) == terrace

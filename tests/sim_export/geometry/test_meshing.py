@@ -234,18 +234,6 @@ def test_the_box_completes_ragged_layers_and_only_those():
     assert part_occupancy(grid, 0, box).occupancy[6].sum() < contested.sum()
 
 
-def test_single_cells_in_a_foreign_layer_are_shaved():
-    wall, other = np.zeros((2, 16, 16, 16), dtype=bool)
-    wall[5, 2:14, 2:14] = True
-    other[6, 2:14, 2:14] = True
-    other[6, 5, 5] = False
-    solid = part_occupancy(
-        voxel_grid(wall | (np.indices(wall.shape) == [[[[6]]], [[[5]]], [[[5]]]]).all(axis=0), other), 0
-    )
-    assert solid.shaved == 1
-    np.testing.assert_array_equal(solid.occupancy, wall)
-
-
 @pytest.mark.parametrize("run", [3, 5, 9, 14])
 def test_gentle_slopes_become_planes(run: int):
     x = grid(40)

@@ -14,7 +14,6 @@ from envs.hand import link_vertices
 from sim_export.collision.hulls import box_hull, clip_hull, convex_hull
 from sim_export.files.write import write_package
 from sim_export.geometry.primitives import (
-    PRECISION,
     PrimitiveShape,
     find_primitive,
     is_box,
@@ -74,7 +73,7 @@ def test_an_axis_aligned_box_has_no_rotation():
     np.testing.assert_allclose(found.T_object_shape[:3, :3], np.eye(3), atol=1e-12)
 
 
-@pytest.mark.parametrize(("off", "known"), [(0.4 * PRECISION, True), (3.0 * PRECISION, False)])
+@pytest.mark.parametrize(("off", "known"), [(0.9e-6, True), (1.2e-6, False)])
 def test_corners_may_be_off_by_what_files_round_away(off, known):
     hull = box_hull(np.zeros(3), np.array([0.3, 0.4, 0.018]))
     moved = hull.vertices.copy()

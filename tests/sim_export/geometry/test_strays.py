@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from artigen.types import VoxelGrid
-from sim_export.geometry.strays import MAX_SHARE, SPECK, settle_strays
+from sim_export.geometry.strays import settle_strays
 
 NAMES = ("body", "drawer_0")
 POST = [(2, 2, z) for z in range(20)]
@@ -39,16 +39,16 @@ def test_nothing_changes_where_every_link_holds_together_or_both_are_one_link():
 
 
 @pytest.mark.parametrize("more", [0, 1])
-def test_a_piece_above_the_largest_share_stays(more):
-    count = int(MAX_SHARE * len(DRAWER) / (1.0 - MAX_SHARE)) + more
+def test_a_piece_of_more_than_a_tenth_stays(more):
+    count = 11 + more  # of 111, a tenth at most
     chunk = [(3, 2, z) for z in range(count)]
     settled, _ = settle_strays(cabinet(chunk), (0, 1), NAMES)
     assert (set(chunk) <= cells_of(settled, 1)) == bool(more)
 
 
 @pytest.mark.parametrize("more", [0, 1])
-def test_a_speck_in_the_air_is_left_out_and_more_is_not(more):
-    chunk = [(20, 20, z) for z in range(SPECK + more)]
+def test_a_speck_of_four_cells_in_the_air_is_left_out_and_more_is_not(more):
+    chunk = [(20, 20, z) for z in range(4 + more)]
     settled, _ = settle_strays(cabinet(chunk), (0, 1), NAMES)
     assert (set(chunk) <= cells_of(settled, 1)) == bool(more)
     assert cells_of(settled, 0) == set(POST)

@@ -17,8 +17,8 @@ def box_mesh(low, high) -> Mesh:
     return Mesh(vertices=hull.vertices, faces=hull.faces)
 
 
-def cart(label: str = "wheel", lowest: float = -0.3):
-    """A body on one wheel of 0.1 m whose mesh is a cube; the scale is 2 metres per unit."""
+def cart(label: str = "wheel", half: float = 0.09):
+    """A body on one wheel of 0.1 m whose mesh is a block of this half width; 2 metres per unit."""
     box = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
     axle = Joint(
         type="continuous", axis=np.array([0.0, 1.0, 0.0]), origin=np.array([0.0, 0.0, -0.1]), upper=6.28318
@@ -29,7 +29,7 @@ def cart(label: str = "wheel", lowest: float = -0.3):
         Part(name="wheel_0", label=label, parent=0, box=box, joint=axle),
     )
     asset = Asset(name="cart", category="Cart", scale=2.0, parts=parts)
-    wheel = box_mesh((-0.09, -0.05, lowest), (0.09, 0.05, -0.11))
+    wheel = box_mesh((-half, -0.05, -0.3), (half, 0.05, -0.1))
     return asset, (box_mesh(*BODY), wheel)
 
 
@@ -53,11 +53,28 @@ def test_other_parts_keep_their_meshes():
     assert records == ()
 
 
-def test_what_is_not_like_a_wheel_stays_as_it_is():
-    asset, meshes = cart(lowest=-0.2)  # half of it is missing
+@pytest.mark.parametrize(
+    ("half", "diameter"),
+    [(0.048, 200.0), (0.045, None), (0.106, 200.0), (0.109, 295.8)],
+    ids=["much of a wheel", "too little", "near the floor", "too large for it"],
+)
+def test_a_block_becomes_a_wheel_if_it_holds_three_fifths_of_one(half: float, diameter: float | None):
+    """Of the radius to the floor, if that is a voxel and a half from its own."""
+    asset, meshes = cart(half=half)
     rounded, records = round_wheels(asset, meshes)
-    assert rounded[1] is meshes[1]
-    assert records == ()
+    assert (rounded[1] is meshes[1]) == (diameter is None)
+    made = [record for record in records if record.startswith("wheel_0")]
+    assert made == (
+        [] if diameter is None else [f"wheel_0: became a cylinder of {diameter} mm about its axle"]
+    )
+
+
+def test_a_body_makes_three_millimetres_of_room():
+    """The upper half of a prism of 24 sides around the axle, which lies in the body's lower face."""
+    asset, meshes = cart()
+    (body, _), _ = round_wheels(asset, meshes)
+    well = 0.106 * 6 * np.sin(np.pi / 12) * 0.103**2
+    assert as_solid(meshes[0]).volume() - as_solid(body).volume() == pytest.approx(well, rel=1e-3)
 
 
 def ring(outer: float, inner: float, width: float, sides: int = 96) -> np.ndarray:

@@ -14,7 +14,7 @@ from sim_export.physics import annotations
 from sim_export.physics.annotations import gapart_class
 from sim_export.physics.inertia import check_inertial, raise_light_mass
 from sim_export.physics.links import LinkTree, PartGeometry, build_links
-from sim_export.physics.materials import finish_material, joint_load
+from sim_export.physics.materials import finish_material, joint_load, joint_resistance
 from sim_export.physics.resistance import opening_pull
 
 UNIT = np.array([np.zeros(3), np.ones(3)])
@@ -86,6 +86,7 @@ ROWS: dict[str, tuple[Callable[[float], object], float, object, float, object]] 
               "steel_sheet"),
     "pane": (lambda x: finish_material("glass", "door", "Oven", (x, 1, 1)), 0.0119, "glass", 0.0121,
              "insulating_glass"),
+    "drag": (lambda x: joint_resistance("drawer", "prismatic", x, 0.0).damping, 9.9, 11.9, 10.1, 12.0),
     "bar": (lambda x: gapart_class(HANDLE, x), 1.99, "round_fixed_handle", 2.01, "line_fixed_handle"),
     "fingers": (lambda x: round(grip(int(x)), 6), 3, 0.04, 2, 0.0),
     "reach": (lambda x: round(grip(15, x), 6), 0.149, 0.149, 0.151, 0.15),

@@ -28,9 +28,9 @@ from sim_export.package import (
 from sim_export.picture.animation import AnimationConfig, animate_packages, write_animation
 from sim_export.picture.camera import Camera, Viewpoint, project_points
 from sim_export.picture.draw import (
-    LABEL_COLORS,
     distinct_color,
     explode_links,
+    hull_surfaces,
     load_source_meshes,
     open_end,
     open_links,
@@ -45,7 +45,6 @@ from sim_export.picture.preview import (
     contact_sheet,
     describe_joints,
     describe_size,
-    inside_camera,
     preview_package,
     write_preview,
 )
@@ -170,12 +169,7 @@ def test_captions_and_facts(boxes_package: SimPackage, row):
     assert describe_joints(boxes_package) == "4 joints (1 continuous, 2 prismatic, 1 revolute)"
 
 
-def test_colors_by_label_only_when_asked(boxes_package: SimPackage):
-    own = {surface.color for surface in package_surfaces(boxes_package)}
-    by_label = {surface.color for surface in package_surfaces(boxes_package, "label")}
-    labels = {part.label for part in SAMPLE_PARTS}
-    assert by_label == {LABEL_COLORS[label] for label in labels}
-    assert own.isdisjoint(by_label)
+def test_a_surface_has_the_number_of_its_link(boxes_package: SimPackage):
     assert {surface.id for surface in package_surfaces(boxes_package)} == {1, 2, 3, 4, 5}
 
 
@@ -199,7 +193,7 @@ def test_of_hulls_that_share_a_plane_one_is_seen_all_over(boxes_package: SimPack
     turned = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
     hulls = tuple(Hull(vertices=plate.vertices @ turned, faces=plate.faces) for plate in plates)
     package = replace(boxes_package, links=(replace(boxes_package.links[1], hulls=hulls),), joints=())
-    first, second = package_surfaces(package, "collision")
+    first, second = hull_surfaces(package)
     front = Camera(position=np.array([-3.0, 0.3, 0.2]) @ turned, target=np.zeros(3))
     ids = render_ids([first, replace(second, id=second.id + 1)], front)
     assert len(np.unique(ids[ids >= 0])) <= 2
@@ -219,21 +213,6 @@ def test_open_ends_and_exploded_links(boxes_package: SimPackage):
     assert moved[[0, 5]] == pytest.approx(np.zeros((2, 3)))
     assert moved[[1, 2, 4]] == pytest.approx(np.tile([-step, 0.0, 0.0], (3, 1)), abs=0.06 * step)
     assert moved[3] == pytest.approx(moved[2] + np.array([-step, 0.0, 0.0]))  # the lock leaves the door
-
-
-def test_the_inside_view_stands_before_the_door_and_sees_the_tray(boxes_package: SimPackage):
-    surfaces = pose_surfaces(package_surfaces(boxes_package), open_links(boxes_package, 1.0))
-    camera = inside_camera(boxes_package, surfaces, SMALL.viewpoint)
-    assert camera.position[2] == pytest.approx(0.38)  # the middle of the door
-    assert (project_points(camera, surface_points(surfaces))[:, 2] > 0).all()
-    seen = project_points(camera, surface_points(surfaces))[:, :2]
-    assert seen.min() >= 0
-    assert seen.max() <= 120
-    ids = render_ids(surfaces, camera)
-    assert (ids == 4).sum() > 200  # the tray
-    drawers = replace(boxes_package, joints=tuple(j for j in boxes_package.joints if j.type != "revolute"))
-    assert inside_camera(drawers, surfaces, SMALL.viewpoint).position[2] > 1.5
-    assert preview_package(boxes_package, replace(SMALL, panels=("inside", "labels"))).shape[1] == 240
 
 
 def test_contact_sheet_is_a_grid(boxes_package: SimPackage):

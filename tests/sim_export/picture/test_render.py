@@ -10,6 +10,7 @@ from picture_maps import render_depth, render_ids
 
 from artigen.splats.colors import linear_from_srgb
 from artigen.transforms import rotation_about, screw_motion
+from sim_export.geometry.normals import corner_normals
 from sim_export.package import Mesh
 from sim_export.picture.camera import (
     Camera,
@@ -28,7 +29,6 @@ from sim_export.picture.render import (
     surface_from_mesh,
     surface_points,
 )
-from sim_export.picture.shading import smooth_corner_normals
 
 FRONT = Camera(position=np.array([-4.0, 0.0, 0.0]), target=np.zeros(3), fov=30.0, width=200, height=200)
 """Looks along +x from 4 m in front of the origin."""
@@ -284,11 +284,11 @@ def test_viewpoint_directions():
 def test_smooth_normals_are_radial_on_a_ball_and_flat_on_a_box():
     ball = trimesh.creation.icosphere(subdivisions=3)
     triangles = ball.vertices[ball.faces]
-    assert (smooth_corner_normals(triangles, 30.0) * triangles).sum(axis=2).min() > 0.999
+    assert (corner_normals(triangles, 30.0) * triangles).sum(axis=2).min() > 0.999
     box = trimesh.creation.box()
     flat = np.repeat(box.face_normals[:, None], 3, axis=1)
-    assert smooth_corner_normals(box.vertices[box.faces], 30.0) == pytest.approx(flat, abs=1e-9)
-    tilted = smooth_corner_normals(box.vertices[box.faces], 120.0)
+    assert corner_normals(box.vertices[box.faces], 30.0) == pytest.approx(flat, abs=1e-9)
+    tilted = corner_normals(box.vertices[box.faces], 120.0)
     assert np.abs((tilted * flat).sum(axis=2) - 1.0).min() > 0.1
 
 

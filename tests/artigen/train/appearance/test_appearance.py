@@ -11,7 +11,6 @@ from drawer_chest import COLOR, INSIDE, LIGHT, make_cabinet, make_chest, make_ex
 
 import artigen.train.loop
 from artigen.appearance.exposure import find_exposed
-from artigen.appearance.features import PyramidFeatures
 from artigen.appearance.gaussian_decoder import GaussianConfig, GaussianDecoderConfig
 from artigen.appearance.inputs import close_curation
 from artigen.appearance.paint import PAINT, VoxelPaint
@@ -45,6 +44,7 @@ from artigen.examples.appearance_batches import (
 )
 from artigen.examples.shards import PER_OBJECT
 from artigen.models.conditions import ConditionConfig
+from artigen.runtime.journal import read_lines
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.render import build_scene, render
 from artigen.splats.render import rasterize
@@ -61,7 +61,6 @@ from artigen.train.appearance.vae import (
     measure_features,
     train_appearance_vae,
 )
-from artigen.train.curves import METRICS, read_metrics
 from artigen.train.loop import LoopConfig
 from artigen.types import Asset, VoxelGrid
 from artigen.voxels.surface import HEIGHT_REACH
@@ -391,24 +390,17 @@ def test_open_pictures_show_moved_gaussians(chest: tuple[Asset, AppearanceExampl
     assert (losses_of(vae, batch)[1] - losses_of(vae, still)[1]).abs().max() > 0.1
 
 
-def test_terms_have_their_weights_and_the_perceptual_one_its_extractor(
-    chest: tuple[Asset, AppearanceExample],
-):
+def test_terms_have_their_weights(chest: tuple[Asset, AppearanceExample]):
     vae, example = make_vae(), chest[1]
     batch = picture_batch([example], [np.array([0, 5])])
     encoded, drawn = losses_of(vae, batch)
-    cfg = AppearanceLossConfig(perceptual=0.3)
-    terms = appearance_losses(encoded, drawn, batch, cfg, PyramidFeatures())
-    double = appearance_losses(encoded, drawn, batch, replace(cfg, perceptual=0.6, l1=2.0), PyramidFeatures())
-    assert double["perceptual"].item() == pytest.approx(2 * terms["perceptual"].item())
-    assert double["l1"].item() == pytest.approx(2 * (drawn - batch.rgb).abs().mean().item())
+    terms = appearance_losses(encoded, drawn, batch, AppearanceLossConfig(l1=2.0))
+    assert terms["l1"].item() == pytest.approx(2 * (drawn - batch.rgb).abs().mean().item())
     assert terms["volume"].item() == pytest.approx(1e4 * (0.02**2 + 9e-4**2) ** 1.5, rel=1e-3)
     assert terms["opacity"].item() == pytest.approx(1e-3 * 0.25, rel=1e-3)
-    terms["perceptual"].backward()
+    terms["l1"].backward()
     assert vae.decoder.out_layer.weight.grad is not None
     assert vae.decoder.out_layer.weight.grad.abs().max() > 0
-    with pytest.raises(ValueError, match="feature extractor"):
-        appearance_losses(encoded, drawn, batch, cfg)
 
 
 def test_batches_follow_from_their_number_and_epochs_hold_every_object(
@@ -472,7 +464,7 @@ def test_networks_in_half_precision_feed_pictures_in_full(
         losses=AppearanceLossConfig(),
     )
     assert kinds == [torch.float32]
-    assert np.isfinite(read_metrics(tmp_path / METRICS)[0]["loss"])
+    assert np.isfinite(read_lines(tmp_path / "metrics.jsonl")[0]["loss"])
 
 
 def test_what_views_show_is_hidden_beyond_a_plane_as_often_as_said():
@@ -545,7 +537,7 @@ def test_the_flow_is_trained_on_normalised_latents_of_all_voxels(
         conditions=conditions,
         drawn=[roughen(voxels, facings, np.random.default_rng(seed)) for seed in range(2)],
     )
-    lines = [line["velocity"] for line in read_metrics(tmp_path / METRICS)]
+    lines = [line["velocity"] for line in read_lines(tmp_path / "metrics.jsonl")]
     assert len(lines) == 3
     assert np.isfinite(lines).all()
     assert (flow.network.get_parameter("out_layer.weight") != before).any()

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from cupboard import BASE, DOOR, EDGE, KNOB, carcass, row
 
-from artigen.voxels.cleanup.boards import make_boards
+from artigen.voxels.cleanup.boards import _make_part, make_boards
 from artigen.voxels.cleanup.boxes import fill_boxes, find_boxes
+from artigen.voxels.fields import ROW
 
 ROWS = np.stack([BASE, row("door", DOOR), row("knob", KNOB)])
 
@@ -114,3 +115,75 @@ def test_evidence_that_is_too_little_makes_no_box():
     evidence[2:4, 2:4, 2:4] = 1.0
     assert find_boxes(evidence, 8.5) == []
     assert find_boxes(evidence, 8.0) == [(slice(2, 4),) * 3]
+
+
+def keeps(cells: np.ndarray, others: np.ndarray | None = None) -> bool:
+    """Whether every certain cell of a part stays."""
+    owned = np.where(cells, 0, -1) if others is None else np.where(others, 1, np.where(cells, 0, -1))
+    return bool(_make_part(owned, np.intp(0), np.where(owned >= 0, 1.0, -1.0))[owned == 0].all())
+
+
+@pytest.mark.parametrize(("length", "kept"), [(20, True), (19, False)])
+def test_a_board_has_twenty_cells(length: int, kept: object):
+    cells = np.zeros((EDGE, 5, 5), dtype=bool)
+    cells[2 : 2 + length, 2, 2] = True
+    assert keeps(cells) == kept
+
+
+@pytest.mark.parametrize(("logit", "kept"), [(4.0, True), (3.9, False)])
+def test_a_logit_of_four_is_certain(logit: float, kept: object):
+    owners = np.full((EDGE,) * 3, -1)
+    bar = (slice(2, 22), slice(2, 3), slice(2, 3))
+    owners[bar] = 0
+    made, _ = make_boards(owners, np.where(owners >= 0, logit, -6.0), np.stack([row("base", bar)]))
+    assert (made == owners).all() == kept
+
+
+@pytest.mark.parametrize(("between", "kept"), [(39, True), (41, False)])
+def test_cells_of_others_count_a_quarter_against_a_board_through_them(between: int, kept: object):
+    """Two ends of fifteen cells are a board only together."""
+    cells, others = np.zeros((2, 80, 5, 5), dtype=bool)
+    cells[2 : 32 + between, 2, 2] = True
+    others[17 : 17 + between, 2, 2] = True
+    assert keeps(cells, others) == kept
+
+
+@pytest.mark.parametrize(("height", "width", "filled"), [(10, 10, False), (9, 11, True)])
+def test_an_opening_has_a_hundred_cells(height: int, width: int, filled: object):
+    panel = np.zeros((3, 30, 30), dtype=bool)
+    panel[1] = True
+    panel[1, 8 : 8 + height, 8 : 8 + width] = False
+    owned = np.where(panel, 0, -1)
+    made = _make_part(owned, np.intp(0), np.where(panel, 1.0, -1.0))
+    assert made[1].all() == filled
+
+
+@pytest.mark.parametrize(("missing", "kept"), [(8, True), (9, False)])
+def test_a_hundred_cells_without_a_board_stay(missing: int, kept: object):
+    """Every second cell of a cube of six, of which no box holds more than it lacks."""
+    cells = np.zeros((10, 10, 10), dtype=bool)
+    cells[2:8, 2:8, 2:8] = np.indices((6, 6, 6)).sum(axis=0) % 2 == 0
+    cells[tuple(np.argwhere(cells)[:missing].T)] = False
+    assert keeps(cells) == kept
+
+
+@pytest.mark.parametrize(("short", "kept"), [(0.24, True), (0.26, False)])
+def test_boards_exceed_the_box_of_their_part_by_a_quarter_of_a_cell(short: float, kept: object):
+    owners = np.full((EDGE,) * 3, -1)
+    place = (slice(4, 28), slice(4, 28), slice(4, 8))
+    owners[place] = 0
+    base = row("base", place)
+    base[ROW.box.start + 5] -= 2 * (1.0 + short) / EDGE  # a layer less at both ends, and a little more
+    made, _ = make_boards(owners, np.where(owners >= 0, 6.0, -6.0), base[None])
+    assert (made == owners).all() == kept
+
+
+@pytest.mark.parametrize(("lumps", "found"), [(19, 1), (20, 0)])
+def test_the_search_for_boxes_ends_after_twenty_starts_in_vain(lumps: int, found: int):
+    """Lumps of 18 cells are surer than a bar of 20, and too small."""
+    evidence = np.full((24, 24, 24), -9.0)
+    for lump in range(lumps):
+        x, y = 1 + 5 * (lump % 4), 1 + 4 * (lump // 4)
+        evidence[x : x + 3, y : y + 3, 1:3] = 1.0
+    evidence[1:21, 22, 20] = 1.0
+    assert len(find_boxes(evidence, 20)) == found

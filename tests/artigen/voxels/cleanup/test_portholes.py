@@ -6,7 +6,7 @@ from cupboard import EDGE, row
 
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
-from artigen.voxels.cleanup.portholes import MOUTH, RIM, round_portholes
+from artigen.voxels.cleanup.portholes import round_portholes
 from artigen.voxels.fields import tabulate_parts
 
 BODY = (slice(5, 28), slice(2, 30), slice(2, 30))
@@ -50,8 +50,8 @@ def test_a_square_door_before_a_drum_becomes_a_disc_over_a_round_hole(machine: n
         assert ((made[layer] == 1) == (radius <= 1.0)).all()
     plate = made[PLATE, 2:30, 2:30] == 0
     inner = radius[2:30, 2:30]
-    assert plate[inner > RIM].all()
-    assert not plate[inner < MOUTH].any()
+    assert plate[inner > 0.80].all()
+    assert not plate[inner < 0.72].any()
     assert notes == (f"{(made != machine).sum()} cells were changed to make a door and its opening round",)
     again, nothing = round_portholes(made, outline())
     assert (again == made).all()
@@ -70,6 +70,15 @@ def test_a_lid_over_a_drum_that_stands_stays(machine: np.ndarray):
     made, notes = round_portholes(machine, outline(axis=(0, 0, 1)))
     assert (made == machine).all()
     assert notes == ()
+
+
+@pytest.mark.parametrize(("width", "rounded"), [(16, True), (15, False)])
+def test_a_door_a_quarter_higher_than_wide_is_round_and_a_narrower_one_is_not(machine, width, rounded):
+    door = (DOOR[0], slice(16 - width // 2, 16 + width - width // 2), DOOR[2])
+    machine[DOOR] = -1
+    machine[door] = 1
+    rows = np.stack([outline()[0], row("door", door, "revolute", axis=(0, 0, 1), turn=0.4), outline()[2]])
+    assert (round_portholes(machine, rows)[1] != ()) == rounded
 
 
 def test_true_objects_hardly_change():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cupboard import EDGE, row
 
-from artigen.voxels.cleanup.revolve import revolve_parts
+from artigen.voxels.cleanup.revolve import _find_swept, revolve_parts
 
 TUB = (slice(2, 30),) * 3
 DRUM = (slice(8, 24), slice(5, 27), slice(5, 27))
@@ -131,3 +131,21 @@ def test_what_slides_or_turns_about_its_end_makes_no_room():
     ):
         rows = np.stack([row("base", TUB), lever])
         assert (revolve_parts(owners, rows)[0] == owners).all()
+
+
+@pytest.mark.parametrize(("narrow", "cut"), [(8.1, True), (7.9, False)])
+def test_layers_with_four_fifths_of_the_radius_sweep_as_far_as_the_widest(narrow: float, cut: object):
+    """A hull spans both layers of a drum of ten cells; a rib stands at nine."""
+    wide, ring = np.array([3.0, 10.0]), np.array([3.0, narrow])
+    radii = np.zeros((2, 3, 1))
+    radii[0, :2, 0], radii[1, :2, 0], radii[:, 2, 0] = wide, ring, 9.0
+    mine = np.zeros(radii.shape, dtype=bool)
+    mine[:, :2] = True
+    assert _find_swept(mine, radii, 0)[:, 2, 0].tolist() == [True, cut]
+
+
+@pytest.mark.parametrize(("beyond", "cut"), [(0.74, True), (0.76, False)])
+def test_what_turns_gets_three_quarters_of_a_cell_of_room(beyond: float, cut: object):
+    radii = np.array([5.0, 8.0, 8.0 + beyond, 4.0]).reshape(1, 4, 1)
+    mine = np.array([True, True, False, False]).reshape(1, 4, 1)
+    assert _find_swept(mine, radii, 0).ravel().tolist() == [True, True, cut, False]

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from itertools import pairwise
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from artigen.transforms import rotation_about
 from envs.maniskill.hulls import ground_under, hulls_at, move_hull, open_above_ground, opened_qpos
 from envs.maniskill.objects import TaskObject, read_object
 from envs.maniskill.robots import ROBOTS
+from envs.maniskill.solver import opening
 from envs.maniskill.solver.body import Body, Obstacle, holding, is_free, spare_room, surface_points
 from envs.maniskill.solver.chain import Chain, joint_frames, pose_error, solve, tool_pose
 from envs.maniskill.solver.detour import RESOLUTION, between, find_detour
@@ -193,3 +195,16 @@ def test_a_leaf_that_would_meet_the_ground_opens_less(cabinet):
     joint = replace(part.joint, axis=np.array([0.0, -1.0, 0.0]), origin=hinge)
     opened = open_above_ground(cabinet, replace(part, joint=joint, moved=moved), 1.0)
     assert opened < 0.1
+
+
+@pytest.mark.parametrize(("skip", "place", "chosen"), [(0, 11, 11), (0, 12, 0), (1, 12, 0), (1, 13, 1)])
+def test_of_the_twelve_cheapest_ways_the_one_that_presses_least_is_taken(monkeypatch, skip, place, chosen):
+    """All ways but one press by a metre, and of ``skip`` better ones as many more are compared."""
+    monkeypatch.setattr(opening, "_pressure", lambda _, ways, *rest: ways[0, :, 0])
+    ways = np.ones((1, 20, 1))
+    ways[0, place] = 0.0
+    best, pressed = opening.least_pressing(
+        MagicMock(), ways, np.eye(4)[None], np.arange(20.0), np.arange(20), skip=skip
+    )
+    assert best == chosen
+    assert pressed == ways[0, chosen, 0]

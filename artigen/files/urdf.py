@@ -1,11 +1,11 @@
-"""A URDF as written in the file, valid or not, for the checks.
+"""A URDF as written in the file, valid or not.
 
-`read_package` rejects invalid files, but a check must report what is wrong. This reader therefore keeps NaN
-limits, axes of any length, unknown joint types, cycles and missing files. It raises only for missing XML,
-elements or numbers.
+Readers of objects reject invalid files, but a check must report what is wrong. This parser therefore keeps
+NaN limits, axes of any length, unknown joint types, cycles and missing files. It raises only for unsafe or
+missing XML, and for missing elements or numbers. Files are untrusted: entities are refused.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree.ElementTree import Element, ParseError
@@ -13,20 +13,25 @@ from xml.etree.ElementTree import Element, ParseError
 import numpy as np
 from jaxtyping import Float
 
+from artigen.errors import SourceError
 from artigen.transforms import matrix_from_rpy
-from sim_export.errors import PackageError
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class UrdfShape:
     """One ``<visual>`` or ``<collision>``: a mesh file as written, or a primitive with its sizes (m)."""
 
+    link: str
     name: str
     kind: str
-    file: str
-    sizes: tuple[float, ...]
-    scale: Float[np.ndarray, "3"]
+    """``mesh``, ``box``, ``cylinder`` or ``sphere``."""
     T_link_shape: Float[np.ndarray, "4 4"]
+    file: str = ""
+    sizes: tuple[float, ...] = ()
+    """Edges, radius and length, or radius."""
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    color: tuple[float, float, float] | None = None
+    """Colour of its material in [0, 1], if one is given."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,6 +67,7 @@ class UrdfJoint:
     upper: float | None
     mimic: str | None
     mimic_multiplier: float
+    mimic_offset: float
     effort: float | None = None
     velocity: float | None = None
     friction: float | None = None
@@ -73,31 +79,46 @@ class UrdfFile:
     """All links and joints in file order."""
 
     path: Path
+    name: str
     links: tuple[UrdfLink, ...]
     joints: tuple[UrdfJoint, ...]
 
 
-def parse_urdf(path: Path) -> UrdfFile:
+def parse_urdf(path: Path, owner: str = "", *, inertials: bool = True) -> UrdfFile:
     """Parses a URDF without validating it.
 
+    Args:
+        path: The file.
+        owner: How errors name the file; by default by its path.
+        inertials: Whether mass properties are read.
+
     Raises:
-        PackageError: If the file cannot be read, is not safe XML, or lacks an element or number.
+        SourceError: If the file cannot be read, is not safe XML, or lacks an element or number.
     """
     from defusedxml.common import DefusedXmlException
     from defusedxml.ElementTree import fromstring
 
+    owner = owner or str(path)
     try:
-        root = fromstring(path.read_bytes())
+        robot = fromstring(path.read_bytes(), forbid_dtd=True)
     except OSError as err:
-        raise PackageError(f"{path.name}: cannot be read ({err.strerror})") from err
-    except (ParseError, DefusedXmlException, ValueError) as err:
-        raise PackageError(f"{path.name}: not well-formed XML ({type(err).__name__}: {err})") from err
-    if root.tag != "robot":
-        raise PackageError(f"{path.name}: root element <{root.tag}>, expected <robot>")
+        raise SourceError(f"{owner}: cannot be read ({err.strerror})") from err
+    except DefusedXmlException as err:
+        raise SourceError(f"{owner}: declares a DTD or entities, which are refused: {err}") from err
+    except (ParseError, ValueError) as err:
+        raise SourceError(f"{owner}: not valid XML ({type(err).__name__}: {err})") from err
+    if robot.tag != "robot":
+        raise SourceError(f"{owner}: root element <{robot.tag}>, expected <robot>")
+    colors = {
+        material.get("name", ""): color
+        for material in robot.findall("material")
+        if (color := _color(material, owner)) is not None
+    }
     return UrdfFile(
         path=path,
-        links=tuple(_link(path, element) for element in root.findall("link")),
-        joints=tuple(_joint(path, element) for element in root.findall("joint")),
+        name=robot.get("name", ""),
+        links=tuple(_link(owner, one, colors, inertials=inertials) for one in robot.findall("link")),
+        joints=tuple(_joint(owner, element) for element in robot.findall("joint")),
     )
 
 
@@ -132,20 +153,33 @@ def tree_problems(urdf: UrdfFile) -> list[tuple[str, str]]:
     return problems
 
 
+def rest_poses(urdf: UrdfFile) -> dict[str, Float[np.ndarray, "4 4"]]:
+    """Pose of every link of a tree in the frame of its root, with all joints at 0; parents first."""
+    children = {joint.child for joint in urdf.joints}
+    poses = {link.name: np.eye(4) for link in urdf.links if link.name not in children}
+    waiting = list(urdf.joints)
+    while waiting:
+        for joint in waiting:
+            if joint.parent in poses:
+                poses[joint.child] = poses[joint.parent] @ joint.T_parent_joint
+        waiting = [joint for joint in waiting if joint.child not in poses]
+    return poses
+
+
 def _floats(text: str, count: int, owner: str) -> np.ndarray:
     try:
-        values = np.array([float(word) for word in text.split()])
+        values = np.array([float(word) for word in text.replace(",", " ").split()])
     except ValueError as err:
-        raise PackageError(f"{owner} is {text!r}, expected {count} numbers") from err
+        raise SourceError(f"{owner} is {text!r}, expected {count} numbers") from err
     if len(values) != count:
-        raise PackageError(f"{owner} is {text!r}, expected {count} numbers")
+        raise SourceError(f"{owner} is {text!r}, expected {count} numbers")
     return values
 
 
 def _number(element: Element, key: str, owner: str) -> float:
     text = element.get(key)
     if text is None:
-        raise PackageError(f"{owner}: <{element.tag}> has no attribute {key!r}")
+        raise SourceError(f"{owner}: <{element.tag}> has no attribute {key!r}")
     return float(_floats(text, 1, f"{owner}: <{element.tag} {key}>")[0])
 
 
@@ -162,17 +196,29 @@ def _origin(element: Element, owner: str) -> np.ndarray:
     return T
 
 
-def _shape(element: Element, owner: str) -> UrdfShape:
-    geometry = element.find("geometry")
-    shapes: Sequence[Element] = [] if geometry is None else list(geometry)
+def _color(material: Element | None, owner: str) -> tuple[float, float, float] | None:
+    """The colour that a ``<material>`` gives itself."""
+    found = None if material is None else material.find("color")
+    if found is None or found.get("rgba") is None:
+        return None
+    red, green, blue, _ = np.clip(_floats(found.get("rgba", ""), 4, f"{owner}: <color rgba>"), 0, 1).tolist()
+    return red, green, blue
+
+
+def _shape(
+    element: Element, link: str, owner: str, colors: Mapping[str, tuple[float, float, float]]
+) -> UrdfShape:
+    shapes = element.findall("geometry/*")
     if len(shapes) != 1:
-        raise PackageError(f"{owner}: <{element.tag}> holds {len(shapes)} shapes, expected one")
+        raise SourceError(f"{owner}: <{element.tag}> holds {len(shapes)} shapes, expected one")
     shape = shapes[0]
-    file, sizes, scale = "", (), np.ones(3)
+    sizes, scale = (), np.ones(3)
     match shape.tag:
         case "mesh":
-            file = shape.get("filename", "")
-            scale = _floats(shape.get("scale", "1 1 1"), 3, f"{owner}: <mesh scale>")
+            text = shape.get("scale", "1 1 1")
+            scale = _floats(
+                " ".join([text] * 3) if len(text.split()) == 1 else text, 3, f"{owner}: <mesh scale>"
+            )
         case "box":
             sizes = tuple(_floats(shape.get("size", ""), 3, f"{owner}: <box size>").tolist())
         case "cylinder":
@@ -180,14 +226,18 @@ def _shape(element: Element, owner: str) -> UrdfShape:
         case "sphere":
             sizes = (_number(shape, "radius", owner),)
         case _:
-            raise PackageError(f"{owner}: shape <{shape.tag}>, expected mesh, box, cylinder or sphere")
+            raise SourceError(f"{owner}: shape <{shape.tag}>, expected mesh, box, cylinder or sphere")
+    material = element.find("material")
+    x, y, z = scale.tolist()
     return UrdfShape(
+        link=link,
         name=element.get("name", ""),
         kind=shape.tag,
-        file=file,
-        sizes=sizes,
-        scale=scale,
         T_link_shape=_origin(element, owner),
+        file=shape.get("filename", ""),
+        sizes=sizes,
+        scale=(x, y, z),
+        color=_color(material, owner) or (None if material is None else colors.get(material.get("name", ""))),
     )
 
 
@@ -195,7 +245,7 @@ def _inertial(element: Element, owner: str) -> UrdfInertial:
     mass, inertia = element.find("mass"), element.find("inertia")
     if mass is None or inertia is None:
         missing = "mass" if mass is None else "inertia"
-        raise PackageError(f"{owner}: <inertial> has no <{missing}>")
+        raise SourceError(f"{owner}: <inertial> has no <{missing}>")
     T = _origin(element, owner)
     xx, xy, xz, yy, yz, zz = (
         _number(inertia, key, owner) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -206,35 +256,39 @@ def _inertial(element: Element, owner: str) -> UrdfInertial:
     )
 
 
-def _link(path: Path, element: Element) -> UrdfLink:
+def _link(
+    file: str, element: Element, colors: Mapping[str, tuple[float, float, float]], *, inertials: bool
+) -> UrdfLink:
     name = element.get("name", "")
-    owner = f"{path.name}: link {name!r}"
-    inertial = element.find("inertial")
+    owner = f"{file}: link {name!r}"
+    inertial = element.find("inertial") if inertials else None
+    visuals, collisions = (
+        tuple(_shape(shape, name, owner, colors) for shape in element.findall(tag))
+        for tag in ("visual", "collision")
+    )
     return UrdfLink(
         name=name,
         inertial=None if inertial is None else _inertial(inertial, owner),
-        visuals=tuple(_shape(shape, owner) for shape in element.findall("visual")),
-        collisions=tuple(_shape(shape, owner) for shape in element.findall("collision")),
+        visuals=visuals,
+        collisions=collisions,
     )
 
 
-def _joint(path: Path, element: Element) -> UrdfJoint:
+def _joint(file: str, element: Element) -> UrdfJoint:
     name = element.get("name", "")
-    owner = f"{path.name}: joint {name!r}"
+    owner = f"{file}: joint {name!r}"
     ends = {}
     for role in ("parent", "child"):
         end = element.find(role)
         if end is None or end.get("link") is None:
-            raise PackageError(f"{owner}: has no <{role} link>")
+            raise SourceError(f"{owner}: has no <{role} link>")
         ends[role] = end.get("link", "")
     axis, limit, mimic = element.find("axis"), element.find("limit"), element.find("mimic")
     limits: list[float | None] = [None, None]
     if limit is not None:
         # In URDF a missing limit is 0.
-        limits = [
-            float(_floats(limit.get(k, "0"), 1, f"{owner}: <limit {k}>")[0]) for k in ("lower", "upper")
-        ]
-    multiplier = 1.0 if mimic is None else float(mimic.get("multiplier", "1"))
+        limits = [_optional(limit, key, owner) or 0.0 for key in ("lower", "upper")]
+    given = [_optional(mimic, key, owner) for key in ("multiplier", "offset")]
     dynamics = element.find("dynamics")
     return UrdfJoint(
         name=name,
@@ -246,7 +300,8 @@ def _joint(path: Path, element: Element) -> UrdfJoint:
         lower=limits[0],
         upper=limits[1],
         mimic=None if mimic is None else mimic.get("joint", ""),
-        mimic_multiplier=multiplier,
+        mimic_multiplier=1.0 if given[0] is None else given[0],
+        mimic_offset=given[1] or 0.0,
         effort=_optional(limit, "effort", owner),
         velocity=_optional(limit, "velocity", owner),
         friction=_optional(dynamics, "friction", owner),

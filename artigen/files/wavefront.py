@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, Shaped
 
 from artigen.errors import SourceError
 
@@ -44,6 +44,11 @@ class ObjText:
     names: tuple[str, ...]
     material_ids: Int[np.ndarray, "F"]
     libraries: tuple[str, ...]
+
+    @property
+    def face_materials(self) -> Shaped[np.ndarray, "F"]:
+        """Name of the material of every face."""
+        return np.array(self.names, dtype=object)[self.material_ids]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

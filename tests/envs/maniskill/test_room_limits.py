@@ -1,0 +1,42 @@
+"""Both sides of what a room allows its door."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from envs.maniskill.rooms import check
+from envs.maniskill.rooms.arrange import Plan
+from envs.maniskill.rooms.doorway import hang_door
+from envs.maniskill.rooms.pieces import GAP, Boxes, Piece
+from envs.maniskill.rooms.recipes import DOOR
+from envs.maniskill.rooms.room import Entrance, Room, room_shell
+from envs.maniskill.rooms.solids import make_solid
+from sim_export.collision.hulls import box_hull
+
+ENTRANCE = Entrance(side="front", start=1.5, width=0.9, height=2.0)
+
+
+@pytest.mark.parametrize(("above", "hung"), [(0.101, 1), (0.099, 0)])
+def test_a_wall_of_a_hand_s_breadth_stays_above_a_door(above: float, hung: int):
+    bodies, none = np.array([[(-0.1, 0.0, 0.0), (0.0, 0.8, 2.0)]]), np.zeros((0, 2, 3))
+    piece = Piece(role=DOOR.name, entry=None, boxes=Boxes(bodies=bodies, sweeps=none, stands=none), face=-0.1)
+    chooser: Any = SimpleNamespace(
+        shortlists={DOOR.name: (None,)}, rng=np.random.default_rng(0), piece=lambda *_: piece
+    )
+    plan = hang_door(Plan(size=(4.0, 3.5, 2.0 + 2 * GAP + above), entrance=ENTRANCE), chooser)
+    assert len(plan.places) == hung
+    assert (plan.entrance.height == pytest.approx(2.0 + 2 * GAP)) == hung
+
+
+@pytest.mark.parametrize(("depth", "past"), [(0.39, 0.0), (0.41, 0.01)])
+def test_a_door_may_take_forty_centimetres_behind_the_entrance(depth: float, past: float):
+    size = (4.0, 3.5, 2.6)
+    room = Room(
+        kind="kitchen", seed=0, attempt=0, size=size, entrance=ENTRANCE, standing_radius=0.3,
+        fixtures=room_shell(size, ENTRANCE, (0.9, 0.9, 0.9)), placements=(),
+    )  # fmt: skip
+    leaf = make_solid("door", [box_hull(np.array([1.55, -depth, 0.01]), np.array([2.35, 0.0, 1.99]))])
+    found = check._outside(room, [leaf])
+    assert [problem.depth for problem in found] == ([pytest.approx(past)] if past else [])
