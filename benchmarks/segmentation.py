@@ -1,9 +1,9 @@
-"""Recovers parts and joints from the voxels of real objects: true and noisy fields.
+"""Recovers parts and joints from the voxels of real objects: both recipes, true and noisy fields.
 
     python benchmarks/segmentation.py --data ../shared/data --out out/segmentation
 
 reads every object of ``splits.json``, voxelises and encodes it, adds the noise of each row of
-`NOISES`, segments the field, and compares with the truth. Writes ``segmentation.json``
+`NOISES`, segments the field with each recipe, and compares with the truth. Writes ``segmentation.json``
 (every object) and ``segmentation.md`` (the tables of docs/reports/structure.md). One seed per object.
 """
 
@@ -24,7 +24,7 @@ from artigen.datasets.partnet_mobility import read_object
 from artigen.errors import ArtigenError, SourceError
 from artigen.types import Asset
 from artigen.voxels.fields import VoxelFields, decode, encode
-from artigen.voxels.segmentation.segment import segment
+from artigen.voxels.segmentation.segment import SegmentConfig, segment
 from artigen.voxels.voxelize import drop_unresolved, voxelize
 
 NOISES: dict[str, FieldNoise | None] = {
@@ -33,6 +33,7 @@ NOISES: dict[str, FieldNoise | None] = {
     "Tables 3 and 4": TABLES_3_AND_4,
     "Tables 3 and 4, smooth": replace(TABLES_3_AND_4, correlation=2.0),
 }
+RECIPES = ("paper", "robust")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,12 +52,13 @@ class Options:
 
 @dataclass(frozen=True, kw_only=True)
 class Trial:
-    """One object under one noise."""
+    """One object, one noise, one recipe."""
 
     key: str
     category: str
     seven: bool
     noise: str
+    recipe: str
     parts: tuple[PartScore, ...] = ()
     found_parts: int = 0
     complete: bool = False
@@ -69,7 +71,9 @@ def run_object(folder: Path, *, seven: bool) -> list[Trial]:
     try:
         asset = read_object(folder).asset
     except SourceError as err:
-        return [Trial(key=folder.name, category="unreadable", seven=seven, noise="", problem=str(err))]
+        return [
+            Trial(key=folder.name, category="unreadable", seven=seven, noise="", recipe="", problem=str(err))
+        ]
     assert asset.surface is not None
     asset = drop_unresolved(replace(asset, voxels=voxelize(asset.surface), surface=None))
     fields = decode(encode(asset))
@@ -77,16 +81,17 @@ def run_object(folder: Path, *, seven: bool) -> list[Trial]:
     for name, noise in NOISES.items():
         rng = np.random.default_rng(int(folder.name))
         noisy = fields if noise is None else add_noise(fields, noise, rng)
-        trials.append(run_trial(asset, noisy, noise=name, seven=seven))
+        trials += [run_trial(asset, noisy, noise=name, recipe=recipe, seven=seven) for recipe in RECIPES]
     return trials
 
 
-def run_trial(asset: Asset, fields: VoxelFields, *, noise: str, seven: bool) -> Trial:
+def run_trial(asset: Asset, fields: VoxelFields, *, noise: str, recipe: str, seven: bool) -> Trial:
     """Segments one field; parts without a parent in reach count against the tree, not the parts."""
-    common = {"key": asset.name, "category": asset.category, "seven": seven, "noise": noise}
+    cfg = SegmentConfig(recipe="paper" if recipe == "paper" else "robust", detached="note")
+    common = {"key": asset.name, "category": asset.category, "seven": seven, "noise": noise, "recipe": recipe}
     start = time.process_time()
     try:
-        found = segment(fields, name=asset.name, scale=asset.scale, category=asset.category, detached="note")
+        found = segment(fields, cfg, name=asset.name, scale=asset.scale, category=asset.category)
     except ArtigenError as err:
         return Trial(**common, problem=str(err))
     seconds = time.process_time() - start
@@ -145,9 +150,9 @@ def lost_parts(trial: Trial) -> str:
 
 
 def failures(trials: list[Trial]) -> Iterator[str]:
-    """One line per incomplete object."""
+    """One line per incomplete object of the robust recipe."""
     for trial in trials:
-        if trial.complete:
+        if trial.recipe != "robust" or trial.complete:
             continue
         reason = trial.problem or f"{len(trial.parts)} parts, {trial.found_parts} found; {lost_parts(trial)}"
         yield f"| {trial.noise} | {trial.key} | {trial.category} | {reason} |"
@@ -156,19 +161,20 @@ def failures(trials: list[Trial]) -> Iterator[str]:
 def write_tables(trials: list[Trial], path: Path) -> None:
     """The Markdown tables."""
     names = (
-        "fields", "objects", "whole", "parts", "joint type", "axis, degrees", "line, voxels",
+        "fields", "recipe", "objects", "whole", "parts", "joint type", "axis, degrees", "line, voxels",
         "range, %", "parent", "box, voxels", "CPU seconds",
     )  # fmt: skip
     head = "| " + " | ".join(names) + " |"
     lines = []
     for title, seven in (("Seven categories (train and val)", True), ("Others", False)):
-        lines += [f"### {title}", "", head, "|" + "---|" * 11]
+        lines += [f"### {title}", "", head, "|" + "---|" * 12]
         for noise in NOISES:
-            rows = [t for t in trials if t.seven == seven and t.noise == noise]
-            if rows:
-                lines.append("| " + " | ".join([noise, *describe(rows)]) + " |")
+            for recipe in RECIPES:
+                rows = [t for t in trials if t.seven == seven and t.noise == noise and t.recipe == recipe]
+                if rows:
+                    lines.append("| " + " | ".join([noise, recipe, *describe(rows)]) + " |")
         lines.append("")
-    lines += ["### Objects that are not found whole", ""]
+    lines += ["### Objects that the robust recipe does not find whole", ""]
     lines += ["| fields | object | category | what |", "|---|---|---|---|"]
     lines += [
         *failures(sorted(trials, key=lambda t: (list(NOISES).index(t.noise) if t.noise else -1, t.key)))

@@ -259,7 +259,7 @@ def test_loading_a_package_loads_no_heavy_module(package: str):
     assert done.stdout.split() == []
 
 
-LATE = (*HEAVY, "scipy", "PIL", "matplotlib", "pandas", "lxml", "coal", "manifold3d")
+LATE = (*HEAVY, "scipy", "PIL", "matplotlib", "pandas", "sklearn", "lxml", "coal", "manifold3d")
 """Modules that the process which only hands out work does not need."""
 
 

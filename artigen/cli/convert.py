@@ -36,6 +36,8 @@ class ConvertSettings:
     visual: Literal["source", "voxels"] = "source"
     """``source`` keeps the object's own textured meshes and adds collision hulls, mass and friction;
     ``voxels`` rebuilds the object from its 64^3 articulated voxels, as the paper represents it."""
+    recipe: Literal["robust", "paper"] = "robust"
+    """Segmentation of the voxels into parts: our robust recipe or that of the paper."""
     size: float | None = None
     """Longest edge of the closed object in metres; default: as in the URDF, else usual for its category."""
     category: str | None = None
@@ -117,7 +119,7 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     asset = voxelize_object(source.asset)
     laps.end("voxelize")
     if job.cfg.visual == "voxels":
-        asset = rebuild_from_voxels(asset)
+        asset = rebuild_from_voxels(asset, job.cfg.recipe)
         laps.end("segment")
 
     def finish(package: "SimPackage") -> "SimPackage":
@@ -146,14 +148,20 @@ def voxelize_object(asset: "Asset") -> "Asset":
     return drop_unresolved(replace(asset, voxels=voxelize(asset.surface)))
 
 
-def rebuild_from_voxels(asset: "Asset") -> "Asset":
+def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "robust") -> "Asset":
     """Encodes the object as a 35-channel field and back; besides that, only surface colours are kept."""
     from artigen.datasets.relabel import carry_surface, restore_tree
     from artigen.voxels.fields import decode, encode
-    from artigen.voxels.segmentation.segment import segment
+    from artigen.voxels.segmentation.segment import SegmentConfig, segment
 
     fields = decode(encode(asset))
-    found = segment(fields, name=asset.name, scale=asset.scale, category=asset.category, detached="note")
+    found = segment(
+        fields,
+        SegmentConfig(recipe=recipe, detached="note"),
+        name=asset.name,
+        scale=asset.scale,
+        category=asset.category,
+    )
     found = carry_surface(asset, replace(found, notes=asset.notes + found.notes))
     return restore_tree(asset, found)
 

@@ -24,7 +24,7 @@ from artigen.types import PART_LABELS, Asset, VoxelGrid
 from artigen.voxels.cleanup.clean import mend_cells
 from artigen.voxels.cleanup.rows import Owners, read_owners
 from artigen.voxels.fields import VoxelFields
-from artigen.voxels.segmentation.segment import segment
+from artigen.voxels.segmentation.segment import SegmentConfig, segment
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,11 +43,11 @@ class GenerateConfig:
     sampler: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=6, strength=0.0))
     """Steps and guidance of the latent; no guidance by default, because an outline holds more than the
     condition."""
-    by_votes: bool = False
-    """Whether the votes of decoded cells are clustered into parts and joints, as in the paper (section 3.3).
+    segment: SegmentConfig | None = None
+    """How the votes of decoded cells are clustered into parts and joints, as in the paper (section 3.3).
 
-    Otherwise every cell belongs to the part of the outline that it chooses, and cells are cleaned up. Models
-    that take no outline always cluster."""
+    None: every cell belongs to the part of the outline that it chooses, and cells are cleaned up. Models that
+    take no outline always cluster."""
 
 
 def build_structure_model(preset: StructurePreset) -> StructureModel:
@@ -117,9 +117,11 @@ def generate_structure(
     noise = torch.randn((1, model.flow.channels, edge, edge, edge), generator=generator).to(device)
     known = gather_conditions([asked], model.preset.conditions).to(device)
     rows = outline_rows(outlined) if model.flow.takes_outlines else None
-    if rows is None or cfg.by_votes:
+    if rows is None or cfg.segment is not None:
         fields, _ = _decode(model, known, noise, rows, cfg)
-        found = segment(fields, name=outlined.name, scale=outlined.scale, category=outlined.category)
+        found = segment(
+            fields, cfg.segment, name=outlined.name, scale=outlined.scale, category=outlined.category
+        )
         return replace(found, notes=(*outlined.notes, *found.notes))
     owners, notes = draw_cells(model, known, noise, rows, cfg)
     return _place_parts(outlined, owners, notes)

@@ -13,7 +13,7 @@ from pathlib import Path
 from artigen.errors import ArtigenError
 
 THREAD_VARIABLES = (
-    "OMP_NUM_THREADS",  # PyTorch, CoACD
+    "OMP_NUM_THREADS",  # PyTorch, CoACD, scikit-learn
     "OPENBLAS_NUM_THREADS",  # NumPy and SciPy of PyPI
     "MKL_NUM_THREADS",
     "BLIS_NUM_THREADS",

@@ -1,6 +1,8 @@
 """Joint, range and box of a group of voxels, by vote."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -8,6 +10,8 @@ from jaxtyping import Float, Int
 from artigen.errors import SegmentationError
 from artigen.types import FIXED, FULL_TURN, JOINT_TYPES, Joint, JointType, Part, PartLabel
 from artigen.voxels.fields import VoxelFields, canonical_origin
+
+Aggregation = Literal["mean", "robust"]
 
 SLACK_VOXELS = 1.0
 """Distance in voxels that a voted face may lie outside the span that the voxels allow."""
@@ -95,13 +99,27 @@ def box_faces(box: Float[np.ndarray, "2 3"]) -> Float[np.ndarray, "2 3"]:
     return np.stack([box[0] - box[1] / 2, box[0] + box[1] / 2])
 
 
-def _count_votes(fields: VoxelFields, rows: Int[np.ndarray, "n"]) -> tuple[np.ndarray, ...]:
+def mean_votes(fields: VoxelFields, rows: Int[np.ndarray, "n"]) -> tuple[np.ndarray, ...]:
+    """The paper's aggregation: axis, origin, ranges and box by plain averaging."""
+    return tuple(
+        values[rows].mean(axis=0, dtype=np.float64)
+        for values in (fields.axis, fields.origin, fields.ranges, fields.box)
+    )
+
+
+def robust_votes(fields: VoxelFields, rows: Int[np.ndarray, "n"]) -> tuple[np.ndarray, ...]:
     """Axis by dominant eigenvector, origin nearest to all lines, ranges and box by median."""
     axis = dominant_axis(fields.axis[rows])
     used = rows[_inliers(fields.origin[rows])]
     used = used if len(used) else rows
     origin = nearest_point_to_lines(fields.origin[used], fields.axis[used])
     return axis, origin, np.median(fields.ranges[rows], axis=0), np.median(fields.box[rows], axis=0)
+
+
+VOTES: dict[Aggregation, Callable[[VoxelFields, np.ndarray], tuple[np.ndarray, ...]]] = {
+    "mean": mean_votes,
+    "robust": robust_votes,
+}
 
 
 def standard_errors(
@@ -130,7 +148,7 @@ class AggregatedPart:
 
 
 def aggregate_part(
-    fields: VoxelFields, rows: Int[np.ndarray, "n"], *, name: str, label: PartLabel
+    fields: VoxelFields, rows: Int[np.ndarray, "n"], *, name: str, label: PartLabel, method: Aggregation
 ) -> AggregatedPart:
     """Aggregates the votes of the voxels in ``rows``.
 
@@ -139,17 +157,18 @@ def aggregate_part(
     Raises:
         SegmentationError: If a movable part has no axis.
     """
-    axis, origin, ranges, voted = _count_votes(fields, rows)
+    axis, origin, ranges, voted = VOTES[method](fields, rows)
     kind = JOINT_TYPES[int(fields.joint_probs[rows].sum(axis=0).argmax())]
     notes = []
     if label == "base" and kind != "fixed":
         notes.append(f"{name}: voted {kind}, held fixed because it carries the object")
         kind = "fixed"
-    box = fuse_box(voted, fields.coords[rows], fields.resolution)
-    plain = np.stack([voted[:3], np.maximum(voted[3:], 0.0)])
-    moved = np.abs(box_faces(box) - box_faces(plain)).max() * fields.resolution
-    if moved > 1:
-        notes.append(f"{name}: box face moved by {moved:.1f} voxels to the extent of the voxels")
+    box = _plain_box(voted)
+    if method == "robust":
+        box = fuse_box(voted, fields.coords[rows], fields.resolution)
+        moved = np.abs(box_faces(box) - box_faces(_plain_box(voted))).max() * fields.resolution
+        if moved > 1:
+            notes.append(f"{name}: box face moved by {moved:.1f} voxels to the extent of the voxels")
     try:
         joint, note = _joint(kind, axis, origin, ranges)
     except SegmentationError as err:
@@ -165,3 +184,7 @@ def aggregate_part(
         errors=standard_errors(fields, rows, joint.axis),
         notes=tuple(notes),
     )
+
+
+def _plain_box(voted: np.ndarray) -> np.ndarray:
+    return np.stack([voted[:3], np.maximum(voted[3:], 0.0)])

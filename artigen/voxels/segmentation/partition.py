@@ -1,4 +1,4 @@
-"""Assignment of voxels to parts, the result of segmentation."""
+"""Assignment of voxels to parts, the result of every segmentation recipe."""
 
 from dataclasses import dataclass
 

@@ -1,12 +1,12 @@
 """Segments voxel fields into parts, joints and a tree.
 
-The voxels are divided among parts (`partition_robust`), the attributes of every part are aggregated over its
-voxels, each part is hung from another one (`artigen.voxels.segmentation.tree`), and nearly regular axes are
-snapped (`regularise`).
+Three steps: a recipe divides the voxels among parts (`partition_paper`, `partition_robust`), every
+part's attributes are aggregated over its voxels, and each part is hung from another one
+(`artigen.voxels.segmentation.tree`); nearly regular axes are snapped (`regularise`).
 """
 
 import logging
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -18,14 +18,26 @@ from artigen.voxels.segmentation.aggregate import aggregate_part
 from artigen.voxels.segmentation.neighbours import neighbour_pairs
 from artigen.voxels.segmentation.partition import Partition
 from artigen.voxels.segmentation.regularise import regularise
+from artigen.voxels.segmentation.segment_paper import partition_paper
 from artigen.voxels.segmentation.segment_robust import partition_robust
 from artigen.voxels.segmentation.tree import REACH, find_parents
 
 logger = logging.getLogger(__name__)
 
 
-def partition(fields: VoxelFields) -> Partition:
-    """Divides the voxels among parts.
+@dataclass(frozen=True, kw_only=True)
+class SegmentConfig:
+    """Which recipe, and what to do with a part that does not fit."""
+
+    recipe: Literal["robust", "paper"] = "robust"
+    """`paper`: semantics, DBSCAN on boxes, mean. `robust`: the default, measured against it in
+    docs/explanation/structure.md."""
+    detached: Literal["raise", "note"] = "raise"
+    """A part without a parent within reach: raise, or hang it from the base and note it."""
+
+
+def partition(fields: VoxelFields, cfg: SegmentConfig) -> Partition:
+    """Divides the voxels among parts by the configured recipe.
 
     Raises:
         SegmentationError: If there are no voxels, or none of them is base.
@@ -38,25 +50,27 @@ def partition(fields: VoxelFields) -> Partition:
             f"none of {len(fields.coords)} voxels is labelled base, "
             "an object needs a part that carries the others"
         )
+    if cfg.recipe == "paper":
+        return partition_paper(fields)
     return partition_robust(fields)
 
 
 def segment(
     fields: VoxelFields,
+    cfg: SegmentConfig | None = None,
     *,
     name: str,
     scale: float,
     category: str | None = None,
-    detached: Literal["raise", "note"] = "raise",
 ) -> Asset:
     """Finds the parts, their joints and their tree in decoded voxel fields.
 
     Args:
         fields: What the voxels say, from `artigen.voxels.fields.decode`.
+        cfg: Recipe and tolerances; the defaults when None.
         name: Name of the asset.
         scale: Metres per unit-cube length.
         category: Category of the asset; when None, the category most voxels vote for.
-        detached: A part without a parent within reach: raise, or hang it from the base and note it.
 
     Returns:
         An asset whose voxels carry part ids; parts are called ``label_k`` from top to bottom, the root
@@ -65,14 +79,16 @@ def segment(
     Raises:
         SegmentationError: If the voxels do not describe an articulated object.
     """
-    divided = partition(fields)
+    cfg = cfg or SegmentConfig()
+    divided = partition(fields, cfg)
     found = []
     for index, label in enumerate(divided.labels):
         number = divided.labels[:index].count(label)
         called = "base" if label == "base" else f"{label}_{number}"
         rows = np.flatnonzero(divided.part_ids == index)
-        found.append(aggregate_part(fields, rows, name=called, label=label))
-    parts, said = _hang([one.part for one in found], fields, divided, detached)
+        method = "mean" if cfg.recipe == "paper" else "robust"
+        found.append(aggregate_part(fields, rows, name=called, label=label, method=method))
+    parts, said = _hang([one.part for one in found], fields, divided, cfg)
     asset = Asset(
         name=name,
         category=category or _voted_category(fields),
@@ -85,14 +101,14 @@ def segment(
 
 
 def _hang(
-    parts: list[Part], fields: VoxelFields, divided: Partition, detached: Literal["raise", "note"]
+    parts: list[Part], fields: VoxelFields, divided: Partition, cfg: SegmentConfig
 ) -> tuple[list[Part], list[str]]:
     """Parts with their parents set, and a note for each part hung by default."""
     coords = fields.coords.astype(np.int64)
     pairs = neighbour_pairs(coords, fields.resolution)
     parents = find_parents(parts, coords, divided.part_ids, pairs)
     lost = [part.name for part, parent in zip(parts, parents, strict=True) if parent is None]
-    if lost and detached == "raise":
+    if lost and cfg.detached == "raise":
         raise SegmentationError(
             f"no part lies within {REACH:g} voxels of {', '.join(lost)}; "
             'set detached="note" to hang them from the base'

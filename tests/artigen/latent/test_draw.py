@@ -26,6 +26,7 @@ from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.types import Asset
 from artigen.voxels.fields import VoxelFields, decode, encode
+from artigen.voxels.segmentation.segment import SegmentConfig
 
 OPEN = StructureCondition()
 
@@ -78,7 +79,7 @@ def say(monkeypatch: pytest.MonkeyPatch, fields: VoxelFields) -> list[Decoded]:
     return seen
 
 
-@pytest.mark.parametrize("cfg", [GenerateConfig(), GenerateConfig(by_votes=True)])
+@pytest.mark.parametrize("cfg", [GenerateConfig(), GenerateConfig(segment=SegmentConfig())])
 def test_an_object_has_the_parts_and_the_size_of_its_boxes(
     model: StructureModel, shape: Shape, exact: Asset, cfg: GenerateConfig, monkeypatch: pytest.MonkeyPatch
 ):
@@ -91,7 +92,7 @@ def test_an_object_has_the_parts_and_the_size_of_its_boxes(
     assert exact.voxels is not None
     both = drawn.voxels.occupied() & exact.voxels.occupied()
     assert both.sum() > 0.9 * (drawn.voxels.occupied() | exact.voxels.occupied()).sum()
-    if not cfg.by_votes:
+    if cfg.segment is None:
         assert [part.name for part in drawn.parts] == [part.name for part in exact.parts]
         assert [part.parent for part in drawn.parts] == [part.parent for part in exact.parts]
 
@@ -141,7 +142,7 @@ def test_votes_that_make_no_object_are_refused(
     grid = replace(exact.voxels, coords=exact.voxels.coords[~base], part_ids=exact.voxels.part_ids[~base])
     say(monkeypatch, decode(encode(replace(exact, voxels=grid))))
     with pytest.raises(SegmentationError, match="is labelled base"):
-        generate_structure(model, OPEN, 1, GenerateConfig(by_votes=True), boxes=exact)
+        generate_structure(model, OPEN, 1, GenerateConfig(segment=SegmentConfig()), boxes=exact)
 
 
 def test_a_category_that_the_model_does_not_know_is_named(model: StructureModel):

@@ -32,12 +32,13 @@ from artigen.voxels.segmentation.aggregate import (
 )
 from artigen.voxels.segmentation.neighbours import connected_groups, neighbour_pairs
 from artigen.voxels.segmentation.regularise import regularise
-from artigen.voxels.segmentation.segment import segment
+from artigen.voxels.segmentation.segment import SegmentConfig, segment
 from artigen.voxels.segmentation.segment_robust import OVERLONG, _explained_below
 from artigen.voxels.segmentation.tree import ALLOWED_PARENTS
 from artigen.voxels.segmentation.votes import overlong_axis
 from artigen.voxels.voxelize import voxelize
 
+PAPER = SegmentConfig(recipe="paper")
 FRONT, GAP = -0.25, 0.002
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 
@@ -168,8 +169,9 @@ def name_map(truth: Asset, found: Asset) -> dict[int, int]:
     return {k: int(row.argmax()) for k, row in enumerate(overlaps)}
 
 
-def test_true_fields_of_the_cabinet_give_the_cabinet_back(cabinet: Asset, cabinet_fields):
-    found = segment(cabinet_fields, name="again", scale=cabinet.scale)
+@pytest.mark.parametrize("cfg", [SegmentConfig(), PAPER], ids=["robust", "paper"])
+def test_true_fields_of_the_cabinet_give_the_cabinet_back(cabinet: Asset, cabinet_fields, cfg):
+    found = segment(cabinet_fields, cfg, name="again", scale=cabinet.scale)
     assert (found.name, found.category, found.scale) == ("again", "StorageFurniture", cabinet.scale)
     assert len(found.parts) == len(cabinet.parts)
     match = name_map(cabinet, found)
@@ -237,6 +239,16 @@ def test_flat_drawers_doors_and_knobs_are_found_with_the_papers_noise(fronts, no
     assert np.median([part.range_error for part in parts if part.range_error is not None]) < 0.02
 
 
+def test_the_robust_recipe_beats_the_papers_on_flat_drawers_under_noise(fronts):
+    found = {"robust": 0, "paper": 0}
+    for seed, asset in enumerate(fronts):
+        noisy = add_noise(decode(encode(asset)), TABLE_4, np.random.default_rng(seed))
+        for recipe, cfg in (("robust", SegmentConfig()), ("paper", replace(PAPER, detached="note"))):
+            score = score_segmentation(asset, segment(noisy, cfg, name="x", scale=1.0))
+            found[recipe] += sum(part.found for part in score.parts)
+    assert found["robust"] > found["paper"] > 0
+
+
 def test_separate_pieces_of_base_are_one_base():
     drawing = Drawing()
     drawing.add("base", [((-0.2, -0.4, -0.5), (0.2, -0.38, 0.0)), ((-0.2, 0.38, -0.5), (0.2, 0.4, 0.0))])
@@ -300,7 +312,7 @@ def test_a_part_out_of_reach_is_reported_or_noted_but_never_guessed():
     fields = decode(encode(floating(0.2)))
     with pytest.raises(SegmentationError, match="drawer_0"):
         segment(fields, name="x", scale=1.0)
-    noted = segment(fields, name="x", scale=1.0, detached="note")
+    noted = segment(fields, SegmentConfig(detached="note"), name="x", scale=1.0)
     assert any("drawer_0" in note and "hung from the base" in note for note in noted.notes)
     near = segment(decode(encode(floating(0.03))), name="x", scale=1.0)
     assert near.parts[1].parent == 0
@@ -321,7 +333,7 @@ def test_fields_without_a_base_or_without_voxels_are_refused(cabinet_fields):
 def test_a_handful_of_voxels_still_has_its_parts(cabinet_fields):
     columns = {name: value[::3000] for name, value in vars(cabinet_fields).items() if np.ndim(value)}
     few = replace(cabinet_fields, **columns)
-    found = segment(few, name="few", scale=1.0, detached="note")
+    found = segment(few, SegmentConfig(detached="note"), name="few", scale=1.0)
     said = {PART_LABELS[index] for index in few.label_probs.argmax(axis=1)}
     assert {part.label for part in found.parts} == said
     with pytest.raises(SegmentationError, match="no part lies within"):
@@ -381,7 +393,7 @@ def test_a_voted_face_is_brought_to_the_extent_of_the_voxels():
 
 def test_a_base_that_votes_to_move_is_held_and_noted(cabinet_fields):
     drawers = np.flatnonzero(cabinet_fields.joint_probs.argmax(axis=1) == 2)
-    made = aggregate_part(cabinet_fields, drawers, name="base", label="base")
+    made = aggregate_part(cabinet_fields, drawers, name="base", label="base", method="robust")
     assert made.part.joint.type == "fixed"
     assert any("held fixed" in note for note in made.notes)
 
