@@ -152,7 +152,7 @@ def check_job(job: GenerateJob) -> None:
 def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
     """Draws the object of a job, coloured as in its picture if it has one."""
     from artigen.sketch.draw import DrawConfig
-    from artigen.sketch.model import SketchConfig, draw_alike, draw_object
+    from artigen.sketch.model import SketchConfig, draw_object, draw_pictured
 
     asked = _ask(job, _understand(job))
     noise = int(np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(1)[0])
@@ -160,7 +160,7 @@ def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
     network = load_sketch(job.model)
     if asked.picture is None:
         return draw_object(network, asked.request, noise, cfg), asked
-    return draw_alike(network, asked.request, noise, asked.picture, cfg), asked
+    return draw_pictured(network, asked.request, noise, asked.picture, cfg), asked
 
 
 def generate_object(job: GenerateJob) -> Made:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from artigen.models.conditions import StructureCondition
 from artigen.shapes.shape import Shape
-from artigen.sketch.model import SketchConfig, draw_alike, draw_object
+from artigen.sketch.model import SketchConfig, draw_object, draw_pictured
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.request import SketchRequest
 
@@ -22,6 +22,6 @@ def sketch_source(network: SketchNetwork, cfg: SketchConfig | None = None) -> Sh
         )
         if asked.image is None:
             return draw_object(network, request, seed, cfg).shape
-        return draw_alike(network, request, seed, asked.image, cfg).shape
+        return draw_pictured(network, request, seed, asked.image, cfg).shape
 
     return draw_sketch

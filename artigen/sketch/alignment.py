@@ -60,8 +60,6 @@ WEIGHTS = ((0.2, 0.0), (0.2, 0.2), (0.1, 0.1))
 """Weights of colour evenness and of edges relative to silhouette overlap: for the coarse search, the choice
 of a direction and the final refinement. Larger weights would rotate a shape that differs from the pictured
 one until some of its edges agree."""
-EVENNESS, EDGES = 0.12, 0.3
-"""The same weights for comparing shapes."""
 
 
 @dataclass(frozen=True)
@@ -90,15 +88,6 @@ class Fit:
     """For the picture at its given size; rows of ``axes`` are sheared by the position of the crop."""
     overlap: float
     """Intersection over union of the silhouettes."""
-    evenness: float
-    """Share of the picture's variance that is explained by one colour for each finish on each side."""
-    edges: float
-    """Correlation of the shape's part edges with the picture's edges, -1 to 1."""
-
-    @property
-    def likeness(self) -> float:
-        """Similarity of shape and picture; higher is better, comparable within one picture only."""
-        return self.overlap + EVENNESS * self.evenness + EDGES * self.edges
 
 
 def fit_camera(shape: Shape, picture: Float[np.ndarray, "4 S S"], near: View | None = None) -> Fit:
@@ -125,14 +114,7 @@ def fit_camera(shape: Shape, picture: Float[np.ndarray, "4 S S"], near: View | N
     if measure_overlap(look(shown, place_camera(view, hull, whole)), whole) < SURE:  # thin parts
         view = refine(_scorer(shown, hull, whole, weights=WEIGHTS[-1]), view, 6, TRIES)
     camera = place_camera(view, hull, whole)
-    seen = look(faces, camera)
-    return Fit(
-        view=view,
-        camera=camera,
-        overlap=measure_overlap(seen, whole),
-        evenness=measure_evenness(faces, seen, whole),
-        edges=measure_edges(faces, seen, whole),
-    )
+    return Fit(view=view, camera=camera, overlap=measure_overlap(look(faces, camera), whole))
 
 
 def _scorer(

@@ -210,45 +210,31 @@ def look_at(network: SketchNetwork, picture: Float[np.ndarray, "4 S S"]) -> tupl
     return network.look(torch.from_numpy(np.ascontiguousarray(picture, dtype=np.float32))[None])
 
 
-def draw_alike(
+def draw_pictured(
     network: SketchNetwork,
     request: SketchRequest,
     seed: int,
     picture: Float[np.ndarray, "4 S S"],
     cfg: SketchConfig | None = None,
-    *,
-    objects: int = 2,
 ) -> Drawn:
-    """Samples several objects from a picture and returns the most similar one, coloured as in the picture.
-
-    Among objects with faults, only those with the fewest are compared. Sampling stops early once the objects
-    together have used the budget of one.
+    """Samples an object from a picture; it is coloured as in the picture.
 
     Args:
         network: A trained network that reads pictures.
         request: Explicit conditions, which override the picture.
         seed: Seed of all sampling.
         picture: RGBA in [0, 1], premultiplied on black.
-        cfg: Sampling parameters and budget of each object.
-        objects: Largest number of objects.
+        cfg: Sampling parameters and budget.
 
     Raises:
         SketchError: As for `draw_object`.
         PictureError: If the picture shows no object.
     """
-    cfg = replace(cfg or SketchConfig(), header=PICTURED)
     looked = look_at(network, picture)
-    view = View(*looked[0].view[0].tolist())
-    drawn: list[Drawn] = []
-    for one in np.random.SeedSequence(seed).generate_state(objects).tolist():
-        drawn.append(draw_object(network, request, one, cfg, looked))
-        if sum(found.batches for found in drawn) >= cfg.batches:
-            break
-    fewest = min(len(one.faults) for one in drawn)
-    fitted = [(one, fit_camera(one.shape, picture, view)) for one in drawn if len(one.faults) == fewest]
-    best, fit = max(fitted, key=lambda pair: pair[1].likeness)
+    drawn = draw_object(network, request, seed, replace(cfg or SketchConfig(), header=PICTURED), looked)
+    fit = fit_camera(drawn.shape, picture, View(*looked[0].view[0].tolist()))
     asked = {finish.role for finish in request.finishes if finish.color is not None}
-    return replace(best, shape=read_colors(best.shape, picture, fit, keep=asked, trust=TRUSTED))
+    return replace(drawn, shape=read_colors(drawn.shape, picture, fit, keep=asked, trust=TRUSTED))
 
 
 def draw_header(

@@ -193,7 +193,7 @@ def test_a_finish_that_is_opaque_and_shows_on_five_pixels_is_coloured(monkeypatc
     shape = blocks(finishes=(finish(opacity=opacity),))
     monkeypatch.setattr(picture_colors, "find_spots", lambda *_: spots({(0, 0): pixels}, light=1.0))
     _, camera, _ = seen_from_front(shape)
-    fit = Fit(view=View(yaw=0, pitch=0, closeness=0.1), camera=camera, overlap=1, evenness=1, edges=1)
+    fit = Fit(view=View(yaw=0, pitch=0, closeness=0.1), camera=camera, overlap=1)
     found = read_colors(shape, np.zeros((4, 8, 8), dtype=np.float32), fit, lighting="even")
     assert (found.finishes != shape.finishes) == read
 
@@ -204,7 +204,7 @@ def test_a_drawn_colour_within_fifteen_hundredths_of_the_picture_is_kept(monkeyp
     light = float(picture_colors._linear(np.array(0.5 + apart)))
     monkeypatch.setattr(picture_colors, "find_spots", lambda *_: spots({(0, 0): 9}, light=light))
     _, camera, _ = seen_from_front(shape)
-    fit = Fit(view=View(yaw=0, pitch=0, closeness=0.1), camera=camera, overlap=1, evenness=1, edges=1)
+    fit = Fit(view=View(yaw=0, pitch=0, closeness=0.1), camera=camera, overlap=1)
     found = read_colors(
         shape, np.zeros((4, 8, 8), dtype=np.float32), fit, trust=model.TRUSTED, lighting="even"
     )
