@@ -108,7 +108,7 @@ def reconstruct(model: StructureModel, subject: Subject) -> Asset | None:
     (fields,) = decode_fields(model.vae, mean, outline_batch([subject.example]).to(device))
     asset = subject.asset
     try:
-        return segment(fields, cfg.segment, name=asset.name, scale=asset.scale, category=asset.category)
+        return segment(fields, name=asset.name, scale=asset.scale, category=asset.category)
     except SegmentationError:
         return None
 
