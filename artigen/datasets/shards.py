@@ -36,28 +36,33 @@ class StoredObject:
     @cached_property
     def sample(self) -> Sample:
         """Description of the object."""
-        return sample_from_json(self.members[JSON])
+        return sample_from_json(self._member(JSON))
 
     @property
     def record(self) -> dict[str, Any]:
         """Description of the object as plain JSON values."""
-        return json.loads(self.members[JSON])
+        return json.loads(self._member(JSON))
 
     @property
     def thumbnail(self) -> bytes:
         """Picture of the object, closed and open, as WebP."""
-        return self.members[THUMBNAIL]
+        return self._member(THUMBNAIL)
 
     def files(self) -> dict[str, bytes]:
         """All files of the package by their path in it, byte for byte as packed."""
         sample = self.sample
         return unpack_files(
-            self.members[ARCHIVE], sample.shared, self.shards.shared_file, listed=sample.listed
+            self._member(ARCHIVE), sample.shared, self.shards.shared_file, listed=sample.listed
         )
 
     def unpack(self, folder: Path | str) -> Path:
         """Writes the package as a folder, which replaces an older one; returns its path."""
         return write_folder(self.files(), Path(folder))
+
+    def _member(self, name: str) -> bytes:
+        if name not in self.members:
+            raise PackingError(f"the shard holds no {name} of it, only {', '.join(sorted(self.members))}")
+        return self.members[name]
 
 
 class Shards:

@@ -1,6 +1,7 @@
 """`artigen dataset`: from a recipe to a data set that is whole, whatever stops it, and that others load."""
 
 import hashlib
+import io
 import json
 import os
 import shutil
@@ -258,6 +259,22 @@ def test_a_changed_byte_is_found(copy, name: str, said: str, capsys):
     (copy / name).write_bytes(bytes(data))
     assert dataset(("verify", str(copy))) == 1
     assert f"{name} {said}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("member", ["json", "tar.zst"])
+def test_an_object_without_a_member_is_found(copy, member: str, capsys):
+    path = copy / "shards" / "objects-00001.tar"
+    with tarfile.open(path) as old:
+        old_members = [one for one in old.getmembers() if not one.name.endswith(f".{member}")]
+        kept = [(one, old.extractfile(one)) for one in old_members]
+            (one, old.extractfile(one)) for one in old.getmembers() if not one.name.endswith(f".{member}")
+        ]
+        kept = [(one, stream.read()) for one, stream in kept if stream is not None]
+    with tarfile.open(path, "w") as new:
+        for one, data in kept:
+            new.addfile(one, io.BytesIO(data))
+    assert dataset(("verify", str(copy))) == 1
+    assert f"the shard holds no {member}" in capsys.readouterr().err
 
 
 def test_what_is_missing_or_left_over_is_found(copy, capsys):
