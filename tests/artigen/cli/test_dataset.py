@@ -267,8 +267,6 @@ def test_an_object_without_a_member_is_found(copy, member: str, capsys):
     with tarfile.open(path) as old:
         old_members = [one for one in old.getmembers() if not one.name.endswith(f".{member}")]
         kept = [(one, old.extractfile(one)) for one in old_members]
-            (one, old.extractfile(one)) for one in old.getmembers() if not one.name.endswith(f".{member}")
-        ]
         kept = [(one, stream.read()) for one, stream in kept if stream is not None]
     with tarfile.open(path, "w") as new:
         for one, data in kept:

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from artigen.cli import shape
@@ -37,15 +38,17 @@ def test_exact_objects_are_made_once(monkeypatch):
     assert export_and_validate(Worker(), ShapeJob(category="Cart", seed=0, out=Path("out"))) is failed
 
 
-def test_a_finer_grid_keeps_a_thin_part():
+def test_a_thin_part_is_as_thick_as_drawn_within_half_a_cell():
     """The screen of a laptop is thinner than two cells of the coarsest grid."""
     drawn = draw_shape("Laptop", 0)
-    heights = []
+    low, high = next(part for part in drawn.parts if part.name == "screen").bounds()
+    edge = max(np.ptp([part.bounds() for part in drawn.parts], axis=(0, 1)))
+    found = []
     for grid in (GRIDS[0], GRIDS[-1]):
         package = make_package(drawn, "voxels", grid=grid)
         assert dict(package.provenance)["grid"] == str(grid)
         lid = next(link for link in package.links if "screen" in link.parts)
-        points = [corner for hull in lid.hulls for corner in hull.vertices]
-        heights.append(max(p[2] for p in points) - min(p[2] for p in points))
-    low, high = next(part for part in drawn.parts if part.name == "screen").bounds()[:, 2]
-    assert abs(heights[1] - (high - low)) < abs(heights[0] - (high - low))
+        points = np.concatenate([visual.mesh.vertices for visual in lid.visuals])
+        found.append(np.ptp(points, axis=0))
+        np.testing.assert_allclose(found[-1], high - low, atol=0.5 * edge / grid)
+    assert np.abs(found[1] - found[0]).max() > 1e-5  # the grid matters
