@@ -59,15 +59,11 @@ class SketchConfig:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Drawn:
-    """An object, its faults and statistics of the search."""
+    """An object, its faults and notes on the search."""
 
     shape: Shape
     faults: tuple[Fault, ...]
     notes: tuple[str, ...]
-    seen: Counter[str]
-    """Rejected continuations and objects, counted by fault id (continuations by their first fault)."""
-    batches: int
-    """Number of batches drawn."""
 
 
 def save_sketch_network(network: SketchNetwork, folder: Path, described: dict[str, object]) -> None:
@@ -187,7 +183,7 @@ def draw_object(
         best = _judge(grower.finish(grown[-1]).writer.table, seed, request)
     why = ", ".join(f"{count} {name}" for name, count in grower.seen.most_common())
     note = f"sketch: {grower.batches} batches were drawn" + (f"; left out on the way: {why}" if why else "")
-    return Drawn(shape=best[0], faults=best[1], notes=(note,), seen=grower.seen, batches=grower.batches)
+    return Drawn(shape=best[0], faults=best[1], notes=(note,))
 
 
 def read_object_picture(network: SketchNetwork, path: Path) -> Picture:

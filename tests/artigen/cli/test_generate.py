@@ -2,7 +2,6 @@
 
 import json
 import shutil
-from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
@@ -82,7 +81,7 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[tuple[object, int]]:
 
     def from_memory(network: object, request: object, seed: int, *rest: object) -> Drawn:
         seen.append((request, seed))
-        return Drawn(shape=SHAPE, faults=(), notes=("sketch: from memory",), seen=Counter(), batches=1)
+        return Drawn(shape=SHAPE, faults=(), notes=("sketch: from memory",))
 
     monkeypatch.setattr(artigen.sketch.model, "draw_object", from_memory)
     return seen
@@ -109,7 +108,7 @@ def test_an_object_with_faults_is_exported_only_if_it_was_the_last_draw(
     model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     faults = (Fault(id="sealed", part="door_0", other="body", value=0.9, allowed=0.5),)
-    faulty = Drawn(shape=SHAPE, faults=faults, notes=(), seen=Counter(), batches=1)
+    faulty = Drawn(shape=SHAPE, faults=faults, notes=())
     monkeypatch.setattr(artigen.sketch.model, "draw_object", lambda *_: faulty)
     cfg = GenerateSettings(redraws=1, gaussians=False)
     job = GenerateJob(model=model, category="StorageFurniture", seed=9, out=tmp_path, cfg=cfg)
