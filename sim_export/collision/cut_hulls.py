@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sim_export.checks.config import CheckConfig
 from sim_export.checks.surface import inside_hulls, surface_distances
 from sim_export.collision.compact import compact_hull
 from sim_export.collision.contacts import HullSet
@@ -20,12 +21,9 @@ MAX_GROWTH = 1.5
 """Most hulls over those that a link had, but for the first eight; what turns inside of something is
 cut at every pose, and never free."""
 
-
-SKIN = 0.015
-"""How far a hull that cuts cannot free may stand out of the others of its link to go, over the object's
-diagonal: as far as check V103 lets 99 % of a surface be from all hulls."""
 SKIN_SAMPLES = 64
-"""Points at which that is measured."""
+"""Points at which it is measured whether a hull that cuts cannot free stands out of the others of its link so
+little that it may go: no farther than check V103 lets 99 % of a surface be from all hulls."""
 SKIN_NEAREST = 4000
 """Points on the other hulls by which the nearest face is found."""
 
@@ -145,7 +143,7 @@ class CutHulls:
         points = sample_triangles(hull.vertices[hull.faces], SKIN_SAMPLES)[0]
         outside = points[~inside_hulls(points, tuple(others))]
         solid = np.concatenate([other.vertices[other.faces] for other in others])
-        reach = SKIN * box_diagonal(self.links)
+        reach = CheckConfig.max_p99 * box_diagonal(self.links)
         return bool((surface_distances(outside, solid, SKIN_NEAREST) <= reach).all())
 
     def sets(self) -> list[HullSet]:

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.types import Asset, Joint
+from sim_export.checks.config import CheckConfig
 from sim_export.checks.surface import surface_distances
 from sim_export.collision.hulls import convex_hull, hull_volume
 from sim_export.geometry.sampling import sample_triangles
@@ -24,13 +25,8 @@ WELL = 0.003
 """Clearance (m) made around a wheel in other parts."""
 NEAR = 1.5
 """Distance (voxels) from the lowest point of the object within which wheels are extended down to it."""
-
-
-OPEN = 0.015
-"""Distance of 99 % of a cylinder from the surface that it stands for, over the object's diagonal, above which
-a wheel has openings, such as those between spokes; as in check V103."""
 SAMPLES = 2000
-"""Points by which this is measured."""
+"""Points by which the distance of a cylinder from its wheel is measured."""
 
 
 def fit_width(cylinder: Mesh, joint: Joint, scale: float, triangles: Float[np.ndarray, "F 3 3"]) -> Hull:
@@ -46,10 +42,11 @@ def fit_width(cylinder: Mesh, joint: Joint, scale: float, triangles: Float[np.nd
 
 
 def is_open(triangles: Float[np.ndarray, "F 3 3"], cylinder: Hull, diagonal: float) -> bool:
-    """Whether a cylinder would close openings of a wheel with these triangles; all lengths in metres."""
+    """Whether a cylinder would close openings of a wheel with these triangles, such as those between spokes:
+    1 % of it is farther from them than check V103 allows. All lengths in metres."""
     points, _ = sample_triangles(cylinder.vertices[cylinder.faces], SAMPLES)
     distances = surface_distances(points, triangles, 4 * SAMPLES)
-    return float(np.percentile(distances, 99)) > OPEN * diagonal
+    return float(np.percentile(distances, 99)) > CheckConfig.max_p99 * diagonal
 
 
 def round_wheels(asset: Asset, meshes: Sequence[Mesh]) -> tuple[tuple[Mesh, ...], tuple[str, ...]]:
