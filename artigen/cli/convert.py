@@ -53,8 +53,7 @@ class ConvertSettings:
     mend: bool = False
     """Mend faults of the source before converting it: hinges off the edge of their door, parts inside each
     other, ranges that run into the body, handles out of reach, pieces that float or belong to another link,
-    objects that fall over.
-    Every change is in meta.json."""
+    objects that fall over. Every change is in meta.json."""
     validation: Literal["full", "none"] = "full"
     """Run checks L0 to L3 on every package right after it is written."""
 
@@ -118,9 +117,6 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     }
     asset = voxelize_object(source.asset)
     laps.end("voxelize")
-    if job.cfg.visual == "voxels":
-        asset = rebuild_from_voxels(asset, job.cfg.recipe)
-        laps.end("segment")
 
     def finish(package: "SimPackage") -> "SimPackage":
         package = follow_parts(package, dict(source.follows))
@@ -128,6 +124,8 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
         return stand_on_side(package) if job.cfg.mend else package
 
     if job.cfg.visual == "voxels":
+        asset = rebuild_from_voxels(asset, job.cfg.recipe)
+        laps.end("segment")
         exported = export_asset(asset, provenance=provenance)
         package = finish(exported.package)
     else:
