@@ -1,8 +1,10 @@
 """`export_asset`: the sequence of stages from an `Asset` to a `SimPackage`."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -17,12 +19,11 @@ from sim_export.collision.facets import flatten_links
 from sim_export.collision.feet import add_feet
 from sim_export.collision.filling import fill_meshes
 from sim_export.collision.levelling import level_object
-from sim_export.collision.passing import find_passing
+from sim_export.collision.object_cover import ObjectCover, find_passing
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.recovery import Recovery, recover_surface
 from sim_export.collision.requirements import find_requirements
 from sim_export.collision.retention import keep_drawers_held
-from sim_export.collision.surface_hulls import USUAL, SurfaceConfig, cover_parts
 from sim_export.collision.trimming import Trimmed, trim_meshes
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
@@ -30,14 +31,40 @@ from sim_export.geometry.separation import separate_solids
 from sim_export.geometry.strays import settle_strays
 from sim_export.geometry.struts import brace_links
 from sim_export.geometry.wheels import fit_width, is_open, round_wheels
-from sim_export.package import Hull, Inertial, Link, Mesh, SimPackage, SourceMesh
+from sim_export.package import Inertial, Link, Mesh, SimPackage, SourceMesh
 from sim_export.physics.annotations import annotate_handles
-from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_names, link_owners
+from sim_export.physics.links import (
+    LinkTree,
+    PartGeometry,
+    build_links,
+    link_names,
+    link_owners,
+    link_surfaces,
+)
 from sim_export.physics.masses import hold_centers, weigh_part
 from sim_export.physics.materials import part_material
 
-Covers = dict[SurfaceConfig, tuple[tuple[Hull, ...], ...]]
-"""Hulls of all parts of one object by how they are made of its triangles, before clearance."""
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Solids:
+    """What does not depend on the choice of hulls: a mesh and mass of every part, the triangles (m) of which
+    hulls are made where that is not the mesh, records, and the seconds that each stage took."""
+
+    asset: Asset
+    meshes: tuple[Mesh, ...]
+    inertials: tuple[Inertial, ...]
+    surfaces: tuple[Float[np.ndarray, "F 3 3"], ...] | None
+    records: tuple[str, ...]
+    seconds: tuple[tuple[str, float], ...]
+
+    @cached_property
+    def cover(self) -> ObjectCover:
+        """Hulls of the links from their triangles, kept out of the space that other links sweep."""
+        if self.surfaces is None:
+            raise ValueError("these solids have no surfaces of their own; make hulls of their meshes")
+        tree = build_links(self.asset, [PartGeometry(inertial=inertial) for inertial in self.inertials])
+        shown = link_surfaces(self.asset, self.surfaces)
+        return ObjectCover(shown, find_passing(tree.links, tree.joints, shown))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,8 +93,6 @@ def export_asset(
     *,
     source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
     surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | None = None,
-    detail: SurfaceConfig = USUAL,
-    covers: Covers | None = None,
     provenance: Mapping[str, str] | None = None,
 ) -> Exported:
     """Converts an articulated object to a simulation package.
@@ -79,13 +104,19 @@ def export_asset(
             is invisible. Mass and annotations still come from the voxels.
         surfaces: The triangles of these meshes by part (metres), from which collision is made; by default it
             is made from the voxels.
-        detail: How closely collision made from these triangles follows them.
-        covers: Hulls that earlier exports of the same object made of them; those made now are added.
         provenance: Origin of the object, for ``provenance.json``.
 
     Raises:
         ExportError: If a stage fails; the message names the part, the measured and the allowed value.
     """
+    solids = make_solids(asset, surfaces)
+    hulls = "voxels" if surfaces is None else "surfaces"
+    exported = export_solids(solids, hulls, source_meshes=source_meshes, provenance=provenance)
+    return replace(exported, seconds=(*solids.seconds, *exported.seconds))
+
+
+def make_solids(asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | None = None) -> Solids:
+    """Meshes and masses of all parts from their voxels; arguments and errors as in `export_asset`."""
     watch = _Stopwatch()
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
@@ -96,31 +127,73 @@ def export_asset(
     solids, given_up = separate_solids(asset, solid_parts(asset), owners)
     plain = mesh_parts(asset, solids)
     meshes, rounded = round_wheels(asset, plain)
+    if surfaces is not None:
+        surfaces, spoked = _round_surfaces(asset, surfaces, plain, meshes)
+        rounded = (*rounded, *spoked)
     watch.lap("mesh")
     inertials = [weigh_part(asset, index, mesh, solids[index]) for index, mesh in enumerate(meshes)]
     watch.lap("mass")
-    if surfaces is None:
-        decomposed = decompose_parts(meshes, owners)
+    records = (
+        *settled,
+        *([f"{gaps} cells between the faces of boards were filled"] if gaps else []),
+        *(
+            f"{part.name}: {said}"
+            for part, solid in zip(asset.parts, solids, strict=True)
+            for said in solid.records
+        ),
+        *given_up,
+        *rounded,
+    )
+    return Solids(
+        asset=asset,
+        meshes=tuple(meshes),
+        inertials=tuple(inertials),
+        surfaces=None if surfaces is None else tuple(surfaces),
+        records=records,
+        seconds=tuple(watch.laps),
+    )
+
+
+def export_solids(
+    solids: Solids,
+    collision: Literal["voxels", "surfaces"],
+    *,
+    finer: Collection[str] = (),
+    shares: bool = False,
+    source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
+    provenance: Mapping[str, str] | None = None,
+) -> Exported:
+    """The package of an object whose parts are solids already.
+
+    Args:
+        solids: The parts.
+        collision: Whether hulls are made from the meshes of the voxels or from the parts' own triangles.
+        finer: Links with smaller hulls, of those from triangles.
+        shares: Whether clearance cuts the hull that loses the smaller share, rather than the smaller volume.
+        source_meshes: As in `export_asset`.
+        provenance: As in `export_asset`.
+    """
+    watch = _Stopwatch()
+    asset, meshes, sheets = solids.asset, solids.meshes, collision == "surfaces"
+    changes: list[str] = []
+    if sheets:
+        made, leaders = solids.cover.make_hulls(finer), link_names(asset)
+        hulls = [made.get(leaders.get(index, ""), ()) for index in range(len(meshes))]
+    else:
+        decomposed = decompose_parts(meshes, link_owners(asset))
         hulls = [item.hulls for item in decomposed]
         changes = [
             f"{part.name}: {said}"
             for part, item in zip(asset.parts, decomposed, strict=True)
             for said in item.records
         ]
-    else:
-        surfaces, spoked = _round_surfaces(asset, surfaces, plain, meshes)
-        rounded = (*rounded, *spoked)
-        covers, usual = {} if covers is None else covers, replace(detail, shares=False)
-        if usual not in covers:
-            covers[usual] = _cover_parts(asset, surfaces, inertials, usual)
-        hulls, changes = covers[usual], []
     watch.lap("decompose")
     shown: list[tuple[Mesh | SourceMesh, ...]] = [(mesh,) for mesh in meshes]
     if source_meshes is not None:
         shown = [tuple(source_meshes.get(index, ())) for index in range(len(meshes))]
     geometry = [
         PartGeometry(visuals=visuals, hulls=own, inertial=inertial)
-        for visuals, own, inertial in zip(shown, hulls, inertials, strict=True)
+        for visuals, own, inertial in zip(shown, hulls, solids.inertials, strict=True)
     ]
     tree = build_links(asset, geometry)
     watch.lap("links")
@@ -129,19 +202,17 @@ def export_asset(
     joints, held = keep_drawers_held(tree.links, tree.joints, panels)
     needs = find_requirements(tree.links, joints)
     watch.lap("requirements")
-    cleared = clear_joints(
-        tree.links, joints, needs, sheets=surfaces is not None, shares=surfaces is not None and detail.shares
-    )
+    cleared = clear_joints(tree.links, joints, needs, sheets=sheets, shares=shares)
     watch.lap("clearance")
     solid = {part.name: mesh for part, mesh in zip(asset.parts, meshes, strict=True)}
     whole = Recovery(links=cleared.links)
-    if surfaces is None:
+    if not sheets:
         whole = recover_surface(cleared.links, cleared.joints, needs, solid)
     watch.lap("recover")
     flat = flatten_links(whole.links)
     standing = add_feet(flat, cleared.joints, needs, solid)
     attached = attach_links(standing.links, cleared.joints, needs)
-    seen = surfaces or [mesh.vertices[mesh.faces] for mesh in meshes]
+    seen = solids.surfaces if sheets and solids.surfaces else [mesh.vertices[mesh.faces] for mesh in meshes]
     base = np.concatenate(
         [own for part, own in zip(asset.parts, seen, strict=True) if part.name in tree.links[-1].parts]
     )
@@ -152,10 +223,11 @@ def export_asset(
     handles = annotate_handles(asset, meshes, tree)
     watch.lap("annotate")
     trimmed = Trimmed(meshes=solid)
-    if source_meshes is None:
-        filled = fill_meshes(tree.links, solid, asset.scale / voxels.resolution)
+    if source_meshes is None and asset.voxels is not None:
+        cell = asset.scale / asset.voxels.resolution
+        filled = fill_meshes(tree.links, solid, cell)
         trimmed = trim_meshes(tree.links, tree.joints, needs, filled.meshes)
-        braced = brace_links(tree.links, trimmed.meshes, asset.scale / voxels.resolution)
+        braced = brace_links(tree.links, trimmed.meshes, cell)
         trimmed = Trimmed(meshes=braced.meshes, records=(*filled.records, *trimmed.records, *braced.records))
         links, painted = _paint(asset, tree.links, trimmed.meshes)
         tree = replace(tree, links=links, records=(*tree.records, *painted))
@@ -166,16 +238,8 @@ def export_asset(
     watch.lap("texture")
     records = (
         *asset.notes,
-        *settled,
-        *([f"{gaps} cells between the faces of boards were filled"] if gaps else []),
         *changes,
-        *(
-            f"{p.name}: {said}"
-            for p, solid in zip(asset.parts, solids, strict=True)
-            for said in solid.records
-        ),
-        *given_up,
-        *rounded,
+        *solids.records,
         *tree.records,
         *held,
         *cleared.records,
@@ -222,24 +286,6 @@ def _round_surfaces(
         else:
             out[index] = cylinder.vertices[cylinder.faces]
     return out, tuple(records)
-
-
-def _cover_parts(
-    asset: Asset,
-    surfaces: Sequence[Float[np.ndarray, "F 3 3"]],
-    inertials: Sequence[Inertial],
-    detail: SurfaceConfig,
-) -> tuple[tuple[Hull, ...], ...]:
-    """Hulls of all parts from their own triangles, kept out of the space that other links sweep."""
-    tree = build_links(asset, [PartGeometry(inertial=inertial) for inertial in inertials])
-    owners, leaders = link_owners(asset), {name: part for part, name in link_names(asset).items()}
-    shown = {
-        name: np.concatenate([s for s, owner in zip(surfaces, owners, strict=True) if owner == part])
-        for name, part in leaders.items()
-    }
-    passing = find_passing(tree.links, tree.joints, {name: s for name, s in shown.items() if len(s)})
-    keep_out = {leaders[name]: found for name, found in passing.items()}
-    return cover_parts(surfaces, owners, keep_out, detail)
 
 
 def _paint(

@@ -1,5 +1,6 @@
 """`artigen convert`: converts URDFs, MJCFs, PartNet-Mobility folders and object.json to packages."""
 
+import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -22,7 +23,8 @@ Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
 if TYPE_CHECKING:
     from artigen.datasets.source_object import SourceObject
     from artigen.types import Asset
-    from sim_export.export import Covers, Exported
+    from sim_export.checks.draft import Meshes
+    from sim_export.export import Exported
     from sim_export.package import SimPackage
 
 COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V107", "V201", "V202")
@@ -172,61 +174,116 @@ def export_source(
 ) -> "Exported":
     """A package with the object's own meshes and the collision that fails fewest static checks.
 
-    Hulls are made from the triangles of the meshes. While they fail a check, they are made again: smaller,
-    then with cuts that spare thin leaves, then from the 64^3 voxels, which are closed where the meshes are
-    open. Each package is judged as ``finish`` leaves it. Attempts that cannot be exported are recorded.
+    Hulls are made from the triangles of the meshes. While they fail checks, they are made again in another
+    way (`change_hulls`), and at last from the 64^3 voxels, which are closed where the meshes are open. Each
+    package is judged as ``finish`` leaves it. Attempts that cannot be exported are recorded.
 
     Raises:
         ExportError: If no attempt can be exported.
     """
     from artigen.cli.source_meshes import place_source_meshes, place_source_surfaces
-    from sim_export.collision.surface_hulls import FINER, SPARING, USUAL
     from sim_export.errors import ExportError
-    from sim_export.export import export_asset
+    from sim_export.export import export_solids, make_solids
 
-    meshes, surfaces = place_source_meshes(source, asset), place_source_surfaces(source, asset)
-    tried: list[tuple[tuple[int, float], Exported]] = []
+    meshes = place_source_meshes(source, asset)
+    solids = make_solids(asset, place_source_surfaces(source, asset))
+    tried: list[tuple[Judgement, Exported]] = []
     errors: list[ExportError] = []
-    covers: Covers = {}
-    for surface in (USUAL, FINER, SPARING, None):
+    known: Meshes = {}
+    way: HullWay | None = HullWay()
+    while way is not None:
+        judged = None
         try:
-            made = export_asset(
-                asset,
+            made = export_solids(
+                solids,
+                way.collision,
+                finer=way.finer,
+                shares=way.shares,
                 source_meshes=meshes,
-                surfaces=None if surface is None else surfaces,
-                detail=surface or USUAL,
-                covers=covers,
                 provenance=provenance,
             )
         except ExportError as error:
             errors.append(error)
-            continue
-        made = replace(made, package=finish(made.package))
-        tried.append((judge_package(made.package), made))
-        if not tried[-1][0][0]:
-            break
+        else:
+            made = replace(made, package=finish(made.package))
+            judged = judge_package(made.package, known)
+            tried.append((judged, made))
+        way = change_hulls(way, judged)
     if not tried:
         raise errors[0]
-    best = min(tried, key=lambda pair: pair[0])[1]
+    best = min(tried, key=lambda pair: (len(pair[0].failed), pair[0].unlike))[1]
     failed = tuple(f"hulls could not be made in one of several ways: {error}" for error in errors)
     return replace(
         best,
         package=replace(best.package, records=(*best.package.records, *failed)),
-        seconds=_add_seconds([made.seconds for _, made in tried]),
+        seconds=_add_seconds([solids.seconds, *(made.seconds for _, made in tried)]),
     )
 
 
-def judge_package(package: "SimPackage") -> tuple[int, float]:
-    """Number of failed collision checks of a package, and its value of V103; less is better."""
-    from sim_export.checks.suite import run_checks
-    from sim_export.files.write import write_draft
+@dataclass(frozen=True, kw_only=True)
+class HullWay:
+    """How hulls are made: from triangles (smaller ones for the links in ``finer``) or from voxels, and
+    whether clearance cuts the hull that loses the smaller share, which spares thin leaves."""
 
-    with TemporaryDirectory() as scratch:
-        folder = write_draft(package, Path(scratch) / package.name)
-        results = run_checks(folder, only=COLLISION_CHECKS)
+    collision: Literal["surfaces", "voxels"] = "surfaces"
+    finer: frozenset[str] = frozenset()
+    shares: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judgement:
+    """Collision checks that a package fails, the links that they name with those that a joint connects to
+    them, and the value of V103."""
+
+    failed: tuple[str, ...]
+    links: frozenset[str]
+    unlike: float
+
+
+def change_hulls(way: HullWay, judged: Judgement | None) -> HullWay | None:
+    """How to make hulls after those made in one way were judged; None if nothing is to be gained.
+
+    Links that failed checks name get smaller hulls, and so do those that a joint connects to them: what is
+    coarse takes more off its neighbours. Where this was not enough, or where links only meet each other on
+    their way, clearance spares thin leaves. Voxels come last.
+    """
+    if way.collision == "voxels" or (judged is not None and not judged.failed):
+        return None
+    if judged is None or (way.shares and way.finer):
+        return HullWay(collision="voxels")
+    if not way.finer and not way.shares and {"V201", "V202"} >= set(judged.failed):
+        return replace(way, shares=True)
+    return replace(way, finer=way.finer | judged.links, shares=bool(way.finer or way.shares))
+
+
+def judge_package(package: "SimPackage", known: "Meshes | None" = None) -> Judgement:
+    """Checks the collision of a package.
+
+    Args:
+        package: The package.
+        known: Source meshes that were read for an earlier attempt; those read now are added.
+    """
+    from sim_export.checks.draft import open_draft
+    from sim_export.checks.suite import run_checks
+
+    with open_draft(package, known) as subject:
+        results = run_checks(subject, only=COLLISION_CHECKS)
     unlike = [check.value for check in results if check.id == "V103" and check.value is not None]
     failed = [check for check in results if check.verdict == "fail"]
-    return len(failed), max(unlike, default=0.0)
+    words = {word for check in failed for word in re.findall(r"\w+", check.where)}
+    named = {link.name for link in package.links if link.name in words} or {
+        link.name for link in package.links
+    }
+    between = {link.name for link in package.links if not link.parts}  # of screws
+    links = named
+    for _ in range(2):
+        ends = [{joint.parent, joint.child} for joint in package.joints]
+        links = links.union(*(pair for pair in ends if pair & (named | (links & between))))
+    return Judgement(
+        failed=tuple(check.id for check in failed),
+        links=frozenset(links - between),
+        unlike=max(unlike, default=0.0),
+    )
 
 
 def _add_seconds(

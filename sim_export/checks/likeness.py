@@ -20,6 +20,8 @@ _SKIN = 1e-3
 """A collision face covered by another hull of the link at this distance (m) is no outer surface."""
 
 
+_MANY = 0.2
+"""Share of the points beyond a distance from which on a link is named."""
 _LEAST_CUBE = 3
 """Cells; narrower than this the measure is rounding."""
 
@@ -107,19 +109,24 @@ def _distances(
         outer = felt[touched]
         back[name] = surface_distances(outer, visual[name], _DENSER * count)
     worst = {name: max(np.max(forth[name], initial=0.0), np.max(back[name], initial=0.0)) for name in visual}
-    where = max(worst, key=lambda name: worst[name])
-    p99 = max(float(np.percentile(np.concatenate(list(d.values())), 99)) for d in (forth, back))
-    farthest, size = float(worst[where]), subject.diagonal
+    farthest, size = float(max(worst.values())), subject.diagonal
+    far = [name for name in worst if worst[name] >= min(farthest, cfg.max_hausdorff * size)]
+    p99, way = max(
+        ((float(np.percentile(np.concatenate(list(d.values())), 99)), d) for d in (forth, back)),
+        key=lambda pair: pair[0],
+    )
+    beyond = {name: int((found >= min(p99, cfg.max_p99 * size)).sum()) for name, found in way.items()}
+    many = [name for name in beyond if beyond[name] >= _MANY * sum(beyond.values())]
     return [
         Measure(
             ratio=farthest / (cfg.max_hausdorff * size),
-            where=where,
+            where=", ".join(far),
             text=f"surfaces differ by at most {100 * farthest / size:.2g} % of the diagonal "
             f"(allowed {100 * cfg.max_hausdorff:g} %)",
         ),
         Measure(
             ratio=p99 / (cfg.max_p99 * size),
-            where=where,
+            where=", ".join(many),
             text=f"99 % of them by less than {100 * p99 / size:.2g} % (allowed {100 * cfg.max_p99:g} %)",
         ),
     ]

@@ -3,7 +3,6 @@
 import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from time import perf_counter
 
 from artigen.errors import ArtigenError
@@ -90,7 +89,6 @@ def run_check(spec: CheckSpec, subject: Subject, cfg: CheckConfig) -> CheckResul
     )
 
 
-def run_specs(specs: Sequence[CheckSpec], folder: Path, cfg: CheckConfig) -> tuple[CheckResult, ...]:
+def run_specs(specs: Sequence[CheckSpec], subject: Subject, cfg: CheckConfig) -> tuple[CheckResult, ...]:
     """Runs checks on a folder, in the given order."""
-    subject = Subject(folder)
     return tuple(run_check(spec, subject, cfg) for spec in specs)

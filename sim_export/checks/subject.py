@@ -6,6 +6,7 @@ the frame of the URDF's root link with every joint at 0. Missing or invalid data
 """
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -54,9 +55,14 @@ class Shape:
 class Subject:
     """A folder and the data read from it; read data never changes."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, meshes: Mapping[Path, ObjText] | None = None) -> None:
+        """
+        Args:
+            folder: The folder.
+            meshes: Meshes by path that need not be read.
+        """
         self.folder = Path(folder)
-        self._meshes: dict[Path, ObjText] = {}
+        self._meshes: dict[Path, ObjText] = dict(meshes or {})
 
     @cached_property
     def files(self) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from sim_export.checks.likeness import LIKENESS_CHECKS
 from sim_export.checks.opening import OPENING_CHECKS
 from sim_export.checks.physical import PHYSICAL_CHECKS
 from sim_export.checks.registry import CheckSpec, run_specs
+from sim_export.checks.subject import Subject
 from sim_export.checks.sweep import SWEEP_CHECKS
 from sim_export.report import CheckResult, Level
 
@@ -36,7 +37,7 @@ CHECKS: tuple[CheckSpec, ...] = tuple(
 
 
 def run_checks(
-    folder: Path,
+    folder: Path | Subject,
     levels: Sequence[Level] = STATIC_LEVELS,
     cfg: CheckConfig | None = None,
     *,
@@ -45,10 +46,11 @@ def run_checks(
     """Runs the static checks of some levels on a package or an original PartNet-Mobility folder.
 
     Args:
-        folder: The folder with ``mobility.urdf``.
+        folder: The folder with ``mobility.urdf``, or what was read of it.
         levels: Which of L0, L1 and L2.
         cfg: Thresholds; the documented ones by default.
         only: Ids of the checks to run; all of these levels by default.
     """
     specs = [spec for spec in CHECKS if spec.level in levels and (only is None or spec.id in only)]
-    return run_specs(specs, folder, CheckConfig() if cfg is None else cfg)
+    subject = folder if isinstance(folder, Subject) else Subject(folder)
+    return run_specs(specs, subject, CheckConfig() if cfg is None else cfg)

@@ -23,6 +23,10 @@ from sim_export.package import Hull
 # pyright: reportAttributeAccessIssue=false
 
 
+FEW_POSES = 64
+"""Poses of a pair of hulls up to which all are measured."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class HullSet:
     """The hulls of one link, prepared once: vertices in one array, bounds, and coal shapes on demand."""
@@ -178,7 +182,12 @@ def _pose_pairs(T_first: np.ndarray, T_second: np.ndarray) -> tuple[np.ndarray, 
 
 
 def _candidates(first: HullSet, second: HullSet, T_relative: np.ndarray, margin: float) -> np.ndarray:
-    """Rows (pose, first hull, second hull) whose boxes come within ``margin``, in either set's own frame."""
+    """Rows (pose, first hull, second hull) whose boxes come within ``margin``, in either set's own frame.
+
+    All poses of two hulls where there are few of them, which take less time to measure than boxes do.
+    """
+    if len(first.hulls) == len(second.hulls) == 1 and len(T_relative) <= FEW_POSES:
+        return np.stack([np.arange(len(T_relative)), *np.zeros((2, len(T_relative)), dtype=np.int64)], axis=1)
     poses = np.flatnonzero(_may_meet(first, second, T_relative, margin))
     near = _boxes_meet(first.rest_bounds, second.bounds(T_relative[poses]), margin)
     some = near.any(axis=(1, 2))

@@ -12,6 +12,7 @@ from jaxtyping import Float
 from scipy import ndimage
 
 from sim_export.checks.grid import Grid, make_grid, mark_surface
+from sim_export.geometry.rows import number_rows
 
 CELLS = 128
 """Cells along the longest edge of a link, as many as the check of cavities counts."""
@@ -82,8 +83,9 @@ def find_free_space(
     size = np.bincount(regions.ravel())
     # Surfaces of lodgers are thin, so blocks of cells are counted in which they are.
     inside = np.argwhere(taken)
-    blocks = np.unique(np.column_stack([regions[taken], inside // BLOCK]), axis=0)
-    lodged = np.bincount(blocks[:, 0], minlength=len(size)) * BLOCK**3 > LODGED * size
+    owners = regions[taken]
+    blocks, _ = number_rows(np.column_stack([owners, inside // BLOCK]))
+    lodged = np.bincount(owners[blocks], minlength=len(size)) * BLOCK**3 > LODGED * size
     lodged[0], lodged[regions[0, 0, 0]] = False, True
     free = lodged[regions]
     depth = np.where(free, away, np.float32(0.0))

@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float, Int, UInt64
 from scipy.spatial import KDTree
 
 from sim_export.collision.cuboids import face_coordinates
-from sim_export.collision.hulls import hull_planes, hull_volume, merge_planes
+from sim_export.collision.hulls import face_planes, hull_volume
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 from sim_export.geometry.solids import inside_grid, solid_arrays
 from sim_export.package import Hull
@@ -232,7 +232,7 @@ def _cells_inside(hull: Hull, ground: Ground) -> Cells:
         slice(int(np.searchsorted(axis, low[n])), int(np.searchsorted(axis, high[n], side="right")))
         for n, axis in enumerate(ground.axes)
     ]
-    planes = merge_planes(hull_planes(hull))
+    planes = face_planes(hull)
     slanted = planes[np.abs(planes[:, :3]).max(axis=1) < 1.0 - 1e-9].astype(np.float32)
     box = (window[0], window[1], window[2])
     if not len(slanted):
@@ -255,7 +255,7 @@ def mark_missing(
     beside = np.maximum(np.maximum(low - points, points - high), 0.0)
     beyond = np.sqrt((beside * beside).sum(axis=0))
     near = np.flatnonzero(beyond <= limits[-1])
-    planes = merge_planes(hull_planes(hull))
+    planes = face_planes(hull)
     outside = (planes[:, :3] @ points[:, near] - planes[:, 3:]).max(axis=0)
     away = np.full(points.shape[1], np.inf, dtype=np.float32)
     away[near] = np.maximum(np.maximum(outside, beyond[near]), 0.0)

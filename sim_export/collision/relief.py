@@ -12,15 +12,14 @@ from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
 from sim_export.collision.compact import box_along
-from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.contacts import Distances, HullSet, signed_distances
 from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect
 from sim_export.collision.hulls import (
     clip_hull,
     convex_hull,
-    hull_planes,
+    face_planes,
     hull_volume,
     hull_width,
-    merge_planes,
     subtract_hull,
 )
 from sim_export.geometry.primitives import find_primitive
@@ -108,10 +107,11 @@ def relieve_pair(pair: OverlappingPair, gap: float, *, sheets: bool = False, sha
     takes the smallest share of a hull rather than the least volume: thin leaves keep their thickness, and
     bodies lose more.
     """
-    plans = [_cut_by_pose(pair, gap), *_cut_for_all(pair, gap)]
+    found = _measure(pair.hulls, pair.poses, gap)
+    plans = [_cut_by_pose(pair, found, gap), *_cut_for_all(pair, found, gap)]
     good = [plan for plan in plans if not plan.reason]
     if not good or min(_lost_share(plan, pair) for plan in good) > NOTCH_ABOVE:
-        good += _notch(pair, gap, sheets=sheets)
+        good += _notch(pair, found, gap, sheets=sheets)
     if good:
         return min(good, key=lambda plan: _cost(plan, pair, sheets=sheets, shares=shares))
     for side in sorted(range(2), key=lambda side: pair.volumes[side]):
@@ -125,7 +125,7 @@ def relieve_pair(pair: OverlappingPair, gap: float, *, sheets: bool = False, sha
 def cut_along_faces(pair: OverlappingPair, gap: float, *, sheets: bool, shares: bool) -> Relief | None:
     """One cut along a face of the other hull that leaves ``gap`` (m) at all poses, as two sheets in one plane
     need it; None if all take too much."""
-    plans = _cut_for_all(pair, gap, faces=True)
+    plans = _cut_for_all(pair, _measure(pair.hulls, pair.poses, gap), gap, faces=True)
     return min(plans, key=lambda plan: _cost(plan, pair, sheets=sheets, shares=shares), default=None)
 
 
@@ -146,6 +146,15 @@ def _cost(plan: Relief, pair: OverlappingPair, *, sheets: bool, shares: bool) ->
     return cost
 
 
+def _measure(
+    hulls: tuple[Hull, Hull],
+    poses: tuple[Float[np.ndarray, "P 4 4"], Float[np.ndarray, "P 4 4"]],
+    gap: float,
+) -> Distances:
+    """Distances of two hulls at the poses at which they are nearer than ``gap`` (m)."""
+    return signed_distances(HullSet(hulls=hulls[:1]), HullSet(hulls=hulls[1:]), *poses, gap)
+
+
 def _lost_share(plan: Relief, pair: OverlappingPair) -> float:
     """Greatest share that a hull has lost of what it was before any cut."""
     return max(
@@ -154,24 +163,25 @@ def _lost_share(plan: Relief, pair: OverlappingPair) -> float:
     )
 
 
-def _cut_by_pose(pair: OverlappingPair, gap: float) -> Relief:
-    """Again and again, the deepest contact's separating plane cuts the hull that loses less."""
-    current = list(pair.hulls)
+def _cut_by_pose(pair: OverlappingPair, found: Distances, gap: float) -> Relief:
+    """Again and again, the deepest contact's separating plane cuts the hull that loses less.
+
+    Poses that are free stay free, since cuts only take away.
+    """
+    current, poses = list(pair.hulls), pair.poses
     cuts, depths = [0, 0], [0.0, 0.0]
     reason = f"{MAX_CUTS} cuts were not enough"
     for _ in range(MAX_CUTS):
-        sets = HullSet(hulls=(current[0],)), HullSet(hulls=(current[1],))
-        found = signed_distances(*sets, *pair.poses, gap)
         if not len(found.distance) or found.distance.min() >= gap:
             reason = ""
             break
         at = int(found.distance.argmin())
         depth, pose = -float(found.distance[at]), int(found.pose[at])
-        hulls = current[0], current[1]
-        normal = _face_normal(hulls, pair, pose, found.normal[at], depth)
+        there = poses[0][pose], poses[1][pose]
+        normal = _face_normal((current[0], current[1]), there, found.normal[at], depth)
         options = []
         for side, outward in enumerate((normal, -normal)):
-            own, other = pair.poses[side][pose], pair.poses[1 - side][pose]
+            own, other = there[side], there[1 - side]
             points = transform_points(inverse(own) @ other, current[1 - side].vertices)
             cut = _cut(current[side], own[:3, :3].T @ outward, points, pair.margin)
             if cut is not None and pair.allows(side, hull_volume(cut), depth):
@@ -184,6 +194,9 @@ def _cut_by_pose(pair: OverlappingPair, gap: float) -> Relief:
         _, side, current[side] = min(options, key=lambda option: option[:2])
         cuts[side] += 1
         depths[side] = max(depths[side], depth)
+        near = np.unique(found.pose[found.distance < gap])
+        poses = poses[0][near], poses[1][near]
+        found = _measure((current[0], current[1]), poses, gap)
     return Relief(
         hulls=((current[0],), (current[1],)),
         cuts=(cuts[0], cuts[1]),
@@ -194,8 +207,7 @@ def _cut_by_pose(pair: OverlappingPair, gap: float) -> Relief:
 
 def _face_normal(
     hulls: tuple[Hull, Hull],
-    pair: OverlappingPair,
-    pose: int,
+    poses: tuple[Float[np.ndarray, "4 4"], Float[np.ndarray, "4 4"]],
     normal: Float[np.ndarray, "3"],
     depth: float,
 ) -> Float[np.ndarray, "3"]:
@@ -204,13 +216,11 @@ def _face_normal(
     Where hulls only just touch, the contact's own normal is hardly defined, and a cut that leans a
     little takes a wedge off a whole panel. ``normal`` and the result point from the first to the second.
     """
-    first, second = (
-        transform_points(T[pose], hull.vertices) for T, hull in zip(pair.poses, hulls, strict=True)
-    )
+    first, second = (transform_points(T, hull.vertices) for T, hull in zip(poses, hulls, strict=True))
     normals = np.concatenate(
         [
-            sign * merge_planes(hull_planes(hull))[:, :3] @ T[pose][:3, :3].T
-            for sign, T, hull in zip((1.0, -1.0), pair.poses, hulls, strict=True)
+            sign * face_planes(hull)[:, :3] @ T[:3, :3].T
+            for sign, T, hull in zip((1.0, -1.0), poses, hulls, strict=True)
         ]
     )
     needed = (first @ normals.T).max(axis=0) - (second @ normals.T).min(axis=0)
@@ -218,11 +228,10 @@ def _face_normal(
     return normals[best] if needed[best] <= depth + NEARLY else normal
 
 
-def _cut_for_all(pair: OverlappingPair, gap: float, *, faces: bool = False) -> list[Relief]:
+def _cut_for_all(pair: OverlappingPair, found: Distances, gap: float, *, faces: bool = False) -> list[Relief]:
     """Single cuts that free all poses: along the joint's axis, along the deepest contacts, or across the
     ends of a post, as one above a wheel needs it; or else along all ``faces`` of the other hull, as two
     sheets in one plane need it."""
-    found = signed_distances(HullSet(hulls=pair.hulls[:1]), HullSet(hulls=pair.hulls[1:]), *pair.poses, gap)
     deepest = np.argsort(found.distance, kind="stable")[:3]
     if not len(deepest) or found.distance[deepest[0]] >= gap:
         return []
@@ -238,7 +247,7 @@ def _cut_for_all(pair: OverlappingPair, gap: float, *, faces: bool = False) -> l
         normals = np.concatenate([[axis, -axis], contact, find_ends(pair.hulls[side])])
         if faces:
             turned = (turn @ other[:, :3, :3])[found.pose[deepest[0]]]
-            normals = -merge_planes(hull_planes(pair.hulls[1 - side]))[:, :3] @ turned.T
+            normals = -face_planes(pair.hulls[1 - side])[:, :3] @ turned.T
         for normal in normals:
             cut = _cut(pair.hulls[side], normal, points, gap + NEARLY if faces else pair.margin)
             if cut is None:
@@ -259,12 +268,11 @@ def find_ends(hull: Hull) -> Float[np.ndarray, "K 3"]:
     return np.stack([along, -along])
 
 
-def _notch(pair: OverlappingPair, gap: float, *, sheets: bool) -> list[Relief]:
+def _notch(pair: OverlappingPair, found: Distances, gap: float, *, sheets: bool) -> list[Relief]:
     """Takes the other hull's shape out of one hull: all its way if it slides, else at the deepest pose.
 
     However deep the two overlap, a slot for a board may take a sliver: it is as deep as the board is thick.
     """
-    found = signed_distances(HullSet(hulls=pair.hulls[:1]), HullSet(hulls=pair.hulls[1:]), *pair.poses, gap)
     at = int(found.distance.argmin()) if len(found.distance) else -1
     if at < 0 or found.distance[at] >= gap:
         return []
@@ -277,8 +285,7 @@ def _notch(pair: OverlappingPair, gap: float, *, sheets: bool) -> list[Relief]:
         own = find_primitive(pair.hulls[side])
         if sheets and own is not None and own.kind == "box":  # what is left of a box is boxes
             other = box_along(other.vertices, own.T_object_shape[:3, :3].T)
-        planes = merge_planes(hull_planes(other))
-        planes[:, 3] += pair.margin
+        planes = face_planes(other) + np.array([0.0, 0.0, 0.0, pair.margin])
         pieces = subtract_hull(pair.hulls[side], planes, MIN_WIDTH)
         left = sum(map(hull_volume, pieces))
         if not pieces or len(pieces) - 1 > pair.room[side]:

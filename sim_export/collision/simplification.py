@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sim_export.collision.contacts import HullSet, signed_distances
-from sim_export.collision.hulls import hull_planes, hull_width, merge_planes
+from sim_export.collision.hulls import face_planes, hull_width
 from sim_export.geometry.primitives import (
     PrimitiveShape,
     find_primitive,
@@ -85,7 +85,7 @@ class _Piece:
 
     @cached_property
     def planes(self) -> Float[np.ndarray, "K 4"]:
-        return merge_planes(hull_planes(self.hull))
+        return face_planes(self.hull)
 
     @cached_property
     def slack(self) -> float:
@@ -141,7 +141,7 @@ def _boxes_around(hull: Hull) -> Iterator[PrimitiveShape]:
 
 def _cylinders_around(hull: Hull) -> Iterator[PrimitiveShape]:
     """The cylinders around a hull that have a cap on a face with five corners or more."""
-    for normal in merge_planes(hull_planes(hull))[:, :3]:
+    for normal in face_planes(hull)[:, :3]:
         heights = hull.vertices @ normal
         cap = np.abs(heights - heights.max()) < _FLAT
         if cap.sum() < _LEAST_SIDES:

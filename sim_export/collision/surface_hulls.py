@@ -7,7 +7,7 @@ where there are too many hulls. Only surface that can be reached counts.
 """
 
 import heapq
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,14 +15,21 @@ from jaxtyping import Bool, Float
 
 from sim_export.collision.box_cover import cover_with_boxes
 from sim_export.collision.compact import compact_hull
-from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, find_free_space, is_open_between, look_up
+from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, is_open_between, look_up
 from sim_export.collision.hull_limits import MIN_WIDTH, thicken_hull
 from sim_export.collision.hulls import convex_hull
 from sim_export.collision.sectors import count_sectors, cut_sectors, find_axis
 from sim_export.collision.specks import drop_specks
-from sim_export.collision.surface_pieces import Piece, join_pieces, make_piece, split_piece
+from sim_export.collision.surface_pieces import (
+    Piece,
+    join_pieces,
+    make_piece,
+    measure_again,
+    split_piece,
+)
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.exposure import is_exposed, triangle_normals
+from sim_export.geometry.rows import number_rows
 from sim_export.package import Hull
 
 HALVED = 8
@@ -45,10 +52,6 @@ LEAST_CELLS = 24
 # Lengths as shares of the object's diagonal, unless in metres.
 SLACK = 0.006
 """Surface this near to a box is covered by it."""
-COARSER = 1.5
-"""Factor by which the bulge grows while there are too many hulls."""
-COARSEST = 0.012
-"""It grows no further than this."""
 TAKEN = 0.004
 """Share of its volume that a hull may take of free space beyond."""
 TAKEN_OF_ROUND = 1.0
@@ -60,87 +63,43 @@ THICKEST = 0.004
 
 
 @dataclass(frozen=True, kw_only=True)
-class SurfaceConfig:
-    """How true to the surface hulls are, and how many there may be."""
+class Fineness:
+    """How true to the surface the hulls of a link are, and how many there may be."""
 
-    bulge: float = 0.004
+    bulge: float
     """How far hulls may reach from the surface into free space, over the object's diagonal."""
-    most_pieces: int = 96
-    """Pieces into which the surface of a link is cut, at most."""
-    most_of_link: int = 72
-    """Hulls of a link, at most; what clearance cuts them to comes on top."""
-    most: int = 192
-    """Hulls of the whole object, at most."""
-    shares: bool = False
-    """Whether clearance cuts the hull that loses the smaller share, rather than the smaller volume."""
+    most_pieces: int
+    """Pieces into which the surface is cut, at most."""
+    most: int
+    """Hulls of the link, at most; what clearance cuts them to comes on top."""
+    most_of_object: int
+    """Hulls of the whole object, at most, where this is its finest link."""
 
 
-USUAL = SurfaceConfig()
-FINER = SurfaceConfig(bulge=0.002, most_pieces=160, most_of_link=90, most=240)
-"""Smaller hulls for objects whose details the usual ones miss; slower to make and to simulate."""
-SPARING = replace(FINER, shares=True)
-"""The same, and clearance spares thin leaves."""
+USUAL = Fineness(bulge=0.004, most_pieces=96, most=72, most_of_object=192)
+FINER = Fineness(bulge=0.002, most_pieces=160, most=90, most_of_object=240)
+"""Smaller hulls for links whose details the usual ones miss; slower to make and to simulate."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Cover:
     """What covers a link's surface: boxes, and pieces that reach ``least`` (m) into free space at most, with
-    a share ``taken`` of their volume."""
+    a share ``taken`` of their volume. ``cut`` are the pieces before they were joined."""
 
     space: FreeSpace
     boxes: tuple[Hull, ...]
     pieces: tuple[Piece, ...]
     least: float
     taken: float = TAKEN
+    cut: tuple[Piece, ...] = ()
     hulls: tuple[Hull, ...] = ()
 
 
-def cover_parts(
-    surfaces: Sequence[Float[np.ndarray, "F 3 3"]],
-    owners: Sequence[int],
-    passing: Mapping[int, Float[np.ndarray, "N 3"]],
-    cfg: SurfaceConfig = USUAL,
-) -> tuple[tuple[Hull, ...], ...]:
-    """Hulls of an object from the triangles (m) of its parts; a link's are those of the part that leads it.
-
-    Args:
-        surfaces: Triangles of every part.
-        owners: The part that leads each part's link.
-        passing: Where other links are or pass, by the part that leads a link (`find_passing`).
-        cfg: How true to the surface, and how many.
-    """
-    everything = np.concatenate([surface.reshape(-1, 3) for surface in surfaces])
-    diagonal = float(np.linalg.norm(np.ptp(everything, axis=0)))
-    covers: dict[int, Cover] = {}
-    for owner in sorted(set(owners)):
-        shown = [surface for surface, other in zip(surfaces, owners, strict=True) if other == owner]
-        triangles = np.concatenate(shown)
-        if len(triangles):
-            space = find_free_space(triangles, diagonal, passing.get(owner))
-            covers[owner] = cover_surface(triangles, space, diagonal, cfg)
-    while (owner := _most_in_excess(covers, diagonal, cfg)) is not None:
-        covers[owner] = _join_again(covers[owner], COARSER * covers[owner].least, diagonal)
-    return tuple(covers[index].hulls if index in covers else () for index in range(len(surfaces)))
-
-
-def _most_in_excess(covers: Mapping[int, Cover], diagonal: float, cfg: SurfaceConfig) -> int | None:
-    """The link with most pieces where it, or the object, has too many hulls; none that is coarse already."""
-    everywhere = sum(len(cover.hulls) for cover in covers.values()) > cfg.most
-    able = [
-        owner
-        for owner, cover in covers.items()
-        if (everywhere or len(cover.hulls) > cfg.most_of_link)
-        and len(cover.pieces) > 1
-        and cover.least < COARSEST * diagonal
-    ]
-    return max(able, key=lambda owner: len(covers[owner].pieces), default=None)
-
-
 def cover_surface(
-    triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, diagonal: float, cfg: SurfaceConfig = USUAL
+    triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, diagonal: float, fineness: Fineness = USUAL
 ) -> Cover:
     """Hulls that together cover what can be reached of a link's triangles (m)."""
-    least = cfg.bulge * diagonal
+    least = fineness.bulge * diagonal
     whole = make_piece(triangles, space, least)
     if _fits(whole, least, TAKEN):
         return _finish(Cover(space=space, boxes=(), pieces=(whole,), least=least), diagonal)
@@ -148,30 +107,42 @@ def cover_surface(
     axis = find_axis(exposed)
     if axis is not None:
         groups = cut_sectors(exposed, axis, count_sectors(axis.radius, diagonal))
-        return _cover_pieces((), groups, space, diagonal, cfg, TAKEN_OF_ROUND)
+        pieces = [make_piece(group, space, least) for group in groups]
+        return _cut_and_join((), pieces, space, diagonal, fineness, TAKEN_OF_ROUND)
     large = np.ptp(triangles.reshape(-1, 3), axis=0).max() >= LEAST_CELLS * space.grid.cell
     boxes = cover_with_boxes(exposed, space) if large else ()
     left = find_uncovered(exposed, boxes, SLACK * diagonal)
-    return _cover_pieces(boxes, split_components(left) if len(left) else [], space, diagonal, cfg)
+    groups = split_components(left) if len(left) else []
+    pieces = [make_piece(group, space, least) for group in groups]
+    return _cut_and_join(boxes, pieces, space, diagonal, fineness)
 
 
-def _cover_pieces(
+def refine_cover(
+    cover: Cover, triangles: Float[np.ndarray, "F 3 3"], diagonal: float, fineness: Fineness
+) -> Cover:
+    """A cover of the same triangles (m) with smaller hulls, whose pieces are cut further."""
+    if not cover.cut:  # one hull was enough
+        return cover_surface(triangles, cover.space, diagonal, fineness)
+    pieces = [measure_again(piece, cover.space, fineness.bulge * diagonal) for piece in cover.cut]
+    return _cut_and_join(cover.boxes, pieces, cover.space, diagonal, fineness, cover.taken)
+
+
+def _cut_and_join(
     boxes: tuple[Hull, ...],
-    groups: Sequence[Float[np.ndarray, "F 3 3"]],
+    pieces: Sequence[Piece],
     space: FreeSpace,
     diagonal: float,
-    cfg: SurfaceConfig,
+    fineness: Fineness,
     taken: float = TAKEN,
 ) -> Cover:
-    """A cover of boxes and of groups of triangles, which are cut until their hulls fit, and joined."""
-    least = cfg.bulge * diagonal
-    pieces = [make_piece(group, space, least) for group in groups]
-    cut = tuple(_cut(_uncovered(pieces, least), space, least, taken, cfg.most_pieces))
-    cover = Cover(space=space, boxes=boxes, pieces=cut, least=least, taken=taken)
-    return _join_again(cover, least, diagonal)
+    """A cover of boxes and of pieces, which are cut until their hulls fit, and joined."""
+    least = fineness.bulge * diagonal
+    cut = tuple(_cut(_uncovered(pieces, least), space, least, taken, fineness.most_pieces))
+    cover = Cover(space=space, boxes=boxes, pieces=cut, least=least, taken=taken, cut=cut)
+    return join_again(cover, least, diagonal)
 
 
-def _join_again(cover: Cover, least: float, diagonal: float) -> Cover:
+def join_again(cover: Cover, least: float, diagonal: float) -> Cover:
     """A cover whose pieces are joined as far as they may take ``least`` (m) of free space."""
     pieces = _join(_uncovered(cover.pieces, least), cover.space, least, cover.taken)
     return _finish(replace(cover, pieces=tuple(pieces), least=least), diagonal)
@@ -255,7 +226,7 @@ def split_components(triangles: Float[np.ndarray, "F 3 3"]) -> list[Float[np.nda
 
     size = max(float(np.ptp(triangles.reshape(-1, 3), axis=0).max()), 1e-9)
     keys = np.round(triangles.reshape(-1, 3) / size * 1e5).astype(np.int64)
-    _, slot = np.unique(keys, axis=0, return_inverse=True)
+    _, slot = number_rows(keys)
     faces = slot.reshape(-1, 3)
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
     count = int(faces.max()) + 1
@@ -329,14 +300,13 @@ def _cut(
 def _join(pieces: Sequence[Piece], space: FreeSpace, least: float, taken: float) -> list[Piece]:
     """Joins pairs of pieces, those first whose hull grows least, while the common hulls fit."""
     alive = dict(enumerate(pieces))
+    bounds = np.full((2 * len(pieces), 2, 3), np.nan)  # of no piece, and of none that was joined
     queue: list[tuple[float, int, int, Piece]] = []
 
-    def offer(i: int, others: Sequence[int]) -> None:
-        bounds = alive[i].bounds
-        for j in others:
-            beside = alive[j].bounds
-            if (beside[0] > bounds[1] + 3.0 * least).any() or (beside[1] < bounds[0] - 3.0 * least).any():
-                continue
+    def offer(i: int) -> None:
+        low, high = alive[i].bounds
+        near = (bounds[:, 0] <= high + 3.0 * least) & (bounds[:, 1] >= low - 3.0 * least)
+        for j in np.flatnonzero(near.all(axis=1)).tolist():
             if is_open_between(alive[i].corners[:16], alive[j].corners[:16], space, 2.0 * least):
                 continue
             both = join_pieces(alive[i], alive[j], space, least)
@@ -348,8 +318,9 @@ def _join(pieces: Sequence[Piece], space: FreeSpace, least: float, taken: float)
                 grown = both.volume - alive[i].volume - alive[j].volume
                 heapq.heappush(queue, (grown, i, j, both))
 
-    for i in alive:
-        offer(i, [j for j in alive if j < i])
+    for i, piece in alive.items():
+        offer(i)
+        bounds[i] = piece.bounds
     serial = len(alive)
     while queue:
         _, i, j, both = heapq.heappop(queue)
@@ -357,7 +328,9 @@ def _join(pieces: Sequence[Piece], space: FreeSpace, least: float, taken: float)
             continue
         del alive[i], alive[j]
         alive[serial] = both
-        offer(serial, [k for k in alive if k != serial])
+        bounds[[i, j]] = np.nan
+        offer(serial)
+        bounds[serial] = both.bounds
         serial += 1
     return list(alive.values())
 

@@ -3,7 +3,8 @@
 Nothing is assumed of the triangles: they may be open, doubled, or pass through each other.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
@@ -16,7 +17,8 @@ from sim_export.collision.free_space import (
     look_up,
     measure_intrusion,
 )
-from sim_export.geometry.sampling import sample_triangles, triangle_areas
+from sim_export.geometry.rows import number_rows
+from sim_export.geometry.sampling import cross_rows, sample_triangles, triangle_areas
 
 THIN = 2e-3
 """Pieces (m) thinner than this are sheets: their hulls hold no cell."""
@@ -58,7 +60,7 @@ class Piece:
     intrusion: Intrusion
     samples: Float[np.ndarray, "N 3"]
 
-    @property
+    @cached_property
     def bounds(self) -> Float[np.ndarray, "2 3"]:
         """Lowest and highest corner (m)."""
         return np.stack([self.corners.min(axis=0), self.corners.max(axis=0)])
@@ -66,16 +68,16 @@ class Piece:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Around:
-    """Convex hull of points: its corners, planes, volume (m^3), and points spread over its faces."""
+    """Convex hull of points: its corners, planes, volume (m^3), area (m^2) and faces."""
 
     corners: Float[np.ndarray, "V 3"]
     planes: Float[np.ndarray, "K 4"]
     volume: float
     area: float
-    skin: Float[np.ndarray, "M 3"]
+    faces: Float[np.ndarray, "F 3 3"]
 
 
-def wrap(points: Float[np.ndarray, "N 3"], *, skin: int = 0) -> Around:
+def wrap(points: Float[np.ndarray, "N 3"]) -> Around:
     """The convex hull of points; no planes where they are thinner than `THIN`."""
     middle = points.mean(axis=0)
     spread = points - middle
@@ -90,13 +92,12 @@ def wrap(points: Float[np.ndarray, "N 3"], *, skin: int = 0) -> Around:
         else:
             planes = solved.equations[np.unique(np.round(solved.equations @ _MIX, 6), return_index=True)[1]]
             planes = np.column_stack([planes[:, :3], planes[:, :3] @ middle - planes[:, 3]])
-            faces = points[solved.simplices]
             return Around(
                 corners=points[solved.vertices],
                 planes=planes,
                 volume=float(solved.volume),
                 area=float(solved.area),
-                skin=sample_triangles(faces, skin)[0] if skin else np.zeros((0, 3)),
+                faces=points[solved.simplices],
             )
     try:
         outline = ConvexHull(spread @ axes[:2].T)
@@ -104,19 +105,24 @@ def wrap(points: Float[np.ndarray, "N 3"], *, skin: int = 0) -> Around:
     except QhullError:
         corners, area = points, 0.0
     fan = np.stack([np.broadcast_to(corners[0], corners[2:].shape), corners[1:-1], corners[2:]], axis=1)
-    on_it = sample_triangles(fan, skin)[0] if skin and area > 0.0 else np.zeros((0, 3))
-    return Around(corners=corners, planes=np.zeros((0, 4)), volume=0.0, area=area, skin=on_it)
+    return Around(
+        corners=corners,
+        planes=np.zeros((0, 4)),
+        volume=0.0,
+        area=area,
+        faces=fan if area > 0.0 else np.zeros((0, 3, 3)),
+    )
 
 
 def make_piece(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, least: float) -> Piece:
     """A piece of some triangles; ``least`` (m) as in `measure_intrusion`."""
-    around = wrap(triangles.reshape(-1, 3), skin=SKIN)
+    around = wrap(triangles.reshape(-1, 3))
     return _finish(around, triangles, sample_triangles(triangles, SAMPLES)[0], space, least)
 
 
 def join_pieces(first: Piece, second: Piece, space: FreeSpace, least: float) -> Piece:
     """One piece of two."""
-    around = wrap(np.concatenate([first.corners, second.corners]), skin=SKIN)
+    around = wrap(np.concatenate([first.corners, second.corners]))
     triangles = np.concatenate([first.triangles, second.triangles])
     return _finish(around, triangles, np.concatenate([first.samples, second.samples]), space, least)
 
@@ -130,24 +136,29 @@ def _finish(
         planes=around.planes,
         volume=around.volume,
         area=around.area,
-        intrusion=_measure(around, space, least),
+        intrusion=_measure(around, space, least, SKIN),
         samples=samples,
     )
 
 
-def _measure(around: Around, space: FreeSpace, least: float) -> Intrusion:
+def measure_again(piece: Piece, space: FreeSpace, least: float) -> Piece:
+    """A piece with what its hull takes of free space beyond another distance (m) from the surface."""
+    return replace(piece, intrusion=_measure(wrap(piece.corners), space, least, SKIN))
+
+
+def _measure(around: Around, space: FreeSpace, least: float, skin: int) -> Intrusion:
     """What a hull takes of free space.
 
-    Hulls thinner than two cells contain few centres of cells, so points on their faces are tested: the hull
-    of a frame must not close its opening.
+    Hulls thinner than two cells contain few centres of cells, so ``skin`` points on their faces are tested:
+    the hull of a frame must not close its opening.
     """
     cell = space.grid.cell
     intrusion = NO_INTRUSION
     if len(around.planes):
         bounds = np.stack([around.corners.min(axis=0), around.corners.max(axis=0)])
         intrusion = measure_intrusion(around.planes, bounds, space, least)
-    if len(around.skin) and around.volume < cell * around.area:
-        depth = look_up(around.skin, space.depth, space.grid)
+    if len(around.faces) and around.volume < cell * around.area:
+        depth = look_up(sample_triangles(around.faces, skin)[0], space.depth, space.grid)
         share = float((depth > least + 0.5 * cell).mean())
         if share > FEW:
             taken = 0.5 * share * around.area * cell
@@ -191,7 +202,7 @@ def _without_needles(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray,
 
 def cut_planes(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "K 4"]:
     """Planes worth a cut: beside the largest flat regions of a surface, and across its middle."""
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normals = cross_rows(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     areas = np.linalg.norm(normals, axis=1)
     proper = areas > 1e-12
     low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
@@ -204,8 +215,8 @@ def cut_planes(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "K 4"
     offsets = np.einsum("ij,ij->i", normals, triangles[proper].mean(axis=1))
     size = float((high - low).max())
     key = np.round(np.column_stack([normals * 50, offsets / size * 400])).astype(np.int64)
-    _, first, slot = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    weight = np.bincount(slot.ravel(), weights=areas[proper])
+    first, slot = number_rows(key)
+    weight = np.bincount(slot, weights=areas[proper])
     for group in np.argsort(-weight, kind="stable")[:MOST_PLANES]:
         normal, offset = normals[first[group]], offsets[first[group]]
         out += [np.append(normal, offset - BESIDE), np.append(normal, offset + BESIDE)]
@@ -228,7 +239,11 @@ def split_piece(piece: Piece, space: FreeSpace, least: float) -> tuple[Piece, Pi
         share = float(triangle_areas(sides[0]).sum()) / max(total, 1e-12)
         if not 1e-3 < share < 1.0 - 1e-3:
             continue
-        taken = [_taken(side, space, least) for side in sides]
+        taken = [_taken(sides[0], space, least)]
+        done = (share if taken[0] <= 0.0 else 0.0) + 1.0 - share
+        if taken[0] + piece.intrusion.volume * (EVEN * abs(2.0 * share - 1.0) - DONE * done) >= best_score:
+            continue  # whatever the other side takes
+        taken.append(_taken(sides[1], space, least))
         done = sum(part for part, left in zip((share, 1.0 - share), taken, strict=True) if left <= 0.0)
         score = sum(taken) + piece.intrusion.volume * (EVEN * abs(2.0 * share - 1.0) - DONE * done)
         if score < best_score:
@@ -250,4 +265,4 @@ def _main_triangles(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, 
 
 def _taken(triangles: np.ndarray, space: FreeSpace, least: float) -> float:
     """Free volume (m^3) in the hull of some triangles."""
-    return _measure(wrap(triangles.reshape(-1, 3), skin=SAMPLES), space, least).volume
+    return _measure(wrap(triangles.reshape(-1, 3)), space, least, SAMPLES).volume

@@ -41,12 +41,13 @@ MANIFEST = "manifest.json"
 UNHASHED = frozenset({MANIFEST, "validation.json"})
 
 
-def package_files(package: SimPackage, *, engines: bool = True) -> dict[str, bytes]:
+def package_files(package: SimPackage, *, engines: bool = True, visuals: bool = True) -> dict[str, bytes]:
     """All files of a package by their path in it, including the manifest.
 
     Args:
         package: The package.
         engines: Whether files are included that only engines read: MJCF, SRDF and the URDF for ManiSkill.
+        visuals: Whether the meshes, materials and images of visuals are included.
 
     Raises:
         InvalidKinematics: If links and joints are not a tree that URDF can express.
@@ -56,7 +57,7 @@ def package_files(package: SimPackage, *, engines: bool = True) -> dict[str, byt
     files: dict[str, bytes] = {}
     origins = link_origins(package)
     for link in package.links:
-        for visual in link.visuals:
+        for visual in link.visuals if visuals else ():
             files |= _visual_files(visual)
         for index, hull in enumerate(link.hulls):
             if find_primitive(hull) is None:
@@ -205,9 +206,9 @@ def write_package(package: SimPackage, folder: Path, overwrite: Overwrite = "ref
     return folder
 
 
-def write_draft(package: SimPackage, folder: Path) -> Path:
+def write_draft(package: SimPackage, folder: Path, *, visuals: bool = True) -> Path:
     """Writes what checks of geometry and motion read of a package to a new folder, and returns the folder."""
-    write_files(package_files(package, engines=False), folder)
+    write_files(package_files(package, engines=False, visuals=visuals), folder)
     return folder
 
 

@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float
 from scipy import ndimage
 
 from sim_export.checks.grid import Grid
+from sim_export.geometry.sampling import cross_rows
 
 STEPS = (1.5, 2.5)
 """Cells in front of a surface at which free space is looked for; at less, a cell is wall itself."""
@@ -38,5 +39,5 @@ def is_exposed(
 
 def triangle_normals(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "F 3"]:
     """Unit normals; those of triangles without area are 0."""
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normals = cross_rows(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)

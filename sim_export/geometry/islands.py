@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float, Int
 from sim_export.checks.grid import Grid, make_grid, mark_surface
 from sim_export.collision.contacts import HullSet
 from sim_export.geometry.exposure import find_outside
+from sim_export.geometry.rows import number_rows
 
 if TYPE_CHECKING:
     import coal
@@ -195,10 +196,10 @@ def connected_pieces(triangles: Float[np.ndarray, "F 3 3"]) -> Int[np.ndarray, "
     from scipy.sparse.csgraph import connected_components
 
     keys = np.round(triangles.reshape(-1, 3) * 1e6).astype(np.int64)
-    unique, corner = np.unique(keys, axis=0, return_inverse=True)
+    first, corner = number_rows(keys)
     faces = corner.reshape(-1, 3)
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
-    graph = coo_matrix((np.ones(len(edges), bool), edges.T), (len(unique), len(unique)))
+    graph = coo_matrix((np.ones(len(edges), bool), edges.T), (len(first), len(first)))
     return connected_components(graph, directed=False)[1][faces[:, 0]]
 
 
@@ -212,9 +213,9 @@ def join_near(
     if not reach > 0.0:
         return piece
     cells = np.floor(triangles.reshape(-1, 3) * (np.sqrt(3.0) / reach)).astype(np.int64)
-    _, cell = np.unique(cells, axis=0, return_inverse=True)
+    _, cell = number_rows(cells)
     count = int(piece.max()) + 1
-    row, column = np.repeat(piece, 3), count + cell.ravel()
+    row, column = np.repeat(piece, 3), count + cell
     size = count + int(cell.max()) + 1
     graph = coo_matrix((np.ones(len(row), bool), (row, column)), (size, size))
     return connected_components(graph, directed=False)[1][piece]

@@ -4,6 +4,9 @@ import numpy as np
 from jaxtyping import Float
 from scipy import sparse
 
+from sim_export.geometry.rows import number_rows
+from sim_export.geometry.sampling import cross_rows
+
 CREASE = 35.0
 """Angle (degrees) between two faces up to which the edge between them is smooth."""
 
@@ -16,7 +19,7 @@ def corner_normals(
     Corners at the same position are neighbours even if they share no vertex, weighted by the areas of their
     faces; faces without area keep the zero normal.
     """
-    area_normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    area_normals = cross_rows(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     lengths = np.linalg.norm(area_normals, axis=1, keepdims=True)
     normals = area_normals / np.where(lengths > 0, lengths, 1.0)
     flat = np.repeat(normals[:, None], 3, axis=1)
@@ -24,15 +27,12 @@ def corner_normals(
         return flat
     extent = max(float(np.ptp(triangles.reshape(-1, 3), axis=0).max()), 1e-12)
     cells = np.round(triangles.reshape(-1, 3) / (extent * 1e-6)).astype(np.int64)
-    _, places = np.unique(cells, axis=0, return_inverse=True)
-    places = places.ravel()
+    _, places = number_rows(cells)
     # A rounded face direction stands for all coplanar faces, so that large fans stay cheap.
-    _, first, kinds = np.unique(
-        np.round(normals * 500).astype(np.int64), axis=0, return_index=True, return_inverse=True
-    )
-    kinds = np.repeat(kinds.ravel(), 3)
-    pairs, pair_of_corner = np.unique(np.stack([places, kinds]), axis=1, return_inverse=True)
-    pair_of_corner = pair_of_corner.ravel()
+    first, kinds = number_rows(np.round(normals * 500).astype(np.int64))
+    kinds = np.repeat(kinds, 3)
+    corner_of_pair, pair_of_corner = number_rows(np.column_stack([places, kinds]))
+    pairs = np.stack([places, kinds])[:, corner_of_pair]
     sums = np.zeros((pairs.shape[1], 3))
     np.add.at(sums, pair_of_corner, np.repeat(area_normals, 3, axis=0))
     incidence = sparse.csr_matrix(

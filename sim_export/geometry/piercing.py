@@ -5,6 +5,7 @@ from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
 from sim_export.geometry.exposure import triangle_normals
+from sim_export.geometry.rows import number_rows
 
 # embreex is a compiled module without stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -18,8 +19,8 @@ def find_edges(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "E 2 
     edges = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2, 3)
     size = max(float(np.ptp(triangles.reshape(-1, 3), axis=0).max()), 1e-9)
     places = np.round(edges.reshape(-1, 3) / size * 1e6).astype(np.int64)
-    ends = np.unique(places, axis=0, return_inverse=True)[1].reshape(-1, 2)
-    edges = edges[np.unique(np.sort(ends, axis=1), axis=0, return_index=True)[1]]
+    ends = number_rows(places)[1].reshape(-1, 2)
+    edges = edges[number_rows(np.sort(ends, axis=1))[0]]
     length = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1)
     return edges[np.argsort(-length, kind="stable")[:MOST_EDGES]]
 

@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
 from sim_export.checks.surface import SampledSurface, distances_to
-from sim_export.collision.hulls import convex_hull, hull_planes, merge_planes
+from sim_export.collision.hulls import convex_hull, face_planes, hull_planes
 from sim_export.errors import OpenMesh
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import Hull, Mesh
@@ -150,7 +150,7 @@ def _inside_hull(points: np.ndarray, hull: Hull) -> np.ndarray:
     near = np.ones(len(points), dtype=bool)
     for axis in range(3):
         near &= (points[:, axis] >= low[axis]) & (points[:, axis] <= high[axis])
-    for plane in merge_planes(hull_planes(hull)):
+    for plane in face_planes(hull):
         near[near] = points[near] @ plane[:3] <= plane[3] + 1e-9
     return near
 

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sim_export.checks.config import CheckConfig
-from sim_export.mend.source import Source, leading_part, link_surfaces, move_part
+from sim_export.mend.source import Source, leading_part, move_part
 from sim_export.source_faults import Shown
 
 FARTHEST = 0.02
@@ -22,7 +22,7 @@ def pull_apart(source: Source, cfg: CheckConfig) -> Source:
 
     They move along an axis of the object, or else across the axis of their joint, as a laptop's hinge must.
     """
-    surfaces = link_surfaces(source)
+    surfaces = source.links
     corners = np.concatenate([triangles.reshape(-1, 3) for triangles in surfaces.values()])
     diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
     body = next(reversed(surfaces))

@@ -12,7 +12,7 @@ from sim_export.collision.hulls import box_hull
 from sim_export.geometry.exposure import triangle_normals
 from sim_export.geometry.islands import find_surface_islands, nearest_points, surface_shape
 from sim_export.geometry.sampling import sample_triangles
-from sim_export.mend.source import Source, leading_part, link_surfaces
+from sim_export.mend.source import Source, leading_part
 
 LONGEST = 0.1
 """Longest post (m); a piece farther away is not what this link should hold, or is a link of its own."""
@@ -24,7 +24,7 @@ SAMPLES = 500
 
 def bridge_islands(source: Source, cfg: CheckConfig) -> Source:
     """Adds a post between nearest points for every piece that V107 finds afloat, the nearest piece first."""
-    for name, triangles in link_surfaces(source).items():
+    for name, triangles in source.links.items():
         joined, islands = find_surface_islands(triangles, cfg.max_island)
         part = leading_part(source, name)
         for island in islands:

@@ -2,8 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 from jaxtyping import Float
@@ -11,7 +9,6 @@ from jaxtyping import Float
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.handles import handle_joints, handle_shapes, judge_grip, measure_grip, way_out
 from sim_export.checks.subject import Shape, Subject
-from sim_export.files.write import write_draft
 from sim_export.mend.source import Source, move_part, source_package
 from sim_export.package import PackageJoint
 
@@ -23,11 +20,8 @@ STEP = 0.0025
 
 def move_handles(source: Source, cfg: CheckConfig) -> Source:
     """Moves handles that V204 finds out of reach along the way on which a hand comes, as far as it takes."""
-    package = source_package(source)
-    parts = {link.name: [visual.part for visual in link.visuals] for link in package.links}
-    with TemporaryDirectory() as scratch:
-        subject = Subject(write_draft(package, Path(scratch) / package.name))
-        moves = list(_find_moves(subject, cfg, parts))
+    parts = {link.name: [visual.part for visual in link.visuals] for link in source_package(source).links}
+    moves = list(_find_moves(source.subject, cfg, parts))
     names = [part.name for part in source.asset.parts]
     for name, shift in moves:
         far = 1e3 * float(np.linalg.norm(shift))

@@ -1,21 +1,14 @@
 """Moves a hinge inside its door to the nearer edge."""
 
-from pathlib import Path
-from tempfile import TemporaryDirectory
-
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.opening import door_panel, hinge_offset, panel_joints
-from sim_export.checks.subject import Subject
-from sim_export.files.write import write_draft
-from sim_export.mend.source import Source, leading_part, set_joint, source_package
+from sim_export.mend.source import Source, leading_part, set_joint
 
 
 def move_hinges(source: Source, cfg: CheckConfig) -> Source:
     """Moves every hinge that fails V203 across the panel to the edge of its door."""
-    with TemporaryDirectory() as scratch:
-        subject = Subject(write_draft(source_package(source), Path(scratch) / source.asset.name))
-        joints = [joint for joint in panel_joints(subject) if joint.type == "revolute"]
-        panels = [(joint, door_panel(subject, joint)) for joint in joints]
+    joints = [joint for joint in panel_joints(source.subject) if joint.type == "revolute"]
+    panels = [(joint, door_panel(source.subject, joint)) for joint in joints]
     for joint, panel in panels:
         if panel is None:
             continue

@@ -7,9 +7,11 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.types import Asset
+from sim_export.checks.draft import read_draft
+from sim_export.checks.subject import Subject
 from sim_export.collision.hulls import wrap_surface
 from sim_export.package import Inertial, Mesh, SimPackage
-from sim_export.physics.links import PartGeometry, build_links, link_names, link_owners
+from sim_export.physics.links import PartGeometry, build_links, link_names, link_surfaces
 from sim_export.source_faults import Shown, show_links
 
 
@@ -30,10 +32,20 @@ class Source:
     before: "Source | None" = None
 
     @cached_property
+    def links(self) -> dict[str, Float[np.ndarray, "F 3 3"]]:
+        """Triangles of every link that has triangles."""
+        return link_surfaces(self.asset, self.surfaces)
+
+    @cached_property
+    def subject(self) -> Subject:
+        """The object as checks of openings and handles read it."""
+        return read_draft(source_package(self))
+
+    @cached_property
     def shown(self) -> dict[str, Shown]:
         """The surfaces of all links for measuring overlaps; those of ``before`` where they are the same."""
-        known = self.before and (link_surfaces(self.before), self.before.shown)
-        return show_links(link_surfaces(self), known)
+        known = self.before and (self.before.links, self.before.shown)
+        return show_links(self.links, known)
 
 
 def open_source(asset: Asset, surfaces: tuple[Float[np.ndarray, "F 3 3"], ...]) -> Source:
@@ -68,16 +80,6 @@ def _as_mesh(triangles: Float[np.ndarray, "F 3 3"]) -> Mesh:
 def leading_part(source: Source, link: str) -> int:
     """Index of the part that leads a link."""
     return next(part for part, name in link_names(source.asset).items() if name == link)
-
-
-def link_surfaces(source: Source) -> dict[str, Float[np.ndarray, "F 3 3"]]:
-    """Triangles of every link that has triangles."""
-    owners = link_owners(source.asset)
-    found = {
-        name: np.concatenate([s for s, owner in zip(source.surfaces, owners, strict=True) if owner == part])
-        for part, name in link_names(source.asset).items()
-    }
-    return {name: triangles for name, triangles in found.items() if len(triangles)}
 
 
 def set_joint(source: Source, part: int, record: str, **changes: object) -> Source:

@@ -10,6 +10,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float
 
 from artigen.types import FULL_TURN, Asset, Joint, Part
 from sim_export.errors import DegeneratePart, InvalidKinematics
@@ -89,6 +90,18 @@ def link_names(asset: Asset) -> dict[int, str]:
     """Link name of every part that leads a link: movable parts in order, the root last."""
     leaders = [index for index in range(len(asset.parts)) if asset.parts[index].joint.type != "fixed"]
     return {part: f"link_{k}" for k, part in enumerate([*leaders, asset.root])}
+
+
+def link_surfaces(
+    asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]]
+) -> dict[str, Float[np.ndarray, "F 3 3"]]:
+    """Triangles of every link that has any, from those of all parts."""
+    owners = link_owners(asset)
+    found = {
+        name: np.concatenate([s for s, owner in zip(surfaces, owners, strict=True) if owner == part])
+        for part, name in link_names(asset).items()
+    }
+    return {name: triangles for name, triangles in found.items() if len(triangles)}
 
 
 def build_links(asset: Asset, geometry: Sequence[PartGeometry], latched: Collection[str] = ()) -> LinkTree:

@@ -1,16 +1,19 @@
 """The choice between several sets of hulls for an object that keeps its own meshes."""
 
+from contextlib import nullcontext
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import pytest
 
 from artigen.cli import convert, source_meshes
+from artigen.cli.convert import HullWay, Judgement
 from sim_export import export
-from sim_export.collision.surface_hulls import FINER, SPARING, USUAL
+from sim_export.checks import draft, suite
 from sim_export.errors import DegeneratePart
 from sim_export.export import Exported
 
-ATTEMPTS = [USUAL, FINER, SPARING, None]
+VOXELS = HullWay(collision="voxels")
 
 
 @dataclass(frozen=True)
@@ -21,27 +24,28 @@ class Numbered:
     records: tuple[str, ...] = ()
 
 
+def judge(failed=(), links=("link_0",), unlike=0.5):
+    """A judgement."""
+    return Judgement(failed=tuple(failed), links=frozenset(links), unlike=unlike)
+
+
 @pytest.fixture
 def attempts(monkeypatch):
-    """Plays exports that fail so many checks, or cannot be made (None); returns what was asked for."""
+    """Plays exports that are judged in these ways, or cannot be made (None); returns what was asked for."""
 
-    def play(failed):
-        likeness = (0.9, 0.5, 0.7, 0.8)  # decides between as many failures
+    def play(judged):
         asked = []
 
-        def export_asset(asset, *, source_meshes, surfaces, detail, covers, provenance):
-            assert len(covers) == len(asked)  # what earlier attempts made is there
-            covers[len(asked)] = ()
-            asked.append(None if surfaces is None else detail)
-            if failed[len(asked) - 1] is None:
+        def export_solids(solids, collision, *, finer, shares, source_meshes, provenance):
+            asked.append(HullWay(collision=collision, finer=finer, shares=shares))
+            if judged[len(asked) - 1] is None:
                 raise DegeneratePart(f"attempt {len(asked)} is flat")
             package = Numbered(number=len(asked) - 1)
-            return Exported(package=package, seconds=(("mesh", 1.0), ("mass", 2.0)))
+            return Exported(package=package, seconds=(("clearance", 1.0), ("attach", 2.0)))
 
-        monkeypatch.setattr(export, "export_asset", export_asset)
-        monkeypatch.setattr(
-            convert, "judge_package", lambda package: (failed[package.number], likeness[package.number])
-        )
+        monkeypatch.setattr(export, "make_solids", lambda asset, surfaces: SimpleNamespace(seconds=()))
+        monkeypatch.setattr(export, "export_solids", export_solids)
+        monkeypatch.setattr(convert, "judge_package", lambda package, known: judged[package.number])
         for name in ("place_source_meshes", "place_source_surfaces"):
             monkeypatch.setattr(source_meshes, name, lambda source, asset: ())
         return asked
@@ -49,36 +53,101 @@ def attempts(monkeypatch):
     return play
 
 
-@pytest.mark.parametrize(
-    ("failed", "chosen", "tried"),
-    [
-        ((0,), 0, 1),
-        ((2, 0), 1, 2),
-        ((2, 1, 0), 2, 3),
-        ((1, 2, 2, 0), 3, 4),
-        ((1, 2, 2, 2), 0, 4),
-        ((1, 1, 1, 1), 1, 4),
-    ],
-)
-def test_hulls_are_made_again_while_they_fail_and_the_best_are_kept(attempts, failed, chosen, tried):
-    asked = attempts(failed)
-    made = convert.export_source(None, None, {})
-    assert made.package == Numbered(number=chosen)
-    assert asked == ATTEMPTS[:tried]
-    assert dict(made.seconds) == {"mesh": tried, "mass": 2.0 * tried}
+def ways(*judged):
+    """The ways in which hulls are made after these judgements, until nothing is to be gained."""
+    out, way = [], HullWay()
+    for one in judged:
+        out.append(way)
+        way = convert.change_hulls(way, one)
+        if way is None:
+            return out
+    return [*out, way]
 
 
-def test_an_attempt_that_cannot_be_made_is_recorded_and_the_next_is_tried(attempts):
-    attempts((None, 1, None, 2))
-    made = convert.export_source(None, None, {})
-    assert made.package.number == 1
-    assert [record.split(": ")[1] for record in made.package.records] == [
-        "attempt 1 is flat",
-        "attempt 3 is flat",
+def test_links_that_fail_get_smaller_hulls_then_clearance_spares_leaves_then_voxels_are_tried():
+    likeness = judge(["V103"], ["link_1"])
+    first, second = frozenset({"link_1"}), frozenset({"link_1", "link_2"})
+    assert ways(likeness, judge(["V103", "V201"], ["link_2"]), likeness) == [
+        HullWay(),
+        HullWay(finer=first),
+        HullWay(finer=second, shares=True),
+        VOXELS,
     ]
 
 
+def test_links_that_meet_on_their_way_only_are_cut_otherwise_before_they_get_smaller_hulls():
+    meet = judge(["V201"], ["link_0", "link_1"])
+    assert ways(meet, meet, meet) == [
+        HullWay(),
+        HullWay(shares=True),
+        HullWay(shares=True, finer=frozenset({"link_0", "link_1"})),
+        VOXELS,
+    ]
+
+
+def test_nothing_is_tried_after_voxels_or_after_a_package_that_passes():
+    assert convert.change_hulls(VOXELS, judge(["V103"])) is None
+    assert convert.change_hulls(VOXELS, None) is None
+    assert convert.change_hulls(HullWay(), judge()) is None
+
+
+@pytest.mark.parametrize(
+    ("failed", "unlike", "chosen", "tried"),
+    [
+        ((0,), (0.9,), 0, 1),
+        ((2, 0), (0.9, 0.9), 1, 2),
+        ((2, 1, 0), (0.9, 0.5, 0.7), 2, 3),
+        ((1, 2, 2, 0), (0.9, 0.5, 0.7, 0.8), 3, 4),
+        ((1, 2, 2, 2), (0.9, 0.5, 0.7, 0.8), 0, 4),
+        ((1, 1, 1, 1), (0.9, 0.5, 0.7, 0.8), 1, 4),
+    ],
+)
+def test_hulls_are_made_again_while_they_fail_and_the_best_are_kept(attempts, failed, unlike, chosen, tried):
+    judged = [
+        judge(["V103", "V105"][:count], unlike=value) for count, value in zip(failed, unlike, strict=True)
+    ]
+    asked = attempts(judged)
+    made = convert.export_source(None, None, {})
+    assert made.package == Numbered(number=chosen)
+    assert len(asked) == tried
+    assert dict(made.seconds) == {"clearance": tried, "attach": 2.0 * tried}
+
+
+def test_an_attempt_that_cannot_be_made_is_recorded_and_voxels_are_tried(attempts):
+    asked = attempts((None, judge(["V103"])))
+    made = convert.export_source(None, None, {})
+    assert asked == [HullWay(), VOXELS]
+    assert made.package.number == 1
+    assert [record.split(": ")[1] for record in made.package.records] == ["attempt 1 is flat"]
+
+
 def test_if_no_attempt_can_be_made_the_first_error_is_told(attempts):
-    attempts((None, None, None, None))
+    attempts((None, None))
     with pytest.raises(DegeneratePart, match="attempt 1"):
         convert.export_source(None, None, {})
+
+
+def test_a_judgement_names_the_links_that_fail_and_those_that_a_joint_connects_to_them(monkeypatch):
+    def joined(child, parent):
+        return SimpleNamespace(child=child, parent=parent)
+
+    def named(where):
+        checks = [SimpleNamespace(id="V103", verdict="fail", where=where, value=2.0)]
+        monkeypatch.setattr(suite, "run_checks", lambda subject, only: checks)
+        return convert.judge_package(package).links
+
+    links = ("door", "lid", "lid_carrier", "knob", "body")
+    package = SimpleNamespace(
+        links=[SimpleNamespace(name=name, parts=() if "carrier" in name else (name,)) for name in links],
+        joints=[
+            joined("door", "body"),
+            joined("knob", "door"),
+            joined("lid", "lid_carrier"),
+            joined("lid_carrier", "body"),
+        ],
+    )
+    monkeypatch.setattr(draft, "open_draft", lambda package, known: nullcontext())
+    assert named("knob") == {"knob", "door"}
+    assert named("knob into lid (joint_2)") == {"knob", "door", "lid", "body"}
+    assert named("body, door") == {"body", "door", "lid", "knob"}
+    assert named("") == {"door", "lid", "knob", "body"}

@@ -9,9 +9,9 @@ from sim_export.collision.hulls import (
     box_hull,
     clip_hull,
     convex_hull,
+    face_planes,
     hull_planes,
     hull_volume,
-    merge_planes,
 )
 from sim_export.package import Hull
 
@@ -38,7 +38,7 @@ def inside(points: np.ndarray, hull: Hull) -> bool:
 def test_a_fan_becomes_fewer_facets_inside_of_the_hull():
     before = fan(2.0)
     after = flatten_facets(before)
-    assert len(merge_planes(hull_planes(after))) < len(merge_planes(hull_planes(before)))
+    assert len(face_planes(after)) < len(face_planes(before))
     assert inside(after.vertices, before)
     assert hull_volume(after) > 0.97 * hull_volume(before)
     assert flatten_facets(after) is after

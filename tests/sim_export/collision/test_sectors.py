@@ -7,8 +7,8 @@ from artigen.transforms import rotation_about
 from sim_export.checks.surface import surface_distances
 from sim_export.collision import surface_hulls
 from sim_export.collision.hulls import box_hull
+from sim_export.collision.object_cover import ObjectCover
 from sim_export.collision.sectors import FEWEST, MOST, SAGITTA, count_sectors, cut_sectors, find_axis
-from sim_export.collision.surface_hulls import cover_parts
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 
 PROFILE = ((0.03, 0.0), (0.034, 0.1), (0.034, 0.15), (0.012, 0.2), (0.012, 0.25))
@@ -125,7 +125,7 @@ def test_by_sectors_fewer_hulls_follow_a_bottle_more_closely(monkeypatch):
 
     def measure() -> tuple[int, float]:
         """Number of hulls, and how far (m) 99 % of their surface is from the bottle at most."""
-        (hulls,) = cover_parts([walls], [0], {})
+        hulls = ObjectCover({"bottle": walls}, {}).make_hulls()["bottle"]
         solid = np.concatenate([hull.vertices[hull.faces] for hull in hulls])
         far = surface_distances(sample_triangles(solid, 4000)[0], walls, 16000)
         return len(hulls), float(np.percentile(far, 99))

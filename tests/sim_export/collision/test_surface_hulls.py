@@ -1,15 +1,18 @@
 """Hulls made from triangles: whatever these are like, the hulls cover them and fill nothing else."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from sim_export.checks.surface import inside_hulls, surface_distances
+from sim_export.collision import object_cover
 from sim_export.collision.compact import compact_hull
 from sim_export.collision.free_space import find_free_space, find_inside, look_up
 from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect
 from sim_export.collision.hulls import box_hull, convex_hull, hull_volume, hull_width
-from sim_export.collision.passing import find_passing
-from sim_export.collision.surface_hulls import cover_parts, split_components
+from sim_export.collision.object_cover import ObjectCover, find_passing
+from sim_export.collision.surface_hulls import FINER, USUAL, split_components
 from sim_export.collision.surface_pieces import cut_triangles
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 from sim_export.package import Link, PackageJoint
@@ -38,7 +41,9 @@ def drawer():
 
 
 def cover(*surfaces):
-    return list(cover_parts(surfaces, list(range(len(surfaces))), {}))
+    """Hulls of one or several links."""
+    links = {f"link_{index}": surface for index, surface in enumerate(surfaces)}
+    return list(ObjectCover(links, {}).make_hulls().values())
 
 
 def spoil(triangles, how):
@@ -72,9 +77,9 @@ def test_a_drawer_keeps_its_room_and_all_its_boards(how):
 def test_hulls_keep_out_of_a_room_that_another_link_is_in():
     closed = box((0, 0, 0), (0.5, 0.5, 0.5))
     lodger = box((0.1, 0.1, 0.1), (0.4, 0.4, 0.4))
-    others = {0: sample_triangles(lodger, 6000)[0]}
-    alone = cover_parts([closed], [0], {})[0]
-    shared = cover_parts([closed], [0], others)[0]
+    others = {"body": sample_triangles(lodger, 6000)[0]}
+    alone = ObjectCover({"body": closed}, {}).make_hulls()["body"]
+    shared = ObjectCover({"body": closed}, others).make_hulls()["body"]
     middle = np.full((1, 3), 0.25)
     assert inside_hulls(middle, alone).all()
     assert not inside_hulls(middle, shared).any()
@@ -87,8 +92,49 @@ def test_a_sheet_becomes_a_hull_as_thick_as_engines_need():
     assert 0.0015 <= hull_width(hulls[0])[0] <= 0.003
 
 
-def test_a_part_without_triangles_has_no_hulls():
-    assert cover(box((0, 0, 0), (1, 1, 1)), np.zeros((0, 3, 3)))[1] == ()
+RADIUS = 0.2
+
+
+def depth(theta):
+    """Radius of a ball with a dent at its upper pole, by the angle from there."""
+    return RADIUS * (1.0 - 0.5 * np.exp(-8.0 * theta**2))
+
+
+def ball(rings=12):
+    """Triangles of this ball, which no few hulls follow exactly."""
+    theta, phi = np.meshgrid(np.linspace(0, np.pi, rings), np.linspace(0, 2 * np.pi, 2 * rings))
+    points = depth(theta)[..., None] * np.stack(
+        [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1
+    )
+    a, b, c, d = points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]
+    return np.concatenate([np.stack(corners, axis=2).reshape(-1, 3, 3) for corners in ((a, b, c), (a, c, d))])
+
+
+def filled(hulls):
+    """Number of points outside of this ball, of 20,000 in its box, that lie in hulls."""
+    points = np.random.default_rng(0).uniform(-RADIUS, RADIUS, (20_000, 3))
+    radii = np.linalg.norm(points, axis=1)
+    outside = points[radii > depth(np.arccos(points[:, 2] / radii))]
+    return inside_hulls(outside, hulls).sum()
+
+
+def test_smaller_hulls_follow_the_links_that_ask_for_them_and_leave_others_as_they_are():
+    dented, plain = ball(), box((1, 0, 0), (1.3, 0.3, 0.3))
+    links = {"door": dented, "body": plain}
+    known = ObjectCover(links, {})
+    usual, finer = known.make_hulls(), known.make_hulls({"door"})
+    assert finer["body"] == usual["body"]
+    assert filled(finer["door"]) < 0.8 * filled(usual["door"])
+    assert len(usual["door"]) < len(finer["door"]) <= FINER.most
+    assert known.make_hulls()["door"] == usual["door"]
+
+
+def test_hulls_get_coarser_until_there_are_few_enough(monkeypatch):
+    dented = ball()
+    many = len(ObjectCover({"door": dented}, {}).make_hulls()["door"])
+    monkeypatch.setattr(object_cover, "USUAL", replace(USUAL, most=many - 1))
+    few = ObjectCover({"door": dented}, {}).make_hulls()["door"]
+    assert 0 < len(few) < many
 
 
 def test_components_are_what_shares_corners():

@@ -15,7 +15,7 @@ from sim_export.files.write import write_package
 from sim_export.geometry.islands import visual_islands
 from sim_export.mend.apart import pull_apart
 from sim_export.mend.mends import mend_source
-from sim_export.mend.source import link_surfaces, open_source, source_package
+from sim_export.mend.source import open_source, source_package
 from sim_export.source_faults import overlaps_at_rest, overlaps_on_the_way, show_links
 
 CFG = CheckConfig()
@@ -88,9 +88,9 @@ def test_a_sound_source_is_returned_as_it_is(source):
 
 def test_a_part_inside_its_neighbour_moves_out_by_a_short_way():
     source = chest(box((-0.25, -0.2, -0.1), (-0.192, 0.2, 0.1)))  # 8 mm in the block
-    before = max(overlaps_at_rest(show_links(link_surfaces(source))))[0]
+    before = max(overlaps_at_rest(show_links(source.links)))[0]
     mended = mend_source(source)
-    after = max(overlaps_at_rest(show_links(link_surfaces(mended))))[0]
+    after = max(overlaps_at_rest(show_links(mended.links)))[0]
     assert before > CFG.max_rest_overlap_parent >= after
     assert 0.007 < np.linalg.norm(mended.shifts[1]) < 0.012
     assert mended.shifts[1][0] < 0.0  # out of the block
@@ -112,11 +112,11 @@ def test_a_range_that_runs_into_the_body_ends_before_it():
     mended = mend_source(source)
     upper = mended.asset.parts[1].joint.upper
     assert 0.15 < upper <= 0.202
-    found = max(overlaps_on_the_way(source_package(mended), show_links(link_surfaces(mended))))[0]
+    found = max(overlaps_on_the_way(source_package(mended), show_links(mended.links)))[0]
     assert (
         found
         <= CFG.max_penetration
-        < max(overlaps_on_the_way(source_package(source), show_links(link_surfaces(source))))[0]
+        < max(overlaps_on_the_way(source_package(source), show_links(source.links)))[0]
     )
 
 
@@ -158,7 +158,7 @@ def test_a_piece_that_floats_within_reach_is_held_by_a_post(gap, held):
     parts = (*sound.asset.parts, part_of(knob, "knob_0", "knob", 1, FIXED))
     source = open_source(replace(sound.asset, parts=parts), (*sound.surfaces, knob))
     mended = mend_source(source)
-    left = [len(visual_islands(shown, CFG.max_island)) for shown in link_surfaces(mended).values()]
+    left = [len(visual_islands(shown, CFG.max_island)) for shown in mended.links.values()]
     assert (len(mended.posts) == 1) is held
     assert any(left) is (gap > 0.1)
     if held:

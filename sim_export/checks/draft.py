@@ -1,0 +1,62 @@
+"""Packages as checks read them, without writing and parsing the meshes of visuals."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from artigen.files.wavefront import ObjText
+from sim_export.checks.subject import Subject
+from sim_export.files.obj import parse_obj
+from sim_export.files.urdf import visual_path
+from sim_export.files.write import write_draft
+from sim_export.package import Mesh, SimPackage
+
+Meshes = dict[Path, ObjText]
+"""Source meshes that were read, by file."""
+
+
+@contextmanager
+def open_draft(package: SimPackage, known: Meshes | None = None) -> Iterator[Subject]:
+    """A package for checks of geometry and motion; its folder is gone afterwards.
+
+    Args:
+        package: The package.
+        known: Source meshes that were read for an earlier draft; those read now are added.
+    """
+    known = {} if known is None else known
+    with TemporaryDirectory() as scratch:
+        folder = write_draft(package, Path(scratch) / package.name, visuals=False)
+        meshes: Meshes = {}
+        for visual in (visual for link in package.links for visual in link.visuals):
+            if isinstance(visual.mesh, Mesh):
+                found = _as_text(visual.mesh)
+            else:
+                source = visual.mesh.path
+                found = known[source] if source in known else known.setdefault(source, parse_obj(source))
+            meshes[folder / visual_path(visual)] = found
+        yield Subject(folder, meshes)
+
+
+def read_draft(package: SimPackage) -> Subject:
+    """A package whose openings and handles can be judged without its folder."""
+    with open_draft(package) as subject:
+        read = (subject.visuals, subject.hull_sets, subject.labels, subject.driven, subject.annotations)
+        assert all(part is not None for part in read)
+    return subject
+
+
+def _as_text(mesh: Mesh) -> ObjText:
+    """A mesh as it would be read from its file, but for the precision of the file."""
+    none = -np.ones((len(mesh.faces), 3), dtype=np.int64)
+    return ObjText(
+        vertices=np.asarray(mesh.vertices),
+        coords=np.zeros((0, 2)),
+        faces=np.asarray(mesh.faces),
+        uv_faces=none,
+        names=("",),
+        material_ids=np.zeros(len(mesh.faces), dtype=np.int64),
+        libraries=(),
+    )

@@ -1,0 +1,118 @@
+"""Hulls of all links of an object from their own triangles, kept out of the space that other links sweep."""
+
+from collections.abc import Collection, Mapping, Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.transforms import inverse, transform_points
+from sim_export.collision.free_space import find_free_space
+from sim_export.collision.motion import driven_joints, link_displacements, moved_links
+from sim_export.collision.requirements import sweep_coordinates
+from sim_export.collision.surface_hulls import (
+    FINER,
+    USUAL,
+    Cover,
+    Fineness,
+    cover_surface,
+    join_again,
+    refine_cover,
+)
+from sim_export.geometry.sampling import sample_triangles
+from sim_export.package import Hull, Link, PackageJoint
+from sim_export.tree import hanging_links
+
+COARSER = 1.5
+"""Factor by which the bulge grows while there are too many hulls."""
+COARSEST = 0.012
+"""It grows no further than this, over the object's diagonal."""
+SAMPLES = 6000
+"""Points on the surface of each link that are followed along its ways."""
+POSES = 21
+"""Poses of every joint."""
+
+
+class ObjectCover:
+    """The hulls of an object, usual or finer by link; covers of links are kept for other combinations."""
+
+    def __init__(
+        self,
+        surfaces: Mapping[str, Float[np.ndarray, "F 3 3"]],
+        passing: Mapping[str, Float[np.ndarray, "N 3"]],
+    ) -> None:
+        """
+        Args:
+            surfaces: Triangles (m) of every link that has any.
+            passing: Where other links are or pass, by link (`find_passing`).
+        """
+        corners = np.concatenate([surface.reshape(-1, 3) for surface in surfaces.values()])
+        self._surfaces, self._passing = surfaces, passing
+        self._diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
+        self._covers: dict[tuple[str, Fineness], Cover] = {}
+
+    def make_hulls(self, finer: Collection[str] = ()) -> dict[str, tuple[Hull, ...]]:
+        """Hulls of every link; those of the links in ``finer`` are smaller."""
+        fineness = {name: FINER if name in finer else USUAL for name in self._surfaces}
+        covers = {name: self._cover(name, each) for name, each in fineness.items()}
+        most = max(each.most_of_object for each in fineness.values())
+        while True:
+            everywhere = sum(len(cover.hulls) for cover in covers.values()) > most
+            able = [
+                name
+                for name, cover in covers.items()
+                if (everywhere or len(cover.hulls) > fineness[name].most)
+                and len(cover.pieces) > 1
+                and cover.least < COARSEST * self._diagonal
+            ]
+            if not able:
+                return {name: cover.hulls for name, cover in covers.items()}
+            name = max(able, key=lambda name: len(covers[name].pieces))
+            covers[name] = join_again(covers[name], COARSER * covers[name].least, self._diagonal)
+
+    def _cover(self, name: str, fineness: Fineness) -> Cover:
+        """The cover of a link before coarsening."""
+        if (name, fineness) not in self._covers:
+            triangles = self._surfaces[name]
+            if fineness is USUAL:
+                space = find_free_space(triangles, self._diagonal, self._passing.get(name))
+                cover = cover_surface(triangles, space, self._diagonal)
+            else:
+                cover = refine_cover(self._cover(name, USUAL), triangles, self._diagonal, fineness)
+            self._covers[name, fineness] = cover
+        return self._covers[name, fineness]
+
+
+def find_passing(
+    links: Sequence[Link],
+    joints: Sequence[PackageJoint],
+    surfaces: Mapping[str, Float[np.ndarray, "F 3 3"]],
+) -> dict[str, Float[np.ndarray, "N 3"]]:
+    """Points (m, object frame at rest) where other links are, by link.
+
+    Only smaller links count: a panel leaves room for its knob, and the knob stays whole. Links on one branch
+    of the tree, like a drawer and its body, are followed along their joints. Those of different branches
+    count at rest only: one may have to be opened before the other.
+
+    Args:
+        links: The links.
+        joints: Their joints.
+        surfaces: Triangles of every link that has any, at rest.
+    """
+    points = {name: sample_triangles(triangles, SAMPLES)[0] for name, triangles in surfaces.items()}
+    below = {link.name: set(hanging_links(joints, link.name)) for link in links}
+    slot = {link.name: index for index, link in enumerate(links)}
+    size = {name: float(np.linalg.norm(np.ptp(found, axis=0))) for name, found in points.items()}
+    smaller = {
+        name: [other for other in points if (size[other], other) < (size[name], name)] for name in points
+    }
+    out = {name: [points[other] for other in others] for name, others in smaller.items()}
+    for joint in driven_joints(joints):
+        moved = {links[index].name for index in moved_links(links, joints, joint)}
+        T = link_displacements(links, joints, {joint.name: sweep_coordinates(joint, POSES)[1:]})
+        for name in points:
+            for other in smaller[name]:
+                related = other in below[name] or name in below[other]
+                if related and (name in moved) != (other in moved):
+                    relative = inverse(T[:, slot[name]]) @ T[:, slot[other]]
+                    out[name].append(transform_points(relative, points[other]).reshape(-1, 3))
+    return {name: np.concatenate(found) for name, found in out.items() if found}

@@ -1,0 +1,24 @@
+"""Equal rows of integer arrays, several times as fast as ``numpy.unique`` with an axis."""
+
+import numpy as np
+from jaxtyping import Int
+
+_MOST = 2**62
+"""Keys are smaller than this, to fit into 64 bits."""
+
+
+def number_rows(rows: Int[np.ndarray, "N K"]) -> tuple[Int[np.ndarray, "M"], Int[np.ndarray, "N"]]:
+    """First place of every distinct row, in lexicographic order, and the number of each row in that order."""
+    if not len(rows):
+        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+    key, size = np.zeros(len(rows), dtype=np.int64), 1
+    for column in rows.astype(np.int64).T:
+        digit = column - column.min()
+        base = int(digit.max()) + 1
+        if size * base >= _MOST:
+            key = np.unique(key, return_inverse=True)[1]
+            digit = np.unique(digit, return_inverse=True)[1]
+            size, base = int(key.max()) + 1, int(digit.max()) + 1
+        key, size = key * base + digit, size * base
+    _, first, slot = np.unique(key, return_index=True, return_inverse=True)
+    return first, slot
