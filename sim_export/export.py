@@ -15,16 +15,14 @@ from sim_export.appearance.texture import BakedParts, bake_parts
 from sim_export.collision.attachment import attach_links
 from sim_export.collision.clearance import clear_joints
 from sim_export.collision.decompose import decompose_parts
-from sim_export.collision.facets import flatten_links
-from sim_export.collision.feet import add_feet
-from sim_export.collision.filling import fill_meshes
-from sim_export.collision.levelling import level_object
+from sim_export.collision.feet import add_feet, level_object
+from sim_export.collision.hull_limits import flatten_links
+from sim_export.collision.motion import find_requirements
 from sim_export.collision.object_cover import ObjectCover, find_passing
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.recovery import Recovery, recover_surface
-from sim_export.collision.requirements import find_requirements
 from sim_export.collision.retention import keep_drawers_held
-from sim_export.collision.trimming import Trimmed, trim_meshes
+from sim_export.collision.trimming import Trimmed, fill_meshes, trim_meshes
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import separate_solids

@@ -20,8 +20,13 @@ from sim_export.checks.config import CheckConfig
 from sim_export.checks.suite import run_checks
 from sim_export.collision.free_space import FreeSpace, find_free_space, find_inside
 from sim_export.collision.hulls import wrap_surface
-from sim_export.collision.motion import driven_joints, link_displacements, moved_links
-from sim_export.collision.requirements import required_openings, sweep_coordinates
+from sim_export.collision.motion import (
+    driven_joints,
+    link_displacements,
+    moved_links,
+    required_openings,
+    sweep_coordinates,
+)
 from sim_export.files.write import write_draft
 from sim_export.geometry.islands import visual_islands
 from sim_export.geometry.piercing import PiercedSurface, find_edges, piercing_depth

@@ -15,8 +15,7 @@ from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Subject
 from sim_export.checks.surface import inside_hulls
 from sim_export.collision.contacts import Distances, HullSet, find_penetration, signed_distances
-from sim_export.collision.requirements import required_openings
-from sim_export.collision.sweeps import SweepConfig, sample_range
+from sim_export.collision.motion import SweepConfig, required_openings, sample_range
 from sim_export.errors import PackageError
 from sim_export.package import PackageJoint
 from sim_export.tree import needed_fractions

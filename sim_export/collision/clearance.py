@@ -20,10 +20,10 @@ from sim_export.collision.motion import (
     link_displacements,
     longest_side,
     moved_links,
+    required_openings,
+    sample_sweep,
 )
 from sim_export.collision.relief import MARGIN, OverlappingPair, Relief, cut_along_faces, relieve_pair
-from sim_export.collision.requirements import required_openings
-from sim_export.collision.sweeps import sample_sweep
 from sim_export.package import Link, PackageJoint, Requirement
 
 logger = logging.getLogger(__name__)

@@ -7,9 +7,15 @@ import numpy as np
 
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.surface import inside_hulls, surface_distances
-from sim_export.collision.compact import compact_hull
 from sim_export.collision.contacts import HullSet
-from sim_export.collision.hull_limits import MAX_POLYGONS, MAX_VERTICES, MIN_WIDTH, MOST_OF_LINK, trim_hull
+from sim_export.collision.hull_limits import (
+    MAX_POLYGONS,
+    MAX_VERTICES,
+    MIN_WIDTH,
+    MOST_OF_LINK,
+    compact_hull,
+    trim_hull,
+)
 from sim_export.collision.hulls import hull_volume, hull_width, reduce_hull
 from sim_export.collision.motion import box_diagonal, longest_side
 from sim_export.collision.relief import END, MAX_REMOVED, SLIVER, SLIVER_LENGTH, find_ends

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim_export.collision.convex_pieces import Solid
 from sim_export.collision.hull_limits import limit_hulls
 from sim_export.collision.hull_methods import Method, Part, diagonal_of, hull_candidates
+from sim_export.collision.hull_pool import Solid
 from sim_export.errors import DecompositionFailed
 from sim_export.geometry.solids import as_solid, measure_fit, measure_kept_cavity, unite_hulls
 from sim_export.package import Hull, Mesh

@@ -1,21 +1,33 @@
-"""Limits of PhysX's GPU solver on hulls, with a little room, and how hulls are changed to comply."""
+"""Limits of physics engines on hulls, and how hulls are changed to comply.
+
+PhysX's GPU solver limits vertices, faces and slenderness. It also merges facets that differ by less than
+0.7 mm per metre and moves the common plane outwards until it holds all corners, a fan at a time: hulls
+that clear each other by a millimetre then touch. Cuts along a swing leave such fans; one plane through
+the innermost corner of their facets loses less than that millimetre, and is the same in every engine.
+"""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+from jaxtyping import Float
+from scipy.spatial import ConvexHull
+from scipy.spatial.distance import pdist
 
 from sim_export.collision.hulls import (
+    box_bounds,
     clip_hull,
     convex_hull,
     hull_length,
+    hull_planes,
     hull_volume,
     hull_width,
     reduce_hull,
     scale_to_volume,
 )
 from sim_export.geometry.primitives import is_box
-from sim_export.package import Hull
+from sim_export.package import Hull, Link
 
 MOST_OF_LINK = 96
 """Hulls of a link after clearance and additions, at most; check V006 allows as many."""
@@ -35,6 +47,15 @@ MAX_ASPECT = 60.0
 thickened a little. PhysX handles oblong hulls badly from 64 on, but takes boxes of any length."""
 SLIVER = 0.005
 """Share of the part's hull volume that may be left out as hulls thinner than the least thickness."""
+COPLANAR = 0.0015
+"""Distance of one facet's middle from the other's plane, over the hull's diagonal, below which two
+neighbours are one; twice what PhysX merges, since its fans grow."""
+MAX_FLATTENED = 0.03
+"""Greatest share of a hull's volume that this may cost; what would cost more stays as it is."""
+FLATTENED_WIDTH = 0.0012
+"""Nor may it leave a hull thinner than this (m)."""
+MOST_MERGED = 24
+"""Most facets of a hull that are merged, one after the other."""
 
 
 def limit_hulls(hulls: Sequence[Hull], max_hulls: int) -> tuple[tuple[Hull, ...], tuple[str, ...]]:
@@ -179,3 +200,149 @@ def _cut_to_aspect(hull: Hull, depth: int = MAX_CUTS) -> list[Hull]:
         if piece is not None and hull_width(piece)[0] > 0.5 * width:
             out += _cut_to_aspect(piece, depth - 1)
     return out
+
+
+ALIKE = 1.12
+"""A box stands for a hull of up to this many times less volume."""
+HALVINGS = 7
+"""Times that a hull is divided, and its halves again."""
+_SPARE = 0.97
+"""Share of the longest allowed length that hulls are made for."""
+
+
+def compact_hull(
+    hull: Hull,
+    thickest: float,
+    alike: float = ALIKE,
+    halvings: int = HALVINGS,
+    reach: float = np.inf,
+) -> list[Hull]:
+    """A hull, or what stands for it within the limits: its box, a thicker hull, or halves of these.
+
+    Args:
+        hull: Any hull.
+        thickest: Thickness (m) up to which a hull is thickened rather than divided.
+        alike: Volume of its box over that of a hull up to which the box is taken.
+        halvings: Times that it may be divided; what is left oblong then is left out.
+        reach: How far (m) its box may stand out of it.
+    """
+    proper = comply_hull(hull, grow=False)
+    if hull_aspect(proper) <= MAX_ASPECT:
+        return [proper]
+    box = around_box(hull)
+    planes = hull_planes(hull)
+    beyond = float((box.vertices @ planes[:, :3].T - planes[:, 3]).max())
+    if hull_volume(box) <= alike * hull_volume(hull) and beyond <= reach:
+        return [box]
+    if not halvings:  # the tip of a wedge is thinner the shorter it is
+        return []
+    length, along = hull_length(hull)
+    # Its longest diagonal, because thickening turns the directions along which its length is measured.
+    needed = max(length, float(pdist(hull.vertices).max())) / (_SPARE * MAX_ASPECT)
+    if needed <= max(thickest, hull_width(hull)[0]):
+        thick = comply_hull(thicken_hull(hull, needed), grow=False)
+        if hull_aspect(thick) <= MAX_ASPECT:
+            return [thick]
+    heights = hull.vertices @ along
+    middle = float(heights.min() + heights.max()) / 2
+    halves = (clip_hull(hull, along, middle), clip_hull(hull, -along, -middle))
+    return [
+        part
+        for half in halves
+        if half is not None and hull_width(half)[0] >= 0.5 * MIN_WIDTH
+        for part in compact_hull(half, thickest, alike, halvings - 1, reach)
+    ]
+
+
+def around_box(hull: Hull) -> Hull:
+    """The smallest box around a hull with a face on its flattest side."""
+    normal = hull_width(hull)[1]
+    helper = np.eye(3)[int(np.abs(normal).argmin())]
+    u = np.cross(normal, helper)
+    u /= np.linalg.norm(u)
+    axes = np.stack([u, np.cross(normal, u)])
+    flat = hull.vertices @ axes.T
+    outline = flat[ConvexHull(flat).vertices]
+    edges = np.roll(outline, -1, axis=0) - outline
+    edges = edges[edges.any(axis=1)]  # two corners may lie in one place
+    edges /= np.linalg.norm(edges, axis=1, keepdims=True)
+    sides = np.stack([edges, np.column_stack([-edges[:, 1], edges[:, 0]])], axis=1)  # E 2 2
+    spread = np.ptp(np.einsum("esi,ni->ens", sides, outline), axis=1)
+    rows = sides[int(spread.prod(axis=1).argmin())] @ axes
+    return box_along(hull.vertices, np.concatenate([rows, [normal]]))
+
+
+def box_along(points: Float[np.ndarray, "N 3"], axes: Float[np.ndarray, "3 3"]) -> Hull:
+    """The box around points whose edges run along the rows of ``axes``."""
+    heights = points @ axes.T
+    corners = np.stack(np.meshgrid(*zip(heights.min(axis=0), heights.max(axis=0), strict=True)), axis=-1)
+    return convex_hull(corners.reshape(-1, 3) @ axes)
+
+
+def flatten_links(links: Sequence[Link]) -> tuple[Link, ...]:
+    """Links whose hulls have no facets that engines would merge; those without any are the same objects."""
+    out = []
+    for link in links:
+        hulls = tuple(flatten_facets(hull) for hull in link.hulls)
+        same = all(new is old for new, old in zip(hulls, link.hulls, strict=True))
+        out.append(link if same else replace(link, hulls=hulls))
+    return tuple(out)
+
+
+def flatten_facets(hull: Hull) -> Hull:
+    """A hull inside of the given one, with one facet in place of neighbours that are nearly coplanar."""
+    if box_bounds(hull) is not None:
+        return hull
+    tolerance = COPLANAR * float(np.linalg.norm(np.ptp(hull.vertices, axis=0)))
+    least = (1.0 - MAX_FLATTENED) * hull_volume(hull)
+    flat = hull
+    for _ in range(MOST_MERGED):
+        plane = _merged_plane(flat, tolerance)
+        cut = None if plane is None else clip_hull(flat, plane[:3], float(plane[3]))
+        if cut is None or cut is flat:
+            break
+        if hull_volume(cut) < least or hull_width(cut)[0] < FLATTENED_WIDTH:
+            break
+        if len(cut.vertices) > len(hull.vertices) or hull_aspect(cut) > MAX_ASPECT:
+            break
+        flat = cut
+    return flat
+
+
+def _merged_plane(hull: Hull, tolerance: float) -> Float[np.ndarray, "4"] | None:
+    """The plane inside of the two neighbouring facets that differ least, or `None` if none do so little."""
+    planes = hull_planes(hull)
+    if len(planes) != len(hull.faces):  # a face without area
+        return None
+    facet = np.unique(np.round(planes, 7) + 0.0, axis=0, return_inverse=True)[1].ravel()
+    corners = hull.vertices[hull.faces]
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    total = np.bincount(facet, weights=areas)
+    middles = (
+        np.stack([np.bincount(facet, weights=areas * corners.mean(axis=1)[:, n]) for n in range(3)], axis=1)
+        / np.maximum(total, 1e-300)[:, None]
+    )
+    first = np.unique(facet, return_index=True)[1]
+    normals, offsets = planes[first, :3], planes[first, 3]
+    edges = np.sort(
+        np.concatenate([hull.faces[:, [0, 1]], hull.faces[:, [1, 2]], hull.faces[:, [2, 0]]]), axis=1
+    )
+    owner = np.tile(facet, 3)
+    order = np.lexsort((edges[:, 1], edges[:, 0]))
+    pairs = owner[order].reshape(-1, 2)
+    pairs = np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
+    if not len(pairs):
+        return None
+    a, b = pairs.T
+    apart = np.maximum(
+        offsets[a] - np.einsum("ij,ij->i", normals[a], middles[b]),
+        offsets[b] - np.einsum("ij,ij->i", normals[b], middles[a]),
+    )
+    apart[np.einsum("ij,ij->i", normals[a], normals[b]) < 0.9] = np.inf
+    best = int(apart.argmin())
+    if apart[best] > tolerance:
+        return None
+    normal = total[a[best]] * normals[a[best]] + total[b[best]] * normals[b[best]]
+    normal /= np.linalg.norm(normal)
+    members = np.unique(hull.faces[(facet == a[best]) | (facet == b[best])])
+    return np.append(normal, float((hull.vertices[members] @ normal).min()))

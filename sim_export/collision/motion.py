@@ -1,20 +1,32 @@
-"""Forward kinematics of package links.
+"""Motion of package links: kinematics, joints that others need open, and sweeps.
 
-Links and joints are given in the object frame at rest, so that the displacement of a link is its
-parent's displacement times its own joint's motion, as in `artigen.kinematics`.
+Links and joints are given in the object frame at rest, so that the displacement of a link is its parent's
+displacement times its own joint's motion, as in `artigen.kinematics`. A joint *requires* another, such as
+that of a door before a drawer, when its sweep runs deep into the other's closed link and is free of it
+once the other is open. Requirements never form a cycle; shallow contact is clearance's business.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import screw_motion
+from sim_export.collision.contacts import HullSet, penetration_depths
 from sim_export.errors import InvalidKinematics
-from sim_export.package import Link, PackageJoint
-from sim_export.tree import hanging_links
+from sim_export.package import Link, PackageJoint, Requirement
+from sim_export.tree import hanging_links, needed_fractions
 
 MOVING_TYPES = ("revolute", "prismatic", "continuous")
+POSES = 21
+"""Samples of each joint's range."""
+MIN_DEPTH = 0.025
+"""Depth beyond the depth at rest, over the object's longest side, from which a link counts as blocked."""
+FREE_DEPTH = 0.01
+"""Depth beyond the depth at rest, over the object's longest side, up to which the way counts as free."""
+FRACTIONS = (0.25, 0.5, 0.75, 1.0)
+"""Openings of the other joint that are tried, least first."""
 
 
 def driven_joints(joints: Sequence[PackageJoint]) -> tuple[PackageJoint, ...]:
@@ -114,3 +126,130 @@ def _parents_first(links: Sequence[Link], joints: Sequence[PackageJoint]) -> lis
         placed |= {joint.child for joint in ready}
         waiting = [joint for joint in waiting if joint.child not in placed]
     return ordered
+
+
+def sweep_coordinates(joint: PackageJoint, poses: int) -> Float[np.ndarray, "P"]:
+    """Evenly spaced coordinates from closed to fully open."""
+    return np.linspace(joint.lower, joint.upper, poses)
+
+
+def required_openings(
+    joint: PackageJoint, joints: Sequence[PackageJoint], requirements: Sequence[Requirement]
+) -> dict[str, float]:
+    """Coordinates of the joints that must be open for ``joint`` to move, requirements of theirs included."""
+    by_name = {other.name: other for other in joints}
+    return {
+        name: by_name[name].lower + fraction * (by_name[name].upper - by_name[name].lower)
+        for name, fraction in needed_fractions(joint.name, requirements).items()
+    }
+
+
+def find_requirements(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple[Requirement, ...]:
+    """Which joints need which others open, with the least opening that frees them.
+
+    Where two joints block each other, the one that is blocked deeper gets the requirement and the
+    other none, so that following requirements always ends.
+    """
+    sets = [HullSet(hulls=link.hulls) for link in links]
+    size = longest_side(links)
+    driven = driven_joints(joints)
+    moved = {joint.name: moved_links(links, joints, joint) for joint in driven}
+    blocked = []
+    for joint in driven:
+        poses = sweep_coordinates(joint, POSES)
+        for other in driven:
+            apart = [slot for slot in moved[other.name] if slot not in moved[joint.name]]
+            if other is joint or not apart or set(moved[joint.name]) <= set(moved[other.name]):
+                continue
+            depth = _depth(links, joints, sets, {joint.name: poses}, (moved[joint.name], apart))
+            if depth > MIN_DEPTH * size:
+                blocked.append((depth, joint, other, apart))
+    found: list[Requirement] = []
+    for _, joint, other, apart in sorted(blocked, key=lambda row: (-row[0], row[1].name, row[2].name)):
+        poses = sweep_coordinates(joint, POSES)
+        if other.name == joint.name or joint.name in needed_fractions(other.name, found):
+            continue
+        for fraction in FRACTIONS:
+            opened = {joint.name: poses, other.name: other.lower + fraction * (other.upper - other.lower)}
+            if _depth(links, joints, sets, opened, (moved[joint.name], apart)) <= FREE_DEPTH * size:
+                found.append(Requirement(joint=joint.name, needs=other.name, fraction=fraction))
+                break
+    order = {joint.name: index for index, joint in enumerate(joints)}
+    return tuple(sorted(found, key=lambda requirement: (order[requirement.joint], order[requirement.needs])))
+
+
+def _depth(
+    links: Sequence[Link],
+    joints: Sequence[PackageJoint],
+    sets: Sequence[HullSet],
+    qpos: Mapping[str, object],
+    pair: tuple[Sequence[int], Sequence[int]],
+) -> float:
+    """Deepest penetration of two groups of links along a sweep, less what it is at rest."""
+    T = link_displacements(links, joints, qpos)
+    deepest = 0.0
+    for first in pair[0]:
+        for second in pair[1]:
+            if sets[first].hulls and sets[second].hulls:
+                depths = penetration_depths(sets[first], sets[second], T[:, first], T[:, second])
+                at_rest = penetration_depths(sets[first], sets[second], np.eye(4), np.eye(4))[0]
+                deepest = max(deepest, float(depths.max() - at_rest))
+    return deepest
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepConfig:
+    """How closely a joint's range is sampled."""
+
+    poses: int = 41
+    """Fewest samples."""
+    step: float = 4e-3
+    """Farthest (m) that a point may move from one sample to the next: what is left of cut hulls is thin, and
+    the edge of a door would jump over it."""
+    max_poses: int = 401
+    """Most samples."""
+
+
+FINE = SweepConfig()
+"""What hulls are cut and added by."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sweep:
+    """One joint's sweep: displacements of all links, and the indices of those it moves."""
+
+    T: Float[np.ndarray, "P L 4 4"]
+    moved: frozenset[int]
+
+
+def sample_sweep(
+    links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint, cfg: SweepConfig = FINE
+) -> Float[np.ndarray, "P"]:
+    """Coordinates of a joint from closed to fully open, close enough for all hulls that it moves."""
+    moved = [hull.vertices for slot in moved_links(links, joints, joint) for hull in links[slot].hulls]
+    return sample_range(joint, moved, cfg)
+
+
+def sample_range(
+    joint: PackageJoint, moved: Sequence[Float[np.ndarray, "N 3"]], cfg: SweepConfig
+) -> Float[np.ndarray, "P"]:
+    """Coordinates of a joint from closed to fully open, close enough for points that it moves."""
+    steps = int(np.ceil(farthest_travel(joint, moved) / cfg.step))
+    return sweep_coordinates(joint, int(np.clip(steps + 1, cfg.poses, cfg.max_poses)))
+
+
+def read_sweeps(
+    links: Sequence[Link],
+    joints: Sequence[PackageJoint],
+    requirements: Sequence[Requirement],
+    cfg: SweepConfig = FINE,
+) -> tuple[Sweep, ...]:
+    """Every driven joint's sweep, with what it requires open."""
+    sweeps = []
+    for joint in driven_joints(joints):
+        q = sample_sweep(links, joints, joint, cfg)
+        T = link_displacements(
+            links, joints, {**required_openings(joint, joints, requirements), joint.name: q}
+        )
+        sweeps.append(Sweep(T=T, moved=frozenset(moved_links(links, joints, joint))))
+    return tuple(sweeps)

@@ -7,8 +7,7 @@ from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
 from sim_export.collision.free_space import find_free_space
-from sim_export.collision.motion import driven_joints, link_displacements, moved_links
-from sim_export.collision.requirements import sweep_coordinates
+from sim_export.collision.motion import driven_joints, link_displacements, moved_links, sweep_coordinates
 from sim_export.collision.surface_hulls import (
     FINER,
     USUAL,

@@ -6,8 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sim_export.collision.contacts import HullSet
-from sim_export.collision.motion import driven_joints, link_displacements, moved_links
-from sim_export.collision.requirements import required_openings
+from sim_export.collision.motion import driven_joints, link_displacements, moved_links, required_openings
 from sim_export.package import PackageJoint, SimPackage
 
 STILL_LABELS = ("knob", "wheel", "handle")

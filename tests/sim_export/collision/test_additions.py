@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sim_export.collision import additions
-from sim_export.collision.additions import add_hull
+from sim_export.collision import attachment
+from sim_export.collision.attachment import add_hull
 from sim_export.collision.contacts import HullSet
 from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect
 from sim_export.collision.hulls import box_hull
@@ -19,7 +19,7 @@ def column(thick: float) -> Hull:
 
 @pytest.mark.parametrize(("thick", "hulls"), [(0.01, 0), (0.02, 1)])
 def test_a_hull_is_not_stretched_to_a_needle(thick: float, hulls: int, monkeypatch):
-    monkeypatch.setattr(additions, "MOST_OF_LINK", 1)
+    monkeypatch.setattr(attachment, "MOST_OF_LINK", 1)
     stand = column(thick)
     made = add_hull([HullSet(hulls=(stand,))], [], 0, FOOT, stand)
     found = () if made is None else made.hulls

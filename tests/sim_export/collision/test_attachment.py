@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim_export.collision import additions, attachment
+from sim_export.collision import attachment
 from sim_export.collision.attachment import NEAR, attach_links
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hulls import box_hull
@@ -107,7 +107,7 @@ def test_a_gap_that_nothing_may_enter_is_said(monkeypatch):
 
 
 def test_where_a_link_has_all_its_hulls_one_is_stretched(monkeypatch):
-    monkeypatch.setattr(additions, "MOST_OF_LINK", 1)
+    monkeypatch.setattr(attachment, "MOST_OF_LINK", 1)
     links = (link("body", BODY), link("part", KNOB))
     done = attach_links(links, [TURN])
     assert [len(item.hulls) for item in done.links] == [1, 1]

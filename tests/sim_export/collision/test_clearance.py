@@ -12,9 +12,15 @@ from sim_export.collision.contacts import HullSet, penetration_depths, signed_di
 from sim_export.collision.cut_hulls import CutHulls
 from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect
 from sim_export.collision.hulls import box_hull, convex_hull, hull_volume
-from sim_export.collision.motion import driven_joints, link_displacements, moved_links
+from sim_export.collision.motion import (
+    driven_joints,
+    find_requirements,
+    link_displacements,
+    moved_links,
+    required_openings,
+    sweep_coordinates,
+)
 from sim_export.collision.relief import MARGIN
-from sim_export.collision.requirements import find_requirements, required_openings, sweep_coordinates
 from sim_export.errors import InvalidKinematics
 from sim_export.package import Hull, Link, PackageJoint, Requirement
 

@@ -6,7 +6,13 @@ from scipy.optimize import nnls
 from scipy.spatial import ConvexHull
 
 from artigen.transforms import matrix_from_quat, screw_motion, transform_points
-from sim_export.collision.contacts import HullSet, find_penetration, penetration_depths, signed_distances
+from sim_export.collision.contacts import (
+    FEW_POSES,
+    HullSet,
+    find_penetration,
+    penetration_depths,
+    signed_distances,
+)
 from sim_export.collision.hulls import box_hull, clip_hull, convex_hull, hull_planes, hull_volume
 from sim_export.package import Hull
 
@@ -167,3 +173,14 @@ def test_cutting_a_hull_splits_its_volume():
     box = box_hull(np.zeros(3), np.ones(3))
     assert clip_hull(box, np.array([1.0, 0, 0]), -0.1) is None
     assert clip_hull(box, np.array([1.0, 0, 0]), 1.1) is box
+
+
+def test_many_poses_of_a_pair_give_what_each_pose_gives_alone():
+    still, moved = HullSet(hulls=(ball(0.1),)), HullSet(hulls=(ball(0.05, count=40),))
+    poses = np.tile(IDENTITY, (2 * FEW_POSES, 1, 1))
+    poses[:, 0, 3] = np.linspace(-0.3, 0.3, len(poses))
+    found = signed_distances(still, moved, IDENTITY, poses, 0.02)
+    alone = [signed_distances(still, moved, IDENTITY, pose, 0.02).distance for pose in poses]
+    assert found.pose.tolist() == [index for index, distance in enumerate(alone) if len(distance)]
+    np.testing.assert_allclose(found.distance, np.concatenate(alone), atol=1e-12)
+    assert 0 < len(found.pose) < len(poses)

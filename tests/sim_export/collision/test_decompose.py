@@ -9,7 +9,6 @@ from sample_cabinet import SAMPLE_PARTS, sample_box_arrays
 from scipy.spatial import ConvexHull
 
 from sim_export.collision import decompose
-from sim_export.collision.convex_pieces import cut_pieces
 from sim_export.collision.cuboids import largest_cuboids
 from sim_export.collision.decompose import decompose_part, decompose_parts
 from sim_export.collision.hull_limits import (
@@ -22,6 +21,7 @@ from sim_export.collision.hull_limits import (
 )
 from sim_export.collision.hull_methods import Candidate
 from sim_export.collision.hull_offers import TAKEN, make_ground
+from sim_export.collision.hull_pool import cut_pieces
 from sim_export.collision.hulls import (
     box_bounds,
     box_hull,

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sim_export.collision import facets
-from sim_export.collision.facets import flatten_facets
+from sim_export.collision import hull_limits
+from sim_export.collision.hull_limits import flatten_facets
 from sim_export.collision.hulls import (
     box_hull,
     clip_hull,
@@ -60,6 +60,6 @@ def test_cylinders_stay_round(sides: int):
 
 
 def test_a_hull_is_left_alone_where_that_would_cost_much_of_it(monkeypatch):
-    monkeypatch.setattr(facets, "MAX_REMOVED", 0.0)
+    monkeypatch.setattr(hull_limits, "MAX_FLATTENED", 0.0)
     before = fan(2.0)
     assert flatten_facets(before) is before

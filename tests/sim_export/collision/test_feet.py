@@ -4,7 +4,7 @@ import manifold3d
 import numpy as np
 import pytest
 
-from sim_export.collision import additions, feet
+from sim_export.collision import attachment, feet
 from sim_export.collision.feet import add_feet
 from sim_export.collision.hulls import box_hull
 from sim_export.package import Link, Mesh, PackageJoint
@@ -106,7 +106,7 @@ def test_a_foot_stays_short_where_something_passes_just_above_it():
 
 
 def test_where_a_link_has_all_its_hulls_one_is_stretched(monkeypatch):
-    monkeypatch.setattr(additions, "MOST_OF_LINK", 1)
+    monkeypatch.setattr(attachment, "MOST_OF_LINK", 1)
     done = add_feet((link("body", BODY),), [], [], {"body": solid(PLATE, *FEET)})
     assert len(done.links[0].hulls) == 1
     assert lowest(done.links)[0, 2] == pytest.approx(-0.012)

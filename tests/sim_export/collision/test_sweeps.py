@@ -5,11 +5,10 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from sim_export.collision.additions import add_hull
+from sim_export.collision.attachment import add_hull
 from sim_export.collision.contacts import HullSet
 from sim_export.collision.hulls import box_hull, convex_hull
-from sim_export.collision.motion import farthest_travel
-from sim_export.collision.sweeps import SweepConfig, read_sweeps
+from sim_export.collision.motion import SweepConfig, farthest_travel, read_sweeps
 from sim_export.package import Hull, Link, PackageJoint
 
 LEAF = box_hull(np.array([0.0, 0.0, 0.0]), np.array([0.02, 0.8, 1.0]))
