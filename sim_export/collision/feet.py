@@ -4,8 +4,8 @@ Feet are few, low and small, so hulls of a whole body may end above them, and th
 when it stands. Where the mesh reaches further down than every hull, what of it is lowest becomes feet.
 
 Sources are drawn without a floor: a front trim hangs below the body, two legs are shorter than the others,
-or a leaf is the lowest of all. Where the centre of mass lies outside of what touches the floor, or what
-moves carries the object, feet under the corners of the body do what their maker would have done.
+or a leaf is the lowest of all. Where the centre of mass lies outside of what touches the floor, feet under
+the corners of the body do what their maker would have done.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -48,8 +48,6 @@ NEIGHBOURS = 4
 """Hulls near a foot that are tried for it to grow out of, where the body has no hull left to give."""
 MARGIN_SHARE = 0.02
 """`MARGIN` over the smaller side of the object's floor plan, where this is less."""
-LIFT = 0.003
-"""How far feet lift what moves off the floor."""
 MAX_HEIGHT = 0.2
 """Height of feet over that of the object, at most."""
 WIDTH = 0.024
@@ -238,15 +236,11 @@ def level_object(
     sets = [HullSet(hulls=link.hulls) for link in links]
     low, high = _bounds(sets)
     rolling = any(link.label == "wheel" for link in links)
-    moving = min((float(s.vertices[:, 2].min()) for s in sets[:-1] if s.hulls), default=np.inf)
-    on_leaf = not rolling and moving < low[2] + 0.5 * LIFT and moving <= sets[-1].vertices[:, 2].min()
     margin = min(MARGIN, MARGIN_SHARE * float((high - low)[:2].min()))
-    carried = _depth_of_mass(links, sets)
-    if carried >= (0.0 if rolling else margin) and not on_leaf:
+    if _depth_of_mass(links, sets) >= (0.0 if rolling else margin):
         return unchanged
-    floor = min(float(low[2]), moving - LIFT if on_leaf else np.inf)
     sweeps = read_sweeps(links, joints, requirements)
-    wanted = _place_feet(sets[-1], floor, float(high[2] - floor))
+    wanted = _place_feet(sets[-1], float(low[2]), float(high[2] - low[2]))
     if rolling:
         wanted = _choose_feet(wanted, links, sets, margin)
     feet = [foot for foot in wanted if _stands(foot, sets, sweeps)]
@@ -264,11 +258,10 @@ def level_object(
     if not feet:
         return replace(unchanged, records=(f"{links[-1].name}: stands badly, and no foot has room",))
     after = _depth_of_mass(links, sets)
-    reason = "a moving link carried the object" if on_leaf else "its centre of mass was not above its support"
+    high = 1000 * max(np.ptp(foot.vertices[:, 2]) for foot in feet)
     record = (
-        f"{links[-1].name}: {len(feet)} levelling feet up to "
-        f"{1000 * max(np.ptp(foot.vertices[:, 2]) for foot in feet):.0f} mm high were added because {reason}"
-        + ("" if after >= margin else "; it still is not")
+        f"{links[-1].name}: {len(feet)} levelling feet up to {high:.0f} mm high were added because its centre "
+        f"of mass was not above its support{'' if after >= margin else '; it still is not'}"
     )
     body = replace(links[-1], hulls=sets[-1].hulls)
     return Levelled(links=(*links[:-1], body), feet=visuals, records=(record,))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim_export.collision.feet import LIFT, level_object
+from sim_export.collision.feet import level_object
 from sim_export.collision.hulls import box_hull
 from sim_export.package import Inertial, Link, PackageJoint
 
@@ -58,15 +58,15 @@ def test_what_hangs_on_a_wall_gets_no_feet():
     assert level((link("body", BODY, TRIM),), [], [], "Window").feet == ()
 
 
-def test_a_body_is_lifted_off_its_door():
+def test_a_body_that_only_its_door_carries_gets_feet_beside_the_door():
     door = link("link_0", ((-0.33, -0.4, 0.0), (-0.31, 0.4, 0.7)), label="door")
     hinge = PackageJoint(
         name="joint_0", type="revolute", kind="revolute", parent="body", child="link_0",
         origin=np.array([-0.31, 0.4, 0.0]), axis=np.array([0.0, 0.0, -1.0]), lower=0.0, upper=1.5,
     )  # fmt: skip
     done = level((door, link("body", BODY)), [hinge], [], "StorageFurniture")
-    assert lowest(done.links)[:, 2].max() == pytest.approx(-LIFT)
-    assert len(lowest(done.links)) == 16  # four feet of four corners
+    assert lowest(done.links)[:, 2].max() == pytest.approx(0.0)
+    assert len(done.feet) == 4
 
 
 def test_feet_that_would_be_stilts_are_not_added_and_that_is_said():
