@@ -258,10 +258,10 @@ def level_object(
     if not feet:
         return replace(unchanged, records=(f"{links[-1].name}: stands badly, and no foot has room",))
     after = _depth_of_mass(links, sets)
-    high = 1000 * max(np.ptp(foot.vertices[:, 2]) for foot in feet)
+    tallest = 1000 * max(np.ptp(foot.vertices[:, 2]) for foot in feet)
     record = (
-        f"{links[-1].name}: {len(feet)} levelling feet up to {high:.0f} mm high were added because its centre "
-        f"of mass was not above its support{'' if after >= margin else '; it still is not'}"
+        f"{links[-1].name}: {len(feet)} levelling feet up to {tallest:.0f} mm high were added because its "
+        f"centre of mass was not above its support{'' if after >= margin else '; it still is not'}"
     )
     body = replace(links[-1], hulls=sets[-1].hulls)
     return Levelled(links=(*links[:-1], body), feet=visuals, records=(record,))
