@@ -413,3 +413,20 @@ def test_poses_of_all_joints_are_balanced(tmp_path):
     subject = write(slide(FRONT, 0.64), tmp_path)
     at = joint_poses(subject, CheckConfig()).T["part"][:, 0, 3]
     assert sorted(np.floor(at / 0.01 + 1e-9).astype(int)) == list(range(64))
+
+
+@pytest.mark.parametrize(("width", "named"), [(0.5, "body, lid"), (0.1, "body")])
+def test_v103_names_all_links_with_much_of_the_surface_that_is_far_off(tmp_path, width, named):
+    """Plates 0.2 m beside two cubes, that of the lid ``width`` wide."""
+    plates = [
+        ((0.25, 0.25, z), (0.25 + side, 0.25 + side, z + 0.2)) for z, side in ((1.0, 0.5), (4.0, width))
+    ]
+    lid = ((0.0, 0.0, 3.0), (1.0, 1.0, 4.0))
+    content = scene(
+        link("body", both(BODY), seen(plates[0])),
+        link("lid", both(lid), seen(plates[1])),
+        joint("fixed", "body", "lid"),
+    )
+    found = run_check(SPECS["V103"], write(content, tmp_path), CheckConfig())
+    assert found.verdict == "fail"
+    assert found.where == named
