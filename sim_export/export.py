@@ -26,7 +26,6 @@ from sim_export.collision.trimming import Trimmed, fill_meshes, trim_meshes
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import separate_solids
-from sim_export.geometry.strays import settle_strays
 from sim_export.geometry.struts import brace_links
 from sim_export.geometry.wheels import fit_width, is_open, round_wheels
 from sim_export.package import Inertial, Link, Mesh, SimPackage, SourceMesh
@@ -119,8 +118,7 @@ def make_solids(asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | N
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     owners = link_owners(asset)
-    voxels, settled = settle_strays(asset.voxels, owners, [part.name for part in asset.parts])
-    voxels, gaps = fill_boards(voxels, owners)
+    voxels, gaps = fill_boards(asset.voxels, owners)
     asset = replace(asset, voxels=voxels)
     solids, given_up = separate_solids(asset, solid_parts(asset), owners)
     plain = mesh_parts(asset, solids)
@@ -132,7 +130,6 @@ def make_solids(asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | N
     inertials = [weigh_part(asset, index, mesh, solids[index]) for index, mesh in enumerate(meshes)]
     watch.lap("mass")
     records = (
-        *settled,
         *([f"{gaps} cells between the faces of boards were filled"] if gaps else []),
         *(
             f"{part.name}: {said}"
