@@ -6,7 +6,6 @@ loses less volume; what cuts cannot free is shortened or reported, never hidden.
 removes collision volume, so that no cut can cause new contact.
 """
 
-import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -26,7 +25,6 @@ from sim_export.collision.motion import (
 from sim_export.collision.relief import MARGIN, OverlappingPair, Relief, cut_along_faces, relieve_pair
 from sim_export.package import Link, PackageJoint, Requirement
 
-logger = logging.getLogger(__name__)
 _FRONTS = {"door", "drawer"}
 GAP = 1e-3
 """Hulls nearer than this (m) are cut. Engines push apart what touches at rest, however little, and
@@ -132,12 +130,7 @@ def clear_joints(
         link if not work.cuts[index] else replace(link, hulls=work.prepared(index)[0].hulls)
         for index, link in enumerate(links)
     )
-    out = Clearance(links=cleared, joints=final, reliefs=work.reliefs(), limits=limits, residuals=residuals)
-    logger.info(
-        "clearance: %d cuts, %d limits lowered, %d penetrations left",
-        sum(work.cuts), len(limits), len(residuals),
-    )  # fmt: skip
-    return out
+    return Clearance(links=cleared, joints=final, reliefs=work.reliefs(), limits=limits, residuals=residuals)
 
 
 def _poses(work: CutHulls, joint: PackageJoint, joints: Sequence[PackageJoint],

@@ -36,12 +36,11 @@ SKIN_NEAREST = 4000
 
 @dataclass(frozen=True, kw_only=True)
 class LinkRelief:
-    """What one link lost: number of cuts, volume (m^3) and share of its hulls' volume, deepest cut (m)."""
+    """What one link lost: number of cuts, share of its hulls' volume, deepest cut (m)."""
 
     link: str
     cuts: int
     dropped: int
-    removed_volume: float
     removed_share: float
     largest_depth: float
 
@@ -166,7 +165,6 @@ class CutHulls:
                         link=link.name,
                         cuts=self.cuts[index],
                         dropped=self.dropped[index],
-                        removed_volume=removed,
                         removed_share=removed / before,
                         largest_depth=self.deepest[index],
                     )
