@@ -289,8 +289,11 @@ def _notch(pair: OverlappingPair, found: Distances, gap: float, *, sheets: bool)
         left = sum(map(hull_volume, pieces))
         if not pieces or len(pieces) - 1 > pair.room[side]:
             continue
-        thin = max(pair.max_depth, min(depth, _shared_width(pair.hulls[side], planes)))
-        if pair.allows(side, left, depth) or (depth > thin and pair.allows(side, left, thin + NEARLY)):
+        allowed = pair.allows(side, left, depth)
+        if not allowed:
+            thin = max(pair.max_depth, min(depth, _shared_width(pair.hulls[side], planes)))
+            allowed = depth > thin and pair.allows(side, left, thin + NEARLY)
+        if allowed:
             plans.append(_one_sided(pair, side, pieces, depth))
     return plans
 

@@ -81,6 +81,8 @@ def is_box(hull: Hull) -> bool:
 
 def _find_box(corners: Float[np.ndarray, "8 3"]) -> PrimitiveShape | None:
     center = corners.mean(axis=0)
+    if np.ptp(np.linalg.norm(corners - center, axis=1)) > 4.0 * PRECISION:
+        return None  # most hulls of eight corners; those of a box lie on a sphere
     spokes = corners - corners[0]
     reach = np.linalg.norm(spokes, axis=1)
     first, *others = np.argsort(reach, kind="stable")[1:]  # the shortest vector from a corner is an edge
