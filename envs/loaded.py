@@ -105,7 +105,6 @@ def set_open_fraction(
     """Poses every joint at a fraction of its range, at rest; returns the articulation's ``qpos``.
 
     Args:
-        loaded: The object.
         fraction: 0 is the lower limit and 1 the upper; one number for all joints or one per joint of
             ``loaded.joints``. For a joint without limits it is a share of a full turn.
     """

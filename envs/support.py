@@ -16,7 +16,6 @@ def overhang_of(loaded: LoadedPackage, vertices: Float[np.ndarray, "V 3"]) -> fl
     """Distance (m) of the centre of mass outside of the support polygon; negative inside.
 
     Args:
-        loaded: The object at its current pose.
         vertices: Its collision vertices in the world.
     """
     feet = vertices[vertices[:, 2] < vertices[:, 2].min() + FLOOR_BAND][:, :2]

@@ -94,9 +94,6 @@ def run_trials(
     """All trials of one package at one time step, in new scenes.
 
     Args:
-        folder: The package folder.
-        package: Its content.
-        timestep: Seconds per step.
         hulls: ``known`` if the same folder was loaded before, unchanged (`LoadConfig.hulls`).
     """
     scene = create_scene(timestep)

@@ -26,8 +26,6 @@ def even_sides(
 
     Args:
         drawn: Sampled latents, which begin with the colours of both sides (`artigen.appearance.vae`).
-        expected: Prediction of the linear prior (`artigen.appearance.linear_prior`).
-        paint: Colours of both sides of the voxels, and their transmission.
         edges: Pairs of neighbours on one face (`artigen.voxels.regions.find_edges`).
     """
     out = drawn.clone()

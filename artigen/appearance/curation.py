@@ -81,12 +81,7 @@ def curate(
     """Features of the asset's voxels, and the pictures kept of every state.
 
     Args:
-        shape: The object.
         asset: The same object with voxels and, where they have sides, samples of its surface.
-        facings: Directions of the voxels' outer sides.
-        extractor: Extractor of image features.
-        cfg: States and views.
-        paint: Surface colours of the voxels' sides.
 
     Raises:
         ValueError: If the asset has no voxels, or needs surface samples and has none.

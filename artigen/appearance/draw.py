@@ -96,10 +96,6 @@ def draw_splats(
     """Samples the Gaussians of given voxels, in the order of the voxels.
 
     Args:
-        model: Trained networks.
-        canvas: The voxels.
-        asked: Condition.
-        seed: Seed of the noise.
         paint: Colours of both sides of each voxel, and its transmission (`artigen.appearance.paint`); all
             models but ``paper`` take it.
         sampler: Steps and guidance; those of the model's preset when None.
@@ -153,10 +149,7 @@ def generate_appearance(
     of its voxel, except for strays (`artigen.splats.seams`).
 
     Args:
-        model: Trained networks.
         asset: Asset with voxels at the model's resolution.
-        asked: Condition from which the structure was generated.
-        seed: Seed of the noise.
         surface: Painted samples of the surface that the voxels represent; for a generated structure those of
             its meshes (`sim_export.geometry.surface`, `artigen.appearance.paint.repaint`). ``paper`` needs
             none.

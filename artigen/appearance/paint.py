@@ -79,8 +79,6 @@ def gather_paint(surface: PaintedSurface, voxels: VoxelGrid, facings: Int[np.nda
 
     Args:
         surface: Painted samples; a part without any is black.
-        voxels: Cells of the same object.
-        facings: Directions of their outer sides.
     """
     count, samples = len(voxels.coords), surface.samples
     rows, own = find_voxels(samples, voxels)

@@ -63,10 +63,6 @@ def card_text(table: Table, stored: Files, about: About, *, example: str, sheet:
     Args:
         table: `COLUMNS` of its manifest.
         stored: Size of every file by path, under ``bytes``.
-        about: Description of the data set.
-        example: Folder of the unpacked example object.
-        sheet: Path of the picture of objects.
-        shown: Number of objects in the picture.
     """
     count = len(table["id"])
     kinds = Counter(kind for row in table["joint_kinds"] for kind in row)

@@ -70,9 +70,7 @@ def croissant_text(count: int, stored: Mapping[str, Mapping[str, Any]], about: A
     """croissant.json of a data set.
 
     Args:
-        count: Number of objects.
         stored: Size and SHA-256 of every file by its path, which is relative to croissant.json.
-        about: Description of the data set.
     """
     value: dict[str, Any] = {
         "@context": CONTEXT,

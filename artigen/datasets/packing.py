@@ -88,8 +88,6 @@ def unpack_files(
     """The files of a folder by their path, from its archive and shared files.
 
     Args:
-        archive: Archive of its own files.
-        shared: Its shared files.
         fetch: Returns the content of a shared file by its SHA-256.
         listed: Whether to add the listing, which was left out.
 

@@ -92,10 +92,7 @@ def write_dataset(
     Args:
         out: Folder of the data set; other files in it stay.
         ids: Ids of all objects, in the order of `order_objects`.
-        load: Returns an object by its id.
         fetch: Returns the content of a shared file by its SHA-256.
-        about: Description of the data set.
-        per_shard: Objects per shard.
 
     Returns:
         ``out``.

@@ -128,13 +128,8 @@ def make_examples(
     """Makes the shards that are missing and reads all.
 
     Args:
-        folder: Folder of the shards.
         first: Seed of the first object of each category.
-        shards: Number of shards.
-        categories: Categories of the objects.
         count: Seeds per shard, each drawn for all categories.
-        workers: Number of processes that make shards.
-        photos: Whether photos of the objects are made as well.
 
     Raises:
         SourceError: If a shard cannot be made or read.

@@ -29,11 +29,6 @@ class PartCloud:
 def sample_cells(asset: Asset, count: int, seed: int = 0) -> PartCloud:
     """Points spread evenly over all occupied cells, uniform inside each; equal seeds, equal points.
 
-    Args:
-        asset: Object with voxels.
-        count: Number of points.
-        seed: Seed of the choice of cells and of the positions in them.
-
     Raises:
         ValueError: If the asset has no occupied cell.
     """

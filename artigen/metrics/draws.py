@@ -74,8 +74,6 @@ def draw_all(
     Args:
         jobs: Draws; a key stands for the same condition, seed and model at every start.
         folder: Folder for the journal and one asset folder per object.
-        draw_asset: Draws an object.
-        name: Name of the progress bar.
     """
     folder.mkdir(parents=True, exist_ok=True)
     known = {line["key"]: line for line in read_lines(folder / JOURNAL)}

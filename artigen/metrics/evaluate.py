@@ -67,8 +67,6 @@ def evaluate_sketch(folder: Path, out: Path, cfg: EvaluateConfig) -> Evaluation:
     stored in ``out``; existing ones are reused.
 
     Args:
-        folder: Folder of the model.
-        out: Folder of the evaluation.
         cfg: Scope; packages are not made here, because those of sketches are made by `artigen generate`.
 
     Raises:
@@ -111,9 +109,6 @@ def evaluate_structure(
     """Evaluates the structure model of a folder; stores draws in ``out``, and reuses them.
 
     Args:
-        folder: Folder of the model.
-        out: Folder of the evaluation.
-        cfg: Scope of the evaluation.
         prove: Makes and checks packages of draws; None skips packages.
         draw_shape_for: Draws objects whose outlines the model takes; the folder's sketch network when None.
 

@@ -45,7 +45,6 @@ def score_colors(
     """Mean absolute error of the mean colour of each part that the closed object shows, over objects.
 
     Args:
-        examples: The objects.
         answers: Pictures of each of them, by method.
     """
     rows: dict[str, list[float]] = {name: [] for name in answers}

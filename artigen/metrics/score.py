@@ -55,9 +55,6 @@ def score_objects(
 
     Args:
         wanted: Conditions to be met; counts or sizes are scored only if every condition has them.
-        found: Objects of the method.
-        truths: True objects.
-        cfg: Sampling density.
     """
     pairs = list(zip(wanted, found, truths, strict=True))
     out: Scores = {

@@ -28,10 +28,8 @@ def score_distances(
 
     Args:
         splats: Gaussians at rest, voxel after voxel.
-        part_ids: Part of each voxel.
         surface: True points at rest, with the same parts.
         displacements: Displacements of the parts, by state; the first is closed.
-        points: Points of each cloud.
 
     Raises:
         ValueError: If the Gaussians do not divide evenly among the voxels.

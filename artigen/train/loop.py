@@ -104,10 +104,7 @@ def train(
 
     Args:
         network: Network on the CPU; it is moved to the device.
-        losses: Loss terms of a batch.
         batches: Endless batches.
-        folder: Folder of the stage.
-        cfg: Budget and rates.
         weights: Weights of the losses of several batches per step; ``batches`` then yields mappings from
             these names to batches.
 

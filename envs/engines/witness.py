@@ -43,13 +43,7 @@ WITNESSES = {
 
 
 def ask_engines(folder: Path, engines: tuple[EngineChoice, ...], timeout: float) -> tuple[CheckResult, ...]:
-    """Checks V501 to V506 of every engine; a missing engine is skipped with a message.
-
-    Args:
-        folder: A package.
-        engines: Engines, named as in `WITNESSES`.
-        timeout: Time limit (seconds) of each.
-    """
+    """Checks V501 to V506 of every engine; a missing engine is skipped with a message."""
     from sim_export.files.read import read_package
 
     try:

@@ -54,9 +54,6 @@ def load_object(
 
     Args:
         scene: ManiSkill scene; visuals are built only if it can render.
-        entry: The object.
-        name: Unique name in the scene.
-        scene_index: Index of the parallel scene.
         endless: Whether wheels and other joints without limits turn or are fixed at rest.
 
     Returns:

@@ -45,8 +45,6 @@ def run_checks(
     """Runs the static checks of some levels on a package or an original PartNet-Mobility folder.
 
     Args:
-        folder: The folder with ``mobility.urdf``.
-        levels: Which of L0, L1 and L2.
         cfg: Thresholds; the documented ones by default.
         only: Ids of the checks to run; all of these levels by default.
     """

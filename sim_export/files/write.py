@@ -45,7 +45,6 @@ def package_files(package: SimPackage, *, engines: bool = True) -> dict[str, byt
     """All files of a package by their path in it, including the manifest.
 
     Args:
-        package: The package.
         engines: Whether files are included that only engines read: MJCF, SRDF and the URDF for ManiSkill.
 
     Raises:

@@ -169,9 +169,6 @@ def write_preview(
     """Writes the row of one package, or the contact sheet of several, as a PNG.
 
     Args:
-        folders: Package folders.
-        png: Output file.
-        cfg: Content and size of the preview.
         draw_splats: Renderer of Gaussians; without it only meshes are shown.
 
     Raises:

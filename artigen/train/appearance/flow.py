@@ -66,14 +66,7 @@ def train_appearance_flow(
 
     Args:
         flow: New flow; a checkpoint in the folder is resumed.
-        latents: Posterior means and standard deviations of each example's voxels.
-        examples: Training objects.
-        folder: Folder of the stage.
-        cfg: Budget and rates.
-        batch: Objects per step.
-        conditions: Conditions of the flow.
         noisiness: Mean of the logits of training times.
-        drawn: Voxels of each object as a model samples them; optional.
     """
     measured = measure_slats(
         *latents, [one.attributes() for one in examples] if flow.attribute_channels else None
@@ -160,8 +153,6 @@ def measure_slats(
     """Moments of samples from the posteriors of all voxels, given their attributes.
 
     Args:
-        means: Posterior means, object by object.
-        stds: Posterior standard deviations.
         told: Attributes of the voxels; without them there is no linear prior.
     """
     count = sum(len(one) for one in means)

@@ -38,14 +38,7 @@ def appearance_losses(
     batch: PictureBatch,
     cfg: AppearanceLossConfig,
 ) -> dict[str, Tensor]:
-    """The terms, each with its weight, by name.
-
-    Args:
-        encoded: Output of the networks for the batch.
-        drawn: Pictures of its Gaussians, from `draw_pictures`.
-        batch: Ground truth.
-        cfg: Weights.
-    """
+    """The terms, each with its weight, by name."""
     first, second = (values.flatten(0, 1).permute(0, 3, 1, 2) for values in (drawn, batch.rgb))
     weight = 1.0 + (cfg.exposed - 1.0) * batch.exposed.flatten(0, 1)[:, None]
     splats = encoded.splats

@@ -60,8 +60,6 @@ def transfer_latents(
     """Latents of sampled voxels: their linear prior plus the residual of their model voxel; zero for strays.
 
     Args:
-        flow: Flow with the linear prior.
-        mean: Latents of the true voxels.
         told: Attributes of the true voxels and of the sampled ones.
         models: Row of the true voxel whose appearance each sampled one takes.
         sure: Mask of the sampled voxels that match it.

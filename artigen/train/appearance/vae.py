@@ -42,11 +42,6 @@ def train_appearance_vae(
     Args:
         vae: New VAE; a checkpoint in the folder is resumed.
         examples: Examples in memory; closed ones alone train without articulation.
-        folder: Folder of the stage.
-        cfg: Budget and rates.
-        batch: Objects per step.
-        pictures: Pictures of each object per step.
-        losses: Weights of the terms.
     """
 
     scaled = SIDE_CHANNELS if vae.encoder.cfg.sided else 0
@@ -79,9 +74,6 @@ def hide_views(
     at no cost. Hiding the views of seen voxels trains the network on such features.
 
     Args:
-        coords: Sample, x, y, z of each voxel.
-        feats: Features of each voxel.
-        generator: Source of all randomness.
         kept: Number of last channels that hidden voxels keep.
     """
     chance, share, *normal = torch.randn(5, generator=generator, device=generator.device).split(1)
@@ -97,7 +89,6 @@ def measure_features(
     """Mean and standard deviation per channel over the voxels that any view shows.
 
     Args:
-        examples: Objects.
         scaled: Number of last channels that are already scaled and get mean 0 and deviation 1.
 
     Raises:

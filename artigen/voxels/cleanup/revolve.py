@@ -30,12 +30,7 @@ AROUND = 1.5
 
 
 def revolve_parts(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owners, tuple[str, ...]]:
-    """Makes drums round and clears what drums and dials sweep; returns owners and a note.
-
-    Args:
-        owners: Row of the outline per cell, -1 where empty.
-        rows: The outline: channels after occupancy, one row per part.
-    """
+    """Makes drums round and clears what drums and dials sweep; returns owners and a note."""
     before, owners, labels = owners, owners.copy(), np.array(name_rows(rows))
     base = labels == "base"
     for number in np.flatnonzero(_find_turning(rows, labels)):

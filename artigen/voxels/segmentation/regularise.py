@@ -30,7 +30,6 @@ def regularise(asset: Asset, errors: Sequence[tuple[float, float]] | None = None
     """Snaps axes to principal directions and continuous axes to box centres; one note per change.
 
     Args:
-        asset: What to regularise.
         errors: Standard errors of each part's axis (radians) and axis line (unit lengths), where known.
     """
     errors = errors if errors is not None else [(0.0, 0.0)] * len(asset.parts)

@@ -66,9 +66,6 @@ def segment(
     """Finds the parts, their joints and their tree in decoded voxel fields.
 
     Args:
-        fields: What the voxels say, from `artigen.voxels.fields.decode`.
-        cfg: Recipe and tolerances; the defaults when None.
-        name: Name of the asset.
         scale: Metres per unit-cube length.
         category: Category of the asset; when None, the category most voxels vote for.
 
