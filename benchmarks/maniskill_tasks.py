@@ -18,8 +18,7 @@ import torch
 import tyro
 
 import envs  # noqa: F401  registers the tasks
-from envs.maniskill.folders import REPORT_FILE, TaskError, find_packages
-from envs.maniskill.objects import TaskPart, read_object
+from envs.maniskill.objects import REPORT_FILE, TaskError, TaskPart, find_packages, read_object
 from envs.maniskill.solver.solve import solve_open_part, solve_put_inside
 from envs.maniskill.verbs import VERBS, Verb
 from envs.registration import VERB_TASKS

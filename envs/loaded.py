@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
+from envs.friction import pull_spring
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
-
-from .follow import pull_spring
 
 if TYPE_CHECKING:
     import sapien

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
+from torch import Tensor
 
 from artigen.appearance.attributes import describe_voxels, read_kinds
-from artigen.appearance.color_pooling import even_sides
 from artigen.appearance.gaussian_decoder import GaussianDecoder, to_gaussians
 from artigen.appearance.paint import PaintedSurface, gather_paint
 from artigen.appearance.presets import APPEARANCE_PRESETS, AppearancePreset
@@ -24,9 +24,9 @@ from artigen.splats.render.splats import Splats
 from artigen.splats.seams import settle_seams
 from artigen.types import Asset
 from artigen.voxels.fields import tabulate_parts
-from artigen.voxels.frames import find_facings
+from artigen.voxels.frames import SIDES, find_facings
 from artigen.voxels.layout import Canvas, lay_out
-from artigen.voxels.regions import find_edges
+from artigen.voxels.regions import find_edges, number_faces
 from artigen.voxels.surface import describe_places, measure_places
 from artigen.voxels.voxelize import voxelize_again
 
@@ -186,3 +186,33 @@ def generate_appearance(
     splats = draw_splats(model, canvas, asked, seed, paint=paint, sampler=sampler)
     painted = replace(asset, voxels=voxels, gaussians=to_gaussians(splats, voxels.part_ids))
     return replace(settle_seams(painted), voxels=asset.voxels)
+
+
+ALIKE = 1.5 / 255
+"""Largest difference of paint between neighbours that are painted alike; paint comes in steps of 1/255."""
+
+
+def even_sides(
+    drawn: Float[Tensor, "N C"],
+    expected: Float[Tensor, "N C"],
+    paint: Float[np.ndarray, "N 7"],
+    edges: Int[np.ndarray, "E 2"],
+) -> Float[Tensor, "N C"]:
+    """Latents whose deviation in colour from the linear prior is averaged over each region of one paint.
+
+    Args:
+        drawn: Sampled latents, which begin with the colours of both sides (`artigen.appearance.vae`).
+        edges: Pairs of neighbours on one face (`artigen.voxels.regions.find_edges`).
+    """
+    out = drawn.clone()
+    for side in range(SIDES):
+        own = slice(3 * side, 3 * side + 3)
+        painted = np.concatenate([paint[:, own], paint[:, -1:]], axis=1)
+        alike = np.abs(painted[edges[:, 0]] - painted[edges[:, 1]]).max(axis=1) <= ALIKE
+        regions = torch.from_numpy(number_faces(len(paint), edges[alike]).astype(np.int64)).to(drawn.device)
+        residual = drawn[:, own] - expected[:, own]
+        count = torch.bincount(regions).to(residual.dtype)
+        total = torch.zeros(len(count), residual.shape[1], dtype=residual.dtype, device=residual.device)
+        mean = total.index_add_(0, regions, residual) / count[:, None]
+        out[:, own] = expected[:, own] + mean[regions]
+    return out

@@ -10,10 +10,9 @@ import numpy as np
 import tyro
 
 from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
-from artigen.cli.batch import Finished, Laps, Made, make_and_validate, run_shown, say_results
+from artigen.cli.batch import Finished, Laps, Made, make_and_validate, read_shard, run_shown, say_results
 from artigen.cli.models import hash_weights, load_drawer, load_sketch, load_structure
 from artigen.cli.shape import read_wish
-from artigen.cli.shard import read_shard
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
 from artigen.runtime.workers import Worker

@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from artigen.datasets.about import About
-from artigen.datasets.extra import need
-from artigen.datasets.manifest import MANIFEST
+from artigen.datasets.manifest import MANIFEST, About
+from artigen.datasets.packing import need
 
 SIZES = (
     (1_000, "n<1K"),

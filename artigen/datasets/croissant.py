@@ -4,8 +4,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from artigen.datasets.about import About
-from artigen.datasets.manifest import COLUMNS, MANIFEST
+from artigen.datasets.manifest import COLUMNS, MANIFEST, About
 
 CONFORMS = "http://mlcommons.org/croissant/1.0"
 CONTEXT: dict[str, Any] = {

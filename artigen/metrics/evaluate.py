@@ -20,17 +20,16 @@ from artigen.metrics.asks import (
     measure_ask,
     measure_packages,
 )
-from artigen.metrics.draws import draw_exact, draw_latent, reconstruct
+from artigen.metrics.draws import ShapeSource, draw_exact, draw_latent, reconstruct, sketch_source
 from artigen.metrics.footprint import Footprint, FootprintJob, measure_footprint
 from artigen.metrics.instantiation import pose_set
 from artigen.metrics.packages import PackageReport, Prove
 from artigen.metrics.reading import score_reading
 from artigen.metrics.score import Scores
-from artigen.metrics.shapes import ShapeSource, sketch_source
 from artigen.metrics.structure import score_reconstruction, score_spread
 from artigen.metrics.subjects import Subject, describe_subject, draw_subjects, read_subjects
 from artigen.models.description import hash_model, read_description
-from artigen.runtime.run_config import claim_folder
+from artigen.runtime.journal import claim_folder
 from artigen.sketch.model import load_sketch_network
 from artigen.types import PAPER_CATEGORIES
 

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from artigen.metrics.categories import is_same_category
 from artigen.metrics.subjects import Subject, describe_subject
 from artigen.sketch.model import draw_header, look_at
 from artigen.sketch.network import SketchNetwork
@@ -48,3 +47,12 @@ def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[s
         },
         "extents": float(np.mean(errors)),
     }
+
+
+NAMES = {"Dresser": "StorageFurniture", "Wardrobe": "StorageFurniture", "FilingCabinet": "StorageFurniture"}
+"""Kinds of the grammar that PartNet-Mobility, and so the paper, classifies under another name."""
+
+
+def is_same_category(one: str | None, other: str | None) -> bool:
+    """Whether both are the same category in PartNet-Mobility."""
+    return NAMES.get(one or "", one) == NAMES.get(other or "", other)

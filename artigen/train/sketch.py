@@ -14,7 +14,7 @@ from artigen.examples.shards import HELD_OUT
 from artigen.examples.sketch import SHARD, SketchExample, draw_batches, make_examples
 from artigen.examples.sketch_photos import EDGE, gather_photos
 from artigen.models.description import hash_model
-from artigen.runtime.run_config import claim_folder
+from artigen.runtime.journal import claim_folder
 from artigen.sketch.batch import ask_for, make_batch
 from artigen.sketch.model import load_sketch_network, save_sketch_network
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig

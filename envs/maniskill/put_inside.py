@@ -12,9 +12,9 @@ from mani_skill.utils.geometry.rotation_conversions import quaternion_apply, qua
 from mani_skill.utils.structs import Pose
 
 from artigen.transforms import transform_points
+from envs.maniskill.objects import TaskError
 
 from .containers import Container, room_when_open
-from .folders import TaskError
 from .hulls import ground_under, hulls_at, open_above_ground, opened_qpos
 from .load import SURFACE
 from .objects import PartKind, TaskObject, TaskPart, Validation

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from artigen.cli import convert, source_meshes
+from artigen.cli import convert, mend
 from sim_export import export
 from sim_export.collision.surface_hulls import FINER, SPARING, USUAL
 from sim_export.errors import DegeneratePart
@@ -43,7 +43,7 @@ def attempts(monkeypatch):
             convert, "judge_package", lambda package: (failed[package.number], likeness[package.number])
         )
         for name in ("place_source_meshes", "place_source_surfaces"):
-            monkeypatch.setattr(source_meshes, name, lambda source, asset: ())
+            monkeypatch.setattr(mend, name, lambda source, asset: ())
         return asked
 
     return play

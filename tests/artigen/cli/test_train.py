@@ -23,18 +23,17 @@ from artigen.latent.draw import GenerateConfig, load_structure_model
 from artigen.latent.presets import PRESETS
 from artigen.latent.structure_vae import StructureVae
 from artigen.metrics.asks import EvaluateConfig
-from artigen.metrics.draws import DrawJob, draw_all, draw_latent
+from artigen.metrics.draws import DrawJob, ShapeSource, draw_all, draw_latent
 from artigen.metrics.evaluate import Evaluation, evaluate_structure
 from artigen.metrics.instantiation import InstantiationConfig
 from artigen.metrics.report import write_report
 from artigen.metrics.score import ScoreConfig
 from artigen.metrics.settings import EvaluateSettings
-from artigen.metrics.shapes import ShapeSource
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
 from artigen.models.store import load_model, save_model
 from artigen.models.tensors import read_tensors
-from artigen.runtime.run_config import claim_folder
+from artigen.runtime.journal import claim_folder
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.train.loop import finished_steps

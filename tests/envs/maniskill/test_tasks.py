@@ -18,7 +18,7 @@ import torch
 from mani_skill.utils.structs import Pose
 
 from envs.maniskill.checks import check_tasks
-from envs.maniskill.folders import TaskError
+from envs.maniskill.objects import TaskError
 from envs.maniskill.solver.record import record_episodes
 from envs.maniskill.solver.solve import solve_open_part, solve_put_inside
 

@@ -9,9 +9,17 @@ import numpy as np
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 
-from envs.maniskill.folders import TaskError
 from envs.maniskill.hulls import hulls_at, plinth_under
-from envs.maniskill.objects import LOW, PLINTH, QUARTER, TaskObject, on_plinth, read_object, read_objects
+from envs.maniskill.objects import (
+    LOW,
+    PLINTH,
+    QUARTER,
+    TaskError,
+    TaskObject,
+    on_plinth,
+    read_object,
+    read_objects,
+)
 from envs.maniskill.solver.contacts import _thickness, is_inside, surface_samples
 from envs.maniskill.solver.field import build_field, distances
 from envs.maniskill.verbs import verb_of

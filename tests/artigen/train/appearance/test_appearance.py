@@ -50,12 +50,10 @@ from artigen.shapes.render import build_scene, render
 from artigen.splats.render import rasterize
 from artigen.train.appearance.drawn import roughen
 from artigen.train.appearance.flow import measure_slats, train_appearance_flow
-from artigen.train.appearance.losses import (
-    AppearanceLossConfig,
-    appearance_losses,
-)
 from artigen.train.appearance.vae import (
     HIDDEN,
+    AppearanceLossConfig,
+    appearance_losses,
     encode_appearance,
     hide_views,
     measure_features,

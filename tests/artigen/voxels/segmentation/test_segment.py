@@ -31,8 +31,7 @@ from artigen.voxels.segmentation.aggregate import (
     nearest_point_to_lines,
 )
 from artigen.voxels.segmentation.neighbours import connected_groups, neighbour_pairs
-from artigen.voxels.segmentation.regularise import regularise
-from artigen.voxels.segmentation.segment import SegmentConfig, segment
+from artigen.voxels.segmentation.segment import SegmentConfig, regularise, segment
 from artigen.voxels.segmentation.segment_robust import OVERLONG, _explained_below
 from artigen.voxels.segmentation.tree import ALLOWED_PARENTS
 from artigen.voxels.segmentation.votes import overlong_axis
