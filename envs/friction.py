@@ -7,7 +7,8 @@ velocity drive at rest with a force limit is Coulomb friction, and a fixed tendo
 damper beside it.
 
 Followers and springs, which SAPIEN's loader does not support either, are simulated at every step: SAPIEN's
-own coupling, a stiff tendon, adds energy to joints, and a tendon used as a spring pulls several times too hard.
+own coupling, a stiff tendon, adds energy to joints, and a tendon used as a spring pulls several times too
+hard.
 """
 
 from typing import TYPE_CHECKING
