@@ -1,4 +1,4 @@
-"""Samples Gaussians for an articulated structure: latents on its voxels, decoding, seams."""
+"""Samples Gaussians for an articulated structure: latents on its voxels, then decoding."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,7 +21,6 @@ from artigen.models.rectified_flow import SamplerConfig
 from artigen.models.store import load_model
 from artigen.models.tensors import load_strictly, read_tensors
 from artigen.splats.render.splats import Splats
-from artigen.splats.seams import settle_seams
 from artigen.types import Asset
 from artigen.voxels.fields import tabulate_parts
 from artigen.voxels.frames import SIDES, find_facings
@@ -146,7 +145,7 @@ def generate_appearance(
 
     With painted samples of the surface, Gaussians take its colours and lie on the voxels that it passes
     through, as in training; otherwise they lie on the asset's own voxels. Every Gaussian belongs to the part
-    of its voxel, except for strays (`artigen.splats.seams`).
+    of its voxel.
 
     Args:
         asset: Asset with voxels at the model's resolution.
@@ -184,8 +183,7 @@ def generate_appearance(
         places=places,
     )
     splats = draw_splats(model, canvas, asked, seed, paint=paint, sampler=sampler)
-    painted = replace(asset, voxels=voxels, gaussians=to_gaussians(splats, voxels.part_ids))
-    return replace(settle_seams(painted), voxels=asset.voxels)
+    return replace(asset, gaussians=to_gaussians(splats, voxels.part_ids))
 
 
 ALIKE = 1.5 / 255
