@@ -40,8 +40,7 @@ TIMEOUT = 1800.0
 READ, HEADS = 0.5, 16
 """Share of batches that hold pictures with headers and finishes alone, and number of pictures in each."""
 TOLD, TOLD_HEADS = 0.1, 64
-"""The same for headers and finishes without pictures: what an object of a category has if nothing else is
-known."""
+"""The same for headers and finishes without pictures, from which the network learns how common they are."""
 PICTURED, ALONE = 0.8, 0.6
 """Share of the other batches with pictures, and share of their objects without any other request."""
 WINDOW = 6

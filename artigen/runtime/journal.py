@@ -1,4 +1,4 @@
-"""What a killed run resumes from: journals with one JSON object per line, and the settings of its folder."""
+"""Journals (a JSON object per line) and stored settings, from which a killed run resumes."""
 
 import json
 import os

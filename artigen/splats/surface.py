@@ -123,7 +123,7 @@ def _group_rows(surface: SurfaceSamples) -> list[Int[np.ndarray, "M"]]:
 def _find_backed(
     surface: SurfaceSamples, normals: Float[np.ndarray, "N 3"], reach: float
 ) -> Bool[np.ndarray, "N"]:
-    """Mask of samples near another of their part that faces the opposite way, within ``reach`` in height."""
+    """Mask of samples with one of the same part, facing the opposite way, within ``reach`` in height."""
     backed = np.zeros(len(normals), dtype=bool)
     if reach <= 0:
         return backed

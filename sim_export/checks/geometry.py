@@ -222,7 +222,7 @@ GEOMETRY_CHECKS = (
 
 
 def check_islands(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V107: what is seen of a link holds together, and each of its hulls is at that or at other hulls."""
+    """V107: the visual of a link is in one piece, and each of its hulls touches the visual or other hulls."""
     gaps = [(0.0, "", "every link is of one piece")]
     for link in subject.links:
         shown = [shape.triangles for shape in subject.visuals if shape.link == link]

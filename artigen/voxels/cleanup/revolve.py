@@ -115,7 +115,7 @@ def _radii(shape: tuple[int, ...], origin: Float[np.ndarray, "3"], along: int) -
 def _make_round(
     mine: Bool[np.ndarray, "X Y Z"], radii: Float[np.ndarray, "X Y Z"], along: int
 ) -> Bool[np.ndarray, "X Y Z"]:
-    """In every layer, the rings of which a part holds at least half."""
+    """The part made of whole rings about its axis: those of which it holds at least half in a layer."""
     layers, ring = np.moveaxis(mine, along, 0), np.moveaxis(radii, along, 0)[0]
     out = np.zeros_like(layers)
     order = np.argsort(ring, axis=None)
