@@ -22,6 +22,7 @@ from sim_export.physics.materials import (
     rolling_resistance,
 )
 from sim_export.physics.resistance import opening_pull
+from sim_export.physics.standing import depth_of_mass
 
 UNIT = np.array([np.zeros(3), np.ones(3)])
 BODY = Part(name="body", label="base", parent=-1, joint=FIXED, box=UNIT)
@@ -81,12 +82,19 @@ def triangles_of(hull: Hull) -> np.ndarray:
     return hull.vertices[hull.faces]
 
 
+def stands_on(height: float) -> bool:
+    """Whether a table with two feet on the floor stands, because a third one is only so high (m) above it."""
+    feet = np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, height]])
+    return depth_of_mass(feet, np.array([0.5, 0.0, 1.0])) > 0.0
+
+
 HANDLE = Part(name="handle", label="handle", parent=0, joint=FIXED, box=UNIT)
 ROWS: dict[str, tuple[Callable[[float], object], float, object, float, object]] = {
     "light": (lambda x: raise_light_mass(body_of(x), "a")[0].mass, 0.0101, 0.0101, 0.0099, 0.01),
     "triangle": (lambda x: is_valid(np.diag([1.0, 1.0, 2.0 + 2.0 * x])), 0.9e-6, True, 1.1e-6, False),
     "symmetry": (lambda x: is_valid(np.array([[1, x, 0], [0, 1, 0], [0, 0, 1.0]])), 0.9e-6, True,
                  1.1e-6, False),
+    "foot": (stands_on, 0.0019, True, 0.0021, False),
     "links": (lambda x: link_drawers(int(x)) is not None, 63, True, 64, False),
     "plate": (lambda x: finish_material("steel", "tray", "Table", (0.01, 0.01 * x, 1)), 5.9, "steel", 6.1,
               "steel_sheet"),
