@@ -19,6 +19,7 @@ from artigen.appearance.vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVa
 from artigen.cli.generate import (
     GenerateJob,
     GenerateSettings,
+    check_job,
     draw_generated,
     generate,
     generate_and_validate,
@@ -220,13 +221,13 @@ def test_what_cannot_be_is_said_and_nothing_written(model: Path, tmp_path: Path,
     assert not (tmp_path / "out").exists()
 
 
-def test_a_picture_that_is_none_is_said_and_nothing_written(model: Path, tmp_path: Path):
+def test_a_picture_that_is_none_is_named_before_anything_is_made(model: Path, tmp_path: Path):
     wrong = {"words.png": b"hello", "nothing.png": b"", "cut.png": b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR"}
     for name, content in wrong.items():
         (tmp_path / name).write_bytes(content)
+        cfg = GenerateSettings(image=tmp_path / name)
         with pytest.raises(ArtigenError, match=name):
-            generate(out=tmp_path / "out", model=model, cfg=GenerateSettings(image=tmp_path / name))
-    assert not (tmp_path / "out").exists()
+            check_job(GenerateJob(model=model, category=None, seed=0, out=tmp_path / "out", cfg=cfg))
 
 
 def test_a_folder_without_a_model_is_named(tmp_path: Path):
