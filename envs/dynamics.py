@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from envs.urdf_text import physics_urdf
 from sim_export.errors import PackageError
 from sim_export.package import PackageJoint, SimPackage
 from sim_export.physics.standing import must_stand
@@ -21,6 +20,7 @@ from sim_export.report import CheckResult
 from .config import DynamicsConfig
 from .titles import TITLES, make_result, not_run
 from .trials import TrialResults, limit_tolerance, run_trials
+from .urdf_text import physics_urdf
 
 MASS_TOLERANCE = 1e-4
 REST_SPEED = 1e-3

@@ -13,19 +13,13 @@ hard.
 
 from typing import TYPE_CHECKING
 
-from sim_export.package import PackageJoint
-
-if TYPE_CHECKING:
-    from sapien.physx import PhysxArticulation, PhysxArticulationJoint
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from sim_export.package import SimPackage
+from sim_export.package import PackageJoint, SimPackage
 from sim_export.physics.inertia import inertia_about, subtree_inertial
 
 if TYPE_CHECKING:
-    from sapien.physx import PhysxArticulationJoint
+    from sapien.physx import PhysxArticulation, PhysxArticulationJoint
 
 
 CREEP = 1e-5

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
-from envs.friction import pull_spring
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
+
+from .friction import pull_spring
 
 if TYPE_CHECKING:
     import sapien

@@ -10,11 +10,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from envs.friction import drive_follower
 from sim_export.errors import PackageError
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 
-from .friction import apply_resistance
+from .friction import apply_resistance, drive_follower
 from .loaded import Follower, LinkLoad, LoadedJoint, LoadedPackage
 from .urdf_text import physics_urdf
 

@@ -7,14 +7,13 @@ import gymnasium as gym
 import numpy as np
 import sapien
 
-from envs.trials import center_of_mass
 from sim_export.physics.materials import GRAVITY
 
 from .base import SUBSTEPS, PackageEnv, open_fractions
 from .hand import pose_matrix
 from .loaded import advance
 from .plan import rest_qpos
-from .trials import local_vertices, reset, world_vertices
+from .trials import center_of_mass, local_vertices, reset, world_vertices
 
 
 @dataclass(frozen=True, kw_only=True)

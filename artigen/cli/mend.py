@@ -5,20 +5,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from jaxtyping import Float
 
 from artigen.cli.give_files import give_files
 from artigen.datasets.mesh_files import write_obj
 from artigen.datasets.source_object import SourceObject, SourceVisual, TriangleMesh
-
-if TYPE_CHECKING:
-    from sim_export.mend.source import Source
-from typing import TYPE_CHECKING
-
-from jaxtyping import Float
-
 from artigen.types import Asset
 
 if TYPE_CHECKING:
+    from sim_export.mend.source import Source
     from sim_export.package import SourceMesh
 
 

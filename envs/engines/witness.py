@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from envs.config import EngineChoice
 from sim_export.errors import PackageError
 from sim_export.report import CheckResult
 
+from ..config import EngineChoice
 from ..titles import ENGINE_TITLES, make_result
 from .judge import judge
 from .plan import EnginePlan, make_plan

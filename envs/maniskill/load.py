@@ -20,10 +20,9 @@ from mani_skill.utils import sapien_utils
 from mani_skill.utils.structs import Pose
 
 from artigen.errors import ArtigenError
-from envs.friction import drive_follower, pull_spring
 from sim_export.package import SimPackage
 
-from ..friction import apply_resistance
+from ..friction import apply_resistance, drive_follower, pull_spring
 from ..urdf_text import physics_urdf
 from .objects import TaskObject
 

@@ -12,12 +12,11 @@ from mani_skill.utils.geometry.rotation_conversions import quaternion_apply, qua
 from mani_skill.utils.structs import Pose
 
 from artigen.transforms import transform_points
-from envs.maniskill.objects import TaskError
 
 from .containers import Container, room_when_open
 from .hulls import ground_under, hulls_at, open_above_ground, opened_qpos
 from .load import SURFACE
-from .objects import PartKind, TaskObject, TaskPart, Validation
+from .objects import PartKind, TaskError, TaskObject, TaskPart, Validation
 from .placement import Stand, find_stand, free_radius, part_motion
 from .postures import Goal, Postures, find_putting_stand, sample_postures
 from .solver.body import read_body

@@ -25,10 +25,9 @@ from mani_skill.envs.tasks.mobile_manipulation.open_cabinet_drawer import (
 from mani_skill.utils.structs import Articulation, Link
 
 from artigen.transforms import inverse, transform_points
-from envs.maniskill.objects import TaskError
 
 from .load import load_object, load_robot
-from .objects import TaskObject, TaskPart, Validation, read_objects
+from .objects import TaskError, TaskObject, TaskPart, Validation, read_objects
 from .task import AWAY
 
 
