@@ -37,19 +37,6 @@ class SurfaceSplatConfig:
     """Distance by which discs move outward where a disc of the opposite facing lies in their place: the two
     sides of a sheet without thickness would otherwise both show."""
 
-    def __post_init__(self) -> None:
-        if (
-            min(self.spread, self.flatness, self.edge) <= 0
-            or self.neighbours < 1
-            or self.widest < 1
-            or self.apart < 0
-        ):
-            raise ValueError(
-                f"discs on a surface: spread {self.spread}, flatness {self.flatness}, edge {self.edge}, "
-                f"{self.neighbours} neighbours, widest {self.widest}, apart {self.apart}; expected above 0, "
-                "at least 1 neighbour, widest from 1, apart from 0"
-            )
-
 
 RANDOM = SurfaceSplatConfig(spread=1.0, widest=2.0, apart=1.0)
 """For samples drawn at random, such as those of PartNet-Mobility objects: closed, and softer."""
