@@ -5,9 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 from torch import Tensor
-from torch.nn import functional
 
 from artigen.sketch.batch import PARTS, PLACES, RowBatch, make_batch, row_planes
 from artigen.sketch.blocks import Cache, Sight, join_sights
@@ -18,8 +17,8 @@ from artigen.sketch.rows import REACH, number_axis
 from artigen.sketch.rules import Writer
 from artigen.sketch.slots import slots
 
-DIGITS = 24
-"""Coarse digits considered for a number that refers to no plane: the most likely ones within its span."""
+DIGITS, PLANES = 24, 48
+"""Coarse digits and planes with an offset that are considered for a number: the most likely ones."""
 LIKELIEST = 64
 """Values sorted first; all are sorted only if these do not cover `DrawConfig.top_p`."""
 
@@ -146,7 +145,7 @@ class _Pen:
         """Samples one row of every table, and feeds it to the network where it fits; removes other tables."""
         network = self.network
         before = torch.zeros_like(self.state)
-        self.planes = network.plane_keys(self.keys)
+        self.planes, self.thought = network.plane_keys(self.keys), network.state(self.state)
         while True:
             open_rows = [k for k, writer in enumerate(self.writers) if not writer.complete()]
             if not open_rows:
@@ -204,7 +203,7 @@ class _Pen:
         drawn = [at for at, value in enumerate(values) if value is None]
         if drawn:
             which, where = [some[at] for at in drawn], torch.from_numpy(slot[drawn])
-            x = self.network.think(self.state[which], before[which], where)
+            x = self.network.think(_pick(self.thought, which), _pick(before, which), where)
             for numbers, draw in ((False, self._draw_symbols), (True, self._draw_numbers)):
                 rows = [row for row, at in enumerate(drawn) if number[at] == numbers]
                 if rows:
@@ -215,7 +214,8 @@ class _Pen:
             assert value is not None
             writer.put(value)
         said = torch.tensor([writer.row[-1] for writer in writers])
-        before[some] += self.network.embed_values(torch.from_numpy(slot), said, torch.from_numpy(number))
+        said = self.network.embed_values(torch.from_numpy(slot), said, torch.from_numpy(number))
+        before.index_add_(0, torch.tensor(some), said)
 
     def _draw_symbols(self, which: list[int], x: Float[Tensor, "N D"], slot: Int[Tensor, "N"]) -> list[int]:
         sizes = slots().size[slot.numpy()]
@@ -228,33 +228,36 @@ class _Pen:
     def _draw_numbers(self, which: list[int], x: Float[Tensor, "N D"], slot: Int[Tensor, "N"]) -> list[int]:
         writers = [self.writers[k] for k in which]
         spans = torch.tensor([writer.span() for writer in writers])
-        said = RowBatch(**{name: value[which] for name, value in vars(self.said).items()})
+        said = RowBatch(**{name: _pick(value, which) for name, value in vars(self.said).items()})
         earlier = torch.ones(said.named.shape, dtype=torch.bool)[:, None]
         planes, free = list_planes(said, _list_places(writers), earlier)
-        parts = self.network.number_parts(x[:, None], self.planes[which], free)
+        parts = self.network.number_parts(x[:, None], _pick(self.planes, which), free)
+        ways = (
+            _refer(parts, planes[:, 0]),
+            _shift(parts, planes[:, 0]),
+            self._spell(parts, x, spans),
+        )
+        values, chances = (torch.cat(side, dim=1) for side in zip(*ways, strict=True))
         low, high = int(spans[:, 0].min()), int(spans[:, 1].max())
-        chances = _spread_planes(parts, planes[:, 0], free[:, 0], low, high)
-        chances += self._anew(parts, x, spans, low, high)
-        values = torch.arange(low, high + 1)
-        inside = (values >= spans[:, :1]) & (values <= spans[:, 1:])
+        inside = (values >= low) & (values <= high)
+        summed = torch.zeros(len(x), high - low + 1)
+        summed.scatter_add_(1, (values - low).clamp(0, high - low), chances * inside)
+        every = torch.arange(low, high + 1)
+        inside = (every >= spans[:, :1]) & (every <= spans[:, 1:])
         # A small uniform floor lets every value in the span be drawn.
-        chances = chances * inside + 1e-20 * inside
-        return (self._draw(which, chances) + low).tolist()
+        return (self._draw(which, summed * inside + 1e-20 * inside) + low).tolist()
 
-    def _anew(
-        self, parts: NumberParts, x: Float[Tensor, "N D"], spans: Int[Tensor, "N 2"], low: int, high: int
-    ) -> Float[Tensor, "N V"]:
-        """Probabilities of values coded as two digits, evaluated for the most likely coarse digits only."""
+    def _spell(
+        self, parts: NumberParts, x: Float[Tensor, "N D"], spans: Int[Tensor, "N 2"]
+    ) -> tuple[Int[Tensor, "N V"], Float[Tensor, "N V"]]:
+        """Values coded as two digits and their probabilities, for the most likely coarse digits."""
         digits = torch.arange(COARSE)
         possible = (digits >= (spans[:, :1] + REACH) // FINE) & (digits <= (spans[:, 1:] + REACH) // FINE)
         coarse = parts.coarse[:, 0].masked_fill(~possible, -1e9)
         best, digit = coarse.topk(min(DIGITS, int(possible.sum(dim=-1).max())), dim=-1)
         fine = self.network.fine_logits(x[:, None], digit)
-        chance = (parts.ways[:, 0, 2, None, None] + best[..., None] + fine).exp().flatten(1)
-        value = (digit[..., None] * FINE + torch.arange(FINE) - REACH - low).flatten(1)
-        inside = (value >= 0) & (value <= high - low)
-        out = torch.zeros(len(x), high - low + 1)
-        return out.scatter_add_(1, value.clamp(0, high - low), chance * inside)
+        chances = (parts.ways[:, 0, 2, None, None] + best[..., None] + fine).exp()
+        return (digit[..., None] * FINE + torch.arange(FINE) - REACH).flatten(1), chances.flatten(1)
 
     def _draw(self, which: list[int], chances: Float[Tensor, "N V"]) -> Int[Tensor, "N"]:
         """Samples one column per row after temperature and nucleus truncation."""
@@ -333,29 +336,19 @@ def _join(before: RowBatch, after: RowBatch) -> RowBatch:
     )
 
 
-def _spread_planes(
-    parts: NumberParts,
-    planes: Int[Tensor, "N C"],
-    free: Bool[Tensor, "N C"],
-    low: int,
-    high: int,
-) -> Float[Tensor, "N V"]:
-    """Probabilities of the values ``low`` to ``high`` coded by planes, with and without an offset."""
-    out = torch.zeros(len(planes), high - low + 1)
-    reachable = planes[free & (planes >= low - OFFSET) & (planes <= high + OFFSET)]
-    if not len(reachable):
-        return out
-    first, last = int(reachable.min()), int(reachable.max())  # restrict the arrays to the reachable planes
-    at = (planes - first).clamp(0, last - first)
-    same, near = (
-        torch.zeros(len(planes), last - first + 1).scatter_add_(
-            1, at, (parts.ways[:, 0, way, None] + chance[:, 0]).exp() * (at == planes - first)
-        )
-        for way, chance in ((0, parts.same), (1, parts.near))
-    )
-    offsets = parts.offset[:, 0].exp().flip(-1)
-    spread = functional.conv1d(near[None], offsets[:, None], padding=2 * OFFSET, groups=len(planes))[0]
-    spread[:, OFFSET:-OFFSET] += same
-    start, end = max(first - OFFSET, low), min(last + OFFSET, high) + 1
-    out[:, start - low : end - low] = spread[:, start - first + OFFSET : end - first + OFFSET]
-    return out
+def _refer(parts: NumberParts, planes: Int[Tensor, "N C"]) -> tuple[Int[Tensor, "N C"], Float[Tensor, "N C"]]:
+    """Planes and the probabilities of referring to them."""
+    return planes, (parts.ways[:, 0, 0, None] + parts.same[:, 0]).exp()
+
+
+def _shift(parts: NumberParts, planes: Int[Tensor, "N C"]) -> tuple[Int[Tensor, "N V"], Float[Tensor, "N V"]]:
+    """Values coded as a plane and an offset and their probabilities, for the most likely planes."""
+    near, best = parts.near[:, 0].topk(min(PLANES, planes.shape[1]), dim=-1)
+    values = planes.gather(1, best)[..., None] + torch.arange(-OFFSET, OFFSET + 1)
+    chances = (parts.ways[:, 0, 1, None, None] + near[..., None] + parts.offset).exp()
+    return values.flatten(1), chances.flatten(1)
+
+
+def _pick(values: Tensor, which: list[int]) -> Tensor:
+    """The given rows of a tensor, which are in order; without a copy if these are all."""
+    return values if len(which) == len(values) else values[torch.tensor(which)]

@@ -207,8 +207,9 @@ class SketchNetwork(nn.Module):
         before: Float[Tensor, "N D"],
         slot: Int[Tensor, "N"],
     ) -> Float[Tensor, "N D"]:
-        """Hidden vector for predicting a slot, from the state before the row and the row's cells so far."""
-        x = self.state(states) + before + self.slots(slot)
+        """Hidden vector for predicting a slot, from the projected state (`state`) before the row and the
+        row's cells so far."""
+        x = states + before + self.slots(slot)
         for feed in self.inner:
             x = feed(x)
         return self.inner_norm(x)
@@ -274,20 +275,22 @@ class SketchNetwork(nn.Module):
         cells = self.embed_cells(batch.rows, batch.known, batch.axes)
         states = self.read_rows(cells, batch, sight=sight)
         before = cells.cumsum(dim=2) - cells
+        projected = self.state(states)
         slot = self.of_cell[batch.rows[..., 0]].clamp(min=0)
         symbols = batch.said & (batch.axes < 0)
         b, t, c = symbols.nonzero(as_tuple=True)
-        x = self.think(states[b, t - 1], before[b, t, c], slot[b, t, c])
+        x = self.think(projected[b, t - 1], before[b, t, c], slot[b, t, c])
         logits = self.symbol_logits(x, slot[b, t, c])
         first = functional.cross_entropy(
             logits, self.base[slot[b, t, c]] + batch.rows[b, t, c], reduction="none"
         )
-        return first, self._number_losses(batch, states, before, slot)
+        return first, self._number_losses(batch, states, projected, before, slot)
 
     def _number_losses(
         self,
         batch: RowBatch,
         states: Float[Tensor, "B T D"],
+        projected: Float[Tensor, "B T D"],
         before: Float[Tensor, "B T W D"],
         slot: Int[Tensor, "B T W"],
     ) -> Float[Tensor, "N"]:
@@ -296,7 +299,7 @@ class SketchNetwork(nn.Module):
         b = torch.arange(len(where), device=where.device)[:, None].expand(where.shape[:2])
         t, c = where[..., 0], where[..., 1]
         x = self.think(
-            states[b, (t - 1).clamp(min=0)].flatten(0, 1),
+            projected[b, (t - 1).clamp(min=0)].flatten(0, 1),
             before[b, t, c].flatten(0, 1),
             slot[b, t, c].flatten(),
         ).unflatten(0, b.shape)

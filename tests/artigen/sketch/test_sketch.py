@@ -185,6 +185,7 @@ class _Reciter(draw._Pen):
 @pytest.mark.parametrize("reads", ["words", "pictures"])
 def test_a_table_costs_as_much_row_by_row_as_at_once(reads: str, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(draw, "DIGITS", COARSE)
+    monkeypatch.setattr(draw, "PLANES", 10_000)
     pictured = reads == "pictures"
     network = _seeing_network() if pictured else _network()
     tables = [_table("StorageFurniture", 1), _table("Refrigerator", 2)]
@@ -251,6 +252,7 @@ def test_padding_beside_a_longer_object_changes_nothing():
 @torch.no_grad()
 def test_chances_of_all_values_of_a_number_add_up_to_one(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(draw, "DIGITS", COARSE)
+    monkeypatch.setattr(draw, "PLANES", 10_000)
     sums: list[float] = []
 
     class Adder(_Reciter):
