@@ -6,7 +6,7 @@ import numpy as np
 
 from artigen.metrics.categories import is_same_category
 from artigen.metrics.subjects import Subject, describe_subject
-from artigen.sketch.model import draw_header, look_at
+from artigen.sketch.model import draw_header, encode_picture
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.request import SketchRequest
 from artigen.types import PART_LABELS, PartLabel
@@ -27,7 +27,7 @@ def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[s
     for subject in subjects:
         image = describe_subject(subject, ("image",)).image
         assert image is not None
-        header = draw_header(network, SketchRequest(), 0, looked=look_at(network, image))
+        header = draw_header(network, SketchRequest(), 0, encoded=encode_picture(network, image))
         held = {"base": 1, **dict(header.counts)}
         kinds.append(is_same_category(header.category, subject.example.category))
         rights.append(

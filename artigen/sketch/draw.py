@@ -9,10 +9,10 @@ from jaxtyping import Float, Int
 from torch import Tensor
 
 from artigen.sketch.batch import PARTS, PLACES, RowBatch, make_batch, row_planes
-from artigen.sketch.blocks import Cache, Sight, join_sights
+from artigen.sketch.blocks import Cache, PictureMemory, join_memories
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.planes import COARSE, FINE, OFFSET, SIDES, NumberParts, Places, list_planes
-from artigen.sketch.request import Asked
+from artigen.sketch.request import RequestRows
 from artigen.sketch.rows import REACH, number_axis
 from artigen.sketch.rules import Writer
 from artigen.sketch.slots import slots
@@ -42,44 +42,44 @@ class Draft:
     """Network state after the last row."""
     keys: Float[Tensor, "T K"]
     """Keys of the planes of every row."""
-    said: RowBatch
+    rows: RowBatch
     cache: tuple[tuple[Float[Tensor, "1 H T E"], Float[Tensor, "1 H T E"]], ...]
     """Keys and values of every block."""
-    sight: Sight | None = None
+    memory: PictureMemory | None = None
     """Picture memory of the object, if there is a picture."""
 
 
 @torch.inference_mode()
 def begin_drafts(
-    network: SketchNetwork, requests: Sequence[Asked], sight: Sight | None = None
+    network: SketchNetwork, requests: Sequence[RequestRows], memory: PictureMemory | None = None
 ) -> list[Draft]:
     """Empty tables for requests with the same number of rows.
 
     Args:
         network: A trained network.
         requests: The requests.
-        sight: Picture memory of the objects; None without pictures.
+        memory: Picture memory of the objects; None without pictures.
 
     Raises:
         ValueError: If requests differ in length.
     """
-    if len({len(asked.rows) for asked in requests}) != 1:
+    if len({len(request.rows) for request in requests}) != 1:
         raise ValueError(f"requests of {sorted({len(a.rows) for a in requests})} rows, expected one length")
     empty = np.zeros((0, requests[0].rows.shape[1]), dtype=int)
     batch = make_batch([empty] * len(requests), requests)
     cache = [Cache() for _ in network.blocks]
     cells = network.embed_cells(batch.rows, batch.known, batch.axes)
-    states = network.read_rows(cells, batch, cache, sight)
+    states = network.read_rows(cells, batch, cache, memory)
     return [
         Draft(
-            writer=Writer(asked=asked),
+            writer=Writer(request=request),
             state=states[index, -1],
             keys=states.new_zeros(0, network.cfg.pointer * SIDES),
-            said=_take(batch, [index], slice(0, 0)),
+            rows=_take(batch, [index], slice(0, 0)),
             cache=_slice_cache(cache, index),
-            sight=None if sight is None else sight.take([index]),
+            memory=None if memory is None else memory.take([index]),
         )
-        for index, asked in enumerate(requests)
+        for index, request in enumerate(requests)
     ]
 
 
@@ -106,14 +106,14 @@ def continue_drafts(
         cfg: Sampling parameters.
         fits: Whether a table may go on, evaluated before each row is closed.
     """
-    pen = _Pen(network, drafts, rngs, cfg or DrawConfig())
-    while pen.writers:
-        pen.write_row(fits)
-        pen.put_aside(until)
-    return pen.finished
+    sampler = _Sampler(network, drafts, rngs, cfg or DrawConfig())
+    while sampler.writers:
+        sampler.write_row(fits)
+        sampler.remove_finished(until)
+    return sampler.finished
 
 
-class _Pen:
+class _Sampler:
     """Tables that are extended in parallel, row by row."""
 
     def __init__(
@@ -129,9 +129,9 @@ class _Pen:
         self.index = list(range(len(drafts)))
         self.state = torch.stack([draft.state for draft in drafts])
         self.keys = torch.stack([draft.keys for draft in drafts])
-        names = vars(drafts[0].said)
-        self.said = RowBatch(
-            **{name: torch.cat([getattr(draft.said, name) for draft in drafts]) for name in names}
+        names = vars(drafts[0].rows)
+        self.rows = RowBatch(
+            **{name: torch.cat([getattr(draft.rows, name) for draft in drafts]) for name in names}
         )
         self.cache = [
             Cache(
@@ -139,13 +139,13 @@ class _Pen:
             )
             for block in zip(*(draft.cache for draft in drafts), strict=True)
         ]
-        self.sight = join_sights([draft.sight for draft in drafts if draft.sight is not None])
+        self.memory = join_memories([draft.memory for draft in drafts if draft.memory is not None])
 
     def write_row(self, fits: Callable[[Writer], bool]) -> None:
         """Samples one row of every table, and feeds it to the network where it fits; removes other tables."""
         network = self.network
         before = torch.zeros_like(self.state)
-        self.planes, self.thought = network.plane_keys(self.keys), network.state(self.state)
+        self.planes, self.projected = network.plane_keys(self.keys), network.state(self.state)
         while True:
             open_rows = [k for k, writer in enumerate(self.writers) if not writer.complete()]
             if not open_rows:
@@ -158,11 +158,11 @@ class _Pen:
         before = before[kept]
         last = _describe(self.writers, np.array([writer.close() for writer in self.writers]))
         # The embedding of a row is the sum of its cells, accumulated field by field.
-        self.state = network.read_rows(before[:, None, None], last, self.cache, self.sight)[:, -1]
-        self.said = _join(self.said, last)
+        self.state = network.read_rows(before[:, None, None], last, self.cache, self.memory)[:, -1]
+        self.rows = _join(self.rows, last)
         self.keys = torch.cat([self.keys, network.keys(self.state)[:, None]], 1)
 
-    def put_aside(self, until: Callable[[Writer], bool]) -> None:
+    def remove_finished(self, until: Callable[[Writer], bool]) -> None:
         """Removes finished tables and those that grew too long."""
         going = []
         for k, writer in enumerate(self.writers):
@@ -171,9 +171,9 @@ class _Pen:
                     writer=writer,
                     state=self.state[k],
                     keys=self.keys[k],
-                    said=_take(self.said, [k], slice(None)),
+                    rows=_take(self.rows, [k], slice(None)),
                     cache=_slice_cache(self.cache, k),
-                    sight=None if self.sight is None else self.sight.take([k]),
+                    memory=None if self.memory is None else self.memory.take([k]),
                 )
             elif not writer.stuck:
                 going.append(k)
@@ -187,8 +187,8 @@ class _Pen:
         self.index = [self.index[k] for k in going]
         self.rngs = [self.rngs[k] for k in going]
         self.state, self.keys = self.state[going], self.keys[going]
-        self.said = _take(self.said, going, slice(None))
-        self.sight = None if self.sight is None else self.sight.take(going)
+        self.rows = _take(self.rows, going, slice(None))
+        self.memory = None if self.memory is None else self.memory.take(going)
         for cache in self.cache:
             assert cache.keys is not None
             assert cache.values is not None
@@ -203,7 +203,7 @@ class _Pen:
         drawn = [at for at, value in enumerate(values) if value is None]
         if drawn:
             which, where = [some[at] for at in drawn], torch.from_numpy(slot[drawn])
-            x = self.network.think(_pick(self.thought, which), _pick(before, which), where)
+            x = self.network.hidden(_pick(self.projected, which), _pick(before, which), where)
             for numbers, draw in ((False, self._draw_symbols), (True, self._draw_numbers)):
                 rows = [row for row, at in enumerate(drawn) if number[at] == numbers]
                 if rows:
@@ -213,9 +213,9 @@ class _Pen:
         for writer, value in zip(writers, values, strict=True):
             assert value is not None
             writer.put(value)
-        said = torch.tensor([writer.row[-1] for writer in writers])
-        said = self.network.embed_values(torch.from_numpy(slot), said, torch.from_numpy(number))
-        before.index_add_(0, torch.tensor(some), said)
+        last = torch.tensor([writer.row[-1] for writer in writers])
+        cells = self.network.embed_values(torch.from_numpy(slot), last, torch.from_numpy(number))
+        before.index_add_(0, torch.tensor(some), cells)
 
     def _draw_symbols(self, which: list[int], x: Float[Tensor, "N D"], slot: Int[Tensor, "N"]) -> list[int]:
         sizes = slots().size[slot.numpy()]
@@ -228,14 +228,14 @@ class _Pen:
     def _draw_numbers(self, which: list[int], x: Float[Tensor, "N D"], slot: Int[Tensor, "N"]) -> list[int]:
         writers = [self.writers[k] for k in which]
         spans = torch.tensor([writer.span() for writer in writers])
-        said = RowBatch(**{name: _pick(value, which) for name, value in vars(self.said).items()})
-        earlier = torch.ones(said.named.shape, dtype=torch.bool)[:, None]
-        planes, free = list_planes(said, _list_places(writers), earlier)
+        rows = RowBatch(**{name: _pick(value, which) for name, value in vars(self.rows).items()})
+        earlier = torch.ones(rows.named.shape, dtype=torch.bool)[:, None]
+        planes, free = list_planes(rows, _list_places(writers), earlier)
         parts = self.network.number_parts(x[:, None], _pick(self.planes, which), free)
         ways = (
-            _refer(parts, planes[:, 0]),
-            _shift(parts, planes[:, 0]),
-            self._spell(parts, x, spans),
+            _list_planes(parts, planes[:, 0]),
+            _list_offsets(parts, planes[:, 0]),
+            self._list_digits(parts, x, spans),
         )
         values, chances = (torch.cat(side, dim=1) for side in zip(*ways, strict=True))
         low, high = int(spans[:, 0].min()), int(spans[:, 1].max())
@@ -247,7 +247,7 @@ class _Pen:
         # A small uniform floor lets every value in the span be drawn.
         return (self._draw(which, summed * inside + 1e-20 * inside) + low).tolist()
 
-    def _spell(
+    def _list_digits(
         self, parts: NumberParts, x: Float[Tensor, "N D"], spans: Int[Tensor, "N 2"]
     ) -> tuple[Int[Tensor, "N V"], Float[Tensor, "N V"]]:
         """Values coded as two digits and their probabilities, for the most likely coarse digits."""
@@ -282,9 +282,9 @@ def _describe(writers: Sequence[Writer], rows: Int[np.ndarray, "B W"]) -> RowBat
     values = {
         "rows": rows,
         "known": np.ones(rows.shape, dtype=bool),
-        "said": np.zeros(rows.shape, dtype=bool),
+        "predicted": np.zeros(rows.shape, dtype=bool),
         "axes": axes,
-        "asked": np.zeros(len(rows), dtype=bool),
+        "requested": np.zeros(len(rows), dtype=bool),
         "part": part,
         "piece": piece,
         "anchor": anchor,
@@ -298,7 +298,7 @@ def _place(writer: Writer) -> tuple[int, int, list[int], bool]:
     """Part index, position in the part, anchor, and whether the anchor precedes the row that was just
     closed."""
     if not writer.labels:
-        return 0, min(len(writer.rows) - 1 + len(writer.asked.rows), PLACES - 1), [0] * 4, False
+        return 0, min(len(writer.rows) - 1 + len(writer.request.rows), PLACES - 1), [0] * 4, False
     place, anchor = writer.length(), writer.anchor()
     return (
         min(len(writer.labels), PARTS - 1),
@@ -336,12 +336,16 @@ def _join(before: RowBatch, after: RowBatch) -> RowBatch:
     )
 
 
-def _refer(parts: NumberParts, planes: Int[Tensor, "N C"]) -> tuple[Int[Tensor, "N C"], Float[Tensor, "N C"]]:
+def _list_planes(
+    parts: NumberParts, planes: Int[Tensor, "N C"]
+) -> tuple[Int[Tensor, "N C"], Float[Tensor, "N C"]]:
     """Planes and the probabilities of referring to them."""
     return planes, (parts.ways[:, 0, 0, None] + parts.same[:, 0]).exp()
 
 
-def _shift(parts: NumberParts, planes: Int[Tensor, "N C"]) -> tuple[Int[Tensor, "N V"], Float[Tensor, "N V"]]:
+def _list_offsets(
+    parts: NumberParts, planes: Int[Tensor, "N C"]
+) -> tuple[Int[Tensor, "N V"], Float[Tensor, "N V"]]:
     """Values coded as a plane and an offset and their probabilities, for the most likely planes."""
     near, best = parts.near[:, 0].topk(min(PLANES, planes.shape[1]), dim=-1)
     values = planes.gather(1, best)[..., None] + torch.arange(-OFFSET, OFFSET + 1)

@@ -18,7 +18,7 @@ from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.textures import paint_primitives
 from artigen.sketch.alignment import Fit
-from artigen.sketch.overlay import SIDES, Faces, list_faces, look, read_target
+from artigen.sketch.overlay import SIDES, Faces, find_visible, list_faces, read_target
 
 Lighting = Literal["room", "even"]
 """Illumination of the picture: the bright room of the renderer, or uniform light that leaves colours
@@ -121,7 +121,7 @@ def find_spots(
         PictureError: If the picture shows no object.
     """
     faces, target = list_faces(shape), read_target(picture, picture.shape[1])
-    seen = look(faces, camera)
+    seen = find_visible(faces, camera)
     chosen = (seen >= 0) & (target.alpha > 0.95)
     clear = _find_clear(faces, seen) & target.inside
     chosen &= _find_open(faces, seen, clear, camera)

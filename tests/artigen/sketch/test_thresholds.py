@@ -19,11 +19,11 @@ from artigen.sketch.alignment import Fit, View, find_hull, place_camera
 from artigen.sketch.batch import make_batch
 from artigen.sketch.model import load_sketch_network
 from artigen.sketch.network import SketchNetworkConfig
-from artigen.sketch.overlay import find_lines, list_faces, look, measure_evenness, read_target
+from artigen.sketch.overlay import find_lines, find_visible, list_faces, measure_evenness, read_target
 from artigen.sketch.picture_colors import Spots, find_brightness, read_colors
 from artigen.sketch.piece import NUMBERS, Piece, PieceKind, UnknownSolid
 from artigen.sketch.pieces import build_piece, fit_pieces
-from artigen.sketch.request import SketchRequest, nothing_asked
+from artigen.sketch.request import SketchRequest, empty_request
 from artigen.sketch.rows import ROW_KINDS, sketch_to_rows
 from artigen.sketch.rules import Writer
 from artigen.sketch.sketch import SketchError, write_sketch
@@ -39,17 +39,17 @@ def test_the_shipped_network_expects_what_the_grammar_draws():
     assert network.cfg == SketchNetworkConfig()  # the preset that `artigen train sketch` starts from
     assert not network.unlearned.any()
     tables = [sketch_to_rows(write_sketch(draw_shape(category, 1))) for category in KNOWN]
-    symbols, numbers = network(make_batch(tables, [nothing_asked()] * len(tables)))
+    symbols, numbers = network(make_batch(tables, [empty_request()] * len(tables)))
     assert float(symbols.sum() + numbers.sum()) / sum(map(len, tables)) < 3.5
 
 
 def test_an_object_is_given_up_after_eighty_batches_of_one_and_seven(monkeypatch):
     """And once more, to finish it, here where tables always grow too long."""
     start = SimpleNamespace(writer=SimpleNamespace(moving=[], delivered=False))
-    asked: list[int] = []
+    counts: list[int] = []
 
     def draw(_network: object, drafts: list[object], *_: object, fits: object) -> list[None]:
-        asked.append(len(drafts))
+        counts.append(len(drafts))
         return [None] * len(drafts)
 
     monkeypatch.setattr(model, "begin_drafts", lambda *_: [start])
@@ -57,7 +57,7 @@ def test_an_object_is_given_up_after_eighty_batches_of_one_and_seven(monkeypatch
     monkeypatch.setattr(growth, "continue_drafts", draw)
     with pytest.raises(SketchError, match="none of 8 continuations"):
         model.draw_object(MagicMock(), SketchRequest(), 0)
-    assert asked == [1, 7] * 81
+    assert counts == [1, 7] * 81
 
 
 def finish(level: float = 0.5, opacity: float = 1.0) -> Finish:
@@ -86,7 +86,7 @@ def seen_from_front(shape: Shape, size: int = 64):
     camera = place_camera(
         View(yaw=0.0, pitch=0.0, closeness=0.1), find_hull(faces.vertices), read_target(blank, size)
     )
-    return faces, camera, look(faces, camera)
+    return faces, camera, find_visible(faces, camera)
 
 
 def test_a_view_without_zoom_or_shift_fills_the_box_of_the_picture():
@@ -102,10 +102,10 @@ def test_a_view_without_zoom_or_shift_fills_the_box_of_the_picture():
 
 @pytest.mark.parametrize(("overlap", "refined"), [(0.961, 3), (0.959, 4)])
 def test_a_fit_that_overlaps_by_less_than_96_percent_is_refined_once_more(monkeypatch, overlap, refined):
-    asked: list[int] = []
+    counts: list[int] = []
 
     def refine(_score: object, start: View, count: int, _tries: int) -> View:
-        asked.append(count)
+        counts.append(count)
         return start
 
     monkeypatch.setattr(alignment, "measure_overlap", lambda *_: overlap)
@@ -113,7 +113,7 @@ def test_a_fit_that_overlaps_by_less_than_96_percent_is_refined_once_more(monkey
     picture = np.zeros((4, 64, 64), dtype=np.float32)
     picture[:, 10:40, 20:60] = 1.0
     alignment.fit_camera(blocks(0.1), picture)
-    assert len(asked) == refined
+    assert len(counts) == refined
 
 
 def test_faces_three_millimetres_apart_show_an_edge():
@@ -229,7 +229,7 @@ def writer_of(rows: int, pieces: int = 0) -> Writer:
     table = sketch_to_rows(write_sketch(draw_shape("Safe", 1))).tolist()
     head = next(at for at, row in enumerate(table) if ROW_KINDS[row[0]] == "part")
     start = table[: head + 1] + [table[head + 1]] * pieces
-    return Writer(asked=nothing_asked(), rows=start + [table[0]] * (rows - len(start)), labels=[0])
+    return Writer(request=empty_request(), rows=start + [table[0]] * (rows - len(start)), labels=[0])
 
 
 def may_go_on(pieces: int) -> bool:
@@ -238,7 +238,7 @@ def may_go_on(pieces: int) -> bool:
 
 
 def extents() -> tuple[int, int]:
-    writer = Writer(asked=nothing_asked())
+    writer = Writer(request=empty_request())
     writer.put(ROW_KINDS.index("object"))
     while writer.name != "depth":
         writer.put(0)
