@@ -21,7 +21,6 @@ from artigen.sketch.alignment import View, fit_camera
 from artigen.sketch.model import (
     PICTURE_EDGE,
     PICTURED,
-    TRUSTED,
     SketchConfig,
     draw_object,
     encode_picture,
@@ -66,7 +65,7 @@ def main(model: Path = SHIPPED, first: int = 0, each: int = 2) -> int:
             encoded = encode_picture(network, picture)
             drawn = draw_object(network, SketchRequest(), seed, cfg, encoded).shape
             fit = fit_camera(drawn, picture, View(*encoded[0].view[0].tolist()))
-            for errors, shape in ((of_drawn, drawn), (read, read_colors(drawn, picture, fit, trust=TRUSTED))):
+            for errors, shape in ((of_drawn, drawn), (read, read_colors(drawn, picture, fit, trust=True))):
                 for role, error in compare_finishes(shape, truth).items():
                     errors[role].append(error)
     for role in (*SEEN, "all"):

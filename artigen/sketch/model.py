@@ -33,8 +33,6 @@ PICTURE_EDGE = 256
 """Edge length (pixels) of the picture for camera fitting and colours."""
 PICTURED, HEADERS = DrawConfig(temperature=0.5), 12
 """Sampling and number of headers for a picture; the encoder's predictions choose one."""
-TRUSTED = 0.15
-"""Mean difference (sRGB) from the picture up to which drawn colours are kept."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -232,7 +230,7 @@ def draw_pictured(
     drawn = draw_object(network, request, seed, replace(cfg or SketchConfig(), header=PICTURED), encoded)
     fit = fit_camera(drawn.shape, picture, View(*encoded[0].view[0].tolist()))
     requested = {finish.role for finish in request.finishes if finish.color is not None}
-    return replace(drawn, shape=read_colors(drawn.shape, picture, fit, keep=requested, trust=TRUSTED))
+    return replace(drawn, shape=read_colors(drawn.shape, picture, fit, keep=requested, trust=True))
 
 
 def draw_header(

@@ -198,18 +198,33 @@ def test_a_finish_that_is_opaque_and_shows_on_five_pixels_is_coloured(monkeypatc
     assert (found.finishes != shape.finishes) == read
 
 
-@pytest.mark.parametrize(("apart", "kept"), [(0.149, True), (0.151, False), (-0.149, True), (-0.151, False)])
-def test_a_drawn_colour_within_fifteen_hundredths_of_the_picture_is_kept(monkeypatch, apart, kept):
+def test_lightness_is_that_of_greys_and_chroma_that_of_what_is_not_grey():
+    """L* of sRGB grey 0.5 is 53.4, and of primary blue (32.3, 79.2, -107.9) by CIE 15."""
+    assert picture_colors._lab(np.full(3, 0.5)) == pytest.approx([53.4, 0.0, 0.0], abs=0.05)
+    assert picture_colors._lab(np.array([0.0, 0.0, 1.0])) == pytest.approx([32.3, 79.2, -107.9], abs=0.1)
+
+
+@pytest.mark.parametrize("trust", [True, False])
+@pytest.mark.parametrize(
+    ("read", "agrees"),
+    [
+        ((0.921, 0.921, 0.921), True),  # 39.6 lighter
+        ((0.929, 0.929, 0.929), False),  # 40.4 lighter
+        ((0.137, 0.137, 0.137), True),
+        ((0.128, 0.128, 0.128), False),
+        ((0.5, 0.5, 0.552), True),  # chroma 7.6
+        ((0.5, 0.5, 0.557), False),  # chroma 8.4
+    ],
+)
+def test_a_drawn_colour_of_nearly_the_pictures_hue_and_lightness_is_kept(monkeypatch, trust, read, agrees):
     shape = blocks(finishes=(finish(0.5),))
-    light = float(picture_colors._linear(np.array(0.5 + apart)))
-    monkeypatch.setattr(picture_colors, "find_spots", lambda *_: spots({(0, 0): 9}, light=light))
+    shown = replace(spots({(0, 0): 9}), light=np.tile(picture_colors._linear(np.array(read)), (9, 1)))
+    monkeypatch.setattr(picture_colors, "find_spots", lambda *_: shown)
     _, camera, _ = seen_from_front(shape)
     fit = Fit(view=View(yaw=0, pitch=0, closeness=0.1), camera=camera, overlap=1)
-    found = read_colors(
-        shape, np.zeros((4, 8, 8), dtype=np.float32), fit, trust=model.TRUSTED, lighting="even"
-    )
-    level = 0.5 if kept else 0.5 + apart
-    assert found.finishes[0][1].color == pytest.approx((level,) * 3)
+    found = read_colors(shape, np.zeros((4, 8, 8), dtype=np.float32), fit, trust=trust, lighting="even")
+    wanted = (0.5,) * 3 if trust and agrees else read
+    assert found.finishes[0][1].color == pytest.approx(wanted)
 
 
 @pytest.mark.parametrize(("apart", "equal"), [(0.019, True), (0.021, False)])
