@@ -55,7 +55,8 @@ class GenerateSettings:
     """``sketch`` exports the exact primitives of the sketch network; ``latent`` samples 64^3 voxels from
     the paper's latents within the boxes of the sketch and exports those in its colours."""
     temperature: float = 0.6
-    """Sampling temperature of the sketch network; 1 matches the training data, lower is less varied."""
+    """Sampling temperature of the sketch network; 1 matches the training data, lower is less varied. With a
+    picture, parts are first tried at 0.1."""
     redraws: int = 3
     """Maximum number of new draws for an object with a known fault or that fails a check."""
     steps: int = 6

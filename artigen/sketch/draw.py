@@ -91,6 +91,7 @@ def continue_drafts(
     rngs: Sequence[np.random.Generator],
     cfg: DrawConfig | None = None,
     *,
+    temperatures: Sequence[float] | None = None,
     fits: Callable[[Writer], bool] = lambda _: True,
 ) -> list[Draft | None]:
     """Extends tables in parallel until ``until`` holds for each; None for a table that grows too long or has
@@ -104,9 +105,11 @@ def continue_drafts(
         until: Stopping condition, evaluated after every row.
         rngs: Random generator of each draft.
         cfg: Sampling parameters.
+        temperatures: Softmax temperature of each draft, instead of that of ``cfg``.
         fits: Whether a table may go on, evaluated before each row is closed.
     """
-    sampler = _Sampler(network, drafts, rngs, cfg or DrawConfig())
+    cfg = cfg or DrawConfig()
+    sampler = _Sampler(network, drafts, rngs, temperatures or [cfg.temperature] * len(drafts), cfg.top_p)
     while sampler.writers:
         sampler.write_row(fits)
         sampler.remove_finished(until)
@@ -121,9 +124,10 @@ class _Sampler:
         network: SketchNetwork,
         drafts: Sequence[Draft],
         rngs: Sequence[np.random.Generator],
-        cfg: DrawConfig,
+        temperatures: Sequence[float],
+        top_p: float,
     ) -> None:
-        self.network, self.rngs, self.cfg = network, list(rngs), cfg
+        self.network, self.rngs, self.temperatures, self.top_p = network, list(rngs), temperatures, top_p
         self.finished: list[Draft | None] = [None] * len(drafts)
         self.writers = [draft.writer.copy() for draft in drafts]
         self.index = list(range(len(drafts)))
@@ -186,6 +190,7 @@ class _Sampler:
         self.writers = [self.writers[k] for k in going]
         self.index = [self.index[k] for k in going]
         self.rngs = [self.rngs[k] for k in going]
+        self.temperatures = [self.temperatures[k] for k in going]
         self.state, self.keys = self.state[going], self.keys[going]
         self.rows = _take(self.rows, going, slice(None))
         self.memory = None if self.memory is None else self.memory.take(going)
@@ -261,14 +266,14 @@ class _Sampler:
 
     def _draw(self, which: list[int], chances: Float[Tensor, "N V"]) -> Int[Tensor, "N"]:
         """Samples one column per row after temperature and nucleus truncation."""
-        cfg = self.cfg
-        sharp = (chances / chances.amax(dim=-1, keepdim=True)) ** (1.0 / cfg.temperature)
+        temperature = torch.tensor([[self.temperatures[k]] for k in which])
+        sharp = (chances / chances.amax(dim=-1, keepdim=True)) ** (1.0 / temperature)
         sharp = sharp / sharp.sum(dim=-1, keepdim=True)
         ordered, order = sharp.topk(min(LIKELIEST, sharp.shape[1]), dim=-1)
-        if float(ordered.sum(dim=-1).min()) < cfg.top_p:  # the nucleus exceeds the sorted values
+        if float(ordered.sum(dim=-1).min()) < self.top_p:  # the nucleus exceeds the sorted values
             ordered, order = sharp.sort(dim=-1, descending=True)
         upto = ordered.cumsum(dim=-1)
-        kept = (upto - ordered < cfg.top_p).sum(dim=-1, keepdim=True)
+        kept = (upto - ordered < self.top_p).sum(dim=-1, keepdim=True)
         share = torch.tensor([[self.rngs[k].random()] for k in which])
         least = share * upto.gather(1, kept - 1)
         pick = torch.minimum((upto <= least).sum(dim=-1, keepdim=True), kept - 1)

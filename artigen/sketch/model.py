@@ -33,6 +33,8 @@ PICTURE_EDGE = 256
 """Edge length (pixels) of the picture for camera fitting and colours."""
 PICTURED, HEADERS = DrawConfig(temperature=0.5), 12
 """Sampling and number of headers for a picture; the encoder's predictions choose one."""
+COOLEST = 0.1
+"""Temperature of the first continuations for a picture: the likeliest object is the one that it shows."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,8 +43,11 @@ class SketchConfig:
 
     draw: DrawConfig = field(default_factory=DrawConfig)
     """Temperature and nucleus of the parts."""
+    coolest: float = np.inf
+    """Temperature of the first continuation of each batch, where it is lower than that of ``draw``. It rises
+    by as much with every dead end."""
     header: DrawConfig = field(default_factory=lambda: DrawConfig(temperature=1.0))
-    """The same for the header: category, style, counts and extents."""
+    """Sampling of the header: category, style, counts and extents."""
     candidates: int = 8
     """Continuations per batch: one is drawn first, the others in parallel if it has a fault."""
     batches: int = 80
@@ -151,7 +156,11 @@ def draw_object(
     cfg = cfg or SketchConfig()
     seen, memory = encoded or (None, None)
     grower = Grower(
-        network=network, rng=np.random.default_rng(seed), draw=cfg.draw, candidates=cfg.candidates
+        network=network,
+        rng=np.random.default_rng(seed),
+        draw=cfg.draw,
+        candidates=cfg.candidates,
+        coolest=cfg.coolest,
     )
     if request.category is not None:
         check_category(request.category, network.categories)
@@ -175,6 +184,7 @@ def draw_object(
             del grown[1:]
         else:
             dead_ends[len(grown)] += 1
+            grower.coolest += cfg.coolest
             # The empty table and the header come before the first part.
             del grown[max(1, min(blamed + 2, len(grown) - dead_ends[len(grown)])) :]
     if best is None:
@@ -227,7 +237,8 @@ def draw_pictured(
         PictureError: If the picture shows no object.
     """
     encoded = encode_picture(network, picture)
-    drawn = draw_object(network, request, seed, replace(cfg or SketchConfig(), header=PICTURED), encoded)
+    cfg = replace(cfg or SketchConfig(), header=PICTURED, coolest=COOLEST)
+    drawn = draw_object(network, request, seed, cfg, encoded)
     fit = fit_camera(drawn.shape, picture, View(*encoded[0].view[0].tolist()))
     requested = {finish.role for finish in request.finishes if finish.color is not None}
     return replace(drawn, shape=read_colors(drawn.shape, picture, fit, keep=requested, trust=True))

@@ -308,7 +308,9 @@ def _linear(color: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]:
 def _lab(color: Float[np.ndarray, "*S 3"]) -> Float[np.ndarray, "*S 3"]:
     """CIELAB (white point D65) of sRGB colours."""
     xyz = _linear(color) @ XYZ_OF_RGB.T / XYZ_OF_RGB.sum(axis=1)
-    x, y, z = np.moveaxis(np.where(xyz > (6 / 29) ** 3, np.cbrt(xyz), xyz * (29 / 6) ** 2 / 3 + 4 / 29), -1, 0)
+    x, y, z = np.moveaxis(
+        np.where(xyz > (6 / 29) ** 3, np.cbrt(xyz), xyz * (29 / 6) ** 2 / 3 + 4 / 29), -1, 0
+    )
     return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
 
 

@@ -193,7 +193,7 @@ def test_a_table_costs_as_much_row_by_row_as_at_once(reads: str, monkeypatch: py
     requests = [RequestRows(rows=request.rows[:1], known=request.known[:1]) for request in requests]
     memory = network.encode_pictures(_pictures())[1] if pictured else None
     sampler = _Reciter(
-        network, begin_drafts(network, requests, memory), np.random.default_rng(0).spawn(2), DrawConfig()
+        network, begin_drafts(network, requests, memory), np.random.default_rng(0).spawn(2), [1.0, 1.0], 1.0
     )
     sampler.recite(tables)
     for index, (table, request) in enumerate(zip(tables, requests, strict=True)):
@@ -267,7 +267,7 @@ def test_chances_of_all_values_of_a_number_add_up_to_one(monkeypatch: pytest.Mon
             return [self._true(k) for k in which]
 
     sampler = Adder(
-        _network(), begin_drafts(_network(), [empty_request()]), [np.random.default_rng(0)], DrawConfig()
+        _network(), begin_drafts(_network(), [empty_request()]), [np.random.default_rng(0)], [1.0], 1.0
     )
     sampler.recite([_table("Safe", 1)])
     assert len(sums) > 50
@@ -553,8 +553,10 @@ def test_values_are_drawn_as_often_as_they_are_likely(
 ):
     rng, count = np.random.default_rng(0), 20_000
     chances = torch.from_numpy(rng.dirichlet(np.full(values, 0.5))).float()
-    sampler = draw._Sampler(_network(), begin_drafts(_network(), [empty_request()]), [rng], cfg)
-    drawn = sampler._draw([0] * count, chances.expand(count, -1)).numpy()
+    begun = begin_drafts(_network(), [empty_request()])
+    temperatures = [5.0, cfg.temperature]  # that of the other table does not matter
+    sampler = draw._Sampler(_network(), begun, [rng, rng], temperatures, cfg.top_p)
+    drawn = sampler._draw([1] * count, chances.expand(count, -1)).numpy()
     sharp = chances.numpy().astype(float) ** (1 / temperature)
     order = np.argsort(-sharp)
     likeliest = order[: int((np.cumsum(sharp[order]) / sharp.sum() < top_p).sum()) + 1]

@@ -43,21 +43,31 @@ def test_the_shipped_network_expects_what_the_grammar_draws():
     assert float(symbols.sum() + numbers.sum()) / sum(map(len, tables)) < 3.5
 
 
-def test_an_object_is_given_up_after_eighty_batches_of_one_and_seven(monkeypatch):
-    """And once more, to finish it, here where tables always grow too long."""
+@pytest.mark.parametrize("coolest", [np.inf, 0.1])
+def test_an_object_is_given_up_after_eighty_batches_of_one_and_seven(monkeypatch, coolest):
+    """And once more, to finish it, here where tables always grow too long. Where the first continuation is
+    cooler than the others, dead ends make it warmer, until all are as warm."""
     start = SimpleNamespace(writer=SimpleNamespace(moving=[], delivered=False))
     counts: list[int] = []
+    warmth: list[float] = []
 
-    def draw(_network: object, drafts: list[object], *_: object, fits: object) -> list[None]:
+    def draw(
+        _network: object, drafts: list[object], *_: object, temperatures: list[float], fits: object
+    ) -> list[None]:
         counts.append(len(drafts))
+        warmth.extend(temperatures)
         return [None] * len(drafts)
 
     monkeypatch.setattr(model, "begin_drafts", lambda *_: [start])
     monkeypatch.setattr(model, "_draw_header", lambda *_: start)
     monkeypatch.setattr(growth, "continue_drafts", draw)
     with pytest.raises(SketchError, match="none of 8 continuations"):
-        model.draw_object(MagicMock(), SketchRequest(), 0)
+        model.draw_object(MagicMock(), SketchRequest(), 0, model.SketchConfig(coolest=coolest))
     assert counts == [1, 7] * 81
+    batches = np.array(warmth).reshape(-1, 8)
+    assert batches[:, 0] == pytest.approx(np.minimum(coolest * np.arange(1, 82), 0.6))
+    assert batches[:, -1] == pytest.approx(0.6)
+    assert batches[0, 1:-1] == pytest.approx(np.linspace(batches[0, 0], 0.6, 8)[1:-1])
 
 
 def finish(level: float = 0.5, opacity: float = 1.0) -> Finish:
