@@ -247,6 +247,8 @@ def _follow_plan(driver: Driver, plan: OpenPlan) -> None:
     for q in plan.path:
         move(driver, q, speed=PULL_SPEED)
     wait(driver, 8)
+    if bool(driver.info["success"][0]):
+        return  # a lid would fall
     if plan.width:
         grip(driver, 1.0, 4)
     for q in plan.leave:
