@@ -165,7 +165,9 @@ def test_a_wheel_is_taken_at_its_hub():
     assert not len(find_grasps(handle, (hulls[0], flat), ROBOTS["panda"]).poses)
 
 
-@pytest.mark.parametrize(("long", "behind"), [(0.059, 0.0195), (0.062, DEEPEST), (0.5, DEEPEST)])
+@pytest.mark.parametrize(
+    ("long", "behind"), [(0.02 + 2 * DEEPEST - 1e-3, DEEPEST - 5e-4), (0.02 + 2 * DEEPEST + 1e-3, 0.0)]
+)
 def test_a_handle_on_rods_is_taken_near_its_bar(long, behind):
     corners = np.array([[x, y, z] for x in (0.0, 0.013) for y in (-0.1, 0.1) for z in (-long, 0.0)])
     line, up = np.array([[0.0065, -0.09, -0.01], [0.0065, 0.09, -0.01]]), np.array([0.0, 0.0, 1.0])
