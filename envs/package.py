@@ -72,6 +72,10 @@ def load_package(
     package = _limit_screws(package)
     _uncouple(builder, package)
     records = {record.name: record for record in builder.link_builders}
+    own = 1 + len(scene.get_all_articulations())
+    for record in builder.link_builders:
+        # SAPIEN ignores contact of links that share a bit of group 2 and the number in group 3.
+        record.collision_groups[3] = own
     try:
         articulation = builder.build()
     except (RuntimeError, AssertionError) as error:

@@ -189,11 +189,11 @@ def _check_wishes(recipe: Recipe, path: Path) -> None:
             if entry.drawn_by_model < entry.count:
                 draw_shape(entry.category, entry.seed if entry.like is None else entry.like, entry.wish)
             if entry.drawn_by_model:
-                from artigen.sketch.request import SketchRequest, ask, check_category, list_learned
+                from artigen.sketch.request import SketchRequest, check_category, encode_request, list_learned
 
                 wish = entry.wish
                 check_category(entry.category, list_learned(SHIPPED))
-                ask(
+                encode_request(
                     SketchRequest(
                         category=entry.category, style=wish.style, counts=wish.counts, depth=wish.depth,
                         width=wish.width, height=wish.height,

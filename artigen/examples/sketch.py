@@ -24,8 +24,8 @@ from artigen.examples.sketch_photos import (
 )
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
-from artigen.sketch.batch import RowBatch, ask_for, make_batch
-from artigen.sketch.request import nothing_asked
+from artigen.sketch.batch import RowBatch, make_batch, sample_request
+from artigen.sketch.request import empty_request
 from artigen.sketch.rows import ROW_KINDS, sketch_to_rows
 from artigen.sketch.rules import MAX_ROWS
 from artigen.sketch.sketch import SketchError, write_sketch
@@ -83,13 +83,13 @@ def draw_batches(examples: Sequence[SketchExample], rows: int, seed: int) -> Ite
         chance = rng.random()
         if chance < TOLD:
             some = [examples[index].table for index in rng.integers(len(examples), size=TOLD_HEADS)]
-            asked = [ask_for(table, rng) for table in some]
-            yield SketchBatch(rows=make_batch([head_of(table) for table in some], asked), photos=None)
+            requests = [sample_request(table, rng) for table in some]
+            yield SketchBatch(rows=make_batch([head_of(table) for table in some], requests), photos=None)
             continue
         if shown and chance < TOLD + READ:
             some = [shown[index] for index in rng.integers(len(shown), size=HEADS)]
             yield SketchBatch(
-                rows=make_batch([head for head, _ in some], [nothing_asked()] * len(some)),
+                rows=make_batch([head for head, _ in some], [empty_request()] * len(some)),
                 photos=gather_photos([photo for _, photo in some]),
             )
             continue
@@ -99,12 +99,12 @@ def draw_batches(examples: Sequence[SketchExample], rows: int, seed: int) -> Ite
         picked = [examples[index] for index in rng.choice(near, min(count, len(near)), replace=False)]
         photos = [example.photo for example in picked if example.photo is not None]
         pictured = len(photos) == len(picked) and rng.random() < PICTURED
-        asked = [
-            nothing_asked() if pictured and rng.random() < ALONE else ask_for(example.table, rng)
+        requests = [
+            empty_request() if pictured and rng.random() < ALONE else sample_request(example.table, rng)
             for example in picked
         ]
         yield SketchBatch(
-            rows=make_batch([example.table for example in picked], asked),
+            rows=make_batch([example.table for example in picked], requests),
             photos=gather_photos(photos) if pictured else None,
         )
 

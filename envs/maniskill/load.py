@@ -147,6 +147,10 @@ def _build(
 ) -> "Articulation":
     builder.set_scene_idxs([scene_index])
     builder.initial_pose = pose
+    own = 1 + len(builder.scene.articulations)
+    for link in builder.link_builders:
+        # SAPIEN ignores contact of links that share a bit of group 2 and the number in group 3, robots' too.
+        link.collision_groups[3] = own
     articulation = builder.build(name=name, build_mimic_joints=False)
     prefix = f"scene-{scene_index}-{name}_"
     specs = {joint.name: joint for joint in package.joints}

@@ -24,8 +24,8 @@ from artigen.shapes.draw import draw_shape
 from artigen.sketch.batch import make_batch
 from artigen.sketch.model import load_sketch_network
 from artigen.sketch.network import SketchNetwork
-from artigen.sketch.picture import CELL, MAX_COUNT, Seen
-from artigen.sketch.request import nothing_asked
+from artigen.sketch.picture import CELL, MAX_COUNT, PicturePrediction
+from artigen.sketch.request import empty_request
 from artigen.sketch.rows import ROW_KINDS, sketch_to_rows
 from artigen.sketch.sketch import write_sketch
 from artigen.sketch.words import CATEGORIES
@@ -59,7 +59,7 @@ def photos(examples: list[SketchExample]) -> PhotoBatch:
 def test_an_object_seen_often_is_learnt_by_heart():
     torch.manual_seed(0)
     network = SketchLosses(SketchNetwork(SIZES["tiny"]))
-    rows = make_batch([sketch_to_rows(write_sketch(draw_shape("Safe", 1)))], [nothing_asked()])
+    rows = make_batch([sketch_to_rows(write_sketch(draw_shape("Safe", 1)))], [empty_request()])
     batch = SketchBatch(rows=rows, photos=None)
     optimizer = torch.optim.AdamW(network.parameters(), lr=3e-3)
     losses = []
@@ -88,7 +88,7 @@ def test_batches_hold_objects_of_like_length_and_about_so_many_rows():
         assert torch.equal(batch.rows.rows, same.rows.rows)
         assert len(batch.rows.rows) >= 2
         if (batch.rows.rows[..., 0] == ROW_KINDS.index("part")).any():
-            assert int(batch.rows.said.any(dim=2).sum()) <= 250
+            assert int(batch.rows.predicted.any(dim=2).sum()) <= 250
         else:
             assert len(batch.rows.rows) == TOLD_HEADS
             heads += 1
@@ -105,7 +105,7 @@ def test_the_head_of_a_table_ends_before_the_first_part():
 
 def test_the_weights_of_fields_belong_to_the_header_of_the_object_and_to_nothing_else():
     tables = [sketch_to_rows(write_sketch(draw_shape("Safe", seed))) for seed in (1, 2)]
-    for rows in (make_batch(tables[:1], [nothing_asked()]), make_batch(tables, [nothing_asked()] * 2)):
+    for rows in (make_batch(tables[:1], [empty_request()]), make_batch(tables, [empty_request()] * 2)):
         symbols, numbers = weigh_fields(rows)
         found = SketchNetwork(SIZES["tiny"])(rows)
         assert (len(symbols), len(numbers)) == (len(found[0]), len(found[1]))
@@ -130,7 +130,7 @@ def test_maps_that_are_true_cost_less_than_maps_that_miss(photos: PhotoBatch):
     labels = 12.0 * torch.nn.functional.one_hot(photos.labels, NOTHING + 1).permute(0, 3, 1, 2).float()
     tokens = torch.zeros(len(truth), 1, 8)
     nothing = torch.zeros(len(truth), 8, MAX_COUNT + 1)
-    right = Seen(
+    right = PicturePrediction(
         tokens=tokens,
         density=truth,
         labels=labels,
