@@ -209,7 +209,7 @@ def _all_states(subject: Subject, *, opened: bool) -> list[tuple[str, dict[str, 
     states: list[tuple[str, dict[str, object]]] = [("rest", {})]
     for joint in subject.driven:
         needs = open_positions(subject, joint) if opened else {}
-        states.append((joint.name, needs | {joint.name: _states(subject, joint)}))
+        states.append((joint.name, {**needs, joint.name: _states(subject, joint)}))
     if len(subject.driven) > 1:
         lower = np.array([_states(subject, joint)[0] for joint in subject.driven])
         upper = np.array([_states(subject, joint)[-1] for joint in subject.driven])

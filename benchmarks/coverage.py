@@ -23,7 +23,7 @@ import tyro
 from jaxtyping import Float
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import ConvexHull, QhullError, cKDTree
+from scipy.spatial import ConvexHull, KDTree, QhullError
 
 from artigen.datasets.partnet_mobility import ReaderConfig, read_object
 from artigen.datasets.partnet_surface import FaceTable
@@ -263,7 +263,7 @@ def surface_points(solids: Sequence[Primitive], rng: np.random.Generator) -> Flo
 
 
 def rate(
-    points: Float[np.ndarray, "N 3"], tree: cKDTree, solids: Sequence[Primitive], rng: np.random.Generator
+    points: Float[np.ndarray, "N 3"], tree: KDTree, solids: Sequence[Primitive], rng: np.random.Generator
 ) -> tuple[float, float]:
     """Share of the points that the solids cover, and share of the solids' surface on the component."""
     covered = float((distance(points, solids) <= NEAR).mean())
@@ -278,7 +278,7 @@ def join(covered: float, true: float) -> float:
 
 
 def fit_best(
-    points: Float[np.ndarray, "N 3"], tree: cKDTree, rng: np.random.Generator, *, boxes: bool = False
+    points: Float[np.ndarray, "N 3"], tree: KDTree, rng: np.random.Generator, *, boxes: bool = False
 ) -> Fit:
     """The piece with the best score; with ``boxes``, only the box around the points."""
     best = Fit(points=points, kind="none", solids=(), score=-1.0)
@@ -296,7 +296,7 @@ def fit_best(
 
 
 def cut_fit(
-    fit: Fit, vertices: Float[np.ndarray, "V 3"], tree: cKDTree, rng: np.random.Generator
+    fit: Fit, vertices: Float[np.ndarray, "V 3"], tree: KDTree, rng: np.random.Generator
 ) -> tuple[Fit, Fit] | None:
     """Splits the points by the plane across an axis with the largest gain for two boxes."""
     best: tuple[float, np.ndarray] | None = None
@@ -326,7 +326,7 @@ def _levels(along: Float[np.ndarray, "N"], corners: Float[np.ndarray, "V"]) -> l
 
 def say(component: Component, most: int, rng: np.random.Generator) -> Said:
     """Scores of one piece and of several pieces for a component."""
-    tree = cKDTree(component.points)
+    tree = KDTree(component.points)
     points = component.points[:: -(-len(component.points) // LOOKED_AT)]
     whole = fit_best(points, tree, rng)
     one = rate(points, tree, whole.solids, rng)

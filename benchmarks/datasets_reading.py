@@ -11,10 +11,10 @@ from pathlib import Path
 import tyro
 
 from artigen.datasets import open_shards
-from artigen.datasets.shards import Shards
+from artigen.datasets.shards import Shards, StoredObject
 
 
-def rate(shards: Shards, use: Callable[[object], object]) -> float:
+def rate(shards: Shards, use: Callable[[StoredObject], object]) -> float:
     """Objects per second of one pass, opening included."""
     started = time.perf_counter()
     again = open_shards(shards.folder)

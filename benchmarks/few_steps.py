@@ -28,7 +28,7 @@ from artigen.metrics.score import ScoreConfig, Scores, score_objects, score_set
 from artigen.metrics.subjects import Subject, describe_subject, draw_subjects
 from artigen.models.description import hash_model
 from artigen.models.rectified_flow import SamplerConfig, is_guided, plan_times
-from artigen.runtime.run_config import claim_folder
+from artigen.runtime.journal import claim_folder
 from artigen.types import Asset
 
 SHOWN = ("valid", "counts", "size", "strict_rest", "strict_articulated", "mmd", "coverage", "one_nna")

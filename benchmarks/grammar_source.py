@@ -4,7 +4,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from artigen.metrics.shapes import ShapeSource
+from artigen.metrics.draws import ShapeSource
 from artigen.models.conditions import StructureCondition
 from artigen.shapes.draw import ShapeError, Wish, draw_shape
 from artigen.shapes.shape import Shape

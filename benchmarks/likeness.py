@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from scipy.ndimage import binary_dilation, label
 from scipy.optimize import linear_sum_assignment
-from scipy.spatial import ConvexHull, cKDTree
+from scipy.spatial import ConvexHull, KDTree
 
 from artigen.datasets.partnet_mobility import read_object
 from artigen.kinematics import displacements, movable_parts
@@ -62,9 +62,9 @@ def measure_likeness(source_folder: Path, package_folder: Path) -> Likeness:
     for state in STATES:
         moved = pose_source(asset, pairs, state, points, owners)
         shown = pose_package(package, pairs, state, exported, links)
-        tree = cKDTree(moved, balanced_tree=False, compact_nodes=False)
+        tree = KDTree(moved, balanced_tree=False, compact_nodes=False)
         forth.append(tree.query(shown[:PROBES])[0].mean() / voxel)
-        back.append(cKDTree(shown).query(moved[:PROBES])[0].mean() / voxel)
+        back.append(KDTree(shown).query(moved[:PROBES])[0].mean() / voxel)
     cells, kept = free_space(asset, package)
     return Likeness(
         key=package_folder.name,
@@ -164,7 +164,7 @@ def free_space(asset: Asset, package: SimPackage) -> tuple[int, float]:
     grid = voxelize(asset.surface)
     occupied = np.zeros((64,) * 3, dtype=bool)
     occupied[tuple(grid.coords.T)] = True
-    near = binary_dilation(occupied, np.ones((3, 3, 3)))
+    near = np.asarray(binary_dilation(occupied, np.ones((3, 3, 3))), dtype=bool)
     total, kept = 0, 0
     planes = [hull_planes(hull) for link in package.links for hull in link.hulls]
     for index, part in enumerate(asset.parts):
@@ -193,5 +193,6 @@ def free_space(asset: Asset, package: SimPackage) -> tuple[int, float]:
 def reachable(own: np.ndarray) -> np.ndarray:
     """Cells that can be reached from outside past one part alone."""
     padded = np.pad(~own, 1, constant_values=True)
-    labels, _ = label(padded)
+    labels = np.zeros(padded.shape, dtype=np.int64)
+    label(padded, output=labels)
     return (labels == labels[0, 0, 0])[1:-1, 1:-1, 1:-1]

@@ -18,15 +18,14 @@ import torch
 import tyro
 
 import envs  # noqa: F401  registers the tasks
-from envs.maniskill.folders import REPORT_FILE, TaskError, find_packages
-from envs.maniskill.objects import TaskPart, read_object
+from envs.maniskill.objects import REPORT_FILE, TaskError, TaskPart, find_packages, read_object
 from envs.maniskill.solver.solve import solve_open_part, solve_put_inside
 from envs.maniskill.verbs import VERBS, Verb
 from envs.registration import VERB_TASKS
 from sim_export.report import report_from_json
 
 OPEN, PUT, STOCK = "ArtiGen-OpenPart-v1", "ArtiGen-PutInside-v1", "ArtiGen-OpenCabinetDrawer-v1"
-TASK_OF: dict[Verb, str] = {verb: name for name, verb in VERB_TASKS.items()} | {"open": OPEN}
+TASK_OF = {"open": OPEN} | {verb: name for name, verb in VERB_TASKS.items()}
 TASKS = {"open": OPEN, "put": PUT, "stock-drawer": STOCK, "stock-door": "ArtiGen-OpenCabinetDoor-v1"}
 CPU: dict[str, Any] = {"sim_backend": "physx_cpu", "render_backend": "none", "obs_mode": "state"}
 
@@ -142,7 +141,7 @@ def parts_to_try(cfg: Config, folder: Path) -> list[tuple[Verb, TaskPart]]:
         if verb != "open":
             parts = [part for part in parts if part.kind not in ("drawer", "door")]
         for kind in sorted({part.kind for part in parts}):
-            found += [(verb, part) for part in parts if part.kind == kind][: cfg.alike]
+            found.extend((verb, part) for part in [p for p in parts if p.kind == kind][: cfg.alike])
     return found
 
 

@@ -72,7 +72,11 @@ def read_thresholds(source: str, path: str) -> list[Threshold]:
             if not isinstance(target, ast.Name) or not isinstance(value, ast.Constant):
                 continue
             number = value.value
-            if type(number) not in (int, float) or (owner is tree and not target.id.isupper()):
+            if (
+                isinstance(number, bool)
+                or not isinstance(number, int | float)
+                or (owner is tree and not target.id.isupper())
+            ):
                 continue
             name = target.id if owner is tree else f"{owner.name}.{target.id}"
             found.append(

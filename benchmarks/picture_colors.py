@@ -21,11 +21,10 @@ from artigen.sketch.alignment import View, fit_camera
 from artigen.sketch.model import (
     PICTURE_EDGE,
     PICTURED,
-    TRUSTED,
     SketchConfig,
     draw_object,
+    encode_picture,
     load_sketch_network,
-    look_at,
 )
 from artigen.sketch.picture_colors import read_colors
 from artigen.sketch.request import SketchRequest
@@ -56,25 +55,25 @@ def main(model: Path = SHIPPED, first: int = 0, each: int = 2) -> int:
     """
     network = load_sketch_network(model)
     cfg = SketchConfig(header=PICTURED)
-    said: dict[str, list[float]] = defaultdict(list)
+    of_drawn: dict[str, list[float]] = defaultdict(list)
     read: dict[str, list[float]] = defaultdict(list)
     for category in PAPER_CATEGORIES:
         for seed in range(first, first + each):
             truth = draw_shape(category, seed)
             rgba = photograph_shape(truth, seed, PICTURE_EDGE).rgba
             picture = rgba.transpose(2, 0, 1).astype(np.float32) / 255.0
-            looked = look_at(network, picture)
-            drawn = draw_object(network, SketchRequest(), seed, cfg, looked).shape
-            fit = fit_camera(drawn, picture, View(*looked[0].view[0].tolist()))
-            for errors, shape in ((said, drawn), (read, read_colors(drawn, picture, fit, trust=TRUSTED))):
+            encoded = encode_picture(network, picture)
+            drawn = draw_object(network, SketchRequest(), seed, cfg, encoded).shape
+            fit = fit_camera(drawn, picture, View(*encoded[0].view[0].tolist()))
+            for errors, shape in ((of_drawn, drawn), (read, read_colors(drawn, picture, fit, trust=True))):
                 for role, error in compare_finishes(shape, truth).items():
                     errors[role].append(error)
     for role in (*SEEN, "all"):
         ours, theirs = (
             np.concatenate([errors[one] for one in ((role,) if role != "all" else SEEN)])
-            for errors in (said, read)
+            for errors in (of_drawn, read)
         )
-        sys.stdout.write(f"{role:8} said {ours.mean():.4f}  read {theirs.mean():.4f}  of {len(ours)}\n")
+        sys.stdout.write(f"{role:8} drawn {ours.mean():.4f}  read {theirs.mean():.4f}  of {len(ours)}\n")
     return 0
 
 

@@ -90,7 +90,7 @@ def disturb(options: Options, driver: subprocess.Popen, chance: random.Random, u
 
 def measure(options: Options) -> dict[str, object]:
     """Runs, kills, and counts."""
-    import ray
+    import ray  # pyright: ignore[reportMissingImports]
 
     ray.init(address="local", num_cpus=options.cores, log_to_driver=False)
     address = ray.get_runtime_context().gcs_address

@@ -52,13 +52,12 @@ def run_source(options: Options, source: Source) -> list[Finished]:
         for seed in range(options.first, options.first + options.count)
     ]
     with tqdm(total=len(jobs), desc=source, disable=not sys.stderr.isatty()) as bar:
-        return run_batch(
-            export_and_validate,
-            jobs,
-            out,
-            runner=choose_runner("local", options.workers),
-            on_done=lambda _: bar.update(),
-        )
+
+        def show(_: Finished) -> None:
+            bar.update()
+
+        runner = choose_runner("local", options.workers)
+        return run_batch(export_and_validate, jobs, out, runner=runner, on_done=show)
 
 
 def failed_checks(finished: Finished) -> list[str]:

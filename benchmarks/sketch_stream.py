@@ -28,8 +28,8 @@ from artigen.examples.sketch import (
 )
 from artigen.examples.sketch_photos import CELL, EDGE, PhotoBatch, take_photo
 from artigen.shapes.draw import draw_shape
-from artigen.sketch.batch import RowBatch, ask_for, make_batch
-from artigen.sketch.request import Asked, nothing_asked
+from artigen.sketch.batch import RowBatch, make_batch, sample_request
+from artigen.sketch.request import RequestRows, empty_request
 from artigen.sketch.words import CATEGORIES
 
 Arrays = dict[str, np.ndarray]
@@ -155,9 +155,9 @@ def make_batches(
         number: Number of this batcher.
     """
     rng = np.random.default_rng([number, 7])
-    plain, shown, read, looked = Pool(), Pool(), set[Path](), 0.0
+    plain, shown, read, encoded = Pool(), Pool(), set[Path](), 0.0
     while True:
-        if time.monotonic() - looked > LOOK:
+        if time.monotonic() - encoded > LOOK:
             new = sorted({*folder.glob("plain-*.npz"), *(before.glob("*.npz") if before else ())} - read)
             for path in new:
                 plain.add(unpack_tables(load_shard(path, TABLES)))
@@ -166,7 +166,7 @@ def make_batches(
             read |= set(new)
             plain.sort()
             shown.sort()
-            looked = time.monotonic()
+            encoded = time.monotonic()
         if min(len(shown.order), len(plain.order)) < 4 * sizes.shown:
             time.sleep(0.5)
             continue
@@ -176,28 +176,29 @@ def make_batches(
 def _make_step(plain: Pool, shown: Pool, sizes: Sizes, rng: np.random.Generator) -> dict[str, Arrays]:
     """The four batches of a step; photos are numbers in the album."""
     whole = shown.pick_alike(int(rng.integers(len(shown.order))), sizes.shown, rng)
-    asked = [
-        nothing_asked() if rng.random() < ALONE else ask_for(shown.tables[index], rng) for index in whole
+    requests = [
+        empty_request() if rng.random() < ALONE else sample_request(shown.tables[index], rng)
+        for index in whole
     ]
     heads = shown.pick(sizes.read, rng)
     any_pool = plain if rng.random() * (len(plain.order) + len(shown.order)) < len(plain.order) else shown
     some = [any_pool.tables[index] for index in any_pool.pick_rows(sizes.plain, sizes.most, rng)]
     told = any_pool.pick(sizes.told, rng)
     return {
-        "shown": _pack([shown.tables[index] for index in whole], asked) | {"photos": whole},
-        "plain": _pack(some, [ask_for(table, rng) for table in some]),
-        "read": _pack([shown.heads[index] for index in heads], [nothing_asked()] * len(heads))
+        "shown": _pack([shown.tables[index] for index in whole], requests) | {"photos": whole},
+        "plain": _pack(some, [sample_request(table, rng) for table in some]),
+        "read": _pack([shown.heads[index] for index in heads], [empty_request()] * len(heads))
         | {"photos": heads},
         "told": _pack(
             [any_pool.heads[index] for index in told],
-            [ask_for(any_pool.tables[index], rng) for index in told],
+            [sample_request(any_pool.tables[index], rng) for index in told],
         ),
     }
 
 
-def _pack(tables: Sequence[Table], asked: Sequence[Asked]) -> Arrays:
+def _pack(tables: Sequence[Table], requests: Sequence[RequestRows]) -> Arrays:
     """A batch of rows in few bytes."""
-    arrays = {name: value.numpy() for name, value in vars(make_batch(tables, asked)).items()}
+    arrays = {name: value.numpy() for name, value in vars(make_batch(tables, requests)).items()}
     return {name: value if value.dtype == bool else value.astype(np.int16) for name, value in arrays.items()}
 
 

@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 
-from .follow import pull_spring
+from .friction import pull_spring
 
 if TYPE_CHECKING:
     import sapien
@@ -105,7 +105,6 @@ def set_open_fraction(
     """Poses every joint at a fraction of its range, at rest; returns the articulation's ``qpos``.
 
     Args:
-        loaded: The object.
         fraction: 0 is the lower limit and 1 the upper; one number for all joints or one per joint of
             ``loaded.joints``. For a joint without limits it is a share of a full turn.
     """

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Literal
 from sim_export.errors import PackageError
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 
-from .follow import drive_follower
-from .friction import apply_resistance
+from .friction import apply_resistance, drive_follower
 from .loaded import Follower, LinkLoad, LoadedJoint, LoadedPackage
 from .urdf_text import physics_urdf
 
@@ -73,6 +72,10 @@ def load_package(
     package = _limit_screws(package)
     _uncouple(builder, package)
     records = {record.name: record for record in builder.link_builders}
+    own = 1 + len(scene.get_all_articulations())
+    for record in builder.link_builders:
+        # SAPIEN ignores contact of links that share a bit of group 2 and the number in group 3.
+        record.collision_groups[3] = own
     try:
         articulation = builder.build()
     except (RuntimeError, AssertionError) as error:

@@ -13,8 +13,7 @@ from .base import SUBSTEPS, PackageEnv, open_fractions
 from .hand import pose_matrix
 from .loaded import advance
 from .plan import rest_qpos
-from .support import center_of_mass
-from .trials import local_vertices, reset, world_vertices
+from .trials import center_of_mass, local_vertices, reset, world_vertices
 
 
 @dataclass(frozen=True, kw_only=True)

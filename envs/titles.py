@@ -60,8 +60,6 @@ def not_run(titles: Mapping[str, str], reason: str, first: str | None = None) ->
     """Failed results for checks that could not be run.
 
     Args:
-        titles: Ids and titles of the checks.
-        reason: The reason.
         first: The check that the reason applies to; the others are not run because it failed. All when None.
     """
     return tuple(

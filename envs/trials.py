@@ -14,6 +14,7 @@ import numpy as np
 import sapien
 from jaxtyping import Float
 
+from artigen.shapes.support import measure_overhang
 from artigen.transforms import transform_points
 from sim_export.package import PackageJoint, SimPackage
 
@@ -94,9 +95,6 @@ def run_trials(
     """All trials of one package at one time step, in new scenes.
 
     Args:
-        folder: The package folder.
-        package: Its content.
-        timestep: Seconds per step.
         hulls: ``known`` if the same folder was loaded before, unchanged (`LoadConfig.hulls`).
     """
     scene = create_scene(timestep)
@@ -303,7 +301,6 @@ def world_vertices(
 
 
 def _stand(folder: Path, package: SimPackage, timestep: float, trace: list) -> StandResult:
-    from .support import overhang_of
 
     scene = create_scene(timestep, ground=True)
     loaded = load_package(scene, folder, LoadConfig(base="free", hulls="known"), package)
@@ -325,3 +322,31 @@ def _stand(folder: Path, package: SimPackage, timestep: float, trace: list) -> S
         penetration=max(0.0, -lowest),
         overhang=overhang,
     )
+
+
+FLOOR_BAND = 0.005
+"""Height (m) above the lowest point within which a vertex counts as touching the floor."""
+
+
+def overhang_of(loaded: LoadedPackage, vertices: Float[np.ndarray, "V 3"]) -> float:
+    """Distance (m) of the centre of mass outside of the support polygon; negative inside.
+
+    Args:
+        vertices: Its collision vertices in the world.
+    """
+    feet = vertices[vertices[:, 2] < vertices[:, 2].min() + FLOOR_BAND][:, :2]
+    return measure_overhang(feet, center_of_mass(loaded)[:2])
+
+
+def center_of_mass(loaded: LoadedPackage) -> Float[np.ndarray, "3"]:
+    """Centre of mass of all links in the world."""
+    masses = np.array([link.mass for link in loaded.articulation.links])
+    centers = np.array(
+        [
+            (pose_matrix(link.entity_pose) @ pose_matrix(link.cmass_local_pose))[:3, 3]
+            for link in loaded.articulation.links
+        ]
+    )
+    if not masses.sum() > 0:
+        return centers.mean(axis=0)
+    return np.average(centers, axis=0, weights=masses)

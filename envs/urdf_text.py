@@ -15,7 +15,6 @@ def physics_urdf(path: Path, *, mujoco: bool = False) -> str:
     """URDF text without visuals and materials, with absolute mesh paths.
 
     Args:
-        path: ``mobility.urdf`` of a package.
         mujoco: Also sets MuJoCo options, whose defaults strip folders from mesh paths.
 
     Raises:

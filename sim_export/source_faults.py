@@ -47,7 +47,6 @@ def find_source_faults(package: SimPackage, surfaces: Surfaces, failed: Collecti
     Args:
         package: The object with its own meshes as visuals.
         surfaces: Triangles of the visuals by link (m, object frame at rest).
-        failed: Ids of the checks.
     """
     cfg = CheckConfig()
     out = {}

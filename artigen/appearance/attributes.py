@@ -26,13 +26,6 @@ def describe_kinds(
 
     Direction of its outer side (one of 6), label of its part, whether something stands before its outer and
     its inner side, and whether its part continues around it.
-
-    Args:
-        table: Channels after occupancy of each part.
-        part_ids: Part of each voxel.
-        facings: Direction of each voxel's outer side.
-        covered: Whether something stands before either side (`artigen.voxels.frames.find_covered`).
-        joined: Whether the part continues around the voxel (`artigen.voxels.frames.find_joined`).
     """
     labels = table[:, ROW.label]
     features = (np.eye(FACINGS)[facings], labels[part_ids], covered, joined.reshape(len(joined), AROUND))
@@ -46,15 +39,7 @@ def read_kinds(
     table: Float[np.ndarray, "P C"],
     resolution: int,
 ) -> Float[np.ndarray, "N 20"]:
-    """Kind of each voxel of an object (`describe_kinds`), from the voxels alone.
-
-    Args:
-        coords: Cells (x, y, z) of the grid.
-        part_ids: Part of each.
-        facings: Directions of their outer sides.
-        table: Channels after occupancy of each part.
-        resolution: Edge of the grid.
-    """
+    """Kind of each voxel of an object (`describe_kinds`), from the voxels alone."""
     covered = find_covered(coords, facings, resolution)
     joined = find_joined(coords, part_ids, facings, resolution)
     return describe_kinds(table, part_ids, facings, covered, joined)
@@ -65,11 +50,5 @@ def describe_voxels(
     places: Float[np.ndarray, "N 6"],
     paint: Float[np.ndarray, "N 7"],
 ) -> Float[np.ndarray, "N A"]:
-    """Conditioning features of every voxel for the flow of structured latents (float32).
-
-    Args:
-        kinds: Kinds of the voxels (`describe_kinds`).
-        places: Positions of their surface (`artigen.voxels.surface.describe_places`).
-        paint: Colours of both sides of each voxel, and its transmission (`artigen.appearance.paint`).
-    """
+    """Conditioning features of every voxel for the flow of structured latents (float32)."""
     return np.concatenate([kinds, places, paint], axis=1).astype(np.float32)

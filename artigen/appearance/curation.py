@@ -57,14 +57,6 @@ class CurationConfig:
     painted: bool = True
     """Whether sides that few views show take the colour of their surface; if not, views alone count."""
 
-    def __post_init__(self) -> None:
-        if self.states < 1 or not 0 <= self.kept <= self.views.count or self.tolerance <= 0:
-            raise ValueError(
-                f"{self.states} states, {self.kept} of {self.views.count} views kept, tolerance "
-                f"{self.tolerance}: expected at least 1 state, kept views from 0 to the number of views, and "
-                "a tolerance above 0"
-            )
-
     def channels(self, extractor: FeatureExtractor) -> int:
         """Channels of a voxel's features."""
         return extractor.channels + (SIDE_CHANNELS if self.sided else 0)
@@ -81,12 +73,7 @@ def curate(
     """Features of the asset's voxels, and the pictures kept of every state.
 
     Args:
-        shape: The object.
         asset: The same object with voxels and, where they have sides, samples of its surface.
-        facings: Directions of the voxels' outer sides.
-        extractor: Extractor of image features.
-        cfg: States and views.
-        paint: Surface colours of the voxels' sides.
 
     Raises:
         ValueError: If the asset has no voxels, or needs surface samples and has none.

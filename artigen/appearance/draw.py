@@ -1,14 +1,14 @@
-"""Samples Gaussians for an articulated structure: latents on its voxels, decoding, seams."""
+"""Samples Gaussians for an articulated structure: latents on its voxels, then decoding."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
+from torch import Tensor
 
 from artigen.appearance.attributes import describe_voxels, read_kinds
-from artigen.appearance.color_pooling import even_sides
 from artigen.appearance.gaussian_decoder import GaussianDecoder, to_gaussians
 from artigen.appearance.paint import PaintedSurface, gather_paint
 from artigen.appearance.presets import APPEARANCE_PRESETS, AppearancePreset
@@ -21,12 +21,11 @@ from artigen.models.rectified_flow import SamplerConfig
 from artigen.models.store import load_model
 from artigen.models.tensors import load_strictly, read_tensors
 from artigen.splats.render.splats import Splats
-from artigen.splats.seams import settle_seams
 from artigen.types import Asset
 from artigen.voxels.fields import tabulate_parts
-from artigen.voxels.frames import find_facings
+from artigen.voxels.frames import SIDES, find_facings
 from artigen.voxels.layout import Canvas, lay_out
-from artigen.voxels.regions import find_edges
+from artigen.voxels.regions import find_edges, number_faces
 from artigen.voxels.surface import describe_places, measure_places
 from artigen.voxels.voxelize import voxelize_again
 
@@ -96,10 +95,6 @@ def draw_splats(
     """Samples the Gaussians of given voxels, in the order of the voxels.
 
     Args:
-        model: Trained networks.
-        canvas: The voxels.
-        asked: Condition.
-        seed: Seed of the noise.
         paint: Colours of both sides of each voxel, and its transmission (`artigen.appearance.paint`); all
             models but ``paper`` take it.
         sampler: Steps and guidance; those of the model's preset when None.
@@ -150,13 +145,10 @@ def generate_appearance(
 
     With painted samples of the surface, Gaussians take its colours and lie on the voxels that it passes
     through, as in training; otherwise they lie on the asset's own voxels. Every Gaussian belongs to the part
-    of its voxel, except for strays (`artigen.splats.seams`).
+    of its voxel.
 
     Args:
-        model: Trained networks.
         asset: Asset with voxels at the model's resolution.
-        asked: Condition from which the structure was generated.
-        seed: Seed of the noise.
         surface: Painted samples of the surface that the voxels represent; for a generated structure those of
             its meshes (`sim_export.geometry.surface`, `artigen.appearance.paint.repaint`). ``paper`` needs
             none.
@@ -191,5 +183,34 @@ def generate_appearance(
         places=places,
     )
     splats = draw_splats(model, canvas, asked, seed, paint=paint, sampler=sampler)
-    painted = replace(asset, voxels=voxels, gaussians=to_gaussians(splats, voxels.part_ids))
-    return replace(settle_seams(painted), voxels=asset.voxels)
+    return replace(asset, gaussians=to_gaussians(splats, voxels.part_ids))
+
+
+ALIKE = 1.5 / 255
+"""Largest difference of paint between neighbours that are painted alike; paint comes in steps of 1/255."""
+
+
+def even_sides(
+    drawn: Float[Tensor, "N C"],
+    expected: Float[Tensor, "N C"],
+    paint: Float[np.ndarray, "N 7"],
+    edges: Int[np.ndarray, "E 2"],
+) -> Float[Tensor, "N C"]:
+    """Latents whose deviation in colour from the linear prior is averaged over each region of one paint.
+
+    Args:
+        drawn: Sampled latents, which begin with the colours of both sides (`artigen.appearance.vae`).
+        edges: Pairs of neighbours on one face (`artigen.voxels.regions.find_edges`).
+    """
+    out = drawn.clone()
+    for side in range(SIDES):
+        own = slice(3 * side, 3 * side + 3)
+        painted = np.concatenate([paint[:, own], paint[:, -1:]], axis=1)
+        alike = np.abs(painted[edges[:, 0]] - painted[edges[:, 1]]).max(axis=1) <= ALIKE
+        regions = torch.from_numpy(number_faces(len(paint), edges[alike]).astype(np.int64)).to(drawn.device)
+        residual = drawn[:, own] - expected[:, own]
+        count = torch.bincount(regions).to(residual.dtype)
+        total = torch.zeros(len(count), residual.shape[1], dtype=residual.dtype, device=residual.device)
+        mean = total.index_add_(0, regions, residual) / count[:, None]
+        out[:, own] = expected[:, own] + mean[regions]
+    return out

@@ -29,8 +29,6 @@ def find_exposed(
     """Pixels whose surface is hidden from everywhere while the object is closed.
 
     Args:
-        scene: The shape alone.
-        cameras: Cameras of the pictures (m).
         images: The pictures, all in the joint state ``qpos``.
         qpos: One coordinate per part (m, rad).
     """

@@ -112,7 +112,6 @@ class GaussianDecoder(SlatTrunk):
 
         Args:
             coords: Sample, x, y, z of each voxel, in any order.
-            latents: Latent of each voxel.
             plans: Window plans of these voxels; computed when None.
             facings: Directions of the outer sides, where voxels have two sides.
         """
@@ -185,7 +184,6 @@ def to_gaussians(decoded: Splats, part_ids: Int[np.ndarray, "N"]) -> Gaussians:
 
     Args:
         decoded: Gaussians of the sample's voxels, voxel after voxel.
-        part_ids: Part of each voxel; its Gaussians belong to the same part.
 
     Raises:
         ValueError: If the Gaussians do not divide evenly among the voxels, or a value is not finite.

@@ -67,7 +67,6 @@ def fit_expectation(
     """Least-squares weights per kind, drawn towards those of all voxels where a kind has few.
 
     Args:
-        voxels: Attributes and latents, object by object.
         blur: Standard deviation of the paint at generation from the true paint; it shrinks the weights of
             paint.
 

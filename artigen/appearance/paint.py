@@ -17,7 +17,7 @@ from artigen.voxels.layout import lay_out
 from artigen.voxels.surface import AHEAD, SAMPLES, find_voxels
 
 PAINT = 3 * SIDES + 1
-"""Numbers of a painted voxel: the colours of its outer and its inner side, and its transmission."""
+"""Values that describe the paint of a voxel: colours of its outer and its inner side, and transmission."""
 TURNED = 1 / 32
 """Unit-cube length that a difference of 1 between normals counts for: on a thin board, the nearest sample is
 then one of the same face, even where that is a voxel away."""
@@ -75,12 +75,10 @@ def paint_surface(shape: Shape, asset: Asset, spacing: float) -> PaintedSurface:
 
 
 def gather_paint(surface: PaintedSurface, voxels: VoxelGrid, facings: Int[np.ndarray, "N"]) -> VoxelPaint:
-    """Mean paint per voxel side of the samples in a voxel that are of its part and face the side's way.
+    """Mean paint of the samples of each voxel, of its own part, that face the way of either side.
 
     Args:
         surface: Painted samples; a part without any is black.
-        voxels: Cells of the same object.
-        facings: Directions of their outer sides.
     """
     count, samples = len(voxels.coords), surface.samples
     rows, own = find_voxels(samples, voxels)

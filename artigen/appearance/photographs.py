@@ -84,10 +84,7 @@ def take_pictures(
     """All pictures of given states, without features; they are the references of evaluations.
 
     Args:
-        shape: The object.
-        asset: The same object.
         fractions: Share of its range that each part of the shape is open by, state by state.
-        cfg: Views of a state.
     """
     scene = build_scene([shape])
     center, scale = frame_shape(shape)
@@ -143,10 +140,7 @@ def photograph(
     """Renders the one shape of a scene, state by state.
 
     Args:
-        scene: The shape alone.
-        asset: The same object.
         fractions: Share of its range that each part of the shape is open by, state by state.
-        cfg: Views of a state.
     """
     shape = scene.shapes[0]
     owners = part_owners(shape, asset)

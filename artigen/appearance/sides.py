@@ -41,12 +41,7 @@ class SideLooks:
 
 
 class SideMean:
-    """Accumulates, view by view, the colours of both sides of voxels.
-
-    Args:
-        voxels: Voxels of the object, at rest.
-        facings: Direction of each voxel's outer side.
-    """
+    """Accumulates, view by view, the colours of both sides of voxels."""
 
     def __init__(self, voxels: VoxelGrid, facings: Int[np.ndarray, "N"]) -> None:
         self.voxels, self.facings = voxels, facings

@@ -140,13 +140,8 @@ def sample_slats(
     """Samples the latents of given voxels; where guidance applies, both velocities come from one pass.
 
     Args:
-        flow: Trained flow.
         coords: Sample, x, y, z of each voxel, in any order.
-        asked: One condition per sample.
         nothing: As many empty conditions.
-        noise: Initial latents, standard normal.
-        cfg: Steps and guidance.
-        attributes: Attributes of each voxel, if the flow takes them.
 
     Raises:
         ValueError: If a sample is empty, a voxel occurs twice, or one lies outside the grid.

@@ -144,7 +144,6 @@ class SlatEncoder(SlatTrunk):
 
         Args:
             coords: Sample, x, y, z of each voxel, in any order.
-            feats: Features of each voxel.
             plans: Window plans of these voxels; computed when None.
             facings: Directions of the outer sides, where voxels have two sides.
         """

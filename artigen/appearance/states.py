@@ -21,11 +21,6 @@ def plan_fractions(shape: Shape, count: int, *, staggered: bool) -> Float[np.nda
 
     A part that needs another one open follows the order of that one, and is closed where that is not open
     enough.
-
-    Args:
-        shape: The object.
-        count: Number of states.
-        staggered: Whether joints take their shares in different orders.
     """
     if count < 1:
         raise ValueError(f"{count} joint states, expected at least 1")

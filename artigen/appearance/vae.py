@@ -85,8 +85,6 @@ class AppearanceVae(nn.Module):
         """Encodes, samples the posterior with the given noise, and decodes.
 
         Args:
-            coords: Sample, x, y, z of each voxel.
-            feats: Features of each voxel.
             noise: Standard normal; zero gives the means.
             facings: Directions of the outer sides; ignored where voxels have no sides.
         """

@@ -47,7 +47,6 @@ def spread_directions(cfg: ViewConfig, turn: float) -> Float[np.ndarray, "V 3"]:
     """Unit directions from an object to its cameras: Hammersley's points over a band of the sphere.
 
     Args:
-        cfg: Number and elevations of the cameras.
         turn: Shift of the sequence in [0, 1), so that states are seen from different places.
     """
     order = np.arange(cfg.count)

@@ -63,10 +63,6 @@ class FeatureMean:
     """Accumulates features view by view.
 
     Args:
-        centers: Centres of the voxels, at rest.
-        part_ids: Part that each voxel moves with.
-        cell: Edge of a voxel.
-        weighting: Which views count for a voxel.
         tolerance: Largest difference of depths in voxels at which a voxel counts as seen.
     """
 

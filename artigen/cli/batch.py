@@ -7,6 +7,7 @@ settings, in other parts or as a whole, processes only objects that are missing 
 
 import hashlib
 import os
+import re
 import resource
 import shutil
 import sys
@@ -19,11 +20,49 @@ from typing import Protocol, TypeVar
 
 from tqdm import tqdm
 
-from artigen.cli.shard import Part, name_part, take_part
 from artigen.errors import ArtigenError
 from artigen.runtime.journal import append_line, read_lines
 from artigen.runtime.runner import Runner, run_jobs
 from artigen.runtime.workers import Worker
+
+Item = TypeVar("Item")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """The ``number``-th of ``total`` parts, counted from 1."""
+
+    number: int
+    total: int
+
+
+def read_shard(text: str | None) -> Part | None:
+    """Parses a part such as ``3/64``; None for the whole run.
+
+    Raises:
+        ArtigenError: If the text is not of the form K/N with K from 1 to N.
+    """
+    if text is None:
+        return None
+    found = re.fullmatch(r"(\d+)/(\d+)", text)
+    part = Part(number=int(found[1]), total=int(found[2])) if found else None
+    if part is None or not 1 <= part.number <= part.total:
+        raise ArtigenError(f"shard {text!r}: expected K/N with K from 1 to N, such as 3/64")
+    return part
+
+
+def take_part(items: Sequence[Item], part: Part | None) -> Sequence[Item]:
+    """Every ``total``-th item; the parts are disjoint and together contain all items."""
+    return items if part is None else items[part.number - 1 :: part.total]
+
+
+def name_part(path: Path, part: Part | None) -> Path:
+    """File name of a part: ``run.jsonl`` becomes ``run.03-of-64.jsonl``."""
+    if part is None:
+        return path
+    width = len(str(part.total))
+    return path.with_name(f"{path.stem}.{part.number:0{width}d}-of-{part.total}{path.suffix}")
+
 
 JOURNAL = "run.jsonl"
 

@@ -13,8 +13,7 @@ import numpy as np
 import tyro
 
 from artigen.cli.arguments import Out, RunnerChoice, Shard, Workers
-from artigen.cli.batch import Finished, Laps, Made, make_and_validate, run_shown, say_results
-from artigen.cli.shard import read_shard
+from artigen.cli.batch import Finished, Laps, Made, make_and_validate, read_shard, run_shown, say_results
 from artigen.runtime.runner import choose_runner
 from artigen.runtime.workers import Worker
 
@@ -181,7 +180,7 @@ def export_source(
     Raises:
         ExportError: If no attempt can be exported.
     """
-    from artigen.cli.source_meshes import place_source_meshes, place_source_surfaces
+    from artigen.cli.mend import place_source_meshes, place_source_surfaces
     from sim_export.errors import ExportError
     from sim_export.export import export_solids, make_solids
 
@@ -315,7 +314,7 @@ def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]
 
 
 def _explain(job: ConvertJob, failed: tuple[str, ...], scratch: Path) -> tuple[str, ...]:
-    from artigen.cli.source_meshes import place_source_meshes, place_source_surfaces
+    from artigen.cli.mend import place_source_meshes, place_source_surfaces
     from sim_export.checks.subject import Subject
     from sim_export.export import export_asset
     from sim_export.files.read import read_package

@@ -13,7 +13,7 @@ from tqdm import tqdm
 
 from artigen import __version__
 from artigen.cli.arguments import RunnerChoice, Shard, Workers
-from artigen.cli.batch import Finished, digest_settings, read_journal, run_shown
+from artigen.cli.batch import Finished, digest_settings, read_journal, read_shard, run_shown
 from artigen.cli.dataset_objects import (
     SHARED,
     ObjectJob,
@@ -22,9 +22,8 @@ from artigen.cli.dataset_objects import (
     make_job,
     read_fingerprint,
 )
-from artigen.cli.shard import read_shard
-from artigen.datasets.about import About, Failure
 from artigen.datasets.duplicates import Duplicate, Duplicates
+from artigen.datasets.manifest import About, Failure
 from artigen.datasets.merge import merge_datasets
 from artigen.datasets.packing import PackingError
 from artigen.datasets.publish import is_full, order_objects, write_dataset
@@ -190,11 +189,11 @@ def _check_wishes(recipe: Recipe, path: Path) -> None:
             if entry.drawn_by_model < entry.count:
                 draw_shape(entry.category, entry.seed if entry.like is None else entry.like, entry.wish)
             if entry.drawn_by_model:
-                from artigen.sketch.request import SketchRequest, ask, check_category, list_learned
+                from artigen.sketch.request import SketchRequest, check_category, encode_request, list_learned
 
                 wish = entry.wish
                 check_category(entry.category, list_learned(SHIPPED))
-                ask(
+                encode_request(
                     SketchRequest(
                         category=entry.category, style=wish.style, counts=wish.counts, depth=wish.depth,
                         width=wish.width, height=wish.height,

@@ -133,7 +133,7 @@ def pack_object(job: ObjectJob) -> tuple[float, float]:
 
     from sim_export.files.read import read_package
     from sim_export.fingerprint import describe_surface, quantise
-    from sim_export.picture.thumbnail import draw_thumbnail, webp_bytes
+    from sim_export.picture.preview import draw_thumbnail, webp_bytes
     from sim_export.report import report_from_json
 
     started = time.perf_counter()

@@ -10,10 +10,9 @@ import numpy as np
 import tyro
 
 from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
-from artigen.cli.batch import Finished, Laps, Made, make_and_validate, run_shown, say_results
+from artigen.cli.batch import Finished, Laps, Made, make_and_validate, read_shard, run_shown, say_results
 from artigen.cli.models import hash_weights, load_drawer, load_sketch, load_structure
 from artigen.cli.shape import read_wish
-from artigen.cli.shard import read_shard
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
 from artigen.runtime.workers import Worker
@@ -55,7 +54,8 @@ class GenerateSettings:
     """``sketch`` exports the exact primitives of the sketch network; ``latent`` samples 64^3 voxels from
     the paper's latents within the boxes of the sketch and exports those in its colours."""
     temperature: float = 0.6
-    """Sampling temperature of the sketch network; 1 matches the training data, lower is less varied."""
+    """Sampling temperature of the sketch network; 1 matches the training data, lower is less varied. With a
+    picture, parts are first tried at 0.1."""
     redraws: int = 3
     """Maximum number of new draws for an object with a known fault or that fails a check."""
     steps: int = 6
@@ -122,7 +122,7 @@ class _Asked:
 
 def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
     """Reads the picture of a request and resolves adjectives such as "tall" to extents."""
-    from artigen.sketch.model import draw_header, look_at, read_object_picture
+    from artigen.sketch.model import draw_header, encode_picture, read_object_picture
 
     request = understood.request
     network = load_sketch(job.model)
@@ -131,8 +131,8 @@ def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
         shown = read_object_picture(network, job.cfg.image)
         picture, notes = shown.rgba, (*notes, *shown.notes)
     if understood.stretch:
-        looked = None if picture is None else look_at(network, picture)
-        usual = draw_header(network, request, job.seed, looked=looked)
+        encoded = None if picture is None else encode_picture(network, picture)
+        usual = draw_header(network, request, job.seed, encoded=encoded)
         stretched = {axis: factor * getattr(usual, axis) for axis, factor in understood.stretch}
         request = replace(request, **stretched)
     return _Asked(request=request, picture=picture, notes=notes)
@@ -144,9 +144,9 @@ def check_job(job: GenerateJob) -> None:
     Raises:
         ArtigenError: If the model or the picture cannot be read, or the request cannot be met.
     """
-    from artigen.sketch.request import ask
+    from artigen.sketch.request import encode_request
 
-    ask(_ask(job, _understand(job)).request)
+    encode_request(_ask(job, _understand(job)).request)
 
 
 def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
@@ -317,7 +317,7 @@ def generate(
         count: Number of objects, with consecutive seeds.
         cfg: The condition and the sampling settings.
     """
-    from artigen.sketch.request import ask
+    from artigen.sketch.request import encode_request
 
     if count < 1 or seed < 0 or cfg.redraws < 0:
         raise ArtigenError(
@@ -339,7 +339,7 @@ def generate(
         for number in range(seed, seed + count)
     ]
     # Reject bad requests early: sentences and numbers here, models and pictures when they are loaded.
-    ask(_understand(jobs[0]).request)
+    encode_request(_understand(jobs[0]).request)
     worker = Worker()
     try:
         checked = worker.call(check_job, jobs[0], TIMEOUT)

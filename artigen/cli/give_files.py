@@ -36,14 +36,14 @@ class Gift:
 
 
 def give_files(source: SourceObject) -> SourceObject:
-    """The object with misplaced files given away, each noted; unchanged if there are none."""
+    """The object with misplaced mesh files moved to the links they touch, each noted."""
     for gift in find_gifts(source):
         source = _give(source, gift)
     return source
 
 
 def find_gifts(source: SourceObject) -> list[Gift]:
-    """Small files of moving links that nothing within `FAR` joins to the largest, and the link they touch."""
+    """Small mesh files of moving links farther than `FAR` from the largest one, and the link they touch."""
     from sim_export.geometry.islands import find_islands, join_near, nearest_points, surface_shape
     from sim_export.geometry.sampling import triangle_areas
     from sim_export.physics.links import link_owners

@@ -5,14 +5,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from jaxtyping import Float
 
 from artigen.cli.give_files import give_files
-from artigen.cli.source_meshes import place_source_surfaces
 from artigen.datasets.mesh_files import write_obj
 from artigen.datasets.source_object import SourceObject, SourceVisual, TriangleMesh
+from artigen.types import Asset
 
 if TYPE_CHECKING:
     from sim_export.mend.source import Source
+    from sim_export.package import SourceMesh
 
 
 def mend_object(source: SourceObject, scratch: Path) -> SourceObject:
@@ -67,3 +69,36 @@ def _write_posts(mended: "Source", scratch: Path) -> list[SourceVisual]:
         scale = 1.0 / mended.asset.scale
         visuals.append(SourceVisual(part=part, name=path.stem, path=path, T_unit_file=np.eye(4), scale=scale))
     return visuals
+
+
+def place_source_meshes(source: SourceObject, asset: Asset) -> "dict[int, list[SourceMesh]]":
+    """The object's own mesh files by part of ``asset``; visuals of merged parts follow these."""
+    from sim_export.package import SourceMesh
+
+    heirs = find_remaining(source.asset, asset)
+    placed: dict[int, list[SourceMesh]] = {}
+    for visual in source.visuals:
+        T = np.array(visual.T_unit_file)
+        T[:3, 3] *= asset.scale
+        mesh = SourceMesh(path=visual.path, T_object_file=T, scale=visual.scale * asset.scale)
+        placed.setdefault(heirs[visual.part], []).append(mesh)
+    return placed
+
+
+def place_source_surfaces(source: SourceObject, asset: Asset) -> list[Float[np.ndarray, "F 3 3"]]:
+    """The object's own triangles (m) for every part of ``asset``; those of merged parts follow these."""
+    triangles, heirs = source.triangles, np.array(find_remaining(source.asset, asset))
+    corners = asset.scale * triangles.vertices[triangles.faces]
+    owners = heirs[triangles.part_ids]
+    return [corners[owners == index] for index in range(len(asset.parts))]
+
+
+def find_remaining(before: Asset, after: Asset) -> list[int]:
+    """For every part of an asset, the part of a later one that it is or that it was merged into."""
+    names = {part.name: index for index, part in enumerate(after.parts)}
+    out = []
+    for part in before.parts:
+        while part.name not in names:
+            part = before.parts[part.parent]
+        out.append(names[part.name])
+    return out

@@ -10,8 +10,16 @@ from typing import TYPE_CHECKING, Literal, get_args
 import tyro
 
 from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
-from artigen.cli.batch import Finished, Laps, Made, make_and_validate, run_shown, say_results
-from artigen.cli.shard import read_shard, take_part
+from artigen.cli.batch import (
+    Finished,
+    Laps,
+    Made,
+    make_and_validate,
+    read_shard,
+    run_shown,
+    say_results,
+    take_part,
+)
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
 from artigen.runtime.workers import Worker

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 from tqdm import tqdm
 
 from artigen.cli.arguments import Packages, RunnerChoice, Shard, Workers
-from artigen.cli.shard import name_part, read_shard, take_part
+from artigen.cli.batch import name_part, read_shard, take_part
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner, run_jobs
 from artigen.runtime.workers import Worker

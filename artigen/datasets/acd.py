@@ -49,9 +49,7 @@ def read_acd(path: Path, scratch: Path, cfg: ReaderConfig | None = None, *, name
     """Reads one object.json and the meshes that it names.
 
     Args:
-        path: The file.
         scratch: Folder for converted meshes.
-        cfg: Samples, size, category, up and front axis.
         name: Name of the object; default: that of its folder.
 
     Raises:

@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from artigen.datasets.about import About
-from artigen.datasets.extra import need
-from artigen.datasets.manifest import MANIFEST
+from artigen.datasets.manifest import MANIFEST, About
+from artigen.datasets.packing import need
 
 SIZES = (
     (1_000, "n<1K"),
@@ -63,10 +62,6 @@ def card_text(table: Table, stored: Files, about: About, *, example: str, sheet:
     Args:
         table: `COLUMNS` of its manifest.
         stored: Size of every file by path, under ``bytes``.
-        about: Description of the data set.
-        example: Folder of the unpacked example object.
-        sheet: Path of the picture of objects.
-        shown: Number of objects in the picture.
     """
     count = len(table["id"])
     kinds = Counter(kind for row in table["joint_kinds"] for kind in row)

@@ -4,8 +4,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from artigen.datasets.about import About
-from artigen.datasets.manifest import COLUMNS, MANIFEST
+from artigen.datasets.manifest import COLUMNS, MANIFEST, About
 
 CONFORMS = "http://mlcommons.org/croissant/1.0"
 CONTEXT: dict[str, Any] = {
@@ -70,9 +69,7 @@ def croissant_text(count: int, stored: Mapping[str, Mapping[str, Any]], about: A
     """croissant.json of a data set.
 
     Args:
-        count: Number of objects.
         stored: Size and SHA-256 of every file by its path, which is relative to croissant.json.
-        about: Description of the data set.
     """
     value: dict[str, Any] = {
         "@context": CONTEXT,

@@ -1,17 +1,18 @@
-"""The manifest of a data set: one row per object in ``manifest.parquet``, and the index of shared files.
+"""The manifest of a data set (a row per object in ``manifest.parquet``), its description, and the index of
+shared files.
 
 The metadata of the schema make `datasets` of Hugging Face show ``thumbnail`` as an image.
 """
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any, get_args
 
-from artigen.datasets.extra import need
-from artigen.datasets.packing import PackingError
+from artigen.datasets.duplicates import Duplicate
+from artigen.datasets.packing import PackingError, need
 from artigen.datasets.samples import Sample
 from artigen.types import PartLabel
 
@@ -62,6 +63,36 @@ SHARED_COLUMNS: Mapping[str, str] = {
     "offset": "int64",
     "size": "int64",
 }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Failure:
+    """An object that was drawn and left out of the data set."""
+
+    id: str
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class About:
+    """Name and origin of a data set, and the objects left out."""
+
+    name: str
+    title: str
+    description: str
+    license: str
+    creator: str
+    url: str
+    date: str
+    """Date of publication; nothing else in a data set depends on the time of its making."""
+    generator: str
+    recipes: tuple[tuple[str, str], ...]
+    """File name and text of each."""
+    digest: str
+    """Digest of the recipe; an existing data set with the same digest is not made again."""
+    duplicates: tuple[Duplicate, ...] = ()
+    failures: tuple[Failure, ...] = ()
+    near: float = 0.0
 
 
 def sample_row(sample: Sample, **place: object) -> dict[str, Any]:

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from artigen.datasets.about import About
 from artigen.datasets.duplicates import Duplicate, Duplicates, Fingerprint
+from artigen.datasets.manifest import About
 from artigen.datasets.packing import PackingError, digest
 from artigen.datasets.publish import PackedObject, is_full, order_objects, write_dataset
 from artigen.datasets.recipe import NAME, Options

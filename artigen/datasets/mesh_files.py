@@ -38,7 +38,6 @@ def load_shape(shape: UrdfShape, path: Path | None, root: Path, scratch: Path) -
     """The triangles of one visual or collision element; None where its file holds none.
 
     Args:
-        shape: The element.
         path: Its mesh file; None for primitives.
         root: Folder that materials and images must not leave.
         scratch: Where meshes are written that cannot stay as they are.

@@ -42,13 +42,7 @@ class SeenFaces:
 def rasterize_mesh(
     vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], camera: Pinhole
 ) -> SeenFaces:
-    """The nearest triangle at the centre of every pixel, visible from either side.
-
-    Args:
-        vertices: Vertices.
-        faces: Triangles of any orientation.
-        camera: Camera and size of the picture.
-    """
+    """The nearest triangle at the centre of every pixel, visible from either side."""
     from embreex import rtcore_scene
     from embreex.mesh_construction import TriangleMesh
 

@@ -211,10 +211,8 @@ def measure_part(
     """Measures the properties of one node that the joint table uses.
 
     Args:
-        node: Node with a parent.
         corners: Corners of the triangles of every node in file coordinates.
         labels: Labels of the nodes so far, including the parent.
-        T_zup_file: Rotation of files to z up.
     """
     turn = T_zup_file[:3, :3]
     turned = {number: points @ turn.T for number, points in corners.items()}
@@ -240,15 +238,7 @@ def guess_label(
     labels: Mapping[int, PartLabel],
     T_zup_file: Float[np.ndarray, "4 4"],
 ) -> tuple[PartLabel, str]:
-    """Label of a movable part and the reason: the first known name, else its joint.
-
-    Args:
-        node: Node with a parent.
-        names: Free-form names of the part in order of preference.
-        corners: Corners of the triangles of every node in file coordinates.
-        labels: Labels of the nodes so far, including the parent.
-        T_zup_file: Rotation of files to z up.
-    """
+    """Label of a movable part and the reason: the first known name, else its joint."""
     joint = joint_word(node)
     for name in names:
         word = find_word(name)
@@ -268,8 +258,6 @@ def label_nodes(
 
     Args:
         nodes: Nodes, parents before children.
-        corners: Corners of the triangles of every node in file coordinates.
-        T_zup_file: Rotation of files to z up.
     """
     labels: dict[int, PartLabel] = {}
     notes = []

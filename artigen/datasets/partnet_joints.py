@@ -74,8 +74,6 @@ def closed_pose(
     which does not close it.
 
     Args:
-        node: Hinge or slider with limits.
-        label: Label of the part.
         points: Points on the part and all that it carries, as modelled.
         body: Lowest and highest corner of the body.
     """
@@ -141,8 +139,6 @@ def build_joint(
     """The joint of a node in the unit cube, measured from its rest pose, opening positively.
 
     Args:
-        node: Annotation.
-        pose: Rest and far end; ignored for joints without limits.
         T_unit_partnet: Rigid placement of the scaled parent geometry at rest.
         scale: Unit-cube lengths per PartNet length.
     """

@@ -59,10 +59,8 @@ def read_pieces(
     """Reads every mesh of the live nodes; returns them with notes on missing files.
 
     Args:
-        folder: Folder of the object.
         nodes: All nodes, including junk, so that meshes of junk are not assigned to other nodes.
         live: Ids of the nodes to read.
-        urdf: The object's URDF.
         files: Mesh names by annotated id, from result.json; empty without one.
 
     Raises:

@@ -119,9 +119,7 @@ def look_up_colors(
     """Nearest texel of each point on a face, or the material's plain colour.
 
     Args:
-        tables: Meshes with materials.
         face: Index into the faces of all tables together.
-        uv: Texture coordinates of the points.
 
     Raises:
         SourceError: If an image cannot be decoded.

@@ -15,7 +15,6 @@ from typing import Any
 
 from tqdm import tqdm
 
-from artigen.datasets.about import About
 from artigen.datasets.card import COLUMNS as CARD_COLUMNS
 from artigen.datasets.card import card_text, draw_sheet
 from artigen.datasets.croissant import croissant_text
@@ -24,11 +23,12 @@ from artigen.datasets.manifest import (
     MANIFEST,
     SHARED_COLUMNS,
     SHARED_INDEX,
+    About,
     TableWriter,
     read_table,
     sample_row,
 )
-from artigen.datasets.packing import digest, unpack_files
+from artigen.datasets.packing import add_member, digest, open_tar, unpack_files
 from artigen.datasets.samples import Sample, sample_json
 from artigen.datasets.shards import (
     ARCHIVE,
@@ -41,7 +41,6 @@ from artigen.datasets.shards import (
     VERSION,
     write_folder,
 )
-from artigen.datasets.tars import add_member, open_tar
 
 SCRATCH = ".partial"
 SHARED_BYTES = 256 * 2**20
@@ -92,10 +91,7 @@ def write_dataset(
     Args:
         out: Folder of the data set; other files in it stay.
         ids: Ids of all objects, in the order of `order_objects`.
-        load: Returns an object by its id.
         fetch: Returns the content of a shared file by its SHA-256.
-        about: Description of the data set.
-        per_shard: Objects per shard.
 
     Returns:
         ``out``.

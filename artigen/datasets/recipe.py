@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from artigen.datasets.extra import need
+from artigen.datasets.packing import need
 from artigen.errors import ArtigenError
 from artigen.shapes.draw import Wish, categories
 from artigen.types import PartLabel

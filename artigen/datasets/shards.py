@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from artigen.datasets.manifest import MANIFEST, SHARED_INDEX, read_table
-from artigen.datasets.packing import PackingError, digest, unpack_files
+from artigen.datasets.packing import PackingError, digest, iterate_samples, read_members, unpack_files
 from artigen.datasets.samples import Sample, sample_from_json
-from artigen.datasets.tars import iterate_samples, read_members
 from artigen.io import whole_folder
 
 FORMAT = "artigen-dataset"

@@ -120,7 +120,6 @@ def estimate_size(category: str, extents: Float[np.ndarray, "3"]) -> tuple[float
     """Longest edge in metres, and whether the table knows the category.
 
     Args:
-        category: PartNet-Mobility's name of the category.
         extents: Depth, width and height (x, y, z) of the closed object, in any unit.
     """
     depth, width, height = (float(extent) for extent in extents)

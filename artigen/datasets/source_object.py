@@ -114,12 +114,7 @@ def assemble(
     """Places the object at rest in the unit cube, makes parts of the nodes, and samples the surface.
 
     Args:
-        tree: Result of a reader.
-        cfg: Samples, seed and gap.
-        name: Name of the asset.
-        category: Category of the asset.
         choose_size: Longest edge in metres and notes for an object with given extents in file lengths.
-        notes: Notes so far.
 
     Raises:
         SourceError: If the surface has no area, or an image cannot be decoded.

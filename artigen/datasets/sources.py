@@ -75,9 +75,7 @@ def read_source(source: Path, scratch: Path, cfg: ReaderConfig | None = None) ->
     """Reads one object, whatever its layout.
 
     Args:
-        source: Folder or file.
         scratch: Folder for converted meshes, needed until the package is written.
-        cfg: Reader settings.
 
     Raises:
         SourceError: If the object cannot be read; the message names file, element and value.

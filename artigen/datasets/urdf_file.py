@@ -56,7 +56,7 @@ def read_urdf(path: Path) -> SourceUrdf:
 
 
 def _find_problems(urdf: UrdfFile) -> Iterator[str]:
-    """What keeps a file from being a source, a sentence each."""
+    """Reasons why a file cannot be converted, a sentence each."""
     yield from (sentence for _, sentence in tree_problems(urdf))
     joints = {joint.name for joint in urdf.joints}
     for joint in urdf.joints:

@@ -55,9 +55,7 @@ def read_urdf_object(
     """Reads one URDF and the meshes that it names.
 
     Args:
-        path: The URDF.
         scratch: Folder for converted meshes, needed until the package is written.
-        cfg: Samples, size, category, up and front axis.
         name: Name of the object; default: that of the file.
 
     Raises:

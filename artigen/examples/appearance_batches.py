@@ -98,8 +98,6 @@ def draw_pictures(splats: Splats, batch: PictureBatch, cfg: RasterConfig) -> Flo
 
     Args:
         splats: Gaussians of all voxels of the batch, voxel after voxel.
-        batch: Joint states, cameras and backgrounds.
-        cfg: Configuration of the rasteriser.
     """
     out = []
     for sample, cameras in enumerate(batch.cameras):
@@ -133,10 +131,8 @@ def draw_picture_batches(
     """Endless batches, each a function of its number, so that a run can resume at any batch.
 
     Args:
-        examples: Examples in memory.
         size: Objects per batch; every epoch holds each object once, in a new order.
         pictures: Pictures of each object, drawn without repetition if there are enough.
-        seed: Seed of orders and pictures.
         start: Number of the first batch.
     """
     number = start

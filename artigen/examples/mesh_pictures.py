@@ -51,8 +51,6 @@ def picture_mesh(tables: Sequence[FaceTable], scale: float, cameras: Cameras) ->
     """Renders a textured mesh through one camera.
 
     Args:
-        tables: Triangles in the unit cube with their materials.
-        scale: Metres per unit-cube length.
         cameras: A batch of one (m), of ``FINE`` times the width and height of the picture.
 
     Raises:

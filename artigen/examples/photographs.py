@@ -28,13 +28,7 @@ class Photograph:
 
 
 def draw_camera(points: Float[np.ndarray, "N 3"], seed: int, size: int) -> Cameras:
-    """A camera near the front with all points in view, as a batch of one.
-
-    Args:
-        points: Corners of the object (m).
-        seed: Seed of the direction.
-        size: Edge of the picture in pixels.
-    """
+    """A camera near the front with all points in view, as a batch of one."""
     rng = np.random.default_rng([seed, 1])
     turn, lift = rng.uniform(-NEAR_FRONT[0], NEAR_FRONT[0]), rng.uniform(0.0, NEAR_FRONT[1])
     return frame_points(points, find_direction(turn, lift), width=size, height=size)
@@ -52,9 +46,6 @@ def photograph_shape(
     """Renders a procedural object, closed.
 
     Args:
-        shape: The object.
-        seed: Seed of the direction of the camera.
-        size: Edge of the picture in pixels.
         owners: Number that stands for each part of the shape in the picture; its own index when None.
     """
     points = np.concatenate([place_vertices(p) for part in shape.parts for p in part.primitives])
@@ -73,10 +64,6 @@ def photograph_mesh(
     """Renders a textured mesh.
 
     Args:
-        tables: Triangles in the unit cube with their materials.
-        scale: Metres per unit-cube length.
-        seed: Seed of the direction of the camera.
-        size: Edge of the picture in pixels.
         owners: Part of each face, counted over all tables.
 
     Raises:

@@ -121,9 +121,7 @@ def real_examples(
     Args:
         folder: Folder with ``splits.json`` and ``partnet_mobility/``; not read if the shard exists.
         kept: Folder for ``real.npz`` and ``left_out.json``.
-        resolution: Edge of the fields.
         image_size: Edge of the pictures in pixels; 0 for none.
-        workers: Number of processes.
     """
     shard = kept / "real.npz"
     if not shard.is_file():

@@ -99,11 +99,7 @@ def make_shards(
     """Makes the shards that are missing and returns the paths of all, in order.
 
     Args:
-        folder: Folder of the shards.
-        count: Number of shards.
-        cfg: Configuration of their examples.
         make: Makes one shard, in a worker process.
-        workers: Number of processes.
 
     Raises:
         SourceError: If a shard could not be made; gives its path and the reason.

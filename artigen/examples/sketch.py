@@ -24,8 +24,8 @@ from artigen.examples.sketch_photos import (
 )
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
-from artigen.sketch.batch import RowBatch, ask_for, make_batch
-from artigen.sketch.request import nothing_asked
+from artigen.sketch.batch import RowBatch, make_batch, sample_request
+from artigen.sketch.request import empty_request
 from artigen.sketch.rows import ROW_KINDS, sketch_to_rows
 from artigen.sketch.rules import MAX_ROWS
 from artigen.sketch.sketch import SketchError, write_sketch
@@ -40,8 +40,7 @@ TIMEOUT = 1800.0
 READ, HEADS = 0.5, 16
 """Share of batches that hold pictures with headers and finishes alone, and number of pictures in each."""
 TOLD, TOLD_HEADS = 0.1, 64
-"""The same for headers and finishes without pictures: what an object of a category has if nothing else is
-known."""
+"""The same for headers and finishes without pictures, from which the network learns how common they are."""
 PICTURED, ALONE = 0.8, 0.6
 """Share of the other batches with pictures, and share of their objects without any other request."""
 WINDOW = 6
@@ -84,13 +83,13 @@ def draw_batches(examples: Sequence[SketchExample], rows: int, seed: int) -> Ite
         chance = rng.random()
         if chance < TOLD:
             some = [examples[index].table for index in rng.integers(len(examples), size=TOLD_HEADS)]
-            asked = [ask_for(table, rng) for table in some]
-            yield SketchBatch(rows=make_batch([head_of(table) for table in some], asked), photos=None)
+            requests = [sample_request(table, rng) for table in some]
+            yield SketchBatch(rows=make_batch([head_of(table) for table in some], requests), photos=None)
             continue
         if shown and chance < TOLD + READ:
             some = [shown[index] for index in rng.integers(len(shown), size=HEADS)]
             yield SketchBatch(
-                rows=make_batch([head for head, _ in some], [nothing_asked()] * len(some)),
+                rows=make_batch([head for head, _ in some], [empty_request()] * len(some)),
                 photos=gather_photos([photo for _, photo in some]),
             )
             continue
@@ -100,12 +99,12 @@ def draw_batches(examples: Sequence[SketchExample], rows: int, seed: int) -> Ite
         picked = [examples[index] for index in rng.choice(near, min(count, len(near)), replace=False)]
         photos = [example.photo for example in picked if example.photo is not None]
         pictured = len(photos) == len(picked) and rng.random() < PICTURED
-        asked = [
-            nothing_asked() if pictured and rng.random() < ALONE else ask_for(example.table, rng)
+        requests = [
+            empty_request() if pictured and rng.random() < ALONE else sample_request(example.table, rng)
             for example in picked
         ]
         yield SketchBatch(
-            rows=make_batch([example.table for example in picked], asked),
+            rows=make_batch([example.table for example in picked], requests),
             photos=gather_photos(photos) if pictured else None,
         )
 
@@ -128,13 +127,8 @@ def make_examples(
     """Makes the shards that are missing and reads all.
 
     Args:
-        folder: Folder of the shards.
         first: Seed of the first object of each category.
-        shards: Number of shards.
-        categories: Categories of the objects.
         count: Seeds per shard, each drawn for all categories.
-        workers: Number of processes that make shards.
-        photos: Whether photos of the objects are made as well.
 
     Raises:
         SourceError: If a shard cannot be made or read.

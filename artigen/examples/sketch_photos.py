@@ -188,8 +188,6 @@ def vary_photos(photos: PhotoBatch, generator: torch.Generator, edge: int = EDGE
     """Augments photos: scale, shift, colours, blur, noise, and backgrounds for some.
 
     Args:
-        photos: Photos as rendered.
-        generator: Source of all randomness.
         edge: Edge of the returned pictures in pixels; a multiple of `CELL`.
     """
     count, _, taken, _ = photos.image.shape

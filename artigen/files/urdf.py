@@ -88,7 +88,6 @@ def parse_urdf(path: Path, owner: str = "", *, inertials: bool = True) -> UrdfFi
     """Parses a URDF without validating it.
 
     Args:
-        path: The file.
         owner: How errors name the file; by default by its path.
         inertials: Whether mass properties are read.
 

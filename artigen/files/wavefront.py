@@ -70,7 +70,6 @@ def read_obj(path: Path, root: Path) -> ObjMesh:
     """Reads one OBJ with its materials; polygons become fans of triangles.
 
     Args:
-        path: OBJ file.
         root: Folder that materials and images must not leave.
 
     Raises:

@@ -91,10 +91,7 @@ def generate_structure(
     ``boxes``; so are parts, joints and tree, unless they are found by voting.
 
     Args:
-        model: Trained networks.
         asked: Condition; its picture and sentence are used where the model reads them.
-        seed: Seed of the noise.
-        cfg: Sampler, clean-up and segmentation; the defaults when None.
         boxes: Object whose parts, boxes and joints the model takes; its surface is not used.
 
     Raises:

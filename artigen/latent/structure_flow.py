@@ -94,14 +94,6 @@ def sample_latents(
     """Samples one latent per condition; where guidance applies, both velocities come from one pass.
 
     Guidance does not concern outlines: both velocities take them.
-
-    Args:
-        flow: Trained flow.
-        asked: Conditions.
-        nothing: As many empty conditions.
-        noise: Initial latents, standard normal.
-        cfg: Steps and guidance.
-        outlines: Outlines of the parts, where known.
     """
     tokens = flow.conditions(asked)
     both = torch.cat([tokens, flow.conditions(nothing)])

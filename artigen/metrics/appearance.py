@@ -3,15 +3,16 @@
 Newly exposed surface, which is hidden while an object is closed, is scored separately.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import torch
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int, UInt8
 from torch import Tensor
 
 from artigen.appearance.features import FeatureExtractor
+from artigen.appearance.photographs import NOTHING
 from artigen.appearance.vae import AppearanceVae
 from artigen.examples.appearance import AppearanceExample
 from artigen.examples.appearance_batches import (
@@ -21,8 +22,10 @@ from artigen.examples.appearance_batches import (
     raster_config,
     voxel_batch,
 )
+from artigen.metrics.clouds import chamfer
 from artigen.metrics.pictures import frechet_distance, kernel_distance, measure_psnr, measure_ssim
 from artigen.splats.render.splats import Splats
+from artigen.types import SurfaceSamples
 
 Scores = dict[str, float]
 
@@ -128,3 +131,92 @@ def score_vae(vae: AppearanceVae, examples: Iterable[AppearanceExample]) -> Scor
 
 def _select(one: Comparison, rows: Bool[Tensor, "V"]) -> Comparison:
     return Comparison(**{name: value[rows] for name, value in vars(one).items()})
+
+
+MIN_PIXELS = 12
+"""Least number of pixels of a part, over all pictures, for it to count."""
+Colors = dict[int, Float[np.ndarray, "3"]]
+"""Mean colour (sRGB in [0, 1]) by part."""
+
+
+def mean_colors(rgb: Float[np.ndarray, "V H W 3"], parts: UInt8[np.ndarray, "V H W"]) -> Colors:
+    """Mean colour of the pixels of each part that enough pixels show; ``parts`` is `NOTHING` elsewhere."""
+    ids, counts = np.unique(parts[parts != NOTHING], return_counts=True)
+    return {
+        int(part): rgb[parts == part].mean(axis=0)
+        for part, count in zip(ids, counts, strict=True)
+        if count >= MIN_PIXELS
+    }
+
+
+def color_error(found: Mapping[int, np.ndarray], truth: Mapping[int, np.ndarray]) -> float:
+    """Mean over the true parts of the mean absolute difference of their colours.
+
+    Raises:
+        ValueError: If there is no true part, or one has no counterpart.
+    """
+    if not truth or not truth.keys() <= found.keys():
+        raise ValueError(f"colours of parts {sorted(found)}, expected those of {sorted(truth)}, at least one")
+    return float(np.mean([np.abs(found[part] - color).mean() for part, color in truth.items()]))
+
+
+def score_colors(
+    examples: Sequence[AppearanceExample], answers: Mapping[str, Sequence[Comparison]]
+) -> dict[str, float]:
+    """Mean absolute error of the mean colour of each part that the closed object shows, over objects.
+
+    Args:
+        answers: Pictures of each of them, by method.
+    """
+    rows: dict[str, list[float]] = {name: [] for name in answers}
+    for number, example in enumerate(examples):
+        closed = example.pictures.state == 0
+        parts = example.pictures.parts[closed]
+        truth = mean_colors(example.pictures.rgb[closed] / 255.0, parts)
+        for name, comparisons in answers.items():
+            drawn = comparisons[number].drawn.double().numpy()[closed]
+            rows[name].append(color_error(mean_colors(drawn, parts), truth))
+    return {name: float(np.mean(values)) for name, values in rows.items()}
+
+
+POINTS = 4096
+"""Points of each cloud."""
+
+
+def score_distances(
+    splats: Splats,
+    part_ids: Int[np.ndarray, "N"],
+    surface: SurfaceSamples,
+    displacements: Float[np.ndarray, "S P 4 4"],
+    *,
+    points: int = POINTS,
+) -> Scores:
+    """``shape_rest`` in the first state, ``shape_articulated`` as a mean over all.
+
+    Args:
+        splats: Gaussians at rest, voxel after voxel.
+        surface: True points at rest, with the same parts.
+        displacements: Displacements of the parts, by state; the first is closed.
+
+    Raises:
+        ValueError: If the Gaussians do not divide evenly among the voxels.
+    """
+    means, opacities = (value.detach().double().cpu().numpy() for value in (splats.means, splats.opacities))
+    if not len(part_ids) or len(means) % len(part_ids):
+        raise ValueError(f"{len(means)} Gaussians for {len(part_ids)} voxels, expected as many for each")
+    rng = np.random.default_rng(0)
+    owners = np.repeat(part_ids, len(means) // len(part_ids))
+    drawn = rng.choice(len(means), points, p=opacities / opacities.sum())
+    true = rng.choice(len(surface.points), points, replace=len(surface.points) < points)
+    distances = [
+        chamfer(
+            _move(means[drawn], D[owners[drawn]]),
+            _move(surface.points[true].astype(np.float64), D[surface.part_ids[true]]),
+        )
+        for D in displacements
+    ]
+    return {"shape_rest": distances[0], "shape_articulated": float(np.mean(distances))}
+
+
+def _move(points: Float[np.ndarray, "N 3"], D: Float[np.ndarray, "N 4 4"]) -> Float[np.ndarray, "N 3"]:
+    return np.einsum("nij,nj->ni", D[:, :3, :3], points) + D[:, :3, 3]

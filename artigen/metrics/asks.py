@@ -10,12 +10,12 @@ from tqdm import tqdm
 from artigen.metrics.draws import DrawAsset, DrawJob, draw_all
 from artigen.metrics.instantiation import PosedSet
 from artigen.metrics.packages import PackageReport, Prove, prove_draws
-from artigen.metrics.retrieval import retrieve
 from artigen.metrics.score import ScoreConfig, Scores, score_novelty, score_objects, score_set
 from artigen.metrics.settings import EvaluateSettings
 from artigen.metrics.subjects import Field, Subject, describe_subject
+from artigen.models.conditions import StructureCondition
 from artigen.models.rectified_flow import SamplerConfig
-from artigen.types import Asset
+from artigen.types import PART_LABELS, Asset
 
 ASKS: dict[str, tuple[Field, ...]] = {
     "category": ("category",),
@@ -150,3 +150,37 @@ def _pick(library: Sequence[Subject], subjects: Sequence[Subject], seed: int) ->
 
 def _seed(cfg: EvaluateConfig, number: int) -> int:
     return int(np.random.SeedSequence([cfg.seed, number]).generate_state(1)[0])
+
+
+def condition_distance(asked: StructureCondition, subject: Subject) -> float:
+    """Distance of an object from a condition; open fields do not count.
+
+    It is the sum of one per part too many or too few, the absolute logarithm of the ratio of each extent, and
+    a thousand times the mean squared difference of the pictures. It is infinite for another category.
+    """
+    example = subject.example
+    if asked.category is not None and asked.category != example.category:
+        return np.inf
+    total = 0.0
+    for label, count in asked.counts:
+        total += abs(int(example.counts[PART_LABELS.index(label)]) - count)
+    if asked.size is not None:
+        total += float(np.abs(np.log(example.size / np.asarray(asked.size))).sum())
+    if asked.image is not None:
+        if example.image is None:
+            return np.inf
+        seen = example.image.transpose(2, 0, 1) / 255.0
+        total += 1000.0 * float(((seen - asked.image) ** 2).mean())
+    return total
+
+
+def retrieve(asked: StructureCondition, library: Sequence[Subject]) -> Subject:
+    """The object of a library nearest to a condition; the first of equally near ones.
+
+    Raises:
+        ValueError: If no object of the library is of the requested category.
+    """
+    distances = [condition_distance(asked, subject) for subject in library]
+    if not distances or not np.isfinite(min(distances)):
+        raise ValueError(f"none of {len(library)} objects can answer: category {asked.category!r}")
+    return library[int(np.argmin(distances))]

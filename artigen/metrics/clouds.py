@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
+from scipy.spatial import KDTree
 
 from artigen.kinematics import articulate_points, qlimits
 from artigen.types import Asset, VoxelGrid
@@ -28,11 +29,6 @@ class PartCloud:
 
 def sample_cells(asset: Asset, count: int, seed: int = 0) -> PartCloud:
     """Points spread evenly over all occupied cells, uniform inside each; equal seeds, equal points.
-
-    Args:
-        asset: Object with voxels.
-        count: Number of points.
-        seed: Seed of the choice of cells and of the positions in them.
 
     Raises:
         ValueError: If the asset has no occupied cell.
@@ -78,3 +74,19 @@ def _place(asset: Asset, rows: Int[np.ndarray, "N"], rng: np.random.Generator) -
         points=inside / asset.voxels.resolution - 0.5,
         part_ids=asset.voxels.part_ids[rows].astype(np.int64),
     )
+
+
+def chamfer(first: Float[np.ndarray, "N 3"], second: Float[np.ndarray, "M 3"]) -> float:
+    """``mean_a min_b |a - b|^2 + mean_b min_a |a - b|^2``, in squared units of the points.
+
+    Sum and squares are as in pytorch3d, with which the published numbers were computed (SINGAPO
+    ``metrics/cd.py``, Particulate ``evaluation_utils.py``).
+
+    Raises:
+        ValueError: If a cloud is empty.
+    """
+    if not len(first) or not len(second):
+        raise ValueError(f"clouds of {len(first)} and {len(second)} points, expected some in both")
+    there = KDTree(second).query(first)[0]
+    back = KDTree(first).query(second)[0]
+    return float(np.mean(there**2) + np.mean(back**2))

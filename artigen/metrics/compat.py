@@ -14,8 +14,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.optimize import linear_sum_assignment
 
-from artigen.metrics.chamfer import chamfer
-from artigen.metrics.clouds import PartCloud, sample_every_part
+from artigen.metrics.clouds import PartCloud, chamfer, sample_every_part
 from artigen.transforms import joint_motion, transform_points
 from artigen.types import Asset, Part
 

@@ -14,13 +14,35 @@ from artigen.examples.batches import outline_batch, patch_batch
 from artigen.io import read_asset, write_asset
 from artigen.latent.draw import GenerateConfig, StructureModel, generate_structure
 from artigen.latent.structure_vae import decode_fields
-from artigen.metrics.shapes import ShapeSource
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
 from artigen.runtime.journal import append_line, read_lines
 from artigen.shapes.asset import shape_to_asset
+from artigen.shapes.shape import Shape
+from artigen.sketch.model import SketchConfig, draw_object, draw_pictured
+from artigen.sketch.network import SketchNetwork
+from artigen.sketch.request import SketchRequest
 from artigen.types import Asset
 from artigen.voxels.segmentation.segment import segment
+
+ShapeSource = Callable[[StructureCondition, int], Shape]
+"""Draws an object for a condition and a seed."""
+
+
+def sketch_source(network: SketchNetwork, cfg: SketchConfig | None = None) -> ShapeSource:
+    """Objects of the sketch network, by fields or by picture; open fields are sampled."""
+
+    def draw_sketch(asked: StructureCondition, seed: int) -> Shape:
+        depth, width, height = asked.size or (None, None, None)
+        request = SketchRequest(
+            category=asked.category, counts=asked.counts, depth=depth, width=width, height=height
+        )
+        if asked.image is None:
+            return draw_object(network, request, seed, cfg).shape
+        return draw_pictured(network, request, seed, asked.image, cfg).shape
+
+    return draw_sketch
+
 
 JOURNAL = "draws.jsonl"
 DrawAsset = Callable[[StructureCondition, int], Asset]
@@ -74,8 +96,6 @@ def draw_all(
     Args:
         jobs: Draws; a key stands for the same condition, seed and model at every start.
         folder: Folder for the journal and one asset folder per object.
-        draw_asset: Draws an object.
-        name: Name of the progress bar.
     """
     folder.mkdir(parents=True, exist_ok=True)
     known = {line["key"]: line for line in read_lines(folder / JOURNAL)}

@@ -20,17 +20,15 @@ from artigen.metrics.asks import (
     measure_ask,
     measure_packages,
 )
-from artigen.metrics.draws import draw_exact, draw_latent, reconstruct
-from artigen.metrics.footprint import Footprint, FootprintJob, measure_footprint
+from artigen.metrics.draws import ShapeSource, draw_exact, draw_latent, reconstruct, sketch_source
 from artigen.metrics.instantiation import pose_set
 from artigen.metrics.packages import PackageReport, Prove
 from artigen.metrics.reading import score_reading
 from artigen.metrics.score import Scores
-from artigen.metrics.shapes import ShapeSource, sketch_source
 from artigen.metrics.structure import score_reconstruction, score_spread
-from artigen.metrics.subjects import Subject, describe_subject, draw_subjects, read_subjects
+from artigen.metrics.subjects import Subject, draw_subjects, read_subjects
 from artigen.models.description import hash_model, read_description
-from artigen.runtime.run_config import claim_folder
+from artigen.runtime.journal import claim_folder
 from artigen.sketch.model import load_sketch_network
 from artigen.types import PAPER_CATEGORIES
 
@@ -55,7 +53,6 @@ class Evaluation:
     """Table 4 of the paper, by set of objects."""
     reading: dict[str, Scores] = field(default_factory=dict)
     """Accuracy of reading pictures, by set of objects."""
-    footprint: Footprint | None = None
     packages: PackageReport | None = None
     """Pass rates of draws as packages."""
 
@@ -67,8 +64,6 @@ def evaluate_sketch(folder: Path, out: Path, cfg: EvaluateConfig) -> Evaluation:
     stored in ``out``; existing ones are reused.
 
     Args:
-        folder: Folder of the model.
-        out: Folder of the evaluation.
         cfg: Scope; packages are not made here, because those of sketches are made by `artigen generate`.
 
     Raises:
@@ -111,9 +106,6 @@ def evaluate_structure(
     """Evaluates the structure model of a folder; stores draws in ``out``, and reuses them.
 
     Args:
-        folder: Folder of the model.
-        out: Folder of the evaluation.
-        cfg: Scope of the evaluation.
         prove: Makes and checks packages of draws; None skips packages.
         draw_shape_for: Draws objects whose outlines the model takes; the folder's sketch network when None.
 
@@ -159,8 +151,6 @@ def evaluate_structure(
     packages = None
     if prove is not None and cfg.packages:
         packages = measure_packages(bench, held["procedural"], prove)
-    first = sets["procedural"][0]
-    typical = describe_subject(first, ASKS["counts and size"])
     return Evaluation(
         model=hash_model(folder),
         device=str(device),
@@ -168,9 +158,6 @@ def evaluate_structure(
         reconstruction={name: score_reconstruction(model.vae, chosen) for name, chosen in examples.items()},
         spread={name: score_spread(model.vae, chosen) for name, chosen in examples.items()},
         rows=rows,
-        footprint=measure_footprint(
-            FootprintJob(model=folder, asked=typical, boxes=first.asset, cfg=generation)
-        ),
         left_out=left_out,
         packages=packages,
     )

@@ -62,7 +62,7 @@ def pose_object(asset: Asset, cfg: InstantiationConfig) -> PosedObject:
 def instantiation_distance(first: PosedObject, second: PosedObject) -> float:
     """Mean over poses of the first of the nearest pose of the second, plus the same back.
 
-    Poses are compared by `artigen.metrics.chamfer`: squared unit-cube lengths.
+    Poses are compared by `artigen.metrics.clouds`: squared unit-cube lengths.
     """
     there = _mean_squares(first.points, second.trees)  # K L
     back = _mean_squares(second.points, first.trees).T

@@ -72,8 +72,6 @@ def prove_draws(
     Args:
         jobs: First draws, each with its category.
         out: Folder with ``draws/`` and the journal ``packages.jsonl``.
-        draw_asset: Draws an object.
-        prove: Makes and checks packages.
         redraws: Most redraws of an object that fails.
     """
     history: dict[str, list[Proof]] = {job.key: [] for job in jobs}

@@ -25,7 +25,6 @@ def measure_psnr(
 
     Args:
         drawn: Pictures; values are clipped to [0, 1].
-        truth: True pictures.
         mask: Pixels that count; all when None.
 
     Returns:

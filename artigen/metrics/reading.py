@@ -4,9 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from artigen.metrics.categories import is_same_category
 from artigen.metrics.subjects import Subject, describe_subject
-from artigen.sketch.model import draw_header, look_at
+from artigen.sketch.model import draw_header, encode_picture
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.request import SketchRequest
 from artigen.types import PART_LABELS, PartLabel
@@ -21,13 +20,13 @@ def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[s
     ``category`` is the share of pictures with the right category, ``counts`` with the right counts of all
     labels, ``counts in view`` of all but shelves and trays, ``counts of <label>`` of one label. ``extents``
     is the mean absolute error of the logarithms of the extents, each relative to the longest. Categories are
-    compared by `artigen.metrics.categories`.
+    compared by `is_same_category`.
     """
     kinds, rights, errors = [], [], []
     for subject in subjects:
         image = describe_subject(subject, ("image",)).image
         assert image is not None
-        header = draw_header(network, SketchRequest(), 0, looked=look_at(network, image))
+        header = draw_header(network, SketchRequest(), 0, encoded=encode_picture(network, image))
         held = {"base": 1, **dict(header.counts)}
         kinds.append(is_same_category(header.category, subject.example.category))
         rights.append(
@@ -48,3 +47,12 @@ def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[s
         },
         "extents": float(np.mean(errors)),
     }
+
+
+NAMES = {"Dresser": "StorageFurniture", "Wardrobe": "StorageFurniture", "FilingCabinet": "StorageFurniture"}
+"""Kinds of the grammar that PartNet-Mobility, and so the paper, classifies under another name."""
+
+
+def is_same_category(one: str | None, other: str | None) -> bool:
+    """Whether both are the same category in PartNet-Mobility."""
+    return NAMES.get(one or "", one) == NAMES.get(other or "", other)

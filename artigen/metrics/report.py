@@ -70,7 +70,7 @@ def write_evaluation(found: Mapping[str, object], table: str, out: Path) -> tupl
 
 
 def format_report(evaluation: Evaluation) -> str:
-    """Markdown tables: reconstruction, deviations within parts, draws and baselines, time and memory."""
+    """Markdown tables: reconstruction, deviations within parts, draws and baselines."""
     lines = [f"Model {evaluation.model[:12]}, device {evaluation.device}."]
     if evaluation.reconstruction:
         lines += _format_reconstruction(evaluation)
@@ -107,15 +107,6 @@ def format_report(evaluation: Evaluation) -> str:
         "squared: strict ones in the unit cube, compat ones in a cube of edge 2. 1-NNA: 50 % is perfect.",
         *_format_packages(evaluation.packages),
     ]
-    if evaluation.footprint is not None:
-        lines += [
-            "",
-            "## Time and memory",
-            "",
-            f"One object, latent to parts: {evaluation.footprint.seconds:.2f} s "
-            f"({evaluation.footprint.cpu_seconds:.2f} s of processor time); peak memory of the process "
-            f"{evaluation.footprint.peak_mib:.0f} MiB.",
-        ]
     if evaluation.left_out:
         lines += ["", "Real objects left out:", ""]
         lines += [f"- {name}: {reason}" for name, reason in sorted(evaluation.left_out.items())]

@@ -4,11 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from jaxtyping import Float
 
 from artigen.conditioning.delivery import SIZE_TOLERANCE, has_counts, size_error
-from artigen.metrics.categories import is_same_category
 from artigen.metrics.compat import compat_distance
-from artigen.metrics.distribution import coverage, minimum_matching_distance, nearest_neighbour_accuracy
 from artigen.metrics.instantiation import (
     InstantiationConfig,
     PosedObject,
@@ -18,6 +17,7 @@ from artigen.metrics.instantiation import (
     pose_object,
     pose_set,
 )
+from artigen.metrics.reading import is_same_category
 from artigen.metrics.strict import PENALTY, strict_distance
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
@@ -50,14 +50,11 @@ def score_objects(
 
     ``valid``: the object is a tree of parts. ``counts``: every requested count is exact. ``size``: every
     extent is within 5 % of the requested size. ``category``: equals that of the true object
-    (`artigen.metrics.categories`). In ``strict_rest`` and ``strict_articulated``, a failed draw costs as much
+    (`artigen.metrics.reading`). In ``strict_rest`` and ``strict_articulated``, a failed draw costs as much
     as a missing part; other ``strict_*`` and ``compat_*`` average over valid objects only.
 
     Args:
         wanted: Conditions to be met; counts or sizes are scored only if every condition has them.
-        found: Objects of the method.
-        truths: True objects.
-        cfg: Sampling density.
     """
     pairs = list(zip(wanted, found, truths, strict=True))
     out: Scores = {
@@ -132,3 +129,45 @@ def score_novelty(
 
 def _share(flags: Sequence[bool]) -> float:
     return float(np.mean(flags)) if flags else 0.0
+
+
+def minimum_matching_distance(cross: Float[np.ndarray, "G R"]) -> float:
+    """MMD: mean over reference objects of the distance to the nearest generated one; lower is better."""
+    return float(_filled(cross).min(axis=0).mean())
+
+
+def coverage(cross: Float[np.ndarray, "G R"]) -> float:
+    """COV: share of reference objects that are nearest to some generated one; 1 is best."""
+    return len(np.unique(_filled(cross).argmin(axis=1))) / cross.shape[1]
+
+
+def nearest_neighbour_accuracy(
+    cross: Float[np.ndarray, "G R"],
+    generated: Float[np.ndarray, "G G"],
+    reference: Float[np.ndarray, "R R"],
+) -> float:
+    """1-NNA: share of objects whose nearest neighbour among all others is of their own set.
+
+    0.5 is perfect for sets of equal size (they cannot be told apart), 1 means disjoint sets; below 0.5,
+    generated objects sit on reference objects. Equal distances count half.
+
+    Args:
+        cross: Distances of generated to reference objects.
+        generated: Distances among generated objects; the diagonal is ignored.
+        reference: Distances among reference objects; the diagonal is ignored.
+    """
+    _filled(cross)
+    if min(cross.shape) < 2:
+        raise ValueError(f"sets of {cross.shape[0]} and {cross.shape[1]} objects, expected two in each")
+    hits = []
+    for own, other in ((generated, cross), (reference, cross.T)):
+        away = own + np.diag(np.full(len(own), np.inf))
+        near, far = away.min(axis=1), other.min(axis=1)
+        hits.append(np.where(near < far, 1.0, np.where(near == far, 0.5, 0.0)))
+    return float(np.concatenate(hits).mean())
+
+
+def _filled(cross: Float[np.ndarray, "G R"]) -> Float[np.ndarray, "G R"]:
+    if not cross.size:
+        raise ValueError(f"sets of {cross.shape[0]} and {cross.shape[1]} objects, expected some in both")
+    return cross

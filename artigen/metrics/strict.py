@@ -11,8 +11,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.optimize import linear_sum_assignment
 
-from artigen.metrics.chamfer import chamfer
-from artigen.metrics.clouds import PartCloud, sample_cells
+from artigen.metrics.clouds import PartCloud, chamfer, sample_cells
 from artigen.types import Asset
 
 PENALTY = 3.0**0.5

@@ -93,10 +93,6 @@ def part_deviations(
 ) -> tuple[Int[np.ndarray, "P"], Float[np.ndarray, "P C"]]:
     """Population standard deviation of every channel over the cells of each part.
 
-    Args:
-        values: Attributes of each cell, in any units.
-        part_ids: Part that owns each cell; any integers.
-
     Returns:
         The parts that own a cell, and their deviations; zero where all cells agree, or there is only one.
     """

@@ -160,10 +160,10 @@ def drop_conditions(batch: ConditionBatch, share: float, generator: torch.Genera
 
 
 def isolate_pictures(batch: ConditionBatch, share: float, generator: torch.Generator) -> ConditionBatch:
-    """Opens everything but the picture, for a share of the samples that have one.
+    """Drops all conditions but the picture, for a share of the samples that have one.
 
-    Opened field by field, all other fields are hardly ever open at once, and a network that never sees a
-    picture alone learns to rely on the other fields.
+    Where conditions are dropped one by one, all others are hardly ever absent at once, and a network that
+    never sees a picture alone learns to rely on the other conditions.
     """
     alone = (
         torch.rand(len(batch.counts), generator=generator, device=generator.device) < share

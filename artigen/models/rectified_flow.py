@@ -87,9 +87,7 @@ def sample_flow(
 
     Args:
         noise: Initial state; one sample per row, unless ``samples`` is given.
-        conditional: Velocity under the condition.
         pair: Velocities with and without the condition; called only where guidance applies.
-        cfg: Steps and guidance.
         samples: Number of samples to which the rows of a sparse tensor belong.
         on_step: Called with step, time and state after each step.
     """

@@ -60,9 +60,6 @@ def load_model(
     """Loads the weights of a network, in float32, and returns it ready for use.
 
     Args:
-        network: Network that receives the weights.
-        folder: Folder of the model.
-        name: Name of the network.
         convert: Converts stored tensors to those of the network, where the layout differs.
 
     Raises:

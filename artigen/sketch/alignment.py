@@ -17,8 +17,8 @@ from artigen.shapes.shape import Shape
 from artigen.sketch.overlay import (
     Faces,
     Target,
+    find_visible,
     list_faces,
-    look,
     measure_edges,
     measure_evenness,
     measure_overlap,
@@ -111,10 +111,10 @@ def fit_camera(shape: Shape, picture: Float[np.ndarray, "4 S S"], near: View | N
     found = [refine(first, view, 3, COARSE_TRIES) for view in ranked[:ROUNDS]]
     view = refine(last, max(found, key=choose), 6, TRIES)
     whole = read_target(picture, picture.shape[1])
-    if measure_overlap(look(shown, place_camera(view, hull, whole)), whole) < SURE:  # thin parts
+    if measure_overlap(find_visible(shown, place_camera(view, hull, whole)), whole) < SURE:  # thin parts
         view = refine(_scorer(shown, hull, whole, weights=WEIGHTS[-1]), view, 6, TRIES)
     camera = place_camera(view, hull, whole)
-    return Fit(view=view, camera=camera, overlap=measure_overlap(look(faces, camera), whole))
+    return Fit(view=view, camera=camera, overlap=measure_overlap(find_visible(faces, camera), whole))
 
 
 def _scorer(
@@ -124,7 +124,7 @@ def _scorer(
     evenness, edges = weights
 
     def score(view: View) -> float:
-        seen = look(faces, place_camera(view, hull, target))
+        seen = find_visible(faces, place_camera(view, hull, target))
         odd = np.log(view.closeness / USUAL_CLOSENESS)
         out = measure_overlap(seen, target) - CLOSENESS_WEIGHT * odd * odd
         out += evenness * measure_evenness(faces, seen, target)
@@ -139,7 +139,7 @@ def keep_shown(faces: Faces, hull: Float[np.ndarray, "H 3"], target: Target) -> 
     for yaw in np.radians([-60.0, -30.0, 0.0, 30.0, 60.0]):
         for pitch in np.radians([-8.0, 25.0]):
             camera = place_camera(View(yaw=yaw, pitch=pitch, closeness=0.25), hull, target)
-            seen = look(faces, camera)
+            seen = find_visible(faces, camera)
             shown[seen[seen >= 0]] = True
     kept = {name: value[shown] for name, value in vars(faces).items() if name != "vertices"}
     used, corners = np.unique(kept["corners"], return_inverse=True)

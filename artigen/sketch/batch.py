@@ -9,8 +9,8 @@ from jaxtyping import Bool, Int
 from torch import Tensor
 
 from artigen.sketch.piece import PIECE_KINDS
-from artigen.sketch.request import Asked
-from artigen.sketch.rows import FIELDS, ROW_KINDS, WIDTH, column, find_said, number_axis
+from artigen.sketch.request import RequestRows
+from artigen.sketch.rows import FIELDS, ROW_KINDS, WIDTH, column, find_predicted, number_axis
 from artigen.sketch.sketch import lowest_corner
 from artigen.types import JOINT_TYPES
 
@@ -25,16 +25,16 @@ _OBJECT, _PART, _JOINT = (ROW_KINDS.index(kind) for kind in ("object", "part", "
 class RowBatch:
     """Rows of several objects, padded on the right; the rows of the request come first.
 
-    ``known`` marks given cells (only requests have unknown ones); ``said`` marks the cells that the network
-    predicts. ``axes`` follow `artigen.sketch.rows.number_axis`. ``part`` and ``piece`` number the parts, and
-    the rows within a part, up to each row.
+    ``known`` marks given cells (only requests have unknown ones), ``predicted`` those that the network
+    predicts, ``requested`` the rows of the request. ``axes`` follow `artigen.sketch.rows.number_axis`.
+    ``part`` and ``piece`` number the parts, and the rows within a part, up to each row.
     """
 
     rows: Int[Tensor, "B T W"]
     known: Bool[Tensor, "B T W"]
-    said: Bool[Tensor, "B T W"]
+    predicted: Bool[Tensor, "B T W"]
     axes: Int[Tensor, "B T W"]
-    asked: Bool[Tensor, "B T"]
+    requested: Bool[Tensor, "B T"]
     part: Int[Tensor, "B T"]
     piece: Int[Tensor, "B T"]
     low: Int[Tensor, "B T 4"]
@@ -56,38 +56,38 @@ class RowBatch:
 
 
 def make_batch(
-    tables: Sequence[Int[np.ndarray, "T W"]], requests: Sequence[Asked], *, length: int | None = None
+    tables: Sequence[Int[np.ndarray, "T W"]], requests: Sequence[RequestRows], *, length: int | None = None
 ) -> RowBatch:
     """Prepends its request to each object and pads to the longest or to ``length`` rows."""
     pairs = list(zip(requests, tables, strict=True))
-    longest = length or max(len(asked.rows) + len(rows) for asked, rows in pairs)
+    longest = length or max(len(request.rows) + len(rows) for request, rows in pairs)
     shape = (len(pairs), longest)
     rows = np.full((*shape, WIDTH), 0)
     rows[:, :, 0] = ROW_KINDS.index("end")
-    known, said = np.ones((*shape, WIDTH), dtype=bool), np.zeros((*shape, WIDTH), dtype=bool)
-    asked_rows, own = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
-    for index, (asked, table) in enumerate(pairs):
-        start, end = len(asked.rows), len(asked.rows) + len(table)
-        rows[index, :start], rows[index, start:end] = asked.rows, table
-        known[index, :start] = asked.known
-        asked_rows[index, :start], own[index, start:end] = True, True
-    said[own] = find_said(rows[own])
+    known, predicted = np.ones((*shape, WIDTH), dtype=bool), np.zeros((*shape, WIDTH), dtype=bool)
+    request_rows, own = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
+    for index, (request, table) in enumerate(pairs):
+        start, end = len(request.rows), len(request.rows) + len(table)
+        rows[index, :start], rows[index, start:end] = request.rows, table
+        known[index, :start] = request.known
+        request_rows[index, :start], own[index, start:end] = True, True
+    predicted[own] = find_predicted(rows[own])
     flat = rows.reshape(-1, WIDTH)
-    part, piece = number_rows(rows, asked_rows)
+    part, piece = number_rows(rows, request_rows)
     planes = row_planes(flat)
     low, high = planes.low.reshape(*shape, 4), planes.high.reshape(*shape, 4)
     anchor, anchored = find_anchors(low, part)
     return RowBatch(
         rows=torch.from_numpy(rows),
         known=torch.from_numpy(known),
-        said=torch.from_numpy(said),
+        predicted=torch.from_numpy(predicted),
         axes=torch.from_numpy(number_axis(flat).reshape(rows.shape)),
-        asked=torch.from_numpy(asked_rows),
+        requested=torch.from_numpy(request_rows),
         part=torch.from_numpy(part),
         piece=torch.from_numpy(piece),
         low=torch.from_numpy(low),
         high=torch.from_numpy(high),
-        named=torch.from_numpy(planes.named.reshape(shape) & ~asked_rows),
+        named=torch.from_numpy(planes.named.reshape(shape) & ~request_rows),
         ranged=torch.from_numpy(planes.ranged.reshape(shape)),
         anchor=torch.from_numpy(anchor),
         anchored=torch.from_numpy(anchored),
@@ -95,11 +95,11 @@ def make_batch(
 
 
 def number_rows(
-    rows: Int[np.ndarray, "B T W"], asked: Bool[np.ndarray, "B T"]
+    rows: Int[np.ndarray, "B T W"], requested: Bool[np.ndarray, "B T"]
 ) -> tuple[Int[np.ndarray, "B T"], Int[np.ndarray, "B T"]]:
     """Part index of each row, from 1 (0 before the first part), and its position within the part, both
     clipped to the `PARTS` and `PLACES` that the network distinguishes."""
-    starts = (rows[:, :, 0] == _PART) & ~asked
+    starts = (rows[:, :, 0] == _PART) & ~requested
     part = np.minimum(np.cumsum(starts, axis=1), PARTS - 1)
     at = np.arange(rows.shape[1])[None]
     last = np.maximum.accumulate(np.where(starts, at, 0), axis=1)
@@ -153,7 +153,7 @@ def row_planes(rows: Int[np.ndarray, "N W"]) -> Planes:
     return Planes(low=low, high=high, named=piece | whole | turning, ranged=ranged)
 
 
-def ask_for(rows: Int[np.ndarray, "T W"], rng: np.random.Generator) -> Asked:
+def sample_request(rows: Int[np.ndarray, "T W"], rng: np.random.Generator) -> RequestRows:
     """Samples a request that the object satisfies; the number of specified fields is random."""
     finishes = rows[rows[:, 0] == ROW_KINDS.index("finish")]
     if rng.random() < 0.5:
@@ -175,7 +175,7 @@ def ask_for(rows: Int[np.ndarray, "T W"], rng: np.random.Generator) -> Asked:
         table = table.copy()
         noise = rng.integers(-2, 3, (len(finishes), 3))
         table[1:, first : first + 3] = np.clip(table[1:, first : first + 3] + noise, 0, 63)
-    return Asked(rows=table, known=known)
+    return RequestRows(rows=table, known=known)
 
 
 def _some(rng: np.random.Generator, count: int) -> Bool[np.ndarray, "N"]:

@@ -11,26 +11,26 @@ from torch.nn import functional
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Sight:
+class PictureMemory:
     """Picture memory: keys and values for each block that attends to pictures."""
 
     keys: tuple[Float[Tensor, "B H N E"], ...]
     values: tuple[Float[Tensor, "B H N E"], ...]
 
-    def take(self, objects: Sequence[int]) -> "Sight":
+    def take(self, objects: Sequence[int]) -> "PictureMemory":
         """Picture memory of selected objects, in the given order."""
         rows = list(objects)
-        return Sight(
+        return PictureMemory(
             keys=tuple(one[rows] for one in self.keys), values=tuple(one[rows] for one in self.values)
         )
 
 
-def join_sights(sights: Sequence[Sight]) -> Sight | None:
+def join_memories(sights: Sequence[PictureMemory]) -> PictureMemory | None:
     """Concatenates picture memories along the batch; None for an empty sequence."""
     if not sights:
         return None
     keys, values = ([getattr(one, name) for one in sights] for name in ("keys", "values"))
-    return Sight(
+    return PictureMemory(
         keys=tuple(torch.cat(block) for block in zip(*keys, strict=True)),
         values=tuple(torch.cat(block) for block in zip(*values, strict=True)),
     )
@@ -100,7 +100,7 @@ class Block(SelfAttention):
 
     def __init__(self, width: int, heads: int, *, looks: bool = False) -> None:
         super().__init__(width, heads)
-        self.look = Look(width, heads) if looks else None
+        self.look = CrossAttention(width, heads) if looks else None
 
     def forward(
         self, x: Float[Tensor, "B T D"], turn: tuple[Tensor, Tensor], cache: Cache | None = None
@@ -124,7 +124,7 @@ class TokenBlock(SelfAttention):
         return self.finish(x, functional.scaled_dot_product_attention(q, k, v))
 
 
-class Look(nn.Module):
+class CrossAttention(nn.Module):
     """Cross-attention to picture tokens."""
 
     def __init__(self, width: int, heads: int) -> None:
@@ -135,7 +135,7 @@ class Look(nn.Module):
         self.memory = nn.Linear(width, 2 * width, bias=False)
         self.out = nn.Linear(width, width, bias=False)
 
-    def remember(self, tokens: Float[Tensor, "B N D"]) -> tuple[Tensor, Tensor]:
+    def project(self, tokens: Float[Tensor, "B N D"]) -> tuple[Tensor, Tensor]:
         """Keys and values of a picture's tokens."""
         keys, values = self.memory(tokens).unflatten(-1, (2, self.heads, -1)).permute(2, 0, 3, 1, 4)
         return keys, values

@@ -30,6 +30,9 @@ class Grower:
     draw: DrawConfig
     candidates: int
     """Continuations per batch."""
+    coolest: float = np.inf
+    """Temperature of the first continuation of a batch, at most that of ``draw``, to which those of the others
+    rise evenly."""
     seen: Counter[str] = field(default_factory=Counter)
     batches: int = 0
 
@@ -90,14 +93,17 @@ class Grower:
         self.batches += 1
         parts = len(draft.writer.moving)
         rngs = self.rng.spawn(self.candidates)
+        warmest = self.draw.temperature
+        temperatures = np.linspace(min(self.coolest, warmest), warmest, self.candidates).tolist()
         # The first one is usually valid, and the others are then not drawn.
-        for some in filter(None, (rngs[:1], rngs[1:])):
+        for some in filter(None, (slice(1), slice(1, self.candidates))):
             drawn = continue_drafts(
                 self.network,
-                [draft] * len(some),
+                [draft] * len(rngs[some]),
                 lambda writer: len(writer.moving) > parts,
-                some,
+                rngs[some],
                 self.draw,
+                temperatures=temperatures[some],
                 fits=fits,
             )
             yield from (one for one in drawn if one is not None)

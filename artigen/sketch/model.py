@@ -15,15 +15,15 @@ from artigen.models.description import read_description
 from artigen.models.store import load_model, save_model
 from artigen.shapes.shape import Shape
 from artigen.sketch.alignment import View, fit_camera
-from artigen.sketch.blocks import Sight
+from artigen.sketch.blocks import PictureMemory
 from artigen.sketch.draw import Draft, DrawConfig, begin_drafts, continue_drafts
 from artigen.sketch.fault import Fault
 from artigen.sketch.faults import find_extent_faults, find_faults
 from artigen.sketch.growth import Grower
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
-from artigen.sketch.picture import PictureConfig, Seen
+from artigen.sketch.picture import PictureConfig, PicturePrediction
 from artigen.sketch.picture_colors import read_colors
-from artigen.sketch.request import NETWORK, SketchRequest, ask, check_category
+from artigen.sketch.request import NETWORK, SketchRequest, check_category, encode_request
 from artigen.sketch.rows import COUNTED, column, rows_to_sketch
 from artigen.sketch.sketch import STEP, read_sketch
 from artigen.sketch.vocabulary import carry_weights, describe_vocabulary, find_new_symbols
@@ -33,8 +33,8 @@ PICTURE_EDGE = 256
 """Edge length (pixels) of the picture for camera fitting and colours."""
 PICTURED, HEADERS = DrawConfig(temperature=0.5), 12
 """Sampling and number of headers for a picture; the encoder's predictions choose one."""
-TRUSTED = 0.15
-"""Mean difference (sRGB) from the picture up to which drawn colours are kept."""
+COOLEST = 0.1
+"""Temperature of the first continuations for a picture: the likeliest object is the one that it shows."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,8 +43,11 @@ class SketchConfig:
 
     draw: DrawConfig = field(default_factory=DrawConfig)
     """Temperature and nucleus of the parts."""
+    coolest: float = np.inf
+    """Temperature of the first continuation of each batch, where it is lower than that of ``draw``. It rises
+    by as much with every dead end."""
     header: DrawConfig = field(default_factory=lambda: DrawConfig(temperature=1.0))
-    """The same for the header: category, style, counts and extents."""
+    """Sampling of the header: category, style, counts and extents."""
     candidates: int = 8
     """Continuations per batch: one is drawn first, the others in parallel if it has a fault."""
     batches: int = 80
@@ -68,12 +71,12 @@ class Drawn:
 
 def save_sketch_network(network: SketchNetwork, folder: Path, described: dict[str, object]) -> None:
     """Writes the weights and their vocabulary into a model folder."""
-    said = {
+    contents = {
         "sizes": asdict(network.cfg),
         "categories": list(network.categories),
         "vocabulary": describe_vocabulary(),
     }
-    save_model(network, folder, {**said, **described}, NETWORK)
+    save_model(network, folder, {**contents, **described}, NETWORK)
 
 
 def load_sketch_network(folder: Path, like: SketchNetwork | None = None) -> SketchNetwork:
@@ -87,19 +90,19 @@ def load_sketch_network(folder: Path, like: SketchNetwork | None = None) -> Sket
         SourceError: If the folder holds no sketch network.
         VocabularyError: If the network was trained with words or fields that this version lacks.
     """
-    said = read_description(folder).get(NETWORK)
-    if said is None:
+    stored = read_description(folder).get(NETWORK)
+    if stored is None:
         raise SourceError(f"{folder}: holds no sketch network; train one with artigen train")
-    vocabulary, categories = said.get("vocabulary"), said.get("categories")
+    vocabulary, categories = stored.get("vocabulary"), stored.get("categories")
     if not isinstance(vocabulary, dict) or not isinstance(categories, list):
         raise SourceError(
             f"{folder}: a sketch network whose vocabulary and categories are not described; train it again"
         )
     try:
-        network = SketchNetwork(_read_sizes(said.get("sizes")))
+        network = SketchNetwork(_read_sizes(stored.get("sizes")))
     except (TypeError, ValueError) as error:
         raise SourceError(
-            f"{folder}: sizes {said.get('sizes')} of a sketch network ({error}), expected such as "
+            f"{folder}: sizes {stored.get('sizes')} of a sketch network ({error}), expected such as "
             f"{SketchNetworkConfig()}"
         ) from error
     fresh = (like or network).state_dict()
@@ -109,9 +112,9 @@ def load_sketch_network(folder: Path, like: SketchNetwork | None = None) -> Sket
     return network
 
 
-def _read_sizes(said: Any) -> SketchNetworkConfig:
+def _read_sizes(stored: Any) -> SketchNetworkConfig:
     """Sizes from a description; older models have no entry for the picture encoder or its attention."""
-    picture = said.get("picture")
+    picture = stored.get("picture")
     if picture is not None:
         picture = PictureConfig(
             **{
@@ -120,7 +123,7 @@ def _read_sizes(said: Any) -> SketchNetworkConfig:
                 **{name: tuple(picture[name]) for name in ("widths", "blocks") if name in picture},
             }
         )
-    return SketchNetworkConfig(**{**said, "picture": picture})
+    return SketchNetworkConfig(**{**stored, "picture": picture})
 
 
 def draw_object(
@@ -128,7 +131,7 @@ def draw_object(
     request: SketchRequest,
     seed: int,
     cfg: SketchConfig | None = None,
-    looked: tuple[Seen, Sight] | None = None,
+    encoded: tuple[PicturePrediction, PictureMemory] | None = None,
 ) -> Drawn:
     """Samples an object that meets a request; deterministic for equal arguments on one machine.
 
@@ -144,20 +147,24 @@ def draw_object(
         request: The condition.
         seed: Seed of all sampling.
         cfg: Sampling parameters and budget.
-        looked: What the network sees (`look_at`), if there is a picture.
+        encoded: What the network sees (`encode_picture`), if there is a picture.
 
     Raises:
         SketchError: If sketches cannot express the request, the network does not draw its category, or no
             valid object was drawn.
     """
     cfg = cfg or SketchConfig()
-    seen, sight = looked or (None, None)
+    seen, memory = encoded or (None, None)
     grower = Grower(
-        network=network, rng=np.random.default_rng(seed), draw=cfg.draw, candidates=cfg.candidates
+        network=network,
+        rng=np.random.default_rng(seed),
+        draw=cfg.draw,
+        candidates=cfg.candidates,
+        coolest=cfg.coolest,
     )
     if request.category is not None:
         check_category(request.category, network.categories)
-    grown = begin_drafts(network, [ask(request)], sight)
+    grown = begin_drafts(network, [encode_request(request)], memory)
     dead_ends: Counter[int] = Counter()
     best: tuple[Shape, tuple[Fault, ...]] | None = None
     while grower.batches < cfg.batches:
@@ -177,6 +184,7 @@ def draw_object(
             del grown[1:]
         else:
             dead_ends[len(grown)] += 1
+            grower.coolest += cfg.coolest
             # The empty table and the header come before the first part.
             del grown[max(1, min(blamed + 2, len(grown) - dead_ends[len(grown)])) :]
     if best is None:
@@ -201,9 +209,11 @@ def read_object_picture(network: SketchNetwork, path: Path) -> Picture:
 
 
 @torch.no_grad()
-def look_at(network: SketchNetwork, picture: Float[np.ndarray, "4 S S"]) -> tuple[Seen, Sight]:
+def encode_picture(
+    network: SketchNetwork, picture: Float[np.ndarray, "4 S S"]
+) -> tuple[PicturePrediction, PictureMemory]:
     """Encodes one picture (RGBA in [0, 1], premultiplied on black)."""
-    return network.look(torch.from_numpy(np.ascontiguousarray(picture, dtype=np.float32))[None])
+    return network.encode_pictures(torch.from_numpy(np.ascontiguousarray(picture, dtype=np.float32))[None])
 
 
 def draw_pictured(
@@ -226,11 +236,12 @@ def draw_pictured(
         SketchError: As for `draw_object`.
         PictureError: If the picture shows no object.
     """
-    looked = look_at(network, picture)
-    drawn = draw_object(network, request, seed, replace(cfg or SketchConfig(), header=PICTURED), looked)
-    fit = fit_camera(drawn.shape, picture, View(*looked[0].view[0].tolist()))
-    asked = {finish.role for finish in request.finishes if finish.color is not None}
-    return replace(drawn, shape=read_colors(drawn.shape, picture, fit, keep=asked, trust=TRUSTED))
+    encoded = encode_picture(network, picture)
+    cfg = replace(cfg or SketchConfig(), header=PICTURED, coolest=COOLEST)
+    drawn = draw_object(network, request, seed, cfg, encoded)
+    fit = fit_camera(drawn.shape, picture, View(*encoded[0].view[0].tolist()))
+    requested = {finish.role for finish in request.finishes if finish.color is not None}
+    return replace(drawn, shape=read_colors(drawn.shape, picture, fit, keep=requested, trust=True))
 
 
 def draw_header(
@@ -238,7 +249,7 @@ def draw_header(
     request: SketchRequest,
     seed: int,
     cfg: DrawConfig | None = None,
-    looked: tuple[Seen, Sight] | None = None,
+    encoded: tuple[PicturePrediction, PictureMemory] | None = None,
 ) -> SketchRequest:
     """Samples category, style, counts of every label and extents for a request.
 
@@ -247,13 +258,13 @@ def draw_header(
         request: The condition.
         seed: Seed of all sampling.
         cfg: Sampling parameters; by default those of an object's header.
-        looked: What the network sees (`look_at`), if there is a picture.
+        encoded: What the network sees (`encode_picture`), if there is a picture.
 
     Raises:
         SketchError: If sketches cannot express the request.
     """
-    rng, (seen, sight) = np.random.default_rng(seed), looked or (None, None)
-    (empty,) = begin_drafts(network, [ask(request)], sight)
+    rng, (seen, memory) = np.random.default_rng(seed), encoded or (None, None)
+    (empty,) = begin_drafts(network, [encode_request(request)], memory)
     cfg = cfg or (SketchConfig().header if seen is None else PICTURED)
     row = _draw_header(network, empty, rng, cfg, seen).writer.rows[0]
     depth, width, height = (row[column("object", name)] * STEP for name in ("depth", "width", "height"))
@@ -270,7 +281,11 @@ def draw_header(
 
 
 def _draw_header(
-    network: SketchNetwork, empty: Draft, rng: np.random.Generator, cfg: DrawConfig, seen: Seen | None
+    network: SketchNetwork,
+    empty: Draft,
+    rng: np.random.Generator,
+    cfg: DrawConfig,
+    seen: PicturePrediction | None,
 ) -> Draft:
     """Adds a header to an empty table; for a picture, the most plausible of `HEADERS`."""
     count = 1 if seen is None else HEADERS
@@ -279,7 +294,7 @@ def _draw_header(
     return headers[0] if seen is None else max(headers, key=lambda one: _rate(one.writer.rows[0], seen))
 
 
-def _rate(header: list[int], seen: Seen) -> float:
+def _rate(header: list[int], seen: PicturePrediction) -> float:
     """Log probability of a header's category and counts by the encoder's own predictions."""
     counts = [header[column("object", label)] for label in COUNTED]
     return seen.rate(header[column("object", "category")], counts)

@@ -17,8 +17,8 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from artigen.sketch.batch import PARTS, PLACES, RowBatch
-from artigen.sketch.blocks import Block, Cache, Feed, Sight, find_turns
-from artigen.sketch.picture import PictureConfig, PictureEncoder, Seen
+from artigen.sketch.blocks import Block, Cache, Feed, PictureMemory, find_turns
+from artigen.sketch.picture import PictureConfig, PictureEncoder, PicturePrediction
 from artigen.sketch.planes import (
     COARSE,
     FAR,
@@ -134,28 +134,28 @@ class SketchNetwork(nn.Module):
         exists, number = slot >= 0, axes >= 0
         slot = slot.clamp(min=0)
         symbol = self.base[slot] + torch.where(number | ~known | ~exists, 0, rows)
-        said = self.symbols(symbol)
+        cells = self.symbols(symbol)
         where = number & known & exists
-        said = said.index_put((where,), self._embed_numbers(slot[where], rows[where]).to(said.dtype))
+        cells = cells.index_put((where,), self._embed_numbers(slot[where], rows[where]).to(cells.dtype))
         unknown = exists & ~known
-        said = said.index_put((unknown,), self.unknown(slot[unknown]).to(said.dtype))
-        return said * exists[..., None]
+        cells = cells.index_put((unknown,), self.unknown(slot[unknown]).to(cells.dtype))
+        return cells * exists[..., None]
 
     def embed_values(
         self, slot: Int[Tensor, "N"], value: Int[Tensor, "N"], number: Bool[Tensor, "N"]
     ) -> Float[Tensor, "N D"]:
         """Embeds single known cells, as `embed_cells` does."""
-        said = self.symbols(self.base[slot] + torch.where(number, 0, value))
+        cells = self.symbols(self.base[slot] + torch.where(number, 0, value))
         if not number.any():
-            return said
-        return torch.where(number[:, None], self._embed_numbers(slot, value), said)
+            return cells
+        return torch.where(number[:, None], self._embed_numbers(slot, value), cells)
 
     def _embed_numbers(self, slot: Int[Tensor, "N"], value: Int[Tensor, "N"]) -> Float[Tensor, "N D"]:
         """Sinusoidal embedding of numbers, gated by their slot."""
         angle = value[:, None] * self.turns
         return self.numbers(torch.cat([angle.sin(), angle.cos()], dim=-1)) * self.gates(slot)
 
-    def look(self, image: Float[Tensor, "B 4 S S"]) -> tuple[Seen, Sight]:
+    def encode_pictures(self, image: Float[Tensor, "B 4 S S"]) -> tuple[PicturePrediction, PictureMemory]:
         """Encodes pictures: predictions, and the memory that blocks attend to.
 
         Args:
@@ -171,8 +171,10 @@ class SketchNetwork(nn.Module):
             image = functional.interpolate(image, (edge, edge), mode="bilinear", antialias=True)
         seen = self.picture(image)
         looks = [block.look for block in self._blocks() if block.look is not None]
-        pairs = [look.remember(seen.tokens) for look in looks]
-        return seen, Sight(keys=tuple(keys for keys, _ in pairs), values=tuple(values for _, values in pairs))
+        pairs = [look.project(seen.tokens) for look in looks]
+        return seen, PictureMemory(
+            keys=tuple(keys for keys, _ in pairs), values=tuple(values for _, values in pairs)
+        )
 
     def _blocks(self) -> "list[Block]":
         return [block for block in self.blocks if isinstance(block, Block)]
@@ -182,33 +184,34 @@ class SketchNetwork(nn.Module):
         cells: Float[Tensor, "B T W D"],
         batch: RowBatch,
         cache: "list[Cache] | None" = None,
-        sight: Sight | None = None,
+        memory: PictureMemory | None = None,
     ) -> Float[Tensor, "B T D"]:
         """States after each row; with a cache, rows continue those read before."""
         x = (
             cells.sum(dim=2)
             + self.part(batch.part)
             + self.piece(batch.piece)
-            + self.asked(batch.asked.long())
+            + self.asked(batch.requested.long())
         )
         x = self.enter(x)
-        seen = iter(()) if sight is None else zip(sight.keys, sight.values, strict=True)
+        seen = iter(()) if memory is None else zip(memory.keys, memory.values, strict=True)
         before = 0 if cache is None else cache[0].length
         turn = find_turns(x, before, self.cfg.width // self.cfg.heads)
         for index, block in enumerate(self._blocks()):
             x = block(x, turn, None if cache is None else cache[index])
-            if block.look is not None and sight is not None:
+            if block.look is not None and memory is not None:
                 x = block.look(x, *next(seen))
         return self.leave(x)
 
-    def think(
+    def hidden(
         self,
         states: Float[Tensor, "N D"],
         before: Float[Tensor, "N D"],
         slot: Int[Tensor, "N"],
     ) -> Float[Tensor, "N D"]:
-        """Hidden vector for predicting a slot, from the state before the row and the row's cells so far."""
-        x = self.state(states) + before + self.slots(slot)
+        """Hidden vector for predicting a slot, from the projected state (`state`) before the row and the
+        row's cells so far."""
+        x = states + before + self.slots(slot)
         for feed in self.inner:
             x = feed(x)
         return self.inner_norm(x)
@@ -238,7 +241,7 @@ class SketchNetwork(nn.Module):
         """Log probabilities of the three encodings of a number.
 
         Args:
-            x: Hidden vectors of `think`.
+            x: Hidden vectors of `hidden`.
             keys: Keys of the planes; the last `OWN` are the row's own.
             open_planes: Planes that may be referenced; without any, a number is coded as digits.
         """
@@ -268,35 +271,37 @@ class SketchNetwork(nn.Module):
         return torch.cat([keys, own], dim=1)
 
     def forward(
-        self, batch: RowBatch, sight: Sight | None = None
+        self, batch: RowBatch, memory: PictureMemory | None = None
     ) -> tuple[Float[Tensor, "M"], Float[Tensor, "N"]]:
         """Negative log likelihood (nats) of every symbol and every number that the batch predicts."""
         cells = self.embed_cells(batch.rows, batch.known, batch.axes)
-        states = self.read_rows(cells, batch, sight=sight)
+        states = self.read_rows(cells, batch, memory=memory)
         before = cells.cumsum(dim=2) - cells
+        projected = self.state(states)
         slot = self.of_cell[batch.rows[..., 0]].clamp(min=0)
-        symbols = batch.said & (batch.axes < 0)
+        symbols = batch.predicted & (batch.axes < 0)
         b, t, c = symbols.nonzero(as_tuple=True)
-        x = self.think(states[b, t - 1], before[b, t, c], slot[b, t, c])
+        x = self.hidden(projected[b, t - 1], before[b, t, c], slot[b, t, c])
         logits = self.symbol_logits(x, slot[b, t, c])
         first = functional.cross_entropy(
             logits, self.base[slot[b, t, c]] + batch.rows[b, t, c], reduction="none"
         )
-        return first, self._number_losses(batch, states, before, slot)
+        return first, self._number_losses(batch, states, projected, before, slot)
 
     def _number_losses(
         self,
         batch: RowBatch,
         states: Float[Tensor, "B T D"],
+        projected: Float[Tensor, "B T D"],
         before: Float[Tensor, "B T W D"],
         slot: Int[Tensor, "B T W"],
     ) -> Float[Tensor, "N"]:
-        said = batch.said & (batch.axes >= 0)
-        where, given = gather_numbers(said)
+        numbers = batch.predicted & (batch.axes >= 0)
+        where, given = gather_numbers(numbers)
         b = torch.arange(len(where), device=where.device)[:, None].expand(where.shape[:2])
         t, c = where[..., 0], where[..., 1]
-        x = self.think(
-            states[b, (t - 1).clamp(min=0)].flatten(0, 1),
+        x = self.hidden(
+            projected[b, (t - 1).clamp(min=0)].flatten(0, 1),
             before[b, t, c].flatten(0, 1),
             slot[b, t, c].flatten(),
         ).unflatten(0, b.shape)

@@ -125,7 +125,7 @@ def read_target(picture: Float[np.ndarray, "4 S S"], edge: int) -> Target:
     )
 
 
-def look(faces: Faces, camera: Pinhole) -> Int[np.ndarray, "S S"]:
+def find_visible(faces: Faces, camera: Pinhole) -> Int[np.ndarray, "S S"]:
     """Index of the visible face at each pixel, -1 for background."""
     ahead = np.einsum("fk,fk->f", faces.normals, camera.position - faces.vertices[faces.corners[:, 0]])
     rows = np.flatnonzero(ahead > 0)

@@ -58,7 +58,7 @@ class PictureConfig:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Seen:
+class PicturePrediction:
     """Predictions from pictures."""
 
     tokens: Float[Tensor, "B N D"]
@@ -78,8 +78,8 @@ class Seen:
     def rate(self, category: int, counts: Sequence[int]) -> float:
         """Log probability of a category and of the counts of all labels but the base; first picture only."""
         chances = self.counts[0, 1:].log_softmax(dim=1)
-        said = torch.tensor(counts, device=chances.device).clamp(max=MAX_COUNT)
-        return float(chances.gather(1, said[:, None]).sum() + self.category[0].log_softmax(dim=0)[category])
+        index = torch.tensor(counts, device=chances.device).clamp(max=MAX_COUNT)
+        return float(chances.gather(1, index[:, None]).sum() + self.category[0].log_softmax(dim=0)[category])
 
 
 class PictureEncoder(nn.Module):
@@ -122,7 +122,7 @@ class PictureEncoder(nn.Module):
         nn.init.constant_(self.maps.bias[:kinds], EMPTY)
         self.register_buffer("places", _place_waves(side), persistent=False)
 
-    def forward(self, image: Float[Tensor, "B 4 S S"]) -> Seen:
+    def forward(self, image: Float[Tensor, "B 4 S S"]) -> PicturePrediction:
         """Encodes pictures: RGB and alpha in [0, 1], premultiplied on black."""
         x, levels = self.stem((2.0 * image - 1.0).contiguous(memory_format=torch.channels_last)), []
         for level in self.levels:
@@ -131,8 +131,8 @@ class PictureEncoder(nn.Module):
         fine = self.aside[-1](x)
         for finer, aside, merge in zip(levels[-2::-1], self.aside[-2::-1], self.merge, strict=True):
             fine = merge(functional.interpolate(fine, scale_factor=2.0) + aside(finer))
-        said = self.maps(fine).float()
-        density = functional.softplus(said[:, : len(PART_LABELS)])
+        maps = self.maps(fine).float()
+        density = functional.softplus(maps[:, : len(PART_LABELS)])
         pooled = torch.cat([x.mean(dim=(2, 3)), x.amax(dim=(2, 3)), fine.mean(dim=(2, 3))], dim=1)
         whole = self.whole(pooled.float())
         squares = torch.cat([functional.pixel_unshuffle(fine, TOKEN // CELL), x], dim=1)
@@ -154,10 +154,10 @@ class PictureEncoder(nn.Module):
         tokens = torch.cat([part.float() for part in parts], dim=1)
         for block in self.blocks:
             tokens = block(tokens)
-        return Seen(
+        return PicturePrediction(
             tokens=self.norm(tokens),
             density=density,
-            labels=said[:, len(PART_LABELS) :],
+            labels=maps[:, len(PART_LABELS) :],
             counts=counts,
             category=category,
             view=self.view(whole).float(),

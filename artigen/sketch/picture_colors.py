@@ -18,7 +18,7 @@ from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.textures import paint_primitives
 from artigen.sketch.alignment import Fit
-from artigen.sketch.overlay import SIDES, Faces, list_faces, look, read_target
+from artigen.sketch.overlay import SIDES, Faces, find_visible, list_faces, read_target
 
 Lighting = Literal["room", "even"]
 """Illumination of the picture: the bright room of the renderer, or uniform light that leaves colours
@@ -45,8 +45,13 @@ LEAST = 0.15
 THIN = ("handle", "accent", "steel", "plastic")
 """Roles of small parts in front of others. A fitted shape rarely has them at the exact pixels where the
 picture shows them, so their colours are not estimated."""
+SAME_LIGHTNESS, SAME_CHROMA = 40.0, 8.0
+"""Differences (CIELAB) from the picture up to which a drawn colour is trusted. Lightness depends on
+illumination, which is estimated; hue and chroma hardly do."""
 EQUAL = 0.02
 """Difference (sRGB) below which the colours of two finishes count as equal."""
+XYZ_OF_RGB = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+"""CIE XYZ of the linear sRGB primaries (IEC 61966-2-1)."""
 LIGHT_EDGE, GREY, DARK = 96, 0.5, 0.03
 """Renderings of the room's light: edge in pixels, grey (sRGB), and lowest scattered share."""
 
@@ -76,7 +81,7 @@ def read_colors(
     fit: Fit,
     *,
     keep: Collection[str] = (),
-    trust: float = 0.0,
+    trust: bool = False,
     lighting: Lighting = "room",
 ) -> Shape:
     """Colours a shape as in a picture.
@@ -86,7 +91,7 @@ def read_colors(
         picture: RGBA in [0, 1], premultiplied on black.
         fit: The shape's alignment with this picture.
         keep: Roles of finishes whose colour is kept.
-        trust: Mean difference (sRGB) from the picture up to which a colour is kept as well.
+        trust: Whether colours that agree with the picture are kept as well; a network's are more exact.
         lighting: Illumination to remove.
 
     Raises:
@@ -101,8 +106,7 @@ def read_colors(
         if finish.opacity >= OPAQUE and len(chosen) >= FEW_PIXELS:
             r, g, b = np.median(colors[chosen], axis=0) / np.median(spots.pattern[chosen], axis=0)
             color = (min(float(r), 1.0), min(float(g), 1.0), min(float(b), 1.0))
-            apart = np.abs(np.subtract(color, finish.color)).mean()
-            found[role] = finish.color if apart <= trust else color
+            found[role] = finish.color if trust and _agree(color, finish.color) else color
     return replace(
         shape,
         finishes=tuple(
@@ -121,7 +125,7 @@ def find_spots(
         PictureError: If the picture shows no object.
     """
     faces, target = list_faces(shape), read_target(picture, picture.shape[1])
-    seen = look(faces, camera)
+    seen = find_visible(faces, camera)
     chosen = (seen >= 0) & (target.alpha > 0.95)
     clear = _find_clear(faces, seen) & target.inside
     chosen &= _find_open(faces, seen, clear, camera)
@@ -198,6 +202,12 @@ def _recolor(role: str, finish: Finish, shape: Shape, found: Mapping[str, Color]
 def _equal(one: Finish, other: Finish) -> bool:
     apart = np.abs(np.array(one.color) - np.array(other.color)).max()
     return one.kind == other.kind and one.opacity == other.opacity and bool(apart < EQUAL)
+
+
+def _agree(read: Color, drawn: Color) -> bool:
+    """Whether a drawn colour differs from the picture by no more than illumination could explain."""
+    lightness, *chroma = np.abs(_lab(np.array(read)) - _lab(np.array(drawn)))
+    return bool(lightness <= SAME_LIGHTNESS and np.hypot(*chroma) <= SAME_CHROMA)
 
 
 def _find_clear(faces: Faces, seen: Int[np.ndarray, "S S"]) -> Bool[np.ndarray, "S S"]:
@@ -293,6 +303,15 @@ def _straighten(axes: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3 3"]:
 
 def _linear(color: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]:
     return np.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055).clip(min=0.0) ** 2.4)
+
+
+def _lab(color: Float[np.ndarray, "*S 3"]) -> Float[np.ndarray, "*S 3"]:
+    """CIELAB (white point D65) of sRGB colours."""
+    xyz = _linear(color) @ XYZ_OF_RGB.T / XYZ_OF_RGB.sum(axis=1)
+    x, y, z = np.moveaxis(
+        np.where(xyz > (6 / 29) ** 3, np.cbrt(xyz), xyz * (29 / 6) ** 2 / 3 + 4 / 29), -1, 0
+    )
+    return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
 
 
 def _srgb(light: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]:

@@ -147,11 +147,11 @@ def find_places(
     )
 
 
-def gather_numbers(said: Bool[Tensor, "B T W"]) -> tuple[Int[Tensor, "B N 2"], Bool[Tensor, "B N"]]:
+def gather_numbers(predicted: Bool[Tensor, "B T W"]) -> tuple[Int[Tensor, "B N 2"], Bool[Tensor, "B N"]]:
     """Row and column of each object's predicted numbers, padded, and a mask of the entries that are not
     padding."""
-    counts = said.flatten(1).sum(dim=1)
-    order = said.flatten(1).int().argsort(dim=1, descending=True, stable=True)[:, : int(counts.max())]
-    given = torch.arange(order.shape[1], device=said.device) < counts[:, None]
+    counts = predicted.flatten(1).sum(dim=1)
+    order = predicted.flatten(1).int().argsort(dim=1, descending=True, stable=True)[:, : int(counts.max())]
+    given = torch.arange(order.shape[1], device=predicted.device) < counts[:, None]
     order = torch.where(given, order, 0)
-    return torch.stack([order // said.shape[2], order % said.shape[2]], dim=-1), given
+    return torch.stack([order // predicted.shape[2], order % predicted.shape[2]], dim=-1), given

@@ -1,4 +1,4 @@
-"""`SketchRequest`: conditions on a sketch, and `Asked`, the rows that encode them for the network."""
+"""`SketchRequest`: conditions on a sketch, and `RequestRows`, the rows that encode them for the network."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -41,7 +41,7 @@ MATERIAL_OF: Mapping[str, FinishKind] = {"oak": "wood", "walnut": "wood", "steel
 
 
 @dataclass(frozen=True, kw_only=True)
-class AskedFinish:
+class FinishRequest:
     """A requested finish, by its role; None leaves a property open."""
 
     role: str
@@ -60,13 +60,13 @@ class SketchRequest:
     depth: float | None = None
     width: float | None = None
     height: float | None = None
-    finishes: tuple[AskedFinish, ...] = ()
+    finishes: tuple[FinishRequest, ...] = ()
     some: tuple[PartLabel, ...] = ()
     """Labels with at least one part, where ``counts`` gives no number."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Asked:
+class RequestRows:
     """A request as rows: one ``object`` and any number of ``finish`` rows, with some cells known."""
 
     rows: Int[np.ndarray, "A W"]
@@ -75,9 +75,9 @@ class Asked:
     """Labels whose count is not 0; enforced by the rules, not an input of the network."""
 
 
-def nothing_asked() -> Asked:
+def empty_request() -> RequestRows:
     """The unconditional request."""
-    return ask(SketchRequest())
+    return encode_request(SketchRequest())
 
 
 def list_learned(model: Path) -> tuple[str, ...]:
@@ -106,7 +106,7 @@ def check_category(category: str, learned: Sequence[str] = CATEGORIES) -> None:
     raise SketchError(text)
 
 
-def ask(request: SketchRequest) -> Asked:
+def encode_request(request: SketchRequest) -> RequestRows:
     """Encodes a request as rows.
 
     Raises:
@@ -114,31 +114,31 @@ def ask(request: SketchRequest) -> Asked:
     """
     header, known = [ROW_KINDS.index("object")] + [0] * (WIDTH - 1), [True] + [False] * (WIDTH - 1)
 
-    def say(name: str, value: int) -> None:
+    def put(name: str, value: int) -> None:
         header[column("object", name)] = value
         known[column("object", name)] = True
 
     if request.category is not None:
         check_category(request.category)
-        say("category", CATEGORIES.index(request.category))
+        put("category", CATEGORIES.index(request.category))
     if request.style is not None:
         if request.style not in STYLES:
             raise SketchError(f"style {request.style!r}: this model knows {', '.join(STYLES)}")
-        say("style", STYLES.index(request.style))
+        put("style", STYLES.index(request.style))
     for label, count in request.counts:
         if label == "base":
             continue
         if not 0 <= count <= MAX_COUNT:
             raise SketchError(f"{count} parts called {label}: expected 0 to {MAX_COUNT}")
-        say(COUNTED[COUNTED.index(label)], count)
+        put(COUNTED[COUNTED.index(label)], count)
     for name in ("depth", "width", "height"):
         length = getattr(request, name)
         if length is not None:
             if not 0.02 <= length < REACH * STEP:
                 raise SketchError(f"{name} {length:g} m: expected from 0.02 to {REACH * STEP:.3f} m")
-            say(name, round(length / STEP))
+            put(name, round(length / STEP))
     rows, marks = [header], [known]
-    for finish in sorted(request.finishes, key=lambda asked: _role(asked.role)):
+    for finish in sorted(request.finishes, key=lambda finish: _role(finish.role)):
         row, mark = [ROW_KINDS.index("finish")] + [0] * (WIDTH - 1), [True, True] + [False] * (WIDTH - 2)
         row[column("finish", "role")] = _role(finish.role)
         if finish.material is not None:
@@ -150,7 +150,7 @@ def ask(request: SketchRequest) -> Asked:
             mark[at : at + 3] = [True] * 3
         rows.append(row)
         marks.append(mark)
-    return Asked(rows=np.array(rows), known=np.array(marks), some=request.some)
+    return RequestRows(rows=np.array(rows), known=np.array(marks), some=request.some)
 
 
 def _role(name: str) -> int:

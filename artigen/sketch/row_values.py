@@ -37,7 +37,7 @@ def list_finish(finish: SketchFinish) -> list[int]:
     ]
 
 
-def list_piece(piece: Piece, said: Sequence[str]) -> list[int]:
+def list_piece(piece: Piece, fields: Sequence[str]) -> list[int]:
     """The values of a piece, in the order of its field names."""
     values: dict[str, int] = {
         "finish": find_word(ROLES, piece.finish, "role"),
@@ -49,7 +49,7 @@ def list_piece(piece: Piece, said: Sequence[str]) -> list[int]:
         "corners": piece.corners,
         **{name: int(number) for name, number in zip(NUMBERS[piece.kind], piece.numbers, strict=True)},
     }
-    return [values[name] for name in said]
+    return [values[name] for name in fields]
 
 
 def list_joint(sketch: Sketch, index: int) -> list[int]:
@@ -107,9 +107,9 @@ def read_finish(row: Sequence[int]) -> SketchFinish:
     )
 
 
-def read_piece(kind: PieceKind, said: Sequence[str], row: Sequence[int]) -> Piece:
+def read_piece(kind: PieceKind, fields: Sequence[str], row: Sequence[int]) -> Piece:
     """Decodes a piece, given the names of its fields."""
-    values = dict(zip(said, row, strict=False))
+    values = dict(zip(fields, row, strict=False))
     lined = values["lined"]
     return Piece(
         kind=kind,

@@ -72,16 +72,16 @@ def _symbols(**sizes: int) -> tuple[Field, ...]:
 
 
 def _piece_fields(kind: PieceKind) -> tuple[Field, ...]:
-    said = _symbols(finish=len(ROLES), lined=INWARD + 2, lining=len(ROLES))
+    fields = _symbols(finish=len(ROLES), lined=INWARD + 2, lining=len(ROLES))
     if kind not in ("box", "plate"):
-        said += _symbols(axis=3)
+        fields += _symbols(axis=3)
     if kind in ("frustum", "ring", "spokes", "slab", "shell", "elbow"):
-        said += _symbols(sides=MAX_SIDES + 1)
+        fields += _symbols(sides=MAX_SIDES + 1)
     if kind == "spokes":
-        said += _symbols(phase=2)
+        fields += _symbols(phase=2)
     if kind in ("slab", "elbow"):
-        said += _symbols(corners=2**CORNERS if kind == "slab" else CORNERS)
-    return said + tuple(Field(name=name) for name in NUMBERS[kind])
+        fields += _symbols(corners=2**CORNERS if kind == "slab" else CORNERS)
+    return fields + tuple(Field(name=name) for name in NUMBERS[kind])
 
 
 _LEVEL = dict.fromkeys(("r", "g", "b", "accent_r", "accent_g", "accent_b", "gloss"), LEVELS + 1)
@@ -128,7 +128,7 @@ def sketch_to_rows(sketch: Sketch) -> Int[np.ndarray, "T W"]:
     ]
     for index, part in enumerate(sketch.parts):
         rows.append(_row("part", PART_LABELS.index(part.label), part.parent + 1))
-        rows += [_row(piece.kind, *list_piece(piece, said_fields(piece.kind))) for piece in part.pieces]
+        rows += [_row(piece.kind, *list_piece(piece, field_names(piece.kind))) for piece in part.pieces]
         rows.append(_row("joint", *list_joint(sketch, index)))
     table = np.array([*rows, _row("end")])
     _check_rows(table, sketch)
@@ -155,7 +155,7 @@ def rows_to_sketch(rows: Int[np.ndarray, "T W"]) -> Sketch:
         elif kind == "part" and opened is None:
             opened = (row[0], row[1] - 1)
         elif kind in PIECE_KINDS and opened is not None:
-            pieces.append(read_piece(_PIECE_KIND[kind], said_fields(kind), row))
+            pieces.append(read_piece(_PIECE_KIND[kind], field_names(kind), row))
         elif kind == "joint" and opened is not None and pieces:
             label, parent = opened
             held, fraction = (row[column("joint", name) - 1] for name in ("holds", "released"))
@@ -186,11 +186,11 @@ def rows_to_sketch(rows: Int[np.ndarray, "T W"]) -> Sketch:
 def read_row_piece(row: Sequence[int]) -> Piece:
     """The piece of a row (kind first)."""
     kind = ROW_KINDS[row[0]]
-    return read_piece(_PIECE_KIND[kind], said_fields(kind), list(row[1:]))
+    return read_piece(_PIECE_KIND[kind], field_names(kind), list(row[1:]))
 
 
 @cache
-def said_fields(kind: str) -> tuple[str, ...]:
+def field_names(kind: str) -> tuple[str, ...]:
     """Field names of a row, in order."""
     return tuple(field.name for field in FIELDS[kind])
 
@@ -198,10 +198,10 @@ def said_fields(kind: str) -> tuple[str, ...]:
 @cache
 def column(kind: str, name: str) -> int:
     """The column of a field in the table."""
-    return 1 + said_fields(kind).index(name)
+    return 1 + field_names(kind).index(name)
 
 
-def find_said(rows: Int[np.ndarray, "T W"]) -> Bool[np.ndarray, "T W"]:
+def find_predicted(rows: Int[np.ndarray, "T W"]) -> Bool[np.ndarray, "T W"]:
     """Cells of rows that are predicted, not implied by earlier fields."""
     columns = _key_columns()[rows[:, 0]]
     keys = np.where(columns > 0, np.take_along_axis(rows, columns, axis=1), 0)
@@ -209,7 +209,7 @@ def find_said(rows: Int[np.ndarray, "T W"]) -> Bool[np.ndarray, "T W"]:
     _, first, inverse = np.unique(codes, return_index=True, return_inverse=True)
     cells = np.zeros((len(first), WIDTH), dtype=bool)
     for at, row in enumerate(first):
-        cells[at] = _said_cells(ROW_KINDS[rows[row, 0]], tuple(keys[row].tolist()))
+        cells[at] = _predicted_cells(ROW_KINDS[rows[row, 0]], tuple(keys[row].tolist()))
     return cells[inverse]
 
 
@@ -249,7 +249,7 @@ def number_axes_by_kind() -> tuple[Int[np.ndarray, "K 3 W"], Int[np.ndarray, "K"
             axes = [LENGTH if a is None else a for a in number_axes(_PIECE_KIND[kind], axis)]
             first = column(kind, "x0")
             table[index, axis, first : first + len(axes)] = axes
-        if kind in PIECE_KINDS and "axis" in said_fields(kind):
+        if kind in PIECE_KINDS and "axis" in field_names(kind):
             own[index] = column(kind, "axis")
     joint, header = ROW_KINDS.index("joint"), ROW_KINDS.index("object")
     first = column("joint", "x")
@@ -274,7 +274,7 @@ def _key_columns() -> Int[np.ndarray, "K 3"]:
     names = dict.fromkeys(PIECE_KINDS, ("lined", "axis", "sides")) | {"joint": ("type", "need0", "holds")}
     return np.array(
         [
-            [column(kind, name) if name in said_fields(kind) else 0 for name in names.get(kind, ("",) * 3)]
+            [column(kind, name) if name in field_names(kind) else 0 for name in names.get(kind, ("",) * 3)]
             for kind in ROW_KINDS
         ]
     )
@@ -308,13 +308,13 @@ def _implied(kind: str, key: tuple[int, ...]) -> frozenset[str]:
 
 
 @cache
-def _said_cells(kind: str, key: tuple[int, ...]) -> Bool[np.ndarray, "W"]:
+def _predicted_cells(kind: str, key: tuple[int, ...]) -> Bool[np.ndarray, "W"]:
     """Predicted cells of rows with a key."""
-    said = np.zeros(WIDTH, dtype=bool)
-    said[: 1 + len(FIELDS[kind])] = True
+    predicted = np.zeros(WIDTH, dtype=bool)
+    predicted[: 1 + len(FIELDS[kind])] = True
     for name in _implied(kind, key):
-        said[column(kind, name)] = False
-    return said
+        predicted[column(kind, name)] = False
+    return predicted
 
 
 _PIECE_KIND: dict[str, PieceKind] = {kind: kind for kind in PIECE_KINDS}

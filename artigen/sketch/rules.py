@@ -21,7 +21,7 @@ from artigen.sketch.piece import (
     ROUND_SIDES,
     across,
 )
-from artigen.sketch.request import Asked
+from artigen.sketch.request import RequestRows
 from artigen.sketch.rows import (
     COUNTED,
     FIELDS,
@@ -85,7 +85,7 @@ class Writer:
     """State of a table being written: call `allowed` before a symbol or `span` before a number, then
     `put`."""
 
-    asked: Asked
+    request: RequestRows
     rows: list[list[int]] = field(default_factory=list)
     row: list[int] = field(default_factory=list)
     """The current row, up to its next field."""
@@ -207,7 +207,7 @@ class Writer:
             can[list(list_styles(self.value("category")))] = True
         elif kind == "finish" and self.name == "role":
             can[self._next_roles()] = True
-        elif kind == "object" and self.name in self.asked.some:
+        elif kind == "object" and self.name in self.request.some:
             can[1:] = True
         elif kind == "part":
             can[self._next_labels() if self.name == "label" else self._next_parents()] = True
@@ -259,11 +259,11 @@ class Writer:
         """Value of the next field if the request fixes it."""
         if not self.row:
             return None
-        asked, at = self.asked, len(self.row)
-        if self.kind == "object" and asked.known[0, at]:
-            return int(asked.rows[0, at])
+        request, at = self.request, len(self.row)
+        if self.kind == "object" and request.known[0, at]:
+            return int(request.rows[0, at])
         if self.kind == "finish" and self.name != "role":
-            for row, known in zip(asked.rows[1:], asked.known[1:], strict=True):
+            for row, known in zip(request.rows[1:], request.known[1:], strict=True):
                 if row[1] != self.value("role"):
                     continue
                 if known[at]:
@@ -295,20 +295,20 @@ class Writer:
             return [_KIND["joint"]] if full else [*_PIECE_IDS, _KIND["joint"]]
         if last == "joint":
             return [_KIND["part"] if any(self._left().values()) else _KIND["end"]]
-        if last == "object" or self._asked_roles():
+        if last == "object" or self._requested_roles():
             return [_KIND["finish"]]
         return [_KIND["part"], *([_KIND["finish"]] if self._next_roles() else [])]
 
-    def _asked_roles(self) -> list[int]:
+    def _requested_roles(self) -> list[int]:
         """Requested roles that are still missing."""
-        said = [row[1] for row in self.rows if row[0] == _KIND["finish"]]
-        return sorted({int(row[1]) for row in self.asked.rows[1:]} - set(said))
+        written = [row[1] for row in self.rows if row[0] == _KIND["finish"]]
+        return sorted({int(row[1]) for row in self.request.rows[1:]} - set(written))
 
     def _next_roles(self) -> list[int]:
         """Next finish roles in order; a requested role is not skipped."""
         last = max((row[1] for row in self.rows if row[0] == _KIND["finish"]), default=-1)
-        asked = self._asked_roles()
-        return list(range(last + 1, (asked[0] if asked else len(ROLES) - 1) + 1))
+        roles = self._requested_roles()
+        return list(range(last + 1, (roles[0] if roles else len(ROLES) - 1) + 1))
 
     def _next_labels(self) -> list[int]:
         left = self._left()

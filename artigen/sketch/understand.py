@@ -8,7 +8,14 @@ from typing import TypeVar
 from artigen.conditioning.prompt import COLORS, ParsedText, parse_text
 from artigen.errors import ArtigenError
 from artigen.shapes.draw import Wish, check_wish
-from artigen.sketch.request import ALSO_OF, MATERIAL_OF, ROLES_OF, AskedFinish, SketchRequest, check_category
+from artigen.sketch.request import (
+    ALSO_OF,
+    MATERIAL_OF,
+    ROLES_OF,
+    FinishRequest,
+    SketchRequest,
+    check_category,
+)
 from artigen.sketch.words import CATEGORIES
 from artigen.types import PartLabel
 
@@ -52,34 +59,34 @@ def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Underst
     counts = dict(wish.counts)
     for label, count in text.counts:
         counts[label] = _agree(f"number of {label}s", counts.get(label), count) or 0
-    asked = Wish(
+    wish = Wish(
         depth=_agree("depth", wish.depth, text.depth),
         width=_agree("width", wish.width, text.width),
         height=_agree("height", wish.height, text.height),
         style=wish.style,
         counts=tuple(sorted(counts.items())),
     )
-    check_wish(asked)
-    said = SketchRequest(
+    check_wish(wish)
+    sketch_request = SketchRequest(
         category=category,
-        style=asked.style,
-        counts=asked.counts,
-        depth=asked.depth,
-        width=asked.width,
-        height=asked.height,
+        style=wish.style,
+        counts=wish.counts,
+        depth=wish.depth,
+        width=wish.width,
+        height=wish.height,
         finishes=find_finishes(text.colors, category),
         some=tuple(label for label, _ in text.colors if label != "base"),
     )
     open_axes = tuple(
-        (axis, factor) for axis, factor in text.stretch if getattr(asked, axis) is None
+        (axis, factor) for axis, factor in text.stretch if getattr(wish, axis) is None
     )  # "tall" is ignored if a height is given
     notes = (f"no meaning was found in: {', '.join(text.unused)}",) if text.unused else ()
-    return Understood(request=said, stretch=open_axes, notes=notes)
+    return Understood(request=sketch_request, stretch=open_axes, notes=notes)
 
 
 def find_finishes(
     colors: tuple[tuple[PartLabel, str], ...], category: str | None = None
-) -> tuple[AskedFinish, ...]:
+) -> tuple[FinishRequest, ...]:
     """The finishes that colour words request; a word for a part overrides that for the whole object.
 
     Args:
@@ -87,10 +94,10 @@ def find_finishes(
         category: Category of the object, if known.
     """
     also = ALSO_OF.get(category or "", ())
-    found: dict[str, AskedFinish] = {}
+    found: dict[str, FinishRequest] = {}
     for label, word in sorted(colors, key=lambda named: named[0] != "base"):
         for role in (*ROLES_OF[label], *(also if label == "base" else ())):
-            found[role] = AskedFinish(role=role, color=COLORS[word], material=MATERIAL_OF.get(word))
+            found[role] = FinishRequest(role=role, color=COLORS[word], material=MATERIAL_OF.get(word))
     return tuple(found.values())
 
 

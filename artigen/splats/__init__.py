@@ -1,1 +1,1 @@
-"""Gaussian splats: files, motion and seams in numpy; `artigen.splats.render` renders them in torch."""
+"""Gaussian splats: files and motion in numpy; `artigen.splats.render` renders them in torch."""

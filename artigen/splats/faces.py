@@ -116,7 +116,6 @@ def lay_discs(solids: Solids, spacing: float) -> Discs:
     """Discs on all faces of all primitives, in the order of the primitives, hidden ones included.
 
     Args:
-        solids: The primitives.
         spacing: Width of a cell inside a face (m).
     """
     round_ones = [index for index, one in enumerate(solids.primitives) if one.kind == "cylinder"]

@@ -37,19 +37,6 @@ class SurfaceSplatConfig:
     """Distance by which discs move outward where a disc of the opposite facing lies in their place: the two
     sides of a sheet without thickness would otherwise both show."""
 
-    def __post_init__(self) -> None:
-        if (
-            min(self.spread, self.flatness, self.edge) <= 0
-            or self.neighbours < 1
-            or self.widest < 1
-            or self.apart < 0
-        ):
-            raise ValueError(
-                f"discs on a surface: spread {self.spread}, flatness {self.flatness}, edge {self.edge}, "
-                f"{self.neighbours} neighbours, widest {self.widest}, apart {self.apart}; expected above 0, "
-                "at least 1 neighbour, widest from 1, apart from 0"
-            )
-
 
 RANDOM = SurfaceSplatConfig(spread=1.0, widest=2.0, apart=1.0)
 """For samples drawn at random, such as those of PartNet-Mobility objects: closed, and softer."""
@@ -123,7 +110,7 @@ def _group_rows(surface: SurfaceSamples) -> list[Int[np.ndarray, "M"]]:
 def _find_backed(
     surface: SurfaceSamples, normals: Float[np.ndarray, "N 3"], reach: float
 ) -> Bool[np.ndarray, "N"]:
-    """Mask of samples near another of their part that faces the opposite way, within ``reach`` in height."""
+    """Mask of samples with one of the same part, facing the opposite way, within ``reach`` in height."""
     backed = np.zeros(len(normals), dtype=bool)
     if reach <= 0:
         return backed

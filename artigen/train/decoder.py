@@ -68,19 +68,7 @@ def train_decoder(
     losses: StructureLossConfig,
     conditions: ConditionConfig,
 ) -> StructureVae:
-    """Trains the decoder of a VAE on a flow's estimates.
-
-    Args:
-        vae: Trained VAE; its encoder is not changed.
-        flow: Flow trained on the latents of that encoder.
-        latents: Posterior means and standard deviations of the examples.
-        examples: Encoded examples.
-        folder: Folder of the stage.
-        cfg: Budget and rates.
-        batch: Objects per step.
-        losses: Weights of the terms.
-        conditions: Conditions of the flow.
-    """
+    """Trains the decoder of a VAE on a flow's estimates."""
 
     def terms(network: nn.Module, drawn: EncodedFields, generator: torch.Generator) -> dict[str, Tensor]:
         outlines = blur_outlines(drawn.fields.outlines, 0.0, generator)

@@ -48,7 +48,6 @@ def train_everything(cfg: RunConfig, stage: Stage = "structure") -> dict[str, fl
     """Runs the stages that are missing; returns the scores of the held-out objects.
 
     Args:
-        cfg: Configuration of the run.
         stage: All networks, or one of them; the flow needs a VAE in the same folder, the decoder both.
 
     Raises:

@@ -8,10 +8,10 @@ from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 
 
 def grow_network(network: SketchNetwork, cfg: SketchNetworkConfig) -> SketchNetwork:
-    """A network of size ``cfg`` that predicts what a smaller one does.
+    """A network of size ``cfg`` with the predictions of a smaller one.
 
     Added blocks are spread between those of the smaller network, in pairs of one that attends to pictures and
-    one that does not, and write nothing at first.
+    one that does not, and contribute nothing at first.
 
     Raises:
         ArtigenError: If ``cfg`` differs in more than blocks and the picture's edge, or has fewer blocks.

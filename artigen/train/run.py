@@ -11,7 +11,7 @@ from artigen.latent.structure_dit import StructureDitConfig
 from artigen.models.conditions import ConditionConfig
 from artigen.models.description import hash_model, read_description
 from artigen.models.public_encoders import find_encoders
-from artigen.runtime.run_config import claim_folder
+from artigen.runtime.journal import claim_folder
 from artigen.train.settings import TrainSettings
 
 Stage = Literal[

@@ -14,12 +14,12 @@ from artigen.examples.shards import HELD_OUT
 from artigen.examples.sketch import SHARD, SketchExample, draw_batches, make_examples
 from artigen.examples.sketch_photos import EDGE, gather_photos
 from artigen.models.description import hash_model
-from artigen.runtime.run_config import claim_folder
-from artigen.sketch.batch import ask_for, make_batch
+from artigen.runtime.journal import claim_folder
+from artigen.sketch.batch import make_batch, sample_request
 from artigen.sketch.model import load_sketch_network, save_sketch_network
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig
-from artigen.sketch.request import nothing_asked
+from artigen.sketch.request import empty_request
 from artigen.sketch.words import CATEGORIES
 from artigen.train.growth import grow_network
 from artigen.train.loop import LoopConfig, finished_steps, process_seed, train
@@ -130,11 +130,12 @@ def score_examples(network: SketchNetwork, examples: Sequence[SketchExample]) ->
     for name in ("asked", "pictured") if network.picture is not None else ("asked",):
         total = fields = 0.0
         for example in examples:
-            asked, sight = ask_for(example.table, rng), None
+            request, memory = sample_request(example.table, rng), None
             if name == "pictured":
                 assert example.photo is not None
-                asked, sight = nothing_asked(), network.look(gather_photos([example.photo]).image)[1]
-            symbols, numbers = network(make_batch([example.table], [asked]), sight)
+                request = empty_request()
+                _, memory = network.encode_pictures(gather_photos([example.photo]).image)
+            symbols, numbers = network(make_batch([example.table], [request]), memory)
             total += float(symbols.sum() + numbers.sum())
             fields += len(symbols) + len(numbers)
         scores |= {name: total / len(examples), f"{name}_per_field": total / fields}

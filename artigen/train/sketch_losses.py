@@ -15,7 +15,7 @@ from artigen.examples.sketch_photos import (
 )
 from artigen.sketch.batch import RowBatch
 from artigen.sketch.network import SketchNetwork
-from artigen.sketch.picture import MAX_COUNT, Seen
+from artigen.sketch.picture import MAX_COUNT, PicturePrediction
 from artigen.sketch.rows import COUNTED, ROW_KINDS, column
 from artigen.types import PART_LABELS
 
@@ -35,13 +35,13 @@ class SketchLosses(nn.Module):
 
     def forward(self, batch: SketchBatch) -> dict[str, Tensor]:
         """Negative log-likelihoods of symbols and numbers (nats), and the auxiliary terms, by name."""
-        sight, terms = None, {}
+        memory, terms = None, {}
         if batch.photos is not None:
-            seen, sight = self.network.look(batch.photos.image)
+            seen, memory = self.network.encode_pictures(batch.photos.image)
             terms = reading_losses(seen, batch.photos) | guessing_losses(seen, batch.rows)
-        symbols, numbers = self.network(batch.rows, sight)
+        symbols, numbers = self.network(batch.rows, memory)
         count = len(symbols) + len(numbers)
-        if sight is not None:
+        if memory is not None:
             for_symbols, for_numbers = weigh_fields(batch.rows)
             symbols, numbers = symbols * for_symbols, numbers * for_numbers
         return {"symbols": symbols.sum() / count, "numbers": numbers.sum() / count, **terms}
@@ -49,8 +49,8 @@ class SketchLosses(nn.Module):
 
 def weigh_fields(rows: RowBatch) -> tuple[Float[Tensor, "M"], Float[Tensor, "N"]]:
     """Weights of the symbols and of the numbers of a batch, in the order of their likelihoods."""
-    weights = torch.where(find_headers(rows), HEADER, 1.0)[..., None].expand(rows.said.shape)
-    return weights[rows.said & (rows.axes < 0)], weights[rows.said & (rows.axes >= 0)]
+    weights = torch.where(find_headers(rows), HEADER, 1.0)[..., None].expand(rows.predicted.shape)
+    return weights[rows.predicted & (rows.axes < 0)], weights[rows.predicted & (rows.axes >= 0)]
 
 
 def sketch_losses(
@@ -62,7 +62,7 @@ def sketch_losses(
     return network(batch)
 
 
-def reading_losses(seen: Seen, photos: PhotoBatch) -> dict[str, Tensor]:
+def reading_losses(seen: PicturePrediction, photos: PhotoBatch) -> dict[str, Tensor]:
     """Losses of the encoder's picture readings, each with its weight.
 
     The map of parts is the rate of a Poisson process: unlike a squared error, its likelihood penalises
@@ -81,7 +81,7 @@ def reading_losses(seen: Seen, photos: PhotoBatch) -> dict[str, Tensor]:
     }
 
 
-def guessing_losses(seen: Seen, rows: RowBatch) -> dict[str, Tensor]:
+def guessing_losses(seen: PicturePrediction, rows: RowBatch) -> dict[str, Tensor]:
     """Losses of the encoder's header predictions, each with its weight."""
     header = rows.rows[find_headers(rows)]
     first = column("object", COUNTED[0])
@@ -96,7 +96,7 @@ def guessing_losses(seen: Seen, rows: RowBatch) -> dict[str, Tensor]:
 
 def find_headers(rows: RowBatch) -> Bool[Tensor, "B T"]:
     """Mask of the rows with category, counts and extents of each object; those of requests are left out."""
-    return (rows.rows[..., 0] == ROW_KINDS.index("object")) & ~rows.asked
+    return (rows.rows[..., 0] == ROW_KINDS.index("object")) & ~rows.requested
 
 
 def spread_spots(photos: PhotoBatch, edge: int) -> Float[Tensor, "B L h w"]:

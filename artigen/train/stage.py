@@ -26,9 +26,7 @@ def begin_stage(network: Network, start: Path | None, name: str) -> Network:
     """A network in training mode, with the weights of a model if there is one to start from.
 
     Args:
-        network: New network.
         start: Folder of the model; None keeps the initial weights.
-        name: Name of the network in the model.
 
     Raises:
         SourceError: If the model has no such network, or one of other sizes.

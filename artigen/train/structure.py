@@ -42,16 +42,7 @@ def train_structure_vae(
     batch: int,
     losses: StructureLossConfig,
 ) -> StructureVae:
-    """Trains {E, D} on fields (paper section 4.1).
-
-    Args:
-        vae: VAE on the CPU; it is moved to the device.
-        examples: Training examples.
-        folder: Folder of the stage.
-        cfg: Budget and rates.
-        batch: Objects per step.
-        losses: Weights of the terms.
-    """
+    """Trains {E, D} on fields (paper section 4.1)."""
 
     def terms(network: nn.Module, fields: FieldBatch, generator: torch.Generator) -> dict[str, Tensor]:
         patches, edge = fields.patches, fields.patches.edge
@@ -101,13 +92,6 @@ def train_structure_flow(
     """Trains the conditional rectified flow on latents (paper section 4.3).
 
     Args:
-        flow: Flow on the CPU; it is moved to the device.
-        latents: Posterior means and standard deviations of the examples.
-        examples: Encoded examples, with their conditions and outlines.
-        folder: Folder of the stage.
-        cfg: Budget and rates.
-        batch: Objects per step.
-        conditions: Conditions of the flow.
         time_mean: Mean of the logits of the times, 1 in TRELLIS.
     """
     center, spread = measure_latents(*latents)

@@ -68,10 +68,7 @@ def structure_losses(
     """The reconstruction terms, each with its weight, by name.
 
     Args:
-        logits: Occupancy logits of every cell of the batch.
         attributes: Channels after occupancy of the cells of the occupied patches, classes as logits.
-        patches: Ground truth.
-        cfg: Weights.
     """
     weights = _row_weights(patches, cfg)
     truth = patches.table[patches.rows[patches.occupied()]]

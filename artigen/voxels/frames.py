@@ -1,7 +1,8 @@
 """Outward direction of each voxel: a board thinner than a voxel has two sides, an outer and an inner one.
 
 The direction depends on the voxels alone. It is therefore the same in training, where pictures show both
-sides, and for a sampled structure, whose sides are yet to be coloured.
+sides, and for a sampled structure, whose sides are yet to be coloured. Functions take the cells (x, y, z) of
+the grid, each at most once, and the part and outward direction of each.
 """
 
 import numpy as np
@@ -27,11 +28,6 @@ def find_facings(
 
     Its axis is the one along which the part is locally thinnest. It points away from the middle of the part
     or, along axes on which the part as a whole is thin, away from the middle of the object.
-
-    Args:
-        coords: Cells (x, y, z) of the grid, each at most once.
-        part_ids: Part of each.
-        resolution: Edge of the grid.
     """
     cells, grid = coords.astype(np.int64), mark_voxels(coords, part_ids, resolution)
     runs = np.stack([np.minimum(_measure_runs(grid, axis), LONGEST) for axis in range(3)]).astype(np.float32)
@@ -51,13 +47,7 @@ def find_facings(
 def find_outward(
     coords: Integer[np.ndarray, "N 3"], part_ids: Integer[np.ndarray, "N"], axes: Integer[np.ndarray, "N"]
 ) -> Int[np.ndarray, "N"]:
-    """Direction (0 to 5) along each voxel's axis that points away from the inside.
-
-    Args:
-        coords: Cells (x, y, z) of the grid.
-        part_ids: Part of each.
-        axes: Axis of each, 0 to 2.
-    """
+    """Direction (0 to 5) along each voxel's axis that points away from the inside."""
     cells, every = coords.astype(np.int64), np.arange(len(coords))
     middle = _find_middles(cells, part_ids, float(LONGEST))
     return 2 * axes + (cells[every, axes] > middle[every, axes])
@@ -66,13 +56,7 @@ def find_outward(
 def find_covered(
     coords: Integer[np.ndarray, "N 3"], facings: Integer[np.ndarray, "N"], resolution: int
 ) -> Bool[np.ndarray, "N 2"]:
-    """Whether the object has a voxel straight before the outer and the inner side of each voxel.
-
-    Args:
-        coords: Cells (x, y, z) of the grid.
-        facings: Directions of their outer sides.
-        resolution: Edge of the grid.
-    """
+    """Whether the object has a voxel straight before the outer and the inner side of each voxel."""
     cells = coords.astype(np.int64)
     lowest, highest = np.full((2, 3, resolution, resolution), -1)
     lowest[:] = resolution
@@ -98,12 +82,6 @@ def find_joined(
 ) -> Bool[np.ndarray, "N 2 2"]:
     """Whether the part of each voxel continues in the adjacent cells in the plane of its sides.
 
-    Args:
-        coords: Cells (x, y, z) of the grid.
-        part_ids: Part of each.
-        facings: Directions of their outer sides.
-        resolution: Edge of the grid.
-
     Returns:
         By axis (+y and +z of the frame of the outer side, `facing_frames`), then before and after the voxel.
     """
@@ -122,14 +100,7 @@ def count_behind(
     facings: Integer[np.ndarray, "N"],
     resolution: int,
 ) -> Int[np.ndarray, "N"]:
-    """Thickness in cells of each voxel's part at the voxel, along the axis of its facing.
-
-    Args:
-        coords: Cells (x, y, z) of the grid.
-        part_ids: Part of each.
-        facings: Directions of their outer sides.
-        resolution: Edge of the grid.
-    """
+    """Thickness in cells of each voxel's part at the voxel, along the axis of its facing."""
     grid, place = mark_voxels(coords, part_ids, resolution), tuple(coords.astype(np.int64).T)
     return np.choose(facings // 2, [_measure_runs(grid, axis)[place] for axis in range(3)])
 

@@ -43,7 +43,6 @@ def lay_out(surface: SurfaceSamples, voxels: VoxelGrid) -> tuple[VoxelGrid, Int[
 
     Args:
         surface: Samples, `artigen.voxels.surface.SAMPLES` along a voxel's edge.
-        voxels: Cells that the surface passes through.
     """
     covered = cover_surface(surface, voxels)
     facings = find_facings(covered.coords, covered.part_ids, covered.resolution)
@@ -51,12 +50,7 @@ def lay_out(surface: SurfaceSamples, voxels: VoxelGrid) -> tuple[VoxelGrid, Int[
 
 
 def cover_surface(surface: SurfaceSamples, voxels: VoxelGrid) -> VoxelGrid:
-    """Adds free cells beneath surface that lies only in cells of other parts.
-
-    Args:
-        surface: Samples, `artigen.voxels.surface.SAMPLES` along a voxel's edge.
-        voxels: Cells that the surface passes through, each of one part.
-    """
+    """Adds free cells beneath surface that lies only in cells of other parts."""
     edge = voxels.resolution
     lost = ~find_voxels(surface, voxels)[1]
     owners = mark_voxels(voxels.coords, voxels.part_ids, edge)
@@ -87,8 +81,6 @@ def turn_facings(
 
     Args:
         surface: Samples, each of the same area.
-        voxels: Cells of the same object.
-        facings: Directions of their outer sides, found from the voxels alone (`artigen.voxels.frames`).
     """
     rows, own = find_voxels(surface, voxels)
     squares = surface.normals[own].astype(np.float64) ** 2

@@ -22,14 +22,7 @@ def find_edges(
     facings: Int[np.ndarray, "N"],
     resolution: int,
 ) -> Int[np.ndarray, "E 2"]:
-    """Pairs of voxels that share a face, a part, and the direction of their outer sides.
-
-    Args:
-        coords: Cells (x, y, z) of the grid, each at most once.
-        part_ids: Part of each.
-        facings: Directions of their outer sides (`artigen.voxels.frames`).
-        resolution: Edge of the grid.
-    """
+    """Pairs of voxels that share a face, a part, and the direction of their outer sides."""
     grid = np.pad(mark_voxels(coords, np.arange(len(coords)), resolution), (0, 1), constant_values=-1)
     pairs = []
     for axis in range(3):
@@ -62,10 +55,5 @@ def draw_ellipse(height: int, width: int) -> Bool[np.ndarray, "H W"]:
 
 
 def find_rectangles(evidence: Float[np.ndarray, "H W"], least: float) -> Bool[np.ndarray, "H W"]:
-    """The cells of the rectangles that hold enough evidence.
-
-    Args:
-        evidence: Above 0 for cells that belong to a rectangle, below 0 for others.
-        least: Least sum of evidence over a rectangle.
-    """
+    """The cells of the rectangles that hold enough evidence."""
     return fill_boxes((*evidence.shape, 1), find_boxes(evidence[..., None], least))[..., 0]

@@ -79,8 +79,6 @@ def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.n
 
     Args:
         surface: Samples, `SAMPLES` or more along a voxel's edge.
-        voxels: Cells of the same object.
-        facings: Directions of their outer sides.
     """
     count = len(voxels.coords)
     rows, own = find_voxels(surface, voxels)

@@ -63,10 +63,6 @@ def voxelize_again(surface: SurfaceSamples, voxels: VoxelGrid) -> VoxelGrid:
     Generated voxels may be thick, so that the meshes made from them miss some. Of two parts in one cell, the
     one that would lose more owns it (`weigh_losses`); the surface of the other goes to the cell beneath
     (`artigen.voxels.layout.cover_surface`). A part that is left without a cell keeps the cells that it had.
-
-    Args:
-        surface: Samples of the meshes.
-        voxels: Voxels that the meshes were made from.
     """
     cells, weights = find_cells(surface, voxels.resolution), weigh_losses(surface, voxels.resolution)
     found = assign_cells(cells, surface.part_ids, weights, voxels.resolution)
@@ -92,12 +88,6 @@ def assign_cells(
     whose cells hold less than `FAIR_SHARE` of their own area claim the cells where they have most area
     until they reach that share, the smallest part first. A claimed cell is not claimed again. A part
     can still end up without a cell when several lie inside one; see `drop_unresolved`.
-
-    Args:
-        cells: Cell of every piece of surface.
-        part_ids: Part that the piece belongs to.
-        areas: Its area, in any unit.
-        resolution: Cells along an edge of the grid.
     """
     shape = (resolution,) * 3
     parts = int(part_ids.max()) + 1 if len(part_ids) else 1

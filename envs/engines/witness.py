@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from envs.config import EngineChoice
 from sim_export.errors import PackageError
 from sim_export.report import CheckResult
 
+from ..config import EngineChoice
 from ..titles import ENGINE_TITLES, make_result
 from .judge import judge
 from .plan import EnginePlan, make_plan
@@ -43,13 +43,7 @@ WITNESSES = {
 
 
 def ask_engines(folder: Path, engines: tuple[EngineChoice, ...], timeout: float) -> tuple[CheckResult, ...]:
-    """Checks V501 to V506 of every engine; a missing engine is skipped with a message.
-
-    Args:
-        folder: A package.
-        engines: Engines, named as in `WITNESSES`.
-        timeout: Time limit (seconds) of each.
-    """
+    """Checks V501 to V506 of every engine; a missing engine is skipped with a message."""
     from sim_export.files.read import read_package
 
     try:

@@ -53,10 +53,7 @@ def find_container(entry: TaskObject, part: TaskPart, opened: float, size: float
     """Space in a drawer, or behind a door, for a cube of edge ``size`` (m) with some clearance.
 
     Args:
-        entry: The object.
-        part: Its drawer or door.
         opened: Fraction of its range at which the part stands.
-        size: Edge of the cube.
 
     Returns:
         ``None`` if there is no such space: a drawer front without a tray, a compartment full of shelves.

@@ -26,8 +26,6 @@ def hulls_at(
     """All hulls in the object frame: those that move with the part, and the others.
 
     Args:
-        entry: The object.
-        part: One of its parts.
         qpos: Joint coordinates by name, m or rad; joints that are not named are at 0, and followers follow.
     """
     links = entry.package.links

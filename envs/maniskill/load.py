@@ -22,8 +22,7 @@ from mani_skill.utils.structs import Pose
 from artigen.errors import ArtigenError
 from sim_export.package import SimPackage
 
-from ..follow import drive_follower, pull_spring
-from ..friction import apply_resistance
+from ..friction import apply_resistance, drive_follower, pull_spring
 from ..urdf_text import physics_urdf
 from .objects import TaskObject
 
@@ -54,9 +53,6 @@ def load_object(
 
     Args:
         scene: ManiSkill scene; visuals are built only if it can render.
-        entry: The object.
-        name: Unique name in the scene.
-        scene_index: Index of the parallel scene.
         endless: Whether wheels and other joints without limits turn or are fixed at rest.
 
     Returns:
@@ -151,6 +147,10 @@ def _build(
 ) -> "Articulation":
     builder.set_scene_idxs([scene_index])
     builder.initial_pose = pose
+    own = 1 + len(builder.scene.articulations)
+    for link in builder.link_builders:
+        # SAPIEN ignores contact of links that share a bit of group 2 and the number in group 3, robots' too.
+        link.collision_groups[3] = own
     articulation = builder.build(name=name, build_mimic_joints=False)
     prefix = f"scene-{scene_index}-{name}_"
     specs = {joint.name: joint for joint in package.joints}

@@ -13,13 +13,16 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+from artigen.errors import ArtigenError
 from artigen.types import PartLabel
 from sim_export.collision.hulls import hull_planes
+from sim_export.errors import PackageError
+from sim_export.files.folders import find_packages as package_folders
 from sim_export.files.read import read_package
 from sim_export.package import HandleAnnotation, Hull, PackageJoint, SimPackage
+from sim_export.report import report_from_json
 from sim_export.tree import hanging_links, needed_fractions
 
-from .folders import TaskError, demand_validation, find_packages
 from .verbs import VERBS, Verb, grip_direction, verb_of
 
 PartKind = Literal["drawer", "door", "handle", "knob", "tray", "shelf", "any"]
@@ -307,3 +310,43 @@ def _edge_point(joint: PackageJoint, moved: np.ndarray) -> np.ndarray:
         reach = np.linalg.norm(np.cross(joint.axis, arms), axis=1)
     edge = moved[reach > reach.max() - 0.01]
     return (edge.min(axis=0) + edge.max(axis=0)) / 2.0
+
+
+REPORT_FILE = "validation.json"
+
+
+class TaskError(ArtigenError):
+    """A task cannot be built from these packages; the message states what was found and what is needed."""
+
+
+def find_packages(packages: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
+    """Package folders among the given folders or at any depth below them.
+
+    Raises:
+        TaskError: If a folder contains no package.
+    """
+    given = [packages] if isinstance(packages, str | Path) else list(packages)
+    if not given:
+        raise TaskError("packages is an empty list; give a folder of packages")
+    try:
+        return package_folders([Path(entry) for entry in given])
+    except PackageError as error:
+        raise TaskError(f"{error}; artigen convert, shape and export write packages") from error
+
+
+def demand_validation(folders: Sequence[Path]) -> None:
+    """Raises `TaskError` unless every package has a ``validation.json`` with a passed report."""
+    missing = [folder for folder in folders if not (folder / REPORT_FILE).is_file()]
+    if missing:
+        raise TaskError(
+            f"{len(missing)} of {len(folders)} packages have no {REPORT_FILE}, {missing[0]} is the first; "
+            "run artigen validate on them, or pass validation='any' to use them as they are"
+        )
+    for folder in folders:
+        report = report_from_json((folder / REPORT_FILE).read_text())
+        if not report.passed:
+            failed = ", ".join(f"{check.id} ({check.title})" for check in report.failures)
+            raise TaskError(
+                f"{folder}: the package failed validation: {failed}; repair it or take it out of the folder, "
+                "or pass validation='any' to use it as it is"
+            )

@@ -76,11 +76,8 @@ def find_stand(
 
     Args:
         entry: An object at the origin.
-        part: The part in front of which the robot stands.
-        robot: The robot.
         fractions: Open fractions of the part along the way, for clearance.
         path: Points in the world.
-        reach: The robot's reach for the direction of the gripper.
     """
     out = outward(part)
     side = np.array([-out[1], out[0], 0.0])
@@ -115,11 +112,8 @@ def free_radius(
     """Distance of vertical columns from the boxes of the object and of the moving part, at every fraction.
 
     Args:
-        entry: An object at the origin.
-        part: The moving part.
         base: Feet of the columns in the world, on the floor.
         column: Height of the columns above ``base``, metres.
-        fractions: Fractions of the part's range.
     """
     heights = np.linspace(0.0, 1.0, 4)
     columns = np.repeat(base[:, None, :], len(heights), axis=1)

@@ -107,13 +107,7 @@ def find_putting_stand(
     """The base from which a hand reaches its goal with the most clearance around the arm.
 
     Args:
-        entry: An object at the origin.
-        part: Its open part.
-        robot: The robot.
-        postures: Postures of its arm.
         field: Distances to all solids, in the object frame.
-        opened: Open fraction of the part.
-        goal: Goal of the hand.
 
     Returns:
         ``None`` if every sampled posture collides.

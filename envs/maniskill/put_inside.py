@@ -14,10 +14,9 @@ from mani_skill.utils.structs import Pose
 from artigen.transforms import transform_points
 
 from .containers import Container, room_when_open
-from .folders import TaskError
 from .hulls import ground_under, hulls_at, open_above_ground, opened_qpos
 from .load import SURFACE
-from .objects import PartKind, TaskObject, TaskPart, Validation
+from .objects import PartKind, TaskError, TaskObject, TaskPart, Validation
 from .placement import Stand, find_stand, free_radius, part_motion
 from .postures import Goal, Postures, find_putting_stand, sample_postures
 from .solver.body import read_body

@@ -18,7 +18,6 @@ import numpy as np
 import sapien
 import torch
 from mani_skill.envs.tasks.mobile_manipulation.open_cabinet_drawer import (
-    CABINET_COLLISION_BIT,
     OpenCabinetDoorEnv,
     OpenCabinetDrawerEnv,
 )
@@ -26,9 +25,8 @@ from mani_skill.utils.structs import Articulation, Link
 
 from artigen.transforms import inverse, transform_points
 
-from .folders import TaskError
 from .load import load_object, load_robot
-from .objects import TaskObject, TaskPart, Validation, read_objects
+from .objects import TaskError, TaskObject, TaskPart, Validation, read_objects
 from .task import AWAY
 
 
@@ -71,8 +69,6 @@ class _FromPackages:
             name = f"{entry.package.name}-{index}"
             cabinet, frames = load_object(self.scene, entry, name, index, endless="hold")
             self.remove_from_state_dict_registry(cabinet)
-            for link in cabinet.links:
-                link.set_collision_group_bit(group=2, bit_idx=CABINET_COLLISION_BIT, bit=1)
             grips.append(transform_points(inverse(frames[part.joint.child]), part.grip[None])[0])
             links.append(cabinet.links_map[part.joint.child])
             self._cabinets.append(cabinet)

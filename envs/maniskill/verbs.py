@@ -34,8 +34,6 @@ def verb_of(
     """The verb of a part.
 
     Args:
-        joint: Joint of the part.
-        label: Label of the part.
         grip: Grasped or touched point, object frame.
         normal: Unit direction away from its carrier at that point.
         corners: Corners of a box around the grasped or touched geometry.

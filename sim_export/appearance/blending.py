@@ -102,8 +102,6 @@ def blend_places(
     """Colours at surface points; blending happens in sRGB, as when rendering splats.
 
     Args:
-        places: Points to colour.
-        gaussians: Gaussians that may be visible there.
         voxel: Edge of a voxel; scales the largest distance between surface and Gaussians.
         texel: Distance between places; the width of the filter.
         normals: Outward directions of one-sided Gaussians. A place sees only those that face its way, so that

@@ -71,7 +71,6 @@ def lay_shared(mesh: Mesh, rows: Int[np.ndarray, "F"], table: PaintTable, offset
     """Maps a mesh to the image that its finishes share, or gives it one colour if its finish has no pattern.
 
     Args:
-        mesh: A part, metres.
         rows: Row of ``table`` that each face shows.
         table: The paint of the object, see `artigen.shapes.surfaces.textures.make_paint`.
         offset: Translation from the mesh's frame to that of the table (m).

@@ -71,7 +71,6 @@ def bake_mesh(
     Every texel of the image is filled, also between charts.
 
     Args:
-        mesh: The surface of a part.
         gaussians: Gaussians of the part, in the mesh's frame and unit.
         voxel: Edge of a voxel, in the same unit; determines the texel size and the search radius.
         normals: Outward directions of the Gaussians, if they are one-sided.

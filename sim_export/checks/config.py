@@ -24,7 +24,7 @@ CATEGORY_DIAGONALS: tuple[tuple[str, float, float], ...] = (
     ("WashingMachine", 0.5, 2.0),
     ("Window", 0.3, 3.5),
 )
-"""Diagonal of the bounding box (m) that things of a category have, generously."""
+"""Category, and smallest and largest plausible diagonal (m) of the bounding box of its objects."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,10 +108,10 @@ class CheckConfig:
     """V103: share of a cavity's free cells that the collision geometry leaves free."""
 
     cavity_cube: float = 0.04
-    """V103: edge (m) of the cube that must fit into a cavity for it to count: something can be put in."""
+    """V103: edge (m) of the cube that must fit into a cavity for it to count; smaller ones hold nothing."""
 
     cavity_cube_ratio: float = 1.0 / 16.0
-    """V103: the same as a share of the longest edge, where that is less: small things hold smaller ones."""
+    """V103: the same as a share of the object's longest edge, where that is less."""
 
     surface_samples: int = 8_000
     """V103: points on the two surfaces; more find smaller bumps and cost time."""
@@ -132,7 +132,7 @@ class CheckConfig:
     """V201: fewest poses per joint, the two limits included."""
 
     sweep_step: float = 0.005
-    """V201: farthest (m) that a point may move from one pose to the next, or it jumps over thin things."""
+    """V201: farthest (m) that a point may move from one pose to the next; longer steps skip thin parts."""
 
     max_sweep_samples: int = 401
     """V201: most poses per joint."""

@@ -1,4 +1,6 @@
-"""L1, the shapes: closed visuals, convex hulls, nothing detached (V101, V102, V104, V105)."""
+"""L1, the shapes: closed and textured visuals, convex hulls, nothing detached (V101, V102, V104 to V107)."""
+
+from pathlib import PurePosixPath
 
 import numpy as np
 
@@ -8,8 +10,9 @@ from sim_export.checks.subject import Shape, Subject
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hulls import count_polygons, hull_length, hull_width
 from sim_export.errors import PackageError
-from sim_export.files.obj import face_normals
-from sim_export.geometry.sampling import find_slivers
+from sim_export.files.obj import face_normals, parse_mtl, read_image
+from sim_export.geometry.islands import hull_islands, visual_islands
+from sim_export.geometry.sampling import find_slivers, triangle_areas
 from sim_export.package import Hull
 
 _FILE_PRECISION = 2e-6
@@ -215,4 +218,100 @@ GEOMETRY_CHECKS = (
         id="V104", level="L1", title="nothing detached", applies=has_carried_links, function=check_attached
     ),
     CheckSpec(id="V105", level="L1", title="feet on the floor", applies=has_collision, function=check_floor),
+)
+
+
+def check_islands(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V107: the visual of a link is in one piece, and each of its hulls touches the visual or other hulls."""
+    gaps = [(0.0, "", "every link is of one piece")]
+    for link in subject.links:
+        shown = [shape.triangles for shape in subject.visuals if shape.link == link]
+        triangles = np.concatenate([np.zeros((0, 3, 3)), *shown])
+        for gap, size in visual_islands(triangles, cfg.max_island):
+            said = f"a visible piece of {size} faces is {1e3 * gap:.3g} mm from the rest of link {link!r}"
+            gaps.append((gap, link, said))
+        for gap, size in hull_islands(subject.hull_sets[link], triangles, cfg.max_island):
+            said = f"{size} hulls of link {link!r} are {1e3 * gap:.3g} mm from all else of it"
+            gaps.append((gap, link, said))
+    gap, where, said = max(gaps)
+    return Finding(
+        passed=gap <= cfg.max_island,
+        value=gap,
+        threshold=cfg.max_island,
+        unit="m",
+        where=where,
+        message=f"{said}, allowed is {1e3 * cfg.max_island:g} mm",
+    )
+
+
+ISLAND_CHECKS = (
+    CheckSpec(id="V107", level="L1", title="no islands", applies=always, function=check_islands),
+)
+
+
+_SPOTS = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / np.array([[3], [6], [6], [6]])
+"""Sample points on each face: its centre, and halfway to the corners (barycentric)."""
+
+
+def has_texture(subject: Subject) -> str:
+    """Applies if a mesh that we made has a texture."""
+    reason = own_visuals(subject)
+    if reason or any(_image_of(subject, shape) for shape in subject.visuals):
+        return reason
+    return "no visual mesh has a texture"
+
+
+def check_texture(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V106: every face is mapped to an area of the texture that is not black, outside and inside."""
+    shares = {}
+    images: dict[str, np.ndarray] = {}
+    for shape in subject.visuals:
+        image = _image_of(subject, shape)
+        if not image:
+            continue
+        if image not in images:
+            images[image] = read_image(subject.folder / image)
+        shares[shape.file] = _shown(shape, images[image])
+    where = min(shares, key=lambda name: shares[name])
+    return Finding(
+        passed=shares[where] >= cfg.min_texture_coverage,
+        value=shares[where],
+        threshold=cfg.min_texture_coverage,
+        unit="of the area",
+        where=where,
+        message=f"{where}: {100 * shares[where]:.4g} % of the area shows a color of the texture, "
+        f"at least {100 * cfg.min_texture_coverage:g} % must",
+    )
+
+
+def _image_of(subject: Subject, shape: Shape) -> str:
+    """The image that a visual mesh uses, relative to the folder, or ""."""
+    if not shape.obj.libraries or not len(shape.faces):
+        return ""
+    folder = PurePosixPath(shape.file).parent
+    materials = parse_mtl(subject.folder / folder / shape.obj.libraries[-1])
+    _, image = materials.get(shape.obj.face_materials[0], (None, ""))
+    return str(folder / image) if image else ""
+
+
+def _shown(shape: Shape, image: np.ndarray) -> float:
+    """Share of the surface with non-degenerate texture coordinates and a colour that is not black."""
+    faces = shape.obj.uv_faces
+    area = triangle_areas(shape.triangles)
+    placed = (faces >= 0).all(axis=1)
+    uv = np.zeros((len(faces), 3, 2))
+    uv[placed] = shape.obj.coords[faces[placed]]
+    placed &= (uv >= -1e-6).all(axis=(1, 2)) & (uv <= 1.0 + 1e-6).all(axis=(1, 2))
+    a, b = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+    placed &= np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) > 1e-12
+    height, width = image.shape[:2]
+    at = np.einsum("sc,fcd->fsd", _SPOTS, uv)
+    column = np.clip((at[..., 0] * width).astype(np.int64), 0, width - 1)
+    row = np.clip(((1.0 - at[..., 1]) * height).astype(np.int64), 0, height - 1)
+    lit = (image[row, column, :3] > 0).any(axis=2).mean(axis=1)
+    return float((area * placed * lit).sum() / max(area.sum(), 1e-12))
+
+
+APPEARANCE_CHECKS = (
+    CheckSpec(id="V106", level="L1", title="texture", applies=has_texture, function=check_texture),
 )

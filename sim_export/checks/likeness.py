@@ -23,7 +23,7 @@ _SKIN = 1e-3
 _MANY = 0.2
 """Share of the points beyond a distance from which on a link is named."""
 _LEAST_CUBE = 3
-"""Cells; narrower than this the measure is rounding."""
+"""Least edge (cells) of the cube that makes a cavity; in narrower ones rounding decides."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,13 +36,13 @@ class Measure:
 
 
 def has_both(subject: Subject) -> str:
-    """Applies where something is both seen and felt."""
+    """Applies where a link has both visual and collision geometry."""
     both = any(link.visuals and link.collisions for link in subject.links.values())
     return "" if both else "no link has both visual and collision geometry"
 
 
 def check_likeness(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V103: what a gripper feels is what a camera sees, and what is free is free for both."""
+    """V103: the collision geometry has the surface, the volume and the cavities of the visual."""
     if not subject.diagonal > 0.0:
         raise PackageError("the object's bounding box has no extent")
     links = [name for name, link in subject.links.items() if link.visuals and subject.hull_sets[name].hulls]
@@ -134,14 +134,15 @@ def _distances(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Volumes:
-    """Cells of one link that are seen as wall and that are felt as solid, in a window of the grid.
+    """Cells of one link that its visual and its hulls fill, in a window of the grid.
 
-    ``outside`` are those that can be reached from outside of what is seen, and the grid of the window.
+    ``outside`` holds the cells that a path from outside reaches without crossing the visual, and the grid of
+    the window.
     """
 
     window: tuple[slice, slice, slice]
-    seen: np.ndarray
-    felt: np.ndarray
+    visual: np.ndarray
+    solid: np.ndarray
     outside: tuple[np.ndarray, Grid]
 
 
@@ -157,19 +158,19 @@ def _link_volumes(subject: Subject, grid: Grid, visual: np.ndarray, solid: np.nd
     seen = fill_solid(visual, part) if closed else mark_surface(visual, part)
     return Volumes(
         window=(slice(low[0], high[0]), slice(low[1], high[1]), slice(low[2], high[2])),
-        seen=seen,
-        felt=fill_solid(solid, part),
+        visual=seen,
+        solid=fill_solid(solid, part),
         outside=(find_outside(seen), part),
     )
 
 
 def _volume_overlap(cfg: CheckConfig, grid: Grid, volumes: list[Volumes]) -> Measure:
-    seen, felt = np.zeros((2, *grid.shape), dtype=bool)
+    visual, solid = np.zeros((2, *grid.shape), dtype=bool)
     for volume in volumes:
-        seen[volume.window] |= volume.seen
-        felt[volume.window] |= volume.felt
-    union = np.count_nonzero(seen | felt)
-    iou = np.count_nonzero(seen & felt) / union if union else 0.0
+        visual[volume.window] |= volume.visual
+        solid[volume.window] |= volume.solid
+    union = np.count_nonzero(visual | solid)
+    iou = np.count_nonzero(visual & solid) / union if union else 0.0
     return Measure(
         ratio=(1.0 - iou) / (1.0 - cfg.min_iou),
         where="",
@@ -178,14 +179,14 @@ def _volume_overlap(cfg: CheckConfig, grid: Grid, volumes: list[Volumes]) -> Mea
 
 
 def _kept_cavity(cfg: CheckConfig, grid: Grid, name: str, volume: Volumes) -> list[Measure]:
-    """How much of what is free inside a link stays free, where there is a cavity worth the name."""
+    """Share of a link's cavities that its hulls leave free; nothing for a link without one."""
     longest = max(grid.shape) * grid.cell
     side = max(_LEAST_CUBE, round(min(cfg.cavity_cube, cfg.cavity_cube_ratio * longest) / grid.cell))
-    cavity = find_cavity(volume.seen, side)
+    cavity = find_cavity(volume.visual, side)
     cells = int(np.count_nonzero(cavity))
     if not cells:
         return []
-    kept = 1.0 - np.count_nonzero(cavity & volume.felt) / cells
+    kept = 1.0 - np.count_nonzero(cavity & volume.solid) / cells
     litres = 1e3 * cells * grid.cell**3
     return [
         Measure(

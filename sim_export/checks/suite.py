@@ -3,15 +3,12 @@
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
-from sim_export.checks.appearance import APPEARANCE_CHECKS
 from sim_export.checks.config import CheckConfig
-from sim_export.checks.files import FILE_CHECKS
-from sim_export.checks.geometry import GEOMETRY_CHECKS
+from sim_export.checks.files import FILE_CHECKS, PHYSICAL_CHECKS
+from sim_export.checks.geometry import APPEARANCE_CHECKS, GEOMETRY_CHECKS, ISLAND_CHECKS
 from sim_export.checks.handles import HANDLE_CHECKS
-from sim_export.checks.islands import ISLAND_CHECKS
 from sim_export.checks.likeness import LIKENESS_CHECKS
 from sim_export.checks.opening import OPENING_CHECKS
-from sim_export.checks.physical import PHYSICAL_CHECKS
 from sim_export.checks.registry import CheckSpec, run_specs
 from sim_export.checks.subject import Subject
 from sim_export.checks.sweep import SWEEP_CHECKS

@@ -16,7 +16,6 @@ def place_joint(joint: UrdfJoint, poses: Mapping[str, Float[np.ndarray, "4 4"]],
     """A URDF joint in the object frame.
 
     Args:
-        joint: The joint.
         poses: Pose of every link at rest.
         file: How errors name the URDF.
 

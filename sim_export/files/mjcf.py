@@ -2,6 +2,9 @@
 
 Visuals are in group 2 and do not collide; hulls are in group 3. Bodies connected by a joint do not collide,
 as in SAPIEN. MuJoCo by itself would let a drawer collide with a carcass that is fixed to the world.
+
+`srdf_text` writes what SAPIEN loads beside the URDF: further pairs of links whose contacts it ignores
+(`sim_export.collision.ignored_pairs`).
 """
 
 import xml.etree.ElementTree as ET
@@ -204,3 +207,16 @@ def _add_pairs(root: ET.Element, package: SimPackage, apart: tuple[tuple[str, st
                 solref=HARD_REFERENCE,
                 solimp=HARD_IMPEDANCE,
             )
+
+
+MAX_PAIRS = 31
+"""Pairs that SAPIEN accepts; further ones are left out."""
+
+
+def srdf_text(name: str, pairs: tuple[tuple[str, str], ...]) -> str:
+    """The SRDF of the robot ``name`` with the first of these pairs; SAPIEN requires the ``reason``."""
+    robot = ET.Element("robot", name=name)
+    for first, second in pairs[:MAX_PAIRS]:
+        ET.SubElement(robot, "disable_collisions", link1=first, link2=second, reason="Default")
+    ET.indent(robot)
+    return '<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(robot, encoding="unicode") + "\n"

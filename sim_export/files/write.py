@@ -18,7 +18,7 @@ from artigen.splats.ply import encode_ply
 from artigen.transforms import shift
 from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.errors import PackageError
-from sim_export.files.mjcf import mjcf_text
+from sim_export.files.mjcf import mjcf_text, srdf_text
 from sim_export.files.obj import hull_obj_text, mtl_text, obj_text, png_bytes
 from sim_export.files.sidecars import (
     annotations_json,
@@ -30,7 +30,6 @@ from sim_export.files.sidecars import (
     provenance_json,
     semantics_text,
 )
-from sim_export.files.srdf import srdf_text
 from sim_export.files.urdf import hull_path, link_origins, splats_path, urdf_text, visual_path
 from sim_export.geometry.primitives import find_primitive
 from sim_export.package import SimPackage, SourceMesh, Visual
@@ -45,7 +44,6 @@ def package_files(package: SimPackage, *, engines: bool = True, visuals: bool = 
     """All files of a package by their path in it, including the manifest.
 
     Args:
-        package: The package.
         engines: Whether files are included that only engines read: MJCF, SRDF and the URDF for ManiSkill.
         visuals: Whether the meshes, materials and images of visuals are included.
 

@@ -46,7 +46,6 @@ def annotate_handles(asset: Asset, meshes: Sequence[Mesh], tree: LinkTree) -> tu
     A movable part without handle or knob has no annotation.
 
     Args:
-        asset: Parts and joints.
         meshes: One mesh per part (metres, object frame at rest); an empty one is skipped.
         tree: Links of the asset, from `build_links`.
     """

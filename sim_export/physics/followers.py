@@ -15,7 +15,6 @@ def couple_followers(
 
     Args:
         links: The links, each led by its first part.
-        joints: Their joints.
         follows: Leader of each follower. Pairs with a part that was merged into another one are ignored.
     """
     leading = {link.name: link.parts[0] for link in links if link.parts}

@@ -29,8 +29,6 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy)
     """Mass properties of the walls of a part, with the material implied by its label and category.
 
     Args:
-        asset: Parts and voxels; unit-cube lengths.
-        part_id: Index of the part.
         mesh: Its closed mesh, metres.
         occupancy: The cells from which the mesh was made.
     """

@@ -113,9 +113,6 @@ def finish_material(
     Walls of appliances are panels regardless of their finish; other large pieces of steel are sheet.
 
     Args:
-        kind: Kind of the finish.
-        label: Label of the part.
-        category: Category of the object.
         size: Edges of the piece (m). Pieces are drawn as thick as collision requires: plates of pans and tubs
             are folded or enamelled sheet, and thick panes are insulating glass.
     """
@@ -162,8 +159,6 @@ def joint_resistance(label: PartLabel, joint: JointType, mass: float, hold: floa
     needed to hold the part, or to roll under its load.
 
     Args:
-        label: Label of the moving part.
-        joint: Type of its joint.
         mass: Mass of everything that moves with it (kg).
         hold: Load that pulls it open on a sloping floor (N or N m; `opening_pull` in `resistance.py`).
     """
@@ -192,7 +187,6 @@ def joint_load(joint: PackageJoint, mass: float, lever: float) -> float:
 
     Args:
         joint: The joint; sliding ones carry a force, turning ones a moment.
-        mass: Mass of everything that moves with the joint (kg).
         lever: Distance of its centre of mass from the joint's origin (m); at least 1 cm is assumed.
     """
     weight = mass * GRAVITY

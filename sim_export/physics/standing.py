@@ -9,9 +9,9 @@ from artigen.shapes.support import measure_overhang
 from sim_export.package import Link
 
 TOUCHING = 2e-3
-"""Height (m) above the floor up to which a point carries."""
+"""Height (m) above the floor up to which a point counts as standing on it."""
 MARGIN = 0.01
-"""Least distance (m) of the centre of mass from the edges of what carries an object that stands well."""
+"""Least distance (m) of the centre of mass from the edges of the area that an object stands on."""
 DOWN = np.array([0.0, 0.0, -1.0])
 MOUNTED_CATEGORIES = frozenset({"Door", "Faucet", "Switch", "Window"})
 HELD_CATEGORIES = frozenset(

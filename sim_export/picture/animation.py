@@ -84,9 +84,6 @@ def write_animation(
     """Writes a GIF of opening and closing packages.
 
     Args:
-        folders: Package folders.
-        gif: Output file.
-        cfg: Parameters of the animation.
         draw_splats: Renderer of Gaussians; without it only meshes are shown.
 
     Raises:

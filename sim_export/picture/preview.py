@@ -7,6 +7,7 @@ All panels of a row share one camera in front of the object, to its left and abo
 every state.
 """
 
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -169,9 +170,6 @@ def write_preview(
     """Writes the row of one package, or the contact sheet of several, as a PNG.
 
     Args:
-        folders: Package folders.
-        png: Output file.
-        cfg: Content and size of the preview.
         draw_splats: Renderer of Gaussians; without it only meshes are shown.
 
     Raises:
@@ -282,3 +280,29 @@ def _write(
     place = (band.shape[1] / 2, band.shape[0] / 2) if centered else (18.0, band.shape[0] / 2)
     draw.text(place, text, fill=ink, font=font, anchor="mm" if centered else "lm")
     return np.asarray(picture)
+
+
+QUALITY = 80
+"""WebP quality."""
+PANELS: tuple[Panel, ...] = ("closed", "open")
+
+
+def draw_thumbnail(package: SimPackage, size: int = 192) -> UInt8[np.ndarray, "H W 3"]:
+    """The closed object beside the open one, each ``size`` x ``size`` pixels, with one camera.
+
+    Raises:
+        ValueError: If the package has nothing to draw.
+    """
+    cfg = PreviewConfig(panels=PANELS, viewpoint=Viewpoint(width=size, height=size))
+    shapes = prepare_shapes(package, cfg)
+    camera = frame_shapes(shapes, cfg, PANELS)
+    return np.concatenate([draw_panel(shapes, panel, camera, cfg) for panel in PANELS], axis=1)
+
+
+def webp_bytes(image: UInt8[np.ndarray, "H W 3"]) -> bytes:
+    """Encodes the image as WebP; deterministic."""
+    from PIL import Image
+
+    stream = io.BytesIO()
+    Image.fromarray(image).save(stream, "WEBP", quality=QUALITY, method=4)
+    return stream.getvalue()

@@ -39,11 +39,7 @@ def add_visual(
     """Adds one mesh of a visual with its material of the same name.
 
     Args:
-        looks: Target of materials and images.
         path: Path of the new prim, below its link's.
-        visual: The visual that the mesh belongs to.
-        mesh: Mesh in the object frame, metres.
-        made_of: Material of the visual.
         offset: The link's origin in the object frame (m), which is subtracted.
     """
     from pxr import Gf, Sdf, UsdGeom, UsdShade, Vt

@@ -1,6 +1,7 @@
 """Loading: what the package says is what the engine has, and nothing is lost without a word."""
 
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -184,6 +185,25 @@ def test_a_package_in_the_place_of_another_has_its_own_hulls(package: SimPackage
             wide = sorted(np.ptp(hull.vertices, axis=0).max() for hull in link.hulls)
             found = sorted(map(longest_edge, shapes[link.name]))
             assert found == pytest.approx(wide, rel=1e-4)
+
+
+def test_links_of_two_packages_touch_whatever_each_ignores(package, tmp_path):
+    folder = write_package(package, tmp_path / "twice")
+    pairs = "".join(
+        f'<disable_collisions link1="{one.name}" link2="{other.name}" reason="Default" />'
+        for one, other in combinations(package.links, 2)
+    )
+    (folder / "mobility.srdf").write_text(f'<robot name="twice">{pairs}</robot>')
+    scene = create_scene(0.01)
+    first, second = (load_package(scene, folder, LoadConfig(), package).articulation for _ in range(2))
+    scene.step()
+    touching = [
+        {body.entity.name for body in contact.bodies}
+        for contact in scene.get_contacts()
+        if {body.articulation for body in contact.bodies} == {first, second}
+    ]
+    for link in package.links[:-1]:
+        assert {link.name} in touching  # at the same place
 
 
 def test_joints_keep_order_labels_and_resistance(folder, package):

@@ -17,14 +17,14 @@ from sim_export.report import CheckResult
 
 pytest.importorskip("sapien")
 import envs.dynamics as dynamics
-import envs.support as support
+import envs.trials as support
 import envs.trials as trials
 from envs.actuate import ActuateConfig, ActuateEnv
 from envs.config import DynamicsConfig
+from envs.dynamics import MujocoResult
 from envs.hand import Moved, hand_effort
 from envs.joint_sweep import JointSweepEnv
 from envs.loaded import LinkLoad
-from envs.mujoco_check import MujocoResult
 from envs.plan import JointPlan, TrialPlan
 from envs.settle import SettleEnv
 from envs.trials import PullResult, StandResult, TrialResults, run_trials

@@ -210,7 +210,7 @@ def _mount(plan: _Plan, panel: Panel, parent: str) -> list[ShapePart]:
 def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
     """Draws baskets from the bottom up on rails of the tub; the topmost may be a flat cutlery tray."""
     most = 3 if tub.height > 0.6 else (2 if tub.height > 0.42 else 1)
-    count = min(most, int(rng.choice((0, 1, 2, 3), p=(0.3, 0.2, 0.35, 0.15))))
+    count = min(most, int(rng.choice((0, 1, 2, 3), p=(0.12, 0.14, 0.52, 0.22))))
     rails: list[Primitive] = []
     parts: list[ShapePart] = []
     y = narrow(tub.y, ROOM)

@@ -104,8 +104,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     plan = _draw_plan(rng, wish)
     cells = _draw_cells(rng, plan)
     built = Assembly(tuple(_build_housing(plan, cells)))
-    moulded = rng.random() < 0.12  # shelves that are part of the cabinet
-    bare = rng.random() < 0.45  # empty behind solid doors
+    bare = rng.random() < 0.45  # nothing that moves behind solid doors
+    moulded = bare or rng.random() < 0.12  # shelves that are part of the cabinet
     for index, cell in enumerate(cells):
         built += _draw_compartment(rng, plan, cell, f"{index}", moulded=moulded, bare=bare)
     return Draft(style, built.close(), palette)
@@ -206,8 +206,7 @@ def _draw_compartment(
         fronts, needs, free, bins = _draw_glass_doors(rng, plan, cell, (low, high)), (), None, 0.0
     else:
         fronts, needs, free, bins = _draw_doors(rng, plan, cell, (low, high), stem)
-    if bare and cell.front != "glass":
-        return Assembly(parts=fronts)
+    free = None if bare else free
     full = cell.frozen and not bins
     shelves, sliding = draw_shelves_and_crispers(
         rng, cell.space, stem=stem, bins=bins, crispers=free, needs=needs, full=full

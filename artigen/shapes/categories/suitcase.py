@@ -95,7 +95,7 @@ def _build_standing(rng: np.random.Generator, width: float, depth: float, height
     door = ShapePart("door", "door", (*front, *ribs, *castors.primitives[:6]), swing)
     wheels = [replace(part, parent="door" if k < 2 else "body") for k, part in enumerate(castors.parts)]
     spread, low = choose(rng, 0.38, 0.5) * width, z[0] + 0.06
-    rods = make_pull_handle(x[1], spread, (low, z[1] - 0.012), 0.62 * (z[1] - z[0]))
+    rods = make_pull_handle(x[1], spread, (low, z[1] + 0.022), 0.62 * (z[1] - z[0]))
     top = ((seam + x[1]) / 2, 0.0, z[1])
     carry = make_grip(top, 0.42 * width, name="grip", parent="body", thick=0.014)
     side = around(y[0] if edge == "left" else y[1], 0.002)

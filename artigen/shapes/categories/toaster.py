@@ -11,7 +11,8 @@ from artigen.shapes.appliances.control_panel import design_dial, make_button, ma
 from artigen.shapes.choices import choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
 from artigen.shapes.fittings.hardware import GAP, Range, around, narrow, slide
-from artigen.shapes.primitives import DOWN, FRONT, Primitive, block, box, rounded_box
+from artigen.shapes.fittings.outlines import trace_corners
+from artigen.shapes.primitives import DOWN, FRONT, Primitive, block, box, prism, rounded_box
 from artigen.shapes.shape import Motion, ShapePart, make_base
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -24,6 +25,8 @@ SPRING = 4.0
 """Force (N) that pushes a lever up; twice that when pressed down."""
 KNOB = 0.024
 """Protrusion of a lever's knob."""
+SHOULDER = 0.8
+"""Radius of the housing's upper edges relative to the thickness of its sides."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -42,7 +45,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     ]
     parts: list[ShapePart] = []
     for index, bay in enumerate(bays):
-        made, moving = _build_bay(rng, x, bay, (bottom, height), f"_{index}" if four else "")
+        rounded = (bay[1] == y[1], bay[0] == y[0])
+        made, moving = _build_bay(rng, x, bay, (bottom, height), f"_{index}" if four else "", rounded)
         pieces += made
         parts += moving
     tray = _make_tray(x, y)
@@ -57,21 +61,28 @@ def _build_skirt(x: Range, y: Range, top: float) -> list[Primitive]:
     spans = ((y[0], y[0] + WALL), (y[1] - WALL, y[1]))
     pieces = [block(x, (a, b), (low, top), "front") for a, b in spans]
     pieces.append(block((x[1] - END, x[1]), narrow(y, WALL), (low, top), "front"))
-    return [*pieces, block((x[0], x[1] - END), narrow(y, WALL), (top - 0.008, top), "rubber")]
+    return [*pieces, block((x[0], x[1] - END), narrow(y, WALL), (top - 0.008, top), "front")]
 
 
 def _build_bay(
-    rng: np.random.Generator, x: Range, y: Range, z: Range, tag: str
+    rng: np.random.Generator, x: Range, y: Range, z: Range, tag: str, rounded: tuple[bool, bool]
 ) -> tuple[list[Primitive], list[ShapePart]]:
-    """Two slots between walls, with the lever, dial and buttons before them."""
+    """Two slots between walls, with the lever, dial and buttons before them; the upper edges of the left and
+    right wall may be rounded."""
     low, high = z
     middle, apart = sum(y) / 2, 0.25 * (y[1] - y[0]) - 0.004
     slots = [around(middle + side * apart, SLOT / 2) for side in (-1.0, 1.0)]
     inner = narrow(x, END)
     web = 0.006  # half of the gap for the lever's arm
+    cut = SHOULDER * (slots[0][0] - y[0])
+    left, right = ((cut, cut) if edge else (0.0, 0.0) for edge in rounded)
+    sharp = (0.0, 0.0)
+    walls = (
+        ((y[0], slots[0][0]), (sharp, sharp, sharp, right)),
+        ((slots[1][1], y[1]), (sharp, sharp, left, sharp)),
+    )
     pieces = [
-        block(x, (y[0], slots[0][0]), (low, high), "front", 0.006),
-        block(x, (slots[1][1], y[1]), (low, high), "front", 0.006),
+        *(prism(trace_corners(a, z, cuts, 4), (x[0], 0, 0), (x[1], 0, 0), "front") for a, cuts in walls),
         box((inner[1], slots[0][0], low), (x[1] - 0.004, slots[1][1], high - 0.004), "front"),
         box((inner[0] + 0.02, slots[0][1], low), (inner[1], slots[1][0], high - 0.004), "body"),
         box((x[0] + 0.004, slots[0][0], low), (inner[0], middle - web, high - 0.004), "front"),

@@ -28,7 +28,7 @@ SIZES: dict[str, Spans] = {
     "wall_hung": ((0.5, 0.6), (0.7, 0.76), (1.08, 1.18)),
 }
 """Width, depth and height; wall-hung bowls include their piece of wall."""
-GLAZES = ((0.95, 0.95, 0.945), (0.95, 0.95, 0.945), (0.93, 0.92, 0.88), (0.2, 0.2, 0.21))
+GLAZES = (*((0.95, 0.95, 0.945),) * 7, (0.93, 0.92, 0.88), (0.2, 0.2, 0.21))
 TANK, WALL = 0.165, 0.19
 """Depth of a cistern and of a piece of wall."""
 RIM, SEAT, LID = 0.4, 0.017, 0.016
@@ -64,25 +64,23 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _build_bowl(style: str, outline: Outline, behind: float, back: float) -> list[Primitive]:
-    """A rim around a hollow, its bottom, its support, and the block behind the seat."""
-    low, taper = (0.2, 0.055) if style != "skirted" else (0.24, 0.0)
-    foot, under = outline.shrink(taper), low - 0.03
-    middle, end, half = sum(outline.a) / 2, outline.a[1], outline.b[1]
-    pieces = [
-        *build_loft(outline, 2, (low, RIM), "body", inset=taper, wall=0.045),
-        *build_loft(foot, 2, (under, low), "body"),
-    ]
+    """A rim around a hollow, which narrows without a step to its support, and the block behind the seat."""
+    low, taper = (0.2, 0.05) if style != "skirted" else (0.24, 0.016)
+    foot, end, half = outline.shrink(taper), outline.a[1], outline.b[1]
+    pieces = [*build_loft(outline, 2, (low, RIM), "body", inset=taper, wall=0.045)]
     if style == "close_coupled":
-        base = draw_egg((middle + 0.06, 0.0), 0.17, behind - middle, 0.62 * half)
+        neck = 0.11
         return [
             *pieces,
-            *build_loft(base, 2, (0.0, under), "body", inset=-0.02),
+            *build_loft(foot, 2, (neck, low), "body", inset=0.025),
+            *build_loft(foot.shrink(0.01), 2, (0.0, neck), "body", inset=-0.015),
+            block((end - 0.15, back - 0.04), around(0.0, 0.38 * half), (0.0, RIM - 0.16), "body"),
             block((end - 0.1, back), around(0.0, 0.75 * half), (RIM - 0.16, RIM), "body"),
         ]
     if style == "skirted":
-        pieces += build_loft(foot, 2, (0.0, under), "body", inset=0.03)
+        pieces += build_loft(foot, 2, (0.0, low), "body", inset=0.024)
         return [*pieces, block((end - 0.12, back), around(0.0, 0.8 * half), (0.0, RIM), "body")]
-    pieces += build_loft(foot, 2, (low - 0.1, under), "body", inset=0.07)
+    pieces += build_loft(foot, 2, (low - 0.06, low), "body", inset=0.07)
     return [*pieces, block((end - 0.1, behind), around(0.0, 0.72 * half), (low - 0.06, RIM), "body")]
 
 

@@ -16,6 +16,7 @@ from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_wheel
 from artigen.shapes.fittings.hardware import GAP, Range, around, narrow, rotate, slide
 from artigen.shapes.fittings.lids import build_collar, build_vessel, hinge_lid, loft, make_lid, shrink
+from artigen.shapes.fittings.outlines import trace_corners
 from artigen.shapes.primitives import (
     LEFT,
     RIGHT,
@@ -116,7 +117,9 @@ def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, heigh
     rim, top = low - GAP, low + thick
     opened = radians(choose(rng, 96, 105))
     middle, radius = sum(x) / 2, min(x[1] - x[0], width) / 2
-    if abs(x[1] - x[0] - width) < 1e-6:
+    half = min(0.045, 0.17 * width)
+    is_round = abs(x[1] - x[0] - width) < 1e-6
+    if is_round:
         x, y = around(middle, radius), around(0.0, radius)
         walls, cover, pail = _build_round(middle, radius, (under, foot, rim), (low, top, height))
     else:
@@ -128,18 +131,17 @@ def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, heigh
         crown = loft(field, shrink(field, 0.03), (top, height), "front")
         cover = (block(x, y, (low, top), "front", 0.004), crown)
         pail = build_vessel(inside, inside, (foot + WALL + 0.004, rim - 0.012), 0.006, "tray")
-    pivot, toe = x[1] + HUB, 0.12 * radius
-    places = [(a, b) for a in around(middle, 0.5 * radius) for b in around(0.0, 0.62 * radius)]
+    pivot = x[1] + HUB
     pieces = [
         *walls,
         block((x[1] - 0.01, pivot), around(0.0, 0.28 * width), (rim - 0.05, rim), "trim"),
-        *(block(around(a, toe), around(b, toe), (0.0, under), "trim") for a, b in places),
+        *_build_plinth(narrow(x, 0.006), narrow(y, 0.006), 0.4 * half + 0.005, under, is_round=is_round),
     ]
     tab = block((x[1] - 0.02, pivot), around(0.0, 0.25 * width), (low, low + 0.012), "front")
     swing = replace(hinge_lid((x[0], pivot), y, low, opened), follows="pedal")
     parts = [
         ShapePart("lid", "door", (*cover, tab), swing),
-        _make_pedal(x[0] - PEDAL, x[0] + 0.05, width, under),
+        _make_pedal(x[0] - PEDAL, x[0] + 0.05, half, under),
     ]
     if rng.random() < 0.8:
         parts.append(_make_bucket("bucket", pail, 0.75 * (rim - foot), "pedal"))
@@ -185,9 +187,22 @@ def _build_round(
     return walls, (disc(low, top, radius, "front"), dome), bucket
 
 
-def _make_pedal(tip: float, pivot: float, width: float, under: float) -> ShapePart:
+def _build_plinth(x: Range, y: Range, slot: float, top: float, *, is_round: bool) -> list[Primitive]:
+    """A base below a round or square bin, with a slot in front, ``slot`` to either side, for the pedal."""
+    middle, radius = sum(x) / 2, y[1] if is_round else 0.0
+    near, far = (radius, max(radius - slot, 0.0)), (radius, radius)
+    sharp = (0.0, 0.0)
+    plans = (
+        ((middle, x[1]), y, (sharp, far, far, sharp)),
+        ((x[0], middle), (slot, y[1]), (sharp, sharp, sharp, near)),
+        ((x[0], middle), (y[0], -slot), (near, sharp, sharp, sharp)),
+    )
+    return [prism(trace_corners(*plan, 4), (0, 0, 0.0), (0, 0, top), "trim") for plan in plans]
+
+
+def _make_pedal(tip: float, pivot: float, half: float, under: float) -> ShapePart:
     """A pedal lever just below ``under`` that protrudes in front and moves by a centimetre."""
-    top, half = under - 0.0015, min(0.045, 0.17 * width)
+    top = under - 0.0015
     solids = (
         block((tip + 0.03, pivot), around(0.0, 0.4 * half), (top - 0.006, top), "steel"),
         block((tip, tip + 0.034), around(0.0, half), (top - 0.008, top), "steel", 0.002),

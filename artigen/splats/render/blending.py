@@ -50,10 +50,7 @@ def blend(
 
     Args:
         ellipses: As in `Footprints`, nearest first.
-        features: Features of each splat.
         reach: As in `Footprints`.
-        grid: Tiles of the picture.
-        cfg: Cut-offs and working memory.
     """
     image = _Blend.apply(ellipses, features, reach, grid, cfg)
     assert isinstance(image, Tensor)

@@ -18,7 +18,6 @@ def move_splats(
 
     Args:
         splats: At rest, in the frame of ``displacements``.
-        part_ids: Part of each splat.
         displacements: As `artigen.kinematics.displacements` gives them for one joint state.
     """
     kind = {"dtype": splats.means.dtype, "device": splats.means.device}

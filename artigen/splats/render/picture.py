@@ -27,13 +27,9 @@ def draw_gaussians(
     """Renders Gaussians through a pinhole camera as sRGB levels, without lighting.
 
     Args:
-        gaussians: Gaussians in the unit of the camera.
-        position: Position of the camera, z up.
-        target: Point at which the camera looks.
         fov: Vertical angle of view in degrees.
         size: Width and height in pixels.
         background: sRGB in [0, 1].
-        cfg: Configuration of the rasteriser.
     """
     camera = Cameras(
         position=torch.tensor(position[None], dtype=torch.float64),

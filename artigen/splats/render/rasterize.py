@@ -24,10 +24,7 @@ def rasterize(
     """Renders one set of splats, one camera after the other.
 
     Args:
-        splats: Splats to render.
-        cameras: Pinhole cameras in the splats' unit.
         background: Colour behind the splats, one for all pictures or one each; black when None.
-        cfg: Filter, cut-offs, working memory.
 
     Raises:
         ValueError: If the background does not have the channels of the splats, or there is no camera.

@@ -62,13 +62,7 @@ class DrawnShardConfig(ShardConfig):
 
 
 def roughen(voxels: VoxelGrid, facings: Int[np.ndarray, "N"], rng: np.random.Generator) -> DrawnVoxels:
-    """True voxels with errors like those of a model: parts a cell off, stray cells, holes.
-
-    Args:
-        voxels: True voxels.
-        facings: Directions of their outer sides, which are kept.
-        rng: Source of all randomness.
-    """
+    """True voxels with errors like those of a model: parts a cell off, stray cells, holes."""
     cells, part_ids = voxels.coords.astype(np.int64), voxels.part_ids.astype(np.int64)
     parts = np.unique(part_ids)
     off = np.zeros((parts.max() + 1, 3), dtype=np.int64)
@@ -101,13 +95,6 @@ def redraw(
 
     With ``resurface``, and if no part lacks voxels, the result is the voxels that the surface passes through,
     as in generation (`artigen.appearance.draw.generate_appearance`).
-
-    Args:
-        model: Trained model that takes outlines.
-        asset: Object with voxels at the model's resolution.
-        facings: Directions of the outer sides of its voxels.
-        rng: Source of the noise.
-        resurface: Makes the surface of the sampled voxels.
 
     Raises:
         ValueError: If the model takes no outlines, or the asset has no voxels at its resolution.

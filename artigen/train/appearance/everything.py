@@ -54,7 +54,6 @@ def train_appearance(
     """Runs the stages that are missing; returns the scores of the held-out objects.
 
     Args:
-        cfg: Configuration of the run.
         stage: Both networks, or one of them; the flow needs a VAE in the same folder.
         resurface: Makes the surface of voxels that a structure model samples, as for a package; without it,
             the flow is trained on voxels as sampled.

@@ -1,18 +1,20 @@
 """Training of the sparse flow on latents of the appearance VAE, with the conditions of the structure flow."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
+from scipy.spatial import KDTree
 from torch import Tensor, nn
 
 from artigen.appearance.linear_prior import Expectation, fit_expectation
 from artigen.appearance.paint import PAINT
 from artigen.appearance.slat_flow import SlatFlow
+from artigen.appearance.vae import SIDE_CHANNELS
 from artigen.examples.appearance import AppearanceExample
 from artigen.examples.appearance_batches import place_batch
 from artigen.examples.batches import condition_batch, draw_batches, prefetch
@@ -25,7 +27,6 @@ from artigen.models.conditions import (
 )
 from artigen.models.rectified_flow import diffuse, draw_times, target_velocity
 from artigen.train.appearance.drawn import DrawnVoxels
-from artigen.train.appearance.transfer import find_models, transfer_latents, transfer_looks
 from artigen.train.loop import LoopConfig, process_seed, train
 from artigen.train.structure import DROPOUT
 from artigen.types import PART_LABELS
@@ -66,14 +67,7 @@ def train_appearance_flow(
 
     Args:
         flow: New flow; a checkpoint in the folder is resumed.
-        latents: Posterior means and standard deviations of each example's voxels.
-        examples: Training objects.
-        folder: Folder of the stage.
-        cfg: Budget and rates.
-        batch: Objects per step.
-        conditions: Conditions of the flow.
         noisiness: Mean of the logits of training times.
-        drawn: Voxels of each object as a model samples them; optional.
     """
     measured = measure_slats(
         *latents, [one.attributes() for one in examples] if flow.attribute_channels else None
@@ -160,8 +154,6 @@ def measure_slats(
     """Moments of samples from the posteriors of all voxels, given their attributes.
 
     Args:
-        means: Posterior means, object by object.
-        stds: Posterior standard deviations.
         told: Attributes of the voxels; without them there is no linear prior.
     """
     count = sum(len(one) for one in means)
@@ -186,3 +178,59 @@ def _blur(attributes: Float[Tensor, "N A"], generator: torch.Generator) -> Float
     out = attributes.clone()
     out[:, -PAINT:] += BLUR * (of_voxel @ wave)
     return out
+
+
+def find_models(
+    example: AppearanceExample, drawn: DrawnVoxels
+) -> tuple[Int[np.ndarray, "M"], Bool[np.ndarray, "M"]]:
+    """Row of the true voxel whose appearance each sampled one takes, and a mask of those that match it.
+
+    Strays, which match none, take the nearest true voxel of their part.
+    """
+    count = len(drawn.coords)
+    models, sure = np.zeros(count, dtype=np.int64), np.zeros(count, dtype=bool)
+    models[drawn.rows], sure[drawn.rows] = drawn.like, True
+    for part in np.unique(drawn.part_ids[~sure]):
+        strays = np.flatnonzero((drawn.part_ids == part) & ~sure)
+        own = np.flatnonzero(example.part_ids == part)
+        models[strays] = own[KDTree(example.coords[own]).query(drawn.coords[strays])[1]]
+    return models, sure
+
+
+def transfer_looks(
+    example: AppearanceExample, drawn: DrawnVoxels, models: Int[np.ndarray, "M"]
+) -> AppearanceExample:
+    """The example with sampled voxels, each with paint and surface position of its model voxel.
+
+    Only the side features remain, because they hold the surface positions (`AppearanceExample.places`).
+    """
+    return replace(
+        example,
+        coords=drawn.coords.astype(np.uint8),
+        part_ids=drawn.part_ids.astype(np.uint8),
+        facings=drawn.facings.astype(np.uint8),
+        paint=example.paint[models],
+        features=example.features[models, -SIDE_CHANNELS:],
+        views=example.views[models],
+    )
+
+
+@torch.no_grad()
+def transfer_latents(
+    flow: SlatFlow,
+    mean: Float[Tensor, "N D"],
+    told: tuple[Float[np.ndarray, "N A"], Float[np.ndarray, "M A"]],
+    models: Int[np.ndarray, "M"],
+    sure: Bool[np.ndarray, "M"],
+) -> Float[Tensor, "M D"]:
+    """Latents of sampled voxels: their linear prior plus the residual of their model voxel; zero for strays.
+
+    Args:
+        told: Attributes of the true voxels and of the sampled ones.
+        models: Row of the true voxel whose appearance each sampled one takes.
+        sure: Mask of the sampled voxels that match it.
+    """
+    true, drawn = (torch.from_numpy(one) for one in told)
+    off = flow.normalise(mean, true)[models]
+    off[torch.from_numpy(~sure)] = 0.0
+    return flow.restore(off, drawn)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, replace
 
 from artigen.latent.presets import PresetName
-from artigen.train.appearance.losses import AppearanceLossConfig
+from artigen.train.appearance.vae import AppearanceLossConfig
 from artigen.train.presets import StageConfig
 
 

@@ -9,7 +9,7 @@ from artigen.appearance.presets import APPEARANCE_PRESETS
 from artigen.errors import ArtigenError
 from artigen.latent.presets import PRESETS
 from artigen.models.description import hash_model, read_description
-from artigen.runtime.run_config import claim_folder
+from artigen.runtime.journal import claim_folder
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.run import claim_start
 

@@ -1,6 +1,7 @@
 """Training of the appearance VAE: encode, decode, articulate, render, compare (paper, section 4.2.2)."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
-from artigen.appearance.vae import SIDE_CHANNELS, AppearanceVae
+from artigen.appearance.vae import SIDE_CHANNELS, AppearanceVae, Encoded
 from artigen.examples.appearance import AppearanceExample
 from artigen.examples.appearance_batches import (
     PictureBatch,
@@ -18,8 +19,47 @@ from artigen.examples.appearance_batches import (
     voxel_batch,
 )
 from artigen.examples.batches import prefetch
-from artigen.train.appearance.losses import AppearanceLossConfig, appearance_losses
+from artigen.latent.conv_vae import kl_divergence
+from artigen.metrics.pictures import ssim_map
 from artigen.train.loop import LoopConfig, finished_steps, process_seed, train
+
+
+@dataclass(frozen=True, kw_only=True)
+class AppearanceLossConfig:
+    """Weights of the terms; the defaults are TRELLIS'."""
+
+    l1: float = 1.0
+    """Mean absolute difference of pictures."""
+    exposed: float = 1.0
+    """Factor on the L1 term at pixels of newly exposed surface, of which there are few."""
+    ssim: float = 0.2
+    """One minus structural similarity."""
+    kl: float = 1e-6
+    """KL of the latents to the unit Gaussian, as a mean over elements."""
+    volume: float = 1e4
+    """Mean product of the three scales of a Gaussian (unit-cube lengths)."""
+    opacity: float = 1e-3
+    """Mean squared distance of opacities to 1."""
+
+
+def appearance_losses(
+    encoded: Encoded,
+    drawn: Float[Tensor, "B M H W 3"],
+    batch: PictureBatch,
+    cfg: AppearanceLossConfig,
+) -> dict[str, Tensor]:
+    """The terms, each with its weight, by name."""
+    first, second = (values.flatten(0, 1).permute(0, 3, 1, 2) for values in (drawn, batch.rgb))
+    weight = 1.0 + (cfg.exposed - 1.0) * batch.exposed.flatten(0, 1)[:, None]
+    splats = encoded.splats
+    return {
+        "l1": cfg.l1 * (weight * (first - second).abs()).mean(),
+        "ssim": cfg.ssim * (1.0 - ssim_map(first, second).mean()),
+        "kl": cfg.kl * kl_divergence(encoded.mean, encoded.logvar),
+        "volume": cfg.volume * splats.scales.prod(dim=1).mean(),
+        "opacity": cfg.opacity * ((splats.opacities - 1.0) ** 2).mean(),
+    }
+
 
 HIDDEN = 0.5
 """Share of training steps in which view features of the voxels beyond a plane are hidden."""
@@ -42,11 +82,6 @@ def train_appearance_vae(
     Args:
         vae: New VAE; a checkpoint in the folder is resumed.
         examples: Examples in memory; closed ones alone train without articulation.
-        folder: Folder of the stage.
-        cfg: Budget and rates.
-        batch: Objects per step.
-        pictures: Pictures of each object per step.
-        losses: Weights of the terms.
     """
 
     scaled = SIDE_CHANNELS if vae.encoder.cfg.sided else 0
@@ -79,9 +114,6 @@ def hide_views(
     at no cost. Hiding the views of seen voxels trains the network on such features.
 
     Args:
-        coords: Sample, x, y, z of each voxel.
-        feats: Features of each voxel.
-        generator: Source of all randomness.
         kept: Number of last channels that hidden voxels keep.
     """
     chance, share, *normal = torch.randn(5, generator=generator, device=generator.device).split(1)
@@ -97,7 +129,6 @@ def measure_features(
     """Mean and standard deviation per channel over the voxels that any view shows.
 
     Args:
-        examples: Objects.
         scaled: Number of last channels that are already scaled and get mean 0 and deviation 1.
 
     Raises:

@@ -41,13 +41,7 @@ def make_boards(
     logits: Float[np.ndarray, "X Y Z"],
     rows: Float[np.ndarray, "N C"],
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Rebuilds parts from boards; returns the new owners and a note of how much changed.
-
-    Args:
-        owners: Row of the outline per cell, -1 where empty.
-        logits: Occupancy logits of all cells.
-        rows: The outline: channels after occupancy, one row per part.
-    """
+    """Rebuilds parts from boards; returns the new owners and a note of how much changed."""
     before = owners
     after = np.full_like(before, -1)
     evidence = (logits / CERTAIN).clip(-1.0, 1.0)

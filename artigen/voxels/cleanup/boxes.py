@@ -28,7 +28,6 @@ def find_boxes(evidence: Float[np.ndarray, "X Y Z"], least: float) -> list[Box]:
 
     Args:
         evidence: Above 0 for cells that belong to a box, below 0 for others.
-        least: Least sum of evidence over a box.
     """
     rest = evidence.astype(float)
     seeds, sums = _seeds(rest), _summed(rest)
@@ -98,7 +97,6 @@ def reach_box(box: Float[np.ndarray, "6"], resolution: int, slack: float = 0.0) 
 
     Args:
         box: Centre and edges in unit-cube lengths.
-        resolution: Edge of the grid.
         slack: Share of a cell by which the box may fall short of a cell that still counts.
     """
     low = (box[:3] - box[3:] / 2 + 0.5) * resolution

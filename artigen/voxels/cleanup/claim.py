@@ -16,10 +16,6 @@ def claim_cells(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owners,
     """Gives every handle, knob and wheel without cells those of its box; returns owners and a note.
 
     A push button of half a cell is easily decoded as a piece of the panel that it sits on.
-
-    Args:
-        owners: Row of the outline per cell, -1 where empty.
-        rows: The outline: channels after occupancy, one row per part.
     """
     owners = owners.copy()
     lost = [

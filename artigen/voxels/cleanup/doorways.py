@@ -15,12 +15,7 @@ from artigen.voxels.fields import ROW, name_joints, name_rows
 
 
 def clear_doorways(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owners, tuple[str, ...]]:
-    """Removes cells of open doors before drawers and trays behind them; returns owners and a note.
-
-    Args:
-        owners: Row of the outline per cell, -1 where empty.
-        rows: The outline: channels after occupancy, one row per part.
-    """
+    """Removes cells of open doors before drawers and trays behind them; returns owners and a note."""
     owners, labels = owners.copy(), name_rows(rows)
     kinds = np.array(name_joints(rows))
     boxes = rows[:, ROW.box]

@@ -119,13 +119,7 @@ class Face:
 def even_faces(
     owners: Owners, logits: Float[np.ndarray, "X Y Z"], rows: Float[np.ndarray, "N C"]
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Flattens the faces of all parts; returns the new owners and a note of how many cells changed.
-
-    Args:
-        owners: Row of the outline per cell, -1 where empty.
-        logits: Occupancy logits of all cells.
-        rows: The outline: channels after occupancy, one row per part.
-    """
+    """Flattens the faces of all parts; returns the new owners and a note of how many cells changed."""
     before, owners = owners, owners.copy()
     category, names = name_category(rows) or "", name_rows(rows)
     beneath = np.isin(names, BENEATH)

@@ -28,12 +28,7 @@ AROUND = 3
 
 
 def round_portholes(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owners, tuple[str, ...]]:
-    """Rounds doors before drums; returns owners and a note of how many cells changed.
-
-    Args:
-        owners: Row of the outline per cell, -1 where empty.
-        rows: The outline: channels after occupancy, one row per part.
-    """
+    """Rounds doors before drums; returns owners and a note of how many cells changed."""
     before, owners = owners, owners.copy()
     labels, kinds = np.array(name_rows(rows)), np.array(name_joints(rows))
     boxes, axes = rows[:, ROW.box], rows[:, ROW.axis]

@@ -30,12 +30,7 @@ AROUND = 1.5
 
 
 def revolve_parts(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owners, tuple[str, ...]]:
-    """Makes drums round and clears what drums and dials sweep; returns owners and a note.
-
-    Args:
-        owners: Row of the outline per cell, -1 where empty.
-        rows: The outline: channels after occupancy, one row per part.
-    """
+    """Makes drums round and clears what drums and dials sweep; returns owners and a note."""
     before, owners, labels = owners, owners.copy(), np.array(name_rows(rows))
     base = labels == "base"
     for number in np.flatnonzero(_find_turning(rows, labels)):
@@ -120,7 +115,7 @@ def _radii(shape: tuple[int, ...], origin: Float[np.ndarray, "3"], along: int) -
 def _make_round(
     mine: Bool[np.ndarray, "X Y Z"], radii: Float[np.ndarray, "X Y Z"], along: int
 ) -> Bool[np.ndarray, "X Y Z"]:
-    """In every layer, the rings of which a part holds at least half."""
+    """The part made of whole rings about its axis: those of which it holds at least half in a layer."""
     layers, ring = np.moveaxis(mine, along, 0), np.moveaxis(radii, along, 0)[0]
     out = np.zeros_like(layers)
     order = np.argsort(ring, axis=None)

@@ -13,8 +13,12 @@ from jaxtyping import Bool, Float, Int
 from artigen.errors import SegmentationError
 from artigen.types import PART_LABELS
 from artigen.voxels.fields import VoxelFields
-from artigen.voxels.segmentation.neighbours import connected_groups, neighbour_pairs
-from artigen.voxels.segmentation.partition import Partition, canonical_partition
+from artigen.voxels.segmentation.neighbours import (
+    Partition,
+    canonical_partition,
+    connected_groups,
+    neighbour_pairs,
+)
 from artigen.voxels.segmentation.votes import (
     WIDTH,
     GroupVotes,

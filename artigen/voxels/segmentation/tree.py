@@ -35,7 +35,7 @@ Equal labels: a wheel hangs from a wheel only where that one is a caster's stem,
 PANELS: frozenset[PartLabel] = frozenset({"door", "drawer", "tray"})
 """Parts that others may touch without hanging from them, because these lie behind or beside them."""
 ON_SURFACES: frozenset[PartLabel] = frozenset({"handle", "knob"})
-"""Parts that sit on panels, where they touch one, not on the base; others lie in what carries them."""
+"""Parts that sit on a panel, where they touch one, rather than on the base."""
 
 REACH = 2.0
 """Voxels between the nearest cells of a part and its parent; 1 means touching. Raise it when
@@ -132,7 +132,7 @@ def _meet(
 
 
 def _holds(panel: Part, part: Part) -> bool:
-    """Whether the middle of a part's box lies in that of a panel or, of what sits on surfaces, before it."""
+    """Whether the middle of a part's box lies in a panel's box or, for handles and knobs, in front of it."""
     within = int((np.abs(part.box[0] - panel.box[0]) <= panel.box[1] / 2).sum())
     return within >= (2 if part.label in ON_SURFACES else 3)
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -186,6 +187,18 @@ def _level_tops(package: SimPackage, height: float) -> tuple[Float[np.ndarray, "
             if len(outline) >= 3:
                 tops.append(outline)
     return tuple(tops)
+
+
+@lru_cache(maxsize=512)
+def is_level(folder: Path, end: Literal["bottom", "top"]) -> bool:
+    """Whether at least half of an object's underside is level (it has no legs), or of its top (no rails for a
+    worktop that is laid on later)."""
+    hulls = [hull.vertices for link in cached_package(folder).links for hull in link.hulls]
+    boxes = np.array([(corners.min(axis=0), corners.max(axis=0)) for corners in hulls])
+    around, at = _around(boxes), int(end == "top")
+    outer = boxes[np.abs(boxes[:, at, 2] - around[at, 2]) < LEVEL]
+    level = (outer[:, 1] - outer[:, 0])[:, :2].prod(axis=1).sum()
+    return bool(level >= 0.5 * (around[1] - around[0])[:2].prod())
 
 
 def outline_of(points: Float[np.ndarray, "N 2"]) -> Float[np.ndarray, "V 2"]:

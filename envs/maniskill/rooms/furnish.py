@@ -1,15 +1,16 @@
-"""Furnishes a room in order: first runs, then groups, then objects on top of them."""
+"""Furnishes a room in order: runs, windows, wall cabinets, groups, and objects on top of them."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from .arrange import Place, Plan, Taste, best_place, fits, middle_places, wall_places
 from .catalogue import Entry
-from .footprints import carries
+from .footprints import carries, read_footprint
 from .hung import hang_cabinets
-from .pieces import Cluster, Member, Piece, back_to_back, line_up, make_bed, move_boxes
-from .recipes import Group, Recipe, Share
+from .pieces import GAP, Cluster, Member, Piece, back_to_back, line_up, make_bed, move_boxes
+from .recipes import WINDOWS, Group, Recipe, Share
 from .room import SIDES, turn_matrix
 from .runs import Chooser, close_corners, close_gaps, count_objects, place_runs
 
@@ -17,6 +18,9 @@ AISLE = 0.6
 """Distance (m) of groups in the middle from other bodies."""
 HAIR = 4e-4
 """Gap (m) between a top and the object on it."""
+BEFORE_WINDOW = 0.65
+"""Distance (m) from the wall at which a robot stands to open a window: in front of what is below it. As far
+from the wall nothing is taller than the sill."""
 TOP_HEIGHTS = (0.5, 1.05)
 """Range of heights (m) of tops that may carry objects."""
 BARE_ROLES = frozenset(
@@ -34,9 +38,18 @@ def furnish(plan: Plan, recipe: Recipe, chooser: Chooser) -> tuple[Plan, str]:
         if missing:
             return plan, missing
         plan = close_gaps(close_corners(plan))
-        if recipe.hung is not None:
-            plan = hang_cabinets(plan, recipe.hung, chooser)
-    for group in recipe.groups:
+    plan, _ = _place_groups(plan, recipe, (WINDOWS,), chooser)
+    if recipe.hung is not None:
+        plan = hang_cabinets(plan, recipe.hung, chooser)
+    plan, missing = _place_groups(plan, recipe, recipe.groups, chooser)
+    for share in () if missing else recipe.tops:
+        plan = put_on_tops(plan, share, chooser)
+    return plan, missing
+
+
+def _place_groups(plan: Plan, recipe: Recipe, groups: Sequence[Group], chooser: Chooser) -> tuple[Plan, str]:
+    """The plan with groups, and the missing requirement (empty if there is none)."""
+    for group in groups:
         count = int(chooser.rng.integers(group.count[0], group.count[1] + 1))
         if chooser.rng.random() < 0.6:
             count = group.count[1]  # prefer furnished over bare
@@ -45,8 +58,6 @@ def furnish(plan: Plan, recipe: Recipe, chooser: Chooser) -> tuple[Plan, str]:
             if placed is None and copy < group.count[0]:
                 return plan, f"no room for the {group.name}"
             plan = placed or plan
-    for share in recipe.tops:
-        plan = put_on_tops(plan, share, chooser)
     return plan, ""
 
 
@@ -60,7 +71,7 @@ def place_group(plan: Plan, recipe: Recipe, group: Group, chooser: Chooser, *, w
     chosen: dict[str, int] = {}
     roles = list(group.roles)
     while roles:
-        pieces = _draw_pieces(roles, chooser, chosen, group.height)
+        pieces = _draw_pieces(roles, chooser, chosen, group)
         asked = [role for role in roles if role in needed] if whole else []
         lacking = [role for role in asked if role not in {piece.role for piece in pieces}]
         if lacking or not pieces or count_objects(plan) + len(pieces) > chooser.most:
@@ -74,9 +85,7 @@ def place_group(plan: Plan, recipe: Recipe, group: Group, chooser: Chooser, *, w
     return None
 
 
-def _draw_pieces(
-    roles: list[str], chooser: Chooser, chosen: dict[str, int], height: float | None
-) -> list[Piece]:
+def _draw_pieces(roles: list[str], chooser: Chooser, chosen: dict[str, int], group: Group) -> list[Piece]:
     """A piece for every role that has packages; equal roles get the same package."""
     pieces = []
     for role in roles:
@@ -87,9 +96,22 @@ def _draw_pieces(
         if not entries:
             continue
         index = chosen.setdefault(role, int(chooser.rng.integers(len(entries))))
-        lift = {} if height is None else {"elevation": height}
-        pieces.append(chooser.piece(entries[index], role, **lift))
+        if group.height is None:
+            pieces.append(chooser.piece(entries[index], role))
+        else:
+            pieces.append(_draw_window(entries[index], role, chooser, group.sunk, group.height))
     return pieces
+
+
+def _draw_window(entry: Entry, role: str, chooser: Chooser, sunk: float, height: float) -> Piece:
+    """A window as a piece that keeps the space before it free, from its sill to its top."""
+    body = read_footprint(entry.folder).body
+    front = float(body[1, 0]) + GAP - sunk - BEFORE_WINDOW
+    piece = chooser.piece(entry, role, front, height)
+    before = np.array([[front, *body[0, 1:]], body[1]])
+    return replace(
+        piece, boxes=replace(piece.boxes, sweeps=np.concatenate([piece.boxes.sweeps, before[None]]))
+    )
 
 
 def _cluster(group: Group, pieces: list[Piece], chooser: Chooser) -> Cluster:

@@ -3,9 +3,8 @@
 import numpy as np
 
 from .arrange import Place, Plan, Taste, best_place, wall_places
-from .catalogue import Entry
 from .choose import TALL, Offer, Wall, choose_units
-from .footprints import LEVEL, cached_package
+from .footprints import is_level
 from .pieces import line_up
 from .recipes import Share
 from .runs import Chooser, count_objects, member_boxes
@@ -16,7 +15,7 @@ HUNG_HEIGHT = 1.45
 
 def hang_cabinets(plan: Plan, share: Share, chooser: Chooser) -> Plan:
     """The plan with wall cabinets above low stretches of its runs, except above the stove."""
-    entries = [entry for entry in chooser.shortlists[share.role.name] if hangs_flat(entry)]
+    entries = [entry for entry in chooser.shortlists[share.role.name] if is_level(entry.folder, "bottom")]
     stretches = [
         (place, stretch)
         for place in plan.places
@@ -49,16 +48,6 @@ def hang_cabinets(plan: Plan, share: Share, chooser: Chooser) -> Plan:
                 break
             units = units[:-1]
     return plan
-
-
-def hangs_flat(entry: Entry) -> bool:
-    """Whether at least half of an object's underside is level: it has no legs."""
-    hulls = [hull for link in cached_package(entry.folder).links for hull in link.hulls]
-    boxes = np.array([(hull.vertices.min(axis=0), hull.vertices.max(axis=0)) for hull in hulls])
-    low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
-    lowest = boxes[boxes[:, 0, 2] < low[2] + LEVEL]
-    level = (lowest[:, 1] - lowest[:, 0])[:, :2].prod(axis=1).sum()
-    return bool(level >= 0.5 * (high - low)[:2].prod())
 
 
 def _low_stretches(place: Place) -> list[tuple[float, float]]:

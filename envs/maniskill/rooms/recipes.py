@@ -221,7 +221,6 @@ KITCHEN = Recipe(
         Group(name="table", roles=("table",), count=(0, 1), where="middle", like="anywhere"),
         Group(name="cart", roles=("cart",), count=(0, 1), like="corner"),
         Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
-        WINDOWS,
     ),
     roles=(ISLAND, DINING, CART, BIN, DOOR, WINDOW),
     tops=(
@@ -249,7 +248,6 @@ OFFICE = Recipe(
         Group(name="fridge", roles=("small fridge",), count=(0, 1), like="corner", near="sideboard"),
         Group(name="cart", roles=("cart",), count=(0, 1), like="corner"),
         Group(name="bin", roles=("bin",), count=(0, 2), like="corner", near="desks"),
-        WINDOWS,
     ),
     roles=(DESK, PEDESTAL, BOOKCASE, FILING, SIDEBOARD, SAFE, SMALL_FRIDGE, CART, BIN, DOOR, WINDOW),
     tops=(
@@ -280,7 +278,6 @@ BEDROOM = Recipe(
         Group(name="low table", roles=("low table",), count=(0, 1), where="middle", like="anywhere"),
         Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
         Group(name="suitcase", roles=("suitcase",), count=(0, 1), like="corner"),
-        WINDOWS,
     ),
     roles=(
         NIGHTSTAND,
@@ -318,7 +315,6 @@ BATHROOM = Recipe(
         Group(name="bin", roles=("bin",), count=(0, 2), like="corner", near="toilet"),
         Group(name="crates", roles=("crate",), count=(0, 2), like="corner"),
         Group(name="cart", roles=("cart",), count=(0, 1), like="anywhere"),
-        WINDOWS,
     ),
     roles=(TOILET, WASHER, DRYER, NIGHTSTAND, BOOKCASE, DRESSER, BIN, CRATE, CART, DOOR, WINDOW),
     wall_color=(0.86, 0.91, 0.92),
@@ -339,7 +335,6 @@ WORKSHOP = Recipe(
         Group(name="crates", roles=("crate", "crate"), count=(0, 2), like="anywhere"),
         Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
         Group(name="safe", roles=("safe",), count=(0, 1), like="corner"),
-        WINDOWS,
     ),
     roles=(DESK, TOOL_CHEST, FILING, BOOKCASE, FREEZER, CART, CRATE, BIN, SAFE, DOOR, WINDOW),
     tops=(

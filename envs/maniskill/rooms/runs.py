@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Literal
 
 import numpy as np
@@ -11,8 +11,9 @@ from jaxtyping import Float
 from .arrange import Place, Plan, fits, wall_places
 from .catalogue import Catalogue, Entry
 from .choose import TALL, Offer, Wall, choose_units, order_units
+from .footprints import is_level
 from .pieces import GAP, Boxes, Cluster, Member, Piece, line_up, make_piece, move_boxes
-from .recipes import Recipe
+from .recipes import STORAGE, Recipe
 from .room import Side, along_wall, wall_length
 
 RESERVE = 0.78
@@ -47,12 +48,14 @@ class Chooser:
 def draw_shortlists(
     recipe: Recipe, catalogue: Catalogue, rng: np.random.Generator, variety: int
 ) -> dict[str, tuple[Entry, ...]]:
-    """At most ``variety`` packages for every role of a room."""
+    """At most ``variety`` packages for every role of a room; cabinets without a top only if all are."""
     lists: dict[str, tuple[Entry, ...]] = {}
     for role in recipe.all_roles:
         entries = catalogue.of_role(role)
-        picked = rng.permutation(len(entries))[:variety]
-        lists[role.name] = tuple(entries[index] for index in sorted(picked.tolist()))
+        order = rng.permutation(len(entries)).tolist()
+        covered = (k for k in order if entries[k].category != STORAGE or is_level(entries[k].folder, "top"))
+        picked = list(islice(covered, variety)) or order[:variety]
+        lists[role.name] = tuple(entries[index] for index in sorted(picked))
     return lists
 
 

@@ -62,6 +62,8 @@ AROUND_GRIP = 0.32
 FINE = 0.005
 """Margin around the grip that is resolved more finely, and edge of the cells there, metres."""
 PULL_SPEED = 0.6
+REST = 8
+"""Control steps in which a part comes to rest."""
 PICKS = 3
 LIFTED = 0.05
 """Height by which a cube must have risen to be in the gripper, metres."""
@@ -101,6 +103,8 @@ def solve_open_part(env: gym.Env, seed: int) -> Outcome:
         if latch is not part.grip_latch and opened(driver, latch.part) < latch.fraction and not reason:
             reason = _work(driver, latch.part, 1.0, latch.fraction)
     reason = reason or _work(driver, part, task.goal_open, task.goal_open)
+    if not bool(driver.info["success"][0]):
+        wait(driver, REST)
     success = bool(driver.info["success"][0])
     fraction = float(task.open_fraction[0])
     if not success and driver.over:
@@ -246,7 +250,9 @@ def _follow_plan(driver: Driver, plan: OpenPlan) -> None:
         grip(driver, -1.0, 6)
     for q in plan.path:
         move(driver, q, speed=PULL_SPEED)
-    wait(driver, 8)
+    wait(driver, REST)
+    if bool(driver.info["success"][0]):
+        return  # a lid would fall
     if plan.width:
         grip(driver, 1.0, 4)
     for q in plan.leave:

@@ -3,7 +3,7 @@
 import numpy as np
 import torch
 
-from artigen.appearance.color_pooling import even_sides
+from artigen.appearance.draw import even_sides
 
 
 def test_what_is_added_within_a_figure_is_its_mean_and_nothing_else_changes():

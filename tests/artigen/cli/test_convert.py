@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from artigen.cli import convert, source_meshes
+from artigen.cli import convert, mend
 from artigen.cli.convert import HullWay, Judgement
 from sim_export import export
 from sim_export.checks import draft, suite
@@ -47,7 +47,7 @@ def attempts(monkeypatch):
         monkeypatch.setattr(export, "export_solids", export_solids)
         monkeypatch.setattr(convert, "judge_package", lambda package, known: judged[package.number])
         for name in ("place_source_meshes", "place_source_surfaces"):
-            monkeypatch.setattr(source_meshes, name, lambda source, asset: ())
+            monkeypatch.setattr(mend, name, lambda source, asset: ())
         return asked
 
     return play

@@ -19,6 +19,7 @@ from artigen.appearance.vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVa
 from artigen.cli.generate import (
     GenerateJob,
     GenerateSettings,
+    check_job,
     draw_generated,
     generate,
     generate_and_validate,
@@ -39,7 +40,7 @@ from artigen.sketch.picture import PictureConfig
 from artigen.types import Asset
 from sim_export.files.read import read_package
 
-SHAPE = draw_shape("StorageFurniture", 3)
+SHAPE = draw_shape("StorageFurniture", 12)
 OTHER = SketchNetworkConfig(width=16, layers=1, heads=2, pointer=8, picture=None)
 
 
@@ -159,9 +160,9 @@ def latent(
     return GenerateJob(model=folder, category=SHAPE.category, seed=9, out=tmp_path, cfg=settings)
 
 
-def test_a_latent_package_has_gaussians_on_the_meshes_of_its_links(latent: GenerateJob):
-    made = generate_object(latent)
-    package = read_package(latent.out / latent.key)
+def test_a_latent_package_has_gaussians_on_the_meshes_of_its_links_or_none(latent: GenerateJob):
+    made, folder = generate_object(latent), latent.out / latent.key
+    package = read_package(folder)
     assert any("Gaussians are drawn on the meshes in the paint of the sketch" in one for one in made.notes)
     assert any("surface samples of the own part cover 100.00 %" in one for one in made.notes)
     for link in package.links:
@@ -171,11 +172,6 @@ def test_a_latent_package_has_gaussians_on_the_meshes_of_its_links(latent: Gener
             voxel = 1.0 / 32 * max(SHAPE.condition.depth, SHAPE.condition.width, SHAPE.condition.height)
             assert (link.splats.means > corners.min(axis=0) - 2 * voxel).all()
             assert (link.splats.means < corners.max(axis=0) + 2 * voxel).all()
-
-
-def test_gaussians_change_nothing_else_of_a_latent_package_and_may_be_left_out(latent: GenerateJob):
-    generate_object(latent)
-    folder = latent.out / latent.key
     shown = {path.relative_to(folder): path.read_bytes() for path in sorted((folder / "visual").rglob("*.*"))}
     generate_object(replace(latent, cfg=replace(latent.cfg, gaussians=False)))
     assert all(link.splats is None for link in read_package(folder).links)
@@ -225,13 +221,13 @@ def test_what_cannot_be_is_said_and_nothing_written(model: Path, tmp_path: Path,
     assert not (tmp_path / "out").exists()
 
 
-def test_a_picture_that_is_none_is_said_and_nothing_written(model: Path, tmp_path: Path):
+def test_a_picture_that_is_none_is_named_before_anything_is_made(model: Path, tmp_path: Path):
     wrong = {"words.png": b"hello", "nothing.png": b"", "cut.png": b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR"}
     for name, content in wrong.items():
         (tmp_path / name).write_bytes(content)
+        cfg = GenerateSettings(image=tmp_path / name)
         with pytest.raises(ArtigenError, match=name):
-            generate(out=tmp_path / "out", model=model, cfg=GenerateSettings(image=tmp_path / name))
-    assert not (tmp_path / "out").exists()
+            check_job(GenerateJob(model=model, category=None, seed=0, out=tmp_path / "out", cfg=cfg))
 
 
 def test_a_folder_without_a_model_is_named(tmp_path: Path):

@@ -23,18 +23,17 @@ from artigen.latent.draw import GenerateConfig, load_structure_model
 from artigen.latent.presets import PRESETS
 from artigen.latent.structure_vae import StructureVae
 from artigen.metrics.asks import EvaluateConfig
-from artigen.metrics.draws import DrawJob, draw_all, draw_latent
+from artigen.metrics.draws import DrawJob, ShapeSource, draw_all, draw_latent
 from artigen.metrics.evaluate import Evaluation, evaluate_structure
 from artigen.metrics.instantiation import InstantiationConfig
 from artigen.metrics.report import write_report
 from artigen.metrics.score import ScoreConfig
 from artigen.metrics.settings import EvaluateSettings
-from artigen.metrics.shapes import ShapeSource
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
 from artigen.models.store import load_model, save_model
 from artigen.models.tensors import read_tensors
-from artigen.runtime.run_config import claim_folder
+from artigen.runtime.journal import claim_folder
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.train.loop import finished_steps
@@ -221,8 +220,6 @@ def test_an_evaluation_has_every_row_and_is_written(evaluation: tuple[Path, Eval
     assert by_place["counts and size", "retrieval"]["strict_articulated"] > 0
     assert by_place["picture", "model"].keys() >= {"valid", "category", "counts", "strict_rest"}
     assert set(found.reconstruction) == set(found.spread) == {"procedural", "real"}
-    assert found.footprint.seconds > 0
-    assert 50 < found.footprint.peak_mib < 4096
     assert json.loads((out / "evaluation.json").read_text())["rows"] == json.loads(
         json.dumps([asdict(row) for row in found.rows])
     )
@@ -237,10 +234,9 @@ def test_an_evaluation_has_every_row_and_is_written(evaluation: tuple[Path, Eval
 
 
 def test_draws_are_kept_and_belong_to_their_model(
-    evaluation: tuple[Path, Evaluation], sparse: Path, run: Path, monkeypatch: pytest.MonkeyPatch
+    evaluation: tuple[Path, Evaluation], sparse: Path, run: Path
 ):
     out, found = evaluation
-    monkeypatch.setattr(artigen.metrics.evaluate, "measure_footprint", lambda job: found.footprint)
     journal = (out / "draws" / "draws.jsonl").read_text()
     assert len(journal.splitlines()) == 3 * 7 + 2 + 2  # real ones, and two drawn again
     again = evaluate_structure(sparse, out, COARSE, draw_shape_for=few_shapes())

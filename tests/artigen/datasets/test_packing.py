@@ -13,14 +13,17 @@ pytest.importorskip("zstandard")
 from artigen.datasets.packing import (
     LISTING,
     PackingError,
+    add_member,
+    iterate_samples,
     list_files,
+    open_tar,
     pack_files,
     read_folder,
+    read_members,
     tar_bytes,
     unpack_files,
 )
 from artigen.datasets.shards import write_folder
-from artigen.datasets.tars import add_member, iterate_samples, open_tar, read_members
 
 PATHS = st.from_regex(r"\A[a-z]{1,8}(/[a-z]{1,8}){0,2}\.(urdf|obj|png|json)\Z")
 FOLDERS = st.dictionaries(PATHS, st.binary(max_size=2000), max_size=6)

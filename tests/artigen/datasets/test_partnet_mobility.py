@@ -228,7 +228,19 @@ def test_junk_and_what_hangs_on_it_is_left_out(folder, cabinet):
     assert sum("is junk" in note for note in asset.notes) == 2
 
 
+@pytest.mark.parametrize(("gap", "count"), [(0.035, 1), (0.045, 2)])
+def test_handles_of_one_name_are_one_where_they_are_near(folder, gap: float, count: int):
+    """Gaps are shares of the longest edge."""
+    whole = read_object(folder, FAST)
+    assert add_handle(folder, gap / whole.visuals[0].scale) == ["handle"] * count
+
+
 def test_separate_handles_of_one_name_become_parts(folder):
+    assert add_handle(folder, 0.3) == ["handle", "handle"]
+
+
+def add_handle(folder: Path, gap: float) -> list[str]:
+    """Copies a handle to below itself, with a gap (m); returns the labels of the parts of its carrier."""
     edit_json(
         folder / "mobility_v2.json", lambda v: v[0]["parts"].__setitem__(5, v[0]["parts"][5] | {"id": 6})
     )
@@ -236,13 +248,13 @@ def test_separate_handles_of_one_name_become_parts(folder):
     blocks = path.read_text()
     vertices = [line for line in blocks.splitlines() if line.startswith("v ")]
     low = np.array([[float(word) for word in line.split()[1:]] for line in vertices])
-    moved = [f"v {x:.9f} {y - 0.3:.9f} {z:.9f}" for x, y, z in low]
+    down = np.ptp(low[:, 1]) + gap
+    moved = [f"v {x:.9f} {y - down:.9f} {z:.9f}" for x, y, z in low]
     faces = [line for line in blocks.splitlines() if line.startswith("f ")]
     count = len(vertices)
     second = ["f " + " ".join(str(int(word) + count) for word in line.split()[1:]) for line in faces]
     path.write_text("\n".join([*vertices, *moved, *faces, *second]) + "\n")
-    labels = [part.label for part in read_object(folder, FAST).asset.parts if part.parent == 2]
-    assert labels == ["handle", "handle"]
+    return [part.label for part in read_object(folder, FAST).asset.parts if part.parent == 2]
 
 
 def test_a_part_never_loses_all_it_has_to_its_handle(folder):

@@ -20,7 +20,7 @@ from artigen.examples.sketch_photos import (
 )
 from artigen.shapes.draw import draw_shape
 from artigen.sketch.alignment import View, find_hull, place_camera
-from artigen.sketch.overlay import list_faces, look, read_target
+from artigen.sketch.overlay import find_visible, list_faces, read_target
 from artigen.sketch.picture import CELL
 from artigen.types import PART_LABELS
 
@@ -67,7 +67,7 @@ def test_the_view_is_that_of_the_camera(monkeypatch: pytest.MonkeyPatch):
         photo = take_photo(SHAPE, np.random.default_rng(seed))
         picture = photo.rgba.transpose(2, 0, 1).astype(np.float32) / 255.0
         target = read_target(picture, EDGE)
-        seen = look(faces, place_camera(View(*photo.view.tolist()), hull, target)) >= 0
+        seen = find_visible(faces, place_camera(View(*photo.view.tolist()), hull, target)) >= 0
         shown = picture[3] > 0.5
         assert (seen & shown).sum() > 0.97 * (seen | shown).sum()
 

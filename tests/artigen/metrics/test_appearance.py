@@ -19,8 +19,15 @@ from artigen.cli.train import AppearanceSettings, train
 from artigen.errors import ArtigenError, SourceError
 from artigen.examples.appearance import draw_appearance, write_appearance_shard
 from artigen.examples.shards import HELD_OUT
-from artigen.metrics.appearance import Comparison, score_comparisons, score_sets, split_states
-from artigen.metrics.part_colors import color_error, mean_colors
+from artigen.metrics.appearance import (
+    Comparison,
+    color_error,
+    mean_colors,
+    score_comparisons,
+    score_distances,
+    score_sets,
+    split_states,
+)
 from artigen.metrics.pictures import (
     frechet_distance,
     kernel_distance,
@@ -29,7 +36,6 @@ from artigen.metrics.pictures import (
     ssim_map,
 )
 from artigen.metrics.settings import EvaluateSettings
-from artigen.metrics.splat_distance import score_distances
 from artigen.models.store import load_model
 from artigen.splats.render.splats import Splats
 from artigen.train.loop import finished_steps

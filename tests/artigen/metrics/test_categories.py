@@ -1,6 +1,6 @@
 """Categories that PartNet-Mobility files under one name count as one."""
 
-from artigen.metrics.categories import NAMES, is_same_category
+from artigen.metrics.reading import NAMES, is_same_category
 from artigen.shapes.draw import categories
 from artigen.types import PAPER_CATEGORIES
 

@@ -6,16 +6,15 @@ import numpy as np
 import pytest
 
 from artigen.conditioning.delivery import asset_size, has_counts, part_counts, size_error
-from artigen.metrics.chamfer import chamfer
-from artigen.metrics.clouds import sample_cells, sample_every_part
+from artigen.metrics.clouds import chamfer, sample_cells, sample_every_part
 from artigen.metrics.compat import compat_distance, pair_with_leftovers
-from artigen.metrics.distribution import coverage, minimum_matching_distance, nearest_neighbour_accuracy
 from artigen.metrics.instantiation import (
     InstantiationConfig,
     instantiation_distance,
     pairwise_distances,
     pose_object,
 )
+from artigen.metrics.score import coverage, minimum_matching_distance, nearest_neighbour_accuracy
 from artigen.metrics.strict import PENALTY, strict_distance
 from artigen.metrics.structure import part_deviations
 from artigen.types import PART_LABELS, Asset, Joint, Part, VoxelGrid

@@ -11,8 +11,8 @@ from artigen.examples.shards import ShardConfig, ShardJob
 from artigen.examples.structure import make_shard, read_shard
 from artigen.latent.presets import PRESETS
 from artigen.latent.structure_vae import StructureVae
+from artigen.metrics.asks import condition_distance, retrieve
 from artigen.metrics.instantiation import pose_set
-from artigen.metrics.retrieval import condition_distance, retrieve
 from artigen.metrics.score import ScoreConfig, score_novelty, score_objects, score_set
 from artigen.metrics.strict import PENALTY
 from artigen.metrics.structure import score_reconstruction, score_spread

@@ -10,8 +10,16 @@ from pathlib import Path
 
 import pytest
 
-from artigen.cli.batch import Finished, digest_settings, read_journal, run_batch
-from artigen.cli.shard import Part, name_part, read_shard, take_part
+from artigen.cli.batch import (
+    Finished,
+    Part,
+    digest_settings,
+    name_part,
+    read_journal,
+    read_shard,
+    run_batch,
+    take_part,
+)
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import LocalRunner, run_jobs
 from artigen.runtime.workers import Worker

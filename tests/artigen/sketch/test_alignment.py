@@ -15,7 +15,7 @@ from artigen.shapes.primitives import box, move, place_vertices
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.sketch.alignment import Fit, View, find_hull, fit_camera, place_camera
-from artigen.sketch.overlay import Faces, PictureError, list_faces, look, measure_edges, read_target
+from artigen.sketch.overlay import Faces, PictureError, find_visible, list_faces, measure_edges, read_target
 from artigen.sketch.picture_colors import THIN, read_colors
 
 SIZE = 128
@@ -126,7 +126,7 @@ def test_wide_turns_are_found(yaw: float):
     view = View(yaw=float(np.radians(yaw)), pitch=float(np.radians(30.0)), closeness=0.3)
     faces, camera = stand(shape, view)
     colors = np.array([finish.color for _, finish in shape.finishes])
-    fit = fit_camera(shape, dye(faces, look(faces, camera), colors))
+    fit = fit_camera(shape, dye(faces, find_visible(faces, camera), colors))
     assert fit.overlap > 0.94
     assert abs(fit.view.yaw - view.yaw) < np.radians(3.0)
     assert abs(fit.view.pitch - view.pitch) < np.radians(6.0)
@@ -146,7 +146,7 @@ def test_a_view_that_is_about_right_is_made_exact():
     shape, view = draw_shape(*CABINET), View(yaw=0.5, pitch=0.3, closeness=0.22)
     faces, camera = stand(shape, view)
     colors = np.array([finish.color for _, finish in shape.finishes])
-    picture = dye(faces, look(faces, camera), colors)
+    picture = dye(faces, find_visible(faces, camera), colors)
     fit = fit_camera(shape, picture, replace(view, yaw=0.42, pitch=0.25, closeness=0.28))
     assert fit.overlap > 0.97
     assert abs(fit.view.yaw - view.yaw) < np.radians(2.0)
@@ -168,7 +168,7 @@ def test_edges_tell_fronts_apart_where_silhouettes_do_not():
     assert abs(own.overlap - wrong.overlap) < 0.05
     target = read_target(picture, SIZE)
     edges = [
-        measure_edges(list_faces(drawn), look(list_faces(drawn), fit.camera), target)
+        measure_edges(list_faces(drawn), find_visible(list_faces(drawn), fit.camera), target)
         for drawn, fit in ((shape, own), (other, wrong))
     ]
     assert edges[0] > edges[1] + 0.1
@@ -180,7 +180,7 @@ def test_colours_without_light_are_read_exactly(category: str, seed: int):
     view = View(yaw=0.5, pitch=0.3, closeness=0.22)
     faces, camera = stand(shape, view)
     truth = np.array([finish.color for _, finish in shape.finishes])
-    seen = look(faces, camera)
+    seen = find_visible(faces, camera)
     shown = np.bincount(faces.roles[seen[seen >= 0]], minlength=len(truth)) > 100
     thin = np.array([role in THIN for role, _ in shape.finishes])
     fit = Fit(view=view, camera=camera, overlap=1.0)

@@ -10,7 +10,7 @@ from artigen.shapes.fittings.outlines import Outline, build_loft, draw_egg, trac
 from artigen.shapes.primitives import SEGMENTS, box, contains, place_vertices, polytope
 from artigen.sketch.piece import CORNERS, INWARD, NUMBERS, Piece, PieceKind, across
 from artigen.sketch.pieces import build_piece, fit_pieces
-from artigen.sketch.request import nothing_asked
+from artigen.sketch.request import empty_request
 from artigen.sketch.rows import PIECE_KINDS, ROW_KINDS, column, rows_to_sketch, sketch_to_rows
 from artigen.sketch.rules import Writer
 from artigen.sketch.sketch import FRACTIONS, read_sketch, write_sketch
@@ -168,7 +168,7 @@ def test_whatever_the_rules_allow_of_a_rounded_piece_is_one(kind: PieceKind):
     table, rng = sketch_to_rows(write_sketch(draw_shape("Safe", 1))), np.random.default_rng(0)
     head = next(at for at, row in enumerate(table) if ROW_KINDS[row[0]] == "part")
     for _ in range(150):
-        writer = Writer(asked=nothing_asked())
+        writer = Writer(request=empty_request())
         for row in table[: head + 1].tolist():
             _write(row, writer, rng)
             writer.close()
@@ -212,7 +212,7 @@ def test_no_part_may_hold_what_it_waits_for():
         parts = list(sketch.parts)
         parts[last] = replace(parts[last], joint=replace(parts[last].joint, needs=needs))
         table = sketch_to_rows(replace(sketch, parts=tuple(parts)))
-        writer, joints = Writer(asked=nothing_asked()), 0
+        writer, joints = Writer(request=empty_request()), 0
         for row in table.tolist():
             while not writer.complete():
                 if joints == last and writer.row and writer.kind == "joint" and writer.name == "holds":

@@ -15,7 +15,7 @@ from artigen.shapes.draw import categories, draw_shape
 from artigen.shapes.primitives import Primitive, box, cylinder, move, place_vertices, polytope
 from artigen.shapes.shape import Shape
 from artigen.sketch import draw, growth, model
-from artigen.sketch.batch import ask_for, make_batch
+from artigen.sketch.batch import make_batch, sample_request
 from artigen.sketch.draw import DrawConfig, begin_drafts, continue_drafts
 from artigen.sketch.model import (
     SketchConfig,
@@ -26,11 +26,11 @@ from artigen.sketch.model import (
     save_sketch_network,
 )
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
-from artigen.sketch.picture import MAX_COUNT, PictureConfig, Seen
+from artigen.sketch.picture import MAX_COUNT, PictureConfig, PicturePrediction
 from artigen.sketch.piece import UnknownSolid
 from artigen.sketch.pieces import build_piece, fit_pieces
 from artigen.sketch.planes import COARSE
-from artigen.sketch.request import Asked, AskedFinish, SketchRequest, ask, nothing_asked
+from artigen.sketch.request import FinishRequest, RequestRows, SketchRequest, empty_request, encode_request
 from artigen.sketch.rows import COUNTED, FIELDS, ROW_KINDS, column, rows_to_sketch, sketch_to_rows
 from artigen.sketch.rules import Writer
 from artigen.sketch.sketch import STEP, SketchError, read_sketch, write_sketch
@@ -120,7 +120,7 @@ def test_solids_without_a_word_are_named(solid: Primitive):
 
 @pytest.mark.parametrize(("category", "seed"), DRAWN)
 def test_the_rules_allow_what_the_grammar_says(category: str, seed: int):
-    writer = Writer(asked=nothing_asked())
+    writer = Writer(request=empty_request())
     for row in _table(category, seed).tolist():
         while not writer.complete():
             value = row[len(writer.row)]
@@ -140,7 +140,7 @@ def test_the_rules_allow_what_the_grammar_says(category: str, seed: int):
 
 @pytest.mark.parametrize("category", CATEGORIES)
 def test_the_rules_allow_the_styles_of_the_category_and_no_others(category: str):
-    writer = Writer(asked=ask(SketchRequest(category=category)))
+    writer = Writer(request=encode_request(SketchRequest(category=category)))
     writer.put(ROW_KINDS.index("object"))
     writer.put(CATEGORIES.index(category))
     assert writer.name == "style"
@@ -148,7 +148,7 @@ def test_the_rules_allow_the_styles_of_the_category_and_no_others(category: str)
     assert {STYLES[index] for index in writer.allowed(len(STYLES)).nonzero()[0]} == known
 
 
-class _Reciter(draw._Pen):
+class _Reciter(draw._Sampler):
     """Says known tables, and adds up what each costs."""
 
     def recite(self, tables: list[np.ndarray]) -> None:
@@ -156,7 +156,7 @@ class _Reciter(draw._Pen):
         self.cost = np.zeros(len(tables))
         while self.writers:
             self.write_row(lambda _: True)
-            self.put_aside(lambda writer: writer.done)
+            self.remove_finished(lambda writer: writer.done)
 
     def _true(self, k: int) -> int:
         writer = self.writers[k]
@@ -185,63 +185,64 @@ class _Reciter(draw._Pen):
 @pytest.mark.parametrize("reads", ["words", "pictures"])
 def test_a_table_costs_as_much_row_by_row_as_at_once(reads: str, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(draw, "DIGITS", COARSE)
+    monkeypatch.setattr(draw, "PLANES", 10_000)
     pictured = reads == "pictures"
     network = _seeing_network() if pictured else _network()
     tables = [_table("StorageFurniture", 1), _table("Refrigerator", 2)]
-    requests = [replace(ask_for(table, np.random.default_rng(0))) for table in tables]
-    requests = [Asked(rows=asked.rows[:1], known=asked.known[:1]) for asked in requests]
-    sight = network.look(_pictures())[1] if pictured else None
-    pen = _Reciter(
-        network, begin_drafts(network, requests, sight), np.random.default_rng(0).spawn(2), DrawConfig()
+    requests = [replace(sample_request(table, np.random.default_rng(0))) for table in tables]
+    requests = [RequestRows(rows=request.rows[:1], known=request.known[:1]) for request in requests]
+    memory = network.encode_pictures(_pictures())[1] if pictured else None
+    sampler = _Reciter(
+        network, begin_drafts(network, requests, memory), np.random.default_rng(0).spawn(2), [1.0, 1.0], 1.0
     )
-    pen.recite(tables)
-    for index, (table, asked) in enumerate(zip(tables, requests, strict=True)):
-        draft = pen.finished[index]
+    sampler.recite(tables)
+    for index, (table, request) in enumerate(zip(tables, requests, strict=True)):
+        draft = sampler.finished[index]
         assert draft is not None
         assert np.array_equal(draft.writer.table, table)
-        own = None if sight is None else sight.take([index])
-        symbols, numbers = network(make_batch([table], [asked]), own)
-        assert pen.cost[index] == pytest.approx(float(symbols.sum() + numbers.sum()), rel=1e-3)
+        own = None if memory is None else memory.take([index])
+        symbols, numbers = network(make_batch([table], [request]), own)
+        assert sampler.cost[index] == pytest.approx(float(symbols.sum() + numbers.sum()), rel=1e-3)
 
 
 @torch.no_grad()
 def test_an_untrained_look_changes_nothing_and_a_trained_one_sees_which_picture_it_is():
-    batch = make_batch([_table("Safe", 1)], [nothing_asked()])
+    batch = make_batch([_table("Safe", 1)], [empty_request()])
     network = SketchNetwork(replace(TINY, picture=PICTURE)).eval()
     blind = network(batch)[0].sum()
-    seen = [network(batch, network.look(picture[None])[1])[0].sum() for picture in _pictures()]
+    seen = [network(batch, network.encode_pictures(picture[None])[1])[0].sum() for picture in _pictures()]
     assert float(seen[0]) == pytest.approx(float(blind)) == pytest.approx(float(seen[1]))
     network = _seeing_network()
-    seen = [network(batch, network.look(picture[None])[1])[0].sum() for picture in _pictures()]
+    seen = [network(batch, network.encode_pictures(picture[None])[1])[0].sum() for picture in _pictures()]
     assert abs(float(seen[0] - seen[1])) > 1e-3
 
 
 @torch.no_grad()
 def test_pictures_are_read_one_by_one_as_side_by_side():
     network = _seeing_network()
-    together = network.look(_pictures())[0]
+    together = network.encode_pictures(_pictures())[0]
     for index, picture in enumerate(_pictures()):
-        alone = network.look(picture[None])[0]
+        alone = network.encode_pictures(picture[None])[0]
         torch.testing.assert_close(alone.tokens[0], together.tokens[index], atol=1e-4, rtol=1e-3)
         torch.testing.assert_close(alone.view[0], together.view[index], atol=1e-4, rtol=1e-3)
     assert together.tokens.shape[1] == (PICTURE.edge // 16) ** 2 + 2
     large = torch.nn.functional.interpolate(_pictures(), scale_factor=3.0)  # scaled down again
-    assert network.look(large)[0].tokens.shape == together.tokens.shape
+    assert network.encode_pictures(large)[0].tokens.shape == together.tokens.shape
 
 
 def test_a_network_that_reads_no_pictures_says_so(tmp_path: Path):
     with pytest.raises(SourceError, match="reads no pictures"):
         read_object_picture(_network(), tmp_path / "photo.png")
     with pytest.raises(ValueError, match="reads no pictures"):
-        _network().look(_pictures())
+        _network().encode_pictures(_pictures())
 
 
 @torch.no_grad()
 def test_padding_beside_a_longer_object_changes_nothing():
     tables = [_table("Safe", 1), _table("Oven", 2)]
-    asked = [nothing_asked(), nothing_asked()]
-    together = _network()(make_batch(tables, asked))
-    apart = [_network()(make_batch([table], [nothing_asked()])) for table in tables]
+    requests = [empty_request(), empty_request()]
+    together = _network()(make_batch(tables, requests))
+    apart = [_network()(make_batch([table], [empty_request()])) for table in tables]
     for side in (0, 1):
         assert float(together[side].sum()) == pytest.approx(
             sum(float(one[side].sum()) for one in apart), rel=1e-4
@@ -251,6 +252,7 @@ def test_padding_beside_a_longer_object_changes_nothing():
 @torch.no_grad()
 def test_chances_of_all_values_of_a_number_add_up_to_one(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(draw, "DIGITS", COARSE)
+    monkeypatch.setattr(draw, "PLANES", 10_000)
     sums: list[float] = []
 
     class Adder(_Reciter):
@@ -258,16 +260,16 @@ def test_chances_of_all_values_of_a_number_add_up_to_one(monkeypatch: pytest.Mon
             spans = [writer.span for writer in self.writers]
             for writer in self.writers:
                 writer.span = lambda: (-8192, 8191)  # type: ignore[method-assign]
-            draw._Pen._draw_numbers(self, which, x, slot)
+            draw._Sampler._draw_numbers(self, which, x, slot)
             for writer, span in zip(self.writers, spans, strict=True):
                 writer.span = span  # type: ignore[method-assign]
             sums.extend(self.chances.sum(dim=-1).tolist())
             return [self._true(k) for k in which]
 
-    pen = Adder(
-        _network(), begin_drafts(_network(), [nothing_asked()]), [np.random.default_rng(0)], DrawConfig()
+    sampler = Adder(
+        _network(), begin_drafts(_network(), [empty_request()]), [np.random.default_rng(0)], [1.0], 1.0
     )
-    pen.recite([_table("Safe", 1)])
+    sampler.recite([_table("Safe", 1)])
     assert len(sums) > 50
     assert sums == pytest.approx([1.0] * len(sums), abs=1e-3)
 
@@ -284,11 +286,11 @@ REQUEST = SketchRequest(
     depth=0.4,
     width=0.8,
     height=1.2,
-    finishes=(AskedFinish(role="front", color=(0.2, 0.4, 0.6), material="lacquer"),),
+    finishes=(FinishRequest(role="front", color=(0.2, 0.4, 0.6), material="lacquer"),),
 )
 
 
-def _draw_tables(requests: list[Asked], seed: int, top_p: float = 0.98) -> list[np.ndarray | None]:
+def _draw_tables(requests: list[RequestRows], seed: int, top_p: float = 0.98) -> list[np.ndarray | None]:
     """Whole tables, nothing rejected; None where one grew too long."""
     cfg, chances = DrawConfig(temperature=0.8, top_p=top_p), np.random.default_rng(seed).spawn(len(requests))
     begun = begin_drafts(_network(), requests)
@@ -297,7 +299,7 @@ def _draw_tables(requests: list[Asked], seed: int, top_p: float = 0.98) -> list[
 
 
 def test_what_is_asked_is_delivered_even_by_a_network_that_knows_nothing():
-    tables = _draw_tables([ask(REQUEST)] * 6, 3, top_p=1.0)
+    tables = _draw_tables([encode_request(REQUEST)] * 6, 3, top_p=1.0)
     finished = [table for table in tables if table is not None]
     assert finished
     for table in finished:
@@ -326,7 +328,7 @@ def test_a_header_has_at_least_one_part_of_labels_that_are_asked_for():
 
 @pytest.mark.usefixtures("_short")
 def test_the_same_seed_draws_the_same_and_another_something_else():
-    one, again, other = (_draw_tables([ask(REQUEST)] * 2, seed) for seed in (5, 5, 6))
+    one, again, other = (_draw_tables([encode_request(REQUEST)] * 2, seed) for seed in (5, 5, 6))
     assert all(np.array_equal(a, b) for a, b in zip(one, again, strict=True))
     assert not all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
 
@@ -337,7 +339,7 @@ def test_a_header_says_what_is_asked_and_all_that_is_not():
     assert header.height is not None
     assert 0.02 <= header.height < 4.1
     assert (header.category, header.counts) == (REQUEST.category, REQUEST.counts)
-    assert ask(header).known[0, : 1 + len(FIELDS["object"])].all()
+    assert encode_request(header).known[0, : 1 + len(FIELDS["object"])].all()
 
 
 @pytest.mark.parametrize(
@@ -347,12 +349,12 @@ def test_a_header_says_what_is_asked_and_all_that_is_not():
         ({"style": "baroque"}, "baroque"),
         ({"counts": (("door", 99),)}, "99 parts called door"),
         ({"width": 9.0}, "width 9 m"),
-        ({"finishes": (AskedFinish(role="soul"),)}, "soul"),
+        ({"finishes": (FinishRequest(role="soul"),)}, "soul"),
     ],
 )
 def test_what_cannot_be_asked_is_refused_with_what_can(wrong: dict[str, object], said: str):
     with pytest.raises(SketchError, match=said):
-        ask(replace(REQUEST, **wrong))  # type: ignore[arg-type]
+        encode_request(replace(REQUEST, **wrong))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("reads", ["words", "pictures"])
@@ -361,7 +363,7 @@ def test_a_stored_network_says_the_same_again(reads: str, tmp_path: Path):
     save_sketch_network(network, tmp_path, {"preset": "tiny"})
     loaded = load_sketch_network(tmp_path)
     assert loaded.cfg == network.cfg
-    batch = make_batch([_table("Safe", 1)], [nothing_asked()])
+    batch = make_batch([_table("Safe", 1)], [empty_request()])
     with torch.no_grad():
         assert float(loaded(batch)[1].sum()) == pytest.approx(float(network(batch)[1].sum()), rel=0.01)
     with pytest.raises(SourceError, match="no such model"):
@@ -428,7 +430,7 @@ def test_a_continuation_ends_at_its_first_piece_that_overlaps_a_finished_part(
         body[0][first + 1 : first + 3],
         body[0][first + 4 : first + 6],
     )
-    draft = begin_drafts(_network(), [ask(REQUEST)])[0]
+    draft = begin_drafts(_network(), [encode_request(REQUEST)])[0]
     draft.writer.rows = [*rows[: starts[1] + 1].tolist()]
     draft.writer.labels, draft.writer.moving, draft.writer.row = [0, 1], [False], door.tolist()
     found: list[bool] = []
@@ -445,7 +447,7 @@ def test_a_continuation_ends_at_its_first_piece_that_overlaps_a_finished_part(
     assert dict(grower.seen) == ({} if fits else {"overlap": 1})
 
 
-def _seen(category: str, counts: dict[str, int]) -> Seen:
+def _seen(category: str, counts: dict[str, int]) -> PicturePrediction:
     """Predictions of a picture that are certain of a category and of some counts."""
     chances = torch.zeros(1, len(PART_LABELS), MAX_COUNT + 1)
     for label, count in counts.items():
@@ -453,7 +455,9 @@ def _seen(category: str, counts: dict[str, int]) -> Seen:
     kinds = torch.zeros(1, len(CATEGORIES))
     kinds[0, CATEGORIES.index(category)] = 5.0
     empty = torch.zeros(1, 0)
-    return Seen(tokens=empty, density=empty, labels=empty, counts=chances, category=kinds, view=empty)
+    return PicturePrediction(
+        tokens=empty, density=empty, labels=empty, counts=chances, category=kinds, view=empty
+    )
 
 
 def test_what_the_encoder_finds_likely_is_the_product_of_its_chances():
@@ -480,13 +484,13 @@ def test_of_twelve_headers_for_a_picture_the_encoder_chooses(monkeypatch: pytest
 
     monkeypatch.setattr(model, "continue_drafts", stand_in)
     network = _seeing_network()
-    looked = _seen("StorageFurniture", {"wheel": wheels}), network.look(_pictures()[:1])[1]
-    assert dict(draw_header(network, REQUEST, 0, looked=looked).counts)["wheel"] == wheels
+    encoded = _seen("StorageFurniture", {"wheel": wheels}), network.encode_pictures(_pictures()[:1])[1]
+    assert dict(draw_header(network, REQUEST, 0, encoded=encoded).counts)["wheel"] == wheels
     assert dict(draw_header(network, REQUEST, 0).counts)["wheel"] == 0  # the only one
 
 
 def test_a_draft_that_is_continued_stays_as_it_was():
-    start = begin_drafts(_network(), [ask(REQUEST)])
+    start = begin_drafts(_network(), [encode_request(REQUEST)])
     header = continue_drafts(_network(), start, lambda _: True, [np.random.default_rng(0)])[0]
     assert header is not None
     assert start[0].writer.rows == []
@@ -507,7 +511,7 @@ def test_a_draft_that_is_continued_stays_as_it_was():
 
 @pytest.mark.usefixtures("_short")
 def test_a_table_does_not_depend_on_those_beside_it():
-    begun = begin_drafts(_network(), [ask(REQUEST)])
+    begun = begin_drafts(_network(), [encode_request(REQUEST)])
 
     def draw_some(some: slice) -> list[list[list[int]]]:
         rngs = np.random.default_rng(3).spawn(4)[some]
@@ -519,7 +523,7 @@ def test_a_table_does_not_depend_on_those_beside_it():
 
 @pytest.mark.usefixtures("_short")
 def test_a_table_with_a_row_that_does_not_fit_is_dropped_and_changes_no_other():
-    begun = begin_drafts(_network(), [ask(REQUEST)]) * 4
+    begun = begin_drafts(_network(), [encode_request(REQUEST)]) * 4
 
     def draw_those(fits: Callable[[Writer], bool]) -> list[list[list[int]] | None]:
         rngs = np.random.default_rng(3).spawn(4)
@@ -549,8 +553,10 @@ def test_values_are_drawn_as_often_as_they_are_likely(
 ):
     rng, count = np.random.default_rng(0), 20_000
     chances = torch.from_numpy(rng.dirichlet(np.full(values, 0.5))).float()
-    pen = draw._Pen(_network(), begin_drafts(_network(), [nothing_asked()]), [rng], cfg)
-    drawn = pen._draw([0] * count, chances.expand(count, -1)).numpy()
+    begun = begin_drafts(_network(), [empty_request()])
+    temperatures = [5.0, cfg.temperature]  # that of the other table does not matter
+    sampler = draw._Sampler(_network(), begun, [rng, rng], temperatures, cfg.top_p)
+    drawn = sampler._draw([1] * count, chances.expand(count, -1)).numpy()
     sharp = chances.numpy().astype(float) ** (1 / temperature)
     order = np.argsort(-sharp)
     likeliest = order[: int((np.cumsum(sharp[order]) / sharp.sum() < top_p).sum()) + 1]

@@ -4,7 +4,7 @@ import pytest
 
 from artigen.errors import ArtigenError
 from artigen.shapes.draw import Wish
-from artigen.sketch.request import SketchRequest, ask
+from artigen.sketch.request import SketchRequest, encode_request
 from artigen.sketch.understand import Request, understand
 
 
@@ -19,7 +19,7 @@ def test_words_ask_for_the_same_as_flags():
 def test_what_is_not_said_stays_open():
     request = understand(Request(category="Oven")).request
     assert request == SketchRequest(category="Oven")
-    known = ask(request).known
+    known = encode_request(request).known
     assert known[0, :2].all()
     assert not known[0, 2:].any()
 

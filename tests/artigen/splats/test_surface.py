@@ -111,8 +111,6 @@ def test_what_cannot_be_a_disc_is_an_error():
         splat_surface(replace(sheet(4), normals=np.zeros((4, 3))))
     with pytest.raises(ValueError, match="sample the surface more densely"):
         splat_surface(replace(sheet(3), part_ids=np.arange(3)))
-    with pytest.raises(ValueError, match="spread 0"):
-        SurfaceSplatConfig(spread=0)
 
 
 def test_thinning_keeps_at_most_so_many_and_all_if_there_are_no_more():

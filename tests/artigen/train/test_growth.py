@@ -8,7 +8,7 @@ import torch
 
 from artigen.errors import ArtigenError
 from artigen.shapes.draw import draw_shape
-from artigen.sketch.batch import ask_for, make_batch
+from artigen.sketch.batch import make_batch, sample_request
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig
 from artigen.sketch.rows import sketch_to_rows
@@ -27,9 +27,9 @@ SMALL = SketchNetworkConfig(
 def _losses(network: SketchNetwork) -> torch.Tensor:
     table = sketch_to_rows(write_sketch(draw_shape("Microwave", 0)))
     image = torch.rand(1, 4, 64, 64, generator=torch.Generator().manual_seed(0))
-    sight = network.look(image)[1]
-    batch = make_batch([table], [ask_for(table, np.random.default_rng(0))])
-    return torch.cat([losses.flatten() for losses in network(batch, sight)])
+    memory = network.encode_pictures(image)[1]
+    batch = make_batch([table], [sample_request(table, np.random.default_rng(0))])
+    return torch.cat([losses.flatten() for losses in network(batch, memory)])
 
 
 def test_grown_network_predicts_what_the_small_one_does_and_learns_in_every_block() -> None:

@@ -24,8 +24,8 @@ from artigen.shapes.draw import draw_shape
 from artigen.sketch.batch import make_batch
 from artigen.sketch.model import load_sketch_network
 from artigen.sketch.network import SketchNetwork
-from artigen.sketch.picture import CELL, MAX_COUNT, Seen
-from artigen.sketch.request import nothing_asked
+from artigen.sketch.picture import CELL, MAX_COUNT, PicturePrediction
+from artigen.sketch.request import empty_request
 from artigen.sketch.rows import ROW_KINDS, sketch_to_rows
 from artigen.sketch.sketch import write_sketch
 from artigen.sketch.words import CATEGORIES
@@ -44,17 +44,22 @@ NINE = CATEGORIES[:9]
 
 
 @pytest.fixture(scope="module")
-def photos(tmp_path_factory: pytest.TempPathFactory) -> PhotoBatch:
-    examples = make_examples(
+def examples(tmp_path_factory: pytest.TempPathFactory) -> list[SketchExample]:
+    """Object 3 of nine categories, with photos."""
+    return make_examples(
         tmp_path_factory.mktemp("shards"), 3, 1, categories=NINE, count=1, workers=1, photos=True
     )
+
+
+@pytest.fixture(scope="module")
+def photos(examples: list[SketchExample]) -> PhotoBatch:
     return gather_photos([one.photo for one in examples if one.photo is not None])
 
 
 def test_an_object_seen_often_is_learnt_by_heart():
     torch.manual_seed(0)
     network = SketchLosses(SketchNetwork(SIZES["tiny"]))
-    rows = make_batch([sketch_to_rows(write_sketch(draw_shape("Safe", 1)))], [nothing_asked()])
+    rows = make_batch([sketch_to_rows(write_sketch(draw_shape("Safe", 1)))], [empty_request()])
     batch = SketchBatch(rows=rows, photos=None)
     optimizer = torch.optim.AdamW(network.parameters(), lr=3e-3)
     losses = []
@@ -83,7 +88,7 @@ def test_batches_hold_objects_of_like_length_and_about_so_many_rows():
         assert torch.equal(batch.rows.rows, same.rows.rows)
         assert len(batch.rows.rows) >= 2
         if (batch.rows.rows[..., 0] == ROW_KINDS.index("part")).any():
-            assert int(batch.rows.said.any(dim=2).sum()) <= 250
+            assert int(batch.rows.predicted.any(dim=2).sum()) <= 250
         else:
             assert len(batch.rows.rows) == TOLD_HEADS
             heads += 1
@@ -100,7 +105,7 @@ def test_the_head_of_a_table_ends_before_the_first_part():
 
 def test_the_weights_of_fields_belong_to_the_header_of_the_object_and_to_nothing_else():
     tables = [sketch_to_rows(write_sketch(draw_shape("Safe", seed))) for seed in (1, 2)]
-    for rows in (make_batch(tables[:1], [nothing_asked()]), make_batch(tables, [nothing_asked()] * 2)):
+    for rows in (make_batch(tables[:1], [empty_request()]), make_batch(tables, [empty_request()] * 2)):
         symbols, numbers = weigh_fields(rows)
         found = SketchNetwork(SIZES["tiny"])(rows)
         assert (len(symbols), len(numbers)) == (len(found[0]), len(found[1]))
@@ -125,7 +130,7 @@ def test_maps_that_are_true_cost_less_than_maps_that_miss(photos: PhotoBatch):
     labels = 12.0 * torch.nn.functional.one_hot(photos.labels, NOTHING + 1).permute(0, 3, 1, 2).float()
     tokens = torch.zeros(len(truth), 1, 8)
     nothing = torch.zeros(len(truth), 8, MAX_COUNT + 1)
-    right = Seen(
+    right = PicturePrediction(
         tokens=tokens,
         density=truth,
         labels=labels,
@@ -146,9 +151,9 @@ def test_maps_that_are_true_cost_less_than_maps_that_miss(photos: PhotoBatch):
 
 def test_a_run_goes_on_where_it_was_and_its_model_loads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("artigen.train.sketch.SHARD", 1)
-    monkeypatch.setattr("artigen.train.sketch.MEASURED", 9)
+    monkeypatch.setattr("artigen.train.sketch.MEASURED", 3)
     cfg = SketchRunConfig(
-        folder=tmp_path, preset="tiny", minutes=0.02, shards=1, rows=120, workers=1, categories=CATEGORIES[:9]
+        folder=tmp_path, preset="tiny", minutes=0.02, shards=1, rows=120, workers=1, categories=CATEGORIES[:3]
     )
     scores = train_sketch(cfg)
     assert scores["asked_per_field"] > 0
@@ -161,7 +166,9 @@ def test_a_run_goes_on_where_it_was_and_its_model_loads(tmp_path: Path, monkeypa
     assert shard.stat().st_mtime_ns == before
     shard.write_bytes(b"torn")
     with pytest.raises(SourceError, match="delete it"):
-        make_examples(tmp_path / "train", 10_000, 1, categories=NINE, count=1, workers=1, photos=True)
+        make_examples(
+            tmp_path / "train", 10_000, 1, categories=CATEGORIES[:3], count=1, workers=1, photos=True
+        )
 
 
 @pytest.mark.parametrize(
@@ -174,8 +181,7 @@ def test_settings_that_make_no_sense_are_refused(tmp_path: Path, changed: dict[s
     assert not (tmp_path / "run").exists()
 
 
-def test_tables_of_a_shard_are_those_of_the_grammar_and_photos_show_them(tmp_path: Path):
-    examples = make_examples(tmp_path, 3, 1, categories=NINE, count=1, workers=1, photos=True)
+def test_tables_of_a_shard_are_those_of_the_grammar_and_photos_show_them(examples: list[SketchExample]):
     assert len(examples) == 9
     oven = sketch_to_rows(write_sketch(draw_shape("Oven", 3)))
     (shown,) = [one.photo for one in examples if np.array_equal(one.table, oven)]

@@ -7,8 +7,6 @@ from box_surface import EDGE, MISSED, sample_box
 from artigen.types import SurfaceSamples, VoxelGrid
 from artigen.voxels.frames import FACINGS, facing_frames
 from artigen.voxels.surface import (
-    FARTHEST,
-    HEIGHT,
     HEIGHT_REACH,
     MIDDLE_SPREAD,
     VoxelPlaces,
@@ -65,8 +63,7 @@ def fill(low: tuple[int, int, int], high: tuple[int, int, int]) -> VoxelGrid:
 
 
 def test_surface_over_a_voxel_is_that_voxels():
-    farthest = FARTHEST * HEIGHT_REACH
-    for top, height in ((5.1, 0.6), (5.4, farthest)):  # beyond, networks cannot be told
+    for top, height in ((5.1, 0.6), (5.4, 0.675)):  # higher surface cannot be encoded
         surface = sample_box(np.array([2.0, 2.0, 4.3]), np.array([6.0, 6.0, top]))
         places = measure_places(surface, fill((2, 2, 4), (6, 6, 5)), np.full(16, 5))
         assert places.faced.all()
@@ -77,10 +74,10 @@ def test_what_no_surface_says_is_taken_to_be_filled():
     surface = sample_box(np.array([2.0, 2.0, 4.4]), np.array([4.0, 4.0, 4.6]))
     voxels = VoxelGrid(resolution=EDGE, coords=np.array([[9, 9, 9], [2, 2, 4]]), part_ids=np.zeros(2, int))
     places = measure_places(surface, voxels, np.array([3, 0]))
-    assert places.heights.tolist()[0] == [HEIGHT, -HEIGHT]
+    assert places.heights.tolist()[0] == [0.3, -0.3]
     assert places.lowest.tolist()[0] == [-0.5, -0.5]
     assert places.highest.tolist()[0] == [0.5, 0.5]
-    assert places.heights[1, 1] == -HEIGHT  # the board goes on inwards
+    assert places.heights[1, 1] == -0.3  # the board goes on inwards
 
 
 def test_what_networks_are_told_is_where_the_surface_lies():
@@ -90,3 +87,40 @@ def test_what_networks_are_told_is_where_the_surface_lies():
     middles, widths = MIDDLE_SPREAD * told[:, 2:4], np.exp(told[:, 4:])
     np.testing.assert_allclose(middles - widths / 2, places.lowest, atol=1e-6)
     np.testing.assert_allclose(middles + widths / 2, places.highest, atol=1e-6)
+
+
+def place_one(heights: tuple[float, float], low: float, high: float) -> VoxelPlaces:
+    """One voxel with a surface from ``low`` to ``high`` along both axes."""
+    ends = np.array([[low, low]]), np.array([[high, high]])
+    return VoxelPlaces(
+        heights=np.array([heights]), faced=np.ones((1, 2), bool), lowest=ends[0], highest=ends[1]
+    )
+
+
+def test_places_are_encoded_as_the_shipped_weights_read_them():
+    code = describe_places(place_one((0.375, -0.3), -0.25, 0.5))[0]
+    np.testing.assert_allclose(code, [*np.arctanh([0.5, -0.4]), 0.5, 0.5, *np.log([0.75, 0.75])])
+    narrow = describe_places(place_one((0.75, -0.75), 0.0, 0.05))[0]
+    np.testing.assert_allclose(narrow, [*np.arctanh([0.9, -0.9]), 0.1, 0.1, *np.log([0.1, 0.1])])
+
+
+@pytest.mark.parametrize(("degrees", "sides"), [(59.0, 1), (61.0, 0)])
+def test_surface_faces_a_side_up_to_sixty_degrees_from_it(degrees: float, sides: int):
+    turn = np.radians(degrees)
+    surface = SurfaceSamples(
+        points=np.array([[0.5, 0.5, 0.5]]) / EDGE - 0.5,
+        normals=np.array([[np.sin(turn), 0.0, np.cos(turn)]]),
+        colors=np.zeros((1, 3), dtype=np.uint8),
+        part_ids=np.zeros(1, dtype=np.int64),
+    )
+    places = measure_places(surface, fill((0, 0, 0), (1, 1, 1)), np.full(1, 5))
+    assert places.faced.tolist() == [[sides > 0, False]]
+
+
+@pytest.mark.parametrize(("top", "thickness", "kept"), [(5.25, 0.26, 0.26), (5.4, 0.45, 0.3)])
+def test_sides_keep_a_distance_of_up_to_three_tenths_where_heights_end(
+    top: float, thickness: float, kept: float
+):
+    surface = sample_box(np.array([2.0, 2.0, top - thickness]), np.array([6.0, 6.0, top]))
+    places = measure_places(surface, fill((2, 2, 4), (6, 6, 5)), np.full(16, 5))
+    np.testing.assert_allclose(places.heights, np.tile([0.675, 0.675 - kept], (16, 1)), atol=1e-6)

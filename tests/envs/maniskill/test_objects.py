@@ -8,8 +8,7 @@ import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 
 from envs.maniskill.containers import column_spans, find_container, largest_rectangle
-from envs.maniskill.folders import TaskError, find_packages
-from envs.maniskill.objects import TaskObject, read_object, read_objects
+from envs.maniskill.objects import TaskError, TaskObject, find_packages, read_object, read_objects
 from envs.maniskill.placement import find_stand, free_radius, grip_path, outward
 from envs.maniskill.robots import ROBOTS
 from envs.maniskill.solver.grasp import find_grasps

@@ -14,15 +14,23 @@ from artigen.errors import ArtigenError
 from artigen.shapes.families import choose_suite
 from envs.maniskill.populate import PopulateConfig, choose_filler_color, populate
 from envs.maniskill.rooms.ajar import open_some
+from envs.maniskill.rooms.arrange import Plan, fits
 from envs.maniskill.rooms.catalogue import Entry, PopulateError, read_catalogue
 from envs.maniskill.rooms.check import check_room
 from envs.maniskill.rooms.choose import Offer, Wall, choose_units, order_units
 from envs.maniskill.rooms.file import SceneFileError, read_room, write_room
-from envs.maniskill.rooms.footprints import cached_package, carries, measure_footprint, read_footprint
-from envs.maniskill.rooms.hung import hangs_flat
+from envs.maniskill.rooms.footprints import (
+    cached_package,
+    carries,
+    is_level,
+    measure_footprint,
+    read_footprint,
+)
+from envs.maniskill.rooms.furnish import BEFORE_WINDOW, place_group
 from envs.maniskill.rooms.map import label_regions, start_place, way_to
 from envs.maniskill.rooms.openings import find_openings
 from envs.maniskill.rooms.picture import RoomPictureConfig, draw_plan, draw_room
+from envs.maniskill.rooms.pieces import Boxes
 from envs.maniskill.rooms.recipes import BASE, KITCHEN, RANGE, RECIPES, WINDOWS, Share
 from envs.maniskill.rooms.room import (
     SIDES,
@@ -36,6 +44,7 @@ from envs.maniskill.rooms.room import (
     room_shell,
     wall_length,
 )
+from envs.maniskill.rooms.runs import Chooser, draw_shortlists
 from envs.maniskill.rooms.solids import place_solid
 from envs.maniskill.rooms.sweeps import opening_joints, sweep_boxes, sweep_joint
 from sim_export.collision.hulls import box_hull
@@ -383,7 +392,6 @@ def test_a_run_is_as_full_as_its_wall_allows():
 
 
 def read_catalogue_entry(name: str, size: tuple[float, float, float]):
-    from envs.maniskill.rooms.catalogue import Entry
 
     return Entry(
         folder=Path(name), name=name, category="StorageFurniture", size=size, kinds=(), provenance=()
@@ -452,9 +460,12 @@ def test_panels_have_the_colour_of_the_suite_that_all_packages_are_of(folder, tm
 
 
 @pytest.mark.parametrize("legs", [False, True])
-def test_cabinets_on_legs_do_not_hang_on_walls(tmp_path, legs):
+@pytest.mark.parametrize("covered", [False, True])
+def test_legs_and_rails_of_a_cabinet_are_not_level(tmp_path, legs, covered):
     package = build_furniture(next(item for item in FURNITURE if item.name == "hung"))
     body = package.links[-1]
+    top = max(range(len(body.hulls)), key=lambda k: body.hulls[k].vertices[:, 2].min())
+    body = replace(body, hulls=body.hulls if covered else body.hulls[:top] + body.hulls[top + 1 :])
     corners = np.concatenate([hull.vertices for hull in body.hulls])
     low, high = corners.min(axis=0), corners.max(axis=0)
     feet = [
@@ -464,8 +475,8 @@ def test_cabinets_on_legs_do_not_hang_on_walls(tmp_path, legs):
     ]
     body = replace(body, hulls=(*body.hulls, *(feet if legs else ())))
     folder = write_package(replace(package, links=(*package.links[:-1], body)), tmp_path / "hung")
-    entry = Entry(folder=folder, name="hung", category="", size=(0, 0, 0), kinds=(), provenance=())
-    assert hangs_flat(entry) != legs
+    assert is_level(folder, "bottom") != legs
+    assert is_level(folder, "top") == covered
 
 
 def test_hulls_of_the_test_furniture_are_closed():
@@ -549,6 +560,34 @@ def test_windows_hang_in_walls_and_small_things_stand_on_their_roles(rooms):
                     assert roles[placement.support] in share.on
                     seen.add(placement.role)
     assert {"window", "laptop"} <= seen
+
+
+@pytest.mark.parametrize(
+    ("away", "above", "free"),
+    [
+        (0.0, -1e-3, True),
+        (0.0, 1e-3, False),
+        (BEFORE_WINDOW - 1e-3, 0.5, False),
+        (BEFORE_WINDOW + 1e-3, 0.5, True),
+    ],
+)
+def test_what_is_before_a_window_is_lower_than_its_sill(folder, away, above, free):
+    rng = np.random.default_rng(0)
+    lists = draw_shortlists(KITCHEN, read_catalogue(folder), rng, 5)
+    chooser = Chooser(shortlists=lists, rng=rng, radius=0.0, sweeps="free", most=30)
+    empty = Plan(size=(5.0, 4.0, 2.6), entrance=Opening(side="front", start=1.5, width=0.9, height=2.0))
+    plan = place_group(empty, KITCHEN, WINDOWS, chooser, whole=True)
+    assert plan is not None
+    place = plan.places[0]
+    assert place.side is not None
+    assert WINDOWS.height is not None
+    top = WINDOWS.height + above
+    middle = from_wall(place.side, plan.size, place.boxes.bodies).mean(axis=(0, 1))[0]
+    box = along_wall(place.side, plan.size, (middle, away, 0.0), (middle + 0.05, away + 0.05, top))
+    none = np.zeros((0, 2, 3))
+    sweeps = place.boxes.sweeps[-1:]  # without those of the leaf
+    against = Boxes(bodies=none, sweeps=sweeps, stands=none)
+    assert fits(empty, Boxes(bodies=box[None], sweeps=none, stands=none), against) == free
 
 
 def test_a_door_fills_its_entrance_and_swings_into_the_room(rooms):

@@ -18,7 +18,7 @@ import torch
 from mani_skill.utils.structs import Pose
 
 from envs.maniskill.checks import check_tasks
-from envs.maniskill.folders import TaskError
+from envs.maniskill.objects import TaskError
 from envs.maniskill.solver.record import record_episodes
 from envs.maniskill.solver.solve import solve_open_part, solve_put_inside
 
@@ -52,6 +52,24 @@ def set_open(env: gym.Env, fraction: float) -> dict:
     task.object.set_qpos(qpos)
     task.object.set_qvel(torch.zeros_like(qpos))
     return task.evaluate()
+
+
+@pytest.mark.parametrize(("name", "robot"), [(OURS[0], "panda"), (OURS[0], "fetch"), (STOCK[0], "fetch")])
+def test_a_robot_touches_every_link(folder, name, robot):
+    """SAPIEN ignores contact of shapes that share a bit of group 2 and the number in group 3."""
+    env = make(name, folder, robot_uids=robot)
+    env.reset(seed=0)
+    task = task_of(env)
+    thing = task.cabinet if name in STOCK else task.object
+    groups = [
+        [shape.get_collision_groups() for link in x._objs[0].links for shape in link.collision_shapes]
+        for x in (thing, task.agent.robot)
+    ]
+    assert all(groups)
+    for mine in groups[0]:
+        assert not any(mine[2] & its[2] and mine[3] & 0xFFFF == its[3] & 0xFFFF for its in groups[1])
+    assert len({mine[3] for mine in groups[0]}) == 1
+    env.close()
 
 
 @pytest.mark.parametrize(

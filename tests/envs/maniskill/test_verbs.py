@@ -9,9 +9,14 @@ import numpy as np
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 
-from envs.maniskill.folders import TaskError
 from envs.maniskill.hulls import hulls_at, plinth_under
-from envs.maniskill.objects import LOW, PLINTH, QUARTER, TaskObject, on_plinth, read_object, read_objects
+from envs.maniskill.objects import (
+    TaskError,
+    TaskObject,
+    on_plinth,
+    read_object,
+    read_objects,
+)
 from envs.maniskill.solver.contacts import _thickness, is_inside, surface_samples
 from envs.maniskill.solver.field import build_field, distances
 from envs.maniskill.verbs import verb_of
@@ -74,6 +79,33 @@ def test_the_verb_is_that_of_the_motion(kind, axis, origin, label, verb):
     assert verb_of(motion, label, grip, FRONT, cube(grip)) == verb
 
 
+def aslant(cosine: float, along: np.ndarray, across: np.ndarray) -> np.ndarray:
+    """A unit direction with that cosine to ``along``."""
+    return cosine * along + np.sqrt(1.0 - cosine**2) * across
+
+
+@pytest.mark.parametrize(
+    ("kind", "axis", "origin", "label", "verbs"),
+    [
+        ("revolute", lambda x: aslant(x, FRONT, UP), np.zeros(3), "knob", ("press", "turn")),
+        ("prismatic", lambda x: aslant(x, -FRONT, SIDE), np.zeros(3), "knob", ("slide", "press")),
+        ("prismatic", lambda x: aslant(x, -UP, SIDE), np.zeros(3), "knob", ("slide", "press")),
+        ("prismatic", lambda x: aslant(x, UP, SIDE), np.zeros(3), "door", ("slide", "lift")),
+    ],
+)
+def test_directions_are_parallel_from_a_cosine_of_seven_tenths(kind, axis, origin, label, verbs):
+    for cosine, verb in zip((0.69, 0.71), verbs, strict=True):
+        motion = joint(kind, axis(cosine), origin)
+        assert verb_of(motion, label, np.zeros(3), FRONT, cube(np.zeros(3))) == verb
+
+
+@pytest.mark.parametrize(("share", "verbs"), [(0.24, {"press"}), (0.26, {"press", "lift"})])
+def test_a_part_rocks_about_an_axis_within_a_quarter_of_its_length_from_its_middle(share, verbs):
+    """Beyond that, one of the two ways to turn lifts it."""
+    ways = (joint("revolute", sign * SIDE, -share * 0.02 * FRONT) for sign in (1.0, -1.0))
+    assert {verb_of(way, "knob", np.zeros(3), FRONT, cube(np.zeros(3))) for way in ways} == verbs
+
+
 def test_verbs_share_out_all_that_moves(package, tmp_path):
     folder = write_package(package, tmp_path / "cabinet")
     moved = {x.joint.name: x.verb for x in read_object(folder, "any").parts}
@@ -95,7 +127,7 @@ def test_a_knob_without_limits_is_turned_by_a_quarter(package, tmp_path):
     )
     folder = write_package(replace(package, joints=joints), tmp_path / "endless")
     part = next(x for x in read_object(folder, "knob", "optional", "turn").parts)
-    assert part.span == pytest.approx(QUARTER)
+    assert part.span == pytest.approx(np.pi / 2)
 
 
 def test_a_latch_is_what_a_leaf_carries_and_needs(latched):
@@ -114,12 +146,12 @@ def test_low_objects_stand_on_a_plinth(latched):
     def of_height(value: float) -> TaskObject:
         return replace(entry, bounds=np.stack([entry.bounds[0], [*entry.bounds[1, :2], value]]))
 
-    low = of_height(float(entry.bounds[0, 2]) + LOW - 1e-6)
-    assert on_plinth(low).raised == PLINTH
-    assert on_plinth(of_height(float(entry.bounds[0, 2]) + LOW)).raised == 0.0
-    assert on_plinth(entry).raised == (PLINTH if height < LOW else 0.0)
+    low = of_height(float(entry.bounds[0, 2]) + 0.75 - 1e-6)
+    assert on_plinth(low).raised == 0.5
+    assert on_plinth(of_height(float(entry.bounds[0, 2]) + 0.75)).raised == 0.0
+    assert on_plinth(entry).raised == (0.5 if height < 0.75 else 0.0)
     plinth = plinth_under(on_plinth(low)).vertices
-    assert np.ptp(plinth[:, 2]) == pytest.approx(PLINTH)
+    assert np.ptp(plinth[:, 2]) == pytest.approx(0.5)
     assert plinth[:, 2].max() == pytest.approx(entry.bounds[0, 2])
 
 

@@ -13,10 +13,10 @@ from sample_packages import write_samples
 
 from artigen.transforms import rotation_about
 from sim_export.checks.config import CheckConfig
+from sim_export.checks.files import distance_outside
 from sim_export.checks.geometry import count_open_edges, euler_numbers
 from sim_export.checks.grid import fill_solid, find_cavity, make_grid, mark_surface, open_with_cube
 from sim_export.checks.opening import hit_hulls
-from sim_export.checks.physical import distance_outside
 from sim_export.checks.registry import CheckSpec, always, run_check
 from sim_export.checks.subject import Subject
 from sim_export.checks.suite import CHECKS, run_checks

@@ -216,6 +216,20 @@ def groove(width: int, size: float) -> Scene:
     return tray(inside, size, inside)
 
 
+def halves(gap: float) -> Scene:
+    """The shell of a wheel with a hole, felt as two solid halves with a gap between them."""
+    wall, low, high = 0.02, 0.485, 0.515
+    plates = [
+        ((0, 0, 0), (1, 1, wall)), ((0, 0, 1 - wall), (1, 1, 1)), ((0, 0, wall), (1, wall, 1 - wall)),
+        ((0, 1 - wall, wall), (1, 1, 1 - wall)), ((1 - wall, wall, wall), (1, 1 - wall, 1 - wall)),
+        ((0, wall, wall), (wall, low, 1 - wall)), ((0, high, wall), (wall, 1 - wall, 1 - wall)),
+        ((0, low, wall), (wall, high, low)), ((0, low, high), (wall, high, 1 - wall)),
+    ]  # fmt: skip
+    solids = felt(((0, 0, 0), (1, 1, 0.5 - gap))) + felt(((0, 0, 0.5), (1, 1, 1)))
+    shell = link("body", *map(seen, plates), solids)
+    return scene(shell, visual="source", semantics_txt="body hinge wheel\n")
+
+
 def textured(bare: int) -> Scene:
     """A thousand triangles, some of which have no place on the texture."""
     corners_of = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.2 0.2\nvt 0.8 0.2\nvt 0.2 0.8\nvt 1.2 0.2\n"
@@ -352,6 +366,7 @@ ROWS: list[tuple[str, str, Callable[..., Scene], object, object]] = [
     ("room kept", "V103", filled_share, 0.098, 0.102),
     ("cavity", "V103", lambda x: groove(x, 1.0), 4, 5),
     ("cavity in cells", "V103", lambda x: groove(x, 2.9), 2, 3),
+    ("covered", "V103", halves, 0.9e-3, 1.1e-3),
     ("gap", "V104", beside, 0.005 + 1e-6, 0.005 + 3e-6),
     ("floor", "V105", lambda x: scene(link("body", seen(BODY), felt(((0, 0, x), (1, 1, 1))))),
      4.9e-3, 5.1e-3),

@@ -13,10 +13,9 @@ from sim_export.collision.hulls import box_hull, convex_hull, hull_volume
 from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.errors import PackageError
 from sim_export.files.foreign import PLATE_THICKNESS, thicken
-from sim_export.files.mjcf import mjcf_text
+from sim_export.files.mjcf import mjcf_text, srdf_text
 from sim_export.files.obj import hull_obj_text, obj_text, parse_obj, png_bytes
 from sim_export.files.read import read_package
-from sim_export.files.srdf import srdf_text
 from sim_export.files.urdf import format_number
 from sim_export.files.write import write_package
 from sim_export.geometry.normals import corner_normals

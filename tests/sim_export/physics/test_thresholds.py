@@ -14,8 +14,15 @@ from sim_export.physics import annotations
 from sim_export.physics.annotations import gapart_class
 from sim_export.physics.inertia import check_inertial, raise_light_mass
 from sim_export.physics.links import LinkTree, PartGeometry, build_links
-from sim_export.physics.materials import finish_material, joint_load, joint_resistance
+from sim_export.physics.materials import (
+    GRAVITY,
+    finish_material,
+    joint_load,
+    joint_resistance,
+    rolling_resistance,
+)
 from sim_export.physics.resistance import opening_pull
+from sim_export.physics.standing import depth_of_mass
 
 UNIT = np.array([np.zeros(3), np.ones(3)])
 BODY = Part(name="body", label="base", parent=-1, joint=FIXED, box=UNIT)
@@ -75,17 +82,26 @@ def triangles_of(hull: Hull) -> np.ndarray:
     return hull.vertices[hull.faces]
 
 
+def stands_on(height: float) -> bool:
+    """Whether a table with two feet on the floor stands, because a third one is only so high (m) above it."""
+    feet = np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, height]])
+    return depth_of_mass(feet, np.array([0.5, 0.0, 1.0])) > 0.0
+
+
 HANDLE = Part(name="handle", label="handle", parent=0, joint=FIXED, box=UNIT)
 ROWS: dict[str, tuple[Callable[[float], object], float, object, float, object]] = {
     "light": (lambda x: raise_light_mass(body_of(x), "a")[0].mass, 0.0101, 0.0101, 0.0099, 0.01),
     "triangle": (lambda x: is_valid(np.diag([1.0, 1.0, 2.0 + 2.0 * x])), 0.9e-6, True, 1.1e-6, False),
     "symmetry": (lambda x: is_valid(np.array([[1, x, 0], [0, 1, 0], [0, 0, 1.0]])), 0.9e-6, True,
                  1.1e-6, False),
+    "foot": (stands_on, 0.0019, True, 0.0021, False),
     "links": (lambda x: link_drawers(int(x)) is not None, 63, True, 64, False),
     "plate": (lambda x: finish_material("steel", "tray", "Table", (0.01, 0.01 * x, 1)), 5.9, "steel", 6.1,
               "steel_sheet"),
     "pane": (lambda x: finish_material("glass", "door", "Oven", (x, 1, 1)), 0.0119, "glass", 0.0121,
              "insulating_glass"),
+    "rolling": (lambda x: 7.0 * GRAVITY * 0.04 * x > rolling_resistance(7.0, 0.04), 0.0199, False, 0.0201,
+                True),
     "drag": (lambda x: joint_resistance("drawer", "prismatic", x, 0.0).damping, 9.9, 11.9, 10.1, 12.0),
     "bar": (lambda x: gapart_class(HANDLE, x), 1.99, "round_fixed_handle", 2.01, "line_fixed_handle"),
     "fingers": (lambda x: round(grip(int(x)), 6), 3, 0.04, 2, 0.0),
@@ -117,6 +133,24 @@ def test_damping_stops_nothing_within_a_tenth_of_a_second():
     tree = link_drawers(1, 0.05)
     assert tree is not None
     assert tree.joints[0].damping == pytest.approx(0.05 / 0.1)
+
+
+def test_a_latch_holds_twice_the_moment_of_its_lever():
+    hinge = Joint(type="revolute", axis=np.array([0, 0, 1.0]), origin=np.zeros(3), upper=1.5)
+    turn = Joint(type="revolute", axis=np.array([-1.0, 0, 0]), origin=np.array([0, 0.1, 0]), upper=0.8)
+    parts = (
+        BODY,
+        Part(name="door", label="door", parent=0, joint=hinge, box=UNIT),
+        Part(name="lever", label="handle", parent=1, joint=turn, box=UNIT),
+    )
+    asset = Asset(name="a", category="Door", scale=1.0, parts=parts)
+    free, held = (
+        build_links(asset, [PartGeometry(inertial=body_of(1.0))] * 3, latched).joints
+        for latched in ((), ("door",))
+    )
+    assert free[1].friction == pytest.approx(1.09 * 1.0 * GRAVITY * 0.1)
+    assert held[1].friction == pytest.approx(2.0 * free[1].friction)
+    assert held[0].friction <= free[0].friction
 
 
 def test_a_screw_turns_on_a_link_of_ten_grams_and_four_centimetres():

@@ -193,6 +193,27 @@ def test_what_is_hidden_contributes_nothing():
     assert leaf.colors.grad[:200].abs().max() < 1e-9 < leaf.colors.grad[200:].abs().min()
 
 
+@pytest.mark.parametrize(("left", "seen"), [(1.15e-4, 1.0), (0.85e-4, 0.0)])
+def test_splats_count_until_a_ten_thousandth_of_the_light_is_left(left: float, seen: float):
+    """Three layers let ``left`` of the light through; a bright one stands behind them."""
+    layers = torch.arange(4.0).double()
+    opacities = torch.full((4,), 1.0 - left ** (1 / 3)).double()
+    splats = Splats(
+        means=torch.stack([1.0 + 0.1 * layers, 0 * layers, 0 * layers], dim=1),
+        quats=torch.tensor([[1.0, 0.0, 0.0, 0.0]]).double().expand(4, 4),
+        scales=torch.full((4, 3), 100.0).double(),
+        opacities=opacities,
+        colors=(layers == 3).double()[:, None].expand(4, 3),
+    )
+    camera = cameras_at((-1.7, 0.0, 0.0))
+    pictures = [
+        rasterize(splats, camera, cfg=RasterConfig(fragments=1, min_transmittance=least)).color
+        for least in (RasterConfig().min_transmittance, 0.0)
+    ]
+    assert float(pictures[1].min()) == pytest.approx(left * float(opacities[0]), rel=0.01)
+    torch.testing.assert_close(pictures[0], seen * pictures[1])
+
+
 def test_rows_have_no_order():
     splats, order = random_splats(300), torch.randperm(300, generator=torch.Generator().manual_seed(0))
     mixed = Splats(**{name: value[order] for name, value in vars(splats).items()})

@@ -50,12 +50,10 @@ from artigen.shapes.render import build_scene, render
 from artigen.splats.render import rasterize
 from artigen.train.appearance.drawn import roughen
 from artigen.train.appearance.flow import measure_slats, train_appearance_flow
-from artigen.train.appearance.losses import (
-    AppearanceLossConfig,
-    appearance_losses,
-)
 from artigen.train.appearance.vae import (
     HIDDEN,
+    AppearanceLossConfig,
+    appearance_losses,
     encode_appearance,
     hide_views,
     measure_features,
@@ -259,7 +257,9 @@ def test_a_surface_alone_before_any_background_is_what_it_covers_and_what_it_let
     torch.testing.assert_close(alone[pane], seen[pane], atol=0.01, rtol=0)
 
 
-def test_voxels_that_share_a_pane_let_through_together_what_it_does():
+@pytest.mark.parametrize(("through", "each"), [(0.25, 0.5), (0.11, 0.11**0.5), (0.09, 0.09)])
+def test_voxels_that_share_a_pane_let_through_together_what_it_does(through: float, each: float):
+    """What transmits less than a tenth is no pane."""
     cells = np.array([[x, y, 2] for x in (3, 4) for y in range(4)] + [[3, 6, 2]])
     voxels = VoxelGrid(coords=cells, part_ids=np.zeros(9, dtype=int), resolution=16)
     mean = SideMean(voxels, np.zeros(9, dtype=int))
@@ -268,11 +268,11 @@ def test_voxels_that_share_a_pane_let_through_together_what_it_does():
             rows=torch.arange(9),
             toward=torch.tensor([[way, 0.0, 0.0]]).repeat(9, 1),
             color=torch.rand(9, 3),
-            clear=torch.tensor([0.25] * 8 + [0.64]),
+            clear=torch.tensor([through] * 8 + [0.64]),
         )
         mean.add(seen)
     paint = VoxelPaint(colors=np.zeros((9, 2, 3)), known=np.zeros((9, 2), dtype=int), clear=np.zeros(9))
-    np.testing.assert_allclose(mean.finish(paint).clear, [0.5] * 8 + [0.64], atol=1e-6)
+    np.testing.assert_allclose(mean.finish(paint).clear, [each] * 8 + [0.64], atol=1e-6)
 
 
 def test_glass_is_known_by_what_is_seen_through_it():

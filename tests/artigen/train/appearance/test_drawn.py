@@ -10,7 +10,7 @@ from drawer_chest import make_chest
 import artigen.train.appearance.drawn
 from artigen.errors import ArtigenError
 from artigen.examples.appearance import lay_true_voxels
-from artigen.latent.draw import build_structure_model, load_structure_model
+from artigen.latent.draw import StructureModel, build_structure_model, load_structure_model
 from artigen.latent.outline import outline_rows
 from artigen.latent.presets import PRESETS
 from artigen.shapes.asset import shape_to_asset
@@ -24,6 +24,20 @@ from artigen.voxels.layout import lay_out
 from artigen.voxels.voxelize import voxelize_again
 from artigen.weights import SHIPPED
 from sim_export.geometry.surface import sample_surface
+
+MICROWAVE = draw_shape("Microwave", 3)
+
+
+@pytest.fixture(scope="module")
+def model() -> StructureModel:
+    return load_structure_model(SHIPPED)
+
+
+@pytest.fixture(scope="module")
+def microwave(model: StructureModel) -> tuple[Asset, np.ndarray, DrawnVoxels]:
+    """A microwave of 64^3 cells, the facings of its voxels, and the voxels as the model draws them."""
+    asset, facings = lay_true_voxels(MICROWAVE, shape_to_asset(MICROWAVE, 64))
+    return asset, facings, redraw(model, asset, facings, np.random.default_rng(5))
 
 
 def voxelize(shape: Shape, resolution: int) -> tuple[Asset, np.ndarray]:
@@ -58,10 +72,9 @@ def test_roughened_voxels_are_a_little_off():
     assert max(moved) > 0.2  # one is
 
 
-def test_redrawn_voxels_look_as_true_ones_that_face_as_they_do():
-    asset, facings = voxelize(draw_shape("Microwave", 3), 64)
-    model = load_structure_model(SHIPPED)
-    drawn, again = (redraw(model, asset, facings, np.random.default_rng(5)) for _ in range(2))
+def test_redrawn_voxels_look_as_true_ones_that_face_as_they_do(microwave, model: StructureModel):
+    asset, facings, drawn = microwave
+    again = redraw(model, asset, facings, np.random.default_rng(5))
     for name, value in vars(drawn).items():
         np.testing.assert_array_equal(getattr(again, name), value)
     off = distances(asset, drawn)
@@ -71,10 +84,9 @@ def test_redrawn_voxels_look_as_true_ones_that_face_as_they_do():
     assert 0.8 < len(drawn.rows) / len(drawn.coords) < 1.0
 
 
-def test_resurfaced_voxels_are_those_that_an_object_is_generated_on():
-    shape = draw_shape("Refrigerator", 4)
-    asset, facings = lay_true_voxels(shape, shape_to_asset(shape, 64))
-    model, made = load_structure_model(SHIPPED), []
+def test_resurfaced_voxels_are_those_that_an_object_is_generated_on(microwave, model: StructureModel):
+    asset, facings, plain = microwave
+    made = []
 
     def resurface(drawn: Asset) -> SurfaceSamples:
         made.append((drawn, sample_surface(drawn)))
@@ -82,7 +94,6 @@ def test_resurfaced_voxels_are_those_that_an_object_is_generated_on():
 
     drawn = redraw(model, asset, facings, np.random.default_rng(5), resurface)
     ((structure, surface),) = made
-    plain = redraw(model, asset, facings, np.random.default_rng(5))
     assert structure.voxels is not None
     np.testing.assert_array_equal(structure.voxels.coords, plain.coords)
     voxels, faced = lay_out(surface, voxelize_again(surface, structure.voxels))
@@ -93,10 +104,10 @@ def test_resurfaced_voxels_are_those_that_an_object_is_generated_on():
     assert (drawn.facings[drawn.rows] == facings[drawn.like]).all()
 
 
-def test_voxels_stay_as_drawn_where_a_part_has_none(monkeypatch: pytest.MonkeyPatch):
-    asset, facings = voxelize(draw_shape("Microwave", 3), 64)
-    model = load_structure_model(SHIPPED)
-    plain = redraw(model, asset, facings, np.random.default_rng(5))
+def test_voxels_stay_as_drawn_where_a_part_has_none(
+    microwave, model: StructureModel, monkeypatch: pytest.MonkeyPatch
+):
+    asset, facings, plain = microwave
     more = replace(asset, parts=(*asset.parts, replace(asset.parts[-1], name="another")))
     monkeypatch.setattr(artigen.train.appearance.drawn, "outline_rows", lambda _: outline_rows(asset))
     drawn = redraw(model, more, facings, np.random.default_rng(5), sample_surface)

@@ -13,8 +13,7 @@ from artigen.appearance.slat_patch_dit import SlatPatchDitConfig
 from artigen.examples.appearance import AppearanceExample
 from artigen.models.conditions import ConditionConfig
 from artigen.train.appearance.drawn import DrawnVoxels, read_drawn_shard, roughen, write_drawn_shard
-from artigen.train.appearance.flow import measure_slats, redraw_slats
-from artigen.train.appearance.transfer import find_models, transfer_looks
+from artigen.train.appearance.flow import find_models, measure_slats, redraw_slats, transfer_looks
 from artigen.types import Asset
 
 CHANNELS = 5

@@ -31,9 +31,8 @@ from artigen.voxels.segmentation.aggregate import (
     nearest_point_to_lines,
 )
 from artigen.voxels.segmentation.neighbours import connected_groups, neighbour_pairs
-from artigen.voxels.segmentation.regularise import regularise
-from artigen.voxels.segmentation.segment import SegmentConfig, segment
-from artigen.voxels.segmentation.segment_robust import OVERLONG, _explained_below
+from artigen.voxels.segmentation.segment import SegmentConfig, regularise, segment
+from artigen.voxels.segmentation.segment_robust import OVERLONG, _explained_below, partition_robust
 from artigen.voxels.segmentation.tree import ALLOWED_PARENTS
 from artigen.voxels.segmentation.votes import overlong_axis
 from artigen.voxels.voxelize import voxelize
@@ -542,3 +541,23 @@ def test_a_single_voxel_is_explained_up_to_eight_deviations_of_half_a_chi_square
     assert 2.0 * limits[0] == pytest.approx(votes.mean() + 8.0 * votes.std())
     assert 2.0 * limits[1] == pytest.approx(votes.mean() + votes.std())
     assert 2.0 * limits[2] == pytest.approx(votes.mean(), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("name", "channel", "end", "count"),
+    [("axis", 2, 0.061, 3), ("axis", 2, 0.076, 4), ("box", 0, 0.0055, 3), ("box", 0, 0.0069, 4)],
+)
+def test_votes_may_drift_within_a_part_by_so_many_times_the_least_noise(
+    name: str, channel: int, end: float, count: int
+):
+    """From 0 in the middle of a drawer to ``end`` at its sides; what drifts more is taken for two parts."""
+    drawing = carcass()
+    add_drawer(drawing, (-0.4, 0.4), (-0.3, 0.2))
+    fields = decode(encode(drawing.asset()))
+    drawer = fields.label_probs.argmax(axis=1) == PART_LABELS.index("drawer")
+    places = fields.coords[:, 1].astype(float)
+    share = (places - places[drawer].mean()) / (0.5 * np.ptp(places[drawer]))
+    votes = getattr(fields, name).copy()
+    votes[:, channel] += np.where(drawer, end * share, 0.0)
+    found = partition_robust(replace(fields, **{name: votes}))
+    assert len(found.labels) == count
