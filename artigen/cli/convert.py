@@ -231,18 +231,19 @@ class HullWay:
 
 @dataclass(frozen=True, kw_only=True)
 class Judgement:
-    """Collision checks that a package fails, the links that they name with those that a joint connects to
-    them, and the value of V103."""
+    """Collision checks that a package fails, the links that they name, these with those that a joint connects
+    to them, and the value of V103."""
 
     failed: tuple[str, ...]
     links: frozenset[str]
+    around: frozenset[str]
     unlike: float
 
 
 def change_hulls(way: HullWay, judged: Judgement | None) -> HullWay | None:
     """How to make hulls after those made in one way were judged; None if nothing is to be gained.
 
-    Links that failed checks name get smaller hulls, and so do those that a joint connects to them: what is
+    Links that failed checks name get smaller hulls, then those that a joint connects to them do: what is
     coarse takes more off its neighbours. Where this was not enough, or where links only meet each other on
     their way, clearance spares thin leaves. Voxels come last.
     """
@@ -252,7 +253,10 @@ def change_hulls(way: HullWay, judged: Judgement | None) -> HullWay | None:
         return HullWay(collision="voxels")
     if not way.finer and not way.shares and {"V201", "V202"} >= set(judged.failed):
         return replace(way, shares=True)
-    return replace(way, finer=way.finer | judged.links, shares=bool(way.finer or way.shares))
+    if not way.finer and not way.shares:
+        return replace(way, finer=judged.links)
+    more = way.finer | judged.around
+    return replace(way, finer=more, shares=way.shares or more == way.finer)
 
 
 def judge_package(package: "SimPackage", known: "Meshes | None" = None) -> Judgement:
@@ -280,7 +284,8 @@ def judge_package(package: "SimPackage", known: "Meshes | None" = None) -> Judge
         links = links.union(*(pair for pair in ends if pair & (named | (links & between))))
     return Judgement(
         failed=tuple(check.id for check in failed),
-        links=frozenset(links - between),
+        links=frozenset(named - between),
+        around=frozenset(links - between),
         unlike=max(unlike, default=0.0),
     )
 

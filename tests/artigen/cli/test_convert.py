@@ -24,9 +24,10 @@ class Numbered:
     records: tuple[str, ...] = ()
 
 
-def judge(failed=(), links=("link_0",), unlike=0.5):
+def judge(failed=(), links=("link_0",), around=(), unlike=0.5):
     """A judgement."""
-    return Judgement(failed=tuple(failed), links=frozenset(links), unlike=unlike)
+    links = frozenset(links)
+    return Judgement(failed=tuple(failed), links=links, around=links | frozenset(around), unlike=unlike)
 
 
 @pytest.fixture
@@ -64,13 +65,14 @@ def ways(*judged):
     return [*out, way]
 
 
-def test_links_that_fail_get_smaller_hulls_then_clearance_spares_leaves_then_voxels_are_tried():
-    likeness = judge(["V103"], ["link_1"])
-    first, second = frozenset({"link_1"}), frozenset({"link_1", "link_2"})
-    assert ways(likeness, judge(["V103", "V201"], ["link_2"]), likeness) == [
+def test_links_that_fail_get_smaller_hulls_then_their_neighbours_then_leaves_are_spared_then_voxels():
+    likeness = judge(["V103"], ["link_1"], ["body"])
+    both = frozenset({"link_1", "body"})
+    assert ways(likeness, likeness, likeness, likeness) == [
         HullWay(),
-        HullWay(finer=first),
-        HullWay(finer=second, shares=True),
+        HullWay(finer=frozenset({"link_1"})),
+        HullWay(finer=both),
+        HullWay(finer=both, shares=True),
         VOXELS,
     ]
 
@@ -134,7 +136,7 @@ def test_a_judgement_names_the_links_that_fail_and_those_that_a_joint_connects_t
     def named(where):
         checks = [SimpleNamespace(id="V103", verdict="fail", where=where, value=2.0)]
         monkeypatch.setattr(suite, "run_checks", lambda subject, only: checks)
-        return convert.judge_package(package).links
+        return convert.judge_package(package).around
 
     links = ("door", "lid", "lid_carrier", "knob", "body")
     package = SimpleNamespace(
@@ -151,3 +153,4 @@ def test_a_judgement_names_the_links_that_fail_and_those_that_a_joint_connects_t
     assert named("knob into lid (joint_2)") == {"knob", "door", "lid", "body"}
     assert named("body, door") == {"body", "door", "lid", "knob"}
     assert named("") == {"door", "lid", "knob", "body"}
+    assert convert.judge_package(package).links == {"door", "lid", "knob", "body"}
