@@ -31,8 +31,8 @@ class Grower:
     candidates: int
     """Continuations per batch."""
     coolest: float = np.inf
-    """Temperature of the first continuation of a batch, at most that of ``draw``, to which those of the others
-    rise evenly."""
+    """Temperature of the first continuation of a batch, at most that of ``draw``; those of the others rise
+    evenly to it."""
     seen: Counter[str] = field(default_factory=Counter)
     batches: int = 0
 
