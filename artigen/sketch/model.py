@@ -139,8 +139,8 @@ def draw_object(
     part, and the first without a new fault is kept. If all have one, the object is cut back to before the
     part that most of these faults involve (conflict-directed backjumping, Prosser 1993); repeated dead ends
     at the same number of parts cut back further. When the budget is exhausted without a complete object, the
-    last draft is finished with the continuation of fewest faults in each batch, and its faults are returned
-    with it.
+    draft with the most parts is finished with the continuation of fewest faults in each batch, and its faults
+    are returned with it.
 
     Args:
         network: A trained network.
@@ -165,7 +165,7 @@ def draw_object(
     if request.category is not None:
         check_category(request.category, network.categories)
     grown = begin_drafts(network, [encode_request(request)], memory)
-    dead_ends: Counter[int] = Counter()
+    furthest, dead_ends = grown[0], Counter[int]()
     best: tuple[Shape, tuple[Fault, ...]] | None = None
     while grower.batches < cfg.batches:
         if len(grown) == 1:
@@ -173,6 +173,7 @@ def draw_object(
         found, blamed = grower.grow(grown[-1])
         if found is not None:
             grown.append(found)
+            furthest = max(found, furthest, key=lambda draft: len(draft.writer.moving))
             if not found.writer.delivered:
                 continue
             shape, faults = _judge(found.writer.table, seed, request)
@@ -188,7 +189,7 @@ def draw_object(
             # The empty table and the header come before the first part.
             del grown[max(1, min(blamed + 2, len(grown) - dead_ends[len(grown)])) :]
     if best is None:
-        best = _judge(grower.finish(grown[-1]).writer.table, seed, request)
+        best = _judge(grower.finish(furthest).writer.table, seed, request)
     why = ", ".join(f"{count} {name}" for name, count in grower.seen.most_common())
     note = f"sketch: {grower.batches} batches were drawn" + (f"; left out on the way: {why}" if why else "")
     return Drawn(shape=best[0], faults=best[1], notes=(note,))

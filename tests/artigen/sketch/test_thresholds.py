@@ -70,6 +70,32 @@ def test_an_object_is_given_up_after_eighty_batches_of_one_and_seven(monkeypatch
     assert batches[0, 1:-1] == pytest.approx(np.linspace(batches[0, 0], 0.6, 8)[1:-1])
 
 
+def test_an_object_that_is_given_up_is_finished_from_the_most_parts_it_had(monkeypatch):
+    """Three parts, then a dead end that cuts back to the header, then two parts and nothing more."""
+    parts = iter([1, 2, 3, None, 1, 2])
+    finished: list[int] = []
+
+    def draft(count: int) -> SimpleNamespace:
+        return SimpleNamespace(writer=SimpleNamespace(moving=[True] * count, delivered=False, table=None))
+
+    def grow(grower: growth.Grower, _: object) -> tuple[SimpleNamespace | None, int]:
+        grower.batches += 1
+        count = next(parts, None)
+        return None if count is None else draft(count), 0
+
+    def finish(_: growth.Grower, begun: SimpleNamespace) -> SimpleNamespace:
+        finished.append(len(begun.writer.moving))
+        return begun
+
+    monkeypatch.setattr(model, "begin_drafts", lambda *_: [draft(0)])
+    monkeypatch.setattr(model, "_draw_header", lambda *_: draft(0))
+    monkeypatch.setattr(model, "_judge", lambda *_: (MagicMock(), ()))
+    monkeypatch.setattr(growth.Grower, "grow", grow)
+    monkeypatch.setattr(growth.Grower, "finish", finish)
+    model.draw_object(MagicMock(), SketchRequest(), 0)
+    assert finished == [3]
+
+
 def finish(level: float = 0.5, opacity: float = 1.0) -> Finish:
     color = (level, level, level)
     return Finish(kind="lacquer", color=color, accent=color, gloss=0.0, opacity=opacity)
