@@ -435,7 +435,7 @@ def test_a_continuation_ends_at_its_first_piece_that_overlaps_a_finished_part(
     draft.writer.labels, draft.writer.moving, draft.writer.row = [0, 1], [False], door.tolist()
     found: list[bool] = []
 
-    def stand_in(*_: object, fits: Callable[[object], bool]) -> list[None]:
+    def stand_in(*_: object, temperatures: list[float], fits: Callable[[object], bool]) -> list[None]:
         found.append(fits(draft.writer))
         return []
 
