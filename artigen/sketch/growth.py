@@ -96,7 +96,7 @@ class Grower:
         warmest = self.draw.temperature
         temperatures = np.linspace(min(self.coolest, warmest), warmest, self.candidates).tolist()
         # The first one is usually valid, and the others are then not drawn.
-        for some in filter(None, (slice(1), slice(1, self.candidates))):
+        for some in (slice(1), slice(1, None)) if self.candidates > 1 else (slice(1),):
             drawn = continue_drafts(
                 self.network,
                 [draft] * len(rngs[some]),
