@@ -25,11 +25,11 @@ class PictureMemory:
         )
 
 
-def join_memories(sights: Sequence[PictureMemory]) -> PictureMemory | None:
+def join_memories(memories: Sequence[PictureMemory]) -> PictureMemory | None:
     """Concatenates picture memories along the batch; None for an empty sequence."""
-    if not sights:
+    if not memories:
         return None
-    keys, values = ([getattr(one, name) for one in sights] for name in ("keys", "values"))
+    keys, values = ([getattr(one, name) for one in memories] for name in ("keys", "values"))
     return PictureMemory(
         keys=tuple(torch.cat(block) for block in zip(*keys, strict=True)),
         values=tuple(torch.cat(block) for block in zip(*values, strict=True)),

@@ -233,14 +233,14 @@ class _Sampler:
     def _draw_numbers(self, which: list[int], x: Float[Tensor, "N D"], slot: Int[Tensor, "N"]) -> list[int]:
         writers = [self.writers[k] for k in which]
         spans = torch.tensor([writer.span() for writer in writers])
-        rows = RowBatch(**{name: _pick(value, which) for name, value in vars(self.rows).items()})
+        rows = self.rows if len(which) == len(self.writers) else _take(self.rows, which, slice(None))
         earlier = torch.ones(rows.named.shape, dtype=torch.bool)[:, None]
         planes, free = list_planes(rows, _list_places(writers), earlier)
         parts = self.network.number_parts(x[:, None], _pick(self.planes, which), free)
         ways = (
-            _list_planes(parts, planes[:, 0]),
-            _list_offsets(parts, planes[:, 0]),
-            self._list_digits(parts, x, spans),
+            _plane_chances(parts, planes[:, 0]),
+            _offset_chances(parts, planes[:, 0]),
+            self._digit_chances(parts, x, spans),
         )
         values, chances = (torch.cat(side, dim=1) for side in zip(*ways, strict=True))
         low, high = int(spans[:, 0].min()), int(spans[:, 1].max())
@@ -252,7 +252,7 @@ class _Sampler:
         # A small uniform floor lets every value in the span be drawn.
         return (self._draw(which, summed * inside + 1e-20 * inside) + low).tolist()
 
-    def _list_digits(
+    def _digit_chances(
         self, parts: NumberParts, x: Float[Tensor, "N D"], spans: Int[Tensor, "N 2"]
     ) -> tuple[Int[Tensor, "N V"], Float[Tensor, "N V"]]:
         """Values coded as two digits and their probabilities, for the most likely coarse digits."""
@@ -341,14 +341,14 @@ def _join(before: RowBatch, after: RowBatch) -> RowBatch:
     )
 
 
-def _list_planes(
+def _plane_chances(
     parts: NumberParts, planes: Int[Tensor, "N C"]
 ) -> tuple[Int[Tensor, "N C"], Float[Tensor, "N C"]]:
     """Planes and the probabilities of referring to them."""
     return planes, (parts.ways[:, 0, 0, None] + parts.same[:, 0]).exp()
 
 
-def _list_offsets(
+def _offset_chances(
     parts: NumberParts, planes: Int[Tensor, "N C"]
 ) -> tuple[Int[Tensor, "N V"], Float[Tensor, "N V"]]:
     """Values coded as a plane and an offset and their probabilities, for the most likely planes."""

@@ -194,13 +194,13 @@ class SketchNetwork(nn.Module):
             + self.asked(batch.requested.long())
         )
         x = self.enter(x)
-        seen = iter(()) if memory is None else zip(memory.keys, memory.values, strict=True)
+        memories = iter(()) if memory is None else zip(memory.keys, memory.values, strict=True)
         before = 0 if cache is None else cache[0].length
         turn = find_turns(x, before, self.cfg.width // self.cfg.heads)
         for index, block in enumerate(self._blocks()):
             x = block(x, turn, None if cache is None else cache[index])
             if block.look is not None and memory is not None:
-                x = block.look(x, *next(seen))
+                x = block.look(x, *next(memories))
         return self.leave(x)
 
     def hidden(
