@@ -19,6 +19,7 @@ from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.textures import paint_primitives
 from artigen.sketch.alignment import Fit
 from artigen.sketch.overlay import SIDES, Faces, find_visible, list_faces, read_target
+from artigen.splats.colors import linear_from_srgb, srgb_from_linear
 
 Lighting = Literal["room", "even"]
 """Illumination of the picture: the bright room of the renderer, or uniform light that leaves colours
@@ -99,7 +100,7 @@ def read_colors(
     """
     spots = find_spots(shape, picture, fit.camera, lighting)
     sides = find_brightness(spots, len(shape.finishes)) if lighting == "room" else np.zeros(SIDES)
-    colors = _srgb(_undo_light(spots) * np.exp(-sides[spots.sides])[:, None])
+    colors = srgb_from_linear(_undo_light(spots) * np.exp(-sides[spots.sides])[:, None])
     found: dict[str, Color] = {}
     for index, (role, finish) in enumerate(shape.finishes):
         chosen = _choose(spots, index)
@@ -141,7 +142,7 @@ def find_spots(
     if lighting == "room" and len(face):
         bright, mirrored = _light(shape, points, camera)
     return Spots(
-        light=_linear(target.rgb[rows, columns].astype(float)),
+        light=linear_from_srgb(target.rgb[rows, columns].astype(float)),
         roles=faces.roles[face],
         sides=faces.sides[face],
         clear=clear[rows, columns],
@@ -280,8 +281,8 @@ def _light(
     still = [np.zeros(len(shape.parts))] * 2
     drawn = render(scene, cameras, still, shape_ids=[0, 1], cfg=RenderConfig(layers=1)).rgb.double().numpy()
     column, row = np.clip(((plane / reach + 1.0) / 2.0 * LIGHT_EDGE).astype(int), 0, LIGHT_EDGE - 1).T
-    black, grey = _linear(drawn[:, row, column].mean(axis=2))
-    return np.maximum((grey - black) / _linear(np.array(GREY)), DARK), black
+    black, grey = linear_from_srgb(drawn[:, row, column].mean(axis=2))
+    return np.maximum((grey - black) / linear_from_srgb(np.array(GREY)), DARK), black
 
 
 def _flatten(shape: Shape, level: float) -> Shape:
@@ -301,18 +302,10 @@ def _straighten(axes: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3 3"]:
     return np.stack([axis - (axis @ forward) * forward for axis in axes[:2]] + [forward])
 
 
-def _linear(color: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]:
-    return np.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055).clip(min=0.0) ** 2.4)
-
-
 def _lab(color: Float[np.ndarray, "*S 3"]) -> Float[np.ndarray, "*S 3"]:
     """CIELAB (white point D65) of sRGB colours."""
-    xyz = _linear(color) @ XYZ_OF_RGB.T / XYZ_OF_RGB.sum(axis=1)
+    xyz = linear_from_srgb(color) @ XYZ_OF_RGB.T / XYZ_OF_RGB.sum(axis=1)
     x, y, z = np.moveaxis(
         np.where(xyz > (6 / 29) ** 3, np.cbrt(xyz), xyz * (29 / 6) ** 2 / 3 + 4 / 29), -1, 0
     )
     return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
-
-
-def _srgb(light: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]:
-    return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light.clip(min=1e-8) ** (1 / 2.4) - 0.055)

@@ -27,6 +27,7 @@ from artigen.sketch.request import SketchRequest, empty_request
 from artigen.sketch.rows import ROW_KINDS, sketch_to_rows
 from artigen.sketch.rules import Writer
 from artigen.sketch.sketch import SketchError, write_sketch
+from artigen.splats.colors import linear_from_srgb
 from artigen.weights import SHIPPED
 
 KNOWN = ("Safe", "StorageFurniture", "Refrigerator")
@@ -254,7 +255,7 @@ def test_lightness_is_that_of_greys_and_chroma_that_of_what_is_not_grey():
 )
 def test_a_drawn_colour_of_nearly_the_pictures_hue_and_lightness_is_kept(monkeypatch, trust, read, agrees):
     shape = blocks(finishes=(finish(0.5),))
-    shown = replace(spots({(0, 0): 9}), light=np.tile(picture_colors._linear(np.array(read)), (9, 1)))
+    shown = replace(spots({(0, 0): 9}), light=np.tile(linear_from_srgb(np.array(read)), (9, 1)))
     monkeypatch.setattr(picture_colors, "find_spots", lambda *_: shown)
     _, camera, _ = seen_from_front(shape)
     fit = Fit(view=View(yaw=0, pitch=0, closeness=0.1), camera=camera, overlap=1)
