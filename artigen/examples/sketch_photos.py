@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int, UInt8
+from jaxtyping import Bool, Float, Int, UInt8
 from torch import Tensor
 from torch.nn import functional
 
@@ -20,7 +20,7 @@ from artigen.examples.photographs import find_direction
 from artigen.examples.shards import split_rows
 from artigen.shapes.poses import pose_parts
 from artigen.shapes.primitives import place_vertices
-from artigen.shapes.render import RenderConfig, build_scene, frame_points, render
+from artigen.shapes.render import Cameras, RenderConfig, build_scene, frame_points, render
 from artigen.shapes.shape import Shape
 from artigen.sketch.picture import CELL
 from artigen.types import PART_LABELS
@@ -62,6 +62,37 @@ class Photo:
 
 def take_photo(shape: Shape, rng: np.random.Generator) -> Photo:
     """Renders an object from a random direction in front, in random light, closed or with one part open."""
+    return take_photos([shape], rng)[0]
+
+
+def take_photos(
+    shapes: Sequence[Shape], rng: np.random.Generator, device: str | torch.device = "cpu"
+) -> list[Photo]:
+    """Renders objects as `take_photo` does, all in the same light, together on a device."""
+    poses = [_open_part(shape, rng) for shape in shapes]
+    cameras = _join_cameras(
+        [_place_camera(shape, qpos, rng) for shape, qpos in zip(shapes, poses, strict=True)], device
+    )
+    light = RenderConfig(
+        lamp=(-rng.uniform(0.3, 1.0), rng.uniform(-0.8, 0.8), rng.uniform(0.3, 1.0)),
+        lamp_strength=rng.uniform(0.3, 0.8),
+        fill_strength=rng.uniform(0.2, 0.5),
+        shadow_rays=int(rng.random() < 0.8),
+        openness=bool(rng.random() < 0.8),
+    )
+    scene = build_scene(shapes, device)
+    seen = render(scene, cameras, poses, shape_ids=range(len(shapes)), cfg=light)
+    rgb, mask, parts, position = (
+        values.cpu().numpy() for values in (seen.rgb, seen.mask, seen.part_ids, cameras.position)
+    )
+    return [
+        _label_photo(shape, rgb[index], mask[index], parts[index], position[index])
+        for index, shape in enumerate(shapes)
+    ]
+
+
+def _open_part(shape: Shape, rng: np.random.Generator) -> Float[np.ndarray, "Q"]:
+    """Joint coordinates: closed, or one part open by any amount."""
     qpos = np.zeros(len(shape.parts))
     free = [k for k, part in enumerate(shape.parts) if part.motion is not None and not part.needs]
     if free and rng.random() < OPEN:
@@ -69,6 +100,10 @@ def take_photo(shape: Shape, rng: np.random.Generator) -> Photo:
         motion = shape.parts[part].motion
         assert motion is not None
         qpos[part] = rng.random() * min(motion.upper, 2.0)
+    return qpos
+
+
+def _place_camera(shape: Shape, qpos: Float[np.ndarray, "Q"], rng: np.random.Generator) -> Cameras:
     posed = pose_parts(shape, qpos)
     points = np.concatenate(
         [
@@ -80,23 +115,31 @@ def take_photo(shape: Shape, rng: np.random.Generator) -> Photo:
     wide, high = NEAR if rng.random() < 0.5 else FAR
     yaw, pitch = rng.uniform(-wide, wide), rng.uniform(-0.08, high)
     way = find_direction(yaw, pitch)
-    camera = frame_points(points, way, fov=rng.uniform(14.0, 55.0), width=EDGE, height=EDGE)
-    light = RenderConfig(
-        lamp=(-rng.uniform(0.3, 1.0), rng.uniform(-0.8, 0.8), rng.uniform(0.3, 1.0)),
-        lamp_strength=rng.uniform(0.3, 0.8),
-        fill_strength=rng.uniform(0.2, 0.5),
-        shadow_rays=int(rng.random() < 0.8),
-        openness=bool(rng.random() < 0.8),
+    return frame_points(points, way, fov=rng.uniform(14.0, 55.0), width=EDGE, height=EDGE)
+
+
+def _join_cameras(cameras: Sequence[Cameras], device: str | torch.device) -> Cameras:
+    position, target, fov = (
+        torch.cat([getattr(camera, name) for camera in cameras]).to(device)
+        for name in ("position", "target", "fov")
     )
-    seen = render(build_scene([shape]), camera, [qpos], cfg=light)
-    mask, parts = seen.mask[0].numpy(), seen.part_ids[0].numpy()
+    return Cameras(position=position, target=target, fov=fov, width=EDGE, height=EDGE)
+
+
+def _label_photo(
+    shape: Shape,
+    rgb: Float[np.ndarray, "S S 3"],
+    mask: Bool[np.ndarray, "S S"],
+    parts: Int[np.ndarray, "S S"],
+    position: Float[np.ndarray, "3"],
+) -> Photo:
     names = np.array([PART_LABELS.index(part.label) for part in shape.parts])
     first, last = shape.bounds()
-    away = camera.position[0].numpy() - (first + last) / 2
+    away = position - (first + last) / 2
     distance = float(np.linalg.norm(away))
     near = float(np.linalg.norm(last - first)) / 2 / distance
     return Photo(
-        rgba=pack_picture(seen.rgb[0].numpy(), mask),
+        rgba=pack_picture(rgb, mask),
         labels=np.where(mask, names[parts], NOTHING)[CELL // 2 :: CELL, CELL // 2 :: CELL].astype(np.uint8),
         spots=_find_spots(np.where(mask, parts, len(names)), names),
         view=np.array([np.arctan2(away[1], -away[0]), np.arcsin(away[2] / distance), near]),

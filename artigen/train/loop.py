@@ -140,7 +140,7 @@ def train(
     started, saved = time.monotonic() - progress.elapsed, time.monotonic()
     hidden = None if accelerator.is_main_process else True  # None hides it outside of terminals
     bar = tqdm(total=100, desc=folder.name, bar_format=BAR, disable=hidden)
-    sums: dict[str, Tensor] = {}
+    sums: dict[str, tuple[Tensor, int]] = {}
     summed, since = 0, time.monotonic()
     while progress.share(cfg) < 1.0:
         rate = cfg.learning_rate * _rate(progress, cfg)
@@ -148,13 +148,15 @@ def train(
             group["lr"] = rate
         optimizer.zero_grad()
         drawn = next(batches)
+        total = torch.zeros((), device=device)
         for name, batch in (drawn if weights else {"": drawn}).items():
             with torch.autocast(device.type, number_type or torch.bfloat16, enabled=number_type is not None):
                 terms = losses(wrapped, batch.to(device), generator)
             loss = torch.stack(list(terms.values())).sum() * (weights[name] if weights else 1.0)
             accelerator.backward(loss)
-            found = {"loss": loss} | {f"{name} {term}".lstrip(): value for term, value in terms.items()}
-            sums |= {term: sums.get(term, 0.0) + value.detach() for term, value in found.items()}
+            total += loss.detach()
+            _add(sums, {f"{name} {term}".lstrip(): value for term, value in terms.items()})
+        _add(sums, {"loss": total})
         norm = nn.utils.clip_grad_norm_(network.parameters(), cfg.clip)
         optimizer.step()
         _average(average, network, min(cfg.ema, (1 + progress.step) / (10 + progress.step)))
@@ -162,7 +164,7 @@ def train(
         progress.elapsed = time.monotonic() - started
         summed += 1
         if progress.step % cfg.report_every == 0:
-            means = {name: float(value) / summed for name, value in sums.items()}
+            means = {name: float(value) / count for name, (value, count) in sums.items()}
             line = {
                 "step": progress.step,
                 "minutes": progress.elapsed / 60.0,
@@ -235,6 +237,13 @@ def _rate(progress: _Progress, cfg: LoopConfig) -> float:
     rise = min(1.0, (progress.step + 1) / max(cfg.warmup, 1))
     into = (progress.share(cfg) - (1.0 - cfg.decay)) / max(cfg.decay, 1e-9)
     return rise * 0.5 * (1.0 + math.cos(math.pi * min(1.0, max(0.0, into))))
+
+
+def _add(sums: dict[str, tuple[Tensor, int]], terms: Mapping[str, Tensor]) -> None:
+    """Adds terms to their sums, and counts them."""
+    for name, value in terms.items():
+        before, count = sums.get(name, (torch.zeros_like(value), 0))
+        sums[name] = (before + value.detach(), count + 1)
 
 
 @torch.no_grad()

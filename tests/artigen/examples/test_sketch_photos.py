@@ -15,6 +15,7 @@ from artigen.examples.sketch_photos import (
     gather_photos,
     pack_photos,
     take_photo,
+    take_photos,
     unpack_photos,
     vary_photos,
 )
@@ -93,3 +94,12 @@ def test_pictures_vary_and_what_they_show_moves_along(batch: PhotoBatch):
             assert float(here) > float(varied.image[index, :3].mean()) + 0.2
     assert int(varied.labels.min()) >= 0
     assert int(varied.labels.max()) <= NOTHING
+
+
+def test_photos_taken_together_each_show_their_own_object():
+    shapes = [draw_shape(category, 5) for category in ("Laptop", "StorageFurniture", "Safe")]
+    for shape, photo in zip(shapes, take_photos(shapes, np.random.default_rng(2)), strict=True):
+        own = {PART_LABELS.index(part.label) for part in shape.parts}
+        assert set(photo.spots[:, 0].astype(int)) <= own
+        assert set(np.unique(photo.labels)) - {NOTHING} <= own
+        assert (photo.rgba[..., 3] > 0).any()
