@@ -242,7 +242,9 @@ def draw_pictured(
     drawn = draw_object(network, request, seed, cfg, encoded)
     fit = fit_camera(drawn.shape, picture, View(*encoded[0].view[0].tolist()))
     requested = {finish.role for finish in request.finishes if finish.color is not None}
-    return replace(drawn, shape=read_colors(drawn.shape, picture, fit, keep=requested, trust=True))
+    labels = encoded[0].labels[0].softmax(dim=0).numpy()
+    shape = read_colors(drawn.shape, picture, fit, keep=requested, trust=True, labels=labels)
+    return replace(drawn, shape=shape)
 
 
 def draw_header(
