@@ -8,10 +8,10 @@ most from the surroundings is taken for the handle.
 import numpy as np
 from jaxtyping import Float
 
-from artigen.sketch.picture import CELL
-from artigen.types import PART_LABELS
+from artigen.types import PART_LABELS, PartLabel
 
-HANDLES = [PART_LABELS.index(label) for label in ("handle", "knob")]
+THIN: tuple[PartLabel, ...] = ("handle", "knob")
+"""Labels of parts that are thin in a picture."""
 SHOWN, AROUND = 0.5, 0.2
 """Probability above which a cell shows a handle, and below which it belongs to the surroundings."""
 REACH = 2
@@ -30,20 +30,20 @@ def read_handle(
     """Colour (sRGB) at which a picture shows handles and knobs, light included; None if it shows too few.
 
     Args:
-        picture: RGBA in [0, 1], premultiplied on black; ``CELL`` pixels per cell and edge.
+        picture: RGBA in [0, 1], premultiplied on black; an integer number of pixels per cell.
         chances: Probability of each part label, by cell.
     """
-    alpha = picture[3]
+    alpha, edge = picture[3], picture.shape[-1] // chances.shape[-1]
     color = np.moveaxis(picture[:3] / np.maximum(alpha, 1e-3), 0, -1)
-    handle = chances[HANDLES].sum(axis=0)
-    rest = np.kron(handle < AROUND, np.ones((CELL, CELL), dtype=bool)) & (alpha > OPAQUE)
-    margin = REACH * CELL
+    handle = chances[[PART_LABELS.index(label) for label in THIN]].sum(axis=0)
+    rest = np.kron(handle < AROUND, np.ones((edge, edge), dtype=bool)) & (alpha > OPAQUE)
+    margin = REACH * edge
     colors = np.pad(color, ((margin, margin), (margin, margin), (0, 0)))
     masks = np.pad(rest, margin)
     found = []
-    for row, column in CELL * np.argwhere(handle > SHOWN):
-        cell = slice(row, row + CELL), slice(column, column + CELL)
-        wide = slice(row, row + CELL + 2 * margin), slice(column, column + CELL + 2 * margin)
+    for row, column in edge * np.argwhere(handle > SHOWN):
+        cell = slice(row, row + edge), slice(column, column + edge)
+        wide = slice(row, row + edge + 2 * margin), slice(column, column + edge + 2 * margin)
         own, behind = color[cell][alpha[cell] > OPAQUE], colors[wide][masks[wide]]
         if min(len(own), len(behind)) >= LEAST_PIXELS:
             apart = np.abs(own - np.median(behind, axis=0)).sum(axis=1)

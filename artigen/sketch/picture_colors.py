@@ -7,6 +7,7 @@ visible keeps its colour, or takes that of a visible finish with the same origin
 where the encoder sees them (`artigen.sketch.handle_color`).
 """
 
+from collections import defaultdict
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -19,7 +20,7 @@ from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.textures import paint_primitives
 from artigen.sketch.alignment import Fit
-from artigen.sketch.handle_color import read_handle
+from artigen.sketch.handle_color import THIN, read_handle
 from artigen.sketch.overlay import SIDES, Faces, find_visible, list_faces, read_target
 from artigen.splats.colors import linear_from_srgb, srgb_from_linear
 
@@ -45,11 +46,11 @@ RECESS = 0.006
 """Height (m) above a surface from which neighbouring geometry counts as blocking its light."""
 LEAST = 0.15
 """Smallest share of a pixel's light that is attributed to its finish; the rest may be mirrored."""
-HANDLE, FRONT = "handle", 1
-"""Role of handles, and the side (-x) that most of them face."""
-THIN = (HANDLE, "accent", "steel", "plastic")
+SMALL = ("handle", "accent", "steel", "plastic")
 """Roles of small parts in front of others. A fitted shape rarely has them at the exact pixels where the
-picture shows them, so their colours are not estimated; that of handles is, where the encoder sees them."""
+picture shows them, so their colours are not estimated; those of handles are, where the encoder sees them."""
+FRONT = 1
+"""The side (-x) that most handles face."""
 SAME_LIGHTNESS, SAME_CHROMA = 40.0, 8.0
 """Differences (CIELAB) from the picture up to which a drawn colour is trusted. Lightness depends on
 illumination, which is estimated; hue and chroma hardly do."""
@@ -113,16 +114,15 @@ def read_colors(
         chosen = _choose(spots, index)
         if finish.opacity >= OPAQUE and len(chosen) >= FEW_PIXELS:
             read[role] = np.median(colors[chosen], axis=0) / np.median(spots.pattern[chosen], axis=0)
-    unread = {*THIN, *keep}
+    unread = {*SMALL, *keep}
+    handle = find_handle(shape)
     shown = None if labels is None else read_handle(picture, labels)
-    if shown is not None and len(bright) and HANDLE not in keep:
+    if handle is not None and handle not in keep and shown is not None and len(bright):
         front = spots.sides == FRONT if (spots.sides == FRONT).any() else slice(None)
-        read[HANDLE] = srgb_from_linear(linear_from_srgb(shown) / np.median((spots.bright * bright)[front]))
-        unread.remove(HANDLE)
+        read[handle] = srgb_from_linear(linear_from_srgb(shown) / np.median((spots.bright * bright)[front]))
+        unread.remove(handle)
     given = dict(shape.finishes)
-    found = {
-        role: _settle(color, given[role].color, trust=trust) for role, color in read.items() if role in given
-    }
+    found = {role: _settle(color, given[role].color, trust=trust) for role, color in read.items()}
     return replace(
         shape,
         finishes=tuple(
@@ -130,6 +130,16 @@ def read_colors(
             for role, finish in shape.finishes
         ),
     )
+
+
+def find_handle(shape: Shape) -> str | None:
+    """The role that most of the handles and knobs consist of, if it is one of `SMALL`."""
+    volumes: dict[str, float] = defaultdict(float)
+    for part in shape.parts:
+        for primitive in part.primitives if part.label in THIN else ():
+            volumes[primitive.finish] += float(np.prod(primitive.size))
+    role = max(volumes, key=lambda name: volumes[name], default=None)
+    return role if role in SMALL else None
 
 
 def find_spots(

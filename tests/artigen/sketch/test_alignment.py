@@ -16,7 +16,7 @@ from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.sketch.alignment import Fit, View, find_hull, fit_camera, place_camera
 from artigen.sketch.overlay import Faces, PictureError, find_visible, list_faces, measure_edges, read_target
-from artigen.sketch.picture_colors import THIN, read_colors
+from artigen.sketch.picture_colors import SMALL, read_colors
 
 SIZE = 128
 CABINET, FRIDGE = ("StorageFurniture", 4), ("Refrigerator", 1)
@@ -182,14 +182,14 @@ def test_colours_without_light_are_read_exactly(category: str, seed: int):
     truth = np.array([finish.color for _, finish in shape.finishes])
     seen = find_visible(faces, camera)
     shown = np.bincount(faces.roles[seen[seen >= 0]], minlength=len(truth)) > 100
-    thin = np.array([role in THIN for role, _ in shape.finishes])
+    thin = np.array([role in SMALL for role, _ in shape.finishes])
     fit = Fit(view=view, camera=camera, overlap=1.0)
     hidden = hide_colors(shape)
     read = read_colors(hidden, dye(faces, seen, truth), fit, lighting="even")
     found = np.array([finish.color for _, finish in read.finishes])
     assert (shown & ~thin).any()
     np.testing.assert_allclose(found[shown & ~thin], truth[shown & ~thin], atol=1e-3)
-    np.testing.assert_array_equal(found[thin], [finish.color for r, finish in hidden.finishes if r in THIN])
+    np.testing.assert_array_equal(found[thin], [finish.color for r, finish in hidden.finishes if r in SMALL])
 
 
 def test_colours_that_are_asked_for_are_kept():

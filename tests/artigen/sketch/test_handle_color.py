@@ -12,6 +12,7 @@ from artigen.shapes.primitives import place_vertices
 from artigen.shapes.render import RenderConfig, build_scene, frame_points, render
 from artigen.sketch.handle_color import AROUND, HALF, LEAST_CELLS, LEAST_PIXELS, SHOWN, read_handle
 from artigen.sketch.picture import CELL
+from artigen.sketch.picture_colors import find_handle
 from artigen.types import PART_LABELS
 
 HANDLE, DOOR = PART_LABELS.index("handle"), PART_LABELS.index("door")
@@ -103,3 +104,19 @@ def test_handles_of_a_rendered_cabinet_are_red():
     found = read_handle(picture, chances.astype(np.float32))
     assert found is not None
     assert found[0] > 3 * max(found[1:])
+
+
+@pytest.mark.parametrize(("role", "found"), [("handle", True), ("accent", True), ("body", False)])
+def test_the_small_finish_of_most_handles_is_read(role: str, *, found: bool):
+    """Whatever role the handles have, unless large surfaces have it too: those are read off the surfaces."""
+    shape = draw_shape("StorageFurniture", 3)
+    finish = dict(shape.finishes)["handle"]
+    parts = tuple(
+        replace(part, primitives=tuple(replace(one, finish=role) for one in part.primitives))
+        if part.label == "handle"
+        else part
+        for part in shape.parts
+    )
+    finishes = tuple((name, one) for name, one in shape.finishes if name != role)
+    own = dict(shape.finishes)["body"] if role == "body" else finish
+    assert (find_handle(replace(shape, parts=parts, finishes=(*finishes, (role, own)))) == role) == found
