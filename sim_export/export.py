@@ -20,9 +20,9 @@ from sim_export.collision.hull_limits import flatten_links
 from sim_export.collision.motion import find_requirements
 from sim_export.collision.object_cover import ObjectCover, find_passing
 from sim_export.collision.pins import pin_carriers
-from sim_export.collision.recovery import Recovery, recover_surface
+from sim_export.collision.recovery import recover_surface
 from sim_export.collision.retention import keep_drawers_held
-from sim_export.collision.trimming import Trimmed, fill_meshes, trim_meshes
+from sim_export.collision.trimming import fill_meshes, trim_meshes
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import separate_solids
@@ -200,13 +200,12 @@ def export_solids(
     cleared = clear_joints(tree.links, joints, needs, sheets=sheets, shares=shares)
     watch.lap("clearance")
     solid = {part.name: mesh for part, mesh in zip(asset.parts, meshes, strict=True)}
-    whole = Recovery(links=cleared.links)
+    links, recovered = cleared.links, ()
     if not sheets:
-        whole = recover_surface(cleared.links, cleared.joints, needs, solid)
+        links, recovered = recover_surface(links, cleared.joints, needs, solid)
     watch.lap("recover")
-    flat = flatten_links(whole.links)
-    standing = add_feet(flat, cleared.joints, needs, solid)
-    attached = attach_links(standing.links, cleared.joints, needs)
+    links, footed = add_feet(flatten_links(links), cleared.joints, needs, solid)
+    attached = attach_links(links, cleared.joints, needs)
     seen = solids.surfaces if sheets and solids.surfaces else [mesh.vertices[mesh.faces] for mesh in meshes]
     base = np.concatenate(
         [own for part, own in zip(asset.parts, seen, strict=True) if part.name in tree.links[-1].parts]
@@ -217,14 +216,14 @@ def export_solids(
     tree = LinkTree(links=held_links, joints=cleared.joints, records=tree.records)
     handles = annotate_handles(asset, meshes, tree)
     watch.lap("annotate")
-    trimmed = Trimmed(meshes=solid)
+    trimmed: tuple[str, ...] = ()
     if source_meshes is None and asset.voxels is not None:
         cell = asset.scale / asset.voxels.resolution
-        filled = fill_meshes(tree.links, solid, cell)
-        trimmed = trim_meshes(tree.links, tree.joints, needs, filled.meshes)
-        braced = brace_links(tree.links, trimmed.meshes, cell)
-        trimmed = Trimmed(meshes=braced.meshes, records=(*filled.records, *trimmed.records, *braced.records))
-        links, painted = _paint(asset, tree.links, trimmed.meshes)
+        solid, filled = fill_meshes(tree.links, solid, cell)
+        solid, cut = trim_meshes(tree.links, tree.joints, needs, solid)
+        solid, braced = brace_links(tree.links, solid, cell)
+        trimmed = (*filled, *cut, *braced)
+        links, painted = _paint(asset, tree.links, solid)
         tree = replace(tree, links=links, records=(*tree.records, *painted))
     if asset.gaussians is not None:
         tree = replace(tree, links=attach_splats(tree.links, asset))
@@ -238,12 +237,12 @@ def export_solids(
         *tree.records,
         *held,
         *cleared.records,
-        *whole.records,
-        *standing.records,
+        *recovered,
+        *footed,
         *attached.records,
         *levelled.records,
         *centered,
-        *trimmed.records,
+        *trimmed,
     )
     package = SimPackage(
         name=asset.name,

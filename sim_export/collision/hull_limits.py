@@ -7,7 +7,6 @@ the innermost corner of their facets loses less than that millimetre, and is the
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -24,6 +23,7 @@ from sim_export.collision.hulls import (
     hull_volume,
     hull_width,
     reduce_hull,
+    replace_hulls,
     scale_to_volume,
 )
 from sim_export.geometry.primitives import is_box
@@ -281,12 +281,7 @@ def box_along(points: Float[np.ndarray, "N 3"], axes: Float[np.ndarray, "3 3"]) 
 
 def flatten_links(links: Sequence[Link]) -> tuple[Link, ...]:
     """Links whose hulls have no facets that engines would merge; those without any are the same objects."""
-    out = []
-    for link in links:
-        hulls = tuple(flatten_facets(hull) for hull in link.hulls)
-        same = all(new is old for new, old in zip(hulls, link.hulls, strict=True))
-        out.append(link if same else replace(link, hulls=hulls))
-    return tuple(out)
+    return replace_hulls(links, [tuple(map(flatten_facets, link.hulls)) for link in links])
 
 
 def flatten_facets(hull: Hull) -> Hull:

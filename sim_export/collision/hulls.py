@@ -1,5 +1,7 @@
 """Convex polyhedra: hulls of points, planes, volumes, and cutting by half-spaces."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -9,7 +11,7 @@ from scipy.spatial import ConvexHull, QhullError
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.rows import number_rows
 from sim_export.geometry.sampling import cross_rows
-from sim_export.package import Hull
+from sim_export.package import Hull, Link
 
 FLAT = 1e-6
 """Points (m) that span less than this in some direction have no hull."""
@@ -28,6 +30,12 @@ def convex_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
     points = np.asarray(points, dtype=np.float64)
     hull = _find_hull(points)
     return hull if _is_manifold(hull) else _close_hull(points)
+
+
+def replace_hulls(links: Sequence[Link], hulls: Sequence[tuple[Hull, ...]]) -> tuple[Link, ...]:
+    """The links with these hulls; those whose hulls do not change are the same objects."""
+    pairs = zip(links, hulls, strict=True)
+    return tuple(link if own == link.hulls else replace(link, hulls=own) for link, own in pairs)
 
 
 def wrap_surface(triangles: Float[np.ndarray, "F 3 3"]) -> tuple[Hull, ...]:

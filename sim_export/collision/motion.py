@@ -34,16 +34,10 @@ def driven_joints(joints: Sequence[PackageJoint]) -> tuple[PackageJoint, ...]:
     return tuple(joint for joint in joints if joint.type in MOVING_TYPES and joint.mimic is None)
 
 
-def longest_side(links: Sequence[Link]) -> float:
-    """Longest side (m) of the box around all hulls at rest; 0 without hulls."""
+def box_sides(links: Sequence[Link]) -> Float[np.ndarray, "3"]:
+    """Sides (m) of the box around all hulls at rest; 0 without hulls."""
     chunks = [hull.vertices for link in links for hull in link.hulls]
-    return float(np.ptp(np.concatenate(chunks), axis=0).max()) if chunks else 0.0
-
-
-def box_diagonal(links: Sequence[Link]) -> float:
-    """Diagonal (m) of the box around all hulls at rest; 0 without hulls."""
-    chunks = [hull.vertices for link in links for hull in link.hulls]
-    return float(np.linalg.norm(np.ptp(np.concatenate(chunks), axis=0))) if chunks else 0.0
+    return np.ptp(np.concatenate(chunks), axis=0) if chunks else np.zeros(3)
 
 
 def package_joint_motion(joint: PackageJoint, q: Float[np.ndarray, "*B"]) -> Float[np.ndarray, "*B 4 4"]:
@@ -151,7 +145,7 @@ def find_requirements(links: Sequence[Link], joints: Sequence[PackageJoint]) -> 
     other none, so that following requirements always ends.
     """
     sets = [HullSet(hulls=link.hulls) for link in links]
-    size = longest_side(links)
+    size = float(box_sides(links).max())
     driven = driven_joints(joints)
     moved = {joint.name: moved_links(links, joints, joint) for joint in driven}
     blocked = []
