@@ -89,7 +89,6 @@ def export_asset(
     asset: Asset,
     *,
     source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
-    surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | None = None,
     provenance: Mapping[str, str] | None = None,
 ) -> Exported:
     """Converts an articulated object to a simulation package.
@@ -98,22 +97,28 @@ def export_asset(
         asset: Parts, joints and voxels. Its Gaussians, or else its surface samples, colour the textures;
             Gaussians are also added to the package per link.
         source_meshes: Visual meshes by part, used instead of those made from the voxels; a part without any
-            is invisible. Mass and annotations still come from the voxels.
-        surfaces: The triangles of these meshes by part (metres), from which collision is made; by default it
-            is made from the voxels.
+            is invisible. Collision, mass and annotations still come from the voxels.
         provenance: Origin of the object, for ``provenance.json``.
 
     Raises:
         ExportError: If a stage fails; the message names the part, the measured and the allowed value.
     """
-    solids = make_solids(asset, surfaces)
-    hulls = "voxels" if surfaces is None else "surfaces"
-    exported = export_solids(solids, hulls, source_meshes=source_meshes, provenance=provenance)
+    solids = make_solids(asset)
+    exported = export_solids(solids, "voxels", source_meshes=source_meshes, provenance=provenance)
     return replace(exported, seconds=(*solids.seconds, *exported.seconds))
 
 
 def make_solids(asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | None = None) -> Solids:
-    """Meshes and masses of all parts from their voxels; arguments and errors as in `export_asset`."""
+    """Meshes and masses of all parts from their voxels.
+
+    Args:
+        asset: As in `export_asset`.
+        surfaces: The triangles of the visual meshes by part (metres), from which `export_solids` may make
+            collision.
+
+    Raises:
+        ExportError: As `export_asset`.
+    """
     watch = _Stopwatch()
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")

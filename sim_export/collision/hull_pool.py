@@ -23,6 +23,8 @@ from sim_export.package import Hull
 Solid = manifold3d.Manifold
 MINOR_PLANE = 0.1
 """Share of a piece's concavity below which a plane is not worth a cut for its own sake."""
+MOST_PLANES = 4
+"""Planes of concave edges that are compared for a cut."""
 CUT_EXCESS = 0.02
 """Cutting stops when the pieces' hulls together exceed the solid by this share of its volume."""
 MOST_PIECES = 72
@@ -166,7 +168,7 @@ def _best_of(piece: Solid, planes: np.ndarray, weights: np.ndarray) -> tuple[Sol
     return best
 
 
-def _concave_planes(vertices: np.ndarray, faces: np.ndarray, most: int = 4) -> tuple[np.ndarray, np.ndarray]:
+def _concave_planes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Planes of faces at concave edges ``[K 4]`` and the share of all concavity that each resolves.
 
     Concavity is edge length times one minus the cosine of the angle by which the edge bends inwards,
@@ -201,7 +203,7 @@ def _concave_planes(vertices: np.ndarray, faces: np.ndarray, most: int = 4) -> t
     rounded = np.round(np.column_stack([planes[:, :3] * 100, planes[:, 3] / size * 1000])).astype(np.int64)
     _, first, slot = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     resolved = np.bincount(slot.ravel(), weights=np.tile(concavity, 2))
-    top = np.argsort(-resolved, kind="stable")[:most]
+    top = np.argsort(-resolved, kind="stable")[:MOST_PLANES]
     return planes[first[top]], resolved[top] / concavity.sum()
 
 

@@ -42,14 +42,9 @@ def box_sides(links: Sequence[Link]) -> Float[np.ndarray, "3"]:
 
 def package_joint_motion(joint: PackageJoint, q: Float[np.ndarray, "*B"]) -> Float[np.ndarray, "*B 4 4"]:
     """Displacement by one joint at its own coordinate ``q`` (rad or m)."""
+    turns, slides = joint.type in ("revolute", "continuous"), joint.type == "prismatic"
     still = np.zeros_like(np.asarray(q, dtype=np.float64))
-    match joint.type:
-        case "fixed":
-            return screw_motion(joint.axis, joint.origin, still, still)
-        case "prismatic":
-            return screw_motion(joint.axis, joint.origin, still, q)
-        case "revolute" | "continuous":
-            return screw_motion(joint.axis, joint.origin, q, still)
+    return screw_motion(joint.axis, joint.origin, q if turns else still, q if slides else still)
 
 
 def link_displacements(
