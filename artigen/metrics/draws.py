@@ -27,6 +27,10 @@ from artigen.voxels.segmentation.segment import segment
 
 ShapeSource = Callable[[StructureCondition, int], Shape]
 """Draws an object for a condition and a seed."""
+DrawAsset = Callable[[StructureCondition, int], Asset]
+"""Draws an object with voxels for a condition and a seed."""
+
+JOURNAL = "draws.jsonl"
 
 
 def sketch_source(network: SketchNetwork) -> ShapeSource:
@@ -42,11 +46,6 @@ def sketch_source(network: SketchNetwork) -> ShapeSource:
         return draw_pictured(network, request, seed, asked.image).shape
 
     return draw_sketch
-
-
-JOURNAL = "draws.jsonl"
-DrawAsset = Callable[[StructureCondition, int], Asset]
-"""Draws an object with voxels for a condition and a seed."""
 
 
 def draw_exact(source: ShapeSource, resolution: int) -> DrawAsset:

@@ -17,6 +17,8 @@ from sim_export.package import Hull
 
 _FILE_PRECISION = 2e-6
 """Precision of coordinates in files (m), which are written in micrometres."""
+_SPOTS = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / np.array([[3], [6], [6], [6]])
+"""Sample points on each face: its centre, and halfway to the corners (barycentric)."""
 
 
 def own_visuals(subject: Subject) -> str:
@@ -247,10 +249,6 @@ def check_islands(subject: Subject, cfg: CheckConfig) -> Finding:
 ISLAND_CHECKS = (
     CheckSpec(id="V107", level="L1", title="no islands", applies=always, function=check_islands),
 )
-
-
-_SPOTS = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / np.array([[3], [6], [6], [6]])
-"""Sample points on each face: its centre, and halfway to the corners (barycentric)."""
 
 
 def has_texture(subject: Subject) -> str:

@@ -56,6 +56,12 @@ FLATTENED_WIDTH = 0.0012
 """Nor may it leave a hull thinner than this (m)."""
 MOST_MERGED = 24
 """Most facets of a hull that are merged, one after the other."""
+ALIKE = 1.12
+"""A box stands for a hull of up to this many times less volume."""
+HALVINGS = 7
+"""Times that a hull is divided, and its halves again."""
+_SPARE = 0.97
+"""Share of the longest allowed length that hulls are made for."""
 
 
 def limit_hulls(hulls: Sequence[Hull], max_hulls: int) -> tuple[tuple[Hull, ...], tuple[str, ...]]:
@@ -200,14 +206,6 @@ def _cut_to_aspect(hull: Hull, depth: int = MAX_CUTS) -> list[Hull]:
         if piece is not None and hull_width(piece)[0] > 0.5 * width:
             out += _cut_to_aspect(piece, depth - 1)
     return out
-
-
-ALIKE = 1.12
-"""A box stands for a hull of up to this many times less volume."""
-HALVINGS = 7
-"""Times that a hull is divided, and its halves again."""
-_SPARE = 0.97
-"""Share of the longest allowed length that hulls are made for."""
 
 
 def compact_hull(
