@@ -40,6 +40,13 @@ def test_a_gap_below_the_reach_is_filled_and_said_so():
     assert records[0].startswith("body: its mesh fills gaps")
 
 
+@pytest.mark.parametrize(("cells", "filled"), [(1.58, True), (1.68, False)])
+def test_gaps_are_filled_if_they_are_less_than_1_6_cells_deep(cells: float, filled: object):
+    """The deepest point at which that is measured lies a fiftieth of the depth before the end of the gap."""
+    _, records = fill(slab_with_gap(0.05), voxel=0.05 / cells)
+    assert (len(records) == 1) == filled
+
+
 @pytest.mark.parametrize(("depth", "why"), [(0.05, "deeper than the reach"), (0.02, "a small share")])
 def test_other_gaps_stay_open(depth: float, why: str):
     mesh = slab_with_gap(depth)
