@@ -17,11 +17,10 @@ from sim_export.collision.clearance import clear_joints
 from sim_export.collision.decompose import decompose_parts
 from sim_export.collision.feet import add_feet, level_object
 from sim_export.collision.hull_limits import flatten_links
-from sim_export.collision.motion import find_requirements
+from sim_export.collision.motion import find_requirements, keep_drawers_held
 from sim_export.collision.object_cover import ObjectCover, find_passing
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.recovery import recover_surface
-from sim_export.collision.retention import keep_drawers_held
 from sim_export.collision.trimming import fill_meshes, trim_meshes
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
