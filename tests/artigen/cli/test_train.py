@@ -41,7 +41,7 @@ from artigen.train.settings import TrainSettings
 from artigen.types import Asset
 from artigen.weights import SHIPPED
 
-SETTINGS = TrainSettings(preset="tiny", minutes=0.005, shards=1, held_out=1, objects=2, real_share=0.25)
+SETTINGS = TrainSettings(preset="tiny", minutes=0.02, shards=1, held_out=1, objects=2, real_share=0.25)
 
 
 @pytest.fixture(scope="module")
