@@ -19,6 +19,7 @@ from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.sketch.alignment import View, fit_camera
 from artigen.sketch.model import (
+    COOLEST,
     PICTURE_EDGE,
     PICTURED,
     SketchConfig,
@@ -54,7 +55,7 @@ def main(model: Path = SHIPPED, first: int = 0, each: int = 2) -> int:
         each: Objects of each category.
     """
     network = load_sketch_network(model)
-    cfg = SketchConfig(header=PICTURED)
+    cfg = SketchConfig(header=PICTURED, coolest=COOLEST)
     of_drawn: dict[str, list[float]] = defaultdict(list)
     read: dict[str, list[float]] = defaultdict(list)
     for category in PAPER_CATEGORIES:
@@ -65,7 +66,9 @@ def main(model: Path = SHIPPED, first: int = 0, each: int = 2) -> int:
             encoded = encode_picture(network, picture)
             drawn = draw_object(network, SketchRequest(), seed, cfg, encoded).shape
             fit = fit_camera(drawn, picture, View(*encoded[0].view[0].tolist()))
-            for errors, shape in ((of_drawn, drawn), (read, read_colors(drawn, picture, fit, trust=True))):
+            labels = encoded[0].labels[0].softmax(dim=0).numpy()
+            colored = read_colors(drawn, picture, fit, trust=True, labels=labels)
+            for errors, shape in ((of_drawn, drawn), (read, colored)):
                 for role, error in compare_finishes(shape, truth).items():
                     errors[role].append(error)
     for role in (*SEEN, "all"):

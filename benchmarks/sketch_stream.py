@@ -145,14 +145,14 @@ def make_objects(folder: Path, files: int, number: int, makers: int, device: str
     """
     os.nice(NICE)
     torch.set_num_threads(1)
-    rng = np.random.default_rng([number, 1])
+    done = len(list(folder.glob(f"photos-{number:02d}-*.npz")))
+    rng = np.random.default_rng([number, done])
     paths = list_tables(folder, files)[number::makers]
     for path in paths:
         if not path.is_file():
             make_tables(path)
         packed = pack_rows(unpack_tables(load_shard(path, TABLES)))
         save_shard(folder / path.name.replace("plain", "rows"), packed, packed=False)
-    done = 0
     while True:
         for path in paths:
             tables = unpack_tables(load_shard(path, TABLES))

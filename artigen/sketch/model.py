@@ -1,6 +1,7 @@
 """The sketch network with its weights, and sampling of objects until one has no fault."""
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -32,7 +33,8 @@ from artigen.sketch.words import CATEGORIES, STYLES
 PICTURE_EDGE = 256
 """Edge length (pixels) of the picture for camera fitting and colours."""
 PICTURED, HEADERS = DrawConfig(temperature=0.5), 12
-"""Sampling and number of headers for a picture; the encoder's predictions choose one."""
+"""Sampling and number of headers for a picture, of which one is chosen (`choose_header`)."""
+COUNTS = [column("object", label) for label in COUNTED]
 COOLEST = 0.1
 """Temperature of the first continuations for a picture: the likeliest object is the one that it shows."""
 
@@ -242,7 +244,9 @@ def draw_pictured(
     drawn = draw_object(network, request, seed, cfg, encoded)
     fit = fit_camera(drawn.shape, picture, View(*encoded[0].view[0].tolist()))
     requested = {finish.role for finish in request.finishes if finish.color is not None}
-    return replace(drawn, shape=read_colors(drawn.shape, picture, fit, keep=requested, trust=True))
+    labels = encoded[0].labels[0].softmax(dim=0).numpy()
+    shape = read_colors(drawn.shape, picture, fit, keep=requested, trust=True, labels=labels)
+    return replace(drawn, shape=shape)
 
 
 def draw_header(
@@ -292,13 +296,25 @@ def _draw_header(
     count = 1 if seen is None else HEADERS
     drawn = continue_drafts(network, [empty] * count, lambda _: True, rng.spawn(count), cfg)
     headers = [one for one in drawn if one is not None]
-    return headers[0] if seen is None else max(headers, key=lambda one: _rate(one.writer.rows[0], seen))
+    if seen is None:
+        return headers[0]
+    rows = [one.writer.rows[0] for one in headers]
+    said = [(row[column("object", "category")], tuple(row[at] for at in COUNTS)) for row in rows]
+    return headers[choose_header(said, [seen.rate(*one) for one in said])]
 
 
-def _rate(header: list[int], seen: PicturePrediction) -> float:
-    """Log probability of a header's category and counts by the encoder's own predictions."""
-    counts = [header[column("object", label)] for label in COUNTED]
-    return seen.rate(header[column("object", "category")], counts)
+def choose_header(said: Sequence[tuple[int, tuple[int, ...]]], rates: Sequence[float]) -> int:
+    """Index of the most plausible header.
+
+    Two estimates are multiplied: the encoder's probability of a header's category and counts, and the share
+    of the sampled headers that say the same.
+
+    Args:
+        said: Category and counts of each header.
+        rates: The encoder's log probability of each.
+    """
+    shares = Counter(said)
+    return int(np.argmax([rate + np.log(shares[one]) for one, rate in zip(said, rates, strict=True)]))
 
 
 def _judge(table: np.ndarray, seed: int, request: SketchRequest) -> tuple[Shape, tuple[Fault, ...]]:

@@ -3,7 +3,8 @@
 A pixel shows its finish's colour under some illumination. The illumination is modelled as the bright room in
 which shapes are rendered; the brightness of each side of the object is corrected with finishes that are
 visible on several sides. The colour of a finish is the median of its corrected pixels. A finish that is not
-visible keeps its colour, or takes that of a visible finish with the same original colour.
+visible keeps its colour, or takes that of a visible finish with the same original colour. Handles are read
+where the encoder sees them (`artigen.sketch.handle_color`).
 """
 
 from collections.abc import Collection, Mapping
@@ -18,6 +19,7 @@ from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.textures import paint_primitives
 from artigen.sketch.alignment import Fit
+from artigen.sketch.handle_color import read_handle
 from artigen.sketch.overlay import SIDES, Faces, find_visible, list_faces, read_target
 from artigen.splats.colors import linear_from_srgb, srgb_from_linear
 
@@ -43,9 +45,11 @@ RECESS = 0.006
 """Height (m) above a surface from which neighbouring geometry counts as blocking its light."""
 LEAST = 0.15
 """Smallest share of a pixel's light that is attributed to its finish; the rest may be mirrored."""
-THIN = ("handle", "accent", "steel", "plastic")
+HANDLE, FRONT = "handle", 1
+"""Role of handles, and the side (-x) that most of them face."""
+THIN = (HANDLE, "accent", "steel", "plastic")
 """Roles of small parts in front of others. A fitted shape rarely has them at the exact pixels where the
-picture shows them, so their colours are not estimated."""
+picture shows them, so their colours are not estimated; that of handles is, where the encoder sees them."""
 SAME_LIGHTNESS, SAME_CHROMA = 40.0, 8.0
 """Differences (CIELAB) from the picture up to which a drawn colour is trusted. Lightness depends on
 illumination, which is estimated; hue and chroma hardly do."""
@@ -84,6 +88,7 @@ def read_colors(
     keep: Collection[str] = (),
     trust: bool = False,
     lighting: Lighting = "room",
+    labels: Float[np.ndarray, "L h w"] | None = None,
 ) -> Shape:
     """Colours a shape as in a picture.
 
@@ -94,24 +99,34 @@ def read_colors(
         keep: Roles of finishes whose colour is kept.
         trust: Whether colours that agree with the picture are kept as well; a network's are more exact.
         lighting: Illumination to remove.
+        labels: Probability of each part label by cell of the picture, for the colour of handles.
 
     Raises:
         PictureError: If the picture shows no object.
     """
     spots = find_spots(shape, picture, fit.camera, lighting)
     sides = find_brightness(spots, len(shape.finishes)) if lighting == "room" else np.zeros(SIDES)
-    colors = srgb_from_linear(_undo_light(spots) * np.exp(-sides[spots.sides])[:, None])
-    found: dict[str, Color] = {}
+    bright = np.exp(sides[spots.sides])
+    colors = srgb_from_linear(_undo_light(spots) / bright[:, None])
+    read: dict[str, Float[np.ndarray, "3"]] = {}
     for index, (role, finish) in enumerate(shape.finishes):
         chosen = _choose(spots, index)
         if finish.opacity >= OPAQUE and len(chosen) >= FEW_PIXELS:
-            r, g, b = np.median(colors[chosen], axis=0) / np.median(spots.pattern[chosen], axis=0)
-            color = (min(float(r), 1.0), min(float(g), 1.0), min(float(b), 1.0))
-            found[role] = finish.color if trust and _agree(color, finish.color) else color
+            read[role] = np.median(colors[chosen], axis=0) / np.median(spots.pattern[chosen], axis=0)
+    unread = {*THIN, *keep}
+    shown = None if labels is None else read_handle(picture, labels)
+    if shown is not None and len(bright) and HANDLE not in keep:
+        front = spots.sides == FRONT if (spots.sides == FRONT).any() else slice(None)
+        read[HANDLE] = srgb_from_linear(linear_from_srgb(shown) / np.median((spots.bright * bright)[front]))
+        unread.remove(HANDLE)
+    given = dict(shape.finishes)
+    found = {
+        role: _settle(color, given[role].color, trust=trust) for role, color in read.items() if role in given
+    }
     return replace(
         shape,
         finishes=tuple(
-            (role, finish if role in THIN or role in keep else _recolor(role, finish, shape, found))
+            (role, finish if role in unread else _recolor(role, finish, shape, found))
             for role, finish in shape.finishes
         ),
     )
@@ -203,6 +218,12 @@ def _recolor(role: str, finish: Finish, shape: Shape, found: Mapping[str, Color]
 def _equal(one: Finish, other: Finish) -> bool:
     apart = np.abs(np.array(one.color) - np.array(other.color)).max()
     return one.kind == other.kind and one.opacity == other.opacity and bool(apart < EQUAL)
+
+
+def _settle(read: Float[np.ndarray, "3"], drawn: Color, *, trust: bool) -> Color:
+    """The colour read, or the drawn one if that is trusted and agrees."""
+    r, g, b = np.minimum(read, 1.0).tolist()
+    return drawn if trust and _agree((r, g, b), drawn) else (r, g, b)
 
 
 def _agree(read: Color, drawn: Color) -> bool:
