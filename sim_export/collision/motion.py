@@ -27,6 +27,11 @@ FREE_DEPTH = 0.01
 """Depth beyond the depth at rest, over the object's longest side, up to which the way counts as free."""
 FRACTIONS = (0.25, 0.5, 0.75, 1.0)
 """Openings of the other joint that are tried, least first."""
+STEP = 4e-3
+"""Farthest (m) that a point may move from one pose of a sweep to the next where hulls are cut or added: what
+is left of cut hulls is thin, and the edge of a door would jump over it."""
+SWEEP_POSES = (41, 401)
+"""Fewest and most poses of such a sweep."""
 HELD_LABELS = ("drawer", "tray")
 HELD_SHARE = 0.12
 """Share of a drawer's depth that must stay inside what carries it."""
@@ -191,23 +196,6 @@ def _depth(
     return deepest
 
 
-@dataclass(frozen=True, kw_only=True)
-class SweepConfig:
-    """How closely a joint's range is sampled."""
-
-    poses: int = 41
-    """Fewest samples."""
-    step: float = 4e-3
-    """Farthest (m) that a point may move from one sample to the next: what is left of cut hulls is thin, and
-    the edge of a door would jump over it."""
-    max_poses: int = 401
-    """Most samples."""
-
-
-FINE = SweepConfig()
-"""What hulls are cut and added by."""
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sweep:
     """One joint's sweep: displacements of all links, and the indices of those it moves."""
@@ -217,31 +205,31 @@ class Sweep:
 
 
 def sample_sweep(
-    links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint, cfg: SweepConfig = FINE
+    links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint
 ) -> Float[np.ndarray, "P"]:
     """Coordinates of a joint from closed to fully open, close enough for all hulls that it moves."""
     moved = [hull.vertices for slot in moved_links(links, joints, joint) for hull in links[slot].hulls]
-    return sample_range(joint, moved, cfg)
+    return sample_range(joint, moved, STEP, SWEEP_POSES)
 
 
 def sample_range(
-    joint: PackageJoint, moved: Sequence[Float[np.ndarray, "N 3"]], cfg: SweepConfig
+    joint: PackageJoint, moved: Sequence[Float[np.ndarray, "N 3"]], step: float, poses: tuple[int, int]
 ) -> Float[np.ndarray, "P"]:
-    """Coordinates of a joint from closed to fully open, close enough for points that it moves."""
-    steps = int(np.ceil(farthest_travel(joint, moved) / cfg.step))
-    return sweep_coordinates(joint, int(np.clip(steps + 1, cfg.poses, cfg.max_poses)))
+    """Coordinates of a joint from closed to fully open between which no point that it moves goes farther than
+    ``step`` (m); ``poses`` are the fewest and the most."""
+    steps = int(np.ceil(farthest_travel(joint, moved) / step))
+    return sweep_coordinates(joint, int(np.clip(steps + 1, *poses)))
 
 
 def read_sweeps(
     links: Sequence[Link],
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
-    cfg: SweepConfig = FINE,
 ) -> tuple[Sweep, ...]:
     """Every driven joint's sweep, with what it requires open."""
     sweeps = []
     for joint in driven_joints(joints):
-        q = sample_sweep(links, joints, joint, cfg)
+        q = sample_sweep(links, joints, joint)
         T = link_displacements(
             links, joints, {**required_openings(joint, joints, requirements), joint.name: q}
         )
