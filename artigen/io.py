@@ -30,6 +30,7 @@ from artigen.types import (
 FORMAT = "artigen-asset-1"
 JSON_NAME = "asset.json"
 ARRAYS_NAME = "asset.npz"
+_HOLDERS = {"voxels": VoxelGrid, "surface": SurfaceSamples, "gaussians": Gaussians}
 
 
 @contextmanager
@@ -133,9 +134,6 @@ def read_arrays(path: Path) -> dict[str, np.ndarray]:
             return {name: archive[name] for name in archive.files}
     except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as err:
         raise SourceError(f"{path}: arrays cannot be read: {err}") from err
-
-
-_HOLDERS = {"voxels": VoxelGrid, "surface": SurfaceSamples, "gaussians": Gaussians}
 
 
 def _array_names(kind: type) -> list[str]:

@@ -25,7 +25,6 @@ class ActuateConfig:
 
     joint: str | None = None
     """Name of the joint; ``None`` samples one at every reset."""
-
     success_fraction: float = 0.9
     """Share of the range (of a full turn without limits) that counts as open."""
 

@@ -10,7 +10,6 @@ class DynamicsConfig:
 
     timestep: float = 1.0 / 100.0
     """Time step (seconds) of checks V302 to V307: ManiSkill's default."""
-
     other_timesteps: tuple[float, ...] = (1.0 / 60.0, 1.0 / 240.0)
     """Time steps (seconds) at which V309 repeats V302 to V306."""
 
@@ -21,7 +20,6 @@ class EngineChoice:
 
     name: str
     """``mujoco``, ``pybullet``, ``newton``, ...; the list gives the file that each reads."""
-
     python: str | None = None
     """Python interpreter of an environment that has the engine; default: the current one."""
 
@@ -33,9 +31,7 @@ class ValidateConfig:
     tasks: Literal["none", "run"] = "none"
     """``run`` also performs the L4 checks in ManiSkill: 5 to 60 seconds more, depending on the number of
     parts."""
-
     engines: tuple[EngineChoice, ...] = ()
     """Engines that also test the package (checks L5), each in its own process."""
-
     output: Literal["package", "none"] = "package"
     """``package`` writes ``validation.json`` into the folder, ``none`` only returns the report."""

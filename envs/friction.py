@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 CREEP = 1e-5
 """Speed (m/s or rad/s) at which the drive reaches its friction force: a joint loaded just below its friction
 creeps at this speed, and a faster joint feels the whole force."""
+FREQUENCY = 1000.0
+"""Natural frequency (rad/s) of the drive that couples a follower: under its own weight a part sags by g /
+frequency^2, a hundredth of a millimetre."""
 
 
 def apply_resistance(
@@ -76,11 +79,6 @@ def apply_velocity(joint: "PhysxArticulationJoint", velocity: float) -> None:
     if not velocity > 0.0:
         raise ValueError(f"joint {joint.name!r}: velocity {velocity}, expected > 0")
     joint.set_max_velocity(velocity)
-
-
-FREQUENCY = 1000.0
-"""Natural frequency (rad/s) of the drive that couples a follower: under its own weight a part sags by g /
-frequency^2, a hundredth of a millimetre."""
 
 
 def drive_follower(engine: "PhysxArticulationJoint", joint: PackageJoint, package: SimPackage) -> None:

@@ -21,10 +21,8 @@ class JointSweepConfig:
 
     step: float = 0.1
     """Share of its range by which a full action moves a joint."""
-
     bins: int = 10
     """Equal intervals that each range is divided into; a sweep visits all of them."""
-
     tolerance: float = 0.002
     """Penetration (m) beyond the overlap at rest that is tolerated."""
 

@@ -22,22 +22,16 @@ class SettleConfig:
 
     drop_height: float = 0.02
     """Initial distance (m) between the floor and the object's lowest point."""
-
     lean_degrees: float = 1.0
     """Largest initial tilt (degrees), in a random direction."""
-
     push_ratio: float = 0.2
     """Force of a full action as a share of the object's weight."""
-
     upright_degrees: float = 2.0
     """Largest tilt (degrees) at which the object counts as upright."""
-
     fallen_degrees: float = 45.0
     """Tilt (degrees) from which the object has fallen over, which ends the episode."""
-
     rest_speed: float = 0.01
     """Speed (m/s, and rad/s) below which it is at rest."""
-
     rest_steps: int = 10
     """Consecutive control steps at rest and upright that count as success."""
 

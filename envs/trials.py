@@ -45,6 +45,8 @@ STALL_SPEED = 1e-3
 """Speed, in ranges of the joint per second, below which a pushed joint stands still ..."""
 STALL_SECONDS = 0.25
 """... and the time (seconds) after which it is given up."""
+FLOOR_BAND = 0.005
+"""Height (m) above the lowest point within which a vertex counts as touching the floor."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -322,10 +324,6 @@ def _stand(folder: Path, package: SimPackage, timestep: float, trace: list) -> S
         penetration=max(0.0, -lowest),
         overhang=overhang,
     )
-
-
-FLOOR_BAND = 0.005
-"""Height (m) above the lowest point within which a vertex counts as touching the floor."""
 
 
 def overhang_of(loaded: LoadedPackage, vertices: Float[np.ndarray, "V 3"]) -> float:

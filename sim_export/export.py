@@ -17,12 +17,11 @@ from sim_export.collision.clearance import clear_joints
 from sim_export.collision.decompose import decompose_parts
 from sim_export.collision.feet import add_feet, level_object
 from sim_export.collision.hull_limits import flatten_links
-from sim_export.collision.motion import find_requirements
+from sim_export.collision.motion import find_requirements, keep_drawers_held
 from sim_export.collision.object_cover import ObjectCover, find_passing
 from sim_export.collision.pins import pin_carriers
-from sim_export.collision.recovery import Recovery, recover_surface
-from sim_export.collision.retention import keep_drawers_held
-from sim_export.collision.trimming import Trimmed, fill_meshes, trim_meshes
+from sim_export.collision.recovery import recover_surface
+from sim_export.collision.trimming import fill_meshes, trim_meshes
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import separate_solids
@@ -89,7 +88,6 @@ def export_asset(
     asset: Asset,
     *,
     source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
-    surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | None = None,
     provenance: Mapping[str, str] | None = None,
 ) -> Exported:
     """Converts an articulated object to a simulation package.
@@ -98,22 +96,28 @@ def export_asset(
         asset: Parts, joints and voxels. Its Gaussians, or else its surface samples, colour the textures;
             Gaussians are also added to the package per link.
         source_meshes: Visual meshes by part, used instead of those made from the voxels; a part without any
-            is invisible. Mass and annotations still come from the voxels.
-        surfaces: The triangles of these meshes by part (metres), from which collision is made; by default it
-            is made from the voxels.
+            is invisible. Collision, mass and annotations still come from the voxels.
         provenance: Origin of the object, for ``provenance.json``.
 
     Raises:
         ExportError: If a stage fails; the message names the part, the measured and the allowed value.
     """
-    solids = make_solids(asset, surfaces)
-    hulls = "voxels" if surfaces is None else "surfaces"
-    exported = export_solids(solids, hulls, source_meshes=source_meshes, provenance=provenance)
+    solids = make_solids(asset)
+    exported = export_solids(solids, "voxels", source_meshes=source_meshes, provenance=provenance)
     return replace(exported, seconds=(*solids.seconds, *exported.seconds))
 
 
 def make_solids(asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | None = None) -> Solids:
-    """Meshes and masses of all parts from their voxels; arguments and errors as in `export_asset`."""
+    """Meshes and masses of all parts from their voxels.
+
+    Args:
+        asset: As in `export_asset`.
+        surfaces: The triangles of the visual meshes by part (metres), from which `export_solids` may make
+            collision.
+
+    Raises:
+        ExportError: As `export_asset`.
+    """
     watch = _Stopwatch()
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
@@ -200,13 +204,12 @@ def export_solids(
     cleared = clear_joints(tree.links, joints, needs, sheets=sheets, shares=shares)
     watch.lap("clearance")
     solid = {part.name: mesh for part, mesh in zip(asset.parts, meshes, strict=True)}
-    whole = Recovery(links=cleared.links)
+    links, recovered = cleared.links, ()
     if not sheets:
-        whole = recover_surface(cleared.links, cleared.joints, needs, solid)
+        links, recovered = recover_surface(links, cleared.joints, needs, solid)
     watch.lap("recover")
-    flat = flatten_links(whole.links)
-    standing = add_feet(flat, cleared.joints, needs, solid)
-    attached = attach_links(standing.links, cleared.joints, needs)
+    links, footed = add_feet(flatten_links(links), cleared.joints, needs, solid)
+    attached = attach_links(links, cleared.joints, needs)
     seen = solids.surfaces if sheets and solids.surfaces else [mesh.vertices[mesh.faces] for mesh in meshes]
     base = np.concatenate(
         [own for part, own in zip(asset.parts, seen, strict=True) if part.name in tree.links[-1].parts]
@@ -217,14 +220,14 @@ def export_solids(
     tree = LinkTree(links=held_links, joints=cleared.joints, records=tree.records)
     handles = annotate_handles(asset, meshes, tree)
     watch.lap("annotate")
-    trimmed = Trimmed(meshes=solid)
+    trimmed: tuple[str, ...] = ()
     if source_meshes is None and asset.voxels is not None:
         cell = asset.scale / asset.voxels.resolution
-        filled = fill_meshes(tree.links, solid, cell)
-        trimmed = trim_meshes(tree.links, tree.joints, needs, filled.meshes)
-        braced = brace_links(tree.links, trimmed.meshes, cell)
-        trimmed = Trimmed(meshes=braced.meshes, records=(*filled.records, *trimmed.records, *braced.records))
-        links, painted = _paint(asset, tree.links, trimmed.meshes)
+        solid, filled = fill_meshes(tree.links, solid, cell)
+        solid, cut = trim_meshes(tree.links, tree.joints, needs, solid)
+        solid, braced = brace_links(tree.links, solid, cell)
+        trimmed = (*filled, *cut, *braced)
+        links, painted = _paint(asset, tree.links, solid)
         tree = replace(tree, links=links, records=(*tree.records, *painted))
     if asset.gaussians is not None:
         tree = replace(tree, links=attach_splats(tree.links, asset))
@@ -238,12 +241,12 @@ def export_solids(
         *tree.records,
         *held,
         *cleared.records,
-        *whole.records,
-        *standing.records,
+        *recovered,
+        *footed,
         *attached.records,
         *levelled.records,
         *centered,
-        *trimmed.records,
+        *trimmed,
     )
     package = SimPackage(
         name=asset.name,

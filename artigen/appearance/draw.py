@@ -31,6 +31,8 @@ from artigen.voxels.voxelize import voxelize_again
 
 DECODER = "decoder."
 """Prefix of the decoder's tensors in a stored VAE; generation does not need the encoder."""
+ALIKE = 1.5 / 255
+"""Largest difference of paint between neighbours that are painted alike; paint comes in steps of 1/255."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -184,10 +186,6 @@ def generate_appearance(
     )
     splats = draw_splats(model, canvas, asked, seed, paint=paint, sampler=sampler)
     return replace(asset, gaussians=to_gaussians(splats, voxels.part_ids))
-
-
-ALIKE = 1.5 / 255
-"""Largest difference of paint between neighbours that are painted alike; paint comes in steps of 1/255."""
 
 
 def even_sides(

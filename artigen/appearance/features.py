@@ -49,12 +49,12 @@ class PyramidFeatures(nn.Module):
 
     kernels: Tensor
 
-    def __init__(self, channels: int = BASE, seed: int = 0) -> None:
+    def __init__(self, channels: int = BASE) -> None:
         super().__init__()
         if channels < BASE:
             raise ValueError(f"a pyramid of {channels} channels, expected at least {BASE}")
         self._channels = channels
-        generator = torch.Generator().manual_seed(seed)
+        generator = torch.Generator().manual_seed(0)
         kernels = torch.randn(channels - BASE, BASE, 3, 3, generator=generator) / (9 * BASE) ** 0.5
         self.register_buffer("kernels", kernels, persistent=False)
 

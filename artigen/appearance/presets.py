@@ -18,6 +18,11 @@ from artigen.latent.presets import PresetName
 from artigen.models.conditions import ConditionConfig
 from artigen.models.rectified_flow import SamplerConfig
 
+SIDED = SlatVaeConfig(in_channels=66, latent_channels=SIDE_LATENTS, sided=True)
+"""Voxels with two sides, as in all presets but ``paper``; the decoder does not use `in_channels`."""
+COARSE = replace(SIDED, resolution=32, in_channels=29, model_channels=32, num_blocks=2, num_heads=2)
+"""Sizes of ``tiny``."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class AppearancePreset:
@@ -37,11 +42,6 @@ class AppearancePreset:
     """Sampler of the latents. One step gives their mean given paint and places, which after little training
     is cleaner than a sample."""
 
-
-SIDED = SlatVaeConfig(in_channels=66, latent_channels=SIDE_LATENTS, sided=True)
-"""Voxels with two sides, as in all presets but ``paper``; the decoder does not use `in_channels`."""
-COARSE = replace(SIDED, resolution=32, in_channels=29, model_channels=32, num_blocks=2, num_heads=2)
-"""Sizes of ``tiny``."""
 
 APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
     "tiny": AppearancePreset(

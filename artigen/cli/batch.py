@@ -27,6 +27,8 @@ from artigen.runtime.workers import Worker
 
 Item = TypeVar("Item")
 
+JOURNAL = "run.jsonl"
+
 
 @dataclass(frozen=True, kw_only=True)
 class Part:
@@ -62,9 +64,6 @@ def name_part(path: Path, part: Part | None) -> Path:
         return path
     width = len(str(part.total))
     return path.with_name(f"{path.stem}.{part.number:0{width}d}-of-{part.total}{path.suffix}")
-
-
-JOURNAL = "run.jsonl"
 
 
 class Job(Protocol):

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 
 EVALUATE = EvaluateSettings()
+TIMEOUT = 300.0
+"""Time limit in seconds for exporting one object."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,10 +93,6 @@ def _evaluate_appearance(out: Path, model: Path, cfg: EvaluateSettings, own: App
     _, table = write_appearance_report(evaluate_appearance(model, settings), out)
     sys.stdout.write(f"{table.read_text(encoding='utf-8')}\nwritten to {out}\n")
     return 0
-
-
-TIMEOUT = 300.0
-"""Time limit in seconds for exporting one object."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,8 +22,9 @@ def export(
     from artigen import __version__
     from artigen.io import read_asset
     from sim_export.export import export_asset
-    from sim_export.files.write import write_package
+    from sim_export.files.write import check_place, write_package
 
+    check_place(out, existing)
     provenance = {"generator": f"artigen {__version__} export", "source": asset.resolve().name}
     exported = export_asset(read_asset(asset), provenance=provenance)
     folder = write_package(exported.package, out, existing)

@@ -22,6 +22,7 @@ SHARED_SUFFIXES = frozenset({".png", ".jpg", ".jpeg"})
 """Suffixes of files that many objects have in common."""
 LEVEL = 19
 """Compression level of zstd: the highest that every decoder supports."""
+END = bytes(2 * tarfile.BLOCKSIZE)
 
 
 class PackingError(ArtigenError):
@@ -140,9 +141,6 @@ def need(module: str) -> ModuleType:
         raise ArtigenError(
             f'{error.name} is not installed, data sets need it: pip install "artigen[dataset]"'
         ) from error
-
-
-END = bytes(2 * tarfile.BLOCKSIZE)
 
 
 def open_tar(path: Path) -> tarfile.TarFile:

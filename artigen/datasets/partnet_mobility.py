@@ -28,6 +28,13 @@ logger = logging.getLogger(__name__)
 
 POINTS_PER_NODE = 2000
 """Number of corners used to find the closed pose; more only take longer."""
+EXPECTED_TYPES: dict[str, tuple[str, ...]] = {
+    "fixed": ("fixed",),
+    "revolute": ("revolute",),
+    "prismatic": ("prismatic",),
+    "continuous": ("continuous",),
+    "screw": ("continuous", "revolute", "prismatic"),
+}
 
 
 def read_object(folder: Path, cfg: ReaderConfig | None = None) -> SourceObject:
@@ -152,15 +159,6 @@ def choose_size(category: str, extents: np.ndarray, cfg: ReaderConfig) -> tuple[
     if known:
         return size, ()
     return size, (f"category {category!r} has no known size, longest edge set to {size:g} m",)
-
-
-EXPECTED_TYPES: dict[str, tuple[str, ...]] = {
-    "fixed": ("fixed",),
-    "revolute": ("revolute",),
-    "prismatic": ("prismatic",),
-    "continuous": ("continuous",),
-    "screw": ("continuous", "revolute", "prismatic"),
-}
 
 
 def compare_urdf(nodes: tuple[SourceNode, ...], urdf: SourceUrdf) -> list[str]:

@@ -13,6 +13,19 @@ from jaxtyping import Float
 
 Extent = Literal["height", "width", "longest"]
 
+LONGEST = 2.4
+"""Longest edge of any object (metres)."""
+DEPTH_LIMITS: dict[str, float] = {
+    "StorageFurniture": 0.65,
+    "Refrigerator": 0.8,
+    "Oven": 0.7,
+    "Dishwasher": 0.7,
+    "WashingMachine": 0.75,
+    "Microwave": 0.5,
+    "Door": 0.5,
+}
+"""Largest depth by category (metres): a squat refrigerator is a small one."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class SizeRule:
@@ -35,20 +48,6 @@ def _width(metres: float, up_to: float = np.inf, note: str = "") -> SizeRule:
 def _longest(metres: float) -> tuple[SizeRule, ...]:
     return (SizeRule(extent="longest", metres=metres),)
 
-
-LONGEST = 2.4
-"""Longest edge of any object (metres)."""
-
-DEPTH_LIMITS: dict[str, float] = {
-    "StorageFurniture": 0.65,
-    "Refrigerator": 0.8,
-    "Oven": 0.7,
-    "Dishwasher": 0.7,
-    "WashingMachine": 0.75,
-    "Microwave": 0.5,
-    "Door": 0.5,
-}
-"""Largest depth by category (metres): a squat refrigerator is a small one."""
 
 FALLBACK = _longest(0.5)
 

@@ -28,6 +28,13 @@ from artigen.splats.render.splats import Splats
 from artigen.types import SurfaceSamples
 
 Scores = dict[str, float]
+Colors = dict[int, Float[np.ndarray, "3"]]
+"""Mean colour (sRGB in [0, 1]) by part."""
+
+MIN_PIXELS = 12
+"""Least number of pixels of a part, over all pictures, for it to count."""
+POINTS = 4096
+"""Points of each cloud."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -133,12 +140,6 @@ def _select(one: Comparison, rows: Bool[Tensor, "V"]) -> Comparison:
     return Comparison(**{name: value[rows] for name, value in vars(one).items()})
 
 
-MIN_PIXELS = 12
-"""Least number of pixels of a part, over all pictures, for it to count."""
-Colors = dict[int, Float[np.ndarray, "3"]]
-"""Mean colour (sRGB in [0, 1]) by part."""
-
-
 def mean_colors(rgb: Float[np.ndarray, "V H W 3"], parts: UInt8[np.ndarray, "V H W"]) -> Colors:
     """Mean colour of the pixels of each part that enough pixels show; ``parts`` is `NOTHING` elsewhere."""
     ids, counts = np.unique(parts[parts != NOTHING], return_counts=True)
@@ -177,10 +178,6 @@ def score_colors(
             drawn = comparisons[number].drawn.double().numpy()[closed]
             rows[name].append(color_error(mean_colors(drawn, parts), truth))
     return {name: float(np.mean(values)) for name, values in rows.items()}
-
-
-POINTS = 4096
-"""Points of each cloud."""
 
 
 def score_distances(

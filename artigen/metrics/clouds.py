@@ -45,14 +45,14 @@ def sample_cells(asset: Asset, count: int, seed: int = 0) -> PartCloud:
     return _place(asset, rows, rng)
 
 
-def sample_every_part(asset: Asset, per_part: int, seed: int = 0) -> PartCloud:
+def sample_every_part(asset: Asset, per_part: int) -> PartCloud:
     """The same number of points on every part that owns a cell.
 
     Raises:
         ValueError: If the asset has no occupied cell.
     """
     voxels = _occupied(asset)
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     rows = [
         rng.choice(np.flatnonzero(voxels.part_ids == part), per_part)
         for part in np.unique(voxels.part_ids).tolist()

@@ -19,7 +19,7 @@ from artigen.models.conditions import StructureCondition
 from artigen.runtime.journal import append_line, read_lines
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.shape import Shape
-from artigen.sketch.model import SketchConfig, draw_object, draw_pictured
+from artigen.sketch.model import draw_object, draw_pictured
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.request import SketchRequest
 from artigen.types import Asset
@@ -27,9 +27,13 @@ from artigen.voxels.segmentation.segment import segment
 
 ShapeSource = Callable[[StructureCondition, int], Shape]
 """Draws an object for a condition and a seed."""
+DrawAsset = Callable[[StructureCondition, int], Asset]
+"""Draws an object with voxels for a condition and a seed."""
+
+JOURNAL = "draws.jsonl"
 
 
-def sketch_source(network: SketchNetwork, cfg: SketchConfig | None = None) -> ShapeSource:
+def sketch_source(network: SketchNetwork) -> ShapeSource:
     """Objects of the sketch network, by fields or by picture; open fields are sampled."""
 
     def draw_sketch(asked: StructureCondition, seed: int) -> Shape:
@@ -38,15 +42,10 @@ def sketch_source(network: SketchNetwork, cfg: SketchConfig | None = None) -> Sh
             category=asked.category, counts=asked.counts, depth=depth, width=width, height=height
         )
         if asked.image is None:
-            return draw_object(network, request, seed, cfg).shape
-        return draw_pictured(network, request, seed, asked.image, cfg).shape
+            return draw_object(network, request, seed).shape
+        return draw_pictured(network, request, seed, asked.image).shape
 
     return draw_sketch
-
-
-JOURNAL = "draws.jsonl"
-DrawAsset = Callable[[StructureCondition, int], Asset]
-"""Draws an object with voxels for a condition and a seed."""
 
 
 def draw_exact(source: ShapeSource, resolution: int) -> DrawAsset:

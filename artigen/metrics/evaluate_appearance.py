@@ -50,6 +50,17 @@ from artigen.voxels.surface import measure_places
 
 SPACING = 0.02
 """Distance between the true points of surface distances (unit-cube length)."""
+ROWS = (
+    ("psnr", "PSNR (dB)", "plain"),
+    ("ssim", "SSIM", "plain"),
+    ("object", "PSNR of the object's pixels", "plain"),
+    ("exposed", "of newly exposed pixels", "plain"),
+    ("rest", "of its other pixels", "plain"),
+    ("exposed_share", "newly exposed share", "percent"),
+    ("frechet", "Fréchet distance", "plain"),
+    ("kernel", "kernel distance", "plain"),
+)
+"""Key, name, form."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -259,19 +270,6 @@ def _compare_drawn(
         )
         out.append(compare_pictures(model.vae, splats, example))
     return out
-
-
-ROWS = (
-    ("psnr", "PSNR (dB)", "plain"),
-    ("ssim", "SSIM", "plain"),
-    ("object", "PSNR of the object's pixels", "plain"),
-    ("exposed", "of newly exposed pixels", "plain"),
-    ("rest", "of its other pixels", "plain"),
-    ("exposed_share", "newly exposed share", "percent"),
-    ("frechet", "Fréchet distance", "plain"),
-    ("kernel", "kernel distance", "plain"),
-)
-"""Key, name, form."""
 
 
 def write_appearance_report(evaluation: AppearanceEvaluation, out: Path) -> tuple[Path, Path]:

@@ -17,6 +17,7 @@ from artigen.metrics.draws import DrawAsset, DrawJob, draw_all
 from artigen.runtime.journal import append_line, read_lines
 
 JOURNAL = "packages.jsonl"
+NO_OBJECT = "no object"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,9 +137,6 @@ def _prove_round(
         known[proof.key] = proof
         append_line(journal, asdict(proof))
     return [known[job.key] for job in jobs]
-
-
-NO_OBJECT = "no object"
 
 
 def _is_no_object(cause: str) -> bool:

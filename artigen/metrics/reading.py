@@ -12,6 +12,8 @@ from artigen.types import PART_LABELS, PartLabel
 
 HIDDEN: tuple[PartLabel, ...] = ("shelf", "tray")
 """Labels of parts that are mostly behind doors."""
+NAMES = {"Dresser": "StorageFurniture", "Wardrobe": "StorageFurniture", "FilingCabinet": "StorageFurniture"}
+"""Kinds of the grammar that PartNet-Mobility, and so the paper, classifies under another name."""
 
 
 def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[str, float]:
@@ -47,10 +49,6 @@ def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[s
         },
         "extents": float(np.mean(errors)),
     }
-
-
-NAMES = {"Dresser": "StorageFurniture", "Wardrobe": "StorageFurniture", "FilingCabinet": "StorageFurniture"}
-"""Kinds of the grammar that PartNet-Mobility, and so the paper, classifies under another name."""
 
 
 def is_same_category(one: str | None, other: str | None) -> bool:

@@ -19,7 +19,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from artigen.errors import SourceError
-from artigen.models.tensors import load_strictly, read_pickle, read_tensors
+from artigen.models.tensors import load_strictly, read_published
 
 FILES = ("model.safetensors", "pytorch_model.bin")
 VOCABULARY, MERGES = "vocab.json", "merges.txt"
@@ -174,11 +174,7 @@ def load_clip(folder: Path, cfg: ClipConfig | None = None) -> tuple[ClipTokenize
         SourceError: If a file is missing or damaged, or tensors of the text encoder differ in name or shape.
     """
     cfg = cfg or ClipConfig()
-    found = [folder / name for name in FILES if (folder / name).is_file()]
-    if not found:
-        raise SourceError(f"{folder}: holds neither {FILES[0]} nor {FILES[1]}")
-    path = found[0]
-    tensors = read_pickle(path) if path.suffix == ".bin" else read_tensors(path)
+    path, tensors = read_published(folder, FILES)
     kept = {
         name: value
         for name, value in tensors.items()

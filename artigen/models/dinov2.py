@@ -13,8 +13,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
-from artigen.errors import SourceError
-from artigen.models.tensors import load_strictly, read_pickle, read_tensors
+from artigen.models.tensors import load_strictly, read_published
 
 MEAN, STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 """Mean and standard deviation of ImageNet's RGB values."""
@@ -145,10 +144,7 @@ def load_dinov2(folder: Path, cfg: DinoConfig | None = None) -> DinoV2:
     Raises:
         SourceError: If neither file is there, one is damaged, or tensors differ in name or shape.
     """
-    found = [folder / name for name in FILES if (folder / name).is_file()]
-    if not found:
-        raise SourceError(f"{folder}: holds neither {FILES[0]} nor {FILES[1]}")
-    path = found[0]
+    path, tensors = read_published(folder, FILES)
     network = DinoV2(cfg or DinoConfig())
-    load_strictly(network, read_pickle(path) if path.suffix == ".pth" else read_tensors(path), str(path))
+    load_strictly(network, tensors, str(path))
     return network.requires_grad_(requires_grad=False).eval()

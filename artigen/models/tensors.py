@@ -1,5 +1,6 @@
 """Reads files of tensors, and loads them into networks strictly."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from pickle import UnpicklingError
 
@@ -42,6 +43,19 @@ def read_pickle(path: Path) -> dict[str, Tensor]:
     if not isinstance(stored, dict) or not all(isinstance(value, Tensor) for value in stored.values()):
         raise SourceError(f"{path}: expected a state dict, tensors by name")
     return stored
+
+
+def read_published(folder: Path, files: Sequence[str]) -> tuple[Path, dict[str, Tensor]]:
+    """The first of some weight files that a folder holds, and its tensors.
+
+    Raises:
+        SourceError: If the folder holds none of the files, or the file is damaged.
+    """
+    found = [folder / name for name in files if (folder / name).is_file()]
+    if not found:
+        raise SourceError(f"{folder}: holds neither {' nor '.join(files)}")
+    path = found[0]
+    return path, read_tensors(path) if path.suffix == ".safetensors" else read_pickle(path)
 
 
 def load_strictly(network: nn.Module, tensors: dict[str, Tensor], owner: str) -> None:

@@ -20,6 +20,9 @@ from artigen.latent.conv_vae import ConvDecoder, ConvEncoder, ConvVaeConfig
 from artigen.latent.structure_dit import StructureDit, StructureDitConfig
 from artigen.models.tensors import load_strictly, read_tensors
 
+HEAD_CHANNELS = 64
+"""Channels of an attention head if the number of heads is not given."""
+
 
 def load_trellis(path: Path) -> nn.Module:
     """Builds the network that a checkpoint describes and loads it.
@@ -90,10 +93,6 @@ def _read_description(path: Path) -> dict[str, Any]:
     if not isinstance(described, dict) or not {"name", "args"} <= described.keys():
         raise SourceError(f"{path}: expected an object with the keys name and args")
     return described
-
-
-HEAD_CHANNELS = 64
-"""Channels of an attention head if the number of heads is not given."""
 
 
 def conv_config(args: dict[str, Any], channels_key: str) -> ConvVaeConfig:

@@ -30,6 +30,10 @@ CUBE = 0.04
 DROP = 0.03
 DROP_STEPS = 30
 SEED = 0
+STOCK_TYPES = (
+    ("ArtiGen-OpenCabinetDrawer-v1", ("prismatic",)),
+    ("ArtiGen-OpenCabinetDoor-v1", ("revolute",)),
+)
 
 
 def check_tasks(folder: Path) -> tuple[CheckResult, ...]:
@@ -90,12 +94,6 @@ def _check_stock(folder: Path, entry: TaskObject) -> CheckResult:
         "V402", "fail" if problems else "pass", message,
         value=float(len(problems)), threshold=0.0, unit="tasks", where=where,
     )  # fmt: skip
-
-
-STOCK_TYPES = (
-    ("ArtiGen-OpenCabinetDrawer-v1", ("prismatic",)),
-    ("ArtiGen-OpenCabinetDoor-v1", ("revolute",)),
-)
 
 
 def _stock_problem(folder: Path, name: str) -> str:

@@ -40,6 +40,7 @@ LOW, PLINTH = 0.75, 0.5
 LATCH_LABELS = ("knob", "handle")
 """Labels of latches: a part with such a label that a leaf requires to be moved first. The robot operates
 it."""
+REPORT_FILE = "validation.json"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -310,9 +311,6 @@ def _edge_point(joint: PackageJoint, moved: np.ndarray) -> np.ndarray:
         reach = np.linalg.norm(np.cross(joint.axis, arms), axis=1)
     edge = moved[reach > reach.max() - 0.01]
     return (edge.min(axis=0) + edge.max(axis=0)) / 2.0
-
-
-REPORT_FILE = "validation.json"
 
 
 class TaskError(ArtigenError):

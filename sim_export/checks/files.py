@@ -242,19 +242,6 @@ def check_manifest(subject: Subject, cfg: CheckConfig) -> Finding:
     return count_problems(problems, f"{len(hashed)} files match their hashes")
 
 
-FILE_CHECKS = (
-    CheckSpec(id="V001", level="L0", title="one tree", applies=always, function=check_tree),
-    CheckSpec(id="V002", level="L0", title="yourdfpy validates", applies=always, function=check_schema),
-    CheckSpec(id="V003", level="L0", title="paths", applies=always, function=check_paths),
-    CheckSpec(id="V004", level="L0", title="joint types", applies=always, function=check_joint_types),
-    CheckSpec(
-        id="V005", level="L0", title="axes and limits", applies=has_moving_joints, function=check_limits
-    ),
-    CheckSpec(id="V006", level="L0", title="counts", applies=always, function=check_counts),
-    CheckSpec(id="V010", level="L0", title="manifest", applies=is_package, function=check_manifest),
-)
-
-
 def _solid_links(subject: Subject) -> list[UrdfLink]:
     """Links with geometry; an empty root needs no mass."""
     return [link for link in subject.links.values() if link.visuals or link.collisions]
@@ -356,8 +343,17 @@ def check_size(subject: Subject, cfg: CheckConfig) -> Finding:
     )
 
 
-PHYSICAL_CHECKS = (
+FILE_CHECKS = (
+    CheckSpec(id="V001", level="L0", title="one tree", applies=always, function=check_tree),
+    CheckSpec(id="V002", level="L0", title="yourdfpy validates", applies=always, function=check_schema),
+    CheckSpec(id="V003", level="L0", title="paths", applies=always, function=check_paths),
+    CheckSpec(id="V004", level="L0", title="joint types", applies=always, function=check_joint_types),
+    CheckSpec(
+        id="V005", level="L0", title="axes and limits", applies=has_moving_joints, function=check_limits
+    ),
+    CheckSpec(id="V006", level="L0", title="counts", applies=always, function=check_counts),
     CheckSpec(id="V007", level="L0", title="mass", applies=always, function=check_mass),
     CheckSpec(id="V008", level="L0", title="inertia", applies=always, function=check_inertia),
     CheckSpec(id="V009", level="L0", title="size in metres", applies=always, function=check_size),
+    CheckSpec(id="V010", level="L0", title="manifest", applies=is_package, function=check_manifest),
 )

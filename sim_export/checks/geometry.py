@@ -17,6 +17,8 @@ from sim_export.package import Hull
 
 _FILE_PRECISION = 2e-6
 """Precision of coordinates in files (m), which are written in micrometres."""
+_SPOTS = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / np.array([[3], [6], [6], [6]])
+"""Sample points on each face: its centre, and halfway to the corners (barycentric)."""
 
 
 def own_visuals(subject: Subject) -> str:
@@ -211,16 +213,6 @@ def check_floor(subject: Subject, cfg: CheckConfig) -> Finding:
     )
 
 
-GEOMETRY_CHECKS = (
-    CheckSpec(id="V101", level="L1", title="visual meshes", applies=own_visuals, function=check_visuals),
-    CheckSpec(id="V102", level="L1", title="hulls", applies=always, function=check_hulls),
-    CheckSpec(
-        id="V104", level="L1", title="nothing detached", applies=has_carried_links, function=check_attached
-    ),
-    CheckSpec(id="V105", level="L1", title="feet on the floor", applies=has_collision, function=check_floor),
-)
-
-
 def check_islands(subject: Subject, cfg: CheckConfig) -> Finding:
     """V107: the visual of a link is in one piece, and each of its hulls touches the visual or other hulls."""
     gaps = [(0.0, "", "every link is of one piece")]
@@ -242,15 +234,6 @@ def check_islands(subject: Subject, cfg: CheckConfig) -> Finding:
         where=where,
         message=f"{said}, allowed is {1e3 * cfg.max_island:g} mm",
     )
-
-
-ISLAND_CHECKS = (
-    CheckSpec(id="V107", level="L1", title="no islands", applies=always, function=check_islands),
-)
-
-
-_SPOTS = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / np.array([[3], [6], [6], [6]])
-"""Sample points on each face: its centre, and halfway to the corners (barycentric)."""
 
 
 def has_texture(subject: Subject) -> str:
@@ -312,6 +295,13 @@ def _shown(shape: Shape, image: np.ndarray) -> float:
     return float((area * placed * lit).sum() / max(area.sum(), 1e-12))
 
 
-APPEARANCE_CHECKS = (
+GEOMETRY_CHECKS = (
+    CheckSpec(id="V101", level="L1", title="visual meshes", applies=own_visuals, function=check_visuals),
+    CheckSpec(id="V102", level="L1", title="hulls", applies=always, function=check_hulls),
+    CheckSpec(
+        id="V104", level="L1", title="nothing detached", applies=has_carried_links, function=check_attached
+    ),
+    CheckSpec(id="V105", level="L1", title="feet on the floor", applies=has_collision, function=check_floor),
     CheckSpec(id="V106", level="L1", title="texture", applies=has_texture, function=check_texture),
+    CheckSpec(id="V107", level="L1", title="no islands", applies=always, function=check_islands),
 )

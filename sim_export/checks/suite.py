@@ -4,8 +4,8 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from sim_export.checks.config import CheckConfig
-from sim_export.checks.files import FILE_CHECKS, PHYSICAL_CHECKS
-from sim_export.checks.geometry import APPEARANCE_CHECKS, GEOMETRY_CHECKS, ISLAND_CHECKS
+from sim_export.checks.files import FILE_CHECKS
+from sim_export.checks.geometry import GEOMETRY_CHECKS
 from sim_export.checks.handles import HANDLE_CHECKS
 from sim_export.checks.likeness import LIKENESS_CHECKS
 from sim_export.checks.opening import OPENING_CHECKS
@@ -17,17 +17,7 @@ from sim_export.report import CheckResult, Level
 STATIC_LEVELS: tuple[Level, ...] = ("L0", "L1", "L2")
 CHECKS: tuple[CheckSpec, ...] = tuple(
     sorted(
-        (
-            *FILE_CHECKS,
-            *PHYSICAL_CHECKS,
-            *GEOMETRY_CHECKS,
-            *LIKENESS_CHECKS,
-            *APPEARANCE_CHECKS,
-            *ISLAND_CHECKS,
-            *SWEEP_CHECKS,
-            *OPENING_CHECKS,
-            *HANDLE_CHECKS,
-        ),
+        (*FILE_CHECKS, *GEOMETRY_CHECKS, *LIKENESS_CHECKS, *SWEEP_CHECKS, *OPENING_CHECKS, *HANDLE_CHECKS),
         key=lambda spec: spec.id,
     )
 )

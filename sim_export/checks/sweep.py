@@ -15,7 +15,7 @@ from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Subject
 from sim_export.checks.surface import inside_hulls
 from sim_export.collision.contacts import Distances, HullSet, find_penetration, signed_distances
-from sim_export.collision.motion import SweepConfig, required_openings, sample_range
+from sim_export.collision.motion import required_openings, sample_range
 from sim_export.errors import PackageError
 from sim_export.package import PackageJoint
 from sim_export.tree import needed_fractions
@@ -105,11 +105,11 @@ def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Mot
     two movable neighbours may collide where one should have been opened first.
     """
     movers = subject.moved(joint)
-    sweep = SweepConfig(poses=cfg.sweep_samples, step=cfg.sweep_step, max_poses=cfg.max_sweep_samples)
+    poses = cfg.sweep_samples, cfg.max_sweep_samples
     moved = [subject.hull_sets[name].vertices for name in movers if subject.hull_sets[name].hulls]
     qpos: dict[str, object] = {
         **open_positions(subject, joint),
-        joint.name: sample_range(joint, moved, sweep),
+        joint.name: sample_range(joint, moved, cfg.sweep_step, poses),
     }
     others = [name for name in subject.links if name not in movers]
     pairs = [

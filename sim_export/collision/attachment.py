@@ -7,13 +7,14 @@ gaps that are a few cells wide, and every one is recorded.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hull_limits import MAX_ASPECT, MAX_VERTICES, MOST_OF_LINK, hull_aspect
-from sim_export.collision.hulls import box_hull, convex_hull, hull_planes
+from sim_export.collision.hulls import box_hull, convex_hull, hull_planes, replace_hulls
 from sim_export.collision.motion import Sweep, read_sweeps
 from sim_export.package import Hull, Link, PackageJoint, Requirement
 
@@ -63,17 +64,26 @@ def add_hull(
 
 def is_free(hull: Hull, slot: int, sets: Sequence[HullSet], sweeps: Sequence[Sweep], least: float) -> bool:
     """Whether a hull of link ``slot`` stays ``least`` (m) from all others, at rest and in every sweep."""
-    alone, still = HullSet(hulls=(hull,)), np.eye(4)
-    others = [index for index in range(len(sets)) if index != slot and sets[index].hulls]
-    poses = [(other, still, still) for other in others]
-    for sweep in sweeps:
-        apart = [other for other in others if (slot in sweep.moved) != (other in sweep.moved)]
-        poses += [(other, sweep.T[:, slot], sweep.T[:, other]) for other in apart]
-    for other, T_hull, T_other in poses:
+    alone = HullSet(hulls=(hull,))
+    for other, T_hull, T_other in relative_poses(slot, sets, sweeps):
         found = signed_distances(alone, sets[other], T_hull, T_other, max(least, 0.0))
         if len(found.distance) and found.distance.min() < least:
             return False
     return True
+
+
+def relative_poses(
+    slot: int, sets: Sequence[HullSet], sweeps: Sequence[Sweep]
+) -> Iterator[tuple[int, Float[np.ndarray, "P 4 4"], Float[np.ndarray, "P 4 4"]]]:
+    """Every other link with hulls, and displacements of link ``slot`` and of that one: at rest, and in every
+    sweep that moves one against the other."""
+    still = np.eye(4)[None]
+    others = [index for index in range(len(sets)) if index != slot and sets[index].hulls]
+    yield from ((other, still, still) for other in others)
+    for sweep in sweeps:
+        for other in others:
+            if (slot in sweep.moved) != (other in sweep.moved):
+                yield other, sweep.T[:, slot], sweep.T[:, other]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -170,12 +180,8 @@ def attach_links(
         slot, sets[slot], width = found
         left = _find_facing(sets[child], sets[parent])[0].gap
         pegs.append(Peg(link=links[slot].name, **names, gap=facing[0].gap, left=left, width=width))
-    changed = {peg.link for peg in pegs}
     return Attachment(
-        links=tuple(
-            replace(link, hulls=hulls.hulls) if link.name in changed else link
-            for link, hulls in zip(links, sets, strict=True)
-        ),
+        links=replace_hulls(links, [hulls.hulls for hulls in sets]),
         pegs=tuple(pegs),
         apart=tuple(apart),
     )

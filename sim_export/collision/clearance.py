@@ -14,10 +14,10 @@ from jaxtyping import Float
 
 from sim_export.collision.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.collision.cut_hulls import CutHulls, LinkRelief
+from sim_export.collision.hulls import replace_hulls
 from sim_export.collision.motion import (
     driven_joints,
     link_displacements,
-    longest_side,
     moved_links,
     required_openings,
     sample_sweep,
@@ -126,10 +126,7 @@ def clear_joints(
     for index in range(len(links)):
         if work.cuts[index]:
             work.trim(index)
-    cleared = tuple(
-        link if not work.cuts[index] else replace(link, hulls=work.prepared(index)[0].hulls)
-        for index, link in enumerate(links)
-    )
+    cleared = replace_hulls(links, [hulls.hulls for hulls in work.sets()])
     return Clearance(links=cleared, joints=final, reliefs=work.reliefs(), limits=limits, residuals=residuals)
 
 
@@ -154,7 +151,6 @@ def _clear_joint(
     q = sample_sweep(work.links, joints, joint)
     T = _poses(work, joint, joints, requirements, q)
     moving = moved_links(work.links, joints, joint)
-    size = longest_side(work.links)
     turned = {other.child for other in joints if other.is_travel and other.mimic == joint.name}
     changes = 0
     for a in moving:
@@ -181,7 +177,7 @@ def _clear_joint(
                     least=(work.end(a, i), work.end(b, j)),
                     slivers=(work.is_sliver(a, i), work.is_sliver(b, j)),
                     room=(work.room(a), work.room(b)),
-                    size=size,
+                    size=work.size,
                     axis=joint.axis,
                     margin=2.0 * THREAD if threaded else MARGIN,
                 )

@@ -17,7 +17,7 @@ from sim_export.collision.hull_limits import (
     trim_hull,
 )
 from sim_export.collision.hulls import hull_volume, hull_width, reduce_hull
-from sim_export.collision.motion import box_diagonal, longest_side
+from sim_export.collision.motion import box_sides
 from sim_export.collision.relief import END, MAX_REMOVED, SLIVER, SLIVER_LENGTH, find_ends
 from sim_export.collision.specks import drop_specks
 from sim_export.geometry.sampling import sample_triangles
@@ -58,7 +58,8 @@ class CutHulls:
         self.hulls: list[list[Hull | None]] = [list(link.hulls) for link in links]
         self.volumes = [[hull_volume(hull) for hull in link.hulls] for link in links]
         self.totals = [sum(volumes) for volumes in self.volumes]
-        self.size = longest_side(links)
+        sides = box_sides(links)
+        self.size, self.diagonal = float(sides.max()), float(np.linalg.norm(sides))
         self.dropped = [0] * len(links)
         self.cuts = [0] * len(links)
         self.deepest = [0.0] * len(links)
@@ -90,7 +91,7 @@ class CutHulls:
             out += [hull] if id(hull) in untouched else _trim(hull, sheets=self.sheets)
         thick = [h for h in out if id(h) in untouched or hull_width(h)[0] >= MIN_WIDTH]
         if self.sheets:
-            thick = drop_specks(thick, box_diagonal(self.links))
+            thick = drop_specks(thick, self.diagonal)
         sizes = np.array([hull_volume(hull) for hull in thick])
         largest = set(np.argsort(-sizes, kind="stable")[:MOST_OF_LINK].tolist())
         kept = [hull for index, hull in enumerate(thick) if index in largest]
@@ -148,7 +149,7 @@ class CutHulls:
         points = sample_triangles(hull.vertices[hull.faces], SKIN_SAMPLES)[0]
         outside = points[~inside_hulls(points, tuple(others))]
         solid = np.concatenate([other.vertices[other.faces] for other in others])
-        reach = CheckConfig.max_p99 * box_diagonal(self.links)
+        reach = CheckConfig.max_p99 * self.diagonal
         return bool((surface_distances(outside, solid, SKIN_NEAREST) <= reach).all())
 
     def sets(self) -> list[HullSet]:

@@ -18,7 +18,15 @@ from jaxtyping import Float
 from sim_export.collision.attachment import add_hull
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hull_limits import trim_hull
-from sim_export.collision.hulls import box_hull, clip_hull, convex_hull, hull_planes, hull_volume, hull_width
+from sim_export.collision.hulls import (
+    box_hull,
+    clip_hull,
+    convex_hull,
+    hull_planes,
+    hull_volume,
+    hull_width,
+    replace_hulls,
+)
 from sim_export.collision.motion import Sweep, read_sweeps
 from sim_export.collision.surface_hulls import split_components
 from sim_export.collision.surface_pieces import cut_triangles
@@ -72,21 +80,13 @@ CATEGORIES = frozenset({
 """What stands on the floor or on a worktop by itself."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Standing:
-    """Links with feet, and one sentence for each link that got some, or should have."""
-
-    links: tuple[Link, ...]
-    records: tuple[str, ...] = ()
-
-
 def add_feet(
     links: Sequence[Link],
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
     meshes: Mapping[str, Mesh],
     find: Callable[[Sequence[Mesh], float, float], list[Hull]] | None = None,
-) -> Standing:
+) -> tuple[tuple[Link, ...], tuple[str, ...]]:
     """Adds hulls where the meshes reach further down than all hulls, at rest.
 
     Args:
@@ -97,7 +97,8 @@ def add_feet(
         find: Makes feet of meshes between two heights; by default of closed meshes. `find_tips` takes any.
 
     Returns:
-        New links; those without feet are the same objects. Hulls only grow.
+        New links, and one sentence for each that got feet, or should have. Links without feet are the same
+        objects; hulls only grow.
     """
     sets = [HullSet(hulls=link.hulls) for link in links]
     felt = min(float(hulls.vertices[:, 2].min()) for hulls in sets if hulls.hulls)
@@ -106,7 +107,7 @@ def add_feet(
         for link in links
     ]
     if not NEAR < felt - min(seen) <= FAR:
-        return Standing(links=tuple(links))
+        return tuple(links), ()
     sweeps = read_sweeps(links, joints, requirements)
     records = []
     for slot, link in enumerate(links):
@@ -127,13 +128,7 @@ def add_feet(
             f"{link.name}: its hulls ended {1000 * (felt - seen[slot]):.1f} mm above its lowest point; "
             f"{added} of {len(feet)} feet added"
         )
-    return Standing(
-        links=tuple(
-            link if hulls.hulls == link.hulls else replace(link, hulls=hulls.hulls)
-            for link, hulls in zip(links, sets, strict=True)
-        ),
-        records=tuple(records),
-    )
+    return replace_hulls(links, [hulls.hulls for hulls in sets]), tuple(records)
 
 
 def _find_feet(meshes: Sequence[Mesh], low: float, high: float) -> list[Hull]:

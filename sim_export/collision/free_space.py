@@ -208,10 +208,7 @@ def cover_with_boxes(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace) ->
     wanted = np.zeros(allowed.shape, dtype=bool)
     wanted[tuple(surface.cells.T)] = True
     wanted &= allowed
-    out = []
-    for low, high in _choose(allowed, wanted):
-        out.append(_fit(low, high, surface, space))
-    return tuple(out)
+    return tuple(_fit(low, high, surface, space) for low, high in _choose(allowed, wanted))
 
 
 def _find_aligned(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace) -> Aligned:

@@ -7,7 +7,6 @@ the innermost corner of their facets loses less than that millimetre, and is the
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -24,6 +23,7 @@ from sim_export.collision.hulls import (
     hull_volume,
     hull_width,
     reduce_hull,
+    replace_hulls,
     scale_to_volume,
 )
 from sim_export.geometry.primitives import is_box
@@ -56,6 +56,12 @@ FLATTENED_WIDTH = 0.0012
 """Nor may it leave a hull thinner than this (m)."""
 MOST_MERGED = 24
 """Most facets of a hull that are merged, one after the other."""
+ALIKE = 1.12
+"""A box stands for a hull of up to this many times less volume."""
+HALVINGS = 7
+"""Times that a hull is divided, and its halves again."""
+_SPARE = 0.97
+"""Share of the longest allowed length that hulls are made for."""
 
 
 def limit_hulls(hulls: Sequence[Hull], max_hulls: int) -> tuple[tuple[Hull, ...], tuple[str, ...]]:
@@ -202,14 +208,6 @@ def _cut_to_aspect(hull: Hull, depth: int = MAX_CUTS) -> list[Hull]:
     return out
 
 
-ALIKE = 1.12
-"""A box stands for a hull of up to this many times less volume."""
-HALVINGS = 7
-"""Times that a hull is divided, and its halves again."""
-_SPARE = 0.97
-"""Share of the longest allowed length that hulls are made for."""
-
-
 def compact_hull(
     hull: Hull,
     thickest: float,
@@ -281,12 +279,7 @@ def box_along(points: Float[np.ndarray, "N 3"], axes: Float[np.ndarray, "3 3"]) 
 
 def flatten_links(links: Sequence[Link]) -> tuple[Link, ...]:
     """Links whose hulls have no facets that engines would merge; those without any are the same objects."""
-    out = []
-    for link in links:
-        hulls = tuple(flatten_facets(hull) for hull in link.hulls)
-        same = all(new is old for new, old in zip(hulls, link.hulls, strict=True))
-        out.append(link if same else replace(link, hulls=hulls))
-    return tuple(out)
+    return replace_hulls(links, [tuple(map(flatten_facets, link.hulls)) for link in links])
 
 
 def flatten_facets(hull: Hull) -> Hull:

@@ -15,6 +15,7 @@ from sim_export.collision.cuboids import CuboidFit, largest_cuboids
 from sim_export.collision.hull_limits import MAX_ASPECT, comply_hull, thicken_hull, tile_hull
 from sim_export.collision.hull_offers import Ground, PooledHull
 from sim_export.collision.hulls import box_hull, hull_length
+from sim_export.collision.joining import join_neighbours
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.solids import as_solid, measure_fit, solid_arrays, solid_hull, unite_hulls
 from sim_export.package import Hull
@@ -22,6 +23,8 @@ from sim_export.package import Hull
 Solid = manifold3d.Manifold
 MINOR_PLANE = 0.1
 """Share of a piece's concavity below which a plane is not worth a cut for its own sake."""
+MOST_PLANES = 4
+"""Planes of concave edges that are compared for a cut."""
 CUT_EXCESS = 0.02
 """Cutting stops when the pieces' hulls together exceed the solid by this share of its volume."""
 MOST_PIECES = 72
@@ -65,35 +68,22 @@ def join_steps(
         most_added: Volume (m^3) that no pair may add.
         overlap: Whether the solids may share volume.
     """
-    alive = {
-        index: _piece(hull, volume) for index, (hull, volume) in enumerate(zip(hulls, volumes, strict=True))
-    }
-    if len(alive) < 2:
+    pieces = [_piece(hull, volume) for hull, volume in zip(hulls, volumes, strict=True)]
+    if len(pieces) < 2:
         return []
-    reach = 1e-3 * np.ptp(np.concatenate([piece.bounds for piece in alive.values()]), axis=0).max()
-    queue: list[tuple[float, int, int, _Piece]] = []
 
-    def offer(index: int, others: list[int]) -> None:
-        for other in others:
-            if _touch(alive[index], alive[other], reach):
-                candidate = _candidate(alive, index, other, most_added, overlap=overlap)
-                if candidate is not None:
-                    heapq.heappush(queue, candidate)
+    def join(new: _Piece, other: _Piece) -> tuple[float, _Piece] | None:
+        # Only boxes of a cover share volume, which is measured where the joint hull is not too large anyway.
+        both = _piece(Solid.batch_hull([new.hull, other.hull]), new.volume + other.volume)
+        apart = new.outer + other.outer
+        if both.outer - apart > most_added:
+            return None
+        common = (new.hull ^ other.hull).volume() if overlap else 0.0
+        added = both.outer - (apart - common)
+        return (added, both) if added <= most_added else None
 
-    for index in alive:
-        offer(index, [other for other in alive if other < index])
-    out = []
-    serial = len(alive)
-    while queue:
-        _, i, j, both = heapq.heappop(queue)
-        if i not in alive or j not in alive:
-            continue
-        del alive[i], alive[j]
-        alive[serial] = both
-        out.append(both.hull)
-        offer(serial, [other for other in alive if other != serial])
-        serial += 1
-    return out
+    reach = 1e-3 * np.ptp(np.concatenate([piece.bounds for piece in pieces]), axis=0).max()
+    return [piece.hull for piece in join_neighbours(pieces, reach, join)[1]]
 
 
 def _piece(hull: Solid, volume: float) -> _Piece:
@@ -178,7 +168,7 @@ def _best_of(piece: Solid, planes: np.ndarray, weights: np.ndarray) -> tuple[Sol
     return best
 
 
-def _concave_planes(vertices: np.ndarray, faces: np.ndarray, most: int = 4) -> tuple[np.ndarray, np.ndarray]:
+def _concave_planes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Planes of faces at concave edges ``[K 4]`` and the share of all concavity that each resolves.
 
     Concavity is edge length times one minus the cosine of the angle by which the edge bends inwards,
@@ -213,29 +203,8 @@ def _concave_planes(vertices: np.ndarray, faces: np.ndarray, most: int = 4) -> t
     rounded = np.round(np.column_stack([planes[:, :3] * 100, planes[:, 3] / size * 1000])).astype(np.int64)
     _, first, slot = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     resolved = np.bincount(slot.ravel(), weights=np.tile(concavity, 2))
-    top = np.argsort(-resolved, kind="stable")[:most]
+    top = np.argsort(-resolved, kind="stable")[:MOST_PLANES]
     return planes[first[top]], resolved[top] / concavity.sum()
-
-
-def _candidate(
-    alive: dict[int, _Piece], i: int, j: int, most_added: float, *, overlap: bool
-) -> tuple[float, int, int, _Piece] | None:
-    """What joining two pieces costs, and the result; None where that is above ``most_added``.
-
-    Indices make the order unique. Pieces of a cut solid share no volume, so only boxes of a cover pay for
-    measuring it, and only where the joint hull alone does not cost too much.
-    """
-    a, b = alive[i], alive[j]
-    both = _piece(Solid.batch_hull([a.hull, b.hull]), a.volume + b.volume)
-    if both.outer - (a.outer + b.outer) > most_added:
-        return None
-    common = (a.hull ^ b.hull).volume() if overlap and _touch(a, b, 0.0) else 0.0
-    added = both.outer - (a.outer + b.outer - common)
-    return (added, i, j, both) if added <= most_added else None
-
-
-def _touch(a: _Piece, b: _Piece, reach: float) -> bool:
-    return bool((a.bounds[0] <= b.bounds[1] + reach).all() and (b.bounds[0] <= a.bounds[1] + reach).all())
 
 
 def box_offers(solid: Solid, cuboids: CuboidFit) -> list[PooledHull]:

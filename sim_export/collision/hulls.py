@@ -1,5 +1,7 @@
 """Convex polyhedra: hulls of points, planes, volumes, and cutting by half-spaces."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -9,7 +11,7 @@ from scipy.spatial import ConvexHull, QhullError
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.rows import number_rows
 from sim_export.geometry.sampling import cross_rows
-from sim_export.package import Hull
+from sim_export.package import Hull, Link
 
 FLAT = 1e-6
 """Points (m) that span less than this in some direction have no hull."""
@@ -17,6 +19,12 @@ PLANE = 2e-3
 """Thickness (m) of the hull around a surface that has none, such as a door drawn as one face."""
 _KEPT = 4096
 """Hulls whose planes, width and length are kept: each is asked for them many times in a row."""
+_BOX_FACES = np.array(
+    [
+        [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+        [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
+    ]
+)  # fmt: skip
 
 
 def convex_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
@@ -28,6 +36,12 @@ def convex_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
     points = np.asarray(points, dtype=np.float64)
     hull = _find_hull(points)
     return hull if _is_manifold(hull) else _close_hull(points)
+
+
+def replace_hulls(links: Sequence[Link], hulls: Sequence[tuple[Hull, ...]]) -> tuple[Link, ...]:
+    """The links with these hulls; those whose hulls do not change are the same objects."""
+    pairs = zip(links, hulls, strict=True)
+    return tuple(link if own == link.hulls else replace(link, hulls=own) for link, own in pairs)
 
 
 def wrap_surface(triangles: Float[np.ndarray, "F 3 3"]) -> tuple[Hull, ...]:
@@ -94,14 +108,6 @@ def box_hull(low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]) -> Hull:
     """An axis-aligned box as a hull of 8 vertices and 12 faces."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     return Hull(vertices=np.where(corners == 0, low, high), faces=_BOX_FACES)
-
-
-_BOX_FACES = np.array(
-    [
-        [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
-        [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
-    ]
-)  # fmt: skip
 
 
 def box_bounds(hull: Hull) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]] | None:

@@ -1,4 +1,4 @@
-"""Motion of package links: kinematics, joints that others need open, and sweeps.
+"""Motion of package links: kinematics, required openings, sweeps, and limits that keep drawers held.
 
 Links and joints are given in the object frame at rest, so that the displacement of a link is its parent's
 displacement times its own joint's motion, as in `artigen.kinematics`. A joint *requires* another, such as
@@ -7,7 +7,7 @@ once the other is open. Requirements never form a cycle; shallow contact is clea
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -27,6 +27,16 @@ FREE_DEPTH = 0.01
 """Depth beyond the depth at rest, over the object's longest side, up to which the way counts as free."""
 FRACTIONS = (0.25, 0.5, 0.75, 1.0)
 """Openings of the other joint that are tried, least first."""
+STEP = 4e-3
+"""Farthest (m) that a point may move from one pose of a sweep to the next where hulls are cut or added: what
+is left of cut hulls is thin, and the edge of a door would jump over it."""
+SWEEP_POSES = (41, 401)
+"""Fewest and most poses of such a sweep."""
+HELD_LABELS = ("drawer", "tray")
+HELD_SHARE = 0.12
+"""Share of a drawer's depth that must stay inside what carries it."""
+MIN_HELD_RANGE = 0.5
+"""A limit is not lowered below this share of its range; such a drawer is reported instead."""
 
 
 def driven_joints(joints: Sequence[PackageJoint]) -> tuple[PackageJoint, ...]:
@@ -34,28 +44,17 @@ def driven_joints(joints: Sequence[PackageJoint]) -> tuple[PackageJoint, ...]:
     return tuple(joint for joint in joints if joint.type in MOVING_TYPES and joint.mimic is None)
 
 
-def longest_side(links: Sequence[Link]) -> float:
-    """Longest side (m) of the box around all hulls at rest; 0 without hulls."""
+def box_sides(links: Sequence[Link]) -> Float[np.ndarray, "3"]:
+    """Sides (m) of the box around all hulls at rest; 0 without hulls."""
     chunks = [hull.vertices for link in links for hull in link.hulls]
-    return float(np.ptp(np.concatenate(chunks), axis=0).max()) if chunks else 0.0
-
-
-def box_diagonal(links: Sequence[Link]) -> float:
-    """Diagonal (m) of the box around all hulls at rest; 0 without hulls."""
-    chunks = [hull.vertices for link in links for hull in link.hulls]
-    return float(np.linalg.norm(np.ptp(np.concatenate(chunks), axis=0))) if chunks else 0.0
+    return np.ptp(np.concatenate(chunks), axis=0) if chunks else np.zeros(3)
 
 
 def package_joint_motion(joint: PackageJoint, q: Float[np.ndarray, "*B"]) -> Float[np.ndarray, "*B 4 4"]:
     """Displacement by one joint at its own coordinate ``q`` (rad or m)."""
+    turns, slides = joint.type in ("revolute", "continuous"), joint.type == "prismatic"
     still = np.zeros_like(np.asarray(q, dtype=np.float64))
-    match joint.type:
-        case "fixed":
-            return screw_motion(joint.axis, joint.origin, still, still)
-        case "prismatic":
-            return screw_motion(joint.axis, joint.origin, still, q)
-        case "revolute" | "continuous":
-            return screw_motion(joint.axis, joint.origin, q, still)
+    return screw_motion(joint.axis, joint.origin, q if turns else still, q if slides else still)
 
 
 def link_displacements(
@@ -151,7 +150,7 @@ def find_requirements(links: Sequence[Link], joints: Sequence[PackageJoint]) -> 
     other none, so that following requirements always ends.
     """
     sets = [HullSet(hulls=link.hulls) for link in links]
-    size = longest_side(links)
+    size = float(box_sides(links).max())
     driven = driven_joints(joints)
     moved = {joint.name: moved_links(links, joints, joint) for joint in driven}
     blocked = []
@@ -197,23 +196,6 @@ def _depth(
     return deepest
 
 
-@dataclass(frozen=True, kw_only=True)
-class SweepConfig:
-    """How closely a joint's range is sampled."""
-
-    poses: int = 41
-    """Fewest samples."""
-    step: float = 4e-3
-    """Farthest (m) that a point may move from one sample to the next: what is left of cut hulls is thin, and
-    the edge of a door would jump over it."""
-    max_poses: int = 401
-    """Most samples."""
-
-
-FINE = SweepConfig()
-"""What hulls are cut and added by."""
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sweep:
     """One joint's sweep: displacements of all links, and the indices of those it moves."""
@@ -223,33 +205,87 @@ class Sweep:
 
 
 def sample_sweep(
-    links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint, cfg: SweepConfig = FINE
+    links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint
 ) -> Float[np.ndarray, "P"]:
     """Coordinates of a joint from closed to fully open, close enough for all hulls that it moves."""
     moved = [hull.vertices for slot in moved_links(links, joints, joint) for hull in links[slot].hulls]
-    return sample_range(joint, moved, cfg)
+    return sample_range(joint, moved, STEP, SWEEP_POSES)
 
 
 def sample_range(
-    joint: PackageJoint, moved: Sequence[Float[np.ndarray, "N 3"]], cfg: SweepConfig
+    joint: PackageJoint, moved: Sequence[Float[np.ndarray, "N 3"]], step: float, poses: tuple[int, int]
 ) -> Float[np.ndarray, "P"]:
-    """Coordinates of a joint from closed to fully open, close enough for points that it moves."""
-    steps = int(np.ceil(farthest_travel(joint, moved) / cfg.step))
-    return sweep_coordinates(joint, int(np.clip(steps + 1, cfg.poses, cfg.max_poses)))
+    """Coordinates of a joint from closed to fully open between which no point that it moves goes farther than
+    ``step`` (m); ``poses`` are the fewest and the most."""
+    steps = int(np.ceil(farthest_travel(joint, moved) / step))
+    return sweep_coordinates(joint, int(np.clip(steps + 1, *poses)))
 
 
 def read_sweeps(
     links: Sequence[Link],
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
-    cfg: SweepConfig = FINE,
 ) -> tuple[Sweep, ...]:
     """Every driven joint's sweep, with what it requires open."""
     sweeps = []
     for joint in driven_joints(joints):
-        q = sample_sweep(links, joints, joint, cfg)
+        q = sample_sweep(links, joints, joint)
         T = link_displacements(
             links, joints, {**required_openings(joint, joints, requirements), joint.name: q}
         )
         sweeps.append(Sweep(T=T, moved=frozenset(moved_links(links, joints, joint))))
     return tuple(sweeps)
+
+
+def held_length(own: Float[np.ndarray, "N"], carrier: Float[np.ndarray, "M"], travel: float) -> float:
+    """Length over which a body, moved by ``travel`` along a line, overlaps its carrier.
+
+    ``own`` and ``carrier`` are coordinates of points along that line, at rest. Negative: a gap.
+    """
+    return float(min(own.max() + travel, carrier.max()) - max(own.min() + travel, carrier.min()))
+
+
+def keep_drawers_held(
+    links: Sequence[Link],
+    joints: Sequence[PackageJoint],
+    panels: Mapping[str, Float[np.ndarray, "N 3"]],
+) -> tuple[tuple[PackageJoint, ...], tuple[str, ...]]:
+    """Lowers the limits of drawers that would leave their carrier; one sentence per change.
+
+    Args:
+        links: Links with hulls, object frame at rest.
+        joints: Their joints.
+        panels: Points of each drawer without its handles, by link.
+    """
+    by_name = {link.name: link for link in links}
+    parent = {joint.child: joint.parent for joint in joints}
+    out, records = [], []
+    for joint in joints:
+        slides = joint.type == "prismatic" and joint.mimic is None and joint.child in panels
+        if not slides or by_name[joint.child].label not in HELD_LABELS:
+            out.append(joint)
+            continue
+        above, at = [], joint.parent
+        while at in by_name:
+            above += [hull.vertices for hull in by_name[at].hulls]
+            at = parent.get(at, "")
+        own = panels[joint.child] @ joint.axis
+        carrier = np.concatenate(above) @ joint.axis if above else np.zeros(0)
+        wanted = HELD_SHARE * float(np.ptp(own))
+        if not len(carrier) or held_length(own, carrier, joint.upper) >= wanted:
+            out.append(joint)
+            continue
+        upper = float(carrier.max() - own.min()) - wanted
+        if upper < joint.lower + MIN_HELD_RANGE * (joint.upper - joint.lower):
+            out.append(joint)
+            records.append(
+                f"{joint.name}: {held_length(own, carrier, joint.upper) / np.ptp(own):.0%} of the drawer "
+                f"stays inside at {joint.upper:.4g} m, and too little range would be left to hold it"
+            )
+            continue
+        out.append(replace(joint, upper=upper))
+        records.append(
+            f"{joint.name}: upper limit {joint.upper:.4g} lowered to {upper:.4g} m, so that "
+            f"{HELD_SHARE:.0%} of the drawer's depth stay inside"
+        )
+    return tuple(out), tuple(records)

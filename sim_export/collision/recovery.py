@@ -6,7 +6,7 @@ that it would meet along any sweep. So nothing that moved freely before is in th
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import manifold3d
 import numpy as np
@@ -14,13 +14,14 @@ from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
 from sim_export.checks.surface import inside_hulls, surface_distances
-from sim_export.collision.attachment import GAP, add_hull
+from sim_export.collision.attachment import GAP, add_hull, relative_poses
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hull_limits import MIN_WIDTH, MOST_OF_LINK, trim_hull
 from sim_export.collision.hulls import (
     clip_hull,
     hull_volume,
     hull_width,
+    replace_hulls,
 )
 from sim_export.collision.motion import Sweep, read_sweeps
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
@@ -107,14 +108,6 @@ def stands_out(hull: Hull, solids: Sequence[manifold3d.Manifold]) -> float:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Recovery:
-    """Links with what was put back, and one sentence for each link that had lost something."""
-
-    links: tuple[Link, ...]
-    records: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class _Scene:
     """What all links are measured in: current hulls, sweeps, and the object's diagonal (m)."""
 
@@ -128,7 +121,7 @@ def recover_surface(
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
     meshes: Mapping[str, Mesh],
-) -> Recovery:
+) -> tuple[tuple[Link, ...], tuple[str, ...]]:
     """Adds hulls where the meshes of a link lie far from all of its hulls.
 
     Args:
@@ -138,13 +131,14 @@ def recover_surface(
         meshes: Closed mesh of every part, by name; metres, object frame.
 
     Returns:
-        New links; those without additions are the same objects. Hulls only grow in number.
+        New links, and one sentence for each that had lost something. Links without additions are the same
+        objects; hulls only grow in number.
     """
     shown = [[meshes[part] for part in link.parts] if link.hulls else [] for link in links]
     areas = [sum(float(triangle_areas(m.vertices[m.faces]).sum()) for m in own) for own in shown]
     corners = [mesh.vertices for own in shown for mesh in own]
     if not corners:
-        return Recovery(links=tuple(links))
+        return tuple(links), ()
     scene = _Scene(
         sets=[HullSet(hulls=link.hulls) for link in links],
         sweeps=read_sweeps(links, joints, requirements),
@@ -155,13 +149,7 @@ def recover_surface(
         if own:
             samples = int(SAMPLES * areas[slot] / sum(areas)) + _LEAST_SAMPLES
             records += _recover_link(links[slot].name, slot, own, scene, samples)
-    return Recovery(
-        links=tuple(
-            link if hulls.hulls == link.hulls else replace(link, hulls=hulls.hulls)
-            for link, hulls in zip(links, scene.sets, strict=True)
-        ),
-        records=tuple(records),
-    )
+    return replace_hulls(links, [hulls.hulls for hulls in scene.sets]), tuple(records)
 
 
 def _recover_link(name: str, slot: int, meshes: Sequence[Mesh], scene: _Scene, samples: int) -> list[str]:
@@ -226,13 +214,7 @@ def _gains(hull: Hull, points: np.ndarray, scene: _Scene) -> bool:
 
 def _cut_free(hull: Hull, slot: int, scene: _Scene) -> Hull | None:
     """A hull of link ``slot`` cut back until no other link comes near along any sweep, or ``None``."""
-    still = np.eye(4)
-    others = [index for index, hulls in enumerate(scene.sets) if index != slot and hulls.hulls]
-    poses = [(other, still[None], still[None]) for other in others]
-    for sweep in scene.sweeps:
-        apart = [other for other in others if (slot in sweep.moved) != (other in sweep.moved)]
-        poses += [(other, sweep.T[:, slot], sweep.T[:, other]) for other in apart]
-    for other, T_own, T_other in poses:
+    for other, T_own, T_other in relative_poses(slot, scene.sets, scene.sweeps):
         for _ in range(CUTS):
             found = signed_distances(HullSet(hulls=(hull,)), scene.sets[other], T_own, T_other, GAP)
             if not len(found.distance) or found.distance.min() >= GAP:

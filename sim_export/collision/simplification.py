@@ -37,21 +37,20 @@ _SPECK = 1e-12
 """Cubic metres; less than this is rounding."""
 
 
-def simplify_hulls(hulls: Sequence[Hull], tolerance: float = TOLERANCE) -> tuple[Hull, ...]:
+def simplify_hulls(hulls: Sequence[Hull]) -> tuple[Hull, ...]:
     """The convex pieces of one part, with a box or cylinder for each piece that nearly is one.
 
-    A primitive stays behind no face of its piece by more than the tolerance, and reaches beyond the union of
-    the pieces by no more than it, measured along the normals of their faces. Of those that do, the smallest
-    one is taken, as large as it may be.
+    A primitive stays behind no face of its piece by more than `TOLERANCE`, or `SHARE` of its thickness, and
+    reaches beyond the union of the pieces by no more than that, measured along the normals of their faces. Of
+    those that do, the smallest one is taken, as large as it may be.
 
     Args:
         hulls: Convex pieces of a part, which may overlap.
-        tolerance: Metres; for pieces thinner than ``tolerance / SHARE`` that share of their thickness.
 
     Returns:
         As many hulls, in order; pieces that stay as they are are the same objects.
     """
-    pieces = [_Piece(hull=hull, tolerance=tolerance) for hull in hulls]
+    pieces = [_Piece(hull=hull) for hull in hulls]
     return tuple(_simplify(piece, pieces) for piece in pieces)
 
 
@@ -81,7 +80,6 @@ class _Piece:
     """A hull with what is asked about it more than once."""
 
     hull: Hull
-    tolerance: float
 
     @cached_property
     def planes(self) -> Float[np.ndarray, "K 4"]:
@@ -90,7 +88,7 @@ class _Piece:
     @cached_property
     def slack(self) -> float:
         """Metres that a primitive may differ from this piece."""
-        return min(self.tolerance, SHARE * hull_width(self.hull)[0])
+        return min(TOLERANCE, SHARE * hull_width(self.hull)[0])
 
     @cached_property
     def bounds(self) -> Float[np.ndarray, "2 3"]:

@@ -16,6 +16,7 @@ from jaxtyping import Bool, Float
 from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, cover_with_boxes, is_open_between, look_up
 from sim_export.collision.hull_limits import MIN_WIDTH, compact_hull, thicken_hull
 from sim_export.collision.hulls import convex_hull
+from sim_export.collision.joining import join_neighbours
 from sim_export.collision.specks import drop_specks
 from sim_export.collision.surface_pieces import (
     Piece,
@@ -299,40 +300,18 @@ def _cut(
 
 def _join(pieces: Sequence[Piece], space: FreeSpace, least: float, taken: float) -> list[Piece]:
     """Joins pairs of pieces, those first whose hull grows least, while the common hulls fit."""
-    alive = dict(enumerate(pieces))
-    bounds = np.full((2 * len(pieces), 2, 3), np.nan)  # of no piece, and of none that was joined
-    queue: list[tuple[float, int, int, Piece]] = []
 
-    def offer(i: int) -> None:
-        low, high = alive[i].bounds
-        near = (bounds[:, 0] <= high + 3.0 * least) & (bounds[:, 1] >= low - 3.0 * least)
-        for j in np.flatnonzero(near.all(axis=1)).tolist():
-            if is_open_between(alive[i].corners[:16], alive[j].corners[:16], space, 2.0 * least):
-                continue
-            both = join_pieces(alive[i], alive[j], space, least)
-            before = alive[i].intrusion.volume + alive[j].intrusion.volume
-            fits = _fits(both, least, taken) or (
-                both.intrusion.volume <= before and both.intrusion.depth <= 2.0 * least
-            )
-            if fits:
-                grown = both.volume - alive[i].volume - alive[j].volume
-                heapq.heappush(queue, (grown, i, j, both))
+    def join(new: Piece, other: Piece) -> tuple[float, Piece] | None:
+        if is_open_between(new.corners[:16], other.corners[:16], space, 2.0 * least):
+            return None
+        both = join_pieces(new, other, space, least)
+        before = new.intrusion.volume + other.intrusion.volume
+        fits = _fits(both, least, taken) or (
+            both.intrusion.volume <= before and both.intrusion.depth <= 2.0 * least
+        )
+        return (both.volume - new.volume - other.volume, both) if fits else None
 
-    for i, piece in alive.items():
-        offer(i)
-        bounds[i] = piece.bounds
-    serial = len(alive)
-    while queue:
-        _, i, j, both = heapq.heappop(queue)
-        if i not in alive or j not in alive:
-            continue
-        del alive[i], alive[j]
-        alive[serial] = both
-        bounds[[i, j]] = np.nan
-        offer(serial)
-        bounds[serial] = both.bounds
-        serial += 1
-    return list(alive.values())
+    return join_neighbours(pieces, 3.0 * least, join)[0]
 
 
 def piece_hull(piece: Piece, space: FreeSpace) -> Hull | None:

@@ -5,7 +5,6 @@ revolution, such as those of bottles, pots and lids, are cut into sectors about 
 nearly convex; planes along the axes of the object would take three times as many pieces.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -356,20 +355,15 @@ def count_sectors(radius: float, diagonal: float) -> int:
 
 
 def cut_sectors(
-    triangles: Float[np.ndarray, "F 3 3"], axis: Axis, count: int
+    triangles: Float[np.ndarray, "F 3 3"], axis: Axis, count: int, done: int = 0
 ) -> list[Float[np.ndarray, "G 3 3"]]:
-    """The triangles of every sector that has any, divided by planes through the axis."""
-    return list(_cut_along(triangles, axis, count, 0))
+    """The triangles of every sector that has any, divided by planes through the axis.
 
-
-def _cut_along(
-    triangles: Float[np.ndarray, "F 3 3"], axis: Axis, count: int, number: int
-) -> Iterator[Float[np.ndarray, "G 3 3"]]:
-    """Cuts by planes ``number`` and higher; each divides two opposite sectors."""
-    if not len(triangles) or 2 * number == count:
-        yield from [triangles] if len(triangles) else []
-        return
-    angle, across = 2.0 * np.pi * number / count, np.roll(axis.direction, 1)
+    Each plane divides two opposite sectors; the first ``done`` planes have divided the triangles already.
+    """
+    if not len(triangles) or 2 * done == count:
+        return [triangles] if len(triangles) else []
+    angle, across = 2.0 * np.pi * done / count, np.roll(axis.direction, 1)
     normal = np.cos(angle) * across + np.sin(angle) * np.cross(axis.direction, across)
-    for half in cut_triangles(triangles, normal, float(normal @ axis.point)):
-        yield from _cut_along(half, axis, count, number + 1)
+    halves = cut_triangles(triangles, normal, float(normal @ axis.point))
+    return [part for half in halves for part in cut_sectors(half, axis, count, done + 1)]

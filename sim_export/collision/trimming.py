@@ -10,7 +10,6 @@ detail for which a link has no hull left.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import manifold3d
 import numpy as np
@@ -64,21 +63,18 @@ SAMPLES = 20_000
 """Points on the surfaces of all links together."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Trimmed:
-    """The meshes of all parts by name, and one sentence for each that changed."""
-
-    meshes: Mapping[str, Mesh]
-    records: tuple[str, ...] = ()
-
-
-def fill_meshes(links: Sequence[Link], meshes: Mapping[str, Mesh], voxel: float) -> Trimmed:
+def fill_meshes(
+    links: Sequence[Link], meshes: Mapping[str, Mesh], voxel: float
+) -> tuple[dict[str, Mesh], tuple[str, ...]]:
     """Adds to the meshes of each link what its hulls hold besides, as far as that is thin.
 
     Args:
         links: Links with hulls, object frame at rest.
         meshes: Closed mesh of every part, by name; metres, object frame.
         voxel: Edge of a voxel (m).
+
+    Returns:
+        The meshes of all parts by name, and one sentence for each that changed.
     """
     out, records = dict(meshes), []
     for link in links:
@@ -114,7 +110,7 @@ def fill_meshes(links: Sequence[Link], meshes: Mapping[str, Mesh], voxel: float)
                 f"{part}: its mesh fills gaps up to {1000 * FILLED_DEPTH * voxel:.0f} mm deep, as {count} of "
                 f"its hulls do: {grown:.1%} of its volume"
             )
-    return Trimmed(meshes=out, records=tuple(records))
+    return out, tuple(records)
 
 
 def _fillers(
@@ -151,7 +147,7 @@ def trim_meshes(
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
     meshes: Mapping[str, Mesh],
-) -> Trimmed:
+) -> tuple[dict[str, Mesh], tuple[str, ...]]:
     """Leaves out of the meshes what no hull stands for, where another link is or passes, or it is fine.
 
     Args:
@@ -159,11 +155,14 @@ def trim_meshes(
         joints: Their joints.
         requirements: Joints that must be open while another moves.
         meshes: Closed mesh of every part, by name; metres, object frame.
+
+    Returns:
+        The meshes of all parts by name, and one sentence for each that changed.
     """
     out = dict(meshes)
     corners = [meshes[part].vertices for link in links for part in link.parts]
     if not corners:
-        return Trimmed(meshes=out)
+        return out, ()
     diagonal = float(np.linalg.norm(np.ptp(np.concatenate(corners), axis=0)))
     total = sum(float(triangle_areas(mesh.vertices[mesh.faces]).sum()) for mesh in meshes.values())
     lost = [_find_lost(link, meshes, total, diagonal) for link in links]
@@ -196,7 +195,7 @@ def trim_meshes(
                 continue
             out[part] = mesh
             records.append(f"{part}: {share:.1%} of its mesh, for which no hull stands, is left out")
-    return Trimmed(meshes=out, records=tuple(records))
+    return out, tuple(records)
 
 
 def _find_lost(

@@ -37,6 +37,8 @@ moves a third of its travel too far and creeps under less force than its frictio
 other engines; 0.004 s is stable at MuJoCo's default time step and raised by MuJoCo at longer ones. Under a
 third of its friction a dial creeps by 0.1 degrees per second with this impedance, and ten times as fast with
 that of limits."""
+MAX_PAIRS = 31
+"""Pairs that SAPIEN accepts; further ones are left out."""
 
 
 def mjcf_text(package: SimPackage, apart: tuple[tuple[str, str], ...] = ()) -> str:
@@ -207,10 +209,6 @@ def _add_pairs(root: ET.Element, package: SimPackage, apart: tuple[tuple[str, st
                 solref=HARD_REFERENCE,
                 solimp=HARD_IMPEDANCE,
             )
-
-
-MAX_PAIRS = 31
-"""Pairs that SAPIEN accepts; further ones are left out."""
 
 
 def srdf_text(name: str, pairs: tuple[tuple[str, str], ...]) -> str:

@@ -192,6 +192,17 @@ def write_package(package: SimPackage, folder: Path, overwrite: Overwrite = "ref
         InvalidKinematics: If links and joints are not a tree that URDF can express.
     """
     folder = Path(folder)
+    check_place(folder, overwrite)
+    write_files(package_files(package), folder)
+    return folder
+
+
+def check_place(folder: Path, overwrite: Overwrite) -> None:
+    """Checks that `write_package` may write to a folder.
+
+    Raises:
+        PackageError: If the folder exists and is not a package, or must not be replaced.
+    """
     if folder.exists() and overwrite == "refuse":
         raise PackageError(f"{folder}: exists already; remove it or write with overwrite='replace'")
     if (
@@ -200,8 +211,6 @@ def write_package(package: SimPackage, folder: Path, overwrite: Overwrite = "ref
         and (not folder.is_dir() or any(folder.iterdir()))
     ):
         raise PackageError(f"{folder}: is no package (it has no {MANIFEST}), so it is not replaced")
-    write_files(package_files(package), folder)
-    return folder
 
 
 def write_draft(package: SimPackage, folder: Path, *, visuals: bool = True) -> Path:

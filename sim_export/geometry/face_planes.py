@@ -36,6 +36,8 @@ MAX_STEP_FRACTION = 0.3
 """A patch with more one-cell steps than this along its boundary may be a terrace."""
 SPECK_FRACTION = 0.03
 """Steps to patches smaller than this fraction of a patch's own area are ignored."""
+MARGIN = 3
+"""Empty cells around the grid: the largest distance of a cell that is examined from an exposed face."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,10 +52,6 @@ class FacePlanes:
     plane: Float[np.ndarray, "6 X Y Z"]
     flat: Bool[np.ndarray, "6 X Y Z"]
     patch: Int[np.ndarray, "6 X Y Z"]
-
-
-MARGIN = 3
-"""Empty cells around the grid: the largest distance of a cell that is examined from an exposed face."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

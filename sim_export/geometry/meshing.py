@@ -33,6 +33,8 @@ from sim_export.package import Mesh
 
 TOLERANCE = 0.03
 """Deviation allowed when triangles are merged, in cells."""
+_SLIVER = 0.02
+"""Twice the area, in square cells, below which a quad is split along its other diagonal if possible."""
 
 
 def solid_parts(asset: Asset) -> tuple[PartOccupancy, ...]:
@@ -168,8 +170,6 @@ def _quad_corners() -> np.ndarray:
 
 
 _QUAD_CORNERS = _quad_corners()
-_SLIVER = 0.02
-"""Twice the area, in square cells, below which a quad is split along its other diagonal if possible."""
 
 
 def _split_quads(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:

@@ -5,7 +5,6 @@ with narrow gaps between them. Struts, boxes no wider than a cell, bridge each g
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import manifold3d
 import numpy as np
@@ -30,21 +29,18 @@ SPECK = 0.5
 _SAMPLES = 400
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Braced:
-    """Meshes of all parts by name, and one sentence for each part that changed."""
-
-    meshes: Mapping[str, Mesh]
-    records: tuple[str, ...] = ()
-
-
-def brace_links(links: Sequence[Link], meshes: Mapping[str, Mesh], cell: float) -> Braced:
+def brace_links(
+    links: Sequence[Link], meshes: Mapping[str, Mesh], cell: float
+) -> tuple[dict[str, Mesh], tuple[str, ...]]:
     """Connects the pieces of every link; pieces out of reach are left out if they are specks.
 
     Args:
         links: The links.
         meshes: Closed mesh of every part, by name; metres, object frame.
         cell: Edge of a voxel (m).
+
+    Returns:
+        The meshes of all parts by name, and one sentence for each that changed.
     """
     out, records = dict(meshes), []
     for link in links:
@@ -56,7 +52,7 @@ def brace_links(links: Sequence[Link], meshes: Mapping[str, Mesh], cell: float) 
                 continue
             out[part] = mesh
             records.append(f"{part}: {count} struts connect its pieces, {dropped} specks left out")
-    return Braced(meshes=out, records=tuple(records))
+    return out, tuple(records)
 
 
 def _brace(

@@ -47,10 +47,10 @@ def stand_on_side(package: SimPackage) -> SimPackage:
         f"mend stand (V303): the object was turned by {angles[row]:.1f} degrees onto a side on which it "
         f"stands; its centre of mass was {1e3 * -before:.0f} mm outside of what touched the floor"
     )
-    standing = add_feet(
+    links, footed = add_feet(
         turned.links, turned.joints, turned.requires_open, _shown_parts(turned), find=find_tips
     )
-    return replace(turned, links=standing.links, records=(*package.records, record, *standing.records))
+    return replace(turned, links=links, records=(*package.records, record, *footed))
 
 
 def _shown_parts(package: SimPackage) -> dict[str, Mesh]:

@@ -21,6 +21,8 @@ from sim_export.physics.inertia import inertia_about, mesh_inertial
 from sim_export.physics.makes import find_make, is_hardware
 from sim_export.physics.materials import MATERIALS, part_material
 
+FARTHEST = 0.006
+"""Distance (m) up to which a centre of mass is moved into the collision geometry of its link."""
 _INSIDE = 2e-4
 """Distance (m) inside a face to which a centre of mass is moved."""
 
@@ -81,11 +83,11 @@ def subtract(whole: Inertial, hole: Inertial) -> Inertial:
     return Inertial(mass=mass, com=com, inertia=rest)
 
 
-def hold_centers(links: Sequence[Link], most: float = 0.006) -> tuple[tuple[Link, ...], tuple[str, ...]]:
+def hold_centers(links: Sequence[Link]) -> tuple[tuple[Link, ...], tuple[str, ...]]:
     """Moves centres of mass into the collision geometry of their links; one sentence per change.
 
     The mesh of a knob that clearance trimmed has its centre of mass slightly outside of the remaining hulls.
-    Centres more than ``most`` (m) outside are an error of the object and stay unchanged.
+    Centres more than `FARTHEST` outside are an error of the object and stay unchanged.
     """
     out, records = [], []
     for link in links:
@@ -102,7 +104,7 @@ def hold_centers(links: Sequence[Link], most: float = 0.006) -> tuple[tuple[Link
                 break
             com = com - (beyond[worst] + _INSIDE) * planes[worst, :3]
         moved = float(np.linalg.norm(com - start))
-        if not 0.0 < moved <= most:
+        if not 0.0 < moved <= FARTHEST:
             out.append(link)
             continue
         out.append(replace(link, inertial=replace(link.inertial, com=com)))

@@ -30,6 +30,30 @@ ROLLING = 0.02
 """Resistance of a castor with a rubber tyre on a hard floor, over its load."""
 MAX_DRAG = 12.0
 """Damping (N s/m) of sliding panels, at most: rollers of a heavy drawer hardly brake it."""
+PLATE_SLENDERNESS = 6.0
+"""Smaller in-plane extent over thickness from which a piece is a plate."""
+THICKEST_GLASS = 0.012
+"""Thickness (m) above which a plate of glass is insulating glass."""
+APPLIANCES: frozenset[str] = frozenset(
+    {
+        "Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave", "Safe", "CoffeeMachine",
+        "Toaster", "ChestFreezer", "Dryer", "FilingCabinet", "Mailbox",
+    }
+)  # fmt: skip
+"""Categories whose carcass and moving parts are sheet metal; every other category is wood board."""
+INSULATED: frozenset[str] = frozenset({"Refrigerator", "ChestFreezer"})
+"""Appliances with thick walls of foam."""
+PLASTIC_CATEGORIES: frozenset[str] = frozenset(
+    {"Bottle", "Box", "Laptop", "Printer", "Phone", "Remote", "Suitcase", "Switch", "TrashCan", "Dispenser"}
+)
+METAL_CATEGORIES: frozenset[str] = frozenset({"Faucet", "Pot", "Cart", "Scissors", "Pliers", "ToolBox"})
+WEIGHTED: frozenset[str] = frozenset({"DeskLamp"})
+"""Categories whose base is a block of concrete or cast iron, which keeps them from tipping."""
+PHYSX_COEFFICIENTS = (0.01, 0.05, 0.2, 1.0)
+PHYSX_SLIDING_HOLD = (0.0108, 0.0336, 0.0706, 0.173)
+PHYSX_TURNING_HOLD = (0.0178, 0.0430, 0.0980, 0.292)
+"""Holding force over `joint_load` for these coefficients in SAPIEN 3.0.3 at 100 Hz with 15 position
+iterations (ManiSkill's settings), measured on horizontal drawers of 1 to 20 kg and doors of 0.3 to 1.2 m."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,30 +85,6 @@ MATERIALS: dict[MaterialName, Material] = {
 rack of half a square metre weighs five kilograms regardless of the thickness of its voxels. ``foam_panel`` is
 the insulation of a refrigerator, at least five centimetres thick, with its skins: 10 kg a door.
 ``insulating_glass`` is two panes of four millimetres with gas between them."""
-
-PLATE_SLENDERNESS = 6.0
-"""Smaller in-plane extent over thickness from which a piece is a plate."""
-THICKEST_GLASS = 0.012
-"""Thickness (m) above which a plate of glass is insulating glass."""
-
-APPLIANCES: frozenset[str] = frozenset(
-    {
-        "Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave", "Safe", "CoffeeMachine",
-        "Toaster", "ChestFreezer", "Dryer", "FilingCabinet", "Mailbox",
-    }
-)  # fmt: skip
-"""Categories whose carcass and moving parts are sheet metal; every other category is wood board."""
-
-INSULATED: frozenset[str] = frozenset({"Refrigerator", "ChestFreezer"})
-"""Appliances with thick walls of foam."""
-
-PLASTIC_CATEGORIES: frozenset[str] = frozenset(
-    {"Bottle", "Box", "Laptop", "Printer", "Phone", "Remote", "Suitcase", "Switch", "TrashCan", "Dispenser"}
-)
-METAL_CATEGORIES: frozenset[str] = frozenset({"Faucet", "Pot", "Cart", "Scissors", "Pliers", "ToolBox"})
-
-WEIGHTED: frozenset[str] = frozenset({"DeskLamp"})
-"""Categories whose base is a block of concrete or cast iron, which keeps them from tipping."""
 
 
 def part_material(label: PartLabel, category: str) -> MaterialName:
@@ -191,13 +191,6 @@ def joint_load(joint: PackageJoint, mass: float, lever: float) -> float:
     """
     weight = mass * GRAVITY
     return weight if joint.type == "prismatic" else weight * max(lever, 0.01)
-
-
-PHYSX_COEFFICIENTS = (0.01, 0.05, 0.2, 1.0)
-PHYSX_SLIDING_HOLD = (0.0108, 0.0336, 0.0706, 0.173)
-PHYSX_TURNING_HOLD = (0.0178, 0.0430, 0.0980, 0.292)
-"""Holding force over `joint_load` for these coefficients in SAPIEN 3.0.3 at 100 Hz with 15 position
-iterations (ManiSkill's settings), measured on horizontal drawers of 1 to 20 kg and doors of 0.3 to 1.2 m."""
 
 
 def physx_friction_coefficient(joint: PackageJoint, mass: float, lever: float) -> float:

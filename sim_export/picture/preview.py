@@ -44,6 +44,9 @@ PANEL_CAPTIONS: dict[Panel, str] = {
 
 INK = (38, 42, 50)
 PALE_INK = (110, 116, 128)
+QUALITY = 80
+"""WebP quality."""
+PANELS: tuple[Panel, ...] = ("closed", "open")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -280,11 +283,6 @@ def _write(
     place = (band.shape[1] / 2, band.shape[0] / 2) if centered else (18.0, band.shape[0] / 2)
     draw.text(place, text, fill=ink, font=font, anchor="mm" if centered else "lm")
     return np.asarray(picture)
-
-
-QUALITY = 80
-"""WebP quality."""
-PANELS: tuple[Panel, ...] = ("closed", "open")
 
 
 def draw_thumbnail(package: SimPackage, size: int = 192) -> UInt8[np.ndarray, "H W 3"]:

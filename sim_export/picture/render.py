@@ -31,25 +31,16 @@ from sim_export.picture.raycast import Scene, Surface, build_scene
 GOLDEN = 0.618033988749895
 
 
-def surface_from_mesh(
-    mesh: Mesh,
-    *,
-    surface_id: int = 0,
-    color: tuple[float, float, float] | None = None,
-    crease: float = CREASE,
-) -> Surface:
-    """A mesh as a surface; edges flatter than ``crease`` (degrees) are shaded smoothly.
-
-    ``color`` (sRGB in [0, 1]) replaces the mesh's own colour and texture.
-    """
+def surface_from_mesh(mesh: Mesh, *, surface_id: int = 0, crease: float = CREASE) -> Surface:
+    """A mesh as a surface; edges flatter than ``crease`` (degrees) are shaded smoothly."""
     triangles = mesh.vertices[mesh.faces]
     return Surface(
         triangles=triangles,
         normals=corner_normals(triangles, crease),
         id=surface_id,
-        uv=mesh.uv if color is None else None,
-        texture=mesh.texture if color is None else None,
-        color=mesh.color if color is None else color,
+        uv=mesh.uv,
+        texture=mesh.texture,
+        color=mesh.color,
     )
 
 

@@ -20,6 +20,16 @@ HandleKind = Literal["bar", "pull", "arch", "knob", "cup", "recessed", "edge", "
 HANDLE_KINDS: tuple[HandleKind, ...] = get_args(HandleKind)
 FINGERS = 0.027
 """Free depth (m) behind a bar."""
+LENGTHS: dict[HandleKind, tuple[float, float]] = {
+    "bar": (0.12, 0.32),
+    "pull": (0.10, 0.26),
+    "arch": (0.10, 0.18),
+    "knob": (0.026, 0.038),
+    "cup": (0.08, 0.11),
+    "recessed": (0.10, 0.16),
+    "edge": (0.12, 0.40),
+    "block": (0.06, 0.14),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,18 +56,6 @@ class HandleDesign:
         return {"knob": 0.030, "cup": 0.026, "recessed": 0.008, "edge": 0.022, "block": 0.028}.get(
             self.kind, bow
         )
-
-
-LENGTHS: dict[HandleKind, tuple[float, float]] = {
-    "bar": (0.12, 0.32),
-    "pull": (0.10, 0.26),
-    "arch": (0.10, 0.18),
-    "knob": (0.026, 0.038),
-    "cup": (0.08, 0.11),
-    "recessed": (0.10, 0.16),
-    "edge": (0.12, 0.40),
-    "block": (0.06, 0.14),
-}
 
 
 def design_handle(

@@ -28,6 +28,7 @@ from typing import Literal
 
 import numpy as np
 
+from artigen.shapes.choices import choose_one
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import (
     LACQUERS,
@@ -138,7 +139,7 @@ def _draw_furniture(rng: np.random.Generator, style: str) -> dict[str, Finish]:
         "wood": (timber, timber, timber),
         "painted": (paint, paint, paint),
         "painted_wooden_top": (paint, paint, timber),
-        "painted_stone_top": (paint, paint, make_stone(_pick(rng, tuple(STONES)), seed + 1)),
+        "painted_stone_top": (paint, paint, make_stone(choose_one(rng, tuple(STONES)), seed + 1)),
         "wooden_body": (timber, paint, timber),
         "wooden_front": (paint, timber, paint),
     }[scheme]
@@ -168,14 +169,14 @@ def _draw_scheme(rng: np.random.Generator, style: str) -> tuple[str, str, str]:
     """Wood, lacquer and their assignment; a material that the style names is always on the fronts."""
     if style in WOODS:
         scheme = "wood" if rng.random() < 0.7 else "wooden_front"
-        return style, _pick(rng, FRONTS_ON_WOOD[style]), scheme
+        return style, choose_one(rng, FRONTS_ON_WOOD[style]), scheme
     painted = ("painted", "painted_wooden_top", "painted_stone_top")
     if style in LACQUERS:
-        return _pick(rng, WOODS_WITH_LACQUER[style]), style, _pick(rng, (*painted, "wooden_body"))
+        return choose_one(rng, WOODS_WITH_LACQUER[style]), style, choose_one(rng, (*painted, "wooden_body"))
     if style in ("steel", "industrial", "metal"):
         return (
-            _pick(rng, ("oak", "walnut", "pine")),
-            _pick(rng, ("black", "anthracite", "grey")),
+            choose_one(rng, ("oak", "walnut", "pine")),
+            choose_one(rng, ("black", "anthracite", "grey")),
             "wooden_front",
         )
     chances = {"wood": 0.32, "wooden_body": 0.15, "wooden_front": 0.13} | dict.fromkeys(painted, 0.4 / 3)
@@ -184,9 +185,9 @@ def _draw_scheme(rng: np.random.Generator, style: str) -> tuple[str, str, str]:
     scheme = str(rng.choice(list(chances), p=list(chances.values())))
     if scheme.startswith("painted"):
         lacquer = str(rng.choice(list(LACQUERS), p=_frequencies(len(LACQUERS))))
-        return _pick(rng, WOODS_WITH_LACQUER[lacquer]), lacquer, scheme
+        return choose_one(rng, WOODS_WITH_LACQUER[lacquer]), lacquer, scheme
     wood = str(rng.choice(list(WOODS), p=_frequencies(len(WOODS))))
-    return wood, _pick(rng, FRONTS_ON_WOOD[wood]), scheme
+    return wood, choose_one(rng, FRONTS_ON_WOOD[wood]), scheme
 
 
 def _draw_metal(rng: np.random.Generator, front: str, style: str) -> Finish:
@@ -197,7 +198,7 @@ def _draw_metal(rng: np.random.Generator, front: str, style: str) -> Finish:
         choices = ["steel", "brass", "chrome"]
     if style in ("steel", "industrial", "metal"):
         choices = ["black", "dark"]
-    return make_metal(_pick(rng, tuple(choices)), int(rng.integers(2**30)))
+    return make_metal(choose_one(rng, tuple(choices)), int(rng.integers(2**30)))
 
 
 def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
@@ -268,10 +269,6 @@ def _common(seed: int) -> dict[str, Finish]:
         "plastic": Finish(kind="plastic", color=(0.83, 0.83, 0.82), accent=(0.79, 0.79, 0.78), gloss=0.25),
         "cavity": make_lacquer((0.20, 0.21, 0.23), gloss=0.3),
     }
-
-
-def _pick(rng: np.random.Generator, names: tuple[str, ...]) -> str:
-    return names[int(rng.integers(len(names)))]
 
 
 def _frequencies(count: int) -> list[float]:

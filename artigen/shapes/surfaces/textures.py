@@ -26,6 +26,16 @@ OWN_GRAIN = 1.5
 """Ratio of length to width from which the grain of a board runs along it, regardless of the finish."""
 LINED = 0.5
 """Cosine between normal and lined side above which the lining shows."""
+PATTERN_OF: dict[FinishKind, int] = {
+    "wood": 1,
+    "steel": 2,
+    "stone": 3,
+    "lacquer": 4,
+    "plastic": 4,
+    "rubber": 4,
+    "glass": 0,
+}
+"""Pattern of each kind, counted from one; glass is uniform."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -213,16 +223,6 @@ def _even(spots: _Spots) -> tuple[Any, Any]:
 
 PATTERNS: tuple[Callable[[_Spots], tuple[Any, Any]], ...] = (_wood, _steel, _stone, _even)
 """Each returns the share of the accent, and the brightness."""
-PATTERN_OF: dict[FinishKind, int] = {
-    "wood": 1,
-    "steel": 2,
-    "stone": 3,
-    "lacquer": 4,
-    "plastic": 4,
-    "rubber": 4,
-    "glass": 0,
-}
-"""Pattern of each kind, counted from one; glass is uniform."""
 
 
 def _kept(spots: _Spots, wavelength: Any) -> Any:

@@ -6,6 +6,10 @@ from artigen.latent.presets import PresetName
 from artigen.train.appearance.vae import AppearanceLossConfig
 from artigen.train.presets import StageConfig
 
+TWO_SIDED = AppearanceLossConfig(volume=0.0)
+"""Losses for voxels with two sides, which know the width of surface: a volume term would only shrink unseen
+Gaussians."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class AppearanceTraining:
@@ -23,10 +27,6 @@ class AppearanceTraining:
     losses: AppearanceLossConfig = field(default_factory=AppearanceLossConfig)
     """Weights of the VAE's loss terms."""
 
-
-TWO_SIDED = AppearanceLossConfig(volume=0.0)
-"""Losses for voxels with two sides, which know the width of surface: a volume term would only shrink unseen
-Gaussians."""
 
 APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
     "tiny": AppearanceTraining(

@@ -23,6 +23,11 @@ from artigen.latent.conv_vae import kl_divergence
 from artigen.metrics.pictures import ssim_map
 from artigen.train.loop import LoopConfig, finished_steps, process_seed, train
 
+HIDDEN = 0.5
+"""Share of training steps in which view features of the voxels beyond a plane are hidden."""
+LEAST = 1e-2
+"""Least standard deviation of a feature: a smaller one would magnify rounding errors of half precision."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class AppearanceLossConfig:
@@ -59,12 +64,6 @@ def appearance_losses(
         "volume": cfg.volume * splats.scales.prod(dim=1).mean(),
         "opacity": cfg.opacity * ((splats.opacities - 1.0) ** 2).mean(),
     }
-
-
-HIDDEN = 0.5
-"""Share of training steps in which view features of the voxels beyond a plane are hidden."""
-LEAST = 1e-2
-"""Least standard deviation of a feature: a smaller one would magnify rounding errors of half precision."""
 
 
 def train_appearance_vae(

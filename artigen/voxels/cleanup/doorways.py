@@ -13,6 +13,11 @@ from artigen.voxels.cleanup.panel import find_panel
 from artigen.voxels.cleanup.rows import Owners
 from artigen.voxels.fields import ROW, name_joints, name_rows
 
+SLACK = 0.25
+"""Cells of overlap with an open door that a drawer tolerates on each side."""
+BESIDE = 1 / 64
+"""Unit-cube lengths by which a part beside a door may reach behind it."""
+
 
 def clear_doorways(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owners, tuple[str, ...]]:
     """Removes cells of open doors before drawers and trays behind them; returns owners and a note."""
@@ -45,12 +50,6 @@ def clear_doorways(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owne
         return owners, ()
     note = f"{gone} cells on the inside of doors were removed that would stand before a drawer when open"
     return owners, (note,)
-
-
-SLACK = 0.25
-"""Cells of overlap with an open door that a drawer tolerates on each side."""
-BESIDE = 1 / 64
-"""Unit-cube lengths by which a part beside a door may reach behind it."""
 
 
 def _is_behind(inner: Float[np.ndarray, "6"], door: Float[np.ndarray, "6"]) -> bool:

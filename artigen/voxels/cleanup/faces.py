@@ -25,31 +25,6 @@ from artigen.voxels.regions import find_rectangles, is_round
 
 Kind = Literal["top", "side", "back", "front", "plate", "panel"]
 
-
-class Side(NamedTuple):
-    """Kind and viewing direction of a face."""
-
-    kind: Kind
-    """All but ``front`` are boards."""
-    axis: int
-    """Axis along which the face is seen."""
-    end: int
-    """End of the axis from which it is seen: 1 the lower, -1 the higher."""
-
-
-PANEL = Side("panel", 0, 1)
-SIDES: Mapping[str, tuple[Side, ...]] = {
-    "base": (
-        Side("back", 0, -1),
-        Side("side", 1, 1),
-        Side("side", 1, -1),
-        Side("front", 0, 1),
-        Side("top", 2, -1),
-    ),
-    "door": (PANEL,),
-    "drawer": (PANEL,),
-}
-"""Faces to flatten, by part label."""
 PLATED = ("WashingMachine",)
 """Categories whose bodies have a board in front as well."""
 OPEN: Mapping[str, tuple[Kind, ...]] = {"Oven": ("top",), "Table": ("side", "back")}
@@ -84,6 +59,32 @@ ROUNDS = 2
 """Passes over the candidate depths of a front."""
 THICKEST = 3
 """Most cells filled behind a face; fewer where the face is thinner elsewhere."""
+
+
+class Side(NamedTuple):
+    """Kind and viewing direction of a face."""
+
+    kind: Kind
+    """All but ``front`` are boards."""
+    axis: int
+    """Axis along which the face is seen."""
+    end: int
+    """End of the axis from which it is seen: 1 the lower, -1 the higher."""
+
+
+PANEL = Side("panel", 0, 1)
+SIDES: Mapping[str, tuple[Side, ...]] = {
+    "base": (
+        Side("back", 0, -1),
+        Side("side", 1, 1),
+        Side("side", 1, -1),
+        Side("front", 0, 1),
+        Side("top", 2, -1),
+    ),
+    "door": (PANEL,),
+    "drawer": (PANEL,),
+}
+"""Faces to flatten, by part label."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

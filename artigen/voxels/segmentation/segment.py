@@ -25,6 +25,26 @@ from artigen.voxels.segmentation.tree import REACH, find_parents
 
 logger = logging.getLogger(__name__)
 
+EPS = 0.08
+"""Neighbourhood radius in the six box attributes, unit lengths. Larger merges neighbouring
+drawers, smaller splits parts with noisy votes."""
+MIN_SAMPLES = 5
+"""Voxels within ``eps`` that make a dense core (scikit-learn's default)."""
+MAX_ROWS = 3000
+"""Most distinct box votes clustered per label; of more, an even selection is clustered and the
+others join the nearest. Bounds time and memory, which grow with the square."""
+AXIS_DEGREES = 1.0
+"""An axis closer than this to a principal direction becomes that direction."""
+CENTER_OFFSET = 0.25 / 64.0
+"""The axis of a continuous joint that passes its part's box centre within this many unit lengths
+is moved through the centre."""
+SIGMAS = 3.0
+"""Where the standard error of a vote is known, the tolerance is at least this multiple of it."""
+MOST_DEGREES = 8.0
+"""Largest angle by which an axis is turned, however uncertain it is."""
+MOST_OFFSET = 1.5 / 64.0
+"""Largest distance, in unit lengths, by which an axis is moved, however uncertain it is."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class SegmentConfig:
@@ -127,16 +147,6 @@ def _voted_category(fields: VoxelFields) -> str:
     return PAPER_CATEGORIES[int(votes.argmax())]
 
 
-EPS = 0.08
-"""Neighbourhood radius in the six box attributes, unit lengths. Larger merges neighbouring
-drawers, smaller splits parts with noisy votes."""
-MIN_SAMPLES = 5
-"""Voxels within ``eps`` that make a dense core (scikit-learn's default)."""
-MAX_ROWS = 3000
-"""Most distinct box votes clustered per label; of more, an even selection is clustered and the
-others join the nearest. Bounds time and memory, which grow with the square."""
-
-
 def partition_paper(fields: VoxelFields) -> Partition:
     """Semantic label by the largest probability, instances by DBSCAN; the base is one part.
 
@@ -169,19 +179,6 @@ def _cluster_boxes(boxes: Float[np.ndarray, "n 6"]) -> Int[np.ndarray, "n"]:
         return np.zeros(len(boxes), dtype=np.int64)
     nearest = KDTree(votes[dense]).query(votes)[1]
     return clusters[clusters >= 0][nearest][which.ravel()].astype(np.int64)
-
-
-AXIS_DEGREES = 1.0
-"""An axis closer than this to a principal direction becomes that direction."""
-CENTER_OFFSET = 0.25 / 64.0
-"""The axis of a continuous joint that passes its part's box centre within this many unit lengths
-is moved through the centre."""
-SIGMAS = 3.0
-"""Where the standard error of a vote is known, the tolerance is at least this multiple of it."""
-MOST_DEGREES = 8.0
-"""Largest angle by which an axis is turned, however uncertain it is."""
-MOST_OFFSET = 1.5 / 64.0
-"""Largest distance, in unit lengths, by which an axis is moved, however uncertain it is."""
 
 
 def regularise(asset: Asset, errors: Sequence[tuple[float, float]] | None = None) -> Asset:

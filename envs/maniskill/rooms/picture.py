@@ -186,14 +186,14 @@ def _sweep_outlines(placement: Placement) -> list[Float[np.ndarray, "V 2"]]:
     return outlines
 
 
-def write_view(room: Room, path: Path, cfg: RoomPictureConfig | None = None) -> None:
+def write_view(room: Room, path: Path) -> None:
     """Writes the dollhouse view as a PNG, atomically."""
-    _write(draw_room(room, cfg), path)
+    _write(draw_room(room), path)
 
 
-def write_plan(room: Room, path: Path, cfg: RoomPictureConfig | None = None) -> None:
+def write_plan(room: Room, path: Path) -> None:
     """Writes the floor plan as a PNG, atomically."""
-    _write(draw_plan(room, cfg), path)
+    _write(draw_plan(room), path)
 
 
 def _write(image: UInt8[np.ndarray, "H W 3"], path: Path) -> None:

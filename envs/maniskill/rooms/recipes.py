@@ -11,6 +11,9 @@ from .room import THICKNESS, RoomKind, Side
 Size = tuple[float, float, float]
 Where = Literal["wall", "middle"]
 
+STORAGE = "StorageFurniture"
+COUNTERS = ("base cabinet", "island", "sideboard")
+
 
 @dataclass(frozen=True, kw_only=True)
 class Role:
@@ -100,7 +103,6 @@ def _role(
     )
 
 
-STORAGE = "StorageFurniture"
 FRIDGE = _role(
     "fridge", "Refrigerator", (0.5, 0.45, 1.3), (0.95, 1.4, 2.2), draws=(("Refrigerator", (0.68, 0.7, 1.75)),)
 )
@@ -198,7 +200,6 @@ LOWBOARD = _role(
 )
 
 WINDOWS = Group(name="windows", roles=("window",), count=(0, 2), like="middle", height=0.92, sunk=THICKNESS)
-COUNTERS = ("base cabinet", "island", "sideboard")
 
 KITCHEN = Recipe(
     kind="kitchen",

@@ -20,6 +20,14 @@ WALL = 0.005
 """Thickness (m) of the walls of vessels."""
 STAVES = 12
 """Number of boxes around a vessel."""
+WHITE, CREAM, DARK, GREY = (0.93, 0.92, 0.88), (0.86, 0.85, 0.81), (0.20, 0.20, 0.22), (0.70, 0.71, 0.73)
+RED, BLUE, GREEN, YELLOW = (0.78, 0.33, 0.23), (0.26, 0.43, 0.57), (0.35, 0.50, 0.35), (0.88, 0.75, 0.40)
+BROWN = (0.50, 0.31, 0.20)
+CERAMIC = tuple((color, color) for color in (WHITE, BLUE, RED, YELLOW))
+PRINT = tuple((color, CREAM) for color in (RED, BLUE, GREEN, YELLOW))
+CLOTH = ((WHITE, CREAM), (BLUE, GREY), (CREAM, WHITE))
+STEEL, TOOLS = ((GREY, DARK), (GREY, BROWN)), ((GREY, RED), (GREY, YELLOW))
+BAND = ((0.0, 1.0, 0.98, 0.0, 0.3, 0), (0.0, 1.0, 1.0, 0.3, 0.7, 1), (0.0, 1.0, 0.98, 0.7, 1.0, 0))
 
 
 @dataclass(frozen=True)
@@ -103,16 +111,6 @@ def _vessel(size: Size, foot: float) -> Solids:
         spans = ((start, end, low, low + bar), (start, end, high - bar, high), (end - bar, end, low, high))
         solids += [(_box((x0, -bar, z0), (x1, bar, z1)), 0) for x0, x1, z0, z1 in spans]
     return tuple(solids)
-
-
-WHITE, CREAM, DARK, GREY = (0.93, 0.92, 0.88), (0.86, 0.85, 0.81), (0.20, 0.20, 0.22), (0.70, 0.71, 0.73)
-RED, BLUE, GREEN, YELLOW = (0.78, 0.33, 0.23), (0.26, 0.43, 0.57), (0.35, 0.50, 0.35), (0.88, 0.75, 0.40)
-BROWN = (0.50, 0.31, 0.20)
-CERAMIC = tuple((color, color) for color in (WHITE, BLUE, RED, YELLOW))
-PRINT = tuple((color, CREAM) for color in (RED, BLUE, GREEN, YELLOW))
-CLOTH = ((WHITE, CREAM), (BLUE, GREY), (CREAM, WHITE))
-STEEL, TOOLS = ((GREY, DARK), (GREY, BROWN)), ((GREY, RED), (GREY, YELLOW))
-BAND = ((0.0, 1.0, 0.98, 0.0, 0.3, 0), (0.0, 1.0, 1.0, 0.3, 0.7, 1), (0.0, 1.0, 0.98, 0.7, 1.0, 0))
 
 
 def _in(rooms: str, *places: str) -> tuple[str, ...]:

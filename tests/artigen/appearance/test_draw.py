@@ -67,7 +67,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def structure() -> Asset:
     """What a structure model of 32 cells would give: no surface, no Gaussians."""
-    return shape_to_asset(draw_shape("Table", 0), resolution=32)
+    return shape_to_asset(draw_shape("Safe", 0), resolution=32)
 
 
 def paint(model: AppearanceModel, structure: Asset, seed: int) -> Asset:

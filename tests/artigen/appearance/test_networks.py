@@ -310,21 +310,21 @@ def test_autoencoder_learns_the_colours_of_one_object(generator: torch.Generator
 def test_compact_flow_learns_the_latents_of_two_objects(generator: torch.Generator):
     torch.manual_seed(0)
     flow = SlatFlow(TINY.flow, TINY.conditions)
-    coords = draw_voxels(generator, (60, 60), edge=32)
-    latents = torch.randn(120, SIDE_LATENTS, generator=generator)
-    attributes = torch.randn(120, flow.attribute_channels, generator=generator)
+    coords = draw_voxels(generator, (20, 20), edge=32)
+    latents = torch.randn(40, SIDE_LATENTS, generator=generator)
+    attributes = torch.randn(40, flow.attribute_channels, generator=generator)
     asked = gather_conditions([StructureCondition()] * 2, TINY.conditions)
     plan = flow.plan(coords, 2)
     with torch.enable_grad():
-        optimizer = torch.optim.Adam(flow.parameters(), lr=2e-3)
-        for _ in range(130):
-            times, noise = draw_times(2, generator), torch.randn(120, SIDE_LATENTS, generator=generator)
+        optimizer = torch.optim.Adam(flow.parameters(), lr=5e-3)
+        for _ in range(80):
+            times, noise = draw_times(2, generator), torch.randn(40, SIDE_LATENTS, generator=generator)
             x = diffuse(latents, noise, times[coords[:, 0].long()])
             clean = x - times[coords[:, 0].long()][:, None] * flow(x, times, asked, plan, attributes)
             optimizer.zero_grad()
             ((clean - latents) ** 2).mean().backward()
             optimizer.step()
-    noise = torch.randn(120, SIDE_LATENTS, generator=generator)
+    noise = torch.randn(40, SIDE_LATENTS, generator=generator)
     cfg = SamplerConfig(steps=6, strength=0.0)
     drawn = sample_slats(flow, coords, asked, asked, noise, cfg, attributes=attributes)
-    assert float((drawn - latents).abs().mean()) < 0.3
+    assert float((drawn - latents).abs().mean()) < 0.2

@@ -149,6 +149,16 @@ def test_edges_that_are_not_square_end_in_fine_steps(angle: float):
     assert (rows > 2) == (angle > np.degrees(np.arccos(SQUARE)))
 
 
+@pytest.mark.parametrize(("around", "count"), [(14.0, 16), (20.0, 20)])
+def test_a_rod_is_round_however_thin(around: float, count: int):
+    """As many discs around it as its spacing allows, and at least sixteen."""
+    radius = around * 0.05 / (2.0 * np.pi)
+    rod = of(cylinder((0.0, 0.0, -0.5), (0.0, 0.0, 0.5), radius, "grey"))
+    means = lay_gaussians(rod, 0.05).means
+    side = means[np.isclose(np.linalg.norm(means[:, :2], axis=1), np.linalg.norm(means[:, :2], axis=1).max())]
+    assert len(np.unique(np.round(np.arctan2(side[:, 1], side[:, 0]), 3) + 0.0)) == count
+
+
 def test_the_unit_of_length_does_not_matter():
     def scaled(by: float) -> Shape:
         return of(

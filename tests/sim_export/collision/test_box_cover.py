@@ -62,6 +62,13 @@ def test_a_surface_that_is_not_aligned_gets_no_boxes():
     assert cover_with_boxes(sides, find_free_space(sides, 0.5)) == ()
 
 
+@pytest.mark.parametrize(("cosine", "boxed"), [(0.991, True), (0.989, False)])
+def test_a_sheet_gets_boxes_if_it_is_nearly_along_an_axis(cosine, boxed):
+    sheet = np.array([[[0, 0, 0], [0.5, 0, 0], [0.5, 0, 0.5]], [[0, 0, 0], [0.5, 0, 0.5], [0, 0, 0.5]]])
+    slanted = turned(sheet, np.degrees(np.arccos(cosine)))
+    assert (len(cover_with_boxes(slanted, find_free_space(slanted, 0.7))) > 0) == boxed
+
+
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
 def test_the_part_of_a_sheet_that_boxes_hold_is_covered(share):
     sheet = np.array([[[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 0, 0], [1, 1, 0], [0, 1, 0]]], dtype=float)

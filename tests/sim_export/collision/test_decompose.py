@@ -326,3 +326,12 @@ def test_space_that_other_links_take_counts_more_when_hulls_fill_it():
     assert measure_intrusion(unite_hulls(filled), wall, (tray,)) == pytest.approx(
         -taken / wall.volume(), rel=0.02
     )
+
+
+@pytest.mark.parametrize(("excess", "pieces"), [(0.019, 1), (0.021, 2)])
+def test_a_solid_is_cut_if_its_hull_is_two_percent_larger(excess: float, pieces: int):
+    """A cube without a square along one edge, half of which its hull takes."""
+    side = np.sqrt(2.0 * excess / (1.0 + 2.0 * excess))
+    solid = block((0, 0, 0), (1, 1, 1)) - block((1 - side, 1 - side, 0), (1, 1, 1))
+    assert solid.hull().volume() / solid.volume() - 1.0 == pytest.approx(excess)
+    assert len(cut_pieces(solid)) == pieces

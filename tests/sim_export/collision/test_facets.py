@@ -63,3 +63,12 @@ def test_a_hull_is_left_alone_where_that_would_cost_much_of_it(monkeypatch):
     monkeypatch.setattr(hull_limits, "MAX_FLATTENED", 0.0)
     before = fan(2.0)
     assert flatten_facets(before) is before
+
+
+@pytest.mark.parametrize(("height", "merged"), [(0.00145, True), (0.00155, False)])
+def test_facets_are_one_if_they_lie_within_0_15_percent_of_the_size_of_a_hull(height: float, merged: object):
+    """A roof, the middle of either side of which lies ``height`` diagonals above the plane of the other."""
+    ridge = 0.1 + height * float(np.linalg.norm([0.3, 0.3, 0.1]))
+    outline = np.array([[0.0, 0.0], [0.3, 0.0], [0.3, 0.1], [0.15, ridge], [0.0, 0.1]])
+    roof = convex_hull(np.concatenate([np.insert(outline, 1, y, axis=1) for y in (0.0, 0.3)]))
+    assert (len(face_planes(flatten_facets(roof))) == 6) == merged

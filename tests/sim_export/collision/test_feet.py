@@ -39,23 +39,23 @@ def lowest(links) -> np.ndarray:
 
 def test_four_feet_that_hulls_lack_are_added():
     links = (link("body", BODY),)
-    done = add_feet(links, [], [], {"body": solid(PLATE, *FEET)})
-    low = lowest(done.links)
+    new, records = add_feet(links, [], [], {"body": solid(PLATE, *FEET)})
+    low = lowest(new)
     np.testing.assert_allclose(
         [low.min(axis=0), low.max(axis=0)], [[-0.27, -0.37, -0.012], [0.27, 0.37, -0.012]]
     )
-    assert len(done.links[0].hulls) == 5
-    assert "12.0 mm" in done.records[0]
-    assert "4 of 4" in done.records[0]
+    assert len(new[0].hulls) == 5
+    assert "12.0 mm" in records[0]
+    assert "4 of 4" in records[0]
 
 
 @pytest.mark.parametrize("depth", [0.0, 0.004, 0.08])
 def test_bodies_that_stand_or_lack_more_than_feet_are_left_alone(depth: float):
     links = (link("body", BODY),)
     mesh = solid(PLATE, ((-0.3, -0.4, -depth), (0.3, 0.4, 0.1)))
-    done = add_feet(links, [], [], {"body": mesh})
-    assert done.links[0] is links[0]
-    assert not done.records
+    new, records = add_feet(links, [], [], {"body": mesh})
+    assert new[0] is links[0]
+    assert not records
 
 
 def test_a_frame_stands_on_its_corners():
@@ -66,11 +66,11 @@ def test_a_frame_stands_on_its_corners():
         ((-0.3, -0.4, low), (-0.28, 0.4, high)),
         ((0.28, -0.4, low), (0.3, 0.4, high)),
     ]
-    done = add_feet((link("body", BODY),), [], [], {"body": solid(PLATE, *frame)})
-    points = lowest(done.links)
+    new, _ = add_feet((link("body", BODY),), [], [], {"body": solid(PLATE, *frame)})
+    points = lowest(new)
     np.testing.assert_allclose(points.min(axis=0)[:2], [-0.3, -0.4])
     np.testing.assert_allclose(points.max(axis=0)[:2], [0.3, 0.4])
-    for hull in done.links[0].hulls[1:]:
+    for hull in new[0].hulls[1:]:
         assert np.ptp(hull.vertices, axis=0).max() < 0.2
 
 
@@ -83,9 +83,9 @@ def test_feet_keep_out_of_the_way_of_what_moves(monkeypatch):
     links = (link("body", BODY), link("tray", tray))
     meshes = {"body": solid(PLATE, *FEET), "tray": solid(((-0.3, -0.4, -0.011), (-0.2, 0.4, -0.002)))}
     monkeypatch.setattr(feet, "NEAR", 0.0005)
-    done = add_feet(links, [slide], [], meshes)
-    assert "2 of 4" in done.records[0]
-    assert lowest(done.links)[:, 0].min() > 0.2
+    new, records = add_feet(links, [slide], [], meshes)
+    assert "2 of 4" in records[0]
+    assert lowest(new)[:, 0].min() > 0.2
 
 
 def test_a_foot_stays_short_where_something_passes_just_above_it():
@@ -98,15 +98,15 @@ def test_a_foot_stays_short_where_something_passes_just_above_it():
     body = box_hull(np.array([-0.19, -0.4, 0.0]), np.array([0.3, 0.4, 0.8]))
     links = (link("body", body), link("front", front))
     meshes = {"body": solid(PLATE, *FEET), "front": solid(((-0.3, -0.4, -0.0015), (-0.2, 0.4, 0.3)))}
-    done = add_feet(links, [slide], [], meshes)
-    assert "4 of 4" in done.records[0]
-    short = [hull for hull in done.links[0].hulls[1:] if hull.vertices[:, 0].max() < 0.0]
+    new, records = add_feet(links, [slide], [], meshes)
+    assert "4 of 4" in records[0]
+    short = [hull for hull in new[0].hulls[1:] if hull.vertices[:, 0].max() < 0.0]
     assert len(short) == 2
     assert all(hull.vertices[:, 2].max() <= -0.0015 - 1e-3 for hull in short)
 
 
 def test_where_a_link_has_all_its_hulls_one_is_stretched(monkeypatch):
     monkeypatch.setattr(attachment, "MOST_OF_LINK", 1)
-    done = add_feet((link("body", BODY),), [], [], {"body": solid(PLATE, *FEET)})
-    assert len(done.links[0].hulls) == 1
-    assert lowest(done.links)[0, 2] == pytest.approx(-0.012)
+    new, _ = add_feet((link("body", BODY),), [], [], {"body": solid(PLATE, *FEET)})
+    assert len(new[0].hulls) == 1
+    assert lowest(new)[0, 2] == pytest.approx(-0.012)

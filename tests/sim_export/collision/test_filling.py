@@ -35,14 +35,21 @@ def fill(mesh: Mesh, voxel: float = VOXEL):
 
 
 def test_a_gap_below_the_reach_is_filled_and_said_so():
-    done = fill(slab_with_gap(0.05), voxel=0.04)
-    assert as_solid(done.meshes["body"]).volume() == pytest.approx(0.6 * 0.8 * 0.4, rel=1e-6)
-    assert done.records[0].startswith("body: its mesh fills gaps")
+    new, records = fill(slab_with_gap(0.05), voxel=0.04)
+    assert as_solid(new["body"]).volume() == pytest.approx(0.6 * 0.8 * 0.4, rel=1e-6)
+    assert records[0].startswith("body: its mesh fills gaps")
+
+
+@pytest.mark.parametrize(("cells", "filled"), [(1.58, True), (1.68, False)])
+def test_gaps_are_filled_if_they_are_less_than_1_6_cells_deep(cells: float, filled: object):
+    """The deepest point at which that is measured lies a fiftieth of the depth before the end of the gap."""
+    _, records = fill(slab_with_gap(0.05), voxel=0.05 / cells)
+    assert (len(records) == 1) == filled
 
 
 @pytest.mark.parametrize(("depth", "why"), [(0.05, "deeper than the reach"), (0.02, "a small share")])
 def test_other_gaps_stay_open(depth: float, why: str):
     mesh = slab_with_gap(depth)
-    done = fill(mesh)
-    assert done.meshes["body"] is mesh, why
-    assert done.records == ()
+    new, records = fill(mesh)
+    assert new["body"] is mesh, why
+    assert records == ()

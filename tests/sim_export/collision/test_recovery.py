@@ -34,46 +34,44 @@ def box(item) -> object:
 
 def test_a_ledge_that_no_hull_stands_for_is_put_back():
     links = (link("body", box(BODY)),)
-    done = recover_surface(links, [], [], {"body": solid(BODY, LEDGE)})
-    assert len(done.links[0].hulls) == 2
-    ledge = done.links[0].hulls[1]
+    new, records = recover_surface(links, [], [], {"body": solid(BODY, LEDGE)})
+    assert len(new[0].hulls) == 2
+    ledge = new[0].hulls[1]
     np.testing.assert_allclose(ledge.vertices.max(axis=0), LEDGE[1], atol=1e-6)
-    assert "body: 1 hulls put back" in done.records[0]
-    assert "left" not in done.records[0]
+    assert "body: 1 hulls put back" in records[0]
+    assert "left" not in records[0]
 
 
 def test_a_link_that_lacks_nothing_is_the_same_object():
     links = (link("body", box(BODY)),)
-    done = recover_surface(links, [], [], {"body": solid(BODY)})
-    assert done.links[0] is links[0]
-    assert done.records == ()
+    new, records = recover_surface(links, [], [], {"body": solid(BODY)})
+    assert new[0] is links[0]
+    assert records == ()
 
 
 def test_a_hull_that_is_put_back_keeps_clear_of_others():
     neighbour = ((-0.3, 0.46, 0.3), (0.3, 0.6, 0.7))
     links = (link("body", box(BODY)), link("other", box(neighbour)))
     meshes = {"body": solid(BODY, LEDGE), "other": solid(neighbour)}
-    done = recover_surface(links, [], [], meshes)
-    assert len(done.links[0].hulls) == 2
-    apart = signed_distances(
-        HullSet(hulls=done.links[0].hulls), HullSet(hulls=done.links[1].hulls), STILL, STILL, 1.0
-    )
+    new, records = recover_surface(links, [], [], meshes)
+    assert len(new[0].hulls) == 2
+    apart = signed_distances(HullSet(hulls=new[0].hulls), HullSet(hulls=new[1].hulls), STILL, STILL, 1.0)
     assert apart.distance.min() >= 2e-4
-    assert "mm are left" in done.records[0]
+    assert "mm are left" in records[0]
 
 
 def test_what_lies_inside_of_another_link_is_only_reported():
     neighbour = ((-0.4, 0.401, 0.3), (0.4, 0.6, 0.7))
     links = (link("body", box(BODY)), link("other", box(neighbour)))
-    done = recover_surface(links, [], [], {"body": solid(BODY, LEDGE), "other": solid(neighbour)})
-    assert done.links[0] is links[0]
-    assert "body: 0 hulls put back" in done.records[0]
+    new, records = recover_surface(links, [], [], {"body": solid(BODY, LEDGE), "other": solid(neighbour)})
+    assert new[0] is links[0]
+    assert "body: 0 hulls put back" in records[0]
 
 
 def test_a_full_link_gets_no_more_hulls():
     step = 0.8 / MOST_OF_LINK
     slices = [((-0.3, -0.4, z * step), (0.3, 0.4, (z + 1) * step)) for z in range(MOST_OF_LINK)]
     links = (link("body", *(box(item) for item in slices)),)
-    done = recover_surface(links, [], [], {"body": solid(BODY, LEDGE)})
-    assert done.links[0] is links[0]
-    assert "mm are left" in done.records[0]
+    new, records = recover_surface(links, [], [], {"body": solid(BODY, LEDGE)})
+    assert new[0] is links[0]
+    assert "mm are left" in records[0]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim_export.collision.hulls import box_hull
-from sim_export.collision.retention import HELD_SHARE, held_length, keep_drawers_held
+from sim_export.collision.motion import HELD_SHARE, held_length, keep_drawers_held
 from sim_export.package import Link, PackageJoint
 
 

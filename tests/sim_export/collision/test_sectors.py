@@ -121,7 +121,7 @@ def test_sectors_together_are_the_surface_and_each_lies_within_its_angle():
 
 
 def test_by_sectors_fewer_hulls_follow_a_bottle_more_closely(monkeypatch):
-    walls = np.concatenate([turned(), 0.97 * turned()[:, ::-1]])
+    walls = np.concatenate([turned(sides=48), 0.97 * turned(sides=48)[:, ::-1]])
 
     def measure() -> tuple[int, float]:
         """Number of hulls, and how far (m) 99 % of their surface is from the bottle at most."""

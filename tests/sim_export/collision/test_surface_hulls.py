@@ -175,6 +175,18 @@ def test_long_thin_hulls_are_kept_within_the_limits():
     assert hull_aspect(thick) <= MAX_ASPECT
 
 
+@pytest.mark.parametrize(("larger", "boxed"), [(1.11, True), (1.13, False)])
+def test_a_box_stands_for_an_oblong_hull_if_it_is_less_than_an_eighth_larger(larger, boxed):
+    """A leaf that narrows towards one end, as thick as a hundredth of its length."""
+    end = 2.0 / larger - 1.0
+    outline = np.array([[0.0, -0.1], [0.0, 0.1], [1.0, 0.1 * end], [1.0, -0.1 * end]])
+    leaf = convex_hull(np.concatenate([np.column_stack([outline, np.full(4, z)]) for z in (0.0, 0.01)]))
+    found = compact_hull(leaf, 0.0)
+    assert (len(found) == 1) == boxed
+    if boxed:
+        assert hull_volume(found[0]) == pytest.approx(0.2 * 0.01)
+
+
 def test_passing_points_are_where_a_drawer_goes_as_its_body_sees_it():
     links = [
         Link(name="drawer", label="drawer", parts=("d",), visuals=(), hulls=(), inertial=None),

@@ -35,5 +35,15 @@ def test_a_step_that_is_no_sliver_stays(step: float, left: object):
     assert (np.ptp(mesh.vertices[:, 2]) > 0.10005) == left
 
 
+@pytest.mark.parametrize(("segments", "left"), [(44, False), (48, True)])
+def test_a_step_of_slivers_stays_where_they_are_few_of_all_triangles(segments: int, left: object):
+    """Eight slivers, beside a ball of 8 (segments / 4)^2 triangles: more or less than a thousand in all."""
+    ball = manifold3d.Manifold.sphere(0.2, segments).translate((2.0, 0.0, 0.0))
+    mesh = tidy_mesh(plate(0.1) + ball, LIKE)
+    assert mesh is not None
+    top = mesh.vertices[mesh.vertices[:, 0] < 1.5, 2].max()
+    assert (top > 0.10005) == left
+
+
 def test_nothing_is_no_mesh():
     assert tidy_mesh(manifold3d.Manifold(), LIKE) is None
