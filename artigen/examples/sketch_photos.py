@@ -18,8 +18,7 @@ from torch.nn import functional
 from artigen.examples.mesh_pictures import pack_picture
 from artigen.examples.photographs import find_direction
 from artigen.examples.shards import split_rows
-from artigen.shapes.poses import pose_parts
-from artigen.shapes.primitives import place_vertices
+from artigen.shapes.poses import place_posed
 from artigen.shapes.render import Cameras, RenderConfig, build_scene, frame_points, render
 from artigen.shapes.shape import Shape
 from artigen.sketch.picture import CELL
@@ -104,17 +103,10 @@ def _open_part(shape: Shape, rng: np.random.Generator) -> Float[np.ndarray, "Q"]
 
 
 def _place_camera(shape: Shape, qpos: Float[np.ndarray, "Q"], rng: np.random.Generator) -> Cameras:
-    posed = pose_parts(shape, qpos)
-    points = np.concatenate(
-        [
-            place_vertices(primitive) @ move[:3, :3].T + move[:3, 3]
-            for part, move in zip(shape.parts, posed, strict=True)
-            for primitive in part.primitives
-        ]
-    )
     wide, high = NEAR if rng.random() < 0.5 else FAR
     yaw, pitch = rng.uniform(-wide, wide), rng.uniform(-0.08, high)
     way = find_direction(yaw, pitch)
+    points = place_posed(shape, qpos)
     return frame_points(points, way, fov=rng.uniform(14.0, 55.0), width=EDGE, height=EDGE)
 
 

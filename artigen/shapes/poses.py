@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
+from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Motion, Shape
 from artigen.transforms import joint_motion
 from artigen.types import FIXED, Joint
@@ -39,6 +40,17 @@ def pose_parts(shape: Shape, qpos: Float[np.ndarray, "*B P"]) -> Float[np.ndarra
             placed.add(part.name)
         waiting = [index for index in waiting if index not in ready]
     return out
+
+
+def place_posed(shape: Shape, qpos: Float[np.ndarray, "P"]) -> Float[np.ndarray, "N 3"]:
+    """Vertices (m) of all primitives for joint coordinates as in `pose_parts`."""
+    return np.concatenate(
+        [
+            place_vertices(primitive) @ pose[:3, :3].T + pose[:3, 3]
+            for part, pose in zip(shape.parts, pose_parts(shape, qpos), strict=True)
+            for primitive in part.primitives
+        ]
+    )
 
 
 def lead_followers(shape: Shape, qpos: Float[np.ndarray, "P"]) -> Float[np.ndarray, "P"]:

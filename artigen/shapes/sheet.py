@@ -6,8 +6,8 @@ from math import ceil, hypot, sqrt
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from artigen.shapes.poses import open_parts, pose_parts
-from artigen.shapes.primitives import Vector, place_vertices
+from artigen.shapes.poses import open_parts, place_posed
+from artigen.shapes.primitives import Vector
 from artigen.shapes.shape import Shape
 
 EYES = 1.5
@@ -46,22 +46,11 @@ def draw_picture(shape: Shape, qpos: Float[np.ndarray, "Q"], size: int) -> UInt8
     """Renders one object at joint coordinates (one per part), on a bright floor in soft light."""
     from artigen.shapes.render import RenderConfig, build_scene, frame_points, render
 
-    points = _posed_vertices(shape, qpos)
+    points = place_posed(shape, qpos)
     cfg = RenderConfig(floor=True, supersampling=2, shadow_rays=12)
     cameras = frame_points(points, _view_of(points), width=size, height=size)
     rgb = render(build_scene([shape]), cameras, [qpos], cfg=cfg).rgb[0]
     return np.round(255.0 * rgb.numpy()).astype(np.uint8)
-
-
-def _posed_vertices(shape: Shape, qpos: Float[np.ndarray, "Q"]) -> Float[np.ndarray, "N 3"]:
-    poses = pose_parts(shape, qpos)
-    return np.concatenate(
-        [
-            place_vertices(primitive) @ pose[:3, :3].T + pose[:3, 3]
-            for part, pose in zip(shape.parts, poses, strict=True)
-            for primitive in part.primitives
-        ]
-    )
 
 
 def _view_of(points: Float[np.ndarray, "N 3"]) -> Vector:
