@@ -1,7 +1,8 @@
 """Training data of the sketch network as a stream: processes photograph objects beside the training.
 
-Tables made before are plain examples; makers change, photograph and add some of them without end. All rows
-and photos stay on the training device, where batches are put together; `list_steps` only says of what.
+Tables made before are plain examples; makers change and photograph these objects, and add them, without end.
+All rows and photos stay on the training device, where `Store` puts batches together; `list_steps` lists what
+each batch holds.
 """
 
 import os
