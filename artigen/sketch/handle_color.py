@@ -8,6 +8,7 @@ most from the surroundings is taken for the handle.
 import numpy as np
 from jaxtyping import Float
 
+from artigen.sketch.overlay import SOLID
 from artigen.types import PART_LABELS, PartLabel
 
 THIN: tuple[PartLabel, ...] = ("handle", "knob")
@@ -18,8 +19,6 @@ REACH = 2
 """Surrounding cells to each side."""
 HALF = 0.5
 """Share of a cell's pixels, those that differ most from the surroundings, that are taken for the handle."""
-OPAQUE = 0.95
-"""Alpha above which a pixel shows the object."""
 LEAST_PIXELS, LEAST_CELLS = 8, 2
 """Smallest number of pixels of a cell and of its surroundings, and of such cells."""
 
@@ -36,7 +35,7 @@ def read_handle(
     alpha, edge = picture[3], picture.shape[-1] // chances.shape[-1]
     color = np.moveaxis(picture[:3] / np.maximum(alpha, 1e-3), 0, -1)
     handle = chances[[PART_LABELS.index(label) for label in THIN]].sum(axis=0)
-    rest = np.kron(handle < AROUND, np.ones((edge, edge), dtype=bool)) & (alpha > OPAQUE)
+    rest = np.kron(handle < AROUND, np.ones((edge, edge), dtype=bool)) & (alpha > SOLID)
     margin = REACH * edge
     colors = np.pad(color, ((margin, margin), (margin, margin), (0, 0)))
     masks = np.pad(rest, margin)
@@ -44,7 +43,7 @@ def read_handle(
     for row, column in edge * np.argwhere(handle > SHOWN):
         cell = slice(row, row + edge), slice(column, column + edge)
         wide = slice(row, row + edge + 2 * margin), slice(column, column + edge + 2 * margin)
-        own, behind = color[cell][alpha[cell] > OPAQUE], colors[wide][masks[wide]]
+        own, behind = color[cell][alpha[cell] > SOLID], colors[wide][masks[wide]]
         if min(len(own), len(behind)) >= LEAST_PIXELS:
             apart = np.abs(own - np.median(behind, axis=0)).sum(axis=1)
             found.append(np.median(own[apart >= np.quantile(apart, 1 - HALF)], axis=0))

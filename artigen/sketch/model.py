@@ -35,6 +35,7 @@ PICTURE_EDGE = 256
 PICTURED, HEADERS = DrawConfig(temperature=0.5), 12
 """Sampling and number of headers for a picture, of which one is chosen (`choose_header`)."""
 COUNTS = [column("object", label) for label in COUNTED]
+"""Columns of a header that hold the number of parts of each label."""
 COOLEST = 0.1
 """Temperature of the first continuations for a picture: the likeliest object is the one that it shows."""
 

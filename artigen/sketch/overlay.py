@@ -17,6 +17,10 @@ from artigen.shapes.surfaces.textures import LINED
 
 SIDES = len(("+x", "-x", "+y", "-y", "+z", "-z"))
 """Number of sides of an object, which are counted in this order."""
+FRONT = 1
+"""The side that faces -x."""
+SOLID = 0.95
+"""Alpha above which a pixel shows the object alone."""
 NOISE = 0.02
 """Colour differences (sRGB) below which colours count as even."""
 STEP = 0.003

@@ -21,7 +21,7 @@ from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.textures import paint_primitives
 from artigen.sketch.alignment import Fit
 from artigen.sketch.handle_color import THIN, read_handle
-from artigen.sketch.overlay import SIDES, Faces, find_visible, list_faces, read_target
+from artigen.sketch.overlay import FRONT, SIDES, SOLID, Faces, find_visible, list_faces, read_target
 from artigen.splats.colors import linear_from_srgb, srgb_from_linear
 
 Lighting = Literal["room", "even"]
@@ -49,8 +49,6 @@ LEAST = 0.15
 SMALL = ("handle", "accent", "steel", "plastic")
 """Roles of small parts in front of others. A fitted shape rarely has them at the exact pixels where the
 picture shows them, so their colours are not estimated; those of handles are, where the encoder sees them."""
-FRONT = 1
-"""The side (-x) that most handles face."""
 SAME_LIGHTNESS, SAME_CHROMA = 40.0, 8.0
 """Differences (CIELAB) from the picture up to which a drawn colour is trusted. Lightness depends on
 illumination, which is estimated; hue and chroma hardly do."""
@@ -118,7 +116,7 @@ def read_colors(
     handle = find_handle(shape)
     shown = None if labels is None else read_handle(picture, labels)
     if handle is not None and handle not in keep and shown is not None and len(bright):
-        front = spots.sides == FRONT if (spots.sides == FRONT).any() else slice(None)
+        front = spots.sides == FRONT if (spots.sides == FRONT).any() else slice(None)  # most handles face it
         read[handle] = srgb_from_linear(linear_from_srgb(shown) / np.median((spots.bright * bright)[front]))
         unread.remove(handle)
     given = dict(shape.finishes)
@@ -152,7 +150,7 @@ def find_spots(
     """
     faces, target = list_faces(shape), read_target(picture, picture.shape[1])
     seen = find_visible(faces, camera)
-    chosen = (seen >= 0) & (target.alpha > 0.95)
+    chosen = (seen >= 0) & (target.alpha > SOLID)
     clear = _find_clear(faces, seen) & target.inside
     chosen &= _find_open(faces, seen, clear, camera)
     rows, columns = np.nonzero(chosen)
