@@ -1,6 +1,5 @@
 """Blocks of the sketch network: causal attention over rows, attention within and to a picture."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import log
 
@@ -16,44 +15,6 @@ class PictureMemory:
 
     keys: tuple[Float[Tensor, "B H N E"], ...]
     values: tuple[Float[Tensor, "B H N E"], ...]
-
-    def take(self, objects: Sequence[int]) -> "PictureMemory":
-        """Picture memory of selected objects, in the given order."""
-        rows = list(objects)
-        return PictureMemory(
-            keys=tuple(one[rows] for one in self.keys), values=tuple(one[rows] for one in self.values)
-        )
-
-
-def join_memories(memories: Sequence[PictureMemory]) -> PictureMemory | None:
-    """Concatenates picture memories along the batch; None for an empty sequence."""
-    if not memories:
-        return None
-    keys, values = ([getattr(one, name) for one in memories] for name in ("keys", "values"))
-    return PictureMemory(
-        keys=tuple(torch.cat(block) for block in zip(*keys, strict=True)),
-        values=tuple(torch.cat(block) for block in zip(*values, strict=True)),
-    )
-
-
-@dataclass(eq=False)
-class Cache:
-    """Keys and values of the rows that one block has read."""
-
-    keys: Float[Tensor, "B H T E"] | None = None
-    values: Float[Tensor, "B H T E"] | None = None
-
-    @property
-    def length(self) -> int:
-        """Number of rows read."""
-        return 0 if self.keys is None else self.keys.shape[2]
-
-    def extend(self, keys: Tensor, values: Tensor) -> tuple[Tensor, Tensor]:
-        """Appends keys and values, and returns all of them."""
-        if self.keys is not None and self.values is not None:
-            keys, values = torch.cat([self.keys, keys], dim=2), torch.cat([self.values, values], dim=2)
-        self.keys, self.values = keys, values
-        return keys, values
 
 
 class Feed(nn.Module):
@@ -102,17 +63,12 @@ class Block(SelfAttention):
         super().__init__(width, heads)
         self.look = CrossAttention(width, heads) if looks else None
 
-    def forward(
-        self, x: Float[Tensor, "B T D"], turn: tuple[Tensor, Tensor], cache: Cache | None = None
-    ) -> Float[Tensor, "B T D"]:
+    def forward(self, x: Float[Tensor, "B T D"], turn: tuple[Tensor, Tensor]) -> Float[Tensor, "B T D"]:
         q, k, v = self.split(x)
         q, k = _turn(q, turn), _turn(k, turn)
-        if cache is not None:
-            k, v = cache.extend(k, v)
         scores = q @ k.transpose(-1, -2) * q.shape[-1] ** -0.5
-        if q.shape[2] > 1:
-            ahead = torch.ones(q.shape[2], k.shape[2], dtype=torch.bool, device=x.device)
-            scores = scores.masked_fill(ahead.triu(k.shape[2] - q.shape[2] + 1), float("-inf"))
+        ahead = torch.ones(scores.shape[-2:], dtype=torch.bool, device=x.device)
+        scores = scores.masked_fill(ahead.triu(1), float("-inf"))
         return self.finish(x, scores.float().softmax(dim=-1).to(v.dtype) @ v)
 
 
@@ -151,14 +107,11 @@ class CrossAttention(nn.Module):
         return x + self.out(mixed.transpose(1, 2).flatten(2))
 
 
-def find_turns(
-    x: Float[Tensor, "B T D"], start: int, width: int
-) -> tuple[Float[Tensor, "T H"], Float[Tensor, "T H"]]:
-    """Cosines and sines for rotary position embedding, from position ``start`` on, for heads of a given
-    width."""
+def find_turns(x: Float[Tensor, "B T D"], width: int) -> tuple[Float[Tensor, "T H"], Float[Tensor, "T H"]]:
+    """Cosines and sines for rotary position embedding, for heads of a given width."""
     half = width // 2
     speed = torch.exp(torch.arange(half, device=x.device) * (-log(10000.0) / half))
-    angle = torch.arange(start, start + x.shape[1], device=x.device)[:, None] * speed
+    angle = torch.arange(x.shape[1], device=x.device)[:, None] * speed
     return angle.cos(), angle.sin()
 
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from artigen.sketch.contact import Bodies, find_overlaps, gather_bodies, list_bodies
-from artigen.sketch.draw import Draft, DrawConfig, continue_drafts
+from artigen.sketch.decoder import Decoder
+from artigen.sketch.draft import Draft
+from artigen.sketch.draw import DrawConfig, continue_draft
 from artigen.sketch.faults import MAX_OVERLAP, search_faults
-from artigen.sketch.network import SketchNetwork
 from artigen.sketch.piece import PIECE_KINDS
 from artigen.sketch.rows import read_row_piece, rows_to_sketch
 from artigen.sketch.rules import Writer
@@ -25,7 +26,7 @@ DEFERRED = frozenset(("tipping", "extent"))
 class Grower:
     """Extends drafts by parts and counts the rejected ones by their first fault."""
 
-    network: SketchNetwork
+    decoder: Decoder
     rng: np.random.Generator
     draw: DrawConfig
     candidates: int
@@ -97,9 +98,9 @@ class Grower:
         temperatures = np.linspace(min(self.coolest, warmest), warmest, self.candidates).tolist()
         # The first one is usually valid, and the others are then not drawn.
         for some in (slice(1), slice(1, None)) if self.candidates > 1 else (slice(1),):
-            drawn = continue_drafts(
-                self.network,
-                [draft] * len(rngs[some]),
+            drawn = continue_draft(
+                self.decoder,
+                draft,
                 lambda writer: len(writer.moving) > parts,
                 rngs[some],
                 self.draw,

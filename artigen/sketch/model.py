@@ -17,7 +17,9 @@ from artigen.models.store import load_model, save_model
 from artigen.shapes.shape import Shape
 from artigen.sketch.alignment import View, fit_camera
 from artigen.sketch.blocks import PictureMemory
-from artigen.sketch.draw import Draft, DrawConfig, begin_drafts, continue_drafts
+from artigen.sketch.decoder import Decoder
+from artigen.sketch.draft import Draft, begin_draft
+from artigen.sketch.draw import DrawConfig, continue_draft
 from artigen.sketch.fault import Fault
 from artigen.sketch.faults import find_extent_faults, find_faults
 from artigen.sketch.growth import Grower
@@ -158,8 +160,9 @@ def draw_object(
     """
     cfg = cfg or SketchConfig()
     seen, memory = encoded or (None, None)
+    decoder = Decoder(network)
     grower = Grower(
-        network=network,
+        decoder=decoder,
         rng=np.random.default_rng(seed),
         draw=cfg.draw,
         candidates=cfg.candidates,
@@ -167,12 +170,12 @@ def draw_object(
     )
     if request.category is not None:
         check_category(request.category, network.categories)
-    grown = begin_drafts(network, [encode_request(request)], memory)
+    grown = [begin_draft(decoder, encode_request(request), memory)]
     furthest, dead_ends = grown[0], Counter[int]()
     best: tuple[Shape, tuple[Fault, ...]] | None = None
     while grower.batches < cfg.batches:
         if len(grown) == 1:
-            grown.append(_draw_header(network, grown[0], grower.rng, cfg.header, seen))
+            grown.append(_draw_header(decoder, grown[0], grower.rng, cfg.header, seen))
         found, blamed = grower.grow(grown[-1])
         if found is not None:
             grown.append(found)
@@ -270,9 +273,10 @@ def draw_header(
         SketchError: If sketches cannot express the request.
     """
     rng, (seen, memory) = np.random.default_rng(seed), encoded or (None, None)
-    (empty,) = begin_drafts(network, [encode_request(request)], memory)
+    decoder = Decoder(network)
+    empty = begin_draft(decoder, encode_request(request), memory)
     cfg = cfg or (SketchConfig().header if seen is None else PICTURED)
-    row = _draw_header(network, empty, rng, cfg, seen).writer.rows[0]
+    row = _draw_header(decoder, empty, rng, cfg, seen).writer.rows[0]
     depth, width, height = (row[column("object", name)] * STEP for name in ("depth", "width", "height"))
     return SketchRequest(
         category=CATEGORIES[row[column("object", "category")]],
@@ -287,7 +291,7 @@ def draw_header(
 
 
 def _draw_header(
-    network: SketchNetwork,
+    decoder: Decoder,
     empty: Draft,
     rng: np.random.Generator,
     cfg: DrawConfig,
@@ -295,7 +299,7 @@ def _draw_header(
 ) -> Draft:
     """Adds a header to an empty table; for a picture, the most plausible of `HEADERS`."""
     count = 1 if seen is None else HEADERS
-    drawn = continue_drafts(network, [empty] * count, lambda _: True, rng.spawn(count), cfg)
+    drawn = continue_draft(decoder, empty, lambda _: True, rng.spawn(count), cfg)
     headers = [one for one in drawn if one is not None]
     if seen is None:
         return headers[0]

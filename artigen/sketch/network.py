@@ -17,7 +17,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from artigen.sketch.batch import PARTS, PLACES, RowBatch
-from artigen.sketch.blocks import Block, Cache, Feed, PictureMemory, find_turns
+from artigen.sketch.blocks import Block, Feed, PictureMemory, find_turns
 from artigen.sketch.picture import PictureConfig, PictureEncoder, PicturePrediction
 from artigen.sketch.planes import (
     COARSE,
@@ -30,6 +30,7 @@ from artigen.sketch.planes import (
     find_places,
     gather_numbers,
     list_planes,
+    name_sides,
 )
 from artigen.sketch.rows import REACH
 from artigen.sketch.slots import slots
@@ -141,15 +142,6 @@ class SketchNetwork(nn.Module):
         cells = cells.index_put((unknown,), self.unknown(slot[unknown]).to(cells.dtype))
         return cells * exists[..., None]
 
-    def embed_values(
-        self, slot: Int[Tensor, "N"], value: Int[Tensor, "N"], number: Bool[Tensor, "N"]
-    ) -> Float[Tensor, "N D"]:
-        """Embeds single known cells, as `embed_cells` does."""
-        cells = self.symbols(self.base[slot] + torch.where(number, 0, value))
-        if not number.any():
-            return cells
-        return torch.where(number[:, None], self._embed_numbers(slot, value), cells)
-
     def _embed_numbers(self, slot: Int[Tensor, "N"], value: Int[Tensor, "N"]) -> Float[Tensor, "N D"]:
         """Sinusoidal embedding of numbers, gated by their slot."""
         angle = value[:, None] * self.turns
@@ -180,13 +172,9 @@ class SketchNetwork(nn.Module):
         return [block for block in self.blocks if isinstance(block, Block)]
 
     def read_rows(
-        self,
-        cells: Float[Tensor, "B T W D"],
-        batch: RowBatch,
-        cache: "list[Cache] | None" = None,
-        memory: PictureMemory | None = None,
+        self, cells: Float[Tensor, "B T W D"], batch: RowBatch, memory: PictureMemory | None = None
     ) -> Float[Tensor, "B T D"]:
-        """States after each row; with a cache, rows continue those read before."""
+        """States after each row."""
         x = (
             cells.sum(dim=2)
             + self.part(batch.part)
@@ -195,10 +183,9 @@ class SketchNetwork(nn.Module):
         )
         x = self.enter(x)
         memories = iter(()) if memory is None else zip(memory.keys, memory.values, strict=True)
-        before = 0 if cache is None else cache[0].length
-        turn = find_turns(x, before, self.cfg.width // self.cfg.heads)
-        for index, block in enumerate(self._blocks()):
-            x = block(x, turn, None if cache is None else cache[index])
+        turn = find_turns(x, self.cfg.width // self.cfg.heads)
+        for block in self._blocks():
+            x = block(x, turn)
             if block.look is not None and memory is not None:
                 x = block.look(x, *next(memories))
         return self.leave(x)
@@ -220,17 +207,6 @@ class SketchNetwork(nn.Module):
         """Logits over the whole vocabulary; `FAR` outside of the slot."""
         logits = functional.linear(x, self.symbols.weight).float() + self.biases.weight[:, 0].float()
         return logits.masked_fill(~self.inside[slot], FAR)
-
-    def slot_logits(self, x: Float[Tensor, "N D"], slot: Int[Tensor, "N"], size: int) -> Float[Tensor, "N V"]:
-        """Logits over ``size`` symbols from the first of the slot on; a smaller slot is followed by other
-        symbols.
-
-        `FAR` for symbols that were not learned.
-        """
-        symbols = (self.base[slot][:, None] + torch.arange(size)).clamp(max=len(self.symbols.weight) - 1)
-        logits = (self.symbols.weight[symbols] @ x[:, :, None])[..., 0]
-        logits = logits.float() + self.biases.weight[symbols, 0].float()
-        return logits.masked_fill(self.unlearned[symbols], FAR)
 
     def number_parts(
         self,
@@ -275,7 +251,7 @@ class SketchNetwork(nn.Module):
     ) -> tuple[Float[Tensor, "M"], Float[Tensor, "N"]]:
         """Negative log likelihood (nats) of every symbol and every number that the batch predicts."""
         cells = self.embed_cells(batch.rows, batch.known, batch.axes)
-        states = self.read_rows(cells, batch, memory=memory)
+        states = self.read_rows(cells, batch, memory)
         before = cells.cumsum(dim=2) - cells
         projected = self.state(states)
         slot = self.of_cell[batch.rows[..., 0]].clamp(min=0)
@@ -306,7 +282,7 @@ class SketchNetwork(nn.Module):
             slot[b, t, c].flatten(),
         ).unflatten(0, b.shape)
         earlier = torch.arange(batch.low.shape[1], device=t.device) < t[..., None]
-        planes, free = list_planes(batch, find_places(batch, b, t, c), earlier)
+        planes, free = list_planes(name_sides(batch), find_places(batch, b, t, c), earlier)
         target = batch.rows[b, t, c]
         parts = self.number_parts(x, self.plane_keys(self.keys(states)), free)
         coarse = (target + REACH) // FINE

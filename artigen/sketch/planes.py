@@ -5,8 +5,10 @@ three encodings add up (`NumberParts`).
 """
 
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import torch
+from array_api_compat import array_namespace, device
 from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
@@ -64,57 +66,105 @@ class NumberParts:
 class Places:
     """Positions of numbers in their rows, and the earlier numbers of those rows."""
 
-    axis: Int[Tensor, "B N"]
+    axis: Int[Any, "B N"]
     """0 to 2 for coordinates, `LENGTH` for lengths."""
-    low: Int[Tensor, "B N"]
+    low: Int[Any, "B N"]
     """The low side of the row's piece on that axis."""
-    high: Int[Tensor, "B N"]
-    has_low: Bool[Tensor, "B N"]
+    high: Int[Any, "B N"]
+    has_low: Bool[Any, "B N"]
     """Whether the low side precedes the number."""
-    has_high: Bool[Tensor, "B N"]
-    starts: Bool[Tensor, "B N"]
+    has_high: Bool[Any, "B N"]
+    starts: Bool[Any, "B N"]
     """Whether the number is that low side."""
-    ends: Bool[Tensor, "B N"]
+    ends: Bool[Any, "B N"]
     """Whether the number is the high side."""
-    ranges: Bool[Tensor, "B N"]
+    ranges: Bool[Any, "B N"]
     """Whether the number is the range of a joint."""
-    anchor: Int[Tensor, "B N"]
+    anchor: Int[Any, "B N"]
     """Lowest side of the first piece of the row's part."""
-    anchored: Bool[Tensor, "B N"]
+    anchored: Bool[Any, "B N"]
     """Whether that piece precedes the row."""
 
 
+class NamedRows(Protocol):
+    """What `name_sides` reads of rows, whose fields are those of `RowBatch`, in any array library."""
+
+    @property
+    def low(self) -> Int[Any, "B T 4"]: ...
+    @property
+    def high(self) -> Int[Any, "B T 4"]: ...
+    @property
+    def anchor(self) -> Int[Any, "B T 4"]: ...
+    @property
+    def named(self) -> Bool[Any, "B T"]: ...
+    @property
+    def ranged(self) -> Bool[Any, "B T"]: ...
+    @property
+    def part(self) -> Int[Any, "B T"]: ...
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sides:
+    """Planes that rows name on each axis, the last of which is that of lengths."""
+
+    values: Int[Any, "B 4 T S"]
+    """Coordinates; those of sides 4 and 7 are relative to the current row and part."""
+    free: Bool[Any, "B 4 T S"]
+    """Whether the row names this plane."""
+
+
+def name_sides(rows: NamedRows) -> Sides:
+    """The `SIDES` that each row names, as arrays of the same library."""
+    xp = array_namespace(rows.low)
+    low, high = rows.low, rows.high
+    step = 2 * low - xp.roll(low, 1, axis=1)
+    values = [low, high, -low, -high, high - low, (low + high) // 2, step, low - rows.anchor]
+    follows = rows.named & xp.roll(rows.named, 1, axis=1) & (rows.part == xp.roll(rows.part, 1, axis=1))
+    never = rows.named & ~rows.named
+    free = []
+    for axis in range(LENGTH):
+        mirrored = rows.named if axis == MIRROR_AXIS else never
+        placed = rows.named & (rows.part > 0)
+        free.append([rows.named, rows.named, mirrored, mirrored, rows.named, rows.named, follows, placed])
+    free.append([rows.ranged, *[never] * (SIDES - 1)])
+    stacked = xp.stack([xp.stack(sides, axis=-1) for sides in free], axis=1)
+    return Sides(values=xp.permute_dims(xp.stack(values, axis=-1), (0, 2, 1, 3)), free=stacked)
+
+
 def list_planes(
-    batch: RowBatch, places: Places, earlier: Bool[Tensor, "#B #N T"]
-) -> tuple[Int[Tensor, "B N C"], Bool[Tensor, "B N C"]]:
+    sides: Sides, places: Places, earlier: Bool[Any, "#B #N T"]
+) -> tuple[Int[Any, "B N C"], Bool[Any, "B N C"]]:
     """Coordinates of the planes that each number may refer to, and a mask of those that are available.
 
     Args:
-        batch: The rows that may have named planes.
+        sides: What the rows name.
         places: Positions of the numbers.
         earlier: Rows that precede each number's own.
     """
+    xp = array_namespace(places.axis)
     axis = places.axis
-    low, high, anchor = (
-        values.gather(2, axis[:, None, :].expand(-1, values.shape[1], -1)).transpose(1, 2)
-        for values in (batch.low, batch.high, batch.anchor)
-    )
-    step = 2 * low - low.roll(1, dims=2)
-    planes = [low, high, -low, -high, places.low[..., None] + high - low]
-    planes += [(low + high).div(2, rounding_mode="floor"), step, places.anchor[..., None] + low - anchor]
-    ranged = earlier & batch.ranged[:, None, :] & places.ranges[..., None]
-    coordinate = (axis < LENGTH)[..., None]
-    named = earlier & batch.named[:, None, :] & coordinate
-    mirrored = named & (axis == MIRROR_AXIS)[..., None]
-    follows = batch.named & batch.named.roll(1, dims=1) & (batch.part == batch.part.roll(1, dims=1))
-    again = named & follows[:, None, :] & places.starts[..., None]
-    placed = named & (batch.part > 0)[:, None, :] & places.anchored[..., None]
-    free = [named | ranged, named, mirrored, mirrored, named & places.ends[..., None], named, again, placed]
-    own = torch.stack([places.low, places.high], dim=-1)
-    has = torch.stack([places.has_low, places.has_high], dim=-1) & coordinate
+    objects = xp.arange(axis.shape[0], device=device(axis))[:, None]
+    coordinate = axis < LENGTH
+    nothing, always = xp.zeros_like(axis), coordinate | ~coordinate
+    shift = [nothing, nothing, nothing, nothing, places.low, nothing, nothing, places.anchor]
+    may = [
+        coordinate | places.ranges,
+        always,
+        always,
+        always,
+        places.ends,
+        always,
+        places.starts,
+        places.anchored,
+    ]
+    values = sides.values[objects, axis] + xp.stack(shift, axis=-1)[:, :, None]
+    free = sides.free[objects, axis] & xp.stack(may, axis=-1)[:, :, None] & earlier[..., None]
+    own = xp.stack([places.low, places.high], axis=-1)
+    has = xp.stack([places.has_low, places.has_high], axis=-1) & coordinate[..., None]
+    shape = (*axis.shape, -1)
     return (
-        torch.cat([torch.stack(planes, dim=-1).flatten(2), own], dim=-1),
-        torch.cat([torch.stack(free, dim=-1).flatten(2), has], dim=-1),
+        xp.concat([xp.reshape(values, shape), own], axis=-1),
+        xp.concat([xp.reshape(free, shape), has], axis=-1),
     )
 
 

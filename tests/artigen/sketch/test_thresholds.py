@@ -52,16 +52,15 @@ def test_an_object_is_given_up_after_eighty_batches_of_one_and_seven(monkeypatch
     counts: list[int] = []
     warmth: list[float] = []
 
-    def draw(
-        _network: object, drafts: list[object], *_: object, temperatures: list[float], fits: object
-    ) -> list[None]:
-        counts.append(len(drafts))
+    def draw(*_: object, temperatures: list[float], fits: object) -> list[None]:
+        counts.append(len(temperatures))
         warmth.extend(temperatures)
-        return [None] * len(drafts)
+        return [None] * len(temperatures)
 
-    monkeypatch.setattr(model, "begin_drafts", lambda *_: [start])
+    monkeypatch.setattr(model, "Decoder", MagicMock())
+    monkeypatch.setattr(model, "begin_draft", lambda *_: start)
     monkeypatch.setattr(model, "_draw_header", lambda *_: start)
-    monkeypatch.setattr(growth, "continue_drafts", draw)
+    monkeypatch.setattr(growth, "continue_draft", draw)
     with pytest.raises(SketchError, match="none of 8 continuations"):
         model.draw_object(MagicMock(), SketchRequest(), 0, model.SketchConfig(coolest=coolest))
     assert counts == [1, 7] * 81
@@ -102,7 +101,8 @@ def test_an_object_that_is_given_up_is_finished_from_the_most_parts_it_had(monke
         finished.append(len(begun.writer.moving))
         return begun
 
-    monkeypatch.setattr(model, "begin_drafts", lambda *_: [draft(0)])
+    monkeypatch.setattr(model, "Decoder", MagicMock())
+    monkeypatch.setattr(model, "begin_draft", lambda *_: draft(0))
     monkeypatch.setattr(model, "_draw_header", lambda *_: draft(0))
     monkeypatch.setattr(model, "_judge", lambda *_: (MagicMock(), ()))
     monkeypatch.setattr(growth.Grower, "grow", grow)
