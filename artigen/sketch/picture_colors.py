@@ -28,16 +28,14 @@ Lighting = Literal["room", "even"]
 """Illumination of the picture: the bright room of the renderer, or uniform light that leaves colours
 unchanged."""
 MIN_PIXELS = 12
-"""Pixels away from edges that a finish needs; with fewer, pixels at edges count too."""
-FEW_PIXELS = 5
-"""Smallest number of pixels of a finish, at edges or not."""
+"""Smallest number of pixels away from edges for the colour of a finish, or for its brightness on one side."""
 OPAQUE = 0.99
 """Opacity below which a finish keeps its colour."""
 KNOWN = 0.1
 """Weight of the prior that sides are as bright as in the room, as a share of the object's pixels."""
 LARGE = 0.02
-"""Share of the object's pixels that a finish on one side needs to contribute to the brightness of that
-side."""
+"""Share of the object's pixels that must show a finish, away from edges, for its colour to be read. Fewer are
+mostly shadows, gaps or misaligned parts. On one side, they determine how bright that side is."""
 AROUND = tuple(
     (step * y, step * x) for step in (2, 4) for y in (-1, 0, 1) for x in (-1, 0, 1) if (y, x) != (0, 0)
 )
@@ -109,8 +107,8 @@ def read_colors(
     colors = srgb_from_linear(_undo_light(spots) / bright[:, None])
     read: dict[str, Float[np.ndarray, "3"]] = {}
     for index, (role, finish) in enumerate(shape.finishes):
-        chosen = _choose(spots, index)
-        if finish.opacity >= OPAQUE and len(chosen) >= FEW_PIXELS:
+        chosen = spots.clear & (spots.roles == index)
+        if finish.opacity >= OPAQUE and chosen.sum() >= _least_pixels(spots):
             read[role] = np.median(colors[chosen], axis=0) / np.median(spots.pattern[chosen], axis=0)
     unread = {*SMALL, *keep}
     handle = find_handle(shape)
@@ -185,7 +183,7 @@ def find_brightness(spots: Spots, roles: int) -> Float[np.ndarray, "6"]:
     cells = spots.roles * SIDES + spots.sides
     numbers = np.bincount(cells[spots.clear], minlength=roles * SIDES)
     rows, wanted = [], []
-    for cell in np.flatnonzero(numbers >= max(MIN_PIXELS, LARGE * len(cells))):
+    for cell in np.flatnonzero(numbers >= _least_pixels(spots)):
         row = np.zeros(roles + SIDES)
         row[[cell // SIDES, roles + cell % SIDES]] = 1.0
         weight = np.sqrt(numbers[cell])
@@ -196,11 +194,9 @@ def find_brightness(spots: Spots, roles: int) -> Float[np.ndarray, "6"]:
     return np.linalg.lstsq(system, np.concatenate([wanted, np.zeros(SIDES)]), rcond=None)[0][roles:]
 
 
-def _choose(spots: Spots, role: int) -> Int[np.ndarray, "K"]:
-    """Pixels for estimating a finish's colour: those away from edges, if there are enough."""
-    every = spots.roles == role
-    clear = every & spots.clear
-    return np.flatnonzero(clear if clear.sum() >= MIN_PIXELS else every)
+def _least_pixels(spots: Spots) -> float:
+    """Number of pixels from which colours can be read."""
+    return max(MIN_PIXELS, LARGE * len(spots.roles))
 
 
 def _undo_light(spots: Spots) -> Float[np.ndarray, "N 3"]:
