@@ -55,8 +55,8 @@ class SketchConfig:
     """Sampling of the header: category, style, counts and extents."""
     candidates: int = 8
     """Continuations per batch: one is drawn first, the others in parallel if it has a fault."""
-    batches: int = 80
-    """Largest number of batches."""
+    batches: int = 240
+    """Largest number of batches: as many as an object and its redraws would take."""
 
     def __post_init__(self) -> None:
         if min(self.candidates, self.batches) < 1:

@@ -45,7 +45,7 @@ def test_the_shipped_network_expects_what_the_grammar_draws():
 
 
 @pytest.mark.parametrize("coolest", [np.inf, 0.1])
-def test_an_object_is_given_up_after_eighty_batches_of_one_and_seven(monkeypatch, coolest):
+def test_an_object_is_given_up_after_240_batches_of_one_and_seven(monkeypatch, coolest):
     """And once more, to finish it, here where tables always grow too long. Where the first continuation is
     cooler than the others, dead ends make it warmer, until all are as warm."""
     start = SimpleNamespace(writer=SimpleNamespace(moving=[], delivered=False))
@@ -63,9 +63,9 @@ def test_an_object_is_given_up_after_eighty_batches_of_one_and_seven(monkeypatch
     monkeypatch.setattr(growth, "continue_draft", draw)
     with pytest.raises(SketchError, match="none of 8 continuations"):
         model.draw_object(MagicMock(), SketchRequest(), 0, model.SketchConfig(coolest=coolest))
-    assert counts == [1, 7] * 81
+    assert counts == [1, 7] * 241
     batches = np.array(warmth).reshape(-1, 8)
-    assert batches[:, 0] == pytest.approx(np.minimum(coolest * np.arange(1, 82), 0.6))
+    assert batches[:, 0] == pytest.approx(np.minimum(coolest * np.arange(1, 242), 0.6))
     assert batches[:, -1] == pytest.approx(0.6)
     assert batches[0, 1:-1] == pytest.approx(np.linspace(batches[0, 0], 0.6, 8)[1:-1])
 
@@ -223,14 +223,6 @@ def test_a_finish_on_two_percent_of_the_pixels_says_how_bright_its_side_is(pixel
     assert (find_brightness(replace(there, light=light), 2)[2] > 0.05) == counts
 
 
-@pytest.mark.parametrize(("pixels", "clear"), [(12, True), (11, False)])
-def test_pixels_at_edges_count_where_fewer_than_twelve_are_clear(pixels, clear):
-    there = spots({(0, 0): 30})
-    mask = np.arange(30) < pixels
-    chosen = picture_colors._choose(replace(there, clear=mask), 0)
-    assert len(chosen) == (pixels if clear else 30)
-
-
 def test_a_sixth_of_a_pixel_is_its_own_at_least():
     """However much the room is said to mirror: 15 %."""
     there = replace(spots({(0, 0): 1}, light=0.4), mirrored=np.array([0.39]))
@@ -238,11 +230,24 @@ def test_a_sixth_of_a_pixel_is_its_own_at_least():
 
 
 @pytest.mark.parametrize(
-    ("pixels", "opacity", "read"), [(5, 1.0, True), (4, 1.0, False), (9, 0.991, True), (9, 0.989, False)]
+    ("clear", "others", "opacity", "read"),
+    [
+        (12, 0, 1.0, True),
+        (11, 0, 1.0, False),
+        (40, 1960, 1.0, True),  # 2 % of the object
+        (39, 1961, 1.0, False),
+        (12, 0, 0.991, True),
+        (12, 0, 0.989, False),
+    ],
 )
-def test_a_finish_that_is_opaque_and_shows_on_five_pixels_is_coloured(monkeypatch, pixels, opacity, read):
+def test_the_colour_of_an_opaque_finish_on_two_percent_of_the_object_is_read(
+    monkeypatch, clear, others, opacity, read
+):
+    """Away from edges, and from twelve pixels at least."""
     shape = blocks(finishes=(finish(opacity=opacity),))
-    monkeypatch.setattr(picture_colors, "find_spots", lambda *_: spots({(0, 0): pixels}, light=1.0))
+    shown = spots({(0, 0): clear + others}, light=1.0)
+    shown = replace(shown, clear=np.arange(clear + others) < clear)
+    monkeypatch.setattr(picture_colors, "find_spots", lambda *_: shown)
     _, camera, _ = seen_from_front(shape)
     fit = Fit(view=View(yaw=0, pitch=0, closeness=0.1), camera=camera, overlap=1)
     found = read_colors(shape, np.zeros((4, 8, 8), dtype=np.float32), fit, lighting="even")
@@ -269,7 +274,7 @@ def test_lightness_is_that_of_greys_and_chroma_that_of_what_is_not_grey():
 )
 def test_a_drawn_colour_of_nearly_the_pictures_hue_and_lightness_is_kept(monkeypatch, trust, read, agrees):
     shape = blocks(finishes=(finish(0.5),))
-    shown = replace(spots({(0, 0): 9}), light=np.tile(linear_from_srgb(np.array(read)), (9, 1)))
+    shown = replace(spots({(0, 0): 12}), light=np.tile(linear_from_srgb(np.array(read)), (12, 1)))
     monkeypatch.setattr(picture_colors, "find_spots", lambda *_: shown)
     _, camera, _ = seen_from_front(shape)
     fit = Fit(view=View(yaw=0, pitch=0, closeness=0.1), camera=camera, overlap=1)
