@@ -25,8 +25,8 @@ from artigen.sketch.overlay import (
     read_target,
 )
 
-EDGE = 80
-"""Edge length (pixels) of the picture used for the search."""
+EDGE, FINE_EDGE = 80, 160
+"""Edge lengths (pixels) of the picture used for the search, and for the last refinement."""
 BOUNDS = {
     "yaw": (-np.radians(66.0), np.radians(66.0)),
     "pitch": (-np.radians(12.0), np.radians(48.0)),
@@ -55,7 +55,7 @@ ALIKE = np.array([np.radians(4.0), np.radians(3.0), 1.0])
 COARSE_TRIES, TRIES = 24, 56
 """Evaluations per refinement: coarse and final."""
 SURE = 0.96
-"""Overlap below which the camera is refined once more, at full resolution."""
+"""Overlap below which the camera is refined once more, on the larger picture."""
 WEIGHTS = ((0.2, 0.0), (0.2, 0.2), (0.1, 0.1))
 """Weights of colour evenness and of edges relative to silhouette overlap: for the coarse search, the choice
 of a direction and the final refinement. Larger weights would rotate a shape that differs from the pictured
@@ -110,9 +110,10 @@ def fit_camera(shape: Shape, picture: Float[np.ndarray, "4 S S"], near: View | N
     ranked = sorted(starts, key=first, reverse=True)
     found = [refine(first, view, 3, COARSE_TRIES) for view in ranked[:ROUNDS]]
     view = refine(last, max(found, key=choose), 6, TRIES)
+    fine = read_target(picture, FINE_EDGE)
+    if measure_overlap(find_visible(shown, place_camera(view, hull, fine)), fine) < SURE:  # thin parts
+        view = refine(_scorer(shown, hull, fine, weights=WEIGHTS[-1]), view, 6, TRIES)
     whole = read_target(picture, picture.shape[1])
-    if measure_overlap(find_visible(shown, place_camera(view, hull, whole)), whole) < SURE:  # thin parts
-        view = refine(_scorer(shown, hull, whole, weights=WEIGHTS[-1]), view, 6, TRIES)
     camera = place_camera(view, hull, whole)
     return Fit(view=view, camera=camera, overlap=measure_overlap(find_visible(faces, camera), whole))
 
