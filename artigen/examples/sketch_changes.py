@@ -1,7 +1,7 @@
 """Changes of training objects, so that the network believes a photo more than what is usual in the grammar.
 
-Real objects have open compartments, fronts without handles and any colour. `change_shape` removes parts and
-repaints finishes of some objects before they are photographed.
+Real objects have open compartments and fronts without handles. `change_shape` removes parts of some objects
+before they are photographed.
 """
 
 from dataclasses import replace
@@ -9,10 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from artigen.shapes.shape import Shape, ShapePart
-from artigen.shapes.surfaces.finishes import Color, Finish
 
-BARE, THINNED, REPAINTED = 0.15, 0.2, 0.25
-"""Shares of the objects that lose all handles, that lose random parts, and that are repainted."""
+BARE, THINNED = 0.15, 0.2
+"""Shares of the objects that lose all handles, and that lose random parts."""
 THINNING = 0.5
 """Largest probability with which each part of a thinned object is removed."""
 REMOVABLE = frozenset({"door", "drawer", "handle", "knob", "shelf", "tray"})
@@ -20,7 +19,7 @@ REMOVABLE = frozenset({"door", "drawer", "handle", "knob", "shelf", "tray"})
 
 
 def change_shape(shape: Shape, rng: np.random.Generator) -> Shape:
-    """Removes parts of some shapes and repaints some; others stay as they are.
+    """Removes parts of some shapes; others stay as they are.
 
     At least one part that moves remains.
     """
@@ -31,9 +30,6 @@ def change_shape(shape: Shape, rng: np.random.Generator) -> Shape:
         share = THINNING * rng.random()
         chosen = [part for part in shape.parts if part.label in REMOVABLE and rng.random() < share]
         shape = remove_parts(shape, {part.name for part in chosen})
-    if rng.random() < REPAINTED:
-        finishes = tuple((role, repaint_finish(finish, rng)) for role, finish in shape.finishes)
-        shape = replace(shape, finishes=finishes)
     return shape
 
 
@@ -54,15 +50,3 @@ def _release(part: ShapePart, gone: set[str]) -> ShapePart:
     if motion is not None and motion.follows in gone:
         motion = replace(motion, follows=None)
     return replace(part, motion=motion, needs=tuple(need for need in part.needs if need.part not in gone))
-
-
-def repaint_finish(finish: Finish, rng: np.random.Generator) -> Finish:
-    """The same material in a random colour; its accent differs from it as before."""
-    color = rng.random(3)
-    accent = np.clip(color + np.subtract(finish.accent, finish.color), 0.0, 1.0)
-    return replace(finish, color=_to_color(color), accent=_to_color(accent))
-
-
-def _to_color(values: np.ndarray) -> Color:
-    red, green, blue = values.tolist()
-    return red, green, blue

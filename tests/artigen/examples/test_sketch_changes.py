@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from artigen.examples.sketch import make_table
-from artigen.examples.sketch_changes import REMOVABLE, change_shape, remove_parts, repaint_finish
+from artigen.examples.sketch_changes import REMOVABLE, change_shape, remove_parts
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.sketch.words import CATEGORIES
@@ -48,12 +48,3 @@ def test_changed_shapes_have_tables_and_keep_what_is_not_removable(category: str
         assert gone <= REMOVABLE
         assert changed.category == shape.category
         assert make_table(changed) is not None
-
-
-def test_a_repainted_finish_is_the_same_material(cabinet: Shape):
-    for _, finish in cabinet.finishes:
-        painted = repaint_finish(finish, np.random.default_rng(1))
-        assert painted.color != finish.color
-        assert (painted.kind, painted.gloss, painted.opacity) == (finish.kind, finish.gloss, finish.opacity)
-        wanted = np.clip(np.add(painted.color, np.subtract(finish.accent, finish.color)), 0, 1)
-        np.testing.assert_allclose(painted.accent, wanted)
