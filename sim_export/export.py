@@ -22,6 +22,7 @@ from sim_export.collision.object_cover import ObjectCover, find_passing
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.recovery import recover_surface
 from sim_export.collision.trimming import fill_meshes, trim_meshes
+from sim_export.crossings import find_crossings
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import free_latches, separate_solids
@@ -201,7 +202,7 @@ def export_solids(
     vertices = {part.name: mesh.vertices for part, mesh in zip(asset.parts, meshes, strict=True)}
     panels = {link.name: vertices[link.parts[0]] for link in tree.links if link.parts}
     joints, held = keep_drawers_held(tree.links, tree.joints, panels)
-    needs = find_requirements(tree.links, joints)
+    needs = find_crossings(tree.links, joints, find_requirements(tree.links, joints))
     watch.lap("requirements")
     cleared = clear_joints(tree.links, joints, needs, sheets=sheets, shares=shares)
     watch.lap("clearance")
