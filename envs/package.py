@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 from sim_export.errors import PackageError
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 
-from .friction import apply_resistance, drive_follower
+from .friction import apply_resistance, drive_follower, hold_chains
 from .loaded import Follower, LinkLoad, LoadedJoint, LoadedPackage
 from .urdf_text import physics_urdf
 
@@ -87,6 +87,7 @@ def load_package(
         for joint in joints:
             if joint.spec.mimic is None:
                 apply_resistance(articulation, joint.engine, joint.spec)
+        hold_chains(articulation, package)
     order = [joint.name for joint in package.joints]
     moving = [joint for joint in joints if joint.spec.mimic is None]
     moving.sort(key=lambda joint: order.index(joint.spec.name))

@@ -42,9 +42,10 @@ LIMIT_DEGREES = 0.5
 LIMIT_METRES = 1e-4
 """... or, for sliding joints, this distance, which a key of 1 mm travel creeps in PhysX."""
 STALL_SPEED = 1e-3
-"""Speed, in ranges of the joint per second, below which a pushed joint stands still ..."""
+"""Speed of every joint, in its ranges per second, below which what is pushed stands still ..."""
 STALL_SECONDS = 0.25
-"""... and the time (seconds) after which it is given up."""
+"""... and the time (seconds) after which it is given up. A leaf that still swings holds the one that it hangs
+on."""
 FLOOR_BAND = 0.005
 """Height (m) above the lowest point within which a vertex counts as touching the floor."""
 
@@ -232,6 +233,7 @@ def _drive(
     joints = [loaded.joints[index] for index, _ in members]
     columns = np.array([joint.index for joint in joints])
     span = np.array([joint.span for joint in joints])
+    spans = np.array([joint.span for joint in loaded.joints])
     limited = np.array([joint.limited for joint in joints])
     near = np.array([limit_tolerance(joint.spec.type, joint.span) for joint in joints])
     target = np.array([joint.spec.upper if direction > 0 else joint.spec.lower for joint in joints])
@@ -259,7 +261,8 @@ def _drive(
         if not np.isfinite(q).all():
             return np.zeros(len(q)), np.full(len(q), np.inf), np.full(len(q), np.inf)
         gap = np.where(limited, np.abs(target - q), np.maximum(span - travelled, 0.0))
-        still_for = still_for + 1 if (np.abs(v) < STALL_SPEED * np.maximum(span, 0.1)).all() else 0
+        rates = np.abs(_of_joints(loaded, loaded.articulation.qvel))
+        still_for = still_for + 1 if (rates < STALL_SPEED * np.maximum(spans, 0.1)).all() else 0
         if (gap < near / 2).all() or still_for * scene.timestep > STALL_SECONDS:
             break
     gap = np.where(limited, np.abs(target - q), np.maximum(span - travelled, 0.0))

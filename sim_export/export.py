@@ -22,9 +22,10 @@ from sim_export.collision.object_cover import ObjectCover, find_passing
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.recovery import recover_surface
 from sim_export.collision.trimming import fill_meshes, trim_meshes
+from sim_export.crossings import find_crossings
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
-from sim_export.geometry.separation import separate_solids
+from sim_export.geometry.separation import free_latches, separate_solids
 from sim_export.geometry.struts import brace_links
 from sim_export.geometry.wheels import fit_width, is_open, round_wheels
 from sim_export.package import Inertial, Link, Mesh, SimPackage, SourceMesh
@@ -125,6 +126,7 @@ def make_solids(asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | N
     voxels, gaps = fill_boards(asset.voxels, owners)
     asset = replace(asset, voxels=voxels)
     solids, given_up = separate_solids(asset, solid_parts(asset), owners)
+    asset, solids, freed = free_latches(asset, solids, owners)
     plain = mesh_parts(asset, solids)
     meshes, rounded = round_wheels(asset, plain)
     if surfaces is not None:
@@ -141,6 +143,7 @@ def make_solids(asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | N
             for said in solid.records
         ),
         *given_up,
+        *freed,
         *rounded,
     )
     return Solids(
@@ -199,7 +202,7 @@ def export_solids(
     vertices = {part.name: mesh.vertices for part, mesh in zip(asset.parts, meshes, strict=True)}
     panels = {link.name: vertices[link.parts[0]] for link in tree.links if link.parts}
     joints, held = keep_drawers_held(tree.links, tree.joints, panels)
-    needs = find_requirements(tree.links, joints)
+    needs = find_crossings(tree.links, joints, find_requirements(tree.links, joints))
     watch.lap("requirements")
     cleared = clear_joints(tree.links, joints, needs, sheets=sheets, shares=shares)
     watch.lap("clearance")

@@ -51,7 +51,11 @@ def solid_parts(asset: Asset) -> tuple[PartOccupancy, ...]:
                 f"asset {asset.name!r}: part {part.name!r} owns 0 of {len(asset.voxels.coords)} voxels, "
                 "expected at least 1; give it more samples or leave it out"
             )
-        solids.append(part_occupancy(asset.voxels, index, box_in_lattice(part, asset.voxels.resolution)))
+        box = box_in_lattice(part, asset.voxels.resolution)
+        fittings = [
+            k for k, other in enumerate(asset.parts) if other.parent == index and other.label == "knob"
+        ]
+        solids.append(part_occupancy(asset.voxels, index, box, fittings))
     return tuple(solids)
 
 

@@ -5,6 +5,7 @@ which leaves ragged layers where owners alternate. A closed box is hollow. Cells
 or at a corner have no manifold surface. Every change is counted.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,32 +58,36 @@ class PartOccupancy:
 
 
 def part_occupancy(
-    voxels: VoxelGrid, part_id: int, box: Float[np.ndarray, "2 3"] | None = None
+    voxels: VoxelGrid,
+    part_id: int,
+    box: Float[np.ndarray, "2 3"] | None = None,
+    fittings: Collection[int] = (),
 ) -> PartOccupancy:
     """Solid cells of a part: its own, those it shares in ragged layers, and enclosed cavities.
 
     ``box`` (lowest and highest corner in lattice units) tells how far the part extends into layers it
-    contests with others; without it such layers stay ragged. The result is well-composed: its boundary is a
-    2-manifold. Open cavities, like a drawer's, and cavities that contain other parts stay free; disconnected
-    pieces stay separate. Raises `DegeneratePart` for a part without cells.
+    contests with others; without it such layers stay ragged. ``fittings`` are parts that close the holes in
+    which they sit, such as buttons. The result is well-composed: its boundary is a 2-manifold. Open cavities,
+    like a drawer's, and cavities that contain other parts stay free; disconnected pieces stay separate.
+    Raises `DegeneratePart` for a part without cells.
     """
     mine = voxels.part_ids == part_id
     if not mine.any():
         raise DegeneratePart(f"part {part_id}: owns 0 of {len(mine)} voxels, expected at least 1")
-    whole = np.zeros((2, *(voxels.resolution,) * 3), dtype=bool)
-    whole[0][tuple(voxels.coords[mine].T)] = True
-    whole[1][tuple(voxels.coords[~mine].T)] = True
+    whole = np.zeros((3, *(voxels.resolution,) * 3), dtype=bool)
+    for grid, chosen in zip(whole, (mine, ~mine, np.isin(voxels.part_ids, list(fittings))), strict=True):
+        grid[tuple(voxels.coords[chosen].T)] = True
     low = np.maximum(voxels.coords[mine].min(axis=0) - 1, 0)
     high = voxels.coords[mine].max(axis=0) + 2
     window = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
-    own, others = (np.pad(grid[window], 2) for grid in whole)
+    own, others, plugs = (np.pad(grid[window], 2) for grid in whole)
 
     shared = own | _pits(own, others)
     if box is not None:
         shared |= _ragged_layers(shared, others, box - low + 2)
-    filled = _fill_cavities(shared, others)
+    filled = _fill_cavities(shared, others, plugs)
     joined = join_cells(filled, others)
-    solid = _fill_cavities(joined, others)
+    solid = _fill_cavities(joined, others, plugs)
     inside = tuple(slice(2, -2) for _ in range(3))
     out = np.zeros(whole.shape[1:], dtype=bool)
     out[window] = solid[inside]
@@ -162,14 +167,14 @@ def _in_plane(normal: int) -> np.ndarray:
     return structure
 
 
-def _fill_cavities(grid: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Fills empty cells that are not connected to the outside through cell faces.
+def _fill_cavities(grid: np.ndarray, others: np.ndarray, plugs: np.ndarray) -> np.ndarray:
+    """Fills empty cells that are not connected to the outside through cell faces; ``plugs`` close openings.
 
     A cavity that contains another part (the rack of a closed oven) stays free. The inside of a door leaf is
     also filled if its only openings are rows of cells that a neighbour owns in a shared layer.
     """
     grid = grid | _seamed_cavities(grid, others)
-    holes = np.asarray(ndimage.binary_fill_holes(grid), dtype=bool) & ~grid
+    holes = np.asarray(ndimage.binary_fill_holes(grid | plugs), dtype=bool) & ~(grid | plugs)
     if not (holes & others).any():
         return grid | holes
     labels, count = _label(holes, _FACES)

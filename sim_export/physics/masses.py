@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.ndimage import binary_erosion
 
-from artigen.types import Asset
+from artigen.types import Asset, VoxelGrid
 from sim_export.collision.hulls import convex_hull, hull_planes
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.occupancy import PartOccupancy
@@ -30,6 +30,9 @@ _INSIDE = 2e-4
 def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy) -> Inertial:
     """Mass properties of the walls of a part, with the material implied by its label and category.
 
+    Where the real wall thickness is known (`Make.wall`), its mass is spread over the whole mesh, as in exact
+    packages.
+
     Args:
         mesh: Its closed mesh, metres.
         occupancy: The cells from which the mesh was made.
@@ -39,14 +42,12 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy)
     part = asset.parts[part_id]
     name, make = part_material(part.label, asset.category), find_make(asset.category)
     hardware = is_hardware(part.label, moves=part.joint.type != "fixed")
-    own = MATERIALS[name].density if hardware else make.wall_density(name)
-    density = own * min(1.0, MATERIALS[name].thickest / mean_thickness(mesh))
-    solid = mesh_inertial(mesh, density)
-    cavity = binary_erosion(occupancy.occupancy)  # the outermost cells are walls
-    cavity[tuple(asset.voxels.coords.T)] = False
-    walls = solid
-    if cavity.any():
-        walls = subtract(solid, cells_inertial(cavity, asset.scale / asset.voxels.resolution, density))
+    if name in make.wall and not hardware:
+        walls = mesh_inertial(mesh, make.wall_density(name, mean_thickness(mesh)))
+    else:
+        own = MATERIALS[name].density if hardware else make.wall_density(name)
+        density = own * min(1.0, MATERIALS[name].thickest / mean_thickness(mesh))
+        walls = _weigh_shell(asset.voxels, occupancy, asset.scale, mesh, density)
     if walls.mass <= 0:
         raise DegeneratePart(
             f"part {part.name!r}: walls of {walls.mass:.3g} kg around its cavity, expected > 0"
@@ -54,6 +55,18 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy)
     if part.parent != -1:
         return walls
     return make.fill_base(walls, np.stack([mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)]))
+
+
+def _weigh_shell(
+    voxels: VoxelGrid, occupancy: PartOccupancy, scale: float, mesh: Mesh, density: float
+) -> Inertial:
+    """Mass properties of a closed mesh without the cells that it encloses."""
+    cavity = binary_erosion(occupancy.occupancy)  # the outermost cells are walls
+    cavity[tuple(voxels.coords.T)] = False
+    solid = mesh_inertial(mesh, density)
+    return (
+        subtract(solid, cells_inertial(cavity, scale / voxels.resolution, density)) if cavity.any() else solid
+    )
 
 
 def mean_thickness(mesh: Mesh) -> float:

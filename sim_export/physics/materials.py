@@ -47,8 +47,8 @@ PLASTIC_CATEGORIES: frozenset[str] = frozenset(
     {"Bottle", "Box", "Laptop", "Printer", "Phone", "Remote", "Suitcase", "Switch", "TrashCan", "Dispenser"}
 )
 METAL_CATEGORIES: frozenset[str] = frozenset({"Faucet", "Pot", "Cart", "Scissors", "Pliers", "ToolBox"})
-WEIGHTED: frozenset[str] = frozenset({"DeskLamp"})
-"""Categories whose base is a block of concrete or cast iron, which keeps them from tipping."""
+HEAVY_BASES: frozenset[str] = frozenset({"DeskLamp", "Toilet"})
+"""Categories whose base is vitreous china, or a block of concrete or cast iron against tipping."""
 PHYSX_COEFFICIENTS = (0.01, 0.05, 0.2, 1.0)
 PHYSX_SLIDING_HOLD = (0.0108, 0.0336, 0.0706, 0.173)
 PHYSX_TURNING_HOLD = (0.0178, 0.0430, 0.0980, 0.292)
@@ -102,7 +102,7 @@ def part_material(label: PartLabel, category: str) -> MaterialName:
         return "plastic"
     if category in METAL_CATEGORIES:
         return "steel"
-    return "stone" if label == "base" and category in WEIGHTED else "wood_board"
+    return "stone" if label == "base" and category in HEAVY_BASES else "wood_board"
 
 
 def finish_material(

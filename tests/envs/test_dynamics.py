@@ -10,10 +10,12 @@ import pytest
 from defects import mesh_collisions
 from sample_packages import SAMPLE_PARTS, build_package
 
+from artigen.shapes.draw import draw_shape
 from sim_export.collision.hulls import box_hull
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
 from sim_export.package import Inertial, Link, SimPackage
+from sim_export.reference import build_reference
 
 pytest.importorskip("sapien")
 from envs import trials as trials_module
@@ -22,6 +24,7 @@ from envs.dynamics import (
     check_dynamics,
     check_energy,
     check_mujoco,
+    check_opens,
     check_repeat,
     check_rest,
     check_stand,
@@ -285,6 +288,13 @@ def test_only_what_is_mounted_or_held_may_overhang(package, trials):
     assert "outside" in check_stand(package, tipped).message
     assert check_stand(replace(package, category="Faucet"), tipped).verdict == "not_applicable"
     assert check_stand(replace(package, category="Faucet"), trials).verdict == "pass"
+
+
+def test_a_folding_door_closes_once_its_second_leaf_has_come_to_rest(tmp_path):
+    """At its limit the first of two leaves of 13 kg stops, and the second swings on and holds it."""
+    package = build_reference(draw_shape("StorageFurniture", 1346))
+    folder = write_package(package, tmp_path / "cabinet")
+    assert check_opens(run_trials(folder, package, 0.01)).verdict == "pass"
 
 
 def test_what_does_not_move_has_nothing_to_open(package, tmp_path):

@@ -9,6 +9,7 @@ import pytest
 from defects import mesh_collisions
 from sample_packages import SAMPLE_PARTS, build_package
 
+from artigen.shapes.draw import draw_shape
 from artigen.transforms import inverse
 from sim_export.collision.hulls import box_hull
 from sim_export.collision.motion import link_displacements
@@ -17,9 +18,10 @@ from sim_export.files.write import write_package
 from sim_export.package import Inertial, Link, PackageJoint, SimPackage
 from sim_export.physics.inertia import mesh_inertial
 from sim_export.physics.materials import physx_friction_coefficient
+from sim_export.reference import build_reference
 
 sapien = pytest.importorskip("sapien")
-from envs.friction import apply_damping, apply_friction, apply_velocity  # noqa: E402
+from envs.friction import CHAIN_ITERATIONS, apply_damping, apply_friction, apply_velocity  # noqa: E402
 from envs.hand import pose_matrix  # noqa: E402
 from envs.loaded import advance, qpos_of, set_open_fraction  # noqa: E402
 from envs.package import LoadConfig, load_package  # noqa: E402
@@ -361,3 +363,26 @@ def test_original_objects_load(real_objects):
         loaded = load_package(create_scene(0.01), folder, LoadConfig())
         assert sum(load.shapes for load in loaded.links) > 0
         assert all(load.mass is None for load in loaded.links)
+
+
+@pytest.mark.parametrize(("iterations", "holds"), [(CHAIN_ITERATIONS, True), (10, False)])
+def test_a_folding_door_stays_closed_on_a_slope(tmp_path: Path, iterations: int, *, holds: bool):
+    """The first of two leaves creeps with SAPIEN's iterations, though its friction exceeds its load."""
+    folder = tmp_path / "cabinet"
+    package = build_reference(draw_shape("StorageFurniture", 1138))
+    write_package(package, folder)
+    loaded = load_package(create_scene(1 / 60), folder, LoadConfig(base="fixed"), package)
+    assert loaded.articulation.get_solver_position_iterations() == CHAIN_ITERATIONS
+    loaded.articulation.set_solver_position_iterations(iterations)
+    half = np.radians(5.0) / 2
+    loaded.articulation.set_root_pose(sapien.Pose(q=[float(np.cos(half)), 0.0, -float(np.sin(half)), 0.0]))
+    for _ in range(120):
+        advance(loaded)
+    joint = loaded.joint("joint_0")
+    opened = float(loaded.articulation.qpos[joint.index]) / (joint.spec.upper - joint.spec.lower)
+    assert opened < 0.005 if holds else opened > 0.01
+
+
+def test_other_packages_keep_their_iterations(folder: Path, package: SimPackage):
+    loaded = load_package(create_scene(1 / 60), folder, LoadConfig(base="fixed"), package)
+    assert loaded.articulation.get_solver_position_iterations() == 10

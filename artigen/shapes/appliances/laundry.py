@@ -8,6 +8,7 @@ import numpy as np
 from artigen.shapes.appliances.cavity import SIDES, build_tub
 from artigen.shapes.appliances.control_panel import design_dial, spread_controls
 from artigen.shapes.appliances.drums import build_porthole
+from artigen.shapes.appliances.housing import Housing
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
@@ -24,23 +25,14 @@ FACE = 0.03
 
 
 @dataclass(frozen=True, kw_only=True)
-class LaundryPlan:
-    """Dimensions that all parts share (m)."""
+class LaundryPlan(Housing):
+    """Dimensions that all parts share (m); ``thickness`` is that of the door or lid."""
 
-    width: float
-    depth: float
-    height: float
     pedestal: float
     """Height of a drawer below; 0 for none."""
-    thickness: float
-    """Thickness of the door or lid."""
     band: float
     """Height of the control band or console."""
     longest: float
-
-    @property
-    def y(self) -> Range:
-        return -self.width / 2, self.width / 2
 
 
 def seat_drum(rng: np.random.Generator, drum: ShapePart, bearing: Primitive) -> Assembly:
@@ -76,7 +68,7 @@ def make_door_grip(plan: LaundryPlan, panel: Panel, edge: str, mouth: float, len
 
 def build_cabinet(plan: LaundryPlan, x: float, z: Range) -> list[Primitive]:
     """Sides, back, floor and worktop; sides and back begin at the floor of the cabinet's lowest tier."""
-    back, (y0, y1) = plan.depth / 2, plan.y
+    back, (y0, y1) = plan.back, plan.y
     low = z[0] - plan.pedestal
     inner = (y0 + WALL, y1 - WALL)
     return [

@@ -5,16 +5,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import draw_grip, mount_grip
-from artigen.shapes.appliances.cavity import SIDES, build_feet, build_shell, build_tub
+from artigen.shapes.appliances.cavity import SIDES, build_shell, build_tub
 from artigen.shapes.appliances.control_panel import design_dial, spread_controls
+from artigen.shapes.appliances.housing import Housing
 from artigen.shapes.appliances.racks import build_basket, build_rack
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose
 from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths
-from artigen.shapes.fittings.feet import make_plinth
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import (
-    GAP,
     ROOM,
     Panel,
     Range,
@@ -42,13 +41,9 @@ BULGE = 0.012
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Plan:
+class _Plan(Housing):
     """Dimensions (m) and choices that all parts share."""
 
-    width: float
-    depth: float
-    height: float
-    thickness: float
     toe: float
     """Lower edge of housing and fronts."""
     base: float
@@ -60,19 +55,6 @@ class _Plan:
     paired: bool
     """Whether there are two short handles side by side, as on fronts that match a kitchen."""
     drawers: int
-
-    @property
-    def x(self) -> float:
-        return -self.depth / 2
-
-    @property
-    def front(self) -> float:
-        """x of the front face of the housing."""
-        return self.x + self.thickness + GAP
-
-    @property
-    def y(self) -> Range:
-        return -self.width / 2, self.width / 2
 
     @property
     def top(self) -> float:
@@ -114,25 +96,24 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
 
 def _build_base(plan: _Plan) -> list[Primitive]:
     """Feet and a toe kick, or a closed base, and the worktop."""
-    back, kick = -plan.x, plan.front + 0.03
-    if plan.base:
-        pieces = [*make_plinth((plan.front + plan.base, back), plan.y, plan.toe, "body")]
-    else:
-        pieces = [*build_feet((plan.front, back), plan.y, plan.toe, "leg", radius=0.018, inset=0.03)]
+    kick = plan.front + 0.03
+    pieces = [*plan.build_stand(plan.toe, plan.base, radius=0.018, inset=0.03)]
     if plan.toe > 0.05 and not plan.base:
         pieces.append(block((kick, kick + 0.014), narrow(plan.y, 0.002), (0.012, plan.toe), "leg"))
     if plan.lid:
-        pieces.append(block((plan.x, back), plan.y, (plan.top, plan.height), "top", 0.004))
+        pieces.append(block((plan.x, plan.back), plan.y, (plan.top, plan.height), "top", 0.004))
     return pieces
 
 
 def _draw_door_and_racks(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """Tub, door, and racks that slide out over the open door."""
-    outer = Space(x=(plan.front, -plan.x), y=plan.y, z=(plan.toe, plan.top))
+    outer = Space(x=(plan.front, plan.back), y=plan.y, z=(plan.toe, plan.top))
     sill = plan.toe + 0.003
     # The liner of the open door is level with the floor of the tub.
     floor = sill + plan.thickness + BULGE + 0.004
-    tub = Space(x=(plan.front, -plan.x - plan.wall), y=narrow(plan.y, plan.wall), z=(floor, plan.top - 0.04))
+    tub = Space(
+        x=(plan.front, plan.back - plan.wall), y=narrow(plan.y, plan.wall), z=(floor, plan.top - 0.04)
+    )
     shell = build_shell(outer, tub, "body", "steel")
     built = Assembly((*shell, *_build_spray_arm(tub)))
     return built + _draw_door(rng, plan, sill, tub) + _draw_racks(rng, tub)
@@ -240,7 +221,7 @@ def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
 
 def _draw_drawers(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """Draws one or two drawers, each a tub with a front."""
-    outer = Space(x=(plan.front, -plan.x), y=plan.y, z=(plan.toe, plan.top))
+    outer = Space(x=(plan.front, plan.back), y=plan.y, z=(plan.toe, plan.top))
     hollow = outer.hollow(plan.wall)
     built = Assembly(build_shell(outer, hollow, "body", "inside"))
     for k, z in enumerate(reversed(divide_range((plan.toe, plan.top - 0.003), plan.drawers, 0.004))):

@@ -54,7 +54,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 def _build(rng: np.random.Generator, plan: LaundryPlan, *, square: bool) -> Assembly:
     """Cabinet, band, door, drum, lint filter, and the kick plate with its flap."""
-    x, back, y = -plan.depth / 2 + plan.thickness + GAP, plan.depth / 2, plan.y
+    x, back, y = plan.front, plan.back, plan.y
     foot = choose(rng, 0.012, 0.025)
     kick = foot + choose(rng, 0.14, 0.17) * plan.height
     sill = plan.height - plan.band
@@ -67,7 +67,7 @@ def _build(rng: np.random.Generator, plan: LaundryPlan, *, square: bool) -> Asse
     band = draw_band(rng, plan, x, (sill, plan.height - LID))
     tank = tuple(replace(part, name="water_tank") if part.label == "drawer" else part for part in band.parts)
     built += Assembly(band.pieces, tank)
-    panel = Panel(x=-plan.depth / 2, thickness=plan.thickness, y=around(0.0, radius), z=around(level, radius))
+    panel = Panel(x=plan.x, thickness=plan.thickness, y=around(0.0, radius), z=around(level, radius))
     built += _make_door(rng, plan, panel, hole, square=square)
     end, wall = back - WALL - 0.05, back - WALL
     room = min(plan.width / 2 - WALL, sill - level, level - kick + 0.02) - 0.008

@@ -6,15 +6,15 @@ from typing import Literal
 import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import draw_grip
-from artigen.shapes.appliances.cavity import SIDES, build_feet
+from artigen.shapes.appliances.cavity import SIDES
 from artigen.shapes.appliances.control_panel import DialDesign, design_dial, make_dial, spread_controls
 from artigen.shapes.appliances.cooktop import CooktopKind, build_burners
+from artigen.shapes.appliances.housing import Housing
 from artigen.shapes.appliances.oven_cavity import build_rails, choose_levels, make_racks
 from artigen.shapes.appliances.oven_front import FrontLook, make_oven_door, make_warming_drawer
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, pick
 from artigen.shapes.draw import Draft, Spans, Wish, find_nearest
-from artigen.shapes.fittings.feet import make_plinth
 from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space, around, narrow, share_range
 from artigen.shapes.primitives import UP, Primitive, block, line
 from artigen.shapes.surfaces.palette import draw_palette
@@ -50,15 +50,10 @@ MAX_PIECES = 32 - 4
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Plan:
+class _Plan(Housing):
     """Dimensions (m) and choices that all parts share."""
 
     kind: Kind
-    width: float
-    depth: float
-    height: float
-    thickness: float
-    """Thickness of the doors."""
     wall: float
     """Thickness of the walls above, below and beside a cavity."""
     foot: float
@@ -70,20 +65,6 @@ class _Plan:
     upstand: float
     rear_controls: bool
     dial: DialDesign
-
-    @property
-    def x(self) -> float:
-        """x of the front face of doors and controls."""
-        return -self.depth / 2
-
-    @property
-    def front(self) -> float:
-        """x of the front face of the housing."""
-        return self.x + self.thickness + GAP
-
-    @property
-    def y(self) -> Range:
-        return -self.width / 2, self.width / 2
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -100,11 +81,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         if plan.kind != "rangetop":
             room = MAX_PIECES - len(built.pieces)
             built += _draw_bands(rng, plan, (plan.foot, lower), room)
-        if plan.foot and plan.base:
-            built += Assembly(make_plinth((plan.front + plan.base, -plan.x), plan.y, plan.foot, "body"))
-        elif plan.foot:
-            feet = build_feet((plan.front, -plan.x), plan.y, plan.foot, "leg", inset=0.04)
-            built += Assembly(feet)
+        if plan.foot:
+            built += Assembly(plan.build_stand(plan.foot, plan.base, radius=0.022, inset=0.04))
     return Draft(style, built.close(), palette)
 
 
@@ -171,12 +149,12 @@ def _draw_top(rng: np.random.Generator, plan: _Plan) -> tuple[Assembly, float]:
         return Assembly(), plan.height
     under = plan.height - choose(rng, 0.026, 0.04)
     finish = "panel" if plan.cooktop == "glass" else "top"
-    slab = block((plan.x, -plan.x), plan.y, (under, plan.height), finish, 0.004)
-    rear = -plan.x - (0.065 if plan.upstand else 0.03)
+    slab = block((plan.x, plan.back), plan.y, (under, plan.height), finish, 0.004)
+    rear = plan.back - (0.065 if plan.upstand else 0.03)
     area = ((plan.x + 0.05, rear - 0.015), narrow(plan.y, 0.03))
     pieces = (slab, *build_burners(rng, plan.cooktop, area, plan.height, count=plan.burners))
     if plan.upstand:
-        x, z = (-plan.x - 0.06, -plan.x), (plan.height, plan.height + plan.upstand)
+        x, z = (plan.back - 0.06, plan.back), (plan.height, plan.height + plan.upstand)
         pieces += (block(x, plan.y, z, plan.look.face, 0.005),)
     return Assembly(pieces), under
 
@@ -187,13 +165,13 @@ def _draw_controls(rng: np.random.Generator, plan: _Plan, top: float) -> tuple[A
     bands: tuple[Primitive, ...] = ()
     if plan.rear_controls:
         lower = top
-        x, z = -plan.x - 0.06, (plan.height + 0.04, plan.height + plan.upstand)
+        x, z = plan.back - 0.06, (plan.height + 0.04, plan.height + plan.upstand)
     else:
         lower = plan.foot if plan.kind == "rangetop" else top - choose(rng, 0.10, 0.14)
         x, z = plan.x, (max(lower, top - 0.15), top)
         bands = (
             block((plan.x, plan.front), plan.y, (lower, top), plan.look.face, 0.003),
-            block((plan.front, -plan.x), plan.y, (lower, top), "body"),
+            block((plan.front, plan.back), plan.y, (lower, top), "body"),
         )
     keys = int(rng.choice((0, 1, 3, 4, 5), p=(0.62, 0.1, 0.1, 0.09, 0.09)))
     counts = (_count_dials(rng, plan), keys)
@@ -225,7 +203,7 @@ def _draw_bands(rng: np.random.Generator, plan: _Plan, z: Range, room: int) -> A
     has_drawer = plan.kind in ("range", "pro") and rng.random() < 0.55 and z[1] - z[0] > 0.5
     drawer = choose(rng, 0.13, 0.2) if has_drawer else 0.0
     racks = 0 if rng.random() < 0.4 else int(rng.integers(1, 4))
-    back, inner = -plan.x, narrow(plan.y, SKIN)
+    back, inner = plan.back, narrow(plan.y, SKIN)
     walls = (
         ("right", block((plan.front, back), (plan.y[0], inner[0]), z, "body")),
         ("left", block((plan.front, back), (inner[1], plan.y[1]), z, "body")),
@@ -244,7 +222,7 @@ def _draw_oven_row(
     rng: np.random.Generator, plan: _Plan, row: str, z: Range, *, racks: int, room: int
 ) -> Assembly:
     """Draws ovens side by side: floor and ceiling, walls between and beside them, doors and racks."""
-    inner, back = narrow(plan.y, SKIN), -plan.x - SKIN
+    inner, back = narrow(plan.y, SKIN), plan.back - SKIN
     floor, ceiling = z[0] + plan.wall, z[1] - 0.7 * plan.wall
     columns = [plan.y]
     if plan.kind == "pro" and rng.random() < 0.6:
@@ -284,7 +262,7 @@ def _draw_oven_row(
 
 def _draw_drawer(rng: np.random.Generator, plan: _Plan, z: Range, inner: Range) -> Assembly:
     """Draws a warming drawer and the floor below it."""
-    floor, back = z[0] + SKIN, -plan.x - SKIN
+    floor, back = z[0] + SKIN, plan.back - SKIN
     board = block((plan.front, back), inner, (z[0], floor), "body")
     panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=(z[0], z[1] - 0.003))
     tub = Space(x=(panel.back, back - 0.02), y=narrow(inner, ROOM), z=(floor + ROOM, z[1] - 0.03))
@@ -299,11 +277,11 @@ def _draw_hob(rng: np.random.Generator, plan: _Plan) -> Assembly:
     finish = "panel" if plan.cooktop == "glass" else "top"
     margin = 2.6 * plan.dial.radius + 0.02
     aside = rng.random() < 0.4
-    x = (plan.x + (0.02 if aside else margin), -plan.x - 0.02)
+    x = (plan.x + (0.02 if aside else margin), plan.back - 0.02)
     y = (plan.y[0] + (margin if aside else 0.02), plan.y[1] - 0.02)
     pieces = (
-        block((plan.x + 0.02, -plan.x - 0.02), narrow(plan.y, 0.02), (0.0, lid), "body"),
-        block((plan.x, -plan.x), plan.y, (lid, plan.height), finish),
+        block((plan.x + 0.02, plan.back - 0.02), narrow(plan.y, 0.02), (0.0, lid), "body"),
+        block((plan.x, plan.back), plan.y, (lid, plan.height), finish),
         *build_burners(rng, plan.cooktop, (x, y), plan.height, count=plan.burners),
     )
     count = plan.burners + int(rng.integers(0, 2))

@@ -31,9 +31,12 @@ SIZES: dict[str, Spans] = {
 GLAZES = (*((0.95, 0.95, 0.945),) * 7, (0.93, 0.92, 0.88), (0.2, 0.2, 0.21))
 TANK, WALL = 0.165, 0.19
 """Depth of a cistern and of a piece of wall."""
-RIM, SEAT, LID = 0.4, 0.017, 0.016
+RIM, SEAT, LID = 0.4, 0.02, 0.018
 """Height of the bowl's rim; thickness of seat and lid."""
-SLIT = 0.0025
+BUFFER, SLIT = 0.0035, 0.003
+"""Gaps below the seat and below the lid."""
+BARREL = 0.0105
+"""Radius of the hinge's barrels, those of the lid beside those of the seat."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -86,7 +89,7 @@ def _build_bowl(style: str, outline: Outline, behind: float, back: float) -> lis
 
 def _draw_seat(rng: np.random.Generator, outline: Outline) -> tuple[ShapePart, ShapePart]:
     """A lid and a seat ring that turn about one axis behind them; the lid opens first."""
-    low, edge = RIM + SLIT, outline.shrink(0.002)
+    low, edge = RIM + BUFFER, outline.shrink(0.002)
     high, x = low + SEAT, edge.a[1]
     top, axis = high + SLIT, (x + 0.004, 0.0, low + SEAT / 2)
     ring = [*build_loft(edge, 2, (low, high), "front", wall=0.07)]
@@ -94,13 +97,16 @@ def _draw_seat(rng: np.random.Generator, outline: Outline) -> tuple[ShapePart, S
     for y in (-0.07, 0.07):
         pin = ((axis[0], y - 0.018, axis[2]), (axis[0], y + 0.018, axis[2]))
         ring += [
-            cylinder(*pin, 0.0075, "handle"),
+            cylinder(*pin, BARREL, "handle"),
             block((x - 0.06, axis[0]), around(y, 0.012), narrow((low, high), 0.002), "front"),
         ]
-    for ear in ((-0.121, -0.099), (0.099, 0.121)):
+    for y in (-0.11, 0.11):
+        pin = ((axis[0], y - 0.014, axis[2]), (axis[0], y + 0.014, axis[2]))
+        ear = around(y, 0.014)
         plate += [
-            block((x - 0.05, x + 0.0115), ear, (top, top + LID - 0.004), "front"),
-            block((x - 0.0035, x + 0.0115), ear, (axis[2] - 0.0075, top), "front"),
+            cylinder(*pin, BARREL, "front"),
+            block(around(axis[0], BARREL), ear, (axis[2], top), "front"),
+            block((x - 0.05, axis[0] + BARREL), ear, (top, top + LID - 0.004), "front"),
         ]
     upper = radians(choose(rng, 89.0, 92.0))
     needs = require("lid", fraction=1.0)

@@ -54,6 +54,8 @@ PAIRS: tuple[tuple[Color, Color], ...] = (
 """Colours of body and lid of plastic boxes."""
 WALL, LIP = 0.007, 0.024
 """Thickness (m) of the walls; protrusion of the handles of drawers."""
+RELEASED = 0.7
+"""Share of a latch's range at which it lets go of the lid."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -85,14 +87,14 @@ def _make_latches(rng: np.random.Generator, x: float, y: Range, rim: float, rise
     """One latch in the middle of the front, or two latches."""
     half, count = choose(rng, 0.02, 0.03), int(rng.choice((1, 2, 2)))
     places, z = [0.0] if count == 1 else [0.6 * y[0], 0.6 * y[1]], (rim - 0.04, rim + rise)
-    return [make_latch(x, around(at, half), z, name=f"latch_{k}", upper=2.2) for k, at in enumerate(places)]
+    return [make_latch(x, around(at, half), z, name=f"latch_{k}", upper=1.6) for k, at in enumerate(places)]
 
 
 def _cover(
     solids: Sequence[Primitive], outline: Rectangle, low: float, degrees: float, latches: list[ShapePart]
 ) -> ShapePart:
     """A lid at height ``low`` that latches hold down."""
-    needs = require(*(latch.name for latch in latches))
+    needs = require(*(latch.name for latch in latches), fraction=RELEASED)
     return make_lid(solids, *outline, low, radians(degrees), needs=needs)
 
 

@@ -61,8 +61,8 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, *, loads_at_top: bool) -> L
 
 
 def _draw_front_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
-    x = -plan.depth / 2 + plan.thickness + GAP
-    back, y = plan.depth / 2, plan.y
+    x = plan.front
+    back, y = plan.back, plan.y
     foot = choose(rng, 0.012, 0.025)
     floor, sill = foot + plan.pedestal, plan.height - plan.band
     radius = min(choose(rng, 0.80, 0.94) * (sill - floor) / 2, 0.40 * plan.width)
@@ -79,7 +79,7 @@ def _draw_front_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
     )
     built += draw_band(rng, plan, x, (sill, plan.height - LID))
     square = around(level, radius)
-    panel = Panel(x=-plan.depth / 2, thickness=plan.thickness, y=around(0.0, radius), z=square)
+    panel = Panel(x=plan.x, thickness=plan.thickness, y=around(0.0, radius), z=square)
     built += draw_porthole(rng, plan, panel, hole)
     end, wall = back - WALL - 0.05, back - WALL
     room = min(plan.width / 2 - WALL, sill - level, level - floor - 0.03) - 0.008
@@ -91,7 +91,7 @@ def _draw_front_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
 
 def _draw_pedestal(rng: np.random.Generator, plan: LaundryPlan, x: float, foot: float) -> Assembly:
     """Draws a drawer under the machine and the floor below it."""
-    inner, back = narrow(plan.y, WALL), plan.depth / 2 - WALL
+    inner, back = narrow(plan.y, WALL), plan.back - WALL
     board = block((x + FACE, back), inner, (foot, foot + 0.018), "body")
     panel = Panel(x=x + FACE - 0.028 - GAP, thickness=0.028, y=plan.y, z=(foot, foot + plan.pedestal - 0.004))
     tub = Space(
@@ -109,7 +109,7 @@ def _draw_pedestal(rng: np.random.Generator, plan: LaundryPlan, x: float, foot: 
 
 def _draw_top_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
     """Draws a vertical drum under a lid, with a console of controls behind."""
-    x, back, y = -plan.depth / 2, plan.depth / 2, plan.y
+    x, back, y = plan.x, plan.back, plan.y
     foot = choose(rng, 0.015, 0.03)
     deck = plan.height - plan.band - 0.03
     console = back - choose(rng, 0.13, 0.17)
@@ -143,7 +143,7 @@ def _draw_top_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
 
 def _build_tall_cabinet(plan: LaundryPlan, z: Range) -> tuple[Primitive, ...]:
     """Four walls and a floor with a steel lining."""
-    x, back, (y0, y1) = -plan.depth / 2, plan.depth / 2, plan.y
+    x, back, (y0, y1) = plan.x, plan.back, plan.y
     inner = (y0 + WALL, y1 - WALL)
     walls = (
         ("right", block((x, back), (y0, inner[0]), z, "body")),

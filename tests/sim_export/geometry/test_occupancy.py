@@ -46,6 +46,18 @@ def is_foot(cells: int) -> bool:
     return bool(solid_of(mine & ~others, others).occupancy[12, 5, 5])
 
 
+def closed_by(*, knob: bool) -> bool:
+    """Whether a hollow box with an opening of 100 cells becomes solid behind what fills the opening."""
+    mine, others = shell(10)
+    others[2, 5:15, 5:15] = True
+    cells = np.concatenate([np.argwhere(mine & ~others), np.argwhere(others)])
+    ids = np.repeat([0, 1], [np.count_nonzero(mine & ~others), np.count_nonzero(others)])
+    grid = VoxelGrid(resolution=EDGE, coords=cells, part_ids=ids)
+    solid = part_occupancy(grid, 0, fittings=(1,) if knob else ())
+    assert not (solid.occupancy & others).any()
+    return bool(solid.occupancy[8, 20, 20])
+
+
 def is_shared(share: float) -> bool:
     """Whether a layer at the face of a part's box is its own, of a tenth of which it has a share."""
     mine, others = np.zeros((2, EDGE, EDGE, EDGE), dtype=bool)
@@ -65,6 +77,7 @@ ROWS: dict[str, tuple[Callable[[], bool], Callable[[], bool]]] = {
     ),
     "seams of a tenth of the wall": (lambda: inside(2, slots=8), lambda: inside(2, slots=9)),
     "lodgers of eight cells": (lambda: inside(8, lodgers=7), lambda: inside(8, lodgers=8)),
+    "what a knob closes": (lambda: closed_by(knob=True), lambda: closed_by(knob=False)),
     "a foot of sixteen cells": (lambda: is_foot(16), lambda: is_foot(17)),
     "a share of 0.15": (lambda: is_shared(0.15), lambda: is_shared(0.10)),
 }

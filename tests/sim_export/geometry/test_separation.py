@@ -1,4 +1,5 @@
-"""A cell belongs to one of two links where a drawer is sunk into its carrier, and nothing else changes."""
+"""A cell belongs to one of two links where a drawer is sunk into its carrier, and latches keep away from
+frames; nothing else changes."""
 
 from dataclasses import replace
 
@@ -8,7 +9,7 @@ import pytest
 from artigen.types import FIXED, Asset, Joint, Part
 from sim_export.geometry.joining import join_cells
 from sim_export.geometry.occupancy import PartOccupancy
-from sim_export.geometry.separation import separate_solids
+from sim_export.geometry.separation import free_latches, separate_solids
 
 UNIT = np.array([np.zeros(3), np.ones(3)])
 SLIDE = Joint(type="prismatic", axis=np.array([-1.0, 0.0, 0.0]), origin=np.zeros(3), upper=0.3)
@@ -55,3 +56,51 @@ def test_what_is_hardly_sunk_moves_otherwise_or_is_of_one_link_stays():
         kept, records = separate_solids(asset, (APRON, mover), owners)
         assert kept == (APRON, mover)
         assert records == ()
+
+
+TURN = Joint(type="revolute", axis=np.array([-1.0, 0.0, 0.0]), origin=np.zeros(3), upper=0.8)
+LEAF, FRAME = solid((4, 2, 2), (7, 12, 22)), solid((2, 16, 2), (8, 20, 22))
+
+
+def door(label="knob", joint: Joint = TURN, leaf: Joint = TURN) -> Asset:
+    box = np.array([[0.0, 11.0 / 24 - 0.5, 0.0], [1.0, 10.0 / 24, 1.0]])
+    parts = (
+        Part(name="frame", label="base", parent=-1, joint=FIXED, box=UNIT),
+        Part(name="leaf", label="door", parent=0, joint=leaf, box=UNIT),
+        Part(name="lever", label=label, parent=1, joint=joint, box=box),
+    )
+    return Asset(name="door", category="Door", scale=1.0, parts=parts)
+
+
+@pytest.mark.parametrize("joint", [TURN, SLIDE])
+def test_a_latch_ends_a_cell_before_the_frame(joint: Joint):
+    lever = solid((2, 6, 10), (4, 16, 12))
+    asset, (frame, leaf, latch), records = free_latches(door(joint=joint), (FRAME, LEAF, lever), (0, 1, 2))
+    assert frame is FRAME
+    assert leaf is LEAF
+    np.testing.assert_array_equal(latch.occupancy, solid((2, 6, 10), (4, 15, 12)).occupancy)
+    low, high = (asset.parts[2].box[0] + sign * asset.parts[2].box[1] / 2 for sign in (-1, 1))
+    assert (low[1], high[1]) == pytest.approx((6 / 24 - 0.5, 15 / 24 - 0.5))
+    assert len(records) == 1
+
+
+def test_what_is_far_carried_by_no_leaf_or_no_latch_stays():
+    near, far = solid((2, 6, 10), (4, 16, 12)), solid((2, 5, 10), (4, 15, 12))
+    for asset, latch, owners in (
+        (door(), far, (0, 1, 2)),
+        (door(label="handle"), near, (0, 1, 2)),
+        (door(joint=replace(TURN, type="continuous")), near, (0, 1, 2)),
+        (door(leaf=FIXED), near, (0, 0, 2)),
+    ):
+        same, kept, records = free_latches(asset, (FRAME, LEAF, latch), owners)
+        assert kept == (FRAME, LEAF, latch)
+        assert same.parts == asset.parts
+        assert records == ()
+
+
+@pytest.mark.parametrize(("end", "cut"), [(16, True), (17, False)])
+def test_a_latch_keeps_half_of_its_cells(end: int, *, cut: bool):
+    """Of two rows of cells one is beside the frame; of three, with one in the frame, two are."""
+    lever = solid((2, 14, 10), (4, end, 12))
+    _, (_, _, latch), records = free_latches(door(), (FRAME, LEAF, lever), (0, 1, 2))
+    assert (latch is not lever) == bool(records) == cut

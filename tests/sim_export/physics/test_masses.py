@@ -15,7 +15,7 @@ from sim_export.package import Inertial, Link
 from sim_export.physics.inertia import check_inertial, combine
 from sim_export.physics.makes import MAKES, Make, find_make
 from sim_export.physics.masses import cells_inertial, hold_centers, subtract, weigh_part
-from sim_export.physics.materials import MATERIALS
+from sim_export.physics.materials import MATERIALS, part_material
 from sim_export.reference import build_reference, weigh_shape
 
 
@@ -90,6 +90,18 @@ def test_steel_weighs_what_a_hollow_bar_or_a_rack_does_however_thick_its_voxels_
     area = 2 * 0.75**2 + 4 * 0.75 * 2 / 32
     weight = weigh_part(asset, 0, mesh, part_occupancy(grid, 0)).mass
     assert weight == pytest.approx(steel.density * steel.thickest * area / 2, rel=1e-6)
+
+
+def test_a_body_with_known_walls_weighs_as_much_as_these_all_over():
+    """A closed box of vitreous china: real walls of 11 mm instead of the solid between its faces."""
+    asset = replace(hollow_box(), category="Toilet")
+    (mesh,) = mesh_parts(asset)
+    walls = weigh_part(asset, 0, mesh, part_occupancy(asset.voxels, 0))
+    x, y, z = np.array([20, 24, 30]) / 32
+    area = 2 * (x * y + y * z + z * x)
+    assert part_material("base", "Toilet") == "stone"
+    assert walls.mass == pytest.approx(MATERIALS["stone"].density * MAKES["Toilet"].wall["stone"] * area / 2)
+    np.testing.assert_allclose(walls.com, asset.parts[0].box[0], atol=1e-9)
 
 
 @pytest.mark.parametrize("thickness", [0.0005, 0.00399, 0.004, 0.00401, 0.02])

@@ -1,0 +1,73 @@
+"""A joint needs another open where a thin link passes through another one, by the share that passes."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from sim_export.collision.hulls import box_hull
+from sim_export.collision.motion import find_requirements
+from sim_export.crossings import MIN_CROSSED, find_crossings
+from sim_export.package import Link, PackageJoint, Requirement
+
+
+def make_link(name: str, *boxes) -> Link:
+    hulls = tuple(box_hull(np.array(low, float), np.array(high, float)) for low, high in boxes)
+    return Link(name=name, label=None, parts=(name,), visuals=(), hulls=hulls, inertial=None)
+
+
+def make_joint(child: str, joint_type, axis, origin, upper) -> PackageJoint:
+    return PackageJoint(
+        name=f"joint_{child}", type=joint_type, kind=joint_type, parent="body", child=child,
+        origin=np.array(origin, float), axis=np.array(axis, float), upper=upper,
+    )  # fmt: skip
+
+
+def as_rows(found: Sequence[Requirement]) -> list[tuple[str, str, float]]:
+    return [(item.joint, item.needs, item.fraction) for item in found]
+
+
+def toilet() -> tuple[list[Link], list[PackageJoint]]:
+    """A seat of slats, 2 cm thick, below a lid of 2 cm, beside a wall of 1.2 m, hinged at the rear edge."""
+    slats = [((x, -0.2, 0.405), (x + 0.03, 0.2, 0.425)) for x in np.arange(-0.5, -0.03, 0.03)]
+    links = [
+        make_link("body", ((0.0, -0.3, 0.0), (0.1, 0.3, 1.2))),
+        make_link("lid", ((-0.5, -0.2, 0.43), (-0.02, 0.2, 0.45))),
+        make_link("seat", *slats),
+    ]
+    origin = (-0.03, 0.0, 0.427)
+    joints = [
+        make_joint("lid", "revolute", (0, 1, 0), origin, 1.55),
+        make_joint("seat", "revolute", (0, 1, 0), origin, 1.5),
+    ]
+    return links, joints
+
+
+def test_a_seat_needs_its_lid_open_though_it_is_nowhere_deep_in_it():
+    links, joints = toilet()
+    assert as_rows(find_requirements(links, joints)) == []
+    assert as_rows(find_crossings(links, joints, ())) == [("joint_seat", "joint_lid", 1.0)]
+
+
+def test_what_is_known_stays_and_is_not_turned_around():
+    links, joints = toilet()
+    known = (Requirement(joint="joint_lid", needs="joint_seat", fraction=0.5),)
+    assert find_crossings(links, joints, known) == known
+    same = (Requirement(joint="joint_seat", needs="joint_lid", fraction=0.5),)
+    assert find_crossings(links, joints, same) == same
+
+
+@pytest.mark.parametrize(("share", "needed"), [(MIN_CROSSED - 0.02, False), (MIN_CROSSED + 0.02, True)])
+def test_a_link_is_blocked_from_a_share_of_its_volume(share: float, *, needed: bool):
+    """A bar of 1 m slides under a flap so far that ``share`` of its length is in the flap's way."""
+    links = [
+        make_link("body", ((0.0, 0.0, -0.2), (3.0, 0.1, -0.1))),
+        make_link("bar", ((0.0, 0.0, 0.0), (1.0, 0.1, 0.02))),
+        make_link("flap", ((1.2, 0.0, 0.0), (1.3, 0.1, 0.02))),
+    ]
+    joints = [
+        make_joint("bar", "prismatic", (1, 0, 0), (0, 0, 0), 0.2 + share),
+        make_joint("flap", "prismatic", (0, 0, 1), (0, 0, 0), 0.1),
+    ]
+    found = find_crossings(links, joints, ())
+    assert as_rows(found) == ([("joint_bar", "joint_flap", 0.25)] if needed else [])
