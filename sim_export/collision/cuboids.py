@@ -178,10 +178,24 @@ def compress(occupancy: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
 
 def count_filled(values: np.ndarray) -> np.ndarray:
     """Sums over all boxes from the origin, padded by one."""
-    sums = np.pad(values.astype(np.int64 if values.dtype == bool else values.dtype), ((1, 0),) * 3)
+    sums = np.zeros(np.add(values.shape, 1), dtype=np.int32 if values.dtype == bool else values.dtype)
+    sums[1:, 1:, 1:] = values
     for axis in range(3):
         np.cumsum(sums, axis=axis, out=sums)
     return sums
+
+
+def empty_box(values: np.ndarray, sums: np.ndarray, box: np.ndarray) -> None:
+    """Makes the values in a box ``[2 3]`` zero, and subtracts them from the sums (`count_filled`)."""
+    window = tuple(slice(low, high) for low, high in box.T)
+    inner = count_filled(values[window])
+    # Beyond the box all of it counts.
+    at = [
+        np.minimum(np.arange(count - low), high - low)
+        for count, (low, high) in zip(sums.shape, box.T, strict=True)
+    ]
+    sums[tuple(slice(low, None) for low in box[0])] -= inner[np.ix_(*at)]
+    values[window] = 0
 
 
 def box_sums(integral: np.ndarray, boxes: np.ndarray) -> np.ndarray:
@@ -209,7 +223,7 @@ def grow_boxes(filled: np.ndarray, cells: np.ndarray) -> np.ndarray:
     every = np.arange(len(boxes))
     flat, strides = filled.ravel(), np.array(filled.strides) // filled.itemsize
     for axes in np.repeat(orders, len(cells), axis=0).T:
-        last, along = np.array(filled.shape)[axes] - 1, strides[axes]
+        along = strides[axes]
         # The counts up to a plane across the axis, between the box's other sides: four corners of `filled`.
         (low, high), (left, right) = (
             boxes[every, :, other].T * strides[other] for other in ((axes + 1) % 3, (axes + 2) % 3)
@@ -217,23 +231,21 @@ def grow_boxes(filled: np.ndarray, cells: np.ndarray) -> np.ndarray:
         area = np.prod(boxes[:, 1] - boxes[:, 0], axis=1) // (boxes[every, 1, axes] - boxes[every, 0, axes])
         corners = high + right, low + left, low + right, high + left
         for end, step in ((0, -1), (1, 1)):
-            reached = boxes[every, end, axes]
-            active, below = every, _count_below(flat, corners, every, reached * along)
-            while active.size:
-                at = reached[active] + step
-                inside = (at >= 0) & (at <= last[active])
-                active, at, below = active[inside], at[inside], below[inside]
-                next_below = _count_below(flat, corners, active, at * along[active])
-                full = step * (next_below - below) == area[active]
-                active, below = active[full], next_below[full]
-                reached[active] = at[full]
-            boxes[every, end, axes] = reached
+            start = boxes[every, end, axes]
+            below = _count_below(flat, corners, start * along)
+            # Layers by which the box certainly grows, and by which it certainly does not.
+            sure = np.zeros(len(boxes), dtype=np.int64)
+            never = (start if end == 0 else np.array(filled.shape)[axes] - 1 - start) + 1
+            while (sure + 1 < never).any():
+                middle = (sure + never) // 2
+                counted = step * (_count_below(flat, corners, (start + step * middle) * along) - below)
+                full = counted == middle * area
+                sure, never = np.where(full, middle, sure), np.where(full, never, middle)
+            boxes[every, end, axes] = start + step * sure
     return boxes
 
 
-def _count_below(
-    flat: np.ndarray, corners: tuple[np.ndarray, ...], rows: np.ndarray, plane: np.ndarray
-) -> np.ndarray:
+def _count_below(flat: np.ndarray, corners: tuple[np.ndarray, ...], plane: np.ndarray) -> np.ndarray:
     """Filled cells of some columns below planes across them, both as places in the flat counts."""
-    far, near, *mixed = (flat[corner[rows] + plane] for corner in corners)
+    far, near, *mixed = (flat[corner + plane] for corner in corners)
     return far + near - mixed[0] - mixed[1]

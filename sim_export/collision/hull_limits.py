@@ -27,6 +27,7 @@ from sim_export.collision.hulls import (
     scale_to_volume,
 )
 from sim_export.geometry.primitives import is_box
+from sim_export.geometry.rows import number_rows
 from sim_export.package import Hull, Link
 
 MOST_OF_LINK = 96
@@ -307,7 +308,7 @@ def _merged_plane(hull: Hull, tolerance: float) -> Float[np.ndarray, "4"] | None
     planes = hull_planes(hull)
     if len(planes) != len(hull.faces):  # a face without area
         return None
-    facet = np.unique(np.round(planes, 7) + 0.0, axis=0, return_inverse=True)[1].ravel()
+    first, facet = number_rows(np.rint(1e7 * planes).astype(np.int64))
     corners = hull.vertices[hull.faces]
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     total = np.bincount(facet, weights=areas)
@@ -315,7 +316,6 @@ def _merged_plane(hull: Hull, tolerance: float) -> Float[np.ndarray, "4"] | None
         np.stack([np.bincount(facet, weights=areas * corners.mean(axis=1)[:, n]) for n in range(3)], axis=1)
         / np.maximum(total, 1e-300)[:, None]
     )
-    first = np.unique(facet, return_index=True)[1]
     normals, offsets = planes[first, :3], planes[first, 3]
     edges = np.sort(
         np.concatenate([hull.faces[:, [0, 1]], hull.faces[:, [1, 2]], hull.faces[:, [2, 0]]]), axis=1
@@ -323,7 +323,8 @@ def _merged_plane(hull: Hull, tolerance: float) -> Float[np.ndarray, "4"] | None
     owner = np.tile(facet, 3)
     order = np.lexsort((edges[:, 1], edges[:, 0]))
     pairs = owner[order].reshape(-1, 2)
-    pairs = np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
+    pairs = np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1)
+    pairs = pairs[number_rows(pairs)[0]]
     if not len(pairs):
         return None
     a, b = pairs.T

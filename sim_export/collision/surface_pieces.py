@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from scipy.spatial import ConvexHull, QhullError
 
 from sim_export.collision.free_space import (
@@ -252,27 +252,75 @@ def split_piece(piece: Piece, space: FreeSpace, least: float) -> tuple[Piece, Pi
     """
     best, best_score = None, np.inf
     main = _main_triangles(piece.triangles)
-    total = float(triangle_areas(main).sum())
+    net = _make_net(main)
     for plane in cut_planes(main):
-        sides = cut_triangles(main, plane[:3], float(plane[3]))
-        if min(len(side) for side in sides) == 0:
-            continue
-        share = float(triangle_areas(sides[0]).sum()) / max(total, 1e-12)
+        heights = net.vertices @ plane[:3] - plane[3]
+        share = _share_below(net, heights)
         if not 1e-3 < share < 1.0 - 1e-3:
             continue
-        taken = [_taken(sides[0], space, least)]
-        done = (share if taken[0] <= 0.0 else 0.0) + 1.0 - share
-        if taken[0] + piece.intrusion.volume * (EVEN * abs(2.0 * share - 1.0) - DONE * done) >= best_score:
-            continue  # whatever the other side takes
-        taken.append(_taken(sides[1], space, least))
-        done = sum(part for part, left in zip((share, 1.0 - share), taken, strict=True) if left <= 0.0)
-        score = sum(taken) + piece.intrusion.volume * (EVEN * abs(2.0 * share - 1.0) - DONE * done)
-        if score < best_score:
-            best, best_score = plane, score
+        uneven = EVEN * abs(2.0 * share - 1.0)
+        taken, done, bound = 0.0, 1.0, 0.0
+        for side, part in ((1.0, share), (-1.0, 1.0 - share)):
+            bound = taken + piece.intrusion.volume * (uneven - DONE * done)
+            if bound >= best_score:  # whatever this side takes
+                break
+            own = _measure(wrap(_points_below(net, side * heights)), space, least, SAMPLES).volume
+            taken, done = taken + own, done - (part if own > 0.0 else 0.0)
+            bound = taken + piece.intrusion.volume * (uneven - DONE * done)
+        if bound < best_score:
+            best, best_score = plane, bound
     if best is None:
         return None
-    below, above = cut_triangles(piece.triangles, best[:3], float(best[3]))
-    return make_piece(below, space, least), make_piece(above, space, least)
+    sides = cut_triangles(piece.triangles, best[:3], float(best[3]))
+    if min(map(len, sides)) == 0:
+        return None
+    return make_piece(sides[0], space, least), make_piece(sides[1], space, least)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Net:
+    """Triangles by their vertices, each of these and of their edges once, and the area (m^2) of each."""
+
+    vertices: Float[np.ndarray, "V 3"]
+    faces: Int[np.ndarray, "F 3"]
+    edges: Int[np.ndarray, "E 2"]
+    areas: Float[np.ndarray, "F"]
+
+
+def _make_net(triangles: Float[np.ndarray, "F 3 3"]) -> _Net:
+    points = triangles.reshape(-1, 3)
+    first, slot = number_rows(np.rint(1e9 * points).astype(np.int64))
+    faces = slot.reshape(-1, 3)
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    return _Net(
+        vertices=points[first],
+        faces=faces,
+        edges=edges[number_rows(edges)[0]],
+        areas=triangle_areas(triangles),
+    )
+
+
+def _share_below(net: _Net, heights: Float[np.ndarray, "V"]) -> float:
+    """Share of the area below a plane over which the vertices are so high."""
+    h = np.sort(heights[net.faces], axis=1)
+    # Of a triangle across the plane, its lone corner cuts off what two edges have of their lengths there.
+    with np.errstate(invalid="ignore", divide="ignore"):
+        low = h[:, 0] ** 2 / ((h[:, 0] - h[:, 1]) * (h[:, 0] - h[:, 2]))
+        high = h[:, 2] ** 2 / ((h[:, 2] - h[:, 1]) * (h[:, 2] - h[:, 0]))
+    below = np.where(
+        h[:, 2] <= 0.0, 1.0, np.where(h[:, 0] > 0.0, 0.0, np.where(h[:, 1] > 0.0, low, 1.0 - high))
+    )
+    return float(below @ net.areas) / max(float(net.areas.sum()), 1e-12)
+
+
+def _points_below(net: _Net, heights: Float[np.ndarray, "V"]) -> Float[np.ndarray, "N 3"]:
+    """The vertices below a plane, and where it meets edges."""
+    below = heights <= 0.0
+    a, b = net.edges[below[net.edges[:, 0]] != below[net.edges[:, 1]]].T
+    along = (heights[a] / (heights[a] - heights[b]))[:, None]
+    return np.concatenate(
+        [net.vertices[below], net.vertices[a] + along * (net.vertices[b] - net.vertices[a])]
+    )
 
 
 def _main_triangles(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "G 3 3"]:
@@ -282,11 +330,6 @@ def _main_triangles(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, 
     order = np.argsort(-triangle_areas(triangles), kind="stable")
     half = MOST_JUDGED // 2
     return triangles[np.concatenate([order[:half], order[half :: len(order) // half]])]
-
-
-def _taken(triangles: np.ndarray, space: FreeSpace, least: float) -> float:
-    """Free volume (m^3) in the hull of some triangles."""
-    return _measure(wrap(triangles.reshape(-1, 3)), space, least, SAMPLES).volume
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -321,10 +364,10 @@ def _judge_axis(
     turn = np.arctan2(arms @ np.cross(direction, across), arms @ across) / (2.0 * np.pi) % 1.0
     width = RING * float(np.ptp(points, axis=0).max())
     rings = np.round(np.column_stack([height, radii]) / width).astype(np.int64)
-    _, ring = np.unique(rings, axis=0, return_inverse=True)
+    ring = number_rows(rings)[1]
     filled = np.zeros((int(ring.max()) + 1, TURNS), dtype=bool)
-    filled[ring.ravel(), np.minimum((turn * TURNS).astype(np.int64), TURNS - 1)] = True
-    closed = (filled.mean(axis=1) >= CLOSED)[ring.ravel()]
+    filled[ring, np.minimum((turn * TURNS).astype(np.int64), TURNS - 1)] = True
+    closed = (filled.mean(axis=1) >= CLOSED)[ring]
     share = float(closed[side].mean()) if side.mean() >= LEAST_SIDE else 0.0
     return share, Axis(direction=direction, point=point, radius=float(radii.max()))
 
