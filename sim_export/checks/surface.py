@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from sim_export.collision.hulls import hull_planes
+from sim_export.geometry.rows import all_three
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import Hull
 
@@ -21,7 +22,7 @@ def inside_hulls(points: Float[np.ndarray, "N 3"], hulls: tuple[Hull, ...]) -> B
     out = np.zeros(len(points), dtype=bool)
     for hull in hulls:
         low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
-        near = np.flatnonzero(~out & np.all((points >= low) & (points <= high), axis=1))
+        near = np.flatnonzero(~out & all_three((points >= low) & (points <= high)))
         if len(near):
             planes = hull_planes(hull)
             deep = points[near] @ planes[:, :3].T - planes[:, 3] <= 0.0

@@ -17,6 +17,7 @@ from jaxtyping import Bool, Float, Int
 from artigen.transforms import inverse, transform_points
 from artigen.types import frozen_array
 from sim_export.errors import DegeneratePart
+from sim_export.geometry.rows import all_three
 from sim_export.package import Hull
 
 # coal is a compiled module without stubs.
@@ -210,14 +211,16 @@ def _may_meet(
     reach = margin + 1e-9 * (1.0 + float(np.abs(moved).max()) + float(np.abs(still).max()))
     above = moved.min(axis=1) <= still.max(axis=0) + reach
     below = moved.max(axis=1) >= still.min(axis=0) - reach
-    return (above & below).all(axis=1)
+    return all_three(above & below)
 
 
 def _boxes_meet(still: np.ndarray, moved: np.ndarray, margin: float) -> np.ndarray:
     """Which boxes of ``still [A 2 3]`` and ``moved [P B 2 3]`` come within ``margin``: ``P A B``."""
-    above = moved[:, None, :, 0] <= still[None, :, None, 1] + margin
-    below = moved[:, None, :, 1] >= still[None, :, None, 0] - margin
-    return np.all(above & below, axis=-1)
+    near = np.ones((len(moved), len(still), moved.shape[1]), dtype=bool)
+    for axis in range(3):  # several times as fast as a reduction over three entries
+        near &= moved[:, None, :, 0, axis] <= still[:, None, 1, axis] + margin
+        near &= moved[:, None, :, 1, axis] >= still[:, None, 0, axis] - margin
+    return near
 
 
 def _narrow_phase(first: HullSet, second: HullSet, T_relative: np.ndarray, candidates: np.ndarray):

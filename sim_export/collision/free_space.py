@@ -17,7 +17,7 @@ from sim_export.checks.grid import Grid, make_grid, mark_surface
 from sim_export.collision.cuboids import box_sums, compress, count_filled, empty_box, grow_boxes
 from sim_export.collision.hulls import box_hull
 from sim_export.geometry.exposure import triangle_normals
-from sim_export.geometry.rows import number_rows
+from sim_export.geometry.rows import all_three, number_rows
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 from sim_export.package import Hull
 
@@ -100,7 +100,7 @@ def find_free_space(
     taken = np.zeros(wall.shape, dtype=bool)
     if others is not None and len(others):
         cells = grid.cells_of(others)
-        taken[tuple(cells[((cells >= 0) & (cells < grid.shape)).all(axis=1)].T)] = True
+        taken[tuple(cells[all_three((cells >= 0) & (cells < grid.shape))].T)] = True
         taken &= ~wall
     size = np.bincount(regions.ravel())
     # Surfaces of lodgers are thin, so blocks of cells are counted in which they are.
@@ -191,7 +191,7 @@ def look_up(
 def find_inside(points: Float[np.ndarray, "N 3"], space: FreeSpace) -> Float[np.ndarray, "N"]:
     """How deep (m) points lie in enclosed space, at least; 0 beyond the grid, in wall and in free cells."""
     cells = space.grid.cells_of(points)
-    within = ((cells >= 0) & (cells < space.grid.shape)).all(axis=1)
+    within = all_three((cells >= 0) & (cells < space.grid.shape))
     deep, where = np.zeros(len(points)), tuple(cells[within].T)
     deep[within] = np.where(space.depth[where] > 0, np.float32(0.0), space.away[where])
     return np.maximum(deep - space.grid.cell, 0.0)
@@ -230,7 +230,7 @@ def _find_aligned(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace) -> Al
     count = int(min(DENSITY * triangle_areas(flat).sum() / space.grid.cell**2, MOST_SAMPLES))
     points, owner = sample_triangles(flat, count)
     cells = space.grid.cells_of(points)
-    within = ((cells >= 0) & (cells < space.grid.shape)).all(axis=1)
+    within = all_three((cells >= 0) & (cells < space.grid.shape))
     return Aligned(points=points[within], cells=cells[within], axes=axes[owner[within]])
 
 
