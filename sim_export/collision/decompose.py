@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim_export.collision.hull_limits import limit_hulls
+from sim_export.collision.hull_limits import THICKEST, compact_hull, comply_hull
 from sim_export.collision.hull_methods import Method, Part, diagonal_of, hull_candidates
 from sim_export.collision.hull_pool import Solid
 from sim_export.errors import DecompositionFailed
@@ -37,7 +37,7 @@ class Decomposition:
     """Hulls of one part and how true they are.
 
     ``kept_cavity`` is the share of the part's cavity that they leave free, 1 where it has none;
-    ``records`` says what was changed to meet the limits and what was tried in vain.
+    ``records`` says what was tried in vain.
     """
 
     hulls: tuple[Hull, ...]
@@ -61,12 +61,12 @@ def decompose_part(mesh: Mesh, max_hulls: int = MOST_HULLS) -> Decomposition:
 def _decompose(part: Part, max_hulls: int) -> Decomposition:
     """The first candidate that leaves cavities free, and in its records why others did not do."""
     problems: list[str] = []
-    for candidate in hull_candidates(part, max_hulls):
-        result = _comply(candidate.method, candidate.hulls, part, max_hulls)
+    for method, hulls in hull_candidates(part, max_hulls):
+        result = _comply(method, hulls, part)
         if result.kept_cavity >= MIN_KEPT_CAVITY:
-            return replace(result, records=(*problems, *result.records))
+            return replace(result, records=tuple(problems))
         problem = (
-            f"{len(result.hulls)} hulls by {candidate.method} leave {result.kept_cavity:.0%} of the "
+            f"{len(result.hulls)} hulls by {method} leave {result.kept_cavity:.0%} of the "
             f"cavity free, at least {MIN_KEPT_CAVITY:.0%} allowed"
         )
         if problem not in problems:
@@ -74,10 +74,11 @@ def _decompose(part: Part, max_hulls: int) -> Decomposition:
     raise DecompositionFailed(f"{'; '.join(problems)}; make walls and openings thicker than a cell")
 
 
-def _comply(method: Method, hulls: Sequence[Hull], part: Part, max_hulls: int) -> Decomposition:
+def _comply(method: Method, hulls: Sequence[Hull], part: Part) -> Decomposition:
     """Hulls within the limits of physics engines, measured against the solid."""
     solid = part.solid
-    limited, changes = limit_hulls(hulls, max_hulls)
+    thickest = THICKEST * part.size
+    limited = tuple(tile for hull in hulls for tile in compact_hull(comply_hull(hull), thickest))
     fit = measure_fit(unite_hulls(limited), solid)
     hollow = fit.cavity > MIN_CAVITY and fit.cavity * solid.hull().volume() > MIN_CAVITY_VOLUME
     skin = max(SKIN * diagonal_of(solid), MIN_SKIN)
@@ -86,7 +87,6 @@ def _comply(method: Method, hulls: Sequence[Hull], part: Part, max_hulls: int) -
         method=method,
         volume_error=fit.volume_error,
         kept_cavity=measure_kept_cavity(limited, solid, skin) if hollow else 1.0,
-        records=changes,
     )
 
 

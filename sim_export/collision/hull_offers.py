@@ -182,14 +182,6 @@ def join_offers(first: Offers, second: Offers) -> Offers:
     )
 
 
-def find_rest(offers: Offers) -> Bool[np.ndarray, "X Y Z"]:
-    """Cells of the solid that no hull holds."""
-    rest = offers.weights > 0
-    for item in offers.cells:
-        item.fill(rest, value=False)
-    return rest
-
-
 def pack_marks(marks: Bool[np.ndarray, "2 N"]) -> UInt64[np.ndarray, "2 W"]:
     """A bit for every mark; those that fill up the last word are 0."""
     packed = np.packbits(marks, axis=1)

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, cover_with_boxes, is_open_between, look_up
-from sim_export.collision.hull_limits import MIN_WIDTH, compact_hull, thicken_hull
+from sim_export.collision.hull_limits import MIN_WIDTH, THICKEST, compact_hull, thicken_hull
 from sim_export.collision.hulls import convex_hull
 from sim_export.collision.joining import join_neighbours
 from sim_export.collision.specks import drop_specks
@@ -59,8 +59,6 @@ TAKEN_OF_ROUND = 1.0
 """The same of sectors of a thin curved wall, whose hulls are little more than what their arcs enclose."""
 SHEET = 0.002
 """Thickness (m) of the hulls of sheets."""
-THICKEST = 0.004
-"""Thickness to which long thin hulls are thickened rather than divided."""
 
 
 @dataclass(frozen=True, kw_only=True)
