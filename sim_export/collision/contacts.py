@@ -88,20 +88,6 @@ class Distances:
     points: Float[np.ndarray, "K 2 3"]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Penetration:
-    """The deepest overlap of two hull sets over some poses; ``depth`` 0 where nothing overlaps.
-
-    ``first``, ``second`` and ``pose`` are -1 and ``normal`` is zero where nothing overlaps.
-    """
-
-    depth: float
-    pose: int = -1
-    first: int = -1
-    second: int = -1
-    normal: Float[np.ndarray, "3"]
-
-
 def signed_distances(
     first: HullSet,
     second: HullSet,
@@ -127,26 +113,6 @@ def signed_distances(
     candidates = _candidates(first, second, T_relative, max_distance)
     measured = _narrow_phase(first, second, T_relative, candidates)
     return _as_distances([row for row in measured if row[3] <= max_distance], T_first)
-
-
-def find_penetration(
-    first: HullSet,
-    second: HullSet,
-    T_first: Float[np.ndarray, "*P 4 4"],
-    T_second: Float[np.ndarray, "*Q 4 4"],
-) -> Penetration:
-    """The deepest overlap over all hull pairs and poses (`signed_distances` has them all)."""
-    found = signed_distances(first, second, T_first, T_second)
-    if not len(found.distance) or found.distance.min() >= 0.0:
-        return Penetration(depth=0.0, normal=np.zeros(3))
-    at = int(found.distance.argmin())
-    return Penetration(
-        depth=-float(found.distance[at]),
-        pose=int(found.pose[at]),
-        first=int(found.first[at]),
-        second=int(found.second[at]),
-        normal=found.normal[at],
-    )
 
 
 def penetration_depths(
