@@ -11,6 +11,7 @@ from scipy.spatial import ConvexHull
 from sim_export.collision import decompose
 from sim_export.collision.cuboids import largest_cuboids
 from sim_export.collision.decompose import decompose_part, decompose_parts
+from sim_export.collision.hull_choice import TAKEN, make_ground
 from sim_export.collision.hull_limits import (
     MAX_ASPECT,
     MAX_POLYGONS,
@@ -20,7 +21,6 @@ from sim_export.collision.hull_limits import (
     hull_aspect,
     tile_hull,
 )
-from sim_export.collision.hull_offers import TAKEN, make_ground
 from sim_export.collision.hull_pool import cut_pieces
 from sim_export.collision.hulls import (
     box_bounds,

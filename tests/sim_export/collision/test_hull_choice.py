@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from sim_export.collision.hull_methods import choose_hulls
-from sim_export.collision.hull_offers import Cells, Offers, pack_marks
+from sim_export.collision.hull_choice import Cells, Offers, choose_hulls, pack_marks
 from sim_export.collision.hulls import box_hull
 
 CELLS, POINTS = 1000, 1000
