@@ -132,7 +132,7 @@ def test_surface_is_lost_two_hundredths_of_the_diagonal_from_all_hulls(depth, hu
 def test_a_hull_that_is_put_back_reaches_a_hundredth_of_the_diagonal_beyond_what_was_lost():
     links = (link("body", box_hull(*map(np.array, BODY))),)
     mesh = shelf(0.1)
-    diagonal = np.linalg.norm(np.ptp(mesh.vertices, axis=0))
+    diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
     new, _ = recover_surface(links, [], [], {"body": mesh})
     start = new[0].hulls[1].vertices[:, 1].min() - 0.4
     assert start == pytest.approx((0.02 - 0.01) * diagonal, abs=0.003 * diagonal)
