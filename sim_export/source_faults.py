@@ -8,6 +8,7 @@ hulls to be off the surface.
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -30,6 +31,7 @@ from sim_export.collision.motion import (
 from sim_export.files.write import write_draft
 from sim_export.geometry.islands import visual_islands
 from sim_export.geometry.piercing import PiercedSurface, find_edges, piercing_depth
+from sim_export.geometry.rows import all_three
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import PackageJoint, SimPackage
 
@@ -101,12 +103,19 @@ def _explain(check: str, found: tuple[float, str], least: float) -> dict[str, st
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Shown:
-    """A link's surface: sample points, edges, enclosed volume, and triangles for intersection tests."""
+    """A link's surface in an object of a ``diagonal`` (m): its triangles, sample points, edges, and triangles
+    for intersection tests."""
 
+    triangles: Float[np.ndarray, "F 3 3"]
+    diagonal: float
     points: Float[np.ndarray, "N 3"]
     edges: Float[np.ndarray, "E 2 3"]
-    space: FreeSpace
     surface: PiercedSurface
+
+    @cached_property
+    def space(self) -> FreeSpace:
+        """What the surface encloses."""
+        return find_free_space(self.triangles, self.diagonal)
 
     def entered(self, other: "Shown", T: Float[np.ndarray, "4 4"]) -> tuple[float, str]:
         """Depth (m) to which another surface, moved by ``T``, is inside or pierces this one, and the kind."""
@@ -115,7 +124,9 @@ class Shown:
         )
         if (box.max(axis=0) < self.surface.low).any() or (box.min(axis=0) > self.surface.high).any():
             return 0.0, "lies inside"
-        inside = float(find_inside(transform_points(T, other.points), self.space).max(initial=0.0))
+        points = transform_points(T, other.points)
+        points = points[all_three((points >= self.surface.low) & (points <= self.surface.high))]
+        inside = float(find_inside(points, self.space).max()) if len(points) else 0.0
         pierced = piercing_depth((self.surface, self.edges), (other.surface, other.edges), T)
         return (inside, "lies inside") if inside >= pierced else (pierced, "pierces")
 
@@ -138,9 +149,10 @@ def show_links(
         name: made[name]
         if same and name in made and np.array_equal(before[name], triangles)
         else Shown(
+            triangles=triangles,
+            diagonal=diagonal,
             points=sample_triangles(triangles, SAMPLES)[0],
             edges=find_edges(triangles),
-            space=find_free_space(triangles, diagonal),
             surface=PiercedSurface(triangles),
         )
         for name, triangles in shown.items()

@@ -22,7 +22,6 @@ Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
 if TYPE_CHECKING:
     from artigen.datasets.source_object import SourceObject
     from artigen.types import Asset
-    from sim_export.checks.draft import Meshes
     from sim_export.export import Exported
     from sim_export.package import SimPackage
 
@@ -188,7 +187,6 @@ def export_source(
     solids = make_solids(asset, place_source_surfaces(source, asset))
     tried: list[tuple[Judgement, Exported]] = []
     errors: list[ExportError] = []
-    known: Meshes = {}
     way: HullWay | None = HullWay()
     while way is not None:
         judged = None
@@ -205,7 +203,7 @@ def export_source(
             errors.append(error)
         else:
             made = replace(made, package=finish(made.package))
-            judged = judge_package(made.package, known)
+            judged = judge_package(made.package)
             tried.append((judged, made))
         way = change_hulls(way, judged)
     if not tried:
@@ -259,17 +257,12 @@ def change_hulls(way: HullWay, judged: Judgement | None) -> HullWay | None:
     return replace(way, finer=more, shares=way.shares or more == way.finer)
 
 
-def judge_package(package: "SimPackage", known: "Meshes | None" = None) -> Judgement:
-    """Checks the collision of a package.
-
-    Args:
-        package: The package.
-        known: Source meshes that were read for an earlier attempt; those read now are added.
-    """
+def judge_package(package: "SimPackage") -> Judgement:
+    """Checks the collision of a package."""
     from sim_export.checks.draft import open_draft
     from sim_export.checks.suite import run_checks
 
-    with open_draft(package, known) as subject:
+    with open_draft(package) as subject:
         results = run_checks(subject, only=COLLISION_CHECKS)
     unlike = [check.value for check in results if check.id == "V103" and check.value is not None]
     failed = [check for check in results if check.verdict == "fail"]

@@ -8,6 +8,7 @@ object's folder is rejected.
 import os
 import warnings
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -99,10 +100,22 @@ def parse_obj(path: Path) -> ObjText:
     Raises:
         SourceError: If the file is missing or malformed, holds NaN, or has an index out of range.
     """
-    lines = _read_lines(path)
+    try:
+        data = path.read_bytes()
+    except OSError as err:
+        raise SourceError(f"{path}: mesh cannot be read: {err.strerror}") from err
+    return _parse(path, data)
+
+
+@lru_cache(maxsize=256)
+def _parse(path: Path, data: bytes) -> ObjText:
+    """Parses the content of a file; kept, as conversion, drafts and checks read each file several times."""
+    lines = _split_lines(data)
     vertices = _parse_numbers([line[2:] for line in lines if line[:2] == b"v "], 3, path, "v")
     coords = _parse_numbers([line[3:] for line in lines if line[:3] == b"vt "], 2, path, "vt")
     faces, uv_faces, names, material_ids = _parse_faces(lines, len(vertices), len(coords), path)
+    for array in (vertices, coords, faces, uv_faces, material_ids):
+        array.flags.writeable = False
     return ObjText(
         vertices=vertices,
         coords=coords,
@@ -114,11 +127,7 @@ def parse_obj(path: Path) -> ObjText:
     )
 
 
-def _read_lines(path: Path) -> list[bytes]:
-    try:
-        data = path.read_bytes()
-    except OSError as err:
-        raise SourceError(f"{path}: mesh cannot be read: {err.strerror}") from err
+def _split_lines(data: bytes) -> list[bytes]:
     if b"\\\n" in data:
         data = data.replace(b"\\\n", b" ")
     if b"\r" in data:

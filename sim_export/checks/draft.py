@@ -14,29 +14,19 @@ from sim_export.files.urdf import visual_path
 from sim_export.files.write import write_draft
 from sim_export.package import Mesh, SimPackage
 
-Meshes = dict[Path, ObjText]
-"""Source meshes that were read, by file."""
-
 
 @contextmanager
-def open_draft(package: SimPackage, known: Meshes | None = None) -> Iterator[Subject]:
-    """A package for checks of geometry and motion; its folder is gone afterwards.
-
-    Args:
-        package: The package.
-        known: Source meshes that were read for an earlier draft; those read now are added.
-    """
-    known = {} if known is None else known
+def open_draft(package: SimPackage) -> Iterator[Subject]:
+    """A package for checks of geometry and motion; its folder is gone afterwards."""
     with TemporaryDirectory() as scratch:
         folder = write_draft(package, Path(scratch) / package.name, visuals=False)
-        meshes: Meshes = {}
-        for visual in (visual for link in package.links for visual in link.visuals):
-            if isinstance(visual.mesh, Mesh):
-                found = _as_text(visual.mesh)
-            else:
-                source = visual.mesh.path
-                found = known[source] if source in known else known.setdefault(source, parse_obj(source))
-            meshes[folder / visual_path(visual)] = found
+        meshes = {
+            folder / visual_path(visual): _as_text(visual.mesh)
+            if isinstance(visual.mesh, Mesh)
+            else parse_obj(visual.mesh.path)
+            for link in package.links
+            for visual in link.visuals
+        }
         yield Subject(folder, meshes)
 
 

@@ -12,6 +12,7 @@ from sim_export.collision.hulls import count_polygons, hull_length, hull_width
 from sim_export.errors import PackageError
 from sim_export.files.obj import face_normals, parse_mtl, read_image
 from sim_export.geometry.islands import hull_islands, visual_islands
+from sim_export.geometry.rows import number_rows
 from sim_export.geometry.sampling import find_slivers, triangle_areas
 from sim_export.package import Hull
 
@@ -102,8 +103,7 @@ def euler_numbers(faces: np.ndarray) -> np.ndarray:
 
 
 def _merge_vertices(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    _, same = np.unique(np.round(vertices, 9), axis=0, return_inverse=True)
-    merged = same.ravel()[faces]
+    merged = number_rows(np.rint(1e9 * vertices).astype(np.int64))[1][faces]
     proper = (merged[:, 0] != merged[:, 1]) & (merged[:, 1] != merged[:, 2]) & (merged[:, 2] != merged[:, 0])
     return merged[proper]
 

@@ -148,12 +148,15 @@ def _cross(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     starts = np.flatnonzero(np.r_[True, rows[1:] != rows[:-1]])
     within = np.arange(len(rows)) - np.repeat(starts, np.diff(np.r_[starts, len(rows)]))
-    at = low[rows] + np.stack([within // span[rows, 1], within % span[rows, 1]], axis=1)
-    a, b, c = (corners[rows, k] for k in range(3))
-    w_a = (b[:, 0] - at[:, 0]) * (c[:, 1] - at[:, 1]) - (b[:, 1] - at[:, 1]) * (c[:, 0] - at[:, 0])
-    w_b = (c[:, 0] - at[:, 0]) * (a[:, 1] - at[:, 1]) - (c[:, 1] - at[:, 1]) * (a[:, 0] - at[:, 0])
-    weight_a, weight_b = w_a / area[rows], w_b / area[rows]
-    hit = (weight_a >= 0) & (weight_b >= 0) & (weight_a + weight_b <= 1)
-    weight_a, weight_b = weight_a[hit], weight_b[hit]
-    height = weight_a * a[hit, 2] + weight_b * b[hit, 2] + (1 - weight_a - weight_b) * c[hit, 2]
-    return at[hit], height, np.sign(area[rows[hit]])
+    u, v = np.divmod(within, span[rows, 1])
+    u, v = u + low[rows, 0], v + low[rows, 1]
+    (au, bu, cu), (av, bv, cv), heights = (corners[..., n].T for n in range(3))
+    a_u, b_u, c_u = (own[rows] - u for own in (au, bu, cu))
+    a_v, b_v, c_v = (own[rows] - v for own in (av, bv, cv))
+    own_area = area[rows]
+    weight_a, weight_b = (b_u * c_v - b_v * c_u) / own_area, (c_u * a_v - c_v * a_u) / own_area
+    hit = np.flatnonzero((weight_a >= 0) & (weight_b >= 0) & (weight_a + weight_b <= 1))
+    rows, weight_a, weight_b = rows[hit], weight_a[hit], weight_b[hit]
+    a, b, c = (own[rows] for own in heights)
+    height = weight_a * a + weight_b * b + (1 - weight_a - weight_b) * c
+    return np.stack([u[hit], v[hit]], axis=1), height, np.sign(own_area[hit])

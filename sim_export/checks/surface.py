@@ -7,7 +7,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from sim_export.collision.hulls import hull_planes
-from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.rows import all_three
+from sim_export.geometry.sampling import cross_rows, sample_triangles
 from sim_export.package import Hull
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ def inside_hulls(points: Float[np.ndarray, "N 3"], hulls: tuple[Hull, ...]) -> B
     out = np.zeros(len(points), dtype=bool)
     for hull in hulls:
         low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
-        near = np.flatnonzero(~out & np.all((points >= low) & (points <= high), axis=1))
+        near = np.flatnonzero(~out & all_three((points >= low) & (points <= high)))
         if len(near):
             planes = hull_planes(hull)
             deep = points[near] @ planes[:, :3].T - planes[:, 3] <= 0.0
@@ -98,9 +99,9 @@ def triangle_distances(
     length = np.maximum(np.einsum("nki,nki->nk", edges, edges), 1e-30)
     along = np.clip(np.einsum("nki,nki->nk", offset, edges) / length, 0.0, 1.0)
     to_edges = np.linalg.norm(offset - along[..., None] * edges, axis=2).min(axis=1)
-    normal = np.cross(edges[:, 0], edges[:, 1])
+    normal = cross_rows(edges[:, 0], edges[:, 1])
     size = np.linalg.norm(normal, axis=1)
-    beside = np.einsum("nki,nki->nk", np.cross(edges, offset), normal[:, None])
-    above = (beside >= 0).all(axis=1) & (size > 0)
+    outward = cross_rows(edges.reshape(-1, 3), offset.reshape(-1, 3)).reshape(-1, 3, 3)
+    above = all_three(np.einsum("nki,nki->nk", outward, normal[:, None]) >= 0) & (size > 0)
     height = np.abs(np.einsum("ni,ni->n", offset[:, 0], normal)) / np.maximum(size, 1e-30)
     return np.where(above, height, to_edges)

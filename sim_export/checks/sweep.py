@@ -14,7 +14,7 @@ from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Subject
 from sim_export.checks.surface import inside_hulls
-from sim_export.collision.contacts import Distances, HullSet, find_penetration, signed_distances
+from sim_export.collision.contacts import Distances, HullSet, penetration_depths, signed_distances
 from sim_export.collision.motion import required_openings, sample_range
 from sim_export.errors import PackageError
 from sim_export.package import PackageJoint
@@ -156,7 +156,7 @@ def _solid(subject: Subject, pairs: list[tuple[str, str]]) -> tuple[tuple[str, s
 
 def _rest_depth(subject: Subject, first: str, second: str) -> float:
     still = np.eye(4)
-    return find_penetration(subject.hull_sets[first], subject.hull_sets[second], still, still).depth
+    return float(penetration_depths(subject.hull_sets[first], subject.hull_sets[second], still, still)[0])
 
 
 def swept_overlap(

@@ -17,6 +17,7 @@ from jaxtyping import Bool, Float, Int
 from artigen.transforms import inverse, transform_points
 from artigen.types import frozen_array
 from sim_export.errors import DegeneratePart
+from sim_export.geometry.rows import all_three
 from sim_export.package import Hull
 
 # coal is a compiled module without stubs.
@@ -87,20 +88,6 @@ class Distances:
     points: Float[np.ndarray, "K 2 3"]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Penetration:
-    """The deepest overlap of two hull sets over some poses; ``depth`` 0 where nothing overlaps.
-
-    ``first``, ``second`` and ``pose`` are -1 and ``normal`` is zero where nothing overlaps.
-    """
-
-    depth: float
-    pose: int = -1
-    first: int = -1
-    second: int = -1
-    normal: Float[np.ndarray, "3"]
-
-
 def signed_distances(
     first: HullSet,
     second: HullSet,
@@ -126,26 +113,6 @@ def signed_distances(
     candidates = _candidates(first, second, T_relative, max_distance)
     measured = _narrow_phase(first, second, T_relative, candidates)
     return _as_distances([row for row in measured if row[3] <= max_distance], T_first)
-
-
-def find_penetration(
-    first: HullSet,
-    second: HullSet,
-    T_first: Float[np.ndarray, "*P 4 4"],
-    T_second: Float[np.ndarray, "*Q 4 4"],
-) -> Penetration:
-    """The deepest overlap over all hull pairs and poses (`signed_distances` has them all)."""
-    found = signed_distances(first, second, T_first, T_second)
-    if not len(found.distance) or found.distance.min() >= 0.0:
-        return Penetration(depth=0.0, normal=np.zeros(3))
-    at = int(found.distance.argmin())
-    return Penetration(
-        depth=-float(found.distance[at]),
-        pose=int(found.pose[at]),
-        first=int(found.first[at]),
-        second=int(found.second[at]),
-        normal=found.normal[at],
-    )
 
 
 def penetration_depths(
@@ -210,14 +177,16 @@ def _may_meet(
     reach = margin + 1e-9 * (1.0 + float(np.abs(moved).max()) + float(np.abs(still).max()))
     above = moved.min(axis=1) <= still.max(axis=0) + reach
     below = moved.max(axis=1) >= still.min(axis=0) - reach
-    return (above & below).all(axis=1)
+    return all_three(above & below)
 
 
 def _boxes_meet(still: np.ndarray, moved: np.ndarray, margin: float) -> np.ndarray:
     """Which boxes of ``still [A 2 3]`` and ``moved [P B 2 3]`` come within ``margin``: ``P A B``."""
-    above = moved[:, None, :, 0] <= still[None, :, None, 1] + margin
-    below = moved[:, None, :, 1] >= still[None, :, None, 0] - margin
-    return np.all(above & below, axis=-1)
+    near = np.ones((len(moved), len(still), moved.shape[1]), dtype=bool)
+    for axis in range(3):  # several times as fast as a reduction over three entries
+        near &= moved[:, None, :, 0, axis] <= still[:, None, 1, axis] + margin
+        near &= moved[:, None, :, 1, axis] >= still[:, None, 0, axis] - margin
+    return near
 
 
 def _narrow_phase(first: HullSet, second: HullSet, T_relative: np.ndarray, candidates: np.ndarray):

@@ -5,8 +5,7 @@ and costs nothing: mass comes from the part's own volume, and no simulator colli
 one link with each other.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
 from itertools import islice, permutations
 
 import numpy as np
@@ -31,21 +30,22 @@ MAX_PLANES = 64
 
 
 def largest_cuboids(
-    occupancy: Bool[np.ndarray, "X Y Z"],
-    count: int | None = None,
-    edges: tuple[Float[np.ndarray, "A"], Float[np.ndarray, "B"], Float[np.ndarray, "C"]] | None = None,
-) -> Int[np.ndarray, "K 2 3"]:
-    """Few boxes that cover every occupied cell and no other, each as large as can be.
+    occupancy: Bool[np.ndarray, "X Y Z"], edges: Sequence[Float[np.ndarray, "A"]], count: int
+) -> Float[np.ndarray, "K 2 3"]:
+    """Few boxes that cover every occupied cell and no other, each as large as can be: lowest and highest
+    corner, in the order found.
 
-    Returns lowest corner and one past the highest, in cells, in the order found: the first ``count``
-    of them, which leave out detail, or all. ``edges`` bound the cells along each axis where they
-    differ in size.
+    Args:
+        occupancy: Occupied cells.
+        edges: Coordinates between the cells along each axis.
+        count: Where more boxes are needed, the rest is left out, which is detail.
     """
-    ends = edges or tuple(np.arange(count + 1) for count in occupancy.shape)
-    return np.array([*islice(_greedy_cuboids(occupancy, ends), count)], dtype=np.int64).reshape(-1, 2, 3)
+    boxes = [*islice(_greedy_cuboids(occupancy, edges), count)]
+    corners = [[[edges[n][box[end, n]] for n in range(3)] for end in range(2)] for box in boxes]
+    return np.array(corners).reshape(-1, 2, 3)
 
 
-def _greedy_cuboids(occupancy: np.ndarray, ends: tuple[np.ndarray, ...]) -> Iterator[np.ndarray]:
+def _greedy_cuboids(occupancy: np.ndarray, ends: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
     """Of the maximal boxes around some uncovered cells, the one that covers most that is new comes next."""
     compressed, edges = compress(occupancy)
     sizes = [np.diff(end[edge]) for end, edge in zip(ends, edges, strict=True)]
@@ -68,48 +68,22 @@ def _greedy_cuboids(occupancy: np.ndarray, ends: tuple[np.ndarray, ...]) -> Iter
         yield np.array([[edges[axis][best[end, axis]] for axis in range(3)] for end in range(2)])
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class CuboidFit:
-    """The boxes that fill a closed mesh of mostly axis-aligned faces, found as far as they are asked for.
+def fill_between(
+    vertices: Float[np.ndarray, "V 3"],
+    faces: Int[np.ndarray, "F 3"],
+    planes: Sequence[Float[np.ndarray, "A"]],
+    count: int,
+) -> Float[np.ndarray, "K 2 3"]:
+    """The largest boxes between some planes that lie in a closed mesh, at most ``count``.
 
-    The planes of those faces divide space into cells of unequal size; a cell belongs to the solid
-    if most of it lies inside. The same planes give the same boxes, which are found once.
+    The planes divide space into cells of unequal size; a cell belongs to the mesh if most of it lies inside.
     """
-
-    vertices: Float[np.ndarray, "V 3"]
-    faces: Int[np.ndarray, "F 3"]
-    _found: dict[bytes, tuple[list[np.ndarray], Iterator[np.ndarray]]] = field(default_factory=dict)
-
-    def take(self, max_count: int, detail: float) -> Float[np.ndarray, "K 2 3"] | None:
-        """Boxes (lowest and highest corner), the largest first.
-
-        Args:
-            max_count: Where more boxes are needed, the rest is left out.
-            detail: Planes that hold less than this share of the surface divide nothing.
-
-        Returns:
-            `None` where hardly any face is axis-aligned.
-        """
-        planes = face_coordinates(self.vertices, self.faces, detail)
-        if planes is None:
-            return None
-        key = b"/".join(plane.tobytes() for plane in planes)
-        found, more = self._found.setdefault(key, ([], _boxes_between(self.vertices, self.faces, planes)))
-        found += islice(more, max(0, max_count - len(found)))
-        return np.array(found[:max_count]).reshape(-1, 2, 3)
-
-
-def _boxes_between(
-    vertices: np.ndarray, faces: np.ndarray, planes: tuple[np.ndarray, np.ndarray, np.ndarray]
-) -> Iterator[Float[np.ndarray, "2 3"]]:
-    """Boxes of the cells between some planes that lie in a mesh, the largest first."""
     fractions = (np.arange(3) + 0.4871) / 3.0  # off centre: no sample on a plane of symmetry
     x, y, z = ((plane[:-1, None] + np.diff(plane)[:, None] * fractions).ravel() for plane in planes)
     inside = inside_grid(vertices, faces, (x, y, z))
     cells = [len(plane) - 1 for plane in planes]
     share = inside.reshape(cells[0], 3, cells[1], 3, cells[2], 3).mean(axis=(1, 3, 5))
-    for box in _greedy_cuboids(share > 0.5, planes):
-        yield np.stack([planes[axis][box[:, axis]] for axis in range(3)], axis=-1)
+    return largest_cuboids(share > 0.5, planes, count)
 
 
 def face_coordinates(
@@ -178,10 +152,24 @@ def compress(occupancy: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
 
 def count_filled(values: np.ndarray) -> np.ndarray:
     """Sums over all boxes from the origin, padded by one."""
-    sums = np.pad(values.astype(np.int64 if values.dtype == bool else values.dtype), ((1, 0),) * 3)
+    sums = np.zeros(np.add(values.shape, 1), dtype=np.int32 if values.dtype == bool else values.dtype)
+    sums[1:, 1:, 1:] = values
     for axis in range(3):
         np.cumsum(sums, axis=axis, out=sums)
     return sums
+
+
+def empty_box(values: np.ndarray, sums: np.ndarray, box: np.ndarray) -> None:
+    """Makes the values in a box ``[2 3]`` zero, and subtracts them from the sums (`count_filled`)."""
+    window = tuple(slice(low, high) for low, high in box.T)
+    inner = count_filled(values[window])
+    # Beyond the box all of it counts.
+    at = [
+        np.minimum(np.arange(count - low), high - low)
+        for count, (low, high) in zip(sums.shape, box.T, strict=True)
+    ]
+    sums[tuple(slice(low, None) for low in box[0])] -= inner[np.ix_(*at)]
+    values[window] = 0
 
 
 def box_sums(integral: np.ndarray, boxes: np.ndarray) -> np.ndarray:
@@ -209,7 +197,7 @@ def grow_boxes(filled: np.ndarray, cells: np.ndarray) -> np.ndarray:
     every = np.arange(len(boxes))
     flat, strides = filled.ravel(), np.array(filled.strides) // filled.itemsize
     for axes in np.repeat(orders, len(cells), axis=0).T:
-        last, along = np.array(filled.shape)[axes] - 1, strides[axes]
+        along = strides[axes]
         # The counts up to a plane across the axis, between the box's other sides: four corners of `filled`.
         (low, high), (left, right) = (
             boxes[every, :, other].T * strides[other] for other in ((axes + 1) % 3, (axes + 2) % 3)
@@ -217,23 +205,21 @@ def grow_boxes(filled: np.ndarray, cells: np.ndarray) -> np.ndarray:
         area = np.prod(boxes[:, 1] - boxes[:, 0], axis=1) // (boxes[every, 1, axes] - boxes[every, 0, axes])
         corners = high + right, low + left, low + right, high + left
         for end, step in ((0, -1), (1, 1)):
-            reached = boxes[every, end, axes]
-            active, below = every, _count_below(flat, corners, every, reached * along)
-            while active.size:
-                at = reached[active] + step
-                inside = (at >= 0) & (at <= last[active])
-                active, at, below = active[inside], at[inside], below[inside]
-                next_below = _count_below(flat, corners, active, at * along[active])
-                full = step * (next_below - below) == area[active]
-                active, below = active[full], next_below[full]
-                reached[active] = at[full]
-            boxes[every, end, axes] = reached
+            start = boxes[every, end, axes]
+            below = _count_below(flat, corners, start * along)
+            # Layers by which the box certainly grows, and by which it certainly does not.
+            sure = np.zeros(len(boxes), dtype=np.int64)
+            never = (start if end == 0 else np.array(filled.shape)[axes] - 1 - start) + 1
+            while (sure + 1 < never).any():
+                middle = (sure + never) // 2
+                counted = step * (_count_below(flat, corners, (start + step * middle) * along) - below)
+                full = counted == middle * area
+                sure, never = np.where(full, middle, sure), np.where(full, never, middle)
+            boxes[every, end, axes] = start + step * sure
     return boxes
 
 
-def _count_below(
-    flat: np.ndarray, corners: tuple[np.ndarray, ...], rows: np.ndarray, plane: np.ndarray
-) -> np.ndarray:
+def _count_below(flat: np.ndarray, corners: tuple[np.ndarray, ...], plane: np.ndarray) -> np.ndarray:
     """Filled cells of some columns below planes across them, both as places in the flat counts."""
-    far, near, *mixed = (flat[corner[rows] + plane] for corner in corners)
+    far, near, *mixed = (flat[corner + plane] for corner in corners)
     return far + near - mixed[0] - mixed[1]

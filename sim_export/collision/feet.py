@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
+import manifold3d
 import numpy as np
 from jaxtyping import Float
 
@@ -133,8 +134,6 @@ def add_feet(
 
 def _find_feet(meshes: Sequence[Mesh], low: float, high: float) -> list[Hull]:
     """Convex feet from ``low`` to ``high``, largest first: what the meshes have in the lower half of that."""
-    import manifold3d
-
     middle = (low + high) / 2
     found = []
     for mesh in meshes:
@@ -147,10 +146,10 @@ def _find_feet(meshes: Sequence[Mesh], low: float, high: float) -> list[Hull]:
             )
         )
         for piece in solid.trim_by_plane((0.0, 0.0, -1.0), -middle).decompose():
-            points = np.array(piece.to_mesh64().vert_properties)[:, :3]
             fill = piece.volume() / max(piece.hull().volume(), 1e-12)
-            for pad in [points] if fill >= LEAST_FILL else _corners(points, CORNER):
-                found.append(np.concatenate([pad, pad * [1, 1, 0] + [0, 0, high]]))
+            for pad in [piece] if fill >= LEAST_FILL else _cut_corners(piece):
+                points = np.array(pad.to_mesh64().vert_properties)[:, :3]
+                found.append(np.concatenate([points, points * [1, 1, 0] + [0, 0, high]]))
     return _as_feet(found)
 
 
@@ -178,16 +177,14 @@ def _as_feet(found: Sequence[np.ndarray]) -> list[Hull]:
     return sorted(feet, key=lambda foot: -hull_volume(foot))[:MOST]
 
 
-def _corners(points: np.ndarray, share: float) -> list[np.ndarray]:
-    """The points in the four corners of their box seen from above."""
-    low, high = points.min(axis=0)[:2], points.max(axis=0)[:2]
-    size = share * (high - low)
-    out = []
-    for corner in ((low[0], low[1]), (low[0], high[1]), (high[0], low[1]), (high[0], high[1])):
-        near = (np.abs(points[:, :2] - corner) <= size).all(axis=1)
-        if near.any():
-            out.append(points[near])
-    return out
+def _cut_corners(piece: manifold3d.Manifold) -> list[manifold3d.Manifold]:
+    """What a solid has in the four corners of its box seen from above."""
+    low, high = np.array(piece.bounding_box()).reshape(2, 3)
+    size = (high - low) * [CORNER, CORNER, 1.0]
+    corner = manifold3d.Manifold.cube(tuple(size))
+    places = [(x, y, low[2]) for x in (low[0], high[0] - size[0]) for y in (low[1], high[1] - size[1])]
+    pads = [piece ^ corner.translate(place) for place in places]
+    return [pad for pad in pads if not pad.is_empty()]
 
 
 def _nearest_hull(foot: Hull, hulls: HullSet) -> Hull:

@@ -14,10 +14,10 @@ from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
 from sim_export.checks.grid import Grid, make_grid, mark_surface
-from sim_export.collision.cuboids import box_sums, compress, count_filled, grow_boxes
+from sim_export.collision.cuboids import box_sums, compress, count_filled, empty_box, grow_boxes
 from sim_export.collision.hulls import box_hull
 from sim_export.geometry.exposure import triangle_normals
-from sim_export.geometry.rows import number_rows
+from sim_export.geometry.rows import all_three, number_rows
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 from sim_export.package import Hull
 
@@ -94,13 +94,13 @@ def find_free_space(
     count = int(np.clip(longest / (FINEST * diagonal), 8, CELLS))
     grid = make_grid(bounds + longest / count * ASIDE[:, None], count)
     wall = mark_surface(triangles, grid)
-    away = np.asarray(ndimage.distance_transform_edt(~wall), dtype=np.float32) * np.float32(grid.cell)
+    away = _distances(wall) * np.float32(grid.cell)
     regions = np.zeros(wall.shape, dtype=np.int32)
     ndimage.label(~wall, output=regions)
     taken = np.zeros(wall.shape, dtype=bool)
     if others is not None and len(others):
         cells = grid.cells_of(others)
-        taken[tuple(cells[((cells >= 0) & (cells < grid.shape)).all(axis=1)].T)] = True
+        taken[tuple(cells[all_three((cells >= 0) & (cells < grid.shape))].T)] = True
         taken &= ~wall
     size = np.bincount(regions.ravel())
     # Surfaces of lodgers are thin, so blocks of cells are counted in which they are.
@@ -116,6 +116,18 @@ def find_free_space(
         away=away,
         depth=np.where(taken & free, np.maximum(depth, TAKEN_DEPTH), depth),
     )
+
+
+def _distances(wall: Bool[np.ndarray, "X Y Z"]) -> Float[np.ndarray, "X Y Z"]:
+    """Distance of every cell from the nearest of wall, in cells; exact, but in integers, which takes half as
+    long as ``ndimage`` does in floating point."""
+    nearest = ndimage.distance_transform_edt(~wall, return_distances=False, return_indices=True)
+    square = np.zeros(wall.shape, dtype=np.int32)
+    for axis, (place, count) in enumerate(zip(np.asarray(nearest), wall.shape, strict=True)):
+        place -= np.arange(count, dtype=np.int32).reshape(-1, *(1,) * (2 - axis))
+        place *= place
+        square += place
+    return np.sqrt(square, dtype=np.float64).astype(np.float32)
 
 
 def measure_intrusion(
@@ -179,7 +191,7 @@ def look_up(
 def find_inside(points: Float[np.ndarray, "N 3"], space: FreeSpace) -> Float[np.ndarray, "N"]:
     """How deep (m) points lie in enclosed space, at least; 0 beyond the grid, in wall and in free cells."""
     cells = space.grid.cells_of(points)
-    within = ((cells >= 0) & (cells < space.grid.shape)).all(axis=1)
+    within = all_three((cells >= 0) & (cells < space.grid.shape))
     deep, where = np.zeros(len(points)), tuple(cells[within].T)
     deep[within] = np.where(space.depth[where] > 0, np.float32(0.0), space.away[where])
     return np.maximum(deep - space.grid.cell, 0.0)
@@ -218,7 +230,7 @@ def _find_aligned(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace) -> Al
     count = int(min(DENSITY * triangle_areas(flat).sum() / space.grid.cell**2, MOST_SAMPLES))
     points, owner = sample_triangles(flat, count)
     cells = space.grid.cells_of(points)
-    within = ((cells >= 0) & (cells < space.grid.shape)).all(axis=1)
+    within = all_three((cells >= 0) & (cells < space.grid.shape))
     return Aligned(points=points[within], cells=cells[within], axes=axes[owner[within]])
 
 
@@ -226,21 +238,23 @@ def _choose(allowed: Bool[np.ndarray, "X Y Z"], wanted: Bool[np.ndarray, "X Y Z"
     """Maximal boxes of allowed cells, lowest cell and one past the highest, each worth its wanted cells."""
     both, edges = compress(allowed.astype(np.int8) + wanted)
     sizes = [np.diff(edge) for edge in edges]
-    weights = sizes[0][:, None, None] * sizes[1][:, None] * sizes[2]
-    filled, left = count_filled(both >= 1), both == 2
-    least = max(LEAST, LEAST_SHARE * float((left * weights).sum()))
-    candidates = np.zeros((0, 2, 3), dtype=np.int64)
+    weights = (sizes[0][:, None, None] * sizes[1][:, None] * sizes[2]).astype(np.int32)
+    filled, left = count_filled(both >= 1), np.where(both == 2, weights, np.int32(0))
+    least = max(LEAST, LEAST_SHARE * float(left.sum()))
+    sums, cells = count_filled(left), np.argwhere(left)
+    candidates = np.zeros((0, 6), dtype=np.int64)
     out: list[np.ndarray] = []
-    while len(out) < MOST and left.any():
-        cells = np.argwhere(left)
-        cells = cells[:: max(1, len(cells) // SEEDS)]
-        candidates = np.unique(np.concatenate([candidates, grow_boxes(filled, cells)]), axis=0)
-        gains = box_sums(count_filled(left * weights), candidates)
+    while len(out) < MOST and len(cells):
+        seeds = cells[:: max(1, len(cells) // SEEDS)]
+        candidates = np.concatenate([candidates, grow_boxes(filled, seeds).reshape(-1, 6)])
+        candidates = candidates[number_rows(candidates)[0]]
+        gains = box_sums(sums, candidates.reshape(-1, 2, 3))
         candidates, gains = candidates[gains >= least], gains[gains >= least]
         if not len(candidates):
             break
-        best = candidates[gains.argmax()]
-        left[tuple(slice(low, high) for low, high in best.T)] = False
+        best = candidates[gains.argmax()].reshape(2, 3)
+        empty_box(left, sums, best)
+        cells = cells[left[tuple(cells.T)] > 0]
         out.append(np.array([[edges[axis][best[end, axis]] for axis in range(3)] for end in range(2)]))
     return out
 
@@ -248,7 +262,10 @@ def _choose(allowed: Bool[np.ndarray, "X Y Z"], wanted: Bool[np.ndarray, "X Y Z"
 def _fit(low: np.ndarray, high: np.ndarray, surface: Aligned, space: FreeSpace) -> Hull:
     """A box of cells with its faces moved to the surface that its outermost cells hold."""
     grid = space.grid
-    held = ((surface.cells >= low) & (surface.cells < high)).all(axis=1)
+    held = np.arange(len(surface.points))
+    for axis in np.argsort(high - low):  # most points lie beside the thin side
+        at = surface.cells[held, axis]
+        held = held[(at >= low[axis]) & (at < high[axis])]
     points, cells, axes = surface.points[held], surface.cells[held], surface.axes[held]
     ends = np.stack([grid.low + low * grid.cell, grid.low + high * grid.cell])
     for axis in range(3):

@@ -27,6 +27,7 @@ from sim_export.collision.hulls import (
     scale_to_volume,
 )
 from sim_export.geometry.primitives import is_box
+from sim_export.geometry.rows import number_rows
 from sim_export.package import Hull, Link
 
 MOST_OF_LINK = 96
@@ -46,7 +47,9 @@ MAX_ASPECT = 60.0
 """Greatest length over thickness; longer hulls are cut and, where that would make too many, first
 thickened a little. PhysX handles oblong hulls badly from 64 on, but takes boxes of any length."""
 SLIVER = 0.005
-"""Share of the part's hull volume that may be left out as hulls thinner than the least thickness."""
+"""Share of a hull's volume that cutting it to the length that its thickness allows may leave out."""
+THICKEST = 0.004
+"""Thickness, over the object's diagonal, to which long thin hulls are thickened rather than divided."""
 COPLANAR = 0.0015
 """Distance of one facet's middle from the other's plane, over the hull's diagonal, below which two
 neighbours are one; twice what PhysX merges, since its fans grow."""
@@ -62,28 +65,6 @@ HALVINGS = 7
 """Times that a hull is divided, and its halves again."""
 _SPARE = 0.97
 """Share of the longest allowed length that hulls are made for."""
-
-
-def limit_hulls(hulls: Sequence[Hull], max_hulls: int) -> tuple[tuple[Hull, ...], tuple[str, ...]]:
-    """Hulls within the limits, and one sentence for each kind of change."""
-    reduced = [_reduce(hull) for hull in hulls]
-    fewer = sum(new is not old for new, old in zip(reduced, hulls, strict=True))
-    kept = _without_slivers(reduced)
-    thick = [comply_hull(hull) for hull in kept]
-    thickened = sum(new is not old for new, old in zip(thick, kept, strict=True))
-    cut, cuts, least = _limit_aspect(thick, max_hulls)
-    out = [comply_hull(hull) for hull in cut]  # slanted ends of cut hulls are thin again
-    records = (
-        (fewer, f"{fewer} hulls reduced to {MAX_VERTICES} vertices and {MAX_POLYGONS} faces"),
-        (len(reduced) - len(kept), f"{len(reduced) - len(kept)} slivers left out"),
-        (thickened, f"{thickened} hulls thickened to {1000 * MIN_WIDTH:g} mm"),
-        (cuts, f"oblong hulls cut {cuts} times to a length below {MAX_ASPECT:g} thicknesses"),
-        (
-            least > 0,
-            f"oblong hulls thickened to {1000 * least:.1f} mm, to have no more than {max_hulls} hulls",
-        ),
-    )
-    return tuple(out), tuple(sentence for count, sentence in records if count)
 
 
 def comply_hull(hull: Hull, *, grow: bool = True) -> Hull:
@@ -131,19 +112,6 @@ def hull_aspect(hull: Hull) -> float:
     return 1.0 if is_box(hull) else hull_length(hull)[0] / hull_width(hull)[0]
 
 
-def _without_slivers(hulls: Sequence[Hull]) -> list[Hull]:
-    """Leaves out hulls too thin to keep, as long as together they hold next to nothing."""
-    volumes = [hull_volume(hull) for hull in hulls]
-    room = SLIVER * sum(volumes)
-    kept = []
-    for hull, volume in sorted(zip(hulls, volumes, strict=True), key=lambda pair: pair[1]):
-        if volume <= room and hull_width(hull)[0] < MIN_WIDTH:
-            room -= volume
-        else:
-            kept.append(hull)
-    return [hull for hull in hulls if any(hull is other for other in kept)]
-
-
 def thicken_hull(hull: Hull, width: float) -> Hull:
     """Stretches a hull along its thinnest direction to ``width``, about its middle."""
     for _ in range(3):  # a needle is thin in two directions
@@ -154,28 +122,6 @@ def thicken_hull(hull: Hull, width: float) -> Hull:
         middle = (heights.min() + heights.max()) / 2
         hull = convex_hull(hull.vertices + np.outer((heights - middle) * (width / measured - 1.0), normal))
     return hull
-
-
-def _limit_aspect(hulls: Sequence[Hull], max_hulls: int) -> tuple[list[Hull], int, float]:
-    """Cuts oblong hulls across their length, after making them just thick enough that few cuts do.
-
-    Returns the hulls, the number of cuts, and the thickness (m) that the thinnest oblong hulls were
-    given, 0 where the number of hulls allows to cut them as they are.
-    """
-    widths = np.array([hull_width(hull)[0] for hull in hulls])
-    sides = np.array([(0.0, 0.0) if is_box(hull) else _side_lengths(hull) for hull in hulls])  # H 2
-    enough = sides.max(initial=0.0) / MAX_ASPECT
-    least = 0.0
-    while True:
-        compact = MAX_ASPECT * np.maximum(widths, least)
-        out = []
-        if least >= enough or np.prod(np.ceil(sides / compact[:, None]), axis=1).sum() <= max_hulls:
-            for hull, width, side in zip(hulls, widths, sides, strict=True):
-                oblong = side.max() > MAX_ASPECT * width
-                out += _cut_to_aspect(thicken_hull(hull, least) if oblong else hull)
-            if least >= enough or len(out) <= max_hulls:
-                return out, len(out) - len(hulls), least
-        least = max(1.05 * least, widths.min())
 
 
 def _side_lengths(hull: Hull) -> tuple[float, float]:
@@ -307,7 +253,7 @@ def _merged_plane(hull: Hull, tolerance: float) -> Float[np.ndarray, "4"] | None
     planes = hull_planes(hull)
     if len(planes) != len(hull.faces):  # a face without area
         return None
-    facet = np.unique(np.round(planes, 7) + 0.0, axis=0, return_inverse=True)[1].ravel()
+    first, facet = number_rows(np.rint(1e7 * planes).astype(np.int64))
     corners = hull.vertices[hull.faces]
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     total = np.bincount(facet, weights=areas)
@@ -315,7 +261,6 @@ def _merged_plane(hull: Hull, tolerance: float) -> Float[np.ndarray, "4"] | None
         np.stack([np.bincount(facet, weights=areas * corners.mean(axis=1)[:, n]) for n in range(3)], axis=1)
         / np.maximum(total, 1e-300)[:, None]
     )
-    first = np.unique(facet, return_index=True)[1]
     normals, offsets = planes[first, :3], planes[first, 3]
     edges = np.sort(
         np.concatenate([hull.faces[:, [0, 1]], hull.faces[:, [1, 2]], hull.faces[:, [2, 0]]]), axis=1
@@ -323,7 +268,8 @@ def _merged_plane(hull: Hull, tolerance: float) -> Float[np.ndarray, "4"] | None
     owner = np.tile(facet, 3)
     order = np.lexsort((edges[:, 1], edges[:, 0]))
     pairs = owner[order].reshape(-1, 2)
-    pairs = np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
+    pairs = np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1)
+    pairs = pairs[number_rows(pairs)[0]]
     if not len(pairs):
         return None
     a, b = pairs.T

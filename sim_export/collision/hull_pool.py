@@ -9,11 +9,10 @@ from dataclasses import dataclass
 
 import manifold3d
 import numpy as np
-from jaxtyping import Bool
 
-from sim_export.collision.cuboids import CuboidFit, largest_cuboids
+from sim_export.collision.cuboids import face_coordinates, fill_between
+from sim_export.collision.hull_choice import PooledHull
 from sim_export.collision.hull_limits import MAX_ASPECT, comply_hull, thicken_hull, tile_hull
-from sim_export.collision.hull_offers import Ground, PooledHull
 from sim_export.collision.hulls import box_hull, hull_length
 from sim_export.collision.joining import join_neighbours
 from sim_export.errors import DegeneratePart
@@ -37,14 +36,10 @@ MOST_BOXES = 96
 """Largest boxes of each detail."""
 MOST_JOINED = 64
 """Largest boxes that joining starts from."""
-MOST_REST = 32
-"""Largest boxes of what no other hull holds."""
 MOST_ADDED = 0.1
 """Share of the solid's volume that joining two hulls may add."""
 MANY_TILES = 8
 """Hulls that an oblong one may count as, to be offered as thin as it is."""
-TILES = (1, 2, 4)
-"""Oblong hulls are also offered thicker, so that they count as so many hulls."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -207,17 +202,19 @@ def _concave_planes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray
     return planes[first[top]], resolved[top] / concavity.sum()
 
 
-def box_offers(solid: Solid, cuboids: CuboidFit) -> list[PooledHull]:
+def box_offers(solid: Solid) -> list[PooledHull]:
     """Boxes between the planes of a solid, and what they join to; none where it is not axis-aligned."""
+    vertices, faces = solid_arrays(solid)
     hulls: list[Hull] = []
     boxes: list[Hull] = []
-    before = np.zeros((0, 2, 3))
+    before = 0
     for detail in DETAILS:
-        found = cuboids.take(MOST_BOXES, detail)
-        if found is None or np.array_equal(found, before):
+        planes = face_coordinates(vertices, faces, detail)
+        count = sum(map(len, planes or ()))
+        if planes is None or count == before:  # finer detail only adds planes
             continue
-        before = found
-        boxes = [box_hull(low, high) for low, high in found]
+        before = count
+        boxes = [box_hull(low, high) for low, high in fill_between(vertices, faces, planes, MOST_BOXES)]
         hulls += boxes
         if detail != DETAILS[-1] and measure_fit(unite_hulls(boxes), solid).volume_error < EXACT:
             break
@@ -236,18 +233,6 @@ def piece_offers(solid: Solid, max_pieces: int) -> list[PooledHull]:
     return _offer(_hulls([*pieces, *joined, solid.hull()]))
 
 
-def rest_offers(ground: Ground, rest: Bool[np.ndarray, "X Y Z"], volume: float) -> list[PooledHull]:
-    """Boxes of those cells of a ground that no other hull holds, and what they join to."""
-    found = largest_cuboids(rest, MOST_REST, ground.edges)
-    boxes = [
-        box_hull(*(np.array([ground.edges[axis][box[end, axis]] for axis in range(3)]) for end in range(2)))
-        for box in found
-    ]
-    solids = [as_solid(box) for box in boxes]
-    joined = join_steps(solids, [box.volume() for box in solids], MOST_ADDED * volume, overlap=False)
-    return _offer([*boxes, *_hulls(joined)])
-
-
 def _hulls(solids: list[Solid]) -> list[Hull]:
     out = []
     for solid in solids:
@@ -259,7 +244,7 @@ def _hulls(solids: list[Solid]) -> list[Hull]:
 
 
 def _offer(hulls: list[Hull]) -> list[PooledHull]:
-    """The hulls made to comply, each once, and oblong ones in several thicknesses."""
+    """The hulls made to comply, each once, and oblong ones also so thick that they stay whole."""
     seen: set[bytes] = set()
     out = []
     for hull in hulls:
@@ -270,10 +255,8 @@ def _offer(hulls: list[Hull]) -> list[PooledHull]:
         proper = comply_hull(hull)
         tiles = tile_hull(proper, MANY_TILES)
         choices = [(proper, tiles)]
-        for fewer in TILES:
-            if not tiles or fewer < len(tiles):
-                width = 1.001 * hull_length(proper)[0] / (MAX_ASPECT * fewer)
-                thick = comply_hull(thicken_hull(proper, width))
-                choices.append((thick, tile_hull(thick, MANY_TILES)))
+        if len(tiles) != 1:
+            thick = comply_hull(thicken_hull(proper, 1.001 * hull_length(proper)[0] / MAX_ASPECT))
+            choices.append((thick, tile_hull(thick, MANY_TILES)))
         out += [PooledHull(hull=whole, tiles=tiles) for whole, tiles in choices if tiles]
     return out

@@ -101,7 +101,7 @@ def _find_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
 
 def _measure_thickness(points: Float[np.ndarray, "N 3"]) -> float:
     """How far points (m) lie from the plane that fits them best, about."""
-    return float(np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[1][-1])
+    return float(np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[-1])
 
 
 def box_hull(low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]) -> Hull:
@@ -238,7 +238,7 @@ def count_polygons(hull: Hull) -> int:
     scaled = np.column_stack(
         [planes[:, :3], (planes[:, 3] - planes[:, :3] @ hull.vertices.mean(axis=0)) / size]
     )
-    return len(np.unique(np.round(scaled, 4) + 0.0, axis=0))
+    return len(number_rows(np.rint(1e4 * scaled).astype(np.int64))[0])
 
 
 def reduce_hull(hull: Hull, max_vertices: int = 64, max_polygons: int = 64) -> Hull:

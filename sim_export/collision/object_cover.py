@@ -7,7 +7,13 @@ from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
 from sim_export.collision.free_space import find_free_space
-from sim_export.collision.motion import driven_joints, link_displacements, moved_links, sweep_coordinates
+from sim_export.collision.motion import (
+    POSES,
+    driven_joints,
+    link_displacements,
+    moved_links,
+    sweep_coordinates,
+)
 from sim_export.collision.surface_hulls import (
     FINER,
     USUAL,
@@ -27,8 +33,6 @@ COARSEST = 0.012
 """It grows no further than this, over the object's diagonal."""
 SAMPLES = 6000
 """Points on the surface of each link that are followed along its ways."""
-POSES = 21
-"""Poses of every joint."""
 
 
 class ObjectCover:

@@ -1,7 +1,7 @@
 """Collision hulls of links from their own surface: boxes, and convex pieces of what these leave.
 
 Boxes cover the axis-aligned surface (`sim_export.collision.free_space`). What is left is taken apart into
-connected components, or a surface of revolution into sectors (`sim_export.collision.surface_pieces`).
+connected components, or a surface of revolution into sectors (`sim_export.collision.sectors`).
 Those whose hulls take free space are cut, and pieces are joined as long as their common hull takes none,
 and coarser where there are too many hulls. Only surface that can be reached counts.
 """
@@ -14,15 +14,13 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, cover_with_boxes, is_open_between, look_up
-from sim_export.collision.hull_limits import MIN_WIDTH, compact_hull, thicken_hull
+from sim_export.collision.hull_limits import MIN_WIDTH, THICKEST, compact_hull, thicken_hull
 from sim_export.collision.hulls import convex_hull
 from sim_export.collision.joining import join_neighbours
+from sim_export.collision.sectors import count_sectors, cut_sectors, find_axis
 from sim_export.collision.specks import drop_specks
 from sim_export.collision.surface_pieces import (
     Piece,
-    count_sectors,
-    cut_sectors,
-    find_axis,
     join_pieces,
     make_piece,
     measure_again,
@@ -59,8 +57,6 @@ TAKEN_OF_ROUND = 1.0
 """The same of sectors of a thin curved wall, whose hulls are little more than what their arcs enclose."""
 SHEET = 0.002
 """Thickness (m) of the hulls of sheets."""
-THICKEST = 0.004
-"""Thickness to which long thin hulls are thickened rather than divided."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,15 +1,13 @@
 """Cuts and joins pieces of a surface by the free space that their convex hulls would fill.
 
-Nothing is assumed of the triangles: they may be open, doubled, or pass through each other. Surfaces of
-revolution, such as those of bottles, pots and lids, are cut into sectors about their axis, each of which is
-nearly convex; planes along the axes of the object would take three times as many pieces.
+Nothing is assumed of the triangles: they may be open, doubled, or pass through each other.
 """
 
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from scipy.spatial import ConvexHull, QhullError
 
 from sim_export.collision.free_space import (
@@ -19,7 +17,6 @@ from sim_export.collision.free_space import (
     look_up,
     measure_intrusion,
 )
-from sim_export.geometry.exposure import triangle_normals
 from sim_export.geometry.rows import number_rows
 from sim_export.geometry.sampling import cross_rows, sample_triangles, triangle_areas
 
@@ -43,24 +40,6 @@ SAMPLES = 48
 """Points on the surface of a piece."""
 SKIN = 240
 """Points on the hull of a piece."""
-AXIS_SAMPLES = 4000
-"""Points by which a surface is judged to be one of revolution."""
-ALONG = 0.9
-"""Component of a normal along the axis from which on a point is on an end, which any plate has."""
-LEAST_SIDE = 0.2
-"""Share of a surface that is no end."""
-RING = 0.02
-"""Width and height of a ring about the axis, over the longest edge of the surface."""
-TURNS = 16
-"""Parts into which rings are divided."""
-CLOSED = 0.75
-"""Share of these parts that a closed ring has."""
-ROUND = 0.7
-"""Share of the sides of a surface of revolution that is in closed rings."""
-SAGITTA = 0.008
-"""Depth of the arc of a sector over the object's diagonal; half of what check V103 allows."""
-FEWEST, MOST = 6, 16
-"""Sectors of a surface."""
 _MIX = np.array([1.0, 7.389, 54.598, 403.43])
 """Weights under which only coplanar faces have equal sums."""
 
@@ -252,27 +231,75 @@ def split_piece(piece: Piece, space: FreeSpace, least: float) -> tuple[Piece, Pi
     """
     best, best_score = None, np.inf
     main = _main_triangles(piece.triangles)
-    total = float(triangle_areas(main).sum())
+    net = _make_net(main)
     for plane in cut_planes(main):
-        sides = cut_triangles(main, plane[:3], float(plane[3]))
-        if min(len(side) for side in sides) == 0:
-            continue
-        share = float(triangle_areas(sides[0]).sum()) / max(total, 1e-12)
+        heights = net.vertices @ plane[:3] - plane[3]
+        share = _share_below(net, heights)
         if not 1e-3 < share < 1.0 - 1e-3:
             continue
-        taken = [_taken(sides[0], space, least)]
-        done = (share if taken[0] <= 0.0 else 0.0) + 1.0 - share
-        if taken[0] + piece.intrusion.volume * (EVEN * abs(2.0 * share - 1.0) - DONE * done) >= best_score:
-            continue  # whatever the other side takes
-        taken.append(_taken(sides[1], space, least))
-        done = sum(part for part, left in zip((share, 1.0 - share), taken, strict=True) if left <= 0.0)
-        score = sum(taken) + piece.intrusion.volume * (EVEN * abs(2.0 * share - 1.0) - DONE * done)
-        if score < best_score:
-            best, best_score = plane, score
+        uneven = EVEN * abs(2.0 * share - 1.0)
+        taken, done, bound = 0.0, 1.0, 0.0
+        for side, part in ((1.0, share), (-1.0, 1.0 - share)):
+            bound = taken + piece.intrusion.volume * (uneven - DONE * done)
+            if bound >= best_score:  # whatever this side takes
+                break
+            own = _measure(wrap(_points_below(net, side * heights)), space, least, SAMPLES).volume
+            taken, done = taken + own, done - (part if own > 0.0 else 0.0)
+            bound = taken + piece.intrusion.volume * (uneven - DONE * done)
+        if bound < best_score:
+            best, best_score = plane, bound
     if best is None:
         return None
-    below, above = cut_triangles(piece.triangles, best[:3], float(best[3]))
-    return make_piece(below, space, least), make_piece(above, space, least)
+    sides = cut_triangles(piece.triangles, best[:3], float(best[3]))
+    if min(map(len, sides)) == 0:
+        return None
+    return make_piece(sides[0], space, least), make_piece(sides[1], space, least)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Net:
+    """Triangles by their vertices, each of these and of their edges once, and the area (m^2) of each."""
+
+    vertices: Float[np.ndarray, "V 3"]
+    faces: Int[np.ndarray, "F 3"]
+    edges: Int[np.ndarray, "E 2"]
+    areas: Float[np.ndarray, "F"]
+
+
+def _make_net(triangles: Float[np.ndarray, "F 3 3"]) -> _Net:
+    points = triangles.reshape(-1, 3)
+    first, slot = number_rows(np.rint(1e9 * points).astype(np.int64))
+    faces = slot.reshape(-1, 3)
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    return _Net(
+        vertices=points[first],
+        faces=faces,
+        edges=edges[number_rows(edges)[0]],
+        areas=triangle_areas(triangles),
+    )
+
+
+def _share_below(net: _Net, heights: Float[np.ndarray, "V"]) -> float:
+    """Share of the area below a plane over which the vertices are so high."""
+    h = np.sort(heights[net.faces], axis=1)
+    # Of a triangle across the plane, its lone corner cuts off what two edges have of their lengths there.
+    with np.errstate(invalid="ignore", divide="ignore"):
+        low = h[:, 0] ** 2 / ((h[:, 0] - h[:, 1]) * (h[:, 0] - h[:, 2]))
+        high = h[:, 2] ** 2 / ((h[:, 2] - h[:, 1]) * (h[:, 2] - h[:, 0]))
+    below = np.where(
+        h[:, 2] <= 0.0, 1.0, np.where(h[:, 0] > 0.0, 0.0, np.where(h[:, 1] > 0.0, low, 1.0 - high))
+    )
+    return float(below @ net.areas) / max(float(net.areas.sum()), 1e-12)
+
+
+def _points_below(net: _Net, heights: Float[np.ndarray, "V"]) -> Float[np.ndarray, "N 3"]:
+    """The vertices below a plane, and where it meets edges."""
+    below = heights <= 0.0
+    a, b = net.edges[below[net.edges[:, 0]] != below[net.edges[:, 1]]].T
+    along = (heights[a] / (heights[a] - heights[b]))[:, None]
+    return np.concatenate(
+        [net.vertices[below], net.vertices[a] + along * (net.vertices[b] - net.vertices[a])]
+    )
 
 
 def _main_triangles(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "G 3 3"]:
@@ -282,88 +309,3 @@ def _main_triangles(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, 
     order = np.argsort(-triangle_areas(triangles), kind="stable")
     half = MOST_JUDGED // 2
     return triangles[np.concatenate([order[:half], order[half :: len(order) // half]])]
-
-
-def _taken(triangles: np.ndarray, space: FreeSpace, least: float) -> float:
-    """Free volume (m^3) in the hull of some triangles."""
-    return _measure(wrap(triangles.reshape(-1, 3)), space, least, SAMPLES).volume
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Axis:
-    """A line in space, and the radius (m) of what turns about it."""
-
-    direction: Float[np.ndarray, "3"]
-    point: Float[np.ndarray, "3"]
-    radius: float
-
-
-def find_axis(triangles: Float[np.ndarray, "F 3 3"]) -> Axis | None:
-    """The axis of a surface of revolution that is parallel to an axis of the object; None for other
-    surfaces."""
-    points, face = sample_triangles(triangles, AXIS_SAMPLES)
-    normals = triangle_normals(triangles)[face]
-    found = [_judge_axis(direction, points, normals) for direction in np.eye(3)]
-    share, axis = max(found, key=lambda pair: pair[0])
-    return axis if share >= ROUND else None
-
-
-def _judge_axis(
-    direction: Float[np.ndarray, "3"], points: Float[np.ndarray, "N 3"], normals: Float[np.ndarray, "N 3"]
-) -> tuple[float, Axis]:
-    """The best axis in a direction, and the share of the surface's sides that is in closed rings about it."""
-    side = np.abs(normals @ direction) < ALONG
-    point = _fit_axis(direction, points[side], normals[side]) if side.mean() >= LEAST_SIDE else np.zeros(3)
-    height = (points - point) @ direction
-    arms = points - point - np.outer(height, direction)
-    radii = np.linalg.norm(arms, axis=1)
-    across = np.roll(direction, 1)
-    turn = np.arctan2(arms @ np.cross(direction, across), arms @ across) / (2.0 * np.pi) % 1.0
-    width = RING * float(np.ptp(points, axis=0).max())
-    rings = np.round(np.column_stack([height, radii]) / width).astype(np.int64)
-    _, ring = np.unique(rings, axis=0, return_inverse=True)
-    filled = np.zeros((int(ring.max()) + 1, TURNS), dtype=bool)
-    filled[ring.ravel(), np.minimum((turn * TURNS).astype(np.int64), TURNS - 1)] = True
-    closed = (filled.mean(axis=1) >= CLOSED)[ring.ravel()]
-    share = float(closed[side].mean()) if side.mean() >= LEAST_SIDE else 0.0
-    return share, Axis(direction=direction, point=point, radius=float(radii.max()))
-
-
-def _fit_axis(
-    direction: Float[np.ndarray, "3"], points: Float[np.ndarray, "N 3"], normals: Float[np.ndarray, "N 3"]
-) -> Float[np.ndarray, "3"]:
-    """A point on the line in a direction that most normals meet: ``n @ (direction x (p - point)) = 0``.
-
-    The sum of distances is least, found in ten rounds of weighted least squares, so that a handle counts no
-    more than its share.
-    """
-    rows = np.cross(normals, direction)
-    offsets = np.einsum("nk,nk->n", normals, np.cross(direction, points))
-    near = 2e-3 * float(np.ptp(points, axis=0).max())  # below this distance all normals count alike
-    point, weights = np.zeros(3), np.ones(len(points))
-    for _ in range(10):
-        weighted = rows * weights[:, None]
-        point = np.linalg.lstsq(weighted.T @ rows, weighted.T @ offsets, rcond=None)[0]
-        weights = 1.0 / np.maximum(np.abs(rows @ point - offsets), near)
-    return point
-
-
-def count_sectors(radius: float, diagonal: float) -> int:
-    """Even number of sectors whose arcs of a radius (m) are less deep than `SAGITTA` allows."""
-    needed = np.pi / np.arccos(1.0 - min(SAGITTA * diagonal / radius, 1.0))
-    return int(np.clip(2 * np.ceil(needed / 2.0), FEWEST, MOST))
-
-
-def cut_sectors(
-    triangles: Float[np.ndarray, "F 3 3"], axis: Axis, count: int, done: int = 0
-) -> list[Float[np.ndarray, "G 3 3"]]:
-    """The triangles of every sector that has any, divided by planes through the axis.
-
-    Each plane divides two opposite sectors; the first ``done`` planes have divided the triangles already.
-    """
-    if not len(triangles) or 2 * done == count:
-        return [triangles] if len(triangles) else []
-    angle, across = 2.0 * np.pi * done / count, np.roll(axis.direction, 1)
-    normal = np.cos(angle) * across + np.sin(angle) * np.cross(axis.direction, across)
-    halves = cut_triangles(triangles, normal, float(normal @ axis.point))
-    return [part for half in halves for part in cut_sectors(half, axis, count, done + 1)]

@@ -19,6 +19,7 @@ from artigen.files.wavefront import ObjText
 from sim_export.collision.hulls import convex_hull
 from sim_export.errors import PackageError
 from sim_export.geometry.normals import corner_normals
+from sim_export.geometry.rows import number_rows
 from sim_export.package import Hull, Mesh
 
 DECIMALS = 6
@@ -40,19 +41,8 @@ def format_rows(prefix: str, values: np.ndarray, decimals: int) -> str:
 
 def _unique_rows(values: np.ndarray, decimals: int) -> tuple[np.ndarray, np.ndarray]:
     """Unique rows after rounding, in ascending order, and the index of each row among them."""
-    keys = np.round(values * 10**decimals).astype(np.int64)
-    if not len(keys):
-        return values, np.zeros(0, np.int64)
-    low = keys.min(axis=0)
-    spans = keys.max(axis=0) - low + 1
-    if np.prod(spans.astype(np.float64)) < 2**62:  # integers sort ten times faster than rows
-        packed = np.zeros(len(keys), np.int64)
-        for column, span in zip((keys - low).T, spans, strict=True):
-            packed = packed * span + column
-        _, first, where = np.unique(packed, return_index=True, return_inverse=True)
-    else:
-        _, first, where = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    return values[first], where.ravel()
+    first, where = number_rows(np.round(values * 10**decimals).astype(np.int64))
+    return values[first], where
 
 
 def obj_text(mesh: Mesh, name: str, mtllib: str | None = None) -> str:

@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float
 from scipy import ndimage
 
 from sim_export.checks.grid import Grid
+from sim_export.geometry.rows import all_three
 from sim_export.geometry.sampling import cross_rows
 
 STEPS = (1.5, 2.5)
@@ -31,7 +32,7 @@ def is_exposed(
     out = np.zeros(len(points), dtype=bool)
     for step in STEPS:
         cells = grid.cells_of(points + step * grid.cell * normals)
-        within = ((cells >= 0) & (cells < grid.shape)).all(axis=1)
+        within = all_three((cells >= 0) & (cells < grid.shape))
         out |= ~within
         out[within] |= free[tuple(cells[within].T)]
     return out

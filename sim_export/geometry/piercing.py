@@ -5,7 +5,7 @@ from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
 from sim_export.geometry.exposure import triangle_normals
-from sim_export.geometry.rows import number_rows
+from sim_export.geometry.rows import all_three, number_rows
 
 # embreex is a compiled module without stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -44,7 +44,8 @@ class PiercedSurface:
         second number is the same where edges meet triangles farther from their borders than they reach
         through: a corner that only touches another one's edge is not in it.
         """
-        near = (edges.max(axis=1) >= self.low).all(axis=1) & (edges.min(axis=1) <= self.high).all(axis=1)
+        low, high = np.minimum(edges[:, 0], edges[:, 1]), np.maximum(edges[:, 0], edges[:, 1])
+        near = all_three((high >= self.low) & (low <= self.high))
         start, way = edges[near, 0], edges[near, 1] - edges[near, 0]
         if not len(way):
             return 0.0, 0.0

@@ -1,5 +1,7 @@
 """Deterministic, evenly spread points on surfaces."""
 
+from functools import lru_cache
+
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
@@ -37,9 +39,7 @@ def sample_triangles(
         return np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
     at = (np.arange(count) + 0.5) / count * total[-1]
     chosen = np.minimum(np.searchsorted(total, at), len(total) - 1)
-    u, v = np.modf(np.arange(1, count + 1)[:, None] * _STEP)[0].T
-    over = u + v > 1.0
-    u, v = np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v)
+    u, v = _find_places(count)
     corners = triangles[chosen]
     points = (
         corners[:, 0]
@@ -47,3 +47,11 @@ def sample_triangles(
         + v[:, None] * (corners[:, 2] - corners[:, 0])
     )
     return points, chosen
+
+
+@lru_cache(maxsize=8)
+def _find_places(count: int) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N"]]:
+    """Evenly spread coordinates in a triangle along two of its edges; kept, as few numbers recur."""
+    u, v = np.modf(np.arange(1, count + 1)[:, None] * _STEP)[0].T
+    over = u + v > 1.0
+    return np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v)

@@ -7,12 +7,10 @@ import pytest
 from artigen.transforms import matrix_from_quat
 from sim_export.appearance.blending import find_near
 from sim_export.collision.contacts import HullSet, signed_distances
-from sim_export.collision.cuboids import CuboidFit, count_filled, grow_boxes
-from sim_export.collision.hull_methods import count_left, take_out
-from sim_export.collision.hull_offers import Offers, make_ground, mark_missing, measure_offers
+from sim_export.collision.cuboids import count_filled, empty_box, grow_boxes
+from sim_export.collision.hull_choice import Offers, make_ground, mark_missing, measure_offers
 from sim_export.collision.hull_pool import box_offers, piece_offers
 from sim_export.collision.hulls import box_hull, convex_hull, hull_planes
-from sim_export.geometry.solids import solid_arrays
 from sim_export.package import Hull
 
 Solid = manifold3d.Manifold
@@ -44,8 +42,7 @@ def comb() -> Solid:
 
 @pytest.fixture(scope="module")
 def offers(comb: Solid) -> Offers:
-    vertices, faces = solid_arrays(comb)
-    pool = box_offers(comb, CuboidFit(vertices=vertices, faces=faces))
+    pool = box_offers(comb)
     return measure_offers(pool + piece_offers(comb, 20), make_ground(comb), 0.01, 0.02)
 
 
@@ -113,29 +110,6 @@ def test_points_missed_by_a_hull_are_those_beyond_its_planes_or_its_box():
         np.testing.assert_array_equal(marks[:, clear], expected[:, clear])
 
 
-def test_taking_a_hull_out_of_a_cover_counts_as_starting_without_it(offers: Offers):
-    rng = np.random.default_rng(3)
-    for size in (1, 3, 8):
-        chosen = rng.choice(len(offers.tiles), size, replace=False).tolist()
-        left = count_left(offers, 2.0, chosen)
-        for index in chosen:
-            anew = count_left(offers, 2.0, [other for other in chosen if other != index])
-            fewer = take_out(offers, left, index)
-            assert fewer.chosen == anew.chosen
-            np.testing.assert_array_equal(fewer.value, anew.value)
-            np.testing.assert_array_equal(fewer.volumes, anew.volumes)
-
-
-def test_boxes_asked_for_in_portions_are_those_asked_for_at_once(comb: Solid):
-    vertices, faces = solid_arrays(comb)
-    portions = CuboidFit(vertices=vertices, faces=faces)
-    for detail in (1e-2, 1e-3):
-        at_once = CuboidFit(vertices=vertices, faces=faces).take(20, detail)
-        assert at_once is not None
-        for count in (3, 1, 20):
-            np.testing.assert_array_equal(portions.take(count, detail), at_once[:count])
-
-
 def grow_slowly(grid: np.ndarray, cell: np.ndarray, order: tuple[int, ...]) -> np.ndarray:
     """One slice of cells after the other, looked at cell by cell."""
     low, high = cell.copy(), cell + 1
@@ -160,6 +134,17 @@ def test_boxes_grow_until_the_next_slice_is_not_filled():
         boxes = grow_boxes(count_filled(grid), cells)
         slow = [grow_slowly(grid, cell, order) for order in permutations(range(3)) for cell in cells]
         np.testing.assert_array_equal(boxes, slow)
+
+
+def test_sums_without_a_box_are_those_of_what_is_left():
+    rng = np.random.default_rng(5)
+    values = rng.integers(0, 9, (9, 7, 5)).astype(np.int32)
+    sums = count_filled(values)
+    for box in ([[2, 0, 1], [5, 3, 5]], [[0, 0, 0], [9, 7, 2]], [[8, 6, 4], [9, 7, 5]]):
+        empty_box(values, sums, np.array(box))
+        np.testing.assert_array_equal(sums, count_filled(values))
+    assert not values[2:5, :3, 1:5].any()
+    assert values.any()
 
 
 def test_planes_that_are_kept_cannot_be_written():

@@ -46,7 +46,7 @@ def attempts(monkeypatch):
 
         monkeypatch.setattr(export, "make_solids", lambda asset, surfaces: SimpleNamespace(seconds=()))
         monkeypatch.setattr(export, "export_solids", export_solids)
-        monkeypatch.setattr(convert, "judge_package", lambda package, known: judged[package.number])
+        monkeypatch.setattr(convert, "judge_package", lambda package: judged[package.number])
         for name in ("place_source_meshes", "place_source_surfaces"):
             monkeypatch.setattr(mend, name, lambda source, asset: ())
         return asked
@@ -148,7 +148,7 @@ def test_a_judgement_names_the_links_that_fail_and_those_that_a_joint_connects_t
             joined("lid_carrier", "body"),
         ],
     )
-    monkeypatch.setattr(draft, "open_draft", lambda package, known: nullcontext())
+    monkeypatch.setattr(draft, "open_draft", lambda package: nullcontext())
     assert named("knob") == {"knob", "door"}
     assert named("knob into lid (joint_2)") == {"knob", "door", "lid", "body"}
     assert named("body, door") == {"body", "door", "lid", "knob"}

@@ -23,7 +23,7 @@ from artigen.types import PartLabel
 from envs.trials import LIMIT_FRACTION
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.suite import run_checks
-from sim_export.collision.contacts import HullSet, find_penetration, signed_distances
+from sim_export.collision.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.collision.hull_limits import MAX_ASPECT
 from sim_export.collision.hulls import convex_hull
 from sim_export.collision.motion import farthest_travel, package_joint_motion
@@ -475,7 +475,7 @@ def test_depths_and_distances_are_those_of_exact_ones():
         one, other = turned(SOLIDS[k % 3], rng), turned(SOLIDS[k // 3 % 3], rng)
         shape = make_shape(part("body", "base", one, parent=None), part("wheel", "wheel", other))
         bodies = list_bodies(shape, np.array([0, 1]))
-        true = find_penetration(hull_of(one), hull_of(other), still, still).depth
+        true = float(penetration_depths(hull_of(one), hull_of(other), still, still)[0])
         found = penetrate(bodies, 0, 1, still[None])
         assert found == pytest.approx(true, abs=2e-5)
         apart = signed_distances(hull_of(one), hull_of(other), still, still, max_distance=1.0).distance[0]
@@ -536,7 +536,7 @@ def test_sweeps_find_what_measuring_every_pair_finds(category: str, seed: int, n
     )  # fmt: skip
     count = int(np.clip(np.ceil(farthest_travel(joint, [ours.vertices]) / sweep.STEP) + 1, *sweep.POSES))
     poses = package_joint_motion(joint, np.linspace(0.0, motion.upper, count))
-    true = find_penetration(ours, others, poses, np.eye(4)).depth
+    true = float(penetration_depths(ours, others, poses, np.eye(4)).max())
     assert true > 0.01
     assert depth == pytest.approx(true, abs=sweep.STEP if motion.type == "prismatic" else 2e-5)
     assert depth >= true - 2e-5

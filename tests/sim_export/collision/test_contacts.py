@@ -9,7 +9,6 @@ from artigen.transforms import matrix_from_quat, screw_motion, transform_points
 from sim_export.collision.contacts import (
     FEW_POSES,
     HullSet,
-    find_penetration,
     penetration_depths,
     signed_distances,
 )
@@ -79,13 +78,14 @@ def test_random_hulls_match_the_minkowski_difference():
 def test_boxes_overlap_by_their_known_depth(depth):
     a = box_set(((0, 0, 0), (1, 1, 1)))
     b = box_set(((1 - depth, 0.2, 0.3), (2, 0.7, 0.8)))
-    found = find_penetration(a, b, IDENTITY, IDENTITY)
-    assert found.depth == pytest.approx(depth, abs=1e-9)
-    np.testing.assert_allclose(found.normal, [1, 0, 0], atol=1e-9)
+    found = signed_distances(a, b, IDENTITY, IDENTITY)
+    assert -found.distance.min() == pytest.approx(depth, abs=1e-9)
+    normal = found.normal[found.distance.argmin()]
+    np.testing.assert_allclose(normal, [1, 0, 0], atol=1e-9)
     # The promise of the normal: this translation makes the two just touch.
     apart = np.eye(4)
-    apart[:3, 3] = found.depth * found.normal
-    assert find_penetration(a, b, IDENTITY, apart).depth < 1e-9
+    apart[:3, 3] = depth * normal
+    assert penetration_depths(a, b, IDENTITY, apart)[0] < 1e-9
 
 
 def test_a_box_corner_in_a_plate_penetrates_by_its_height():
@@ -93,7 +93,7 @@ def test_a_box_corner_in_a_plate_penetrates_by_its_height():
     cube = box_set(((-0.1, -0.1, -0.1), (0.1, 0.1, 0.1)))
     T = screw_motion(np.array([0.0, 1.0, 0.0]), np.zeros(3), np.array(np.pi / 4), np.array(0.0))
     T[2, 3] = 0.1 * np.sqrt(2.0) - 0.02
-    assert find_penetration(plate, cube, IDENTITY, T).depth == pytest.approx(0.02, abs=1e-6)
+    assert penetration_depths(plate, cube, IDENTITY, T) == pytest.approx(0.02, abs=1e-6)
 
 
 def test_balls_are_apart_by_center_distance_less_radii():
@@ -145,15 +145,14 @@ def test_a_sweep_is_the_sum_of_its_poses():
     T[:, 2, 3] = -np.linspace(0, 0.1, 21)
     depths = penetration_depths(a, b, IDENTITY, T)
     np.testing.assert_allclose(depths, np.clip(-T[:, 2, 3] - 0.03, 0, None), atol=1e-9)
-    assert [find_penetration(a, b, IDENTITY, pose).depth for pose in T] == pytest.approx(depths)
-    assert find_penetration(a, b, IDENTITY, T).pose == 20
+    assert [float(penetration_depths(a, b, IDENTITY, pose)[0]) for pose in T] == pytest.approx(depths)
 
 
 def test_empty_sets_and_no_overlap_give_nothing():
     a, none = box_set(((0, 0, 0), (1, 1, 1))), HullSet(hulls=())
     for first, second in ((a, none), (none, a), (a, box_set(((2, 2, 2), (3, 3, 3))))):
-        found = find_penetration(first, second, IDENTITY, IDENTITY)
-        assert (found.depth, found.pose, found.first, found.second) == (0.0, -1, -1, -1)
+        assert penetration_depths(first, second, IDENTITY, IDENTITY).tolist() == [0.0]
+        assert not len(signed_distances(first, second, IDENTITY, IDENTITY).distance)
 
 
 def test_cutting_a_hull_splits_its_volume():

@@ -11,16 +11,16 @@ from scipy.spatial import ConvexHull
 from sim_export.collision import decompose
 from sim_export.collision.cuboids import largest_cuboids
 from sim_export.collision.decompose import decompose_part, decompose_parts
+from sim_export.collision.hull_choice import TAKEN, make_ground
 from sim_export.collision.hull_limits import (
     MAX_ASPECT,
     MAX_POLYGONS,
     MAX_VERTICES,
     MIN_WIDTH,
+    comply_hull,
     hull_aspect,
-    limit_hulls,
+    tile_hull,
 )
-from sim_export.collision.hull_methods import Candidate
-from sim_export.collision.hull_offers import TAKEN, make_ground
 from sim_export.collision.hull_pool import cut_pieces
 from sim_export.collision.hulls import (
     box_bounds,
@@ -168,7 +168,7 @@ def test_parts_of_one_link_share_its_hulls():
 
 def test_hulls_that_fill_a_cavity_are_refused(monkeypatch):
     def one_hull(part, max_hulls):
-        yield Candidate(method="hull", hulls=(solid_hull(part.solid),), error=0.0)
+        yield "hull", (solid_hull(part.solid),)
 
     monkeypatch.setattr(decompose, "hull_candidates", one_hull)
     with pytest.raises(DecompositionFailed, match="of the cavity free"):
@@ -237,12 +237,13 @@ def test_cuboids_cover_exactly_and_few():
             low, high = np.minimum(a, b), np.maximum(a, b) + 1
             grid[low[0] : high[0], low[1] : high[1], low[2] : high[2]] = True
         covered = np.zeros_like(grid)
-        found = largest_cuboids(grid)
+        edges = [np.arange(13)] * 3
+        found = largest_cuboids(grid, edges, 99)
         for low, high in found:
             covered[low[0] : high[0], low[1] : high[1], low[2] : high[2]] = True
         np.testing.assert_array_equal(covered, grid)
         assert len(found) <= 30
-        np.testing.assert_array_equal(largest_cuboids(grid, 3), found[:3])
+        np.testing.assert_array_equal(largest_cuboids(grid, edges, 3), found[:3])
 
 
 def test_pieces_cover_the_solid():
@@ -271,26 +272,21 @@ def test_subtracting_leaves_the_rest():
     assert sum(map(hull_volume, rest)) == pytest.approx(1.0 - common, abs=1e-6)
 
 
-def test_limits_are_met_by_cutting_thickening_and_fewer_vertices():
+def test_limits_are_met_by_cutting_and_fewer_vertices():
     board = box_hull(np.zeros(3), np.array([1.0, 0.5, 0.006]))
-    assert limit_hulls([board], 32) == ((board,), ())
+    assert tile_hull(board, 1) == (board,)
     plate = clip_hull(board, np.array([0.6, 0.8, 0.0]), 0.95)
     assert plate is not None
-    cut, records = limit_hulls([plate], 32)
+    cut = tile_hull(plate, 6)
     assert_within_limits(cut)
     assert len(cut) == 6
     assert sum(map(hull_volume, cut)) == pytest.approx(hull_volume(plate))
-    assert "cut 5 times" in records[0]
-    few, records = limit_hulls([plate] * 3, 8)
-    assert_within_limits(few)
-    assert len(few) <= 8
-    assert any("thickened" in record for record in records)
-    thin, _ = limit_hulls([box_hull(np.zeros(3), np.array([0.03, 0.03, 0.0004]))], 32)
-    assert_within_limits(thin)
+    assert tile_hull(plate, 5) == ()
+    assert_within_limits([comply_hull(box_hull(np.zeros(3), np.array([0.03, 0.03, 0.0004])))])
     rng = np.random.default_rng(0)
     points = rng.normal(size=(500, 3))
     ball = convex_hull(points / np.linalg.norm(points, axis=1, keepdims=True))
-    (round_,), _ = limit_hulls([ball], 32)
+    round_ = comply_hull(ball)
     assert_within_limits([round_])
     assert hull_volume(round_) == pytest.approx(hull_volume(ball))
     assert measure_fit(unite_hulls([round_]), as_solid(ball)).volume_error < 0.12

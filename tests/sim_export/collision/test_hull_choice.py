@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from sim_export.collision.hull_methods import CoverConfig, choose_hulls
-from sim_export.collision.hull_offers import Cells, Offers, pack_marks
+from sim_export.collision.hull_choice import Cells, Offers, choose_hulls, pack_marks
 from sim_export.collision.hulls import box_hull
 
 CELLS, POINTS = 1000, 1000
@@ -28,7 +27,7 @@ def choose_large(more: int, missed: int, far: int) -> bool:
         bulges=np.zeros(2),
         weights=np.full((CELLS, 1, 1), 1.0 / CELLS),
     )
-    return choose_hulls(offers, CoverConfig(max_hulls=1))[0] == (LARGE,)
+    return choose_hulls(offers, 1)[0] == (LARGE,)
 
 
 @pytest.mark.parametrize(

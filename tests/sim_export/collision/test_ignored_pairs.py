@@ -91,6 +91,18 @@ def test_pairs_that_need_more_poses_are_not_listed(travel, listed):
     assert (ignored_pairs(made) == (("link_0", "link_1"),)) == listed
 
 
+@pytest.mark.parametrize(("end", "listed"), [(0.575, True), (0.59, False)])
+def test_pairs_are_measured_at_128_poses_at_most(end, listed):
+    """A bar that slides past the end of another one: 127 or 129 poses."""
+    made = package(
+        [joint(0, [1, 0, 0], upper=1.2), joint(1, [0, 1, 0], upper=1e-9)],
+        link_0=box([0.0, 0.0, 0.0], [1.0, 0.1, 0.1]),
+        link_1=box([-1.0, 0.11, 0.0], [end, 0.2, 0.1]),
+        link_9=FAR,
+    )
+    assert (ignored_pairs(made) == (("link_0", "link_1"),)) == listed
+
+
 def test_what_a_screw_connects_is_listed_and_comes_first():
     cap = joint(1, [0, 0, 1], parent="link_0", child="link_1", kind="prismatic")
     turn = joint(0, [0, 0, 1], kind="continuous", upper=2.0 * np.pi)

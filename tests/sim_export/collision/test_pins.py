@@ -36,6 +36,7 @@ def test_the_pin_stands_on_the_axis_beside_what_the_screw_moves(package):
     shape = find_primitive(hull)
     assert shape is not None
     assert shape.kind == "cylinder"
+    assert shape.sizes == pytest.approx((0.002, 0.004))
     assert np.abs(np.cross(shape.T_object_shape[:3, 2], travel.axis)).max() < 1e-9
     middle = shape.T_object_shape[:3, 3]
     assert np.allclose(middle, carrier.inertial.com)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim_export.collision.hulls import box_hull
-from sim_export.collision.motion import HELD_SHARE, held_length, keep_drawers_held
+from sim_export.collision.motion import held_length, keep_drawers_held
 from sim_export.package import Link, PackageJoint
 
 
@@ -35,7 +35,7 @@ def test_a_drawer_that_would_fall_out_is_held_by_exactly_the_share(upper):
     links, joints, panels = chest(upper)
     kept, records = keep_drawers_held(links, joints, panels)
     carcass, own = np.array([-1.0, 0.0]), panels["link_0"] @ joints[0].axis
-    assert held_length(own, carcass, kept[0].upper) == pytest.approx(HELD_SHARE * 0.8)
+    assert held_length(own, carcass, kept[0].upper) == pytest.approx(0.12 * 0.8)
     assert len(records) == 1
 
 

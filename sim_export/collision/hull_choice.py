@@ -1,8 +1,9 @@
-"""Scores of pool hulls against a solid: covered, missed and excess volume.
+"""Scores of pool hulls against a solid (covered, missed and excess volume), and the choice among them.
 
 Every hull is measured once: which cells of a grid it holds, which points of the solid's surface it misses,
 how far it bulges into free space, and as how many hulls it counts once it has been cut to a length that
-physics engines take.
+physics engines take. The choice is greedy: again and again, the hull is taken that gains most. What the
+budget leaves out is what volume and surface miss least.
 """
 
 from collections.abc import Sequence
@@ -32,6 +33,18 @@ TAKEN = 5.0
 """How many times free space counts where another link is: a hull there would have to be cut again."""
 HULL_SAMPLES = 120
 """Points on each hull whose distance to the solid is measured."""
+LEAST_SHARE = 0.02
+"""Share of its weight from which on surface counts."""
+MISSED_WEIGHT = 10.0
+"""What a share of the surface missed counts, in shares of the volume."""
+FREE_SHARE = 0.004
+"""Share of the surface that may be missed for nothing, unless it is too far away."""
+FAR_WEIGHT = 40.0
+"""What a share of the surface that is too far away counts on top of that."""
+FIRST_LOOKS = ((1.0, 0.0), (1.0, 0.02), (1.0, 1.0), (2.0, 0.02), (2.0, 0.1), (4.0, 0.0), (4.0, 0.1))
+"""What greedy choices begin with: factor of what filling counts, share of the surface's weight."""
+PRICE = 0.002
+"""What every hull costs, in shares of the volume."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -182,14 +195,6 @@ def join_offers(first: Offers, second: Offers) -> Offers:
     )
 
 
-def find_rest(offers: Offers) -> Bool[np.ndarray, "X Y Z"]:
-    """Cells of the solid that no hull holds."""
-    rest = offers.weights > 0
-    for item in offers.cells:
-        item.fill(rest, value=False)
-    return rest
-
-
 def pack_marks(marks: Bool[np.ndarray, "2 N"]) -> UInt64[np.ndarray, "2 W"]:
     """A bit for every mark; those that fill up the last word are 0."""
     packed = np.packbits(marks, axis=1)
@@ -260,3 +265,93 @@ def mark_missing(
     away = np.full(points.shape[1], np.inf, dtype=np.float32)
     away[near] = np.maximum(np.maximum(outside, beyond[near]), 0.0)
     return np.stack([away > limit for limit in limits])
+
+
+def choose_hulls(offers: Offers, most: int, weight: float = 1.0) -> tuple[tuple[Hull, ...], float]:
+    """The hulls that together stand best for the solid, and their loss; none where none was offered.
+
+    Greedy choices depend on what is looked for first, so surface is first given little weight, then more.
+
+    Args:
+        offers: What is chosen from.
+        most: Hulls, at most.
+        weight: What free space filled counts against solid missed; more keeps cavities freer.
+    """
+    if not offers.tiles:
+        return (), np.inf
+    covers = [_cover(offers, most, factor * weight, share) for factor, share in FIRST_LOOKS]
+    losses = [_loss(offers, cover, weight) for cover in covers]
+    best = int(np.argmin(losses))
+    return tuple(tile for index in covers[best] for tile in offers.tiles[index]), losses[best]
+
+
+def _loss(offers: Offers, cover: list[int], weight: float) -> float:
+    """What a cover misses, fills and costs."""
+    covered = np.zeros(offers.weights.shape, dtype=bool)
+    for index in cover:
+        offers.cells[index].fill(covered, value=True)
+    held = offers.weights[covered]
+    filled = offers.surplus[cover].sum() - held[held < 0].sum()
+    volume = 1.0 - held[held > 0].sum() + weight * filled
+    surface = (
+        _surface_loss(_missing_beside(offers, cover)[None], offers.points)[0]
+        + MISSED_WEIGHT * offers.bulges[cover].sum()
+    )
+    return float(volume + surface + PRICE * offers.costs[cover].sum())
+
+
+def _cover(offers: Offers, most: int, filled: float, share: float) -> list[int]:
+    """Greedy choice of at most ``most`` hulls, for which free space counts ``filled`` times.
+
+    Surface counts ``share`` of its weight until nothing is gained so, then ever more.
+    """
+    value = np.where(offers.weights < 0, filled * offers.weights, offers.weights)
+    volumes = np.array([item.select(value).sum() for item in offers.cells])
+    fixed = filled * offers.surplus + PRICE * offers.costs
+    missing = _missing_beside(offers, ())
+    surfaces = _surface_gains(offers, missing)
+    chosen: list[int] = []
+    room = most
+    while room > 0:
+        gains = volumes + share * surfaces - fixed
+        score = np.where(offers.costs <= room, gains / offers.costs, -np.inf)
+        best = int(score.argmax())
+        if score[best] > 0.0:
+            chosen.append(best)
+            room -= int(offers.costs[best])
+            offers.cells[best].fill(value, value=0.0)
+            missing = missing & offers.missing[best]
+            surfaces = _surface_gains(offers, missing)
+            for index in np.flatnonzero(_meet(offers.bounds, offers.bounds[best]) & np.isfinite(volumes)):
+                volumes[index] = offers.cells[index].select(value).sum()
+            volumes[best] = -np.inf
+        elif share < 1.0:
+            share = min(1.0, max(LEAST_SHARE, 3.0 * share))
+        else:
+            break
+    return chosen
+
+
+def _meet(bounds: Int[np.ndarray, "K 3 2"], other: Int[np.ndarray, "3 2"]) -> Bool[np.ndarray, "K"]:
+    """Whether windows of cells have any in common with another."""
+    return np.all((bounds[..., 0] < other[:, 1]) & (other[:, 0] < bounds[..., 1]), axis=-1)
+
+
+def _surface_gains(offers: Offers, missing: np.ndarray) -> np.ndarray:
+    """What each hull gains in surface, less what it bulges, where so much is ``missing`` yet."""
+    gained = _surface_loss(missing[None], offers.points)[0] - _surface_loss(
+        missing & offers.missing, offers.points
+    )
+    return gained - MISSED_WEIGHT * offers.bulges
+
+
+def _missing_beside(offers: Offers, cover: Sequence[int]) -> UInt64[np.ndarray, "2 W"]:
+    """The points that all hulls of a cover miss; all points without any."""
+    everything = pack_marks(np.ones((2, offers.points), dtype=bool))
+    return np.bitwise_and.reduce(offers.missing[list(cover)], axis=0) if len(cover) else everything
+
+
+def _surface_loss(missing: UInt64[np.ndarray, "K 2 W"], total: int) -> np.ndarray:
+    """What missing points count, out of ``total``."""
+    missed, far = np.bitwise_count(missing).sum(axis=2, dtype=np.int64).T / total
+    return MISSED_WEIGHT * np.maximum(missed - FREE_SHARE, 0.0) + FAR_WEIGHT * far
