@@ -19,6 +19,7 @@ from artigen.shapes.fittings.feet import make_wheel
 from artigen.shapes.fittings.fronts import FrontDesign
 from artigen.shapes.fittings.handles import HandleDesign
 from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Panel, Range, Space, around, narrow, share_down
+from artigen.shapes.fittings.latches import RELEASED
 from artigen.shapes.fittings.lids import (
     Rectangle,
     build_half_shell,
@@ -54,8 +55,6 @@ PAIRS: tuple[tuple[Color, Color], ...] = (
 """Colours of body and lid of plastic boxes."""
 WALL, LIP = 0.007, 0.024
 """Thickness (m) of the walls; protrusion of the handles of drawers."""
-RELEASED = 0.7
-"""Share of a latch's range at which it lets go of the lid."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
