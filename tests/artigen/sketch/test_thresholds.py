@@ -14,17 +14,20 @@ from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import box, place_vertices
 from artigen.shapes.shape import Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
-from artigen.sketch import alignment, growth, model, picture_colors
+from artigen.sketch import alignment, draw, growth, model, picture_colors
 from artigen.sketch.alignment import Fit, View, find_hull, place_camera
 from artigen.sketch.batch import make_batch
+from artigen.sketch.decoder import Decoder, PlaneScores
+from artigen.sketch.draft import begin_draft
 from artigen.sketch.model import load_sketch_network
-from artigen.sketch.network import SketchNetworkConfig
+from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.overlay import find_lines, find_visible, list_faces, measure_evenness, read_target
 from artigen.sketch.picture_colors import Spots, find_brightness, read_colors
 from artigen.sketch.piece import NUMBERS, Piece, PieceKind, UnknownSolid
 from artigen.sketch.pieces import build_piece, fit_pieces
+from artigen.sketch.planes import COARSE, FINE, OFFSET
 from artigen.sketch.request import SketchRequest, empty_request
-from artigen.sketch.rows import ROW_KINDS, sketch_to_rows
+from artigen.sketch.rows import REACH, ROW_KINDS, sketch_to_rows
 from artigen.sketch.rules import Writer
 from artigen.sketch.sketch import SketchError, write_sketch
 from artigen.splats.colors import linear_from_srgb
@@ -381,3 +384,29 @@ def test_what_is_within_is_one_and_what_is_beyond_is_none(name):
     holds, within, beyond = LIMITS[name]
     assert holds(within)
     assert not holds(beyond)
+
+
+@pytest.mark.parametrize(("rank", "possible"), [(24, True), (25, False)])
+def test_a_number_is_coded_by_one_of_the_24_likeliest_coarse_digits(rank: int, possible: bool):  # noqa: FBT001
+    """Of 30 coarse digits, each half as likely as the one before."""
+    decoder = Decoder(
+        SketchNetwork(SketchNetworkConfig(width=32, layers=1, heads=2, pointer=8, picture=None))
+    )
+    sampler = draw._Sampler(
+        decoder, begin_draft(decoder, empty_request()), [np.random.default_rng(0)], [1], 1
+    )
+    coarse, x = np.full((1, COARSE), -60.0), np.zeros((1, 32), dtype=np.float32)
+    coarse[0, :30] = -np.arange(30) * np.log(2.0)
+    scores = PlaneScores(ways=np.zeros((1, 3)), same=np.zeros((1, 1)), near=np.zeros((1, 1)))
+    values, _ = sampler._digit_chances(scores, coarse, x, np.array([[1 - REACH, REACH - 1]]))
+    assert ((rank - 1) * FINE - REACH in values) == possible
+
+
+@pytest.mark.parametrize(("rank", "possible"), [(48, True), (49, False)])
+def test_an_offset_is_one_from_one_of_the_48_likeliest_planes(rank: int, possible: bool):  # noqa: FBT001
+    """Of 60 planes that are so far apart that no offset reaches another."""
+    planes, near = np.arange(60)[None] * 1000, -np.arange(60.0)[None]
+    scores = PlaneScores(ways=np.zeros((1, 3)), same=near, near=near)
+    values, chances = draw._offset_chances(scores, np.zeros((1, 2 * OFFSET + 1)), planes)
+    assert ((rank - 1) * 1000 + OFFSET in values) == possible
+    assert chances.shape == values.shape
