@@ -6,7 +6,7 @@ that of a door before a drawer, when its sweep runs deep into the other's closed
 once the other is open. Requirements never form a cycle; shallow contact is clearance's business.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -144,11 +144,7 @@ def required_openings(
 
 
 def find_requirements(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple[Requirement, ...]:
-    """Which joints need which others open, with the least opening that frees them.
-
-    Where two joints block each other, the one that is blocked deeper gets the requirement and the
-    other none, so that following requirements always ends.
-    """
+    """Which joints need which others open (`require_openings`), by how deep links get into each other."""
     sets = [HullSet(hulls=link.hulls) for link in links]
     size = float(box_sides(links).max())
     driven = driven_joints(joints)
@@ -162,15 +158,38 @@ def find_requirements(links: Sequence[Link], joints: Sequence[PackageJoint]) -> 
                 continue
             depth = _depth(links, joints, sets, {joint.name: poses}, (moved[joint.name], apart))
             if depth > MIN_DEPTH * size:
-                blocked.append((depth, joint, other, apart))
-    found: list[Requirement] = []
-    for _, joint, other, apart in sorted(blocked, key=lambda row: (-row[0], row[1].name, row[2].name)):
-        poses = sweep_coordinates(joint, POSES)
-        if other.name == joint.name or joint.name in needed_fractions(other.name, found):
+                blocked.append((depth, joint, other))
+
+    def is_free(joint: PackageJoint, other: PackageJoint, opening: float) -> bool:
+        opened = {joint.name: sweep_coordinates(joint, POSES), other.name: opening}
+        apart = [slot for slot in moved[other.name] if slot not in moved[joint.name]]
+        return _depth(links, joints, sets, opened, (moved[joint.name], apart)) <= FREE_DEPTH * size
+
+    return require_openings(blocked, joints, is_free)
+
+
+def require_openings(
+    blocked: Sequence[tuple[float, PackageJoint, PackageJoint]],
+    joints: Sequence[PackageJoint],
+    is_free: Callable[[PackageJoint, PackageJoint, float], bool],
+    known: Sequence[Requirement] = (),
+) -> tuple[Requirement, ...]:
+    """Requirements for blocked joints, with the least of `FRACTIONS` that frees each, and the known ones.
+
+    Args:
+        blocked: How much a joint is blocked, the joint, and the joint that blocks it. Of two joints that
+            block each other the one that is blocked more gets the requirement and the other none, so that
+            following requirements always ends.
+        joints: All joints, in the order of the result.
+        is_free: Whether the first joint moves freely while the second one is at a coordinate.
+        known: Requirements found before.
+    """
+    found = list(known)
+    for _, joint, other in sorted(blocked, key=lambda row: (-row[0], row[1].name, row[2].name)):
+        if joint.name in needed_fractions(other.name, found):
             continue
         for fraction in FRACTIONS:
-            opened = {joint.name: poses, other.name: other.lower + fraction * (other.upper - other.lower)}
-            if _depth(links, joints, sets, opened, (moved[joint.name], apart)) <= FREE_DEPTH * size:
+            if is_free(joint, other, other.lower + fraction * (other.upper - other.lower)):
                 found.append(Requirement(joint=joint.name, needs=other.name, fraction=fraction))
                 break
     order = {joint.name: index for index, joint in enumerate(joints)}
