@@ -120,11 +120,10 @@ def name_sides(rows: NamedRows) -> Sides:
     step = 2 * low - xp.roll(low, 1, axis=1)
     values = [low, high, -low, -high, high - low, (low + high) // 2, step, low - rows.anchor]
     follows = rows.named & xp.roll(rows.named, 1, axis=1) & (rows.part == xp.roll(rows.part, 1, axis=1))
-    never = rows.named & ~rows.named
+    placed, never = rows.named & (rows.part > 0), xp.zeros_like(rows.named)
     free = []
     for axis in range(LENGTH):
         mirrored = rows.named if axis == MIRROR_AXIS else never
-        placed = rows.named & (rows.part > 0)
         free.append([rows.named, rows.named, mirrored, mirrored, rows.named, rows.named, follows, placed])
     free.append([rows.ranged, *[never] * (SIDES - 1)])
     stacked = xp.stack([xp.stack(sides, axis=-1) for sides in free], axis=1)
@@ -145,18 +144,10 @@ def list_planes(
     axis = places.axis
     objects = xp.arange(axis.shape[0], device=device(axis))[:, None]
     coordinate = axis < LENGTH
-    nothing, always = xp.zeros_like(axis), coordinate | ~coordinate
+    nothing, always = xp.zeros_like(axis), xp.ones_like(coordinate)
     shift = [nothing, nothing, nothing, nothing, places.low, nothing, nothing, places.anchor]
-    may = [
-        coordinate | places.ranges,
-        always,
-        always,
-        always,
-        places.ends,
-        always,
-        places.starts,
-        places.anchored,
-    ]
+    may = [always] * SIDES
+    may[0], may[4], may[6], may[7] = coordinate | places.ranges, places.ends, places.starts, places.anchored
     values = sides.values[objects, axis] + xp.stack(shift, axis=-1)[:, :, None]
     free = sides.free[objects, axis] & xp.stack(may, axis=-1)[:, :, None] & earlier[..., None]
     own = xp.stack([places.low, places.high], axis=-1)
