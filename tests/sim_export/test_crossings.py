@@ -71,3 +71,18 @@ def test_a_link_is_blocked_from_a_share_of_its_volume(share: float, *, needed: b
     ]
     found = find_crossings(links, joints, ())
     assert as_rows(found) == ([("joint_bar", "joint_flap", 0.25)] if needed else [])
+
+
+@pytest.mark.parametrize(("left", "fraction"), [(0.015, 0.25), (0.025, 0.5)])
+def test_a_way_is_free_where_two_percent_of_a_link_are_left_in_it(left: float, fraction: float):
+    """A bar slides below a flap which, a quarter open, still takes in ``left`` of the bar's thickness."""
+    links = [
+        make_link("body", ((0.0, 0.0, -0.2), (3.0, 0.1, -0.1))),
+        make_link("bar", ((0.0, 0.0, 0.0), (1.0, 0.1, 0.02))),
+        make_link("flap", ((1.2, -0.1, 0.0), (2.6, 0.2, 0.02))),
+    ]
+    joints = [
+        make_joint("bar", "prismatic", (1, 0, 0), (0, 0, 0), 1.4),
+        make_joint("flap", "prismatic", (0, 0, 1), (0, 0, 0), 4 * 0.02 * (1 - left)),
+    ]
+    assert as_rows(find_crossings(links, joints, ())) == [("joint_bar", "joint_flap", fraction)]
