@@ -22,8 +22,8 @@ from jaxtyping import Float
 from artigen.files.urdf import UrdfJoint, tree_problems
 from sim_export.checks.subject import Subject
 from sim_export.checks.sweep import open_positions
-from sim_export.collision.contacts import penetration_depths
 from sim_export.files.folders import find_packages
+from sim_export.geometry.contacts import penetration_depths
 from sim_export.package import PackageJoint
 
 STATES = 21

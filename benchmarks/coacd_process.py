@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sim_export.collision.hulls import convex_hull
 from sim_export.errors import DecompositionFailed, DegeneratePart
+from sim_export.geometry.hulls import convex_hull
 from sim_export.package import Hull, Mesh
 
 logger = logging.getLogger(__name__)

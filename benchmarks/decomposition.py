@@ -30,9 +30,9 @@ from artigen.datasets.partnet_mobility import read_object
 from artigen.types import Asset
 from artigen.voxels.voxelize import voxelize
 from sim_export.collision.decompose import decompose_part
-from sim_export.collision.hulls import convex_hull
 from sim_export.errors import DecompositionFailed, DegeneratePart
 from sim_export.geometry.boards import fill_boards
+from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.meshing import mesh_parts
 from sim_export.geometry.solids import as_solid, measure_fit, solid_arrays, unite_hulls
 from sim_export.package import Hull, Mesh

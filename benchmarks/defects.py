@@ -14,11 +14,11 @@ from typing import Literal
 
 import numpy as np
 
-from sim_export.collision.hulls import convex_hull
 from sim_export.files.obj import hull_obj_text, parse_obj, png_bytes
 from sim_export.files.read import read_package
 from sim_export.files.urdf import format_vector, link_origins
 from sim_export.files.write import UNHASHED, manifest_text
+from sim_export.geometry.hulls import convex_hull
 from sim_export.package import Hull
 
 URDF = "mobility.urdf"

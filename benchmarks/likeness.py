@@ -15,9 +15,9 @@ from artigen.datasets.partnet_mobility import read_object
 from artigen.kinematics import displacements, movable_parts
 from artigen.types import Asset
 from artigen.voxels.voxelize import voxelize
-from sim_export.collision.hulls import hull_planes
-from sim_export.collision.motion import driven_joints, link_displacements
 from sim_export.files.read import read_package
+from sim_export.geometry.hulls import hull_planes
+from sim_export.motion.kinematics import driven_joints, link_displacements
 from sim_export.package import Mesh, PackageJoint, SimPackage
 
 STATES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)

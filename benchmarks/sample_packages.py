@@ -11,9 +11,9 @@ import numpy as np
 from sample_cabinet import SAMPLE_PARTS, SamplePart, sample_box_arrays
 
 from artigen.types import FIXED, Asset, Joint, Part
-from sim_export.collision.hulls import box_hull
-from sim_export.collision.motion import find_requirements
 from sim_export.files.write import write_package
+from sim_export.geometry.hulls import box_hull
+from sim_export.motion.requirements import find_requirements
 from sim_export.package import Hull, Mesh, SimPackage
 from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.inertia import combine, mesh_inertial

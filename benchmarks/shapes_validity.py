@@ -4,7 +4,7 @@
 
 draws objects of every category and judges each: parts are connected and stand on the floor, nothing overlaps
 at rest or at 21 poses of any joint (others closed, or open as required), and every link is a valid collision
-body. Distances are those of convex hulls (`sim_export.collision.contacts`). Writes ``validity.md`` (table)
+body. Distances are those of convex hulls (`sim_export.geometry.contacts`). Writes ``validity.md`` (table)
 and ``failures.txt`` (category, seed, reason).
 """
 
@@ -29,8 +29,8 @@ from artigen.shapes.draw import categories, draw_shape
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
 from artigen.types import Asset
-from sim_export.collision.contacts import HullSet, signed_distances
-from sim_export.collision.hulls import hull_width
+from sim_export.geometry.contacts import HullSet, signed_distances
+from sim_export.geometry.hulls import hull_width
 from sim_export.package import Hull
 from sim_export.physics.links import link_owners
 

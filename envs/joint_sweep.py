@@ -6,9 +6,9 @@ from pathlib import Path
 import gymnasium as gym
 import numpy as np
 
-from sim_export.collision.contacts import HullSet, penetration_depths
-from sim_export.collision.hulls import convex_hull
 from sim_export.errors import DegeneratePart
+from sim_export.geometry.contacts import HullSet, penetration_depths
+from sim_export.geometry.hulls import convex_hull
 
 from .base import PackageEnv
 from .hand import pose_matrix, shape_vertices

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import rotation_about
-from sim_export.tree import needed_fractions
+from sim_export.motion.kinematics import needed_fractions
 
 from .hand import Moved, hand_effort, measure_moved, weight_effort
 from .loaded import LoadedJoint, LoadedPackage, qpos_of

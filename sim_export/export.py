@@ -17,17 +17,17 @@ from sim_export.collision.clearance import clear_joints
 from sim_export.collision.decompose import decompose_parts
 from sim_export.collision.feet import add_feet, level_object
 from sim_export.collision.hull_limits import flatten_links
-from sim_export.collision.motion import find_requirements, keep_drawers_held
 from sim_export.collision.object_cover import ObjectCover, find_passing
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.recovery import recover_surface
 from sim_export.collision.trimming import fill_meshes, trim_meshes
-from sim_export.crossings import find_crossings
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import free_latches, separate_solids
 from sim_export.geometry.struts import brace_links
 from sim_export.geometry.wheels import fit_width, is_open, round_wheels
+from sim_export.motion.held_drawers import keep_drawers_held
+from sim_export.motion.requirements import find_crossings, find_requirements
 from sim_export.package import Inertial, Link, Mesh, SimPackage, SourceMesh
 from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.links import (

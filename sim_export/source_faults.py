@@ -20,19 +20,19 @@ from artigen.transforms import inverse, transform_points
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.suite import run_checks
 from sim_export.collision.free_space import FreeSpace, find_free_space, find_inside
-from sim_export.collision.hulls import wrap_surface
-from sim_export.collision.motion import (
+from sim_export.files.write import write_draft
+from sim_export.geometry.hulls import wrap_surface
+from sim_export.geometry.islands import visual_islands
+from sim_export.geometry.piercing import PiercedSurface, find_edges, piercing_depth
+from sim_export.geometry.rows import all_three
+from sim_export.geometry.sampling import sample_triangles
+from sim_export.motion.kinematics import (
     driven_joints,
     link_displacements,
     moved_links,
     required_openings,
     sweep_coordinates,
 )
-from sim_export.files.write import write_draft
-from sim_export.geometry.islands import visual_islands
-from sim_export.geometry.piercing import PiercedSurface, find_edges, piercing_depth
-from sim_export.geometry.rows import all_three
-from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import PackageJoint, SimPackage
 
 SAMPLES = 4000

@@ -6,7 +6,7 @@ import numpy as np
 from sample_cabinet import SAMPLE_PARTS, sample_box_arrays
 
 from artigen.types import Asset
-from sim_export.collision.hulls import box_hull
+from sim_export.geometry.hulls import box_hull
 from sim_export.package import Mesh, SimPackage
 from sim_export.physics.inertia import combine, mesh_inertial
 from sim_export.physics.links import PartGeometry, build_links

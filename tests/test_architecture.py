@@ -45,6 +45,20 @@ LAYERS = (
     {"cli", "weights"},
 )
 """Folders and loose modules of artigen, lowest first: a layer imports from itself and from below."""
+EXPORT_LAYERS = (
+    {"errors", "package", "report"},
+    {"geometry"},
+    {"motion", "topology"},
+    {"physics"},
+    {"collision", "appearance"},
+    {"files", "fingerprint"},
+    {"picture"},
+    {"checks"},
+    {"source_faults", "usd"},
+    {"mend"},
+    {"export", "reference"},
+)
+"""The same of sim_export."""
 HEAVY = (
     "torch",
     "sapien",
@@ -161,11 +175,12 @@ def test_imports_go_from_envs_to_sim_export_to_the_shared_part_of_artigen():
     assert not wrong
 
 
-def test_artigen_is_a_stack_of_layers():
-    floor = {name: number for number, names in enumerate(LAYERS) for name in names}
+@pytest.mark.parametrize(("package", "layers"), [("artigen", LAYERS), ("sim_export", EXPORT_LAYERS)])
+def test_a_package_is_a_stack_of_layers(package: str, layers: tuple[set[str], ...]):
+    floor = {name: number for number, names in enumerate(layers) for name in names}
     wrong = []
     for item in IMPORTS:
-        if not item.importer.startswith("artigen.") or item.module.split(".")[0] != "artigen":
+        if not item.importer.startswith(f"{package}.") or item.module.split(".")[0] != package:
             continue
         source = item.importer.split(".")[1]
         if source == "__main__":

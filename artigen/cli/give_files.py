@@ -125,7 +125,7 @@ def _give_samples(
     surface: SurfaceSamples, triangles: Float[np.ndarray, "F 3 3"], losers: Int[np.ndarray, "L"], taker: int
 ) -> SurfaceSamples:
     """Samples with those of the parts ``losers`` on some triangles (unit cube) given to ``taker``."""
-    from sim_export.checks.surface import surface_distances
+    from sim_export.geometry.distances import surface_distances
 
     ids = np.array(surface.part_ids)
     asked = np.flatnonzero(np.isin(ids, losers))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sim_export.collision.motion import moved_links, required_openings
+from sim_export.motion.kinematics import moved_links, required_openings
 from sim_export.package import PackageJoint, SimPackage
 from sim_export.physics.inertia import combine, inertia_about
 

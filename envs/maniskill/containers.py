@@ -10,9 +10,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from artigen.transforms import transform_points
-from sim_export.collision.hulls import hull_planes
+from sim_export.geometry.hulls import hull_planes
+from sim_export.motion.kinematics import hanging_links
 from sim_export.package import Hull
-from sim_export.tree import hanging_links
 
 from .hulls import open_above_ground
 from .objects import TaskObject, TaskPart

@@ -6,10 +6,9 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import transform_points
-from sim_export.collision.hulls import box_hull
-from sim_export.collision.motion import driven_joints, link_displacements
+from sim_export.geometry.hulls import box_hull
+from sim_export.motion.kinematics import driven_joints, hanging_links, link_displacements
 from sim_export.package import Hull
-from sim_export.tree import hanging_links
 
 from .objects import TaskObject, TaskPart
 from .placement import part_motion

@@ -15,13 +15,13 @@ from jaxtyping import Float
 
 from artigen.errors import ArtigenError
 from artigen.types import PartLabel
-from sim_export.collision.hulls import hull_planes
 from sim_export.errors import PackageError
 from sim_export.files.folders import find_packages as package_folders
 from sim_export.files.read import read_package
+from sim_export.geometry.hulls import hull_planes
+from sim_export.motion.kinematics import hanging_links, needed_fractions
 from sim_export.package import HandleAnnotation, Hull, PackageJoint, SimPackage
 from sim_export.report import report_from_json
-from sim_export.tree import hanging_links, needed_fractions
 
 from .verbs import VERBS, Verb, grip_direction, verb_of
 

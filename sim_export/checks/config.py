@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from sim_export.geometry.distances import MAX_P99
+
 CATEGORY_DIAGONALS: tuple[tuple[str, float, float], ...] = (
     ("Bottle", 0.1, 0.8),
     ("Box", 0.1, 2.0),
@@ -74,7 +76,7 @@ class CheckConfig:
     """V102: thinnest extent (m) of a hull."""
     max_hausdorff: float = 0.03
     """V103: largest distance between collision and visual surface, as a share of the object's diagonal."""
-    max_p99: float = 0.015
+    max_p99: float = MAX_P99
     """V103: the same for 99 % of the surface."""
     min_iou: float = 0.85
     """V103: volume overlap of collision and closed visual meshes on the grid below."""

@@ -11,10 +11,10 @@ from artigen.types import FULL_TURN
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, always, count_problems
 from sim_export.checks.subject import MAIN_URDF, Subject
-from sim_export.collision.contacts import HullSet
 from sim_export.errors import PackageError
 from sim_export.files.urdf import splats_path
 from sim_export.files.write import MANIFEST, manifest_problems
+from sim_export.geometry.contacts import HullSet
 from sim_export.package import URDF_JOINT_TYPES
 
 LATER = ("validation.json",)

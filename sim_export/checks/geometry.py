@@ -7,10 +7,10 @@ import numpy as np
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, always, count_problems
 from sim_export.checks.subject import Shape, Subject
-from sim_export.collision.contacts import HullSet, signed_distances
-from sim_export.collision.hulls import count_polygons, hull_length, hull_width
 from sim_export.errors import PackageError
 from sim_export.files.obj import face_normals, parse_mtl, read_image
+from sim_export.geometry.contacts import HullSet, signed_distances
+from sim_export.geometry.hulls import count_polygons, hull_length, hull_width
 from sim_export.geometry.islands import hull_islands, visual_islands
 from sim_export.geometry.rows import number_rows
 from sim_export.geometry.sampling import find_slivers, triangle_areas

@@ -12,7 +12,6 @@ from jaxtyping import Float
 
 from artigen.transforms import frame_along
 from sim_export.checks.config import CheckConfig
-from sim_export.checks.grid import Grid, column_crossings
 from sim_export.checks.opening import (
     PARALLEL,
     opening_joints,
@@ -22,6 +21,7 @@ from sim_export.checks.opening import (
 )
 from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Shape, Subject
+from sim_export.geometry.grid import Grid, column_crossings
 from sim_export.package import PackageJoint
 
 _COLUMNS = 48

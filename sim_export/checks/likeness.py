@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_export.checks.config import CheckConfig
-from sim_export.checks.grid import Grid, fill_solid, find_cavity, make_grid, mark_surface
 from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Subject
-from sim_export.checks.surface import inside_hulls, surface_distances
 from sim_export.errors import PackageError
+from sim_export.geometry.distances import surface_distances
 from sim_export.geometry.exposure import find_outside, is_exposed, triangle_normals
+from sim_export.geometry.grid import Grid, fill_solid, find_cavity, make_grid, mark_surface
+from sim_export.geometry.hulls import inside_hulls
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 
 _LEAST_SAMPLES = 64

@@ -9,7 +9,7 @@ from artigen.transforms import line_distance
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, count_problems
 from sim_export.checks.subject import Subject
-from sim_export.collision.hulls import hull_planes
+from sim_export.geometry.hulls import hull_planes
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import Hull, PackageJoint
 

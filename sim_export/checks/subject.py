@@ -18,14 +18,14 @@ from artigen.files.urdf import UrdfFile, UrdfLink, UrdfShape, rest_poses, tree_p
 from artigen.files.wavefront import ObjText
 from artigen.transforms import transform_points
 from artigen.types import PartLabel
-from sim_export.collision.contacts import HullSet
-from sim_export.collision.hulls import convex_hull
-from sim_export.collision.motion import MOVING_TYPES, link_displacements
 from sim_export.errors import DegeneratePart, PackageError
 from sim_export.files.foreign import read_semantics
 from sim_export.files.joints import place_joint
 from sim_export.files.obj import parse_obj, parse_urdf
+from sim_export.geometry.contacts import HullSet
+from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.primitives import primitive_mesh
+from sim_export.motion.kinematics import MOVING_TYPES, link_displacements
 from sim_export.package import Hull, Link, PackageJoint, Requirement
 
 MAIN_URDF = "mobility.urdf"

@@ -7,22 +7,15 @@ counts, measured by exact hull distances.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
-from artigen.transforms import inverse, transform_points
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Subject
-from sim_export.checks.surface import inside_hulls
-from sim_export.collision.contacts import Distances, HullSet, penetration_depths, signed_distances
-from sim_export.collision.motion import required_openings, sample_range
 from sim_export.errors import PackageError
+from sim_export.geometry.contacts import penetration_depths, signed_distances
+from sim_export.geometry.overlap import TOUCH, swept_overlap
+from sim_export.motion.kinematics import needed_fractions, required_openings, sample_range
 from sim_export.package import PackageJoint
-from sim_export.tree import needed_fractions
-
-_SAMPLES_PER_LINK = 1500
-_TOUCH = 1e-4
-"""Penetration (m) below which the overlapping volume is ignored."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -60,7 +53,7 @@ def check_sweep(subject: Subject, cfg: CheckConfig) -> Finding:
             where = f"{mover} into {other} ({motion.name})"
             if excess > depth:
                 depth, depth_where = excess, where
-            if excess > _TOUCH:
+            if excess > TOUCH:
                 share = swept_overlap(first, second, motion.T[mover], motion.T[other], found)
                 if share > overlap:
                     overlap, overlap_where = share, where
@@ -157,37 +150,6 @@ def _solid(subject: Subject, pairs: list[tuple[str, str]]) -> tuple[tuple[str, s
 def _rest_depth(subject: Subject, first: str, second: str) -> float:
     still = np.eye(4)
     return float(penetration_depths(subject.hull_sets[first], subject.hull_sets[second], still, still)[0])
-
-
-def swept_overlap(
-    mover: HullSet,
-    other: HullSet,
-    T_mover: Float[np.ndarray, "*P 4 4"],
-    T_other: Float[np.ndarray, "*P 4 4"],
-    found: Distances,
-) -> float:
-    """Share of the mover's volume that is inside the other link at some pose but not at rest."""
-    points = volume_samples(mover, _SAMPLES_PER_LINK)
-    T = inverse(T_other) @ T_mover
-    poses = np.unique(found.pose[found.distance < -_TOUCH])
-    entered = np.zeros(len(points), dtype=bool)
-    for pose in poses:
-        touched = np.unique(found.second[(found.pose == pose) & (found.distance < -_TOUCH)])
-        hulls = tuple(other.hulls[index] for index in touched)
-        entered |= inside_hulls(transform_points(T[pose] if T.ndim == 3 else T, points), hulls)
-    return float(np.mean(entered & ~inside_hulls(points, other.hulls)))
-
-
-def volume_samples(hulls: HullSet, count: int) -> Float[np.ndarray, "N 3"]:
-    """About ``count`` evenly spread points in the union of hulls; deterministic."""
-    low, high = hulls.vertices.min(axis=0), hulls.vertices.max(axis=0)
-    from scipy.stats.qmc import Sobol
-
-    trial = low + Sobol(3, scramble=False).random(1024) * (high - low)
-    filled = max(float(inside_hulls(trial, hulls.hulls).mean()), 1.0 / 64.0)
-    needed = 2 ** int(np.ceil(np.log2(count / filled)))
-    points = low + Sobol(3, scramble=False).random(needed) * (high - low)
-    return points[inside_hulls(points, hulls.hulls)]
 
 
 def has_two_solids(subject: Subject) -> str:

@@ -1,1 +1,1 @@
-"""Convex collision hulls: candidates, selection, clearance, additions."""
+"""Convex collision hulls of links: candidates, selection, clearance, additions."""

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hull_limits import MAX_ASPECT, MAX_VERTICES, MOST_OF_LINK, hull_aspect
-from sim_export.collision.hulls import box_hull, convex_hull, hull_planes, replace_hulls
-from sim_export.collision.motion import Sweep, read_sweeps
+from sim_export.geometry.contacts import HullSet, signed_distances
+from sim_export.geometry.hulls import box_hull, convex_hull, hull_planes, replace_hulls
+from sim_export.motion.kinematics import Sweep, read_sweeps
 from sim_export.package import Hull, Link, PackageJoint, Requirement
 
 GAP = 2e-4

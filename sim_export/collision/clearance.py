@@ -12,17 +12,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.collision.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.collision.cut_hulls import CutHulls, LinkRelief
-from sim_export.collision.hulls import replace_hulls
-from sim_export.collision.motion import (
+from sim_export.collision.relief import MARGIN, OverlappingPair, Relief, cut_along_faces, relieve_pair
+from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
+from sim_export.geometry.hulls import replace_hulls
+from sim_export.motion.kinematics import (
     driven_joints,
     link_displacements,
     moved_links,
     required_openings,
     sample_sweep,
 )
-from sim_export.collision.relief import MARGIN, OverlappingPair, Relief, cut_along_faces, relieve_pair
 from sim_export.package import Link, PackageJoint, Requirement
 
 _FRONTS = {"door", "drawer"}

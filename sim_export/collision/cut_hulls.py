@@ -5,9 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim_export.checks.config import CheckConfig
-from sim_export.checks.surface import inside_hulls, surface_distances
-from sim_export.collision.contacts import HullSet
 from sim_export.collision.hull_limits import (
     MAX_POLYGONS,
     MAX_VERTICES,
@@ -16,11 +13,13 @@ from sim_export.collision.hull_limits import (
     compact_hull,
     trim_hull,
 )
-from sim_export.collision.hulls import hull_volume, hull_width, reduce_hull
-from sim_export.collision.motion import box_sides
 from sim_export.collision.relief import END, MAX_REMOVED, SLIVER, SLIVER_LENGTH, find_ends
 from sim_export.collision.specks import drop_specks
+from sim_export.geometry.contacts import HullSet
+from sim_export.geometry.distances import MAX_P99, surface_distances
+from sim_export.geometry.hulls import hull_volume, hull_width, inside_hulls, reduce_hull
 from sim_export.geometry.sampling import sample_triangles
+from sim_export.motion.kinematics import box_sides
 from sim_export.package import Hull, Link
 
 MAX_GROWTH = 1.5
@@ -149,7 +148,7 @@ class CutHulls:
         points = sample_triangles(hull.vertices[hull.faces], SKIN_SAMPLES)[0]
         outside = points[~inside_hulls(points, tuple(others))]
         solid = np.concatenate([other.vertices[other.faces] for other in others])
-        reach = CheckConfig.max_p99 * self.diagonal
+        reach = MAX_P99 * self.diagonal
         return bool((surface_distances(outside, solid, SKIN_NEAREST) <= reach).all())
 
     def sets(self) -> list[HullSet]:

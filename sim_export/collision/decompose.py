@@ -13,7 +13,6 @@ from typing import Literal
 
 import numpy as np
 
-from sim_export.checks.surface import SampledSurface, sample_surface_tree
 from sim_export.collision.hull_choice import (
     TAKEN,
     Ground,
@@ -27,6 +26,7 @@ from sim_export.collision.hull_choice import (
 from sim_export.collision.hull_limits import THICKEST, compact_hull, comply_hull
 from sim_export.collision.hull_pool import MOST_PIECES, Solid, box_offers, piece_offers
 from sim_export.errors import DecompositionFailed
+from sim_export.geometry.distances import SampledSurface, sample_surface_tree
 from sim_export.geometry.solids import (
     SURFACE_SAMPLES,
     as_solid,

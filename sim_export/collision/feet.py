@@ -17,9 +17,12 @@ import numpy as np
 from jaxtyping import Float
 
 from sim_export.collision.attachment import add_hull
-from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hull_limits import trim_hull
-from sim_export.collision.hulls import (
+from sim_export.collision.surface_hulls import split_components
+from sim_export.collision.surface_pieces import cut_triangles
+from sim_export.errors import DegeneratePart
+from sim_export.geometry.contacts import HullSet, signed_distances
+from sim_export.geometry.hulls import (
     box_hull,
     clip_hull,
     convex_hull,
@@ -28,11 +31,8 @@ from sim_export.collision.hulls import (
     hull_width,
     replace_hulls,
 )
-from sim_export.collision.motion import Sweep, read_sweeps
-from sim_export.collision.surface_hulls import split_components
-from sim_export.collision.surface_pieces import cut_triangles
-from sim_export.errors import DegeneratePart
 from sim_export.geometry.sampling import sample_triangles
+from sim_export.motion.kinematics import Sweep, read_sweeps
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement, Visual
 from sim_export.physics.standing import MARGIN, center_of_mass, depth_of_mass
 

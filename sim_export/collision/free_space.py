@@ -13,10 +13,10 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
-from sim_export.checks.grid import Grid, make_grid, mark_surface
 from sim_export.collision.cuboids import box_sums, compress, count_filled, empty_box, grow_boxes
-from sim_export.collision.hulls import box_hull
 from sim_export.geometry.exposure import triangle_normals
+from sim_export.geometry.grid import Grid, make_grid, mark_surface
+from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.rows import all_three, number_rows
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 from sim_export.package import Hull

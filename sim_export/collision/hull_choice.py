@@ -16,7 +16,7 @@ from jaxtyping import Bool, Float, Int, UInt64
 from scipy.spatial import KDTree
 
 from sim_export.collision.cuboids import face_coordinates
-from sim_export.collision.hulls import face_planes, hull_volume
+from sim_export.geometry.hulls import face_planes, hull_volume
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 from sim_export.geometry.solids import inside_grid, solid_arrays
 from sim_export.package import Hull

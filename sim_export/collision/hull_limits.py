@@ -14,7 +14,7 @@ from jaxtyping import Float
 from scipy.spatial import ConvexHull
 from scipy.spatial.distance import pdist
 
-from sim_export.collision.hulls import (
+from sim_export.geometry.hulls import (
     box_bounds,
     clip_hull,
     convex_hull,

@@ -13,9 +13,9 @@ import numpy as np
 from sim_export.collision.cuboids import face_coordinates, fill_between
 from sim_export.collision.hull_choice import PooledHull
 from sim_export.collision.hull_limits import MAX_ASPECT, comply_hull, thicken_hull, tile_hull
-from sim_export.collision.hulls import box_hull, hull_length
 from sim_export.collision.joining import join_neighbours
 from sim_export.errors import DegeneratePart
+from sim_export.geometry.hulls import box_hull, hull_length
 from sim_export.geometry.solids import as_solid, measure_fit, solid_arrays, solid_hull, unite_hulls
 from sim_export.package import Hull
 

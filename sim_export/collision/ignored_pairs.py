@@ -14,9 +14,9 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial import ConvexHull
 
-from sim_export.collision.contacts import HullSet, signed_distances
-from sim_export.collision.hulls import convex_hull
-from sim_export.collision.motion import link_displacements
+from sim_export.geometry.contacts import HullSet, signed_distances
+from sim_export.geometry.hulls import convex_hull
+from sim_export.motion.kinematics import link_displacements
 from sim_export.package import Link, PackageJoint, SimPackage
 
 TOUCH_DISTANCE = 1e-4

@@ -7,13 +7,6 @@ from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
 from sim_export.collision.free_space import find_free_space
-from sim_export.collision.motion import (
-    POSES,
-    driven_joints,
-    link_displacements,
-    moved_links,
-    sweep_coordinates,
-)
 from sim_export.collision.surface_hulls import (
     FINER,
     USUAL,
@@ -24,8 +17,15 @@ from sim_export.collision.surface_hulls import (
     refine_cover,
 )
 from sim_export.geometry.sampling import sample_triangles
+from sim_export.motion.kinematics import (
+    driven_joints,
+    hanging_links,
+    link_displacements,
+    moved_links,
+    sweep_coordinates,
+)
+from sim_export.motion.requirements import POSES
 from sim_export.package import Hull, Link, PackageJoint
-from sim_export.tree import hanging_links
 
 COARSER = 1.5
 """Factor by which the bulge grows while there are too many hulls."""

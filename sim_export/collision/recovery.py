@@ -13,19 +13,14 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
-from sim_export.checks.surface import inside_hulls, surface_distances
 from sim_export.collision.attachment import GAP, add_hull, relative_poses
-from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hull_limits import MIN_WIDTH, MOST_OF_LINK, trim_hull
-from sim_export.collision.hulls import (
-    clip_hull,
-    hull_volume,
-    hull_width,
-    replace_hulls,
-)
-from sim_export.collision.motion import Sweep, read_sweeps
+from sim_export.geometry.contacts import HullSet, signed_distances
+from sim_export.geometry.distances import surface_distances
+from sim_export.geometry.hulls import clip_hull, hull_volume, hull_width, inside_hulls, replace_hulls
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 from sim_export.geometry.solids import as_solid, solid_arrays, solid_hull
+from sim_export.motion.kinematics import Sweep, read_sweeps
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
 
 _DENSER = 4

@@ -11,9 +11,9 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
-from sim_export.collision.contacts import Distances, HullSet, signed_distances
 from sim_export.collision.hull_limits import MAX_ASPECT, box_along, hull_aspect
-from sim_export.collision.hulls import (
+from sim_export.geometry.contacts import Distances, HullSet, signed_distances
+from sim_export.geometry.hulls import (
     clip_hull,
     convex_hull,
     face_planes,

@@ -12,8 +12,8 @@ import manifold3d
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.collision.contacts import HullSet, signed_distances
-from sim_export.collision.hulls import face_planes, hull_width
+from sim_export.geometry.contacts import HullSet, signed_distances
+from sim_export.geometry.hulls import face_planes, hull_width
 from sim_export.geometry.primitives import (
     PrimitiveShape,
     find_primitive,

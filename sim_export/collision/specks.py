@@ -9,9 +9,9 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.checks.surface import triangle_distances
-from sim_export.collision.contacts import HullSet
-from sim_export.collision.hulls import hull_length, hull_planes
+from sim_export.geometry.contacts import HullSet
+from sim_export.geometry.distances import triangle_distances
+from sim_export.geometry.hulls import hull_length, hull_planes
 from sim_export.geometry.islands import find_islands, nearest_points
 from sim_export.package import Hull
 

@@ -15,7 +15,6 @@ from jaxtyping import Bool, Float
 
 from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, cover_with_boxes, is_open_between, look_up
 from sim_export.collision.hull_limits import MIN_WIDTH, THICKEST, compact_hull, thicken_hull
-from sim_export.collision.hulls import convex_hull
 from sim_export.collision.joining import join_neighbours
 from sim_export.collision.sectors import count_sectors, cut_sectors, find_axis
 from sim_export.collision.specks import drop_specks
@@ -28,6 +27,7 @@ from sim_export.collision.surface_pieces import (
 )
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.exposure import is_exposed, triangle_normals
+from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.rows import number_rows
 from sim_export.package import Hull
 

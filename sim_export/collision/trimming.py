@@ -14,14 +14,14 @@ from collections.abc import Mapping, Sequence
 import manifold3d
 import numpy as np
 
-from sim_export.checks.surface import SampledSurface, distances_to, sample_surface_tree
 from sim_export.collision.attachment import is_free
-from sim_export.collision.contacts import HullSet
-from sim_export.collision.motion import read_sweeps
 from sim_export.collision.recovery import cut_out, find_lost, group_points
+from sim_export.geometry.contacts import HullSet
+from sim_export.geometry.distances import SampledSurface, distances_to, sample_surface_tree
 from sim_export.geometry.sampling import triangle_areas
 from sim_export.geometry.solids import as_solid, inside_grid, solid_arrays, solid_hull
 from sim_export.geometry.tidy import tidy_mesh
+from sim_export.motion.kinematics import read_sweeps
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
 
 FILLED_DEPTH = 1.6

@@ -16,8 +16,8 @@ from jaxtyping import Float, Int, UInt8
 from artigen.errors import SourceError
 from artigen.files import urdf, wavefront
 from artigen.files.wavefront import ObjText
-from sim_export.collision.hulls import convex_hull
 from sim_export.errors import PackageError
+from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.normals import corner_normals
 from sim_export.geometry.rows import number_rows
 from sim_export.package import Hull, Mesh

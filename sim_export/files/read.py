@@ -18,13 +18,13 @@ from artigen.splats.motion import transform_gaussians
 from artigen.splats.ply import read_ply
 from artigen.transforms import transform_points
 from artigen.types import JOINT_TYPES, Gaussians, PartLabel
-from sim_export.collision.hulls import convex_hull
 from sim_export.errors import DegeneratePart, PackageError
 from sim_export.files.foreign import PLATE_THICKNESS, label_of, read_semantics, thicken
 from sim_export.files.joints import place_joint
 from sim_export.files.obj import parse_obj, parse_urdf, read_mesh
 from sim_export.files.sidecars import FORMAT, VERSION, handles_from_json
 from sim_export.files.urdf import splats_path
+from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.primitives import primitive_mesh
 from sim_export.package import (
     Hull,

@@ -1,1 +1,1 @@
-"""Closed meshes from voxels of parts."""
+"""Meshes, hulls, solids and grids of triangles: closed meshes from voxels, distances, contacts."""

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy import ndimage
 
-from sim_export.checks.grid import Grid
+from sim_export.geometry.grid import Grid
 from sim_export.geometry.rows import all_three
 from sim_export.geometry.sampling import cross_rows
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from sim_export.checks.grid import Grid, make_grid, mark_surface
-from sim_export.collision.contacts import HullSet
+from sim_export.geometry.contacts import HullSet
 from sim_export.geometry.exposure import find_outside
+from sim_export.geometry.grid import Grid, make_grid, mark_surface
 from sim_export.geometry.rows import number_rows
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
-from sim_export.checks.surface import SampledSurface, distances_to
-from sim_export.collision.hulls import convex_hull, face_planes, hull_planes
 from sim_export.errors import OpenMesh
+from sim_export.geometry.distances import SampledSurface, distances_to
+from sim_export.geometry.hulls import convex_hull, hull_planes, inside_hulls
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import Hull, Mesh
 
@@ -135,24 +135,11 @@ def measure_kept_cavity(hulls: Sequence[Hull], solid: manifold3d.Manifold, skin:
     reach = ndimage.distance_transform_edt(~solid_points, sampling=(high - low) / CAVITY_CELLS)
     grid = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)
     points = grid[np.asarray(reach) > skin]
-    points = points[_inside_hull(points, solid_hull(solid))]
+    points = points[inside_hulls(points, (solid_hull(solid),))]
     cell = float(np.prod((high - low) / CAVITY_CELLS))
     if len(points) * cell < 0.05 * solid.hull().volume():
         return 1.0
-    free = points
-    for hull in hulls:
-        free = free[~_inside_hull(free, hull)]
-    return len(free) / len(points)
-
-
-def _inside_hull(points: np.ndarray, hull: Hull) -> np.ndarray:
-    low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
-    near = np.ones(len(points), dtype=bool)
-    for axis in range(3):
-        near &= (points[:, axis] >= low[axis]) & (points[:, axis] <= high[axis])
-    for plane in face_planes(hull):
-        near[near] = points[near] @ plane[:3] <= plane[3] + 1e-9
-    return near
+    return float(np.mean(~inside_hulls(points, hulls)))
 
 
 def inside_grid(

@@ -8,15 +8,15 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.types import Asset, Joint
-from sim_export.checks.config import CheckConfig
-from sim_export.checks.surface import surface_distances
-from sim_export.collision.hulls import convex_hull, hull_volume
+from sim_export.geometry.distances import MAX_P99, surface_distances
+from sim_export.geometry.hulls import convex_hull, hull_volume
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.geometry.solids import as_solid
 from sim_export.geometry.tidy import tidy_mesh
 from sim_export.package import Hull, Mesh
-from sim_export.physics.resistance import STEEPEST_AXLE
 
+STEEPEST_AXLE = 0.5
+"""Largest vertical component of an axle; a wheel on a steeper one is a swivel that carries a wheel."""
 SEGMENTS = 24
 """Sides of the cylinder; a corner points down, so that it stands on an edge."""
 LEAST_ALIKE = 0.6
@@ -46,7 +46,7 @@ def is_open(triangles: Float[np.ndarray, "F 3 3"], cylinder: Hull, diagonal: flo
     1 % of it is farther from them than check V103 allows. All lengths in metres."""
     points, _ = sample_triangles(cylinder.vertices[cylinder.faces], SAMPLES)
     distances = surface_distances(points, triangles, 4 * SAMPLES)
-    return float(np.percentile(distances, 99)) > CheckConfig.max_p99 * diagonal
+    return float(np.percentile(distances, 99)) > MAX_P99 * diagonal
 
 
 def round_wheels(asset: Asset, meshes: Sequence[Mesh]) -> tuple[tuple[Mesh, ...], tuple[str, ...]]:

@@ -8,8 +8,8 @@ from jaxtyping import Float
 from artigen.transforms import frame_along
 from artigen.types import SurfaceSamples
 from sim_export.checks.config import CheckConfig
-from sim_export.collision.hulls import box_hull
 from sim_export.geometry.exposure import triangle_normals
+from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.islands import find_surface_islands, nearest_points, surface_shape
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.mend.source import Source, leading_part

@@ -9,7 +9,7 @@ from jaxtyping import Float
 from artigen.types import Asset
 from sim_export.checks.draft import read_draft
 from sim_export.checks.subject import Subject
-from sim_export.collision.hulls import wrap_surface
+from sim_export.geometry.hulls import wrap_surface
 from sim_export.package import Inertial, Mesh, SimPackage
 from sim_export.physics.links import PartGeometry, build_links, link_names, link_surfaces
 from sim_export.source_faults import Shown, show_links

@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from sim_export.errors import DegeneratePart, InvalidInertia, OpenMesh
+from sim_export.motion.kinematics import hanging_links
 from sim_export.package import Hull, Inertial, Link, Mesh, PackageJoint
-from sim_export.tree import hanging_links
 
 MIN_LINK_MASS = 0.01
 TRIANGLE_TOLERANCE = 1e-6

@@ -14,6 +14,7 @@ from jaxtyping import Float
 
 from artigen.types import FULL_TURN, Asset, Joint, Part
 from sim_export.errors import DegeneratePart, InvalidKinematics
+from sim_export.motion.kinematics import hanging_links
 from sim_export.package import (
     URDF_JOINT_TYPES,
     Hull,
@@ -34,7 +35,6 @@ from sim_export.physics.inertia import (
     subtree_inertial,
 )
 from sim_export.physics.resistance import resist_joints
-from sim_export.tree import hanging_links
 
 BASE = "base"
 MAX_LINKS = 64

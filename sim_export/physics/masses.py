@@ -13,8 +13,8 @@ from jaxtyping import Bool, Float
 from scipy.ndimage import binary_erosion
 
 from artigen.types import Asset, VoxelGrid
-from sim_export.collision.hulls import convex_hull, hull_planes
 from sim_export.errors import DegeneratePart
+from sim_export.geometry.hulls import convex_hull, hull_planes
 from sim_export.geometry.occupancy import PartOccupancy
 from sim_export.package import Inertial, Link, Mesh
 from sim_export.physics.inertia import inertia_about, mesh_inertial

@@ -7,11 +7,11 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.types import PartLabel
-from sim_export.collision.motion import driven_joints, link_displacements
+from sim_export.geometry.wheels import STEEPEST_AXLE
+from sim_export.motion.kinematics import driven_joints, hanging_links, link_displacements
 from sim_export.package import Inertial, Link, PackageJoint
 from sim_export.physics.inertia import inertia_about, subtree_inertial
 from sim_export.physics.materials import GRAVITY, joint_resistance, rolling_resistance
-from sim_export.tree import hanging_links
 
 HOLD_SLOPE = 0.09
 TRIED_POSES = 9
@@ -22,8 +22,6 @@ on it too."""
 SHORTEST_DECAY = 0.1
 """Smallest time constant of damping (seconds); engines exaggerate damping that stops a body within a few
 steps of 1/60 s."""
-STEEPEST_AXLE = 0.5
-"""Largest vertical component of an axle; a wheel on a steeper one is a swivel that carries a wheel."""
 
 
 def opening_pull(joint: PackageJoint, moved: Inertial) -> float:

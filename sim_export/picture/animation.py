@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import UInt8
 
-from sim_export.collision.motion import link_displacements
+from sim_export.motion.kinematics import link_displacements
 from sim_export.package import SimPackage
 from sim_export.picture.camera import Camera, Viewpoint
 from sim_export.picture.draw import pose_surfaces, sweep_qpos

@@ -1,7 +1,7 @@
 """Drawable surfaces of a package: its visuals or hulls in any pose, coloured by purpose.
 
 The id of a surface is the index of its link. Poses are the displacements from
-`sim_export.collision.motion.link_displacements` for joint coordinates; `explode_links` adds offsets that
+`sim_export.motion.kinematics.link_displacements` for joint coordinates; `explode_links` adds offsets that
 separate the links.
 """
 
@@ -13,9 +13,9 @@ from jaxtyping import Float
 
 from artigen.files.wavefront import NO_MATERIAL
 from artigen.transforms import transform_points
-from sim_export.collision.motion import driven_joints, link_displacements, package_joint_motion
 from sim_export.errors import PackageError
 from sim_export.files.obj import parse_mtl, parse_obj, read_image
+from sim_export.motion.kinematics import driven_joints, link_displacements, package_joint_motion
 from sim_export.package import Hull, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import move_surface, surface_from_mesh

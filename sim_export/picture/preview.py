@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from sim_export.collision.motion import driven_joints
+from sim_export.motion.kinematics import driven_joints
 from sim_export.package import SimPackage
 from sim_export.picture.camera import Camera, Viewpoint, frame_points
 from sim_export.picture.draw import (

@@ -17,11 +17,11 @@ from jaxtyping import Float
 
 from artigen.splats.colors import srgb_from_linear
 from artigen.transforms import matrix_from_quat, quat_from_matrix
-from sim_export.collision.motion import driven_joints, link_displacements
-from sim_export.files.glb import textured_trimesh
+from sim_export.motion.kinematics import driven_joints, link_displacements
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 from sim_export.picture.camera import Viewpoint, frame_points
 from sim_export.picture.draw import hull_surfaces, open_end, package_surfaces
+from sim_export.picture.glb import textured_trimesh
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import surface_points
 from sim_export.picture.splats import has_splats

@@ -11,9 +11,9 @@ from defects import mesh_collisions
 from sample_packages import SAMPLE_PARTS, build_package
 
 from artigen.shapes.draw import draw_shape
-from sim_export.collision.hulls import box_hull
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
+from sim_export.geometry.hulls import box_hull
 from sim_export.package import Inertial, Link, SimPackage
 from sim_export.reference import build_reference
 

@@ -11,10 +11,10 @@ from sample_packages import SAMPLE_PARTS, build_package
 
 from artigen.shapes.draw import draw_shape
 from artigen.transforms import inverse
-from sim_export.collision.hulls import box_hull
-from sim_export.collision.motion import link_displacements
 from sim_export.errors import PackageError
 from sim_export.files.write import write_package
+from sim_export.geometry.hulls import box_hull
+from sim_export.motion.kinematics import link_displacements
 from sim_export.package import Inertial, Link, PackageJoint, SimPackage
 from sim_export.physics.inertia import mesh_inertial
 from sim_export.physics.materials import physx_friction_coefficient

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 
-from sim_export.collision.hulls import box_hull
 from sim_export.files.write import write_package
+from sim_export.geometry.hulls import box_hull
 from sim_export.package import Inertial, Link, PackageJoint, SimPackage
 from sim_export.report import CheckResult
 

@@ -11,10 +11,10 @@ import pytest
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.poses import lead_followers
 from artigen.shapes.shape import Motion, Shape
-from sim_export.collision.motion import link_displacements, moved_links
 from sim_export.errors import InvalidKinematics
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
+from sim_export.motion.kinematics import link_displacements, moved_links
 from sim_export.package import PackageJoint, Requirement, SimPackage
 from sim_export.physics.followers import follow_parts
 from sim_export.physics.links import check_kinematics

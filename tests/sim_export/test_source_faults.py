@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim_export.collision.hulls import box_hull
+from sim_export.geometry.hulls import box_hull
 from sim_export.package import Link, PackageJoint, SimPackage
 from sim_export.source_faults import find_source_faults
 

@@ -10,10 +10,10 @@ from artigen.cli.shape import ShapeSettings, choose_like, shape
 from artigen.errors import ArtigenError
 from artigen.shapes.draw import ShapeError, Wish, draw_shape, draw_variant, find_seed
 from artigen.shapes.shape import Shape
-from sim_export.collision.hulls import box_hull, clip_hull
 from sim_export.files.folders import find_packages
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
+from sim_export.geometry.hulls import box_hull, clip_hull
 from sim_export.geometry.primitives import is_box
 from sim_export.package import SimPackage
 from sim_export.reference import build_reference, describe_build

@@ -13,8 +13,8 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import transform_points
-from sim_export.collision.contacts import HullSet, signed_distances
-from sim_export.collision.hulls import convex_hull
+from sim_export.geometry.contacts import HullSet, signed_distances
+from sim_export.geometry.hulls import convex_hull
 from sim_export.package import SimPackage
 
 from ..hulls import move_hull

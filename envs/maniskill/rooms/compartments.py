@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import inverse
-from sim_export.collision.contacts import HullSet
+from sim_export.geometry.contacts import HullSet
 from sim_export.package import Link, SimPackage
 
 from .footprints import cached_package

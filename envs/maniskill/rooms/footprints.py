@@ -11,8 +11,8 @@ from jaxtyping import Bool, Float
 
 from artigen.errors import ArtigenError
 from artigen.transforms import transform_points
-from sim_export.collision.contacts import HullSet
 from sim_export.files.read import read_package
+from sim_export.geometry.contacts import HullSet
 from sim_export.package import SimPackage
 
 from .sweeps import Sweep, opening_joints, sweep_joint

@@ -13,9 +13,9 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from artigen.transforms import transform_points
-from sim_export.collision.hulls import box_hull
-from sim_export.collision.motion import link_displacements
 from sim_export.files.read import read_package
+from sim_export.geometry.hulls import box_hull
+from sim_export.motion.kinematics import link_displacements
 from sim_export.package import Mesh, SimPackage
 from sim_export.picture.camera import Viewpoint, frame_points
 from sim_export.picture.draw import package_surfaces

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.collision.contacts import HullSet
-from sim_export.collision.hulls import box_hull
-from sim_export.collision.motion import link_displacements
+from sim_export.geometry.contacts import HullSet
+from sim_export.geometry.hulls import box_hull
+from sim_export.motion.kinematics import link_displacements
 from sim_export.package import Hull
 
 from ..hulls import move_hull

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.collision.contacts import HullSet
-from sim_export.collision.motion import driven_joints, link_displacements, moved_links, required_openings
+from sim_export.geometry.contacts import HullSet
+from sim_export.motion.kinematics import driven_joints, link_displacements, moved_links, required_openings
 from sim_export.package import PackageJoint, SimPackage
 
 STILL_LABELS = ("knob", "wheel", "handle")

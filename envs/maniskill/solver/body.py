@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from artigen.transforms import inverse, transform_points
-from sim_export.collision.hulls import convex_hull
+from sim_export.geometry.hulls import convex_hull
 
 from ...hand import pose_matrix, shape_vertices
 from .chain import Chain, held_motion, joint_frames

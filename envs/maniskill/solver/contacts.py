@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from artigen.transforms import inverse, rotation_about, transform_points
-from sim_export.collision.hulls import hull_planes
+from sim_export.geometry.hulls import hull_planes
 from sim_export.package import Hull, PackageJoint
 
 from .body import HAND_GAP, Body

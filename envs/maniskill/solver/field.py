@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.ndimage import distance_transform_edt
 
-from sim_export.collision.hulls import hull_planes
+from sim_export.geometry.hulls import hull_planes
 from sim_export.package import Hull
 
 FINEST = 0.008

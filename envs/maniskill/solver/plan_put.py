@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from artigen.errors import ArtigenError
 from artigen.transforms import inverse
-from sim_export.collision.hulls import box_hull
+from sim_export.geometry.hulls import box_hull
 
 from ..robots import RobotSpec
 from .body import Obstacle, holding

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
-from sim_export.collision.hulls import box_hull
+from sim_export.geometry.hulls import box_hull
 
 from ..hulls import ground_under, move_hull, plinth_under
 from ..objects import TaskPart

@@ -9,7 +9,7 @@ from artigen.cli.give_files import FAR, SMALL, TOUCHING, find_gifts, give_files
 from artigen.datasets.partnet_surface import FaceTable
 from artigen.datasets.source_object import SourceObject, SourceVisual, TriangleMesh
 from artigen.types import FIXED, Asset, Joint, Part, SurfaceSamples
-from sim_export.collision.hulls import box_hull
+from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.sampling import triangle_areas
 
 SCALE = 2.0

@@ -7,7 +7,7 @@ from artigen.cli.mend import mend_object
 from artigen.datasets.source_object import SourceObject, TriangleMesh
 from artigen.files.wavefront import read_obj
 from artigen.types import FIXED, Asset, Part, SurfaceSamples
-from sim_export.collision.hulls import box_hull
+from sim_export.geometry.hulls import box_hull
 
 
 def box(low, high):

@@ -23,11 +23,11 @@ from artigen.types import PartLabel
 from envs.trials import LIMIT_FRACTION
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.suite import run_checks
-from sim_export.collision.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.collision.hull_limits import MAX_ASPECT
-from sim_export.collision.hulls import convex_hull
-from sim_export.collision.motion import farthest_travel, package_joint_motion
 from sim_export.files.write import write_package
+from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
+from sim_export.geometry.hulls import convex_hull
+from sim_export.motion.kinematics import farthest_travel, package_joint_motion
 from sim_export.package import PackageJoint
 
 FINISH = Finish(kind="plastic", color=(0.5, 0.5, 0.5), accent=(0.4, 0.4, 0.4))

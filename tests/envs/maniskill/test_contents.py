@@ -27,9 +27,9 @@ from envs.maniskill.rooms.picture import item_surfaces
 from envs.maniskill.rooms.room import Item, Opening, Placement, Room, RoomKind, room_shell
 from envs.maniskill.rooms.solids import item_hulls, item_motion, item_solid
 from envs.maniskill.rooms.things import THINGS, thing_hulls, thing_solids
-from sim_export.collision.contacts import HullSet, signed_distances
-from sim_export.collision.hulls import box_hull
 from sim_export.files.write import write_package
+from sim_export.geometry.contacts import HullSet, signed_distances
+from sim_export.geometry.hulls import box_hull
 from sim_export.package import Link, PackageJoint, SimPackage
 from sim_export.picture.render import surface_points
 

@@ -12,8 +12,8 @@ from envs.maniskill.objects import TaskError, TaskObject, find_packages, read_ob
 from envs.maniskill.placement import find_stand, free_radius, grip_path, outward
 from envs.maniskill.robots import ROBOTS
 from envs.maniskill.solver.grasp import find_grasps
-from sim_export.collision.hulls import convex_hull
 from sim_export.files.write import write_package
+from sim_export.geometry.hulls import convex_hull
 from sim_export.package import SimPackage
 from sim_export.report import CheckResult, Report, write_report
 

@@ -47,8 +47,8 @@ from envs.maniskill.rooms.room import (
 from envs.maniskill.rooms.runs import Chooser, draw_shortlists
 from envs.maniskill.rooms.solids import place_solid
 from envs.maniskill.rooms.sweeps import opening_joints, sweep_boxes, sweep_joint
-from sim_export.collision.hulls import box_hull
 from sim_export.files.write import write_package
+from sim_export.geometry.hulls import box_hull
 from sim_export.package import Hull, Inertial, Link, Mesh, PackageJoint, SimPackage, Visual
 from sim_export.report import CheckResult, Report, write_report
 

@@ -13,7 +13,7 @@ from envs.maniskill.rooms.pieces import GAP, Boxes, Piece
 from envs.maniskill.rooms.recipes import DOOR
 from envs.maniskill.rooms.room import Opening, Room, room_shell
 from envs.maniskill.rooms.solids import make_solid
-from sim_export.collision.hulls import box_hull
+from sim_export.geometry.hulls import box_hull
 
 ENTRANCE = Opening(side="front", start=1.5, width=0.9, height=2.0)
 

@@ -20,8 +20,8 @@ from envs.maniskill.objects import (
 from envs.maniskill.solver.contacts import _thickness, is_inside, surface_samples
 from envs.maniskill.solver.field import build_field, distances
 from envs.maniskill.verbs import verb_of
-from sim_export.collision.hulls import box_hull
 from sim_export.files.write import write_package
+from sim_export.geometry.hulls import box_hull
 from sim_export.package import PackageJoint, Requirement, SimPackage
 
 FRONT, UP, SIDE = np.array([-1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])

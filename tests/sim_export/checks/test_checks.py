@@ -15,15 +15,16 @@ from artigen.transforms import rotation_about
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.files import distance_outside
 from sim_export.checks.geometry import count_open_edges, euler_numbers
-from sim_export.checks.grid import fill_solid, find_cavity, make_grid, mark_surface, open_with_cube
 from sim_export.checks.opening import hit_hulls
 from sim_export.checks.registry import CheckSpec, always, run_check
 from sim_export.checks.subject import Subject
 from sim_export.checks.suite import CHECKS, run_checks
-from sim_export.checks.surface import inside_hulls, surface_distances, triangle_distances
-from sim_export.checks.sweep import open_positions, volume_samples
-from sim_export.collision.contacts import HullSet
-from sim_export.collision.hulls import box_hull, convex_hull
+from sim_export.checks.sweep import open_positions
+from sim_export.geometry.contacts import HullSet
+from sim_export.geometry.distances import surface_distances, triangle_distances
+from sim_export.geometry.grid import fill_solid, find_cavity, make_grid, mark_surface, open_with_cube
+from sim_export.geometry.hulls import box_hull, convex_hull, inside_hulls
+from sim_export.geometry.overlap import volume_samples
 from sim_export.geometry.sampling import sample_triangles
 
 BOX = box_hull(np.array([-0.3, -0.2, -0.1]), np.array([0.3, 0.2, 0.1]))

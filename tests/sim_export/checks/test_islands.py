@@ -9,9 +9,9 @@ from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import Primitive, box, place_vertices
 from artigen.transforms import matrix_from_rpy
 from sim_export.checks.suite import run_checks
-from sim_export.collision.contacts import HullSet
-from sim_export.collision.hulls import box_hull
 from sim_export.files.write import write_package
+from sim_export.geometry.contacts import HullSet
+from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.islands import hull_islands, visual_islands
 from sim_export.reference import ReferenceConfig, build_reference
 

@@ -17,7 +17,7 @@ from sim_export.checks.registry import run_check
 from sim_export.checks.subject import Subject
 from sim_export.checks.suite import CHECKS
 from sim_export.checks.sweep import joint_motion, joint_poses
-from sim_export.collision.hulls import convex_hull
+from sim_export.geometry.hulls import convex_hull
 
 SPECS = {spec.id: spec for spec in CHECKS}
 TURN = 2.0 * np.pi

@@ -5,9 +5,9 @@ import pytest
 
 from sim_export.collision import attachment
 from sim_export.collision.attachment import add_hull
-from sim_export.collision.contacts import HullSet
 from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect
-from sim_export.collision.hulls import box_hull
+from sim_export.geometry.contacts import HullSet
+from sim_export.geometry.hulls import box_hull
 from sim_export.package import Hull
 
 FOOT = box_hull(np.array([0.0, 0.0, -0.1]), np.array([0.009, 0.01, 0.0]))

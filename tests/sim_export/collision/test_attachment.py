@@ -7,9 +7,9 @@ import pytest
 
 from sim_export.collision import attachment
 from sim_export.collision.attachment import NEAR, attach_links
-from sim_export.collision.contacts import HullSet, signed_distances
-from sim_export.collision.hulls import box_hull
-from sim_export.collision.motion import link_displacements
+from sim_export.geometry.contacts import HullSet, signed_distances
+from sim_export.geometry.hulls import box_hull
+from sim_export.motion.kinematics import link_displacements
 from sim_export.package import Hull, Link, PackageJoint
 
 

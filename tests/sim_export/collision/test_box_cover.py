@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from sim_export.checks.surface import inside_hulls
 from sim_export.collision.free_space import cover_with_boxes, find_free_space
-from sim_export.collision.hulls import box_hull
 from sim_export.collision.surface_hulls import cover_surface, find_exposed, find_uncovered
+from sim_export.geometry.hulls import box_hull, inside_hulls
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 
 

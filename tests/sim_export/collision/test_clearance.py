@@ -8,20 +8,20 @@ from sample_cabinet import SAMPLE_PARTS, SamplePart, sample_box_arrays
 
 from artigen.kinematics import displacements, movable_parts
 from sim_export.collision.clearance import Clearance, clear_joints
-from sim_export.collision.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.collision.cut_hulls import CutHulls
 from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect
-from sim_export.collision.hulls import box_hull, convex_hull, hull_volume
-from sim_export.collision.motion import (
+from sim_export.collision.relief import MARGIN
+from sim_export.errors import InvalidKinematics
+from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
+from sim_export.geometry.hulls import box_hull, convex_hull, hull_volume
+from sim_export.motion.kinematics import (
     driven_joints,
-    find_requirements,
     link_displacements,
     moved_links,
     required_openings,
     sweep_coordinates,
 )
-from sim_export.collision.relief import MARGIN
-from sim_export.errors import InvalidKinematics
+from sim_export.motion.requirements import find_requirements
 from sim_export.package import Hull, Link, PackageJoint, Requirement
 
 BY_NAME = {part.name: part for part in SAMPLE_PARTS}

@@ -22,7 +22,8 @@ from sim_export.collision.hull_limits import (
     tile_hull,
 )
 from sim_export.collision.hull_pool import cut_pieces
-from sim_export.collision.hulls import (
+from sim_export.errors import DecompositionFailed, OpenMesh
+from sim_export.geometry.hulls import (
     box_bounds,
     box_hull,
     clip_hull,
@@ -34,7 +35,6 @@ from sim_export.collision.hulls import (
     hull_width,
     subtract_hull,
 )
-from sim_export.errors import DecompositionFailed, OpenMesh
 from sim_export.geometry.solids import (
     as_solid,
     inside_grid,

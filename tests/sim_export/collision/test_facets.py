@@ -5,14 +5,7 @@ import pytest
 
 from sim_export.collision import hull_limits
 from sim_export.collision.hull_limits import flatten_facets
-from sim_export.collision.hulls import (
-    box_hull,
-    clip_hull,
-    convex_hull,
-    face_planes,
-    hull_planes,
-    hull_volume,
-)
+from sim_export.geometry.hulls import box_hull, clip_hull, convex_hull, face_planes, hull_planes, hull_volume
 from sim_export.package import Hull
 
 LEAF = box_hull(np.array([0.0, 0.0, 0.0]), np.array([0.02, 0.5, 1.0]))

@@ -6,7 +6,7 @@ import pytest
 
 from sim_export.collision import attachment, feet
 from sim_export.collision.feet import add_feet
-from sim_export.collision.hulls import box_hull
+from sim_export.geometry.hulls import box_hull
 from sim_export.package import Link, Mesh, PackageJoint
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim_export.collision.hull_choice import Cells, Offers, choose_hulls, pack_marks
-from sim_export.collision.hulls import box_hull
+from sim_export.geometry.hulls import box_hull
 
 CELLS, POINTS = 1000, 1000
 SMALL, LARGE = (box_hull(np.zeros(3), np.array([x, 1.0, 1.0])) for x in (0.5, 0.6))

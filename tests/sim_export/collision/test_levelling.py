@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim_export.collision.feet import level_object
-from sim_export.collision.hulls import box_hull
+from sim_export.geometry.hulls import box_hull
 from sim_export.package import Inertial, Link, PackageJoint
 
 BODY = ((-0.3, -0.4, 0.02), (0.3, 0.4, 0.8))

@@ -3,10 +3,10 @@
 import manifold3d
 import numpy as np
 
-from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hull_limits import MOST_OF_LINK
-from sim_export.collision.hulls import box_hull
 from sim_export.collision.recovery import recover_surface
+from sim_export.geometry.contacts import HullSet, signed_distances
+from sim_export.geometry.hulls import box_hull
 from sim_export.package import Link, Mesh
 
 BODY = ((-0.3, -0.4, 0.0), (0.3, 0.4, 0.8))

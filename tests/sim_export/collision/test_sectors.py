@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from artigen.transforms import rotation_about
-from sim_export.checks.surface import surface_distances
 from sim_export.collision import surface_hulls
-from sim_export.collision.hulls import box_hull
 from sim_export.collision.object_cover import ObjectCover
 from sim_export.collision.sectors import FEWEST, MOST, SAGITTA, count_sectors, cut_sectors, find_axis
+from sim_export.geometry.distances import surface_distances
+from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 
 PROFILE = ((0.03, 0.0), (0.034, 0.1), (0.034, 0.15), (0.012, 0.2), (0.012, 0.25))

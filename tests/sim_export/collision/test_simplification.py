@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.primitives import Primitive, box, cylinder, place_vertices, prism, rounded_box
-from sim_export.collision.hulls import convex_hull, hull_planes, hull_volume, hull_width
 from sim_export.collision.simplification import SHARE, TOLERANCE, simplify_hulls, simplify_links
+from sim_export.geometry.hulls import convex_hull, hull_planes, hull_volume, hull_width
 from sim_export.geometry.primitives import find_primitive
 from sim_export.geometry.solids import as_solid
 from sim_export.package import Hull

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sim_export.collision.hulls import box_hull
 from sim_export.collision.specks import JOINED, LONGEST, NEAR, NEAR_SHARE, drop_specks
+from sim_export.geometry.hulls import box_hull
 
 
 def box_at(low, sides):

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim_export.checks.surface import inside_hulls, surface_distances
 from sim_export.collision import object_cover
 from sim_export.collision.free_space import find_free_space, find_inside, look_up
 from sim_export.collision.hull_limits import MAX_ASPECT, compact_hull, hull_aspect
-from sim_export.collision.hulls import box_hull, convex_hull, hull_volume, hull_width
 from sim_export.collision.object_cover import ObjectCover, find_passing
 from sim_export.collision.surface_hulls import FINER, USUAL, split_components
 from sim_export.collision.surface_pieces import cut_triangles
+from sim_export.geometry.distances import surface_distances
+from sim_export.geometry.hulls import box_hull, convex_hull, hull_volume, hull_width, inside_hulls
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 from sim_export.package import Link, PackageJoint
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from sim_export.collision.attachment import add_hull
-from sim_export.collision.contacts import HullSet
-from sim_export.collision.hulls import box_hull, convex_hull
-from sim_export.collision.motion import farthest_travel, link_displacements, read_sweeps, sample_range
+from sim_export.geometry.contacts import HullSet
+from sim_export.geometry.hulls import box_hull, convex_hull
+from sim_export.motion.kinematics import farthest_travel, link_displacements, read_sweeps, sample_range
 from sim_export.package import Hull, Link, PackageJoint
 
 LEAF = box_hull(np.array([0.0, 0.0, 0.0]), np.array([0.02, 0.8, 1.0]))

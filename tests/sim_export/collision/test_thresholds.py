@@ -4,18 +4,18 @@ import manifold3d
 import numpy as np
 import pytest
 
-from sim_export.checks.grid import Grid
 from sim_export.collision.cuboids import face_coordinates
 from sim_export.collision.decompose import Part, decompose_parts
 from sim_export.collision.feet import add_feet
 from sim_export.collision.free_space import FreeSpace, find_free_space
 from sim_export.collision.hull_limits import comply_hull
 from sim_export.collision.hull_pool import box_offers
-from sim_export.collision.hulls import box_hull, convex_hull, hull_width
 from sim_export.collision.recovery import recover_surface
 from sim_export.collision.simplification import simplify_hulls
 from sim_export.collision.surface_pieces import make_piece
 from sim_export.collision.trimming import trim_meshes
+from sim_export.geometry.grid import Grid
+from sim_export.geometry.hulls import box_hull, convex_hull, hull_width
 from sim_export.geometry.primitives import find_primitive
 from sim_export.package import Hull, Link, Mesh
 

@@ -6,8 +6,8 @@ import manifold3d
 import numpy as np
 import pytest
 
-from sim_export.collision.hulls import box_hull
 from sim_export.collision.trimming import trim_meshes
+from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.solids import as_solid
 from sim_export.package import Link, Mesh, PackageJoint
 

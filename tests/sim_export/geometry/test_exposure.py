@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from sim_export.checks.grid import make_grid, mark_surface
-from sim_export.collision.hulls import box_hull
 from sim_export.geometry.exposure import find_outside, is_exposed
+from sim_export.geometry.grid import make_grid, mark_surface
+from sim_export.geometry.hulls import box_hull
 
 
 def box(low, high):

@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 from artigen.shapes.primitives import SEGMENTS, cylinder, place_vertices, rounded_box
 from artigen.transforms import transform_points
 from envs.hand import link_vertices
-from sim_export.collision.hulls import box_hull, clip_hull, convex_hull
 from sim_export.files.write import write_package
+from sim_export.geometry.hulls import box_hull, clip_hull, convex_hull
 from sim_export.geometry.primitives import (
     PrimitiveShape,
     find_primitive,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from artigen.types import Asset, Joint, Part
-from sim_export.collision.hulls import box_hull
+from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.solids import as_solid
 from sim_export.geometry.wheels import fit_width, is_open, round_wheels
 from sim_export.package import Mesh

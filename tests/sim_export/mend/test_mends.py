@@ -10,8 +10,8 @@ from sim_export.checks.config import CheckConfig
 from sim_export.checks.handles import check_handles
 from sim_export.checks.opening import door_panel, hinge_offset
 from sim_export.checks.subject import Subject
-from sim_export.collision.hulls import box_hull
 from sim_export.files.write import write_package
+from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.islands import visual_islands
 from sim_export.mend.apart import pull_apart
 from sim_export.mend.mends import mend_source

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from artigen.transforms import rotation_about
-from sim_export.collision.hulls import box_hull, convex_hull
+from sim_export.geometry.hulls import box_hull, convex_hull
 from sim_export.mend.stand import FARTHEST, MARGIN, stand_on_side
 from sim_export.package import Inertial, Link, Mesh, PackageJoint, SimPackage, Visual
 

@@ -9,7 +9,7 @@ from box_cabinet import SCALE, box_geometry, scaled
 from artigen.kinematics import displacements
 from artigen.transforms import rotation_about
 from artigen.types import Asset
-from sim_export.collision.hulls import box_hull
+from sim_export.geometry.hulls import box_hull
 from sim_export.package import HandleAnnotation, Mesh
 from sim_export.physics.annotations import annotate_handles, ray_hits
 from sim_export.physics.inertia import mesh_inertial

@@ -7,7 +7,7 @@ from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import box
 from artigen.shapes.shape import Motion, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
-from sim_export.collision.motion import link_displacements
+from sim_export.motion.kinematics import link_displacements
 from sim_export.package import SimPackage
 from sim_export.physics.materials import GRAVITY
 from sim_export.reference import ReferenceConfig, build_reference

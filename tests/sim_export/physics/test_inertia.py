@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from artigen.transforms import rotation_about
 from artigen.types import JOINT_TYPES, PAPER_CATEGORIES, PART_LABELS, Asset, Joint, Part
-from sim_export.collision.hulls import box_hull, convex_hull
 from sim_export.errors import DegeneratePart, InvalidInertia, OpenMesh
+from sim_export.geometry.hulls import box_hull, convex_hull
 from sim_export.package import Inertial, Mesh, PackageJoint
 from sim_export.physics.inertia import (
     check_inertial,

@@ -8,7 +8,7 @@ import pytest
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import categories, draw_shape
 from artigen.types import FIXED, Asset, Part, VoxelGrid
-from sim_export.collision.hulls import box_hull
+from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.occupancy import part_occupancy
 from sim_export.package import Inertial, Link

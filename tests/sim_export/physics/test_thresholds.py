@@ -7,8 +7,8 @@ import pytest
 
 from artigen.transforms import rotation_about
 from artigen.types import FIXED, Asset, Joint, Part
-from sim_export.collision.hulls import box_hull
 from sim_export.errors import InvalidInertia, InvalidKinematics
+from sim_export.geometry.hulls import box_hull
 from sim_export.package import Hull, Inertial, PackageJoint
 from sim_export.physics import annotations
 from sim_export.physics.annotations import gapart_class

@@ -12,7 +12,7 @@ import trimesh
 
 from artigen.transforms import matrix_from_quat
 from artigen.types import Gaussians
-from sim_export.collision.motion import link_displacements
+from sim_export.motion.kinematics import link_displacements
 from sim_export.package import HandleAnnotation, Hull, Link, Mesh, PackageJoint, SimPackage, Visual
 from sim_export.picture.view import GROUPS, PackageView, build_view, slider_scale, view_qpos
 

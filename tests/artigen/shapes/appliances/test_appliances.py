@@ -9,8 +9,8 @@ from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.poses import pose_parts
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
-from sim_export.collision.contacts import HullSet, penetration_depths
-from sim_export.collision.hulls import hull_length, hull_width
+from sim_export.geometry.contacts import HullSet, penetration_depths
+from sim_export.geometry.hulls import hull_length, hull_width
 from sim_export.package import Hull
 
 CATEGORIES = ("Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave")

@@ -46,7 +46,7 @@ from artigen.shapes.solids import primitive_bounds
 from artigen.shapes.surfaces.palette import draw_palette
 from artigen.sketch.faults import find_faults
 from artigen.transforms import transform_points
-from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.package import Hull
 
 CATEGORIES = ("StorageFurniture", "Table", "Cart", "Safe")

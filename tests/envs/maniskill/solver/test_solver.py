@@ -19,8 +19,8 @@ from envs.maniskill.solver.detour import RESOLUTION, between, find_detour
 from envs.maniskill.solver.drive import finger_action
 from envs.maniskill.solver.field import AROUND, build_field, distances
 from envs.maniskill.solver.grasp import DEEPEST, find_grasps
-from sim_export.collision.hulls import box_hull
 from sim_export.files.write import write_package
+from sim_export.geometry.hulls import box_hull
 from sim_export.package import HandleAnnotation
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from sim_export.motion.kinematics import hanging_links, needed_fractions
 from sim_export.package import PackageJoint, Requirement
-from sim_export.tree import hanging_links, needed_fractions
 
 
 def joint(parent: str, child: str) -> PackageJoint:

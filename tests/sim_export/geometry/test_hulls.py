@@ -5,7 +5,8 @@ import pytest
 
 from artigen.shapes.primitives import place_vertices, rounded_box
 from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect, trim_hull
-from sim_export.collision.hulls import (
+from sim_export.errors import DegeneratePart
+from sim_export.geometry.hulls import (
     FLAT,
     PLANE,
     clip_hull,
@@ -15,7 +16,6 @@ from sim_export.collision.hulls import (
     reduce_hull,
     wrap_surface,
 )
-from sim_export.errors import DegeneratePart
 from sim_export.geometry.solids import as_solid
 from sim_export.package import Hull
 

@@ -5,9 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from sim_export.collision.hulls import box_hull
-from sim_export.collision.motion import find_requirements
-from sim_export.crossings import MIN_CROSSED, find_crossings
+from sim_export.geometry.hulls import box_hull
+from sim_export.motion.requirements import MIN_CROSSED, find_crossings, find_requirements
 from sim_export.package import Link, PackageJoint, Requirement
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sim_export.collision.hulls import box_hull
-from sim_export.collision.motion import held_length, keep_drawers_held
+from sim_export.geometry.hulls import box_hull
+from sim_export.motion.held_drawers import held_length, keep_drawers_held
 from sim_export.package import Link, PackageJoint
 
 

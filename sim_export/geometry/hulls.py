@@ -1,15 +1,15 @@
 """Convex polyhedra: hulls of points, planes, volumes, and cutting by half-spaces."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.spatial import ConvexHull, QhullError
 
 from sim_export.errors import DegeneratePart
-from sim_export.geometry.rows import number_rows
+from sim_export.geometry.rows import all_three, number_rows
 from sim_export.geometry.sampling import cross_rows
 from sim_export.package import Hull, Link
 
@@ -193,6 +193,19 @@ def subtract_hull(hull: Hull, planes: Float[np.ndarray, "F 4"], min_width: float
             pieces.append(piece)
         inside = clip_hull(inside, plane[:3], plane[3])
     return tuple(pieces)
+
+
+def inside_hulls(points: Float[np.ndarray, "N 3"], hulls: Iterable[Hull]) -> Bool[np.ndarray, "N"]:
+    """Points that lie in some hull."""
+    out = np.zeros(len(points), dtype=bool)
+    for hull in hulls:
+        low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
+        near = np.flatnonzero(~out & all_three((points >= low) & (points <= high)))
+        if len(near):
+            planes = hull_planes(hull)
+            deep = points[near] @ planes[:, :3].T - planes[:, 3] <= 0.0
+            out[near[deep.all(axis=1)]] = True
+    return out
 
 
 @lru_cache(maxsize=_KEPT)

@@ -6,13 +6,8 @@ from scipy.optimize import nnls
 from scipy.spatial import ConvexHull
 
 from artigen.transforms import matrix_from_quat, screw_motion, transform_points
-from sim_export.collision.contacts import (
-    FEW_POSES,
-    HullSet,
-    penetration_depths,
-    signed_distances,
-)
-from sim_export.collision.hulls import box_hull, clip_hull, convex_hull, hull_planes, hull_volume
+from sim_export.geometry.contacts import FEW_POSES, HullSet, penetration_depths, signed_distances
+from sim_export.geometry.hulls import box_hull, clip_hull, convex_hull, hull_planes, hull_volume
 from sim_export.package import Hull
 
 IDENTITY = np.eye(4)

@@ -4,30 +4,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
-from sim_export.collision.hulls import hull_planes
 from sim_export.geometry.rows import all_three
 from sim_export.geometry.sampling import cross_rows, sample_triangles
-from sim_export.package import Hull
 
 if TYPE_CHECKING:
     from scipy.spatial import KDTree
 
+MAX_P99 = 0.015
+"""Distance between collision and visual, over the object's diagonal, that at most 1 % of the points of either
+may exceed (V103)."""
 _NEAREST = 8
-
-
-def inside_hulls(points: Float[np.ndarray, "N 3"], hulls: tuple[Hull, ...]) -> Bool[np.ndarray, "N"]:
-    """Points that lie in some hull."""
-    out = np.zeros(len(points), dtype=bool)
-    for hull in hulls:
-        low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
-        near = np.flatnonzero(~out & all_three((points >= low) & (points <= high)))
-        if len(near):
-            planes = hull_planes(hull)
-            deep = points[near] @ planes[:, :3].T - planes[:, 3] <= 0.0
-            out[near[deep.all(axis=1)]] = True
-    return out
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -1,0 +1,1 @@
+"""How links move: kinematics and sweeps, what must be open first, and limits that keep drawers held."""

@@ -1,0 +1,143 @@
+"""Which joints need which others open before they move, measured on hulls.
+
+A joint *requires* another, such as that of a door before a drawer, when its sweep runs deep into the other's
+closed link and is free of it once the other is open (`find_requirements`). Depth does not tell that a seat
+passes through its closed lid, because two boards that cross are nowhere deeper in one another than they are
+thick; the share of the moving link that gets into the other one does (`find_crossings`). Requirements never
+form a cycle. Slight contact is a matter of clearance.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
+from sim_export.geometry.overlap import swept_overlap
+from sim_export.motion.kinematics import (
+    box_sides,
+    driven_joints,
+    link_displacements,
+    moved_links,
+    needed_fractions,
+    sweep_coordinates,
+)
+from sim_export.package import Link, PackageJoint, Requirement
+
+POSES = 21
+"""Samples of each joint's range."""
+MIN_DEPTH = 0.025
+"""Depth beyond the depth at rest, over the object's longest side, from which a link counts as blocked."""
+FREE_DEPTH = 0.01
+"""Depth beyond the depth at rest, over the object's longest side, up to which the way counts as free."""
+FRACTIONS = (0.25, 0.5, 0.75, 1.0)
+"""Openings of the other joint that are tried, least first."""
+MIN_CROSSED = 0.15
+"""Share of a link's volume that passes through another link, from which it counts as blocked."""
+MAX_LEFT = 0.02
+"""Share up to which the way counts as free."""
+
+
+def find_requirements(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple[Requirement, ...]:
+    """Which joints need which others open (`require_openings`), by how deep links get into each other."""
+    sets = [HullSet(hulls=link.hulls) for link in links]
+    size = float(box_sides(links).max())
+    driven = driven_joints(joints)
+    moved = {joint.name: moved_links(links, joints, joint) for joint in driven}
+    blocked = []
+    for joint in driven:
+        poses = sweep_coordinates(joint, POSES)
+        for other in driven:
+            apart = [slot for slot in moved[other.name] if slot not in moved[joint.name]]
+            if other is joint or not apart or set(moved[joint.name]) <= set(moved[other.name]):
+                continue
+            depth = _depth(links, joints, sets, {joint.name: poses}, (moved[joint.name], apart))
+            if depth > MIN_DEPTH * size:
+                blocked.append((depth, joint, other))
+
+    def is_free(joint: PackageJoint, other: PackageJoint, opening: float) -> bool:
+        opened = {joint.name: sweep_coordinates(joint, POSES), other.name: opening}
+        apart = [slot for slot in moved[other.name] if slot not in moved[joint.name]]
+        return _depth(links, joints, sets, opened, (moved[joint.name], apart)) <= FREE_DEPTH * size
+
+    return require_openings(blocked, joints, is_free)
+
+
+def require_openings(
+    blocked: Sequence[tuple[float, PackageJoint, PackageJoint]],
+    joints: Sequence[PackageJoint],
+    is_free: Callable[[PackageJoint, PackageJoint, float], bool],
+    known: Sequence[Requirement] = (),
+) -> tuple[Requirement, ...]:
+    """Requirements for blocked joints, with the least of `FRACTIONS` that frees each, and the known ones.
+
+    Args:
+        blocked: How much a joint is blocked, the joint, and the joint that blocks it. Of two joints that
+            block each other the one that is blocked more gets the requirement and the other none, so that
+            following requirements always ends.
+        joints: All joints, in the order of the result.
+        is_free: Whether the first joint moves freely while the second one is at a coordinate.
+        known: Requirements found before.
+    """
+    found = list(known)
+    for _, joint, other in sorted(blocked, key=lambda row: (-row[0], row[1].name, row[2].name)):
+        if joint.name in needed_fractions(other.name, found):
+            continue
+        for fraction in FRACTIONS:
+            if is_free(joint, other, other.lower + fraction * (other.upper - other.lower)):
+                found.append(Requirement(joint=joint.name, needs=other.name, fraction=fraction))
+                break
+    order = {joint.name: index for index, joint in enumerate(joints)}
+    return tuple(sorted(found, key=lambda requirement: (order[requirement.joint], order[requirement.needs])))
+
+
+def _depth(
+    links: Sequence[Link],
+    joints: Sequence[PackageJoint],
+    sets: Sequence[HullSet],
+    qpos: Mapping[str, object],
+    pair: tuple[Sequence[int], Sequence[int]],
+) -> float:
+    """Deepest penetration of two groups of links along a sweep, less what it is at rest."""
+    T = link_displacements(links, joints, qpos)
+    deepest = 0.0
+    for first in pair[0]:
+        for second in pair[1]:
+            if sets[first].hulls and sets[second].hulls:
+                depths = penetration_depths(sets[first], sets[second], T[:, first], T[:, second])
+                at_rest = penetration_depths(sets[first], sets[second], np.eye(4), np.eye(4))[0]
+                deepest = max(deepest, float(depths.max() - at_rest))
+    return deepest
+
+
+def find_crossings(
+    links: Sequence[Link], joints: Sequence[PackageJoint], known: Sequence[Requirement]
+) -> tuple[Requirement, ...]:
+    """The known requirements and those of joints whose links pass through links of other closed joints."""
+    sets = [HullSet(hulls=link.hulls) for link in links]
+    driven = driven_joints(joints)
+    moved = {joint.name: moved_links(links, joints, joint) for joint in driven}
+
+    def crossed(joint: PackageJoint, other: PackageJoint, opening: float) -> float:
+        """Largest share of a link moved by ``joint`` that gets into a link that only ``other`` moves."""
+        T = link_displacements(
+            links, joints, {joint.name: sweep_coordinates(joint, POSES), other.name: opening}
+        )
+        most = 0.0
+        for first in moved[joint.name]:
+            for second in set(moved[other.name]) - set(moved[joint.name]):
+                if sets[first].hulls and sets[second].hulls:
+                    near = signed_distances(sets[first], sets[second], T[:, first], T[:, second])
+                    if len(near.pose):
+                        at = T[:, first], T[:, second], near
+                        most = max(most, swept_overlap(sets[first], sets[second], *at))
+        return most
+
+    blocked = []
+    for joint in driven:
+        for other in driven:
+            apart = not set(moved[joint.name]) & set(moved[other.name])
+            if apart and other.name not in needed_fractions(joint.name, known):
+                share = crossed(joint, other, other.lower)
+                if share >= MIN_CROSSED:
+                    blocked.append((share, joint, other))
+    return require_openings(blocked, joints, lambda *at: crossed(*at) <= MAX_LEFT, known)
