@@ -74,7 +74,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         key="lever",
         bolt=(STILE / 2, inner.z[1] + BORDER - TRIM),
         over=TRIM_THICK,
-        length=0.18,
+        length=0.16,
         astragal=(0.022, 0.018),
     )
     grid = (columns if count == 1 else 1, rows)
