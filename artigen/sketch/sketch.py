@@ -29,7 +29,8 @@ OPACITIES = (1.0, 0.45, 0.22)
 PERIODS = (0.4, 0.045, 0.012, 0.3, 0.05, 0.5, 0.006, 0.016)
 """Periods (m) of the patterns of finishes."""
 FRACTIONS = (0.95, 1.0, 0.9)
-"""Shares of its range by which a required part must be open."""
+"""Shares of its range by which a required part must be open; a shape's other shares become the nearest,
+such as 0.9 for flip latches, which let go at half of their range."""
 MAX_NEEDS = 2
 ROUND_TURN = 720
 """A full turn, in half degrees."""
