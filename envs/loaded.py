@@ -94,7 +94,7 @@ def advance(loaded: LoadedPackage) -> None:
         for each in loaded.followers:
             each.follower.set_drive_target(each.multiplier * float(qpos[each.leader]))
     for joint in loaded.joints:
-        if joint.spec.spring > 0.0:
+        if joint.spec.spring != 0.0:
             pull_spring(joint.engine, joint.spec, float(loaded.articulation.qpos[joint.index]))
     loaded.scene.step()
 

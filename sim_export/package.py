@@ -123,7 +123,8 @@ class PackageJoint:
     joint type. A screw consists of two joints in a row: the second one is prismatic and mimics the first with
     ``mimic_multiplier`` (metres per radian). A part that follows another one (a lid and its pedal) mimics
     that part's joint in the same way. ``spring`` is a force (N) or torque (N m) that closes the joint, twice
-    as large at the upper limit as at 0.
+    as large at the upper limit as at 0; a negative one, as in the hinges of heavy lids, opens it, a third as
+    large at the upper limit as at 0.
     """
 
     name: str
@@ -150,8 +151,13 @@ class PackageJoint:
 
     @property
     def stiffness(self) -> float:
-        """Stiffness of the spring, N/m or N m/rad; it is relaxed at minus the upper limit."""
-        return self.spring / self.upper if self.spring > 0.0 else 0.0
+        """Stiffness of the spring, N/m or N m/rad."""
+        return -self.spring / self.relaxed if self.spring != 0.0 else 0.0
+
+    @property
+    def relaxed(self) -> float:
+        """Coordinate (m or rad) at which the spring is relaxed."""
+        return -self.upper if self.spring >= 0.0 else 1.5 * self.upper
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -105,7 +105,7 @@ def build_reference(
         materials.append((part.name, Counter(sorted(made_of)).most_common(1)[0][0]))
         inertial = _weigh(part, solids, made_of, make)
         geometry.append(PartGeometry(visuals=(meshes[-1],), hulls=hulls, inertial=inertial))
-    tree = _couple(shape, build_links(asset, geometry, find_latched(shape)))
+    tree = _couple(shape, build_links(asset, geometry, find_latched(shape), find_stays(shape)))
     links = pin_carriers(tree.links, tree.joints)
     if cfg.gaussians:
         from artigen.splats.faces import lay_gaussians
@@ -290,6 +290,11 @@ def _couple(shape: Shape, tree: LinkTree) -> LinkTree:
                 f"{joint.name}: a spring closes it with {joint.spring:g}, at its upper limit with twice that "
                 f"(N or N m); URDF cannot say so"
             )
+        elif joint.spring < 0.0:
+            records.append(
+                f"{joint.name}: a spring counterbalances it with {-joint.spring:.3g}, at its upper limit "
+                "with a third of that (N m); URDF cannot say so"
+            )
         joints.append(joint)
     follows = {name: motion.follows for name, motion in motions.items() if motion.follows is not None}
     coupled, said = couple_followers(tree.links, joints, follows)
@@ -308,6 +313,11 @@ def find_latched(shape: Shape) -> frozenset[str]:
     return frozenset(
         part.name for part in shape.parts if any(part.name in carriers(need.part) for need in part.needs)
     )
+
+
+def find_stays(shape: Shape) -> frozenset[str]:
+    """Parts whose hinges hold them wherever they are left."""
+    return frozenset(part.name for part in shape.parts if part.motion is not None and part.motion.stays)
 
 
 def _requirements(shape: Shape, tree: LinkTree) -> tuple[Requirement, ...]:

@@ -24,7 +24,8 @@ class Motion:
 
     ``follows`` names a part that drives this one, as a pedal does a lid: both are closed and both are open at
     the same time, with proportional motion between. ``spring`` is a force (N) or torque (N m) that closes the
-    joint: the stated value when closed, twice that when open, linear between.
+    joint: the stated value when closed, twice that when open, linear between. ``stays`` is for hinges that
+    hold the part wherever it is left, by friction or a counterbalance.
     """
 
     type: JointType
@@ -34,6 +35,7 @@ class Motion:
     pitch: float = 0.0
     follows: str | None = None
     spring: float = 0.0
+    stays: bool = False
 
     def __post_init__(self) -> None:
         if self.type not in JOINT_TYPES or self.type == "fixed":
@@ -44,6 +46,8 @@ class Motion:
             raise ValueError(f"a {self.type} motion has pitch {self.pitch}; screws and only screws have one")
         if self.type in ENDLESS and (self.follows is not None or self.spring != 0.0):
             raise ValueError(f"a {self.type} motion has no limits: it cannot follow another or have a spring")
+        if self.stays and self.type != "revolute":
+            raise ValueError(f"a {self.type} motion stays; only hinges with limits do")
         if not self.spring >= 0.0:
             raise ValueError(
                 f"a spring of {self.spring} N or N m; expected 0 or more; a spring closes the joint"

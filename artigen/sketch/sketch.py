@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from artigen.errors import ArtigenError
-from artigen.shapes.primitives import Primitive
+from artigen.shapes.primitives import LEFT, Primitive
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
 from artigen.shapes.surfaces.palette import ROLES
@@ -28,8 +28,10 @@ LEVELS = 63
 OPACITIES = (1.0, 0.45, 0.22)
 PERIODS = (0.4, 0.045, 0.012, 0.3, 0.05, 0.5, 0.006, 0.016)
 """Periods (m) of the patterns of finishes."""
-FRACTIONS = (0.95, 1.0, 0.9)
+FRACTIONS = (0.95, 1.0, 0.9, 0.5)
 """Shares of its range by which a required part must be open."""
+STAYING = ("BreadBox", "ChestFreezer", "ToolBox")
+"""Categories whose lids stay wherever they are left; sketches do not state it."""
 MAX_NEEDS = 2
 ROUND_TURN = 720
 """A full turn, in half degrees."""
@@ -170,14 +172,15 @@ def read_sketch(sketch: Sketch, seed: int = 0) -> Shape:
     Raises:
         SketchError: If the sketch describes no shape; the message names the part.
     """
-    names = _name_parts(sketch.parts)
+    names, stays = _name_parts(sketch.parts), sketch.category in STAYING
     try:
         return Shape(
             category=sketch.category,
             seed=seed,
             style=sketch.style,
             parts=tuple(
-                _read_part(part, name, names) for part, name in zip(sketch.parts, names, strict=True)
+                _read_part(part, name, names, stays=stays)
+                for part, name in zip(sketch.parts, names, strict=True)
             ),
             finishes=tuple(
                 (finish.role, _read_finish(finish, seed, index))
@@ -327,12 +330,15 @@ def _name_parts(parts: Sequence[SketchPart]) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _read_part(part: SketchPart, name: str, names: Sequence[str]) -> ShapePart:
+def _read_part(part: SketchPart, name: str, names: Sequence[str], *, stays: bool) -> ShapePart:
+    """``stays`` is whether lids do: doors that open upwards and back."""
     try:
         primitives = tuple(primitive for piece in part.pieces for primitive in build_primitives(piece))
         motion = None if part.joint is None else _read_joint(part.joint)
     except ValueError as error:
         raise ValueError(f"part {name!r}: {error}") from error
+    if motion is not None and stays and (part.label, motion.type, motion.axis) == ("door", "revolute", LEFT):
+        motion = replace(motion, stays=True)
     needs = ()
     if part.joint is not None:
         fraction = FRACTIONS[part.joint.fraction]

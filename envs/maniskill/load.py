@@ -172,7 +172,7 @@ def play_mechanisms(articulation: "Articulation", package: SimPackage) -> None:
     """
     joints = {joint.name: index for index, joint in enumerate(articulation.active_joints)}
     pairs = [spec for spec in package.joints if spec.mimic in joints and spec.name in joints]
-    springs = [spec for spec in package.joints if spec.spring > 0.0 and spec.name in joints]
+    springs = [spec for spec in package.joints if spec.spring != 0.0 and spec.name in joints]
     if not pairs and not springs:
         return
     qpos = articulation.get_qpos()

@@ -141,8 +141,8 @@ def _add_joint(body: ET.Element, joint: PackageJoint) -> None:
     if joint.type != "continuous":
         attributes["range"] = f"{format_number(joint.lower)} {format_number(joint.upper)}"
         attributes |= {"solreflimit": HARD_REFERENCE, "solimplimit": HARD_IMPEDANCE}
-    if joint.spring > 0.0:
-        attributes |= {"stiffness": format_number(joint.stiffness), "springref": format_number(-joint.upper)}
+    if joint.spring != 0.0:
+        attributes |= {"stiffness": format_number(joint.stiffness), "springref": format_number(joint.relaxed)}
     ET.SubElement(body, "joint", attributes)
 
 

@@ -236,7 +236,7 @@ def physics_json(package: SimPackage) -> str:
             "damping": _number(joint.damping),
             "physx_friction_coefficient": _coefficient(package, joint),
         }
-        | ({"spring": _number(joint.spring)} if joint.spring > 0.0 else {})
+        | ({"spring": _number(joint.spring)} if joint.spring != 0.0 else {})
         for joint in package.joints
         if joint.type != "fixed"
     ]

@@ -159,16 +159,17 @@ def _outward_normal(
     """The direction with the carrier behind the handle and none of it in front.
 
     Candidates are the object's axes and the ``guide``: the handle's first motion, or its joint's axis if it
-    turns in place. Among several, the one closest to the guide wins. It is then aligned with the carrier's
-    face behind the handle.
+    turns in place. Among several, the one closest to the guide wins; a face counts by the cosine at which it
+    is seen, because the guide of a grip high above its hinge slants across the lid. The direction is then
+    aligned with the carrier's face behind the handle.
     """
     candidates = np.concatenate([np.eye(3), -np.eye(3), [guide, -guide]])
     scores = []
     for direction in candidates:
         grid = _silhouette(points, direction)
         depth = np.ptp(points @ direction) + REACH
-        behind = _hit_share(grid, -direction, carrier, depth)
-        before = _hit_share(grid, direction, carrier, depth)
+        behind = _hits(grid, -direction, carrier, depth).mean()
+        before = (_hits(grid, direction, carrier, depth) > 0.0).mean()
         scores.append(behind - before + 0.3 * abs(direction @ guide) + 1e-3 * (direction @ guide))
     best = candidates[int(np.argmax(np.round(scores, 9)))]
     return _lay_along(best, _silhouette(points, best), carrier)
@@ -214,17 +215,21 @@ def _in_the_way(
     return triangles[near]
 
 
-def _hit_share(
+def _hits(
     origins: Float[np.ndarray, "R 3"],
     direction: Float[np.ndarray, "3"],
     triangles: Float[np.ndarray, "F 3 3"],
     depth: float,
-) -> float:
-    """Share of rays that hit a triangle within ``depth``."""
+) -> Float[np.ndarray, "R"]:
+    """Cosine between each ray and the face that it hits first; 0 if it hits none within ``depth``."""
     triangles = _in_the_way(origins, direction, triangles)
     if not len(triangles):
-        return 0.0
-    return float((ray_hits(origins, direction, triangles)[0].min(axis=1) <= depth).mean())
+        return np.zeros(len(origins))
+    distances = ray_hits(origins, direction, triangles)[0]
+    faces = triangles[distances.argmin(axis=1)]
+    normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+    cosines = np.abs(normals @ direction) / np.maximum(np.linalg.norm(normals, axis=1), 1e-15)
+    return np.where(distances.min(axis=1) <= depth, cosines, 0.0)
 
 
 def _plane_axes(normal: Float[np.ndarray, "3"]) -> tuple[np.ndarray, np.ndarray]:

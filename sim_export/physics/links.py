@@ -104,7 +104,12 @@ def link_surfaces(
     return {name: triangles for name, triangles in found.items() if len(triangles)}
 
 
-def build_links(asset: Asset, geometry: Sequence[PartGeometry], latched: Collection[str] = ()) -> LinkTree:
+def build_links(
+    asset: Asset,
+    geometry: Sequence[PartGeometry],
+    latched: Collection[str] = (),
+    stays: Collection[str] = (),
+) -> LinkTree:
     """Welds parts into links and converts part joints to package joints.
 
     Args:
@@ -112,6 +117,7 @@ def build_links(asset: Asset, geometry: Sequence[PartGeometry], latched: Collect
         geometry: Visuals, hulls and mass of every part, in the order of ``asset.parts``.
         latched: Names of parts held shut by a latch. Their joints have only the friction of free hinges and
             runners, and need not hold them on a sloping floor.
+        stays: Names of parts whose hinges hold them wherever they are left.
 
     Raises:
         InvalidKinematics: If there would be more than 64 links, or the root part moves.
@@ -148,7 +154,7 @@ def build_links(asset: Asset, geometry: Sequence[PartGeometry], latched: Collect
         joints.append(_fix(links[-1].name))
     return LinkTree(
         links=tuple(links),
-        joints=resist_joints(links, joints, frozenset(latched)),
+        joints=resist_joints(links, joints, frozenset(latched), frozenset(stays)),
         records=(*records, *raised),
     )
 
@@ -312,8 +318,10 @@ def check_kinematics(package: SimPackage) -> None:
             )
         if abs(np.linalg.norm(joint.axis) - 1.0) > 1e-6:
             raise InvalidKinematics(f"{where}: axis of length {np.linalg.norm(joint.axis):.9g}, expected 1")
-        if joint.spring < 0.0 or (joint.spring > 0.0 and not joint.upper > 0.0):
-            raise InvalidKinematics(f"{where}: a spring of {joint.spring} up to {joint.upper}: both above 0")
+        if joint.spring != 0.0 and not joint.upper > 0.0:
+            raise InvalidKinematics(
+                f"{where}: a spring of {joint.spring} up to {joint.upper}, expected above 0"
+            )
         if joint.lower > joint.upper:
             raise InvalidKinematics(f"{where}: lower {joint.lower} is above upper {joint.upper}")
     lost = set(names) - hanging_links(package.joints, roots[0])

@@ -19,6 +19,9 @@ TRIED_POSES = 9
 LATCH_HOLD = 2.0
 """Holding force of a latch relative to its load under gravity: it has a spring, and the leaf it holds pushes
 on it too."""
+STAY_FORCE = 15.0
+"""Largest force (N) at the far edge of a lid with which the friction of its stays resists a hand. Springs
+carry the rest of a heavy lid, such as a freezer's."""
 SHORTEST_DECAY = 0.1
 """Smallest time constant of damping (seconds); engines exaggerate damping that stops a body within a few
 steps of 1/60 s."""
@@ -65,12 +68,20 @@ def greatest_moment(links: Sequence[Link], joints: Sequence[PackageJoint], joint
 
 
 def resist_joints(
-    links: Sequence[Link], joints: Sequence[PackageJoint], latched: frozenset[str]
+    links: Sequence[Link],
+    joints: Sequence[PackageJoint],
+    latched: frozenset[str],
+    stays: frozenset[str] = frozenset(),
 ) -> tuple[PackageJoint, ...]:
-    """Friction, damping, effort and velocity of every movable joint."""
+    """Friction, damping, effort and velocity of every movable joint.
+
+    ``latched`` are parts held shut by a latch, ``stays`` parts whose hinges hold them wherever they are left.
+    """
     held = {link.name for link in links if latched & set(link.parts[:1])}
+    stayed = {link.name for link in links if stays & set(link.parts[:1])}
     labels: dict[str, PartLabel | None] = {link.name: link.label for link in links}
     leads = {joint.mimic: joint for joint in joints if joint.mimic is not None}
+    by_name = {link.name: link for link in links}
     rolling = _rolling_loads(links, joints)
     out = []
     for joint in joints:
@@ -85,6 +96,10 @@ def resist_joints(
         moved = subtree_inertial(links, joints, joint.child)
         if joint.child in held:
             hold = 0.0
+        elif joint.child in stayed:
+            moment = (1.0 + HOLD_SLOPE) * greatest_moment(links, joints, joint)
+            hold = min(moment, STAY_FORCE * _reach(by_name[joint.child], joint))
+            joint = replace(joint, spring=min(0.0, hold - moment))  # counterbalances the rest
         elif joint.type == "revolute" and (label == "handle" or joint.parent in held):
             # Arms of lamps, bails and the levers of latches stay where they are put.
             hold = (1.0 + HOLD_SLOPE) * greatest_moment(links, joints, joint)
@@ -124,7 +139,11 @@ def _rolling_loads(links: Sequence[Link], joints: Sequence[PackageJoint]) -> dic
     mass = sum(link.inertial.mass for link in links if link.inertial is not None)
     out = {}
     for joint in wheels:
-        points = np.concatenate([hull.vertices for hull in by_name[joint.child].hulls]) - joint.origin
-        radius = float(np.linalg.norm(np.cross(joint.axis, points), axis=1).max())
-        out[joint.name] = rolling_resistance(mass / len(wheels), radius)
+        out[joint.name] = rolling_resistance(mass / len(wheels), _reach(by_name[joint.child], joint))
     return out
+
+
+def _reach(link: Link, joint: PackageJoint) -> float:
+    """Largest distance (m) of a link's hulls from the axis of its joint."""
+    points = np.concatenate([np.zeros((0, 3)), *(hull.vertices for hull in link.hulls)]) - joint.origin
+    return float(np.linalg.norm(np.cross(joint.axis, points), axis=1).max(initial=0.0))

@@ -240,8 +240,8 @@ def _add_resistance(prim: "Usd.Prim", joint: PackageJoint) -> None:
     drive = UsdPhysics.DriveAPI.Apply(prim, way)
     drive.CreateTypeAttr().Set(UsdPhysics.Tokens.force)
     drive.CreateStiffnessAttr().Set(joint.stiffness / degrees)
-    if joint.spring > 0.0:
-        drive.CreateTargetPositionAttr().Set(-joint.upper * degrees)
+    if joint.spring != 0.0:
+        drive.CreateTargetPositionAttr().Set(joint.relaxed * degrees)
     drive.CreateDampingAttr().Set(0.0)
     drive.CreateMaxForceAttr().Set(joint.effort)
     values = {

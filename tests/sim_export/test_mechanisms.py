@@ -43,6 +43,8 @@ def test_motions_without_ends_neither_follow_nor_have_springs():
     for extra in ({"follows": "pedal"}, {"spring": 1.0}):
         with pytest.raises(ValueError, match="has no limits"):
             Motion(type="continuous", axis=UP, upper=6.0, **extra)
+    with pytest.raises(ValueError, match="stays"):
+        Motion(type="prismatic", axis=UP, upper=1.0, stays=True)
     with pytest.raises(ValueError, match="0 or more"):
         Motion(type="revolute", axis=UP, upper=1.0, spring=-0.1)
 
@@ -127,8 +129,9 @@ def test_what_has_neither_is_written_as_before(tmp_path):
 
 def test_a_spring_needs_a_range(package):
     pedal, _ = pedal_and_lid(package)
-    for changes in ({"spring": -1.0}, {"upper": 0.0}):
-        joints = tuple(replace(x, **changes) if x.name == pedal.name else x for x in package.joints)
+    for spring in (pedal.spring, -1.0):
+        changed = replace(pedal, upper=0.0, spring=spring)
+        joints = tuple(changed if x.name == pedal.name else x for x in package.joints)
         with pytest.raises(InvalidKinematics, match="spring"):
             check_kinematics(replace(package, joints=joints))
 

@@ -112,7 +112,7 @@ def _build_curved(rng: np.random.Generator, width: float, depth: float, height: 
         block((rear + GAP, x[1] - WALL), inner, (height - WALL, height), "body"),
     ]
     solids = join_outlines(outline, trace(WALL), narrow(inner, GAP), "front")
-    lid = make_lid(solids, (x[0], rear), inner, height, radians(choose(rng, 70, 85)))
+    lid = make_lid(solids, (x[0], rear), inner, height, radians(choose(rng, 70, 85)), stays=True)
     turn = choose(rng, 0.6, 0.85)  # where the bar is on the curve
     run, rise = crest - x[0], height - sill
     out = np.array([-np.cos(turn) / run, np.sin(turn) / rise])
@@ -139,6 +139,6 @@ def _build_enamel(rng: np.random.Generator, width: float, depth: float, height: 
     sign = block((x[0] - 0.0015, x[0] + 0.003), around(0.0, 0.22 * width), (0.4 * rim, 0.66 * rim), "inside")
     slab = block(x, y, (low, low + thick), "top", 0.003)
     plug = block((x[0] + 0.016, x[1] - 0.012), narrow(y, 0.012), (low - 0.006, low + 0.004), "top")
-    lid = make_lid((slab, plug), x, y, low, radians(choose(rng, 80, 95)))
+    lid = make_lid((slab, plug), x, y, low, radians(choose(rng, 80, 95)), stays=True)
     handle = make_grip((-0.02, 0.0, low + thick), 0.11, name="lid_handle", parent="lid", thick=0.012)
     return Assembly((*walls, sign), (lid, handle))

@@ -84,7 +84,7 @@ def _build(rng: np.random.Generator, width: float, depth: float, height: float, 
 
 
 def _make_lid(outline: Rectangle, hollow: Space, z: Range, upper: float) -> ShapePart:
-    """An insulated lid: skin, gasket, and a liner that enters the chest."""
+    """An insulated lid on counterbalanced hinges: skin, gasket, and a liner that enters the chest."""
     (x, y), seal = outline, z[0] + 0.02
     swing = sweep_gap(x[1] - hollow.x[0], PLUG)
     liner_x = (hollow.x[0] + swing + 0.004, hollow.x[1] - 0.012)
@@ -93,7 +93,7 @@ def _make_lid(outline: Rectangle, hollow: Space, z: Range, upper: float) -> Shap
         block(narrow(x, 0.012), narrow(y, 0.012), (z[0], seal), "rubber"),
         block(liner_x, narrow(hollow.y, 0.008), (z[0] - PLUG, seal), "inside"),
     )
-    return make_lid(solids, x, y, z[0], upper)
+    return make_lid(solids, x, y, z[0], upper, stays=True)
 
 
 def _make_baskets(hollow: Space, level: float, step: float, count: int, cover: str) -> list[ShapePart]:

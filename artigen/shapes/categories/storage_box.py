@@ -28,7 +28,7 @@ from artigen.shapes.fittings.lids import (
     shrink,
     trace_arch,
 )
-from artigen.shapes.fittings.locks import make_latch
+from artigen.shapes.fittings.locks import DEEP, FREE, make_latch
 from artigen.shapes.fittings.turning import turn_part
 from artigen.shapes.primitives import Primitive, block
 from artigen.shapes.shape import ShapePart, require
@@ -160,7 +160,7 @@ def _turn_aside(part: ShapePart) -> list[ShapePart]:
 
 def _build_tub(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A tub that tapers downwards, a lid with a raised field and a clip at each side."""
-    wall, clip, thick = 0.006, 0.0115, 0.012
+    wall, clip, thick = 0.006, FREE + DEEP, 0.012
     x, y = around(0.0, depth / 2), around(0.0, width / 2 - clip)
     rim = height - thick - choose(rng, 0.006, 0.014) - GAP
     taper, low = choose(rng, 0.08, 0.16) * min(depth, height), rim + GAP

@@ -19,7 +19,6 @@ from artigen.shapes.fittings.feet import make_wheel
 from artigen.shapes.fittings.fronts import FrontDesign
 from artigen.shapes.fittings.handles import HandleDesign
 from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Panel, Range, Space, around, narrow, share_down
-from artigen.shapes.fittings.latches import RELEASED
 from artigen.shapes.fittings.lids import (
     Rectangle,
     build_half_shell,
@@ -29,7 +28,7 @@ from artigen.shapes.fittings.lids import (
     make_lift_out,
     shrink,
 )
-from artigen.shapes.fittings.locks import make_latch
+from artigen.shapes.fittings.locks import DEEP, FREE, UNHOOKED, make_latch
 from artigen.shapes.primitives import DOWN, ROUND, Primitive, block, cylinder
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.finishes import Color, Finish
@@ -84,7 +83,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 def _make_latches(rng: np.random.Generator, x: float, y: Range, rim: float, rise: float) -> list[ShapePart]:
     """One latch in the middle of the front, or two latches."""
-    half, count = choose(rng, 0.02, 0.03), int(rng.choice((1, 2, 2)))
+    half, count = choose(rng, 0.012, 0.018), int(rng.choice((1, 2, 2)))
     places, z = [0.0] if count == 1 else [0.6 * y[0], 0.6 * y[1]], (rim - 0.04, rim + rise)
     return [make_latch(x, around(at, half), z, name=f"latch_{k}", upper=1.6) for k, at in enumerate(places)]
 
@@ -92,14 +91,15 @@ def _make_latches(rng: np.random.Generator, x: float, y: Range, rim: float, rise
 def _cover(
     solids: Sequence[Primitive], outline: Rectangle, low: float, degrees: float, latches: list[ShapePart]
 ) -> ShapePart:
-    """A lid at height ``low`` that latches hold down."""
-    needs = require(*(latch.name for latch in latches), fraction=RELEASED)
-    return make_lid(solids, *outline, low, radians(degrees), needs=needs)
+    """A lid at height ``low`` that latches hold down; its hinges are tight, so that it stays open."""
+    needs = require(*(latch.name for latch in latches), fraction=UNHOOKED)
+    return make_lid(solids, *outline, low, radians(degrees), needs=needs, stays=True)
 
 
 def _build_plastic(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A tub with a rib around its rim, a deep lid with a grip in the middle, and a tray on ledges."""
-    reach, grip, rib = 0.013, FINGER_ROOM + 0.018, 0.003
+    grip, rib = FINGER_ROOM + 0.018, 0.003
+    reach = rib + FREE + DEEP
     x, y = (reach - depth / 2, depth / 2), around(0.0, width / 2)
     rise = choose(rng, 0.22, 0.32) * (height - grip)
     low = height - grip - rise
@@ -144,7 +144,7 @@ def _make_tray(outline: Rectangle, rim: float, lean: float = 0.0) -> Assembly:
 
 def _build_metal(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A box of folded steel with a gabled lid and a grip along its ridge."""
-    reach, grip = 0.012, FINGER_ROOM + 0.014
+    reach, grip = FREE + DEEP + 0.0005, FINGER_ROOM + 0.014
     x, y = (reach - depth / 2, depth / 2), around(0.0, width / 2)
     rise = choose(rng, 0.24, 0.36) * (height - grip)
     low, middle = height - grip - rise, sum(x) / 2

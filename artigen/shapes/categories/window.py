@@ -111,7 +111,7 @@ def _draw_casement(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
         key="handle",
         bolt=(0.046, inner.z[1] + 0.004),
         over=0.0,
-        length=0.11,
+        length=0.18,
         astragal=(0.02, 0.011),
     )
     hinges, parts = hang_parts(rng, leaves, hanging, lambda leaf: _build_leaf(leaf, latch, bars))
@@ -200,7 +200,7 @@ def _draw_sashes(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     turn = rotate(UP, (*at, top), np.pi / 2)
     lock = ShapePart("cam", "knob", cam, turn, parent="sash")
     panel = Panel(x=front[0], thickness=SASH, y=y, z=(low, low + 0.075))
-    lift = HandleDesign(kind="pull", length=0.11, thickness=0.012)
+    lift = HandleDesign(kind="pull", length=0.18, thickness=0.012)
     grip = make_handle(panel, lift, name="lift", parent="sash", upright=False, at=(middle, low + 0.045))
     return frame, [sash, lock, grip]
 
@@ -217,7 +217,7 @@ def _draw_sliding(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     frame += _build_sash(back, rest, inner.z, (RAIL, RAIL), bars)
     stile = (y[1] - RAIL / 2) if left else (y[0] + RAIL / 2)
     at = (front[0], stile, inner.z[1] - STOP)
-    bolt, guides, staple = make_bolt(at, STOP, name="bolt", parent="sash", finish="handle", length=0.11)
+    bolt, guides, staple = make_bolt(at, STOP, name="bolt", parent="sash", finish="handle", length=0.18)
     way = (0.0, -1.0 if left else 1.0, 0.0)
     sash = ShapePart(
         "sash",

@@ -1,7 +1,7 @@
 """Carrying handles and telescopic handles of luggage and tool boxes."""
 
 from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Range, around, slide
-from artigen.shapes.primitives import UP, Primitive, Vector, block, box
+from artigen.shapes.primitives import UP, Primitive, Vector, block, box, cylinder
 from artigen.shapes.shape import ShapePart
 
 ROD = 0.013
@@ -15,9 +15,12 @@ def make_grip(
 ) -> ShapePart:
     """A grip along y on two posts on an upward face; `FINGER_ROOM` plus its thickness high."""
     x, y, z = at
-    low, half, deep = z + FINGER_ROOM, length / 2, 0.6 * thick
-    posts = [block(around(x, deep), (a, a + thick), (z, low), finish) for a in (y - half, y + half - thick)]
-    bar = block(around(x, deep), around(y, half), (low, low + thick), finish, 0.2 * thick)
+    low, half, deep = z + FINGER_ROOM, length / 2, 0.5 * thick
+    middle, round_ = low + thick / 2, thick / 2
+    posts = [
+        block(around(x, deep), (a, a + thick), (z, middle), finish) for a in (y - half, y + half - thick)
+    ]
+    bar = cylinder((x, y - half, middle), (x, y + half, middle), round_, finish)
     return ShapePart(name, "handle", (bar, *posts), parent=parent)
 
 

@@ -224,7 +224,8 @@ def make_bolt(
     middle = x - base - BOLT_PLAY - radius
     top, low = z + reach, z + reach - length
     rod = cylinder((middle, y, low), (middle, y, top), radius, finish)
-    knob = cylinder((middle, y, low + 0.02), (middle - 0.028, y, low + 0.02), 0.009, finish)
+    level = min(low + length / 2, z - 0.065)  # below the guide, where fingers reach around it
+    knob = cylinder((middle, y, level), (middle - 0.028, y, level), 0.009, finish)
 
     bolt = ShapePart(name, "knob", (rod, knob), slide(reach + 0.012, DOWN), parent=parent)
     plate = block((x - base, x), around(y, 0.02), (low - 0.045, z - 0.02), finish)

@@ -6,6 +6,7 @@ before it (`sweep_gap`); an apron, which reaches down outside of them, needs non
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -60,9 +61,14 @@ def make_lid(
     *,
     name: str = "lid",
     needs: tuple[Need, ...] = (),
+    stays: bool = False,
 ) -> ShapePart:
-    """A lid that turns about its lower rear edge by ``upper`` radians (`hinge_lid`)."""
-    return ShapePart(name, "door", pieces, hinge_lid(x, y, z, upper), needs=needs)
+    """A lid that turns about its lower rear edge by ``upper`` radians (`hinge_lid`).
+
+    With ``stays``, its hinges hold it wherever it is left.
+    """
+    hinge = replace(hinge_lid(x, y, z, upper), stays=stays)
+    return ShapePart(name, "door", pieces, hinge, needs=needs)
 
 
 def build_vessel(

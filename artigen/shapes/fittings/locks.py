@@ -8,6 +8,10 @@ from artigen.shapes.shape import ShapePart
 
 FREE = 0.0015
 """Gap (m) between a turning lock and its face."""
+DEEP = 0.014
+"""Depth (m) of a flip latch: two fingers hold it at its sides without touching the face behind it."""
+UNHOOKED = 0.5
+"""Share of a flip latch's range at which it has let go of the lid."""
 
 
 def make_lock(
@@ -43,7 +47,7 @@ def make_latch(
 ) -> ShapePart:
     """A latch before a face at x, which holds a lid down and flips outwards about its lower edge.
 
-    Its plate is 4 mm thick, is `FREE` from the face and has a lip for the fingers at its upper end.
+    It is `FREE` from the face and `DEEP`, less below the lip for the fingers at its upper end.
 
     Args:
         x: Front face of the box, and of the lid where the latch reaches it.
@@ -56,8 +60,8 @@ def make_latch(
     """
     face = x - FREE
     solids = (
-        block((face - 0.004, face), y, z, finish),
-        block((face - 0.010, face - 0.004), y, (z[1] - 0.006, z[1]), finish),
+        block((face - 0.8 * DEEP, face), y, z, finish),
+        block((face - DEEP, face - 0.8 * DEEP), y, (z[1] - 0.008, z[1]), finish),
     )
-    turn = rotate(RIGHT, (face - 0.004, (y[0] + y[1]) / 2, z[0]), upper)
+    turn = rotate(RIGHT, (face - 0.8 * DEEP, (y[0] + y[1]) / 2, z[0]), upper)
     return ShapePart(name, "knob", solids, turn, parent=parent)

@@ -24,9 +24,6 @@ EVEN = 0.003
 """Distance from the foremost hull within which hulls belong to the hub, metres."""
 TIP, TIP_GAP = 0.009, 0.002
 """Length of the fingers beyond the middle of their tips, and their clearance from what is behind, metres."""
-DEEPEST = 0.02
-"""Largest distance of a handle's middle behind its grasp line, metres, at which fingers take it there. A bar
-on longer rods is taken at the line."""
 HUB_YAWS = np.radians([0.0, 15.0, -15.0, 30.0, -30.0])
 ROOMY = 0.024
 """Opening of the fingers beyond the handle's width, metres, limited because neighbours may be close."""
@@ -54,9 +51,7 @@ def find_grasps(handle: HandleAnnotation, held: tuple[Hull, ...], robot: RobotSp
     """
     if handle.width + SPARE > robot.opening:
         return _hub_grasps(handle, held, robot)
-    middle, line = handle.corners.mean(axis=0), handle.grasp_line.mean(axis=0)
-    if (line - middle) @ handle.normal > DEEPEST:
-        middle = line
+    middle = handle.grasp_line.mean(axis=0)
     half = (handle.grasp_line[1] - handle.grasp_line[0]) / 2.0
     length = float(np.linalg.norm(half))
     bar = half / length if length > 1e-6 else across(handle.normal)

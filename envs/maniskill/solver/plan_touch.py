@@ -37,7 +37,7 @@ def _through(part: TaskPart, poses: Float[np.ndarray, "K 4 4"]) -> Float[np.ndar
     lever = np.ones(len(poses))
     if part.joint.type != "prismatic":
         lever = np.linalg.norm(np.cross(part.joint.axis, poses[:, :3, 3] - part.joint.origin), axis=1)
-    return (THROUGH + YIELD * 2.0 * part.joint.spring / np.maximum(lever, 0.02))[:, None]
+    return (THROUGH + YIELD * 2.0 * max(0.0, part.joint.spring) / np.maximum(lever, 0.02))[:, None]
 
 
 def _enters(

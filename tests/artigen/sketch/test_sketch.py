@@ -93,6 +93,7 @@ def test_a_sketch_is_its_shape_to_half_a_step_and_writing_it_again_changes_nothi
         assert (have.motion is None) == (want.motion is None)
         if have.motion and want.motion:
             assert have.motion.axis == pytest.approx(want.motion.axis)
+            assert have.motion.stays == want.motion.stays
             assert have.motion.upper == pytest.approx(want.motion.upper, abs=0.005)
             assert have.motion.pitch == pytest.approx(want.motion.pitch, abs=1e-3)
 
