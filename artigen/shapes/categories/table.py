@@ -96,6 +96,8 @@ def _draw_plan(rng: np.random.Generator, style: str, size: tuple[float, float, f
     look = STYLES[style]
     if not wish.handles and "knob" in look.handles and rng.random() < 0.45:  # most tables have small handles
         look = replace(look, handles=("knob",))
+    if not wish.handles:  # under a top there is no room for a finger above a lip
+        look = replace(look, handles=tuple(kind for kind in look.handles if kind != "edge"))
     looks = draw_looks(rng, look, max(size), wish)
     return _Plan(
         size=size,
