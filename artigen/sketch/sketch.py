@@ -331,7 +331,7 @@ def _name_parts(parts: Sequence[SketchPart]) -> tuple[str, ...]:
 
 
 def _read_part(part: SketchPart, name: str, names: Sequence[str], *, stays: bool) -> ShapePart:
-    """``stays`` is whether lids do: doors that open upwards and back."""
+    """The part; with ``stays``, a lid (a door that opens upwards and back) stays wherever it is left."""
     try:
         primitives = tuple(primitive for piece in part.pieces for primitive in build_primitives(piece))
         motion = None if part.joint is None else _read_joint(part.joint)

@@ -47,7 +47,7 @@ def make_latch(
 ) -> ShapePart:
     """A latch before a face at x, which holds a lid down and flips outwards about its lower edge.
 
-    It is `FREE` from the face and `DEEP`, less below the lip for the fingers at its upper end.
+    It is `FREE` from the face and `DEEP` at the lip for the fingers at its upper end, a fifth less below.
 
     Args:
         x: Front face of the box, and of the lid where the latch reaches it.
@@ -59,9 +59,10 @@ def make_latch(
         finish: Role of the finish.
     """
     face = x - FREE
+    front = face - 0.8 * DEEP
     solids = (
-        block((face - 0.8 * DEEP, face), y, z, finish),
-        block((face - DEEP, face - 0.8 * DEEP), y, (z[1] - 0.008, z[1]), finish),
+        block((front, face), y, z, finish),
+        block((face - DEEP, front), y, (z[1] - 0.008, z[1]), finish),
     )
-    turn = rotate(RIGHT, (face - 0.8 * DEEP, (y[0] + y[1]) / 2, z[0]), upper)
+    turn = rotate(RIGHT, (front, (y[0] + y[1]) / 2, z[0]), upper)
     return ShapePart(name, "knob", solids, turn, parent=parent)
