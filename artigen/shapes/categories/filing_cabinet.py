@@ -207,6 +207,6 @@ def _make_files(rng: np.random.Generator, space: Space, filled: float) -> list[P
 def _make_label(panel: Panel) -> list[Primitive]:
     """A label frame above the handle."""
     y, z = panel.center[0], panel.z[1] - 0.033
-    frame = block((panel.x - 0.003, panel.x), around(y, 0.045), around(z, 0.017), "handle")
-    card = block((panel.x - 0.0045, panel.x), around(y, 0.039), around(z, 0.012), "paper")
+    frame = block((panel.x - 0.0015, panel.x), around(y, 0.045), around(z, 0.017), "handle")
+    card = block((panel.x - 0.0025, panel.x), around(y, 0.039), around(z, 0.012), "paper")
     return [frame, card]

@@ -34,8 +34,8 @@ SIZES: dict[str, Spans] = {
 SHELLS: tuple[Color, ...] = ((0.90, 0.90, 0.89), (0.82, 0.82, 0.80), (0.15, 0.15, 0.16), (0.32, 0.33, 0.35))
 WALL, FACE = 0.012, 0.016
 """Thickness (m) of the housing, and of the fronts of cassettes."""
-
-
+KEY = 0.012
+"""Least width (m) that a button takes up in its row."""
 PAPER: Range = (-0.105, 0.105)
 """Range of y of a sheet of A4 paper."""
 
@@ -241,10 +241,12 @@ def _make_scanner(rng: np.random.Generator, frame: _Frame, z: Range, height: flo
 def _make_controls(rng: np.random.Generator, frame: _Frame, z: Range, y: Range) -> Assembly:
     """A display and a row of buttons on the front; the last button is green."""
     x, middle, half = frame.x[0], sum(z) / 2, 0.34 * (z[1] - z[0])
-    count = int(rng.integers(2, 6))
+    wanted = int(rng.integers(2, 6))
     split = y[1] - choose(rng, 0.35, 0.55) * (y[1] - y[0])
     display = block(around(x, 0.003), (split, y[1]), around(middle, half), "panel")
-    pitch = (split - 0.006 - y[0]) / count
+    room = split - 0.006 - y[0]
+    count = min(wanted, int(room / KEY))
+    pitch = room / count
     size = min(0.75 * pitch, 1.6 * half)
     shape = "round" if rng.random() < 0.5 else "square"
     buttons = []

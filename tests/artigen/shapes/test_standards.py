@@ -7,6 +7,7 @@ import pytest
 
 from artigen.shapes.draw import categories, draw_shape
 from artigen.shapes.furniture.furniture_kinds import KINDS
+from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
 from sim_export.checks.config import CheckConfig
 
@@ -80,6 +81,15 @@ def test_cabinets_of_kitchens_have_the_depths_and_heights_of_en_1116():
     assert wall.depth[1] <= 0.42
     assert base.width[0] >= 0.15
     assert base.width[1] <= 1.25
+
+
+@pytest.mark.parametrize("category", sorted(categories()))
+def test_what_fingers_press_and_turn_is_as_wide_as_a_fingertip(category: str):
+    for seed in SEEDS:
+        for part in draw_shape(category, seed).parts:
+            if part.label == "knob":
+                extents = np.ptp(np.concatenate([place_vertices(p) for p in part.primitives]), axis=0)
+                assert sorted(extents)[1] >= 0.0085, (seed, part.name)
 
 
 def test_wardrobes_are_deep_enough_for_hangers():
