@@ -23,7 +23,7 @@ from artigen.shapes.fittings.hardware import (
     rotate,
     sweep_gap,
 )
-from artigen.shapes.primitives import UP, Primitive, cylinder
+from artigen.shapes.primitives import UP, Primitive, block, cylinder
 from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -148,7 +148,21 @@ def _draw_controls(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePar
         parts += _draw_dials(rng, panel.x, inner, (low, high), int(rng.integers(1, 3)))
     elif kind == "keys":
         parts += _draw_keys(rng, panel.x, inner, (low, high), rows=int(rng.integers(4, 7)))
+    else:
+        extras += _build_touch_pad(panel.x, inner, (low, high), shows=not extras)
     return parts, tuple(extras)
+
+
+def _build_touch_pad(x: float, y: Range, z: Range, *, shows: bool) -> list[Primitive]:
+    """A dark pane with printed keys, three in a row; ``shows`` leaves room above them for digits."""
+    top = z[1] - (0.045 if shows else 0.006)
+    rows = int(np.clip((top - z[0]) / 0.026, 1, 5))
+    keys = [
+        block((x - 0.003, x), across, up, "plastic")
+        for up in divide_range((top - 0.026 * rows + 0.008, top), rows, 0.01)
+        for across in divide_range(narrow(y, 0.005), 3, 0.007)
+    ]
+    return [block((x - 0.0015, x), y, z, "panel"), *keys]
 
 
 def _draw_dials(rng: np.random.Generator, x: float, y: Range, z: Range, count: int) -> list[ShapePart]:
