@@ -1,7 +1,11 @@
-"""Microwave: a door beside or below a control panel, a cavity with a turntable, keys and dials."""
+"""Microwave: a door beside, below or above its controls, a cavity with a turntable, keys and dials.
 
-from dataclasses import dataclass
+Those that hang over a range have a ventilation grille above the door.
+"""
+
+from dataclasses import dataclass, replace
 from math import radians
+from typing import Literal
 
 import numpy as np
 
@@ -9,7 +13,7 @@ from artigen.shapes.appliances.appliance_doors import build_window_leaf, draw_gr
 from artigen.shapes.appliances.cavity import build_feet, build_shell
 from artigen.shapes.appliances.control_panel import build_display, design_dial, make_button, make_dial
 from artigen.shapes.appliances.rings import build_ring
-from artigen.shapes.choices import choose
+from artigen.shapes.choices import choose, pick
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.hardware import (
     GAP,
@@ -29,6 +33,11 @@ from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Microwave"
 STYLES = ("steel", "black", "white", "retro")
+Layout = Literal["above", "below", "hung", "beside"]
+LAYOUTS: dict[Layout, float] = {"above": 0.1, "below": 0.08, "hung": 0.1, "beside": 0.72}
+"""Where the controls are; those of a hung one are beside its door."""
+SUNK = 0.012
+"""Depth (m) in the front of what is printed or cut there; thinner hulls would be too oblong for engines."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,8 +49,13 @@ class _Plan:
     hollow: Space
     door: Panel
     controls: Panel
-    drops: bool
-    """Whether the door drops down below the controls."""
+    grille: Panel | None
+    layout: Layout
+
+    @property
+    def drops(self) -> bool:
+        """Whether the door drops down below the controls."""
+        return self.layout == "above"
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -61,39 +75,56 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     width = choose(rng, 0.44, 0.62, wish.width)
     depth = choose(rng, 0.62 * width, 0.85 * width, wish.depth)
     height = choose(rng, 0.54 * width, 0.68 * width, wish.height)
-    drops = rng.random() < 0.1
+    layout = pick(rng, LAYOUTS)
     foot = choose(rng, 0.008, 0.018) if rng.random() < 0.85 else 0.0
-    thick = choose(rng, 0.030, 0.042)
-    wall = choose(rng, 0.014, 0.026)
-    x = -depth / 2
-    column = choose(rng, 0.19, 0.30) * width
-    strip = choose(rng, 0.20, 0.27) * height
-    if drops:
-        door = Panel(x=x, thickness=thick, y=around(0.0, width / 2), z=(foot, height - strip))
+    thick, wall = choose(rng, 0.030, 0.042), choose(rng, 0.014, 0.026)
+    column, strip = choose(rng, 0.19, 0.30) * width, choose(rng, 0.20, 0.27) * height
+    y, z, grille = around(0.0, width / 2), (foot, height), None
+    if layout == "hung":
+        z = (0.0, height - 0.6 * strip)
+    door = Panel(x=-depth / 2, thickness=thick, y=y, z=z)
+    controls = replace(door, thickness=thick + GAP)
+    right, bottom, top = wall, wall, wall
+    if layout == "above":
+        door = replace(door, z=(foot, height - strip))
         gap = sweep_gap(door.height, thick)
-        controls = Panel(x=x, thickness=thick + GAP, y=door.y, z=(height - strip + gap, height))
-        right, top = wall, strip + gap + 0.005
+        controls = replace(controls, z=(height - strip + gap, height))
+        top = strip + gap + 0.005
+    elif layout == "below":
+        door = replace(door, z=(foot + strip, height))
+        controls = replace(controls, z=(foot, foot + strip - 0.003))
+        bottom += strip
     else:
-        edge = -width / 2 + column
-        door = Panel(x=x, thickness=thick, y=(edge, width / 2), z=(foot, height))
-        gap = sweep_gap(door.width, thick)
-        controls = Panel(x=x, thickness=thick + GAP, y=(-width / 2, edge - gap), z=door.z)
-        right, top = column + 0.012, wall
-    outer = Space(x=(door.back + GAP, depth / 2), y=around(0.0, width / 2), z=(foot, height))
+        door = replace(door, y=(column - width / 2, y[1]))
+        controls = replace(controls, y=(y[0], door.y[0] - sweep_gap(door.width, thick)))
+        right = column + 0.012
+    if layout == "hung":
+        grille = replace(controls, y=y, z=(z[1] + 0.003, height))
+        top += height - z[1]
+    outer = Space(x=(door.back + GAP, depth / 2), y=y, z=(z[0], height))
     hollow = Space(
         x=(outer.x[0], outer.x[1] - 1.6 * wall),
-        y=(outer.y[0] + right, outer.y[1] - wall - 0.012),
-        z=(foot + wall, height - top),
+        y=(y[0] + right, y[1] - wall - 0.012),
+        z=(z[0] + bottom, height - top),
     )
-    return _Plan(outer=outer, hollow=hollow, door=door, controls=controls, drops=drops)
+    return _Plan(outer=outer, hollow=hollow, door=door, controls=controls, grille=grille, layout=layout)
 
 
 def _build_body(plan: _Plan, face: str, extras: tuple[Primitive, ...]) -> ShapePart:
     outer, foot = plan.outer, plan.outer.z[0]
     pieces = [*build_shell(outer, plan.hollow, "body", "inside"), plan.controls.fill(face), *extras]
+    if plan.grille:
+        pieces += _build_grille(plan.grille)
     if foot:
         pieces += build_feet(outer.x, outer.y, foot, "rubber", radius=0.014, inset=0.04)
     return make_base(pieces)
+
+
+def _build_grille(panel: Panel) -> list[Primitive]:
+    """A band with dark slots, two or three of them one above the other."""
+    rows = divide_range(narrow(panel.z, 0.008), max(2, round(panel.height / 0.022)), 0.007)
+    x = (panel.x - 0.0015, panel.x + SUNK)
+    return [panel.fill("body"), *(block(x, narrow(panel.y, 0.02), z, "rubber") for z in rows)]
 
 
 def _draw_door(rng: np.random.Generator, plan: _Plan, face: str, wish: Wish) -> list[ShapePart]:
@@ -121,7 +152,7 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, face: str, wish: Wish) -> 
 
 def _draw_controls(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart], tuple[Primitive, ...]]:
     """Draws the controls and the fixed parts of the panel between them."""
-    if plan.drops:
+    if plan.layout in ("above", "below"):
         return _draw_strip(rng, plan)
     panel = plan.controls
     parts: list[ShapePart] = []
@@ -158,11 +189,11 @@ def _build_touch_pad(x: float, y: Range, z: Range, *, shows: bool) -> list[Primi
     top = z[1] - (0.045 if shows else 0.006)
     rows = int(np.clip((top - z[0]) / 0.026, 1, 5))
     keys = [
-        block((x - 0.003, x), across, up, "plastic")
+        block((x - 0.003, x + SUNK), across, up, "plastic")
         for up in divide_range((top - 0.026 * rows + 0.008, top), rows, 0.01)
         for across in divide_range(narrow(y, 0.005), 3, 0.007)
     ]
-    return [block((x - 0.0015, x), y, z, "panel"), *keys]
+    return [block((x - 0.0015, x + SUNK), y, z, "panel"), *keys]
 
 
 def _draw_dials(rng: np.random.Generator, x: float, y: Range, z: Range, count: int) -> list[ShapePart]:
@@ -198,7 +229,7 @@ def _draw_keys(rng: np.random.Generator, x: float, y: Range, z: Range, rows: int
 
 
 def _draw_strip(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart], tuple[Primitive, ...]]:
-    """Draws the controls above a drop-down door: a display in the middle, dials or keys beside it."""
+    """Draws controls above or below the door: a display in the middle, dials beside it."""
     panel = plan.controls
     y, z = panel.center
     third = panel.width / 3
