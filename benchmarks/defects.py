@@ -259,12 +259,25 @@ def paint(pattern: str, color: tuple[int, int, int]) -> Mutation:
     return mutate
 
 
-def collapse_uv(file: str) -> Mutation:
+def set_uv(file: str, u: float, v: float) -> Mutation:
     """Puts all texture coordinates into one point."""
 
     def mutate(folder: Path) -> None:
         text = (folder / file).read_text()
-        (folder / file).write_text(re.sub(r"(?m)^vt .*$", "vt 0.500000 0.500000", text))
+        (folder / file).write_text(re.sub(r"(?m)^vt .*$", f"vt {u:.6f} {v:.6f}", text))
+
+    return mutate
+
+
+def join_files(file: str, other: str) -> Mutation:
+    """Writes the solids of two OBJs of one link into the first."""
+
+    def mutate(folder: Path) -> None:
+        one, two = parse_obj(folder / file), parse_obj(folder / other)
+        faces = np.concatenate([one.faces, two.faces + len(one.vertices)]) + 1
+        rows = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in [*one.vertices, *two.vertices]]
+        rows += [f"f {a} {b} {c}" for a, b, c in faces]
+        (folder / file).write_text("\n".join(rows) + "\n")
 
     return mutate
 

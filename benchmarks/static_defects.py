@@ -8,7 +8,6 @@ from defects import (
     Mutation,
     append,
     chain,
-    collapse_uv,
     delete,
     drop,
     edit_faces,
@@ -16,12 +15,14 @@ from defects import (
     edit_vertices,
     fill_link,
     find,
+    join_files,
     move_joint,
     paint,
     replace_text,
     reverse_face,
     scale_all,
     set_attribute,
+    set_uv,
     shift,
     turn_axis,
     write_hull,
@@ -31,6 +32,11 @@ ROBOT = '<robot name="sample_cabinet">'
 BOMB = '<!DOCTYPE r [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>\n' + ROBOT
 DOOR = "link[@name='link_1']"
 DRAWER_MESH = "link[@name='link_0']/visual/geometry/mesh"
+Vector = tuple[float, float, float]
+LOCK: Vector = (-0.243, -0.255, 0.125)
+"""Centre of the lock's hull."""
+BAR = (-0.275, -0.26)
+"""Front and rear of the bar of the door's handle, which overlaps its posts (x, m)."""
 
 
 def _add_links(robot: ET.Element) -> None:
@@ -41,10 +47,14 @@ def _add_links(robot: ET.Element) -> None:
         ET.SubElement(joint, "child", link=f"extra_{index}")
 
 
-def _repeat_collision(robot: ET.Element) -> None:
-    door = find(robot, DOOR)
-    for _ in range(93):
-        door.append(find(door, "collision"))
+def _repeat_collision(link: str, count: int) -> Mutation:
+    """Adds ``count`` copies of the first hull of a link."""
+
+    def change(robot: ET.Element) -> None:
+        owner = find(robot, f"link[@name='{link}']")
+        owner.extend([find(owner, "collision")] * count)
+
+    return edit_urdf(change)
 
 
 def _joint(path: str, **values: str) -> Mutation:
@@ -59,13 +69,13 @@ def _ball(count: int) -> np.ndarray:
     height = 1.0 - 2.0 * (np.arange(count) + 0.5) / count
     ring = np.sqrt(1.0 - height**2)
     ball = np.stack([ring * np.cos(turn), ring * np.sin(turn), height], axis=1)
-    return 0.02 * ball + [-0.243, -0.255, 0.125]
+    return 0.02 * ball + LOCK
 
 
-def _slab(x: float, y: float, z: float) -> np.ndarray:
-    """Corners of a box of these edges where the lock's hull is."""
+def _slab(x: float, y: float, z: float, center: Vector = LOCK) -> np.ndarray:
+    """Corners of a box of these edges."""
     signs = np.stack(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5]), axis=-1).reshape(-1, 3)
-    return signs * [x, y, z] + [-0.243, -0.255, 0.125]
+    return signs * [x, y, z] + center
 
 
 def _dent(vertices: np.ndarray) -> np.ndarray:
@@ -88,6 +98,7 @@ DEFECTS: dict[str, dict[str, Mutation]] = {
         "link with two parents": _joint("joint_0/child", link="link_1"),
         "duplicate link name": set_attribute("link[@name='link_3']", name="link_0"),
         "duplicate joint name": _joint("joint_3", name="joint_0"),
+        "parent that does not exist": _joint("joint_1/parent", link="link_9"),
     },
     "V002": {
         "limit without effort": edit_urdf(
@@ -121,7 +132,8 @@ DEFECTS: dict[str, dict[str, Mutation]] = {
     },
     "V006": {
         "65 links": edit_urdf(_add_links),
-        "97 hulls on a link": edit_urdf(_repeat_collision),
+        "97 hulls on a link": _repeat_collision("link_1", 93),
+        "257 hulls in all": chain(*(_repeat_collision(f"link_{index}", 85) for index in (0, 1, 4))),
     },
     "V007": {
         "mass of 10 tonnes": set_attribute(f"{DOOR}/inertial/mass", value="10000"),
@@ -134,6 +146,7 @@ DEFECTS: dict[str, dict[str, Mutation]] = {
         "negative inertia": _inertia(0.5, -0.2, 0.3),
         "inertia against the triangle inequality": _inertia(1.0, 0.1, 0.1),
         "centre of mass outside": set_attribute(f"{DOOR}/inertial/origin", xyz="-0.3 0.4 0.5"),
+        "centre of mass not a number": set_attribute(f"{DOOR}/inertial/origin", xyz="nan 0 0"),
     },
     "V009": {
         "lengths in inches": scale_all(39.37),
@@ -141,6 +154,7 @@ DEFECTS: dict[str, dict[str, Mutation]] = {
     },
     "V010": {
         "tampered file": append("semantics.txt", "link_9 hinge door\n"),
+        "file added": append("visual/late.txt", "added after the manifest\n"),
         "manifest lost": delete("manifest.json"),
     },
     "V101": {
@@ -160,6 +174,7 @@ DEFECTS: dict[str, dict[str, Mutation]] = {
         "hull of 80 vertices": write_hull("collision/link_2_0.obj", _ball(80)),
         "oblong hull": write_hull("collision/link_2_0.obj", _slab(0.14, 0.002, 0.002)),
         "paper-thin hull": write_hull("collision/link_2_0.obj", _slab(0.0005, 0.02, 0.02)),
+        "two solids in one file": join_files("collision/link_1_2.obj", "collision/link_1_3.obj"),
         "flat hull": edit_vertices("collision/link_2_0.obj", lambda v: v * [0.0, 1.0, 1.0]),
         "visible link without collision": drop("link[@name='link_2']", "collision"),
     },
@@ -168,6 +183,9 @@ DEFECTS: dict[str, dict[str, Mutation]] = {
         "collision 20 % too large": edit_vertices("collision/*.obj", lambda v: v * 1.2),
         "filled drawer": fill_link("link_0"),
         "filled body": fill_link("link_4"),
+        "board over the drawer": write_hull(
+            "collision/link_0_2.obj", _slab(0.4, 0.68, 0.01, (-0.025, 0, 0.47))
+        ),
         "handle without collision": write_hull("collision/link_0_6.obj", _slab(0.01, 0.01, 0.01)),
     },
     "V104": {
@@ -175,19 +193,27 @@ DEFECTS: dict[str, dict[str, Mutation]] = {
     },
     "V105": {
         "collision above the floor": shift("collision/*.obj", z=0.012),
+        "collision below the floor": shift("collision/link_4_*.obj", z=-0.012),
     },
     "V106": {
         "black texture": paint("visual/door_link_1_0.png", (0, 0, 0)),
-        "collapsed texture coordinates": collapse_uv("visual/door_link_1_0.obj"),
+        "collapsed texture coordinates": set_uv("visual/door_link_1_0.obj", 0.5, 0.5),
+        "coordinates beside the texture": set_uv("visual/door_link_1_0.obj", 1.5, 0.5),
     },
     "V107": {
         "handle 3 cm off": shift("visual/handle_link_0_0.obj", x=-0.03),
+        "bar off its posts": edit_vertices(
+            "*/handle_link_1_0.obj", lambda v: v - [0.02, 0, 0] * np.isin(v[:, :1], BAR)
+        ),
         "shelf before the body": shift("visual/shelf_link_4_0.obj", x=-0.6),
         "loose hull": shift("collision/link_0_6.obj", x=-0.04),
     },
     "V201": {
         "door turns through the side": _joint("joint_1/limit", upper="5.2"),
         "drawer slides askew": _joint("joint_0/axis", xyz="-0.96 0.28 0"),
+        "post before the drawer": write_hull(
+            "collision/link_4_0.obj", _slab(0.02, 0.02, 0.9, (-0.36, 0.3, 0.0))
+        ),
         "requirement forgotten": replace_text("annotations.json", '"joint": "joint_3"', '"joint": "joint_2"'),
     },
     "V202": {
@@ -198,6 +224,7 @@ DEFECTS: dict[str, dict[str, Mutation]] = {
         "flipped axis of a drawer": turn_axis("joint_0"),
         "flipped axis of a door": turn_axis("joint_1"),
         "hinge in the middle of the door": move_joint("joint_1", -0.4),
+        "hinge at the other edge": move_joint("joint_1", -0.8),
     },
     "V204": {
         "missing handle visual": chain(

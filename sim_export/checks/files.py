@@ -286,7 +286,7 @@ def check_inertia(subject: Subject, cfg: CheckConfig) -> Finding:
         faults = _inertia_faults(link.inertial, cfg)
         T = subject.poses[link.name]
         com = T[:3, :3] @ link.inertial.com + T[:3, 3]
-        outside = distance_outside(subject, link.name, com)
+        outside = distance_outside(subject, link.name, com) if np.isfinite(com).all() else 0.0
         if not outside <= cfg.com_tolerance:
             faults.append(f"has its centre of mass {1e3 * outside:.3g} mm outside its convex hull")
         problems += [(link.name, f"link {link.name!r} {fault}") for fault in faults]
