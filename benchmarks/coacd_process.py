@@ -13,11 +13,15 @@ from pathlib import Path
 
 import numpy as np
 
-from sim_export.errors import DecompositionFailed, DegeneratePart
+from sim_export.errors import DegeneratePart, ExportError
 from sim_export.geometry.hulls import convex_hull
 from sim_export.package import Hull, Mesh
 
 logger = logging.getLogger(__name__)
+
+
+class DecompositionFailed(ExportError):
+    """A method gave no hulls."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,18 +23,18 @@ from pathlib import Path
 import manifold3d
 import numpy as np
 import tyro
-from coacd_process import CoacdConfig, run_coacd
+from coacd_process import CoacdConfig, DecompositionFailed, run_coacd
 from sample_cabinet import sample_asset
 
 from artigen.datasets.partnet_mobility import read_object
 from artigen.types import Asset
 from artigen.voxels.voxelize import voxelize
-from sim_export.collision.decompose import decompose_part
-from sim_export.errors import DecompositionFailed, DegeneratePart
+from sim_export.collision.object_cover import ObjectCover
+from sim_export.errors import DegeneratePart
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.meshing import mesh_parts
-from sim_export.geometry.solids import as_solid, measure_fit, solid_arrays, unite_hulls
+from sim_export.geometry.solids import as_solid, solid_arrays
 from sim_export.package import Hull, Mesh
 
 Solid = manifold3d.Manifold
@@ -90,13 +90,14 @@ def try_method(method: str, mesh: Mesh, timeout: float, start_up: float) -> Tria
         logging.getLogger(__name__).warning("%s: %s", method, err)
         return Trial(seconds=time.perf_counter() - begin, hulls=0, error=float("nan"))
     seconds = time.perf_counter() - begin - (start_up if method == "CoACD" else 0.0)
-    fit = measure_fit(unite_hulls(hulls), as_solid(mesh))
-    return Trial(seconds=max(seconds, 0.01), hulls=len(hulls), error=fit.volume_error)
+    solid, union = as_solid(mesh), Solid.batch_boolean(list(map(as_solid, hulls)), manifold3d.OpType.Add)
+    error = ((union - solid).volume() + (solid - union).volume()) / solid.volume()
+    return Trial(seconds=max(seconds, 0.01), hulls=len(hulls), error=error)
 
 
 def _decompose(method: str, mesh: Mesh, timeout: float) -> tuple[Hull, ...]:
     if method == "auto":
-        return decompose_part(mesh).hulls
+        return ObjectCover({"part": mesh.vertices[mesh.faces]}, {}, solid=True).make_hulls()["part"]
     if method == "CoACD":
         return run_coacd(mesh, CoacdConfig(timeout=timeout))
     return _run_vhacd(mesh, timeout)

@@ -23,9 +23,5 @@ class InvalidKinematics(ExportError):
     """Joints, limits or the tree cannot be expressed in URDF."""
 
 
-class DecompositionFailed(ExportError):
-    """Convex decomposition crashed, timed out or returned no hull."""
-
-
 class PackageError(ExportError):
     """A package on disk cannot be read; the message names the file, the element and the value."""

@@ -1,10 +1,10 @@
 """`export_asset`: the sequence of stages from an `Asset` to a `SimPackage`."""
 
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -12,15 +12,16 @@ from jaxtyping import Float
 from artigen.types import Asset
 from sim_export.appearance.splats import attach_splats
 from sim_export.appearance.texture import BakedParts, bake_parts
+from sim_export.attempts import HullWay, Judgement, change_hulls, judge_package
 from sim_export.collision.attachment import attach_links
 from sim_export.collision.clearance import clear_joints
-from sim_export.collision.decompose import decompose_parts
 from sim_export.collision.feet import add_feet, level_object
 from sim_export.collision.hull_limits import flatten_links
 from sim_export.collision.object_cover import ObjectCover, find_passing
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.recovery import recover_surface
 from sim_export.collision.trimming import fill_meshes, trim_meshes
+from sim_export.errors import ExportError
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import free_latches, separate_solids
@@ -55,13 +56,31 @@ class Solids:
     seconds: tuple[tuple[str, float], ...]
 
     @cached_property
-    def cover(self) -> ObjectCover:
-        """Hulls of the links from their triangles, kept out of the space that other links sweep."""
+    def source_cover(self) -> ObjectCover:
+        """Hulls of the links from their own triangles, kept out of the space that other links sweep."""
         if self.surfaces is None:
             raise ValueError("these solids have no surfaces of their own; make hulls of their meshes")
-        tree = build_links(self.asset, [PartGeometry(inertial=inertial) for inertial in self.inertials])
         shown = link_surfaces(self.asset, self.surfaces)
-        return ObjectCover(shown, find_passing(tree.links, tree.joints, shown))
+        return ObjectCover(shown, find_passing(self._tree.links, self._tree.joints, shown))
+
+    @cached_property
+    def voxel_cover(self) -> ObjectCover:
+        """Hulls of the parts from their meshes, kept out of the space that other links are in or sweep."""
+        triangles = [mesh.vertices[mesh.faces] for mesh in self.meshes]
+        shown = link_surfaces(self.asset, triangles)
+        passing = find_passing(self._tree.links, self._tree.joints, shown, solid=True)
+        names, owners = link_names(self.asset), link_owners(self.asset)
+        parts = [part.name for part in self.asset.parts]
+        around = {
+            part: passing[names[owner]]
+            for part, owner in zip(parts, owners, strict=True)
+            if names.get(owner) in passing
+        }
+        return ObjectCover(dict(zip(parts, triangles, strict=True)), around, solid=True)
+
+    @cached_property
+    def _tree(self) -> LinkTree:
+        return build_links(self.asset, [PartGeometry(inertial=inertial) for inertial in self.inertials])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -90,6 +109,7 @@ def export_asset(
     *,
     source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
     provenance: Mapping[str, str] | None = None,
+    finish: Callable[[SimPackage], SimPackage] = lambda package: package,
 ) -> Exported:
     """Converts an articulated object to a simulation package.
 
@@ -99,13 +119,64 @@ def export_asset(
         source_meshes: Visual meshes by part, used instead of those made from the voxels; a part without any
             is invisible. Collision, mass and annotations still come from the voxels.
         provenance: Origin of the object, for ``provenance.json``.
+        finish: Completes each package before its hulls are judged (`export_best`).
 
     Raises:
         ExportError: If a stage fails; the message names the part, the measured and the allowed value.
     """
-    solids = make_solids(asset)
-    exported = export_solids(solids, "voxels", source_meshes=source_meshes, provenance=provenance)
-    return replace(exported, seconds=(*solids.seconds, *exported.seconds))
+    return export_best(
+        make_solids(asset),
+        HullWay(collision="voxels"),
+        source_meshes=source_meshes,
+        provenance=provenance,
+        finish=finish,
+    )
+
+
+def export_best(
+    solids: Solids,
+    way: HullWay | None,
+    *,
+    source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
+    provenance: Mapping[str, str] | None = None,
+    finish: Callable[[SimPackage], SimPackage] = lambda package: package,
+) -> Exported:
+    """The package of an object, with the hulls that fail fewest static checks.
+
+    Hulls are made in one way, and while they fail checks in another (`change_hulls`). Each package is judged
+    as ``finish`` leaves it. Attempts that cannot be exported are recorded.
+
+    Args:
+        solids: The parts.
+        way: How hulls are made first.
+        source_meshes: As in `export_asset`.
+        provenance: As in `export_asset`.
+        finish: Completes each package.
+
+    Raises:
+        ExportError: If no attempt can be exported.
+    """
+    tried: list[tuple[Judgement, Exported]] = []
+    errors: list[ExportError] = []
+    while way is not None:
+        judged = None
+        try:
+            made = export_solids(solids, way, source_meshes=source_meshes, provenance=provenance)
+        except ExportError as error:
+            errors.append(error)
+        else:
+            made = replace(made, package=finish(made.package))
+            judged = judge_package(made.package)
+            tried.append((judged, made))
+        way = change_hulls(way, judged)
+    if not tried:
+        raise errors[0]
+    best = min(tried, key=lambda pair: (len(pair[0].failed), pair[0].unlike))[1].package
+    failed = tuple(f"hulls could not be made in one of several ways: {error}" for error in errors)
+    seconds: Counter[str] = Counter(dict(solids.seconds))
+    for _, made in tried:
+        seconds.update(dict(made.seconds))
+    return Exported(package=replace(best, records=(*best.records, *failed)), seconds=tuple(seconds.items()))
 
 
 def make_solids(asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | None = None) -> Solids:
@@ -158,10 +229,8 @@ def make_solids(asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | N
 
 def export_solids(
     solids: Solids,
-    collision: Literal["voxels", "surfaces"],
+    way: HullWay,
     *,
-    finer: Collection[str] = (),
-    shares: bool = False,
     source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
     provenance: Mapping[str, str] | None = None,
 ) -> Exported:
@@ -169,26 +238,20 @@ def export_solids(
 
     Args:
         solids: The parts.
-        collision: Whether hulls are made from the meshes of the voxels or from the parts' own triangles.
-        finer: Links with smaller hulls, of those from triangles.
-        shares: Whether clearance cuts the hull that loses the smaller share, rather than the smaller volume.
+        way: How hulls are made.
         source_meshes: As in `export_asset`.
         provenance: As in `export_asset`.
     """
     watch = _Stopwatch()
-    asset, meshes, sheets = solids.asset, solids.meshes, collision == "surfaces"
-    changes: list[str] = []
+    asset, meshes, sheets = solids.asset, solids.meshes, way.collision == "surfaces"
+    names = link_names(asset)
     if sheets:
-        made, leaders = solids.cover.make_hulls(finer), link_names(asset)
-        hulls = [made.get(leaders.get(index, ""), ()) for index in range(len(meshes))]
+        made = solids.source_cover.make_hulls(way.finer)
+        hulls = [made.get(names.get(index, ""), ()) for index in range(len(meshes))]
     else:
-        decomposed = decompose_parts(meshes, link_owners(asset))
-        hulls = [item.hulls for item in decomposed]
-        changes = [
-            f"{part.name}: {said}"
-            for part, item in zip(asset.parts, decomposed, strict=True)
-            for said in item.records
-        ]
+        owners = zip(asset.parts, link_owners(asset), strict=True)
+        made = solids.voxel_cover.make_hulls({part.name for part, at in owners if names[at] in way.finer})
+        hulls = [made[part.name] for part in asset.parts]
     watch.lap("decompose")
     shown: list[tuple[Mesh | SourceMesh, ...]] = [(mesh,) for mesh in meshes]
     if source_meshes is not None:
@@ -204,7 +267,7 @@ def export_solids(
     joints, held = keep_drawers_held(tree.links, tree.joints, panels)
     needs = find_crossings(tree.links, joints, find_requirements(tree.links, joints))
     watch.lap("requirements")
-    cleared = clear_joints(tree.links, joints, needs, sheets=sheets, shares=shares)
+    cleared = clear_joints(tree.links, joints, needs, sheets=sheets, shares=way.shares)
     watch.lap("clearance")
     solid = {part.name: mesh for part, mesh in zip(asset.parts, meshes, strict=True)}
     links, recovered = cleared.links, ()
@@ -239,7 +302,6 @@ def export_solids(
     watch.lap("texture")
     records = (
         *asset.notes,
-        *changes,
         *solids.records,
         *tree.records,
         *held,

@@ -54,7 +54,7 @@ EXPORT_LAYERS = (
     {"files", "fingerprint"},
     {"picture"},
     {"checks"},
-    {"source_faults", "usd"},
+    {"attempts", "source_faults", "usd"},
     {"mend"},
     {"export", "reference"},
 )

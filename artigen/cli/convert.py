@@ -1,8 +1,6 @@
 """`artigen convert`: converts URDFs, MJCFs, PartNet-Mobility folders and object.json to packages."""
 
-import re
-from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -24,9 +22,6 @@ if TYPE_CHECKING:
     from artigen.types import Asset
     from sim_export.export import Exported
     from sim_export.package import SimPackage
-
-COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V107", "V201", "V202")
-"""Static checks whose result depends on the choice of hulls."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,15 +121,13 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     if job.cfg.visual == "voxels":
         asset = rebuild_from_voxels(asset, job.cfg.recipe)
         laps.end("segment")
-        exported = export_asset(asset, provenance=provenance)
-        package = finish(exported.package)
+        exported = export_asset(asset, provenance=provenance, finish=finish)
     else:
         exported = export_source(source, asset, provenance, finish)
-        package = exported.package
     laps.end("export", *exported.seconds)
-    write_package(package, job.out / job.key, "replace")
+    write_package(exported.package, job.out / job.key, "replace")
     laps.end("write")
-    return laps.made(package.records)
+    return laps.made(exported.package.records)
 
 
 def voxelize_object(asset: "Asset") -> "Asset":
@@ -170,127 +163,18 @@ def export_source(
     provenance: dict[str, str],
     finish: Callable[["SimPackage"], "SimPackage"] = lambda package: package,
 ) -> "Exported":
-    """A package with the object's own meshes and the collision that fails fewest static checks.
-
-    Hulls are made from the triangles of the meshes. While they fail checks, they are made again in another
-    way (`change_hulls`), and at last from the 64^3 voxels, which are closed where the meshes are open. Each
-    package is judged as ``finish`` leaves it. Attempts that cannot be exported are recorded.
+    """A package with the object's own meshes, and the hulls of these that fail fewest static checks.
 
     Raises:
         ExportError: If no attempt can be exported.
     """
     from artigen.cli.mend import place_source_meshes, place_source_surfaces
-    from sim_export.errors import ExportError
-    from sim_export.export import export_solids, make_solids
+    from sim_export.attempts import HullWay
+    from sim_export.export import export_best, make_solids
 
-    meshes = place_source_meshes(source, asset)
     solids = make_solids(asset, place_source_surfaces(source, asset))
-    tried: list[tuple[Judgement, Exported]] = []
-    errors: list[ExportError] = []
-    way: HullWay | None = HullWay()
-    while way is not None:
-        judged = None
-        try:
-            made = export_solids(
-                solids,
-                way.collision,
-                finer=way.finer,
-                shares=way.shares,
-                source_meshes=meshes,
-                provenance=provenance,
-            )
-        except ExportError as error:
-            errors.append(error)
-        else:
-            made = replace(made, package=finish(made.package))
-            judged = judge_package(made.package)
-            tried.append((judged, made))
-        way = change_hulls(way, judged)
-    if not tried:
-        raise errors[0]
-    best = min(tried, key=lambda pair: (len(pair[0].failed), pair[0].unlike))[1]
-    failed = tuple(f"hulls could not be made in one of several ways: {error}" for error in errors)
-    return replace(
-        best,
-        package=replace(best.package, records=(*best.package.records, *failed)),
-        seconds=_add_seconds([solids.seconds, *(made.seconds for _, made in tried)]),
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class HullWay:
-    """How hulls are made: from triangles (smaller ones for the links in ``finer``) or from voxels, and
-    whether clearance cuts the hull that loses the smaller share, which spares thin leaves."""
-
-    collision: Literal["surfaces", "voxels"] = "surfaces"
-    finer: frozenset[str] = frozenset()
-    shares: bool = False
-
-
-@dataclass(frozen=True, kw_only=True)
-class Judgement:
-    """Collision checks that a package fails, the links that they name, these with those that a joint connects
-    to them, and the value of V103."""
-
-    failed: tuple[str, ...]
-    links: frozenset[str]
-    around: frozenset[str]
-    unlike: float
-
-
-def change_hulls(way: HullWay, judged: Judgement | None) -> HullWay | None:
-    """How to make hulls after those made in one way were judged; None if nothing is to be gained.
-
-    Links that failed checks name get smaller hulls, then those that a joint connects to them do: what is
-    coarse takes more off its neighbours. Where this was not enough, or where links only meet each other on
-    their way, clearance spares thin leaves. Voxels come last.
-    """
-    if way.collision == "voxels" or (judged is not None and not judged.failed):
-        return None
-    if judged is None or (way.shares and way.finer):
-        return HullWay(collision="voxels")
-    if not way.finer and not way.shares and {"V201", "V202"} >= set(judged.failed):
-        return replace(way, shares=True)
-    if not way.finer and not way.shares:
-        return replace(way, finer=judged.links)
-    more = way.finer | judged.around
-    return replace(way, finer=more, shares=way.shares or more == way.finer)
-
-
-def judge_package(package: "SimPackage") -> Judgement:
-    """Checks the collision of a package."""
-    from sim_export.checks.draft import open_draft
-    from sim_export.checks.suite import run_checks
-
-    with open_draft(package) as subject:
-        results = run_checks(subject, only=COLLISION_CHECKS)
-    unlike = [check.value for check in results if check.id == "V103" and check.value is not None]
-    failed = [check for check in results if check.verdict == "fail"]
-    words = {word for check in failed for word in re.findall(r"\w+", check.where)}
-    named = {link.name for link in package.links if link.name in words} or {
-        link.name for link in package.links
-    }
-    between = {link.name for link in package.links if not link.parts}  # of screws
-    links = named
-    for _ in range(2):
-        ends = [{joint.parent, joint.child} for joint in package.joints]
-        links = links.union(*(pair for pair in ends if pair & (named | (links & between))))
-    return Judgement(
-        failed=tuple(check.id for check in failed),
-        links=frozenset(named - between),
-        around=frozenset(links - between),
-        unlike=max(unlike, default=0.0),
-    )
-
-
-def _add_seconds(
-    exports: Sequence[tuple[tuple[str, float], ...]],
-) -> tuple[tuple[str, float], ...]:
-    """Adds the seconds of exports, stage by stage."""
-    total: Counter[str] = Counter()
-    for spent in exports:
-        total.update(dict(spent))
-    return tuple(total.items())
+    meshes = place_source_meshes(source, asset)
+    return export_best(solids, HullWay(), source_meshes=meshes, provenance=provenance, finish=finish)
 
 
 def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Finished:
@@ -313,8 +197,9 @@ def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]
 
 def _explain(job: ConvertJob, failed: tuple[str, ...], scratch: Path) -> tuple[str, ...]:
     from artigen.cli.mend import place_source_meshes, place_source_surfaces
+    from sim_export.attempts import HullWay
     from sim_export.checks.subject import Subject
-    from sim_export.export import export_asset
+    from sim_export.export import export_solids, make_solids
     from sim_export.files.read import read_package
     from sim_export.source_faults import find_source_faults
 
@@ -328,7 +213,8 @@ def _explain(job: ConvertJob, failed: tuple[str, ...], scratch: Path) -> tuple[s
     else:
         source = job.read(scratch)
         asset = voxelize_object(source.asset)
-        package = export_asset(asset, source_meshes=place_source_meshes(source, asset)).package
+        meshes = place_source_meshes(source, asset)
+        package = export_solids(make_solids(asset), HullWay(collision="voxels"), source_meshes=meshes).package
         surfaces = dict(
             zip((part.name for part in asset.parts), place_source_surfaces(source, asset), strict=True)
         )

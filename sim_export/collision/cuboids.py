@@ -1,4 +1,4 @@
-"""Decomposes blocky meshes into few boxes with faces on the mesh.
+"""The largest boxes in a solid or between cells: few, with faces on the mesh.
 
 Boxes may overlap. That needs fewer of them than a partition, leaves no seam between neighbours,
 and costs nothing: mass comes from the part's own volume, and no simulator collides the hulls of
@@ -6,12 +6,15 @@ one link with each other.
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import islice, permutations
+from itertools import islice, pairwise, permutations
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from sim_export.collision.hull_limits import MIN_WIDTH
+from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.solids import inside_grid
+from sim_export.package import Hull
 
 FIRST_SEEDS = 48
 """Uncovered cells tried as the start of the first box."""
@@ -19,6 +22,14 @@ MORE_SEEDS = 12
 """Uncovered cells tried for every further box; what grew from earlier ones is still at hand."""
 MIN_ALIGNED_AREA = 0.5
 """Share of the surface that must be axis-aligned before boxes are tried."""
+PLANE_DETAIL = 3e-3
+"""Share of the surface that a plane must hold for boxes to end there."""
+CELLS = 64
+"""Cells along the longest edge at least, between which boxes may end, too."""
+MOST = 40
+"""Boxes of a solid, at most."""
+LEAST_GAIN = 0.002
+"""Share of a solid that a box must newly fill."""
 SNAP = 5e-4
 """Planes closer together than this share of the diagonal are one."""
 UNEVEN = 0.012
@@ -30,7 +41,10 @@ MAX_PLANES = 64
 
 
 def largest_cuboids(
-    occupancy: Bool[np.ndarray, "X Y Z"], edges: Sequence[Float[np.ndarray, "A"]], count: int
+    occupancy: Bool[np.ndarray, "X Y Z"],
+    edges: Sequence[Float[np.ndarray, "A"]],
+    count: int,
+    least: float,
 ) -> Float[np.ndarray, "K 2 3"]:
     """Few boxes that cover every occupied cell and no other, each as large as can be: lowest and highest
     corner, in the order found.
@@ -39,18 +53,20 @@ def largest_cuboids(
         occupancy: Occupied cells.
         edges: Coordinates between the cells along each axis.
         count: Where more boxes are needed, the rest is left out, which is detail.
+        least: So are boxes that cover no more than this share of what is occupied and not yet covered.
     """
-    boxes = [*islice(_greedy_cuboids(occupancy, edges), count)]
+    boxes = [*islice(_greedy_cuboids(occupancy, edges, least), count)]
     corners = [[[edges[n][box[end, n]] for n in range(3)] for end in range(2)] for box in boxes]
     return np.array(corners).reshape(-1, 2, 3)
 
 
-def _greedy_cuboids(occupancy: np.ndarray, ends: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
+def _greedy_cuboids(occupancy: np.ndarray, ends: Sequence[np.ndarray], least: float) -> Iterator[np.ndarray]:
     """Of the maximal boxes around some uncovered cells, the one that covers most that is new comes next."""
     compressed, edges = compress(occupancy)
     sizes = [np.diff(end[edge]) for end, edge in zip(ends, edges, strict=True)]
     weights = sizes[0][:, None, None] * sizes[1][:, None] * sizes[2]
     filled = count_filled(compressed)
+    enough = least * float(weights[compressed].sum())
     missing = compressed.copy()
     candidates = np.zeros((0, 2, 3), dtype=np.int64)
     seeds = FIRST_SEEDS
@@ -61,29 +77,37 @@ def _greedy_cuboids(occupancy: np.ndarray, ends: Sequence[np.ndarray]) -> Iterat
         cells = cells[:: max(1, len(cells) // seeds)][: 2 * seeds]
         candidates = np.concatenate([candidates, grow_boxes(filled, cells)])
         gains = box_sums(count_filled(missing * weights), candidates)
-        candidates, gains = candidates[gains > 0], gains[gains > 0]
+        candidates, gains = candidates[gains > enough], gains[gains > enough]
+        if not len(candidates):
+            return
         seeds = MORE_SEEDS
         best = candidates[gains.argmax()]
         missing[tuple(slice(low, high) for low, high in best.T)] = False
         yield np.array([[edges[axis][best[end, axis]] for axis in range(3)] for end in range(2)])
 
 
-def fill_between(
-    vertices: Float[np.ndarray, "V 3"],
-    faces: Int[np.ndarray, "F 3"],
-    planes: Sequence[Float[np.ndarray, "A"]],
-    count: int,
-) -> Float[np.ndarray, "K 2 3"]:
-    """The largest boxes between some planes that lie in a closed mesh, at most ``count``.
+def fill_with_boxes(triangles: Float[np.ndarray, "F 3 3"]) -> tuple[Hull, ...]:
+    """The largest boxes in a solid (m), with faces on its own; none where few of these are axis-aligned.
 
-    The planes divide space into cells of unequal size; a cell belongs to the mesh if most of it lies inside.
+    Its planes, and more between them, divide space into cells of unequal size.
     """
-    fractions = (np.arange(3) + 0.4871) / 3.0  # off centre: no sample on a plane of symmetry
-    x, y, z = ((plane[:-1, None] + np.diff(plane)[:, None] * fractions).ravel() for plane in planes)
-    inside = inside_grid(vertices, faces, (x, y, z))
-    cells = [len(plane) - 1 for plane in planes]
-    share = inside.reshape(cells[0], 3, cells[1], 3, cells[2], 3).mean(axis=(1, 3, 5))
-    return largest_cuboids(share > 0.5, planes, count)
+    vertices, faces = triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
+    planes = face_coordinates(vertices, faces, PLANE_DETAIL)
+    if planes is None:
+        return ()
+    step = float(np.ptp(vertices, axis=0).max()) / CELLS
+    edges = [_subdivide(plane, step) for plane in planes]
+    x, y, z = ((edge[:-1] + 0.4871 * np.diff(edge)) for edge in edges)  # on no plane of symmetry
+    boxes = largest_cuboids(inside_grid(vertices, faces, (x, y, z)), edges, MOST, LEAST_GAIN)
+    return tuple(box_hull(low, high) for low, high in boxes if (high - low).min() >= MIN_WIDTH)
+
+
+def _subdivide(planes: Float[np.ndarray, "A"], step: float) -> Float[np.ndarray, "B"]:
+    """Coordinates with more in between, none farther than ``step`` from the next."""
+    out = [planes[:1]]
+    for low, high in pairwise(planes):
+        out.append(np.linspace(low, high, int(np.ceil((high - low) / step)) + 1)[1:])
+    return np.concatenate(out)
 
 
 def face_coordinates(

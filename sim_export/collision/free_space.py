@@ -62,12 +62,13 @@ class FreeSpace:
 
     ``away`` is the distance of a cell's centre from the surface (m, to half a cell), ``depth`` the same
     where the cell is free and 0 where it is enclosed. Where other links are or pass, and none of the surface
-    is, ``depth`` is at least `TAKEN_DEPTH`.
+    is, ``depth`` is at least `TAKEN_DEPTH`. Of a ``solid`` all enclosed cells belong to it.
     """
 
     grid: Grid
     away: Float[np.ndarray, "X Y Z"]
     depth: Float[np.ndarray, "X Y Z"]
+    solid: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,12 +83,16 @@ NO_INTRUSION = Intrusion(volume=0.0, depth=0.0)
 
 
 def find_free_space(
-    triangles: Float[np.ndarray, "F 3 3"], diagonal: float, others: Float[np.ndarray, "N 3"] | None = None
+    triangles: Float[np.ndarray, "F 3 3"],
+    diagonal: float,
+    others: Float[np.ndarray, "N 3"] | None = None,
+    *,
+    solid: bool = False,
 ) -> FreeSpace:
     """Free and enclosed cells of one link's surface (m), within an object of this diagonal (m).
 
     ``others`` are points where the surfaces of other links are or pass. Enclosed space that much of them
-    pass through is free: the room of drawers.
+    pass through is free, the room of drawers, unless the surface is that of a ``solid``.
     """
     bounds = np.stack([triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))])
     longest = max(float(np.ptp(bounds, axis=0).max()), 1e-6)
@@ -107,7 +112,7 @@ def find_free_space(
     inside = np.argwhere(taken)
     owners = regions[taken]
     blocks, _ = number_rows(np.column_stack([owners, inside // BLOCK]))
-    lodged = np.bincount(owners[blocks], minlength=len(size)) * BLOCK**3 > LODGED * size
+    lodged = (np.bincount(owners[blocks], minlength=len(size)) * BLOCK**3 > LODGED * size) & (not solid)
     lodged[0], lodged[regions[0, 0, 0]] = False, True
     free = lodged[regions]
     depth = np.where(free, away, np.float32(0.0))
@@ -115,6 +120,7 @@ def find_free_space(
         grid=grid,
         away=away,
         depth=np.where(taken & free, np.maximum(depth, TAKEN_DEPTH), depth),
+        solid=solid,
     )
 
 

@@ -42,14 +42,17 @@ class ObjectCover:
         self,
         surfaces: Mapping[str, Float[np.ndarray, "F 3 3"]],
         passing: Mapping[str, Float[np.ndarray, "N 3"]],
+        *,
+        solid: bool = False,
     ) -> None:
         """
         Args:
-            surfaces: Triangles (m) of every link that has any.
-            passing: Where other links are or pass, by link (`find_passing`).
+            surfaces: Triangles (m) of every link, or part of one, that has any.
+            passing: Where other links are or pass, by the same names (`find_passing`).
+            solid: Whether the surfaces are closed and apart from each other.
         """
         corners = np.concatenate([surface.reshape(-1, 3) for surface in surfaces.values()])
-        self._surfaces, self._passing = surfaces, passing
+        self._surfaces, self._passing, self._solid = surfaces, passing, solid
         self._diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
         self._covers: dict[tuple[str, Fineness], Cover] = {}
 
@@ -77,7 +80,8 @@ class ObjectCover:
         if (name, fineness) not in self._covers:
             triangles = self._surfaces[name]
             if fineness is USUAL:
-                space = find_free_space(triangles, self._diagonal, self._passing.get(name))
+                others = self._passing.get(name)
+                space = find_free_space(triangles, self._diagonal, others, solid=self._solid)
                 cover = cover_surface(triangles, space, self._diagonal)
             else:
                 cover = refine_cover(self._cover(name, USUAL), triangles, self._diagonal, fineness)
@@ -89,31 +93,35 @@ def find_passing(
     links: Sequence[Link],
     joints: Sequence[PackageJoint],
     surfaces: Mapping[str, Float[np.ndarray, "F 3 3"]],
+    *,
+    solid: bool = False,
 ) -> dict[str, Float[np.ndarray, "N 3"]]:
     """Points (m, object frame at rest) where other links are, by link.
 
-    Only smaller links count: a panel leaves room for its knob, and the knob stays whole. Links on one branch
-    of the tree, like a drawer and its body, are followed along their joints. Those of different branches
-    count at rest only: one may have to be opened before the other.
+    Only smaller links count, unless all are solids: a panel leaves room for its knob, and the knob stays
+    whole. Links on one branch of the tree, like a drawer and its body, are followed along their joints. Those
+    of different branches count at rest only: one may have to be opened before the other.
 
     Args:
         links: The links.
         joints: Their joints.
         surfaces: Triangles of every link that has any, at rest.
+        solid: Whether the surfaces are closed and apart from each other.
     """
     points = {name: sample_triangles(triangles, SAMPLES)[0] for name, triangles in surfaces.items()}
     below = {link.name: set(hanging_links(joints, link.name)) for link in links}
     slot = {link.name: index for index, link in enumerate(links)}
     size = {name: float(np.linalg.norm(np.ptp(found, axis=0))) for name, found in points.items()}
-    smaller = {
-        name: [other for other in points if (size[other], other) < (size[name], name)] for name in points
+    rivals = {
+        name: [o for o in points if o != name and (solid or (size[o], o) < (size[name], name))]
+        for name in points
     }
-    out = {name: [points[other] for other in others] for name, others in smaller.items()}
+    out = {name: [points[other] for other in others] for name, others in rivals.items()}
     for joint in driven_joints(joints):
         moved = {links[index].name for index in moved_links(links, joints, joint)}
         T = link_displacements(links, joints, {joint.name: sweep_coordinates(joint, POSES)[1:]})
         for name in points:
-            for other in smaller[name]:
+            for other in rivals[name]:
                 related = other in below[name] or name in below[other]
                 if related and (name in moved) != (other in moved):
                     relative = inverse(T[:, slot[name]]) @ T[:, slot[other]]

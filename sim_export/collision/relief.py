@@ -111,13 +111,9 @@ def relieve_pair(pair: OverlappingPair, gap: float, *, sheets: bool = False, sha
     good = [plan for plan in plans if not plan.reason]
     if not good or min(_lost_share(plan, pair) for plan in good) > NOTCH_ABOVE:
         good += _notch(pair, found, gap, sheets=sheets)
+        good += [_one_sided(pair, side, (), 0.0) for side in range(2) if pair.slivers[side]]
     if good:
         return min(good, key=lambda plan: _cost(plan, pair, sheets=sheets, shares=shares))
-    for side in sorted(range(2), key=lambda side: pair.volumes[side]):
-        if pair.slivers[side]:
-            left = [(pair.hulls[0],), (pair.hulls[1],)]
-            kept = ((), left[1]) if side == 0 else (left[0], ())
-            return Relief(hulls=kept, cuts=(1 - side, side), depths=(0.0, 0.0))
     return plans[0]
 
 

@@ -29,7 +29,7 @@ ROUND = 0.7
 """Share of the sides of a surface of revolution that is in closed rings."""
 SAGITTA = 0.008
 """Depth of the arc of a sector over the object's diagonal; half of what check V103 allows."""
-FEWEST, MOST = 6, 16
+FEWEST, MOST = 6, 24
 """Sectors of a surface."""
 
 
@@ -92,9 +92,9 @@ def _fit_axis(
     return point
 
 
-def count_sectors(radius: float, diagonal: float) -> int:
-    """Even number of sectors whose arcs of a radius (m) are less deep than `SAGITTA` allows."""
-    needed = np.pi / np.arccos(1.0 - min(SAGITTA * diagonal / radius, 1.0))
+def count_sectors(radius: float, depth: float) -> int:
+    """Even number of sectors whose arcs of a radius (m) are less deep (m)."""
+    needed = np.pi / np.arccos(1.0 - min(depth / radius, 1.0))
     return int(np.clip(2 * np.ceil(needed / 2.0), FEWEST, MOST))
 
 

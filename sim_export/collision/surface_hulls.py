@@ -1,9 +1,10 @@
-"""Collision hulls of links from their own surface: boxes, and convex pieces of what these leave.
+"""Collision hulls of a surface, that of a source or of a solid: boxes, and convex pieces of what these leave.
 
-Boxes cover the axis-aligned surface (`sim_export.collision.free_space`). What is left is taken apart into
-connected components, or a surface of revolution into sectors (`sim_export.collision.sectors`).
-Those whose hulls take free space are cut, and pieces are joined as long as their common hull takes none,
-and coarser where there are too many hulls. Only surface that can be reached counts.
+Boxes cover the axis-aligned surface (`sim_export.collision.free_space`), or fill a solid
+(`sim_export.collision.cuboids`). What is left is taken apart into connected components, or a surface of
+revolution into sectors (`sim_export.collision.sectors`). Those whose hulls take free space are cut, and
+pieces are joined as long as their common hull takes none, and coarser where there are too many hulls. Only
+surface that can be reached counts.
 """
 
 import heapq
@@ -13,10 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
+from sim_export.collision.cuboids import fill_with_boxes
 from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, cover_with_boxes, is_open_between, look_up
 from sim_export.collision.hull_limits import MIN_WIDTH, THICKEST, compact_hull, thicken_hull
 from sim_export.collision.joining import join_neighbours
-from sim_export.collision.sectors import count_sectors, cut_sectors, find_axis
+from sim_export.collision.sectors import SAGITTA, Axis, count_sectors, cut_sectors, find_axis
 from sim_export.collision.specks import drop_specks
 from sim_export.collision.surface_pieces import (
     Piece,
@@ -29,6 +31,7 @@ from sim_export.errors import DegeneratePart
 from sim_export.geometry.exposure import is_exposed, triangle_normals
 from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.rows import number_rows
+from sim_export.geometry.sampling import triangle_areas
 from sim_export.package import Hull
 
 HALVED = 8
@@ -55,6 +58,8 @@ TAKEN = 0.004
 """Share of its volume that a hull may take of free space beyond."""
 TAKEN_OF_ROUND = 1.0
 """The same of sectors of a thin curved wall, whose hulls are little more than what their arcs enclose."""
+SHALLOW = 0.15
+"""Depth of the arcs of the sectors of a solid, over the mean thickness of its wall."""
 SHEET = 0.002
 """Thickness (m) of the hulls of sheets."""
 
@@ -103,15 +108,41 @@ def cover_surface(
     exposed = find_exposed(triangles, space)
     axis = find_axis(exposed)
     if axis is not None:
-        groups = cut_sectors(exposed, axis, count_sectors(axis.radius, diagonal))
-        pieces = [make_piece(group, space, least) for group in groups]
-        return _cut_and_join((), pieces, space, diagonal, fineness, TAKEN_OF_ROUND)
-    large = np.ptp(triangles.reshape(-1, 3), axis=0).max() >= LEAST_CELLS * space.grid.cell
-    boxes = cover_with_boxes(exposed, space) if large else ()
+        return _cover_round(triangles, exposed, axis, space, diagonal, fineness)
+    if space.solid:
+        boxes = fill_with_boxes(triangles)
+    else:
+        large = np.ptp(triangles.reshape(-1, 3), axis=0).max() >= LEAST_CELLS * space.grid.cell
+        boxes = cover_with_boxes(exposed, space) if large else ()
     left = find_uncovered(exposed, boxes, SLACK * diagonal)
     groups = split_components(left) if len(left) else []
     pieces = [make_piece(group, space, least) for group in groups]
     return _cut_and_join(boxes, pieces, space, diagonal, fineness)
+
+
+def _cover_round(
+    triangles: Float[np.ndarray, "F 3 3"],
+    exposed: Float[np.ndarray, "G 3 3"],
+    axis: Axis,
+    space: FreeSpace,
+    diagonal: float,
+    fineness: Fineness,
+) -> Cover:
+    """A cover of a surface of revolution by sectors, whose arcs are shallow against the wall of a solid."""
+    depth = SAGITTA * diagonal
+    if space.solid:
+        depth = min(depth, SHALLOW * _mean_thickness(triangles))
+        fineness = replace(fineness, bulge=min(fineness.bulge, depth / diagonal / 2.0))
+    groups = cut_sectors(exposed, axis, count_sectors(axis.radius, depth))
+    pieces = [make_piece(group, space, fineness.bulge * diagonal) for group in groups]
+    return _cut_and_join((), pieces, space, diagonal, fineness, TAKEN_OF_ROUND)
+
+
+def _mean_thickness(triangles: Float[np.ndarray, "F 3 3"]) -> float:
+    """Twice the volume of a closed surface over its area (m)."""
+    a, b, c = triangles.swapaxes(0, 1)
+    volume = float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
+    return 2.0 * volume / float(triangle_areas(triangles).sum())
 
 
 def refine_cover(

@@ -1,35 +1,12 @@
-"""Meshes as exact solids (`manifold3d`): booleans between hulls and meshes, and their volumes."""
-
-from collections.abc import Sequence
-from dataclasses import dataclass
+"""Closed meshes as exact solids (`manifold3d`), and the grid points inside of them."""
 
 import manifold3d
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy import ndimage
 
 from sim_export.errors import OpenMesh
-from sim_export.geometry.distances import SampledSurface, distances_to
-from sim_export.geometry.hulls import convex_hull, hull_planes, inside_hulls
-from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.hulls import convex_hull
 from sim_export.package import Hull, Mesh
-
-CAVITY_CELLS = 36
-"""Grid points along each edge of the box in which cavities are measured."""
-SURFACE_SAMPLES = 10_000
-"""Points on a solid's surface for measuring how far hulls bulge."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Fit:
-    """Agreement of hulls with a solid.
-
-    ``volume_error`` is the volume of the symmetric difference over the solid's, ``cavity`` the space between
-    the solid and its convex hull over the volume of that hull.
-    """
-
-    volume_error: float
-    cavity: float
 
 
 def as_solid(mesh: Mesh | Hull) -> manifold3d.Manifold:
@@ -56,90 +33,6 @@ def solid_arrays(solid: manifold3d.Manifold) -> tuple[Float[np.ndarray, "V 3"], 
 def solid_hull(solid: manifold3d.Manifold) -> Hull:
     """Convex hull of a solid; raises `DegeneratePart` if it is flat."""
     return convex_hull(solid_arrays(solid.hull())[0])
-
-
-def unite_hulls(hulls: Sequence[Hull]) -> manifold3d.Manifold:
-    """The union of hulls."""
-    return manifold3d.Manifold.batch_boolean(
-        [_manifold(hull.vertices, hull.faces) for hull in hulls], manifold3d.OpType.Add
-    )
-
-
-def measure_fit(union: manifold3d.Manifold, solid: manifold3d.Manifold) -> Fit:
-    """Compares the union of hulls with the solid they represent, by exact booleans."""
-    volume, outer, common = solid.volume(), solid.hull().volume(), (union ^ solid).volume()
-    return Fit(
-        volume_error=max((union.volume() + volume - 2.0 * common) / volume, 0.0),
-        cavity=max((outer - volume) / outer, 0.0),
-    )
-
-
-def measure_intrusion(
-    union: manifold3d.Manifold, solid: manifold3d.Manifold, others: Sequence[manifold3d.Manifold]
-) -> float:
-    """Volume that the union of hulls, but not the solid they represent, shares with other solids, relative to
-    that solid's volume."""
-    if not others:
-        return 0.0
-    excess = union - solid
-    return sum((excess ^ other).volume() for other in others) / solid.volume()
-
-
-def measure_stray(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Float[np.ndarray, "N"]:
-    """Distances (m) of points on the solid's surface from the nearest hull; 0 inside.
-
-    A lower bound. It detects missing feet, thin panels and rims, which have little volume.
-    """
-    vertices, faces = solid_arrays(solid)
-    points = sample_triangles(vertices[faces], 2000)[0]
-    outside = np.full(len(points), np.inf)
-    for hull in hulls:
-        planes = hull_planes(hull)
-        outside = np.minimum(outside, (points @ planes[:, :3].T - planes[:, 3]).max(axis=1))
-    return np.maximum(outside, 0.0)
-
-
-def measure_bulge(
-    hulls: Sequence[Hull], surface: SampledSurface, near: float = 0.0
-) -> Float[np.ndarray, "N"]:
-    """Distances (m) of points on the outside of the hulls from a solid's surface.
-
-    Points inside other hulls are not outside. Distances below ``near`` are approximate.
-    """
-    triangles = np.concatenate([hull.vertices[hull.faces] for hull in hulls])
-    owner = np.repeat(np.arange(len(hulls)), [len(hull.faces) for hull in hulls])
-    points, face = sample_triangles(triangles, 2000)
-    touching = 1e-4 * float(np.linalg.norm(np.ptp(surface.triangles.reshape(-1, 3), axis=0)))
-    covered = np.zeros(len(points), dtype=bool)
-    for index, hull in enumerate(hulls):
-        planes = hull_planes(hull)
-        within = (points @ planes[:, :3].T - planes[:, 3]).max(axis=1) <= touching
-        covered |= within & (owner[face] != index)
-    free = points[~covered]
-    if not len(free):
-        return np.zeros(0)
-    return distances_to(free, surface, near)
-
-
-def measure_kept_cavity(hulls: Sequence[Hull], solid: manifold3d.Manifold, skin: float) -> float:
-    """Share of the space that a solid encloses or shelters and its hulls leave free.
-
-    Measured at grid points inside the solid's convex hull and more than ``skin`` (m) away from the solid; 1
-    if these are less than a twentieth of that hull.
-    """
-    vertices, faces = solid_arrays(solid)
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    shares = (np.arange(CAVITY_CELLS) + 0.4871) / CAVITY_CELLS
-    x, y, z = (low[axis] + (high - low)[axis] * shares for axis in range(3))
-    solid_points = inside_grid(vertices, faces, (x, y, z))
-    reach = ndimage.distance_transform_edt(~solid_points, sampling=(high - low) / CAVITY_CELLS)
-    grid = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)
-    points = grid[np.asarray(reach) > skin]
-    points = points[inside_hulls(points, (solid_hull(solid),))]
-    cell = float(np.prod((high - low) / CAVITY_CELLS))
-    if len(points) * cell < 0.05 * solid.hull().volume():
-        return 1.0
-    return float(np.mean(~inside_hulls(points, hulls)))
 
 
 def inside_grid(

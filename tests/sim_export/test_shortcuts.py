@@ -1,19 +1,14 @@
 """Shortcuts never change an answer: what is rejected by boxes, kept, or counted anew only in part."""
 
-import manifold3d
 import numpy as np
 import pytest
 
 from artigen.transforms import matrix_from_quat
 from sim_export.appearance.blending import find_near
 from sim_export.collision.cuboids import count_filled, empty_box, grow_boxes
-from sim_export.collision.hull_choice import Offers, make_ground, mark_missing, measure_offers
-from sim_export.collision.hull_pool import box_offers, piece_offers
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import box_hull, convex_hull, hull_planes
 from sim_export.package import Hull
-
-Solid = manifold3d.Manifold
 
 
 def random_hulls(rng: np.random.Generator, count: int) -> tuple[Hull, ...]:
@@ -29,21 +24,6 @@ def random_poses(rng: np.random.Generator, count: int, spread: float) -> np.ndar
     T[:, :3, :3] = matrix_from_quat(quats / np.linalg.norm(quats, axis=1, keepdims=True))
     T[:, :3, 3] = spread * rng.normal(size=(count, 3))
     return T
-
-
-@pytest.fixture(scope="module")
-def comb() -> Solid:
-    """A board with teeth and a slanted rib: boxes and pieces, some alike, some apart."""
-    teeth = [Solid.cube((0.3, 0.05, 0.04)).translate((0.0, 0.12 * k, 0.0)) for k in range(6)]
-    board = Solid.cube((0.3, 0.65, 0.03)).translate((0.0, 0.0, 0.03))
-    rib = Solid.cube((0.3, 0.02, 0.2)).rotate((20.0, 0.0, 0.0)).translate((0.0, 0.3, 0.04))
-    return Solid.batch_boolean([*teeth, board, rib], manifold3d.OpType.Add)
-
-
-@pytest.fixture(scope="module")
-def offers(comb: Solid) -> Offers:
-    pool = box_offers(comb)
-    return measure_offers(pool + piece_offers(comb, 20), make_ground(comb), 0.01, 0.02)
 
 
 @pytest.mark.parametrize("spread", [0.5, 4.0])
@@ -91,23 +71,6 @@ def test_points_within_reach_of_a_place_are_never_left_out():
 
 def test_no_place_has_nothing_near_it():
     assert not find_near(np.zeros((5, 3)), np.zeros((0, 3)), 1.0).any()
-
-
-def test_points_missed_by_a_hull_are_those_beyond_its_planes_or_its_box():
-    rng = np.random.default_rng(2)
-    points = rng.uniform(-2.0, 2.0, size=(3000, 3))
-    limits = [0.05, 0.4]
-    for hull in random_hulls(rng, 20):
-        planes = hull_planes(hull)
-        beside = np.maximum(hull.vertices.min(axis=0) - points, points - hull.vertices.max(axis=0))
-        outside = np.maximum(
-            (points @ planes[:, :3].T - planes[:, 3]).max(axis=1),
-            np.linalg.norm(np.maximum(beside, 0.0), axis=1),
-        )
-        clear = np.abs(outside[:, None] - limits).min(axis=1) > 1e-4  # planes are merged to 5 digits
-        marks = mark_missing(hull, np.ascontiguousarray(points.T), limits)
-        expected = np.stack([outside > limit for limit in limits])
-        np.testing.assert_array_equal(marks[:, clear], expected[:, clear])
 
 
 def grow_slowly(grid: np.ndarray, cell: np.ndarray, order: tuple[int, ...]) -> np.ndarray:

@@ -7,13 +7,14 @@ from types import SimpleNamespace
 import pytest
 
 from artigen.cli import convert, mend
-from artigen.cli.convert import HullWay, Judgement
+from sim_export import attempts as attempts_module
 from sim_export import export
-from sim_export.checks import draft, suite
+from sim_export.attempts import HullWay, Judgement, change_hulls
 from sim_export.errors import DegeneratePart
 from sim_export.export import Exported
 
-VOXELS = HullWay(collision="voxels")
+USUAL = HullWay()
+VOXELS = HullWay(collision="voxels", last=True)
 
 
 @dataclass(frozen=True)
@@ -37,8 +38,8 @@ def attempts(monkeypatch):
     def play(judged):
         asked = []
 
-        def export_solids(solids, collision, *, finer, shares, source_meshes, provenance):
-            asked.append(HullWay(collision=collision, finer=finer, shares=shares))
+        def export_solids(solids, way, *, source_meshes, provenance):
+            asked.append(way)
             if judged[len(asked) - 1] is None:
                 raise DegeneratePart(f"attempt {len(asked)} is flat")
             package = Numbered(number=len(asked) - 1)
@@ -46,7 +47,7 @@ def attempts(monkeypatch):
 
         monkeypatch.setattr(export, "make_solids", lambda asset, surfaces: SimpleNamespace(seconds=()))
         monkeypatch.setattr(export, "export_solids", export_solids)
-        monkeypatch.setattr(convert, "judge_package", lambda package: judged[package.number])
+        monkeypatch.setattr(export, "judge_package", lambda package: judged[package.number])
         for name in ("place_source_meshes", "place_source_surfaces"):
             monkeypatch.setattr(mend, name, lambda source, asset: ())
         return asked
@@ -54,12 +55,12 @@ def attempts(monkeypatch):
     return play
 
 
-def ways(*judged):
+def ways(*judged, first=USUAL):
     """The ways in which hulls are made after these judgements, until nothing is to be gained."""
-    out, way = [], HullWay()
+    out, way = [], first
     for one in judged:
         out.append(way)
-        way = convert.change_hulls(way, one)
+        way = change_hulls(way, one)
         if way is None:
             return out
     return [*out, way]
@@ -77,6 +78,14 @@ def test_links_that_fail_get_smaller_hulls_then_their_neighbours_then_leaves_are
     ]
 
 
+def test_hulls_of_voxels_are_made_again_in_the_same_ways():
+    first, likeness = HullWay(collision="voxels"), judge(["V103"], ["link_1"], ["body"])
+    tried = ways(likeness, likeness, likeness, likeness, first=first)
+    assert [way.collision for way in tried] == 4 * ["voxels"]
+    assert [len(way.finer) for way in tried] == [0, 1, 2, 2]
+    assert [way.shares for way in tried] == [False, False, False, True]
+
+
 def test_links_that_meet_on_their_way_only_are_cut_otherwise_before_they_get_smaller_hulls():
     meet = judge(["V201"], ["link_0", "link_1"])
     assert ways(meet, meet, meet) == [
@@ -88,9 +97,9 @@ def test_links_that_meet_on_their_way_only_are_cut_otherwise_before_they_get_sma
 
 
 def test_nothing_is_tried_after_voxels_or_after_a_package_that_passes():
-    assert convert.change_hulls(VOXELS, judge(["V103"])) is None
-    assert convert.change_hulls(VOXELS, None) is None
-    assert convert.change_hulls(HullWay(), judge()) is None
+    assert change_hulls(VOXELS, judge(["V103"])) is None
+    assert change_hulls(VOXELS, None) is None
+    assert change_hulls(HullWay(), judge()) is None
 
 
 @pytest.mark.parametrize(
@@ -135,8 +144,8 @@ def test_a_judgement_names_the_links_that_fail_and_those_that_a_joint_connects_t
 
     def named(where):
         checks = [SimpleNamespace(id="V103", verdict="fail", where=where, value=2.0)]
-        monkeypatch.setattr(suite, "run_checks", lambda subject, only: checks)
-        return convert.judge_package(package).around
+        monkeypatch.setattr(attempts_module, "run_checks", lambda subject, only: checks)
+        return attempts_module.judge_package(package).around
 
     links = ("door", "lid", "lid_carrier", "knob", "body")
     package = SimpleNamespace(
@@ -148,9 +157,9 @@ def test_a_judgement_names_the_links_that_fail_and_those_that_a_joint_connects_t
             joined("lid_carrier", "body"),
         ],
     )
-    monkeypatch.setattr(draft, "open_draft", lambda package: nullcontext())
+    monkeypatch.setattr(attempts_module, "open_draft", lambda package: nullcontext())
     assert named("knob") == {"knob", "door"}
     assert named("knob into lid (joint_2)") == {"knob", "door", "lid", "body"}
     assert named("body, door") == {"body", "door", "lid", "knob"}
     assert named("") == {"door", "lid", "knob", "body"}
-    assert convert.judge_package(package).links == {"door", "lid", "knob", "body"}
+    assert attempts_module.judge_package(package).links == {"door", "lid", "knob", "body"}

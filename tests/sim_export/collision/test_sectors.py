@@ -103,7 +103,7 @@ def test_a_handle_does_not_move_the_axis(size):
 
 @pytest.mark.parametrize("radius", [0.02, 0.05, 0.1])
 def test_sectors_are_as_few_as_their_arcs_allow(radius):
-    count = count_sectors(radius, 0.3)
+    count = count_sectors(radius, SAGITTA * 0.3)
     depth = [radius * (1.0 - np.cos(np.pi / n)) for n in (count, count - 2)]
     assert depth[0] <= SAGITTA * 0.3 or count == MOST
     assert depth[1] > SAGITTA * 0.3 or count == FEWEST

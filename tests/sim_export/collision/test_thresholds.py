@@ -5,11 +5,9 @@ import numpy as np
 import pytest
 
 from sim_export.collision.cuboids import face_coordinates
-from sim_export.collision.decompose import Part, decompose_parts
 from sim_export.collision.feet import add_feet
 from sim_export.collision.free_space import FreeSpace, find_free_space
 from sim_export.collision.hull_limits import comply_hull
-from sim_export.collision.hull_pool import box_offers
 from sim_export.collision.recovery import recover_surface
 from sim_export.collision.simplification import simplify_hulls
 from sim_export.collision.surface_pieces import make_piece
@@ -75,23 +73,6 @@ def test_hulls_are_thickened_to_one_and_a_half_millimetres(thickness, after):
     assert hull_width(hull)[0] == pytest.approx(after)
 
 
-@pytest.mark.parametrize(("height", "finer"), [(0.16, False), (0.24, True)])
-def test_finer_boxes_are_offered_where_coarse_ones_miss_a_hundredth_of_the_volume(height, finer):
-    """A bump of 0.8 or 1.2 % of a cube, too small for planes of its own at first."""
-    edge = np.sqrt(0.05)
-    bump = block((0.3, 0.3, 1.0), (0.3 + edge, 0.3 + edge, 1.0 + height))
-    offers = box_offers(block((0, 0, 0), (1, 1, 1)) + bump)
-    assert (max(offer.hull.vertices[:, 2].max() for offer in offers) > 1.01) == finer
-
-
-def test_a_link_gets_sixty_hulls():
-    cubes = [
-        block((x, y, 0.0), (x + 0.06, y + 0.06, 0.1)) for x in np.arange(8) / 10 for y in np.arange(8) / 10
-    ]
-    (done,) = decompose_parts([mesh_of(Solid.batch_boolean(cubes, manifold3d.OpType.Add))], [0])
-    assert len(done.hulls) == 60
-
-
 @pytest.mark.parametrize(("strip", "taken"), [(2, False), (4, True)])
 def test_a_sheet_takes_free_space_if_three_hundredths_of_it_lie_there(strip, taken):
     grid = Grid(low=np.array([0.0, 0.0, -0.05]), cell=0.01, shape=(100, 100, 10))
@@ -101,12 +82,6 @@ def test_a_sheet_takes_free_space_if_three_hundredths_of_it_lie_there(strip, tak
     sheet = corners[np.array([[0, 1, 2], [0, 2, 3]])]
     piece = make_piece(sheet, FreeSpace(grid=grid, away=depth, depth=depth), 0.005)
     assert (piece.intrusion.volume > 0.0) == taken
-
-
-@pytest.mark.parametrize(("size", "hulls"), [(0.19, 20), (0.21, 60)])
-def test_parts_below_a_fifth_of_the_object_get_a_third_of_the_hulls(size, hulls):
-    edge = size / np.sqrt(3.0)
-    assert Part(solid=block((0, 0, 0), (edge, edge, edge)), size=1.0).allot(60) == hulls
 
 
 def test_the_longest_edge_of_a_link_has_128_cells():
@@ -155,11 +130,3 @@ def test_a_prism_with_five_sides_may_be_a_cylinder(sides, kind):
     found = find_primitive(simple)
     assert found is not None
     assert found.kind == kind
-
-
-@pytest.mark.parametrize(("height", "missed"), [(0.01, False), (0.014, True)])
-def test_surface_is_missed_by_a_hull_of_a_solid_beyond_twelve_thousandths_of_the_object(height, missed):
-    bump = block((0.2, 0.2, 0.1), (0.22, 0.22, 0.1 + height))
-    offers = Part(solid=block((0, 0, 0), (0.5, 0.5, 0.1)) + bump, size=1.0).boxes
-    slab = next(k for k, tiles in enumerate(offers.tiles) if tiles[0].vertices[:, 2].max() < 0.1001)
-    assert bool(offers.missing[slab, 0].any()) == missed
