@@ -184,6 +184,15 @@ def test_a_box_must_fill_two_thousandths_of_the_solid(share, boxes):
     assert len(fill_with_boxes(triangles_of(block((0, 0, 0), (1, 1, 1)) + bump))) == boxes
 
 
+@pytest.mark.parametrize(("rise", "exact"), [(0.0105, False), (0.0135, True)])
+def test_boxes_end_at_planes_that_hold_three_thousandths_of_the_surface(rise, exact):
+    """A step whose riser is 0.26 or 0.34 % of the surface, between two cells of a 64th."""
+    stair = block((0, 0, 0), (1, 1, 0.5)) + block((0, 0, 0.4), (0.3, 1, 0.5 + rise))
+    ends = [hull.vertices[:, 0].max() for hull in fill_with_boxes(triangles_of(stair))]
+    assert (np.abs(np.array(ends) - 0.3).min() < 1e-6) == exact
+    assert np.abs(np.array(ends) - 0.3).min() < 1 / 64
+
+
 def test_boxes_end_at_the_planes_of_the_solid_or_a_64th_before_what_has_none():
     plain = fill_with_boxes(triangles_of(block((0.01, 0.02, 0.03), (1, 0.5, 0.4))))
     bounds = box_bounds(plain[0])
