@@ -101,10 +101,10 @@ class Relief:
 def relieve_pair(pair: OverlappingPair, gap: float, *, sheets: bool = False, shares: bool = False) -> Relief:
     """Cuts two hulls so that they stay ``gap`` (m) apart at all of the poses.
 
-    Where hulls may be ``sheets``, which have much surface and hardly any volume, one more hull costs a tenth
-    of the larger of the two volumes, and notches leave boxes of boxes. With ``shares`` the plan wins that
-    takes the smallest share of a hull rather than the least volume: thin leaves keep their thickness, and
-    bodies lose more.
+    A sliver is dropped where cuts would take more of the other hull. Where hulls may be ``sheets``, which
+    have much surface and hardly any volume, one more hull costs a tenth of the larger of the two volumes,
+    and notches leave boxes of boxes. With ``shares`` the plan wins that takes the smallest share of a hull
+    rather than the least volume: thin leaves keep their thickness, and bodies lose more.
     """
     found = _measure(pair.hulls, pair.poses, gap)
     plans = [_cut_by_pose(pair, found, gap), *_cut_for_all(pair, found, gap)]

@@ -151,6 +151,7 @@ def refine_cover(
     """A cover of the same triangles (m) with smaller hulls, whose pieces are cut further."""
     if not cover.cut:  # one hull was enough
         return cover_surface(triangles, cover.space, diagonal, fineness)
+    fineness = replace(fineness, bulge=min(fineness.bulge, cover.least / diagonal))
     pieces = [measure_again(piece, cover.space, fineness.bulge * diagonal) for piece in cover.cut]
     return _cut_and_join(cover.boxes, pieces, cover.space, diagonal, fineness, cover.taken)
 
