@@ -223,13 +223,14 @@ def _without(
     solid: manifold3d.Manifold, piece: manifold3d.Manifold, own: Sequence[Hull]
 ) -> manifold3d.Manifold:
     """A solid without a piece and what comes loose; as it was where a hull stands for that."""
-    bodies = sorted((solid - piece).decompose(), key=lambda body: -body.volume())
+    rest = solid - piece
+    bodies = sorted(rest.decompose(), key=lambda body: -body.volume())
     loose = bodies[sum(body.volume() > _SPECK for body in solid.decompose()) :]
     if any(body.volume() > _SPECK and _is_felt(body, own) for body in loose):
         return solid
     # A void inside is a body of negative volume.
     kept = [body for body in bodies if body not in loose or body.volume() < -_SPECK]
-    return manifold3d.Manifold.compose(kept)
+    return rest if len(kept) == len(bodies) else manifold3d.Manifold.compose(kept)
 
 
 def _is_felt(body: manifold3d.Manifold, own: Sequence[Hull]) -> bool:
