@@ -53,7 +53,7 @@ def largest_cuboids(
         occupancy: Occupied cells.
         edges: Coordinates between the cells along each axis.
         count: Where more boxes are needed, the rest is left out, which is detail.
-        least: So are boxes that cover no more than this share of what is occupied and not yet covered.
+        least: So are boxes that newly cover no more than this share of what is occupied.
     """
     boxes = [*islice(_greedy_cuboids(occupancy, edges, least), count)]
     corners = [[[edges[n][box[end, n]] for n in range(3)] for end in range(2)] for box in boxes]

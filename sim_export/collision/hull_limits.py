@@ -24,7 +24,6 @@ from sim_export.geometry.hulls import (
     hull_width,
     reduce_hull,
     replace_hulls,
-    scale_to_volume,
 )
 from sim_export.geometry.primitives import is_box
 from sim_export.geometry.rows import number_rows
@@ -46,8 +45,6 @@ micrometres: rounding bends a face of a hull of 1 mm by a thousandth of its thic
 MAX_ASPECT = 60.0
 """Greatest length over thickness; longer hulls are cut and, where that would make too many, first
 thickened a little. PhysX handles oblong hulls badly from 64 on, but takes boxes of any length."""
-SLIVER = 0.005
-"""Share of a hull's volume that cutting it to the length that its thickness allows may leave out."""
 THICKEST = 0.004
 """Thickness, over the object's diagonal, to which long thin hulls are thickened rather than divided."""
 COPLANAR = 0.0015
@@ -67,44 +64,20 @@ _SPARE = 0.97
 """Share of the longest allowed length that hulls are made for."""
 
 
-def comply_hull(hull: Hull, *, grow: bool = True) -> Hull:
-    """A hull with few enough vertices and faces and thick enough, whatever its length: itself if it is so.
-
-    With ``grow`` it is scaled to keep its volume where it has fewer vertices, which moves the ends of a thin
-    hull by a few hundredths of its length.
-    """
+def comply_hull(hull: Hull) -> Hull:
+    """A hull with few enough vertices and faces and thick enough, whatever its length: itself if it is so."""
     for _ in range(4):  # either change may undo a little of the other
-        changed = _reduce(thicken_hull(hull, MIN_WIDTH), grow=grow)
+        changed = reduce_hull(thicken_hull(hull, MIN_WIDTH), MAX_VERTICES, MAX_POLYGONS)
         if changed is hull:
             break
         hull = changed
     return hull
 
 
-def tile_hull(hull: Hull, most: int) -> tuple[Hull, ...]:
-    """An oblong hull cut to the length that its thickness allows; none where that takes more than ``most``
-    hulls, or cannot be done without leaving some of it out, like the tip of a wedge."""
-    if hull_aspect(hull) <= MAX_ASPECT:
-        return (hull,)
-    compact = MAX_ASPECT * hull_width(hull)[0]
-    count = int(np.prod(np.ceil(np.array(_side_lengths(hull)) / compact - 1e-9).clip(1)))
-    if count > most:
-        return ()
-    tiles = tuple(comply_hull(tile) for tile in _cut_to_aspect(hull))
-    whole = sum(map(hull_volume, tiles)) >= (1.0 - SLIVER) * hull_volume(hull)
-    return tiles if len(tiles) <= most and whole else ()
-
-
 def trim_hull(hull: Hull) -> tuple[Hull, ...]:
     """A hull within the limits without growing anywhere: fewer vertices, and cut where it is oblong."""
     reduced = reduce_hull(hull, MAX_VERTICES, MAX_POLYGONS)
     return tuple(_cut_to_aspect(reduced))
-
-
-def _reduce(hull: Hull, *, grow: bool = True) -> Hull:
-    """Fewer vertices, if there are too many, and with ``grow`` the same volume."""
-    reduced = reduce_hull(hull, MAX_VERTICES, MAX_POLYGONS)
-    return reduced if reduced is hull or not grow else scale_to_volume(reduced, hull_volume(hull))
 
 
 def hull_aspect(hull: Hull) -> float:
@@ -122,13 +95,6 @@ def thicken_hull(hull: Hull, width: float) -> Hull:
         middle = (heights.min() + heights.max()) / 2
         hull = convex_hull(hull.vertices + np.outer((heights - middle) * (width / measured - 1.0), normal))
     return hull
-
-
-def _side_lengths(hull: Hull) -> tuple[float, float]:
-    """Greatest extent, and greatest extent across both that and the thickness."""
-    length, along = hull_length(hull)
-    across = np.cross(along, hull_width(hull)[1])
-    return length, float(np.ptp(hull.vertices @ across) / max(np.linalg.norm(across), 1e-9))
 
 
 def _cut_to_aspect(hull: Hull, depth: int = MAX_CUTS) -> list[Hull]:
@@ -170,7 +136,7 @@ def compact_hull(
         halvings: Times that it may be divided; what is left oblong then is left out.
         reach: How far (m) its box may stand out of it.
     """
-    proper = comply_hull(hull, grow=False)
+    proper = comply_hull(hull)
     if hull_aspect(proper) <= MAX_ASPECT:
         return [proper]
     box = around_box(hull)
@@ -184,7 +150,7 @@ def compact_hull(
     # Its longest diagonal, because thickening turns the directions along which its length is measured.
     needed = max(length, float(pdist(hull.vertices).max())) / (_SPARE * MAX_ASPECT)
     if needed <= max(thickest, hull_width(hull)[0]):
-        thick = comply_hull(thicken_hull(hull, needed), grow=False)
+        thick = comply_hull(thicken_hull(hull, needed))
         if hull_aspect(thick) <= MAX_ASPECT:
             return [thick]
     heights = hull.vertices @ along

@@ -13,7 +13,7 @@ Item = TypeVar("Item")
 
 def join_neighbours(
     items: Sequence[Item], reach: float, join: Callable[[Item, Item], tuple[float, Item] | None]
-) -> tuple[list[Item], list[Item]]:
+) -> list[Item]:
     """Joins pairs of items until none can be joined, those first that cost least.
 
     Args:
@@ -22,12 +22,12 @@ def join_neighbours(
         join: The cost of joining two neighbours and the result, or None where they must stay apart.
 
     Returns:
-        What is left, and every item that joining has passed through, in order.
+        What is left.
     """
     alive, bounds_of = dict(enumerate(items)), attrgetter("bounds")
     bounds = np.full((2 * len(items), 2, 3), np.nan)  # of no item, and of none that was joined
     queue: list[tuple[float, int, int, Item]] = []
-    joined: list[Item] = []
+    count = len(items)
 
     def offer(new: int, item: Item) -> None:
         low, high = bounds_of(item)
@@ -46,8 +46,7 @@ def join_neighbours(
             continue
         del alive[first], alive[second]
         bounds[[first, second]] = np.nan
-        new = len(items) + len(joined)
-        joined.append(both)
-        alive[new] = both
-        offer(new, both)
-    return list(alive.values()), joined
+        alive[count] = both
+        offer(count, both)
+        count += 1
+    return list(alive.values())

@@ -339,7 +339,7 @@ def _join(pieces: Sequence[Piece], space: FreeSpace, least: float, taken: float)
         )
         return (both.volume - new.volume - other.volume, both) if fits else None
 
-    return join_neighbours(pieces, 3.0 * least, join)[0]
+    return join_neighbours(pieces, 3.0 * least, join)
 
 
 def piece_hull(piece: Piece, space: FreeSpace) -> Hull | None:

@@ -275,13 +275,6 @@ def reduce_hull(hull: Hull, max_vertices: int = 64, max_polygons: int = 64) -> H
     return reduced
 
 
-def scale_to_volume(hull: Hull, volume: float) -> Hull:
-    """A hull scaled about the middle of its box to the given volume (m^3)."""
-    middle = (hull.vertices.min(axis=0) + hull.vertices.max(axis=0)) / 2
-    growth = np.cbrt(volume / hull_volume(hull))
-    return Hull(vertices=middle + growth * (hull.vertices - middle), faces=hull.faces)
-
-
 def _spread_directions(count: int) -> np.ndarray:
     """Nearly even unit directions (Fibonacci lattice)."""
     turn = np.arange(count) * np.pi * (3.0 - np.sqrt(5.0))
