@@ -17,7 +17,9 @@ from sim_export.collision.relief import MARGIN, OverlappingPair, Relief, cut_alo
 from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.geometry.hulls import replace_hulls
 from sim_export.motion.kinematics import (
+    MOVING_TYPES,
     driven_joints,
+    hanging_links,
     link_displacements,
     moved_links,
     required_openings,
@@ -131,9 +133,11 @@ def clear_joints(
 
 
 def _poses(work: CutHulls, joint: PackageJoint, joints: Sequence[PackageJoint],
-           requirements: Sequence[Requirement], q: Float[np.ndarray, "P"]) -> np.ndarray:  # fmt: skip
-    """Displacements ``P L 4 4`` along a joint's sweep, with what it requires open."""
-    qpos = {**required_openings(joint, joints, requirements), joint.name: q}
+           requirements: Sequence[Requirement], q: Float[np.ndarray, "P"],
+           carried: Sequence[PackageJoint] = ()) -> np.ndarray:  # fmt: skip
+    """Displacements ``P L 4 4`` along a joint's sweep, with what it requires open, and what it carries."""
+    opened = {other.name: other.upper for other in carried}
+    qpos = {**required_openings(joint, joints, requirements), **opened, joint.name: q}
     return link_displacements(work.links, joints, qpos)
 
 
@@ -146,11 +150,16 @@ def _clear_joint(
 ) -> int:
     """Relieves every overlapping pair of hulls along one joint's sweep; returns the number of cuts.
 
+    Joints that it carries are closed, and once more open where links meet that are static or its ancestors;
+    of others that move, one may have to be opened before the other.
     ``stuck`` is what could not be freed before; it grows.
     """
     q = sample_sweep(work.links, joints, joint)
-    T = _poses(work, joint, joints, requirements, q)
+    closed = _poses(work, joint, joints, requirements, q)
     moving = moved_links(work.links, joints, joint)
+    names = {work.links[a].name for a in moving}
+    carried = [other for other in driven_joints(joints) if other is not joint and other.parent in names]
+    both = np.concatenate([closed, _poses(work, joint, joints, requirements, q, carried)])
     turned = {other.child for other in joints if other.is_travel and other.mimic == joint.name}
     changes = 0
     for a in moving:
@@ -158,6 +167,7 @@ def _clear_joint(
             leaves = joint.type == "revolute" and {work.links[a].label, work.links[b].label} <= _FRONTS
             threaded = work.links[a].name in turned and work.links[b].name == joint.parent
             gap = THREAD if threaded else PASSING if leaves else GAP
+            T = both if carried and _is_static_or_ancestor(work.links[b].name, joint, joints) else closed
             (first, slots_a), (second, slots_b) = work.prepared(a), work.prepared(b)
             found = signed_distances(first, second, T[:, a], T[:, b], gap)
             deep = found.distance < gap
@@ -195,6 +205,12 @@ def _clear_joint(
                 else:
                     stuck[a, i, b, j] = done.reason
     return changes
+
+
+def _is_static_or_ancestor(link: str, joint: PackageJoint, joints: Sequence[PackageJoint]) -> bool:
+    """Whether no joint moves a link, or only such that move what the joint moves, too."""
+    moving = [hanging_links(joints, other.child) for other in joints if other.type in MOVING_TYPES]
+    return joint.child in hanging_links(joints, link) or not any(link in moved for moved in moving)
 
 
 def _apply(work: CutHulls, places: tuple[tuple[int, int], tuple[int, int]], done: Relief) -> int:

@@ -58,8 +58,8 @@ MAX_CUTS = 12
 class OverlappingPair:
     """Two hulls in their links' rest frames that overlap at some poses, and what may be done to each.
 
-    ``volumes`` are those before any cut, of which cuts may take ``allowances`` (m^3), and ``least``
-    (m^3) where they go deeper than `MAX_DEPTH`, up to `MAX_SLIVER_DEPTH`; ``slivers`` tells which may be
+    ``volumes`` are those before any cut, of which all cuts may take ``allowances`` (m^3). Cuts that go deeper
+    than `MAX_DEPTH`, up to `MAX_SLIVER_DEPTH`, may take ``least`` (m^3). ``slivers`` tells which may be
     dropped, ``room`` how many hulls each link may still gain. ``size`` is the object's longest side (m), and
     ``axis`` the moving joint's direction in the frame of the first hull's link: one cut along it may free all
     poses. ``margin`` (m) is the gap that a cut leaves.
@@ -83,8 +83,9 @@ class OverlappingPair:
 
     def allows(self, side: int, left: float, depth: float) -> bool:
         """Whether cuts ``depth`` deep may leave a volume of ``left`` (m^3) of a hull."""
-        allowed = self.allowances[side] if depth <= self.max_depth else self.least[side]
-        return depth <= MAX_SLIVER_DEPTH * self.size and self.volumes[side] - left <= allowed
+        if depth > self.max_depth and hull_volume(self.hulls[side]) - left > self.least[side]:
+            return False
+        return depth <= MAX_SLIVER_DEPTH * self.size and self.volumes[side] - left <= self.allowances[side]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -25,11 +25,11 @@ STYLES = {"close_coupled": 0.4, "skirted": 0.3, "wall_hung": 0.3}
 SIZES: dict[str, Spans] = {
     "close_coupled": ((0.36, 0.41), (0.63, 0.7), (0.74, 0.83)),
     "skirted": ((0.36, 0.4), (0.62, 0.68), (0.78, 0.86)),
-    "wall_hung": ((0.5, 0.6), (0.7, 0.76), (1.08, 1.18)),
+    "wall_hung": ((0.5, 0.6), (0.73, 0.77), (1.08, 1.18)),
 }
 """Width, depth and height; wall-hung bowls include their piece of wall."""
 GLAZES = (*((0.95, 0.95, 0.945),) * 7, (0.93, 0.92, 0.88), (0.2, 0.2, 0.21))
-TANK, WALL = 0.165, 0.19
+TANK, WALL = 0.165, 0.23
 """Depth of a cistern and of a piece of wall."""
 RIM, SEAT, LID = 0.4, 0.02, 0.018
 """Height of the bowl's rim; thickness of seat and lid."""

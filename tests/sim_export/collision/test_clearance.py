@@ -297,6 +297,32 @@ def test_limits_are_lowered_where_most_of_the_range_is_free():
     assert deepest(cleared.links, cleared.joints, ())["joint_slider"] <= 0.0005
 
 
+@pytest.mark.parametrize("beam", ["body", "flap"])
+def test_what_is_carried_stays_clear_of_fixed_links_when_both_joints_are_open(beam):
+    """A lever on a slide stands up and then meets a beam. A beam that moves itself may have to move first."""
+    slide = box([0.0, 0.0, 0.0], [0.3, 0.1, 0.02])
+    lever = box([0.0, 0.1, 0.0], [0.2, 0.12, 0.02])
+    above = box([0.3, 0.0, 0.19], [0.5, 0.2, 0.4])
+    parts = {"body": [box([0.0, 0.0, -0.1], [0.9, 0.2, -0.05])], "slide": [slide], "lever": [lever]}
+    parts[beam] = [*parts.get(beam, []), above]
+    links = [make_link("base"), *(make_link(name, *hulls) for name, hulls in parts.items())]
+    joints = [
+        make_joint("body", "fixed", [0, 0, 1], [0, 0, 0], 0.0, "base"),
+        make_joint("slide", "prismatic", [1, 0, 0], [0, 0, 0], 0.4),
+        make_joint("lever", "revolute", [0, -1, 0], [0.01, 0.0, 0.01], np.pi / 2, "slide"),
+    ]
+    if beam == "flap":
+        joints.append(make_joint("flap", "prismatic", [0, 0, 1], [0, 0, 0], 0.3))
+    done = clear_joints(links, joints)
+    slot = {link.name: index for index, link in enumerate(links)}
+    qpos = {"joint_slide": np.linspace(0.0, 0.4, 41), "joint_lever": np.pi / 2}
+    T = link_displacements(done.links, joints, qpos)
+    hulls = [HullSet(hulls=done.links[slot[name]].hulls) for name in ("lever", beam)]
+    deepest = penetration_depths(*hulls, T[:, slot["lever"]], T[:, slot[beam]]).max()
+    assert deepest == pytest.approx(0.0 if beam == "body" else 0.01, abs=1e-6)
+    assert (done.links[slot["flap"]] is links[slot["flap"]]) if beam == "flap" else done.reliefs
+
+
 def test_what_only_touches_gets_a_gap_and_loses_no_wedge():
     rng = np.random.default_rng(3)
     size = rng.uniform(0.02, 1.0, (8, 3))
