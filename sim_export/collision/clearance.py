@@ -17,9 +17,7 @@ from sim_export.collision.relief import MARGIN, OverlappingPair, Relief, cut_alo
 from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.geometry.hulls import replace_hulls
 from sim_export.motion.kinematics import (
-    MOVING_TYPES,
     driven_joints,
-    hanging_links,
     link_displacements,
     moved_links,
     required_openings,
@@ -39,6 +37,9 @@ THREAD = 1e-4
 (`sim_export.collision.ignored_pairs`); cuts leave twice this."""
 TOLERANCE = 2e-5
 """Depth (m) from which an overlap that cannot be cut counts as one."""
+CARRIED = (0.25, 0.5, 0.75, 1.0)
+"""Shares of their ranges to which joints are open that another one carries along its sweep; a bar reaches
+farthest half-way."""
 ROUNDS = 12
 """Most passes over all joints; cuts for one joint seldom leave anything to do for another."""
 MIN_RANGE = 0.5
@@ -134,11 +135,18 @@ def clear_joints(
 
 def _poses(work: CutHulls, joint: PackageJoint, joints: Sequence[PackageJoint],
            requirements: Sequence[Requirement], q: Float[np.ndarray, "P"],
-           carried: Sequence[PackageJoint] = ()) -> np.ndarray:  # fmt: skip
-    """Displacements ``P L 4 4`` along a joint's sweep, with what it requires open, and what it carries."""
-    opened = {other.name: other.upper for other in carried}
-    qpos = {**required_openings(joint, joints, requirements), **opened, joint.name: q}
-    return link_displacements(work.links, joints, qpos)
+           carried: float = 0.0) -> np.ndarray:  # fmt: skip
+    """Displacements ``P L 4 4`` along a joint's sweep, with what it requires open.
+
+    Other joints of the links that it moves are open to the share ``carried`` of their range, at least.
+    """
+    moving = {work.links[index].name for index in moved_links(work.links, joints, joint)}
+    opened = required_openings(joint, joints, requirements)
+    for other in driven_joints(joints):
+        if other is not joint and other.parent in moving:
+            at = other.lower + carried * (other.upper - other.lower)
+            opened[other.name] = max(opened.get(other.name, at), at)
+    return link_displacements(work.links, joints, {**opened, joint.name: q})
 
 
 def _clear_joint(
@@ -150,16 +158,16 @@ def _clear_joint(
 ) -> int:
     """Relieves every overlapping pair of hulls along one joint's sweep; returns the number of cuts.
 
-    Joints that it carries are closed, and once more open where links meet that are static or its ancestors;
-    of others that move, one may have to be opened before the other.
-    ``stuck`` is what could not be freed before; it grows.
+    Joints that it carries are closed, and once more open to every share of `CARRIED`: the lever of a
+    door may turn while the door swings. ``stuck`` is what could not be freed before; it grows.
     """
     q = sample_sweep(work.links, joints, joint)
-    closed = _poses(work, joint, joints, requirements, q)
+    T = _poses(work, joint, joints, requirements, q)
     moving = moved_links(work.links, joints, joint)
-    names = {work.links[a].name for a in moving}
-    carried = [other for other in driven_joints(joints) if other is not joint and other.parent in names]
-    both = np.concatenate([closed, _poses(work, joint, joints, requirements, q, carried)])
+    names = {work.links[index].name for index in moving}
+    if any(other is not joint and other.parent in names for other in driven_joints(joints)):
+        opened = [_poses(work, joint, joints, requirements, q, share) for share in CARRIED]
+        T = np.concatenate([T, *opened])
     turned = {other.child for other in joints if other.is_travel and other.mimic == joint.name}
     changes = 0
     for a in moving:
@@ -167,7 +175,6 @@ def _clear_joint(
             leaves = joint.type == "revolute" and {work.links[a].label, work.links[b].label} <= _FRONTS
             threaded = work.links[a].name in turned and work.links[b].name == joint.parent
             gap = THREAD if threaded else PASSING if leaves else GAP
-            T = both if carried and _is_static_or_ancestor(work.links[b].name, joint, joints) else closed
             (first, slots_a), (second, slots_b) = work.prepared(a), work.prepared(b)
             found = signed_distances(first, second, T[:, a], T[:, b], gap)
             deep = found.distance < gap
@@ -205,12 +212,6 @@ def _clear_joint(
                 else:
                     stuck[a, i, b, j] = done.reason
     return changes
-
-
-def _is_static_or_ancestor(link: str, joint: PackageJoint, joints: Sequence[PackageJoint]) -> bool:
-    """Whether no joint moves a link, or only such that move what the joint moves, too."""
-    moving = [hanging_links(joints, other.child) for other in joints if other.type in MOVING_TYPES]
-    return joint.child in hanging_links(joints, link) or not any(link in moved for moved in moving)
 
 
 def _apply(work: CutHulls, places: tuple[tuple[int, int], tuple[int, int]], done: Relief) -> int:
