@@ -23,6 +23,7 @@ from sim_export.collision.recovery import recover_surface
 from sim_export.collision.trimming import fill_meshes, trim_meshes
 from sim_export.errors import ExportError
 from sim_export.geometry.boards import fill_boards
+from sim_export.geometry.lone_cells import give_lone_cells
 from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import free_latches, separate_solids
 from sim_export.geometry.struts import brace_links
@@ -194,7 +195,8 @@ def make_solids(asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | N
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     owners = link_owners(asset)
-    voxels, gaps = fill_boards(asset.voxels, owners)
+    voxels, lone = give_lone_cells(asset.voxels, owners)
+    voxels, gaps = fill_boards(voxels, owners)
     asset = replace(asset, voxels=voxels)
     solids, given_up = separate_solids(asset, solid_parts(asset), owners)
     asset, solids, freed = free_latches(asset, solids, owners)
@@ -207,6 +209,7 @@ def make_solids(asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | N
     inertials = [weigh_part(asset, index, mesh, solids[index]) for index, mesh in enumerate(meshes)]
     watch.lap("mass")
     records = (
+        *([f"{lone} cells apart from their links were given to what is around them"] if lone else []),
         *([f"{gaps} cells between the faces of boards were filled"] if gaps else []),
         *(
             f"{part.name}: {said}"
