@@ -74,7 +74,8 @@ MAKES: dict[str, Make] = {
     "DeskLamp": Make(density={"stone": 2000.0}, wall={"plastic": 0.0025}),
     "Toilet": Make(wall={"stone": 0.011}),
     # Particle board on thin backs, light tops, tubular board, softwood.
-    "Wardrobe": Make(density={"wood_board": 580.0}),
+    "Wardrobe": Make(density={"wood_board": 580.0}, wall={"wood_board": 0.02}),
+    "Dresser": Make(wall={"wood_board": 0.02}),
     "Table": Make(density={"wood_board": 580.0}),
     "Door": Make(density={"wood_board": 480.0}),
     "Door flush": Make(density={"wood_board": 400.0}),
