@@ -17,6 +17,8 @@ __all__ = ["assign_cells", "decode", "drop_unresolved", "encode", "find_heirs", 
 
 FAIR_SHARE = 0.5
 """Share of its area that a part's own cells should hold; below it the part may claim cells."""
+SAME = 1e-3
+"""Areas of two parts in a cell that differ by less are the same, or noise would divide layers in stripes."""
 TAKEN = 2.0
 """Loss, in voxels, of surface that has no usable cell beneath it (`weigh_losses`)."""
 
@@ -93,7 +95,7 @@ def assign_cells(
     parts = int(part_ids.max()) + 1 if len(part_ids) else 1
     pairs = np.ravel_multi_index(tuple(cells.T), shape) * parts + part_ids
     keys, row = np.unique(pairs, return_inverse=True)
-    held = np.bincount(row.ravel(), weights=areas, minlength=len(keys))
+    held = SAME * np.round(np.bincount(row.ravel(), weights=areas, minlength=len(keys)) / SAME)
     flat, part = np.divmod(keys, parts)  # one row per (cell, part) that meet, sorted by cell, then part
     order = np.lexsort((part, -held, flat))
     owned, first = np.unique(flat[order], return_index=True)

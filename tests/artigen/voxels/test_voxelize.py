@@ -18,7 +18,15 @@ from artigen.types import (
     VoxelGrid,
 )
 from artigen.voxels.fields import CHANNELS, FIELD, canonical_origin, joint_ranges, part_attributes
-from artigen.voxels.voxelize import assign_cells, decode, drop_unresolved, encode, voxelize, voxelize_again
+from artigen.voxels.voxelize import (
+    SAME,
+    assign_cells,
+    decode,
+    drop_unresolved,
+    encode,
+    voxelize,
+    voxelize_again,
+)
 
 
 def make_surface(points, part_ids) -> SurfaceSamples:
@@ -53,6 +61,17 @@ def test_ties_go_to_the_lower_part():
     points = [[0.01] * 3] * 2 + [[0.1] * 3] * 9 + [[0.3] * 3] * 9
     grid = voxelize(make_surface(points, [1, 0] + [0] * 9 + [1] * 9))
     assert owner_of(grid, [0.01] * 3) == 0
+
+
+@pytest.mark.parametrize(("noise", "stripes"), [(1e-9, False), (0.4 * SAME, False), (2.1 * SAME, True)])
+def test_noise_does_not_part_a_layer_in_stripes(noise, stripes):
+    """Two parts that share a layer get half of it each, in one piece unless their areas truly differ."""
+    cells = np.argwhere(np.ones((16, 16, 1), dtype=bool))
+    areas = np.ones(2 * len(cells))
+    areas[len(cells) :: 2] += noise
+    grid = assign_cells(np.concatenate([cells, cells]), np.repeat([0, 1], len(cells)), areas, 16)
+    assert (grid.part_ids == 1).mean() == 0.5
+    assert np.count_nonzero(np.diff(grid.part_ids)) == (len(cells) - 1 if stripes else 1)
 
 
 def test_far_faces_of_the_cube_belong_to_the_last_cell():
