@@ -160,12 +160,14 @@ def _ragged_layers(own: np.ndarray, others: np.ndarray, box: np.ndarray) -> np.n
 def _ragged_strips(mine: np.ndarray, theirs: np.ndarray, along: int) -> np.ndarray:
     """Cells of others between cells of this part in rows of a layer, as a bar in its sleeve has them.
 
-    Only in strips up to `_STRIP` cells wide, and in rows of which the part owns `_RAGGED_SHARE`.
+    Only gaps that are no wider than `_STRIP` cells all along, in rows of which the part owns `_RAGGED_SHARE`.
     """
     back = np.flip(np.logical_or.accumulate(np.flip(mine, along), along), along)
     wanted = theirs & np.logical_or.accumulate(mine, along) & back
     across = np.ones((1, _STRIP + 1) if along == 0 else (_STRIP + 1, 1), dtype=bool)
-    wanted &= ~np.asarray(ndimage.binary_opening(mine | wanted, across), dtype=bool)
+    wide = np.asarray(ndimage.binary_opening(mine | wanted, across), dtype=bool)
+    gaps, _ = _label(~mine, np.moveaxis(np.array([[0, 0, 0], [1, 1, 1], [0, 0, 0]], dtype=bool), 1, along))
+    wanted &= ~np.isin(gaps, gaps[~mine & (wide | ~wanted)])
     held = mine.sum(axis=along, keepdims=True)
     return wanted & (held >= _RAGGED_SHARE * (mine | wanted).sum(axis=along, keepdims=True))
 

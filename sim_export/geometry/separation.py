@@ -24,6 +24,8 @@ from sim_export.geometry.occupancy import PartOccupancy
 
 SUNK = 0.15
 """Share of a drawer's or tray's cells inside another link's part from which it counts as sunk."""
+MOST_CRUMBS = 64
+"""Cells up to which a piece that such a carrier would lose contact with goes, too."""
 SLIDING_LABELS = ("drawer", "tray")
 LATCH_LABEL, LATCH_JOINTS = "knob", ("revolute", "prismatic")
 """Buttons, levers and bolts on what moves itself."""
@@ -52,11 +54,23 @@ def separate_solids(
             common = out[other].occupancy & body
             if common.sum() < SUNK * body.sum() or common.sum() == out[other].occupancy.sum():
                 continue
-            left = join_cells(out[other].occupancy & ~body, body)
+            left = join_cells(_without_crumbs(out[other].occupancy & ~body, common), body)
             taken = int(out[other].occupancy.sum() - left.sum())
             out[other] = replace(out[other], occupancy=left)
             records.append(f"{carrier.name}: {taken} cells yielded to {part.name}, which is sunk into it")
     return tuple(out), tuple(records)
+
+
+def _without_crumbs(left: Bool[np.ndarray, "X Y Z"], taken: Bool[np.ndarray, "X Y Z"]) -> np.ndarray:
+    """What is left of a solid without small pieces that were part of it through the cells taken from it."""
+    pieces, count = label_spaces(left)
+    beside = pieces[np.asarray(ndimage.binary_dilation(taken, np.ones((3, 3, 3))), dtype=bool)]
+    sizes = np.bincount(pieces.ravel(), minlength=count + 1)[1:]
+    crumbs = np.zeros(count + 1, dtype=bool)
+    crumbs[beside] = True
+    crumbs[1:] &= (sizes <= MOST_CRUMBS) & (sizes < sizes.max(initial=0))
+    crumbs[0] = False
+    return left & ~crumbs[pieces]
 
 
 def free_latches(

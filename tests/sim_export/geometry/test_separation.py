@@ -5,11 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import ndimage
 
 from artigen.types import FIXED, Asset, Joint, Part
 from sim_export.geometry.joining import join_cells
 from sim_export.geometry.occupancy import PartOccupancy
-from sim_export.geometry.separation import free_latches, separate_solids
+from sim_export.geometry.separation import MOST_CRUMBS, free_latches, separate_solids
 
 UNIT = np.array([np.zeros(3), np.ones(3)])
 SLIDE = Joint(type="prismatic", axis=np.array([-1.0, 0.0, 0.0]), origin=np.zeros(3), upper=0.3)
@@ -42,6 +43,20 @@ def test_a_sunk_drawer_has_its_cells_to_itself(depth):
     np.testing.assert_array_equal(body.occupancy | (APRON.occupancy & drawer.occupancy), APRON.occupancy)
     np.testing.assert_array_equal(join_cells(body.occupancy, box.occupancy), body.occupancy)
     assert len(records) == 1
+
+
+@pytest.mark.parametrize(("deep", "left"), [(MOST_CRUMBS // 16, 0), (MOST_CRUMBS // 16 + 1, 1)])
+def test_small_pieces_that_hold_by_yielded_cells_go_with_them(deep, left):
+    """A block of 4 x 4 cells on the drawer's back, which the body held by the drawer's cells alone."""
+    body = solid((4, 2, 8), (6, 22, 14)).occupancy.copy()
+    body[4:8, 8:12, 10:13] = True
+    body[8 : 8 + deep, 8:12, 9:13] = True
+    body[20:22, 2:4, 2:4] = True  # apart before, and small
+    drawer = solid((4, 6, 9), (8, 14, 13))
+    whole = PartOccupancy(occupancy=body, shared=0, enclosed=0, joined=0)
+    (kept, _), _ = separate_solids(table(), (whole, drawer), (0, 1))
+    _, pieces = ndimage.label(kept.occupancy)
+    assert pieces == 2 + left
 
 
 def test_what_is_hardly_sunk_moves_otherwise_or_is_of_one_link_stays():
