@@ -15,8 +15,10 @@ from artigen.voxels.frames import mark_voxels
 
 __all__ = ["assign_cells", "decode", "drop_unresolved", "encode", "find_heirs", "voxelize", "voxelize_again"]
 
-FAIR_SHARE = 0.5
+FAIR_SHARE = 0.8
 """Share of its area that a part's own cells should hold; below it the part may claim cells."""
+LEAST_SHARE = 0.5
+"""The same of surface that goes to the cells beneath where others own its own (`voxelize_again`)."""
 SAME = 1e-3
 """Areas of two parts in a cell that differ by less are the same, or noise would divide layers in stripes."""
 TAKEN = 2.0
@@ -67,7 +69,7 @@ def voxelize_again(surface: SurfaceSamples, voxels: VoxelGrid) -> VoxelGrid:
     (`artigen.voxels.layout.cover_surface`). A part that is left without a cell keeps the cells that it had.
     """
     cells, weights = find_cells(surface, voxels.resolution), weigh_losses(surface, voxels.resolution)
-    found = assign_cells(cells, surface.part_ids, weights, voxels.resolution)
+    found = assign_cells(cells, surface.part_ids, weights, voxels.resolution, LEAST_SHARE)
     lost = np.isin(voxels.part_ids, np.setdiff1d(voxels.part_ids, found.part_ids))
     if not lost.any():
         return found
@@ -82,12 +84,13 @@ def assign_cells(
     part_ids: Int[np.ndarray, "N"],
     areas: Float[np.ndarray, "N"],
     resolution: int,
+    share: float = FAIR_SHARE,
 ) -> VoxelGrid:
     """Gives every cell that surface passes through to one part.
 
     The part with the largest area in a cell owns it; ties go to the lower part id. A part smaller than
     a cell would lose every cell to the panel it sits on (the buttons of a microwave). Therefore parts
-    whose cells hold less than `FAIR_SHARE` of their own area claim the cells where they have most area
+    whose cells hold less than a ``share`` of their own area claim the cells where they have most area
     until they reach that share, the smallest part first. A claimed cell is not claimed again. A part
     can still end up without a cell when several lie inside one; see `drop_unresolved`.
     """
@@ -100,17 +103,19 @@ def assign_cells(
     order = np.lexsort((part, -held, flat))
     owned, first = np.unique(flat[order], return_index=True)
     cell = np.searchsorted(owned, flat)
-    owners = _claim(cell, part, held, part[order][first])
+    owners = _claim(cell, part, held, part[order][first], share)
     return VoxelGrid(
         resolution=resolution, coords=np.stack(np.unravel_index(owned, shape), axis=1), part_ids=owners
     )
 
 
-def _claim(cell: np.ndarray, part: np.ndarray, areas: np.ndarray, owners: np.ndarray) -> np.ndarray:
+def _claim(
+    cell: np.ndarray, part: np.ndarray, areas: np.ndarray, owners: np.ndarray, share: float
+) -> np.ndarray:
     """Lets starved parts take cells; rows of ``cell``, ``part``, ``areas`` are the (cell, part) pairs."""
     totals = np.bincount(part, weights=areas)
     held = np.bincount(part, weights=areas * (owners[cell] == part), minlength=len(totals))
-    starved = np.flatnonzero((totals > 0) & (held < FAIR_SHARE * totals))
+    starved = np.flatnonzero((totals > 0) & (held < share * totals))
     owners = owners.copy()
     claimed = np.zeros(len(owners), dtype=bool)
     for index in starved[np.argsort(totals[starved], kind="stable")]:
@@ -119,7 +124,7 @@ def _claim(cell: np.ndarray, part: np.ndarray, areas: np.ndarray, owners: np.nda
         rows = rows[(owners[cell[rows]] != index) & ~claimed[cell[rows]]]
         rows = rows[np.argsort(-areas[rows], kind="stable")]
         before = have + np.cumsum(areas[rows]) - areas[rows]
-        taken = cell[rows[before < FAIR_SHARE * totals[index]]]
+        taken = cell[rows[before < share * totals[index]]]
         owners[taken] = index
         claimed[taken] = True
     return owners

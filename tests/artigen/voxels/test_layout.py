@@ -34,7 +34,8 @@ def pressed() -> SurfaceSamples:
     door = sample_box(np.array([2.1, 3.1, 3.1]), np.array([5.2, 12.9, 12.9]), part=1)
     body = sample_box(np.array([5.25, 3.1, 3.1]), np.array([12.9, 12.9, 12.9]))
     rail = sample_box(np.array([5.3, 3.1, 3.1]), np.array([5.9, 12.9, 12.9]))  # more of the body there
-    return join(door, body, rail)
+    front = sample_box(np.array([0.1, 3.1, 3.1]), np.array([2.0, 12.9, 12.9]), part=1)  # and of the door
+    return join(door, front, body, rail)
 
 
 def test_surface_without_a_voxel_of_its_part_gets_one_beneath(pressed: SurfaceSamples):
