@@ -98,7 +98,8 @@ def assign_cells(
     parts = int(part_ids.max()) + 1 if len(part_ids) else 1
     pairs = np.ravel_multi_index(tuple(cells.T), shape) * parts + part_ids
     keys, row = np.unique(pairs, return_inverse=True)
-    held = SAME * np.round(np.bincount(row.ravel(), weights=areas, minlength=len(keys)) / SAME)
+    held = np.bincount(row.ravel(), weights=areas, minlength=len(keys))
+    held = np.where(held > SAME, SAME * np.round(held / SAME), held)
     flat, part = np.divmod(keys, parts)  # one row per (cell, part) that meet, sorted by cell, then part
     order = np.lexsort((part, -held, flat))
     owned, first = np.unique(flat[order], return_index=True)

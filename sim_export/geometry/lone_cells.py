@@ -12,7 +12,7 @@ from scipy import ndimage
 
 from artigen.types import VoxelGrid
 
-LONE = 2
+LONE = 4
 """Most cells of a piece that is given away."""
 APART = 3
 """Cells around it in which there must be none of its link; struts bridge less."""

@@ -20,8 +20,6 @@ _SMALL_HOLE = 16
 """Largest hole (cells) in a layer, filled by another part, that counts as the foot of a knob or handle."""
 _RAGGED_SHARE = 0.15
 """Share of a layer at the part's box face that the part must own for the layer to be completed."""
-_STRIP = 2
-"""Largest width (cells) of strips in such a layer that are completed between their ends."""
 
 MIN_LODGER = 8
 """Cells of other parts inside a cavity from which it stays free; fewer come from touching surfaces."""
@@ -134,8 +132,7 @@ def _small_holes(own: np.ndarray, others: np.ndarray, normal: int) -> np.ndarray
 def _ragged_layers(own: np.ndarray, others: np.ndarray, box: np.ndarray) -> np.ndarray:
     """Cells of others in the outermost layer of this part that lies within its box.
 
-    Only over cells of this part, and only in connected regions of which it owns `_RAGGED_SHARE`; or in narrow
-    strips between cells of this part.
+    Only over cells of this part, and only in connected regions of which it owns `_RAGGED_SHARE`.
     """
     out = np.zeros_like(own)
     for axis in range(3):
@@ -147,29 +144,12 @@ def _ragged_layers(own: np.ndarray, others: np.ndarray, box: np.ndarray) -> np.n
             if not 0.05 <= depth <= 1.05:
                 continue
             mine, theirs = np.take(own, layer, axis), np.take(others, layer, axis)
-            for along in range(2):
-                np.moveaxis(out, axis, 0)[layer] |= _ragged_strips(mine, theirs, along)
             wanted = theirs & np.take(own, layer + inward, axis)
             labels, count = _label(mine | wanted, ndimage.generate_binary_structure(2, 1))
             held = np.bincount(labels.ravel(), weights=mine.ravel(), minlength=count + 1)
             total = np.bincount(labels.ravel(), minlength=count + 1)
             np.moveaxis(out, axis, 0)[layer] |= wanted & np.greater_equal(held, _RAGGED_SHARE * total)[labels]
     return out
-
-
-def _ragged_strips(mine: np.ndarray, theirs: np.ndarray, along: int) -> np.ndarray:
-    """Cells of others between cells of this part in rows of a layer, as a bar in its sleeve has them.
-
-    Only gaps that are no wider than `_STRIP` cells all along, in rows of which the part owns `_RAGGED_SHARE`.
-    """
-    back = np.flip(np.logical_or.accumulate(np.flip(mine, along), along), along)
-    wanted = theirs & np.logical_or.accumulate(mine, along) & back
-    across = np.ones((1, _STRIP + 1) if along == 0 else (_STRIP + 1, 1), dtype=bool)
-    wide = np.asarray(ndimage.binary_opening(mine | wanted, across), dtype=bool)
-    gaps, _ = _label(~mine, np.moveaxis(np.array([[0, 0, 0], [1, 1, 1], [0, 0, 0]], dtype=bool), 1, along))
-    wanted &= ~np.isin(gaps, gaps[~mine & (wide | ~wanted)])
-    held = mine.sum(axis=along, keepdims=True)
-    return wanted & (held >= _RAGGED_SHARE * (mine | wanted).sum(axis=along, keepdims=True))
 
 
 def _label(grid: np.ndarray, structure: np.ndarray) -> tuple[np.ndarray, int]:

@@ -69,17 +69,6 @@ def is_shared(share: float) -> bool:
     return bool(solid_of(mine, others, box).occupancy[13, 29, 29])
 
 
-def is_bar(width: int, owned: int) -> bool:
-    """Whether a bar in its sleeve, of which a part owns so many of 20 rows of cells, is whole."""
-    mine, others = np.zeros((2, EDGE, EDGE, EDGE), dtype=bool)
-    mine[10, 10 : 10 + width, 10:30] = True
-    mine[10, 10 : 10 + width, 11 : 30 - owned + 1] = False
-    others[9:12, 8:20, 5:35] = True
-    mine[10, 4:30, 30] = True  # its grip
-    box = np.array([[10.0, 4.0, 10.0], [11.0, 30.0, 31.0]])
-    return bool(solid_of(mine, others & ~mine, box).occupancy[10, 10, 15])
-
-
 ROWS: dict[str, tuple[Callable[[], bool], Callable[[], bool]]] = {
     "a leaf of six cells": (lambda: inside(6, slots=1), lambda: inside(7, slots=1)),
     "openings of three by three": (
@@ -90,8 +79,6 @@ ROWS: dict[str, tuple[Callable[[], bool], Callable[[], bool]]] = {
     "lodgers of eight cells": (lambda: inside(8, lodgers=7), lambda: inside(8, lodgers=8)),
     "what a knob closes": (lambda: closed_by(knob=True), lambda: closed_by(knob=False)),
     "a foot of sixteen cells": (lambda: is_foot(16), lambda: is_foot(17)),
-    "bars of two cells": (lambda: is_bar(2, 10), lambda: is_bar(3, 10)),
-    "bars owned by 0.15": (lambda: is_bar(1, 4), lambda: is_bar(1, 2)),
     "a share of 0.15": (lambda: is_shared(0.15), lambda: is_shared(0.10)),
 }
 
