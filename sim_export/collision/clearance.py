@@ -6,7 +6,7 @@ loses less volume; what cuts cannot free is shortened or reported, never hidden.
 removes collision volume, so that no cut can cause new contact.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -135,18 +135,12 @@ def clear_joints(
 
 def _poses(work: CutHulls, joint: PackageJoint, joints: Sequence[PackageJoint],
            requirements: Sequence[Requirement], q: Float[np.ndarray, "P"],
-           carried: float = 0.0) -> np.ndarray:  # fmt: skip
-    """Displacements ``P L 4 4`` along a joint's sweep, with what it requires open.
-
-    Other joints of the links that it moves are open to the share ``carried`` of their range, at least.
-    """
-    moving = {work.links[index].name for index in moved_links(work.links, joints, joint)}
-    opened = required_openings(joint, joints, requirements)
-    for other in driven_joints(joints):
-        if other is not joint and other.parent in moving:
-            at = other.lower + carried * (other.upper - other.lower)
-            opened[other.name] = max(opened.get(other.name, at), at)
-    return link_displacements(work.links, joints, {**opened, joint.name: q})
+           opened: Mapping[str, float] | None = None) -> np.ndarray:  # fmt: skip
+    """Displacements ``P L 4 4`` along a joint's sweep, with what it requires open, and others ``opened``."""
+    qpos = required_openings(joint, joints, requirements)
+    for name, at in (opened or {}).items():
+        qpos[name] = max(qpos.get(name, at), at)
+    return link_displacements(work.links, joints, {**qpos, joint.name: q})
 
 
 def _clear_joint(
@@ -165,9 +159,10 @@ def _clear_joint(
     T = _poses(work, joint, joints, requirements, q)
     moving = moved_links(work.links, joints, joint)
     names = {work.links[index].name for index in moving}
-    if any(other is not joint and other.parent in names for other in driven_joints(joints)):
-        opened = [_poses(work, joint, joints, requirements, q, share) for share in CARRIED]
-        T = np.concatenate([T, *opened])
+    carried = [other for other in driven_joints(joints) if other is not joint and other.parent in names]
+    for share in CARRIED if carried else ():
+        opened = {other.name: other.lower + share * (other.upper - other.lower) for other in carried}
+        T = np.concatenate([T, _poses(work, joint, joints, requirements, q, opened)])
     turned = {other.child for other in joints if other.is_travel and other.mimic == joint.name}
     changes = 0
     for a in moving:
