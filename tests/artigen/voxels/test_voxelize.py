@@ -20,6 +20,7 @@ from artigen.types import (
 from artigen.voxels.fields import CHANNELS, FIELD, canonical_origin, joint_ranges, part_attributes
 from artigen.voxels.voxelize import (
     FAIR_SHARE,
+    LEAST_SHARE,
     SAME,
     assign_cells,
     decode,
@@ -90,10 +91,18 @@ def test_a_button_smaller_than_a_cell_keeps_one():
     assert owner_of(grid, button[0]) == 1
 
 
-@pytest.mark.parametrize(("lost", "claimed"), [(0.21, True), (0.19, False)])
-def test_a_part_that_holds_less_than_four_fifths_of_its_area_claims_a_cell(lost: float, claimed: object):
+@pytest.mark.parametrize(
+    ("share", "lost", "claimed"),
+    [
+        (FAIR_SHARE, 0.21, True),
+        (FAIR_SHARE, 0.19, False),
+        (LEAST_SHARE, 0.51, True),
+        (LEAST_SHARE, 0.49, False),
+    ],
+)
+def test_a_part_that_holds_less_than_its_share_claims_a_cell(share, lost, claimed):
     cells = np.array([[0, 0, 0], [0, 0, 0], [1, 0, 0]])
-    grid = assign_cells(cells, np.array([0, 1, 1]), np.array([5.0, lost, 1.0 - lost]), 4)
+    grid = assign_cells(cells, np.array([0, 1, 1]), np.array([5.0, lost, 1.0 - lost]), 4, share)
     assert (owner_of(grid, np.array([-0.4, -0.4, -0.4])) == 1) == claimed
 
 
