@@ -3,7 +3,7 @@
 Where surfaces of two parts run through the same layer of cells, both parts may complete it
 (`sim_export.geometry.occupancy`), and clearance trims the overlap later. A flat drawer with its front in an
 apron, or a tray embedded in a floor, would share much of its volume with its carrier, which cutting cannot
-fix. The carrier therefore yields those cells and gets an opening there.
+fix. The carrier therefore yields those cells and gets an opening there, unless it would fall apart.
 
 The tongue of a latch and its keep are smaller than cells. What cells make of them holds nothing, but jams:
 engines predict contacts, and a corner 25 mm below a lever's axis moves 2.5 mm towards the frame in a step of
@@ -24,8 +24,6 @@ from sim_export.geometry.occupancy import PartOccupancy
 
 SUNK = 0.15
 """Share of a drawer's or tray's cells inside another link's part from which it counts as sunk."""
-MOST_CRUMBS = 64
-"""Cells up to which a piece that such a carrier would lose contact with goes, too."""
 SLIDING_LABELS = ("drawer", "tray")
 LATCH_LABEL, LATCH_JOINTS = "knob", ("revolute", "prismatic")
 """Buttons, levers and bolts on what moves itself."""
@@ -54,7 +52,10 @@ def separate_solids(
             common = out[other].occupancy & body
             if common.sum() < SUNK * body.sum() or common.sum() == out[other].occupancy.sum():
                 continue
-            left = join_cells(_without_crumbs(out[other].occupancy & ~body, common), body)
+            left = _without_crumbs(out[other].occupancy & ~body, common)
+            if label_spaces(left)[1] > label_spaces(out[other].occupancy)[1]:
+                continue  # legs under a board that is as low as the drawer
+            left = join_cells(left, body)
             taken = int(out[other].occupancy.sum() - left.sum())
             out[other] = replace(out[other], occupancy=left)
             records.append(f"{carrier.name}: {taken} cells yielded to {part.name}, which is sunk into it")
@@ -62,14 +63,15 @@ def separate_solids(
 
 
 def _without_crumbs(left: Bool[np.ndarray, "X Y Z"], taken: Bool[np.ndarray, "X Y Z"]) -> np.ndarray:
-    """What is left of a solid without small pieces that were part of it through the cells taken from it."""
+    """What is left of a solid without pieces that held by the cells taken from it and lie in their box."""
     pieces, count = label_spaces(left)
     beside = pieces[np.asarray(ndimage.binary_dilation(taken, np.ones((3, 3, 3))), dtype=bool)]
-    sizes = np.bincount(pieces.ravel(), minlength=count + 1)[1:]
     crumbs = np.zeros(count + 1, dtype=bool)
     crumbs[beside] = True
-    crumbs[1:] &= (sizes <= MOST_CRUMBS) & (sizes < sizes.max(initial=0))
-    crumbs[0] = False
+    outside = pieces.copy()
+    outside[ndimage.find_objects(taken.view(np.uint8))[0]] = 0
+    crumbs[outside] = False
+    crumbs[np.bincount(pieces.ravel(), minlength=count + 1)[1:].argmax() + 1] = False
     return left & ~crumbs[pieces]
 
 

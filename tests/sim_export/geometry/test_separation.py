@@ -10,7 +10,7 @@ from scipy import ndimage
 from artigen.types import FIXED, Asset, Joint, Part
 from sim_export.geometry.joining import join_cells
 from sim_export.geometry.occupancy import PartOccupancy
-from sim_export.geometry.separation import MOST_CRUMBS, free_latches, separate_solids
+from sim_export.geometry.separation import free_latches, separate_solids
 
 UNIT = np.array([np.zeros(3), np.ones(3)])
 SLIDE = Joint(type="prismatic", axis=np.array([-1.0, 0.0, 0.0]), origin=np.zeros(3), upper=0.3)
@@ -45,18 +45,40 @@ def test_a_sunk_drawer_has_its_cells_to_itself(depth):
     assert len(records) == 1
 
 
-@pytest.mark.parametrize(("deep", "left"), [(MOST_CRUMBS // 16, 0), (MOST_CRUMBS // 16 + 1, 1)])
-def test_small_pieces_that_hold_by_yielded_cells_go_with_them(deep, left):
-    """A block of 4 x 4 cells on the drawer's back, which the body held by the drawer's cells alone."""
-    body = solid((4, 2, 8), (6, 22, 14)).occupancy.copy()
-    body[4:8, 8:12, 10:13] = True
-    body[8 : 8 + deep, 8:12, 9:13] = True
-    body[20:22, 2:4, 2:4] = True  # apart before, and small
-    drawer = solid((4, 6, 9), (8, 14, 13))
-    whole = PartOccupancy(occupancy=body, shared=0, enclosed=0, joined=0)
-    (kept, _), _ = separate_solids(table(), (whole, drawer), (0, 1))
-    _, pieces = ndimage.label(kept.occupancy)
-    assert pieces == 2 + left
+def carried(body, drawer):
+    """What a body keeps beside a drawer, and the records."""
+    solids = [PartOccupancy(occupancy=cells, shared=0, enclosed=0, joined=0) for cells in (body, drawer)]
+    (kept, _), records = separate_solids(table(), solids, (0, 1))
+    return kept.occupancy, records
+
+
+def test_pieces_that_hold_by_yielded_cells_among_them_go_with_them():
+    """A block in a hole of the drawer, which the body held by the drawer's cells alone."""
+    body = solid((4, 2, 9), (16, 22, 13)).occupancy.copy()
+    body[20:22, 2:4, 2:4] = True  # apart before
+    drawer = solid((4, 6, 9), (16, 14, 13)).occupancy.copy()
+    drawer[8:12, 8:12, 9:13] = False
+    body[4:16, 2:6] = False
+    kept, records = carried(body, drawer)
+    assert len(records) == 1
+    _, pieces = ndimage.label(kept)
+    assert pieces == 2
+    assert not kept[8:12, 8:12, 9:13].any()
+
+
+def test_a_body_that_would_fall_apart_yields_nothing():
+    """A leg under a board that a drawer takes over: it reaches out of the box of the cells in common."""
+    body = solid((4, 2, 8), (20, 22, 9)).occupancy.copy()
+    body[4:20, 2:4, 9:20] = True
+    body[6:9, 10:13, 7] = True
+    drawer = solid((3, 5, 8), (21, 22, 12)).occupancy
+    kept, records = carried(body, drawer)
+    np.testing.assert_array_equal(kept, body)
+    assert records == ()
+    body[6:9, 10:13, 7] = False
+    kept, records = carried(body, drawer)
+    np.testing.assert_array_equal(kept, body & ~drawer)
+    assert len(records) == 1
 
 
 def test_what_is_hardly_sunk_moves_otherwise_or_is_of_one_link_stays():
