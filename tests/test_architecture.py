@@ -5,6 +5,7 @@ import importlib
 import subprocess
 import sys
 from dataclasses import dataclass
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -129,7 +130,11 @@ def imports_of(path: Path) -> list[Import]:
 
 
 SOURCES = {module_name(path): path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))}
-IMPORTS = [item for path in SOURCES.values() for item in imports_of(path)]
+
+
+@cache
+def all_imports() -> list[Import]:
+    return [item for path in SOURCES.values() for item in imports_of(path)]
 
 
 def test_imports_are_read_as_python_reads_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -156,14 +161,16 @@ def is_within(module: str, *packages: str) -> bool:
 
 def test_the_walk_sees_the_code():
     assert len(SOURCES) > 60
-    assert all(any(item.importer.split(".")[0] == package for item in IMPORTS) for package in PACKAGES)
-    assert any(item.importer == "sim_export.package" and item.module == "artigen.types" for item in IMPORTS)
-    assert any(item.module == "embreex" and not item.at_load for item in IMPORTS)
+    assert all(any(item.importer.split(".")[0] == package for item in all_imports()) for package in PACKAGES)
+    assert any(
+        item.importer == "sim_export.package" and item.module == "artigen.types" for item in all_imports()
+    )
+    assert any(item.module == "embreex" and not item.at_load for item in all_imports())
 
 
 def test_imports_go_from_envs_to_sim_export_to_the_shared_part_of_artigen():
     wrong = []
-    for item in IMPORTS:
+    for item in all_imports():
         source, target = item.importer.split(".")[0], item.module.split(".")[0]
         if target not in PACKAGES or source == target or is_within(item.importer, "artigen.cli"):
             continue
@@ -179,7 +186,7 @@ def test_imports_go_from_envs_to_sim_export_to_the_shared_part_of_artigen():
 def test_a_package_is_a_stack_of_layers(package: str, layers: tuple[set[str], ...]):
     floor = {name: number for number, names in enumerate(layers) for name in names}
     wrong = []
-    for item in IMPORTS:
+    for item in all_imports():
         if not item.importer.startswith(f"{package}.") or item.module.split(".")[0] != package:
             continue
         source = item.importer.split(".")[1]
@@ -191,14 +198,14 @@ def test_a_package_is_a_stack_of_layers(package: str, layers: tuple[set[str], ..
 
 
 def test_only_the_command_line_composes_and_only_when_it_runs():
-    composing = [item for item in IMPORTS if is_within(item.importer, "artigen.cli")]
+    composing = [item for item in all_imports() if is_within(item.importer, "artigen.cli")]
     assert any(is_within(item.module, "sim_export") for item in composing)
     early = [str(item) for item in composing if item.at_load and is_within(item.module, "sim_export", "envs")]
     assert not early
 
 
 def test_nothing_but_the_command_line_imports_the_command_line():
-    users = [item for item in IMPORTS if is_within(item.module, "artigen.cli")]
+    users = [item for item in all_imports() if is_within(item.module, "artigen.cli")]
     assert [
         str(item) for item in users if not is_within(item.importer, "artigen.cli", "artigen.__main__")
     ] == []
@@ -207,7 +214,7 @@ def test_nothing_but_the_command_line_imports_the_command_line():
 def test_torch_is_imported_by_model_code_only():
     assert [
         str(item)
-        for item in IMPORTS
+        for item in all_imports()
         if is_within(item.module, "torch") and not is_within(item.importer, *MODEL_CODE)
     ] == []
 
@@ -215,7 +222,7 @@ def test_torch_is_imported_by_model_code_only():
 def test_heavy_modules_are_imported_where_they_are_used():
     early = [
         str(item)
-        for item in IMPORTS
+        for item in all_imports()
         if item.at_load
         and is_within(item.module, *HEAVY)
         and is_within(item.importer, "artigen", "sim_export")
@@ -227,7 +234,7 @@ def test_heavy_modules_are_imported_where_they_are_used():
 def test_private_names_stay_in_their_module():
     wrong = [
         str(item)
-        for item in IMPORTS
+        for item in all_imports()
         if item.module.split(".")[0] in PACKAGES
         for name in (*item.names, *item.module.split("."))
         if name.startswith("_") and not name.startswith("__")
@@ -237,7 +244,7 @@ def test_private_names_stay_in_their_module():
 
 def test_modules_load_in_an_order_without_cycles():
     graph: dict[str, set[str]] = {name: set() for name in SOURCES}
-    for item in IMPORTS:
+    for item in all_imports():
         if not item.at_load:
             continue
         targets = {f"{item.module}.{name}" for name in item.names} & SOURCES.keys()
