@@ -17,19 +17,23 @@ if TYPE_CHECKING:
     from sim_export.package import SourceMesh
 
 
-def mend_object(source: SourceObject, scratch: Path) -> SourceObject:
+def mend_object(source: SourceObject, scratch: Path, cell: float = 0.0) -> SourceObject:
     """The source object with its faults mended; unchanged if it has none.
 
     Args:
         source: The object.
         scratch: Folder for meshes of what is added, needed until the package is written.
+        cell: Size (m) of the voxels from which the object is rebuilt, 0 if it is not. Gaps behind handles
+            may get narrower by as much.
     """
+    from sim_export.checks.config import CheckConfig
     from sim_export.mend.mends import mend_source
     from sim_export.mend.source import open_source
 
     source = give_files(source)
     asset, triangles = source.asset, source.triangles
-    mended = mend_source(open_source(asset, tuple(place_source_surfaces(source, asset))))
+    cfg = CheckConfig(min_clearance=CheckConfig.min_clearance + cell)
+    mended = mend_source(open_source(asset, tuple(place_source_surfaces(source, asset))), cfg)
     if not mended.records:
         return source
     shifts = mended.shifts / asset.scale

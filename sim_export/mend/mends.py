@@ -21,10 +21,10 @@ MENDS: tuple[tuple[str, str, Callable[[Source, CheckConfig], Source]], ...] = (
 """Failed check, name and function of each repair; positions come before ranges."""
 
 
-def mend_source(source: Source) -> Source:
+def mend_source(source: Source, cfg: CheckConfig | None = None) -> Source:
     """The object with its faults mended and a record of each; unchanged if it has none."""
     for check, name, mend in MENDS:
-        mended = mend(source, CheckConfig())
+        mended = mend(source, cfg or CheckConfig())
         new = mended.records[len(source.records) :]
         if new:
             kept = mended.records[: len(source.records)]

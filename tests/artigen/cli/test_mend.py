@@ -1,9 +1,15 @@
 """A mended source object shows what was added, in its mesh files as in its triangles."""
 
+from pathlib import Path
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from artigen.cli import mend
+from artigen.cli.convert import ConvertJob, ConvertSettings
 from artigen.cli.mend import mend_object
+from artigen.datasets import sources
 from artigen.datasets.source_object import SourceObject, TriangleMesh
 from artigen.files.wavefront import read_obj
 from artigen.types import FIXED, Asset, Part, SurfaceSamples
@@ -53,3 +59,17 @@ def test_a_mended_object_shows_its_posts(tmp_path):
     assert mended.asset.surface is not None
     assert len(mended.asset.surface.points) > 36
     assert any("bridge (V107)" in note for note in mended.asset.notes)
+
+
+@pytest.mark.parametrize(
+    ("visual", "grid", "expected"), [("source", 64, 0.0), ("voxels", 64, 0.02), ("voxels", 128, 0.01)]
+)
+def test_handles_keep_room_for_a_cell_where_an_object_is_rebuilt(
+    visual, grid, expected, monkeypatch, tmp_path
+):
+    monkeypatch.setattr(sources, "read_source", lambda *_: SimpleNamespace(asset=SimpleNamespace(scale=1.28)))
+    monkeypatch.setattr(mend, "mend_object", lambda source, scratch, cell: cell)
+    job = ConvertJob(
+        source=Path("fridge"), out=tmp_path, grid=grid, cfg=ConvertSettings(visual=visual, mend=True)
+    )
+    assert job.read(tmp_path) == pytest.approx(expected)

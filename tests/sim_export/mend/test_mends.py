@@ -151,6 +151,19 @@ def test_a_handle_in_its_door_moves_out_until_it_can_be_grasped(depth, moves, tm
     assert (mended.shifts[:2] == 0.0).all()
 
 
+@pytest.mark.parametrize("cell", [0.0, 0.004, 0.0151])
+def test_a_handle_keeps_room_for_the_cells_that_it_is_rebuilt_from(cell):
+    """Too wide for a gripper, it moves until fingers fit behind it and a cell more."""
+    plain, gap = cabinet(DOOR, (-0.222, -0.25, 0.0)), 0.01
+    plate = box((-0.232 - gap, 0.05, -0.05), (-0.222 - gap, 0.15, 0.05))
+    parts = (*plain.asset.parts, part_of(plate, "handle_0", "handle", 1, FIXED))
+    source = open_source(replace(plain.asset, parts=parts), (*plain.surfaces, plate))
+    wanted = CFG.min_clearance + cell
+    mended = mend_source(source, replace(CFG, min_clearance=wanted))
+    free = gap - mended.shifts[2, 0]
+    assert wanted - 3e-4 <= free <= wanted + 0.0026
+
+
 @pytest.mark.parametrize(("gap", "held"), [(0.004, False), (0.006, True), (0.0999, True), (0.101, False)])
 def test_a_piece_that_floats_within_reach_is_held_by_a_post(gap, held):
     sound = cabinet(DOOR, (-0.222, -0.25, 0.0))
