@@ -12,11 +12,12 @@ import tyro
 
 from artigen.cli.arguments import Out, RunnerChoice, Shard, Workers
 from artigen.cli.batch import Finished, Laps, Made, make_and_validate, read_shard, run_shown, say_results
-from artigen.cli.grids import GRIDS, make_on_grids
 from artigen.runtime.runner import choose_runner
 from artigen.runtime.workers import Worker
 
 Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
+GRID = 64
+"""Cells along the longest edge of an object's voxels."""
 
 if TYPE_CHECKING:
     from artigen.datasets.source_object import SourceObject
@@ -31,8 +32,7 @@ class ConvertSettings:
 
     visual: Literal["source", "voxels"] = "source"
     """``source`` keeps the object's own textured meshes and adds collision hulls, mass and friction;
-    ``voxels`` rebuilds the object from its 64^3 articulated voxels, as the paper represents it, and from 96^3
-    and 128^3 voxels while its package fails validation."""
+    ``voxels`` rebuilds the object from its 64^3 articulated voxels, as the paper represents it."""
     recipe: Literal["robust", "paper"] = "robust"
     """Segmentation of the voxels into parts: our robust recipe or that of the paper."""
     size: float | None = None
@@ -62,8 +62,6 @@ class ConvertJob:
     source: Path
     out: Path
     cfg: ConvertSettings = field(default_factory=ConvertSettings)
-    grid: int = GRIDS[0]
-    """Cells along the longest edge of the voxels."""
 
     @property
     def key(self) -> str:
@@ -84,14 +82,11 @@ class ConvertJob:
         from artigen.datasets.sources import read_source
 
         cfg = self.cfg
-        samples = ReaderConfig.samples * self.grid**2 // GRIDS[0] ** 2
-        reader = ReaderConfig(
-            size=cfg.size, seed=cfg.seed, category=cfg.category, up=cfg.up, front=cfg.front, samples=samples
-        )
+        reader = ReaderConfig(size=cfg.size, seed=cfg.seed, category=cfg.category, up=cfg.up, front=cfg.front)
         source = read_source(self.source, scratch, reader)
         if not cfg.mend:
             return source
-        cell = source.asset.scale / self.grid if cfg.visual == "voxels" else 0.0
+        cell = source.asset.scale / GRID if cfg.visual == "voxels" else 0.0
         return mend_object(source, scratch, cell)
 
 
@@ -120,7 +115,7 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
         "visual": job.cfg.visual,
         "seed": str(job.cfg.seed),
     }
-    asset = voxelize_object(source.asset, job.grid)
+    asset = voxelize_object(source.asset)
     laps.end("voxelize")
 
     def finish(package: "SimPackage") -> "SimPackage":
@@ -131,7 +126,7 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     if job.cfg.visual == "voxels":
         asset = rebuild_from_voxels(asset, job.cfg.recipe)
         laps.end("segment")
-        exported = export_asset(asset, provenance=provenance | {"grid": str(job.grid)}, finish=finish)
+        exported = export_asset(asset, provenance=provenance, finish=finish)
     else:
         exported = export_source(source, asset, provenance, finish)
     laps.end("export", *exported.seconds)
@@ -140,14 +135,13 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     return laps.made(exported.package.records)
 
 
-def voxelize_object(asset: "Asset", grid: int = GRIDS[0]) -> "Asset":
-    """Adds voxels of the surface, ``grid`` of them along the longest edge; parts below this resolution are
-    merged into their parents."""
+def voxelize_object(asset: "Asset") -> "Asset":
+    """Adds the voxels of the surface; parts below the grid's resolution are merged into their parents."""
     from artigen.voxels.voxelize import drop_unresolved, voxelize
 
     if asset.surface is None:
         raise ValueError(f"asset {asset.name!r} has no surface to voxelize")
-    return drop_unresolved(replace(asset, voxels=voxelize(asset.surface, grid)))
+    return drop_unresolved(replace(asset, voxels=voxelize(asset.surface, GRID)))
 
 
 def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "robust") -> "Asset":
@@ -189,14 +183,10 @@ def export_source(
 
 
 def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Finished:
-    """Converts and validates one object in a supervised process; voxels get finer while it fails."""
-    full = job.cfg.validation == "full"
-    if job.cfg.visual == "source":
-        finished = make_and_validate(worker, job, convert_object, timeout=timeout, validation=full)
-    else:
-        finished = make_on_grids(
-            worker, lambda grid: replace(job, grid=grid), convert_object, timeout=timeout, validation=full
-        )
+    """Converts and validates one object in a supervised process."""
+    finished = make_and_validate(
+        worker, job, convert_object, timeout=timeout, validation=job.cfg.validation == "full"
+    )
     if finished.passed is not False:
         return finished
     failed = tuple(dict.fromkeys(failure.split(" ")[0] for failure in finished.failures))

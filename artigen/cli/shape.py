@@ -20,7 +20,6 @@ from artigen.cli.batch import (
     say_results,
     take_part,
 )
-from artigen.cli.grids import GRIDS, make_on_grids
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
 from artigen.runtime.workers import Worker
@@ -35,6 +34,8 @@ if TYPE_CHECKING:
 
 TIMEOUT = 300.0
 """Time limit (seconds) for one stage of one object."""
+GRIDS = (64, 96, 128)
+"""Cells along the longest edge of the grids from which an object is rebuilt, until its package passes."""
 SPACING = 1 / 192
 """Mean distance of the coloured surface samples for textures, relative to the longest edge."""
 
@@ -280,11 +281,17 @@ def make_package(
 def export_and_validate(worker: Worker, job: ShapeJob) -> Finished:
     """Makes and validates one object in a supervised process; from voxels, on finer grids while it fails."""
     full = job.cfg.validation == "full"
-    if job.cfg.source == "reference":
-        return make_and_validate(worker, job, export_shape, timeout=TIMEOUT, validation=full)
-    return make_on_grids(
-        worker, lambda grid: replace(job, grid=grid), export_shape, timeout=TIMEOUT, validation=full
-    )
+    finished = make_and_validate(worker, job, export_shape, timeout=TIMEOUT, validation=full)
+    for grid in GRIDS[1:] if job.cfg.source == "voxels" else ():
+        if finished.good:
+            break
+        coarser, finer = finished, replace(job, grid=grid)
+        finished = make_and_validate(worker, finer, export_shape, timeout=TIMEOUT, validation=full)
+        note = (
+            f"made from {grid}^3 voxels, as coarser ones fail: {coarser.error or '; '.join(coarser.failures)}"
+        )
+        finished = replace(finished, notes=(*finished.notes, note))
+    return finished
 
 
 def shape(

@@ -61,15 +61,9 @@ def test_a_mended_object_shows_its_posts(tmp_path):
     assert any("bridge (V107)" in note for note in mended.asset.notes)
 
 
-@pytest.mark.parametrize(
-    ("visual", "grid", "expected"), [("source", 64, 0.0), ("voxels", 64, 0.02), ("voxels", 128, 0.01)]
-)
-def test_handles_keep_room_for_a_cell_where_an_object_is_rebuilt(
-    visual, grid, expected, monkeypatch, tmp_path
-):
+@pytest.mark.parametrize(("visual", "expected"), [("source", 0.0), ("voxels", 0.02)])
+def test_handles_keep_room_for_a_cell_where_an_object_is_rebuilt(visual, expected, monkeypatch, tmp_path):
     monkeypatch.setattr(sources, "read_source", lambda *_: SimpleNamespace(asset=SimpleNamespace(scale=1.28)))
     monkeypatch.setattr(mend, "mend_object", lambda source, scratch, cell: cell)
-    job = ConvertJob(
-        source=Path("fridge"), out=tmp_path, grid=grid, cfg=ConvertSettings(visual=visual, mend=True)
-    )
+    job = ConvertJob(source=Path("fridge"), out=tmp_path, cfg=ConvertSettings(visual=visual, mend=True))
     assert job.read(tmp_path) == pytest.approx(expected)
