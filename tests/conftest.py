@@ -1,5 +1,6 @@
 """Shared fixtures: the embedded sample cabinet, and real objects where they are at hand."""
 
+import gc
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,6 +27,12 @@ REAL_OBJECTS = Path(__file__).resolve().parents[2] / "shared" / "data"
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--require-real", action="store_true", help="missing real objects fail the tests")
+
+
+def pytest_collection_finish() -> None:
+    """Exempts modules and tests from garbage collection, which ManiSkill runs at every reset."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")
