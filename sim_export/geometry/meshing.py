@@ -55,7 +55,7 @@ def solid_parts(asset: Asset) -> tuple[PartOccupancy, ...]:
         fittings = [
             k for k, other in enumerate(asset.parts) if other.parent == index and other.label == "knob"
         ]
-        solids.append(part_occupancy(asset.voxels, index, box, fittings))
+        solids.append(part_occupancy(asset.voxels, index, box, fittings, leaf=part.label == "door"))
     return tuple(solids)
 
 

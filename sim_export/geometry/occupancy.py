@@ -61,12 +61,15 @@ def part_occupancy(
     part_id: int,
     box: Float[np.ndarray, "2 3"] | None = None,
     fittings: Collection[int] = (),
+    *,
+    leaf: bool = False,
 ) -> PartOccupancy:
     """Solid cells of a part: its own, those it shares in ragged layers, and enclosed cavities.
 
     ``box`` (lowest and highest corner in lattice units) tells how far the part extends into layers it
     contests with others; without it such layers stay ragged. ``fittings`` are parts that close the holes in
-    which they sit, such as buttons. The result is well-composed: its boundary is a 2-manifold. Open cavities,
+    which they sit, such as buttons. ``leaf`` is for doors and lids: whatever of them others close is solid as
+    far as their box reaches. The result is well-composed: its boundary is a 2-manifold. Open cavities,
     like a drawer's, and cavities that contain other parts stay free; disconnected pieces stay separate.
     Raises `DegeneratePart` for a part without cells.
     """
@@ -84,9 +87,13 @@ def part_occupancy(
     shared = own | _pits(own, others)
     if box is not None:
         shared |= _ragged_layers(shared, others, box - low + 2)
-    filled = _fill_cavities(shared, others, plugs)
+    within = np.zeros_like(own)
+    if leaf and box is not None:
+        first, last = np.ceil(box[0] - low + 2).astype(int), np.floor(box[1] - low + 2).astype(int)
+        within[tuple(slice(max(a, 0), max(b, 0)) for a, b in zip(first, last, strict=True))] = True
+    filled = _fill_cavities(shared, others, plugs, within)
     joined = join_cells(filled, others)
-    solid = _fill_cavities(joined, others, plugs)
+    solid = _fill_cavities(joined, others, plugs, within)
     inside = tuple(slice(2, -2) for _ in range(3))
     out = np.zeros(whole.shape[1:], dtype=bool)
     out[window] = solid[inside]
@@ -166,13 +173,14 @@ def _in_plane(normal: int) -> np.ndarray:
     return structure
 
 
-def _fill_cavities(grid: np.ndarray, others: np.ndarray, plugs: np.ndarray) -> np.ndarray:
+def _fill_cavities(grid: np.ndarray, others: np.ndarray, plugs: np.ndarray, within: np.ndarray) -> np.ndarray:
     """Fills empty cells that are not connected to the outside through cell faces; ``plugs`` close openings.
 
     A cavity that contains another part (the rack of a closed oven) stays free. The inside of a door leaf is
-    also filled if its only openings are rows of cells that a neighbour owns in a shared layer.
+    also filled if its only openings are rows of cells that a neighbour owns in a shared layer, or cells
+    ``within`` its box.
     """
-    grid = grid | _seamed_cavities(grid, others)
+    grid = grid | _seamed_cavities(grid, others, within)
     holes = np.asarray(ndimage.binary_fill_holes(grid | plugs), dtype=bool) & ~(grid | plugs)
     if not (holes & others).any():
         return grid | holes
@@ -181,8 +189,9 @@ def _fill_cavities(grid: np.ndarray, others: np.ndarray, plugs: np.ndarray) -> n
     return grid | (holes & (lodgers[labels] < MIN_LODGER))
 
 
-def _seamed_cavities(grid: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Cavities between this part and others that belong to this part's inside, except for seams."""
+def _seamed_cavities(grid: np.ndarray, others: np.ndarray, within: np.ndarray) -> np.ndarray:
+    """Cavities between this part and others that belong to this part's inside, except for seams and for what
+    others own ``within`` its box, such as the rim on which a lid with a plug lies."""
     closed = grid | others
     labels, count = _label(np.asarray(ndimage.binary_fill_holes(closed), dtype=bool) & ~closed, _FACES)
     seamed = np.zeros(count + 1, dtype=bool)
@@ -191,7 +200,7 @@ def _seamed_cavities(grid: np.ndarray, others: np.ndarray) -> np.ndarray:
             continue
         near = tuple(slice(s.start - 1, s.stop + 1) for s in window)
         wall = np.asarray(ndimage.binary_dilation(labels[near] == index, _FACES), dtype=bool) & closed[near]
-        foreign = wall & ~grid[near]
+        foreign = wall & ~grid[near] & ~within[near]
         if foreign.sum() <= SEAM_SHARE * wall.sum():
             seamed[index] = not any(
                 ndimage.binary_erosion(foreign, np.ones(np.where(np.arange(3) == normal, 1, _OPENING))).any()

@@ -58,6 +58,18 @@ def closed_by(*, knob: bool) -> bool:
     return bool(solid.occupancy[8, 20, 20])
 
 
+def is_closed_by_what_it_lies_on(reach: float, *, leaf: bool = True) -> bool:
+    """Whether a hollow leaf is solid whose back is another part's, in a box that reaches so far behind."""
+    mine, others = shell(3)
+    others[6, 4:28, 4:28] = True
+    cells = np.concatenate([np.argwhere(mine & ~others), np.argwhere(others)])
+    ids = np.repeat([0, 1], [np.count_nonzero(mine & ~others), np.count_nonzero(others)])
+    box = np.array([[2.0, 2.0, 2.0], [6.0 + reach, 32.0, 32.0]])
+    solid = part_occupancy(VoxelGrid(resolution=EDGE, coords=cells, part_ids=ids), 0, box, leaf=leaf)
+    assert not (solid.occupancy & others).any()
+    return bool(solid.occupancy[4, 20, 20])
+
+
 def is_shared(share: float) -> bool:
     """Whether a layer at the face of a part's box is its own, of a tenth of which it has a share."""
     mine, others = np.zeros((2, EDGE, EDGE, EDGE), dtype=bool)
@@ -78,6 +90,14 @@ ROWS: dict[str, tuple[Callable[[], bool], Callable[[], bool]]] = {
     "seams of a tenth of the wall": (lambda: inside(2, slots=8), lambda: inside(2, slots=9)),
     "lodgers of eight cells": (lambda: inside(8, lodgers=7), lambda: inside(8, lodgers=8)),
     "what a knob closes": (lambda: closed_by(knob=True), lambda: closed_by(knob=False)),
+    "what a leaf lies on, as far as its box reaches": (
+        lambda: is_closed_by_what_it_lies_on(1.0),
+        lambda: is_closed_by_what_it_lies_on(0.99),
+    ),
+    "what a leaf lies on, and not a drawer": (
+        lambda: is_closed_by_what_it_lies_on(1.0),
+        lambda: is_closed_by_what_it_lies_on(1.0, leaf=False),
+    ),
     "a foot of sixteen cells": (lambda: is_foot(16), lambda: is_foot(17)),
     "a share of 0.15": (lambda: is_shared(0.15), lambda: is_shared(0.10)),
 }
