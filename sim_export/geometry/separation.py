@@ -27,7 +27,7 @@ SUNK = 0.15
 SLIDING_LABELS = ("drawer", "tray")
 LATCH_LABEL, LATCH_JOINTS = "knob", ("revolute", "prismatic")
 """Buttons, levers and bolts on what moves itself."""
-MIN_LATCH = 0.5
+MIN_LATCH = 0.4
 """Least share of a latch's cells that is left."""
 
 

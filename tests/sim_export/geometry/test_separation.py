@@ -135,9 +135,9 @@ def test_what_is_far_carried_by_no_leaf_or_no_latch_stays():
         assert records == ()
 
 
-@pytest.mark.parametrize(("end", "cut"), [(16, True), (17, False)])
-def test_a_latch_keeps_half_of_its_cells(end: int, *, cut: bool):
-    """Of two rows of cells one is beside the frame; of three, with one in the frame, two are."""
-    lever = solid((2, 14, 10), (4, end, 12))
+@pytest.mark.parametrize(("start", "end", "cut"), [(13, 18, True), (12, 20, False)])
+def test_a_latch_keeps_two_fifths_of_its_cells(start: int, end: int, *, cut: bool):
+    """Two rows of cells of five are far from the frame, or three of eight."""
+    lever = solid((2, start, 10), (4, end, 12))
     _, (_, _, latch), records = free_latches(door(), (FRAME, LEAF, lever), (0, 1, 2))
     assert (latch is not lever) == bool(records) == cut
