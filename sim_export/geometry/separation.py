@@ -20,6 +20,7 @@ from scipy import ndimage
 from artigen.types import Asset
 from sim_export.geometry.boards import label_spaces
 from sim_export.geometry.joining import join_cells
+from sim_export.geometry.lone_cells import LONE
 from sim_export.geometry.occupancy import PartOccupancy
 
 SUNK = 0.15
@@ -103,6 +104,8 @@ def free_latches(
         sizes = np.bincount(pieces.ravel(), minlength=count + 1)[1:]
         if not near.any() or sizes.max(initial=0) < MIN_LATCH * body.sum():
             continue
+        if np.count_nonzero(sizes > LONE) > 1:
+            continue  # a shaft with a lever at either end
         left = join_cells(np.pad(pieces == 1 + int(sizes.argmax()), 1), np.pad(frame, 1))[1:-1, 1:-1, 1:-1]
         out[index] = replace(out[index], occupancy=left)
         parts[index] = replace(part, box=_shorten_box(part.box, left))

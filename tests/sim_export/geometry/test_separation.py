@@ -9,6 +9,7 @@ from scipy import ndimage
 
 from artigen.types import FIXED, Asset, Joint, Part
 from sim_export.geometry.joining import join_cells
+from sim_export.geometry.lone_cells import LONE
 from sim_export.geometry.occupancy import PartOccupancy
 from sim_export.geometry.separation import free_latches, separate_solids
 
@@ -141,3 +142,14 @@ def test_a_latch_keeps_two_fifths_of_its_cells(start: int, end: int, *, cut: boo
     lever = solid((2, start, 10), (4, end, 12))
     _, (_, _, latch), records = free_latches(door(), (FRAME, LEAF, lever), (0, 1, 2))
     assert (latch is not lever) == bool(records) == cut
+
+
+@pytest.mark.parametrize(("deep", "cut"), [(LONE // 4, True), (LONE // 4 + 1, False)])
+def test_a_latch_that_would_lose_an_end_stays(deep: int, *, cut: bool):
+    """Of two ends of 2 x 2 cells beside the frame, the shaft between which is near it, one is short."""
+    frame = solid((6, 2, 2), (9, 22, 22))
+    lever = solid((5 - deep, 10, 10), (5, 12, 12)).occupancy | solid((10, 10, 10), (22, 12, 12)).occupancy
+    lever[5:10, 10:12, 10:12] = True
+    whole = PartOccupancy(occupancy=lever, shared=0, enclosed=0, joined=0)
+    _, (_, _, latch), records = free_latches(door(), (frame, LEAF, whole), (0, 1, 2))
+    assert (latch is not whole) == bool(records) == cut
