@@ -15,10 +15,14 @@ from artigen.voxels.frames import mark_voxels
 
 __all__ = ["assign_cells", "decode", "drop_unresolved", "encode", "find_heirs", "voxelize", "voxelize_again"]
 
-FAIR_SHARE = 0.8
-"""Share of its area that a part's own cells should hold; below it the part may claim cells."""
 LEAST_SHARE = 0.5
-"""The same of surface that goes to the cells beneath where others own its own (`voxelize_again`)."""
+"""Share of its area that a part's own cells should hold; below it the part may claim cells."""
+FAIR_SHARE = 0.8
+"""The same for claims on larger parts, except of surface that goes to the cells beneath where others own its
+own (`voxelize_again`)."""
+LARGER = 1.25
+"""Ratio of areas from which a part is larger: of two boards of one size that lie on each other, such as base
+and lid of a laptop, one owns the layer between them."""
 SAME = 1e-3
 """Areas of two parts in a cell that differ by less are the same, or noise would divide layers in stripes."""
 TAKEN = 2.0
@@ -90,9 +94,10 @@ def assign_cells(
 
     The part with the largest area in a cell owns it; ties go to the lower part id. A part smaller than
     a cell would lose every cell to the panel it sits on (the buttons of a microwave). Therefore parts
-    whose cells hold less than a ``share`` of their own area claim the cells where they have most area
-    until they reach that share, the smallest part first. A claimed cell is not claimed again. A part
-    can still end up without a cell when several lie inside one; see `drop_unresolved`.
+    whose cells hold less than `LEAST_SHARE` of their own area claim the cells where they have most area
+    until they reach that share, the smallest part first, and then cells of larger parts up to ``share``.
+    A claimed cell is not claimed again. A part can still end up without a cell when several lie inside
+    one; see `drop_unresolved`.
     """
     shape = (resolution,) * 3
     parts = int(part_ids.max()) + 1 if len(part_ids) else 1
@@ -120,14 +125,16 @@ def _claim(
     owners = owners.copy()
     claimed = np.zeros(len(owners), dtype=bool)
     for index in starved[np.argsort(totals[starved], kind="stable")]:
-        rows = np.flatnonzero(part == index)
-        have = areas[rows][owners[cell[rows]] == index].sum()
-        rows = rows[(owners[cell[rows]] != index) & ~claimed[cell[rows]]]
-        rows = rows[np.argsort(-areas[rows], kind="stable")]
-        before = have + np.cumsum(areas[rows]) - areas[rows]
-        taken = cell[rows[before < share * totals[index]]]
-        owners[taken] = index
-        claimed[taken] = True
+        mine = np.flatnonzero(part == index)
+        for wanted, larger in ((min(share, LEAST_SHARE), 0.0), (share, LARGER)):
+            holders = owners[cell[mine]]
+            open_to_it = ~claimed[cell[mine]] & (totals[holders] >= larger * totals[index])
+            rows = mine[(holders != index) & open_to_it]
+            rows = rows[np.argsort(-areas[rows], kind="stable")]
+            before = areas[mine][holders == index].sum() + np.cumsum(areas[rows]) - areas[rows]
+            taken = cell[rows[before < wanted * totals[index]]]
+            owners[taken] = index
+            claimed[taken] = True
     return owners
 
 

@@ -67,14 +67,14 @@ def test_ties_go_to_the_lower_part():
 
 @pytest.mark.parametrize(("noise", "stripes"), [(1e-9, False), (0.4 * SAME, False), (2.1 * SAME, True)])
 def test_noise_does_not_part_a_layer_in_stripes(noise, stripes):
-    """One part gets its fair share of a layer that is all of two, in one piece unless areas truly differ."""
+    """One part gets half of a layer that is all of two, in one piece unless areas truly differ."""
     cells = np.argwhere(np.ones((16, 16, 1), dtype=bool))
     areas = np.ones(2 * len(cells))
     areas[len(cells) :: 2] += noise
     grid = assign_cells(np.concatenate([cells, cells]), np.repeat([0, 1], len(cells)), areas, 16)
     assert (np.count_nonzero(np.diff(grid.part_ids)) == 1) is not stripes
     if not stripes:
-        assert (grid.part_ids == 1).mean() == pytest.approx(FAIR_SHARE, abs=1 / len(cells))
+        assert (grid.part_ids == 1).mean() == pytest.approx(LEAST_SHARE, abs=1 / len(cells))
 
 
 def test_far_faces_of_the_cube_belong_to_the_last_cell():
@@ -103,6 +103,16 @@ def test_a_button_smaller_than_a_cell_keeps_one():
 def test_a_part_that_holds_less_than_its_share_claims_a_cell(share, lost, claimed):
     cells = np.array([[0, 0, 0], [0, 0, 0], [1, 0, 0]])
     grid = assign_cells(cells, np.array([0, 1, 1]), np.array([5.0, lost, 1.0 - lost]), 4, share)
+    assert (owner_of(grid, np.array([-0.4, -0.4, -0.4])) == 1) == claimed
+
+
+@pytest.mark.parametrize(
+    ("lost", "area", "claimed"), [(0.4, 1.26, True), (0.4, 1.24, False), (0.51, 0.9, True)]
+)
+def test_up_to_half_is_claimed_from_any_part_and_more_from_larger_ones(lost, area, claimed):
+    cells = np.array([[0, 0, 0], [0, 0, 0], [1, 0, 0], [2, 0, 0]])
+    areas = np.array([0.6, lost, 1.0 - lost, area - 0.6])
+    grid = assign_cells(cells, np.array([0, 1, 1, 0]), areas, 4)
     assert (owner_of(grid, np.array([-0.4, -0.4, -0.4])) == 1) == claimed
 
 
