@@ -62,6 +62,9 @@ class Config:
     alike: int = 2
     """``verbs``: parts of one label and verb that are tried on each object; a panel may have twelve keys."""
 
+    graspable: bool = False
+    """``verbs``: only parts that have a handle or are knobs, and of these the first one for each verb."""
+
     steps: int = 200
     """Random actions per episode, or of the speed run."""
 
@@ -140,6 +143,8 @@ def parts_to_try(cfg: Config, folder: Path) -> list[tuple[Verb, TaskPart]]:
         parts = list(read_object(folder, "any", "optional", verb).parts)
         if verb != "open":
             parts = [part for part in parts if part.kind not in ("drawer", "door")]
+        if cfg.graspable:
+            parts = [part for part in parts if part.handle is not None or part.kind == "knob"][:1]
         for kind in sorted({part.kind for part in parts}):
             found.extend((verb, part) for part in [p for p in parts if p.kind == kind][: cfg.alike])
     return found
