@@ -11,11 +11,13 @@ from sim_export.geometry.occupancy import PartOccupancy, part_occupancy
 EDGE = 40
 
 
-def solid_of(mine: np.ndarray, others: np.ndarray, box: np.ndarray | None = None) -> PartOccupancy:
+def solid_of(
+    mine: np.ndarray, others: np.ndarray, box: np.ndarray | None = None, *, leaf: bool = False
+) -> PartOccupancy:
     """The first part's solid beside another part."""
     cells = np.concatenate([np.argwhere(mine), np.argwhere(others)])
     ids = np.repeat([0, 1], [np.count_nonzero(mine), np.count_nonzero(others)])
-    return part_occupancy(VoxelGrid(resolution=EDGE, coords=cells, part_ids=ids), 0, box)
+    return part_occupancy(VoxelGrid(resolution=EDGE, coords=cells, part_ids=ids), 0, box, leaf=leaf)
 
 
 def shell(depth: int) -> tuple[np.ndarray, np.ndarray]:
@@ -62,10 +64,8 @@ def is_closed_by_what_it_lies_on(reach: float, *, leaf: bool = True) -> bool:
     """Whether a hollow leaf is solid whose back is another part's, in a box that reaches so far behind."""
     mine, others = shell(3)
     others[6, 4:28, 4:28] = True
-    cells = np.concatenate([np.argwhere(mine & ~others), np.argwhere(others)])
-    ids = np.repeat([0, 1], [np.count_nonzero(mine & ~others), np.count_nonzero(others)])
     box = np.array([[2.0, 2.0, 2.0], [6.0 + reach, 32.0, 32.0]])
-    solid = part_occupancy(VoxelGrid(resolution=EDGE, coords=cells, part_ids=ids), 0, box, leaf=leaf)
+    solid = solid_of(mine & ~others, others, box, leaf=leaf)
     assert not (solid.occupancy & others).any()
     return bool(solid.occupancy[4, 20, 20])
 
