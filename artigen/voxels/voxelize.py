@@ -18,8 +18,8 @@ __all__ = ["assign_cells", "decode", "drop_unresolved", "encode", "find_heirs", 
 LEAST_SHARE = 0.5
 """Share of its area that a part's own cells should hold; below it the part may claim cells."""
 FAIR_SHARE = 0.8
-"""The same for claims on larger parts, except of surface that goes to the cells beneath where others own its
-own (`voxelize_again`)."""
+"""The same for claims on the cells of larger parts. `voxelize_again` keeps to `LEAST_SHARE`: its
+surface can go to the cell beneath."""
 LARGER = 1.25
 """Ratio of areas from which a part is larger: of two boards of one size that lie on each other, such as base
 and lid of a laptop, one owns the layer between them."""

@@ -68,8 +68,8 @@ def part_occupancy(
 
     ``box`` (lowest and highest corner in lattice units) tells how far the part extends into layers it
     contests with others; without it such layers stay ragged. ``fittings`` are parts that close the holes in
-    which they sit, such as buttons. ``leaf`` is for doors and lids: whatever of them others close is solid as
-    far as their box reaches. The result is well-composed: its boundary is a 2-manifold. Open cavities,
+    which they sit, such as buttons. With ``leaf``, for doors and lids, cells of others within the box close
+    the part's cavities, too. The result is well-composed: its boundary is a 2-manifold. Open cavities,
     like a drawer's, and cavities that contain other parts stay free; disconnected pieces stay separate.
     Raises `DegeneratePart` for a part without cells.
     """
