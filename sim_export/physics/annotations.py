@@ -2,7 +2,9 @@
 
 Everything is measured on the part meshes at rest. The outward normal is the direction with the carrier behind
 the handle and nothing in front of it. The box is the smallest one around the handle with an axis along that
-normal. Clearance comes from rays through the bar to the surface behind it.
+normal. Of a handle that passes through its carrier, like a door's two levers on one spindle, only the side
+towards which the carrier opens is annotated. Clearance comes from rays through the bar to the surface behind
+it.
 """
 
 from collections.abc import Sequence
@@ -12,6 +14,14 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.types import Asset, Part
+from sim_export.geometry.rays import (
+    bar_depths,
+    free_depths,
+    hit_cosines,
+    plane_axes,
+    ray_hits,
+    triangles_in_the_way,
+)
 from sim_export.package import HandleAnnotation, Mesh, PackageJoint
 from sim_export.physics.links import LinkTree, link_names, link_owners
 
@@ -27,6 +37,8 @@ RAYS = 15
 """Rays along a handle; more resolve thinner legs."""
 FINGERS = 3
 """Neighbouring rays with free depth behind a bar that fingers need: a fifth of its length."""
+BACK_SIDE = 0.01
+"""Length (m) from which the end of a handle behind its carrier counts as a second side."""
 BAR_RATIO = 2.0
 """Ratio of length to width from which a fixed handle is a line handle instead of a round one."""
 
@@ -57,9 +69,9 @@ def annotate_handles(asset: Asset, meshes: Sequence[Mesh], tree: LinkTree) -> tu
         if part.label not in ("handle", "knob") or owners[index] == asset.root or not len(triangles[index]):
             continue
         link = names[owners[index]]
-        carrier = triangles[part.parent]
+        carrier, leaf = triangles[part.parent], joints.get(names[owners[part.parent]])
         others = np.concatenate([found for k, found in enumerate(triangles) if k != index])
-        out.append(_annotate(part, link, joints[link], triangles[index], carrier, others))
+        out.append(_annotate(part, link, joints[link], leaf, triangles[index], carrier, others))
     return tuple(out)
 
 
@@ -67,21 +79,25 @@ def _annotate(
     part: Part,
     link: str,
     joint: PackageJoint,
+    leaf: PackageJoint | None,
     triangles: Float[np.ndarray, "F 3 3"],
     carrier: Float[np.ndarray, "G 3 3"],
     others: Float[np.ndarray, "H 3 3"],
 ) -> HandleAnnotation:
+    """One handle on ``carrier``, which ``leaf`` moves, or ``None`` if it is fixed to the body."""
     points = triangles.reshape(-1, 3)
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     motion = joint_velocity(joint, center)
     in_place = joint.type != "prismatic" and np.linalg.norm(motion) < np.ptp(points, axis=0).max() / 4
     guide = np.asarray(joint.axis) if in_place else motion / np.linalg.norm(motion)
-    normal = _outward_normal(points, _near(carrier, points, REACH), guide)
-    frame = _box_along(points, normal)
+    pull = guide if leaf is None else joint_velocity(leaf, center)
+    carrier = _near(carrier, points, REACH)
+    normal = _outward_normal(points, carrier, guide, pull / max(float(np.linalg.norm(pull)), 1e-9))
+    frame = _box_along(_front_side(points, normal, carrier), normal)
     if part.label == "knob":
         half = 0.4 * frame.size[1] * frame.axes[1]
         line = np.stack([frame.center - half, frame.center + half])
-        clearance = min(_stand_off(frame, _near(carrier, points, REACH)), REACH)
+        clearance = min(_stand_off(frame, carrier), REACH)
     else:
         clearance, line = _grip(frame, triangles, _near(others, points, REACH))
     direction = motion
@@ -128,51 +144,55 @@ def _near(
     return triangles[near]
 
 
-def ray_hits(
-    origins: Float[np.ndarray, "R 3"],
-    direction: Float[np.ndarray, "3"],
-    triangles: Float[np.ndarray, "F 3 3"],
-) -> tuple[Float[np.ndarray, "R F"], Float[np.ndarray, "F"]]:
-    """Distances of parallel rays to triangles (infinite for misses and hits behind the origin), and for each
-    triangle -1 if rays enter through it, 1 if they leave, 0 if it is edge-on."""
-    a = triangles[:, 0]
-    edge1, edge2 = triangles[:, 1] - a, triangles[:, 2] - a
-    facing = np.cross(edge1, edge2) @ direction  # F
-    p = np.cross(direction, edge2)
-    determinant = np.einsum("fi,fi->f", edge1, p)
-    proper = np.abs(determinant) > 1e-15
-    scale = np.where(proper, 1.0 / np.where(proper, determinant, 1.0), 0.0)
-    s = origins[:, None] - a[None]  # R F 3
-    u = np.einsum("rfi,fi->rf", s, p) * scale
-    q = np.cross(s, edge1[None])
-    v = (q @ direction) * scale
-    t = np.einsum("rfi,fi->rf", q, edge2) * scale
-    hit = proper & (u >= 0) & (v >= 0) & (u + v <= 1) & (t >= 0)
-    return np.where(hit, t, np.inf), np.sign(facing)
-
-
 def _outward_normal(
     points: Float[np.ndarray, "N 3"],
     carrier: Float[np.ndarray, "F 3 3"],
     guide: Float[np.ndarray, "3"],
+    pull: Float[np.ndarray, "3"],
 ) -> Float[np.ndarray, "3"]:
     """The direction with the carrier behind the handle and none of it in front.
 
     Candidates are the object's axes and the ``guide``: the handle's first motion, or its joint's axis if it
-    turns in place. Among several, the one closest to the guide wins; a face counts by the cosine at which it
-    is seen, because the guide of a grip high above its hinge slants across the lid. The direction is then
-    aligned with the carrier's face behind the handle.
+    turns in place. Among several, the one closest to the guide wins, of two opposite ones the one towards
+    ``pull``, the first motion of the carrier; a face counts by the cosine at which it is seen, because the
+    guide of a grip high above its hinge slants across the lid. The direction is then aligned with the
+    carrier's face behind the handle.
     """
     candidates = np.concatenate([np.eye(3), -np.eye(3), [guide, -guide]])
     scores = []
     for direction in candidates:
         grid = _silhouette(points, direction)
         depth = np.ptp(points @ direction) + REACH
-        behind = _hits(grid, -direction, carrier, depth).mean()
-        before = (_hits(grid, direction, carrier, depth) > 0.0).mean()
-        scores.append(behind - before + 0.3 * abs(direction @ guide) + 1e-3 * (direction @ guide))
+        behind = hit_cosines(grid, -direction, carrier, depth).mean()
+        before = (hit_cosines(grid, direction, carrier, depth) > 0.0).mean()
+        scores.append(behind - before + 0.3 * abs(direction @ guide) + 1e-3 * (direction @ pull))
     best = candidates[int(np.argmax(np.round(scores, 9)))]
     return _lay_along(best, _silhouette(points, best), carrier)
+
+
+def _front_side(
+    points: Float[np.ndarray, "N 3"], normal: Float[np.ndarray, "3"], carrier: Float[np.ndarray, "F 3 3"]
+) -> Float[np.ndarray, "N 3"]:
+    """The points, moved up to the carrier's face if the handle stands out behind the carrier too."""
+    front = _surface(points, normal, carrier)
+    back = -_surface(points, -normal, carrier)
+    depth = points @ normal
+    if not (depth.max() > front and depth.min() < back - BACK_SIDE):
+        return points
+    return points + np.maximum(front - depth, 0.0)[:, None] * normal
+
+
+def _surface(
+    points: Float[np.ndarray, "N 3"], direction: Float[np.ndarray, "3"], carrier: Float[np.ndarray, "F 3 3"]
+) -> float:
+    """Median position along ``direction`` of the carrier's surface that faces it, over the handle's outline;
+    infinite if most rays miss."""
+    grid = _silhouette(points, direction)
+    carrier = triangles_in_the_way(grid, -direction, carrier)
+    if not len(carrier):
+        return np.inf
+    distances, sides = ray_hits(grid, -direction, carrier)
+    return float(grid[0] @ direction - np.median(np.where(sides < 0, distances, np.inf).min(axis=1)))
 
 
 def _lay_along(
@@ -181,7 +201,7 @@ def _lay_along(
     """The carrier's normal behind the handle, if most rays agree on one; nearby object axes take
     precedence."""
     normal = direction
-    carrier = _in_the_way(grid, -direction, carrier)
+    carrier = triangles_in_the_way(grid, -direction, carrier)
     if len(carrier):
         distances, sides = ray_hits(grid, -direction, carrier)
         distances = np.where(sides < 0, distances, np.inf)
@@ -201,48 +221,9 @@ def _lay_along(
     return normal
 
 
-def _in_the_way(
-    origins: Float[np.ndarray, "R 3"],
-    direction: Float[np.ndarray, "3"],
-    triangles: Float[np.ndarray, "F 3 3"],
-) -> Float[np.ndarray, "G 3 3"]:
-    """Triangles that parallel rays may hit: in projection, their boxes overlap that of the origins."""
-    across = np.stack(_plane_axes(direction), axis=1)  # 3 2
-    flat, seen = triangles @ across, origins @ across
-    near = (flat.min(axis=1) <= seen.max(axis=0)).all(axis=1) & (flat.max(axis=1) >= seen.min(axis=0)).all(
-        axis=1
-    )
-    return triangles[near]
-
-
-def _hits(
-    origins: Float[np.ndarray, "R 3"],
-    direction: Float[np.ndarray, "3"],
-    triangles: Float[np.ndarray, "F 3 3"],
-    depth: float,
-) -> Float[np.ndarray, "R"]:
-    """Cosine between each ray and the face that it hits first; 0 if it hits none within ``depth``."""
-    triangles = _in_the_way(origins, direction, triangles)
-    if not len(triangles):
-        return np.zeros(len(origins))
-    distances = ray_hits(origins, direction, triangles)[0]
-    faces = triangles[distances.argmin(axis=1)]
-    normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
-    cosines = np.abs(normals @ direction) / np.maximum(np.linalg.norm(normals, axis=1), 1e-15)
-    return np.where(distances.min(axis=1) <= depth, cosines, 0.0)
-
-
-def _plane_axes(normal: Float[np.ndarray, "3"]) -> tuple[np.ndarray, np.ndarray]:
-    """Two directions perpendicular to ``normal``; object axes if ``normal`` is one."""
-    first = np.eye(3)[int(np.argmin(np.abs(normal)))]
-    first = first - (first @ normal) * normal
-    first /= np.linalg.norm(first)
-    return first, np.cross(normal, first)
-
-
 def _silhouette(points: Float[np.ndarray, "N 3"], direction: Float[np.ndarray, "3"]) -> np.ndarray:
     """A grid over the outermost face of the points' box, shifted off the centre to avoid edges."""
-    u, v = _plane_axes(direction)
+    u, v = plane_axes(direction)
     steps = np.array([0.13, 0.31, 0.52, 0.71, 0.88])
     low_u, low_v = (points @ u).min(), (points @ v).min()
     grid_u = low_u + steps * np.ptp(points @ u)
@@ -256,7 +237,7 @@ def _box_along(points: Float[np.ndarray, "N 3"], normal: Float[np.ndarray, "3"])
     """The smallest box with one axis along ``normal``: least area over the sides of the 2D hull."""
     from scipy.spatial import ConvexHull, QhullError
 
-    u, v = _plane_axes(normal)
+    u, v = plane_axes(normal)
     flat = np.stack([points @ u, points @ v], axis=1)
     angles = [0.0]
     try:
@@ -305,8 +286,8 @@ def _grip(
     middle = np.zeros(RAYS)
     for side in (-0.3, 0.0, 0.3):
         origins = start + side * frame.size[2] * across + steps[:, None] * along
-        fronts, backs = _bar_depths(origins, -normal, triangles)
-        depth = _free_depth(origins, -normal, backs, behind)
+        fronts, backs = bar_depths(origins, -normal, triangles)
+        depth = free_depths(origins, -normal, backs, behind)
         free = np.minimum(free, np.where(np.isfinite(backs), depth, 0.0 if side == 0.0 else np.inf))
         if side == 0.0:
             middle = (fronts + backs) / 2
@@ -321,21 +302,6 @@ def _grip(
     return clearance, origins - float(np.median(middle[low:high])) * normal
 
 
-def _free_depth(
-    origins: Float[np.ndarray, "R 3"],
-    direction: Float[np.ndarray, "3"],
-    starts: Float[np.ndarray, "R"],
-    triangles: Float[np.ndarray, "F 3 3"],
-) -> Float[np.ndarray, "R"]:
-    """Free distance of each ray beyond ``starts``; infinite if it hits nothing."""
-    triangles = _in_the_way(origins, direction, triangles)
-    if not len(triangles):
-        return np.full(len(origins), np.inf)
-    starts = np.where(np.isfinite(starts), starts, 0.0)
-    distances = ray_hits(origins, direction, triangles)[0]
-    return np.where(distances >= starts[:, None] - 1e-6, distances, np.inf).min(axis=1) - starts
-
-
 def _stand_off(frame: _Frame, carrier: Float[np.ndarray, "F 3 3"]) -> float:
     """Distance between a knob's back and the carrier around it; 0 if it touches or there is no carrier.
 
@@ -346,30 +312,9 @@ def _stand_off(frame: _Frame, carrier: Float[np.ndarray, "F 3 3"]) -> float:
     turn = np.linspace(0.0, 2 * np.pi, 16, endpoint=False)[:, None]
     ring = np.cos(turn) * along * frame.size[1] + np.sin(turn) * across * frame.size[2]
     origins = frame.center + normal * (frame.size[0] / 2 + 1e-3) + 0.75 * ring
-    depths = _free_depth(origins, -normal, np.zeros(len(origins)), carrier)
+    depths = free_depths(origins, -normal, np.zeros(len(origins)), carrier)
     depths = depths[np.isfinite(depths)]
     return max(0.0, float(np.median(depths)) - 1e-3 - float(frame.size[0])) if len(depths) else 0.0
-
-
-def _bar_depths(
-    origins: Float[np.ndarray, "R 3"],
-    direction: Float[np.ndarray, "3"],
-    triangles: Float[np.ndarray, "F 3 3"],
-) -> tuple[np.ndarray, np.ndarray]:
-    """Parameters at which each ray enters the handle and first leaves it; infinite for misses."""
-    distances, sides = ray_hits(origins, direction, triangles)
-    fronts, backs = np.full(len(origins), np.inf), np.full(len(origins), np.inf)
-    for row in range(len(origins)):
-        hits = np.flatnonzero(np.isfinite(distances[row]) & (sides != 0))
-        if not len(hits):
-            continue
-        # A ray through an edge shared by two triangles must count once.
-        keys = np.unique(np.stack([np.round(distances[row, hits], 7), sides[hits]], axis=1), axis=0)
-        depth = np.cumsum(-keys[:, 1])
-        fronts[row] = keys[0, 0]
-        out = np.flatnonzero(depth <= 0)
-        backs[row] = keys[out[0], 0] if len(out) else keys[-1, 0]
-    return fronts, backs
 
 
 def _run_around(flags: np.ndarray, index: int) -> tuple[int, int]:

@@ -10,8 +10,9 @@ from artigen.kinematics import displacements
 from artigen.transforms import rotation_about
 from artigen.types import Asset
 from sim_export.geometry.hulls import box_hull
+from sim_export.geometry.rays import ray_hits
 from sim_export.package import HandleAnnotation, Mesh
-from sim_export.physics.annotations import annotate_handles, ray_hits
+from sim_export.physics.annotations import BACK_SIDE, annotate_handles
 from sim_export.physics.inertia import mesh_inertial
 from sim_export.physics.links import LinkTree, PartGeometry, build_links
 
@@ -136,6 +137,41 @@ def test_something_behind_a_handle_takes_its_clearance(cabinet, meshes, handles)
     blocked = annotate(scaled(cabinet), [*meshes[:4], door, *meshes[5:]])["drawer_handle"]
     assert blocked.clearance < handles["drawer_handle"].clearance - 0.005
     np.testing.assert_allclose(blocked.normal, handles["drawer_handle"].normal)
+
+
+LOCK = 6
+
+
+def through_lock(meshes: list[Mesh], door: int, out: float) -> list[Mesh]:
+    """The cabinet with a lock that passes through its door and stands out behind it, in metres."""
+    lock, leaf = meshes[LOCK].vertices, meshes[door].vertices
+    low, high = lock.min(axis=0), lock.max(axis=0)
+    bolt = box_hull(low, np.array([leaf[:, 0].max() + out, *high[1:]]))
+    mesh = Mesh(vertices=bolt.vertices, faces=bolt.faces)
+    return [*meshes[:LOCK], mesh, *meshes[LOCK + 1 :]]
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_of_a_handle_on_both_sides_the_one_to_pull_is_annotated(cabinet, meshes, handles, way):
+    asset = scaled(cabinet)
+    door = asset.parts[LOCK].parent
+    joint = asset.parts[door].joint
+    parts = [*asset.parts]
+    parts[door] = replace(parts[door], joint=replace(joint, axis=way * joint.axis))
+    found = annotate(replace(asset, parts=tuple(parts)), through_lock(meshes, door, 0.03))["lock"]
+    np.testing.assert_allclose(found.normal, [-way, 0.0, 0.0], atol=1e-12)
+    front = handles["lock"].corners[:, 0]
+    back = meshes[door].vertices[:, 0].max()
+    low, high = (front.min(), front.max()) if way > 0.0 else (back, back + 0.03)
+    np.testing.assert_allclose([found.corners[:, 0].min(), found.corners[:, 0].max()], [low, high], atol=1e-9)
+
+
+@pytest.mark.parametrize(("share", "cut"), [(0.9, False), (1.1, True)])
+def test_a_short_end_behind_the_carrier_is_no_second_side(cabinet, meshes, handles, share, cut):
+    asset = scaled(cabinet)
+    through = through_lock(meshes, asset.parts[LOCK].parent, share * BACK_SIDE)
+    found = annotate(asset, through)["lock"]
+    assert (np.ptp(found.corners[:, 0]) < np.ptp(handles["lock"].corners[:, 0]) + 1e-9) == cut
 
 
 def test_kinds_follow_the_joint(cabinet, meshes):
