@@ -172,14 +172,15 @@ def _build_chest(rng: np.random.Generator, width: float, depth: float, height: f
 
 def _build_rolling(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A higher chest on two wheels, with a telescopic handle behind."""
-    behind, tread, foot = CHANNEL + 0.006, 0.034, 0.03
+    behind, tread, foot = FINGER_ROOM + CHANNEL, 0.034, 0.03
     radius = choose(rng, 0.055, 0.075)
     aside = tread + GAP + 0.002
     rise = choose(rng, 0.13, 0.2) * height
     built = _stack(rng, (width, depth, height), rise, behind=behind, foot=foot, aside=aside)
     back, rim, low = depth / 2 - behind, height - rise, foot + 0.1
     spread = choose(rng, 0.45, 0.6) * width
-    rods = make_pull_handle(back, spread, (low, rim - 0.02), 0.5 * (rim - foot), finish="metal")
+    travel = 0.5 * (rim - foot)
+    rods = make_pull_handle(back, spread, (low, rim - 0.02), travel, out=FINGER_ROOM, finish="metal")
     pieces, parts = [*build_channel(back, spread, (low, rim - 0.05), "body")], [rods]
     x, level, front = back - 0.6 * radius, ROUND * radius, LIP - depth / 2 + 0.03
     for index, side in enumerate(around(0.0, 1.0)):

@@ -1,7 +1,7 @@
 """Carrying handles and telescopic handles of luggage and tool boxes."""
 
 from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Range, around, slide
-from artigen.shapes.primitives import UP, Primitive, Vector, block, box, cylinder
+from artigen.shapes.primitives import UP, Primitive, Vector, block, cylinder
 from artigen.shapes.shape import ShapePart
 
 ROD = 0.013
@@ -25,7 +25,14 @@ def make_grip(
 
 
 def make_pull_handle(
-    x: float, spread: float, z: Range, travel: float, *, parent: str = "body", finish: str = "steel"
+    x: float,
+    spread: float,
+    z: Range,
+    travel: float,
+    *,
+    out: float = 0.0,
+    parent: str = "body",
+    finish: str = "steel",
 ) -> ShapePart:
     """A telescopic handle: two rods and a grip that slide up out of a channel.
 
@@ -34,6 +41,7 @@ def make_pull_handle(
         spread: Distance between the rods.
         z: Lower end of the rods and top of the grip.
         travel: Range of the joint (m).
+        out: Distance (m) of the grip behind the rods.
         parent: Name of the part with the channel.
         finish: Finish of the rods.
     """
@@ -41,7 +49,10 @@ def make_pull_handle(
     rods: list[Primitive] = [
         block((front, front + ROD), around(a, ROD / 2), (z[0], z[1] - 0.02), finish) for a in (-half, half)
     ]
-    grip = box((front, -half - ROD / 2, z[1] - 0.02), (front + ROD, half + ROD / 2, z[1]), "rubber")
+    bar, top = front + out, (z[1] - 0.02, z[1])
+    if out > 0.0:
+        rods += [block((front, bar), around(a, ROD / 2), top, finish) for a in (-half, half)]
+    grip = block((bar, bar + ROD), around(0.0, half + ROD / 2), top, "rubber")
     return ShapePart("pull_handle", "handle", (grip, *rods), slide(travel, UP), parent=parent)
 
 
