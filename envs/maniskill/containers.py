@@ -142,7 +142,7 @@ def _in_drawer(entry: TaskObject, part: TaskPart, opened: float, size: float) ->
 def _behind_door(entry: TaskObject, part: TaskPart, size: float) -> Container | None:
     door = hanging_links(entry.package.joints, part.joint.child)
     others = tuple(hull for link in entry.package.links if link.name not in door for hull in link.hulls)
-    inwards = -outward(part)
+    inwards = -outward(entry, part)
     if abs(inwards[0]) < 0.9:
         return None
     low, high = part.moved.min(axis=0), part.moved.max(axis=0)

@@ -17,6 +17,7 @@ from .robots import Reach, RobotSpec
 PATH_SAMPLES = 9
 AHEAD = np.arange(0.40, 1.31, 0.1)
 ASIDE = np.arange(-0.8, 0.81, 0.1)
+SIDES = np.array([[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 BLOCKED = 50.0
 """Cost per metre of missing clearance around the base; poor reach costs about 1 per metre."""
 
@@ -49,8 +50,9 @@ def grip_path(
     return points - [0.0, 0.0, entry.floor]
 
 
-def outward(part: TaskPart) -> Float[np.ndarray, "3"]:
-    """Horizontal direction in front of the part; -x if the part faces up or down."""
+def outward(entry: TaskObject, part: TaskPart) -> Float[np.ndarray, "3"]:
+    """Horizontal direction in front of the part. A part that slides up or down is reached from the nearest
+    side of the object, the front if several are equally near; one that turns up or down, from the front."""
     if part.handle is not None:
         normal = part.handle.normal
     elif part.joint.type == "prismatic":
@@ -59,7 +61,11 @@ def outward(part: TaskPart) -> Float[np.ndarray, "3"]:
         normal = np.cross(part.joint.axis, part.grip - part.joint.origin)
     flat = np.array([normal[0], normal[1], 0.0])
     length = float(np.linalg.norm(flat))
-    return flat / length if length > 0.5 else np.array([-1.0, 0.0, 0.0])
+    if length > 0.5:
+        return flat / length
+    away = np.concatenate([part.grip[:2] - entry.bounds[0, :2], entry.bounds[1, :2] - part.grip[:2]])
+    nearest = int(np.round(away, 3).argmin()) if part.joint.type == "prismatic" else 0
+    return SIDES[nearest]
 
 
 def find_stand(
@@ -79,7 +85,7 @@ def find_stand(
         fractions: Open fractions of the part along the way, for clearance.
         path: Points in the world.
     """
-    out = outward(part)
+    out = outward(entry, part)
     side = np.array([-out[1], out[0], 0.0])
     ahead, aside, height = (
         values.ravel() for values in np.meshgrid(AHEAD, ASIDE, np.array(robot.heights), indexing="ij")

@@ -95,8 +95,27 @@ def test_the_robot_stands_clear_and_in_front(cabinet, robot):
         stand = find_stand(cabinet, part, spec, fractions, path, spec.forward)
         base = np.array([[stand.x, stand.y, stand.z]])
         assert free_radius(cabinet, part, base, spec.column, fractions)[0] > spec.clearance - 0.02
-        assert (base[0] - path[0]) @ outward(part) > 0.3
+        assert (base[0] - path[0]) @ outward(cabinet, part) > 0.3
         assert np.linalg.norm(base[0, :2] - path[:, :2], axis=1).max() < spec.forward.far + 0.25
+
+
+NEAREST = {(0.5, 0.5): (-1.0, 0.0), (0.9, 0.5): (1.0, 0.0), (0.5, 0.03): (0.0, -1.0), (0.5, 0.97): (0.0, 1.0)}
+
+
+@pytest.mark.parametrize(("place", "side"), NEAREST.items())
+def test_what_lifts_is_reached_from_the_nearest_side(cabinet, place, side):
+    drawer = next(part for part in cabinet.parts if part.kind == "drawer")
+    joint = replace(drawer.joint, axis=np.array([0.0, 0.0, 1.0]))
+    low, high = cabinet.bounds
+    size = np.full(3, min(high[:2] - low[:2]))  # a square, so that the middle is equally near to all sides
+    square = replace(cabinet, bounds=np.stack([low, low + size]))
+    grip = low + size * [*place, 1.0]
+    lifting = replace(drawer, joint=joint, handle=None, grip=grip)
+    np.testing.assert_array_equal(outward(square, lifting), [*side, 0.0])
+    lid = replace(
+        joint, type="revolute", axis=np.array([0.0, 1.0, 0.0]), origin=np.add(grip, [0.2, 0.0, 0.0])
+    )
+    np.testing.assert_array_equal(outward(square, replace(lifting, joint=lid)), [-1.0, 0.0, 0.0])
 
 
 def test_the_grip_follows_the_joint(cabinet):
@@ -105,7 +124,7 @@ def test_the_grip_follows_the_joint(cabinet):
         direction = (path[1] - path[0]) / np.linalg.norm(path[1] - path[0])
         if part.handle is not None:
             np.testing.assert_allclose(direction, part.handle.opening_direction, atol=1e-3)
-            assert direction @ outward(part) > 0.9
+            assert direction @ outward(cabinet, part) > 0.9
 
 
 def test_grasps_straddle_the_handle(cabinet):
