@@ -1,19 +1,20 @@
-"""Contacts at which closed fingers can push a part without a handle, and at which open ones can pinch it.
+"""Contacts at which closed fingers can push a part, and at which open ones can pinch it.
 
-Candidates are points on the part's own hulls near its grip; one is valid if the hand around it collides with
-nothing.
+Candidates are points on the part's own hulls near its grip, also inside a leaf that stands ajar; one is valid
+if the hand around it collides with nothing.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from artigen.transforms import inverse, rotation_about, transform_points
 from sim_export.geometry.hulls import hull_planes
 from sim_export.package import Hull, PackageJoint
 
+from ..placement import part_motion
 from .body import HAND_GAP, Body
 from .field import distances
 from .grasp import SPARE, TIP, Grasps, across, gripper_pose
@@ -52,18 +53,19 @@ class Contacts:
     normals: Float[np.ndarray, "C 3"]
 
 
-def push_contacts(opening: Opening, sign: float) -> Contacts:
-    """Contacts at which closed fingers push the part open (``sign`` 1) or closed (-1), with room for the
-    hand."""
+def push_contacts(opening: Opening, begin: float, sign: float) -> Contacts:
+    """Contacts at which closed fingers push the part open (``sign`` 1) or closed (-1) from fraction ``begin``
+    of its range, with room for the hand: on its outside, or behind a leaf that stands ajar."""
     part = opening.part
-    points, normals = _exposed(opening)
+    T_rest = part_motion(part, np.array([begin]))[0]
+    points, normals = _exposed(opening, T_rest)
     velocity = sign * _velocity(part.joint, points)
     speed = np.linalg.norm(velocity, axis=1)
     way = velocity / np.maximum(speed, 1e-9)[:, None]
     lever = speed / max(float(speed.max(initial=0.0)), 1e-9)
     good = np.flatnonzero(((-normals * way).sum(axis=1) > ALONG) & (lever > LEVER))
     away = np.linalg.norm(points[good] - part.grip, axis=1)
-    good = good[np.argsort(away - 0.1 * lever[good], kind="stable")][:MOST_POINTS]
+    good = _spread(points, good[np.argsort(away - 0.1 * lever[good], kind="stable")])
     poses, cost, out = [], [], []
     for k in good:
         base = 0.5 * float(np.linalg.norm(points[k] - part.grip)) + 0.2 * (1.0 - lever[k])
@@ -78,13 +80,13 @@ def push_contacts(opening: Opening, sign: float) -> Contacts:
                         poses.append(gripper_pose(point, way_round * close, place, opening.robot))
                         cost.append(base + 0.15 * lean)
                         out.append(normals[k])
-    return _with_room(opening, Contacts(**_arrays(poses, cost, out)), opening.closed, TOUCHING)
+    return _with_room(opening, T_rest, Contacts(**_arrays(poses, cost, out)), opening.closed, TOUCHING)
 
 
 def pinch_grasps(opening: Opening) -> Grasps:
     """Pinch grasps of the part itself, where it is thin enough and free on both sides."""
     part, robot = opening.part, opening.robot
-    points, normals = _exposed(opening)
+    points, normals = _exposed(opening, np.eye(4))
     near = np.argsort(np.linalg.norm(points - part.grip, axis=1), kind="stable")[: 2 * MOST_POINTS]
     points, normals = points[near], normals[near]
     thick = _thickness(part.own, points, -normals, robot.opening - SPARE)
@@ -100,22 +102,25 @@ def pinch_grasps(opening: Opening) -> Grasps:
                 poses.append(gripper_pose(point, way_round * normals[k], place, robot))
                 cost.append(base + 0.1 * max(0.0, float(point[2])))
                 out.append(normals[k])
-    found = _with_room(opening, Contacts(**_arrays(poses, cost, out)), opening.body, 0.0, fingers=True)
+    found = _with_room(
+        opening, np.eye(4), Contacts(**_arrays(poses, cost, out)), opening.body, 0.0, fingers=True
+    )
     # Grasps have x along the pointing direction and y along the closing direction.
     axes = np.eye(4)
     axes[:3, :3] = robot.tool_axes
     return Grasps(poses=found.poses @ axes, cost=found.cost, width=robot.opening)
 
 
-def _exposed(opening: Opening) -> tuple[Float[np.ndarray, "P 3"], Float[np.ndarray, "P 3"]]:
-    """Unobstructed surface points of the part near its grip, and their normals."""
+def _exposed(
+    opening: Opening, T_rest: Float[np.ndarray, "4 4"]
+) -> tuple[Float[np.ndarray, "P 3"], Float[np.ndarray, "P 3"]]:
+    """Unobstructed surface points of the part near its grip, displaced from rest by ``T_rest``, and their
+    normals, both at rest."""
     points, normals = surface_samples(opening.part.own, SPACING)
     near = np.linalg.norm(points - opening.part.grip, axis=1) < NEAR
     points, normals = points[near], normals[near]
     before = points + OUT * normals
-    free = (distances(opening.near_others, before) > CLEAR) & (
-        distances(opening.near_carried, before) > CLEAR
-    )
+    free = _room(opening, T_rest, before) > CLEAR
     return points[free], normals[free]
 
 
@@ -142,8 +147,32 @@ def surface_samples(
     return found[first], outward[first]
 
 
+def _room(
+    opening: Opening, T_rest: Float[np.ndarray, "4 4"], points: Float[np.ndarray, "*N 3"]
+) -> Float[np.ndarray, "*N"]:
+    """Distance (m) of points, which move with the part, from all solids."""
+    others = distances(opening.near_others, transform_points(T_rest, points))
+    return np.minimum(others, distances(opening.near_carried, points))
+
+
+def _spread(points: Float[np.ndarray, "P 3"], order: Int[np.ndarray, "K"]) -> Int[np.ndarray, "M"]:
+    """The first of every neighbourhood, in neighbourhoods so large that `MOST_POINTS` at most are left."""
+    spacing = SPACING
+    while len(order) > MOST_POINTS:
+        spacing *= 1.25
+        _, first = np.unique(np.rint(points[order] / spacing), axis=0, return_index=True)
+        order = order[np.sort(first)]
+    return order
+
+
 def _with_room(
-    opening: Opening, found: Contacts, body: Body, touching: float, *, fingers: bool = False
+    opening: Opening,
+    T_rest: Float[np.ndarray, "4 4"],
+    found: Contacts,
+    body: Body,
+    touching: float,
+    *,
+    fingers: bool = False,
 ) -> Contacts:
     """The cheapest contacts at which the hand collides with nothing but the contact area; with ``fingers``,
     they must also hit nothing but the part as they close."""
@@ -156,12 +185,12 @@ def _with_room(
     good: list[np.ndarray] = []
     for rows in np.array_split(order, max(1, len(order) // 400)):
         points = transform_points(found.poses[rows], hand)
-        room = np.minimum(distances(opening.near_others, points), distances(opening.near_carried, points))
+        room = _room(opening, T_rest, points)
         room[:, allowed] = np.inf
         free = room.min(axis=1) > CLEAR
         if fingers:
             sweep = transform_points(found.poses[rows], _finger_sweep(opening))
-            free &= distances(opening.near_others, sweep).min(axis=1) > CLEAR
+            free &= distances(opening.near_others, transform_points(T_rest, sweep)).min(axis=1) > CLEAR
         good.append(rows[free])
         if sum(map(len, good)) >= KEPT:
             break

@@ -25,9 +25,9 @@ COMPARED = 12
 """Number of ways along the path whose clearances are compared."""
 STEP = 0.025
 """Travel of the handle between two waypoints, metres."""
-BEYOND = 0.06
-"""Distance by which a path continues beyond the goal, as a share of the range, because a pulled joint lags
-behind."""
+BEYOND, LAG = 0.06, 0.006
+"""Distance by which a path continues beyond the goal, as a share of the range and at least in metres, because
+a pulled joint lags behind."""
 LEAST_STEPS = 4
 TURNING = 0.15
 """Smallest travel (m) that a radian counts as, for a knob that turns in place."""
@@ -77,13 +77,18 @@ class Opening:
             Obstacle(field=self.carried, T_field_root=inverse(at)),
         )
 
+    def is_latched(self, begin: float) -> bool:
+        """Whether the handle must turn first to release a leaf at fraction ``begin`` of its range."""
+        span = self.part.span
+        return self.part.grip_latch is not None and begin * span <= min(0.1, UNLATCHED * span)
+
     def way(self, begin: float, end: float) -> Way:
         """Motion from ``begin`` to slightly beyond ``end``; the lever of a latched leaf is turned before."""
         carried = self.motions(path_fractions(self.part, begin, end))
         latch = self.part.grip_latch
         if latch is None:
             return Way(held=carried, carried=carried)
-        if begin * self.part.span > min(0.1, UNLATCHED * self.part.span):
+        if not self.is_latched(begin):
             return Way(held=carried @ part_motion(latch.part, np.array([self.turned])), carried=carried)
         turns = path_fractions(latch.part, self.turned, 1.0)
         first = np.repeat(carried[:1], len(turns), axis=0)
@@ -96,11 +101,12 @@ class Opening:
 def path_fractions(part: TaskPart, begin: float, end: float) -> Float[np.ndarray, "N"]:
     """Fractions from ``begin`` to slightly beyond ``end``, in steps of similar travel of the grip and
     rotation of the gripper. They exceed the limit only if the limit itself is the goal."""
-    most = 1.0 + BEYOND if end >= 1.0 else 1.0
-    beyond = float(np.clip(end + np.sign(end - begin) * BEYOND, 0.0, most))
     lever = 1.0
     if part.joint.type != "prismatic":
         lever = max(TURNING, float(np.linalg.norm(np.cross(part.joint.axis, part.grip - part.joint.origin))))
+    lag = max(BEYOND, LAG / (part.span * lever))
+    most = 1.0 + lag if end >= 1.0 else 1.0
+    beyond = float(np.clip(end + np.sign(end - begin) * lag, 0.0, most))
     travel = abs(beyond - begin) * part.span * lever
     return np.linspace(begin, beyond, max(LEAST_STEPS, int(np.ceil(travel / STEP))) + 1)
 

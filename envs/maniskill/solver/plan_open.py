@@ -11,15 +11,11 @@ from jaxtyping import Float
 
 from artigen.errors import ArtigenError
 
-from ..robots import RobotSpec
-from .chain import Chain, solve, tool_pose
 from .contacts import pinch_grasps
 from .grasp import Grasps, find_grasps
 from .opening import Opening, least_pressing, way_around
-from .reach import NEAR, follow, reach, starts_of
+from .reach import NEAR, drawn_back, follow, reach, starts_of
 
-BACK = 0.10
-"""Distance in front of the handle at which the open gripper stops before grasping, metres."""
 LOOSE = 0.01
 MOST_TURN = 0.9
 """Largest rotation of the gripper about the held geometry, rad, where the arm cannot turn along with a
@@ -126,10 +122,3 @@ def plan_open(
         width=grasps.width,
         pressed=pressed,
     )
-
-
-def drawn_back(chain: Chain, robot: RobotSpec, q: Float[np.ndarray, "J"]) -> Float[np.ndarray, "J"]:
-    """Arm angles with the gripper retracted along its pointing direction."""
-    T = tool_pose(chain, q[None])
-    T[:, :3, 3] -= BACK * (T[:, :3, :3] @ robot.tool_axes[:, 0])
-    return solve(chain, T, q[None], posture_weight=0.0, iterations=30)[0][0]

@@ -1,19 +1,21 @@
 """Plans to push a part: closed fingers touch it and follow its path, slightly farther at the end.
 
-For buttons, switches, pedals and lids without handles.
+For buttons, switches, pedals, lids without handles, and leaves that stand ajar, which are pushed from inside
+where an arm cannot turn along with their handle.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from ..objects import TaskPart
-from .body import is_free
+from .body import HAND_GAP, Body, is_free
 from .contacts import push_contacts
 from .opening import Opening, least_pressing, way_around
 from .plan_open import NoPlan, OpenPlan
-from .reach import NEAR, follow, reach, starts_of
+from .reach import NEAR, drawn_back, follow, reach, starts_of
 
 OFF = 0.02
 """Distance from the surface at which the approach ends, metres."""
@@ -50,20 +52,33 @@ def _enters(
     return np.asarray(free.reshape(SAMPLES, -1).all(axis=0))
 
 
+def _is_arm_free(
+    opening: Opening, at: Float[np.ndarray, "4 4"], q: Float[np.ndarray, "B J"]
+) -> Bool[np.ndarray, "B"]:
+    """Whether all links but the hand are collision-free."""
+    body = opening.closed
+    arm = body.gap > HAND_GAP
+    arm = Body(points=body.points[arm], carrier=body.carrier[arm], gap=np.full(int(arm.sum()), ENTERED))
+    return is_free(opening.chain, arm, opening.obstacles(at), q)
+
+
 def plan_touch(
     opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: float, *, skip: int = 0
 ) -> OpenPlan:
     """A plan that pushes a part from fraction ``begin`` of its range to ``end``; arguments as `plan_open`.
 
     Raises:
-        NoPlan: If there is no place to push, or none that the arm can follow.
+        NoPlan: If a latch holds the part, there is no place to push, or none that the arm can follow.
     """
     chain, robot, name = opening.chain, opening.robot, opening.part.joint.name
-    found = push_contacts(opening, float(np.sign(end - begin)))
+    if opening.is_latched(begin):
+        raise NoPlan(f"joint {name!r}: its latch holds it")
+    found = push_contacts(opening, begin, float(np.sign(end - begin)))
     if not len(found.poses):
         raise NoPlan(f"joint {name!r}: nothing to push at has room for the fingers")
     motions = opening.way(begin, end).carried
-    hold, order = reach(chain, motions[0] @ found.poses, found.cost, starts_of(chain, robot, q))
+    free = partial(_is_arm_free, opening, motions[0])
+    hold, order = reach(chain, motions[0] @ found.poses, found.cost, starts_of(chain, robot, q), free)
     if not len(order):
         raise NoPlan(f"joint {name!r}: nothing to push at is in reach")
     poses, normals = found.poses[order], found.normals[order]
@@ -90,7 +105,7 @@ def plan_touch(
         before=way_around(opening, begin, q, entry[-1, best]),
         approach=entry[-2::-1, best],
         path=path[1:, best],
-        leave=entry[::-1, best][-1:],
+        leave=drawn_back(chain, robot, path[-1, best])[None],
         width=0.0,
         pressed=pressed,
     )

@@ -1,11 +1,15 @@
 """Arm angles for many tool poses at once, and for whole paths of poses."""
 
+from collections.abc import Callable
+
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from ..robots import RobotSpec
-from .chain import Chain, solve
+from .chain import Chain, solve, tool_pose
 
+BACK = 0.10
+"""Distance in front of the handle at which the open gripper stops before grasping, metres."""
 NEAR = 0.012
 TURN = 0.12
 """Largest error of a pose, metres and radians."""
@@ -29,10 +33,12 @@ def reach(
     targets: Float[np.ndarray, "G 4 4"],
     cost: Float[np.ndarray, "G"],
     starts: Float[np.ndarray, "S J"],
+    free: Callable[[Float[np.ndarray, "B J"]], Bool[np.ndarray, "B"]] | None = None,
 ) -> tuple[Float[np.ndarray, "K J"], Int[np.ndarray, "K"]]:
     """Arm angles for solvable targets, the cheapest first, and the indices of these targets.
 
-    Starts are tried in order until there are enough solutions; the first one is the arm's current posture.
+    Starts are tried in order until there are enough solutions, of which ``free`` must be true, if given; the
+    first one is the arm's current posture.
     """
     found, order, score = [], [], []
     for start in starts:
@@ -40,6 +46,7 @@ def reach(
             chain, targets, np.repeat(start[None], len(targets), axis=0), posture_weight=0.0, iterations=40
         )
         good = np.flatnonzero((miss < NEAR) & (turn < TURN))
+        good = good if free is None else good[free(q[good])]
         found.append(q[good])
         order.append(good)
         score.append(cost[good] + 0.05 * np.abs(q[good] - starts[0]).sum(axis=1))
@@ -76,3 +83,10 @@ def follow(
         turned = np.maximum(turned, turn)
         way.append(q)
     return np.array(way), worst, turned
+
+
+def drawn_back(chain: Chain, robot: RobotSpec, q: Float[np.ndarray, "J"]) -> Float[np.ndarray, "J"]:
+    """Arm angles with the gripper retracted along its pointing direction."""
+    T = tool_pose(chain, q[None])
+    T[:, :3, 3] -= BACK * (T[:, :3, :3] @ robot.tool_axes[:, 0])
+    return solve(chain, T, q[None], posture_weight=0.0, iterations=30)[0][0]

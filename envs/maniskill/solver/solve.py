@@ -37,7 +37,6 @@ from .field import build_field
 from .grasp import Grasps
 from .opening import Opening
 from .plan_open import NoPlan, OpenPlan, edge_grasps, handle_grasps, plan_open
-from .plan_push import plan_push
 from .plan_put import NoPutPlan, PutPlan, plan_put
 from .plan_touch import plan_touch
 from .work import Work
@@ -51,8 +50,6 @@ AJAR_ANGLES = (0.7, 0.5, 0.35, 0.26)
 """Angles to which a door is pulled before it is pushed, rad; the first feasible one is used."""
 TOUCH = 0.008
 """Penetration (m) along a path that is tolerated, because a field is not more accurate."""
-FARTHER = 0.1
-"""Distance by which a part is pushed beyond the goal, as a share of its range."""
 PROGRESS = 0.03
 """Smallest change of a part's open fraction after which the same plans are tried again."""
 PART_WAYS = (0.6, 0.3, 0.15)
@@ -101,7 +98,7 @@ def solve_open_part(env: gym.Env, seed: int) -> Outcome:
     part, reason = task.drawn[0][1], ""
     for latch in part.latches if task.latched else ():
         if latch is not part.grip_latch and opened(driver, latch.part) < latch.fraction and not reason:
-            reason = _work(driver, latch.part, 1.0, latch.fraction)
+            reason = _work(driver, latch.part, (1.0 + latch.fraction) / 2.0, latch.fraction)
     reason = reason or _work(driver, part, task.goal_open, task.goal_open)
     if not bool(driver.info["success"][0]):
         wait(driver, REST)
@@ -139,9 +136,10 @@ def _opening(driver: Driver, part: TaskPart) -> Opening:
     entry = driver.task.drawn[0][0]
     carried, others = object_hulls(driver, part)
     others = (*others, plinth_under(entry)) if entry.raised > 0.0 else others
-    closed = inverse(part_motion(part, np.array([opened(driver, part)]))[0])
-    carried = tuple(move_hull(hull, closed) for hull in carried)
+    T_rest = part_motion(part, np.array([opened(driver, part)]))[0]
+    carried = tuple(move_hull(hull, inverse(T_rest)) for hull in carried)
     near = np.stack([part.grip - AROUND_GRIP, part.grip + AROUND_GRIP])
+    moved = near + (transform_points(T_rest, part.grip[None])[0] - part.grip)
     latch = part.grip_latch
     return Opening(
         chain=driver.chain,
@@ -152,7 +150,7 @@ def _opening(driver: Driver, part: TaskPart) -> Opening:
         T_root_object=object_in_root(driver),
         others=build_field(others, ground=entry.floor),
         carried=build_field(carried),
-        near_others=build_field(others, near, FINE, ground=entry.floor),
+        near_others=build_field(others, moved, FINE, ground=entry.floor),
         near_carried=build_field(carried, near, FINE),
         turned=opened(driver, latch.part) if latch is not None and driver.task.latched else 1.0,
     )
@@ -161,9 +159,8 @@ def _opening(driver: Driver, part: TaskPart) -> Opening:
 def _next_plan(driver: Driver, part: TaskPart, end: float, tries: int) -> OpenPlan:
     """The first plan without contact of the arm, or else the one that presses least.
 
-    Candidates in order: pressing, for parts to be pressed; gripping to the end; pushing to the end from
-    behind; pulling as far as that needs; pinching the part itself; pushing from outside; then the same for a
-    part of the motion.
+    Candidates in order: pushing, for parts to be pressed; gripping to the end; pushing to the end; pulling a
+    leaf ajar, so far that it can be pushed from inside; pinching the part itself; then a part of the motion.
 
     Raises:
         NoPlan: If none of them works; the message lists the reasons.
@@ -180,30 +177,29 @@ def _next_plan(driver: Driver, part: TaskPart, end: float, tries: int) -> OpenPl
     def pulled_ajar(to: float) -> OpenPlan:
         if not begin < to < end or part.kind not in ("door", "drawer"):
             raise NoPlan(f"joint {name!r}: cannot be pulled ajar")
-        _push(opening, q, to, end)
+        plan_touch(opening, q, to, end)
         return held(handle, to)
 
     whole, pinched = [partial(held, handle, end)], [partial(held, edge, end)]
     touch = [partial(plan_touch, opening, q, begin, end, skip=skip)]
-    push = [partial(_push, opening, q, begin, end)] + [partial(pulled_ajar, to) for to in ajar]
-    first = touch + whole if part.verb == "press" else whole + push + pinched + touch
+    ways = whole + touch + [partial(pulled_ajar, to) for to in ajar] + pinched
+    first = touch + whole if part.verb == "press" else ways
     first = first[tries % len(first) :] + first[: tries % len(first)]  # start with an untried plan
     rest = [partial(held, grasps, to) for to in shares for grasps in (handle, edge)]
     rest += [partial(plan_touch, opening, q, begin, to, skip=skip) for to in shares]
     found: list[OpenPlan] = []
     reasons: list[NoPlan] = []
-    for group in (first, rest):
-        for attempt in group:
-            try:
-                plan = attempt()
-            except NoPlan as none:
-                reasons.append(none)
-                continue
-            if plan.pressed <= TOUCH:
-                return plan
-            found.append(plan)
-        if found:
-            return min(found, key=lambda plan: plan.pressed)
+    for attempt in first + rest:
+        try:
+            plan = attempt()
+        except NoPlan as none:
+            reasons.append(none)
+            continue
+        if plan.pressed <= TOUCH:
+            return plan
+        found.append(plan)
+    if found:
+        return min(found, key=lambda plan: plan.pressed)
     raise NoPlan(
         "; ".join(dict.fromkeys(str(reason).removeprefix(f"joint {name!r}: ") for reason in reasons))
     )
@@ -224,16 +220,6 @@ def _once(function: Callable[[], Grasps]) -> Callable[[], Grasps]:
         return known[0]
 
     return value
-
-
-def _push(opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: float) -> OpenPlan:
-    """Pushes farther than requested if the arm can, because protrusions of a leaf keep fingers off it."""
-    if opening.part.kind != "door":
-        raise NoPlan(f"joint {opening.part.joint.name!r}: only doors are pushed from behind")
-    try:
-        return plan_push(opening, q, begin, min(1.0, end + FARTHER))
-    except NoPlan:
-        return plan_push(opening, q, begin, end)
 
 
 def _follow_plan(driver: Driver, plan: OpenPlan) -> None:

@@ -1,0 +1,125 @@
+"""Places to push at and ways there: behind a leaf that stands ajar, drawn back, beyond the goal."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from unittest.mock import MagicMock
+
+import numpy as np
+import pytest
+
+from envs.maniskill.robots import ROBOTS
+from envs.maniskill.solver.body import HAND_GAP, Body
+from envs.maniskill.solver.chain import Chain, tool_pose
+from envs.maniskill.solver.contacts import MOST_POINTS, _spread, push_contacts
+from envs.maniskill.solver.field import build_field
+from envs.maniskill.solver.opening import (
+    BEYOND,
+    LAG,
+    UNLATCHED,
+    Opening,
+    path_fractions,
+)
+from envs.maniskill.solver.plan_open import NoPlan
+from envs.maniskill.solver.plan_touch import plan_touch
+from envs.maniskill.solver.reach import BACK, drawn_back, reach
+from sim_export.geometry.hulls import box_hull
+from sim_export.package import PackageJoint
+
+PANDA = ROBOTS["panda"]
+LEAF = box_hull(np.zeros(3), np.array([0.02, 0.4, 0.4]))
+CUPBOARD = box_hull(np.array([0.021, 0.0, 0.0]), np.array([0.4, 0.4, 0.4]))
+GRIP = np.array([0.0, 0.35, 0.2])
+SWING = PackageJoint(
+    name="hinge", type="revolute", kind="revolute", parent="base", child="leaf",
+    origin=np.zeros(3), axis=np.array([0.0, 0.0, 1.0]), upper=1.5,
+)  # fmt: skip
+
+
+def leaf_part(**changes) -> SimpleNamespace:
+    """A leaf in front of a cupboard, hinged at y = 0, that opens towards -x."""
+    fields = {"joint": SWING, "grip": GRIP, "own": (LEAF,), "span": 1.5, "kind": "door", "grip_latch": None}
+    return SimpleNamespace(**fields | changes)
+
+
+def leaf_opening(part: SimpleNamespace) -> Opening:
+    """The leaf and a hand that is one thin finger of 10 cm."""
+    finger = -np.linspace(0.0, 0.1, 6)[:, None] * PANDA.tool_axes[:, 0]
+    hand = Body(points=finger, carrier=np.zeros(6, dtype=int), gap=np.full(6, HAND_GAP))
+    box = np.stack([GRIP - 0.25, GRIP + 0.25])
+    others, carried = build_field((CUPBOARD,), box, 0.005), build_field((LEAF,), box, 0.005)
+    return Opening(
+        chain=MagicMock(before=np.eye(4)[None], tool=np.eye(4)), robot=PANDA, body=hand, closed=hand,
+        part=part, T_root_object=np.eye(4), others=others, carried=carried,
+        near_others=others, near_carried=carried, turned=0.0,
+    )  # fmt: skip
+
+
+def test_a_leaf_is_pushed_from_behind_only_when_it_stands_ajar():
+    opening = leaf_opening(leaf_part())
+    assert len(push_contacts(opening, 0.0, 1.0).poses) == 0
+    ajar = push_contacts(opening, 0.5, 1.0)
+    assert len(ajar.poses) > 0
+    np.testing.assert_allclose(ajar.normals, np.tile([1.0, 0.0, 0.0], (len(ajar.normals), 1)), atol=1e-9)
+    shut = push_contacts(opening, 0.5, -1.0)
+    np.testing.assert_allclose(shut.normals, np.tile([-1.0, 0.0, 0.0], (len(shut.normals), 1)), atol=1e-9)
+
+
+def test_places_to_push_at_are_spread_over_the_leaf():
+    grid = np.stack([np.zeros(1600), *np.indices((40, 40)).reshape(2, -1) * 0.012], axis=1)
+    order = np.argsort(np.linalg.norm(grid, axis=1), kind="stable")
+    kept = _spread(grid, order)
+    assert 0.3 * MOST_POINTS < len(kept) <= MOST_POINTS
+    assert kept[0] == order[0]
+    assert np.linalg.norm(grid[:, None] - grid[kept], axis=2).min(axis=1).max() < 0.12
+    np.testing.assert_array_equal(_spread(grid, order[:MOST_POINTS]), order[:MOST_POINTS])
+
+
+@pytest.mark.parametrize(("angle", "held"), [(0.099, True), (0.101, False)])
+def test_a_leaf_is_held_by_its_latch_up_to_a_tenth_of_a_radian(angle, held):
+    part = leaf_part(grip_latch=object())
+    opening = leaf_opening(part)
+    assert UNLATCHED * part.span > 0.1
+    assert opening.is_latched(angle / part.span) == held
+    assert not leaf_opening(leaf_part()).is_latched(0.0)
+    if held:
+        with pytest.raises(NoPlan, match="latch holds it"):
+            plan_touch(opening, np.zeros(1), angle / part.span, 0.75)
+
+
+@pytest.mark.parametrize(("span", "beyond"), [(0.05, LAG / 0.05), (0.2, BEYOND)])
+def test_a_path_goes_beyond_its_goal_by_a_share_of_the_range_or_what_the_arm_lags(span, beyond):
+    drawer = leaf_part(joint=replace(SWING, type="prismatic"), span=span)
+    assert path_fractions(drawer, 0.0, 0.5)[-1] == pytest.approx(0.5 + beyond)
+    assert path_fractions(drawer, 0.5, 0.3)[-1] == pytest.approx(0.3 - beyond)
+    assert path_fractions(drawer, 0.0, 1.0)[-1] == pytest.approx(1.0 + beyond)
+    assert path_fractions(drawer, 0.0, 0.99)[-1] == 1.0
+
+
+def flat_arm() -> Chain:
+    """Three joints about z with links of 30 cm, and the tool of a Panda's fingers pointing along the last."""
+    before = np.tile(np.eye(4), (3, 1, 1))  # the first turns x towards z
+    before[0, :3, :3] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]
+    before[1:, :3, 3] = [0.0, 0.3, 0.0]
+    tool = np.eye(4)
+    tool[:3, 3] = [0.0, 0.3, 0.0]
+    tool[:3, :3] = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]) @ PANDA.tool_axes.T
+    limit = np.full(3, 2.9)
+    return Chain(before=before, tool=tool, lower=-limit, upper=limit, columns=(0, 1, 2))
+
+
+def test_a_gripper_is_drawn_back_along_its_fingers():
+    chain, q = flat_arm(), np.array([0.2, 0.9, -0.8])
+    before, after = tool_pose(chain, q[None])[0], tool_pose(chain, drawn_back(chain, PANDA, q)[None])[0]
+    point = before[:3, :3] @ PANDA.tool_axes[:, 0]
+    np.testing.assert_allclose(after[:3, 3], before[:3, 3] - BACK * point, atol=2e-3)
+    np.testing.assert_allclose(after[:3, :3], before[:3, :3], atol=2e-2)
+
+
+def test_only_free_postures_are_reached():
+    chain = flat_arm()
+    q = np.array([[0.2, 0.9, -0.8]])
+    target, starts = tool_pose(chain, q), np.stack([q[0], [0.2 + 0.9, -0.9, 0.1]])
+    every = reach(chain, target, np.zeros(1), starts)[0]
+    left = reach(chain, target, np.zeros(1), starts, lambda found: found[:, 1] < 0.0)[0]
+    assert len(every) > len(left)
+    assert (left[:, 1] < 0.0).all()
