@@ -18,7 +18,6 @@ from artigen.types import PartLabel
 from sim_export.errors import PackageError
 from sim_export.files.folders import find_packages as package_folders
 from sim_export.files.read import read_package
-from sim_export.geometry.hulls import hull_planes
 from sim_export.motion.kinematics import hanging_links, needed_fractions
 from sim_export.package import HandleAnnotation, Hull, PackageJoint, SimPackage
 from sim_export.report import report_from_json
@@ -32,9 +31,6 @@ HANDLE_SLACK = 0.005
 """Distance by which hulls of a handle may extend beyond its box, metres."""
 QUARTER = float(np.pi / 2.0)
 """Rotation of joints without limits in tasks, rad."""
-HOLLOW = 0.015
-"""Distance (m) of a handle's middle from its hulls beyond which the handle is grasped at its end: a
-suitcase's rods."""
 LOW, PLINTH = 0.75, 0.5
 """Height below which objects stand on a plinth, and height of the plinth, metres: an arm needs room below."""
 LATCH_LABELS = ("knob", "handle")
@@ -251,12 +247,7 @@ def _read_part(package: SimPackage, joint: PackageJoint, label: PartLabel) -> Ta
     if joint.type == "continuous":
         joint = replace(joint, lower=0.0, upper=QUARTER)
     handle = _handle_of(package, joint.child, {x.link: x for x in reversed(package.handles)})
-    own = links[joint.child].hulls
-    if handle is None or (label == "handle" and _is_hollow(own, handle)):
-        edge = np.concatenate([hull.vertices for hull in own]) if label == "handle" and own else moved
-        grip = _edge_point(joint, edge)
-    else:
-        grip = handle.corners.mean(axis=0)
+    grip = _edge_point(joint, moved) if handle is None else handle.corners.mean(axis=0)
     normal = handle.normal if handle is not None else grip_direction(joint, grip)
     needs = needed_fractions(joint.name, package.requires_open)
     return TaskPart(
@@ -287,13 +278,6 @@ def _read_latches(package: SimPackage, needs: dict[str, float]) -> tuple[Latchin
         if joint.name in needs and joint.child not in gone and (label := labels[joint.child]) in LATCH_LABELS
     ]
     return tuple(sorted(found, key=lambda latch: len(latch.part.needs)))
-
-
-def _is_hollow(hulls: tuple[Hull, ...], handle: HandleAnnotation) -> bool:
-    """Whether the middle of a handle's box is far from all hulls."""
-    middle = handle.corners.mean(axis=0)
-    planes = map(hull_planes, hulls)  # the distance from a plane is a lower bound of that from its hull
-    return all((faces[:, :3] @ middle - faces[:, 3]).max() > HOLLOW for faces in planes)
 
 
 def _hulls_of_handle(hulls: tuple[Hull, ...], handle: HandleAnnotation) -> tuple[Hull, ...]:

@@ -91,6 +91,8 @@ def _annotate(
     in_place = joint.type != "prismatic" and np.linalg.norm(motion) < np.ptp(points, axis=0).max() / 4
     guide = np.asarray(joint.axis) if in_place else motion / np.linalg.norm(motion)
     pull = guide if leaf is None else joint_velocity(leaf, center)
+    if part.label == "handle" and part.joint.type == "prismatic":
+        points = _leading_bar(triangles, motion)
     carrier = _near(carrier, points, REACH)
     normal = _outward_normal(points, carrier, guide, pull / max(float(np.linalg.norm(pull)), 1e-9))
     frame = _box_along(_front_side(points, normal, carrier), normal)
@@ -168,6 +170,21 @@ def _outward_normal(
         scores.append(behind - before + 0.3 * abs(direction @ guide) + 1e-3 * (direction @ pull))
     best = candidates[int(np.argmax(np.round(scores, 9)))]
     return _lay_along(best, _silhouette(points, best), carrier)
+
+
+def _leading_bar(
+    triangles: Float[np.ndarray, "F 3 3"], motion: Float[np.ndarray, "3"]
+) -> Float[np.ndarray, "N 3"]:
+    """Points of the bar that a telescopic handle is pulled out by: as far from its leading end as rays run in
+    it, in the median."""
+    points = triangles.reshape(-1, 3)
+    grid = _silhouette(points, motion)
+    backs = bar_depths(grid + 1e-3 * motion, -motion, triangles)[1]
+    backs = backs[np.isfinite(backs)]
+    if not len(backs):
+        return points
+    depth = points @ motion
+    return points[depth >= depth.max() - float(np.median(backs))]
 
 
 def _front_side(

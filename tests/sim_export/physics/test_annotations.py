@@ -142,6 +142,32 @@ def test_something_behind_a_handle_takes_its_clearance(cabinet, meshes, handles)
 LOCK = 6
 
 
+def test_a_telescopic_handle_is_annotated_at_its_grip(cabinet, meshes):
+    """Two rods and a bar before the door slide up together; the middle between them is empty."""
+    asset = scaled(cabinet)
+    index = next(k for k, part in enumerate(asset.parts) if part.name == "door_handle")
+    leaf = meshes[asset.parts[index].parent].vertices
+    x, (y0, y1), z = leaf[:, 0].min() - 0.03, (leaf[:, 1].min(), leaf[:, 1].max()), leaf[:, 2].max() - 0.1
+    bars = [box_hull(np.array([x - 0.01, y, z - 0.2]), np.array([x, y + 0.01, z])) for y in (y0, y1 - 0.01)]
+    bars.append(box_hull(np.array([x - 0.01, y0, z]), np.array([x, y1, z + 0.02])))
+    rods = Mesh(
+        vertices=np.concatenate([bar.vertices for bar in bars]),
+        faces=np.concatenate([bar.faces + 8 * k for k, bar in enumerate(bars)]),
+    )
+    slide = replace(
+        asset.parts[LOCK].joint, type="prismatic", axis=np.array([0.0, 0.0, 1.0]), lower=0.0, upper=0.2
+    )
+    parts = [*asset.parts]
+    parts[index] = replace(parts[index], joint=slide)
+    shapes = [*meshes[:index], rods, *meshes[index + 1 :]]
+    found = annotate(replace(asset, parts=tuple(parts)), shapes)["door_handle"]
+    np.testing.assert_allclose(found.corners.min(axis=0), [x - 0.01, y0, z], atol=1e-9)
+    np.testing.assert_allclose(found.corners.max(axis=0), [x, y1, z + 0.02], atol=1e-9)
+    np.testing.assert_allclose(found.grasp_line[:, 2], z + 0.01, atol=1e-9)
+    np.testing.assert_allclose(found.opening_direction, [0.0, 0.0, 1.0], atol=1e-12)
+    assert found.clearance == pytest.approx(0.03, abs=1e-6)
+
+
 def through_lock(meshes: list[Mesh], door: int, out: float) -> list[Mesh]:
     """The cabinet with a lock that passes through its door and stands out behind it, in metres."""
     lock, leaf = meshes[LOCK].vertices, meshes[door].vertices
