@@ -1,7 +1,7 @@
-"""Cart: kitchen trolleys, service carts and tool carts on four castors, with a push bar.
+"""Cart: kitchen trolleys, service carts, tool carts and platforms on four castors, with a push bar.
 
 A cart is a stack of tiers between four posts: boards, baskets, pull-out trays, rows of drawers, cabinets.
-Tool carts are one cabinet of drawers under a rimmed top.
+Tool carts are one cabinet of drawers under a rimmed top, platforms a deck to which their bar is welded.
 """
 
 from dataclasses import dataclass, replace
@@ -42,7 +42,7 @@ class _Kind:
     looks: tuple[str, ...]
     post: Range
     tiers: tuple[tuple[Tier, float], ...]
-    """Weights of tiers; none for a cart that is one cabinet."""
+    """Weights of tiers; none for a cart that is one cabinet, or a platform."""
     wheel: Range
 
 
@@ -79,6 +79,17 @@ STYLES: dict[str, _Kind] = {
         post=(0.03, 0.03),
         tiers=(),
         wheel=(0.045, 0.06),
+    ),
+    "industrial": _Kind(
+        weight=1.0,
+        width=(0.7, 0.95),
+        depth=(0.45, 0.62),
+        height=(0.82, 1.0),
+        palettes=("industrial", "steel", "blue", "anthracite", "oak"),
+        looks=("industrial",),
+        post=(0.026, 0.034),
+        tiers=(),
+        wheel=(0.05, 0.065),
     ),
 }
 CABINET = Taste(
@@ -127,6 +138,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 def _build(
     rng: np.random.Generator, kind: _Kind, size: tuple[float, float, float], wish: Wish
 ) -> tuple[ShapePart, ...]:
+    if kind is STYLES["industrial"]:
+        return _build_platform(rng, kind, size)
     width, depth, height = size
     looks = draw_looks(rng, LOOKS[choose_one(rng, kind.looks)], max(size), wish)
     looks = replace(looks, margin=GAP, lock=False)
@@ -138,6 +151,25 @@ def _build(
     built = _stack_tiers(rng, frame, kind) if kind.tiers else _build_chest(rng, frame)
     rest = Assembly(stand.primitives, (_make_push_bar(frame, bar), *stand.parts))
     return (built + rest).close()
+
+
+def _build_platform(
+    rng: np.random.Generator, kind: _Kind, size: tuple[float, float, float]
+) -> tuple[ShapePart, ...]:
+    """A deck with a bow of tube at its left end, and a rail half-way up."""
+    (width, depth, height), tube = size, choose(rng, *kind.post) / 2
+    x, y = around(0.0, depth / 2), around(0.0, width / 2)
+    stand = make_castors(x, y, choose(rng, *kind.wheel), swivel=bool(rng.random() < 0.6))
+    deck = (stand.height, stand.height + choose(rng, 0.028, 0.04))
+    end, top = y[1] - tube - 0.006, height - tube
+    (front, back), rail = narrow(x, 0.04 + tube), deck[1] + choose(rng, 0.45, 0.6) * (top - deck[1])
+    bars = ((top, tube), (rail, 0.7 * tube))
+    pieces = [
+        block(x, y, deck, "top", 0.004),
+        *(cylinder((a, end, deck[1]), (a, end, height), tube, "handle") for a in (front, back)),
+        *(cylinder((front, end, z), (back, end, z), radius, "handle") for z, radius in bars),
+    ]
+    return (Assembly(pieces) + Assembly(stand.primitives, stand.parts)).close()
 
 
 def _stack_tiers(rng: np.random.Generator, frame: _Frame, kind: _Kind) -> Assembly:

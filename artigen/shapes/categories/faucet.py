@@ -1,7 +1,8 @@
-"""Faucet: basin and kitchen mixers on a piece of worktop, with levers, taps and swivelling spouts.
+"""Faucet: basin and kitchen mixers and pillar taps on a piece of worktop, with levers and swivelling spouts.
 
 Basin mixers extend 110 to 160 mm forward, kitchen mixers 180 to 240 mm forward and 300 to 420 mm up; taps of
-bridge faucets are 203 mm (8 inches) apart. A lever is cold in the middle and turns one way, to warm.
+bridge faucets are 203 mm (8 inches) apart. A pillar tap has water of one temperature. A lever is cold in the
+middle and turns one way, to warm.
 """
 
 from math import radians
@@ -20,11 +21,12 @@ from artigen.shapes.surfaces.materials import make_polished
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Faucet"
-STYLES = {"single": 0.35, "kitchen": 0.35, "bridge": 0.3}
+STYLES = {"single": 0.3, "kitchen": 0.3, "bridge": 0.25, "classic": 0.15}
 SIZES: dict[str, Spans] = {
     "single": ((0.16, 0.22), (0.17, 0.22), (0.16, 0.22)),
     "kitchen": ((0.18, 0.24), (0.24, 0.3), (0.32, 0.44)),
     "bridge": ((0.29, 0.34), (0.2, 0.26), (0.26, 0.34)),
+    "classic": ((0.14, 0.18), (0.16, 0.2), (0.15, 0.2)),
 }
 """Width and depth, including the piece of worktop, and height."""
 METALS = ("chrome", "chrome", "steel", "black", "brass", "bronze")
@@ -39,8 +41,10 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     width, depth, height = choose_size(rng, CATEGORY, wish, SIZES[style])
     back = depth / 2 - 0.06  # x of the faucet's axis
     deck = block((0.3 * depth - depth / 2, depth / 2), around(0.0, width / 2), (0.0, DECK), "top", 0.002)
-    build = {"single": _draw_single, "kitchen": _draw_kitchen, "bridge": _draw_bridge}[style]
-    built = Assembly((deck,)) + build(rng, back, back + depth / 2, height)
+    draw_metal = {
+        "single": _draw_single, "kitchen": _draw_kitchen, "bridge": _draw_bridge, "classic": _draw_classic
+    }[style]  # fmt: skip
+    built = Assembly((deck,)) + draw_metal(rng, back, back + depth / 2, height)
     finishes = draw_palette(rng, "furniture", choose_one(rng, ("oak", "white", "walnut", "anthracite")))
     metal = make_polished(choose_one(rng, METALS), int(rng.integers(2**30)))
     return Draft(style, built.close(), finishes | {"handle": metal, "accent": metal})
@@ -82,22 +86,40 @@ def _make_spout(
 
 def _draw_single(rng: np.random.Generator, x: float, reach: float, height: float) -> Assembly:
     """A pillar with a fixed spout, and the cartridge with its lever on top."""
-    radius, cap, tube, bend = choose(rng, 0.021, 0.026), 0.02, 0.0135, 0.02
+    radius, cap = choose(rng, 0.021, 0.026), 0.02
     top = height - cap - 0.0015 - 2 * PIVOT - (0.013 - PIVOT)
-    spout, end = DECK + 0.6 * (top - DECK), x - reach + 1.12 * tube * ROUND
-    level = spout + choose(rng, 0.0, 0.02)
-    pieces = (
-        _rod((x, 0.0), (DECK, DECK + 0.006), 1.25 * radius),
-        _rod((x, 0.0), (DECK, top), radius),
-        lean_rod((x, 0.0, spout), (end + bend, 0.0, level), tube, "handle"),
-        *bend_elbow((end + bend, 0.0, level - bend), (UP, FRONT), bend, tube, "handle"),
-        cylinder((end, 0.0, level - bend), (end, 0.0, level - 0.03), tube, "handle"),
-        _build_aerator(end, level - 0.03, tube),
-    )
+    pieces = _build_pillar(rng, (x - reach, x), radius, top)
     long = choose(rng, 0.6, 0.8) * reach
     at = (x, 0.0, top)
     lever = make_mixer(at, UP, FRONT, name="lever", radius=radius, height=cap, length=long, turn=TURN)
     return Assembly(pieces, lever)
+
+
+def _draw_classic(rng: np.random.Generator, x: float, reach: float, height: float) -> Assembly:
+    """A pillar with a fixed spout and one tap on top: a cross, or a lever that turns by a quarter."""
+    radius, tall = choose(rng, 0.017, 0.021), 0.045
+    pieces = _build_pillar(rng, (x - reach, x), radius, height - tall)
+    arms, long, upper = (4, 0.032, np.pi) if rng.random() < 0.6 else (1, 0.06, np.pi / 2)
+    tap = make_cross_handle(
+        (x, 0.0, height - tall), UP, FRONT, name="tap", reach=long, height=tall, arms=arms, upper=upper
+    )
+    return Assembly(pieces, (tap,))
+
+
+def _build_pillar(rng: np.random.Generator, x: Range, radius: float, top: float) -> tuple[Primitive, ...]:
+    """A pillar up to ``top`` with a fixed spout that bends down; ``x`` is that of the spout's end and of the
+    pillar's axis (m)."""
+    tube, bend = 0.0135, 0.02
+    foot, end = DECK + 0.6 * (top - DECK), x[0] + 1.12 * tube * ROUND
+    level = foot + choose(rng, 0.0, 0.02)
+    return (
+        _rod((x[1], 0.0), (DECK, DECK + 0.006), 1.25 * radius),
+        _rod((x[1], 0.0), (DECK, top), radius),
+        lean_rod((x[1], 0.0, foot), (end + bend, 0.0, level), tube, "handle"),
+        *bend_elbow((end + bend, 0.0, level - bend), (UP, FRONT), bend, tube, "handle"),
+        cylinder((end, 0.0, level - bend), (end, 0.0, level - 0.03), tube, "handle"),
+        _build_aerator(end, level - 0.03, tube),
+    )
 
 
 def _draw_kitchen(rng: np.random.Generator, x: float, reach: float, height: float) -> Assembly:

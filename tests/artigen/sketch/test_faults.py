@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from artigen.cli.shape import make_package
-from artigen.shapes.draw import categories, draw_shape
+from artigen.shapes.draw import Wish, categories, draw_shape
 from artigen.shapes.primitives import Primitive, Vector, box, cylinder, move, place_vertices, prism
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
@@ -573,12 +573,15 @@ def without_needs(shape: Shape) -> Shape:
     return replace(shape, parts=tuple(replace(piece, needs=()) for piece in shape.parts))
 
 
+def draw_tool_cart() -> Shape:
+    """A cart that is one cabinet of drawers."""
+    return draw_shape("Cart", 0, Wish(style="tool"))
+
+
 DEFECTS: dict[str, Callable[[], Shape]] = {
     "none": lambda: draw_shape("Oven", 3),
     "a door that opens inwards": lambda: edit_axis(draw_shape("Microwave", 0), "door"),
-    "a drawer that opens inwards": lambda: edit_axis(
-        draw_shape("Cart", 0), first_of(draw_shape("Cart", 0), "drawer")
-    ),
+    "a drawer that opens inwards": lambda: edit_axis(draw_tool_cart(), first_of(draw_tool_cart(), "drawer")),
     "a tray behind a closed door": lambda: without_needs(draw_shape("Dishwasher", 0)),
     "a drawer 5 mm aside": lambda: edit(
         draw_shape("Table", 0),
@@ -597,7 +600,7 @@ DEFECTS: dict[str, Callable[[], Shape]] = {
         swap_motion(origin=(0.0, 0.0, 0.0)),
     ),
     "a drawer that comes out": lambda: edit(
-        draw_shape("Cart", 0), first_of(draw_shape("Cart", 0), "drawer"), swap_motion(upper=1.0)
+        draw_tool_cart(), first_of(draw_tool_cart(), "drawer"), swap_motion(upper=1.0)
     ),
 }
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from artigen.shapes.draw import draw_shape
+from artigen.shapes.draw import Wish, draw_shape
 from artigen.transforms import inverse, matrix_from_quat, shift, transform_points
 from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.errors import PackageError
@@ -42,10 +42,15 @@ def pxr() -> SimpleNamespace:
     return SimpleNamespace(Sdf=Sdf, Usd=Usd, UsdGeom=UsdGeom, UsdPhysics=UsdPhysics, UsdShade=UsdShade)
 
 
-@pytest.fixture(scope="module", params=["StorageFurniture", "Microwave", "Cart"])
+STYLED = {"StorageFurniture": None, "Microwave": None, "Cart": Wish(style="tool")}
+
+
+@pytest.fixture(scope="module", params=STYLED)
 def package(request: pytest.FixtureRequest) -> SimPackage:
     """Drawers and doors; a plate that turns without limit; wheels, which are cylinders."""
-    return build_reference(draw_shape(request.param, 0), provenance={"generator": "a test"})
+    return build_reference(
+        draw_shape(request.param, 0, STYLED[request.param]), provenance={"generator": "a test"}
+    )
 
 
 @pytest.fixture(scope="module")
