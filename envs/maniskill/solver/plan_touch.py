@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float
 
 from ..objects import TaskPart
 from .body import HAND_GAP, Body, is_free
-from .contacts import push_contacts
+from .contacts import Contacts, push_contacts
 from .opening import Opening, least_pressing, way_around
 from .plan_open import NoPlan, OpenPlan
 from .reach import NEAR, drawn_back, follow, reach, starts_of
@@ -62,20 +62,31 @@ def _is_arm_free(
     return is_free(opening.chain, arm, opening.obstacles(at), q)
 
 
-def plan_touch(
-    opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: float, *, skip: int = 0
-) -> OpenPlan:
-    """A plan that pushes a part from fraction ``begin`` of its range to ``end``; arguments as `plan_open`.
+def push_places(opening: Opening, begin: float, sign: float) -> Contacts:
+    """Places at which to push a part at fraction ``begin`` of its range, open (``sign`` 1) or closed (-1).
 
     Raises:
-        NoPlan: If a latch holds the part, there is no place to push, or none that the arm can follow.
+        NoPlan: If a latch holds the part, or there is no such place.
     """
-    chain, robot, name = opening.chain, opening.robot, opening.part.joint.name
+    name = opening.part.joint.name
     if opening.is_latched(begin):
         raise NoPlan(f"joint {name!r}: its latch holds it")
-    found = push_contacts(opening, begin, float(np.sign(end - begin)))
+    found = push_contacts(opening, begin, sign)
     if not len(found.poses):
         raise NoPlan(f"joint {name!r}: nothing to push at has room for the fingers")
+    return found
+
+
+def plan_touch(
+    opening: Opening, found: Contacts, q: Float[np.ndarray, "J"], begin: float, end: float, *, skip: int = 0
+) -> OpenPlan:
+    """A plan that pushes a part from fraction ``begin`` of its range to ``end``, at one of the places
+    ``found`` by `push_places`; other arguments as `plan_open`.
+
+    Raises:
+        NoPlan: If there is no place that the arm can follow.
+    """
+    chain, robot, name = opening.chain, opening.robot, opening.part.joint.name
     motions = opening.way(begin, end).carried
     free = partial(_is_arm_free, opening, motions[0])
     hold, order = reach(chain, motions[0] @ found.poses, found.cost, starts_of(chain, robot, q), free)

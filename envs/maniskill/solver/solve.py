@@ -7,7 +7,7 @@ package. Nothing is learned, and only the robot's fingers move joints.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import gymnasium as gym
 import numpy as np
@@ -38,13 +38,14 @@ from .grasp import Grasps
 from .opening import Opening
 from .plan_open import NoPlan, OpenPlan, edge_grasps, handle_grasps, plan_open
 from .plan_put import NoPutPlan, PutPlan, plan_put
-from .plan_touch import plan_touch
+from .plan_touch import plan_touch, push_places
 from .work import Work
 
 if TYPE_CHECKING:
     from ..open_part import OpenPartEnv
     from ..put_inside import PutInsideEnv
 
+Found = TypeVar("Found")
 ATTEMPTS = 4
 AJAR_ANGLES = (0.7, 0.5, 0.35, 0.26)
 """Angles to which a door is pulled before it is pushed, rad; the first feasible one is used."""
@@ -169,24 +170,29 @@ def _next_plan(driver: Driver, part: TaskPart, end: float, tries: int) -> OpenPl
     ajar = [angle / part.span for angle in AJAR_ANGLES if part.joint.type != "prismatic"]
     shares = [begin + share * (end - begin) for share in PART_WAYS]
     handle, edge = _once(partial(handle_grasps, opening)), _once(partial(edge_grasps, opening))
+    sign = float(np.sign(end - begin))
+    places = _once(partial(push_places, opening, begin, sign))
     skip, name = tries // 2, part.joint.name
 
     def held(grasps: Callable[[], Grasps], to: float) -> OpenPlan:
         return plan_open(opening, grasps(), q, begin, to, skip=skip)
 
+    def touched(to: float) -> OpenPlan:
+        return plan_touch(opening, places(), q, begin, to, skip=skip)
+
     def pulled_ajar(to: float) -> OpenPlan:
         if not begin < to < end or part.kind not in ("door", "drawer"):
             raise NoPlan(f"joint {name!r}: cannot be pulled ajar")
-        plan_touch(opening, q, to, end)
+        plan_touch(opening, push_places(opening, to, sign), q, to, end)
         return held(handle, to)
 
     whole, pinched = [partial(held, handle, end)], [partial(held, edge, end)]
-    touch = [partial(plan_touch, opening, q, begin, end, skip=skip)]
+    touch = [partial(touched, end)]
     ways = whole + touch + [partial(pulled_ajar, to) for to in ajar] + pinched
     first = touch + whole if part.verb == "press" else ways
     first = first[tries % len(first) :] + first[: tries % len(first)]  # start with an untried plan
     rest = [partial(held, grasps, to) for to in shares for grasps in (handle, edge)]
-    rest += [partial(plan_touch, opening, q, begin, to, skip=skip) for to in shares]
+    rest += [partial(touched, to) for to in shares]
     found: list[OpenPlan] = []
     reasons: list[NoPlan] = []
     for attempt in first + rest:
@@ -205,11 +211,11 @@ def _next_plan(driver: Driver, part: TaskPart, end: float, tries: int) -> OpenPl
     )
 
 
-def _once(function: Callable[[], Grasps]) -> Callable[[], Grasps]:
+def _once(function: Callable[[], Found]) -> Callable[[], Found]:
     """Caches the result of a function, or the exception that it raises."""
-    known: list[Grasps | NoPlan] = []
+    known: list[Found | NoPlan] = []
 
-    def value() -> Grasps:
+    def value() -> Found:
         if not known:
             try:
                 known.append(function())

@@ -12,15 +12,9 @@ from envs.maniskill.solver.body import HAND_GAP, Body
 from envs.maniskill.solver.chain import Chain, tool_pose
 from envs.maniskill.solver.contacts import MOST_POINTS, _spread, push_contacts
 from envs.maniskill.solver.field import build_field
-from envs.maniskill.solver.opening import (
-    BEYOND,
-    LAG,
-    UNLATCHED,
-    Opening,
-    path_fractions,
-)
+from envs.maniskill.solver.opening import BEYOND, LAG, UNLATCHED, Opening, path_fractions
 from envs.maniskill.solver.plan_open import NoPlan
-from envs.maniskill.solver.plan_touch import plan_touch
+from envs.maniskill.solver.plan_touch import push_places
 from envs.maniskill.solver.reach import BACK, drawn_back, reach
 from sim_export.geometry.hulls import box_hull
 from sim_export.package import PackageJoint
@@ -83,7 +77,7 @@ def test_a_leaf_is_held_by_its_latch_up_to_a_tenth_of_a_radian(angle, held):
     assert not leaf_opening(leaf_part()).is_latched(0.0)
     if held:
         with pytest.raises(NoPlan, match="latch holds it"):
-            plan_touch(opening, np.zeros(1), angle / part.span, 0.75)
+            push_places(opening, angle / part.span, 1.0)
 
 
 @pytest.mark.parametrize(("span", "beyond"), [(0.05, LAG / 0.05), (0.2, BEYOND)])
