@@ -49,6 +49,27 @@ def triangles_in_the_way(
     return triangles[near]
 
 
+def first_hits(
+    origins: Float[np.ndarray, "R 3"],
+    direction: Float[np.ndarray, "3"],
+    triangles: Float[np.ndarray, "F 3 3"],
+    *,
+    entering: bool = False,
+) -> tuple[Float[np.ndarray, "R"], Float[np.ndarray, "R 3"]]:
+    """Distance of each ray to the face that it hits first, infinite if it hits none, and the face's unit
+    normal, which is arbitrary then. With ``entering``, only faces that rays enter through count."""
+    triangles = triangles_in_the_way(origins, direction, triangles)
+    if not len(triangles):
+        return np.full(len(origins), np.inf), np.zeros((len(origins), 3))
+    distances, sides = ray_hits(origins, direction, triangles)
+    if entering:
+        distances = np.where(sides < 0, distances, np.inf)
+    faces = triangles[distances.argmin(axis=1)]
+    normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
+    return distances.min(axis=1), normals
+
+
 def hit_cosines(
     origins: Float[np.ndarray, "R 3"],
     direction: Float[np.ndarray, "3"],
@@ -56,14 +77,8 @@ def hit_cosines(
     depth: float,
 ) -> Float[np.ndarray, "R"]:
     """Cosine between each ray and the face that it hits first; 0 if it hits none within ``depth``."""
-    triangles = triangles_in_the_way(origins, direction, triangles)
-    if not len(triangles):
-        return np.zeros(len(origins))
-    distances = ray_hits(origins, direction, triangles)[0]
-    faces = triangles[distances.argmin(axis=1)]
-    normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
-    cosines = np.abs(normals @ direction) / np.maximum(np.linalg.norm(normals, axis=1), 1e-15)
-    return np.where(distances.min(axis=1) <= depth, cosines, 0.0)
+    distances, normals = first_hits(origins, direction, triangles)
+    return np.where(distances <= depth, np.abs(normals @ direction), 0.0)
 
 
 def free_depths(

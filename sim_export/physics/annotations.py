@@ -16,11 +16,10 @@ from jaxtyping import Float
 from artigen.types import Asset, Part
 from sim_export.geometry.rays import (
     bar_depths,
+    first_hits,
     free_depths,
     hit_cosines,
     plane_axes,
-    ray_hits,
-    triangles_in_the_way,
 )
 from sim_export.package import HandleAnnotation, Mesh, PackageJoint
 from sim_export.physics.links import LinkTree, link_names, link_owners
@@ -38,7 +37,7 @@ RAYS = 15
 FINGERS = 3
 """Neighbouring rays with free depth behind a bar that fingers need: a fifth of its length."""
 BACK_SIDE = 0.01
-"""Length (m) from which the end of a handle behind its carrier counts as a second side."""
+"""Length (m) from which the end of a handle that comes out behind its carrier is a second side."""
 BAR_RATIO = 2.0
 """Ratio of length to width from which a fixed handle is a line handle instead of a round one."""
 
@@ -190,7 +189,8 @@ def _leading_bar(
 def _front_side(
     points: Float[np.ndarray, "N 3"], normal: Float[np.ndarray, "3"], carrier: Float[np.ndarray, "F 3 3"]
 ) -> Float[np.ndarray, "N 3"]:
-    """The points, moved up to the carrier's face if the handle stands out behind the carrier too."""
+    """The points, of which those behind the carrier's face are moved up to it. A handle whose end stands out
+    behind the carrier by less than `BACK_SIDE` stays whole."""
     front = _surface(points, normal, carrier)
     back = -_surface(points, -normal, carrier)
     depth = points @ normal
@@ -203,13 +203,10 @@ def _surface(
     points: Float[np.ndarray, "N 3"], direction: Float[np.ndarray, "3"], carrier: Float[np.ndarray, "F 3 3"]
 ) -> float:
     """Median position along ``direction`` of the carrier's surface that faces it, over the handle's outline;
-    infinite if most rays miss."""
+    minus infinity if most rays miss."""
     grid = _silhouette(points, direction)
-    carrier = triangles_in_the_way(grid, -direction, carrier)
-    if not len(carrier):
-        return np.inf
-    distances, sides = ray_hits(grid, -direction, carrier)
-    return float(grid[0] @ direction - np.median(np.where(sides < 0, distances, np.inf).min(axis=1)))
+    distances, _ = first_hits(grid, -direction, carrier, entering=True)
+    return float(grid[0] @ direction - np.median(distances))
 
 
 def _lay_along(
@@ -218,18 +215,13 @@ def _lay_along(
     """The carrier's normal behind the handle, if most rays agree on one; nearby object axes take
     precedence."""
     normal = direction
-    carrier = triangles_in_the_way(grid, -direction, carrier)
-    if len(carrier):
-        distances, sides = ray_hits(grid, -direction, carrier)
-        distances = np.where(sides < 0, distances, np.inf)
-        first = distances.argmin(axis=1)[np.isfinite(distances.min(axis=1))]
-        faces = carrier[first]
-        normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
-        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        normals = normals[normals @ direction > np.cos(np.radians(MAX_TILT_DEGREES))]
+    distances, normals = first_hits(grid, -direction, carrier, entering=True)
+    hit = np.isfinite(distances)
+    normals = normals[hit & (normals @ direction > np.cos(np.radians(MAX_TILT_DEGREES)))]
+    if len(normals):
         alike = normals @ normals.T > np.cos(np.radians(SNAP_DEGREES))
-        most = int(alike.sum(axis=1).argmax()) if len(normals) else 0
-        if len(normals) and alike[most].sum() > AGREEMENT * len(first):
+        most = int(alike.sum(axis=1).argmax())
+        if alike[most].sum() > AGREEMENT * hit.sum():
             mean = normals[alike[most]].sum(axis=0)
             normal = mean / np.linalg.norm(mean)
     nearest = int(np.abs(normal).argmax())
