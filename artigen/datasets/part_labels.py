@@ -63,6 +63,8 @@ class MovingPart:
     """Middle of the part above the floor."""
     parent: PartLabel = "base"
     parent_size: float = 1.0
+    through_parent: bool = False
+    """Whether the axis is nearer to the thinnest direction of the parent's box than to any other."""
 
 
 @dataclass(frozen=True)
@@ -115,17 +117,32 @@ LABEL_TABLE: tuple[LabelRule, ...] = (
     ),
     LabelRule("seat_soft_surface back_soft_surface seat", "tray", "tray", "the seat of a chair"),
     LabelRule(
-        "knob button control_button door_button toggle_button switch lock spout tube btn dial key "
+        "knob button control_button door_button toggle_button switch lock btn dial key "
         "toggle lever pedal latch valve trigger plunger nozzle",
         "knob",
         "knob",
-        "whatever a finger turns or presses; the spout of a faucet",
+        "whatever a finger turns or presses",
     ),
-    LabelRule("handle fixed_part grip pull bail", "handle", "handle", "handles that move"),
+    LabelRule(
+        "handle fixed_part grip pull bail spout tube",
+        "handle",
+        "handle",
+        "handles that move; the spout of a faucet",
+    ),
 )
-"""Rules in order of precedence: the first rule that contains one of a part's names decides."""
+"""Rules in order of precedence: the first rule that contains one of a part's names decides. A part that they
+call a handle is a knob if it is a `LEVER`."""
+
+LEVER = JointRule(
+    "hinge",
+    "knob",
+    "on a door, about an axis through its thickness, at most half as large as the door",
+    lambda part: part.parent == "door" and part.through_parent and part.size <= 0.5 * part.parent_size,
+)
+"""Levers and handwheels of latches."""
 
 JOINT_TABLE: tuple[JointRule, ...] = (
+    LEVER,
     JointRule(
         "hinge",
         "handle",
@@ -221,6 +238,7 @@ def measure_part(
     own = turned[node.id]
     middle = float(own[:, 2].min() + own[:, 2].max()) / 2
     axis = turn @ np.array(node.direction)
+    thinnest = int(np.ptp(turned[node.parent], axis=0).argmin())
     return MovingPart(
         size=float(np.ptp(own, axis=0).max()) / longest,
         travel=abs(node.b - node.a) / longest if node.joint == "slider" else 0.0,
@@ -228,7 +246,13 @@ def measure_part(
         height=(middle - float(low[2])) / max(float(np.ptp(whole[:, 2])), 1e-9),
         parent=labels[node.parent],
         parent_size=float(np.ptp(turned[node.parent], axis=0).max()) / longest,
+        through_parent=int(np.abs(axis).argmax()) == thinnest,
     )
+
+
+def _is_lever(label: PartLabel, node: SourceNode, part: MovingPart) -> bool:
+    """Whether a part that its name calls a handle turns a latch."""
+    return label == "handle" and node.joint == "hinge" and LEVER.holds(part)
 
 
 def guess_label(
@@ -239,13 +263,16 @@ def guess_label(
     T_zup_file: Float[np.ndarray, "4 4"],
 ) -> tuple[PartLabel, str]:
     """Label of a movable part and the reason: the first known name, else its joint."""
-    joint = joint_word(node)
+    joint, part = joint_word(node), measure_part(node, corners, labels, T_zup_file)
     for name in names:
         word = find_word(name)
         label = None if word is None else choose_label("slider" if joint == "slider" else "hinge", (word,))
         if label is not None:
-            return label, repr(name) if name == word else f"{word!r} in {name!r}"
-    label, when = label_by_joint(joint, measure_part(node, corners, labels, T_zup_file))
+            reason = repr(name) if name == word else f"{word!r} in {name!r}"
+            if _is_lever(label, node, part):
+                return LEVER.label, f"{reason}, {LEVER.when}"
+            return label, reason
+    label, when = label_by_joint(joint, part)
     return label, f"{joint}, {when}"
 
 
@@ -269,10 +296,11 @@ def label_nodes(
         joint = joint_word(node)
         kind: SourceJoint = "slider" if joint == "slider" else "hinge"
         known = None if joint == "fixed" else choose_label(kind, names)
+        part = measure_part(node, corners, labels, T_zup_file)
         if known is not None:
-            labels[node.id] = known
+            labels[node.id] = LEVER.label if _is_lever(known, node, part) else known
             continue
-        labels[node.id], when = label_by_joint(joint, measure_part(node, corners, labels, T_zup_file))
+        labels[node.id], when = label_by_joint(joint, part)
         notes.append(
             f"node {node.id} ({node.name}): none of {', '.join(dict.fromkeys(names))} "
             f"is in the label table, labelled {labels[node.id]} for its {joint} ({when})"

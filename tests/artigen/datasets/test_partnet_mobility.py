@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,8 @@ from project import ROOT
 from sample_cabinet import SAMPLE_PARTS
 from sample_partnet import write_sample
 
-from artigen.datasets.part_labels import LABEL_TABLE
-from artigen.datasets.partnet_annotation import read_nodes
+from artigen.datasets.part_labels import LABEL_TABLE, label_nodes
+from artigen.datasets.partnet_annotation import SourceNode, read_nodes
 from artigen.datasets.partnet_joints import motion
 from artigen.datasets.partnet_mobility import ReaderConfig, read_object
 from artigen.datasets.sizes import DEPTH_LIMITS, FALLBACK, SIZE_TABLE, estimate_size
@@ -530,6 +531,34 @@ def test_the_documented_tables_are_the_ones_in_force():
     assert size_table_markdown() in text
     names = [name for rule in LABEL_TABLE for name in rule.names]
     assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize(
+    ("parent", "joint", "axis", "length", "label"),
+    [
+        (1, "hinge", (1.0, 0.0, 0.0), 0.5, "knob"),  # a lever
+        (1, "hinge", (0.7, 0.6, 0.0), 0.5, "knob"),
+        (1, "hinge", (0.6, 0.7, 0.0), 0.5, "handle"),  # a bail
+        (1, "hinge", (1.0, 0.0, 0.0), 0.51, "handle"),
+        (1, "slider", (1.0, 0.0, 0.0), 0.5, "handle"),
+        (0, "hinge", (1.0, 0.0, 0.0), 0.5, "handle"),
+    ],
+)
+def test_a_handle_is_a_knob_if_it_turns_about_an_axis_through_its_door(parent, joint, axis, length, label):
+    def corners(x, y, z):
+        return np.array(list(product(x, y, z)), dtype=float)
+
+    nodes = (
+        SourceNode(id=0, parent=-1, joint="heavy", name="body", pieces=()),
+        SourceNode(id=1, parent=0, joint="hinge", name="door", pieces=(), direction=(0.0, 0.0, 1.0)),
+        SourceNode(id=2, parent=parent, joint=joint, name="handle", pieces=(), direction=axis),
+    )
+    boxes = {
+        0: corners((0.0, 1.0), (0.0, 1.0), (0.0, 2.0)),
+        1: corners((-0.05, 0.0), (0.0, 1.0), (0.0, 1.0)),
+        2: corners((-0.1, -0.05), (0.1, 0.1 + length), (0.5, 0.55)),
+    }
+    assert label_nodes(nodes, boxes, np.eye(4))[0] == {0: "base", 1: "door", 2: label}
 
 
 @pytest.mark.parametrize("category", [*SIZE_TABLE, "SpaceShip"])
