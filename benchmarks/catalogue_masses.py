@@ -87,6 +87,7 @@ ENTRIES = (
     Entry("Table", (1.18, 0.75, 0.46), 33, "coffee table, pine"),
     Entry("Cart", (0.75, 0.48, 0.95), 58, "tool cart, steel, without tools", "tool"),
     Entry("Cart", (0.60, 0.45, 0.88), 16, "kitchen trolley, wood", "kitchen"),
+    Entry("Cart", (1.35, 0.60, 0.63), 14, "wheelbarrow, 85 l, steel, tyre with air", "wheelbarrow"),
     Entry("Door", (0.0, 0.0, 2.053), 42, "interior door, 86 cm, tubular board, with frame", "flush"),
     Entry("Window", (1.00, 0.0, 1.20), 42, "casement, double glazing", "casement"),
     Entry("Toilet", (0.37, 0.66, 0.78), 33, "close-coupled, with cistern, empty", "close_coupled"),

@@ -23,7 +23,7 @@ STYLES = (
     "colour", "cluster", "rural", "parcel", "saucepan", "stockpot", "casserole", "copier", "inkjet",
     "multifunction", "laser", "large", "aluminium", "cabin", "leather", "rocker", "toggle", "dimmer",
     "buttons", "wall_hung", "close_coupled", "skirted", "metal", "rolling", "flap", "pedal", "wheeled",
-    "flip", "sorting", "mirrored", "sliding", "casement", "sash",
+    "flip", "sorting", "mirrored", "sliding", "casement", "sash", "platform", "wheelbarrow", "pillar",
 )  # fmt: skip
 """Styles of all categories."""
 OTHER_STYLE = STYLES.index("other")

@@ -59,6 +59,8 @@ MAKES: dict[str, Make] = {
     "ToolBox": Make(density={"steel_sheet": 1000.0}, wall={"plastic": 0.003}),
     "Cart": Make(density={"steel_sheet": 650.0}),
     "Cart kitchen": Make(density={"steel": 480.0, "steel_sheet": 480.0, "wood_board": 560.0}),  # softwood
+    # Tubes and a thin tray; the tyre is full of air.
+    "Cart wheelbarrow": Make(density={"steel_sheet": 800.0, "steel": 400.0, "rubber": 350.0}),
     "Pot": Make(density={"steel_sheet": 1100.0}),
     "BreadBox": Make(density={"steel_sheet": 500.0}),
     # Walls of a safe are plates around concrete.
@@ -79,6 +81,7 @@ MAKES: dict[str, Make] = {
     "Table": Make(density={"wood_board": 580.0}),
     "Door": Make(density={"wood_board": 480.0}),
     "Door flush": Make(density={"wood_board": 400.0}),
+    "Door service": Make(density={"wood_board": 300.0}),  # light boards on a honeycomb
     "Box chest": Make(density={"wood_board": 480.0, "plastic": 480.0}),
     "Box trunk": Make(density={"wood_board": 480.0, "plastic": 480.0}),
 }
@@ -95,4 +98,4 @@ def is_hardware(label: PartLabel, *, moves: bool) -> bool:
 
     A handle on a joint of its own is no fitting but a body that is taken by hand: the arm or shade of a lamp.
     """
-    return label in ("knob", "wheel") or (label == "handle" and not moves)
+    return label == "knob" or (label == "handle" and not moves)

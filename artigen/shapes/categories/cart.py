@@ -1,10 +1,12 @@
-"""Cart: kitchen trolleys, service carts, tool carts and platforms on four castors, with a push bar.
+"""Cart: kitchen trolleys, service carts, tool carts and platforms on four castors; wheelbarrows.
 
 A cart is a stack of tiers between four posts: boards, baskets, pull-out trays, rows of drawers, cabinets.
 Tool carts are one cabinet of drawers under a rimmed top, platforms a deck to which their bar is welded.
+Wheelbarrows hold 80 to 120 litres on a frame of tube with two handles and one wheel of 36 to 40 cm.
 """
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -12,15 +14,17 @@ import numpy as np
 from artigen.shapes.appliances.cavity import build_rim
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, pick
-from artigen.shapes.draw import Draft, Wish, choose_lengths
+from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_size, find_nearest
 from artigen.shapes.fittings.drawers import BoxDesign, make_tray
-from artigen.shapes.fittings.feet import make_castors
+from artigen.shapes.fittings.feet import make_castors, make_wheel
 from artigen.shapes.fittings.hardware import GAP, Range, Space, around, narrow, share_range
+from artigen.shapes.fittings.lids import build_vessel
+from artigen.shapes.fittings.tubes import lean_rod
 from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
 from artigen.shapes.furniture.carcass import draw_fitting
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
 from artigen.shapes.furniture.splits import Cell, Node, Split, Taste
-from artigen.shapes.primitives import block, cylinder
+from artigen.shapes.primitives import ROUND, as_vector, block, cylinder
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -80,7 +84,7 @@ STYLES: dict[str, _Kind] = {
         tiers=(),
         wheel=(0.045, 0.06),
     ),
-    "industrial": _Kind(
+    "platform": _Kind(
         weight=1.0,
         width=(0.7, 0.95),
         depth=(0.45, 0.62),
@@ -90,6 +94,17 @@ STYLES: dict[str, _Kind] = {
         post=(0.026, 0.034),
         tiers=(),
         wheel=(0.05, 0.065),
+    ),
+    "wheelbarrow": _Kind(
+        weight=1.0,
+        width=(1.25, 1.45),
+        depth=(0.56, 0.66),
+        height=(0.58, 0.68),
+        palettes=("blue", "navy", "forest", "terracotta", "anthracite", "steel"),
+        looks=("industrial",),
+        post=(0.028, 0.034),
+        tiers=(),
+        wheel=(0.18, 0.2),
     ),
 }
 CABINET = Taste(
@@ -126,11 +141,15 @@ class _Frame:
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a cart that meets the wish."""
-    style = wish.style or pick(rng, {name: kind.weight for name, kind in STYLES.items()})
+    spans = {name: (kind.width, kind.depth, kind.height) for name, kind in STYLES.items()}
+    style = wish.style or pick(rng, {name: STYLES[name].weight for name in find_nearest(wish, spans)})
     kind = STYLES[style]
     palette = choose_one(rng, kind.palettes)
     finishes = draw_palette(rng, "furniture", palette)
-    size = choose_lengths(rng, wish, (kind.width, kind.depth, kind.height))
+    barrow = style == "wheelbarrow"
+    size = (
+        choose_size(rng, CATEGORY, wish, spans[style]) if barrow else choose_lengths(rng, wish, spans[style])
+    )
     parts = draw_fitting(CATEGORY, size, MAX_LAYOUTS, lambda _: _build(rng, kind, size, wish))
     return Draft(style, parts, finishes)
 
@@ -138,15 +157,18 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 def _build(
     rng: np.random.Generator, kind: _Kind, size: tuple[float, float, float], wish: Wish
 ) -> tuple[ShapePart, ...]:
-    if kind is STYLES["industrial"]:
+    if kind is STYLES["platform"]:
         return _build_platform(rng, kind, size)
+    if kind is STYLES["wheelbarrow"]:
+        return _build_wheelbarrow(rng, kind, size)
     width, depth, height = size
     looks = draw_looks(rng, LOOKS[choose_one(rng, kind.looks)], max(size), wish)
     looks = replace(looks, margin=GAP, lock=False)
     bar = choose(rng, 0.045, 0.065)  # the push bar protrudes on the left
     x = (looks.reach - depth / 2, depth / 2)
     y = (-width / 2, width / 2 - bar)
-    stand = make_castors(x, y, choose(rng, *kind.wheel), swivel=bool(rng.random() < 0.45))
+    wheel, swivel = choose(rng, *kind.wheel), bool(rng.random() < 0.45)
+    stand = make_castors(x, y, wheel, swivel=swivel, lengthwise=True)
     frame = _Frame(x=x, y=y, z=(stand.height, height), post=choose(rng, *kind.post), looks=looks)
     built = _stack_tiers(rng, frame, kind) if kind.tiers else _build_chest(rng, frame)
     rest = Assembly(stand.primitives, (_make_push_bar(frame, bar), *stand.parts))
@@ -159,7 +181,8 @@ def _build_platform(
     """A deck with a bow of tube at its left end, and a rail half-way up."""
     (width, depth, height), tube = size, choose(rng, *kind.post) / 2
     x, y = around(0.0, depth / 2), around(0.0, width / 2)
-    stand = make_castors(x, y, choose(rng, *kind.wheel), swivel=bool(rng.random() < 0.6))
+    wheel, swivel = choose(rng, *kind.wheel), bool(rng.random() < 0.6)
+    stand = make_castors(x, y, wheel, swivel=swivel, lengthwise=True)
     deck = (stand.height, stand.height + choose(rng, 0.028, 0.04))
     end, top = y[1] - tube - 0.006, height - tube
     (front, back), rail = narrow(x, 0.04 + tube), deck[1] + choose(rng, 0.45, 0.6) * (top - deck[1])
@@ -170,6 +193,40 @@ def _build_platform(
         *(cylinder((front, end, z), (back, end, z), radius, "handle") for z, radius in bars),
     ]
     return (Assembly(pieces) + Assembly(stand.primitives, stand.parts)).close()
+
+
+def _build_wheelbarrow(
+    rng: np.random.Generator, kind: _Kind, size: tuple[float, float, float]
+) -> tuple[ShapePart, ...]:
+    """A tray on two tubes that lead from the wheel, on the right, to the handles; two legs at its rear."""
+    (width, depth, height), tube = size, choose(rng, *kind.post) / 2
+    radius, tread, end = choose(rng, *kind.wheel), 0.075, width / 2
+    axle = (ROUND * radius - end, ROUND * radius)  # y, z
+    floor, grip = 2 * radius - 0.03, choose(rng, 0.9, 1.0) * height
+    front, rear = axle[0] + radius + 0.02, end - choose(rng, 0.5, 0.56)
+    near, far = tread / 2 + GAP + tube, 0.44 * depth  # x of the tubes at the wheel and at the handles
+    middle, rise = 0.5 * (near + far), floor - tube
+    grip = min(grip, height) - 1.25 * tube
+    pieces = []
+    for side in (-1.0, 1.0):
+        path = [
+            (side * near, axle[0] - 0.02, axle[1]),
+            (side * middle, front, rise),
+            (side * middle, rear, rise),
+            (side * far, end, grip),
+        ]
+        pieces += [lean_rod(a, b, tube, "handle") for a, b in pairwise(path)]
+        hold = 0.13 / (end - rear)
+        start = np.array(path[3]) + hold * (np.array(path[2]) - np.array(path[3]))
+        pieces.append(lean_rod(as_vector(start), path[3], 1.25 * tube, "rubber"))
+        foot = (side * 0.8 * depth / 2, rear + 0.06, 0.0)
+        pieces.append(lean_rod(foot, (side * middle, rear - 0.02, rise), tube, "handle"))
+    pieces += [cylinder((-middle, y, rise), (middle, y, rise), tube, "handle") for y in (front, rear - 0.02)]
+    low = around(0.0, middle + tube), (front - 0.01, rear + 0.02)
+    high = around(0.0, depth / 2), (axle[0] - 0.02, rear + 0.12)
+    pieces += build_vessel(low, high, (floor, height), 0.022, "front")
+    wheel = make_wheel("wheel", BODY, (0.0, *axle), tread, lengthwise=True)
+    return Assembly(pieces, (wheel,)).close()
 
 
 def _stack_tiers(rng: np.random.Generator, frame: _Frame, kind: _Kind) -> Assembly:

@@ -2,17 +2,22 @@
 
 Leaves follow DIN 18101 (610 to 985 mm wide, 1,985 or 2,110 mm high, 40 mm thick, levers 1,050 mm above the
 floor). The leaf opens once the lever has turned a tongue out of its keep in the frame. The leaf with the
-lever of a double door opens first; a bolt holds the other one.
+lever of a double door opens first; a bolt holds the other one. Service doors have no latch, but a
+pull on the front, a push plate behind, kick plates on both faces and a window.
 """
 
+from collections.abc import Sequence
 from itertools import pairwise
+from math import radians
 
 import numpy as np
 
-from artigen.shapes.choices import choose_one, choose_style
+from artigen.shapes.appliances.cavity import build_frame
+from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
-from artigen.shapes.fittings.hardware import Range, Space, around, narrow, rotate
-from artigen.shapes.fittings.hinges import Leaf, hang_leaves
+from artigen.shapes.fittings.handles import HandleDesign, make_handle
+from artigen.shapes.fittings.hardware import Panel, Range, Space, around, narrow, rotate
+from artigen.shapes.fittings.hinges import Leaf, fit_hinges, hang_leaves
 from artigen.shapes.fittings.latches import (
     TURN,
     Hanging,
@@ -28,7 +33,7 @@ from artigen.shapes.shape import ShapePart, make_base
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Door"
-STYLES = {"panelled": 0.35, "flush": 0.25, "glazed": 0.25, "double": 0.15}
+STYLES = {"panelled": 0.32, "flush": 0.23, "glazed": 0.23, "double": 0.12, "service": 0.1}
 PALETTES = ("white", "white", "white", "oak", "oak", "walnut", "grey", "cream", "anthracite", "sage")
 WIDTHS, PAIRS, HEIGHTS = (0.61, 0.735, 0.86, 0.985), (1.26, 1.51, 1.76), (1.985, 1.985, 2.11)
 THICK = 0.04
@@ -39,6 +44,10 @@ BORDER = TRIM + 0.006
 STILE = 0.112
 """Width of stiles (m), twice the backset of the lock."""
 LEVER = 1.05
+BARREL, STRAPS = 0.1, (0.03, 0.0085)
+"""Length of a hinge, and extent of its straps on leaf and frame (m)."""
+PLATE = 0.0015
+"""Thickness (m) of kick plates and push plates before the leaf's face."""
 GRIDS = {
     "panelled": ((1, 2), (2, 2), (2, 3), (1, 1), (1, 3)),
     "glazed": ((1, 1), (1, 1), (1, 3), (2, 4), (1, 4)),
@@ -49,27 +58,33 @@ GRIDS = {
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a door."""
     style = choose_style(rng, STYLES, wish.style)
-    count = 2 if style == "double" else 1
+    count = 2 if style == "double" or (style == "service" and rng.random() < 0.4) else 1
     wide = float(rng.choice(PAIRS if count == 2 else WIDTHS)) + 2 * BORDER
     tall = float(rng.choice(HEIGHTS)) + BORDER
     lever = design_lever(rng)
     width, depth, height = choose_size(
         rng, CATEGORY, wish, ((wide, wide + 0.02), (0.2, 0.36), (tall, tall + 0.02))
     )
-    x = (lever.reach - depth / 2, depth / 2 - TRIM_THICK)
+    pull = HandleDesign(kind="pull", length=0.3, thickness=0.022, finish="steel")
+    reach = pull.reach if style == "service" else lever.reach
+    x = (reach - depth / 2, depth / 2 - TRIM_THICK)
     inner = Space(x=x, y=(BORDER - width / 2, width / 2 - BORDER), z=(0.0, height - BORDER))
+    leaves = hang_leaves(inner, THICK, count=count, hand=1 if rng.random() < 0.5 else -1, sill=0.007)
+    finishes = draw_palette(rng, "furniture", choose_one(rng, PALETTES))
+    if style == "service":
+        frame = _build_frame(inner, None)
+        parts = _hang_service_leaves(rng, leaves, pull, frame)
+        return Draft(style, (make_base(frame, "frame"), *parts), finishes)
     look = style if count == 1 else choose_one(rng, ("panelled", "glazed"))
     grids = GRIDS.get(look, ((1, 1),))
     columns, rows = choose_one(rng, grids)
-    leaves = hang_leaves(inner, THICK, count=count, hand=1 if rng.random() < 0.5 else -1, sill=0.007)
     first = leaves[0]
     latch = Latch(x=first.x, edge=first.edge, side=first.side, level=min(LEVER, 0.55 * height))
     frame = _build_frame(inner, latch if count == 1 else None)
-    bottom, top = first.z
     hanging = Hanging(
-        levels=(bottom + 0.22, top - 0.2, *((top - 0.55,) if height > 2.1 else ())),
-        barrel=0.1,
-        straps=(0.03, 0.0085),
+        levels=_choose_levels(first),
+        barrel=BARREL,
+        straps=STRAPS,
         swing=(88.0, 105.0),
         key="lever",
         bolt=(STILE / 2, inner.z[1] + BORDER - TRIM),
@@ -81,8 +96,46 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     hinges, parts = hang_parts(rng, leaves, hanging, lambda leaf: _build_leaf(leaf, latch, look, grid))
     frame += hinges
     base = make_base(frame, "frame")
-    finishes = draw_palette(rng, "furniture", choose_one(rng, PALETTES))
     return Draft(style, (base, *parts, _make_lever(latch, lever)), finishes)
+
+
+def _choose_levels(leaf: Leaf) -> tuple[float, ...]:
+    """Heights of the two or three hinges of a leaf."""
+    bottom, top = leaf.z
+    return (bottom + 0.22, top - 0.2, *((top - 0.55,) if top > 2.03 else ()))
+
+
+def _hang_service_leaves(
+    rng: np.random.Generator, leaves: Sequence[Leaf], pull: HandleDesign, frame: list[Primitive]
+) -> list[ShapePart]:
+    """Leaves with their pulls; the hinges' solids on the frame are added to ``frame``."""
+    parts = []
+    upper, tall, wide = radians(choose(rng, 88.0, 105.0)), choose(rng, 0.3, 0.7), choose(rng, 0.07, 0.13)
+    for index, leaf in enumerate(leaves):
+        name = ("leaf", "leaf_1")[index]
+        on_leaf, on_frame = fit_hinges(leaf, _choose_levels(leaf), "handle", length=BARREL, straps=STRAPS)
+        frame += on_frame
+        solids = [*_build_service_leaf(leaf, wide, (1.75 - tall, 1.75)), *on_leaf]
+        parts.append(ShapePart(name, "door", solids, leaf.swing(upper), parent="frame"))
+        panel = Panel(x=leaf.x[0], thickness=THICK, y=leaf.y, z=leaf.z)
+        at = (leaf.edge - leaf.side * STILE / 2, min(LEVER, 0.55 * leaf.z[1]))
+        parts.append(make_handle(panel, pull, name=f"pull_{index}", parent=name, upright=True, at=at))
+    return parts
+
+
+def _build_service_leaf(leaf: Leaf, wide: float, sight: Range) -> list[Primitive]:
+    """A leaf with a window in the middle, a push plate on its rear and kick plates on both faces."""
+    (x0, x1), middle = leaf.x, sum(leaf.y) / 2
+    top = leaf.z[1] - 0.15
+    hole = around(middle, wide), (min(sight[0], top - 0.2), min(sight[1], top))
+    plates = narrow(leaf.y, 0.03), (leaf.z[0] + 0.02, 0.3)
+    push = around(leaf.edge - leaf.side * STILE / 2, 0.04), around(min(LEVER, 0.55 * leaf.z[1]), 0.15)
+    return [
+        *build_frame(leaf.x, (leaf.y, leaf.z), hole, "front"),
+        block(around((x0 + x1) / 2, 0.004), *hole, "glass"),
+        block((x0 - PLATE, x0 + PLATE), *plates, "steel"),
+        *(block((x1 - PLATE, x1 + PLATE), *place, "steel") for place in (plates, push)),
+    ]
 
 
 def _build_frame(inner: Space, latch: Latch | None) -> list[Primitive]:

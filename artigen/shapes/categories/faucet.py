@@ -21,12 +21,12 @@ from artigen.shapes.surfaces.materials import make_polished
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Faucet"
-STYLES = {"single": 0.3, "kitchen": 0.3, "bridge": 0.25, "classic": 0.15}
+STYLES = {"single": 0.3, "kitchen": 0.3, "bridge": 0.25, "pillar": 0.15}
 SIZES: dict[str, Spans] = {
     "single": ((0.16, 0.22), (0.17, 0.22), (0.16, 0.22)),
     "kitchen": ((0.18, 0.24), (0.24, 0.3), (0.32, 0.44)),
     "bridge": ((0.29, 0.34), (0.2, 0.26), (0.26, 0.34)),
-    "classic": ((0.14, 0.18), (0.16, 0.2), (0.15, 0.2)),
+    "pillar": ((0.14, 0.18), (0.16, 0.2), (0.15, 0.2)),
 }
 """Width and depth, including the piece of worktop, and height."""
 METALS = ("chrome", "chrome", "steel", "black", "brass", "bronze")
@@ -42,7 +42,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     back = depth / 2 - 0.06  # x of the faucet's axis
     deck = block((0.3 * depth - depth / 2, depth / 2), around(0.0, width / 2), (0.0, DECK), "top", 0.002)
     draw_metal = {
-        "single": _draw_single, "kitchen": _draw_kitchen, "bridge": _draw_bridge, "classic": _draw_classic
+        "single": _draw_single, "kitchen": _draw_kitchen, "bridge": _draw_bridge, "pillar": _draw_pillar
     }[style]  # fmt: skip
     built = Assembly((deck,)) + draw_metal(rng, back, back + depth / 2, height)
     finishes = draw_palette(rng, "furniture", choose_one(rng, ("oak", "white", "walnut", "anthracite")))
@@ -95,7 +95,7 @@ def _draw_single(rng: np.random.Generator, x: float, reach: float, height: float
     return Assembly(pieces, lever)
 
 
-def _draw_classic(rng: np.random.Generator, x: float, reach: float, height: float) -> Assembly:
+def _draw_pillar(rng: np.random.Generator, x: float, reach: float, height: float) -> Assembly:
     """A pillar with a fixed spout and one tap on top: a cross, or a lever that turns by a quarter."""
     radius, tall = choose(rng, 0.017, 0.021), 0.045
     pieces = _build_pillar(rng, (x - reach, x), radius, height - tall)

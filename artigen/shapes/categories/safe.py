@@ -1,4 +1,4 @@
-"""Safe: a steel box with thick walls, a heavy door with a turning dial or handwheel, and shelves."""
+"""Safe: a steel box with thick walls, a heavy door with a dial, handwheel or keypad, and shelves."""
 
 from dataclasses import replace
 from math import radians
@@ -6,13 +6,16 @@ from math import radians
 import numpy as np
 
 from artigen.shapes.appliances.cavity import build_feet, build_shell
+from artigen.shapes.appliances.control_panel import make_button
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.draw import Draft, Wish, choose_lengths
 from artigen.shapes.fittings.fronts import FrontDesign, make_front
+from artigen.shapes.fittings.handles import HandleDesign, make_handle, place_handle
 from artigen.shapes.fittings.hardware import (
     GAP,
     PASSING,
+    Edge,
     Panel,
     Space,
     around,
@@ -52,22 +55,29 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     upper = radians(float(rng.choice((95.0, 110.0, 135.0, 165.0))))
     if not _passes_side(panel, upper, wall + GAP):
         upper = min(upper, radians(135.0))
-    pad, lock = _make_lock(panel, style)
+    edge: Edge = "left" if left else "right"
+    pad, lock = _make_lock(rng, panel, style, edge)
     solids = (*make_front(panel, FrontDesign(style="flat", frame=0.0, handle=None)), *pad)
-    door = ShapePart("door", "door", solids, hinge(panel, "left" if left else "right", upper))
+    door = ShapePart("door", "door", solids, hinge(panel, edge, upper))
     feet = build_feet(x, y, foot, "rubber", radius=0.024) if foot else ()
     shelves = _make_shelves(rng, replace(hollow, x=(panel.back + 0.01, hollow.x[1])))
     built = Assembly((*build_shell(outer, hollow, "body", "inside"), *feet), (door, *lock, *shelves))
     return Draft(style, built.close(), finishes)
 
 
-def _make_lock(panel: Panel, style: str) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
-    """A dial or keypad above a lever or handwheel: solids of the door, and turning parts."""
+def _make_lock(
+    rng: np.random.Generator, panel: Panel, style: str, edge: Edge
+) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
+    """A dial or keypad above a lever, a handwheel or a fixed handle: solids of the door, and its parts."""
     (y, z), size, wheel = panel.center, _lock_size(panel), style == "handwheel"
     apart = min(0.3 * panel.height, 2.6 * size) / 2 + 0.012
     spokes = _make_spokes(panel, (y, z - apart), size, count=4 if wheel else 2)
     if style == "keypad":
-        return _build_keypad(panel, (y, z + apart), size), (spokes,)
+        plate, keys = _make_keypad(panel, (y, z + apart), size, enter=bool(rng.random() < 0.4))
+        pull = HandleDesign(kind="pull", length=0.13, thickness=0.014, finish="steel")
+        upright, at = place_handle(panel, pull, edge)
+        handle = make_handle(panel, pull, name="pull", parent="door", upright=upright, at=at)
+        return plate, (spokes if rng.random() < 0.6 else handle, *keys)
     return (), (_make_dial(panel, (y, z + apart), 0.7 * size if wheel else size), spokes)
 
 
@@ -82,13 +92,22 @@ def _passes_side(panel: Panel, upper: float, beside: float) -> bool:
     return nearest * np.cos(np.pi - upper) > beside + PASSING
 
 
-def _build_keypad(panel: Panel, at: tuple[float, float], size: float) -> tuple[Primitive, ...]:
-    """A keypad: a plate with nine keys."""
-    x, pitch, half = panel.x - 0.008, 0.5 * size, 0.17 * size
-    rows, columns = ((middle - pitch, middle, middle + pitch) for middle in at)
-    plate = block((x, panel.x), around(at[0], size), around(at[1], 0.9 * size), "panel")
-    keys = [(around(y, half), around(z, half)) for y in rows for z in columns]
-    return plate, *(block((x - 0.004, x), *key, "plastic") for key in keys)
+def _make_keypad(
+    panel: Panel, at: tuple[float, float], size: float, *, enter: bool
+) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
+    """A plate with twelve keys as on a telephone, and a wide one below to ``enter`` the code."""
+    x, pitch, edge, middle = panel.x - 0.008, 0.42 * size, 0.3 * size, (0.21 if enter else 0.0) * size
+    plate = block((x, panel.x), around(at[0], 0.8 * size), around(at[1], 1.05 * size), "panel")
+    places = [(column * pitch, (1.5 - row) * pitch + middle) for row in range(4) for column in (1, 0, -1)]
+    sizes = [(edge, edge, 0.004)] * 12
+    if enter:
+        places.append((0.0, middle - 2.5 * pitch))
+        sizes.append((2 * pitch + edge, edge, 0.004))
+    keys = [
+        make_button((x, at[0] + y, at[1] + z), extent, name=f"key_{k}", parent="door", finish="plastic")
+        for k, ((y, z), extent) in enumerate(zip(places, sizes, strict=True))
+    ]
+    return (plate,), tuple(keys)
 
 
 def _make_dial(panel: Panel, at: tuple[float, float], radius: float) -> ShapePart:

@@ -1,7 +1,8 @@
 """Window: casements with a turning handle, sashes that slide up, panes that slide sideways.
 
 Profiles are 70 to 80 mm as in DIN 68121 (IV 68, IV 78), insulating glass is 24 mm thick, and handles turn by
-90 degrees. A leaf is held by its handle, by a cam on the meeting rail, or by a bolt.
+90 degrees. A leaf is held by its handle, by a cam on the meeting rail, or by a bolt; two panes that
+both slide, each half-way, are not held.
 """
 
 import numpy as np
@@ -9,8 +10,18 @@ import numpy as np
 from artigen.shapes.appliances.cavity import build_frame
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
-from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, around, narrow, rotate, slide
+from artigen.shapes.fittings.handles import HandleDesign, HandleKind, make_handle
+from artigen.shapes.fittings.hardware import (
+    GAP,
+    Panel,
+    Range,
+    Space,
+    around,
+    between,
+    narrow,
+    rotate,
+    slide,
+)
 from artigen.shapes.fittings.hinges import Leaf, hang_leaves
 from artigen.shapes.fittings.latches import (
     RELEASED,
@@ -43,6 +54,7 @@ LEAF = 0.056
 SASH, APART, RAIL, STOP = 0.036, 0.008, 0.048, 0.012
 """Sliding sashes: thickness, gap between their tracks, width of their rails and of the stops beside them."""
 PANE = 0.024
+PULLS: tuple[HandleKind, ...] = ("pull", "bar", "arch")
 Drawn = tuple[list[Primitive], list[ShapePart]]
 """Solids of the frame, and the moving parts."""
 TWO_LEAVES = 1.12
@@ -206,14 +218,16 @@ def _draw_sashes(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
 
 
 def _draw_sliding(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
-    """Draws a sash that slides sideways before a fixed one, held by a bolt in the frame above."""
+    """Draws a sash that slides sideways before a fixed one, held by a bolt in the frame above, or two."""
     front, back = _find_tracks(inner)
     z = narrow(inner.z, GAP)
     middle, left = sum(inner.y) / 2, bool(rng.random() < 0.5)
     over = RAIL / 2
     y = (middle - over, inner.y[1] - GAP) if left else (inner.y[0] + GAP, middle + over)
-    rest = (inner.y[0], middle + over) if left else (middle - over, inner.y[1])
     frame = _build_tracks(inner, upright=False)
+    if rng.random() < 0.4:
+        return frame, _make_panes(rng, inner, left=left, bars=bars)
+    rest = (inner.y[0], middle + over) if left else (middle - over, inner.y[1])
     frame += _build_sash(back, rest, inner.z, (RAIL, RAIL), bars)
     stile = (y[1] - RAIL / 2) if left else (y[0] + RAIL / 2)
     at = (front[0], stile, inner.z[1] - STOP)
@@ -227,8 +241,30 @@ def _draw_sliding(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
         parent="frame",
         needs=require("bolt", fraction=RELEASED),
     )
-    panel = Panel(x=front[0], thickness=SASH, y=around(stile, RAIL / 2), z=z)
-    pull = HandleDesign(kind=choose_one(rng, ("pull", "bar", "arch")), length=0.15, thickness=0.013)
-    level = inner.z[0] + 0.45 * inner.height
-    grip = make_handle(panel, pull, name="pull", parent="sash", upright=True, at=(stile, level))
+    pull = HandleDesign(kind=choose_one(rng, PULLS), length=0.15, thickness=0.013)
+    grip = _make_pull(front[0], stile, inner.z, pull, name="pull", parent="sash")
     return [*frame, *staple], [sash, bolt, grip]
+
+
+def _make_panes(rng: np.random.Generator, inner: Space, *, left: bool, bars: int) -> list[ShapePart]:
+    """Two sashes that slide past each other until the rear one's pull meets the front one, each half-way."""
+    pull = HandleDesign(kind=choose_one(rng, PULLS), length=0.15, thickness=0.013)
+    middle, z, parts = sum(inner.y) / 2, narrow(inner.z, GAP), []
+    for name, x, side in (("front", 0, 1.0 if left else -1.0), ("rear", 1, -1.0 if left else 1.0)):
+        track, outer = _find_tracks(inner)[x], middle + side * (inner.width / 2 - GAP)
+        y = between(middle - side * RAIL / 2, outer)
+        free = y[1] - y[0] - 1.5 * RAIL - pull.height / 2
+        slid = slide(free / 2 - GAP, (0.0, -side, 0.0))
+        pieces = _build_sash(track, y, z, (RAIL, RAIL), bars)
+        grip = _make_pull(track[0], outer - side * RAIL / 2, inner.z, pull, name=f"{name}_pull", parent=name)
+        parts += [ShapePart(name, "door", pieces, slid, parent="frame"), grip]
+    return parts
+
+
+def _make_pull(
+    x: float, stile: float, z: Range, design: HandleDesign, *, name: str, parent: str
+) -> ShapePart:
+    """An upright pull on the stile of a sash whose face is at ``x``."""
+    panel = Panel(x=x, thickness=SASH, y=around(stile, RAIL / 2), z=narrow(z, GAP))
+    at = (stile, z[0] + 0.45 * (z[1] - z[0]))
+    return make_handle(panel, design, name=name, parent=parent, upright=True, at=at)

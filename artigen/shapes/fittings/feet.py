@@ -8,8 +8,20 @@ import numpy as np
 
 from artigen.shapes.appliances.cavity import build_rim
 from artigen.shapes.choices import choose, choose_one
-from artigen.shapes.fittings.hardware import GAP, Range, Space, around, narrow, rotate
-from artigen.shapes.primitives import RIGHT, ROUND, UP, Primitive, Vector, block, cylinder, polygon, polytope
+from artigen.shapes.fittings.hardware import GAP, Range, around, narrow, rotate
+from artigen.shapes.primitives import (
+    FRONT,
+    RIGHT,
+    ROUND,
+    UP,
+    Primitive,
+    Vector,
+    as_vector,
+    block,
+    cylinder,
+    polygon,
+    polytope,
+)
 from artigen.shapes.shape import Motion, ShapePart
 
 LegKind = Literal["square", "tapered", "round", "splayed"]
@@ -158,25 +170,27 @@ def make_castors(
     parent: str = "body",
     swivel: bool,
     pairs: int = 2,
+    lengthwise: bool = False,
     finish: str = "steel",
 ) -> Stand:
     """Pairs of castors within the rectangle x by y; with ``swivel`` the left forks turn too, or all of three.
 
     A fork is a plate and two cheeks. It belongs to the parent unless it swivels about its vertical axle, as
-    at the push bar of a cart. Wheels roll about y.
+    at the push bar of a cart. Wheels roll along x, with ``lengthwise`` along y, away from a push bar.
     """
     width, wall = max(0.024, 0.7 * radius), 0.005
     plate = max(0.006, 0.12 * radius)
     height = 2 * radius + GAP + plate + (GAP if swivel else 0.0)
     half = width / 2 + GAP + wall
+    room_x, room_y = (half, radius) if lengthwise else (radius, half)
     fixed: list[Primitive] = []
     parts: list[ShapePart] = []
-    across = np.linspace(y[0] + half, y[1] - half, pairs).tolist()
-    corners = [(at_x, at_y) for at_x in narrow(x, radius) for at_y in across]
+    across = np.linspace(y[0] + room_y, y[1] - room_y, pairs).tolist()
+    corners = [(at_x, at_y) for at_x in narrow(x, room_x) for at_y in across]
     for index, (at_x, at_y) in enumerate(corners):
         turning = swivel and (pairs > 2 or at_y > sum(y) / 2)
         thick = plate + (GAP if swivel and not turning else 0.0)
-        fork = _make_fork((at_x, at_y), radius, width, wall, thick, finish)
+        fork = _make_fork((at_x, at_y), radius, width, wall, thick, finish, lengthwise=lengthwise)
         carrier = parent
         if turning:
             carrier = f"castor_{index}"
@@ -184,37 +198,50 @@ def make_castors(
             parts.append(ShapePart(carrier, "wheel", fork, axle, parent=parent))
         else:
             fixed += fork
-        parts.append(make_wheel(f"wheel_{index}", carrier, (at_x, at_y, ROUND * radius), width))
+        center = (at_x, at_y, ROUND * radius)
+        parts.append(make_wheel(f"wheel_{index}", carrier, center, width, lengthwise=lengthwise))
     return Stand(height=height, primitives=tuple(fixed), parts=tuple(parts))
 
 
 def _make_fork(
-    at: tuple[float, float], radius: float, width: float, wall: float, plate: float, finish: str
+    at: tuple[float, float],
+    radius: float,
+    width: float,
+    wall: float,
+    plate: float,
+    finish: str,
+    *,
+    lengthwise: bool,
 ) -> tuple[Primitive, ...]:
     inner = width / 2 + GAP
     top = 2 * radius + GAP
-    high = (top, top + plate)
-    run = 0.5 * radius
-    cheeks = [
-        block(around(at[0], run), (at[1] + low, at[1] + low + wall), (0.75 * radius, top), finish)
+    ahead, aside = (at[1], at[0]) if lengthwise else at
+    spans = [
+        (around(ahead, 0.5 * radius), (aside + low, aside + low + wall), (0.75 * radius, top))
         for low in (inner, -inner - wall)
     ]
-    lid = Space(x=around(at[0], 0.8 * radius), y=(at[1] - inner - wall, at[1] + inner + wall), z=high)
-    return (lid.fill(finish), *cheeks)
+    spans.insert(0, (around(ahead, 0.8 * radius), around(aside, inner + wall), (top, top + plate)))
+    return tuple(block(b, a, z, finish) if lengthwise else block(a, b, z, finish) for a, b, z in spans)
 
 
-def make_wheel(name: str, parent: str, center: Vector, width: float) -> ShapePart:
-    """A tyre with a slightly protruding hub that rolls about y.
+def make_wheel(
+    name: str, parent: str, center: Vector, width: float, *, lengthwise: bool = False
+) -> ShapePart:
+    """A tyre with a slightly protruding hub that rolls along x, or along y.
 
     In simulators it is a prism that rests on a flat side.
     """
-    x, y, z = center
-    radius = z / ROUND
-    tyre = cylinder((x, y - width / 2, z), (x, y + width / 2, z), radius, "rubber")
-    hub = width / 2 + 0.001
-    core = cylinder((x, y - hub, z), (x, y + hub, z), 0.55 * radius, "steel")
-    axle = rotate(RIGHT, center)
-    return ShapePart(name, "wheel", (tyre, core), axle, parent=parent)
+    radius, axle = center[2] / ROUND, FRONT if lengthwise else RIGHT
+    tyre, core = (
+        cylinder(
+            as_vector(np.array(center) - half * np.array(axle)),
+            as_vector(np.array(center) + half * np.array(axle)),
+            share * radius,
+            finish,
+        )
+        for half, share, finish in ((width / 2, 1.0, "rubber"), (width / 2 + 0.001, 0.55, "steel"))
+    )
+    return ShapePart(name, "wheel", (tyre, core), rotate(axle, center), parent=parent)
 
 
 def make_screw_feet(x: Range, y: Range, *, parent: str, radius: float = 0.022) -> Stand:

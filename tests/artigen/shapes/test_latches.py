@@ -7,14 +7,16 @@ import numpy as np
 import pytest
 
 from artigen.shapes.draw import SIZE_MARGIN, ShapeError, Wish, choose_size, draw_shape
-from artigen.shapes.fittings.hardware import Space
+from artigen.shapes.fittings.hardware import GAP, Space
 from artigen.shapes.fittings.hinges import hang_leaves
 from artigen.shapes.fittings.latches import RELEASED, THROW, TURN, Latch, build_tongue
 from artigen.shapes.fittings.levers import LEVER_KINDS, LeverDesign, build_lever
 from artigen.shapes.fittings.tubes import lay_pipe, lean_rod
+from artigen.shapes.poses import pose_parts
 from artigen.shapes.primitives import SEGMENTS, box, contains, place_vertices
 from artigen.shapes.shape import Need, Shape
 from artigen.sketch.faults import find_faults
+from artigen.transforms import transform_points
 from sim_export.checks.suite import run_checks
 from sim_export.files.write import write_package
 from sim_export.physics.inertia import subtree_inertial
@@ -184,6 +186,49 @@ def test_the_handle_of_a_door_that_slides_in_its_plane_is_judged_from_before_the
     plate = replace(window, parts=parts)
     assert {fault.id for fault in find_faults(plate)} == {"handle"}
     assert judge_opening(plate, tmp_path / "plate")["V204"] == "fail"
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_both_panes_of_a_sliding_window_open_without_meeting(seed: int):
+    window = draw_shape("Window", seed, Wish(style="sliding"))
+    names = [part.name for part in window.parts]
+    if "rear" not in names:
+        assert "bolt" in names
+        return
+    assert find_faults(window) == ()
+    T = pose_parts(window, np.array([part.motion.upper if part.motion else 0.0 for part in window.parts]))
+    (front, pull) = (
+        transform_points(T[k], window.parts[k].bounds())[:, 1]
+        for k in (names.index("front"), names.index("rear_pull"))
+    )
+    apart = max(front[0] - pull[1], pull[0] - front[1])
+    assert 2 * GAP - 1e-9 <= apart < 2 * GAP + 3e-4  # bars are prisms
+
+
+def test_leaves_of_service_doors_open_by_their_pulls_alone(tmp_path: Path):
+    counts = set()
+    for seed in range(6):
+        door = draw_shape("Door", seed, Wish(style="service"))
+        leaves = {part.name for part in door.parts if part.label == "door"}
+        counts.add(len(leaves))
+        assert {part.parent for part in door.parts if part.label == "handle"} == leaves
+        assert not any(part.needs for part in door.parts)
+        assert find_faults(door) == ()
+    assert counts == {1, 2}
+    assert judge_opening(door, tmp_path / "door")["V204"] == "pass"
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_keypads_of_safes_have_twelve_keys_and_perhaps_one_to_enter(seed: int):
+    safe = draw_shape("Safe", seed, Wish(style="keypad"))
+    keys = [part for part in safe.parts if part.name.startswith("key_")]
+    assert len(keys) in (12, 13)
+    lower = [*(part.bounds()[0, 2] for part in keys)]
+    assert len({round(z, 6) for z in lower}) == len(keys) - 8  # rows
+    door = next(part for part in safe.parts if part.name == "door").bounds()
+    plates = np.stack([part.bounds()[:, 1:] for part in keys])
+    assert (plates[:, 0].min(axis=0) > door[0, 1:]).all()
+    assert (plates[:, 1].max(axis=0) < door[1, 1:]).all()
 
 
 @pytest.mark.parametrize("seed", range(3))

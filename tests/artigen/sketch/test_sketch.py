@@ -52,7 +52,7 @@ def _table(category: str, seed: int) -> np.ndarray:
 
 @cache
 def _network() -> SketchNetwork:
-    torch.manual_seed(0)
+    torch.manual_seed(2)
     return SketchNetwork(TINY).eval()
 
 

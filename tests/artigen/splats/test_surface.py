@@ -122,7 +122,7 @@ def test_thinning_keeps_at_most_so_many_and_all_if_there_are_no_more():
 
 def test_a_procedural_package_can_hold_discs_where_its_meshes_are():
     package = make_package(draw_shape("Safe", 2), "reference", splats=True)
-    assert "discs on the exact faces" in package.records[-1]
+    assert any("discs on the exact faces" in record for record in package.records)
     shown = [link for link in package.links if link.visuals]
     assert len(shown) > 1
     for link in shown:

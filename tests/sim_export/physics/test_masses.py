@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
 
 from artigen.shapes.asset import shape_to_asset
-from artigen.shapes.draw import categories, draw_shape
+from artigen.shapes.draw import Wish, categories, draw_shape
+from artigen.shapes.primitives import place_vertices
 from artigen.types import FIXED, Asset, Part, VoxelGrid
 from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.meshing import mesh_parts, solid_parts
@@ -138,6 +140,18 @@ def test_a_package_weighs_what_its_shape_does():
         links = build_reference(shape).links
         mass = sum(link.inertial.mass for link in links if link.inertial is not None)
         assert mass == pytest.approx(weigh_shape(shape), rel=1e-3)  # packages make small parts heavier
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_wheel_of_a_wheelbarrow_is_as_heavy_as_one_with_air(seed: int):
+    shape = draw_shape("Cart", seed, Wish(style="wheelbarrow"))
+    by_part = {link.parts[0]: link.inertial.mass for link in build_reference(shape).links}
+    assert 2.0 < by_part["wheel"] < 4.5  # 16 inches, on a steel rim
+    make = find_make("Cart", "wheelbarrow")
+    rubber, steel = make.density["rubber"], make.density["steel"]
+    tyre, core = next(part for part in shape.parts if part.name == "wheel").primitives
+    solids = [ConvexHull(place_vertices(piece)).volume for piece in (tyre, core)]
+    assert rubber * solids[0] < by_part["wheel"] < rubber * solids[0] + steel * solids[1]
 
 
 @pytest.mark.parametrize(("above", "moves"), [(-0.01, False), (0.0057, True), (0.0059, False)])
