@@ -103,7 +103,8 @@ def euler_numbers(faces: np.ndarray) -> np.ndarray:
 
 
 def _merge_vertices(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    merged = number_rows(np.rint(1e9 * vertices).astype(np.int64))[1][faces]
+    first, number = number_rows(np.rint(1e9 * vertices).astype(np.int64))
+    merged = first[number][faces]
     proper = (merged[:, 0] != merged[:, 1]) & (merged[:, 1] != merged[:, 2]) & (merged[:, 2] != merged[:, 0])
     return merged[proper]
 
