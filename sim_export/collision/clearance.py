@@ -35,6 +35,8 @@ a leaf swings close past its neighbour, and keep some."""
 THREAD = 1e-4
 """The same between what a screw connects, which are one in the other and whose contacts engines ignore
 (`sim_export.collision.ignored_pairs`); cuts leave twice this."""
+ENOUGH = 1.2
+"""Gap that cuts leave at least, over the one required: the next pass finds nothing to cut there."""
 TOLERANCE = 2e-5
 """Depth (m) from which an overlap that cannot be cut counts as one."""
 CARRIED = (0.25, 0.5, 0.75, 1.0)
@@ -191,7 +193,7 @@ def _clear_joint(
                     room=(work.room(a), work.room(b)),
                     size=work.size,
                     axis=joint.axis,
-                    margin=2.0 * THREAD if threaded else MARGIN,
+                    margin=2.0 * THREAD if threaded else max(MARGIN, ENOUGH * gap),
                 )
                 done = relieve_pair(pair, gap, sheets=work.sheets, shares=work.shares)
                 changes += _apply(work, ((a, i), (b, j)), done)

@@ -31,9 +31,9 @@ from sim_export.package import Hull, Link
 
 MOST_OF_LINK = 96
 """Hulls of a link after clearance and additions, at most; check V006 allows as many."""
-MAX_CUTS = 4
+MAX_CUTS = 5
 """Times that a hull is cut, and its pieces again. A board needs two; a bevelled one that is nearly square
-needs four, as its greatest extent runs from corner to corner."""
+needs four, as its greatest extent runs from corner to corner, and a plate with five corners may need five."""
 
 MAX_VERTICES = 32
 """Most vertices of a hull; 32 have at most 60 faces, whichever of them count as flat."""

@@ -99,7 +99,8 @@ def stands_out(hull: Hull, solids: Sequence[manifold3d.Manifold]) -> float:
     corners = surface[faces]
     low, high = hull.vertices.min(axis=0) - reach, hull.vertices.max(axis=0) + reach
     near = ((corners.max(axis=1) >= low) & (corners.min(axis=1) <= high)).all(axis=1)
-    return float(surface_distances(solid_arrays(rest)[0], corners[near], 5000).max())
+    vertices, faces = solid_arrays(rest)
+    return float(surface_distances(sample_triangles(vertices[faces], 2000)[0], corners[near], 5000).max())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from sim_export.collision import attachment
-from sim_export.collision.attachment import NEAR, attach_links
+from sim_export.collision.attachment import NEAR, add_hull, attach_links
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import box_hull
-from sim_export.motion.kinematics import link_displacements
+from sim_export.motion.kinematics import link_displacements, read_sweeps
 from sim_export.package import Hull, Link, PackageJoint
 
 
@@ -137,3 +137,68 @@ def test_buttons_in_a_row_share_a_bar():
         pair = (done.links[0], done.links[index])
         assert gap(pair) <= NEAR
         assert sweep_gap(pair, replace(moving, child=name)) >= 0.0
+
+
+def knob_at(distance: float) -> Hull:
+    """A knob so far (m) from its panel."""
+    return box((-0.02 - distance, -0.02, -0.02), (-distance, 0.02, 0.02))
+
+
+@pytest.mark.parametrize(("distance", "closed"), [(0.0044, 0), (0.0046, 1), (0.0318, 1), (0.0322, 0)])
+def test_gaps_of_four_and_a_half_to_thirty_two_millimetres_are_closed(distance, closed):
+    done = attach_links((link("body", BODY), link("part", knob_at(distance))), [TURN])
+    assert (len(done.pegs), len(done.apart)) == (closed, 0)
+
+
+def test_a_peg_stands_a_millimetre_deep_in_its_own_link_and_ends_one_before_the_other():
+    done = attach_links((link("body", BODY), link("part", knob_at(0.007))), [TURN])
+    (peg,) = (hull for item in done.links for hull in item.hulls[1:])
+    ends = peg.vertices[:, 0].min(), peg.vertices[:, 0].max()
+    assert ends == pytest.approx((-0.008, -0.001), abs=1e-6)
+
+
+@pytest.mark.parametrize(("left", "fits"), [(1.8e-4, False), (2.2e-4, True)])
+def test_a_hull_that_is_added_stays_a_fifth_of_a_millimetre_from_others(left, fits):
+    links = (link("body", BODY), link("part", KNOB))
+    added = box((-0.01, -0.01, -0.01), (-left, 0.01, 0.01))
+    sets = [HullSet(hulls=item.hulls) for item in links]
+    assert (add_hull(sets, read_sweeps(links, [TURN], ()), 1, added, KNOB) is not None) == fits
+
+
+@pytest.mark.parametrize(("depth", "fits"), [(1.8e-5, True), (2.2e-5, False)])
+def test_a_hull_that_is_stretched_may_enter_others_by_a_fiftieth_of_a_millimetre(depth, fits):
+    """A part that has 96 hulls, the most of a link; one of them reaches for its panel."""
+    others = [box((-1.0, 0.01 * k, 0.0), (-0.99, 0.01 * k + 0.009, 0.01)) for k in range(95)]
+    sets = [HullSet(hulls=(BODY,)), HullSet(hulls=(KNOB, *others))]
+    done = add_hull(sets, (), 1, box((-0.01, -0.01, -0.01), (depth, 0.01, 0.01)), KNOB)
+    assert (done is not None) == fits
+    assert done is None or len(done.hulls) == 96
+
+
+@pytest.mark.parametrize(("deeper", "pegs"), [(0.0009, 1), (0.0011, 2)])
+def test_buttons_share_a_bar_if_they_end_within_a_millimetre_of_each_other(deeper, pegs):
+    """Two of them, 20 mm wide and 10 mm apart; the second is nearer to the panel."""
+    knobs = [
+        box((-0.027, -0.01, -0.01), (-0.007, 0.01, 0.01)),
+        box((-0.027, 0.02, -0.01), (-0.007 + deeper, 0.04, 0.01)),
+    ]
+    press = joint("prismatic", (1.0, 0.0, 0.0), 0.0069 - deeper)
+    presses = [replace(press, name=f"joint_{k}", child=f"button_{k}") for k in range(2)]
+    links = (link("body", BODY), *(link(f"button_{k}", knob) for k, knob in enumerate(knobs)))
+    assert len(attach_links(links, presses).pegs) == pegs
+
+
+@pytest.mark.parametrize(("blocked", "pegs"), [(3, 1), (4, 0)])
+def test_a_peg_is_tried_at_the_four_nearest_places(blocked, pegs):
+    """A part with five feet before a panel, each a little farther off; blocks fill the gaps of the first."""
+    feet = [
+        box((-0.02, y - 0.02, -0.02), (-0.006 - 2e-4 * k, y + 0.02, 0.02))
+        for k, y in enumerate((-0.2, -0.1, 0.0, 0.1, 0.2))
+    ]
+    blocks = [
+        box((-0.0055, y - 0.03, -0.03), (-0.0005, y + 0.03, 0.03)) for y in (-0.2, -0.1, 0.0, 0.1)[:blocked]
+    ]
+    links = (link("body", BODY), link("part", *feet), link("other", *blocks))
+    slide = joint("prismatic", (0.0, 1.0, 0.0), 1e-4)
+    still = replace(slide, name="joint_1", type="fixed", kind="fixed", child="other", upper=0.0)
+    assert len(attach_links(links, [slide, still]).pegs) == pegs

@@ -450,3 +450,43 @@ def test_sheets_in_one_plane_are_cut_along_their_edges(shared, freed):
 def test_cuts_may_add_eight_hulls_and_half_as_many_as_there_are_up_to_the_limit_of_a_link(hulls, more):
     cubes = [box((k, 0.0, 0.0), (k + 0.9, 0.9, 0.9)) for k in range(hulls)]
     assert CutHulls([make_link("body", *cubes)]).room(0) == more
+
+
+@pytest.mark.parametrize(
+    ("gap", "label", "cut"), [(0.0029, "door", True), (0.0031, "door", False), (0.0029, None, False)]
+)
+def test_leaves_that_turn_are_cut_where_others_come_nearer_than_three_millimetres(gap, label, cut):
+    left, right = box((-0.002, gap, 0), (0, 0.4, 1)), box((-0.002, -0.4, 0), (0, 0, 1))
+    links = [
+        make_link("body", box((0.01, -0.4, 0), (0.4, 0.4, 1))),
+        replace(make_link("left", left), label=label),
+        replace(make_link("right", right), label=label),
+    ]
+    joints = [
+        make_joint("left", "revolute", (0, 0, -1), (-0.002, 0.4, 0), 1e-6),
+        make_joint("right", "revolute", (0, 0, 1), (-0.002, -0.4, 0), 1e-6),
+    ]
+    cleared = clear_joints(links, joints)
+    assert bool(cleared.reliefs) == cut
+    ends = [link.hulls[0].vertices[:, 1] for link in cleared.links[1:]]
+    assert ends[0].min() - ends[1].max() >= (0.0036 if cut else gap) - 1e-9
+    assert all(relief.cuts <= 2 for relief in cleared.reliefs)  # none that removes nothing
+
+
+@pytest.mark.parametrize(("depth", "reported"), [(1.8e-5, False), (2.2e-5, True)])
+def test_overlaps_that_cannot_be_cut_are_reported_from_a_fiftieth_of_a_millimetre(depth, reported):
+    """Two wheels, which keep their shape."""
+    links = [
+        replace(make_link("front", box((0, 0, 0), (0.1, 0.02, 0.1))), label="wheel"),
+        replace(make_link("rear", box((0.1 - depth, 0, 0), (0.2, 0.02, 0.1))), label="wheel"),
+        make_link("body", box((0, 0, 0.3), (0.2, 0.02, 0.4))),
+    ]
+    joints = [make_joint("front", "prismatic", (0, 1, 0), (0, 0, 0), 1e-3)]
+    assert bool(clear_joints(links, joints).residuals) == reported
+
+
+@pytest.mark.parametrize(("share", "lowered"), [(0.48, False), (0.52, True)])
+def test_a_limit_is_lowered_if_half_of_the_range_is_free(share, lowered):
+    links, joints = stopper()
+    cleared = clear_joints(links, [joints[0], replace(joints[1], upper=0.2 / share)])
+    assert (len(cleared.limits), len(cleared.residuals)) == ((1, 0) if lowered else (0, 1))

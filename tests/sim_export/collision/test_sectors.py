@@ -1,12 +1,16 @@
 """Surfaces of revolution have an axis, and their sectors are all of them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from artigen.transforms import rotation_about
 from sim_export.collision import surface_hulls
+from sim_export.collision.free_space import find_free_space
 from sim_export.collision.object_cover import ObjectCover
-from sim_export.collision.sectors import FEWEST, MOST, SAGITTA, count_sectors, cut_sectors, find_axis
+from sim_export.collision.sectors import count_sectors, cut_sectors, find_axis
+from sim_export.collision.surface_hulls import USUAL, cover_surface
 from sim_export.geometry.distances import surface_distances
 from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
@@ -52,6 +56,13 @@ def test_boxes_and_plates_have_no_axis(shape):
 def test_a_ring_is_closed_if_it_goes_three_quarters_around(sixteenths, found):
     """Twelve of sixteen parts count, and one that is only begun counts."""
     assert (find_axis(turned(span=2.0 * np.pi * sixteenths / 16.0)) is not None) == found
+
+
+@pytest.mark.parametrize(("sixteenths", "found"), [(11.2, True), (10.8, False)])
+def test_of_the_sixteen_parts_of_a_ring_the_twelfth_counts_once_it_is_begun(sixteenths, found):
+    """A hoop with a radius of 5 cm, lower than a ring is wide, so that all points are in one ring."""
+    hoop = turned(((0.05, 0.0), (0.05, 0.0009)), span=2.0 * np.pi * sixteenths / 16.0)
+    assert (find_axis(hoop) is not None) == found
 
 
 @pytest.mark.parametrize(("share", "found"), [(0.7, True), (0.66, False)])
@@ -101,12 +112,21 @@ def test_a_handle_does_not_move_the_axis(size):
     np.testing.assert_allclose(found.point[:2], 0.0, atol=3e-4)
 
 
-@pytest.mark.parametrize("radius", [0.02, 0.05, 0.1])
-def test_sectors_are_as_few_as_their_arcs_allow(radius):
-    count = count_sectors(radius, SAGITTA * 0.3)
-    depth = [radius * (1.0 - np.cos(np.pi / n)) for n in (count, count - 2)]
-    assert depth[0] <= SAGITTA * 0.3 or count == MOST
-    assert depth[1] > SAGITTA * 0.3 or count == FEWEST
+@pytest.mark.parametrize(
+    ("depth", "count"),
+    [(0.04, 6), (0.0077, 8), (0.0075, 10), (0.00087, 24), (0.0007, 24)],
+)
+def test_sectors_are_as_few_as_their_arcs_allow_from_6_to_24(depth, count):
+    """Even numbers, of a tube with a radius of 10 cm: eight arcs are 7.6 mm deep, 24 are 0.86 mm."""
+    assert count_sectors(0.1, depth) == count
+
+
+@pytest.mark.parametrize(("diagonal", "count"), [(0.97, 8), (0.93, 10)])
+def test_arcs_are_eight_thousandths_of_the_diagonal_deep(diagonal, count):
+    """A tube with a radius of 10 cm in an object of some diagonal (m); no sector is cut again."""
+    tube, coarse = turned(((0.1, 0.0), (0.1, 0.1))), replace(USUAL, bulge=0.02)
+    cover = cover_surface(tube, find_free_space(tube, diagonal), diagonal, coarse)
+    assert len(cover.cut) == count
 
 
 def test_sectors_together_are_the_surface_and_each_lies_within_its_angle():

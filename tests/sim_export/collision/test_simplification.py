@@ -8,13 +8,17 @@ from scipy.spatial.transform import Rotation
 
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.primitives import Primitive, box, cylinder, place_vertices, prism, rounded_box
-from sim_export.collision.simplification import SHARE, TOLERANCE, simplify_hulls, simplify_links
+from sim_export.collision.simplification import simplify_hulls, simplify_links
 from sim_export.geometry.hulls import convex_hull, hull_planes, hull_volume, hull_width
 from sim_export.geometry.primitives import find_primitive
 from sim_export.geometry.solids import as_solid
 from sim_export.package import Hull
 
 SEEDS = st.integers(0, 10_000)
+TOLERANCE = 0.0035
+"""Metres that a primitive may reach out of a piece."""
+SHARE = 0.25
+"""The same as a share of the thickness of a piece, which holds where it is less."""
 CORNER = 2.0 / np.sqrt(3.0)
 """How far the corner of a box stands out of its bevels, over their width."""
 
@@ -96,6 +100,46 @@ def test_a_wedge_without_neighbours_stays_a_wedge():
     assert kinds(simplify_hulls(wedges[:1])) == ["mesh"]
     half = kinds(simplify_hulls(wedges[:8]))
     assert half == ["mesh", *["box"] * 6, "mesh"]
+
+
+@pytest.mark.parametrize(("offset", "kind"), [(0.9e-6, "cylinder"), (1.1e-6, "mesh")])
+def test_corners_within_a_micrometre_of_a_plane_lie_on_a_cap(offset: float, kind: str):
+    """A prism of six sides, with two corners of either cap a little nearer to the middle: four are no cap."""
+    turns = 2 * np.pi * np.arange(6) / 6
+    profile = 0.01 * np.column_stack([np.cos(turns), np.sin(turns)])
+    inwards = offset * np.array([1.0, 0.0, 0.0, 1.0, 0.0, 0.0])
+    caps = [np.column_stack([profile, z]) for z in (inwards, 0.02 - inwards)]
+    assert kinds(simplify_hulls([convex_hull(np.concatenate(caps))])) == [kind]
+
+
+@pytest.mark.parametrize(
+    ("turns", "radius", "kind"), [((20, 90, 170), 0.011, "cylinder"), ((20, 50, 60, 120), 0.01, "mesh")]
+)
+def test_the_four_smallest_primitives_are_tried(turns: tuple[int, ...], radius: float, kind: str):
+    """Around prisms on an ellipse, the cylinder is the fourth, after three boxes that are too large, and the
+    fifth after four."""
+    at = np.radians([*turns, *(turn + 180 for turn in turns)])
+    profile = radius * np.column_stack([1.1 * np.cos(at), np.sin(at)])
+    piece = convex_hull(np.array([[x, y, z] for x, y in profile for z in (0.0, 0.05)]))
+    assert kinds(simplify_hulls([piece])) == [kind]
+
+
+@pytest.mark.parametrize(("share", "kind"), [(0.9, "box"), (1.1, "mesh")])
+def test_a_thousandth_of_a_cubic_millimetre_of_a_box_may_be_in_no_piece(share: float, kind: str):
+    """A block without one of its edges, in whose place are two bars; between them is a slit.
+
+    Pieces count as larger by the tolerance on all sides: of the edge a prism a millimetre high is left, and
+    of the slit what is wider than twice the tolerance.
+    """
+    bevel = np.sqrt(2.0) * (TOLERANCE + 1e-3)
+    profile = np.array([[bevel, 0.0], [0.1, 0.0], [0.1, 0.1], [0.0, 0.1], [0.0, bevel]])
+    block = convex_hull(np.array([[x, y, z] for x, y in profile for z in (0.0, 0.1)]))
+    slit = 2.0 * TOLERANCE + share * 1e-6
+    bars = [
+        hull_of(box((0.0, 0.0, low), (bevel, bevel, high), ""))
+        for low, high in ((0.0, 0.04), (0.04 + slit, 0.1))
+    ]
+    assert kinds(simplify_hulls([block, *bars]))[0] == kind
 
 
 def test_a_cone_is_no_cylinder():

@@ -8,7 +8,7 @@ import pytest
 from sample_cabinet import SAMPLE_PARTS, sample_box_arrays
 from scipy.spatial import ConvexHull
 
-from sim_export.collision.cuboids import LEAST_GAIN, fill_with_boxes, largest_cuboids
+from sim_export.collision.cuboids import fill_with_boxes, largest_cuboids
 from sim_export.collision.free_space import find_free_space
 from sim_export.collision.hull_limits import MAX_ASPECT, MAX_POLYGONS, MAX_VERTICES, MIN_WIDTH, hull_aspect
 from sim_export.collision.object_cover import ObjectCover, find_passing
@@ -175,22 +175,6 @@ def test_what_is_enclosed_by_a_solid_is_its_own_even_if_another_link_passes_thro
     middle = (32, 32, 32)
     assert find_free_space(walls, 0.87, lodger).depth[middle] > 0
     assert find_free_space(walls, 0.87, lodger, solid=True).depth[middle] == 0
-
-
-@pytest.mark.parametrize(("share", "boxes"), [(0.8 * LEAST_GAIN, 1), (1.3 * LEAST_GAIN, 2)])
-def test_a_box_must_fill_two_thousandths_of_the_solid(share, boxes):
-    edge = np.sqrt(share / 0.1)
-    bump = block((0.3, 0.3, 1.0), (0.3 + edge, 0.3 + edge, 1.1))
-    assert len(fill_with_boxes(triangles_of(block((0, 0, 0), (1, 1, 1)) + bump))) == boxes
-
-
-@pytest.mark.parametrize(("rise", "exact"), [(0.0105, False), (0.0135, True)])
-def test_boxes_end_at_planes_that_hold_three_thousandths_of_the_surface(rise, exact):
-    """A step whose riser is 0.26 or 0.34 % of the surface, between two cells of a 64th."""
-    stair = block((0, 0, 0), (1, 1, 0.5)) + block((0, 0, 0.4), (0.3, 1, 0.5 + rise))
-    ends = [hull.vertices[:, 0].max() for hull in fill_with_boxes(triangles_of(stair))]
-    assert (np.abs(np.array(ends) - 0.3).min() < 1e-6) == exact
-    assert np.abs(np.array(ends) - 0.3).min() < 1 / 64
 
 
 def test_boxes_end_at_the_planes_of_the_solid_or_a_64th_before_what_has_none():

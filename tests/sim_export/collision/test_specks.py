@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim_export.collision.specks import JOINED, LONGEST, NEAR, NEAR_SHARE, drop_specks
+from sim_export.collision.specks import drop_specks
 from sim_export.geometry.hulls import box_hull
 
 
@@ -16,13 +16,12 @@ def stud(length, height):
     return box_at((0.1, 0.1, 0.0), (length, 0.5 * length, height))
 
 
-@pytest.mark.parametrize(
-    ("diagonal", "reach"), [(1.0, NEAR), (0.5, NEAR_SHARE * 0.5), (NEAR / NEAR_SHARE, NEAR), (3.0, NEAR)]
-)
+@pytest.mark.parametrize(("diagonal", "reach"), [(1.0, 0.004), (0.5, 0.0025), (0.8, 0.004), (3.0, 0.004)])
 @pytest.mark.parametrize(("longer", "higher", "stays"), [(0.99, 0.99, 0), (1.01, 0.99, 1), (0.99, 1.01, 1)])
 def test_only_short_and_low_hulls_go(diagonal, reach, longer, higher, stays):
+    """Up to 1.5 % of the diagonal long, and up to 4 mm or half a per cent of the diagonal high."""
     block = box_at((0, 0, -0.2), (0.2, 0.2, 0.2))
-    speck = stud(longer * LONGEST * diagonal, higher * reach)
+    speck = stud(longer * 0.015 * diagonal, higher * reach)
     kept = drop_specks((speck, block), diagonal)
     assert kept == ((speck, block) if stays else (block,))
 
@@ -31,7 +30,7 @@ def test_only_short_and_low_hulls_go(diagonal, reach, longer, higher, stays):
 def test_distance_is_measured_to_the_edge_where_a_hull_lies_beside_it(apart, stays):
     block = box_at((-0.2, -0.2, -0.2), (0.2, 0.2, 0.2))
     sides = np.full(3, 0.001)
-    speck = box_at(apart * NEAR / np.sqrt(3.0) - sides, sides)  # its farthest corner is off a corner
+    speck = box_at(apart * 0.004 / np.sqrt(3.0) - sides, sides)  # its farthest corner is off a corner
     assert (len(drop_specks((block, speck), 1.0)) == 2) == stays
 
 
@@ -42,9 +41,10 @@ def test_tiny_hulls_inside_of_others_go():
 
 @pytest.mark.parametrize(("apart", "stays"), [(0.99, False), (1.01, True)])
 def test_a_speck_stays_if_nothing_else_holds_a_hull(apart, stays):
+    """Hulls within 5 mm hold together."""
     block = box_at((-0.2, -0.1, -0.1), (0.2, 0.2, 0.2))
-    speck = box_at((0.0, 0.0, 0.0), (0.9 * NEAR, 0.01, 0.01))
-    post = box_at((apart * JOINED, -0.1, 0.0), (0.02, 0.2, 0.01))
+    speck = box_at((0.0, 0.0, 0.0), (0.0036, 0.01, 0.01))
+    post = box_at((apart * 0.005, -0.1, 0.0), (0.02, 0.2, 0.01))
     assert drop_specks((block, speck, post), 1.0) == ((block, speck, post) if stays else (block, post))
 
 
@@ -54,7 +54,7 @@ def test_hulls_in_a_row_do_not_vanish_one_after_the_other():
     kept = drop_specks(row, 1.0)
     middles = np.array([hull.vertices.mean(axis=0) for hull in kept])
     for hull in row:
-        assert np.linalg.norm(middles - hull.vertices.mean(axis=0), axis=1).min() <= NEAR
+        assert np.linalg.norm(middles - hull.vertices.mean(axis=0), axis=1).min() <= 0.004
     assert 1 < len(kept) < len(row)
 
 

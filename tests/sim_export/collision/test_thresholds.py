@@ -6,13 +6,11 @@ import pytest
 
 from sim_export.collision.cuboids import face_coordinates
 from sim_export.collision.feet import add_feet
-from sim_export.collision.free_space import FreeSpace, find_free_space
+from sim_export.collision.free_space import find_free_space
 from sim_export.collision.hull_limits import comply_hull
 from sim_export.collision.recovery import recover_surface
 from sim_export.collision.simplification import simplify_hulls
-from sim_export.collision.surface_pieces import make_piece
 from sim_export.collision.trimming import trim_meshes
-from sim_export.geometry.grid import Grid
 from sim_export.geometry.hulls import box_hull, convex_hull, hull_width
 from sim_export.geometry.primitives import find_primitive
 from sim_export.package import Hull, Link, Mesh
@@ -71,17 +69,6 @@ def test_planes_are_found_where_half_of_a_surface_is_aligned(share, found):
 def test_hulls_are_thickened_to_one_and_a_half_millimetres(thickness, after):
     hull = comply_hull(box_hull(np.zeros(3), np.array([0.03, 0.03, thickness])))
     assert hull_width(hull)[0] == pytest.approx(after)
-
-
-@pytest.mark.parametrize(("strip", "taken"), [(2, False), (4, True)])
-def test_a_sheet_takes_free_space_if_three_hundredths_of_it_lie_there(strip, taken):
-    grid = Grid(low=np.array([0.0, 0.0, -0.05]), cell=0.01, shape=(100, 100, 10))
-    depth = np.zeros(grid.shape, dtype=np.float32)
-    depth[:strip] = 0.5
-    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
-    sheet = corners[np.array([[0, 1, 2], [0, 2, 3]])]
-    piece = make_piece(sheet, FreeSpace(grid=grid, away=depth, depth=depth), 0.005)
-    assert (piece.intrusion.volume > 0.0) == taken
 
 
 def test_the_longest_edge_of_a_link_has_128_cells():
