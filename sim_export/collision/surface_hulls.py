@@ -52,8 +52,6 @@ UNLIKE = 0.3
 LEAST_CELLS = 24
 """Cells along the longest edge of a link below which it gets no boxes."""
 # Lengths as shares of the object's diagonal, unless in metres.
-SLACK = 0.006
-"""Surface this near to a box is covered by it."""
 TAKEN = 0.004
 """Share of its volume that a hull may take of free space beyond."""
 TAKEN_OF_ROUND = 1.0
@@ -76,10 +74,12 @@ class Fineness:
     """Hulls of the link, at most; what clearance cuts them to comes on top."""
     most_of_object: int
     """Hulls of the whole object, at most, where this is its finest link."""
+    slack: float
+    """Surface this near to a box is covered by it, over the object's diagonal."""
 
 
-USUAL = Fineness(bulge=0.004, most_pieces=96, most=72, most_of_object=192)
-FINER = Fineness(bulge=0.002, most_pieces=160, most=90, most_of_object=240)
+USUAL = Fineness(bulge=0.004, most_pieces=96, most=72, most_of_object=192, slack=0.006)
+FINER = Fineness(bulge=0.002, most_pieces=160, most=90, most_of_object=240, slack=0.003)
 """Smaller hulls for links whose details the usual ones miss; slower to make and to simulate."""
 
 
@@ -114,9 +114,20 @@ def cover_surface(
     else:
         large = np.ptp(triangles.reshape(-1, 3), axis=0).max() >= LEAST_CELLS * space.grid.cell
         boxes = cover_with_boxes(exposed, space) if large else ()
-    left = find_uncovered(exposed, boxes, SLACK * diagonal)
+    return _cover_rest(exposed, boxes, space, diagonal, fineness)
+
+
+def _cover_rest(
+    exposed: Float[np.ndarray, "G 3 3"],
+    boxes: tuple[Hull, ...],
+    space: FreeSpace,
+    diagonal: float,
+    fineness: Fineness,
+) -> Cover:
+    """A cover of boxes and of pieces of the surface that these leave."""
+    left = find_uncovered(exposed, boxes, fineness.slack * diagonal)
     groups = split_components(left) if len(left) else []
-    pieces = [make_piece(group, space, least) for group in groups]
+    pieces = [make_piece(group, space, fineness.bulge * diagonal) for group in groups]
     return _cut_and_join(boxes, pieces, space, diagonal, fineness)
 
 
@@ -148,9 +159,12 @@ def _mean_thickness(triangles: Float[np.ndarray, "F 3 3"]) -> float:
 def refine_cover(
     cover: Cover, triangles: Float[np.ndarray, "F 3 3"], diagonal: float, fineness: Fineness
 ) -> Cover:
-    """A cover of the same triangles (m) with smaller hulls, whose pieces are cut further."""
+    """A cover of the same triangles (m) with smaller hulls; without boxes, its pieces are cut further."""
     if not cover.cut:  # one hull was enough
         return cover_surface(triangles, cover.space, diagonal, fineness)
+    if cover.boxes:
+        exposed = find_exposed(triangles, cover.space)
+        return _cover_rest(exposed, cover.boxes, cover.space, diagonal, fineness)
     fineness = replace(fineness, bulge=min(fineness.bulge, cover.least / diagonal))
     pieces = [measure_again(piece, cover.space, fineness.bulge * diagonal) for piece in cover.cut]
     return _cut_and_join(cover.boxes, pieces, cover.space, diagonal, fineness, cover.taken)

@@ -6,12 +6,20 @@ import numpy as np
 import pytest
 
 from sim_export.collision import object_cover
-from sim_export.collision.free_space import find_free_space, find_inside, look_up
+from sim_export.collision.free_space import FreeSpace, find_free_space, find_inside, look_up
 from sim_export.collision.hull_limits import MAX_ASPECT, compact_hull, hull_aspect
 from sim_export.collision.object_cover import ObjectCover, find_passing
-from sim_export.collision.surface_hulls import FINER, USUAL, split_components
-from sim_export.collision.surface_pieces import cut_triangles
+from sim_export.collision.surface_hulls import (
+    FINER,
+    USUAL,
+    cover_surface,
+    find_uncovered,
+    piece_hull,
+    split_components,
+)
+from sim_export.collision.surface_pieces import cut_triangles, make_piece
 from sim_export.geometry.distances import surface_distances
+from sim_export.geometry.grid import Grid
 from sim_export.geometry.hulls import box_hull, convex_hull, hull_volume, hull_width, inside_hulls
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 from sim_export.package import Link, PackageJoint
@@ -218,3 +226,117 @@ def test_a_hull_with_too_many_corners_keeps_its_ends():
     for part in compact_hull(wall, 0.004):
         assert (part.vertices.min(axis=0) >= wall.vertices.min(axis=0) - 1e-9).all()
         assert (part.vertices.max(axis=0) <= wall.vertices.max(axis=0) + 1e-9).all()
+
+
+SHEET = np.array([[[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 0, 0], [1, 1, 0], [0, 1, 0]]], dtype=float)
+
+
+def test_triangles_are_halved_eight_times_at_the_end_of_a_box():
+    held = box_hull(np.array([-1.0, -1.0, -1.0]), np.array([0.513, 2.0, 1.0]))
+    areas = triangle_areas(find_uncovered(SHEET, [held], 1e-4))
+    assert areas.min() == pytest.approx(0.5 / 2**8)
+
+
+@pytest.mark.parametrize(("size", "halved"), [(3.9, False), (4.1, True)])
+def test_triangles_are_halved_that_are_four_times_as_long_as_the_slack(size, halved):
+    """Of a triangle 1 m long, of which a quarter is in a box."""
+    triangle = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.1, 0.0]]])
+    held = box_hull(np.array([-1.0, -1.0, -1.0]), np.array([0.35 - 1.0 / size, 1.0, 1.0]))
+    left = triangle_areas(find_uncovered(triangle, [held], 1.0 / size)).sum()
+    assert left == pytest.approx(0.025 if halved else 0.05)
+
+
+def strip_beside_a_sheet(share: float) -> FreeSpace:
+    """Space above a sheet that is free before so much of it, and enclosed elsewhere."""
+    grid = Grid(low=np.array([0.0, 0.0, -0.05]), cell=0.01, shape=(100, 100, 10))
+    depth = np.zeros(grid.shape, dtype=np.float32)
+    depth[: round(100 * share), :, 5:] = 0.5
+    return FreeSpace(grid=grid, away=depth, depth=depth)
+
+
+@pytest.mark.parametrize(("share", "highest"), [(0.26, 0.001), (0.34, 0.0)])
+def test_a_sheet_grows_to_one_side_only_if_three_tenths_more_are_free_on_the_other(share, highest):
+    """It is 2 mm thick."""
+    space = strip_beside_a_sheet(share)
+    hull = piece_hull(make_piece(SHEET, space, 0.6), space)
+    assert hull is not None
+    assert hull.vertices[:, 2].max() == pytest.approx(highest)
+    assert np.ptp(hull.vertices[:, 2]) == pytest.approx(0.002)
+
+
+def corner(*more):
+    """Two boards, 0.1 m long, that stand on each other."""
+    return np.concatenate([box((0, 0, 0), (0.1, 0.1, 0.02)), box((0, 0, 0.02), (0.02, 0.1, 0.1)), *more])
+
+
+@pytest.mark.parametrize(("cells", "boxed"), [(24.5, False), (25.5, True)])
+def test_a_link_gets_boxes_if_it_is_24_cells_long(cells, boxed):
+    """Of its grid, which reaches half a cell beyond it; a cell is 0.0025 of the diagonal of the object."""
+    size = 0.1 / 0.0025 / cells
+    assert (len(cover_surface(corner(), find_free_space(corner(), size), size).boxes) > 0) == boxed
+
+
+@pytest.mark.parametrize(("height", "pieces"), [(0.0045, 0), (0.0075, 1)])
+def test_surface_is_covered_by_a_box_that_is_0_006_of_the_diagonal_away(height, pieces):
+    """Of an object of a diagonal of 1 m; a slanted scrap is so high over a board."""
+    x, y, z, rise = 0.06, 0.05, 0.02 + height, 0.0009
+    a, b, c, d = (
+        np.array([x + i * 0.01, y + j * 0.01, z + (2 * i - 1) * rise])
+        for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))
+    )
+    surface = corner(np.array([[a, b, c], [a, c, d]]))
+    assert len(cover_surface(surface, find_free_space(surface, 1.0), 1.0).pieces) == pieces
+
+
+@pytest.mark.parametrize(("cells", "whole"), [(12, True), (15, False)])
+def test_a_hull_stays_whole_if_it_takes_four_thousandths_of_its_volume(cells, whole):
+    """Free space is in so many of the 15^3 cells of a box, none of it deep."""
+    depth = np.full((19, 19, 19), 0.05, dtype=np.float32)
+    depth[2:17, 2:17, 2:17] = 0.0
+    depth[5, 2 : 2 + cells, 9] = 0.05
+    space = FreeSpace(
+        grid=Grid(low=np.full(3, -2.0 / 15), cell=1.0 / 15, shape=depth.shape), away=depth, depth=depth
+    )
+    cover = cover_surface(box((0, 0, 0), (1, 1, 1)), space, 10.0)
+    assert (cover.cut == ()) == whole
+
+
+def tube(radius: float, thickness: float, sides: int = 96):
+    """Triangles of a closed tube about the z axis, four times as high as its radius."""
+    profile = [
+        (radius, 0.0),
+        (radius, 4 * radius),
+        (radius - thickness, 4 * radius),
+        (radius - thickness, 0.0),
+    ]
+    turns = np.linspace(0.0, 2.0 * np.pi, sides + 1)
+    ring = np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    rows = np.stack([np.column_stack([r * ring, np.full(len(ring), z)]) for r, z in [*profile, profile[0]]])
+    a, b, c, d = rows[:-1, :-1], rows[:-1, 1:], rows[1:, 1:], rows[1:, :-1]
+    return np.concatenate([np.stack([a, b, c], axis=2), np.stack([a, c, d], axis=2)]).reshape(-1, 3, 3)
+
+
+@pytest.mark.parametrize(("thickness", "sectors"), [(0.127, 18), (0.133, 16)])
+def test_arcs_of_sectors_are_0_15_of_the_thickness_of_a_wall_deep(thickness, sectors):
+    """Sixteen arcs of a circle are 0.0192 of its radius deep, which is 0.15 of 0.128 of it."""
+    wall = tube(0.1, 0.1 * thickness)
+    space = find_free_space(wall, 1.0, solid=True)
+    assert len(cover_surface(wall, space, 1.0).hulls) == sectors
+
+
+@pytest.mark.parametrize(("cell", "whole"), [(0.00254, True), (0.00365, False)])
+def test_a_sector_of_a_curved_wall_may_take_as_much_free_space_as_its_hull_holds(cell, whole):
+    """An eighth of a circle of 50 mm; four fifths of the cells are free.
+
+    Its hull is 2.3 mm thick in the mean. Hulls that are thinner than a cell take half a cell before all free
+    surface: here, 0.86 and 1.2 times what they hold.
+    """
+    wall, diagonal = tube(0.05, 0.0, sides=48)[: 2 * 48], 0.48
+    shape = (round(0.12 / cell), round(0.12 / cell), round(0.22 / cell))
+    i, j, k = np.indices(shape)
+    depth = np.where((i + 2 * j + 3 * k) % 5 > 0, 0.00799 * diagonal, 0.0).astype(np.float32)
+    space = FreeSpace(
+        grid=Grid(low=np.array([-0.06, -0.06, -0.01]), cell=cell, shape=shape), away=depth, depth=depth
+    )
+    cover = cover_surface(wall, space, diagonal, replace(USUAL, most_pieces=10))
+    assert (len(cover.cut) == 8) == whole
