@@ -15,11 +15,12 @@ COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V107", "V201", "V20
 @dataclass(frozen=True, kw_only=True)
 class HullWay:
     """How hulls are made: from the triangles of a source or from the meshes of voxels, with smaller ones for
-    the links in ``finer``, and whether clearance cuts the hull that loses the smaller share, which spares
-    thin leaves. There is no way after the ``last``."""
+    the links in ``finer`` and ``fewer`` in all, and whether clearance cuts the hull that loses the smaller
+    share, which spares thin leaves. There is no way after the ``last``."""
 
     collision: Literal["surfaces", "voxels"] = "surfaces"
     finer: frozenset[str] = frozenset()
+    fewer: bool = False
     shares: bool = False
     last: bool = False
 
@@ -38,13 +39,15 @@ class Judgement:
 def change_hulls(way: HullWay, judged: Judgement | None) -> HullWay | None:
     """How to make hulls after those made in one way were judged; None if nothing is to be gained.
 
-    Links that failed checks name get smaller hulls, then those that a joint connects to them do: what is
-    coarse takes more off its neighbours. Where this was not enough, or where links only meet each other on
-    their way, clearance spares thin leaves. After the triangles of a source come its voxels, which are closed
-    where these are open.
+    An object that ends up with too many hulls gets fewer. Links that failed checks name get smaller hulls,
+    then those that a joint connects to them do: what is coarse takes more off its neighbours. Where this was
+    not enough, or where links only meet each other on their way, clearance spares thin leaves. After the
+    triangles of a source come its voxels, which are closed where these are open.
     """
     if way.last or (judged is not None and not judged.failed):
         return None
+    if judged is not None and "V006" in judged.failed and not way.fewer:
+        return replace(way, fewer=True)
     if judged is None or (way.shares and way.finer):
         return HullWay(collision="voxels", last=True) if way.collision == "surfaces" else None
     if not way.finer and not way.shares and {"V201", "V202"} >= set(judged.failed):

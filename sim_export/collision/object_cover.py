@@ -31,6 +31,8 @@ COARSER = 1.5
 """Factor by which the bulge grows while there are too many hulls."""
 COARSEST = 0.012
 """It grows no further than this, over the object's diagonal."""
+FEWER = 0.75
+"""Share of the hulls otherwise allowed that an object gets whose hulls became too many when they were cut."""
 SAMPLES = 6000
 """Points on the surface of each link that are followed along its ways."""
 
@@ -56,11 +58,11 @@ class ObjectCover:
         self._diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
         self._covers: dict[tuple[str, Fineness], Cover] = {}
 
-    def make_hulls(self, finer: Collection[str] = ()) -> dict[str, tuple[Hull, ...]]:
-        """Hulls of every link; those of the links in ``finer`` are smaller."""
+    def make_hulls(self, finer: Collection[str] = (), *, fewer: bool = False) -> dict[str, tuple[Hull, ...]]:
+        """Hulls of every link; smaller ones of the links in ``finer``, and ``fewer`` in all."""
         fineness = {name: FINER if name in finer else USUAL for name in self._surfaces}
         covers = {name: self._cover(name, each) for name, each in fineness.items()}
-        most = max(each.most_of_object for each in fineness.values())
+        most = max(each.most_of_object for each in fineness.values()) * (FEWER if fewer else 1.0)
         while True:
             everywhere = sum(len(cover.hulls) for cover in covers.values()) > most
             able = [

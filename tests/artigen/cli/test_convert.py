@@ -96,6 +96,17 @@ def test_links_that_meet_on_their_way_only_are_cut_otherwise_before_they_get_sma
     ]
 
 
+def test_an_object_with_too_many_hulls_gets_fewer_once_before_its_other_faults_are_dealt_with():
+    many, likeness = judge(["V006"], ["link_1"]), judge(["V103"], ["link_1"])
+    finer = frozenset({"link_1"})
+    assert ways(many, many, likeness)[:3] == [
+        HullWay(),
+        HullWay(fewer=True),
+        HullWay(fewer=True, finer=finer),
+    ]
+    assert ways(likeness, many) == [HullWay(), HullWay(finer=finer), HullWay(finer=finer, fewer=True)]
+
+
 def test_nothing_is_tried_after_voxels_or_after_a_package_that_passes():
     assert change_hulls(VOXELS, judge(["V103"])) is None
     assert change_hulls(VOXELS, None) is None
