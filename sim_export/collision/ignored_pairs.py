@@ -23,11 +23,11 @@ TOUCH_DISTANCE = 1e-4
 """Hulls nearer than this (m) touch."""
 TOUCH_DEPTH = 1e-3
 """A deeper overlap (m) is a fault, which is not hidden here."""
-CLEAR = 2e-3
+CLEAR = 1e-3
 """Links that come nearer than this (m) may meet: engines round hulls, and limits of joints give way."""
 NEAR = 0.02
 """Distance (m) up to which PhysX makes contacts: SAPIEN's contact offset, 10 mm, for each of two hulls."""
-SIDES = 32
+SIDES = 64
 """Sides of the prism around all positions of what turns without limits."""
 MOST_POSES = 128
 """Poses at which a pair is measured, at most; pairs that need more are not listed."""

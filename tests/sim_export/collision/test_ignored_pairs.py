@@ -53,7 +53,7 @@ FAR = box([9.0, 9.0, 9.0], [9.1, 9.1, 9.1])
 
 
 @pytest.mark.parametrize(
-    ("least", "listed"), [(1.9e-3, False), (2.1e-3, True), (19.9e-3, True), (20.1e-3, False)]
+    ("least", "listed"), [(0.9e-3, False), (1.1e-3, True), (19.9e-3, True), (20.1e-3, False)]
 )
 def test_links_that_slide_towards_each_other_are_listed_by_how_near_they_come(least, listed):
     made = package(
@@ -65,7 +65,7 @@ def test_links_that_slide_towards_each_other_are_listed_by_how_near_they_come(le
     assert (ignored_pairs(made) == (("link_0", "link_1"),)) == listed
 
 
-@pytest.mark.parametrize(("least", "listed"), [(1.9e-3, False), (2.3e-3, True)])
+@pytest.mark.parametrize(("least", "listed"), [(0.9e-3, False), (1.15e-3, True)])
 def test_square_knobs_are_listed_unless_their_corners_meet(least, listed):
     side = 0.03
     center = np.array([side * np.sqrt(2.0) + least, 0.0, 0.0])
@@ -79,9 +79,9 @@ def test_square_knobs_are_listed_unless_their_corners_meet(least, listed):
     assert (ignored_pairs(made) == (("link_0", "link_1"),)) == listed
 
 
-@pytest.mark.parametrize(("travel", "listed"), [(1.0, True), (1.05, False)])
+@pytest.mark.parametrize(("travel", "listed"), [(1.13, True), (1.18, False)])
 def test_pairs_that_need_more_poses_are_not_listed(travel, listed):
-    """A bar that slides beside a longer one at 10 mm: halved six times, 127 poses, for up to 1.024 m."""
+    """A bar that slides beside a longer one at 10 mm: halved six times, 127 poses, for up to 1.152 m."""
     made = package(
         [joint(0, [1, 0, 0], upper=travel), joint(1, [0, 1, 0], upper=1e-9)],
         link_0=box([0.0, 0.0, 0.0], [1.0, 0.1, 0.1]),
@@ -153,3 +153,31 @@ def test_links_keep_their_distance_at_every_pose(seed):
     found = signed_distances(sets["link_0"], sets["link_1"], T[:, 0], T[:, 1], 0.05).distance
     if least is not None:
         assert found.min(initial=np.inf) >= min(least, 0.02)
+
+
+@pytest.mark.parametrize(
+    ("apart", "listed"), [(-1.1e-3, False), (-0.9e-3, True), (0.9e-4, True), (1.1e-4, False)]
+)
+def test_links_touch_from_a_millimetre_inside_each_other_to_a_tenth_of_one_apart(apart, listed):
+    made = package(
+        [joint(0, [1, 0, 0], upper=0.1), joint(1, [-1, 0, 0], upper=0.1)],
+        link_0=box([0.0, 0.0, 0.0], [0.1, 0.1, 0.1]),
+        link_1=box([0.1 + apart, 0.0, 0.0], [0.2, 0.1, 0.1]),
+        link_9=FAR,
+    )
+    assert (ignored_pairs(made) == (("link_0", "link_1"),)) == listed
+
+
+@pytest.mark.parametrize(("wider", "listed"), [(0.00115, False), (0.00125, True)])
+def test_what_turns_is_taken_for_a_prism_that_is_a_thousandth_wider(wider, listed):
+    """A bar that turns about its middle, a metre long to either side, and a post 1 mm beyond the prism.
+
+    The edges of a prism with 64 sides are 1 / cos(2.8 deg) = 1.0012 m from its axis.
+    """
+    made = package(
+        [joint(0, [0, 0, 1], upper=2.0 * np.pi, kind="continuous"), joint(1, [0, 0, 1], upper=1e-9)],
+        link_0=box([-0.1, -np.sqrt(0.99), 0.0], [0.1, np.sqrt(0.99), 0.1]),
+        link_1=box([-0.01, 1.001 + wider, 0.0], [0.01, 1.05, 0.1]),
+        link_9=FAR,
+    )
+    assert (ignored_pairs(made) == (("link_0", "link_1"),)) == listed
