@@ -123,11 +123,13 @@ def check_stand(package: SimPackage, run: TrialResults) -> CheckResult:
     """V303: on the ground with a free base for 3 s, tilt < 2 degrees, drift < 5 mm, penetration < 5 mm.
 
     Not applicable to categories that need not stand (`sim_export.physics.standing`: faucets, switches, doors,
-    windows, and hand-held objects) if the centre of mass is outside of the support polygon; otherwise they
-    are checked too. For other categories, the failure reports the overhang.
+    windows, and hand-held objects) if the centre of mass is outside of the support polygon or the object
+    tilts, as one does that only seems to touch the floor on both sides; otherwise they are checked too. For
+    other categories, the failure reports the overhang.
     """
     stand = run.stand
-    if stand.overhang > 0.0 and not must_stand(package.category):
+    falls = stand.overhang > 0.0 or not stand.tilt < STAND_TILT
+    if falls and not must_stand(package.category):
         return make_result(
             "V303", "not_applicable", f"a {package.category} is mounted or held, and does not balance"
         )

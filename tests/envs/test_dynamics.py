@@ -290,6 +290,15 @@ def test_only_what_is_mounted_or_held_may_overhang(package, trials):
     assert check_stand(replace(package, category="Faucet"), trials).verdict == "pass"
 
 
+@pytest.mark.parametrize(
+    ("tilt", "drift", "verdict"), [(2.01, 0.0, "not_applicable"), (1.99, 0.0, "pass"), (0.0, 0.0051, "fail")]
+)
+def test_what_is_mounted_is_judged_only_while_it_stands(tilt, drift, verdict, package, trials):
+    stand = replace(trials.stand, overhang=-0.01, tilt=tilt, drift=drift)
+    judged = check_stand(replace(package, category="Faucet"), replace(trials, stand=stand))
+    assert judged.verdict == verdict
+
+
 def test_a_folding_door_closes_once_its_second_leaf_has_come_to_rest(tmp_path):
     """At its limit the first of two leaves of 13 kg stops, and the second swings on and holds it."""
     package = build_reference(draw_shape("StorageFurniture", 1346))
