@@ -8,6 +8,7 @@ from jaxtyping import Float
 from artigen.transforms import inverse, transform_points
 from sim_export.collision.free_space import find_free_space
 from sim_export.collision.surface_hulls import (
+    CLOSER,
     FINER,
     USUAL,
     Cover,
@@ -58,9 +59,13 @@ class ObjectCover:
         self._diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
         self._covers: dict[tuple[str, Fineness], Cover] = {}
 
-    def make_hulls(self, finer: Collection[str] = (), *, fewer: bool = False) -> dict[str, tuple[Hull, ...]]:
-        """Hulls of every link; smaller ones of the links in ``finer``, and ``fewer`` in all."""
-        fineness = {name: FINER if name in finer else USUAL for name in self._surfaces}
+    def make_hulls(
+        self, finer: Collection[str] = (), *, closer: bool = False, fewer: bool = False
+    ) -> dict[str, tuple[Hull, ...]]:
+        """Hulls of every link: smaller ones of those in ``finer``, ``closer`` to surface beside boxes, and
+        ``fewer`` in all."""
+        fine = CLOSER if closer else FINER
+        fineness = {name: fine if name in finer else USUAL for name in self._surfaces}
         covers = {name: self._cover(name, each) for name, each in fineness.items()}
         most = max(each.most_of_object for each in fineness.values()) * (FEWER if fewer else 1.0)
         while True:

@@ -79,8 +79,10 @@ class Fineness:
 
 
 USUAL = Fineness(bulge=0.004, most_pieces=96, most=72, most_of_object=192, slack=0.006)
-FINER = Fineness(bulge=0.002, most_pieces=160, most=90, most_of_object=240, slack=0.003)
+FINER = Fineness(bulge=0.002, most_pieces=160, most=90, most_of_object=240, slack=0.006)
 """Smaller hulls for links whose details the usual ones miss; slower to make and to simulate."""
+CLOSER = replace(FINER, slack=0.003)
+"""More of them beside boxes, for thin walls."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -159,10 +161,11 @@ def _mean_thickness(triangles: Float[np.ndarray, "F 3 3"]) -> float:
 def refine_cover(
     cover: Cover, triangles: Float[np.ndarray, "F 3 3"], diagonal: float, fineness: Fineness
 ) -> Cover:
-    """A cover of the same triangles (m) with smaller hulls; without boxes, its pieces are cut further."""
+    """A cover of the same triangles (m) with smaller hulls: its pieces are cut further, or more surface is
+    covered beside its boxes."""
     if not cover.cut:  # one hull was enough
         return cover_surface(triangles, cover.space, diagonal, fineness)
-    if cover.boxes:
+    if cover.boxes and fineness.slack < USUAL.slack:
         exposed = find_exposed(triangles, cover.space)
         return _cover_rest(exposed, cover.boxes, cover.space, diagonal, fineness)
     fineness = replace(fineness, bulge=min(fineness.bulge, cover.least / diagonal))

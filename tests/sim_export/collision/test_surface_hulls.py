@@ -10,11 +10,13 @@ from sim_export.collision.free_space import FreeSpace, find_free_space, find_ins
 from sim_export.collision.hull_limits import MAX_ASPECT, compact_hull, hull_aspect
 from sim_export.collision.object_cover import ObjectCover, find_passing
 from sim_export.collision.surface_hulls import (
+    CLOSER,
     FINER,
     USUAL,
     cover_surface,
     find_uncovered,
     piece_hull,
+    refine_cover,
     split_components,
 )
 from sim_export.collision.surface_pieces import cut_triangles, make_piece
@@ -276,8 +278,11 @@ def test_a_link_gets_boxes_if_it_is_24_cells_long(cells, boxed):
     assert (len(cover_surface(corner(), find_free_space(corner(), size), size).boxes) > 0) == boxed
 
 
-@pytest.mark.parametrize(("height", "pieces"), [(0.0045, 0), (0.0075, 1)])
-def test_surface_is_covered_by_a_box_that_is_0_006_of_the_diagonal_away(height, pieces):
+@pytest.mark.parametrize(
+    ("fineness", "height", "pieces"),
+    [(USUAL, 0.0045, 0), (USUAL, 0.0075, 1), (FINER, 0.0045, 0), (CLOSER, 0.0015, 0), (CLOSER, 0.0045, 1)],
+)
+def test_surface_is_covered_by_a_box_that_is_0_006_of_the_diagonal_away_or_0_003(fineness, height, pieces):
     """Of an object of a diagonal of 1 m; a slanted scrap is so high over a board."""
     x, y, z, rise = 0.06, 0.05, 0.02 + height, 0.0009
     a, b, c, d = (
@@ -285,7 +290,8 @@ def test_surface_is_covered_by_a_box_that_is_0_006_of_the_diagonal_away(height, 
         for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))
     )
     surface = corner(np.array([[a, b, c], [a, c, d]]))
-    assert len(cover_surface(surface, find_free_space(surface, 1.0), 1.0).pieces) == pieces
+    cover = cover_surface(surface, find_free_space(surface, 1.0), 1.0)
+    assert len(refine_cover(cover, surface, 1.0, fineness).pieces) == pieces
 
 
 @pytest.mark.parametrize(("cells", "whole"), [(12, True), (15, False)])
