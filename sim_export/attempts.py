@@ -15,12 +15,12 @@ COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V107", "V201", "V20
 @dataclass(frozen=True, kw_only=True)
 class HullWay:
     """How hulls are made: from the triangles of a source or from the meshes of voxels, with smaller ones for
-    the links in ``finer``, ``closer`` to the surface beside boxes, ``fewer`` in all, and whether clearance
-    cuts the hull that loses the smaller share, which spares thin leaves. No way follows the ``last``."""
+    the links in ``finer``, which are the usual ones ``divided`` or other ones, ``fewer`` in all, and whether
+    clearance cuts the hull that loses the smaller share, which spares thin leaves. The ``last`` ends them."""
 
     collision: Literal["surfaces", "voxels"] = "surfaces"
     finer: frozenset[str] = frozenset()
-    closer: bool = False
+    divided: bool = False
     fewer: bool = False
     shares: bool = False
     last: bool = False
@@ -40,19 +40,20 @@ class Judgement:
 def change_hulls(way: HullWay, judged: Judgement | None) -> HullWay | None:
     """How to make hulls after those made in one way were judged; None if nothing is to be gained.
 
-    An object that ends up with too many hulls gets fewer. Links that failed checks name get smaller hulls,
-    then those that a joint connects to them do: what is coarse takes more off its neighbours. Where this was
-    not enough, or where links only meet each other on their way, clearance spares thin leaves. Where hulls
-    still differ from what is seen, they follow it closer beside boxes. After the triangles of a source come
-    its voxels, which are closed where these are open.
+    An object that ends up with too many hulls gets fewer, in each way. Links that failed checks name get
+    smaller hulls, then those that a joint connects to them do: what is coarse takes more off its neighbours.
+    Where this was not enough, or where links only meet each other on their way, clearance spares thin leaves.
+    Where hulls still differ from what is seen, the usual ones are divided. After the triangles of a source
+    come its voxels, which are closed where these are open.
     """
     if way.last or (judged is not None and not judged.failed):
         return None
     if judged is not None and "V006" in judged.failed and not way.fewer:
         return replace(way, fewer=True)
-    if judged is not None and "V103" in judged.failed and way.finer and way.shares and not way.closer:
-        return replace(way, closer=True, shares=False)
-    if judged is None or way.closer or (way.shares and way.finer):
+    way = replace(way, fewer=False)
+    if judged is not None and "V103" in judged.failed and way.finer and way.shares and not way.divided:
+        return replace(way, divided=True, shares=False)
+    if judged is None or way.divided or (way.shares and way.finer):
         return HullWay(collision="voxels", last=True) if way.collision == "surfaces" else None
     if not way.finer and not way.shares and {"V201", "V202"} >= set(judged.failed):
         return replace(way, shares=True)

@@ -249,12 +249,12 @@ def export_solids(
     asset, meshes, sheets = solids.asset, solids.meshes, way.collision == "surfaces"
     names = link_names(asset)
     if sheets:
-        made = solids.source_cover.make_hulls(way.finer, closer=way.closer, fewer=way.fewer)
+        made = solids.source_cover.make_hulls(way.finer, divided=way.divided, fewer=way.fewer)
         hulls = [made.get(names.get(index, ""), ()) for index in range(len(meshes))]
     else:
         owners = zip(asset.parts, link_owners(asset), strict=True)
         finer = {part.name for part, at in owners if names[at] in way.finer}
-        made = solids.voxel_cover.make_hulls(finer, closer=way.closer, fewer=way.fewer)
+        made = solids.voxel_cover.make_hulls(finer, divided=way.divided, fewer=way.fewer)
         hulls = [made[part.name] for part in asset.parts]
     watch.lap("decompose")
     shown: list[tuple[Mesh | SourceMesh, ...]] = [(mesh,) for mesh in meshes]

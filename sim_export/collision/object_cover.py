@@ -8,7 +8,7 @@ from jaxtyping import Float
 from artigen.transforms import inverse, transform_points
 from sim_export.collision.free_space import find_free_space
 from sim_export.collision.surface_hulls import (
-    CLOSER,
+    DIVIDED,
     FINER,
     USUAL,
     Cover,
@@ -60,11 +60,11 @@ class ObjectCover:
         self._covers: dict[tuple[str, Fineness], Cover] = {}
 
     def make_hulls(
-        self, finer: Collection[str] = (), *, closer: bool = False, fewer: bool = False
+        self, finer: Collection[str] = (), *, divided: bool = False, fewer: bool = False
     ) -> dict[str, tuple[Hull, ...]]:
-        """Hulls of every link: smaller ones of those in ``finer``, ``closer`` to surface beside boxes, and
+        """Hulls of every link: smaller ones of those in ``finer``, which may be the usual ones ``divided``;
         ``fewer`` in all."""
-        fine = CLOSER if closer else FINER
+        fine = DIVIDED if divided else FINER
         fineness = {name: fine if name in finer else USUAL for name in self._surfaces}
         covers = {name: self._cover(name, each) for name, each in fineness.items()}
         most = max(each.most_of_object for each in fineness.values()) * (FEWER if fewer else 1.0)

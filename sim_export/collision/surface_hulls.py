@@ -79,10 +79,11 @@ class Fineness:
 
 
 USUAL = Fineness(bulge=0.004, most_pieces=96, most=72, most_of_object=192, slack=0.006)
-FINER = Fineness(bulge=0.002, most_pieces=160, most=90, most_of_object=240, slack=0.006)
-"""Smaller hulls for links whose details the usual ones miss; slower to make and to simulate."""
-CLOSER = replace(FINER, slack=0.003)
-"""More of them beside boxes, for thin walls."""
+FINER = Fineness(bulge=0.002, most_pieces=160, most=90, most_of_object=240, slack=0.003)
+"""Smaller hulls for links whose details the usual ones miss, and more of them beside boxes, which thin walls
+need; slower to make and to simulate."""
+DIVIDED = replace(FINER, slack=0.006)
+"""The usual hulls in smaller pieces."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

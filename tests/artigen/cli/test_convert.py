@@ -66,7 +66,7 @@ def ways(*judged, first=USUAL):
     return [*out, way]
 
 
-def test_links_that_fail_get_smaller_hulls_then_their_neighbours_then_leaves_are_spared_then_closer_ones():
+def test_links_that_fail_get_smaller_hulls_then_their_neighbours_then_leaves_are_spared_then_divided_ones():
     likeness = judge(["V103"], ["link_1"], ["body"])
     both = frozenset({"link_1", "body"})
     assert ways(*5 * [likeness]) == [
@@ -74,7 +74,7 @@ def test_links_that_fail_get_smaller_hulls_then_their_neighbours_then_leaves_are
         HullWay(finer=frozenset({"link_1"})),
         HullWay(finer=both),
         HullWay(finer=both, shares=True),
-        HullWay(finer=both, closer=True),
+        HullWay(finer=both, divided=True),
         VOXELS,
     ]
 
@@ -85,7 +85,7 @@ def test_hulls_of_voxels_are_made_again_in_the_same_ways():
     assert [way.collision for way in tried] == 5 * ["voxels"]
     assert [len(way.finer) for way in tried] == [0, 1, 2, 2, 2]
     assert [way.shares for way in tried] == [False, False, False, True, False]
-    assert [way.closer for way in tried] == [False, False, False, False, True]
+    assert [way.divided for way in tried] == [False, False, False, False, True]
 
 
 def test_links_that_meet_on_their_way_only_are_cut_otherwise_before_they_get_smaller_hulls():
@@ -101,11 +101,7 @@ def test_links_that_meet_on_their_way_only_are_cut_otherwise_before_they_get_sma
 def test_an_object_with_too_many_hulls_gets_fewer_once_before_its_other_faults_are_dealt_with():
     many, likeness = judge(["V006"], ["link_1"]), judge(["V103"], ["link_1"])
     finer = frozenset({"link_1"})
-    assert ways(many, many, likeness)[:3] == [
-        HullWay(),
-        HullWay(fewer=True),
-        HullWay(fewer=True, finer=finer),
-    ]
+    assert ways(many, many, likeness)[:3] == [HullWay(), HullWay(fewer=True), HullWay(finer=finer)]
     assert ways(likeness, many) == [HullWay(), HullWay(finer=finer), HullWay(finer=finer, fewer=True)]
 
 

@@ -10,7 +10,7 @@ from sim_export.collision.free_space import FreeSpace, find_free_space, find_ins
 from sim_export.collision.hull_limits import MAX_ASPECT, compact_hull, hull_aspect
 from sim_export.collision.object_cover import ObjectCover, find_passing
 from sim_export.collision.surface_hulls import (
-    CLOSER,
+    DIVIDED,
     FINER,
     USUAL,
     cover_surface,
@@ -280,7 +280,7 @@ def test_a_link_gets_boxes_if_it_is_24_cells_long(cells, boxed):
 
 @pytest.mark.parametrize(
     ("fineness", "height", "pieces"),
-    [(USUAL, 0.0045, 0), (USUAL, 0.0075, 1), (FINER, 0.0045, 0), (CLOSER, 0.0015, 0), (CLOSER, 0.0045, 1)],
+    [(USUAL, 0.0045, 0), (USUAL, 0.0075, 1), (DIVIDED, 0.0045, 0), (FINER, 0.0015, 0), (FINER, 0.0045, 1)],
 )
 def test_surface_is_covered_by_a_box_that_is_0_006_of_the_diagonal_away_or_0_003(fineness, height, pieces):
     """Of an object of a diagonal of 1 m; a slanted scrap is so high over a board."""
