@@ -53,7 +53,7 @@ def change_hulls(way: HullWay, judged: Judgement | None) -> HullWay | None:
     way = replace(way, fewer=False)
     if judged is not None and "V103" in judged.failed and way.finer and way.shares and not way.divided:
         return replace(way, divided=True, shares=False)
-    if judged is None or way.divided or (way.shares and way.finer):
+    if judged is None or (way.shares and way.finer):
         return HullWay(collision="voxels", last=True) if way.collision == "surfaces" else None
     if not way.finer and not way.shares and {"V201", "V202"} >= set(judged.failed):
         return replace(way, shares=True)

@@ -69,23 +69,24 @@ def ways(*judged, first=USUAL):
 def test_links_that_fail_get_smaller_hulls_then_their_neighbours_then_leaves_are_spared_then_divided_ones():
     likeness = judge(["V103"], ["link_1"], ["body"])
     both = frozenset({"link_1", "body"})
-    assert ways(*5 * [likeness]) == [
+    assert ways(*6 * [likeness]) == [
         HullWay(),
         HullWay(finer=frozenset({"link_1"})),
         HullWay(finer=both),
         HullWay(finer=both, shares=True),
         HullWay(finer=both, divided=True),
+        HullWay(finer=both, divided=True, shares=True),
         VOXELS,
     ]
 
 
 def test_hulls_of_voxels_are_made_again_in_the_same_ways():
     first, likeness = HullWay(collision="voxels"), judge(["V103"], ["link_1"], ["body"])
-    tried = ways(*5 * [likeness], first=first)
-    assert [way.collision for way in tried] == 5 * ["voxels"]
-    assert [len(way.finer) for way in tried] == [0, 1, 2, 2, 2]
-    assert [way.shares for way in tried] == [False, False, False, True, False]
-    assert [way.divided for way in tried] == [False, False, False, False, True]
+    tried = ways(*6 * [likeness], first=first)
+    assert [way.collision for way in tried] == 6 * ["voxels"]
+    assert [len(way.finer) for way in tried] == [0, 1, 2, 2, 2, 2]
+    assert [way.shares for way in tried] == [False, False, False, True, False, True]
+    assert [way.divided for way in tried] == [False, False, False, False, True, True]
 
 
 def test_links_that_meet_on_their_way_only_are_cut_otherwise_before_they_get_smaller_hulls():
@@ -118,8 +119,8 @@ def test_nothing_is_tried_after_voxels_or_after_a_package_that_passes():
         ((2, 0), (0.9, 0.9), 1, 2),
         ((2, 1, 0), (0.9, 0.5, 0.7), 2, 3),
         ((1, 2, 2, 0), (0.9, 0.5, 0.7, 0.8), 3, 4),
-        ((1, 2, 2, 2, 2), (0.9, 0.5, 0.7, 0.8, 0.6), 0, 5),
-        ((1, 1, 1, 1, 1), (0.9, 0.5, 0.7, 0.8, 0.6), 1, 5),
+        ((1, 2, 2, 2, 2, 2), (0.9, 0.5, 0.7, 0.8, 0.6, 0.6), 0, 6),
+        ((1, 1, 1, 1, 1, 1), (0.9, 0.5, 0.7, 0.8, 0.6, 0.6), 1, 6),
     ],
 )
 def test_hulls_are_made_again_while_they_fail_and_the_best_are_kept(attempts, failed, unlike, chosen, tried):
