@@ -136,8 +136,14 @@ def find_rest_poses(
         poses[node.id] = RestPose(rest=0.0, far=0.0)
         if joint_kind(node) in ("revolute", "prismatic", "screw"):
             stride = max(1, len(corners[node.id]) // POINTS_PER_NODE)
-            poses[node.id] = choose(node, labels[node.id], corners[node.id][::stride], body)
+            poses[node.id] = choose(node, _closes_like(node, labels), corners[node.id][::stride], body)
     return poses
+
+
+def _closes_like(node: SourceNode, labels: Mapping[int, PartLabel]) -> PartLabel:
+    """The label by which the closed pose is chosen: levers of latches rest in the middle, as handles do."""
+    lever = node.joint == "hinge" and (labels[node.id], labels[node.parent]) == ("knob", "door")
+    return "handle" if lever else labels[node.id]
 
 
 def _find_turn(nodes: tuple[SourceNode, ...], urdf: SourceUrdf) -> tuple[np.ndarray, list[str]]:

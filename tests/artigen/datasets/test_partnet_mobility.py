@@ -18,7 +18,7 @@ from sample_partnet import write_sample
 from artigen.datasets.part_labels import LABEL_TABLE, label_nodes
 from artigen.datasets.partnet_annotation import SourceNode, read_nodes
 from artigen.datasets.partnet_joints import motion
-from artigen.datasets.partnet_mobility import ReaderConfig, read_object
+from artigen.datasets.partnet_mobility import ReaderConfig, find_rest_poses, read_object
 from artigen.datasets.sizes import DEPTH_LIMITS, FALLBACK, SIZE_TABLE, estimate_size
 from artigen.errors import SourceError
 from artigen.kinematics import articulate_points, qlimits
@@ -559,6 +559,21 @@ def test_a_handle_is_a_knob_if_it_turns_about_an_axis_through_its_door(parent, j
         2: corners((-0.1, -0.05), (0.1, 0.1 + length), (0.5, 0.55)),
     }
     assert label_nodes(nodes, boxes, np.eye(4))[0] == {0: "base", 1: "door", 2: label}
+
+
+@pytest.mark.parametrize(
+    ("carrier", "low", "rest"), [("door", -45.0, 0.0), ("base", -45.0, -45.0), ("door", -10.0, -10.0)]
+)
+def test_a_lever_that_turns_both_ways_rests_in_the_middle_and_a_dial_at_its_end(carrier, low, rest):
+    """The lever lies level in the middle of its face, whichever way it turns."""
+    turning = SourceNode(
+        id=1, parent=0, joint="hinge", name="lever", pieces=(), direction=(1.0, 0.0, 0.0), a=low, b=45.0
+    )
+    nodes = (SourceNode(id=0, parent=-1, joint="heavy", name="body", pieces=()), turning)
+    face, lever = ((0.0, 0.1), (-0.5, 0.5), (-0.5, 0.5)), ((-0.05, 0.0), (-0.1, 0.1), (-0.01, 0.01))
+    corners = {k: np.array(list(product(*box)), dtype=float) for k, box in enumerate((face, lever))}
+    labels = {0: carrier, 1: "knob"}
+    assert find_rest_poses(nodes, labels, corners)[1].rest == rest
 
 
 @pytest.mark.parametrize("category", [*SIZE_TABLE, "SpaceShip"])
