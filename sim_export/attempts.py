@@ -43,15 +43,15 @@ def change_hulls(way: HullWay, judged: Judgement | None) -> HullWay | None:
     An object that ends up with too many hulls gets fewer, in each way. Links that failed checks name get
     smaller hulls, then those that a joint connects to them do: what is coarse takes more off its neighbours.
     Where this was not enough, or where links only meet each other on their way, clearance spares thin leaves.
-    Where hulls still differ from what is seen, the usual ones are divided. After the triangles of a source
-    come its voxels, which are closed where these are open.
+    Then the usual ones are divided. After the triangles of a source come its voxels, which are closed where
+    these are open.
     """
     if way.last or (judged is not None and not judged.failed):
         return None
     if judged is not None and "V006" in judged.failed and not way.fewer:
         return replace(way, fewer=True)
     way = replace(way, fewer=False)
-    if judged is not None and "V103" in judged.failed and way.finer and way.shares and not way.divided:
+    if judged is not None and way.finer and way.shares and not way.divided:
         return replace(way, divided=True, shares=False)
     if judged is None or (way.shares and way.finer):
         return HullWay(collision="voxels", last=True) if way.collision == "surfaces" else None

@@ -91,10 +91,13 @@ def test_hulls_of_voxels_are_made_again_in_the_same_ways():
 
 def test_links_that_meet_on_their_way_only_are_cut_otherwise_before_they_get_smaller_hulls():
     meet = judge(["V201"], ["link_0", "link_1"])
-    assert ways(meet, meet, meet) == [
+    both = frozenset({"link_0", "link_1"})
+    assert ways(*5 * [meet]) == [
         HullWay(),
         HullWay(shares=True),
-        HullWay(shares=True, finer=frozenset({"link_0", "link_1"})),
+        HullWay(shares=True, finer=both),
+        HullWay(divided=True, finer=both),
+        HullWay(divided=True, finer=both, shares=True),
         VOXELS,
     ]
 
