@@ -250,9 +250,17 @@ def measure_part(
     )
 
 
-def _is_lever(label: PartLabel, node: SourceNode, part: MovingPart) -> bool:
-    """Whether a part that its name calls a handle turns a latch."""
-    return label == "handle" and node.joint == "hinge" and LEVER.holds(part)
+def _is_lever(
+    label: PartLabel,
+    node: SourceNode,
+    corners: Mapping[int, Float[np.ndarray, "N 3"]],
+    labels: Mapping[int, PartLabel],
+    T_zup_file: Float[np.ndarray, "4 4"],
+) -> bool:
+    """Whether a part that its name calls a handle turns a latch; only hinged handles are measured."""
+    if label != "handle" or node.joint != "hinge":
+        return False
+    return LEVER.holds(measure_part(node, corners, labels, T_zup_file))
 
 
 def guess_label(
@@ -263,16 +271,16 @@ def guess_label(
     T_zup_file: Float[np.ndarray, "4 4"],
 ) -> tuple[PartLabel, str]:
     """Label of a movable part and the reason: the first known name, else its joint."""
-    joint, part = joint_word(node), measure_part(node, corners, labels, T_zup_file)
+    joint = joint_word(node)
     for name in names:
         word = find_word(name)
         label = None if word is None else choose_label("slider" if joint == "slider" else "hinge", (word,))
         if label is not None:
             reason = repr(name) if name == word else f"{word!r} in {name!r}"
-            if _is_lever(label, node, part):
+            if _is_lever(label, node, corners, labels, T_zup_file):
                 return LEVER.label, f"{reason}, {LEVER.when}"
             return label, reason
-    label, when = label_by_joint(joint, part)
+    label, when = label_by_joint(joint, measure_part(node, corners, labels, T_zup_file))
     return label, f"{joint}, {when}"
 
 
@@ -296,11 +304,11 @@ def label_nodes(
         joint = joint_word(node)
         kind: SourceJoint = "slider" if joint == "slider" else "hinge"
         known = None if joint == "fixed" else choose_label(kind, names)
-        part = measure_part(node, corners, labels, T_zup_file)
         if known is not None:
-            labels[node.id] = LEVER.label if _is_lever(known, node, part) else known
+            lever = _is_lever(known, node, corners, labels, T_zup_file)
+            labels[node.id] = LEVER.label if lever else known
             continue
-        labels[node.id], when = label_by_joint(joint, part)
+        labels[node.id], when = label_by_joint(joint, measure_part(node, corners, labels, T_zup_file))
         notes.append(
             f"node {node.id} ({node.name}): none of {', '.join(dict.fromkeys(names))} "
             f"is in the label table, labelled {labels[node.id]} for its {joint} ({when})"

@@ -202,11 +202,10 @@ def _build_wheelbarrow(
     (width, depth, height), tube = size, choose(rng, *kind.post) / 2
     radius, tread, end = choose(rng, *kind.wheel), 0.075, width / 2
     axle = (ROUND * radius - end, ROUND * radius)  # y, z
-    floor, grip = 2 * radius - 0.03, choose(rng, 0.9, 1.0) * height
+    floor, grip = 2 * radius - 0.03, choose(rng, 0.9, 1.0) * height - 1.25 * tube
     front, rear = axle[0] + radius + 0.02, end - choose(rng, 0.5, 0.56)
     near, far = tread / 2 + GAP + tube, 0.44 * depth  # x of the tubes at the wheel and at the handles
     middle, rise = 0.5 * (near + far), floor - tube
-    grip = min(grip, height) - 1.25 * tube
     pieces = []
     for side in (-1.0, 1.0):
         path = [
