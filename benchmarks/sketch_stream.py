@@ -31,7 +31,7 @@ from artigen.examples.sketch import (
     unpack_tables,
 )
 from artigen.examples.sketch_changes import change_shape
-from artigen.examples.sketch_photos import CELL, EDGE, PhotoBatch, take_photos
+from artigen.examples.sketch_photos import CELL, EDGE, Photo, PhotoBatch, take_photos
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.sketch.batch import PLACES, RowBatch, make_batch, sample_request
@@ -43,6 +43,8 @@ from artigen.sketch.words import CATEGORIES
 Arrays = dict[str, np.ndarray]
 CHUNK = 32
 """Objects in one file of a maker."""
+TOGETHER = 4
+"""Objects that are photographed at once; the pictures of more do not fit into a processor's cache."""
 SPOTS = 64
 """Rows for the parts in view of a photo."""
 NICE = 10
@@ -68,7 +70,7 @@ END, PADDING = ROW_KINDS.index("end"), {"axes": -1}
 """Kind of the rows that pad a table, and their values other than 0."""
 OFTEN = CATEGORIES[:9]
 """Categories of which two objects are drawn for one of every other."""
-FIRST, SEEDS = 5_000_000, 25
+FIRST, SEEDS = 6_000_000, 25
 """Seed of the first object, and seeds of a file of tables, each drawn for all categories."""
 
 
@@ -134,7 +136,7 @@ def make_tables(path: Path) -> None:
     save_shard(path, pack_tables(tables), packed=False)
 
 
-def make_objects(folder: Path, files: int, number: int, makers: int, device: str) -> None:
+def make_objects(folder: Path, files: int, number: int, makers: int) -> None:
     """Makes a maker's share of the plain tables, then files of photographed objects without end.
 
     Args:
@@ -142,7 +144,6 @@ def make_objects(folder: Path, files: int, number: int, makers: int, device: str
         files: Number of files of plain tables; those that exist are kept.
         number: Number of this maker.
         makers: Number of all.
-        device: Device that renders the photos.
     """
     os.nice(NICE)
     torch.set_num_threads(1)
@@ -160,13 +161,11 @@ def make_objects(folder: Path, files: int, number: int, makers: int, device: str
             chosen = [tables[index] for index in rng.permutation(len(tables))]
             for start in range(0, len(chosen), CHUNK):
                 name = f"{number:02d}-{done:05d}"
-                _photograph(folder, name, chosen[start : start + CHUNK], rng, device)
+                _photograph(folder, name, chosen[start : start + CHUNK], rng)
                 done += 1
 
 
-def _photograph(
-    folder: Path, name: str, tables: Sequence[Table], rng: np.random.Generator, device: str
-) -> None:
+def _photograph(folder: Path, name: str, tables: Sequence[Table], rng: np.random.Generator) -> None:
     """Writes one file of changed objects and their photos."""
     pairs = list[tuple[Shape, Table]]()
     for table in tables:
@@ -175,7 +174,10 @@ def _photograph(
         changed = table if shape is before else make_table(shape)
         if changed is not None:
             pairs.append((shape, changed))
-    taken = take_photos([shape for shape, _ in pairs], rng, device)
+    shapes = [shape for shape, _ in pairs]
+    taken = list[Photo]()
+    for start in range(0, len(shapes), TOGETHER):
+        taken += take_photos(shapes[start : start + TOGETHER], rng)
     shown = [table for (_, table), photo in zip(pairs, taken, strict=True) if len(photo.spots) <= SPOTS]
     photos = [photo for photo in taken if len(photo.spots) <= SPOTS]
     spots = np.zeros((len(photos), SPOTS, 3), dtype=np.float32)

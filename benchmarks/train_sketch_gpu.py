@@ -22,12 +22,11 @@ import torch
 from sketch_stream import Sizes, Store, list_steps, list_tables, make_objects
 
 from artigen.examples.batches import prefetch
-from artigen.examples.sketch import SketchBatch
 from artigen.sketch.model import load_sketch_network, save_sketch_network
 from artigen.sketch.network import SketchNetworkConfig
 from artigen.train.growth import grow_network
 from artigen.train.loop import LoopConfig, finished_steps, train
-from artigen.train.sketch_losses import SketchLosses, sketch_losses
+from artigen.train.sketch_losses import SketchStep, StepLosses, step_losses
 
 WEIGHTS = {"shown": 0.3, "plain": 0.5, "read": 0.35, "told": 0.2}
 """Weights of the losses of the batches; a step has either of those without photos."""
@@ -46,11 +45,7 @@ def main(cfg: argparse.Namespace) -> None:
     loaded, steps = context.Manager().list(), context.Queue(6)
     sizes = Sizes(**{field.name: getattr(cfg, field.name) for field in fields(Sizes)})
     makers = [
-        context.Process(
-            target=make_objects,
-            args=(cfg.scratch, cfg.files, k, cfg.makers, str(device) if k < cfg.renderers else "cpu"),
-            daemon=True,
-        )
+        context.Process(target=make_objects, args=(cfg.scratch, cfg.files, k, cfg.makers), daemon=True)
         for k in range(cfg.makers)
     ]
     for maker in makers:
@@ -81,10 +76,10 @@ def main(cfg: argparse.Namespace) -> None:
         report_every=50,
         checkpoint_minutes=2.0,
     )
-    losses = partial(sketch_losses, edge=network.picture.cfg.edge)
-    model, folder = SketchLosses(network.train()), cfg.out / "sketch"
+    losses = partial(step_losses, edge=network.picture.cfg.edge)
+    model, folder = StepLosses(network.train(), WEIGHTS), cfg.out / "sketch"
     try:
-        train(model, losses, prefetch(_make(steps, store), 2), folder, loop, WEIGHTS)
+        train(model, losses, prefetch(_make(steps, store), 2), folder, loop)
     finally:
         for worker in (*makers, lister):
             worker.kill()
@@ -117,12 +112,13 @@ def _fill(store: Store, folder: Path, loaded: "ListProxy[str]") -> None:
         time.sleep(0.3)
 
 
-def _make(steps: Any, store: Store) -> Iterator[dict[str, SketchBatch]]:
+def _make(steps: Any, store: Store) -> Iterator[SketchStep]:
     """Batches on the device; photos of headers are mirrored at random."""
     mirror = torch.Generator(store.device).manual_seed(1)
     while True:
         step = steps.get(timeout=300.0)
-        yield {name: store.make(recipe, mirror if name == "read" else None) for name, recipe in step.items()}
+        made = {name: store.make(one, mirror if name == "read" else None) for name, one in step.items()}
+        yield SketchStep(batches=made)
 
 
 if __name__ == "__main__":
@@ -132,7 +128,6 @@ if __name__ == "__main__":
     parser.add_argument("--start", type=Path, required=True, help="model folder with the initial weights")
     parser.add_argument("--seconds", type=float, default=590.0, help="time of the training")
     parser.add_argument("--makers", type=int, default=14, help="processes that draw and photograph objects")
-    parser.add_argument("--renderers", type=int, default=6, help="how many of these render on the GPU")
     parser.add_argument("--files", type=int, default=140, help="files of 975 objects without photos")
     parser.add_argument("--scratch", type=Path, default=Path("/tmp/sketch_data"), help="folder of the makers")
     parser.add_argument("--album", type=int, default=200_000, help="most photos on the device")

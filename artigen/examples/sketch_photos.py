@@ -64,13 +64,11 @@ def take_photo(shape: Shape, rng: np.random.Generator) -> Photo:
     return take_photos([shape], rng)[0]
 
 
-def take_photos(
-    shapes: Sequence[Shape], rng: np.random.Generator, device: str | torch.device = "cpu"
-) -> list[Photo]:
-    """Renders objects as `take_photo` does, all in the same light, together on a device."""
+def take_photos(shapes: Sequence[Shape], rng: np.random.Generator) -> list[Photo]:
+    """Renders objects as `take_photo` does, all in the same light."""
     poses = [_open_part(shape, rng) for shape in shapes]
     cameras = _join_cameras(
-        [_place_camera(shape, qpos, rng) for shape, qpos in zip(shapes, poses, strict=True)], device
+        [_place_camera(shape, qpos, rng) for shape, qpos in zip(shapes, poses, strict=True)]
     )
     light = RenderConfig(
         lamp=(-rng.uniform(0.3, 1.0), rng.uniform(-0.8, 0.8), rng.uniform(0.3, 1.0)),
@@ -79,10 +77,10 @@ def take_photos(
         shadow_rays=int(rng.random() < 0.8),
         openness=bool(rng.random() < 0.8),
     )
-    scene = build_scene(shapes, device)
+    scene = build_scene(shapes)
     seen = render(scene, cameras, poses, shape_ids=range(len(shapes)), cfg=light)
     rgb, mask, parts, position = (
-        values.cpu().numpy() for values in (seen.rgb, seen.mask, seen.part_ids, cameras.position)
+        values.numpy() for values in (seen.rgb, seen.mask, seen.part_ids, cameras.position)
     )
     return [
         _label_photo(shape, rgb[index], mask[index], parts[index], position[index])
@@ -110,10 +108,9 @@ def _place_camera(shape: Shape, qpos: Float[np.ndarray, "Q"], rng: np.random.Gen
     return frame_points(points, way, fov=rng.uniform(14.0, 55.0), width=EDGE, height=EDGE)
 
 
-def _join_cameras(cameras: Sequence[Cameras], device: str | torch.device) -> Cameras:
+def _join_cameras(cameras: Sequence[Cameras]) -> Cameras:
     position, target, fov = (
-        torch.cat([getattr(camera, name) for camera in cameras]).to(device)
-        for name in ("position", "target", "fov")
+        torch.cat([getattr(camera, name) for camera in cameras]) for name in ("position", "target", "fov")
     )
     return Cameras(position=position, target=target, fov=fov, width=EDGE, height=EDGE)
 

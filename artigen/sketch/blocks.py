@@ -16,6 +16,12 @@ class PictureMemory:
     keys: tuple[Float[Tensor, "B H N E"], ...]
     values: tuple[Float[Tensor, "B H N E"], ...]
 
+    def __getitem__(self, pictures: slice) -> "PictureMemory":
+        """The memory of some of the pictures."""
+        return PictureMemory(
+            keys=tuple(one[pictures] for one in self.keys), values=tuple(one[pictures] for one in self.values)
+        )
+
 
 class Feed(nn.Module):
     """A residual feed-forward layer."""

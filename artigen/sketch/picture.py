@@ -75,6 +75,10 @@ class PicturePrediction:
     view: Float[Tensor, "B 3"]
     """Yaw and pitch of the camera (radians), and half the object's diagonal over its distance."""
 
+    def __getitem__(self, pictures: slice) -> "PicturePrediction":
+        """The predictions from some of the pictures."""
+        return PicturePrediction(**{name: value[pictures] for name, value in vars(self).items()})
+
     def rate(self, category: int, counts: Sequence[int]) -> float:
         """Log probability of a category and of the counts of all labels but the base; first picture only."""
         chances = self.counts[0, 1:].log_softmax(dim=1)
@@ -133,8 +137,8 @@ class PictureEncoder(nn.Module):
             fine = merge(functional.interpolate(fine, scale_factor=2.0) + aside(finer))
         maps = self.maps(fine).float()
         density = functional.softplus(maps[:, : len(PART_LABELS)])
-        pooled = torch.cat([x.mean(dim=(2, 3)), x.amax(dim=(2, 3)), fine.mean(dim=(2, 3))], dim=1)
-        whole = self.whole(pooled.float())
+        means = [level.mean(dim=(2, 3), dtype=torch.float32) for level in (x, fine)]
+        whole = self.whole(torch.cat([means[0], x.amax(dim=(2, 3)).float(), means[1]], dim=1))
         squares = torch.cat([functional.pixel_unshuffle(fine, TOKEN // CELL), x], dim=1)
         squares = squares.flatten(2).transpose(1, 2)
         places = self.places.to(squares.dtype).expand(len(squares), -1, -1)
@@ -164,11 +168,20 @@ class PictureEncoder(nn.Module):
         )
 
 
+class _GroupNorm(nn.GroupNorm):
+    """Normalises in the number type of its input; autocast would convert whole feature maps to float32."""
+
+    def forward(self, input: Float[Tensor, "B C h w"]) -> Float[Tensor, "B C h w"]:
+        weight, bias = self.weight.to(input.dtype), self.bias.to(input.dtype)
+        with torch.autocast(input.device.type, enabled=False):
+            return functional.group_norm(input, self.num_groups, weight, bias, self.eps)
+
+
 class _Residual(nn.Module):
     def __init__(self, width: int) -> None:
         super().__init__()
         self.block = nn.Sequential(
-            _block(width, width), nn.Conv2d(width, width, 3, 1, 1, bias=False), nn.GroupNorm(GROUPS, width)
+            _block(width, width), nn.Conv2d(width, width, 3, 1, 1, bias=False), _GroupNorm(GROUPS, width)
         )
 
     def forward(self, x: Float[Tensor, "B C h w"]) -> Float[Tensor, "B C h w"]:
@@ -177,7 +190,7 @@ class _Residual(nn.Module):
 
 def _block(before: int, width: int, stride: int = 1) -> nn.Sequential:
     return nn.Sequential(
-        nn.Conv2d(before, width, 3, stride, 1, bias=False), nn.GroupNorm(GROUPS, width), nn.SiLU()
+        nn.Conv2d(before, width, 3, stride, 1, bias=False), _GroupNorm(GROUPS, width), nn.SiLU()
     )
 
 

@@ -95,7 +95,6 @@ def train(
     batches: Iterator[Any],
     folder: Path,
     cfg: LoopConfig,
-    weights: Mapping[str, float] | None = None,
 ) -> nn.Module:
     """Trains until the budget is used and returns the network with its averaged weights.
 
@@ -104,8 +103,6 @@ def train(
     Args:
         network: Network on the CPU; it is moved to the device.
         batches: Endless batches.
-        weights: Weights of the losses of several batches per step; ``batches`` then yields mappings from
-            these names to batches.
 
     Raises:
         FloatingPointError: If the loss is not finite.
@@ -147,16 +144,12 @@ def train(
         for group in optimizer.param_groups:
             group["lr"] = rate
         optimizer.zero_grad()
-        drawn = next(batches)
-        total = torch.zeros((), device=device)
-        for name, batch in (drawn if weights else {"": drawn}).items():
-            with torch.autocast(device.type, number_type or torch.bfloat16, enabled=number_type is not None):
-                terms = losses(wrapped, batch.to(device), generator)
-            loss = torch.stack(list(terms.values())).sum() * (weights[name] if weights else 1.0)
-            accelerator.backward(loss)
-            total += loss.detach()
-            _add(sums, {f"{name} {term}".lstrip(): value for term, value in terms.items()})
-        _add(sums, {"loss": total})
+        batch = next(batches).to(device)
+        with torch.autocast(device.type, number_type or torch.bfloat16, enabled=number_type is not None):
+            terms = losses(wrapped, batch, generator)
+        loss = torch.stack(list(terms.values())).sum()
+        accelerator.backward(loss)
+        _add(sums, {"loss": loss, **terms})
         norm = nn.utils.clip_grad_norm_(network.parameters(), cfg.clip)
         optimizer.step()
         _average(average, network, min(cfg.ema, (1 + progress.step) / (10 + progress.step)))
@@ -248,11 +241,10 @@ def _add(sums: dict[str, tuple[Tensor, int]], terms: Mapping[str, Tensor]) -> No
 
 @torch.no_grad()
 def _average(average: dict[str, Tensor], network: nn.Module, decay: float) -> None:
-    for name, value in network.state_dict().items():
-        if value.is_floating_point():
-            average[name].lerp_(value.float(), 1.0 - decay)
-        else:
-            average[name] = value.clone()
+    from torch.optim.swa_utils import get_ema_multi_avg_fn
+
+    current = {name: value.float() for name, value in network.state_dict().items()}
+    get_ema_multi_avg_fn(decay)([average[name] for name in current], list(current.values()), 0)
 
 
 def _save(

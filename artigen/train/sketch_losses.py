@@ -1,6 +1,7 @@
 """Losses of the sketch network: the likelihood of tables, and auxiliary losses of the image encoder."""
 
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import torch
 from jaxtyping import Bool, Float
@@ -14,6 +15,7 @@ from artigen.examples.sketch_photos import (
     vary_photos,
 )
 from artigen.sketch.batch import RowBatch
+from artigen.sketch.blocks import PictureMemory
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.picture import MAX_COUNT, PicturePrediction
 from artigen.sketch.rows import COUNTED, ROW_KINDS, column
@@ -35,16 +37,59 @@ class SketchLosses(nn.Module):
 
     def forward(self, batch: SketchBatch) -> dict[str, Tensor]:
         """Negative log-likelihoods of symbols and numbers (nats), and the auxiliary terms, by name."""
-        memory, terms = None, {}
-        if batch.photos is not None:
-            seen, memory = self.network.encode_pictures(batch.photos.image)
-            terms = reading_losses(seen, batch.photos) | guessing_losses(seen, batch.rows)
-        symbols, numbers = self.network(batch.rows, memory)
+        if batch.photos is None:
+            return self.rate_rows(batch.rows)
+        seen, memory = self.network.encode_pictures(batch.photos.image)
+        terms = reading_losses(seen, batch.photos) | guessing_losses(seen, batch.rows)
+        return terms | self.rate_rows(batch.rows, memory)
+
+    def rate_rows(self, rows: RowBatch, memory: PictureMemory | None = None) -> dict[str, Tensor]:
+        """Negative log-likelihoods (nats) per predicted field."""
+        symbols, numbers = self.network(rows, memory)
         count = len(symbols) + len(numbers)
         if memory is not None:
-            for_symbols, for_numbers = weigh_fields(batch.rows)
+            for_symbols, for_numbers = weigh_fields(rows)
             symbols, numbers = symbols * for_symbols, numbers * for_numbers
-        return {"symbols": symbols.sum() / count, "numbers": numbers.sum() / count, **terms}
+        return {"symbols": symbols.sum() / count, "numbers": numbers.sum() / count}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SketchStep:
+    """Several batches for one step of the training, by name."""
+
+    batches: Mapping[str, SketchBatch]
+
+    def to(self, device: torch.device | str) -> "SketchStep":
+        """The same batches on another device."""
+        return SketchStep(batches={name: batch.to(device) for name, batch in self.batches.items()})
+
+
+class StepLosses(SketchLosses):
+    """The weighted losses of several batches; their pictures are encoded together, which takes less time.
+
+    Args:
+        weights: Weight of the losses of each batch, by its name.
+    """
+
+    def __init__(self, network: SketchNetwork, weights: Mapping[str, float]) -> None:
+        super().__init__(network)
+        self.weights = weights
+
+    def forward(self, step: SketchStep) -> dict[str, Tensor]:
+        """The terms of `SketchLosses` of each batch, weighted, with the name of their batch."""
+        photos = {name: batch.photos for name, batch in step.batches.items() if batch.photos is not None}
+        images = [one.image for one in photos.values()]
+        seen, memory = self.network.encode_pictures(torch.cat(images)) if images else (None, None)
+        terms, start = dict[str, Tensor](), 0
+        for name, batch in step.batches.items():
+            own, part = {}, None
+            if batch.photos is not None and seen is not None and memory is not None:
+                here = slice(start, start + len(batch.photos.image))
+                start, part = here.stop, memory[here]
+                own = reading_losses(seen[here], batch.photos) | guessing_losses(seen[here], batch.rows)
+            own |= self.rate_rows(batch.rows, part)
+            terms |= {f"{name} {term}": self.weights[name] * value for term, value in own.items()}
+        return terms
 
 
 def weigh_fields(rows: RowBatch) -> tuple[Float[Tensor, "M"], Float[Tensor, "N"]]:
@@ -57,9 +102,21 @@ def sketch_losses(
     network: nn.Module, batch: SketchBatch, generator: torch.Generator, edge: int = EDGE
 ) -> dict[str, Tensor]:
     """Loss terms of a batch, after augmentation of its pictures to ``edge`` pixels."""
-    if batch.photos is not None:
-        batch = replace(batch, photos=vary_photos(batch.photos, generator, edge))
-    return network(batch)
+    return network(_vary(batch, generator, edge))
+
+
+def step_losses(
+    network: nn.Module, step: SketchStep, generator: torch.Generator, edge: int = EDGE
+) -> dict[str, Tensor]:
+    """Loss terms of the batches of a step, after augmentation of their pictures to ``edge`` pixels."""
+    varied = {name: _vary(batch, generator, edge) for name, batch in step.batches.items()}
+    return network(SketchStep(batches=varied))
+
+
+def _vary(batch: SketchBatch, generator: torch.Generator, edge: int) -> SketchBatch:
+    if batch.photos is None:
+        return batch
+    return replace(batch, photos=vary_photos(batch.photos, generator, edge))
 
 
 def reading_losses(seen: PicturePrediction, photos: PhotoBatch) -> dict[str, Tensor]:

@@ -33,6 +33,8 @@ from artigen.train.sketch import SIZES, SketchRunConfig, train_sketch
 from artigen.train.sketch_losses import (
     HEADER,
     SketchLosses,
+    SketchStep,
+    StepLosses,
     reading_losses,
     sketch_losses,
     spread_spots,
@@ -112,6 +114,24 @@ def test_the_weights_of_fields_belong_to_the_header_of_the_object_and_to_nothing
         count = len(rows.rows)
         assert int((symbols == HEADER).sum()) == (1 + 2 + 7) * count  # kind, category, style, counts
         assert int((numbers == HEADER).sum()) == 3 * count  # extents
+
+
+def test_a_step_adds_up_the_weighted_losses_of_its_batches(photos: PhotoBatch):
+    torch.manual_seed(0)
+    network = SketchNetwork(SIZES["tiny"])
+    tables = [sketch_to_rows(write_sketch(draw_shape("Safe", seed))) for seed in range(len(photos.image))]
+
+    def batch(tables: list[np.ndarray], pictures: PhotoBatch | None) -> SketchBatch:
+        return SketchBatch(rows=make_batch(tables, [empty_request()] * len(tables)), photos=pictures)
+
+    first = PhotoBatch(**{name: value[:4] for name, value in vars(photos).items()})
+    step = {"some": batch(tables[:4], first), "told": batch(tables[2:5], None), "all": batch(tables, photos)}
+    weights = {"some": 0.3, "told": 2.0, "all": 0.5}
+    found = StepLosses(network, weights)(SketchStep(batches=step))
+    for name, one in step.items():
+        for term, value in SketchLosses(network)(one).items():
+            assert float(found.pop(f"{name} {term}")) == pytest.approx(weights[name] * float(value), rel=1e-4)
+    assert not found
 
 
 def test_the_average_of_two_networks_lies_between_them_and_ends_at_either():

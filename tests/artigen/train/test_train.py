@@ -80,28 +80,6 @@ def test_a_line_of_metrics_is_the_mean_of_the_steps_since_the_last(tmp_path: Pat
     assert [line["loss"] for line in lines] == [3.0, 6.0]
 
 
-def test_gradients_of_several_batches_add_up_by_their_weights(tmp_path: Path):
-    def losses(wrapped: torch.nn.Module, batch: Points, _: torch.Generator) -> dict:
-        return {"square": (wrapped(batch.x) ** 2).mean()}
-
-    near, far = Points(torch.ones(2, 1)), Points(torch.full((2, 1), 3.0))
-    found = {}
-    for name, batches, weights in (
-        ("both", {"near": near, "far": far}, {"near": 0.25, "far": 0.75}),
-        ("joined", Points(torch.tensor([[1.0], [3.0], [3.0], [3.0]])), None),
-    ):
-        torch.manual_seed(0)
-        cfg = LoopConfig(steps=5, learning_rate=0.1, report_every=1)
-        found[name] = train(
-            torch.nn.Linear(1, 1), losses, itertools.repeat(batches), tmp_path / name, cfg, weights
-        )
-    for one, two in zip(found["both"].parameters(), found["joined"].parameters(), strict=True):
-        torch.testing.assert_close(one, two)
-    first, second = (read_lines(tmp_path / name / "metrics.jsonl")[0] for name in found)
-    assert first["loss"] == pytest.approx(second["loss"])
-    assert first["loss"] == pytest.approx(0.25 * first["near square"] + 0.75 * first["far square"])
-
-
 def test_a_checkpoint_that_is_cut_short_or_of_something_else_is_named(tmp_path: Path):
     fit(tmp_path / "run", 2, 2)
     path = tmp_path / "run" / "checkpoint.pt"
