@@ -41,8 +41,7 @@ def test_the_shipped_network_expects_what_the_grammar_draws():
     """About three nats a row; codes of numbers, words or planes that changed would cost many times that."""
     network = load_sketch_network(SHIPPED).eval()
     assert network.cfg == SketchNetworkConfig()  # the preset that `artigen train sketch` starts from
-    # Three styles; that half of a range is needed, and that a latch lets go there.
-    assert network.unlearned.sum() == 5
+    assert not network.unlearned.any()
     tables = [sketch_to_rows(write_sketch(draw_shape(category, 1))) for category in KNOWN]
     symbols, numbers = network(make_batch(tables, [empty_request()] * len(tables)))
     assert float(symbols.sum() + numbers.sum()) / sum(map(len, tables)) < 3.5
