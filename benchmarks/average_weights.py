@@ -30,7 +30,7 @@ def average_networks(before: SketchNetwork, after: SketchNetwork, share: float) 
         raise ValueError(f"share {share} of {after.cfg} and {before.cfg}: expected equal sizes, 0 to 1")
     weights = after.state_dict()
     out = SketchNetwork(before.cfg)
-    out.categories = after.categories
+    out.categories, out.part_counts = after.categories, after.part_counts
     out.load_state_dict(
         {name: torch.lerp(value, weights[name], share) for name, value in before.state_dict().items()}
     )

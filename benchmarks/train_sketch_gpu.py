@@ -22,8 +22,11 @@ import torch
 from sketch_stream import Sizes, Store, list_steps, list_tables, make_objects
 
 from artigen.examples.batches import prefetch
+from artigen.examples.shards import load_shard
+from artigen.examples.sketch import TABLES, unpack_tables
 from artigen.sketch.model import load_sketch_network, save_sketch_network
 from artigen.sketch.network import SketchNetworkConfig
+from artigen.sketch.part_counts import collect_part_counts
 from artigen.train.growth import grow_network
 from artigen.train.loop import LoopConfig, finished_steps, train
 from artigen.train.sketch_losses import SketchStep, StepLosses, step_losses
@@ -61,6 +64,8 @@ def main(cfg: argparse.Namespace) -> None:
         _wait_for(rows := cfg.scratch / path.name.replace("plain", "rows"), makers)
         store.add_tables(rows)
     store.plain = store.tables
+    known = [collect_part_counts(unpack_tables(load_shard(path, TABLES))) for path in plain]
+    network.part_counts = frozenset().union(*known)
     print(f"{store.plain} tables", flush=True)
     lister = context.Process(
         target=list_steps, args=(cfg.scratch, cfg.files, loaded, steps, sizes, time.time_ns()), daemon=True

@@ -53,6 +53,7 @@ class Decoder:
         self.slots, self.asked = _values(network.slots.weight), _values(network.asked.weight)
         self.part, self.piece = _values(network.part.weight), _values(network.piece.weight)
         self.unlearned = network.unlearned.numpy()
+        self.part_counts = network.part_counts
         self.enter = _Feed(network.enter)
         self.blocks = [_Block(block) for block in network.blocks if isinstance(block, Block)]
         self.leave, self.state = _values(network.leave.weight), _columns(network.state)

@@ -24,6 +24,13 @@ from artigen.sketch.fault import Fault
 from artigen.sketch.faults import find_extent_faults, find_faults
 from artigen.sketch.growth import Grower
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
+from artigen.sketch.part_counts import (
+    COUNTS,
+    PartCounts,
+    describe_part_counts,
+    parse_part_counts,
+    read_part_counts,
+)
 from artigen.sketch.picture import PictureConfig, PicturePrediction
 from artigen.sketch.picture_colors import read_colors
 from artigen.sketch.request import NETWORK, SketchRequest, check_category, encode_request
@@ -36,8 +43,6 @@ PICTURE_EDGE = 256
 """Edge length (pixels) of the picture for camera fitting and colours."""
 PICTURED, HEADERS = DrawConfig(temperature=0.5), 12
 """Sampling and number of headers for a picture, of which one is chosen (`choose_header`)."""
-COUNTS = [column("object", label) for label in COUNTED]
-"""Columns of a header that hold the number of parts of each label."""
 COOLEST = 0.1
 """Temperature of the first continuations for a picture: the likeliest object is the one that it shows."""
 
@@ -79,6 +84,7 @@ def save_sketch_network(network: SketchNetwork, folder: Path, described: dict[st
     contents = {
         "sizes": asdict(network.cfg),
         "categories": list(network.categories),
+        "part_counts": describe_part_counts(network.part_counts),
         "vocabulary": describe_vocabulary(),
     }
     save_model(network, folder, {**contents, **described}, NETWORK)
@@ -113,8 +119,17 @@ def load_sketch_network(folder: Path, like: SketchNetwork | None = None) -> Sket
     fresh = (like or network).state_dict()
     load_model(network, folder, NETWORK, lambda weights: carry_weights(weights, vocabulary, fresh))
     network.categories = tuple(categories)
+    network.part_counts = _read_part_counts(folder, stored.get("part_counts", {}))
     network.unlearned[find_new_symbols(vocabulary, categories)] = True
     return network
+
+
+def _read_part_counts(folder: Path, stored: Any) -> PartCounts:
+    """Counts of the training objects from a description; older models have none."""
+    try:
+        return parse_part_counts(stored)
+    except (AttributeError, TypeError, ValueError) as error:
+        raise SourceError(f"{folder}: a sketch network with unreadable part counts ({error})") from error
 
 
 def _read_sizes(stored: Any) -> SketchNetworkConfig:
@@ -298,14 +313,25 @@ def _draw_header(
     seen: PicturePrediction | None,
 ) -> Draft:
     """Adds a header to an empty table; for a picture, the most plausible of `HEADERS`."""
-    count = 1 if seen is None else HEADERS
-    drawn = continue_draft(decoder, empty, lambda _: True, rng.spawn(count), cfg)
-    headers = [one for one in drawn if one is not None]
     if seen is None:
-        return headers[0]
+        return _draw_known_header(decoder, empty, rng, cfg)
+    drawn = continue_draft(decoder, empty, lambda _: True, rng.spawn(HEADERS), cfg)
+    headers = [one for one in drawn if one is not None]
     rows = [one.writer.rows[0] for one in headers]
     said = [(row[column("object", "category")], tuple(row[at] for at in COUNTS)) for row in rows]
     return headers[choose_header(said, [seen.rate(*one) for one in said])]
+
+
+def _draw_known_header(decoder: Decoder, empty: Draft, rng: np.random.Generator, cfg: DrawConfig) -> Draft:
+    """Adds a header whose counts a training object has, if one of `HEADERS` is such, else the first."""
+    headers = list[Draft]()
+    for _ in range(HEADERS):
+        (header,) = continue_draft(decoder, empty, lambda _: True, rng.spawn(1), cfg)
+        assert header is not None  # a single row is never too long
+        headers.append(header)
+        if not decoder.part_counts or read_part_counts(header.writer.rows[0]) in decoder.part_counts:
+            return header
+    return headers[0]
 
 
 def choose_header(said: Sequence[tuple[int, tuple[int, ...]]], rates: Sequence[float]) -> int:

@@ -18,6 +18,7 @@ from torch.nn import functional
 
 from artigen.sketch.batch import PARTS, PLACES, RowBatch
 from artigen.sketch.blocks import Block, Feed, PictureMemory, find_turns
+from artigen.sketch.part_counts import PartCounts
 from artigen.sketch.picture import PictureConfig, PictureEncoder, PicturePrediction
 from artigen.sketch.planes import (
     COARSE,
@@ -67,6 +68,8 @@ class SketchNetwork(nn.Module):
         self.cfg = cfg
         self.categories: tuple[str, ...] = CATEGORIES
         """Categories that the network draws."""
+        self.part_counts: PartCounts = frozenset()
+        """Counts of its training objects; empty if they are not known."""
         table, width = slots(), cfg.width
         count = len(table.base)
         self.symbols = nn.Embedding(table.total, width)

@@ -17,7 +17,7 @@ def grow_network(network: SketchNetwork, cfg: SketchNetworkConfig) -> SketchNetw
         ArtigenError: If ``cfg`` differs in more than blocks and the picture's edge, or has fewer blocks.
     """
     grown = SketchNetwork(cfg)
-    grown.categories = network.categories
+    grown.categories, grown.part_counts = network.categories, network.part_counts
     grown.unlearned.copy_(network.unlearned)
     places = _spread(network.cfg.layers, cfg.layers)
     weights = {_rename(name, places): value for name, value in network.state_dict().items()}

@@ -18,6 +18,7 @@ from artigen.runtime.journal import claim_folder
 from artigen.sketch.batch import make_batch, sample_request
 from artigen.sketch.model import load_sketch_network, save_sketch_network
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
+from artigen.sketch.part_counts import collect_part_counts
 from artigen.sketch.picture import PictureConfig
 from artigen.sketch.request import empty_request
 from artigen.sketch.words import CATEGORIES
@@ -90,6 +91,7 @@ def train_sketch(cfg: SketchRunConfig) -> dict[str, float]:
     make = partial(make_examples, categories=cfg.categories, workers=cfg.workers, photos=photos)
     trained = make(cfg.folder / "train", HELD_OUT, cfg.shards, count=SHARD)
     held_out = make(cfg.folder / "held_out", 0, 1, count=-(-MEASURED // len(cfg.categories)))
+    network.part_counts = collect_part_counts(example.table for example in trained)
     loop = LoopConfig(
         minutes=cfg.minutes,
         learning_rate=cfg.learning_rate,

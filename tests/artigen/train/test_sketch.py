@@ -116,6 +116,7 @@ def test_the_weights_of_fields_belong_to_the_header_of_the_object_and_to_nothing
         assert int((numbers == HEADER).sum()) == 3 * count  # extents
 
 
+@torch.no_grad()
 def test_a_step_adds_up_the_weighted_losses_of_its_batches(photos: PhotoBatch):
     torch.manual_seed(0)
     network = SketchNetwork(SIZES["tiny"])
