@@ -18,8 +18,9 @@ from sim_export.physics.standing import must_stand
 from sim_export.report import CheckResult
 
 from .config import DynamicsConfig
+from .limits import limit_tolerance
 from .titles import TITLES, make_result, not_run
-from .trials import TrialResults, limit_tolerance, run_trials
+from .trials import TrialResults, run_trials
 from .urdf_text import physics_urdf
 
 MASS_TOLERANCE = 1e-4

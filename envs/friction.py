@@ -30,7 +30,7 @@ CHAIN_ITERATIONS = 40
 of the first leaf gives way to the load of the second in one iteration out of all."""
 FREQUENCY = 1000.0
 """Natural frequency (rad/s) of the drive that couples a follower: under its own weight a part sags by g /
-frequency^2, a hundredth of a millimetre."""
+frequency^2 at most, a hundredth of a millimetre."""
 
 
 def apply_resistance(

@@ -29,7 +29,7 @@ class JointSweepConfig:
     def __post_init__(self) -> None:
         if not (0.0 < self.step <= 1.0 and self.bins >= 2 and self.tolerance >= 0.0):
             raise ValueError(
-                f"step {self.step} in (0, 1], bins {self.bins} >= 1, tolerance {self.tolerance} >= 0"
+                f"step {self.step} in (0, 1], bins {self.bins} >= 2, tolerance {self.tolerance} >= 0"
             )
 
 

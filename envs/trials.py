@@ -19,6 +19,7 @@ from artigen.transforms import transform_points
 from sim_export.package import PackageJoint, SimPackage
 
 from .hand import link_vertices, pose_matrix, push_wrench
+from .limits import limit_tolerance
 from .loaded import LinkLoad, LoadedPackage, advance, qpos_of
 from .package import LoadConfig, load_package
 from .plan import JointPlan, TrialPlan, plan_trials, rest_qpos
@@ -34,13 +35,6 @@ LEAN_SECONDS = 2.0
 """Duration (seconds) of the observation of the tilted object (V305)."""
 LEAN_DEGREES = 5.0
 """Tilt of the object in degrees (V305)."""
-LIMIT_FRACTION = 0.01
-"""Distance from a limit, as a share of the range, within which it counts as reached, and as kept at rest
-(V302, V305) ..."""
-LIMIT_DEGREES = 0.5
-"""... or, for turning joints, this angle if it is larger ..."""
-LIMIT_METRES = 1e-4
-"""... or, for sliding joints, this distance, which a key of 1 mm travel creeps in PhysX."""
 STALL_SPEED = 1e-3
 """Speed of every joint, in its ranges per second, below which what is pushed stands still ..."""
 STALL_SECONDS = 0.25
@@ -272,13 +266,6 @@ def _drive(
 def effort(plan: JointPlan, direction: float) -> float:
     """Effort of a plan in a direction: > 0 opens."""
     return plan.opening if direction > 0 else plan.closing
-
-
-def limit_tolerance(joint_type: str, span: float) -> float:
-    """Distance from a limit within which it counts as reached: 1 % of the range, or 0.1 mm or 0.5 degrees if
-    that is more."""
-    least = LIMIT_METRES if joint_type == "prismatic" else float(np.radians(LIMIT_DEGREES))
-    return max(LIMIT_FRACTION * span, least)
 
 
 def _size(loaded: LoadedPackage) -> float:

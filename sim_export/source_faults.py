@@ -33,12 +33,11 @@ from sim_export.motion.kinematics import (
     required_openings,
     sweep_coordinates,
 )
+from sim_export.motion.requirements import POSES
 from sim_export.package import PackageJoint, SimPackage
 
 SAMPLES = 4000
 """Number of points on the surface of each link."""
-POSES = 21
-"""Number of poses of every joint."""
 NOTHING = np.zeros((0, 3, 3))
 Surfaces = Mapping[str, Float[np.ndarray, "F 3 3"]]
 

@@ -6,14 +6,12 @@ import numpy as np
 
 from sim_export.report import CheckResult, Verdict
 
+from ..limits import limit_tolerance
 from ..titles import make_result
-from .plan import HOLD, LIMIT_ANGLE, SLIP, EnginePlan, JointTask
+from .plan import HOLD, SLIP, EnginePlan, JointTask
 
 NUMBER_TOLERANCE = 1e-4
 """Relative tolerance; engines compute in single precision."""
-REST_DRIFT = 0.01
-"""Largest motion of a joint at rest, as a share of its range; at least `REST_LENGTH` (m) or `LIMIT_ANGLE`
-(rad)."""
 REST_LENGTH = 2e-4
 """Motion (m) of a sliding joint under gravity in one time step, before its limit pushes back."""
 HELD = 0.2
@@ -149,7 +147,8 @@ def check_rest(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
 
 def _stillness(joint: JointTask) -> float:
     """Largest allowed motion (m or rad) of a joint at rest."""
-    return max(REST_DRIFT * _span(joint), REST_LENGTH if joint.type == "prismatic" else LIMIT_ANGLE)
+    least = REST_LENGTH if joint.type == "prismatic" else 0.0
+    return max(limit_tolerance(joint.type, _span(joint)), least)
 
 
 def check_range(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:

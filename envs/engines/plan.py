@@ -13,6 +13,8 @@ from sim_export.motion.kinematics import moved_links, required_openings
 from sim_export.package import PackageJoint, SimPackage
 from sim_export.physics.inertia import combine, inertia_about
 
+from ..limits import limit_tolerance
+
 TIMESTEP = 1.0 / 240.0
 STEPS = 2000
 """Number of steps at rest, under gravity."""
@@ -28,11 +30,6 @@ TRIAL_SECONDS = 1.0
 """Largest duration (seconds) of a friction trial."""
 TRIAL_SHARE = 0.25
 """Share of the range after which a friction trial ends."""
-LIMIT_SHARE = 0.01
-"""Largest distance from an end of the range, as a share of the range; at least `LIMIT_LENGTH` (m) or
-`LIMIT_ANGLE` (rad)."""
-LIMIT_LENGTH = 1e-4
-LIMIT_ANGLE = float(np.radians(0.5))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,7 +122,6 @@ def _task(package: SimPackage, joint: PackageJoint) -> JointTask:
     lower, upper = ends(joint)
     span = upper - lower
     load = moved_load(package, joint)
-    near = LIMIT_SHARE * span
     speed = span / TRAVEL_SECONDS
     return JointTask(
         name=joint.name,
@@ -140,7 +136,7 @@ def _task(package: SimPackage, joint: PackageJoint) -> JointTask:
         open=open_coordinates(package, joint),
         effort=PUSH_RATIO * joint.friction + joint.damping * speed + 2.0 * load * span / TRAVEL_SECONDS**2,
         speed=speed,
-        tolerance=max(near, LIMIT_LENGTH if joint.type == "prismatic" else LIMIT_ANGLE),
+        tolerance=limit_tolerance(joint.type, span),
         trial=_trial(joint, load),
     )
 

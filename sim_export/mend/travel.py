@@ -5,7 +5,8 @@ import numpy as np
 from sim_export.checks.config import CheckConfig
 from sim_export.mend.source import Source, leading_part, set_joint, source_package
 from sim_export.motion.kinematics import driven_joints, sweep_coordinates
-from sim_export.source_faults import POSES, overlap_along
+from sim_export.motion.requirements import POSES
+from sim_export.source_faults import overlap_along
 
 LEAST = 0.5
 """Smallest share of its range to which a joint is shortened."""

@@ -35,7 +35,7 @@ REACH = 0.15
 RAYS = 15
 """Rays along a handle; more resolve thinner legs."""
 FINGERS = 3
-"""Neighbouring rays with free depth behind a bar that fingers need: a fifth of its length."""
+"""Neighbouring rays with free depth behind a bar that fingers need: a sixth of its length."""
 BACK_SIDE = 0.01
 """Length (m) from which the end of a handle that comes out behind its carrier is a second side."""
 BAR_RATIO = 2.0

@@ -20,7 +20,7 @@ from artigen.sketch.sweep import deepest, find_meetings, open_needed, place_open
 from artigen.sketch.tree import read_tree
 from artigen.sketch.words import CATEGORIES
 from artigen.types import PartLabel
-from envs.trials import LIMIT_FRACTION
+from envs.limits import LIMIT_FRACTION
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.suite import run_checks
 from sim_export.collision.hull_limits import MAX_ASPECT
