@@ -24,7 +24,7 @@ from envs.config import DynamicsConfig
 from envs.dynamics import MujocoResult
 from envs.hand import Moved, hand_effort
 from envs.joint_sweep import JointSweepEnv
-from envs.loaded import LinkLoad
+from envs.loaded import LinkLoad, set_open_fraction
 from envs.plan import JointPlan, TrialPlan
 from envs.settle import SettleEnv
 from envs.trials import PullResult, StandResult, TrialResults, run_trials
@@ -81,6 +81,7 @@ def weighed(mass: float) -> CheckResult:
 
 
 SMALL = joint_of("revolute", 0.2)
+KEY = joint_of(upper=0.001)
 ROWS: dict[str, tuple[Callable[[float], CheckResult], float, float]] = {
     "mass": (weighed, 1 + 0.9e-4, 1 + 1.1e-4),
     "rest": (lambda x: dynamics.check_rest(results(rest_drift=np.array([0.5 * x]))), 0.0099, 0.0101),
@@ -91,6 +92,7 @@ ROWS: dict[str, tuple[Callable[[float], CheckResult], float, float]] = {
     "opens": (lambda x: dynamics.check_opens(pulled(open_gap=0.5 * x)), 0.0099, 0.0101),
     "closes": (lambda x: dynamics.check_opens(pulled(close_gap=0.5 * x)), 0.0099, 0.0101),
     "turns": (lambda x: dynamics.check_opens(pulled(SMALL, open_gap=np.radians(x))), 0.49, 0.51),
+    "slides": (lambda x: dynamics.check_opens(pulled(KEY, open_gap=x)), 0.99e-4, 1.01e-4),
     "stays": (lambda x: dynamics.check_stays_closed(results(lean_drift=np.array([0.5 * x]))), 0.0099, 0.0101),
     "size": (lambda x: dynamics.check_energy(results(size_ratio=x)), 9.9, 10.1),
     "speed": (lambda x: dynamics.check_energy(pulled(peak_speed=x)), 1.99, 2.01),
@@ -224,6 +226,16 @@ def test_a_handle_within_a_centimetre_of_the_axis_is_turned(folder, lever, turne
     env._grip = np.array([lever, 0.0, 0.0])
     along = abs(env._observe()["opening_direction"][2])
     assert along == pytest.approx(float(turned), abs=1e-6)
+
+
+@pytest.mark.parametrize(("share", "success"), [(0.895, False), (0.905, True)])
+def test_a_joint_counts_as_open_from_nine_tenths_of_its_range(folder, share, success):
+    env = ActuateEnv(folder, ActuateConfig(joint="joint_1"))
+    env.reset(seed=0)
+    set_open_fraction(env.loaded, [0.0, share, 0.0, 0.0])
+    *_, info = env.step(np.zeros(1))
+    assert info["opened"] == pytest.approx(share, abs=1e-3)
+    assert info["success"] == success
 
 
 def test_a_step_is_a_twentieth_of_a_second_in_five(folder):

@@ -184,6 +184,16 @@ def test_a_step_less_and_a_gram_more_are_noticed(plan, answer):
 
 
 @pytest.mark.sim
+@pytest.mark.parametrize(("steps", "caught"), [(1999, {"V503"}), (2000, set())])
+def test_joints_stay_finite_for_two_thousand_steps(folder, answer, steps, caught):
+    """Where a plan does not ask for fewer."""
+    plan = make_plan(folder, read_package(folder, appearance=False))
+    lasted = json.loads(json.dumps(answer))
+    lasted["rest"]["steps"] = steps
+    assert failures(plan, lasted) == caught
+
+
+@pytest.mark.sim
 @pytest.mark.parametrize(("share", "caught"), [(0.99, set()), (1.01, {"V501", "V502"})])
 def test_numbers_may_differ_by_their_tolerance(plan, answer, share, caught):
     near = json.loads(json.dumps(answer))
@@ -213,6 +223,19 @@ def test_friction_is_tried_for_a_part_of_the_range_or_for_a_second(plan):
             far = joint.trial.expected >= 0.25 * (joint.upper - joint.lower)
             assert far or joint.trial.seconds == pytest.approx(1.0)
             assert joint.trial.seconds <= 1.0
+
+
+@pytest.mark.parametrize(("quarter", "seconds"), [(0.5, 0.5), (0.99, 0.99), (2.0, 1.0)])
+def test_a_friction_trial_ends_with_a_quarter_of_the_range_or_after_a_second(folder, quarter, seconds):
+    """Without damping; so many seconds the tenth of the friction that is left takes for a quarter."""
+    package = read_package(folder, appearance=False)
+    first = next(joint for joint in package.joints if joint.type != "fixed")
+    needed = 2.0 * 0.25 * (first.upper - first.lower) / quarter**2 * moved_load(package, first)
+    tried = replace(first, friction=needed / 0.1, damping=0.0)
+    joints = tuple(tried if joint is first else joint for joint in package.joints)
+    trial = make_plan(folder, replace(package, joints=joints)).joints[0].trial
+    assert trial is not None
+    assert trial.seconds == pytest.approx(seconds, abs=1.5 / 240.0)
 
 
 def test_a_short_joint_may_move_by_what_one_step_of_gravity_does(plan, answer):
@@ -293,6 +316,14 @@ def test_a_joint_that_hardly_moves_is_pushed_no_longer(share, seconds):
     left = push(engine, TRIALS, TRIED, 1.0)
     assert engine.steps * DT == pytest.approx(seconds, abs=2 * DT)
     assert left == pytest.approx(1.0 - engine.x)
+
+
+@pytest.mark.parametrize(("seconds", "arrives"), [(3.9, True), (4.1, False)])
+def test_a_joint_has_four_seconds_for_its_range(plan, seconds, arrives):
+    """At the speed at which it would take so long."""
+    engine = OneJoint(speed=1.0 / seconds)
+    left = push(engine, plan.as_json() | {"joints": [TRIED]}, TRIED, 1.0)
+    assert (left <= 1e-9) == arrives
 
 
 def test_a_missing_engine_is_skipped_with_a_sentence(folder, tmp_path):

@@ -61,3 +61,17 @@ def test_the_room_in_a_flat_drawer_is_no_board():
     assert count == board
     assert not ((filled.coords[:, 2] < 14) & (filled.part_ids == 0)).any()
     assert fill_boards(grid, owners=[0, 0])[1] == fill_boards(grid)[1] == board + 12 * 12 * 2
+
+
+@pytest.mark.parametrize(("gap", "filled"), [(3, 10 * 22 * 3), (4, 0)])
+def test_a_space_of_more_than_three_cells_is_a_compartment(gap: int, filled: int):
+    board = shell([8, 4, 10], [20, 28, 12 + gap])
+    assert fill_boards(grid_of(board))[1] == filled
+
+
+@pytest.mark.parametrize(("foreign", "filled"), [(59, 100), (60, 0)])
+def test_a_space_is_no_board_if_a_quarter_of_its_walls_are_anothers(foreign: int, filled: int):
+    """Of 240 sides of cells around a gap of 10 x 10 cells, some are those of a lid."""
+    lid = {(10 + n // 10, 10 + n % 10, 12) for n in range(foreign)}
+    grid = grid_of(lid, shell([9, 9, 10], [21, 21, 13]))
+    assert fill_boards(grid, owners=[0, 1])[1] == filled

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim_export.geometry import face_planes
-from sim_export.geometry.face_planes import DIRECTIONS, INSET, THIN_INSET, fit_face_planes
+from sim_export.geometry.face_planes import DIRECTIONS, fit_face_planes
 
 
 def grid(size: int = 28) -> np.ndarray:
@@ -47,11 +47,11 @@ def test_inner_walls_move_toward_the_solid():
     occupancy = open_box()
     planes = fit_face_planes(occupancy, tight_box(occupancy))
     # The tray's floor seen from above, one cell thick, its lower face on the box.
-    assert planes.plane[5][10, 10, 5] == pytest.approx(6 - THIN_INSET)
+    assert planes.plane[5][10, 10, 5] == pytest.approx(6 - 0.1)
     solid = occupancy.copy()
     solid[5:15, 4:20, 6:8] = True
     planes = fit_face_planes(solid, tight_box(solid))
-    assert planes.plane[5][10, 10, 7] == pytest.approx(8 - INSET)
+    assert planes.plane[5][10, 10, 7] == pytest.approx(8 - 0.5)
     assert planes.flat[5][10, 10, 7]
 
 
@@ -157,7 +157,7 @@ def test_the_box_makes_a_plate_as_thin_as_two_fifths_of_a_cell(thickness: float,
     )
 
 
-@pytest.mark.parametrize(("beyond", "inset"), [(1.24, -1.24), (1.26, THIN_INSET)])
+@pytest.mark.parametrize(("beyond", "inset"), [(1.24, -1.24), (1.26, 0.1)])
 def test_faces_are_those_of_a_box_within_a_cell_and_a_quarter(beyond: float, inset: float):
     assert plate_faces(4.0 - beyond, 5.0)[0] == pytest.approx(4.0 + inset)
 
@@ -171,13 +171,14 @@ def test_a_wall_keeps_four_fifths_of_a_cell_above_its_box(low: float, top: float
     assert fit_face_planes(occupancy, box).plane[5][10, 10, 5] == pytest.approx(top)
 
 
-@pytest.mark.parametrize(("rows", "inset"), [(2, THIN_INSET), (1, INSET)])
-def test_a_face_of_which_others_touch_more_than_a_tenth_lies_at_their_border(rows: int, inset: float):
+@pytest.mark.parametrize(("cells", "inset"), [(41, 0.1), (40, 0.5)])
+def test_a_face_of_which_others_touch_more_than_a_tenth_lies_at_their_border(cells: int, inset: float):
+    """A face of 400 cells lies half a cell inside, or a tenth where others touch it."""
     block = np.zeros((24, 24, 12), dtype=bool)
     block[2:22, 2:22, 4:7] = True
     others = np.zeros((30, 30, 18), dtype=bool)
-    others[5 : 5 + rows, 5:25, 3 + 7] = True
-    others[5 + rows, 5, 3 + 7] = True
+    row, column = np.divmod(np.arange(cells), 20)
+    others[5 + row, 5 + column, 3 + 7] = True
     far = np.array([[2.0, 2.0, 4.0], [22.0, 22.0, 11.0]])
     assert fit_face_planes(block, far, others).plane[5][15, 15, 6] == pytest.approx(7.0 - inset)
 

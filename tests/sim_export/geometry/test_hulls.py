@@ -7,8 +7,6 @@ from artigen.shapes.primitives import place_vertices, rounded_box
 from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect, trim_hull
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.hulls import (
-    FLAT,
-    PLANE,
     clip_hull,
     convex_hull,
     hull_volume,
@@ -45,9 +43,21 @@ def test_cuts_through_a_corner_leave_a_closed_hull():
 
 
 def test_flat_points_have_no_hull():
-    points = np.random.default_rng(5).normal(size=(12, 3)) * [1.0, 1.0, 0.1 * FLAT]
+    points = np.random.default_rng(5).normal(size=(12, 3)) * [1.0, 1.0, 1e-7]
     with pytest.raises(DegeneratePart):
         convex_hull(points)
+
+
+@pytest.mark.parametrize(("spread", "flat"), [(0.95e-6, True), (1.05e-6, False)])
+def test_points_are_flat_if_they_spread_less_than_a_micrometre_about_a_plane(spread: float, *, flat: bool):
+    """The corners of a plate, of which ``spread`` is the root of the sum of their squared distances (m)."""
+    half = spread / np.sqrt(8.0)
+    corners = np.array([[x, y, z] for x in (0.0, 0.1) for y in (0.0, 0.1) for z in (-half, half)])
+    if flat:
+        with pytest.raises(DegeneratePart):
+            convex_hull(corners)
+    else:
+        assert hull_volume(convex_hull(corners)) == pytest.approx(0.01 * 2.0 * half)
 
 
 def test_a_slanted_plate_stays_one_when_it_loses_corners():
@@ -76,7 +86,7 @@ def test_the_hull_around_a_plane_is_a_plate_and_that_around_a_line_is_none():
     corners = np.array([[0, 0, 0], [0.3, 0, 0.1], [0.3, 0.4, 0.1], [0, 0.4, 0.0]])
     plane = corners[[[0, 1, 2], [0, 2, 3]]]
     (plate,) = wrap_surface(plane)
-    assert hull_width(plate)[0] == pytest.approx(PLANE)
-    assert hull_volume(plate) == pytest.approx(PLANE * 0.4 * np.hypot(0.3, 0.1))
+    assert hull_width(plate)[0] == pytest.approx(0.002)
+    assert hull_volume(plate) == pytest.approx(0.002 * 0.4 * np.hypot(0.3, 0.1))
     assert wrap_surface(np.zeros((0, 3, 3))) == ()
     assert wrap_surface(np.array([[[0, 0, 0], [1, 0, 0], [2.0, 0, 0]]])) == ()

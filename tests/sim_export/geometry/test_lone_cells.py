@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from artigen.types import VoxelGrid
-from sim_export.geometry.lone_cells import APART, LONE, give_lone_cells
+from sim_export.geometry.lone_cells import give_lone_cells
 
 FLOOR, BASKET, HANDLE = 0, 1, 2
 
@@ -22,9 +22,9 @@ def grid(lone: int, gap: int) -> VoxelGrid:
 
 @pytest.mark.parametrize(
     ("lone", "gap", "given"),
-    [(1, APART, 1), (LONE, APART, LONE), (LONE + 1, APART, 0), (1, APART - 1, 0)],
+    [(1, 3, 1), (4, 3, 4), (5, 3, 0), (1, 2, 0)],
 )
-def test_few_cells_far_from_their_link_go_to_what_is_around(lone, gap, given):
+def test_four_cells_that_three_cells_separate_from_their_link_go_to_what_is_around(lone, gap, given):
     voxels = grid(lone, gap)
     after, count = give_lone_cells(voxels, [FLOOR, BASKET, HANDLE])
     changed = after.part_ids != voxels.part_ids
@@ -34,7 +34,7 @@ def test_few_cells_far_from_their_link_go_to_what_is_around(lone, gap, given):
 
 
 def test_a_part_keeps_its_last_cells_and_a_link_all_of_its_parts():
-    voxels = grid(1, APART)
+    voxels = grid(1, 3)
     assert np.count_nonzero(give_lone_cells(voxels, [FLOOR, BASKET, HANDLE])[0].part_ids == HANDLE) == 1
     after, count = give_lone_cells(voxels, [FLOOR, FLOOR, HANDLE])
     assert count == 0

@@ -284,3 +284,28 @@ def test_a_part_of_nothing_but_specks_stays():
     sunk = (cells[:, :2] == 4).all(axis=1) & np.isin(cells[:, 2], (3, 4))
     grid = VoxelGrid(resolution=16, coords=cells, part_ids=sunk.astype(int))
     assert part_occupancy(grid, 1).occupancy.sum() == 2
+
+
+@pytest.mark.parametrize(("step", "merged"), [(0.029, True), (0.031, False)])
+def test_faces_become_one_within_three_hundredths_of_a_cell(step: float, *, merged: bool):
+    """A face of a block that others touch, a tenth of a cell below its cells, and so much higher a panel."""
+    solid, others = np.zeros((2, 24, 24, 12), dtype=bool)
+    solid[2:22, 2:22, 2:8] = True
+    solid[6:18, 6:18, 8] = True
+    others[2:22, 2:6, 8] = True
+    box = np.array([[2.0, 2.0, 2.0], [22.0, 22.0, 7.9 + step]])
+    _, faces = mesh_occupancy(solid, box, others)
+    assert (len(faces) == 12) == merged
+
+
+@pytest.mark.parametrize(("doubled", "turned"), [(0.019, True), (0.021, False)])
+def test_a_diagonal_cuts_off_no_triangle_of_less_than_a_hundredth_of_a_square_cell(
+    doubled: float, *, turned: bool
+):
+    """A kite, of which the shorter diagonal cuts off a triangle with half of this area (square cells).
+
+    What becomes of two triangles is hidden in the mesh by what is merged after them.
+    """
+    kite = np.array([[0.0, 0.0, 0.0], [0.5, -doubled, 0.0], [1.0, 0.0, 0.0], [0.5, 1.5, 0.0]])
+    faces = meshing._split_quads(kite, np.array([[0, 1, 2, 3]]))
+    assert all({1, 3} <= set(face) for face in faces.tolist()) == turned

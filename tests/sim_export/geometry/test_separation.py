@@ -9,7 +9,6 @@ from scipy import ndimage
 
 from artigen.types import FIXED, Asset, Joint, Part
 from sim_export.geometry.joining import join_cells
-from sim_export.geometry.lone_cells import LONE
 from sim_export.geometry.occupancy import PartOccupancy
 from sim_export.geometry.separation import free_latches, separate_solids
 
@@ -144,7 +143,7 @@ def test_a_latch_keeps_two_fifths_of_its_cells(start: int, end: int, *, cut: boo
     assert (latch is not lever) == bool(records) == cut
 
 
-@pytest.mark.parametrize(("deep", "cut"), [(LONE // 4, True), (LONE // 4 + 1, False)])
+@pytest.mark.parametrize(("deep", "cut"), [(1, True), (2, False)])
 def test_a_latch_that_would_lose_an_end_stays(deep: int, *, cut: bool):
     """Of two ends of 2 x 2 cells beside the frame, the shaft between which is near it, one is short."""
     frame = solid((6, 2, 2), (9, 22, 22))

@@ -51,6 +51,15 @@ def test_waves_of_thirty_cells_keep_their_height_and_those_of_eight_lose_nearly_
     assert wave_left(4) < 0.1
 
 
+@pytest.mark.parametrize("length", [6, 8, 12])
+def test_eighty_pairs_of_steps_damp_a_wave(length: int):
+    """Each shrinks it by 0.6 of its height above its neighbours' mean and grows it by 0.605 of that."""
+    above_mean = 0.5 - 0.5 * np.cos(2 * np.pi / length)
+    assert wave_left(length) == pytest.approx(
+        ((1.0 - 0.6 * above_mean) * (1.0 + 0.605 * above_mean)) ** 80, rel=1e-6
+    )
+
+
 @pytest.mark.parametrize("edge", [2.0, 3.0])
 def test_the_shrinking_step_stops_at_seven_tenths_of_a_cell(edge: float):
     """The growing one takes a cube's corners back by 0.605 of the way to their neighbours' mean."""

@@ -86,3 +86,10 @@ def test_a_bar_of_three_times_its_width_is_held_near_its_ends(length, count):
     if count == 2:
         assert middles[0] < 0.1 + 0.2 * length
         assert middles[1] > 0.1 + 0.8 * length
+
+
+def test_a_strut_stands_half_its_width_in_what_it_connects():
+    """Plates of 3 mm, 20 mm apart, through which a strut as wide as a cell of 16 mm reaches."""
+    plates = [block((0.0, 0.0, low), (0.2, 0.2, low + 0.003)) for low in (0.0, 0.023)]
+    _, _, whole, _ = brace(*plates)
+    assert np.ptp(solid_arrays(whole)[0][:, 2]) == pytest.approx(0.02 + 2 * 0.5 * CELL, rel=1e-6)

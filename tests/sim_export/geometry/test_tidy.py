@@ -45,5 +45,17 @@ def test_a_step_of_slivers_stays_where_they_are_few_of_all_triangles(segments: i
     assert (top > 0.10005) == left
 
 
+@pytest.mark.parametrize(("step", "left"), [(1.8e-6, False), (2.2e-6, True)])
+def test_a_step_of_two_micrometres_stays(step: float, *, left: bool):
+    """On a plate of 0.1 m, beside a ball of so many triangles that slivers are few."""
+    base = manifold3d.Manifold.cube((0.08, 0.08, 0.01))
+    panel = manifold3d.Manifold.cube((0.06, 0.05, step)).translate((0.01, 0.02, 0.01))
+    ball = manifold3d.Manifold.sphere(0.01, 48).translate((0.0, 0.0, 0.05))
+    mesh = tidy_mesh(base + panel + ball, LIKE)
+    assert mesh is not None
+    heights = mesh.vertices[mesh.vertices[:, 2] < 0.02, 2]
+    assert (heights.max() > 0.01 + step / 2) == left
+
+
 def test_nothing_is_no_mesh():
     assert tidy_mesh(manifold3d.Manifold(), LIKE) is None

@@ -17,12 +17,14 @@ def box_mesh(low, high) -> Mesh:
     return Mesh(vertices=hull.vertices, faces=hull.faces)
 
 
-def cart(label: str = "wheel", half: float = 0.09):
-    """A body on one wheel of 0.1 m whose mesh is a block of this half width; 2 metres per unit."""
+def cart(label: str = "wheel", half: float = 0.09, steep: float = 0.0):
+    """A body on one wheel of 0.1 m whose mesh is a block of this half width; 2 metres per unit.
+
+    ``steep`` is the vertical component of its axle.
+    """
     box = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
-    axle = Joint(
-        type="continuous", axis=np.array([0.0, 1.0, 0.0]), origin=np.array([0.0, 0.0, -0.1]), upper=6.28318
-    )
+    axis = np.array([0.0, np.sqrt(1.0 - steep**2), steep])
+    axle = Joint(type="continuous", axis=axis, origin=np.array([0.0, 0.0, -0.1]), upper=6.28318)
     fixed = Joint(type="fixed", axis=np.array([0.0, 0.0, 1.0]), origin=np.zeros(3))
     parts = (
         Part(name="base", label="base", parent=-1, box=box, joint=fixed),
@@ -30,7 +32,9 @@ def cart(label: str = "wheel", half: float = 0.09):
     )
     asset = Asset(name="cart", category="Cart", scale=2.0, parts=parts)
     wheel = box_mesh((-half, -0.05, -0.3), (half, 0.05, -0.1))
-    return asset, (box_mesh(*BODY), wheel)
+    turn = np.array([[1.0, 0.0, 0.0], [0.0, axis[1], -steep], [0.0, steep, axis[1]]])
+    turned = (wheel.vertices - [0.0, 0.0, -0.2]) @ turn.T + [0.0, 0.0, -0.2]
+    return asset, (box_mesh(*BODY), Mesh(vertices=turned, faces=wheel.faces))
 
 
 def test_a_block_becomes_a_cylinder_that_stands_on_the_floor():
@@ -44,6 +48,19 @@ def test_a_block_becomes_a_cylinder_that_stands_on_the_floor():
     assert as_solid(body).volume() < as_solid(meshes[0]).volume()
     assert "wheel_0: became a cylinder of 200.0 mm about its axle" in records
     assert "base: makes room for wheel_0" in records
+
+
+def test_a_wheel_has_twenty_four_sides():
+    asset, meshes = cart()
+    (_, wheel), _ = round_wheels(asset, meshes)
+    assert len(wheel.vertices) == 2 * 24
+
+
+@pytest.mark.parametrize(("steep", "wheel"), [(0.49, True), (0.51, False)])
+def test_a_wheel_on_an_axle_steeper_than_thirty_degrees_is_a_swivel(*, steep: float, wheel: bool):
+    asset, meshes = cart(steep=steep)
+    rounded, _ = round_wheels(asset, meshes)
+    assert (rounded[1] is not meshes[1]) == wheel
 
 
 def test_other_parts_keep_their_meshes():

@@ -51,3 +51,11 @@ def test_a_limit_that_makes_no_sense_is_reported_and_not_repaired():
     kept, records = keep_drawers_held(links, joints, panels)
     assert kept[0].upper == 5.0
     assert "too little range" in records[0]
+
+
+@pytest.mark.parametrize(("share", "upper"), [(0.51, 0.704), (0.49, 0.704 / 0.49)])
+def test_a_limit_is_lowered_if_half_of_the_range_is_left(share: float, upper: float):
+    """A drawer of 0.8 m is held up to 0.704 m, of which its range is so much longer."""
+    links, joints, panels = chest(0.704 / share)
+    kept, _ = keep_drawers_held(links, joints, panels)
+    assert kept[0].upper == pytest.approx(upper)

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from sim_export.motion.kinematics import hanging_links, needed_fractions
-from sim_export.package import PackageJoint, Requirement
+from sim_export.geometry.hulls import box_hull
+from sim_export.motion.kinematics import hanging_links, needed_fractions, sample_sweep
+from sim_export.package import Link, PackageJoint, Requirement
 
 
 def joint(parent: str, child: str) -> PackageJoint:
@@ -47,3 +48,15 @@ def test_needs_of_needs_count_and_the_largest_share_does():
 def test_an_opening_that_grows_takes_its_own_needs_along(order):
     needs = [need("a", "b", 0.1), need("a", "c", 0.1), need("c", "b", 0.8), need("b", "d", 1.0)]
     assert needed_fractions("a", needs[::order]) == {"b": 0.8, "c": 0.1, "d": 1.0}
+
+
+@pytest.mark.parametrize(("reach", "poses"), [(0.3999, 101), (0.4001, 102)])
+def test_no_point_moves_farther_than_four_millimetres_from_pose_to_pose(reach: float, poses: int):
+    """A door that turns by one radian, whose farthest corner is so far (m) from the hinge."""
+    hulls = {"body": (), "door": (box_hull(np.zeros(3), np.array([reach, 1e-6, 0.5])),)}
+    links = [
+        Link(name=name, label=None, parts=(), visuals=(), hulls=own, inertial=None)
+        for name, own in hulls.items()
+    ]
+    door = joint("body", "door")
+    assert len(sample_sweep(links, [door], door)) == poses

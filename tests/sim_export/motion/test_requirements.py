@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim_export.geometry.hulls import box_hull
-from sim_export.motion.requirements import MIN_CROSSED, find_crossings, find_requirements
+from sim_export.motion.requirements import find_crossings, find_requirements
 from sim_export.package import Link, PackageJoint, Requirement
 
 
@@ -56,7 +56,7 @@ def test_what_is_known_stays_and_is_not_turned_around():
     assert find_crossings(links, joints, same) == same
 
 
-@pytest.mark.parametrize(("share", "needed"), [(MIN_CROSSED - 0.02, False), (MIN_CROSSED + 0.02, True)])
+@pytest.mark.parametrize(("share", "needed"), [(0.13, False), (0.17, True)])
 def test_a_link_is_blocked_from_a_share_of_its_volume(share: float, *, needed: bool):
     """A bar of 1 m slides under a flap so far that ``share`` of its length is in the flap's way."""
     links = [
@@ -85,3 +85,39 @@ def test_a_way_is_free_where_two_percent_of_a_link_are_left_in_it(left: float, f
         make_joint("flap", "prismatic", (0, 0, 1), (0, 0, 0), 4 * 0.02 * (1 - left)),
     ]
     assert as_rows(find_crossings(links, joints, ())) == [("joint_bar", "joint_flap", fraction)]
+
+
+def ram(travel: float, gap: float, lift: float) -> tuple[list[Link], list[PackageJoint]]:
+    """A block of 0.1 m that slides towards a gate of the same height, in an object that is 1 m high."""
+    links = [
+        make_link("body", ((0.0, 0.0, -0.9), (0.1, 0.1, -0.1))),
+        make_link("ram", ((0.0, 0.0, 0.0), (0.1, 0.1, 0.1))),
+        make_link("gate", ((0.1 + gap, 0.0, 0.0), (0.2 + gap, 0.1, 0.1))),
+    ]
+    joints = [
+        make_joint("ram", "prismatic", (1, 0, 0), (0, 0, 0), travel),
+        make_joint("gate", "prismatic", (0, 0, 1), (0, 0, 0), lift),
+    ]
+    return links, joints
+
+
+@pytest.mark.parametrize(("depth", "needed"), [(0.024, False), (0.026, True)])
+def test_a_link_is_blocked_where_it_gets_deeper_than_a_fortieth_of_the_object(depth: float, *, needed: bool):
+    found = find_requirements(*ram(0.2 + depth, 0.2, 1.0))
+    assert as_rows(found) == ([("joint_ram", "joint_gate", 0.25)] if needed else [])
+
+
+@pytest.mark.parametrize(("left", "fraction"), [(0.009, 0.25), (0.011, 0.5)])
+def test_a_way_is_free_where_a_hundredth_of_the_object_is_left_in_it(left: float, fraction: float):
+    """A gate which, a quarter open, is still so deep (m) in the way."""
+    found = find_requirements(*ram(0.25, 0.2, 4 * (0.1 - left)))
+    assert as_rows(found) == [("joint_ram", "joint_gate", fraction)]
+
+
+@pytest.mark.parametrize(("twentieths", "needed"), [(10.0, True), (10.5, False)])
+def test_a_link_is_blocked_by_what_is_in_its_way_at_a_twentieth_of_its_range(
+    twentieths: float, *, needed: bool
+):
+    """A block that moves by its double length from pose to pose, and jumps over a gate between poses."""
+    found = find_requirements(*ram(4.0, twentieths * 0.2 - 0.1, 1.0))
+    assert as_rows(found) == ([("joint_ram", "joint_gate", 0.25)] if needed else [])

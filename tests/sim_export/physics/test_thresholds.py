@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from artigen.transforms import rotation_about
-from artigen.types import FIXED, Asset, Joint, Part
+from artigen.types import FIXED, Asset, Joint, Part, PartLabel
 from sim_export.errors import InvalidInertia, InvalidKinematics
-from sim_export.geometry.hulls import box_hull
-from sim_export.package import Hull, Inertial, PackageJoint
+from sim_export.geometry.hulls import box_hull, convex_hull
+from sim_export.mend.stand import stand_on_side
+from sim_export.package import Hull, Inertial, Link, PackageJoint, SimPackage
 from sim_export.physics import annotations
 from sim_export.physics.annotations import gapart_class
 from sim_export.physics.inertia import check_inertial, raise_light_mass
@@ -21,7 +22,7 @@ from sim_export.physics.materials import (
     joint_resistance,
     rolling_resistance,
 )
-from sim_export.physics.resistance import opening_pull
+from sim_export.physics.resistance import greatest_moment, opening_pull
 from sim_export.physics.standing import depth_of_mass
 
 UNIT = np.array([np.zeros(3), np.ones(3)])
@@ -67,10 +68,10 @@ def laid_along(*planes: np.ndarray) -> float:
     return float(np.degrees(np.arccos(np.clip(normal[0], -1.0, 1.0))))
 
 
-def grip(free: int, depth: float = 0.04) -> float:
-    """Clearance of a bar with so many of its 15 rays free; the others meet legs."""
+def grip(share: float, depth: float = 0.04) -> float:
+    """Clearance of a bar of which such a share, at one end, is free; behind the rest is a leg."""
     bar = box_hull(np.array([0.0, -0.15, -0.01]), np.array([0.01, 0.15, 0.01]))
-    edge = 0.15 - 0.02 * free
+    edge = 0.15 - 0.3 * share
     legs = box_hull(np.array([-depth, -0.15, -0.01]), np.array([0.0, edge, 0.01]))
     wall = box_hull(np.array([-depth - 0.1, -1.0, -1.0]), np.array([-depth, 1.0, 1.0]))
     frame = annotations._box_along(bar.vertices, np.array([1.0, 0.0, 0.0]))
@@ -88,6 +89,29 @@ def stands_on(height: float) -> bool:
     return depth_of_mass(feet, np.array([0.5, 0.0, 1.0])) > 0.0
 
 
+def lies_down(inside: float) -> bool:
+    """Whether a plate on its edge is turned onto its side, with its mass so far (m) within its rim."""
+    R = rotation_about(np.array([0.0, 1.0, 0.0]), np.array(np.radians(20.0)))
+    plate = box_hull(np.array([-0.5, -0.2, -0.05]), np.array([0.5, 0.2, 0.05]))
+    link = Link(
+        name="link_0", label="base", parts=("body",), visuals=(), hulls=(convex_hull(plate.vertices @ R.T),),
+        inertial=Inertial(mass=1.0, com=R @ np.array([inside - 0.5, 0.0, 0.0]), inertia=np.eye(3)),
+    )  # fmt: skip
+    package = SimPackage(name="a", category="Cart", visual="source", links=(link,), joints=())
+    return stand_on_side(package) is not package
+
+
+def shaft(label: PartLabel, inertia: float) -> float:
+    """Inertia about its joint of a turning part that has so much (kg m^2) by itself."""
+    turn = Joint(type="continuous", axis=np.array([0.0, 1.0, 0.0]), origin=np.zeros(3), upper=2.0 * np.pi)
+    part = Part(name="part", label=label, parent=0, joint=turn, box=UNIT)
+    asset = Asset(name="a", category="Cart", scale=1.0, parts=(BODY, part))
+    geometry = [PartGeometry(inertial=body) for body in (body_of(1.0), body_of(1.0, *[inertia] * 3))]
+    found = build_links(asset, geometry).links[0].inertial
+    assert found is not None
+    return float(found.inertia[1, 1])
+
+
 HANDLE = Part(name="handle", label="handle", parent=0, joint=FIXED, box=UNIT)
 ROWS: dict[str, tuple[Callable[[float], object], float, object, float, object]] = {
     "light": (lambda x: raise_light_mass(body_of(x), "a")[0].mass, 0.0101, 0.0101, 0.0099, 0.01),
@@ -95,6 +119,9 @@ ROWS: dict[str, tuple[Callable[[float], object], float, object, float, object]] 
     "symmetry": (lambda x: is_valid(np.array([[1, x, 0], [0, 1, 0], [0, 0, 1.0]])), 0.9e-6, True,
                  1.1e-6, False),
     "foot": (stands_on, 0.0019, True, 0.0021, False),
+    "rim": (lies_down, 0.0101, True, 0.0099, False),
+    "knob": (lambda x: shaft("knob", x), 1.01e-4, 1.01e-4, 0.99e-4, 1e-4),
+    "wheel": (lambda x: shaft("wheel", x), 6.01e-4, 6.01e-4, 5.99e-4, 6e-4),
     "links": (lambda x: link_drawers(int(x)) is not None, 63, True, 64, False),
     "plate": (lambda x: finish_material("steel", "tray", "Table", (0.01, 0.01 * x, 1)), 5.9, "steel", 6.1,
               "steel_sheet"),
@@ -104,8 +131,8 @@ ROWS: dict[str, tuple[Callable[[float], object], float, object, float, object]] 
                 True),
     "drag": (lambda x: joint_resistance("drawer", "prismatic", x, 0.0).damping, 9.9, 11.9, 10.1, 12.0),
     "bar": (lambda x: gapart_class(HANDLE, x), 1.99, "round_fixed_handle", 2.01, "line_fixed_handle"),
-    "fingers": (lambda x: round(grip(int(x)), 6), 3, 0.04, 2, 0.0),
-    "reach": (lambda x: round(grip(15, x), 6), 0.149, 0.149, 0.151, 0.15),
+    "fingers": (lambda x: round(grip(x), 6), 0.17, 0.04, 0.163, 0.0),
+    "reach": (lambda x: round(grip(1.0, x), 6), 0.149, 0.149, 0.151, 0.15),
     "snap": (lambda x: round(laid_along(plane(x, -1, 2)), 6), 4.9, 0.0, 5.1, 5.1),
     "tilt": (lambda x: round(laid_along(plane(x, -1, 2)), 6), 34.9, 34.9, 35.1, 0.0),
     "agreement": (lambda x: round(laid_along(plane(20, -1, x), plane(-20, x, 2)), 6), 0.62, 20.0, 0.58, 0.0),
@@ -163,3 +190,45 @@ def test_a_screw_turns_on_a_link_of_ten_grams_and_four_centimetres():
     ball = 0.4 * 0.01 * 0.02**2
     assert carrier.mass == pytest.approx(0.01)
     np.testing.assert_allclose(carrier.inertia, ball * np.eye(3))
+
+
+def test_stays_resist_a_hand_at_the_far_edge_of_a_lid_with_15_newtons():
+    """A lid that reaches 0.6 m from its hinge; springs carry what its friction does not."""
+    hinge = Joint(type="revolute", axis=np.array([0.0, 1.0, 0.0]), origin=np.zeros(3), upper=1.5)
+    lid = Part(name="lid", label="door", parent=0, joint=hinge, box=UNIT)
+    asset = Asset(name="a", category="Box", scale=1.0, parts=(BODY, lid))
+    leaf = box_hull(np.array([-0.6, -0.4, 0.0]), np.array([0.0, 0.4, 0.0001]))
+    half = np.array([-0.3, 0.0, 0.0])
+
+    def held(mass: float) -> PackageJoint:
+        inertial = Inertial(mass=mass, com=half, inertia=mass * np.eye(3))
+        geometry = [PartGeometry(inertial=body_of(50.0)), PartGeometry(hulls=(leaf,), inertial=inertial)]
+        return build_links(asset, geometry, stays=("lid",)).joints[0]
+
+    load = 1.09 * GRAVITY * 0.3
+    light, heavy = held(0.99 * 9.0 / load), held(2.0 * 9.0 / load)
+    assert (light.friction, light.spring) == (pytest.approx(0.99 * 9.0), 0.0)
+    assert (heavy.friction, heavy.spring) == (pytest.approx(15.0 * 0.6), pytest.approx(-9.0))
+
+
+def test_the_greatest_moment_of_a_chain_is_sought_at_every_eighth_of_its_ranges():
+    """Two arms of 0.5 m and 0.3 m that are in line when the second has gone an eighth of its way."""
+    upper, axis = 2.0, np.array([0.0, 1.0, 0.0])
+    bend = rotation_about(axis, np.array(-upper / 8.0))
+    elbow = np.array([0.5, 0.0, 0.0])
+    links = [
+        Link(name=name, label="handle", parts=(name,), visuals=(), hulls=(), inertial=inertial)
+        for name, inertial in (
+            ("base", body_of(1.0)),
+            ("upper", Inertial(mass=1.0, com=0.5 * elbow, inertia=np.eye(3))),
+            ("lower", Inertial(mass=1.0, com=elbow + bend @ [0.3, 0.0, 0.0], inertia=np.eye(3))),
+        )
+    ]
+    joints = [
+        PackageJoint(
+            name=f"joint_{child}", type="revolute", kind="revolute", parent=parent, child=child,
+            origin=origin, axis=axis, upper=upper,
+        )
+        for parent, child, origin in (("base", "upper", np.zeros(3)), ("upper", "lower", elbow))
+    ]  # fmt: skip
+    assert greatest_moment(links, joints, joints[0]) == pytest.approx(GRAVITY * (0.25 + 0.8), rel=1e-6)
