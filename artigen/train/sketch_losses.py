@@ -64,7 +64,7 @@ class SketchStep:
         return SketchStep(batches={name: batch.to(device) for name, batch in self.batches.items()})
 
 
-class StepLosses(SketchLosses):
+class StepLosses(nn.Module):
     """The weighted losses of several batches; their pictures are encoded together, which takes less time.
 
     Args:
@@ -72,8 +72,8 @@ class StepLosses(SketchLosses):
     """
 
     def __init__(self, network: SketchNetwork, weights: Mapping[str, float]) -> None:
-        super().__init__(network)
-        self.weights = weights
+        super().__init__()
+        self.network, self.losses, self.weights = network, SketchLosses(network), weights
 
     def forward(self, step: SketchStep) -> dict[str, Tensor]:
         """The terms of `SketchLosses` of each batch, weighted, with the name of their batch."""
@@ -87,7 +87,7 @@ class StepLosses(SketchLosses):
                 here = slice(start, start + len(batch.photos.image))
                 start, part = here.stop, memory[here]
                 own = reading_losses(seen[here], batch.photos) | guessing_losses(seen[here], batch.rows)
-            own |= self.rate_rows(batch.rows, part)
+            own |= self.losses.rate_rows(batch.rows, part)
             terms |= {f"{name} {term}": self.weights[name] * value for term, value in own.items()}
         return terms
 

@@ -29,7 +29,7 @@ EPS = 0.08
 """Neighbourhood radius in the six box attributes, unit lengths. Larger merges neighbouring
 drawers, smaller splits parts with noisy votes."""
 MIN_SAMPLES = 5
-"""Voxels within ``eps`` that make a dense core (scikit-learn's default)."""
+"""Voxels within `EPS` that make a dense core (scikit-learn's default)."""
 MAX_ROWS = 3000
 """Most distinct box votes clustered per label; of more, an even selection is clustered and the
 others join the nearest. Bounds time and memory, which grow with the square."""

@@ -116,7 +116,7 @@ def _first_groups(
 
 
 def _split(votes: Votes, rows: Int[np.ndarray, "n"]) -> list[np.ndarray]:
-    """Bisects ``rows`` until no direction scatters ``split_scatter`` times more than noise would.
+    """Bisects ``rows`` until no direction scatters `SPLIT_SCATTER` times more than noise would.
 
     Pure noise of n draws in d dimensions has variances up to (1 + sqrt(d / n))^2 (Marchenko-Pastur).
     """
@@ -157,7 +157,7 @@ def _bisect(values: Float[np.ndarray, "n D"], direction: Float[np.ndarray, "D"])
 def _absorb(votes: Votes, groups: Int[np.ndarray, "N"], base: int, share: float) -> Int[np.ndarray, "N"]:
     """Gives small groups to larger ones that explain them by noise, whatever their classes.
 
-    A larger group has `seed_voxels`, or ``share`` times the voxels. `_explained_below` gives the limit.
+    A larger group has `SEED_VOXELS`, or ``share`` times the voxels. `_explained_below` gives the limit.
     """
     groups = _without_gaps(groups)
     stats = summarise(votes, groups, base)

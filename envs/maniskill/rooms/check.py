@@ -19,8 +19,8 @@ from sim_export.package import SimPackage
 
 from ..hulls import move_hull
 from .footprints import cached_package
-from .map import CELL, ROBOT_HEIGHT, reachable_map, way_to
-from .room import THICKNESS, Item, Placement, Room, along_wall, pose_matrix_of
+from .map import CELL, reachable_map, way_to
+from .room import ROBOT_HEIGHT, THICKNESS, Item, Placement, Room, along_wall, pose_matrix_of
 from .solids import Solid, fixture_solids, item_hulls, item_motion, item_solid, make_solid, place_solid
 from .sweeps import Sweep, opening_joints, sweep_boxes, sweep_joint
 

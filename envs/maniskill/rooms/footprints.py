@@ -137,7 +137,9 @@ def swept_slabs(package: SimPackage, sweep: Sweep) -> Float[np.ndarray, "K 2 3"]
     if not own:
         return np.zeros((0, 2, 3))
     around = _around(np.concatenate(list(own.values())))
-    axis = int(np.argmax(around[1] - around[0]))
+    joint = next(joint for joint in package.joints if joint.name == sweep.joint)
+    turns = joint.type != "prismatic"  # slabs along the axis of a door would all sweep the same
+    axis = int(np.argmax((around[1] - around[0]) * (1.0 - turns * np.abs(joint.axis))))
     edges = np.linspace(around[0, axis], around[1, axis], SLABS + 1)
     pieces = np.array_split(np.arange(len(sweep.T) - 1), min(CHUNKS, len(sweep.T) - 1))
     out = []

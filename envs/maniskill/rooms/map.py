@@ -6,13 +6,11 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
-from .room import Room, along_wall
+from .room import ROBOT_HEIGHT, Room, along_wall
 from .solids import Solid, fixture_solids, place_solid
 
 CELL = 0.05
 """Edge of a cell (m)."""
-ROBOT_HEIGHT = 1.1
-"""Height (m) of the space that a robot needs."""
 
 
 def free_map(room: Room, solids: Sequence[Solid]) -> Bool[np.ndarray, "X Y"]:
@@ -27,7 +25,7 @@ def free_map(room: Room, solids: Sequence[Solid]) -> Bool[np.ndarray, "X Y"]:
             (x0, y0), (x1, y1) = np.maximum(first, 0), np.maximum(last, 0)
             taken[x0:x1, y0:y1] = True
     distance = np.asarray(ndimage.distance_transform_edt(~taken)) * CELL
-    return (distance > room.standing_radius)[1:-1, 1:-1]
+    return (distance - CELL / 2 > room.standing_radius)[1:-1, 1:-1]
 
 
 def label_regions(free: Bool[np.ndarray, "X Y"]) -> Int[np.ndarray, "X Y"]:

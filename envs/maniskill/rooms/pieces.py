@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from .catalogue import Entry
 from .footprints import Footprint, read_footprint, standing_places
-from .room import turn_matrix
+from .room import ROBOT_HEIGHT, turn_matrix
 
 GAP = 0.003
 """Distance (m) between neighbours, and between an object and the floor or wall behind it."""
@@ -20,8 +20,6 @@ WIDER_GAPS = (GAP, 0.02, 0.05, 0.08, 0.12, 0.2, 0.3)
 """Gaps tried in this order until neighbours can open."""
 TOUCH = 2e-4
 """Smallest overlap (m) along every axis at which boxes count as overlapping."""
-ROBOT_HEIGHT = 1.1
-"""Height (m) up to which a standing place is free."""
 ALIGN = 0.15
 """Largest distance (m) of a piece from the wall for aligning its front."""
 BED_PARTS = (

@@ -48,7 +48,7 @@ class Share:
 class Group:
     """Pieces side by side, backs in one line; ``bed`` among ``roles`` is a bed made of boxes.
 
-    ``facing`` rows: 1 along a wall or free-standing, 2 back to back.
+    ``rows``: 1 along a wall or free-standing, 2 back to back.
     """
 
     name: str

@@ -21,6 +21,8 @@ Side = Literal["front", "back", "left", "right"]
 SIDES: tuple[Side, ...] = ("front", "back", "left", "right")
 YAWS: dict[Side, float] = {"front": -np.pi / 2, "back": np.pi / 2, "left": np.pi, "right": 0.0}
 """Rotation about z (radians) that places an object's back against the wall."""
+ROBOT_HEIGHT = 1.1
+"""Height (m) of the space in which a robot stands."""
 THICKNESS = 0.1
 """Thickness of walls and floor, metres."""
 

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from artigen.voxels.frames import (
+    AROUND,
     FACINGS,
+    SIDES,
     count_behind,
     facing_frames,
     find_covered,
@@ -130,3 +132,15 @@ def test_the_back_of_a_leaf_of_six_cells_faces_the_object(span: int, back: int):
     alone = (np.abs(cells[:, 1:] - 9.5) < 4).all(axis=1)
     assert (facings[alone & (cells[:, 0] == 1)] == 0).all()
     assert (facings[alone & (cells[:, 0] == 1 + span)] == back).all()
+
+
+@pytest.mark.parametrize(("before", "covered"), [(2, False), (3, True)])
+def test_a_voxel_covers_a_side_from_three_cells_on(before: int, covered: object):
+    cells = np.array([[5, 5, 5], [5, 5, 5 + before]])
+    assert find_covered(cells, np.array([5, 5]), EDGE)[0].tolist() == [covered, False]
+
+
+def test_as_many_sides_and_neighbours_are_told_apart_as_networks_are_made_for():
+    cells, one = np.array([[5, 5, 5]]), np.zeros(1, dtype=int)
+    assert find_covered(cells, one, EDGE).size == SIDES
+    assert find_joined(cells, one, one, EDGE).size == AROUND

@@ -47,3 +47,8 @@ def test_discs_are_round_and_rectangles_and_small_faces_are_not():
     assert is_round(ring)
     assert not is_round(np.ones((30, 30), dtype=bool))
     assert not is_round(draw_ellipse(6, 6))
+
+
+@pytest.mark.parametrize(("width", "found"), [(7, False), (8, True)])
+def test_a_disc_is_seen_from_a_width_of_eight_cells(width: int, found: object):
+    assert is_round(draw_ellipse(width, 12)) == is_round(draw_ellipse(12, width)) == found

@@ -9,6 +9,7 @@ from artigen.voxels.frames import FACINGS, facing_frames
 from artigen.voxels.surface import (
     HEIGHT_REACH,
     MIDDLE_SPREAD,
+    PLACES,
     VoxelPlaces,
     describe_places,
     measure_places,
@@ -124,3 +125,19 @@ def test_sides_keep_a_distance_of_up_to_three_tenths_where_heights_end(
     surface = sample_box(np.array([2.0, 2.0, top - thickness]), np.array([6.0, 6.0, top]))
     places = measure_places(surface, fill((2, 2, 4), (6, 6, 5)), np.full(16, 5))
     np.testing.assert_allclose(places.heights, np.tile([0.675, 0.675 - kept], (16, 1)), atol=1e-6)
+
+
+def test_surface_reaches_a_sixth_of_a_voxel_beyond_its_last_sample():
+    surface = SurfaceSamples(
+        points=np.array([[0.5, 0.4, 0.5], [0.5, 0.7, 0.5]]) / EDGE - 0.5,
+        normals=np.tile([1.0, 0.0, 0.0], (2, 1)),
+        colors=np.zeros((2, 3), dtype=np.uint8),
+        part_ids=np.zeros(2, dtype=np.int64),
+    )
+    places = measure_places(surface, fill((0, 0, 0), (1, 1, 1)), np.full(1, 1))
+    np.testing.assert_allclose(places.lowest[0], [-0.1 - 1 / 6, -1 / 6], atol=1e-6)
+    np.testing.assert_allclose(places.highest[0], [0.2 + 1 / 6, 1 / 6], atol=1e-6)
+
+
+def test_networks_are_made_for_as_many_numbers_as_describe_a_place():
+    assert describe_places(place_one((0.3, -0.3), -0.5, 0.5)).shape == (1, PLACES)

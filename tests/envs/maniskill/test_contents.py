@@ -13,8 +13,6 @@ from sample_packages import SAMPLE_PARTS, build_package, double_door_parts
 from envs.maniskill.rooms.check import check_contents, check_room
 from envs.maniskill.rooms.compartments import (
     CLEARANCE,
-    HEIGHT,
-    RIM,
     SIDE,
     cached_compartments,
     find_compartments,
@@ -129,8 +127,8 @@ def test_the_check_finds_an_item_in_a_wall_in_another_item_and_in_the_air(full):
     place = next(place for place in cached_compartments(full.placements[0].package) if place.link == one.link)
     assert ("overlap", one.id, one.holder) in change(full, one, position=(x, place.high[1] + 0.005, z))
     assert ("overlap", one.id, other.id) in change(full, one, position=other.position)
-    assert change(full, one, position=(x, y, z + 0.001)) == ()
-    assert change(full, one, position=(x, y, z + 0.0025)) == (("unsupported", one.id, one.holder),)
+    assert change(full, one, position=(x, y, z + 0.0014)) == ()  # 1.9 mm above its floor, and 2.1 mm
+    assert change(full, one, position=(x, y, z + 0.0016)) == (("unsupported", one.id, one.holder),)
 
 
 def test_the_check_finds_items_in_the_way_that_touch_nothing_at_rest(full):
@@ -197,7 +195,7 @@ def drawer(*, depth: float = 0.3, rim: float = 0.06, room: float = 0.1) -> SimPa
 
 @pytest.mark.parametrize(
     ("name", "least"),
-    [("depth", SIDE + 2 * CLEARANCE), ("rim", RIM), ("room", HEIGHT["drawer"] + CLEARANCE)],
+    [("depth", 0.1 + 2 * 0.005), ("rim", 0.025), ("room", 0.035 + 0.005)],
 )
 def test_a_drawer_needs_floor_walls_and_space_above(name, least):
     (found,) = find_compartments(drawer(**{name: least + 1e-3}))
@@ -211,10 +209,10 @@ def test_a_compartment_ends_below_everything_that_it_passes_on_its_way_out():
     bar = box_hull(np.array([-0.1, 0.0, 0.08]), np.array([-0.09, 0.3, 0.3]))  # in front of the closed drawer
     barred = replace(package, links=(slide, replace(body, hulls=(*body.hulls, bar))))
     (free,), (low,) = find_compartments(package), find_compartments(barred)
-    assert (free.high[2], low.high[2]) == pytest.approx((0.11 - CLEARANCE, 0.08 - CLEARANCE))
+    assert (free.high[2], low.high[2]) == pytest.approx((0.105, 0.075))
     assert (free.low, free.high[:2]) == (low.low, low.high[:2])
-    assert free.low == pytest.approx((CLEARANCE, CLEARANCE, 0.01))
-    assert free.high[:2] == pytest.approx((0.3 - CLEARANCE, 0.3 - CLEARANCE))
+    assert free.low == pytest.approx((0.005, 0.005, 0.01))
+    assert free.high[:2] == pytest.approx((0.295, 0.295))
 
 
 def test_the_largest_free_rectangle_is_that_of_an_exhaustive_search():

@@ -91,3 +91,16 @@ def test_a_drawer_beside_a_door_takes_nothing_from_it(fridge: np.ndarray):
     rows[2] = row("drawer", aside, "prismatic", axis=(-1, 0, 0), travel=15)
     fridge[DRAWER], fridge[aside] = -1, 2
     assert (clear_doorways(fridge, rows)[0] == fridge).all()
+
+
+@pytest.mark.parametrize(("overlap", "gone"), [(0.24, False), (0.26, True)])
+def test_a_drawer_slides_past_a_quarter_of_a_cell_of_an_open_door(
+    fridge: np.ndarray, overlap: float, gone: object
+):
+    """The inner layer of the panel, which ends at the side of the drawer or a little before it."""
+    rows = outline(0.25)
+    rows[1] = row("door", DOOR, "revolute", axis=(0, 0, 1), origin=(0, 4 + overlap, 16), turn=0.25)
+    fridge[LOW_BIN] = -1
+    made, _ = clear_doorways(fridge, rows)
+    assert (made[1, 4:28, 8:14] == (-1 if gone else 1)).all()
+    assert (made[1, 4:28, 14:28] == 1).all()

@@ -177,3 +177,89 @@ def test_true_objects_hardly_change(category: str):
         rows = tabulate_parts(asset)
         assert name_category(rows) == category
         assert (even(owners, rows) != owners).sum() < 0.015 * (owners >= 0).sum()
+
+
+@pytest.mark.parametrize(("logit", "stays"), [(1.25, True), (1.15, False)])
+def test_a_panel_stays_from_a_logit_of_one_and_two_tenths(cupboard: Owners, logit: float, stays: object):
+    """Certain is four. A panel has 1.3 of evidence per cell: one as drawn, and a quarter of its logit."""
+    cut = cupboard.copy()
+    cut[1][PANEL] = -1
+    logits = np.where(cut >= 0, CERTAIN, -CERTAIN)
+    logits[1][PANEL] = -logit
+    assert (even_faces(cut, logits, ROWS)[0] == (cut if stays else cupboard)).all()
+
+
+@pytest.mark.parametrize(("deep", "closed"), [(5, True), (6, False)])
+def test_holes_are_closed_in_panels_that_begin_in_the_first_six_layers(deep: int, closed: object):
+    whole = np.full((EDGE,) * 3, -1)
+    whole[1:9, WITHIN] = 1
+    whole[1 : 1 + deep, 9:23, 9:23] = -1
+    torn = whole.copy()
+    torn[1:9, 15:17, 15:17] = -1
+    assert (even(torn) == (whole if closed else torn)).all()
+
+
+@pytest.mark.parametrize(("layer", "stays"), [(0, True), (1, False)])
+def test_a_part_lies_on_a_face_in_the_first_layer_and_is_seen_through_a_hole_in_the_second(
+    cupboard: Owners, layer: int, stays: object
+):
+    rows = np.concatenate([ROWS, row("handle", (slice(1, 2), slice(10, 12), slice(12, 16)))[None]])
+    cupboard[1:4, 10:12, 12:16] = -1
+    cupboard[1 + layer, 10:12, 12:16] = 2
+    made = even(cupboard, rows)
+    assert (made == cupboard).all() == stays
+    assert (made[1, 10:12, 12:16] == (2 if stays else 1)).all()
+
+
+@pytest.mark.parametrize(("drawn", "closed"), [(12, True), (11, False)])
+def test_a_face_ends_with_the_last_line_that_is_half_drawn(cupboard: Owners, drawn: int, closed: object):
+    """A line of 24 cells along the upper edge of a door, of which every second is missing, or one more."""
+    frayed = cupboard.copy()
+    frayed[1:4, 4 : 4 + 2 * drawn : 2, 28] = 1
+    whole = cupboard.copy()
+    whole[1:4, 4:28, 28] = 1
+    assert (even(frayed) == (whole if closed else frayed)).all()
+
+
+@pytest.mark.parametrize(("width", "closed"), [(11, True), (12, False)])
+def test_what_is_seen_in_three_fifths_of_its_outline_is_a_face(cupboard: Owners, width: int, closed: object):
+    """A door with a window, which covers 0.38 or 0.42 of it, and a small hole."""
+    cupboard[1:4, 10 : 10 + width, 6:26] = -1
+    torn = cupboard.copy()
+    torn[1:4, 6:8, 4:6] = -1
+    assert (even(torn) == (cupboard if closed else torn)).all()
+
+
+@pytest.mark.parametrize(("width", "closed"), [(10, True), (11, False)])
+def test_a_board_that_lacks_more_than_seven_twentieths_was_meant_to_be_open(width: int, closed: object):
+    """A top with two holes across from each other, 0.347 or 0.365 of it."""
+    top = np.full((EDGE,) * 3, -1)
+    top[WITHIN, 26:28] = 0
+    torn = top.copy()
+    torn[5:15, 5:15] = torn[16:26, 16 : 16 + width] = -1
+    assert (even(torn, BASE[None]) == (top if closed else torn)).all()
+
+
+def test_recesses_in_openings_of_a_front_have_openings_and_what_is_in_those_has_none():
+    """Squares in one another: board, recess, opening, recess, and an opening that is closed."""
+    drawn = np.full((6, 44, 44), -1)
+    drawn[:2, 2:42, 2:42] = 0
+    for edge, full in ((30, True), (18, False), (10, True), (6, False)):
+        start = 22 - edge // 2
+        drawn[:, start : start + edge, start : start + edge] = -1
+        if full:
+            drawn[3, start : start + edge, start : start + edge] = 0
+    wanted = drawn.copy()
+    wanted[3, 19:25, 19:25] = 0
+    assert (even(drawn, of_category("Table", BASE[None])) == wanted).all()
+
+
+@pytest.mark.parametrize(("thick", "filled"), [(2, 2), (3, 3), (4, 3), (5, 3)])
+def test_holes_are_filled_three_cells_deep(thick: int, filled: int):
+    door = np.full((EDGE,) * 3, -1)
+    door[1 : 1 + thick, WITHIN] = 1
+    torn = door.copy()
+    torn[:, 14:16, 14:16] = -1
+    made = even(torn)
+    assert (made[1 : 1 + filled] == door[1 : 1 + filled]).all()
+    assert (made[1 + filled :] == torn[1 + filled :]).all()

@@ -91,3 +91,38 @@ def test_true_objects_hardly_change():
             made, _ = round_portholes(owners, tabulate_parts(asset))
             allowed = 0.004 if category == "WashingMachine" else 0.0
             assert (made != owners).sum() <= allowed * len(asset.voxels.coords)
+
+
+def around(beyond: int, layer: int = PLATE) -> np.ndarray:
+    """A square door before a plate whose square hole is a few cells wider than the door on each side."""
+    owners = np.full((EDGE,) * 3, -1)
+    owners[layer, 1:31, 1:31] = 0
+    owners[layer, 6 - beyond : 26 + beyond, 6 - beyond : 26 + beyond] = -1
+    owners[DOOR] = 1
+    return owners
+
+
+@pytest.mark.parametrize(("behind", "found"), [(6, True), (7, False)])
+def test_the_plate_is_sought_in_the_seven_layers_behind_the_door(behind: int, found: object):
+    made, _ = round_portholes(around(0, PLATE + behind), outline())
+    corners = (radii() > 0.80)[6:26, 6:26]
+    assert (made[PLATE + behind, 6:26, 6:26][corners] == (0 if found else -1)).all()
+
+
+@pytest.mark.parametrize(("beyond", "found"), [(2, True), (3, False)])
+def test_the_plate_is_sought_three_cells_around_the_door(beyond: int, found: object):
+    made, _ = round_portholes(around(beyond), outline())
+    corners = (radii() > 0.80)[6:26, 6:26]
+    assert (made[PLATE, 6:26, 6:26][corners] == (0 if found else -1)).all()
+
+
+@pytest.mark.parametrize(("share", "whole"), [(0.71, True), (0.69, False)])
+def test_a_layer_of_a_door_with_seven_tenths_of_its_rim_gets_the_rest(
+    machine: np.ndarray, share: float, whole: object
+):
+    radius = radii()
+    rim = np.argwhere((radius > 0.80) & (radius <= 1.0))
+    lost = rim[round(share * len(rim)) :]
+    machine[4][tuple(lost.T)] = -1
+    made, _ = round_portholes(machine, outline())
+    assert (made[4][tuple(lost.T)] == (1 if whole else -1)).all()

@@ -149,3 +149,27 @@ def test_what_turns_gets_three_quarters_of_a_cell_of_room(beyond: float, cut: ob
     radii = np.array([5.0, 8.0, 8.0 + beyond, 4.0]).reshape(1, 4, 1)
     mine = np.array([True, True, False, False]).reshape(1, 4, 1)
     assert _find_swept(mine, radii, 0).ravel().tolist() == [True, True, cut, False]
+
+
+def test_rings_are_a_cell_wide():
+    """Corners of a cross are 0.41 from its arms, half of their ring, and 0.59 from what is beyond."""
+    owners = np.full((EDGE,) * 3, -1)
+    owners[8:24, 15:18, 16] = owners[8:24, 16, 15:18] = 1
+    square = owners.copy()
+    square[8:24, 15:18, 15:18] = 1
+    drum = row("tray", DRUM, "continuous", axis=(1, 0, 0), origin=(8, 16.5, 16.5), turn=1.0)
+    assert (revolve_parts(owners, np.stack([ROWS[0], drum]))[0] == square).all()
+
+
+@pytest.mark.parametrize(("gap", "sunk"), [(1.4, True), (1.6, False)])
+def test_the_panel_of_a_dial_is_sought_a_cell_and_a_half_around_it(gap: float, sunk: object):
+    """A dial of one cell, which ends in a panel; the panel begins at the corners or beyond them."""
+    radius = np.hypot(Y - 0.5, Z - 0.5)
+    owners = np.full((EDGE,) * 3, -1)
+    owners[4:6, (radius > gap) & (radius < 10)] = 0
+    owners[2:6, 16, 16] = 1
+    place = (slice(2, 6), slice(16, 17), slice(16, 17))
+    rows = np.stack([row("base", TUB), row("knob", place, "continuous", axis=(1, 0, 0), turn=1.0)])
+    made, _ = revolve_parts(owners, rows)
+    assert (made[2:4, 16, 16] == 1).all()
+    assert (made[4:6, 16, 16] == (0 if sunk else 1)).all()

@@ -31,7 +31,7 @@ from artigen.voxels.segmentation.aggregate import (
     nearest_point_to_lines,
 )
 from artigen.voxels.segmentation.neighbours import connected_groups, neighbour_pairs
-from artigen.voxels.segmentation.segment import SegmentConfig, regularise, segment
+from artigen.voxels.segmentation.segment import SegmentConfig, partition_paper, regularise, segment
 from artigen.voxels.segmentation.segment_robust import OVERLONG, _explained_below, partition_robust
 from artigen.voxels.segmentation.tree import ALLOWED_PARENTS
 from artigen.voxels.segmentation.votes import overlong_axis
@@ -561,3 +561,41 @@ def test_votes_may_drift_within_a_part_by_so_many_times_the_least_noise(
     votes[:, channel] += np.where(drawer, end * share, 0.0)
     found = partition_robust(replace(fields, **{name: votes}))
     assert len(found.labels) == count
+
+
+def cluster(*votes: tuple[float, int]) -> int:
+    """Parts that the paper's recipe makes of knobs: so many vote for the same place along y."""
+    places = np.repeat([place for place, _ in votes], [count for _, count in votes])
+    count = len(places) + 1
+    labels = ["base", *["knob"] * len(places)]
+    box = np.zeros((count, 6))
+    box[1:, 1] = places
+    fields = VoxelFields(
+        resolution=64,
+        coords=np.argwhere(np.ones((64, 64, 1)))[:count],
+        label_probs=np.eye(len(PART_LABELS))[[PART_LABELS.index(label) for label in labels]],
+        joint_probs=np.tile([1.0, 0.0, 0.0, 0.0, 0.0], (count, 1)),
+        axis=np.zeros((count, 3)),
+        origin=np.zeros((count, 3)),
+        ranges=np.zeros((count, 2)),
+        box=box,
+        category_probs=np.zeros((count, 7)),
+    )
+    return len(partition_paper(fields).labels) - 1
+
+
+@pytest.mark.parametrize(("apart", "parts"), [(0.079, 1), (0.081, 2)])
+def test_votes_of_the_papers_parts_are_farther_apart_than_eight_hundredths(apart: float, parts: int):
+    assert cluster((0.0, 8), (apart, 8)) == parts
+
+
+@pytest.mark.parametrize(("count", "parts"), [(4, 1), (5, 2)])
+def test_the_papers_parts_have_five_voxels_that_agree(count: int, parts: int):
+    assert cluster((-0.4, 20), (0.4, count)) == parts
+
+
+@pytest.mark.parametrize(("distinct", "parts"), [(3000, 1), (3001, 2)])
+def test_of_more_than_three_thousand_votes_every_second_counts_twice(distinct: int, parts: int):
+    """Three voxels that agree are not a part, and six are."""
+    places = np.linspace(-0.4, 0.0, distinct - 1)
+    assert cluster((-0.5, 3), *((float(place), 1) for place in places)) == parts

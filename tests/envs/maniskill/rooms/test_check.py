@@ -1,0 +1,26 @@
+"""What the check of a room takes for rounding."""
+
+import numpy as np
+import pytest
+
+from envs.maniskill.rooms import check
+from envs.maniskill.rooms.room import Opening, Room, room_shell
+from envs.maniskill.rooms.solids import make_solid
+from sim_export.geometry.hulls import box_hull
+
+SIZE = (4.0, 3.5, 2.6)
+ENTRANCE = Opening(side="front", start=1.5, width=0.9, height=2.0)
+ROOM = Room(
+    kind="kitchen", seed=0, attempt=0, size=SIZE, entrance=ENTRANCE, standing_radius=0.3,
+    fixtures=room_shell(SIZE, (ENTRANCE,), (0.9, 0.9, 0.9)), placements=(),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("past", "problems"), [(0.9e-6, 0), (1.1e-6, 1)])
+def test_a_thousandth_of_a_millimetre_is_rounding(past: float, problems: int):
+    box = make_solid("box", [box_hull(np.array([3.0, 1.0, 0.0]), np.array([4.0 + past, 2.0, 1.0]))])
+    assert len(check._outside(ROOM, [box])) == problems
+    beside = make_solid("beside", [box_hull(np.array([3.0 + past, 2.0, 0.0]), np.array([3.4, 3.0, 1.0]))])
+    into = make_solid("into", [box_hull(np.array([3.0, 2.0 - past, 0.0]), np.array([4.0, 3.0, 1.0]))])
+    assert len(check._overlaps([box, beside], [])) == 0
+    assert len(check._overlaps([box, into], [])) == problems
