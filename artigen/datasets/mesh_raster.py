@@ -46,11 +46,13 @@ def rasterize_mesh(
     from embreex import rtcore_scene
     from embreex.mesh_construction import TriangleMesh
 
-    columns, rows = np.meshgrid(np.arange(camera.width) + 0.5, np.arange(camera.height) + 0.5)
-    aside = np.stack([columns.ravel() - camera.width / 2, rows.ravel() - camera.height / 2])
+    right, down, forward = np.linalg.inv(camera.axes).T
+    across, along = (
+        camera.pixel * (np.arange(size) + 0.5 - size / 2) for size in (camera.width, camera.height)
+    )
     # Depth one along each ray, so that the distance of a hit in lengths of the ray is its depth.
-    ahead = np.stack([*(camera.pixel * aside), np.ones(aside.shape[1])])
-    rays = np.ascontiguousarray(np.linalg.solve(camera.axes, ahead).T, dtype=np.float32)
+    rays = along[:, None, None] * down + (across[:, None] * right + forward)
+    rays = np.ascontiguousarray(rays.reshape(-1, 3), dtype=np.float32)
     corners = vertices[faces] - camera.position
     edges = corners[:, 1:] - corners[:, :1]
     away = np.einsum("fk,fk->f", np.cross(edges[:, 0], edges[:, 1]), corners[:, 0]) > 0
