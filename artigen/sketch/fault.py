@@ -19,6 +19,8 @@ crowded    V006  a body has more hulls than engines handle well
 tipping    V303  the centre of volume lies outside of the support polygon
 unmet            a part requires a static part to be open; exporters refuse it
 adrift           the root part has a joint; exporters refuse it
+open             a hole is in the front of a kind that has none; visible, but no check measures it
+                 (`artigen.sketch.front`)
 extent           the object misses the requested size (`artigen.sketch.model`)
 """
 
@@ -27,7 +29,7 @@ from typing import Literal
 
 FaultId = Literal[
     "overlap", "blocked", "unheld", "floating", "loose", "inward", "hinge", "unhung", "sealed",
-    "handle", "released", "range", "thin", "crowded", "tipping", "unmet", "adrift", "extent",
+    "handle", "released", "range", "thin", "crowded", "tipping", "unmet", "adrift", "open", "extent",
 ]  # fmt: skip
 
 _METRES = {"overlap", "blocked", "floating", "loose", "hinge", "handle", "thin", "tipping", "extent"}
@@ -37,9 +39,9 @@ _METRES = {"overlap", "blocked", "floating", "loose", "hinge", "handle", "thin",
 class Fault:
     """A defect: its id, the parts involved, the measured value and the limit.
 
-    ``value`` and ``allowed`` are metres; shares for ``unheld``, ``unhung``, ``sealed``, ``inward`` and
-    ``released``; counts for
-    ``crowded``; metres of a slide or radians of a hinge for ``range`` and ``adrift``; unused for ``unmet``.
+    ``value`` and ``allowed`` are metres; shares for ``unheld``, ``unhung``, ``sealed``, ``inward``, ``open``
+    and ``released``; counts for ``crowded``; metres of a slide or radians of a hinge for ``range`` and
+    ``adrift``; unused for ``unmet``.
     """
 
     id: FaultId
@@ -78,6 +80,7 @@ _SENTENCES: dict[FaultId, str] = {
     "tipping": "the centre of volume lies {value} outside of the support polygon at {part}, "
     "allowed is {allowed}",
     "unmet": "{part} requires {other} to be open, which does not move",
+    "open": "{value} of the front of {part} is open although all is closed, allowed is {allowed}",
     "extent": "the {part} differs by {value} from the request, allowed is {allowed}",
     "adrift": "{part} carries all others and moves by {value} (m or rad), it must be fixed",
 }

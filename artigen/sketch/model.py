@@ -22,6 +22,7 @@ from artigen.sketch.draft import Draft, begin_draft
 from artigen.sketch.draw import DrawConfig, continue_draft
 from artigen.sketch.fault import Fault
 from artigen.sketch.faults import find_extent_faults, find_faults
+from artigen.sketch.front import find_front_faults
 from artigen.sketch.growth import Grower
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.part_counts import (
@@ -197,7 +198,7 @@ def draw_object(
             furthest = max(found, furthest, key=lambda draft: len(draft.writer.moving))
             if not found.writer.delivered:
                 continue
-            shape, faults = _judge(found.writer.table, seed, request)
+            shape, faults = _judge(found.writer.table, seed, request, pictured=seen is not None)
             if best is None or len(faults) < len(best[1]):
                 best = (shape, faults)
             if not faults:
@@ -210,7 +211,7 @@ def draw_object(
             # The empty table and the header come before the first part.
             del grown[max(1, min(blamed + 2, len(grown) - dead_ends[len(grown)])) :]
     if best is None:
-        best = _judge(grower.finish(furthest).writer.table, seed, request)
+        best = _judge(grower.finish(furthest).writer.table, seed, request, pictured=seen is not None)
     why = ", ".join(f"{count} {name}" for name, count in grower.seen.most_common())
     note = f"sketch: {grower.batches} batches were drawn" + (f"; left out on the way: {why}" if why else "")
     return Drawn(shape=best[0], faults=best[1], notes=(note,))
@@ -348,7 +349,10 @@ def choose_header(said: Sequence[tuple[int, tuple[int, ...]]], rates: Sequence[f
     return int(np.argmax([rate + np.log(shares[one]) for one, rate in zip(said, rates, strict=True)]))
 
 
-def _judge(table: np.ndarray, seed: int, request: SketchRequest) -> tuple[Shape, tuple[Fault, ...]]:
-    """The shape of a table and its faults."""
+def _judge(
+    table: np.ndarray, seed: int, request: SketchRequest, *, pictured: bool
+) -> tuple[Shape, tuple[Fault, ...]]:
+    """The shape of a table and its faults; what a picture shows may have open compartments."""
     shape = read_sketch(rows_to_sketch(table), seed)
-    return shape, (*find_faults(shape), *find_extent_faults(shape, request))
+    front = () if pictured else find_front_faults(shape)
+    return shape, (*find_faults(shape), *front, *find_extent_faults(shape, request))

@@ -414,7 +414,7 @@ def test_after_a_dead_end_the_part_that_its_faults_involve_is_drawn_again(
     monkeypatch.setattr(model, "begin_draft", lambda *_: stand_in(0))
     monkeypatch.setattr(growth, "_search_lasting", search)
     monkeypatch.setattr(growth, "_list_finished", lambda _: None)
-    monkeypatch.setattr(model, "_judge", lambda *_: (None, ()))
+    monkeypatch.setattr(model, "_judge", lambda *_, **__: (None, ()))
     monkeypatch.setattr(model, "_draw_header", lambda *_: stand_in(0))
     monkeypatch.setattr(growth.Grower, "_batch", batch)
     draw_object(_network(), REQUEST, 1)

@@ -107,7 +107,7 @@ def test_an_object_that_is_given_up_is_finished_from_the_most_parts_it_had(monke
     monkeypatch.setattr(model, "Decoder", MagicMock())
     monkeypatch.setattr(model, "begin_draft", lambda *_: draft(0))
     monkeypatch.setattr(model, "_draw_header", lambda *_: draft(0))
-    monkeypatch.setattr(model, "_judge", lambda *_: (MagicMock(), ()))
+    monkeypatch.setattr(model, "_judge", lambda *_, **__: (MagicMock(), ()))
     monkeypatch.setattr(growth.Grower, "grow", grow)
     monkeypatch.setattr(growth.Grower, "finish", finish)
     model.draw_object(MagicMock(), SketchRequest(), 0)
