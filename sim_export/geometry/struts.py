@@ -112,7 +112,9 @@ def make_struts(
     """
     gap = float(np.linalg.norm(ends[1] - ends[0]))
     way = (ends[1] - ends[0]) / gap
-    patches = (piece.translate((gap + REACH) * way) ^ whole).decompose()
+    thickness = float(np.ptp(solid_arrays(piece)[0] @ way))
+    inside = min(REACH, thickness / 2.0)  # no thin piece goes through what it faces
+    patches = (piece.translate((gap + inside) * way) ^ whole).decompose()
     points = ends.mean(axis=0, keepdims=True)
     if patches:
         points = sample_triangles(_triangles(max(patches, key=lambda patch: patch.volume())), _SAMPLES)[0]

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from sim_export.geometry.solids import as_solid, solid_arrays
-from sim_export.geometry.struts import brace_links
+from sim_export.geometry.struts import brace_links, make_struts
 from sim_export.package import Inertial, Link, Mesh
 
 CELL = 0.016
@@ -93,3 +93,11 @@ def test_a_strut_stands_half_its_width_in_what_it_connects():
     plates = [block((0.0, 0.0, low), (0.2, 0.2, low + 0.003)) for low in (0.0, 0.023)]
     _, _, whole, _ = brace(*plates)
     assert np.ptp(solid_arrays(whole)[0][:, 2]) == pytest.approx(0.02 + 2 * 0.5 * CELL, rel=1e-6)
+
+
+@pytest.mark.parametrize("thickness", [0.0005, 0.0009, 0.0011, 0.003])
+def test_a_bar_as_thin_as_a_sheet_is_held_near_its_ends_as_well(thickness: float):
+    sheet = block((0.0, 0.0, 0.0), (0.2, 0.1, thickness))
+    bar = block((0.0, 0.04, thickness + 0.005), (0.2, 0.06, 2.0 * thickness + 0.005))
+    ends = np.array([[0.1, 0.05, thickness + 0.005], [0.1, 0.05, thickness]])
+    assert len(make_struts(bar, sheet, ends, 0.004).decompose()) == 2
