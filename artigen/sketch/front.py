@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from artigen.shapes.poses import place_posed
 from artigen.shapes.render import RenderConfig, build_scene, frame_points, render
 from artigen.shapes.shape import Shape
 from artigen.sketch.fault import Fault
@@ -23,7 +24,7 @@ INSIDE = 0.35
 """Depth behind the front, over that of the object, from which on a point is inside."""
 EDGE = 96
 """Pixels of the picture's edge."""
-FAR = 1.0
+ANGLE = 1.0
 """Angle of view (degrees): nearly parallel rays."""
 PLAIN = RenderConfig(shadow_rays=0, openness=False)
 
@@ -38,10 +39,10 @@ def find_front_faults(shape: Shape) -> tuple[Fault, ...]:
 
 def measure_open_front(shape: Shape) -> float:
     """Share of the silhouette from the front at which the closed object is seen to its inside."""
-    low, high = shape.bounds()
-    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
-    camera = frame_points(np.where(corners, high, low), (-1.0, 0.0, 0.0), fov=FAR, width=EDGE, height=EDGE)
-    seen = render(build_scene([shape]), camera, [np.zeros(len(shape.parts))], cfg=PLAIN)
+    closed = np.zeros(len(shape.parts))
+    points = place_posed(shape, closed)
+    camera = frame_points(points, (-1.0, 0.0, 0.0), fov=ANGLE, width=EDGE, height=EDGE)
+    seen = render(build_scene([shape]), camera, [closed], cfg=PLAIN)
     shown = seen.depth[0][seen.mask[0]].numpy()
-    front = low[0] - float(camera.position[0, 0])
-    return float((shown - front > INSIDE * (high[0] - low[0])).mean())
+    front = points[:, 0].min() - float(camera.position[0, 0])
+    return float((shown - front > INSIDE * np.ptp(points[:, 0])).mean())

@@ -1,7 +1,7 @@
 """The sketch network with its weights, and sampling of objects until one has no fault."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,6 @@ from artigen.sketch.front import find_front_faults
 from artigen.sketch.growth import Grower
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.part_counts import (
-    COUNTS,
     PartCounts,
     describe_part_counts,
     parse_part_counts,
@@ -293,11 +292,12 @@ def draw_header(
     empty = begin_draft(decoder, encode_request(request), memory)
     cfg = cfg or (SketchConfig().header if seen is None else PICTURED)
     row = _draw_header(decoder, empty, rng, cfg, seen).writer.rows[0]
+    category, counts = read_part_counts(row)
     depth, width, height = (row[column("object", name)] * STEP for name in ("depth", "width", "height"))
     return SketchRequest(
-        category=CATEGORIES[row[column("object", "category")]],
+        category=category,
         style=STYLES[row[column("object", "style")]],
-        counts=tuple((label, row[column("object", label)]) for label in COUNTED),
+        counts=tuple(zip(COUNTED, counts, strict=True)),
         depth=depth,
         width=width,
         height=height,
@@ -318,9 +318,9 @@ def _draw_header(
         return _draw_known_header(decoder, empty, rng, cfg)
     drawn = continue_draft(decoder, empty, lambda _: True, rng.spawn(HEADERS), cfg)
     headers = [one for one in drawn if one is not None]
-    rows = [one.writer.rows[0] for one in headers]
-    said = [(row[column("object", "category")], tuple(row[at] for at in COUNTS)) for row in rows]
-    return headers[choose_header(said, [seen.rate(*one) for one in said])]
+    said = [read_part_counts(one.writer.rows[0]) for one in headers]
+    rates = [seen.rate(CATEGORIES.index(category), counts) for category, counts in said]
+    return headers[choose_header(said, rates)]
 
 
 def _draw_known_header(decoder: Decoder, empty: Draft, rng: np.random.Generator, cfg: DrawConfig) -> Draft:
@@ -335,7 +335,7 @@ def _draw_known_header(decoder: Decoder, empty: Draft, rng: np.random.Generator,
     return headers[0]
 
 
-def choose_header(said: Sequence[tuple[int, tuple[int, ...]]], rates: Sequence[float]) -> int:
+def choose_header(said: Sequence[Hashable], rates: Sequence[float]) -> int:
     """Index of the most plausible header.
 
     Two estimates are multiplied: the encoder's probability of a header's category and counts, and the share

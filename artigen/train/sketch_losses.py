@@ -73,13 +73,13 @@ class StepLosses(nn.Module):
 
     def __init__(self, network: SketchNetwork, weights: Mapping[str, float]) -> None:
         super().__init__()
-        self.network, self.losses, self.weights = network, SketchLosses(network), weights
+        self.each, self.weights = SketchLosses(network), weights
 
     def forward(self, step: SketchStep) -> dict[str, Tensor]:
         """The terms of `SketchLosses` of each batch, weighted, with the name of their batch."""
         photos = {name: batch.photos for name, batch in step.batches.items() if batch.photos is not None}
         images = [one.image for one in photos.values()]
-        seen, memory = self.network.encode_pictures(torch.cat(images)) if images else (None, None)
+        seen, memory = self.each.network.encode_pictures(torch.cat(images)) if images else (None, None)
         terms, start = dict[str, Tensor](), 0
         for name, batch in step.batches.items():
             own, part = {}, None
@@ -87,7 +87,7 @@ class StepLosses(nn.Module):
                 here = slice(start, start + len(batch.photos.image))
                 start, part = here.stop, memory[here]
                 own = reading_losses(seen[here], batch.photos) | guessing_losses(seen[here], batch.rows)
-            own |= self.losses.rate_rows(batch.rows, part)
+            own |= self.each.rate_rows(batch.rows, part)
             terms |= {f"{name} {term}": self.weights[name] * value for term, value in own.items()}
         return terms
 
