@@ -5,17 +5,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from bare_room import ENTRANCE, ROOM
 
 from envs.maniskill.rooms import check
 from envs.maniskill.rooms.arrange import Plan
 from envs.maniskill.rooms.doorway import hang_door
 from envs.maniskill.rooms.pieces import GAP, Boxes, Piece
 from envs.maniskill.rooms.recipes import DOOR
-from envs.maniskill.rooms.room import Opening, Room, room_shell
 from envs.maniskill.rooms.solids import make_solid
 from sim_export.geometry.hulls import box_hull
-
-ENTRANCE = Opening(side="front", start=1.5, width=0.9, height=2.0)
 
 
 @pytest.mark.parametrize(("above", "hung"), [(0.101, 1), (0.099, 0)])
@@ -32,11 +30,6 @@ def test_a_wall_of_a_hand_s_breadth_stays_above_a_door(above: float, hung: int):
 
 @pytest.mark.parametrize(("depth", "past"), [(0.39, 0.0), (0.41, 0.01)])
 def test_a_door_may_take_forty_centimetres_behind_the_entrance(depth: float, past: float):
-    size = (4.0, 3.5, 2.6)
-    room = Room(
-        kind="kitchen", seed=0, attempt=0, size=size, entrance=ENTRANCE, standing_radius=0.3,
-        fixtures=room_shell(size, (ENTRANCE,), (0.9, 0.9, 0.9)), placements=(),
-    )  # fmt: skip
     leaf = make_solid("door", [box_hull(np.array([1.55, -depth, 0.01]), np.array([2.35, 0.0, 1.99]))])
-    found = check._outside(room, [leaf])
+    found = check._outside(ROOM, [leaf])
     assert [problem.depth for problem in found] == ([pytest.approx(past)] if past else [])

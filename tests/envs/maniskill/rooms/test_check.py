@@ -2,18 +2,11 @@
 
 import numpy as np
 import pytest
+from bare_room import ROOM
 
 from envs.maniskill.rooms import check
-from envs.maniskill.rooms.room import Opening, Room, room_shell
 from envs.maniskill.rooms.solids import make_solid
 from sim_export.geometry.hulls import box_hull
-
-SIZE = (4.0, 3.5, 2.6)
-ENTRANCE = Opening(side="front", start=1.5, width=0.9, height=2.0)
-ROOM = Room(
-    kind="kitchen", seed=0, attempt=0, size=SIZE, entrance=ENTRANCE, standing_radius=0.3,
-    fixtures=room_shell(SIZE, (ENTRANCE,), (0.9, 0.9, 0.9)), placements=(),
-)  # fmt: skip
 
 
 @pytest.mark.parametrize(("past", "problems"), [(0.9e-6, 0), (1.1e-6, 1)])

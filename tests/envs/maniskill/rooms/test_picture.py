@@ -1,14 +1,8 @@
 """Sizes of pictures of rooms."""
 
-from envs.maniskill.rooms.picture import draw_plan, draw_room
-from envs.maniskill.rooms.room import Opening, Room, room_shell
+from bare_room import ROOM
 
-SIZE = (4.0, 3.5, 2.6)
-ENTRANCE = Opening(side="front", start=1.5, width=0.9, height=2.0)
-ROOM = Room(
-    kind="kitchen", seed=0, attempt=0, size=SIZE, entrance=ENTRANCE, standing_radius=0.3,
-    fixtures=room_shell(SIZE, (ENTRANCE,), (0.9, 0.9, 0.9)), placements=(),
-)  # fmt: skip
+from envs.maniskill.rooms.picture import draw_plan, draw_room
 
 
 def test_plans_have_120_pixels_per_metre_and_thirty_centimetres_around_the_room():
