@@ -60,12 +60,12 @@ def main(cfg: argparse.Namespace) -> None:
     plain = list_tables(cfg.scratch, cfg.files)
     most = 1000 * cfg.files + cfg.album
     store = Store(TABLE_ROWS * most, most, cfg.album, device)
+    network.part_counts = frozenset()  # those of today's objects alone
     for path in plain:
         _wait_for(rows := cfg.scratch / path.name.replace("plain", "rows"), makers)
         store.add_tables(rows)
+        network.part_counts |= collect_part_counts(unpack_tables(load_shard(path, TABLES)))
     store.plain = store.tables
-    known = [collect_part_counts(unpack_tables(load_shard(path, TABLES))) for path in plain]
-    network.part_counts = frozenset().union(*known)
     print(f"{store.plain} tables", flush=True)
     lister = context.Process(
         target=list_steps, args=(cfg.scratch, cfg.files, loaded, steps, sizes, time.time_ns()), daemon=True
