@@ -11,14 +11,12 @@ import numpy as np
 import tyro
 
 from artigen.cli.arguments import Out, RunnerChoice, Shard, Workers
-from artigen.cli.batch import Finished, Laps, Made, make_and_validate, read_shard, run_shown, say_results
+from artigen.cli.batch import Finished, Laps, Made, read_shard, run_shown, say_results
+from artigen.cli.grids import GRIDS, make_on_grids
 from artigen.runtime.runner import choose_runner
 from artigen.runtime.workers import Worker
 
 Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
-GRID = 64
-"""Cells along the longest edge of an object's voxels."""
-
 if TYPE_CHECKING:
     from artigen.datasets.source_object import SourceObject
     from artigen.types import Asset
@@ -32,7 +30,8 @@ class ConvertSettings:
 
     visual: Literal["source", "voxels"] = "source"
     """``source`` keeps the object's own textured meshes and adds collision hulls, mass and friction;
-    ``voxels`` rebuilds the object from its 64^3 articulated voxels, as the paper represents it."""
+    ``voxels`` rebuilds the object from its 64^3 articulated voxels, as the paper represents it, and from 96^3
+    and 128^3 voxels while its package fails validation."""
     recipe: Literal["robust", "paper"] = "robust"
     """Segmentation of the voxels into parts: our robust recipe or that of the paper."""
     size: float | None = None
@@ -62,6 +61,8 @@ class ConvertJob:
     source: Path
     out: Path
     cfg: ConvertSettings = field(default_factory=ConvertSettings)
+    grid: int = GRIDS[0]
+    """Cells along the longest edge of the object's voxels."""
 
     @property
     def key(self) -> str:
@@ -82,11 +83,18 @@ class ConvertJob:
         from artigen.datasets.sources import read_source
 
         cfg = self.cfg
-        reader = ReaderConfig(size=cfg.size, seed=cfg.seed, category=cfg.category, up=cfg.up, front=cfg.front)
+        reader = ReaderConfig(
+            samples=round(ReaderConfig.samples * (self.grid / GRIDS[0]) ** 2),
+            seed=cfg.seed,
+            size=cfg.size,
+            category=cfg.category,
+            up=cfg.up,
+            front=cfg.front,
+        )
         source = read_source(self.source, scratch, reader)
         if not cfg.mend:
             return source
-        cell = source.asset.scale / GRID if cfg.visual == "voxels" else 0.0
+        cell = source.asset.scale / self.grid if cfg.visual == "voxels" else 0.0
         return mend_object(source, scratch, cell)
 
 
@@ -115,18 +123,18 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
         "visual": job.cfg.visual,
         "seed": str(job.cfg.seed),
     }
-    asset = voxelize_object(source.asset)
+    asset = voxelize_object(source.asset, job.grid)
     laps.end("voxelize")
 
     def finish(package: "SimPackage") -> "SimPackage":
-        package = follow_parts(package, dict(source.follows))
         package = splat_package(package, asset, RANDOM) if job.cfg.splats else package
-        return stand_on_side(package) if job.cfg.mend else package
+        package = stand_on_side(package) if job.cfg.mend else package
+        return follow_parts(package, dict(source.follows))
 
     if job.cfg.visual == "voxels":
         asset = rebuild_from_voxels(asset, job.cfg.recipe)
         laps.end("segment")
-        exported = export_asset(asset, provenance=provenance, finish=finish)
+        exported = export_asset(asset, provenance={**provenance, "grid": str(job.grid)}, finish=finish)
     else:
         exported = export_source(source, asset, provenance, finish)
     laps.end("export", *exported.seconds)
@@ -135,13 +143,13 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     return laps.made(exported.package.records)
 
 
-def voxelize_object(asset: "Asset") -> "Asset":
+def voxelize_object(asset: "Asset", grid: int = GRIDS[0]) -> "Asset":
     """Adds the voxels of the surface; parts below the grid's resolution are merged into their parents."""
     from artigen.voxels.voxelize import drop_unresolved, voxelize
 
     if asset.surface is None:
         raise ValueError(f"asset {asset.name!r} has no surface to voxelize")
-    return drop_unresolved(replace(asset, voxels=voxelize(asset.surface, GRID)))
+    return drop_unresolved(replace(asset, voxels=voxelize(asset.surface, grid)))
 
 
 def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "robust") -> "Asset":
@@ -183,10 +191,11 @@ def export_source(
 
 
 def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Finished:
-    """Converts and validates one object in a supervised process."""
-    finished = make_and_validate(
-        worker, job, convert_object, timeout=timeout, validation=job.cfg.validation == "full"
-    )
+    """Converts and validates one object, from voxels on finer grids while it fails."""
+    grids = GRIDS if job.cfg.visual == "voxels" else GRIDS[:1]
+    jobs = [replace(job, grid=grid) for grid in grids]
+    full = job.cfg.validation == "full"
+    finished = make_on_grids(worker, jobs, convert_object, timeout=timeout, validation=full)
     if finished.passed is not False:
         return finished
     failed = tuple(dict.fromkeys(failure.split(" ")[0] for failure in finished.failures))

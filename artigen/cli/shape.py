@@ -14,12 +14,12 @@ from artigen.cli.batch import (
     Finished,
     Laps,
     Made,
-    make_and_validate,
     read_shard,
     run_shown,
     say_results,
     take_part,
 )
+from artigen.cli.grids import GRIDS, make_on_grids
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
 from artigen.runtime.workers import Worker
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 
 TIMEOUT = 300.0
 """Time limit (seconds) for one stage of one object."""
-GRIDS = (64, 96, 128)
-"""Cells along the longest edge of the grids from which an object is rebuilt, until its package passes."""
 SPACING = 1 / 192
 """Mean distance of the coloured surface samples for textures, relative to the longest edge."""
 
@@ -280,18 +278,9 @@ def make_package(
 
 def export_and_validate(worker: Worker, job: ShapeJob) -> Finished:
     """Makes and validates one object in a supervised process; from voxels, on finer grids while it fails."""
+    jobs = [replace(job, grid=grid) for grid in (GRIDS if job.cfg.source == "voxels" else GRIDS[:1])]
     full = job.cfg.validation == "full"
-    finished = make_and_validate(worker, job, export_shape, timeout=TIMEOUT, validation=full)
-    for grid in GRIDS[1:] if job.cfg.source == "voxels" else ():
-        if finished.good:
-            break
-        coarser, finer = finished, replace(job, grid=grid)
-        finished = make_and_validate(worker, finer, export_shape, timeout=TIMEOUT, validation=full)
-        note = (
-            f"made from {grid}^3 voxels, as coarser ones fail: {coarser.error or '; '.join(coarser.failures)}"
-        )
-        finished = replace(finished, notes=(*finished.notes, note))
-    return finished
+    return make_on_grids(worker, jobs, export_shape, timeout=TIMEOUT, validation=full)
 
 
 def shape(

@@ -1,40 +1,20 @@
-"""Laws of `artigen shape`: objects are rebuilt from finer voxels until their package passes."""
+"""Laws of `artigen shape`: exact objects are made once; finer voxels keep parts as thick as drawn."""
 
 from pathlib import Path
 
 import numpy as np
-import pytest
 
-from artigen.cli import shape
+from artigen.cli import grids
 from artigen.cli.batch import Finished
-from artigen.cli.shape import GRIDS, ShapeJob, ShapeSettings, export_and_validate, make_package
+from artigen.cli.grids import GRIDS
+from artigen.cli.shape import ShapeJob, export_and_validate, make_package
 from artigen.runtime.workers import Worker
 from artigen.shapes.draw import draw_shape
 
 
-@pytest.mark.parametrize("passing", [*GRIDS, None])
-@pytest.mark.parametrize("broken", [False, True])
-def test_an_object_is_rebuilt_on_finer_grids_until_it_passes(monkeypatch, passing, broken):
-    tried = []
-
-    def judge(worker, job, make, **_):
-        tried.append(job.grid)
-        passed = passing is not None and job.grid >= passing
-        if broken and not passed:
-            return Finished(key=job.key, settings="", error="cannot be exported")
-        return Finished(key=job.key, settings="", passed=passed, failures=() if passed else ("V103 lost",))
-
-    monkeypatch.setattr(shape, "make_and_validate", judge)
-    job = ShapeJob(category="Cart", seed=0, out=Path("out"), cfg=ShapeSettings(source="voxels"))
-    finished = export_and_validate(Worker(), job)
-    assert tried == [grid for grid in GRIDS if passing is None or grid <= passing]
-    assert finished.good == (passing is not None)
-    assert bool(finished.notes) == (len(tried) > 1)
-
-
 def test_exact_objects_are_made_once(monkeypatch):
     failed = Finished(key="Cart_0", settings="", passed=False)
-    monkeypatch.setattr(shape, "make_and_validate", lambda *_, **__: failed)
+    monkeypatch.setattr(grids, "make_and_validate", lambda *_, **__: failed)
     assert export_and_validate(Worker(), ShapeJob(category="Cart", seed=0, out=Path("out"))) is failed
 
 
