@@ -3,7 +3,7 @@
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from artigen.types import Asset
 from sim_export.appearance.splats import attach_splats
-from sim_export.appearance.texture import BakedParts, bake_parts
+from sim_export.appearance.texture import bake_parts
 from sim_export.attempts import HullWay, Judgement, change_hulls, judge_package
 from sim_export.collision.attachment import attach_links
 from sim_export.collision.clearance import clear_joints
@@ -30,7 +30,7 @@ from sim_export.geometry.struts import brace_links
 from sim_export.geometry.wheels import fit_width, is_open, round_wheels
 from sim_export.motion.held_drawers import keep_drawers_held
 from sim_export.motion.requirements import find_crossings, find_requirements
-from sim_export.package import Inertial, Link, Mesh, SimPackage, SourceMesh
+from sim_export.package import Inertial, Link, Mesh, SimPackage, SourceMesh, Visual
 from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.links import (
     LinkTree,
@@ -86,10 +86,12 @@ class Solids:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Exported:
-    """A package, and the seconds that each stage took."""
+    """A package, and the seconds that each stage took. ``unpainted`` has the meshes of all parts that are
+    still to be coloured (`paint_package`)."""
 
     package: SimPackage
     seconds: tuple[tuple[str, float], ...]
+    unpainted: Mapping[str, Mesh] = field(default_factory=dict)
 
 
 class _Stopwatch:
@@ -145,7 +147,7 @@ def export_best(
     """The package of an object, with the hulls that fail fewest static checks.
 
     Hulls are made in one way, and while they fail checks in another (`change_hulls`). Each package is judged
-    as ``finish`` leaves it. Attempts that cannot be exported are recorded.
+    as ``finish`` leaves it, and the best is painted. Attempts that cannot be exported are recorded.
 
     Args:
         solids: The parts.
@@ -166,18 +168,23 @@ def export_best(
         except ExportError as error:
             errors.append(error)
         else:
-            made = replace(made, package=finish(made.package))
-            judged = judge_package(made.package)
+            judged = judge_package(finish(made.package))
             tried.append((judged, made))
         way = change_hulls(way, judged)
     if not tried:
         raise errors[0]
-    best = min(tried, key=lambda pair: (len(pair[0].failed), pair[0].unlike))[1].package
-    failed = tuple(f"hulls could not be made in one of several ways: {error}" for error in errors)
     seconds: Counter[str] = Counter(dict(solids.seconds))
     for _, made in tried:
         seconds.update(dict(made.seconds))
-    return Exported(package=replace(best, records=(*best.records, *failed)), seconds=tuple(seconds.items()))
+    watch = _Stopwatch()
+    best = min(tried, key=lambda pair: (len(pair[0].failed), pair[0].unlike))[1]
+    package = finish(paint_package(best.package, solids.asset, best.unpainted))
+    watch.lap("texture")
+    seconds.update(dict(watch.laps))
+    failed = tuple(f"hulls could not be made in one of several ways: {error}" for error in errors)
+    return Exported(
+        package=replace(package, records=(*package.records, *failed)), seconds=tuple(seconds.items())
+    )
 
 
 def make_solids(asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | None = None) -> Solids:
@@ -237,7 +244,7 @@ def export_solids(
     source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
     provenance: Mapping[str, str] | None = None,
 ) -> Exported:
-    """The package of an object whose parts are solids already.
+    """The package of an object whose parts are solids already; meshes made from voxels are not painted.
 
     Args:
         solids: The parts.
@@ -291,19 +298,19 @@ def export_solids(
     handles = annotate_handles(asset, meshes, tree)
     watch.lap("annotate")
     trimmed: tuple[str, ...] = ()
+    unpainted: dict[str, Mesh] = {}
     if source_meshes is None and asset.voxels is not None:
         cell = asset.scale / asset.voxels.resolution
         solid, filled = fill_meshes(tree.links, solid, cell)
         solid, cut = trim_meshes(tree.links, tree.joints, needs, solid)
-        solid, braced = brace_links(tree.links, solid, cell)
+        unpainted, braced = brace_links(tree.links, solid, cell)
         trimmed = (*filled, *cut, *braced)
-        links, painted = _paint(asset, tree.links, solid)
-        tree = replace(tree, links=links, records=(*tree.records, *painted))
+        tree = replace(tree, links=_show_meshes(tree.links, unpainted))
     if asset.gaussians is not None:
         tree = replace(tree, links=attach_splats(tree.links, asset))
     body = replace(tree.links[-1], visuals=(*tree.links[-1].visuals, *levelled.feet))
     tree = replace(tree, links=(*tree.links[:-1], body))
-    watch.lap("texture")
+    watch.lap("trim")
     records = (
         *asset.notes,
         *solids.records,
@@ -329,7 +336,7 @@ def export_solids(
         provenance=tuple(sorted((provenance or {}).items())),
         records=records,
     )
-    return Exported(package=package, seconds=tuple(watch.laps))
+    return Exported(package=package, seconds=tuple(watch.laps), unpainted=unpainted)
 
 
 def _round_surfaces(
@@ -355,19 +362,27 @@ def _round_surfaces(
     return out, tuple(records)
 
 
-def _paint(
-    asset: Asset, links: Sequence[Link], meshes: Mapping[str, Mesh]
-) -> tuple[tuple[Link, ...], tuple[str, ...]]:
-    """Adds meshes to links, coloured like the asset if it has colours, and returns records of the
-    coverage."""
-    plain = [meshes[part.name] for part in asset.parts]
-    if asset.surface is None and asset.gaussians is None:
-        baked = BakedParts(meshes=tuple(plain), records=())
-    else:
-        baked = bake_parts(asset, plain)
-    by_part = {part.name: mesh for part, mesh in zip(asset.parts, baked.meshes, strict=True)}
-    shown = tuple(
-        replace(link, visuals=tuple(replace(visual, mesh=by_part[visual.part]) for visual in link.visuals))
-        for link in links
+def paint_package(package: SimPackage, asset: Asset, unpainted: Mapping[str, Mesh]) -> SimPackage:
+    """The package with textures on the meshes of all parts, in the colours of the asset, and records of how
+    well these cover them; without colours or meshes, the package as it is."""
+    if not unpainted or (asset.surface is None and asset.gaussians is None):
+        return package
+    baked = bake_parts(asset, [unpainted[part.name] for part in asset.parts])
+    painted = {part.name: mesh for part, mesh in zip(asset.parts, baked.meshes, strict=True)}
+    return replace(
+        package,
+        links=_show_meshes(package.links, painted, instead_of=unpainted),
+        records=(*package.records, *baked.records),
     )
-    return shown, baked.records
+
+
+def _show_meshes(
+    links: Sequence[Link], meshes: Mapping[str, Mesh], instead_of: Mapping[str, Mesh] | None = None
+) -> tuple[Link, ...]:
+    """Links that show one mesh for each part, instead of all others or only of the given ones."""
+
+    def show(visual: Visual) -> Visual:
+        kept = instead_of is not None and visual.mesh is not instead_of.get(visual.part)
+        return visual if kept else replace(visual, mesh=meshes[visual.part])
+
+    return tuple(replace(link, visuals=tuple(map(show, link.visuals))) for link in links)

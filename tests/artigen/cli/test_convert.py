@@ -1,7 +1,7 @@
 """The choice between several sets of hulls for an object that keeps its own meshes."""
 
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import pytest
@@ -23,6 +23,7 @@ class Numbered:
 
     number: int
     records: tuple[str, ...] = ()
+    painted: bool = False
 
 
 def judge(failed=(), links=("link_0",), around=(), unlike=0.5):
@@ -45,9 +46,14 @@ def attempts(monkeypatch):
             package = Numbered(number=len(asked) - 1)
             return Exported(package=package, seconds=(("clearance", 1.0), ("attach", 2.0)))
 
-        monkeypatch.setattr(export, "make_solids", lambda asset, surfaces: SimpleNamespace(seconds=()))
+        monkeypatch.setattr(
+            export, "make_solids", lambda asset, surfaces: SimpleNamespace(seconds=(), asset=None)
+        )
         monkeypatch.setattr(export, "export_solids", export_solids)
         monkeypatch.setattr(export, "judge_package", lambda package: judged[package.number])
+        monkeypatch.setattr(
+            export, "paint_package", lambda package, asset, unpainted: replace(package, painted=True)
+        )
         for name in ("place_source_meshes", "place_source_surfaces"):
             monkeypatch.setattr(mend, name, lambda source, asset: ())
         return asked
@@ -131,10 +137,14 @@ def test_hulls_are_made_again_while_they_fail_and_the_best_are_kept(attempts, fa
         judge(["V103", "V105"][:count], unlike=value) for count, value in zip(failed, unlike, strict=True)
     ]
     asked = attempts(judged)
-    made = convert.export_source(None, None, {})
-    assert made.package == Numbered(number=chosen)
+    seen = []
+    made = convert.export_source(None, None, {}, lambda package: seen.append(package) or package)
+    assert made.package == Numbered(number=chosen, painted=True)
     assert len(asked) == tried
-    assert dict(made.seconds) == {"clearance": tried, "attach": 2.0 * tried}
+    assert [package.painted for package in seen] == [False] * tried + [True]
+    seconds = dict(made.seconds)
+    assert seconds.pop("texture") >= 0.0
+    assert seconds == {"clearance": tried, "attach": 2.0 * tried}
 
 
 def test_an_attempt_that_cannot_be_made_is_recorded_and_voxels_are_tried(attempts):
