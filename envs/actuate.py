@@ -7,7 +7,7 @@ import gymnasium as gym
 import numpy as np
 from jaxtyping import Float
 
-from artigen.transforms import inverse, transform_points
+from artigen.transforms import inverse, shift, transform_points
 
 from .base import SUBSTEPS, PackageEnv, open_fractions
 from .hand import measure_moved, pose_matrix
@@ -86,7 +86,7 @@ class ActuateEnv(PackageEnv):
         drawn = int(self.np_random.integers(len(names)))
         self._target = drawn if self.cfg.joint is None else names.index(self.cfg.joint)
         joint = self._joint
-        start = {other.spec.name: other.spec.lower for other in self.loaded.joints if other.limited}
+        start = {other.spec.name: other.lower for other in self.loaded.joints}
         start |= {name: self.loaded.joint(name).spec.upper for name in self._plans[self._target].needs}
         reset(self.loaded, qpos_of(self.loaded, start))
         T_link_world = inverse(pose_matrix(joint.engine.child_link.entity_pose))
@@ -98,7 +98,7 @@ class ActuateEnv(PackageEnv):
         """Five physics steps with the force following the handle."""
         joint, plan = self._joint, self._plans[self._target]
         push = float(np.clip(np.asarray(action, dtype=np.float64), -1.0, 1.0)[0])
-        effort = push * (plan.opening if push > 0 else plan.closing)
+        effort = push * plan.effort(push)
         before = self._opened()
         for _ in range(SUBSTEPS):
             point, direction, lever = self._handle()
@@ -131,9 +131,7 @@ class ActuateEnv(PackageEnv):
             # Annotations are in the object frame at rest; the link may have moved since.
             T = pose_matrix(joint.engine.child_link.entity_pose)
             center = joint.handle.corners.mean(axis=0)
-            T_rest_link = np.eye(4)
-            T_rest_link[:3, 3] = joint.spec.origin
-            return transform_points(T @ inverse(T_rest_link), center[None])[0]
+            return transform_points(T @ inverse(shift(joint.spec.origin)), center[None])[0]
         if joint.spec.type == "prismatic" or not len(moved.vertices):
             return moved.com
         arms = np.cross(moved.axis, moved.vertices - moved.origin)

@@ -10,7 +10,7 @@ from jaxtyping import Float
 from sim_export.files.read import read_package
 from sim_export.package import SimPackage
 
-from .loaded import LoadedPackage
+from .loaded import LoadedPackage, collision_boxes
 from .package import LoadConfig, load_package
 from .scene import create_scene
 
@@ -44,8 +44,8 @@ class PackageEnv(gym.Env):
         draw = self.render_mode == "rgb_array"
         ground = self.base == "free"
         scene = create_scene(1.0 / (CONTROL_FREQUENCY * SUBSTEPS), ground=ground, render=draw)
-        load = LoadConfig(base=self.base, visuals="all" if draw else "none")
-        loaded = load_package(scene, self.folder, load, self.package)
+        cfg = LoadConfig(base=self.base, visuals="all" if draw else "none")
+        loaded = load_package(scene, self.folder, cfg, self.package)
         if draw:
             self._camera = scene.add_camera("view", IMAGE_SIZE, IMAGE_SIZE, 1.0, 0.01, 100.0)
         return scene, loaded
@@ -61,9 +61,7 @@ class PackageEnv(gym.Env):
             return None
         import sapien
 
-        boxes = np.array(
-            [link.get_global_aabb_fast() for link in self.loaded.articulation.links if link.collision_shapes]
-        ).reshape(-1, 2, 3)
+        boxes = collision_boxes(self.loaded)
         low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
         forward = np.array([0.75, 0.4, -0.5]) / np.linalg.norm([0.75, 0.4, -0.5])
         left = np.cross([0.0, 0.0, 1.0], forward)

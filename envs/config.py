@@ -1,17 +1,7 @@
-"""Settings of dynamic checks and of validation; importing them loads no engine."""
+"""Settings of validation; importing them loads no engine."""
 
 from dataclasses import dataclass
 from typing import Literal
-
-
-@dataclass(frozen=True, kw_only=True)
-class DynamicsConfig:
-    """Time steps of the L3 checks."""
-
-    timestep: float = 1.0 / 100.0
-    """Time step (seconds) of checks V302 to V307: ManiSkill's default."""
-    other_timesteps: tuple[float, ...] = (1.0 / 60.0, 1.0 / 240.0)
-    """Time steps (seconds) at which V309 repeats V302 to V306."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,12 +17,15 @@ from sim_export.package import PackageJoint, SimPackage
 from sim_export.physics.standing import must_stand
 from sim_export.report import CheckResult
 
-from .config import DynamicsConfig
 from .limits import limit_tolerance
 from .titles import TITLES, make_result, not_run
 from .trials import TrialResults, run_trials
 from .urdf_text import physics_urdf
 
+TIMESTEP = 1.0 / 100.0
+"""Time step (seconds) of checks V302 to V307: ManiSkill's default."""
+OTHER_TIMESTEPS = (1.0 / 60.0, 1.0 / 240.0)
+"""Time steps (seconds) at which V309 repeats V302 to V306."""
 MASS_TOLERANCE = 1e-4
 REST_SPEED = 1e-3
 STAND_TILT = 2.0
@@ -33,11 +36,11 @@ REPEAT = 1e-6
 MUJOCO_FORCE = 1e-3
 
 
-def check_dynamics(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> tuple[CheckResult, ...]:
+def check_dynamics(folder: Path, package: SimPackage) -> tuple[CheckResult, ...]:
     """All L3 checks of a package, in order of their ids; ``seconds`` is the duration of each."""
     clock = time.perf_counter()
     try:
-        main = run_trials(folder, package, cfg.timestep)
+        main = run_trials(folder, package, TIMESTEP)
     except PackageError as error:
         titles = {name: title for name, title in TITLES.items() if name not in ("V301", "V308")}
         rest = not_run(titles, "the package does not load")
@@ -48,9 +51,9 @@ def check_dynamics(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> tu
     single[1] = replace(single[1], seconds=spent)
     return (
         *single,
-        _timed(lambda: check_repeat(folder, package, main, cfg)),
+        _timed(lambda: check_repeat(folder, package, main)),
         _timed(lambda: check_mujoco(folder)),
-        _timed(lambda: check_timesteps(folder, package, cfg)),
+        _timed(lambda: check_timesteps(folder, package)),
     )
 
 
@@ -105,7 +108,7 @@ def check_rest(run: TrialResults) -> CheckResult:
     joints = run.joints
     if not joints:
         return make_result("V302", "not_applicable", "nothing moves")
-    still = np.array([limit_tolerance(joint.type, _span(joint)) for joint in joints])
+    still = np.array([limit_tolerance(joint) for joint in joints])
     worst = int(np.argmax(run.rest_drift / still))
     fast = int(np.argmax(np.where(np.isfinite(run.rest_speed), run.rest_speed, np.inf)))
     fails = not run.rest_drift[worst] <= still[worst]
@@ -134,20 +137,20 @@ def check_stand(package: SimPackage, run: TrialResults) -> CheckResult:
         return make_result(
             "V303", "not_applicable", f"a {package.category} is mounted or held, and does not balance"
         )
-    parts = {
-        "tilts by {:.3g} degrees": stand.tilt / STAND_TILT,
-        "drifts by {:.3g} m": stand.drift / STAND_DRIFT,
-        "sinks by {:.3g} m": stand.penetration / STAND_PENETRATION,
-    }
-    worst = max(parts, key=lambda key: parts[key] if np.isfinite(parts[key]) else np.inf)
-    at = list(parts).index(worst)
-    value = (stand.tilt, stand.drift, stand.penetration)[at]
-    message = "the object " + worst.format(value)
+    measured = (
+        ("tilts", stand.tilt, STAND_TILT, "degrees"),
+        ("drifts", stand.drift, STAND_DRIFT, "m"),
+        ("sinks", stand.penetration, STAND_PENETRATION, "m"),
+    )
+    verb, value, threshold, unit = max(
+        measured, key=lambda row: row[1] / row[2] if np.isfinite(row[1]) else np.inf
+    )
+    message = f"the object {verb} by {value:.3g} {unit}"
     if stand.overhang > 0.0:
         message += f"; its centre of mass lies {stand.overhang:.3g} m outside what touches the floor"
     return _result(
-        "V303", fails=not parts[worst] < 1.0, value=value, unit=("degrees", "m", "m")[at],
-        threshold=(STAND_TILT, STAND_DRIFT, STAND_PENETRATION)[at], message=message,
+        "V303", fails=not value / threshold < 1.0, value=value, threshold=threshold, unit=unit,
+        message=message,
     )  # fmt: skip
 
 
@@ -164,7 +167,7 @@ def check_opens(run: TrialResults) -> CheckResult:
     if not joints:
         return make_result("V304", "not_applicable", "nothing moves")
     gaps = [max(pull.open_gap, pull.close_gap) for pull in run.pulls]
-    near = [limit_tolerance(joint.type, _span(joint)) for joint in joints]
+    near = [limit_tolerance(joint) for joint in joints]
     ratios = np.array([gap / max(limit, 1e-12) for gap, limit in zip(gaps, near, strict=True)])
     at = int(np.argmax(ratios))
     joint, pull, plan = joints[at], run.pulls[at], run.plan.joints[at]
@@ -176,8 +179,7 @@ def check_opens(run: TrialResults) -> CheckResult:
         message += "; look for collisions, a missing requires_open, or friction above the hand's force"
     return _result(
         "V304", fails=not ratios[at] <= 1.0, value=gaps[at], threshold=near[at],
-        unit="m to the limit" if joint.type == "prismatic" else "rad to the limit",
-        where=joint.name, message=message,
+        unit=f"{_unit(joint)} to the limit", where=joint.name, message=message,
     )  # fmt: skip
 
 
@@ -189,7 +191,7 @@ def check_stays_closed(run: TrialResults) -> CheckResult:
     limited = [index for index, joint in enumerate(joints) if joint.type != "continuous"]
     if not limited:
         return make_result("V305", "not_applicable", "no joint has limits")
-    still = [limit_tolerance(joint.type, _span(joint)) for joint in joints]
+    still = [limit_tolerance(joint) for joint in joints]
     worst = max(limited, key=lambda index: run.lean_drift[index] / still[index])
     fails = not run.lean_drift[worst] <= still[worst]
     message = f"{joints[worst].name} moved most"
@@ -217,15 +219,14 @@ def check_energy(run: TrialResults) -> CheckResult:
     at = int(np.argmax(ratios))
     return _result(
         "V306", fails=not ratios[at] <= 1.0, value=run.pulls[at].peak_speed,
-        threshold=run.plan.joints[at].speed_limit,
-        unit="m/s" if joints[at].type == "prismatic" else "rad/s",
+        threshold=run.plan.joints[at].speed_limit, unit=f"{_unit(joints[at])}/s",
         where=joints[at].name, message=f"{joints[at].name} comes nearest to its bound",
     )  # fmt: skip
 
 
-def check_repeat(folder: Path, package: SimPackage, first: TrialResults, cfg: DynamicsConfig) -> CheckResult:
+def check_repeat(folder: Path, package: SimPackage, first: TrialResults) -> CheckResult:
     """V307: all trials repeated in new scenes; every recorded coordinate agrees within 1e-6."""
-    second = run_trials(folder, package, cfg.timestep, hulls="known")
+    second = run_trials(folder, package, TIMESTEP, hulls="known")
     if first.trace.shape != second.trace.shape:
         return _result(
             "V307", fails=True, value=float(abs(len(first.trace) - len(second.trace))), threshold=0.0,
@@ -258,10 +259,10 @@ def check_mujoco(folder: Path) -> CheckResult:
     )  # fmt: skip
 
 
-def check_timesteps(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> CheckResult:
+def check_timesteps(folder: Path, package: SimPackage) -> CheckResult:
     """V309: checks V302 to V306 pass at 1/60 s and 1/240 s too (they use 1/100 s)."""
     failures = []
-    for timestep in cfg.other_timesteps:
+    for timestep in OTHER_TIMESTEPS:
         run = run_trials(folder, package, timestep, hulls="known")
         failures += [
             f"{result.id} at 1/{round(1.0 / timestep)} s ({result.message})"
@@ -270,16 +271,12 @@ def check_timesteps(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> C
         ]
     return _result(
         "V309", fails=bool(failures), value=float(len(failures)), threshold=0.0, unit="failed checks",
-        message="; ".join(failures) or f"passes at {len(cfg.other_timesteps)} other time steps",
+        message="; ".join(failures) or f"passes at {len(OTHER_TIMESTEPS)} other time steps",
     )  # fmt: skip
 
 
 def _unit(joint: PackageJoint) -> str:
     return "m" if joint.type == "prismatic" else "rad"
-
-
-def _span(joint: PackageJoint) -> float:
-    return 2.0 * np.pi if joint.type == "continuous" else max(joint.upper - joint.lower, 1e-9)
 
 
 def _result(check: str, *, fails: bool, message: str, **values: Any) -> CheckResult:

@@ -119,17 +119,14 @@ def push_wrench(joint: LoadedJoint, axis: Float[np.ndarray, "3"], effort: float)
 
 def _lever(joint: LoadedJoint, moved: Moved) -> float:
     """Distance from the axis at which a hand grasps: that of the handle, else of the farthest point."""
-    points = moved.vertices
-    if joint.handle is not None:
-        points = joint.handle.corners.mean(axis=0, keepdims=True)
-    arms = points - (joint.spec.origin if joint.handle is not None else moved.origin)
-    axis = joint.spec.axis if joint.handle is not None else moved.axis
-    distance = np.linalg.norm(np.cross(axis, arms), axis=1).max(initial=0.0)
-    if joint.handle is not None and joint.label in FINGER_LABELS:
-        # Fingers hold a knob at its rim, not at its centre.
-        arms = joint.handle.corners - joint.spec.origin
-        distance = np.linalg.norm(np.cross(axis, arms), axis=1).max()
-    return float(distance)
+    if joint.handle is None:
+        axis, arms = moved.axis, moved.vertices - moved.origin
+    else:
+        # Fingers hold a knob at its rim, a hand holds other handles in their middle.
+        rim = joint.handle.corners
+        held = rim if joint.label in FINGER_LABELS else rim.mean(axis=0, keepdims=True)
+        axis, arms = joint.spec.axis, held - joint.spec.origin
+    return float(np.linalg.norm(np.cross(axis, arms), axis=1).max(initial=0.0))
 
 
 def _shape_points(shape) -> np.ndarray:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +10,7 @@ from jaxtyping import Float
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 
 from .friction import pull_spring
+from .limits import joint_ends
 
 if TYPE_CHECKING:
     import sapien
@@ -45,9 +45,15 @@ class LoadedJoint:
         return self.spec.type != "continuous"
 
     @property
+    def lower(self) -> float:
+        """Lower end of the range (m or rad); 0 without limits."""
+        return joint_ends(self.spec)[0]
+
+    @property
     def span(self) -> float:
         """Length of the range (m or rad); a full turn without limits."""
-        return self.spec.upper - self.spec.lower if self.limited else 2.0 * np.pi
+        lower, upper = joint_ends(self.spec)
+        return upper - lower
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -70,7 +76,6 @@ class LoadedPackage:
     package. It holds a reference to the scene, without which SAPIEN frees the articulation."""
 
     package: SimPackage
-    folder: Path
     scene: "sapien.Scene"
     articulation: "PhysxArticulation"
     joints: tuple[LoadedJoint, ...]
@@ -113,7 +118,7 @@ def set_open_fraction(
     if ((values < 0.0) | (values > 1.0)).any():
         raise ValueError(f"open fraction {values.tolist()}: must lie in [0, 1]")
     q = {
-        joint.spec.name: (joint.spec.lower if joint.limited else 0.0) + value * joint.span
+        joint.spec.name: joint.lower + value * joint.span
         for joint, value in zip(loaded.joints, values, strict=True)
     }
     qpos = qpos_of(loaded, q)
@@ -133,6 +138,12 @@ def qpos_of(loaded: LoadedPackage, coordinates: dict[str, float]) -> Float[np.nd
         else:
             qpos[index] = coordinates.get(joint.name, 0.0)
     return qpos
+
+
+def collision_boxes(loaded: LoadedPackage) -> Float[np.ndarray, "L 2 3"]:
+    """Boxes in the world of all links with collision shapes."""
+    links = [link for link in loaded.articulation.links if link.collision_shapes]
+    return np.array([link.get_global_aabb_fast() for link in links]).reshape(-1, 2, 3)
 
 
 def moving_links(joint: LoadedJoint) -> list["PhysxArticulationLinkComponent"]:

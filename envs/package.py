@@ -5,7 +5,6 @@ joint friction, and needs a render device (or aborts) as soon as there is a visu
 everything with the package, and skips the visuals unless they are requested.
 """
 
-import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -15,7 +14,7 @@ from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 
 from .friction import apply_resistance, drive_follower, hold_chains
 from .loaded import Follower, LinkLoad, LoadedJoint, LoadedPackage
-from .urdf_text import physics_urdf
+from .urdf_text import without_visuals
 
 if TYPE_CHECKING:
     import sapien
@@ -93,7 +92,6 @@ def load_package(
     moving.sort(key=lambda joint: order.index(joint.spec.name))
     return LoadedPackage(
         package=package,
-        folder=folder,
         scene=scene,
         articulation=articulation,
         joints=tuple(moving),
@@ -112,10 +110,7 @@ def _parse(loader, folder: Path, visuals: str):
         if visuals == "all":
             articulations, actors, _ = loader.parse(str(urdf), srdf)
         else:
-            text = physics_urdf(urdf)
-            with tempfile.TemporaryDirectory() as scratch:
-                stripped = Path(scratch) / "mobility.urdf"
-                stripped.write_text(text)
+            with without_visuals(urdf) as stripped:
                 articulations, actors, _ = loader.parse(str(stripped), srdf)
     except PackageError:
         raise

@@ -13,6 +13,7 @@ from artigen.transforms import rotation_about
 from sim_export.motion.kinematics import needed_fractions
 
 from .hand import Moved, hand_effort, measure_moved, weight_effort
+from .limits import rest_coordinate
 from .loaded import LoadedJoint, LoadedPackage, qpos_of
 
 SWEEP_SAMPLES = 13
@@ -23,20 +24,22 @@ SPEED_MARGIN = 1.5
 class JointPlan:
     """Trial of one joint.
 
-    ``opening`` and ``closing`` are efforts (N or N m) including the weight that the hand carries, ``hand`` is
-    the effort without it. ``needs`` are joints that are open during the trial. ``speed_limit`` bounds the
-    joint's speed (m/s or rad/s) by the applied work; ``lean`` is the horizontal direction in which a tilt
-    would open the joint, zero if there is none.
+    ``opening`` and ``closing`` are efforts (N or N m) including the weight that the hand carries.
+    ``needs`` are joints that are open during the trial. ``speed_limit`` bounds the joint's speed (m/s or
+    rad/s) by the applied work; ``lean`` is the horizontal direction in which a tilt would open the joint,
+    zero if there is none.
     """
 
-    index: int
-    hand: float
     opening: float
     closing: float
     needs: tuple[str, ...]
     speed_limit: float
     lean: Float[np.ndarray, "3"]
     axis: Float[np.ndarray, "3"]
+
+    def effort(self, direction: float) -> float:
+        """Effort in a direction: > 0 opens."""
+        return self.opening if direction > 0 else self.closing
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,7 +57,7 @@ def plan_trials(loaded: LoadedPackage) -> TrialPlan:
         needs = tuple(needed_fractions(joint.spec.name, loaded.package.requires_open))
         at_limits = {name: loaded.joint(name).spec.upper for name in needs}
         loaded.articulation.set_qpos(
-            qpos_of(loaded, at_limits | {joint.spec.name: _start(joint)}).astype(np.float32)
+            qpos_of(loaded, at_limits | {joint.spec.name: joint.lower}).astype(np.float32)
         )
         moved = measure_moved(joint)
         plans.append(_plan(joint, moved, needs))
@@ -65,17 +68,8 @@ def plan_trials(loaded: LoadedPackage) -> TrialPlan:
 
 def rest_qpos(loaded: LoadedPackage) -> Float[np.ndarray, "Q"]:
     """Rest coordinates: 0 for every joint, or the nearest value within its limits."""
-    q = {joint.spec.name: _rest(joint) for joint in loaded.joints}
+    q = {joint.spec.name: rest_coordinate(joint.spec) for joint in loaded.joints}
     return qpos_of(loaded, q).astype(np.float32)
-
-
-def _rest(joint: LoadedJoint) -> float:
-    return float(np.clip(0.0, joint.spec.lower, joint.spec.upper)) if joint.limited else 0.0
-
-
-def _start(joint: LoadedJoint) -> float:
-    """Coordinate at which opening starts: the lower limit."""
-    return joint.spec.lower if joint.limited else 0.0
 
 
 def _plan(joint: LoadedJoint, moved: Moved, needs: tuple[str, ...]) -> JointPlan:
@@ -94,8 +88,6 @@ def _plan(joint: LoadedJoint, moved: Moved, needs: tuple[str, ...]) -> JointPlan
     lean[2] = 0.0
     length = np.linalg.norm(lean)
     return JointPlan(
-        index=joint.index,
-        hand=hand,
         opening=opening,
         closing=closing,
         needs=needs,

@@ -13,7 +13,7 @@ from .base import SUBSTEPS, PackageEnv, open_fractions
 from .hand import pose_matrix
 from .loaded import advance
 from .plan import rest_qpos
-from .trials import center_of_mass, local_vertices, reset, world_vertices
+from .trials import center_of_mass, local_vertices, quat_about, reset, world_vertices
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +87,7 @@ class SettleEnv(PackageEnv):
         lean = np.radians(self.cfg.lean_degrees) * self.np_random.uniform()
         heading = self.np_random.uniform(0.0, 2.0 * np.pi)
         axis = np.array([np.cos(heading), np.sin(heading), 0.0])
-        quat = [float(value) for value in (np.cos(lean / 2), *(np.sin(lean / 2) * axis))]
+        quat = quat_about(axis, lean)
         self.loaded.articulation.set_root_pose(sapien.Pose(q=quat))
         lowest = float(world_vertices(self.loaded, self._local)[:, 2].min())
         self.loaded.articulation.set_root_pose(

@@ -20,7 +20,7 @@ from sim_export.package import PackageJoint, SimPackage
 
 from .hand import link_vertices, pose_matrix, push_wrench
 from .limits import limit_tolerance
-from .loaded import LinkLoad, LoadedPackage, advance, qpos_of
+from .loaded import LinkLoad, LoadedJoint, LoadedPackage, advance, collision_boxes, qpos_of
 from .package import LoadConfig, load_package
 from .plan import JointPlan, TrialPlan, plan_trials, rest_qpos
 from .scene import create_scene
@@ -70,7 +70,6 @@ class StandResult:
 class TrialResults:
     """All measurements at one time step. Arrays follow ``LoadedPackage.joints``."""
 
-    timestep: float
     joints: tuple[PackageJoint, ...]
     loads: tuple[LinkLoad, ...]
     plan: TrialPlan
@@ -94,22 +93,20 @@ def run_trials(
     Args:
         hulls: ``known`` if the same folder was loaded before, unchanged (`LoadConfig.hulls`).
     """
-    scene = create_scene(timestep)
-    loaded = load_package(scene, folder, LoadConfig(base="fixed", hulls=hulls), package)
+    loaded = load_package(create_scene(timestep), folder, LoadConfig(base="fixed", hulls=hulls), package)
     plan = plan_trials(loaded)
     trace: list[np.ndarray] = []
     reset(loaded, rest_qpos(loaded))
     size = _size(loaded)
-    rest_drift, rest_speed = _rest(scene, loaded, trace)
+    rest_drift, rest_speed = _rest(loaded, trace)
     growth = [_size(loaded)]
-    lean_drift = _lean(scene, loaded, plan, trace)
+    lean_drift = _lean(loaded, plan, trace)
     pulls: dict[int, PullResult] = {}
     for group in plan.groups:
-        pulls |= _pull_group(scene, loaded, plan, [(i, plan.joints[i]) for i in group], trace)
+        pulls |= _pull_group(loaded, plan, group, trace)
         growth.append(_size(loaded))
     stand = _stand(folder, package, timestep, trace)
     return TrialResults(
-        timestep=timestep,
         joints=tuple(joint.spec for joint in loaded.joints),
         loads=loaded.links,
         plan=plan,
@@ -131,8 +128,8 @@ def reset(loaded: LoadedPackage, qpos: Float[np.ndarray, "Q"]) -> None:
     loaded.articulation.set_qf(still)
 
 
-def _steps(scene: "sapien.Scene", seconds: float) -> int:
-    return max(1, round(seconds / scene.timestep))
+def _steps(loaded: LoadedPackage, seconds: float) -> int:
+    return max(1, round(seconds / loaded.scene.timestep))
 
 
 def _of_joints(loaded: LoadedPackage, values: np.ndarray) -> np.ndarray:
@@ -140,11 +137,11 @@ def _of_joints(loaded: LoadedPackage, values: np.ndarray) -> np.ndarray:
     return np.asarray(values, dtype=np.float64)[[joint.index for joint in loaded.joints]]
 
 
-def _run_free(scene, loaded: LoadedPackage, seconds: float, trace: list) -> np.ndarray:
+def _run_free(loaded: LoadedPackage, seconds: float, trace: list) -> np.ndarray:
     """Steps without actions; returns the largest displacement of each joint from the start."""
     start = np.array(loaded.articulation.qpos, dtype=np.float64)
     worst = np.zeros(len(start))
-    for step in range(_steps(scene, seconds)):
+    for step in range(_steps(loaded, seconds)):
         advance(loaded)
         if step % 8 == 7:
             q = np.array(loaded.articulation.qpos, dtype=np.float64)
@@ -156,44 +153,49 @@ def _run_free(scene, loaded: LoadedPackage, seconds: float, trace: list) -> np.n
     return _of_joints(loaded, np.maximum(worst, last))
 
 
-def _rest(scene, loaded: LoadedPackage, trace: list) -> tuple[np.ndarray, np.ndarray]:
-    drift = _run_free(scene, loaded, REST_SECONDS, trace)
+def _rest(loaded: LoadedPackage, trace: list) -> tuple[np.ndarray, np.ndarray]:
+    drift = _run_free(loaded, REST_SECONDS, trace)
     # PhysX reports speeds of joints that stand still: asleep, or pressed against a limit.
     before = _of_joints(loaded, loaded.articulation.qpos)
     advance(loaded)
     moved = np.abs(_of_joints(loaded, loaded.articulation.qpos) - before)
-    return drift, moved / scene.timestep
+    return drift, moved / loaded.scene.timestep
 
 
-def _lean(scene, loaded: LoadedPackage, plan: TrialPlan, trace: list) -> np.ndarray:
+def _lean(loaded: LoadedPackage, plan: TrialPlan, trace: list) -> np.ndarray:
     """Tilts the fixed object in the opening direction of each joint in turn; largest motion of each."""
     worst = np.zeros(len(loaded.joints))
-    angle = np.radians(LEAN_DEGREES)
     leans = {tuple(np.round(joint.lean, 2)): joint.lean for joint in plan.joints if joint.lean.any()}
     for _, lean in sorted(leans.items()):
         axis = np.cross([0.0, 0.0, 1.0], lean)  # rotation about this axis lowers the side of `lean`
-        half = angle / 2.0
-        quat = [float(value) for value in (np.cos(half), *(np.sin(half) * axis))]
-        loaded.articulation.set_root_pose(sapien.Pose(q=quat))
+        loaded.articulation.set_root_pose(sapien.Pose(q=quat_about(axis, np.radians(LEAN_DEGREES))))
         reset(loaded, rest_qpos(loaded))
-        worst = np.maximum(worst, _run_free(scene, loaded, LEAN_SECONDS, trace))
+        worst = np.maximum(worst, _run_free(loaded, LEAN_SECONDS, trace))
     loaded.articulation.set_root_pose(sapien.Pose())
     return worst
 
 
+def quat_about(axis: Float[np.ndarray, "3"], angle: float) -> list[float]:
+    """Rotation by ``angle`` (radians) about a unit ``axis`` (wxyz)."""
+    return [float(value) for value in (np.cos(angle / 2.0), *(np.sin(angle / 2.0) * axis))]
+
+
 def _pull_group(
-    scene, loaded: LoadedPackage, plan: TrialPlan, members: list[tuple[int, JointPlan]], trace: list,
-) -> dict[int, PullResult]:  # fmt: skip
+    loaded: LoadedPackage, plan: TrialPlan, group: tuple[int, ...], trace: list
+) -> dict[int, PullResult]:
     """Opens joints together from their lower limits, then closes them; all others are at rest."""
+    members = [(loaded.joints[index], plan.joints[index]) for index in group]
+    needs = members[0][1].needs
     start = {joint.spec.name: float(rest_qpos(loaded)[joint.index]) for joint in loaded.joints}
-    start |= {name: loaded.joint(name).spec.upper for name in members[0][1].needs}
-    start |= {
-        loaded.joints[i].spec.name: loaded.joints[i].spec.lower
-        for i, _ in members
-        if loaded.joints[i].limited
-    }
+    start |= {name: loaded.joint(name).spec.upper for name in needs}
+    start |= {joint.spec.name: joint.lower for joint, _ in members}
     reset(loaded, qpos_of(loaded, start))
-    drive = partial(_drive, scene, loaded, members, trace, kept=_kept_open(loaded, plan, members[0][1]))
+    kept = [  # required joints are held open against their springs
+        (joint.engine.child_link, push_wrench(joint, own.axis, own.opening))
+        for joint, own in zip(loaded.joints, plan.joints, strict=True)
+        if joint.spec.name in needs and joint.spec.spring > 0.0
+    ]
+    drive = partial(_drive, loaded, members, trace, kept=kept)
     opened, open_gap, speed_out = drive(direction=1.0)
     _, close_gap, speed_back = drive(direction=-1.0)
     return {
@@ -203,43 +205,35 @@ def _pull_group(
             close_gap=float(close_gap[k]),
             peak_speed=float(max(speed_out[k], speed_back[k])),
         )
-        for k, (index, _) in enumerate(members)
+        for k, index in enumerate(group)
     }
 
 
-def _kept_open(loaded: LoadedPackage, plan: TrialPlan, member: JointPlan) -> list[tuple]:
-    """Links with forces and torques that hold required joints open against their springs."""
-    return [
-        (joint.engine.child_link, push_wrench(joint, own.axis, own.opening))
-        for joint, own in zip(loaded.joints, plan.joints, strict=True)
-        if joint.spec.name in member.needs and joint.spec.spring > 0.0
-    ]
-
-
 def _drive(
-    scene, loaded: LoadedPackage, members: list[tuple[int, JointPlan]], trace: list, *,
+    loaded: LoadedPackage, members: list[tuple[LoadedJoint, JointPlan]], trace: list, *,
     direction: float, kept: list[tuple],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
     """Pushes joints in one direction until all have arrived, all have stalled, or the time is over.
 
-    Returns the covered share of the range, the remaining distance to the limit, and the peak speed.
+    ``kept`` are links with forces and torques that hold other joints. Returns the covered share of the range,
+    the remaining distance to the limit, and the peak speed.
     """
-    joints = [loaded.joints[index] for index, _ in members]
+    joints = [joint for joint, _ in members]
     columns = np.array([joint.index for joint in joints])
     span = np.array([joint.span for joint in joints])
     spans = np.array([joint.span for joint in loaded.joints])
     limited = np.array([joint.limited for joint in joints])
-    near = np.array([limit_tolerance(joint.spec.type, joint.span) for joint in joints])
+    near = np.array([limit_tolerance(joint.spec) for joint in joints])
     target = np.array([joint.spec.upper if direction > 0 else joint.spec.lower for joint in joints])
     pushes = [
-        (joint.engine.child_link, push_wrench(joint, direction * plan.axis, effort(plan, direction)))
-        for joint, (_, plan) in zip(joints, members, strict=True)
+        (joint.engine.child_link, push_wrench(joint, direction * plan.axis, plan.effort(direction)))
+        for joint, plan in members
     ]
     travelled, peak = np.zeros(len(joints)), np.zeros(len(joints))
-    start = np.array(loaded.articulation.qpos, dtype=np.float64)[columns]
-    still_for, q = 0, start
-    for _ in range(_steps(scene, PULL_SECONDS)):
-        gap = np.where(limited, np.abs(target - q), np.maximum(span - travelled, 0.0))
+    still_for, dt = 0, loaded.scene.timestep
+    q = np.array(loaded.articulation.qpos, dtype=np.float64)[columns]
+    gap = np.where(limited, np.abs(target - q), span)
+    for _ in range(_steps(loaded, PULL_SECONDS)):
         for k, (link, wrench) in enumerate(pushes):
             # Release a joint without limits once it has turned far enough.
             if limited[k] or gap[k] > 0.0:
@@ -249,7 +243,7 @@ def _drive(
         advance(loaded)
         q = np.array(loaded.articulation.qpos, dtype=np.float64)[columns]
         v = np.array(loaded.articulation.qvel, dtype=np.float64)[columns]
-        travelled = travelled + direction * v * scene.timestep
+        travelled = travelled + direction * v * dt
         peak = np.fmax(peak, np.abs(v))
         trace.append(q)
         if not np.isfinite(q).all():
@@ -257,22 +251,14 @@ def _drive(
         gap = np.where(limited, np.abs(target - q), np.maximum(span - travelled, 0.0))
         rates = np.abs(_of_joints(loaded, loaded.articulation.qvel))
         still_for = still_for + 1 if (rates < STALL_SPEED * np.maximum(spans, 0.1)).all() else 0
-        if (gap < near / 2).all() or still_for * scene.timestep > STALL_SECONDS:
+        if (gap < near / 2).all() or still_for * dt > STALL_SECONDS:
             break
-    gap = np.where(limited, np.abs(target - q), np.maximum(span - travelled, 0.0))
     return np.clip(1.0 - gap / np.maximum(span, 1e-9), 0.0, 1.0), gap, peak
-
-
-def effort(plan: JointPlan, direction: float) -> float:
-    """Effort of a plan in a direction: > 0 opens."""
-    return plan.opening if direction > 0 else plan.closing
 
 
 def _size(loaded: LoadedPackage) -> float:
     """Diagonal of the box around all collision shapes (m)."""
-    boxes = np.array(
-        [link.get_global_aabb_fast() for link in loaded.articulation.links if link.collision_shapes]
-    ).reshape(-1, 2, 3)
+    boxes = collision_boxes(loaded)
     if not len(boxes):
         return 0.0
     return float(np.linalg.norm(boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)))
@@ -293,7 +279,6 @@ def world_vertices(
 
 
 def _stand(folder: Path, package: SimPackage, timestep: float, trace: list) -> StandResult:
-
     scene = create_scene(timestep, ground=True)
     loaded = load_package(scene, folder, LoadConfig(base="free", hulls="known"), package)
     reset(loaded, rest_qpos(loaded))
@@ -304,7 +289,7 @@ def _stand(folder: Path, package: SimPackage, timestep: float, trace: list) -> S
     loaded.articulation.set_root_pose(sapien.Pose(p=[0.0, 0.0, -float(vertices[:, 2].min())]))
     overhang = overhang_of(loaded, world_vertices(loaded, local))
     start = pose_matrix(loaded.articulation.root_pose)
-    _run_free(scene, loaded, STAND_SECONDS, trace)
+    _run_free(loaded, STAND_SECONDS, trace)
     end = pose_matrix(loaded.articulation.root_pose)
     trace.append(end.ravel())
     lowest = float(world_vertices(loaded, local)[:, 2].min())

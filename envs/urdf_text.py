@@ -1,5 +1,8 @@
 """A package's URDF without visuals and with absolute mesh paths."""
 
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from xml.etree.ElementTree import Element, ParseError, tostring
 
@@ -31,6 +34,15 @@ def physics_urdf(path: Path, *, mujoco: bool = False) -> str:
     if mujoco:
         _child(_child(robot, "mujoco"), "compiler").attrib.update(MUJOCO_SETTINGS)
     return tostring(robot, encoding="unicode")
+
+
+@contextmanager
+def without_visuals(path: Path) -> Iterator[Path]:
+    """A temporary file of the same name with the text of `physics_urdf`."""
+    with tempfile.TemporaryDirectory() as scratch:
+        stripped = Path(scratch) / path.name
+        stripped.write_text(physics_urdf(path))
+        yield stripped
 
 
 def _root(path: Path) -> Element:

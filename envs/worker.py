@@ -11,8 +11,6 @@ from pathlib import Path
 
 from sim_export.report import CheckResult
 
-from .config import DynamicsConfig
-
 
 def run_static(folder: Path) -> tuple[CheckResult, ...]:
     """Checks L0 to L2, in this process."""
@@ -29,7 +27,7 @@ def run_dynamics(folder: Path) -> tuple[CheckResult, ...]:
 
         from .dynamics import check_dynamics
 
-        return check_dynamics(folder, read_package(folder), DynamicsConfig())
+        return check_dynamics(folder, read_package(folder))
 
 
 def run_tasks(folder: Path) -> tuple[CheckResult, ...]:

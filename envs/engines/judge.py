@@ -1,12 +1,11 @@
 """Compares an engine's measurements with the package: checks V501 to V506."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from sim_export.report import CheckResult, Verdict
 
-from ..limits import limit_tolerance
 from ..titles import make_result
 from .plan import HOLD, SLIP, EnginePlan, JointTask
 
@@ -48,24 +47,20 @@ def check_loads(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
     )  # fmt: skip
 
 
-def _link_problems(plan: EnginePlan, answer: dict) -> list[tuple[str, str]]:
-    problems = []
+def _link_problems(plan: EnginePlan, answer: dict) -> Iterator[tuple[str, str]]:
     for link in plan.links:
         found = answer["links"].get(link.name)
         if found is None:
-            problems.append((link.name, f"the engine has no link {link.name}"))
+            yield link.name, f"the engine has no link {link.name}"
         elif found["shapes"] is not None and found["shapes"] != link.shapes:
-            sentence = f"{link.name} has {found['shapes']} collision shapes, the package {link.shapes}"
-            problems.append((link.name, sentence))
-    return problems
+            yield link.name, f"{link.name} has {found['shapes']} collision shapes, the package {link.shapes}"
 
 
-def _joint_problems(plan: EnginePlan, answer: dict) -> list[tuple[str, str]]:
-    problems = []
+def _joint_problems(plan: EnginePlan, answer: dict) -> Iterator[tuple[str, str]]:
     for joint in plan.joints:
         found = answer["joints"].get(joint.name)
         if found is None:
-            problems.append((joint.name, f"the engine has no joint {joint.name} that moves"))
+            yield joint.name, f"the engine has no joint {joint.name} that moves"
             continue
         limited = joint.type != "continuous"
         thread = _thread_ends(plan, joint)
@@ -77,14 +72,13 @@ def _joint_problems(plan: EnginePlan, answer: dict) -> list[tuple[str, str]]:
                 continue
             if found[key] is None or not _close(found[key], value):
                 said = "none" if found[key] is None else f"{found[key]:.6g}"
-                problems.append((joint.name, f"{joint.name}: {key} is {said}, the package says {value:.6g}"))
+                yield joint.name, f"{joint.name}: {key} is {said}, the package says {value:.6g}"
         given = (found["lower"], found["upper"])
         locked = all(
             value is not None and _close(value, end) for value, end in zip(given, thread, strict=False)
         )
         if not limited and given != (None, None) and not (thread and locked):
-            problems.append((joint.name, f"{joint.name} has no limits, but the engine gives it some"))
-    return problems
+            yield joint.name, f"{joint.name} has no limits, but the engine gives it some"
 
 
 def _thread_ends(plan: EnginePlan, joint: JointTask) -> tuple[float, ...]:
@@ -147,8 +141,7 @@ def check_rest(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
 
 def _stillness(joint: JointTask) -> float:
     """Largest allowed motion (m or rad) of a joint at rest."""
-    least = REST_LENGTH if joint.type == "prismatic" else 0.0
-    return max(limit_tolerance(joint.type, _span(joint)), least)
+    return max(joint.tolerance, REST_LENGTH) if joint.type == "prismatic" else joint.tolerance
 
 
 def check_range(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
@@ -203,10 +196,6 @@ def check_friction(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
 
 def _verdict(passed: bool) -> Verdict:  # noqa: FBT001
     return "pass" if passed else "fail"
-
-
-def _span(joint: JointTask) -> float:
-    return max(joint.upper - joint.lower, 1e-9)
 
 
 def _badness(value: float) -> float:

@@ -4,7 +4,7 @@ Runners do not depend on this project. Everything they need, including efforts a
 from the package and written once for all engines.
 """
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,7 @@ from sim_export.motion.kinematics import moved_links, required_openings
 from sim_export.package import PackageJoint, SimPackage
 from sim_export.physics.inertia import combine, inertia_about
 
-from ..limits import limit_tolerance
+from ..limits import joint_ends, limit_tolerance
 
 TIMESTEP = 1.0 / 240.0
 STEPS = 2000
@@ -57,7 +57,6 @@ class JointTask:
 
     name: str
     type: str
-    child: str
     lower: float
     upper: float
     friction: float
@@ -92,10 +91,6 @@ class EnginePlan:
     links: tuple[LinkTask, ...]
     joints: tuple[JointTask, ...]
 
-    def as_json(self) -> dict[str, object]:
-        """Plain dictionaries, lists, strings and numbers."""
-        return asdict(self)
-
 
 def make_plan(folder: Path, package: SimPackage, steps: int = STEPS) -> EnginePlan:
     """The plan for the package in a folder."""
@@ -119,14 +114,13 @@ def make_plan(folder: Path, package: SimPackage, steps: int = STEPS) -> EnginePl
 
 
 def _task(package: SimPackage, joint: PackageJoint) -> JointTask:
-    lower, upper = ends(joint)
+    lower, upper = joint_ends(joint)
     span = upper - lower
     load = moved_load(package, joint)
     speed = span / TRAVEL_SECONDS
     return JointTask(
         name=joint.name,
         type=joint.type,
-        child=joint.child,
         lower=lower,
         upper=upper,
         friction=joint.friction,
@@ -136,14 +130,9 @@ def _task(package: SimPackage, joint: PackageJoint) -> JointTask:
         open=open_coordinates(package, joint),
         effort=PUSH_RATIO * joint.friction + joint.damping * speed + 2.0 * load * span / TRAVEL_SECONDS**2,
         speed=speed,
-        tolerance=limit_tolerance(joint.type, span),
+        tolerance=limit_tolerance(joint),
         trial=_trial(joint, load),
     )
-
-
-def ends(joint: PackageJoint) -> tuple[float, float]:
-    """Limits of a joint; 0 and one turn without limits."""
-    return (0.0, 2.0 * np.pi) if joint.type == "continuous" else (joint.lower, joint.upper)
 
 
 def open_coordinates(package: SimPackage, joint: PackageJoint) -> dict[str, float]:
@@ -151,7 +140,7 @@ def open_coordinates(package: SimPackage, joint: PackageJoint) -> dict[str, floa
     ignored."""
     joints = []
     for other in package.joints:
-        lower, upper = ends(other)
+        lower, upper = joint_ends(other)
         joints.append(replace(other, lower=lower, upper=upper))
     names = {other.name for other in joints}
     return required_openings(joint, joints, [need for need in package.requires_open if need.needs in names])
@@ -174,7 +163,7 @@ def _trial(joint: PackageJoint, load: float) -> FrictionTrial | None:
     second."""
     if joint.friction <= 0.0 or load <= 0.0 or joint.mimic is not None:
         return None
-    lower, upper = ends(joint)
+    lower, upper = joint_ends(joint)
     net = (SLIP - 1.0) * joint.friction
     times = np.linspace(TIMESTEP, TRIAL_SECONDS, round(TRIAL_SECONDS / TIMESTEP))
     travel = travelled(net, load, joint.damping, times)

@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -83,7 +83,7 @@ def run_engine(
     measures the effort at which each joint starts to move.
     """
     witness = WITNESSES[engine.name]
-    asked = plan.as_json() | {"file": witness.file} | (extra or {})
+    asked = asdict(plan) | {"file": witness.file} | (extra or {})
     # Runners import from their own environment only; SAPIEN's is this one and also needs this project.
     environment = dict(os.environ)
     if engine.name == "sapien":

@@ -11,10 +11,9 @@ from jaxtyping import Bool, Float
 
 from artigen.transforms import transform_points
 from sim_export.geometry.hulls import hull_planes
-from sim_export.motion.kinematics import hanging_links
 from sim_export.package import Hull
 
-from .hulls import open_above_ground
+from .hulls import hulls_at, open_above_ground
 from .objects import TaskObject, TaskPart
 from .placement import outward, part_motion
 
@@ -106,42 +105,29 @@ def largest_rectangle(mask: Bool[np.ndarray, "X Y"]) -> tuple[int, int, int, int
 
 
 def _in_drawer(entry: TaskObject, part: TaskPart, opened: float, size: float) -> Container | None:
-    inside = hanging_links(entry.package.joints, part.joint.child)
-    hulls = tuple(hull for link in entry.package.links if link.name in inside for hull in link.hulls)
-    others = tuple(hull for link in entry.package.links if link.name not in inside for hull in link.hulls)
+    hulls, others = hulls_at(entry, part, {})
     xs, ys, xy = _grid(part.moved.min(axis=0), part.moved.max(axis=0))
-    top = column_spans(hulls, xy)[1].max(axis=0, initial=-np.inf)
-    solid = np.isfinite(top)
+    tops = column_spans(hulls, xy)[1].max(axis=0, initial=-np.inf)
+    solid = np.isfinite(tops)
     # The rim is that of the tray, not of the front: half of the walls reach it.
-    levels = np.round(top[solid] / LEVEL).astype(int)
+    levels = np.round(tops[solid] / LEVEL).astype(int)
     if not len(levels):
         return None
     values, counts = np.unique(levels, return_counts=True)
     floor = float(values[counts.argmax()] * LEVEL)
-    flat = solid & (np.abs(top - floor) <= LEVEL)
-    walls = top[solid & (top > floor + LEVEL)]
+    flat = solid & (np.abs(tops - floor) <= LEVEL)
+    walls = tops[solid & (tops > floor + LEVEL)]
     if not len(walls) or np.median(walls) < floor + RIM:
         return None
     shift = transform_points(part_motion(part, np.array([opened]))[0], np.c_[xy, np.full(len(xy), floor)])
     roof = column_spans(others, shift[:, :2])[1].max(axis=0, initial=-np.inf)
     reachable = flat & (roof < floor)
-    return _fit(
-        part.joint.child,
-        xs,
-        ys,
-        flat,
-        reachable,
-        floor,
-        float(np.median(walls)),
-        size,
-        -part.joint.axis,
-        down=True,
-    )
+    top, inwards = float(np.median(walls)), -part.joint.axis
+    return _fit(part.joint.child, xs, ys, flat, reachable, floor, top, size, inwards, down=True)
 
 
 def _behind_door(entry: TaskObject, part: TaskPart, size: float) -> Container | None:
-    door = hanging_links(entry.package.joints, part.joint.child)
-    others = tuple(hull for link in entry.package.links if link.name not in door for hull in link.hulls)
+    _, others = hulls_at(entry, part, {})
     inwards = -outward(entry, part)
     if abs(inwards[0]) < 0.9:
         return None
@@ -150,7 +136,7 @@ def _behind_door(entry: TaskObject, part: TaskPart, size: float) -> Container | 
     ends = np.sort([front + inwards[0] * 0.03, front + inwards[0] * DEPTH_OF_REACH])
     xs, ys, xy = _grid(np.array([ends[0], low[1] + 0.03, 0.0]), np.array([ends[1], high[1] - 0.03, 0.0]))
     bottoms, tops = column_spans(others, xy)
-    best: Container | None = None
+    found: list[Container] = []
     for floor in np.unique(np.round(tops[np.isfinite(tops)] / LEVEL)) * LEVEL:
         if not low[2] - 0.05 <= floor <= high[2] - HEADROOM:
             continue
@@ -158,11 +144,9 @@ def _behind_door(entry: TaskObject, part: TaskPart, size: float) -> Container | 
         roof = np.where(tops > floor + LEVEL, bottoms, np.inf).min(axis=0, initial=np.inf)
         free = flat & (roof > floor + HEADROOM)
         top = float(min(floor + HEADROOM, high[2]))
-        found = _fit(part.joint.parent, xs, ys, free, free, float(floor), top, size, inwards, down=False)
-        area = 0.0 if found is None else float(np.prod((found.region[1] - found.region[0])[:2]))
-        if found is not None and (best is None or area > np.prod((best.region[1] - best.region[0])[:2])):
-            best = found
-    return best
+        space = _fit(part.joint.parent, xs, ys, free, free, float(floor), top, size, inwards, down=False)
+        found += [] if space is None else [space]
+    return max(found, key=lambda space: np.prod(np.ptp(space.region, axis=0)[:2]), default=None)
 
 
 def _fit(

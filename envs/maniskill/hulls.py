@@ -12,6 +12,7 @@ from sim_export.package import Hull
 
 from .objects import TaskObject, TaskPart
 from .placement import part_motion
+from .solver.field import Field, build_field
 
 CLEAR_OF_GROUND = 0.001
 FRACTIONS = 41
@@ -39,6 +40,13 @@ def hulls_at(
         group = carried if link.name in inside else others
         group += [move_hull(hull, displacement) for hull in link.hulls]
     return tuple(carried), tuple(others)
+
+
+def object_field(entry: TaskObject, part: TaskPart, qpos: Mapping[str, float]) -> Field:
+    """Distances to all hulls of an object and to the ground below them; ``qpos`` as for `hulls_at`."""
+    carried, others = hulls_at(entry, part, qpos)
+    hulls = carried + others
+    return build_field((*hulls, ground_under(entry, hulls)))
 
 
 def opened_qpos(entry: TaskObject, part: TaskPart, opened: float) -> dict[str, float]:

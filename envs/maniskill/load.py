@@ -6,8 +6,8 @@ turns one.
 """
 
 import shutil
-import tempfile
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -23,7 +23,7 @@ from artigen.errors import ArtigenError
 from sim_export.package import SimPackage
 
 from ..friction import apply_resistance, drive_follower, pull_spring
-from ..urdf_text import physics_urdf
+from ..urdf_text import without_visuals
 from .objects import TaskObject
 
 if TYPE_CHECKING:
@@ -64,8 +64,7 @@ def load_object(
     builder = _parse(scene, entry.folder)
     _hold(builder, entry.package, endless=endless)
     pose = sapien.Pose(p=[0.0, 0.0, -entry.floor])
-    articulation = _build(builder, entry.folder, entry.package, name, scene_index, pose)
-    return articulation, _link_frames(builder)
+    return _build(builder, entry.folder, entry.package, name, scene_index, pose), _link_frames(builder)
 
 
 def load_placed(
@@ -81,13 +80,12 @@ def load_robot(env: "BaseEnv", name: str, pose: sapien.Pose) -> "BaseAgent":
     """The robot ``panda`` or ``fetch`` at an initial pose in an environment, without visuals if its scene
     cannot render: SAPIEN would look for a render device as soon as it reads a material."""
     agent: type[BaseAgent] = {"panda": Panda, "fetch": Fetch}[name]
-    with tempfile.TemporaryDirectory() as scratch:
+    with ExitStack() as stack:
         # Only Fetch has materials; Panda's end-effector controllers also read its own file.
         if name == "fetch" and not env.scene.can_render():
             urdf = Path(str(agent.urdf_path))
-            stripped = Path(scratch) / urdf.name
-            stripped.write_text(physics_urdf(urdf))
-            shutil.copy(urdf.with_suffix(".srdf"), scratch)
+            stripped = stack.enter_context(without_visuals(urdf))
+            shutil.copy(urdf.with_suffix(".srdf"), stripped.parent)
             agent = type(agent.__name__, (agent,), {"urdf_path": str(stripped)})
         return agent(env.scene, env._control_freq, env._control_mode, initial_pose=pose)
 
@@ -112,6 +110,23 @@ def build_box(
     return builder.build_static(name=name)
 
 
+def place_robot(env: "BaseEnv", qpos: Float[np.ndarray, "B Q"], base: Float[np.ndarray, "B 4"]) -> None:
+    """Sets the joints of an environment's robots and their bases: x, y, z and yaw.
+
+    The base of Fetch moves by its first three joints, on the floor.
+    """
+    p, q = np.zeros((len(base), 3)), np.zeros((len(base), 4))
+    q[:, 0] = 1.0
+    if env.robot_uids == "fetch":
+        qpos[:, :3] = base[:, [0, 1, 3]]
+    else:
+        p, yaw = base[:, :3], base[:, 3]
+        q[:, 0], q[:, 3] = np.cos(yaw / 2.0), np.sin(yaw / 2.0)
+    env.agent.reset(torch.tensor(qpos, dtype=torch.float32, device=env.device))
+    pose = Pose.create_from_pq(torch.tensor(p).float(), torch.tensor(q).float(), device=env.device)
+    env.agent.robot.set_pose(pose)  # type: ignore[arg-type]
+
+
 def _parse(scene: "ManiSkillScene", folder: Path) -> "ArticulationBuilder":
     """The builder of a package's articulation, with a fixed root."""
     loader = scene.create_urdf_loader()
@@ -121,9 +136,7 @@ def _parse(scene: "ManiSkillScene", folder: Path) -> "ArticulationBuilder":
     urdf, srdf = folder / "mobility.urdf", str(folder / "mobility.srdf")
     if scene.can_render():
         return loader.parse(str(urdf), srdf)["articulation_builders"][0]
-    with tempfile.TemporaryDirectory() as scratch:
-        stripped = Path(scratch) / "mobility.urdf"
-        stripped.write_text(physics_urdf(urdf))
+    with without_visuals(urdf) as stripped:
         return loader.parse(str(stripped), srdf)["articulation_builders"][0]
 
 
@@ -191,13 +204,12 @@ def _link_frames(builder: "ArticulationBuilder") -> dict[str, Float[np.ndarray, 
     """``T_object_link`` at rest of every link, by name, from an articulation builder."""
     frames: dict[str, np.ndarray] = {}
     for link in builder.link_builders:
-        parent = np.eye(4) if link.parent is None else frames[link.parent.name]
-        into, out = link.joint_record.pose_in_parent, link.joint_record.pose_in_child
         if link.parent is None:
             frames[link.name] = np.eye(4)
             continue
-        local = (into * out.inv()).to_transformation_matrix()
-        frames[link.name] = parent @ np.asarray(local, dtype=np.float64)
+        local = link.joint_record.pose_in_parent * link.joint_record.pose_in_child.inv()
+        local = np.asarray(local.to_transformation_matrix(), dtype=np.float64)
+        frames[link.name] = frames[link.parent.name] @ local
     return frames
 
 

@@ -166,7 +166,8 @@ def read_object(
     for joint in package.joints:
         if joint.type == "fixed":
             continue
-        label = _label_of(joint, labels[joint.child])
+        # An unlabelled part is a drawer or a door, depending on its joint.
+        label = labels[joint.child] or ("drawer" if joint.type == "prismatic" else "door")
         reason = _unusable(joint, label)
         if not reason:
             part = _read_part(package, joint, label)
@@ -195,11 +196,6 @@ def _only(entry: TaskObject, joint: str) -> TaskObject:
 
 def _describe(entry: TaskObject) -> str:
     return ", ".join(f"{name} {reason}" for name, reason in entry.left_out) or "no joint moves"
-
-
-def _label_of(joint: PackageJoint, label: PartLabel | None) -> PartLabel:
-    """A part's label; an unlabelled part is a drawer or a door, depending on its joint."""
-    return label or ("drawer" if joint.type == "prismatic" else "door")
 
 
 def _unusable(joint: PackageJoint, label: PartLabel) -> str:

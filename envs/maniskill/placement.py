@@ -133,10 +133,10 @@ def free_radius(
     return gap
 
 
-def _outside(values: np.ndarray, low: float, high: float) -> np.ndarray:
+def _outside(values: np.ndarray, low: float | np.ndarray, high: float | np.ndarray) -> np.ndarray:
     """Distance of values outside of an interval."""
     return np.maximum(np.maximum(low - values, values - high), 0.0)
 
 
 def _distance(points: np.ndarray, box: np.ndarray) -> np.ndarray:
-    return np.linalg.norm(np.maximum(np.maximum(box[0] - points, points - box[1]), 0.0), axis=-1)
+    return np.linalg.norm(_outside(points, *box), axis=-1)

@@ -17,7 +17,7 @@ import numpy as np
 from artigen import __version__
 from artigen.shapes.families import choose_suite
 from artigen.shapes.surfaces.finishes import Color
-from artigen.transforms import quat_from_matrix, transform_points
+from artigen.transforms import transform_points
 
 from .rooms.arrange import Place, Plan
 from .rooms.catalogue import Catalogue, Entry, PopulateError, demand_roles
@@ -26,9 +26,9 @@ from .rooms.doorway import hang_door
 from .rooms.footprints import standing_places
 from .rooms.furnish import furnish
 from .rooms.openings import find_openings
-from .rooms.pieces import BED_PARTS, BED_WIDTH, Member
+from .rooms.pieces import BED_PARTS, Member, move_boxes
 from .rooms.recipes import RECIPES, Recipe
-from .rooms.room import Fixture, Opening, Placement, Room, RoomKind, corner, room_shell
+from .rooms.room import Fixture, Opening, Placement, Room, RoomKind, corner, room_shell, rounded_quat
 from .rooms.runs import Chooser, count_objects, draw_shortlists
 from .rooms.solids import place_solid
 
@@ -180,7 +180,6 @@ def _placement(place: Place, member: Member, entry: Entry, names: dict[int, str]
     middles = standing_places(footprint, radius, member.piece.front)
     points = transform_points(T, np.column_stack([middles, np.zeros(len(middles))]))
     manifest = (entry.folder / "manifest.json").read_bytes()
-    w, x, y, z = (round(float(value), 9) + 0.0 for value in quat_from_matrix(T[:3, :3]))
     support = place.support
     return Placement(
         id=names[id(member.piece)],
@@ -188,7 +187,7 @@ def _placement(place: Place, member: Member, entry: Entry, names: dict[int, str]
         category=entry.category,
         package=entry.folder,
         position=corner(T[:3, 3]),
-        quat=(w, x, y, z),
+        quat=rounded_quat(T[:3, :3]),
         size=corner(footprint.size),
         standing=tuple((round(float(x), 4), round(float(y), 4)) for x, y, _ in points),
         support=None if support is None else names[id(support)],
@@ -198,15 +197,13 @@ def _placement(place: Place, member: Member, entry: Entry, names: dict[int, str]
 
 def _fixtures(place: Place, member: Member, color: Color) -> list[Fixture]:
     """The boxes of a bed, or the cabinet front that closes the corner between two runs."""
+    looks = [(f"filler_{place.cluster.name}", color)]
     if member.piece.role == "bed":
-        T, scale = place.T @ member.T, np.array([1.0, BED_WIDTH, 1.0])
-        boxes = [(name, np.array([low, high]) * scale, paint) for name, low, high, paint in BED_PARTS]
-    else:
-        T, boxes = place.T, [(f"filler_{place.cluster.name}", member.piece.boxes.bodies[0], color)]
-    placed = [(name, transform_points(T, ends), paint) for name, ends, paint in boxes]
+        looks = [(name, paint) for name, _, _, paint in BED_PARTS]
+    bodies = move_boxes(member.piece.boxes, place.T @ member.T).bodies
     return [
-        Fixture(name=name, low=corner(ends.min(axis=0)), high=corner(ends.max(axis=0)), color=paint)
-        for name, ends, paint in placed
+        Fixture(name=name, low=corner(low), high=corner(high), color=paint)
+        for (name, paint), (low, high) in zip(looks, bodies, strict=True)
     ]
 
 

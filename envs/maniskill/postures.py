@@ -133,7 +133,9 @@ def find_putting_stand(
         keep = rng.choice(keep, MOST, replace=False)
     if not len(keep):
         return None
-    points = _turned(postures.points[which[keep]], yaw[keep]) + (base[keep] + _up(lift[keep]))[:, None]
+    raised = base[keep]
+    raised[:, 2] += lift[keep]
+    points = _turned(postures.points[which[keep]], yaw[keep]) + raised[:, None]
     up = np.array([0.0, 0.0, entry.floor])
     solid = np.minimum(distances(field, points + up), points[..., 2])
     room = (solid - postures.gap).min(axis=1)
@@ -152,7 +154,3 @@ def _turned(points: Float[np.ndarray, "N *P 3"], yaw: Float[np.ndarray, "N"]) ->
     cosine, sine = np.cos(yaw).reshape(-1, *extra), np.sin(yaw).reshape(-1, *extra)
     x, y, z = points[..., 0], points[..., 1], points[..., 2]
     return np.stack([cosine * x - sine * y, sine * x + cosine * y, z], axis=-1)
-
-
-def _up(heights: Float[np.ndarray, "N"]) -> Float[np.ndarray, "N 3"]:
-    return np.stack([np.zeros_like(heights), np.zeros_like(heights), heights], axis=1)

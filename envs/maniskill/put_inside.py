@@ -1,5 +1,6 @@
 """``ArtiGen-PutInside-v1``: put a cube from a stand into an open drawer or compartment."""
 
+import functools
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -14,14 +15,14 @@ from mani_skill.utils.structs import Pose
 from artigen.transforms import transform_points
 
 from .containers import Container, room_when_open
-from .hulls import ground_under, hulls_at, open_above_ground, opened_qpos
+from .hulls import object_field, open_above_ground, opened_qpos
 from .load import SURFACE
 from .objects import PartKind, TaskError, TaskObject, TaskPart, Validation
 from .placement import Stand, find_stand, free_radius, part_motion
 from .postures import Goal, Postures, find_putting_stand, sample_postures
 from .solver.body import read_body
 from .solver.chain import read_arm
-from .solver.field import Field, build_field
+from .solver.field import Field
 from .task import PackageTask
 
 REST_STEPS = 10
@@ -88,7 +89,6 @@ class PutInsideEnv(PackageTask):
         self.cube_size = cube_size
         self._known_stands: dict[tuple[Path, str], Stand] = {}
         self._known_fields: dict[tuple[Path, str], Field] = {}
-        self._sampled: Postures | None = None
         super().__init__(
             *args, packages=packages, part=part, joint=joint, handles="optional", validation=validation,
             initial_open=initial_open, goal_open=initial_open, **kwargs,
@@ -126,7 +126,7 @@ class PutInsideEnv(PackageTask):
         heights = HOLD_DOWN if container.down else HOLD_IN
         hands = np.concatenate([places + np.array([0.0, 0.0, height]) for height in heights])
         found = find_putting_stand(
-            entry, part, self.robot_spec, postures=self._postures(), opened=opened,
+            entry, part, self.robot_spec, postures=self._postures, opened=opened,
             field=self._field(entry, part),
             goal=Goal(places=hands, inwards=container.inwards, down=container.down),
         )  # fmt: skip
@@ -147,18 +147,15 @@ class PutInsideEnv(PackageTask):
         key = (entry.folder, part.joint.name)
         if key not in self._known_fields:
             qpos = opened_qpos(entry, part, self._opened(entry, part))
-            carried, others = hulls_at(entry, part, qpos)
-            hulls = carried + others
-            self._known_fields[key] = build_field((*hulls, ground_under(entry, hulls)))
+            self._known_fields[key] = object_field(entry, part, qpos)
         return self._known_fields[key]
 
+    @functools.cached_property
     def _postures(self) -> Postures:
-        if self._sampled is None:
-            arm = self.agent.robot._objs[0]
-            chain = read_arm(arm, self.robot_spec)
-            body = read_body(arm, chain, self.robot_spec.hand, COARSE)
-            self._sampled = sample_postures(chain, body, self.robot_spec)
-        return self._sampled
+        arm = self.agent.robot._objs[0]
+        chain = read_arm(arm, self.robot_spec)
+        body = read_body(arm, chain, self.robot_spec.hand, COARSE)
+        return sample_postures(chain, body, self.robot_spec)
 
     def _load_scene(self, options: dict) -> None:
         super()._load_scene(options)
@@ -175,14 +172,16 @@ class PutInsideEnv(PackageTask):
         cube.initial_pose = Pose.create(sapien.Pose(p=[-3.0, 2.0, 1.0]))
         stand.initial_pose = Pose.create(sapien.Pose(p=[-3.0, 3.0, 0.0]))
         self.cube, self.cube_stand = cube.build(name="cube"), stand.build_kinematic(name="cube_stand")
-        regions, aims, spots = [], [], []
+        regions, moving, aims, spots = [], [], [], []
         self.containers: list[Container] = []
         for (entry, part), place, into_link in zip(self.drawn, self.stands, self.into_links, strict=True):
             container = self.container_of(entry, part)
             assert container is not None
-            moves = container.link == part.joint.child
-            region = transform_points(into_link, container.region) if moves else container.region
-            regions.append(np.sort(region, axis=0) if moves else region - [0.0, 0.0, entry.floor])
+            moving.append(container.link == part.joint.child)
+            if moving[-1]:
+                regions.append(np.sort(transform_points(into_link, container.region), axis=0))
+            else:
+                regions.append(container.region - [0.0, 0.0, entry.floor])
             aims.append(resting_places(entry, part, container, self._opened(entry, part))[0])
             spots.append(self._cube_spot(entry, part, place))
             self.containers.append(container)
@@ -190,9 +189,6 @@ class PutInsideEnv(PackageTask):
             torch.tensor(np.array(values), dtype=torch.float32, device=self.device)
             for values in (regions, aims, spots)
         )
-        moving = [
-            x.link == part.joint.child for x, (_, part) in zip(self.containers, self.drawn, strict=True)
-        ]
         self._moves = torch.tensor(moving, device=self.device)[:, None]
         self._rest_steps = torch.zeros(self.num_envs, dtype=torch.int32, device=self.device)
 

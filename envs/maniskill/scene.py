@@ -16,14 +16,14 @@ from mani_skill.sensors.camera import CameraConfig
 from mani_skill.utils import sapien_utils
 from mani_skill.utils.scene_builder import SceneBuilder
 from mani_skill.utils.scene_builder.registration import register_scene_builder
-from mani_skill.utils.structs import Actor, Articulation, Pose
+from mani_skill.utils.structs import Actor, Articulation
 from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
 
-from .load import build_box, load_robot
+from .load import build_box, load_robot, place_robot
 from .rooms.file import read_room
 from .rooms.load import item_pose, load_item, load_placement
 from .rooms.map import start_place
-from .rooms.room import Fixture, Item, Placement, Room
+from .rooms.room import Fixture, Room
 
 Rooms = str | Path | Sequence[str | Path]
 AWAY = sapien.Pose(p=[0.0, -4.0, 0.0])
@@ -67,11 +67,17 @@ class RoomSceneBuilder(SceneBuilder):
             for fixture in room.fixtures:
                 actor = self._build_fixture(fixture, index)
                 self.scene_objects[actor.name] = actor
-            built = {placement.id: self._build_object(placement, index) for placement in room.placements}
-            self.articulations |= {articulation.name: articulation for articulation in built.values()}
+            built, loose = {}, {}
+            for placement in room.placements:
+                articulation = load_placement(self.scene, placement, f"{placement.id}-{index}", index)
+                built[placement.id] = self.articulations[articulation.name] = articulation
+            for item in room.contents:
+                actor = load_item(self.scene, room, item, f"{item.id}-{index}", index)
+                loose[item.id] = self.movable_objects[actor.name] = actor
+            if count > 1:  # a state has one row per scene, and these objects exist in one of them
+                for each in (*built.values(), *loose.values()):
+                    self.env.remove_from_state_dict_registry(each)
             self.placed.append(built)
-            loose = {item.id: self._build_item(room, item, index) for item in room.contents}
-            self.movable_objects |= {actor.name: actor for actor in loose.values()}
             self.contents.append(loose)
         self.starts = [start_place(room) for room in self.rooms]
 
@@ -96,18 +102,6 @@ class RoomSceneBuilder(SceneBuilder):
         actor = build_box(self.scene, name, index, low, high, fixture.color)
         if fixture.name == "floor":
             actor.set_collision_group_bit(group=2, bit_idx=FETCH_WHEELS_COLLISION_BIT, bit=1)
-        return actor
-
-    def _build_object(self, placement: Placement, index: int) -> Articulation:
-        articulation = load_placement(self.scene, placement, f"{placement.id}-{index}", index)
-        if self.env.num_envs > 1:  # a state has one row per scene, and this object exists in one of them
-            self.env.remove_from_state_dict_registry(articulation)
-        return articulation
-
-    def _build_item(self, room: Room, item: Item, index: int) -> Actor:
-        actor = load_item(self.scene, room, item, f"{item.id}-{index}", index)
-        if self.env.num_envs > 1:
-            self.env.remove_from_state_dict_registry(actor)
         return actor
 
 
@@ -180,17 +174,8 @@ class RoomEnv(BaseEnv):
 
     def _initialize_episode(self, env_idx: torch.Tensor, options: dict) -> None:
         self.furnished.initialize(env_idx)
-        places = np.array([self.furnished.starts[index] for index in env_idx.tolist()])
-        qpos = np.tile(np.asarray(self.agent.keyframes["rest"].qpos), (len(places), 1))
-        p, q = np.zeros((len(places), 3)), np.tile([1.0, 0.0, 0.0, 0.0], (len(places), 1))
-        if self.robot_uids == "fetch":
-            qpos[:, :2], qpos[:, 2] = places, np.pi / 2.0
-        else:
-            p[:, :2] = places
-            q[:] = [np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)]
-        self.agent.reset(torch.tensor(qpos, dtype=torch.float32, device=self.device))
-        pose = Pose.create_from_pq(torch.tensor(p).float(), torch.tensor(q).float(), device=self.device)
-        self.agent.robot.set_pose(pose)  # type: ignore[arg-type]
+        base = np.array([(*self.furnished.starts[index], 0.0, np.pi / 2.0) for index in env_idx.tolist()])
+        place_robot(self, np.tile(np.asarray(self.agent.keyframes["rest"].qpos), (len(base), 1)), base)
 
     def evaluate(self) -> dict:
         """Empty: there is no success condition."""

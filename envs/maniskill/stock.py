@@ -26,7 +26,7 @@ from mani_skill.utils.structs import Articulation, Link
 from artigen.transforms import inverse, transform_points
 
 from .load import load_object, load_robot
-from .objects import TaskError, TaskObject, TaskPart, Validation, read_objects
+from .objects import TaskError, Validation, read_objects
 from .task import AWAY
 
 
@@ -42,11 +42,10 @@ class _FromPackages:
     ) -> None:
         types = getattr(self, "handle_types")  # noqa: B009
         objects = read_objects(packages, "any", handles="required", validation=validation)
-        self.choices: list[tuple[TaskObject, tuple[TaskPart, ...]]] = []
-        for entry in objects:
-            parts = tuple(part for part in entry.parts if part.joint.type in types)
-            if parts:
-                self.choices.append((entry, parts))
+        fitting = [
+            (entry, tuple(part for part in entry.parts if part.joint.type in types)) for entry in objects
+        ]
+        self.choices = [(entry, parts) for entry, parts in fitting if parts]
         if not self.choices:
             found = sorted({part.joint.type for entry in objects for part in entry.parts})
             raise TaskError(

@@ -18,12 +18,13 @@ from mani_skill.sensors.camera import CameraConfig
 from mani_skill.utils import sapien_utils
 from mani_skill.utils.building.ground import build_ground
 from mani_skill.utils.geometry.rotation_conversions import quaternion_apply
-from mani_skill.utils.structs import Articulation, Link, Pose
+from mani_skill.utils.structs import Articulation, Link
 from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
 
 from artigen.transforms import inverse, transform_points, transform_vectors
 
-from .load import build_box, load_object, load_robot, play_mechanisms
+from ..limits import rest_coordinate
+from .load import build_box, load_object, load_robot, place_robot, play_mechanisms
 from .objects import HandleNeed, PartKind, TaskObject, TaskPart, Validation, on_plinth, read_objects
 from .placement import PATH_SAMPLES, Stand, find_stand, grip_path
 from .robots import ROBOTS, RobotSpec
@@ -152,10 +153,8 @@ class PackageTask(BaseEnv):
         qpos = np.zeros(self.object.max_dof)
         for column, joint in enumerate(articulation.active_joints):
             spec = specs[joint.name]
-            limited = spec.type != "continuous"
-            rest = float(np.clip(0.0, spec.lower, spec.upper)) if limited else 0.0
             wide = spec.name in part.needs and spec.name not in shut
-            qpos[column] = spec.upper if wide else rest
+            qpos[column] = spec.upper if wide else rest_coordinate(spec)
         opened = part.joint.lower + self._opened(entry, part) * part.span
         qpos[_column(articulation, part.joint.name)] = opened
         return qpos
@@ -211,22 +210,14 @@ class PackageTask(BaseEnv):
     def _place_robot(self, stands: list[Stand], noise: Float[np.ndarray, "B 3+A"]) -> None:
         """Places the base on its stand and the arm at its ready pose, both with noise."""
         spec = self.robot_spec
-        base = np.array([[s.x, s.y, s.yaw] for s in stands]) + noise[:, :3]
+        base = np.array([[s.x, s.y, s.z, s.yaw] for s in stands])
+        base[:, [0, 1, 3]] += noise[:, :3]
         names = [joint.name for joint in self.agent.robot.active_joints]
         qpos = np.array([[spec.opening / 2.0 if "finger" in name else 0.0 for name in names]] * len(stands))
         qpos[:, [names.index(name) for name in spec.arm]] = spec.ready + noise[:, 3:]
-        p, q = np.zeros((len(stands), 3)), np.zeros((len(stands), 4))
-        q[:, 0] = 1.0
         if spec.name == "fetch":
-            qpos[:, :3] = base
             qpos[:, names.index("torso_lift_joint")] = [s.lift for s in stands]
-        else:
-            p[:, :2], p[:, 2] = base[:, :2], [s.z for s in stands]
-            q[:, 0], q[:, 3] = np.cos(base[:, 2] / 2.0), np.sin(base[:, 2] / 2.0)
-        self.agent.reset(torch.tensor(qpos, dtype=torch.float32, device=self.device))
-        self.agent.robot.set_pose(
-            Pose.create_from_pq(torch.tensor(p).float(), torch.tensor(q).float(), device=self.device)
-        )
+        place_robot(self, qpos, base)
 
     @property
     def open_fraction(self) -> Float[torch.Tensor, "B"]:

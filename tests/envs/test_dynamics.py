@@ -18,8 +18,8 @@ from sim_export.package import Inertial, Link, SimPackage
 from sim_export.reference import build_reference
 
 pytest.importorskip("sapien")
+from envs import dynamics
 from envs import trials as trials_module
-from envs.config import DynamicsConfig
 from envs.dynamics import (
     check_dynamics,
     check_energy,
@@ -34,7 +34,6 @@ from envs.titles import TITLES
 from envs.trials import run_trials
 
 pytestmark = pytest.mark.sim
-ONE_STEP_SIZE = DynamicsConfig(other_timesteps=())
 
 
 def sample_package() -> SimPackage:
@@ -75,13 +74,19 @@ def folder(package: SimPackage, tmp_path_factory: pytest.TempPathFactory) -> Pat
     return write_package(package, tmp_path_factory.mktemp("dynamics") / "cabinet")
 
 
+@pytest.fixture
+def one_step_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Saves the time of V309."""
+    monkeypatch.setattr(dynamics, "OTHER_TIMESTEPS", ())
+
+
 @pytest.fixture(scope="module")
 def trials(folder: Path, package: SimPackage):
     return run_trials(folder, package, 0.01)
 
 
 def test_a_sound_cabinet_passes_everything(folder):
-    results = check_dynamics(folder, read_package(folder), DynamicsConfig())
+    results = check_dynamics(folder, read_package(folder))
     assert [result.id for result in results] == sorted(TITLES)
     assert {
         result.id: (result.verdict, result.message) for result in results if result.verdict != "pass"
@@ -126,6 +131,7 @@ def seeded(package: SimPackage, defect: str) -> SimPackage:
     raise ValueError(defect)
 
 
+@pytest.mark.usefixtures("one_step_size")
 @pytest.mark.parametrize(
     ("defect", "check"),
     [
@@ -142,7 +148,7 @@ def seeded(package: SimPackage, defect: str) -> SimPackage:
 def test_a_seeded_defect_fails_its_check(package, tmp_path, defect, check):
     wrong = seeded(package, defect)
     folder = write_package(wrong, tmp_path / "cabinet")
-    verdicts = {result.id: result.verdict for result in check_dynamics(folder, wrong, ONE_STEP_SIZE)}
+    verdicts = {result.id: result.verdict for result in check_dynamics(folder, wrong)}
     assert verdicts[check] == "fail"
     assert verdicts["V301"] == verdicts["V307"] == "pass"
 
@@ -178,25 +184,27 @@ def test_speeds_at_rest_are_those_of_positions(speed: float):
     scene = SimpleNamespace(timestep=0.01, step=step)
     joint = SimpleNamespace(index=0, spec=SimpleNamespace(spring=0.0))
     loaded = SimpleNamespace(articulation=articulation, scene=scene, joints=(joint,), followers=())
-    assert trials_module._rest(scene, loaded, [])[1] == pytest.approx([speed])
+    assert trials_module._rest(loaded, [])[1] == pytest.approx([speed])
 
 
-def test_what_depends_on_the_step_size_fails_v309(package, tmp_path):
+def test_what_depends_on_the_step_size_fails_v309(package, tmp_path, monkeypatch):
     wrong = seeded(package, "stiff knob")
     folder = write_package(wrong, tmp_path / "cabinet")
-    coarse = DynamicsConfig(timestep=1 / 240, other_timesteps=(1 / 60,))
-    results = {result.id: result for result in check_dynamics(folder, wrong, coarse)}
+    monkeypatch.setattr(dynamics, "TIMESTEP", 1 / 240)
+    monkeypatch.setattr(dynamics, "OTHER_TIMESTEPS", (1 / 60,))
+    results = {result.id: result for result in check_dynamics(folder, wrong)}
     assert results["V304"].verdict == "pass"
     assert results["V309"].verdict == "fail"
     assert "V304 at 1/60 s (joint_2" in results["V309"].message
 
 
+@pytest.mark.usefixtures("one_step_size")
 def test_scenes_do_not_depend_on_what_ran_in_the_process_before(package, folder):
     """ManiSkill sets PhysX's global settings to its own."""
     from sapien import physx
 
     def measure() -> dict[str, float]:
-        return {result.id: result.value for result in check_dynamics(folder, package, ONE_STEP_SIZE)}
+        return {result.id: result.value for result in check_dynamics(folder, package)}
 
     expected = measure()
     physx.set_body_config(solver_position_iterations=1, solver_velocity_iterations=0, sleep_threshold=0.1)
@@ -224,13 +232,14 @@ def flatten_inertia(folder: Path) -> None:
     urdf.write_text(head + '<link name="link_1">' + tail.replace(values, zero, 1))
 
 
+@pytest.mark.usefixtures("one_step_size")
 @pytest.mark.parametrize(
     ("damage", "where"), [(lose_a_hull, "link_3"), (flatten_inertia, "link_1")], ids=["hull", "inertia"]
 )
 def test_what_sapien_passes_over_fails_v301(package, tmp_path, damage: Callable[[Path], None], where):
     folder = write_package(package, tmp_path / "cabinet")
     damage(folder)
-    result = check_dynamics(folder, package, ONE_STEP_SIZE)[0]
+    result = check_dynamics(folder, package)[0]
     assert (result.id, result.verdict, result.where) == ("V301", "fail", where)
 
 
@@ -277,9 +286,9 @@ def test_energy_from_nowhere_fails_v306(trials):
 
 
 def test_a_different_second_run_fails_v307(folder, package, trials):
-    assert check_repeat(folder, package, trials, ONE_STEP_SIZE).verdict == "pass"
+    assert check_repeat(folder, package, trials).verdict == "pass"
     other = replace(trials, trace=trials.trace + 2e-6)
-    assert check_repeat(folder, package, other, ONE_STEP_SIZE).verdict == "fail"
+    assert check_repeat(folder, package, other).verdict == "fail"
 
 
 def test_only_what_is_mounted_or_held_may_overhang(package, trials):
@@ -306,6 +315,7 @@ def test_a_folding_door_closes_once_its_second_leaf_has_come_to_rest(tmp_path):
     assert check_opens(run_trials(folder, package, 0.01)).verdict == "pass"
 
 
+@pytest.mark.usefixtures("one_step_size")
 def test_what_does_not_move_has_nothing_to_open(package, tmp_path):
     body = next(link for link in package.links if link.name == "link_4")
     base = Link(name="base", label=None, parts=(), visuals=(), hulls=(), inertial=None)
@@ -314,7 +324,7 @@ def test_what_does_not_move_has_nothing_to_open(package, tmp_path):
     )
     block = replace(package, links=(base, body), joints=(fixed,), handles=(), requires_open=())
     folder = write_package(block, tmp_path / "block")
-    verdicts = {result.id: result.verdict for result in check_dynamics(folder, block, ONE_STEP_SIZE)}
+    verdicts = {result.id: result.verdict for result in check_dynamics(folder, block)}
     applies = {name for name, verdict in verdicts.items() if verdict != "not_applicable"}
     assert applies == {"V301", "V303", "V307", "V308", "V309"}
     assert {verdicts[name] for name in applies} == {"pass"}
@@ -326,11 +336,12 @@ def test_mujoco_leaves_nothing_in_the_working_directory(folder, monkeypatch, tmp
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.usefixtures("one_step_size")
 @pytest.mark.real
 def test_original_objects_get_a_verdict_on_everything(real_objects):
     for name in ("10040", "44781"):
         folder = real_objects / "partnet_mobility" / name
-        results = check_dynamics(folder, read_package(folder), ONE_STEP_SIZE)
+        results = check_dynamics(folder, read_package(folder))
         assert [result.id for result in results] == sorted(TITLES)
         assert results[0].verdict == "pass"
         assert "assumes the mass" in results[0].message

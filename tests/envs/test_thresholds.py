@@ -20,7 +20,6 @@ import envs.dynamics as dynamics
 import envs.trials as support
 import envs.trials as trials
 from envs.actuate import ActuateConfig, ActuateEnv
-from envs.config import DynamicsConfig
 from envs.dynamics import MujocoResult
 from envs.hand import Moved, hand_effort
 from envs.joint_sweep import JointSweepEnv
@@ -45,11 +44,9 @@ def joint_of(kind: str = "prismatic", upper: float = 0.5, **given: object) -> Pa
 def results(joint: PackageJoint | None = None, **changes: object) -> TrialResults:
     """Measurements of an object whose only joint does all that it should."""
     plan = JointPlan(
-        index=0, hand=30.0, opening=30.0, closing=30.0, needs=(), speed_limit=2.0, lean=np.zeros(3),
-        axis=np.zeros(3),
+        opening=30.0, closing=30.0, needs=(), speed_limit=2.0, lean=np.zeros(3), axis=np.zeros(3),
     )  # fmt: skip
     sound = TrialResults(
-        timestep=0.01,
         joints=(joint or joint_of(),),
         loads=(LinkLoad(name="link_0", hulls=1, shapes=1, lost=(), mass=1.0, engine_mass=1.0),),
         plan=TrialPlan(joints=(plan,), groups=((0,),)),
@@ -109,7 +106,7 @@ def test_what_is_within_passes_and_what_is_beyond_fails(name):
 def test_a_second_run_may_differ_by_a_millionth(monkeypatch, difference, verdict):
     monkeypatch.setattr(dynamics, "run_trials", lambda *_, **__: results(trace=np.full(4, difference)))
     package = SimPackage(name="a", category="Table", visual="voxels", links=(), joints=())
-    assert dynamics.check_repeat(FOLDER, package, results(), DynamicsConfig()).verdict == verdict
+    assert dynamics.check_repeat(FOLDER, package, results()).verdict == verdict
 
 
 @pytest.mark.parametrize(("force", "verdict"), [(0.9e-3, "pass"), (1.1e-3, "fail")])
@@ -192,6 +189,7 @@ def test_what_covers_less_than_a_thousandth_of_its_range_a_second_is_given_up(mo
             SimpleNamespace(index=0, span=1.0, limited=True, spec=joint_of(upper=1.0), engine=MagicMock())
         ],
         articulation=SimpleNamespace(qpos=np.zeros(1), qvel=np.array([speed])),
+        scene=SimpleNamespace(timestep=0.01),
     )
 
     def advance(_: object) -> None:
@@ -199,8 +197,7 @@ def test_what_covers_less_than_a_thousandth_of_its_range_a_second_is_given_up(mo
 
     monkeypatch.setattr(trials, "advance", advance)
     plan = results().plan.joints[0]
-    scene = SimpleNamespace(timestep=0.01)
-    opened, *_ = trials._drive(scene, loaded, [(0, plan)], [], direction=1.0, kept=[])
+    opened, *_ = trials._drive(loaded, [(loaded.joints[0], plan)], [], direction=1.0, kept=[])
     assert opened[0] == pytest.approx(speed * seconds, rel=0.05)
 
 

@@ -39,6 +39,14 @@ class JointFacts(TypedDict):
     damping: float | None
 
 
+def joint_facts(
+    limits: tuple[float, float] | None, friction: float | None, damping: float | None
+) -> JointFacts:
+    """The facts of a joint; ``limits`` are lower and upper, None without."""
+    lower, upper = limits or (None, None)
+    return {"lower": lower, "upper": upper, "friction": friction, "damping": damping}
+
+
 class Engine(Protocol):
     """A package in an engine, with its root fixed to the world."""
 

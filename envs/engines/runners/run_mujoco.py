@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from harness import JointFacts, LinkFacts, run
+from harness import JointFacts, LinkFacts, joint_facts, run
 
 # mujoco is a compiled module with empty stubs.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
@@ -50,13 +50,11 @@ class Mujoco:
         for index, name in enumerate(self.names):
             joint, dof = self.model.joint(index), self.model.jnt_dofadr[index]
             lower, upper = map(float, joint.range)
-            limited = bool(joint.limited[0])
-            facts[name] = {
-                "lower": lower if limited else None,
-                "upper": upper if limited else None,
-                "friction": float(self.model.dof_frictionloss[dof]),
-                "damping": float(self.model.dof_damping[dof].flat[0]),
-            }
+            facts[name] = joint_facts(
+                (lower, upper) if joint.limited[0] else None,
+                friction=float(self.model.dof_frictionloss[dof]),
+                damping=float(self.model.dof_damping[dof].flat[0]),
+            )
         return facts
 
     def reset(self, qpos: dict[str, float], gravity: float) -> None:

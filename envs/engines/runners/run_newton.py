@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-from harness import JointFacts, LinkFacts, run
+from harness import JointFacts, LinkFacts, joint_facts, run
 
 # pyright: reportMissingImports=false
 
@@ -48,25 +48,15 @@ class Newton:
 
     def joints(self) -> dict[str, JointFacts]:
         model = self.model
-        values = [
-            array.numpy()
-            for array in (
-                model.joint_limit_lower,
-                model.joint_limit_upper,
-                model.joint_friction,
-                model.joint_damping,
-            )
-        ]
+        arrays = (
+            model.joint_limit_lower, model.joint_limit_upper, model.joint_friction, model.joint_damping,
+        )  # fmt: skip
+        values = [array.numpy() for array in arrays]
         facts: dict[str, JointFacts] = {}
         for name, dof in self.dofs.items():
             lower, upper, friction, damping = (float(array[dof]) for array in values)
             limited = lower > -1e6 and upper < 1e6
-            facts[name] = {
-                "lower": lower if limited else None,
-                "upper": upper if limited else None,
-                "friction": friction,
-                "damping": damping,
-            }
+            facts[name] = joint_facts((lower, upper) if limited else None, friction, damping)
         return facts
 
     def reset(self, qpos: dict[str, float], gravity: float) -> None:

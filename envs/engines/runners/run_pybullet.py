@@ -8,7 +8,7 @@ light button rest 0.3 mm past its limit; all three are corrected.
 from importlib.metadata import version
 from pathlib import Path
 
-from harness import JointFacts, LinkFacts, run
+from harness import JointFacts, LinkFacts, joint_facts, run
 
 # pyright: reportMissingImports=false, reportAttributeAccessIssue=false
 
@@ -38,10 +38,9 @@ class Pybullet:
         self.lost = {}
         if any(joint["mimic"] for joint in plan["joints"]):
             self.lost["mimic"] = "PyBullet leaves <mimic> out"
-        specs = {joint["name"]: joint for joint in plan["joints"]}
         self.index: dict[str, int] = {}
         self.link_index = {pybullet.getBodyInfo(self.body)[0].decode(): -1}
-        self.unlimited = {name for name, spec in specs.items() if spec["type"] == "continuous"}
+        self.unlimited = {joint["name"] for joint in plan["joints"] if joint["type"] == "continuous"}
         for joint in range(pybullet.getNumJoints(self.body)):
             info = pybullet.getJointInfo(self.body, joint)
             self.link_index[info[12].decode()] = joint
@@ -72,13 +71,8 @@ class Pybullet:
         facts: dict[str, JointFacts] = {}
         for name, joint in self.index.items():
             info = self.bullet.getJointInfo(self.body, joint)
-            limited = name not in self.unlimited
-            facts[name] = {
-                "lower": info[8] if limited else None,
-                "upper": info[9] if limited else None,
-                "friction": info[7],
-                "damping": info[6],
-            }
+            limits = None if name in self.unlimited else info[8:10]
+            facts[name] = joint_facts(limits, friction=info[7], damping=info[6])
         return facts
 
     def reset(self, qpos: dict[str, float], gravity: float) -> None:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-from harness import JointFacts, LinkFacts, run
+from harness import JointFacts, LinkFacts, joint_facts, run
 
 
 class Sapien:
@@ -37,12 +37,11 @@ class Sapien:
             limited = bool(np.isfinite([lower, upper]).all())
             # The drive implements friction, or the coupling of a follower; a tendon implements damping.
             rubs = joint.damping > 0.0 and joint.name not in followers
-            facts[joint.name] = {
-                "lower": lower if limited else None,
-                "upper": upper if limited else None,
-                "friction": float(joint.force_limit) if rubs else None,
-                "damping": None,
-            }
+            facts[joint.name] = joint_facts(
+                (lower, upper) if limited else None,
+                friction=float(joint.force_limit) if rubs else None,
+                damping=None,
+            )
         return facts
 
     def reset(self, qpos: dict[str, float], gravity: float) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
+from .footprints import bounds_of
 from .pieces import (
     GAP,
     TOUCH,
@@ -19,7 +20,7 @@ from .pieces import (
     shift_boxes,
     widened,
 )
-from .room import YAWS, Opening, Side, along_wall, turn_matrix, wall_length
+from .room import YAWS, Opening, Side, along_wall, turn_matrix, wall_axis, wall_length
 
 STEP = 0.04
 """Step (m) of candidate places along a wall."""
@@ -43,8 +44,7 @@ class Place:
     @property
     def center(self) -> Float[np.ndarray, "2"]:
         """Centre of the bodies on the floor."""
-        bodies = self.boxes.bodies
-        return (bodies[:, 0].min(axis=0) + bodies[:, 1].max(axis=0))[:2] / 2.0
+        return bounds_of(self.boxes.bodies)[:, :2].sum(axis=0) / 2.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -63,7 +63,7 @@ class Plan:
     @property
     def doorway(self) -> Float[np.ndarray, "1 2 3"]:
         """Space that the entrance needs."""
-        start, stop = self.entrance.start - 0.05, self.entrance.start + self.entrance.width + 0.05
+        start, stop = self.entrance.start - 0.05, self.entrance.stop + 0.05
         box = along_wall(self.entrance.side, self.size, (start, -0.2, 0.0), (stop, DOORWAY, 2.0))
         return box[None]
 
@@ -90,7 +90,7 @@ class Taste:
 
 def fits(plan: Plan, boxes: Boxes, against: Boxes, *, aisle: float = 0.0) -> bool:
     """Whether boxes lie in the room, leave the doorway free, and conflict with nothing there."""
-    everything = np.concatenate([boxes.bodies, boxes.sweeps, boxes.stands])
+    everything = boxes.all
     if (everything[:, 0] < -TOUCH).any() or (everything[:, 1] > np.array(plan.size) + TOUCH).any():
         return False
     if overlap(boxes.bodies, plan.doorway) or conflict(boxes, against):
@@ -131,14 +131,14 @@ def wall_places(
 
 def _in_room(side: Side, size: tuple[float, float, float], boxes: Boxes) -> Boxes:
     """Boxes without what lies in a wall."""
-    axis = 1 if side in ("front", "back") else 0
+    axis = 1 - wall_axis(side)
 
     def cut(whole: Float[np.ndarray, "N 2 3"]) -> Float[np.ndarray, "N 2 3"]:
         out = whole.copy()
         out[..., axis] = np.clip(out[..., axis], 0.0, size[axis])
         return out
 
-    return Boxes(bodies=cut(boxes.bodies), sweeps=cut(boxes.sweeps), stands=cut(boxes.stands))
+    return boxes.change(cut)
 
 
 def middle_places(plan: Plan, cluster: Cluster) -> Iterator[Place]:
@@ -173,7 +173,7 @@ def place_cost(plan: Plan, place: Place, taste: Taste) -> float:
     if place.side is None:
         cost += taste.middle * float(np.linalg.norm(center - np.array(plan.size[:2]) / 2.0))
     else:
-        axis = 0 if place.side in ("front", "back") else 1
+        axis = wall_axis(place.side)
         length = wall_length(place.side, plan.size)
         bodies = place.boxes.bodies
         ends = min(float(bodies[:, 0, axis].min()), length - float(bodies[:, 1, axis].max()))

@@ -5,24 +5,34 @@ the sagitta of the arc. The check is therefore conservative: it also reports obs
 that (a fraction of a millimetre).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
 
-from artigen.transforms import transform_points
+from artigen.transforms import shift, transform_points
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import convex_hull
 from sim_export.package import SimPackage
 
 from ..hulls import move_hull
-from .footprints import cached_package
+from .footprints import bounds_of, cached_package
 from .map import CELL, reachable_map, way_to
-from .room import ROBOT_HEIGHT, THICKNESS, Item, Placement, Room, along_wall, pose_matrix_of
-from .solids import Solid, fixture_solids, item_hulls, item_motion, item_solid, make_solid, place_solid
-from .sweeps import Sweep, opening_joints, sweep_boxes, sweep_joint
+from .room import ROBOT_HEIGHT, THICKNESS, Item, Placement, Room, along_wall, pose_matrix_of, wall_axis
+from .solids import (
+    Solid,
+    fixture_solids,
+    item_hulls,
+    item_motion,
+    item_solid,
+    make_solid,
+    object_solids,
+    place_solid,
+)
+from .sweeps import Sweep, find_sweeps, sweep_boxes
 
 ProblemKind = Literal["overlap", "outside", "sweep", "standing", "unreachable", "unsupported"]
 DEPTH = 1e-6
@@ -53,63 +63,55 @@ def check_room(room: Room) -> tuple[Problem, ...]:
     Raises:
         PackageError: If a package cannot be read.
     """
-    objects = [place_solid(placement) for placement in room.placements]
-    fixtures = fixture_solids(room)
-    problems = [*_overlaps(objects, fixtures), *_outside(room, objects)]
-    problems += _check_contents(room, objects, fixtures)
+    objects, fixtures = object_solids(room), fixture_solids(room)
+    solids = objects + fixtures
+    problems = [*_overlaps(objects, fixtures), *_outside(room, objects), *_check_contents(room, solids)]
     for placement in room.placements:
-        others = [solid for solid in (*objects, *fixtures) if solid.id != placement.id]
-        problems += _blocked_sweeps(placement, others)
-        problems += _blocked_standing(room, placement, [*objects, *fixtures])
+        problems += _blocked_sweeps(placement, [solid for solid in solids if solid.id != placement.id])
+        problems += _blocked_standing(room, placement, solids)
     if room.standing_radius > 0.0:
-        problems += _unreachable(room, [*objects, *fixtures])
+        problems += _unreachable(room, solids)
     return tuple(problems)
 
 
 def check_contents(room: Room) -> tuple[Problem, ...]:
     """The problems of a room that its contents cause."""
-    return tuple(
-        _check_contents(room, [place_solid(entry) for entry in room.placements], fixture_solids(room))
-    )
+    return tuple(_check_contents(room, object_solids(room) + fixture_solids(room)))
 
 
-def _check_contents(room: Room, objects: Sequence[Solid], fixtures: Sequence[Solid]) -> list[Problem]:
+def _check_contents(room: Room, solids: Sequence[Solid]) -> Iterator[Problem]:
     items = [item_solid(item, item_motion(room, item)) for item in room.contents]
-    problems = [*_overlaps(items, [*objects, *fixtures]), *_outside(room, items)]
+    yield from _overlaps(items, solids)
+    yield from _outside(room, items)
     for placement in room.placements:
         inside = [item for item in room.contents if item.holder == placement.id]
-        names = {item.id for item in inside}
-        around = [solid for solid in (*objects, *fixtures, *items) if solid.id not in (placement.id, *names)]
         if inside:
-            problems += _unsupported(placement, inside)
-            problems += _blocked_contents(placement, inside, around)
-    return problems
+            own = {placement.id, *(item.id for item in inside)}
+            yield from _unsupported(placement, inside)
+            yield from _blocked_contents(
+                placement, inside, [solid for solid in (*solids, *items) if solid.id not in own]
+            )
 
 
-def _unsupported(placement: Placement, items: Sequence[Item]) -> list[Problem]:
+def _unsupported(placement: Placement, items: Sequence[Item]) -> Iterator[Problem]:
     """Items above which nothing of their link is near: an item lowered by `RESTS` must meet it."""
     links = {link.name: HullSet(hulls=link.hulls) for link in cached_package(placement.package).links}
-    lowered = np.eye(4)
-    lowered[2, 3] = -RESTS
-    problems = []
+    lowered = shift(np.array([0.0, 0.0, -RESTS]))
     for item in items:
         hulls = HullSet(hulls=item_hulls(item))
         if not len(signed_distances(hulls, links[item.link], lowered, np.eye(4)).distance):
             message = f"{item.id} does not lie on {item.link} of {placement.id}"
-            problems.append(
-                Problem(kind="unsupported", id=item.id, other=placement.id, depth=RESTS, message=message)
-            )
-    return problems
+            yield Problem(kind="unsupported", id=item.id, other=placement.id, depth=RESTS, message=message)
 
 
-def _blocked_contents(placement: Placement, items: Sequence[Item], around: Sequence[Solid]) -> list[Problem]:
+def _blocked_contents(
+    placement: Placement, items: Sequence[Item], around: Sequence[Solid]
+) -> Iterator[Problem]:
     """Items in the way of a door or drawer of their holder, and obstacles to those that move with it."""
     package = cached_package(placement.package)
     T = pose_matrix_of(placement)
     slots = {link.name: index for index, link in enumerate(package.links)}
-    problems = []
-    for joint in opening_joints(package):
-        sweep = sweep_joint(package, joint)
+    for sweep in find_sweeps(package):
         rides = [item for item in items if slots[item.link] in sweep.links]
         stays = [item_solid(item, T @ sweep.T[0, slots[item.link]]) for item in items if item not in rides]
         found = [(placement.id, *pair) for pair in _obstacles(package, sweep, T, stays).items()]
@@ -120,21 +122,17 @@ def _blocked_contents(placement: Placement, items: Sequence[Item], around: Seque
             for hull in link.hulls
         ]
         for item in rides:
-            alone = replace(
-                package,
-                links=tuple(
-                    replace(link, hulls=item_hulls(item) if link.name == item.link else ())
-                    for link in package.links
-                ),
+            links = (
+                replace(link, hulls=item_hulls(item) if link.name == item.link else ())
+                for link in package.links
             )
+            alone = replace(package, links=tuple(links))
             solids = [make_solid(placement.id, still), *stays, *around]
             found += [(item.id, *pair) for pair in _obstacles(alone, sweep, T, solids).items()]
         for name, other, depth in found:
-            message = (
-                f"{other} is {1e3 * depth:.1f} mm in the way of {name} on {joint.name} of {placement.id}"
-            )
-            problems.append(Problem(kind="sweep", id=name, other=other, depth=depth, message=message))
-    return problems
+            way = f"{name} on {sweep.joint.name} of {placement.id}"
+            message = f"{other} is {1e3 * depth:.1f} mm in the way of {way}"
+            yield Problem(kind="sweep", id=name, other=other, depth=depth, message=message)
 
 
 def overlapping(room: Room, placement: Placement) -> bool:
@@ -142,8 +140,7 @@ def overlapping(room: Room, placement: Placement) -> bool:
     room."""
     one = place_solid(placement)
     others = [place_solid(other) for other in room.placements if other.id != placement.id]
-    found = _overlaps([one], [*others, *fixture_solids(room)])
-    return bool(found or _outside(room, [one]))
+    return any(chain(_overlaps([one], [*others, *fixture_solids(room)]), _outside(room, [one])))
 
 
 def _meet(first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -159,57 +156,48 @@ def _depth(first: HullSet, second: HullSet, reach: float) -> float:
     return float(reach - found.min()) if len(found) else 0.0
 
 
-def _overlaps(objects: Sequence[Solid], fixtures: Sequence[Solid]) -> list[Problem]:
-    problems = []
-    for index, one in enumerate(objects):
-        for other in (*objects[index + 1 :], *fixtures):
-            if not _meet(one.boxes, other.boxes).any():
-                continue
+def _penetrations(one: Solid, others: Iterable[Solid]) -> Iterator[tuple[str, float]]:
+    """Ids of solids that overlap one, with the depth (m)."""
+    for other in others:
+        if _meet(one.boxes, other.boxes).any():
             depth = _depth(one.hulls, other.hulls, 0.0)
             if depth > DEPTH:
-                message = f"{one.id} and {other.id} overlap by {1e3 * depth:.2f} mm at rest"
-                problems.append(
-                    Problem(kind="overlap", id=one.id, other=other.id, depth=depth, message=message)
-                )
-    return problems
+                yield other.id, depth
 
 
-def _outside(room: Room, objects: Sequence[Solid]) -> list[Problem]:
+def _overlaps(objects: Sequence[Solid], fixtures: Sequence[Solid]) -> Iterator[Problem]:
+    for index, one in enumerate(objects):
+        for other, depth in _penetrations(one, (*objects[index + 1 :], *fixtures)):
+            message = f"{one.id} and {other} overlap by {1e3 * depth:.2f} mm at rest"
+            yield Problem(kind="overlap", id=one.id, other=other, depth=depth, message=message)
+
+
+def _outside(room: Room, objects: Sequence[Solid]) -> Iterator[Problem]:
     """Objects with a hull that is neither in the room nor in its entrance or another opening."""
     size = room.size
     spaces = [np.array([(0.0, 0.0, 0.0), size])]
     for hole in (room.entrance, *room.openings):
-        inner, beyond = (
-            size[1 if hole.side in ("front", "back") else 0],
-            PORCH if hole is room.entrance else THICKNESS,
-        )
+        inner = size[1 - wall_axis(hole.side)]
+        beyond = PORCH if hole is room.entrance else THICKNESS
         low, high = (hole.start, -beyond, hole.bottom), (hole.stop, inner, hole.top)
         spaces.append(along_wall(hole.side, size, low, high))
-    problems = []
     for solid in objects:
         low, high = solid.boxes[:, 0], solid.boxes[:, 1]
         past = [np.maximum(space[0] - low, high - space[1]).max(axis=1) for space in spaces]
         beyond = float(np.min(past, axis=0).max())
         if beyond > DEPTH:
             message = f"{solid.id} reaches {1e3 * beyond:.2f} mm out of the room"
-            problems.append(Problem(kind="outside", id=solid.id, other="room", depth=beyond, message=message))
-    return problems
+            yield Problem(kind="outside", id=solid.id, other="room", depth=beyond, message=message)
 
 
-def _blocked_sweeps(placement: Placement, others: Sequence[Solid]) -> list[Problem]:
-    """The first obstacle of each door and drawer."""
+def _blocked_sweeps(placement: Placement, others: Sequence[Solid]) -> Iterator[Problem]:
+    """The obstacles of each door and drawer."""
     package = cached_package(placement.package)
-    problems = []
-    for joint in opening_joints(package):
-        found = _obstacles(package, sweep_joint(package, joint), pose_matrix_of(placement), others)
-        problems += [
-            Problem(
-                kind="sweep", id=placement.id, other=other, depth=depth,
-                message=f"{other} is {1e3 * depth:.1f} mm in the way of {joint.name} of {placement.id}",
-            )
-            for other, depth in found.items()
-        ]  # fmt: skip
-    return problems
+    for sweep in find_sweeps(package):
+        found = _obstacles(package, sweep, pose_matrix_of(placement), others)
+        for other, depth in found.items():
+            message = f"{other} is {1e3 * depth:.1f} mm in the way of {sweep.joint.name} of {placement.id}"
+            yield Problem(kind="sweep", id=placement.id, other=other, depth=depth, message=message)
 
 
 def _obstacles(
@@ -220,11 +208,12 @@ def _obstacles(
     owner = [(solid, index) for solid in others for index in range(len(solid.boxes))]
     boxes, columns = sweep_boxes(package, sweep, T)
     found: dict[str, float] = {}
-    around = np.array([[boxes[..., 0, :].min(axis=(0, 1)), boxes[..., 1, :].max(axis=(0, 1))]])
-    candidates = np.flatnonzero(_meet(around, near)[0])
+    around = bounds_of(boxes.reshape(-1, 2, 3))
+    candidates = np.flatnonzero(_meet(around[None], near)[0])
     if not len(candidates):
         return found
-    for step, column in zip(*np.nonzero(_meet_grid(boxes, near[candidates])), strict=True):
+    meets = _meet(boxes.reshape(-1, 2, 3), near[candidates]).any(axis=1).reshape(boxes.shape[:2])
+    for step, column in np.argwhere(meets):
         index, place = columns[column]
         points = package.links[index].hulls[place].vertices
         ends = np.concatenate([transform_points(T @ sweep.T[at, index], points) for at in (step, step + 1)])
@@ -237,34 +226,17 @@ def _obstacles(
     return found
 
 
-def _meet_grid(boxes: Float[np.ndarray, "S H 2 3"], near: Float[np.ndarray, "M 2 3"]) -> np.ndarray:
-    """Mask (S H) of steps and hulls that come near anything."""
-    steps, hulls = boxes.shape[:2]
-    return _meet(boxes.reshape(-1, 2, 3), near).any(axis=1).reshape(steps, hulls)
-
-
-def _blocked_standing(room: Room, placement: Placement, solids: Sequence[Solid]) -> list[Problem]:
+def _blocked_standing(room: Room, placement: Placement, solids: Sequence[Solid]) -> Iterator[Problem]:
     """Obstacles at the robot's standing places, the object itself included."""
-    problems = []
     radius = room.standing_radius
     for x, y in placement.standing:
         beyond = max(radius - x, radius - y, x + radius - room.size[0], y + radius - room.size[1])
         if beyond > DEPTH:
             message = f"the place to open {placement.id} from reaches {1e3 * beyond:.1f} mm out of the room"
-            problems.append(
-                Problem(kind="standing", id=placement.id, other="room", depth=beyond, message=message)
-            )
-        column = robot_column(x, y, radius)
-        for solid in solids:
-            if not _meet(column.boxes, solid.boxes).any():
-                continue
-            depth = _depth(column.hulls, solid.hulls, 0.0)
-            if depth > DEPTH:
-                message = f"{solid.id} takes {1e3 * depth:.1f} mm of the place to open {placement.id} from"
-                problems.append(
-                    Problem(kind="standing", id=placement.id, other=solid.id, depth=depth, message=message)
-                )
-    return problems
+            yield Problem(kind="standing", id=placement.id, other="room", depth=beyond, message=message)
+        for other, depth in _penetrations(robot_column(x, y, radius), solids):
+            message = f"{other} takes {1e3 * depth:.1f} mm of the place to open {placement.id} from"
+            yield Problem(kind="standing", id=placement.id, other=other, depth=depth, message=message)
 
 
 def robot_column(x: float, y: float, radius: float) -> Solid:
@@ -277,19 +249,18 @@ def robot_column(x: float, y: float, radius: float) -> Solid:
     return make_solid("robot", [convex_hull(points)])
 
 
-def _unreachable(room: Room, solids: Sequence[Solid]) -> list[Problem]:
+def _unreachable(room: Room, solids: Sequence[Solid]) -> Iterator[Problem]:
     """Standing places that are not connected with the entrance, to within two and a half cells."""
     reach = reachable_map(room, solids)
     if not reach.any():
         message = "nothing in the room can be reached from the entrance"
-        return [Problem(kind="unreachable", id="room", other="entrance", depth=0.0, message=message)]
-    problems = []
+        yield Problem(kind="unreachable", id="room", other="entrance", depth=0.0, message=message)
+        return
     for placement in room.placements:
         for point in placement.standing:
             far = way_to(reach, point)
             if far > 2.5 * CELL:
                 message = f"a robot comes no nearer than {far:.2f} m to the place to open {placement.id} from"
-                problems.append(
-                    Problem(kind="unreachable", id=placement.id, other="entrance", depth=far, message=message)
+                yield Problem(
+                    kind="unreachable", id=placement.id, other="entrance", depth=far, message=message
                 )
-    return problems

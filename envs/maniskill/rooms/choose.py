@@ -77,7 +77,6 @@ def choose_units(
     """Units for every wall, or None if the smallest numbers of the shares do not fit.
 
     Args:
-        offers: Available units.
         shares: Number of each role over all walls.
         walls: Usable length of each wall, and whether other runs meet it at both ends.
         rng: Breaks ties.
@@ -165,7 +164,6 @@ def order_units(units: Sequence[Offer], rng: np.random.Generator, corners: Seque
     """Units from one end of a run to the other: tall ones away from corners, the stove away from both ends.
 
     Args:
-        units: Units of one wall.
         rng: Breaks ties.
         corners: Ends (0 first, 1 last) at which another run meets this one.
     """

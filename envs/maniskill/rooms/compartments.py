@@ -19,8 +19,8 @@ from artigen.transforms import inverse
 from sim_export.geometry.contacts import HullSet
 from sim_export.package import Link, SimPackage
 
-from .footprints import cached_package
-from .sweeps import opening_joints, sweep_boxes, sweep_joint
+from .footprints import bounds_of, cached_package
+from .sweeps import find_sweeps, sweep_boxes
 
 CupboardKind = Literal["drawer", "shelf"]
 CUPBOARDS = ("StorageFurniture", "Table", "Refrigerator", "FilingCabinet", "Wardrobe", "Dresser", "Safe")
@@ -57,17 +57,17 @@ def cached_compartments(folder: Path) -> tuple[Compartment, ...]:
 
 def find_compartments(package: SimPackage) -> tuple[Compartment, ...]:
     """All compartments, in the order of links and floors."""
-    moved = {index for joint in opening_joints(package) for index in sweep_joint(package, joint).links}
+    moved = {index for sweep in find_sweeps(package) for index in sweep.links}
     sliding = {
         joint.child for joint in package.joints if joint.type == "prismatic" and abs(joint.axis[2]) < 0.1
     }
-    doors = [_bounds(link) for link in package.links if link.label == "door" and link.hulls]
-    fronts = [np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)]) for boxes in doors]
+    doors = [link for link in package.links if link.label == "door" and link.hulls]
+    fronts = [bounds_of(_bounds(link)) for link in doors]
+    cupboard = package.category in CUPBOARDS
     found: list[Compartment] = []
     for index, link in enumerate(package.links):
         if not link.hulls:
             continue
-        cupboard = package.category in CUPBOARDS
         if link.name in sliding and (link.label == "drawer" or (link.label == "tray" and cupboard)):
             found += _on_floors(package, index, "drawer", [])
         elif index not in moved and cupboard and fronts:
@@ -143,7 +143,7 @@ def _within(floor: Float[np.ndarray, "2 2"], front: Float[np.ndarray, "2 3"]) ->
 
 
 def _bounds(link: Link) -> Float[np.ndarray, "H 2 3"]:
-    return HullSet(hulls=link.hulls).bounds(np.eye(4))
+    return HullSet(hulls=link.hulls).rest_bounds
 
 
 def _floors(link: Link) -> Iterator[tuple[float, Float[np.ndarray, "2 2"]]]:
@@ -167,8 +167,7 @@ def _floors(link: Link) -> Iterator[tuple[float, Float[np.ndarray, "2 2"]]]:
 def _obstacles(package: SimPackage, index: int) -> Float[np.ndarray, "N 2 3"]:
     """Bounds of all hulls in the frame of a link: at rest, and while a joint moves it or them."""
     boxes = [_bounds(link) for link in package.links if link.hulls]
-    for joint in opening_joints(package):
-        sweep = sweep_joint(package, joint)
+    for sweep in find_sweeps(package):
         rides = index in sweep.links
         others = tuple(other for other in range(len(package.links)) if (other in sweep.links) != rides)
         relative = inverse(sweep.T[:, index])[:, None] @ sweep.T
@@ -190,11 +189,10 @@ def _walled(boxes: Float[np.ndarray, "H 2 3"], free: Float[np.ndarray, "2 2"], l
     """Whether walls of a drawer surround a rectangle on its floor."""
     walls = boxes[(boxes[:, 0, 2] < level + RIM) & (boxes[:, 1, 2] > level + RIM)]
     for axis in (0, 1):
-        across = np.minimum(walls[:, 1, 1 - axis], free[1, 1 - axis]) - np.maximum(
-            walls[:, 0, 1 - axis], free[0, 1 - axis]
-        )
+        along, (start, stop) = walls[:, :, 1 - axis], free[:, 1 - axis]
+        across = np.minimum(along[:, 1], stop) - np.maximum(along[:, 0], start)
         for gap in (free[0, axis] - walls[:, 1, axis], walls[:, 0, axis] - free[1, axis]):
             beside = (gap > 0.0) & (gap < 0.05)
-            if np.maximum(across[beside], 0.0).sum() < 0.8 * (free[1, 1 - axis] - free[0, 1 - axis]):
+            if np.maximum(across[beside], 0.0).sum() < 0.8 * (stop - start):
                 return False
     return True

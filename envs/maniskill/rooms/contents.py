@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from artigen.transforms import quat_from_matrix, rotation_about, transform_points
+from artigen.transforms import rotation_about, transform_points
 
 from .check import check_contents
 from .compartments import Compartment, cached_compartments
-from .room import Item, Placement, Room, RoomKind, corner
+from .room import Item, Placement, Room, RoomKind, corner, rounded_quat
 from .things import THINGS, Thing, thing_hulls
 
 VARIETY = 3
@@ -75,7 +75,6 @@ def fill_compartment(
         if (spare < 0.0).any() or not apart.any(axis=1).all():
             continue
         boxes = np.concatenate([boxes, box[None]])
-        w, qx, qy, qz = (round(float(value), 9) + 0.0 for value in quat_from_matrix(T[:3, :3]))
         items.append(
             Item(
                 id=f"{thing.name}_{len(items)}",
@@ -83,7 +82,7 @@ def fill_compartment(
                 holder=holder.id,
                 link=compartment.link,
                 position=corner(np.array([*at, low[2] + LIFT])),
-                quat=(w, qx, qy, qz),
+                quat=rounded_quat(T[:3, :3]),
                 size=(x, y, z),
                 mass=round(thing.density * x * y * z, 4),
                 colors=palette,

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from .arrange import Place, Plan
+from .footprints import bounds_of
 from .pieces import GAP, line_up, move_boxes, shift_boxes
 from .recipes import DOOR
 from .room import THICKNESS, YAWS, turn_matrix
@@ -28,8 +29,7 @@ def hang_door(plan: Plan, chooser: Chooser) -> Plan:
     cluster = line_up("door", [piece])
     turn = turn_matrix(YAWS["front"])
     boxes = move_boxes(cluster.boxes, turn)
-    space = np.concatenate([boxes.bodies, boxes.sweeps, boxes.stands])
-    low, high = space[:, 0].min(axis=0), space[:, 1].max(axis=0)
+    low, high = bounds_of(boxes.all)
     _, width, height = piece.box[1] - piece.box[0]
     free = plan.size[0] - float(high[0] - low[0])
     shift = np.array([chooser.rng.uniform(*AWAY) * free - low[0], 0.0, 0.0])

@@ -15,7 +15,7 @@ from sim_export.files.read import read_package
 from sim_export.geometry.contacts import HullSet
 from sim_export.package import SimPackage
 
-from .sweeps import Sweep, opening_joints, sweep_joint
+from .sweeps import Sweep, find_sweeps
 
 CHUNKS = 8
 """Number of boxes along the sweep of a door; more follow the arc more closely."""
@@ -42,8 +42,6 @@ class Footprint:
     without handles.
     """
 
-    name: str
-    package: SimPackage
     body: Float[np.ndarray, "2 3"]
     solid: Float[np.ndarray, "N 2 3"]
     sweeps: Float[np.ndarray, "K 2 3"]
@@ -75,14 +73,11 @@ def read_footprint(folder: Path) -> Footprint:
 
 def measure_footprint(package: SimPackage) -> Footprint:
     """The footprint of a package."""
-    vertices = [hull.vertices for link in package.links for hull in link.hulls]
-    if not vertices:
+    if not any(link.hulls for link in package.links):
         raise FootprintError(f"package {package.name!r} has no collision shape; it cannot be placed")
-    corners = np.concatenate(vertices)
-    body = np.stack([corners.min(axis=0), corners.max(axis=0)])
+    body = bounds_of(_hull_boxes(package))
     sweeps, fronts = [np.zeros((0, 2, 3))], []
-    for joint in opening_joints(package):
-        sweep = sweep_joint(package, joint)
+    for sweep in find_sweeps(package):
         boxes = swept_slabs(package, sweep)
         if not len(boxes):
             continue
@@ -93,8 +88,6 @@ def measure_footprint(package: SimPackage) -> Footprint:
             fronts.append((float(boxes[:, 0, 0].min()), float(sides.min() + sides.max()) / 2.0))
     face = _face(package)
     return Footprint(
-        name=package.name,
-        package=package,
         body=body,
         solid=_solid_boxes(package, body, face),
         sweeps=np.concatenate(sweeps),
@@ -108,14 +101,17 @@ def _solid_boxes(
     package: SimPackage, body: Float[np.ndarray, "2 3"], face: float
 ) -> Float[np.ndarray, "N 2 3"]:
     """The body behind ``face``, and protrusions in front of it, hull by hull."""
-    boxes = np.concatenate(
-        [HullSet(hulls=link.hulls).bounds(np.eye(4)) for link in package.links if link.hulls]
-    )
+    boxes = _hull_boxes(package)
     behind = body.copy()
     behind[0, 0] = face
     out = boxes[boxes[:, 0, 0] < face - 1e-3]
     out[:, 1, 0] = np.minimum(out[:, 1, 0], face)
     return np.concatenate([behind[None], out])
+
+
+def _hull_boxes(package: SimPackage) -> Float[np.ndarray, "H 2 3"]:
+    """Boxes around the hulls of all links at rest."""
+    return HullSet(hulls=tuple(hull for link in package.links for hull in link.hulls)).rest_bounds
 
 
 def _face(package: SimPackage) -> float:
@@ -133,13 +129,12 @@ def swept_slabs(package: SimPackage, sweep: Sweep) -> Float[np.ndarray, "K 2 3"]
     """Boxes around the space that a sweep passes. The moving geometry is cut into slabs across its width and
     the sweep into steps, so that the part of a door near its hinge takes little room."""
     rest = {index: HullSet(hulls=package.links[index].hulls) for index in sweep.links}
-    own = {index: hulls.bounds(np.eye(4)) for index, hulls in rest.items() if hulls.hulls}  # H 2 3 each
+    own = {index: hulls.rest_bounds for index, hulls in rest.items() if hulls.hulls}  # H 2 3 each
     if not own:
         return np.zeros((0, 2, 3))
-    around = _around(np.concatenate(list(own.values())))
-    joint = next(joint for joint in package.joints if joint.name == sweep.joint)
-    turns = joint.type != "prismatic"  # slabs along the axis of a door would all sweep the same
-    axis = int(np.argmax((around[1] - around[0]) * (1.0 - turns * np.abs(joint.axis))))
+    around = bounds_of(np.concatenate(list(own.values())))
+    turns = sweep.joint.type != "prismatic"  # slabs along the axis of a door would all sweep the same
+    axis = int(np.argmax((around[1] - around[0]) * (1.0 - turns * np.abs(sweep.joint.axis))))
     edges = np.linspace(around[0, axis], around[1, axis], SLABS + 1)
     pieces = np.array_split(np.arange(len(sweep.T) - 1), min(CHUNKS, len(sweep.T) - 1))
     out = []
@@ -150,7 +145,7 @@ def swept_slabs(package: SimPackage, sweep: Sweep) -> Float[np.ndarray, "K 2 3"]
             continue
         span = np.stack([bounds[:, :, 0].min(axis=1), bounds[:, :, 1].max(axis=1)], axis=1)  # P 2 3
         for piece in pieces:
-            box = _around(span[piece[0] : piece[-1] + 2])
+            box = bounds_of(span[piece[0] : piece[-1] + 2])
             out.append(box + np.array([[-sweep.slack], [sweep.slack]]))
     return np.array(out).reshape(-1, 2, 3)
 
@@ -172,13 +167,14 @@ def _moved_slab(
     return np.stack([moved.min(axis=2), moved.max(axis=2)], axis=2)
 
 
-def _around(boxes: Float[np.ndarray, "N 2 3"]) -> Float[np.ndarray, "2 3"]:
+def bounds_of(boxes: Float[np.ndarray, "N 2 3"]) -> Float[np.ndarray, "2 3"]:
+    """The box around boxes."""
     return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
 
 def _level_tops(package: SimPackage, height: float) -> tuple[Float[np.ndarray, "V 2"], ...]:
     """Outlines of the level faces at ``height`` of links that do not move."""
-    moved = {index for joint in opening_joints(package) for index in sweep_joint(package, joint).links}
+    moved = {index for sweep in find_sweeps(package) for index in sweep.links}
     tops = []
     for index, link in enumerate(package.links):
         if index in moved:
@@ -195,9 +191,8 @@ def _level_tops(package: SimPackage, height: float) -> tuple[Float[np.ndarray, "
 def is_level(folder: Path, end: Literal["bottom", "top"]) -> bool:
     """Whether at least half of an object's underside is level (it has no legs), or of its top (no rails for a
     worktop that is laid on later)."""
-    hulls = [hull.vertices for link in cached_package(folder).links for hull in link.hulls]
-    boxes = np.array([(corners.min(axis=0), corners.max(axis=0)) for corners in hulls])
-    around, at = _around(boxes), int(end == "top")
+    boxes = _hull_boxes(cached_package(folder))
+    around, at = bounds_of(boxes), int(end == "top")
     outer = boxes[np.abs(boxes[:, at, 2] - around[at, 2]) < LEVEL]
     level = (outer[:, 1] - outer[:, 0])[:, :2].prod(axis=1).sum()
     return bool(level >= 0.5 * (around[1] - around[0])[:2].prod())
@@ -231,7 +226,6 @@ def standing_places(
     """Centres (object frame) of discs in front of the open parts; empty for radius 0.
 
     Args:
-        footprint: The object.
         radius: Radius of the disc, metres.
         front: x of the front of the object's support, if that protrudes farther.
     """

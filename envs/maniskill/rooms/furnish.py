@@ -115,7 +115,7 @@ def _draw_window(entry: Entry, role: str, chooser: Chooser, sunk: float, height:
 
 
 def _cluster(group: Group, pieces: list[Piece], chooser: Chooser) -> Cluster:
-    if group.rows == 2 and len(pieces) > 1:
+    if group.double and len(pieces) > 1:
         half = (len(pieces) + 1) // 2
         return back_to_back(group.name, line_up("near", pieces[:half]), line_up("far", pieces[half:]))
     flipped = chooser.rng.random() < 0.5

@@ -7,7 +7,8 @@ from .choose import TALL, Offer, Wall, choose_units
 from .footprints import is_level
 from .pieces import line_up
 from .recipes import Share
-from .runs import Chooser, count_objects, member_boxes
+from .room import Side, wall_axis
+from .runs import Chooser, count_objects, member_boxes, runs_of
 
 HUNG_HEIGHT = 1.45
 """Height (m) of the undersides of wall cabinets above the floor."""
@@ -16,31 +17,28 @@ HUNG_HEIGHT = 1.45
 def hang_cabinets(plan: Plan, share: Share, chooser: Chooser) -> Plan:
     """The plan with wall cabinets above low stretches of its runs, except above the stove."""
     entries = [entry for entry in chooser.shortlists[share.role.name] if is_level(entry.folder, "bottom")]
-    stretches = [
-        (place, stretch)
-        for place in plan.places
-        if place.side is not None and place.cluster.name == place.side
-        for stretch in _low_stretches(place)
+    stretches: list[tuple[Side, float, tuple[float, float]]] = [
+        (side, run.cluster.depth, stretch)
+        for side, run in runs_of(plan).items()
+        for stretch in _low_stretches(side, run)
     ]
     if not entries or not stretches:
         return plan
-    walls = [Wall(length=stop - start) for _, (start, stop) in stretches]
+    walls = [Wall(length=stop - start) for _, _, (start, stop) in stretches]
     offers = [Offer(share=0, entry=entry) for entry in entries]
     room_left = max(0, min(share.most, chooser.most - count_objects(plan)))
-    asked = Share(role=share.role, least=0, wanted=min(share.wanted, room_left), most=room_left)
+    asked = Share(role=share.role, wanted=min(share.wanted, room_left), most=room_left)
     chosen = choose_units(offers, [asked], walls, chooser.rng) or []
-    for (run, (start, stop)), units in zip(stretches, chosen, strict=False):
+    for (side, depth, (start, stop)), units in zip(stretches, chosen, strict=False):
         while units:
             pieces = []
             for unit in units:
-                back = unit.entry.size[0] / 2.0
-                front = back - run.cluster.depth
+                front = unit.entry.size[0] / 2.0 - depth
                 pieces.append(chooser.piece(unit.entry, share.role.name, front, HUNG_HEIGHT))
             cluster = line_up("hung", pieces, HUNG_HEIGHT)
-            assert run.side is not None
             middle = (start + stop - cluster.length) / 2.0
             starts = np.array([middle, start, stop - cluster.length])
-            places = wall_places(plan, cluster, run.side, starts[starts >= start - 0.01])
+            places = wall_places(plan, cluster, side, starts[starts >= start - 0.01])
             taste = Taste(entrance=0.0, noise=0.0)
             place = best_place(plan, places, taste, chooser.rng)
             if place is not None:
@@ -50,12 +48,12 @@ def hang_cabinets(plan: Plan, share: Share, chooser: Chooser) -> Plan:
     return plan
 
 
-def _low_stretches(place: Place) -> list[tuple[float, float]]:
+def _low_stretches(side: Side, run: Place) -> list[tuple[float, float]]:
     """Intervals along the wall over which every unit is low and none is a stove."""
-    axis = 0 if place.side in ("front", "back") else 1
+    axis = wall_axis(side)
     spans = sorted(
         (float(box[0, axis]), float(box[1, axis]), member.piece.role != "range" and box[1, 2] <= TALL)
-        for box, member in zip(member_boxes(place), place.cluster.members, strict=True)
+        for box, member in zip(member_boxes(run), run.cluster.members, strict=True)
     )
     stretches: list[tuple[float, float]] = []
     for start, stop, low in spans:

@@ -1,7 +1,7 @@
 """Loads objects of a room into a ManiSkill scene: furniture fixed in place, its joints with friction in SI
 units, and loose contents."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sapien
@@ -24,17 +24,8 @@ _ALONG_Z = np.array([[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 0.0
 
 
 def load_placement(scene: "ManiSkillScene", placement: Placement, name: str, index: int) -> "Articulation":
-    """Builds an object at its place in one of the parallel scenes, all joints at 0.
-
-    Args:
-        scene: ManiSkill scene; visuals are built only if it can render.
-        placement: Package and pose.
-        name: Unique name in the scene.
-        index: Index of the parallel scene.
-
-    Raises:
-        LoadError: If the engine loses a collision shape.
-    """
+    """Builds an object at its place in one of the parallel scenes, all joints at 0; raises `LoadError` if the
+    engine loses a collision shape."""
     pose = Pose.create(sapien.Pose(p=list(placement.position), q=list(placement.quat)))
     return load_placed(scene, placement.package, cached_package(placement.package), name, index, pose)
 
@@ -46,26 +37,19 @@ def load_item(scene: "ManiSkillScene", room: Room, item: Item, name: str, index:
     solids = thing_solids(item.thing, item.size)
     volume = sum(_volume(solid) for solid, _ in solids)
     for solid, color in solids:
-        paint = None
+        shape: dict[str, Any]
+        if solid.kind == "box":
+            collide, show, T = builder.add_box_collision, builder.add_box_visual, solid.T_object_shape
+            shape = {"half_size": tuple(edge / 2.0 for edge in solid.sizes)}
+        else:
+            collide, show = builder.add_cylinder_collision, builder.add_cylinder_visual
+            T = solid.T_object_shape @ _ALONG_Z
+            shape = {"radius": solid.sizes[0], "half_length": solid.sizes[1] / 2.0}
+        pose = sapien.Pose(T)
+        collide(pose=pose, material=material, density=item.mass / volume, **shape)
         if scene.can_render():
             paint = sapien.render.RenderMaterial(base_color=[*item.colors[color], 1.0])
-        pose = sapien.Pose(
-            solid.T_object_shape @ _ALONG_Z if solid.kind == "cylinder" else solid.T_object_shape
-        )
-        physics = {"pose": pose, "material": material, "density": item.mass / volume}
-        if solid.kind == "box":
-            x, y, z = (edge / 2.0 for edge in solid.sizes)
-            half = (x, y, z)
-            builder.add_box_collision(half_size=half, **physics)
-            if paint is not None:
-                builder.add_box_visual(pose=pose, half_size=half, material=paint)
-        else:
-            radius, length = solid.sizes
-            builder.add_cylinder_collision(radius=radius, half_length=length / 2.0, **physics)
-            if paint is not None:
-                builder.add_cylinder_visual(
-                    pose=pose, radius=radius, half_length=length / 2.0, material=paint
-                )
+            show(pose=pose, material=paint, **shape)
     builder.set_scene_idxs([index])
     builder.initial_pose = item_pose(room, item)
     return builder.build(name=name)

@@ -7,8 +7,9 @@ from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
 from .room import ROBOT_HEIGHT, Room, along_wall
-from .solids import Solid, fixture_solids, place_solid
+from .solids import Solid, fixture_solids, object_solids
 
+Point = Sequence[float] | Float[np.ndarray, "2"]
 CELL = 0.05
 """Edge of a cell (m)."""
 
@@ -49,15 +50,18 @@ def reachable_map(room: Room, solids: Sequence[Solid]) -> Bool[np.ndarray, "X Y"
     free = np.argwhere(regions > 0)
     if not len(free):
         return np.zeros(regions.shape, dtype=bool)
-    away = np.linalg.norm((free + 0.5) * CELL - entrance_point(room), axis=1)
-    x, y = free[int(np.argmin(away))]
+    x, y = free[int(np.argmin(_distances(free, entrance_point(room))))]
     return regions == regions[x, y]
 
 
-def way_to(reach: Bool[np.ndarray, "X Y"], point: Sequence[float]) -> float:
+def way_to(reach: Bool[np.ndarray, "X Y"], point: Point) -> float:
     """Distance (m) from a point to the nearest reachable cell."""
-    cells = np.argwhere(reach)
-    return float(np.linalg.norm((cells + 0.5) * CELL - np.asarray(point), axis=1).min())
+    return float(_distances(np.argwhere(reach), point).min())
+
+
+def _distances(cells: Int[np.ndarray, "N 2"], point: Point) -> Float[np.ndarray, "N"]:
+    """Distances (m) of the centres of cells from a point."""
+    return np.linalg.norm((cells + 0.5) * CELL - np.asarray(point), axis=1)
 
 
 def start_place(room: Room) -> tuple[float, float]:
@@ -66,10 +70,8 @@ def start_place(room: Room) -> tuple[float, float]:
     Raises:
         ValueError: If there is none.
     """
-    solids = [place_solid(placement) for placement in room.placements]
-    cells = np.argwhere(reachable_map(room, [*solids, *fixture_solids(room)]))
+    cells = np.argwhere(reachable_map(room, object_solids(room) + fixture_solids(room)))
     if not len(cells):
         raise ValueError(f"no free place for a robot in the {room.kind}")
-    middles = (cells + 0.5) * CELL
-    x, y = middles[int(np.argmin(np.linalg.norm(middles - entrance_point(room), axis=1)))]
-    return float(x), float(y)
+    x, y = cells[int(np.argmin(_distances(cells, entrance_point(room))))]
+    return float((x + 0.5) * CELL), float((y + 0.5) * CELL)

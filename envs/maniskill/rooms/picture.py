@@ -6,7 +6,6 @@ outlined in green.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -26,48 +25,39 @@ from sim_export.picture.render import move_surface, render_scene, surface_from_m
 from .footprints import cached_package, outline_of, read_footprint
 from .room import Fixture, Item, Placement, Room, Side, from_wall, pose_matrix_of
 from .solids import item_hulls, item_motion, item_solid, place_solid
-from .sweeps import opening_joints, sweep_joint
+from .sweeps import find_sweeps
 from .things import thing_solids
 
-
-@dataclass(frozen=True, kw_only=True)
-class RoomPictureConfig:
-    """Parameters of room pictures."""
-
-    azimuth: float = 62.0
-    """Degrees from the left (or right) wall towards the wall with the entrance: 90 looks straight in."""
-    elevation: float = 34.0
-    """Degrees above the horizon."""
-    width: int = 1100
-    """Width of the dollhouse view in pixels."""
-    height: int = 760
-    """Height of the dollhouse view in pixels."""
-    scale: float = 120.0
-    """Pixels per metre of the plan."""
-    render: RenderConfig = field(
-        default_factory=lambda: RenderConfig(
-            ground=False, occlusion_reach=0.12, light_direction=(-0.35, -0.55, 0.9), light_radius=0.25
-        )
-    )
-    """Light and sampling."""
+AZIMUTH = 62.0
+"""Degrees from the left (or right) wall towards the wall with the entrance: 90 looks straight in."""
+ELEVATION = 34.0
+"""Degrees above the horizon."""
+WIDTH, HEIGHT = 1100, 760
+"""Size of the dollhouse view in pixels."""
+SCALE = 120.0
+"""Pixels per metre of the plan."""
+MARGIN = 0.3
+"""Distance (m) around the room in the plan."""
+RENDER = RenderConfig(
+    ground=False, occlusion_reach=0.12, light_direction=(-0.35, -0.55, 0.9), light_radius=0.25
+)
 
 
-def draw_room(room: Room, cfg: RoomPictureConfig | None = None) -> UInt8[np.ndarray, "H W 3"]:
+def draw_room(room: Room) -> UInt8[np.ndarray, "H W 3"]:
     """The room seen from above its entrance, without the front walls and the ceiling."""
-    cfg = cfg or RoomPictureConfig()
     side = _emptier_side(room)
     hidden = tuple(f"wall_{wall}" for wall in ("front", side))
-    azimuth = -cfg.azimuth if side == "left" else cfg.azimuth - 180.0
+    azimuth = -AZIMUTH if side == "left" else AZIMUTH - 180.0
     packages = {place.package: read_package(place.package) for place in room.placements}
     shown = [place for place in room.placements if not _hangs_in(room, place, ("front", side))]
     surfaces = [surface for place in shown for surface in placement_surfaces(place, packages[place.package])]
     surfaces += [surface for item in room.contents for surface in item_surfaces(room, item)]
     surfaces += [fixture_surface(fixture) for fixture in room.fixtures if not fixture.name.startswith(hidden)]
     viewpoint = Viewpoint(
-        azimuth=azimuth, elevation=cfg.elevation, fov=30.0, margin=0.02, width=cfg.width, height=cfg.height
+        azimuth=azimuth, elevation=ELEVATION, fov=30.0, margin=0.02, width=WIDTH, height=HEIGHT
     )
     camera = frame_points(surface_points(surfaces), viewpoint)
-    return render_scene(surfaces, camera, cfg.render)
+    return render_scene(surfaces, camera, RENDER)
 
 
 def _emptier_side(room: Room) -> Side:
@@ -112,18 +102,16 @@ def fixture_surface(fixture: Fixture) -> Surface:
     return surface_from_mesh(mesh, crease=0.0)
 
 
-def draw_plan(room: Room, cfg: RoomPictureConfig | None = None) -> UInt8[np.ndarray, "H W 3"]:
+def draw_plan(room: Room) -> UInt8[np.ndarray, "H W 3"]:
     """The floor plan: outlines of all hulls from above, sweeps, standing places and ids."""
     from PIL import Image, ImageDraw, ImageFont
 
-    cfg = cfg or RoomPictureConfig()
-    edge = 0.3
-    width, depth = (int((side + 2 * edge) * cfg.scale) for side in room.size[:2])
+    width, depth = (int((side + 2 * MARGIN) * SCALE) for side in room.size[:2])
     picture = Image.new("RGB", (width, depth), (250, 250, 248))
     draw = ImageDraw.Draw(picture, "RGBA")
 
     def pixel(points: Float[np.ndarray, "N 2"]) -> list[tuple[float, float]]:
-        x, y = (points[:, 0] + edge) * cfg.scale, depth - (points[:, 1] + edge) * cfg.scale
+        x, y = (points[:, 0] + MARGIN) * SCALE, depth - (points[:, 1] + MARGIN) * SCALE
         return list(zip(x.tolist(), y.tolist(), strict=True))
 
     for fixture in room.fixtures:
@@ -173,8 +161,7 @@ def _sweep_outlines(placement: Placement) -> list[Float[np.ndarray, "V 2"]]:
     package = cached_package(placement.package)
     T = pose_matrix_of(placement)
     outlines = []
-    for joint in opening_joints(package):
-        sweep = sweep_joint(package, joint)
+    for sweep in find_sweeps(package):
         for step in np.linspace(0, len(sweep.T) - 1, 7).astype(int):
             points = [
                 transform_points(T @ sweep.T[step, index], hull.vertices)

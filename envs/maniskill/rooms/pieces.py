@@ -4,14 +4,16 @@ A cluster's frame is like an object's: fronts face -x, backs are at x = 0, y run
 up from the floor. Boxes are rows (low, high), metres.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float
 
+from artigen.transforms import transform_points
+
 from .catalogue import Entry
-from .footprints import Footprint, read_footprint, standing_places
+from .footprints import Footprint, bounds_of, read_footprint, standing_places
 from .room import ROBOT_HEIGHT, turn_matrix
 
 GAP = 0.003
@@ -34,13 +36,26 @@ BED_PARTS = (
 BED_WIDTH = 1.6
 
 
+def _none() -> Float[np.ndarray, "0 2 3"]:
+    return np.zeros((0, 2, 3))
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Boxes:
     """``bodies`` are solid; ``sweeps`` and ``stands`` must stay free of other bodies."""
 
     bodies: Float[np.ndarray, "N 2 3"]
-    sweeps: Float[np.ndarray, "K 2 3"]
-    stands: Float[np.ndarray, "S 2 3"]
+    sweeps: Float[np.ndarray, "K 2 3"] = field(default_factory=_none)
+    stands: Float[np.ndarray, "S 2 3"] = field(default_factory=_none)
+
+    @property
+    def all(self) -> Float[np.ndarray, "A 2 3"]:
+        """The boxes of all three kinds."""
+        return np.concatenate([self.bodies, self.sweeps, self.stands])
+
+    def change(self, function: Callable[[np.ndarray], np.ndarray]) -> "Boxes":
+        """Applies a function to the boxes of each kind."""
+        return Boxes(bodies=function(self.bodies), sweeps=function(self.sweeps), stands=function(self.stands))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,7 +74,7 @@ class Piece:
     @property
     def box(self) -> Float[np.ndarray, "2 3"]:
         """Bounds of the body."""
-        return np.stack([self.boxes.bodies[:, 0].min(axis=0), self.boxes.bodies[:, 1].max(axis=0)])
+        return bounds_of(self.boxes.bodies)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -106,34 +121,30 @@ def make_bed() -> Piece:
     """A double bed of boxes, its head at x = 0."""
     scale = np.array([1.0, BED_WIDTH, 1.0])
     bodies = np.array([[low, high] for _, low, high, _ in BED_PARTS]) * scale
-    empty = np.zeros((0, 2, 3))
-    return Piece(role="bed", entry=None, boxes=Boxes(bodies=bodies, sweeps=empty, stands=empty), face=-0.07)
+    return Piece(role="bed", entry=None, boxes=Boxes(bodies=bodies), face=-0.07)
 
 
 def move_boxes(boxes: Boxes, T: Float[np.ndarray, "4 4"]) -> Boxes:
     """Moves boxes by quarter turns and a translation."""
-    return Boxes(
-        bodies=_moved(boxes.bodies, T), sweeps=_moved(boxes.sweeps, T), stands=_moved(boxes.stands, T)
-    )
+
+    def moved(rows: Float[np.ndarray, "N 2 3"]) -> Float[np.ndarray, "N 2 3"]:
+        corners = transform_points(T, rows)
+        return np.stack([corners.min(axis=1), corners.max(axis=1)], axis=1)
+
+    return boxes.change(moved)
 
 
 def shift_boxes(boxes: Boxes, shift: Float[np.ndarray, "3"]) -> Boxes:
     """Translates boxes, which is much cheaper."""
-    return Boxes(bodies=boxes.bodies + shift, sweeps=boxes.sweeps + shift, stands=boxes.stands + shift)
-
-
-def _moved(boxes: np.ndarray, T: np.ndarray) -> np.ndarray:
-    corners = boxes @ T[:3, :3].T + T[:3, 3]
-    return np.stack([corners.min(axis=1), corners.max(axis=1)], axis=1)
+    return boxes.change(lambda rows: rows + shift)
 
 
 def join_boxes(parts: Sequence[Boxes]) -> Boxes:
     """Concatenates boxes."""
-    empty = np.zeros((0, 2, 3))
     return Boxes(
-        bodies=np.concatenate([empty, *(part.bodies for part in parts)]),
-        sweeps=np.concatenate([empty, *(part.sweeps for part in parts)]),
-        stands=np.concatenate([empty, *(part.stands for part in parts)]),
+        bodies=np.concatenate([_none(), *(part.bodies for part in parts)]),
+        sweeps=np.concatenate([_none(), *(part.sweeps for part in parts)]),
+        stands=np.concatenate([_none(), *(part.stands for part in parts)]),
     )
 
 
@@ -141,8 +152,7 @@ def overlap(first: Float[np.ndarray, "N 2 3"], second: Float[np.ndarray, "M 2 3"
     """Whether a box of one set overlaps a box of the other."""
     if not len(first) or not len(second):
         return False
-    around = np.stack([first[:, 0].min(axis=0), first[:, 1].max(axis=0)])[None]
-    near = second[_shared(around, second)[0]]  # most boxes of a room are elsewhere
+    near = second[_shared(bounds_of(first)[None], second)[0]]  # most boxes of a room are elsewhere
     return bool(_shared(first, near).any())
 
 
@@ -169,7 +179,6 @@ def line_up(name: str, pieces: Sequence[Piece], height: float | None = None) -> 
     of them open.
 
     Args:
-        name: Name of the cluster.
         pieces: At least one piece.
         height: Height of the undersides above the floor; None places them on it.
     """

@@ -38,7 +38,7 @@ class Share:
     """
 
     role: Role
-    least: int
+    least: int = 0
     wanted: int
     most: int
     on: tuple[str, ...] = ()
@@ -46,17 +46,15 @@ class Share:
 
 @dataclass(frozen=True, kw_only=True)
 class Group:
-    """Pieces side by side, backs in one line; ``bed`` among ``roles`` is a bed made of boxes.
-
-    ``rows``: 1 along a wall or free-standing, 2 back to back.
-    """
+    """Pieces side by side, backs in one line; ``bed`` among ``roles`` is a bed made of boxes."""
 
     name: str
     roles: tuple[str, ...]
     count: tuple[int, int]
     """Smallest and largest number; surplus pieces are dropped if they do not fit."""
     where: Where = "wall"
-    rows: int = 1
+    double: bool = False
+    """Two rows back to back instead of one."""
     like: Literal["corner", "middle", "anywhere"] = "anywhere"
     near: str | None = None
     """A group to be close to."""
@@ -82,10 +80,6 @@ class Recipe:
     roles: tuple[Role, ...] = ()
     tops: tuple[Share, ...] = ()
     wall_color: tuple[float, float, float] = (0.90, 0.89, 0.86)
-
-    def role(self, name: str) -> Role:
-        """The role with that name; raises `KeyError`."""
-        return {role.name: role for role in self.all_roles}[name]
 
     @property
     def all_roles(self) -> tuple[Role, ...]:
@@ -139,12 +133,9 @@ PEDESTAL = _role(
     "pedestal", STORAGE, (0.3, 0.28, 0.38), (0.66, 0.66, 0.86), draws=((STORAGE, (0.5, 0.42, 0.6)),)
 )
 FILING = _role(
-    "filing cabinet",
-    f"FilingCabinet {STORAGE}",
-    (0.3, 0.3, 0.7),
-    (0.7, 1.7, 1.7),
+    "filing cabinet", f"FilingCabinet {STORAGE}", (0.3, 0.3, 0.7), (0.7, 1.7, 1.7),
     draws=((STORAGE, (0.45, 0.8, 1.1)), ("FilingCabinet", (0, 0, 1.3))),
-)
+)  # fmt: skip
 BOOKCASE = _role("bookcase", STORAGE, (0.25, 0.4, 1.4), (0.7, 1.7, 2.3), draws=((STORAGE, (0.38, 0.9, 1.9)),))
 SIDEBOARD = _role(
     "sideboard", STORAGE, (0.3, 0.7, 0.55), (0.6, 2.0, 0.98), draws=((STORAGE, (0.42, 1.3, 0.8)),)
@@ -175,26 +166,17 @@ LOW_TABLE = _role(
     "low table", "Table", (0.4, 0.65, 0.28), (0.9, 1.4, 0.56), draws=(("Table", (0.55, 1.0, 0.42)),)
 )
 NIGHTSTAND = _role(
-    "nightstand",
-    f"{STORAGE} Table",
-    (0.28, 0.3, 0.38),
-    (0.52, 0.66, 0.72),
+    "nightstand", f"{STORAGE} Table", (0.28, 0.3, 0.38), (0.52, 0.66, 0.72),
     draws=((STORAGE, (0.4, 0.45, 0.55)),),
-)
+)  # fmt: skip
 WARDROBE = _role(
-    "wardrobe",
-    f"Wardrobe {STORAGE}",
-    (0.35, 0.45, 1.4),
-    (0.75, 1.8, 2.4),
+    "wardrobe", f"Wardrobe {STORAGE}", (0.35, 0.45, 1.4), (0.75, 1.8, 2.4),
     draws=((STORAGE, (0.6, 1.2, 2.1)), ("Wardrobe", (0, 1.2, 0))),
-)
+)  # fmt: skip
 DRESSER = _role(
-    "dresser",
-    f"Dresser {STORAGE}",
-    (0.35, 0.6, 0.6),
-    (0.7, 1.8, 1.4),
+    "dresser", f"Dresser {STORAGE}", (0.35, 0.6, 0.6), (0.7, 1.8, 1.4),
     draws=((STORAGE, (0.48, 1.0, 0.9)), ("Dresser", (0, 1.2, 0))),
-)
+)  # fmt: skip
 LOWBOARD = _role(
     "lowboard", STORAGE, (0.3, 0.8, 0.34), (0.6, 2.0, 0.78), draws=((STORAGE, (0.42, 1.4, 0.5)),)
 )
@@ -210,26 +192,26 @@ KITCHEN = Recipe(
     shares=(
         Share(role=FRIDGE, least=1, wanted=1, most=1),
         Share(role=RANGE, least=1, wanted=1, most=1),
-        Share(role=DISHWASHER, least=0, wanted=1, most=1),
-        Share(role=WASHER, least=0, wanted=1, most=1),
-        Share(role=SINK, least=0, wanted=1, most=1),
+        Share(role=DISHWASHER, wanted=1, most=1),
+        Share(role=WASHER, wanted=1, most=1),
+        Share(role=SINK, wanted=1, most=1),
         Share(role=BASE, least=2, wanted=6, most=10),
-        Share(role=LARDER, least=0, wanted=1, most=2),
+        Share(role=LARDER, wanted=1, most=2),
     ),
-    hung=Share(role=HUNG, least=0, wanted=5, most=8),
+    hung=Share(role=HUNG, wanted=5, most=8),
     groups=(
-        Group(name="island", roles=("island",), count=(0, 1), where="middle", rows=1, like="middle"),
-        Group(name="table", roles=("table",), count=(0, 1), where="middle", like="anywhere"),
+        Group(name="island", roles=("island",), count=(0, 1), where="middle", like="middle"),
+        Group(name="table", roles=("table",), count=(0, 1), where="middle"),
         Group(name="cart", roles=("cart",), count=(0, 1), like="corner"),
         Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
     ),
     roles=(ISLAND, DINING, CART, BIN, DOOR, WINDOW),
     tops=(
-        Share(role=MICROWAVE, least=0, wanted=2, most=2),
-        Share(role=TABLE_OVEN, least=0, wanted=1, most=1),
-        Share(role=TOASTER, least=0, wanted=1, most=1, on=COUNTERS),
-        Share(role=BREAD, least=0, wanted=1, most=1, on=COUNTERS),
-        Share(role=POT, least=0, wanted=2, most=2, on=(*COUNTERS, "table")),
+        Share(role=MICROWAVE, wanted=2, most=2),
+        Share(role=TABLE_OVEN, wanted=1, most=1),
+        Share(role=TOASTER, wanted=1, most=1, on=COUNTERS),
+        Share(role=BREAD, wanted=1, most=1, on=COUNTERS),
+        Share(role=POT, wanted=2, most=2, on=(*COUNTERS, "table")),
     ),
     wall_color=(0.90, 0.90, 0.87),
 )
@@ -240,9 +222,9 @@ OFFICE = Recipe(
     depth=(4.6, 6.0),
     needed=(DESK, PEDESTAL, BOOKCASE),
     groups=(
-        Group(name="desks", roles=("desk", "pedestal"), count=(2, 3), like="anywhere"),
+        Group(name="desks", roles=("desk", "pedestal"), count=(2, 3)),
         Group(name="bookcases", roles=("bookcase", "bookcase"), count=(1, 2), like="corner"),
-        Group(name="team", roles=("desk", "desk"), count=(0, 1), where="middle", rows=2, like="middle"),
+        Group(name="team", roles=("desk", "desk"), count=(0, 1), where="middle", double=True, like="middle"),
         Group(name="filing", roles=("filing cabinet", "filing cabinet"), count=(0, 2), like="corner"),
         Group(name="sideboard", roles=("sideboard",), count=(0, 1), like="middle"),
         Group(name="safe", roles=("safe",), count=(0, 1), like="corner"),
@@ -252,12 +234,10 @@ OFFICE = Recipe(
     ),
     roles=(DESK, PEDESTAL, BOOKCASE, FILING, SIDEBOARD, SAFE, SMALL_FRIDGE, CART, BIN, DOOR, WINDOW),
     tops=(
-        Share(role=LAPTOP, least=0, wanted=3, most=3, on=("desk",)),
-        Share(role=LAMP, least=0, wanted=2, most=2, on=("desk",)),
-        Share(
-            role=PRINTER, least=0, wanted=1, most=1, on=("filing cabinet", "sideboard", "pedestal", "desk")
-        ),
-        Share(role=MICROWAVE, least=0, wanted=1, most=1, on=("sideboard", "filing cabinet")),
+        Share(role=LAPTOP, wanted=3, most=3, on=("desk",)),
+        Share(role=LAMP, wanted=2, most=2, on=("desk",)),
+        Share(role=PRINTER, wanted=1, most=1, on=("filing cabinet", "sideboard", "pedestal", "desk")),
+        Share(role=MICROWAVE, wanted=1, most=1, on=("sideboard", "filing cabinet")),
     ),
     wall_color=(0.88, 0.90, 0.91),
 )
@@ -270,37 +250,26 @@ BEDROOM = Recipe(
     groups=(
         Group(name="bed", roles=("nightstand", "bed", "nightstand"), count=(1, 1), like="middle"),
         Group(name="wardrobes", roles=("wardrobe", "wardrobe"), count=(1, 1), like="corner"),
-        Group(name="dresser", roles=("dresser",), count=(1, 2), like="anywhere"),
-        Group(name="desk", roles=("desk", "pedestal"), count=(0, 1), like="anywhere"),
+        Group(name="dresser", roles=("dresser",), count=(1, 2)),
+        Group(name="desk", roles=("desk", "pedestal"), count=(0, 1)),
         Group(name="lowboard", roles=("lowboard",), count=(0, 1), like="middle"),
         Group(name="bookcase", roles=("bookcase",), count=(0, 1), like="corner"),
-        Group(name="chest", roles=("pedestal", "pedestal"), count=(0, 1), like="anywhere"),
+        Group(name="chest", roles=("pedestal", "pedestal"), count=(0, 1)),
         Group(name="safe", roles=("safe",), count=(0, 1), like="corner"),
-        Group(name="low table", roles=("low table",), count=(0, 1), where="middle", like="anywhere"),
+        Group(name="low table", roles=("low table",), count=(0, 1), where="middle"),
         Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
         Group(name="suitcase", roles=("suitcase",), count=(0, 1), like="corner"),
     ),
     roles=(
-        NIGHTSTAND,
-        WARDROBE,
-        DRESSER,
-        DESK,
-        PEDESTAL,
-        LOWBOARD,
-        BOOKCASE,
-        SAFE,
-        LOW_TABLE,
-        BIN,
-        LUGGAGE,
-        DOOR,
-        WINDOW,
+        NIGHTSTAND, WARDROBE, DRESSER, DESK, PEDESTAL, LOWBOARD, BOOKCASE, SAFE, LOW_TABLE, BIN, LUGGAGE,
+        DOOR, WINDOW,
     ),
     tops=(
-        Share(role=LAMP, least=0, wanted=1, most=1, on=("desk", "dresser")),
-        Share(role=LAPTOP, least=0, wanted=1, most=1, on=("desk", "dresser")),
+        Share(role=LAMP, wanted=1, most=1, on=("desk", "dresser")),
+        Share(role=LAPTOP, wanted=1, most=1, on=("desk", "dresser")),
     ),
     wall_color=(0.91, 0.88, 0.85),
-)
+)  # fmt: skip
 
 BATHROOM = Recipe(
     kind="bathroom",
@@ -310,12 +279,12 @@ BATHROOM = Recipe(
     groups=(
         Group(name="toilet", roles=("toilet",), count=(1, 1), like="corner"),
         Group(name="laundry", roles=("washing machine", "dryer"), count=(1, 1), like="corner"),
-        Group(name="cupboards", roles=("nightstand", "nightstand"), count=(1, 2), like="anywhere"),
+        Group(name="cupboards", roles=("nightstand", "nightstand"), count=(1, 2)),
         Group(name="linen", roles=("bookcase",), count=(0, 1), like="corner"),
-        Group(name="dresser", roles=("dresser",), count=(0, 1), like="anywhere"),
+        Group(name="dresser", roles=("dresser",), count=(0, 1)),
         Group(name="bin", roles=("bin",), count=(0, 2), like="corner", near="toilet"),
         Group(name="crates", roles=("crate",), count=(0, 2), like="corner"),
-        Group(name="cart", roles=("cart",), count=(0, 1), like="anywhere"),
+        Group(name="cart", roles=("cart",), count=(0, 1)),
     ),
     roles=(TOILET, WASHER, DRYER, NIGHTSTAND, BOOKCASE, DRESSER, BIN, CRATE, CART, DOOR, WINDOW),
     wall_color=(0.86, 0.91, 0.92),
@@ -332,15 +301,15 @@ WORKSHOP = Recipe(
         Group(name="tools", roles=("tool chest",), count=(0, 1), where="middle"),  # its lid leans out behind
         Group(name="shelves", roles=("bookcase", "bookcase"), count=(0, 2), like="corner"),
         Group(name="freezer", roles=("chest freezer",), count=(0, 1), like="corner"),
-        Group(name="carts", roles=("cart",), count=(0, 2), like="anywhere"),
-        Group(name="crates", roles=("crate", "crate"), count=(0, 2), like="anywhere"),
+        Group(name="carts", roles=("cart",), count=(0, 2)),
+        Group(name="crates", roles=("crate", "crate"), count=(0, 2)),
         Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
         Group(name="safe", roles=("safe",), count=(0, 1), like="corner"),
     ),
     roles=(DESK, TOOL_CHEST, FILING, BOOKCASE, FREEZER, CART, CRATE, BIN, SAFE, DOOR, WINDOW),
     tops=(
-        Share(role=TOOL_BOX, least=0, wanted=3, most=3, on=("desk", "filing cabinet")),
-        Share(role=LAMP, least=0, wanted=1, most=1, on=("desk",)),
+        Share(role=TOOL_BOX, wanted=3, most=3, on=("desk", "filing cabinet")),
+        Share(role=LAMP, wanted=1, most=1, on=("desk",)),
     ),
     wall_color=(0.85, 0.85, 0.83),
 )

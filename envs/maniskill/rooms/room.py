@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
-from artigen.transforms import matrix_from_quat
+from artigen.transforms import matrix_from_quat, quat_from_matrix
 
 RoomKind = Literal["kitchen", "office", "bedroom", "bathroom", "workshop"]
 Side = Literal["front", "back", "left", "right"]
@@ -146,9 +146,14 @@ def turn_matrix(yaw: float) -> Float[np.ndarray, "4 4"]:
     return T
 
 
+def wall_axis(side: Side) -> int:
+    """Axis along which a wall runs: 0 (x) or 1 (y)."""
+    return 0 if side in ("front", "back") else 1
+
+
 def wall_length(side: Side, size: Sequence[float]) -> float:
     """Length (m) of a wall of a room of that size."""
-    return size[0] if side in ("front", "back") else size[1]
+    return size[wall_axis(side)]
 
 
 def along_wall(side: Side, size: Sequence[float], low: Sequence[float], high: Sequence[float]) -> np.ndarray:
@@ -156,27 +161,19 @@ def along_wall(side: Side, size: Sequence[float], low: Sequence[float], high: Se
 
     "Along" runs in the direction of x or y, whichever the wall follows.
     """
-    (a0, o0, z0), (a1, o1, z1) = low, high
-    width, depth = size[0], size[1]
-    match side:
-        case "front":
-            box = ((a0, o0, z0), (a1, o1, z1))
-        case "back":
-            box = ((a0, depth - o1, z0), (a1, depth - o0, z1))
-        case "left":
-            box = ((o0, a0, z0), (o1, a1, z1))
-        case "right":
-            box = ((width - o1, a0, z0), (width - o0, a1, z1))
-    return np.array(box)
+    axis, box = wall_axis(side), np.array([low, high], dtype=np.float64)
+    if side in ("back", "right"):
+        box[:, 1] = size[1 - axis] - box[::-1, 1]
+    return box if axis == 0 else box[:, [1, 0, 2]]
 
 
 def from_wall(side: Side, size: Sequence[float], boxes: Float[np.ndarray, "N 2 3"]) -> np.ndarray:
     """Converts boxes from the room to (along the wall, out of the wall, up)."""
-    turned = boxes if side in ("front", "back") else boxes[..., [1, 0, 2]]
-    if side in ("front", "left"):
-        return turned.copy()
-    ends = np.array([1.0, -1.0, 1.0]) * turned + np.array([0.0, size[1 if side == "back" else 0], 0.0])
-    return np.stack([ends.min(axis=1), ends.max(axis=1)], axis=1)
+    axis = wall_axis(side)
+    turned = boxes.copy() if axis == 0 else boxes[..., [1, 0, 2]]
+    if side in ("back", "right"):
+        turned[..., 1] = size[1 - axis] - turned[..., ::-1, 1]
+    return turned
 
 
 def room_shell(
@@ -219,6 +216,12 @@ def _cut_wall(
             bottom = max(bottom, hole.top)
         pieces.append((start, stop, bottom, height))
     return [piece for piece in pieces if piece[1] - piece[0] > 1e-6 and piece[3] - piece[2] > 1e-6]
+
+
+def rounded_quat(R: Float[np.ndarray, "3 3"]) -> tuple[float, float, float, float]:
+    """A rotation as a quaternion (wxyz), rounded to nine decimals."""
+    w, x, y, z = (round(float(value), 9) + 0.0 for value in quat_from_matrix(R))
+    return w, x, y, z
 
 
 def corner(point: Float[np.ndarray, "3"]) -> tuple[float, float, float]:

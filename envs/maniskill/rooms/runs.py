@@ -11,10 +11,10 @@ from jaxtyping import Float
 from .arrange import Place, Plan, fits, wall_places
 from .catalogue import Catalogue, Entry
 from .choose import TALL, Offer, Wall, choose_units, order_units
-from .footprints import is_level
+from .footprints import bounds_of, is_level
 from .pieces import GAP, Boxes, Cluster, Member, Piece, line_up, make_piece, move_boxes
 from .recipes import STORAGE, Recipe
-from .room import Side, along_wall, wall_length
+from .room import Side, along_wall, wall_axis, wall_length
 
 RESERVE = 0.78
 """Length (m) of both walls that a corner between two runs takes."""
@@ -41,8 +41,7 @@ class Chooser:
         piece = make_piece(entry, role, self.radius, front, elevation)
         if self.sweeps == "free":
             return piece
-        empty = np.zeros((0, 2, 3))
-        return replace(piece, boxes=Boxes(bodies=piece.boxes.bodies, sweeps=empty, stands=empty))
+        return replace(piece, boxes=Boxes(bodies=piece.boxes.bodies))
 
 
 def draw_shortlists(
@@ -62,6 +61,11 @@ def draw_shortlists(
 def count_objects(plan: Plan) -> int:
     """Number of packages placed so far."""
     return sum(member.piece.entry is not None for place in plan.places for member in place.cluster.members)
+
+
+def runs_of(plan: Plan) -> dict[Side, Place]:
+    """The runs by their walls, whose names they have."""
+    return {place.side: place for place in plan.places if place.side and place.side == place.cluster.name}
 
 
 def place_runs(plan: Plan, recipe: Recipe, chooser: Chooser) -> tuple[Plan, str]:
@@ -87,9 +91,12 @@ def place_runs(plan: Plan, recipe: Recipe, chooser: Chooser) -> tuple[Plan, str]
             f"than the least a {recipe.kind} needs"
         )
     for side, ends, units in zip(sides, meets, chosen, strict=True):
-        inner = [_group_end(side, end) for end in ends]
+        # Clusters run in the other direction along back and left walls.
+        inner = [1 - end if side in ("back", "left") else end for end in ends]
         orders = [order_units(units, chooser.rng, inner) for _ in range(ORDERS)]
-        ordered = min(orders, key=lambda order: _run_length(order, recipe, chooser))
+        ordered = min(
+            orders, key=lambda order: _line_up(side, order, recipe, chooser).length if order else 0.0
+        )
         placed = _place_run(plan, recipe, chooser, side, ends, ordered)
         if placed is None:
             return plan, f"the run along the {side} wall does not fit"
@@ -97,26 +104,15 @@ def place_runs(plan: Plan, recipe: Recipe, chooser: Chooser) -> tuple[Plan, str]
     return plan, ""
 
 
-def _run_length(units: Sequence[Offer], recipe: Recipe, chooser: Chooser) -> float:
-    """Length (m) of units side by side, with the gaps that they need to open."""
-    pieces = [chooser.piece(unit.entry, recipe.shares[unit.share].role.name) for unit in units]
-    return line_up("run", pieces).length if pieces else 0.0
+def _line_up(name: str, units: Sequence[Offer], recipe: Recipe, chooser: Chooser) -> Cluster:
+    """Units side by side, with the gaps that they need to open."""
+    return line_up(name, [chooser.piece(unit.entry, recipe.shares[unit.share].role.name) for unit in units])
 
 
 def _corners(side: Side, sides: Sequence[Side]) -> list[int]:
     """Ends of a wall (0 low, 1 high along it) at which another run meets it."""
-    meets: dict[Side, tuple[Side, Side]] = {
-        "front": ("left", "right"),
-        "back": ("left", "right"),
-        "left": ("front", "back"),
-        "right": ("front", "back"),
-    }
-    return [end for end, other in enumerate(meets[side]) if other in sides]
-
-
-def _group_end(side: Side, end: int) -> int:
-    """End of a cluster at an end of its wall: swapped along back and left walls."""
-    return 1 - end if side in ("back", "left") else end
+    meets = ("front", "back") if wall_axis(side) else ("left", "right")
+    return [end for end, other in enumerate(meets) if other in sides]
 
 
 def _place_run(
@@ -126,9 +122,7 @@ def _place_run(
     length = wall_length(side, plan.size)
     needed = {index for index, share in enumerate(recipe.shares) if share.least}
     while units:
-        names = [recipe.shares[unit.share].role.name for unit in units]
-        pieces = [chooser.piece(unit.entry, name) for unit, name in zip(units, names, strict=True)]
-        cluster = line_up(side, pieces)
+        cluster = _line_up(side, units, recipe, chooser)
         low = RESERVE if 0 in ends else GAP
         high = length - cluster.length - (RESERVE if 1 in ends else GAP)
         starts = high - SHIFTS if ends == [1] else low + SHIFTS
@@ -150,12 +144,11 @@ def _place_run(
 
 
 def close_corners(plan: Plan) -> Plan:
-    """The plan with fillers between low runs that meet in a corner."""
-    runs = {place.cluster.name: place for place in plan.places if place.side == place.cluster.name}
-    for side in ("back",):
-        for end, other in ((0, "left"), (1, "right")):
-            if side in runs and other in runs:
-                plan = _close_corner(plan, runs[side], runs[other], end)
+    """The plan with fillers between low runs that meet in a corner at the back."""
+    runs = runs_of(plan)
+    for end, side in enumerate(("left", "right")):
+        if "back" in runs and side in runs:
+            plan = _close_corner(plan, runs["back"], runs[side], end)
     return plan
 
 
@@ -168,15 +161,14 @@ def _close_corner(plan: Plan, back: Place, beside: Place, end: int) -> Plan:
     width, depth, _ = plan.size
     height = float(min(first[1, 2], second[1, 2]))
     start = float(first[0, 0] if end == 0 else width - first[1, 0]) - GAP
-    front = depth - float(_face_of(back, 1, end))
-    side_front = float(_face_of(beside, 0, end) if end == 0 else width - _face_of(beside, 0, end))
+    front = max(_fronts(back, "back", plan))
+    side_front = max(_fronts(beside, "left" if end == 0 else "right", plan))
     stop = depth - float(second[1, 1]) - GAP
-    along: Side = "back"
     a0, a1 = (GAP, start) if end == 0 else (width - start, width - GAP)
-    boxes = [along_wall(along, plan.size, (a0, GAP, GAP), (a1, front, height))]
+    boxes = [along_wall("back", plan.size, (a0, GAP, GAP), (a1, front, height))]
     if stop > front + 0.01:
         b0, b1 = (GAP, side_front) if end == 0 else (width - side_front, width - GAP)
-        boxes.append(along_wall(along, plan.size, (b0, front + 1e-3, GAP), (b1, stop, height)))
+        boxes.append(along_wall("back", plan.size, (b0, front + 1e-3, GAP), (b1, stop, height)))
     for box in boxes:
         plan = _with_filler(plan, box, f"{beside.cluster.name}_corner")
     return plan
@@ -184,29 +176,22 @@ def _close_corner(plan: Plan, back: Place, beside: Place, end: int) -> Plan:
 
 def close_gaps(plan: Plan) -> Plan:
     """The plan with panels in the gaps of its runs, slightly behind the fronts on both sides."""
-    for place in plan.places:
-        if place.side is None or place.cluster.name != place.side:
-            continue
-        axis, out = (0, 1) if place.side in ("front", "back") else (1, 0)
-        wall = 0.0 if place.side in ("front", "left") else plan.size[out]
-        fronts = [
-            abs(float((place.T @ member.T @ np.array([member.piece.face, 0.0, 0.0, 1.0]))[out]) - wall)
-            for member in place.cluster.members
-        ]
-        units = sorted(zip(member_boxes(place), fronts, strict=True), key=lambda unit: unit[0][0, axis])
+    for side, run in runs_of(plan).items():
+        axis = wall_axis(side)
+        fronts = _fronts(run, side, plan)
+        units = sorted(zip(member_boxes(run), fronts, strict=True), key=lambda unit: unit[0][0, axis])
         for (one, front), (other, next_front) in pairwise(units):
             start, stop = float(one[1, axis]), float(other[0, axis])
             if stop - start > NARROW:
                 low = (start + GAP, GAP, GAP)
                 high = (stop - GAP, min(front, next_front) - 0.01, float(min(one[1, 2], other[1, 2])) - GAP)
-                plan = _with_filler(plan, along_wall(place.side, plan.size, low, high), f"{place.side}_gap")
+                plan = _with_filler(plan, along_wall(side, plan.size, low, high), f"{side}_gap")
     return plan
 
 
 def _with_filler(plan: Plan, box: Float[np.ndarray, "2 3"], name: str) -> Plan:
     """Adds a panel if it is thick enough and free of conflicts."""
-    empty = np.zeros((0, 2, 3))
-    solid = Boxes(bodies=box[None], sweeps=empty, stands=empty)
+    solid = Boxes(bodies=box[None])
     if (box[1] - box[0] < 0.004).any() or not fits(plan, solid, plan.boxes):
         return plan
     piece = Piece(role="filler", entry=None, boxes=solid, face=0.0)
@@ -218,8 +203,8 @@ def _with_filler(plan: Plan, box: Float[np.ndarray, "2 3"], name: str) -> Plan:
 
 def member_boxes(place: Place) -> list[Float[np.ndarray, "2 3"]]:
     """Box of every member in the room, in the order of members."""
-    moved = [move_boxes(member.piece.boxes, place.T @ member.T).bodies for member in place.cluster.members]
-    return [np.stack([bodies[:, 0].min(axis=0), bodies[:, 1].max(axis=0)]) for bodies in moved]
+    moved = [move_boxes(member.piece.boxes, place.T @ member.T) for member in place.cluster.members]
+    return [bounds_of(boxes.bodies) for boxes in moved]
 
 
 def _nearest(place: Place, axis: int, end: int) -> Float[np.ndarray, "2 3"]:
@@ -228,11 +213,11 @@ def _nearest(place: Place, axis: int, end: int) -> Float[np.ndarray, "2 3"]:
     return min(boxes, key=lambda box: box[0, axis]) if end == 0 else max(boxes, key=lambda box: box[1, axis])
 
 
-def _face_of(place: Place, axis: int, end: int) -> float:
-    """Coordinate, across the wall, of the front without handles of the run's foremost unit."""
-    faces = []
-    for member in place.cluster.members:
-        point = (place.T @ member.T) @ np.array([member.piece.face, 0.0, 0.0, 1.0])
-        faces.append(float(point[axis]))
-    # The back wall is at high y; the left one at low x, the right one at high x.
-    return min(faces) if axis == 1 or end == 1 else max(faces)
+def _fronts(run: Place, side: Side, plan: Plan) -> list[float]:
+    """Distance from the wall of every member's front without handles, in the order of members."""
+    axis = 1 - wall_axis(side)
+    wall = 0.0 if side in ("front", "left") else plan.size[axis]
+    return [
+        abs(float((run.T @ member.T @ np.array([member.piece.face, 0.0, 0.0, 1.0]))[axis]) - wall)
+        for member in run.cluster.members
+    ]

@@ -19,11 +19,20 @@ from .things import thing_hulls
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Solid:
-    """Hulls of an object, or a box, in the room, with the bounds of each."""
+    """Hulls of an object, or a box, in the room."""
 
     id: str
     hulls: HullSet
-    boxes: Float[np.ndarray, "H 2 3"]
+
+    @property
+    def boxes(self) -> Float[np.ndarray, "H 2 3"]:
+        """Bounds of each hull."""
+        return self.hulls.rest_bounds
+
+
+def object_solids(room: Room) -> list[Solid]:
+    """All objects."""
+    return [place_solid(placement) for placement in room.placements]
 
 
 def fixture_solids(room: Room) -> list[Solid]:
@@ -63,5 +72,4 @@ def item_solid(item: Item, T: Float[np.ndarray, "4 4"]) -> Solid:
 
 def make_solid(name: str, hulls: Sequence[Hull]) -> Solid:
     """Combines hulls in room coordinates to one solid."""
-    boxes = np.array([[hull.vertices.min(axis=0), hull.vertices.max(axis=0)] for hull in hulls])
-    return Solid(id=name, hulls=HullSet(hulls=tuple(hulls)), boxes=boxes.reshape(-1, 2, 3))
+    return Solid(id=name, hulls=HullSet(hulls=tuple(hulls)))

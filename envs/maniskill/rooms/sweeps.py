@@ -1,5 +1,6 @@
 """Swept space of doors and drawers: sampled poses and bounds between them."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +25,7 @@ class Sweep:
     ``slack`` metres of the straight line between its two positions.
     """
 
-    joint: str
+    joint: PackageJoint
     label: str | None
     links: tuple[int, ...]
     T: Float[np.ndarray, "P L 4 4"]
@@ -43,6 +44,11 @@ def opening_joints(package: SimPackage) -> tuple[PackageJoint, ...]:
     )
 
 
+def find_sweeps(package: SimPackage) -> Iterator[Sweep]:
+    """The sweeps of all parts that need space to move."""
+    return (sweep_joint(package, joint) for joint in opening_joints(package))
+
+
 def sweep_joint(package: SimPackage, joint: PackageJoint) -> Sweep:
     """The sweep of one joint, with its required joints open and all others closed."""
     links = moved_links(package.links, package.joints, joint)
@@ -55,7 +61,7 @@ def sweep_joint(package: SimPackage, joint: PackageJoint) -> Sweep:
     half = turn / (poses - 1) / 2.0
     label = next((link.label for link in package.links if link.name == joint.child), None)
     return Sweep(
-        joint=joint.name,
+        joint=joint,
         label=label,
         links=links,
         T=link_displacements(package.links, package.joints, opened),

@@ -8,6 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from artigen.transforms import shift
 from sim_export.geometry.primitives import PrimitiveShape, primitive_hull
 from sim_export.package import Hull
 
@@ -36,8 +37,8 @@ class Thing:
 
     ``where`` names a kind of room and ``drawer`` or ``shelf``, or ``fridge``. ``density`` is the mass per
     volume of its box (kg/m^3). ``rows`` are its boxes: start and end along x, width, bottom and top as shares
-    of the size, and index of the colour. If it is ``round``, they are cylinders with that diameter. Without
-    rows it is a vessel, whose flat bottom has ``foot`` times its diameter.
+    of the size, and index of the colour. If it is ``round``, they are cylinders with that diameter. A vessel
+    has no rows but a flat bottom with ``foot`` times its diameter.
     """
 
     name: str
@@ -48,7 +49,7 @@ class Thing:
     colors: tuple[tuple[Color, Color], ...]
     rows: tuple[Row, ...] = ()
     round: bool = False
-    foot: float = 0.0
+    foot: float | None = None
 
 
 @lru_cache(maxsize=4096)
@@ -57,7 +58,7 @@ def thing_solids(name: str, size: Size) -> Solids:
     thing = next((thing for thing in THINGS if thing.name == name), None)
     if thing is None:
         raise ValueError(f"thing {name!r}, expected one of {', '.join(thing.name for thing in THINGS)}")
-    if not thing.rows:
+    if thing.foot is not None:
         return _vessel(size, thing.foot)
     solids = []
     for start, end, width, bottom, top, color in thing.rows:
@@ -77,14 +78,12 @@ def thing_hulls(name: str, size: Size) -> tuple[Hull, ...]:
 
 
 def _box(low: Size, high: Size) -> PrimitiveShape:
-    T = np.eye(4)
-    T[:3, 3] = (np.array(low) + high) / 2
+    T = shift((np.array(low) + high) / 2)
     return PrimitiveShape(kind="box", sizes=tuple(np.subtract(high, low).tolist()), T_object_shape=T)
 
 
 def _rod(radius: float, low: float, high: float, x: float = 0.0) -> PrimitiveShape:
-    T = np.eye(4)
-    T[[0, 2], 3] = x, (low + high) / 2
+    T = shift(np.array([x, 0.0, (low + high) / 2]))
     return PrimitiveShape(kind="cylinder", sizes=(radius, high - low), T_object_shape=T)
 
 

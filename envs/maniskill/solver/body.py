@@ -33,6 +33,12 @@ class Body:
     carrier: Int[np.ndarray, "P"]
     gap: Float[np.ndarray, "P"]
 
+    def some(self, chosen: Bool[np.ndarray, "P"], gap: float) -> "Body":
+        """The chosen points, which all need the same clearance."""
+        return Body(
+            points=self.points[chosen], carrier=self.carrier[chosen], gap=np.full(int(chosen.sum()), gap)
+        )
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Obstacle:
@@ -56,8 +62,6 @@ def read_body(
     """Surface points of everything that the chain's joints move, in the engine's current state.
 
     Args:
-        articulation: The robot in the engine.
-        chain: Its arm.
         hand: Suffixes of the names of links that may come close to objects.
         spacing: Spacing of the points, metres.
         closed: Assume closed fingers, regardless of their current position.
@@ -130,16 +134,28 @@ def is_free(
 def surface_points(vertices: Float[np.ndarray, "V 3"], spacing: float) -> Float[np.ndarray, "N 3"]:
     """Points on the convex hull of ``vertices``, at most about ``spacing`` metres apart."""
     hull = convex_hull(vertices)
-    found = [hull.vertices]
-    for a, b, c in hull.vertices[hull.faces]:
-        longest = max(np.linalg.norm(b - a), np.linalg.norm(c - a), np.linalg.norm(c - b))
-        count = int(np.ceil(longest / spacing))
-        u, v = np.meshgrid(np.arange(count + 1) / count, np.arange(count + 1) / count)
-        u, v = u[u + v <= 1.0 + 1e-9], v[u + v <= 1.0 + 1e-9]
-        found.append(a + u[:, None] * (b - a) + v[:, None] * (c - a))
-    points = np.concatenate(found)
-    _, first = np.unique(np.rint(points / spacing), axis=0, return_index=True)
-    return points[np.sort(first)]
+    faces = [triangle_points(corners, spacing, 0.0) for corners in hull.vertices[hull.faces]]
+    points = np.concatenate([hull.vertices, *faces])
+    return points[first_of_each(np.rint(points / spacing))]
+
+
+def triangle_points(
+    corners: Float[np.ndarray, "3 3"], spacing: float, offset: float
+) -> Float[np.ndarray, "N 3"]:
+    """Points of a grid on a triangle, at most about ``spacing`` metres apart; the grid begins ``offset``
+    steps away from two of the sides."""
+    a, b, c = corners
+    longest = max(np.linalg.norm(b - a), np.linalg.norm(c - a), np.linalg.norm(c - b))
+    count = int(np.ceil(longest / spacing))
+    steps = (np.arange(count + 1) + offset) / count
+    u, v = np.meshgrid(steps, steps)
+    inside = u + v <= 1.0 + 1e-9
+    return a + u[inside, None] * (b - a) + v[inside, None] * (c - a)
+
+
+def first_of_each(rows: Float[np.ndarray, "N K"]) -> Int[np.ndarray, "M"]:
+    """Indices of the first of equal rows, in order."""
+    return np.sort(np.unique(rows, axis=0, return_index=True)[1])
 
 
 def _carried(

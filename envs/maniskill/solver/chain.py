@@ -86,34 +86,28 @@ def solve(
     targets: Float[np.ndarray, "B 4 4"],
     start: Float[np.ndarray, "B J"],
     *,
+    iterations: int,
     turn_weight: float = 0.3,
-    posture_weight: float = 0.02,
-    iterations: int = 60,
 ) -> tuple[Float[np.ndarray, "B J"], Float[np.ndarray, "B"], Float[np.ndarray, "B"]]:
     """Joint angles that bring the tool to ``targets`` (in the root's frame), from ``start``.
 
     Args:
-        chain: The arm.
         targets: Poses of the tool.
-        start: Initial posture, which is also the regularisation target.
-        turn_weight: Cost in metres of a radian of orientation error.
-        posture_weight: Cost of a radian of distance from the start, in the same unit.
+        start: Initial posture.
         iterations: Fixed number of steps.
+        turn_weight: Cost in metres of a radian of orientation error.
 
     Returns:
         Joint angles within the limits, and the remaining errors in metres and radians.
     """
     q = np.clip(np.asarray(start, dtype=np.float64), chain.lower, chain.upper)
-    home = q.copy()
     weights = np.array([1.0, 1.0, 1.0, turn_weight, turn_weight, turn_weight])
-    for step in range(iterations):
+    for _ in range(iterations):
         reached, jacobian = _forward(chain, q)
         error = pose_error(reached, targets) * weights
         A = jacobian * weights[None, :, None]
-        posture = posture_weight * max(0.0, 1.0 - 2.0 * step / iterations)
-        H = np.swapaxes(A, 1, 2) @ A + (DAMPING**2 * 0.05 + posture**2) * np.eye(q.shape[1])
-        g = np.einsum("bij,bi->bj", A, error) + posture**2 * (home - q)
-        change = np.linalg.solve(H, g[..., None])[..., 0]
+        H = np.swapaxes(A, 1, 2) @ A + DAMPING**2 * 0.05 * np.eye(q.shape[1])
+        change = np.linalg.solve(H, np.einsum("bij,bi->bj", A, error)[..., None])[..., 0]
         q = np.clip(q + np.clip(change, -LARGEST_STEP, LARGEST_STEP), chain.lower, chain.upper)
     left = pose_error(_forward(chain, q)[0], targets)
     return q, np.linalg.norm(left[:, :3], axis=1), np.linalg.norm(left[:, 3:], axis=1)

@@ -15,7 +15,7 @@ from sim_export.geometry.hulls import hull_planes
 from sim_export.package import Hull, PackageJoint
 
 from ..placement import part_motion
-from .body import HAND_GAP, Body
+from .body import HAND_GAP, Body, first_of_each, triangle_points
 from .field import distances
 from .grasp import SPARE, TIP, Grasps, across, gripper_pose
 from .opening import Opening
@@ -66,7 +66,7 @@ def push_contacts(opening: Opening, begin: float, sign: float) -> Contacts:
     good = np.flatnonzero(((-normals * way).sum(axis=1) > ALONG) & (lever > LEVER))
     away = np.linalg.norm(points[good] - part.grip, axis=1)
     good = _spread(points, good[np.argsort(away - 0.1 * lever[good], kind="stable")])
-    poses, cost, out = [], [], []
+    found = []
     for k in good:
         base = 0.5 * float(np.linalg.norm(points[k] - part.grip)) + 0.2 * (1.0 - lever[k])
         for lean in LEANS:
@@ -77,10 +77,9 @@ def push_contacts(opening: Opening, begin: float, sign: float) -> Contacts:
                 place = points[k] - TIP * np.cos(lean) * point + FINGER * np.sin(lean) * normals[k]
                 for close in (across(point), np.cross(point, across(point))):
                     for way_round in (1.0, -1.0):
-                        poses.append(gripper_pose(point, way_round * close, place, opening.robot))
-                        cost.append(base + 0.15 * lean)
-                        out.append(normals[k])
-    return _with_room(opening, T_rest, Contacts(**_arrays(poses, cost, out)), opening.closed, TOUCHING)
+                        pose = gripper_pose(point, way_round * close, place, opening.robot)
+                        found.append((pose, base + 0.15 * lean, normals[k]))
+    return _with_room(opening, T_rest, _contacts(found), opening.closed, TOUCHING)
 
 
 def pinch_grasps(opening: Opening) -> Grasps:
@@ -92,19 +91,16 @@ def pinch_grasps(opening: Opening) -> Grasps:
     thick = _thickness(part.own, points, -normals, robot.opening - SPARE)
     speed = np.linalg.norm(_velocity(part.joint, points), axis=1)
     lever = speed / max(float(speed.max(initial=0.0)), 1e-9)
-    poses, cost, out = [], [], []
+    grasps = []
     for k in np.flatnonzero(np.isfinite(thick) & (lever > LEVER)):
         base = 0.5 * float(np.linalg.norm(points[k] - part.grip)) + 0.2 * (1.0 - lever[k])
         for turn in np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False):
             point = rotation_about(normals[k], np.array(turn)) @ across(normals[k])
             place = points[k] - 0.5 * thick[k] * normals[k]
             for way_round in (1.0, -1.0):
-                poses.append(gripper_pose(point, way_round * normals[k], place, robot))
-                cost.append(base + 0.1 * max(0.0, float(point[2])))
-                out.append(normals[k])
-    found = _with_room(
-        opening, np.eye(4), Contacts(**_arrays(poses, cost, out)), opening.body, 0.0, fingers=True
-    )
+                pose = gripper_pose(point, way_round * normals[k], place, robot)
+                grasps.append((pose, base + 0.1 * max(0.0, float(point[2])), normals[k]))
+    found = _with_room(opening, np.eye(4), _contacts(grasps), opening.body, 0.0, fingers=True)
     # Grasps have x along the pointing direction and y along the closing direction.
     axes = np.eye(4)
     axes[:3, :3] = robot.tool_axes
@@ -130,20 +126,15 @@ def surface_samples(
     """Points on the faces of hulls, at most about ``spacing`` metres apart, and their normals."""
     points, normals = [np.zeros((0, 3))], [np.zeros((0, 3))]
     for hull in hulls:
-        for a, b, c in hull.vertices[hull.faces]:
-            cross = np.cross(b - a, c - a)
+        for corners in hull.vertices[hull.faces]:
+            cross = np.cross(corners[1] - corners[0], corners[2] - corners[0])
             length = float(np.linalg.norm(cross))
             if length < 1e-9:
                 continue
-            longest = max(np.linalg.norm(b - a), np.linalg.norm(c - a), np.linalg.norm(c - b))
-            count = int(np.ceil(longest / spacing))
-            u, v = (grid.ravel() for grid in np.meshgrid(*2 * [(np.arange(count) + 1.0 / 3.0) / count]))
-            u, v = u[u + v < 1.0], v[u + v < 1.0]
-            points.append(a + u[:, None] * (b - a) + v[:, None] * (c - a))
-            normals.append(np.repeat(cross[None] / length, len(u), axis=0))
+            points.append(triangle_points(corners, spacing, 1.0 / 3.0))
+            normals.append(np.repeat(cross[None] / length, len(points[-1]), axis=0))
     found, outward = np.concatenate(points), np.concatenate(normals)
-    keys = np.rint(np.c_[found / spacing, 2.0 * outward])
-    first = np.sort(np.unique(keys, axis=0, return_index=True)[1])
+    first = first_of_each(np.rint(np.c_[found / spacing, 2.0 * outward]))
     return found[first], outward[first]
 
 
@@ -160,8 +151,7 @@ def _spread(points: Float[np.ndarray, "P 3"], order: Int[np.ndarray, "K"]) -> In
     spacing = SPACING
     while len(order) > MOST_POINTS:
         spacing *= 1.25
-        _, first = np.unique(np.rint(points[order] / spacing), axis=0, return_index=True)
-        order = order[np.sort(first)]
+        order = order[first_of_each(np.rint(points[order] / spacing))]
     return order
 
 
@@ -200,7 +190,7 @@ def _with_room(
 
 def _finger_sweep(opening: Opening) -> Float[np.ndarray, "S 3"]:
     """Points that the ends of both fingers sweep as they close, in the tool frame."""
-    point, close = opening.robot.tool_axes[:, 0], opening.robot.tool_axes[:, 1]
+    point, close, _ = opening.robot.tool_axes.T
     half = opening.robot.opening / 2.0
     across = np.linspace(-half, half, 15)
     return np.concatenate([across[:, None] * close + back * point for back in (TIP, 0.0, -0.015)])
@@ -216,8 +206,8 @@ def _thickness(
     for hull in hulls:
         inside |= is_inside(hull, along)
     out = ~inside
-    first = np.where(out.any(axis=1), out.argmax(axis=1), 0)
-    return np.where(out.any(axis=1) & (first > 0), steps[first], np.inf)
+    first = out.argmax(axis=1)  # 0 also where no step is outside
+    return np.where(first > 0, steps[first], np.inf)
 
 
 def is_inside(hull: Hull, points: Float[np.ndarray, "*N 3"]) -> Bool[np.ndarray, "*N"]:
@@ -233,9 +223,10 @@ def _velocity(joint: PackageJoint, points: Float[np.ndarray, "P 3"]) -> Float[np
     return np.cross(joint.axis, points - joint.origin)
 
 
-def _arrays(poses: list, cost: list, normals: list) -> dict[str, np.ndarray]:
-    return {
-        "poses": np.array(poses).reshape(-1, 4, 4),
-        "cost": np.array(cost, dtype=np.float64),
-        "normals": np.array(normals).reshape(-1, 3),
-    }
+def _contacts(found: list[tuple[np.ndarray, float, np.ndarray]]) -> Contacts:
+    """Contacts from pose, cost and normal of each."""
+    return Contacts(
+        poses=np.array([pose for pose, _, _ in found]).reshape(-1, 4, 4),
+        cost=np.array([cost for _, cost, _ in found], dtype=np.float64),
+        normals=np.array([normal for _, _, normal in found]).reshape(-1, 3),
+    )

@@ -1,6 +1,6 @@
 """Collision-free arm paths between two postures, with bidirectional random trees.
 
-RRT-Connect in joint space with subsequent shortcutting. A seed determines the random numbers, so that the
+RRT-Connect in joint space with subsequent shortcutting. The random numbers are always the same, so that the
 result is reproducible.
 """
 
@@ -24,16 +24,14 @@ Free = Callable[[Float[np.ndarray, "B J"]], Bool[np.ndarray, "B"]]
 
 
 def find_detour(
-    chain: Chain, free: Free, begin: Float[np.ndarray, "J"], end: Float[np.ndarray, "J"], seed: int
+    chain: Chain, free: Free, begin: Float[np.ndarray, "J"], end: Float[np.ndarray, "J"]
 ) -> Float[np.ndarray, "N J"] | None:
     """Waypoints from ``begin`` to ``end``, both included, connected by straight collision-free segments.
 
     Args:
-        chain: The arm, for its limits.
         free: Tells which arm poses are collision-free.
         begin: Current arm angles, rad.
         end: Goal.
-        seed: Seed of the random numbers.
 
     Returns:
         ``None`` if no path was found, immediately if one of the ends collides.
@@ -42,7 +40,7 @@ def find_detour(
         return None
     if is_clear(free, begin, end):
         return np.stack([begin, end])
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     low, high = np.maximum(chain.lower, -WIDEST), np.minimum(chain.upper, WIDEST)
     trees = [([begin], [-1]), ([end], [-1])]
     for attempt in range(TRIES):

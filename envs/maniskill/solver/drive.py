@@ -8,7 +8,7 @@ import numpy as np
 import torch
 from jaxtyping import Float
 
-from artigen.transforms import inverse
+from artigen.transforms import inverse, shift
 from sim_export.package import Hull
 
 from ...hand import pose_matrix
@@ -50,6 +50,11 @@ class Driver:
     over: bool
     steps: int
 
+    @property
+    def succeeded(self) -> bool:
+        """Whether the task counts as solved after the last step."""
+        return bool(self.info["success"][0])
+
 
 def start(env: gym.Env, info: dict) -> Driver:
     """A driver for an environment that has just been reset.
@@ -82,9 +87,7 @@ def arm_angles(driver: Driver) -> Float[np.ndarray, "J"]:
 
 def object_in_root(driver: Driver) -> Float[np.ndarray, "4 4"]:
     """The object frame in the frame of the robot's root link."""
-    T_world_object = np.eye(4)
-    T_world_object[2, 3] = -driver.task.drawn[0][0].floor
-    return inverse(root_pose(driver)) @ T_world_object
+    return inverse(root_pose(driver)) @ shift(np.array([0.0, 0.0, -driver.task.drawn[0][0].floor]))
 
 
 def object_qpos(driver: Driver) -> dict[str, float]:

@@ -125,7 +125,6 @@ def least_pressing(
     solids on it.
 
     Args:
-        opening: The arm and the part.
         path: The ways.
         motions: Motion of the part, in the frame of the robot's root.
         cost: Costs of the ways, to which pressing adds.
@@ -149,8 +148,7 @@ def _pressure(
     pressed = np.zeros(len(q))
     hand = body.gap <= HAND_GAP
     for mine, near, obstacles in ((~hand, NEAREST, (others, carried)), (hand, NEAREST_HAND, (others,))):
-        some = Body(points=body.points[mine], carrier=body.carrier[mine], gap=np.full(int(mine.sum()), near))
-        pressed = np.maximum(pressed, -spare_room(opening.chain, some, obstacles, q))
+        pressed = np.maximum(pressed, -spare_room(opening.chain, body.some(mine, near), obstacles, q))
     pressed = pressed.reshape(-1, ways.shape[1])
     return pressed.max(axis=0) + pressed.mean(axis=0)
 
@@ -166,5 +164,5 @@ def way_around(
         body=replace(opening.body, gap=CLOSE * opening.body.gap),
         obstacles=opening.obstacles(at),
     )  # fmt: skip
-    way = detour(work, q, goal, seed=0)
+    way = detour(work, q, goal)
     return goal[None] if way is None else way

@@ -82,8 +82,6 @@ def plan_open(
     """A plan that moves a part from fraction ``begin`` of its range to ``end`` in the grip of the fingers.
 
     Args:
-        opening: The arm and the part.
-        grasps: Candidate grasps.
         q: Current arm angles, rad.
         begin: Current fraction.
         end: Goal fraction.

@@ -118,12 +118,10 @@ def _plan(
     work: Work, q: np.ndarray, T_root_cube: np.ndarray, size: float, wanted: _Wanted
 ) -> tuple[PutPlan | None, str]:
     """A plan that keeps the clearances of ``work``, or the reason why there is none."""
-    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size / 2.0
-    cube = Obstacle(
-        field=build_field((box_hull(corners[0], corners[-1]),)), T_field_root=inverse(T_root_cube)
-    )
+    hull = box_hull(np.full(3, -size / 2.0), np.full(3, size / 2.0))
+    cube = Obstacle(field=build_field((hull,)), T_field_root=inverse(T_root_cube))
     careful = replace(work, obstacles=(*work.obstacles, cube))
-    loaded = replace(work, body=holding(work.body, work.chain, corners, CUBE_GAP))
+    loaded = replace(work, body=holding(work.body, work.chain, hull.vertices, CUBE_GAP))
     picks = _solved(work, q, _pick_ways(work.robot, T_root_cube))
     if not len(picks.cost):
         return None, "no free pose of the arm reaches the cube on its stand"
@@ -133,8 +131,8 @@ def _plan(
     for i, j in _pairs(picks, places)[:PAIRS]:
         lift, place = picks.q[-len(LIFT) :, i], places.q[:, j]
         approach = picks.q[len(BEHIND) :: -1, i]
-        there = detour(careful, q, approach[0], seed=0)
-        carried = None if there is None else detour(loaded, lift[-1], place[-1], seed=0)
+        there = detour(careful, q, approach[0])
+        carried = None if there is None else detour(loaded, lift[-1], place[-1])
         if there is not None and carried is not None:
             plan = PutPlan(
                 pick=np.concatenate([there, approach[1:]]),

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from ..objects import TaskPart
-from .body import HAND_GAP, Body, is_free
+from .body import HAND_GAP, is_free
 from .contacts import Contacts, push_contacts
 from .opening import Opening, least_pressing, way_around
 from .plan_open import NoPlan, OpenPlan
@@ -56,9 +56,7 @@ def _is_arm_free(
     opening: Opening, at: Float[np.ndarray, "4 4"], q: Float[np.ndarray, "B J"]
 ) -> Bool[np.ndarray, "B"]:
     """Whether all links but the hand are collision-free."""
-    body = opening.closed
-    arm = body.gap > HAND_GAP
-    arm = Body(points=body.points[arm], carrier=body.carrier[arm], gap=np.full(int(arm.sum()), ENTERED))
+    arm = opening.closed.some(opening.closed.gap > HAND_GAP, ENTERED)
     return is_free(opening.chain, arm, opening.obstacles(at), q)
 
 

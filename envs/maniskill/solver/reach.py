@@ -42,9 +42,7 @@ def reach(
     """
     found, order, score = [], [], []
     for start in starts:
-        q, miss, turn = solve(
-            chain, targets, np.repeat(start[None], len(targets), axis=0), posture_weight=0.0, iterations=40
-        )
+        q, miss, turn = solve(chain, targets, np.repeat(start[None], len(targets), axis=0), iterations=40)
         good = np.flatnonzero((miss < NEAR) & (turn < TURN))
         good = good if free is None else good[free(q[good])]
         found.append(q[good])
@@ -65,7 +63,6 @@ def follow(
     """Follows K paths of N tool poses each.
 
     Args:
-        chain: The arm.
         targets: The poses; ``hold`` solves the first of every path.
         hold: Arm angles at the first poses.
         turn_weight: Cost in metres of a radian of orientation error; a small value lets the gripper rotate.
@@ -77,7 +74,7 @@ def follow(
     q, way = hold, [hold]
     worst, turned = np.zeros(len(hold)), np.zeros(len(hold))
     for goals in targets[1:]:
-        q, miss, turn = solve(chain, goals, q, turn_weight=turn_weight, posture_weight=0.0, iterations=15)
+        q, miss, turn = solve(chain, goals, q, turn_weight=turn_weight, iterations=15)
         jump = np.abs(q - way[-1]).max(axis=1)
         worst = np.maximum.reduce([worst, miss, 0.1 * (jump > JUMP)])
         turned = np.maximum(turned, turn)
@@ -89,4 +86,4 @@ def drawn_back(chain: Chain, robot: RobotSpec, q: Float[np.ndarray, "J"]) -> Flo
     """Arm angles with the gripper retracted along its pointing direction."""
     T = tool_pose(chain, q[None])
     T[:, :3, 3] -= BACK * (T[:, :3, :3] @ robot.tool_axes[:, 0])
-    return solve(chain, T, q[None], posture_weight=0.0, iterations=30)[0][0]
+    return solve(chain, T, q[None], iterations=30)[0][0]

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from artigen.transforms import inverse, transform_points
 from sim_export.geometry.hulls import box_hull
 
-from ..hulls import ground_under, move_hull, plinth_under
+from ..hulls import move_hull, object_field, plinth_under
 from ..objects import TaskPart
 from ..placement import part_motion
 from .body import Obstacle
@@ -28,6 +28,7 @@ from .drive import (
     move,
     object_hulls,
     object_in_root,
+    object_qpos,
     opened,
     root_pose,
     start,
@@ -101,14 +102,21 @@ def solve_open_part(env: gym.Env, seed: int) -> Outcome:
         if latch is not part.grip_latch and opened(driver, latch.part) < latch.fraction and not reason:
             reason = _work(driver, latch.part, (1.0 + latch.fraction) / 2.0, latch.fraction)
     reason = reason or _work(driver, part, task.goal_open, task.goal_open)
-    if not bool(driver.info["success"][0]):
+    if not driver.succeeded:
         wait(driver, REST)
-    success = bool(driver.info["success"][0])
-    fraction = float(task.open_fraction[0])
-    if not success and driver.over:
+    if driver.over:
+        fraction = float(task.open_fraction[0])
         reason = f"time over at {fraction:.2f} of the range" + (f"; {reason}" if reason else "")
+    return _outcome(driver, reason)
+
+
+def _outcome(driver: Driver, reason: str) -> Outcome:
+    """The result of an episode that has ended; ``reason`` is the cause if it failed."""
     return Outcome(
-        success=success, steps=driver.steps, open_fraction=fraction, reason="" if success else reason
+        success=driver.succeeded,
+        steps=driver.steps,
+        open_fraction=float(driver.task.open_fraction[0]),
+        reason="" if driver.succeeded else reason,
     )
 
 
@@ -243,7 +251,7 @@ def _follow_plan(driver: Driver, plan: OpenPlan) -> None:
     for q in plan.path:
         move(driver, q, speed=PULL_SPEED)
     wait(driver, REST)
-    if bool(driver.info["success"][0]):
+    if driver.succeeded:
         return  # a lid would fall
     if plan.width:
         grip(driver, 1.0, 4)
@@ -266,14 +274,10 @@ def solve_put_inside(env: gym.Env, seed: int) -> Outcome:
         if _pick(driver, task, plan):
             _bring(driver, plan)
             break
-    success = bool(driver.info["success"][0])
-    if not success and not reason:
+    if not reason:
         lying = "inside" if bool(driver.info["inside"][0]) else "outside"
         reason = f"the cube ended {lying}, {'time over' if driver.over else 'not at rest'}"
-    fraction = float(task.open_fraction[0])
-    return Outcome(
-        success=success, steps=driver.steps, open_fraction=fraction, reason="" if success else reason
-    )
+    return _outcome(driver, reason)
 
 
 def _put_plan(driver: Driver, task: "PutInsideEnv") -> PutPlan:
@@ -284,9 +288,7 @@ def _put_plan(driver: Driver, task: "PutInsideEnv") -> PutPlan:
     stand[2] += 1.0 - STAND_HALF[2]
     solid = task.solid_at_start(0)
     if abs(float(task.open_fraction[0]) - driver.begin) > MOVED:
-        carried, others = object_hulls(driver, task.drawn[0][1])
-        hulls = carried + others
-        solid = build_field((*hulls, ground_under(task.drawn[0][0], hulls)))
+        solid = object_field(*task.drawn[0], object_qpos(driver))
     column = build_field((box_hull(stand - STAND_HALF, stand + STAND_HALF),))
     work = Work(
         chain=driver.chain, robot=driver.robot, body=driver.body,

@@ -38,7 +38,6 @@ def free_poses(
     """Collision-free arm angles that reach targets, and the indices of these targets.
 
     Args:
-        work: The arm and its surroundings.
         targets: Tool poses in the root's frame.
         q: Current arm angles; nearby solutions come first.
         most: Largest number of solutions.
@@ -62,11 +61,9 @@ def _solved(
 ) -> tuple[Float[np.ndarray, "G J"], Int[np.ndarray, "S"]]:
     """Arm angles found from one start, and the indices of the exact ones; hopeless targets are abandoned
     early."""
-    q, miss, turn = solve(
-        chain, targets, np.repeat(start[None], len(targets), axis=0), posture_weight=0.0, iterations=15
-    )
+    q, miss, turn = solve(chain, targets, np.repeat(start[None], len(targets), axis=0), iterations=15)
     near = np.flatnonzero((miss < PROMISING) & (turn < PROMISING))
-    q[near], miss, turn = solve(chain, targets[near], q[near], posture_weight=0.0, iterations=20)
+    q[near], miss, turn = solve(chain, targets[near], q[near], iterations=20)
     return q, near[(miss < EXACT) & (turn < TURN)]
 
 
@@ -86,9 +83,9 @@ def free_ways(
 
 
 def detour(
-    work: Work, begin: Float[np.ndarray, "J"], end: Float[np.ndarray, "J"], seed: int
+    work: Work, begin: Float[np.ndarray, "J"], end: Float[np.ndarray, "J"]
 ) -> Float[np.ndarray, "N J"] | None:
     """Waypoints from one arm pose to another around obstacles, the first excluded; ``None`` if none was
     found."""
-    way = find_detour(work.chain, work.free, begin, end, seed)
+    way = find_detour(work.chain, work.free, begin, end)
     return None if way is None else way[1:]
