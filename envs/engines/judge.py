@@ -86,7 +86,7 @@ def _thread_ends(plan: EnginePlan, joint: JointTask) -> tuple[float, ...]:
     without one."""
     for other in plan.joints:
         if other.mimic == joint.name and other.multiplier:
-            return (other.lower / other.multiplier, other.upper / other.multiplier)
+            return tuple(sorted((other.lower / other.multiplier, other.upper / other.multiplier)))
     return ()
 
 

@@ -251,14 +251,19 @@ def test_a_short_joint_may_move_by_what_one_step_of_gravity_does(plan, answer):
             assert verdicts(changed, moved)["V504"] == caught
 
 
-def test_an_endless_joint_may_end_where_its_follower_does(plan, answer):
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_an_endless_joint_may_end_where_its_follower_does(plan, answer, way):
+    """A thread may be right-handed or left-handed."""
     turn = replace(plan.joints[0], type="continuous", lower=0.0, upper=2 * np.pi)
-    travel = replace(turn, name="travel", type="prismatic", upper=0.08, mimic=turn.name, multiplier=0.004)
+    travel = replace(
+        turn, name="travel", type="prismatic", upper=0.08, mimic=turn.name, multiplier=way * 0.004
+    )
     screw = replace(plan, joints=(turn, travel, *plan.joints[1:]))
     told = json.loads(json.dumps(answer))
     told["joints"]["travel"] = {"lower": 0.0, "upper": 0.08, "friction": None, "damping": None}
     for ends, verdict in (((None, None), "pass"), ((0.0, 20.0), "pass"), ((0.0, 19.0), "fail")):
-        told["joints"][turn.name] |= {"lower": ends[0], "upper": ends[1]}
+        lower, upper = ends if way > 0.0 or ends[1] is None else (-ends[1], 0.0)
+        told["joints"][turn.name] |= {"lower": lower, "upper": upper}
         assert verdicts(screw, told)["V501"] == verdict
 
 
