@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float, Int
 
+from artigen.shapes.poses import make_joint
 from artigen.shapes.rasterize import rasterize_shape
 from artigen.shapes.sampling import sample_shape
-from artigen.shapes.shape import Motion, Shape
-from artigen.types import FIXED, Asset, Joint, Part, VoxelGrid
+from artigen.shapes.shape import Shape
+from artigen.types import Asset, Part, VoxelGrid
 from artigen.voxels.voxelize import assign_cells, drop_unresolved, find_heirs
 
 
@@ -23,7 +24,7 @@ def shape_parts(shape: Shape, center: Float[np.ndarray, "3"], scale: float) -> t
                 name=part.name,
                 label=part.label,
                 parent=-1 if part.parent is None else names.index(part.parent),
-                joint=FIXED if part.motion is None else _joint(part.motion, center, scale),
+                joint=make_joint(part.motion, center, scale),
                 box=np.stack([((low + high) / 2 - center) / scale, (high - low) / scale]),
             )
         )
@@ -78,13 +79,3 @@ def part_owners(shape: Shape, asset: Asset) -> Int[np.ndarray, "P"]:
 def _voxelize(shape: Shape, resolution: int) -> VoxelGrid:
     found = rasterize_shape(shape, resolution)
     return assign_cells(found.cells, found.part_ids, found.areas, resolution)
-
-
-def _joint(motion: Motion, center: Float[np.ndarray, "3"], scale: float) -> Joint:
-    return Joint(
-        type=motion.type,
-        axis=np.array(motion.axis),
-        origin=(np.array(motion.origin) - center) / scale,
-        upper=motion.upper / scale if motion.type == "prismatic" else motion.upper,
-        pitch=motion.pitch / scale,
-    )

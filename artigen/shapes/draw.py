@@ -16,15 +16,17 @@ from zlib import crc32
 import numpy as np
 
 from artigen.errors import ArtigenError
-from artigen.shapes.choices import Word, choose
+from artigen.shapes.choices import Word, choose, pick
 from artigen.shapes.fittings.handles import HandleKind
-from artigen.shapes.primitives import Range
+from artigen.shapes.ranges import Range
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import PartLabel
 
+Size = tuple[float, float, float]
+"""Width, depth and height (m)."""
 Spans = tuple[Range, Range, Range]
-"""Ranges of width, depth and height (m)."""
+"""Ranges of them."""
 MAX_DRAWS = 1000
 FEW_DRAWS = 100
 """Draws after which a count of more than twice the largest one seen is given up."""
@@ -274,9 +276,14 @@ def find_nearest(wish: Wish, sizes: Mapping[Word, Spans]) -> tuple[Word, ...]:
     return tuple(word for word, miss in misses.items() if miss <= least)
 
 
-def choose_size(
-    rng: np.random.Generator, category: str, wish: Wish, spans: Spans
-) -> tuple[float, float, float]:
+def pick_nearest(
+    rng: np.random.Generator, wish: Wish, weights: Mapping[Word, float], sizes: Mapping[Word, Spans]
+) -> Word:
+    """One of the words of ``sizes`` that `find_nearest` finds, as likely as its weight."""
+    return pick(rng, {word: weights[word] for word in find_nearest(wish, sizes)})
+
+
+def choose_size(rng: np.random.Generator, category: str, wish: Wish, spans: Spans) -> Size:
     """Width, depth and height (m): the wished ones, or uniform ones; every call takes three numbers.
 
     Raises:
@@ -293,7 +300,7 @@ def choose_size(
     return choose_lengths(rng, wish, spans)
 
 
-def choose_lengths(rng: np.random.Generator, wish: Wish, spans: Spans) -> tuple[float, float, float]:
+def choose_lengths(rng: np.random.Generator, wish: Wish, spans: Spans) -> Size:
     """Width, depth and height (m), in this order: the wished ones, or uniform ones within their spans."""
     wished = (wish.width, wish.depth, wish.height)
     width, depth, height = (

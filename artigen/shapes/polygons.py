@@ -5,8 +5,6 @@ from jaxtyping import Bool, Float, Int
 
 TINY = 1e-6
 """Smallest length (cells) that is kept, and tolerance for lying on a plane."""
-
-
 WIDTHS = (6, 16)
 """Groups of polygons by number of corners that are cut together, to limit the cost of padding."""
 Cut = tuple[Int[np.ndarray, "P"], Float[np.ndarray, "P W 3"], Int[np.ndarray, "P"]]
@@ -24,6 +22,12 @@ def cut_polygons(corners: Float[np.ndarray, "N M 3"], counts: Int[np.ndarray, "N
     for axis in range(3):
         groups = [narrow for group in groups for narrow in _sort_by_width(_cut_along(group, axis))]
     return groups
+
+
+def repeat_rows(counts: Int[np.ndarray, "N"]) -> tuple[Int[np.ndarray, "M"], Int[np.ndarray, "M"]]:
+    """Every row ``counts`` times, and the numbers 0 to ``counts - 1`` within each row."""
+    rows = np.repeat(np.arange(len(counts)), counts)
+    return rows, np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
 def _sort_by_width(cut: Cut) -> list[Cut]:
@@ -45,8 +49,8 @@ def _cut_along(cut: Cut, axis: int) -> Cut:
     spans = last - first
     if (spans == 1).all():
         return cut
-    piece = np.repeat(np.arange(len(corners)), spans)
-    plane = first[piece] + np.arange(len(piece)) - np.repeat(np.cumsum(spans) - spans, spans)
+    piece, number = repeat_rows(spans)
+    plane = first[piece] + number
     rows, corners, counts = rows[piece], corners[piece], counts[piece]
     above, below = plane > first[piece], plane + 1 < last[piece]
     corners, counts = _cut_off(corners, counts, above, axis, (plane, 1))

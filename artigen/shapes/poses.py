@@ -35,7 +35,7 @@ def pose_parts(shape: Shape, qpos: Float[np.ndarray, "*B P"]) -> Float[np.ndarra
         ready = [index for index in waiting if shape.parts[index].parent in placed]
         for index in ready:
             part = shape.parts[index]
-            own = joint_motion(_joint(part.motion), qpos[..., index])
+            own = joint_motion(make_joint(part.motion), qpos[..., index])
             out[..., index, :, :] = own if part.parent is None else out[..., row[part.parent], :, :] @ own
             placed.add(part.name)
         waiting = [index for index in waiting if index not in ready]
@@ -85,13 +85,16 @@ def open_parts(shape: Shape, fraction: float) -> Float[np.ndarray, "P"]:
     )
 
 
-def _joint(motion: Motion | None) -> Joint:
+def make_joint(
+    motion: Motion | None, center: Float[np.ndarray, "3"] | float = 0.0, scale: float = 1.0
+) -> Joint:
+    """The joint of a part, relative to ``center`` (m) and in units of ``scale`` metres."""
     if motion is None:
         return FIXED
     return Joint(
         type=motion.type,
         axis=np.array(motion.axis),
-        origin=np.array(motion.origin),
-        upper=motion.upper,
-        pitch=motion.pitch,
+        origin=(np.array(motion.origin) - center) / scale,
+        upper=motion.upper / scale if motion.type == "prismatic" else motion.upper,
+        pitch=motion.pitch / scale,
     )

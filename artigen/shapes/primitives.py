@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from artigen.shapes.ranges import Range
 from artigen.types import frozen_array
 
 PrimitiveKind = Literal["polytope", "cylinder"]
@@ -20,7 +21,6 @@ SEGMENTS = 16
 ROUND = float(np.cos(np.pi / SEGMENTS))
 """Ratio of the extent of that prism to the cylinder's."""
 Vector = tuple[float, float, float]
-Range = tuple[float, float]
 UP: Vector = (0.0, 0.0, 1.0)
 DOWN: Vector = (0.0, 0.0, -1.0)
 FRONT: Vector = (-1.0, 0.0, 0.0)

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from artigen.shapes.polygons import TINY, cut_polygons, polygon_areas, polygon_middles
-from artigen.shapes.primitives import Primitive, place_vertices
+from artigen.shapes.polygons import TINY, cut_polygons, polygon_areas, polygon_middles, repeat_rows
+from artigen.shapes.primitives import Primitive, place_vertices, polygon
 from artigen.shapes.shape import Shape
 from artigen.shapes.solids import Solids, cover_boxes, list_solids, see_points
 
@@ -145,11 +145,7 @@ def _cylinder_faces(primitive: Primitive, cell: float) -> list[Float[np.ndarray,
     """Strips of the side, and the two ends, with an error of at most a fiftieth of a cell."""
     radius, half = primitive.size[0] / 2, primitive.rotation[:, 2] * primitive.size[2] / 2
     sides = 16 if radius < cell else 32 if radius < 4 * cell else 64
-    turn = (np.arange(sides) + 0.5) * 2 * np.pi / sides
-    ring = (
-        primitive.center
-        + radius * np.column_stack([np.cos(turn), np.sin(turn)]) @ primitive.rotation[:, :2].T
-    )
+    ring = primitive.center + radius * polygon(sides) @ primitive.rotation[:, :2].T
     after = np.roll(ring, -1, axis=0)
     strips = np.stack([ring - half, after - half, after + half, ring + half], axis=1)
     return [strips, np.stack([ring[::-1] - half, ring + half])]
@@ -164,8 +160,8 @@ def _cut_sheets(sheets: _Sheets) -> _Pieces:
     low, high = np.minimum(at, reach), np.maximum(at, reach)
     first_cell = np.floor(low + TINY).astype(np.int64)
     counts = np.maximum(np.ceil(high - TINY).astype(np.int64) - first_cell, 1)
-    row = np.repeat(np.arange(len(face)), counts)
-    cell = first_cell[row] + np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
+    row, number = repeat_rows(counts)
+    cell = first_cell[row] + number
     bottom, top = np.maximum(low[row], cell), np.minimum(high[row], cell + 1)
     origin = sheets.origin[face] + start[:, None] * sheets.second[face]
     second = (end - start)[:, None] * sheets.second[face]
@@ -228,10 +224,9 @@ def _cut_segments(
         start, end = origin[:, axis], origin[:, axis] + edge[:, axis]
         first = np.floor(np.minimum(start, end)).astype(np.int64) + 1
         counts = np.maximum(np.ceil(np.maximum(start, end)).astype(np.int64) - first, 0)
-        row = np.repeat(np.arange(len(origin)), counts)
-        plane = first[row] + np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
+        row, number = repeat_rows(counts)
         rows.append(row)
-        cuts.append((plane - start[row]) / edge[row, axis])
+        cuts.append((first[row] + number - start[row]) / edge[row, axis])
     row, cut = np.concatenate(rows), np.concatenate(cuts)
     order = np.lexsort((cut, row))
     row, cut = row[order], np.clip(cut[order], 0.0, 1.0)

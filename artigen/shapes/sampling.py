@@ -6,7 +6,7 @@ Surfaces are exact: faces of polytopes, and the round side and flat ends of cyli
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int, UInt8
+from jaxtyping import Float, Int
 
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
@@ -77,16 +77,11 @@ def paint_points(shape: Shape, found: SurfacePoints, *, footprint: float) -> Sur
     from artigen.shapes.surfaces.textures import paint_primitives
 
     colors = paint_primitives(shape, found.owners, found.points, found.normals, footprint=footprint)
-    return _to_samples(shape, found, np.rint(255 * colors).astype(np.uint8))
-
-
-def _to_samples(shape: Shape, found: SurfacePoints, colors: UInt8[np.ndarray, "N 3"]) -> SurfaceSamples:
-    """Converts points to the unit cube."""
     low, high = shape.bounds()
     return SurfaceSamples(
         points=(found.points - (low + high) / 2) / float((high - low).max()),
         normals=found.normals,
-        colors=colors,
+        colors=np.rint(255 * colors).astype(np.uint8),
         part_ids=found.part_ids,
     )
 

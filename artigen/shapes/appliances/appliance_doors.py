@@ -6,9 +6,13 @@ from artigen.shapes.appliances.cavity import SIDES, build_frame
 from artigen.shapes.appliances.racks import SLENDER
 from artigen.shapes.choices import choose_one
 from artigen.shapes.fittings.handles import HandleDesign, HandleKind, make_handle
-from artigen.shapes.fittings.hardware import Edge, Panel, Range, around, narrow
+from artigen.shapes.fittings.hardware import Edge, Panel
 from artigen.shapes.primitives import Primitive, block, line
+from artigen.shapes.ranges import Range, around, narrow
 from artigen.shapes.shape import ShapePart
+
+INSET, BULGE = 0.036, 0.012
+"""Distance (m) of the liner of an insulated leaf from its edges, and how far it stands out behind."""
 
 
 def build_leaf(
@@ -32,13 +36,13 @@ def build_leaf(
         bevel: Chamfer of the skin's edges (m).
         niche: (y, z) ranges of a dispenser: a dark recess with a spout and a drip tray.
     """
-    seal, inset, bulge = 0.009, 0.006, 0.012
-    y, z = narrow(panel.y, 0.036), narrow(panel.z, 0.036)
+    seal, inset = 0.009, 0.006
+    y, z = narrow(panel.y, INSET), narrow(panel.z, INSET)
     free_y, free_z = narrow(opening[0], 0.014), narrow(opening[1], 0.014)
     y, z = (max(y[0], free_y[0]), min(y[1], free_y[1])), (max(z[0], free_z[0]), min(z[1], free_z[1]))
     core = panel.x + (0.3 if niche is None else 0.68) * panel.thickness
     gasket = narrow(panel.y, inset), narrow(panel.z, inset)
-    liner = block((core, panel.back + bulge), y, z, lining)
+    liner = block((core, panel.back + BULGE), y, z, lining)
     skin = panel.back - seal
     if niche is None:
         rubber = block((core, panel.back), gasket[0], gasket[1], "rubber")
@@ -64,24 +68,18 @@ def build_window_leaf(
 
 
 def draw_grip(
-    rng: np.random.Generator,
-    kinds: tuple[HandleKind, ...],
-    *,
-    length: float,
-    longest: float,
-    finish: str = "handle",
+    rng: np.random.Generator, kinds: tuple[HandleKind, ...], *, length: float, longest: float
 ) -> HandleDesign:
     """Draws a handle for an appliance whose longest edge is ``longest`` metres."""
     kind = choose_one(rng, kinds)
     thickness = float(np.clip(rng.uniform(0.016, 0.021) * longest, 0.012, 0.032))
-    return HandleDesign(kind=kind, length=max(length, 0.1), thickness=thickness, finish=finish)
+    return HandleDesign(kind=kind, length=max(length, 0.1), thickness=thickness)
 
 
 def mount_grip(
     panel: Panel,
     design: HandleDesign,
     *,
-    name: str,
     parent: str,
     edge: Edge | None,
     inset: float,
@@ -98,7 +96,7 @@ def mount_grip(
         at = (panel.y[0] + half if edge == "left" else panel.y[1] - half, z if level is None else level)
     else:
         at = (y, panel.z[1] - half)
-    return make_handle(panel, design, name=name, parent=parent, upright=upright, at=at)
+    return make_handle(panel, design, name=f"{parent}_handle", parent=parent, upright=upright, at=at)
 
 
 def _build_recess(x: Range, y: Range, z: Range) -> tuple[Primitive, ...]:

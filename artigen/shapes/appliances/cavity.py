@@ -1,6 +1,6 @@
 """Hollow housings: boards around a cavity that is open to the front, with a lining."""
 
-from artigen.shapes.fittings.hardware import Range, Space, narrow
+from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.primitives import (
     BACK,
     DOWN,
@@ -14,6 +14,7 @@ from artigen.shapes.primitives import (
     cylinder,
     line,
 )
+from artigen.shapes.ranges import Range, margins, narrow
 
 SIDES: dict[str, Vector] = {
     "left": RIGHT,
@@ -55,6 +56,17 @@ def build_shell(
         ("back", block((inner.x[1], x[1]), inner.y, inner.z, finish)),
     )
     return tuple(line(wall, lining, SIDES[side]) for side, wall in walls)
+
+
+def build_walls(x: Range, y: Range, z: Range, wall: float, lining: str) -> tuple[Primitive, ...]:
+    """Right, left and rear wall of a housing that is ``wall`` metres thick, lined inside."""
+    right, left = margins(y, wall)
+    walls = (
+        ("right", block(x, right, z, "body")),
+        ("left", block(x, left, z, "body")),
+        ("back", block((x[1] - wall, x[1]), narrow(y, wall), z, "body")),
+    )
+    return tuple(line(board, lining, SIDES[side]) for side, board in walls)
 
 
 def build_frame(x: Range, outer: tuple[Range, Range], inner: tuple[Range, Range], finish: str):

@@ -5,12 +5,13 @@ from math import cos, sin, sqrt
 
 import numpy as np
 
-from artigen.shapes.appliances.appliance_doors import build_leaf
+from artigen.shapes.appliances.appliance_doors import BULGE, INSET, build_leaf
 from artigen.shapes.appliances.cavity import build_tub
-from artigen.shapes.appliances.racks import SLENDER
+from artigen.shapes.appliances.racks import SLENDER, choose_thickness
 from artigen.shapes.choices import choose
-from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space, divide_range, narrow, slide
+from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Space, slide
 from artigen.shapes.primitives import Primitive, block, box
+from artigen.shapes.ranges import Range, between, divide_range, margins, narrow
 from artigen.shapes.shape import Need, ShapePart
 from artigen.types import PartLabel
 
@@ -29,14 +30,10 @@ class BinPlan:
     """Heights of the bins' floors."""
 
 
-def reach_inwards(panel: Panel, upper: float, start: float, depth: float) -> float:
-    """Width (m), from the hinged edge, of the opening that an open leaf covers.
-
-    The leaf has a ridge on its rear side, which begins ``start`` from the hinged edge and is ``depth`` deep.
-    """
+def reach_inwards(panel: Panel, upper: float) -> float:
+    """Width (m), from the hinged edge, of the opening that an open leaf with a liner covers."""
     corners = [(0.0, panel.thickness), (panel.width, 0.0), (panel.width, panel.thickness)]
-    if depth:
-        corners.append((start, panel.thickness + depth))
+    corners.append((INSET, panel.thickness + BULGE))
     return max(u * cos(upper) + w * sin(upper) for u, w in corners)
 
 
@@ -78,13 +75,10 @@ def build_cold_leaf(
     free = max(abs(hinge_y - opening[0][0]), abs(hinge_y - opening[0][1])) - 0.004
     inner = min(abs(hinge_y - opening[0][0]), abs(hinge_y - opening[0][1])) + 0.012
     outer = sqrt(free**2 - (panel.thickness + bins.depth) ** 2)
-    y0, y1 = sorted((hinge_y + sign * inner, hinge_y + sign * outer))
+    y0, y1 = between(hinge_y + sign * inner, hinge_y + sign * outer)
     x0, x1 = panel.back, panel.back + bins.depth
     rib = max(0.022, (bins.z[1] - bins.z[0]) / SLENDER)
-    pieces = [
-        block((x0, x1), (y0, y0 + rib), bins.z, "inside"),
-        block((x0, x1), (y1 - rib, y1), bins.z, "inside"),
-    ]
+    pieces = [block((x0, x1), side, bins.z, "inside") for side in margins((y0, y1), rib)]
     floor = max(0.008, (y1 - y0) / SLENDER)
     for level in bins.levels:
         pieces.append(box((x0, y0 + rib, level), (x1, y1 - rib, level + floor), "inside"))
@@ -95,7 +89,7 @@ def build_cold_leaf(
 
 def build_shelf(space: Space, level: float, *, trim: bool) -> tuple[Primitive, ...]:
     """A glass shelf across a cabinet at a height, with a moulding along its front edge."""
-    thickness = max(0.007, space.width / SLENDER, space.depth / SLENDER)
+    thickness = choose_thickness(space, 0.007)
     (x0, x1), (y0, y1) = space.x, space.y
     edge = x0 + 0.016 if trim else x0
     pane = box((edge, y0, level - thickness), (x1, y1, level), "clear")
@@ -106,13 +100,9 @@ def build_shelf(space: Space, level: float, *, trim: bool) -> tuple[Primitive, .
 
 def build_crisper(space: Space, finish: str) -> tuple[Primitive, ...]:
     """A tub with a grip along the upper edge of its front."""
-    wall = max(0.006, max(space.width, space.depth) / SLENDER)
-    lip = block(
-        (space.x[0] - 1.2 * wall - 0.004, space.x[0]),
-        narrow(space.y, 0.015),
-        (space.z[1] - 0.026, space.z[1]),
-        finish,
-    )
+    wall = choose_thickness(space, 0.006)
+    x, z = (space.x[0] - 1.2 * wall - 0.004, space.x[0]), (space.z[1] - 0.026, space.z[1])
+    lip = block(x, narrow(space.y, 0.015), z, finish)
     return (*build_tub(space, wall, finish), lip)
 
 
@@ -121,17 +111,16 @@ def make_crispers(
 ) -> list[ShapePart]:
     """Tubs side by side that fill a space, except for the clearance between them."""
     out = []
-    for k, (y0, y1) in enumerate(reversed(divide_range(space.y, count, GAP))):
-        tub = Space(x=space.x, y=(y0, y1), z=(space.z[0] + GAP, space.z[1]))
-        out.append(
-            ShapePart(f"{stem}_{k}", label, build_crisper(tub, finish), slide(0.68 * tub.depth), needs=needs)
-        )
+    for k, y in enumerate(reversed(divide_range(space.y, count, GAP))):
+        tub = Space(x=space.x, y=y, z=(space.z[0] + GAP, space.z[1]))
+        solids, motion = build_crisper(tub, finish), slide(0.68 * tub.depth)
+        out.append(ShapePart(f"{stem}_{k}", label, solids, motion, needs=needs))
     return out
 
 
 def build_freezer_drawer(panel: Panel, space: Space, *, bevel: float) -> tuple[Primitive, ...]:
     """An insulated front with a basket on its rear side."""
-    wall = max(0.008, max(space.width, space.depth) / SLENDER)
+    wall = choose_thickness(space, 0.008)
     low = space.z[0] + 0.012
     tub = Space(
         x=(panel.back, space.x[1] - 0.03), y=narrow(space.y, ROOM), z=(low, low + 0.72 * (space.z[1] - low))
@@ -167,7 +156,7 @@ def draw_shelves_and_crispers(
         The shelves and the sliding parts.
     """
     front = space.x[0] + bins + (0.03 if bins else 0.045)
-    pane = max(0.007, space.width / SLENDER, space.depth / SLENDER)
+    pane = choose_thickness(space, 0.007)
     levels: list[float] = []
     sliding: list[ShapePart] = []
     bottom = space.z[0]

@@ -1,7 +1,7 @@
 """Controls of appliances: dials, push buttons, displays.
 
-Controls are on a face with normal ``out``: (-1, 0, 0) on a front, (0, 0, 1) on a hob, or slanted in the x-z
-plane. The gap between a dial and its face is `DIAL_GAP`, that of a button its travel.
+Controls are on a face with normal ``out``: (-1, 0, 0) on a front, (0, 0, 1) on a hob. The gap between a dial
+and its face is `DIAL_GAP`, that of a button its travel.
 """
 
 from dataclasses import dataclass, replace
@@ -11,10 +11,22 @@ from typing import Literal
 
 import numpy as np
 
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one
-from artigen.shapes.fittings.hardware import Range, around, slide
-from artigen.shapes.primitives import FRONT, Primitive, Vector, block, box, cylinder, polygon, polytope, prism
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.fittings.hardware import rotate, slide
+from artigen.shapes.primitives import (
+    FRONT,
+    Primitive,
+    Vector,
+    as_vector,
+    block,
+    box,
+    cylinder,
+    polygon,
+    prism,
+)
+from artigen.shapes.ranges import Range, around
+from artigen.shapes.shape import ShapePart
 
 DialKind = Literal["round", "grip", "collar", "faceted"]
 DIAL_GAP = 0.0015
@@ -33,8 +45,8 @@ class DialDesign:
     finish: str
     mark: str
     """Role of the finish of pointer or collar."""
-    upper: float
-    """Range (rad); 0 for no limits."""
+    upper: float | None
+    """Range (rad); None for no limits."""
 
 
 def design_dial(
@@ -49,14 +61,14 @@ def design_dial(
         length=float(np.clip(rng.uniform(0.9, 1.5) * drawn, 0.015, 0.035)),
         finish=finish,
         mark="accent" if finish != "accent" else "rubber",
-        upper=0.0 if rng.random() < endless else radians(choose(rng, 180, 300)),
+        upper=None if rng.random() < endless else radians(choose(rng, 180, 300)),
     )
 
 
 def make_dial(
     design: DialDesign, at: Vector, *, name: str, parent: str = "body", out: Vector = FRONT
 ) -> ShapePart:
-    """A dial whose axis meets the face at ``at`` and points along ``out`` (unit vector in the x-z plane)."""
+    """A dial whose axis meets the face at ``at`` and points along ``out``."""
     place = _Placing(at=np.array(at), out=np.array(out))
     low, high, r = DIAL_GAP, DIAL_GAP + design.length, design.radius
     middle = low + 0.45 * design.length
@@ -73,16 +85,9 @@ def make_dial(
             place.rod(low, low + 0.22 * design.length, r, design.mark),
             place.rod(low + 0.22 * design.length, high, 0.78 * r, design.finish),
         ],
-        "faceted": [place.cone(low, high, r, 0.82, design.finish)],
+        "faceted": [place.cone(low, high, r, design.finish)],
     }[design.kind]
-    turns = not design.upper
-    motion = Motion(
-        type="continuous" if turns else "revolute",
-        axis=out,
-        origin=at,
-        upper=2 * np.pi if turns else design.upper,
-    )
-    return ShapePart(name, "knob", tuple(solids), motion, parent=parent)
+    return ShapePart(name, "knob", solids, rotate(out, at, design.upper), parent=parent)
 
 
 def make_button(
@@ -105,8 +110,7 @@ def make_button(
         else place.bar((low, low + length), around(0.0, width / 2), around(0.0, height / 2), finish)
     )
     inward = (-out[0], -out[1], -out[2])
-    motion = slide(PRESS, inward)
-    return ShapePart(name, "knob", (solid,), motion, parent=parent)
+    return ShapePart(name, "knob", (solid,), slide(PRESS, inward), parent=parent)
 
 
 def spread_controls(
@@ -118,7 +122,7 @@ def spread_controls(
     *,
     counts: tuple[int, int],
     parent: str = "body",
-) -> tuple[list[Primitive], list[ShapePart]]:
+) -> Assembly:
     """A row of dials on a band at ``x``, with a display and keys between its two halves.
 
     Args:
@@ -129,9 +133,6 @@ def spread_controls(
         z: Range of the band upwards.
         counts: Number of dials and keys; keys that do not fit are omitted.
         parent: Name of the part that carries the controls.
-
-    Returns:
-        The solids fixed to the band, and the controls.
     """
     dials, keys = counts
     middle = (z[0] + z[1]) / 2
@@ -160,7 +161,7 @@ def spread_controls(
         for k in range(count):
             at = (x, high - (k + 0.5) * (high - low) / count, middle)
             parts.append(make_dial(design, at, name=f"dial_{len(parts)}", parent=parent))
-    return pieces, parts
+    return Assembly(pieces, parts)
 
 
 def _make_keys(y: Range, at: tuple[float, float], count: int, parent: str) -> list[ShapePart]:
@@ -174,10 +175,10 @@ def _make_keys(y: Range, at: tuple[float, float], count: int, parent: str) -> li
     ]
 
 
-def build_display(x: float, y: Range, z: Range, finish: str = "panel") -> Primitive:
+def build_display(x: float, y: Range, z: Range) -> Primitive:
     """A dark window that protrudes 3 to 4 mm from a front at ``x``."""
     rise = max(0.003, (y[1] - y[0]) / 50)
-    return block((x - rise, x), y, z, finish)
+    return block((x - rise, x), y, z, "panel")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -189,14 +190,13 @@ class _Placing:
 
     def point(self, out: float, across: float, up: float) -> Vector:
         rise = np.array([self.out[2], 0.0, -self.out[0]])
-        x, y, z = self.at + out * self.out + up * rise + (0.0, across, 0.0)
-        return float(x), float(y), float(z)
+        return as_vector(self.at + out * self.out + up * rise + (0.0, across, 0.0))
 
     def rod(self, low: float, high: float, radius: float, finish: str) -> Primitive:
         return cylinder(self.point(low, 0, 0), self.point(high, 0, 0), radius, finish)
 
-    def cone(self, low: float, high: float, radius: float, taper: float, finish: str) -> Primitive:
-        cone = _cone(high - low, radius, taper, finish)
+    def cone(self, low: float, high: float, radius: float, finish: str) -> Primitive:
+        cone = _cone(high - low, radius, finish)
         return replace(cone, center=np.array(self.point((low + high) / 2, 0, 0)), rotation=self.frame)
 
     @property
@@ -207,15 +207,11 @@ class _Placing:
 
     def bar(self, out: Range, across: Range, up: Range, finish: str) -> Primitive:
         corners = np.array([self.point(a, b, c) for a in out for b in across for c in up])
-        axes = np.abs(self.out) > 1 - 1e-9
-        if axes.any():
-            (x0, y0, z0), (x1, y1, z1) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
-            return box((x0, y0, z0), (x1, y1, z1), finish)
-        return polytope(corners, finish)
+        return box(as_vector(corners.min(axis=0)), as_vector(corners.max(axis=0)), finish)
 
 
 @cache
-def _cone(length: float, radius: float, taper: float, finish: str) -> Primitive:
+def _cone(length: float, radius: float, finish: str) -> Primitive:
     """A faceted cone about z, centred on the origin."""
     low, high = (0.0, 0.0, -length / 2), (0.0, 0.0, length / 2)
-    return prism(radius * polygon(10), low, high, finish, taper=taper)
+    return prism(radius * polygon(10), low, high, finish, taper=0.82)

@@ -5,8 +5,8 @@ from typing import Literal
 import numpy as np
 
 from artigen.shapes.choices import choose
-from artigen.shapes.fittings.hardware import Range, around, divide_range, narrow
 from artigen.shapes.primitives import Primitive, block, cylinder
+from artigen.shapes.ranges import Range, around, divide_range, narrow
 
 CooktopKind = Literal["gas", "glass", "coil"]
 

@@ -3,17 +3,27 @@
 import numpy as np
 
 from artigen.shapes.appliances.rings import build_ring
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, around, rotate
-from artigen.shapes.primitives import FRONT, UP, Primitive, Vector, block, cylinder, move, polygon, prism
+from artigen.shapes.fittings.hardware import GAP, Panel, rotate
+from artigen.shapes.primitives import (
+    BACK,
+    FRONT,
+    UP,
+    Primitive,
+    Vector,
+    block,
+    cylinder,
+    move,
+    polygon,
+    prism,
+)
+from artigen.shapes.ranges import Range, around
 from artigen.shapes.shape import ShapePart
 
 SHEET = 0.0115
 """Thickness of a drum's wall (m); engines mishandle thinner walls of this length."""
 
 
-def make_drum(
-    center: Vector, axis: str, span: Range, radius: float, *, paddles: int, finish: str = "steel"
-) -> ShapePart:
+def make_drum(center: Vector, axis: str, span: Range, radius: float, *, paddles: int) -> ShapePart:
     """A drum about an axis ("x" or "z") through ``center``, open at the beginning (x) or end (z) of ``span``.
 
     Its gap to the bearing of the housing, behind its closed end, is `GAP`.
@@ -21,24 +31,21 @@ def make_drum(
     closed = span[1] if axis == "x" else span[0]
     inwards = -SHEET if axis == "x" else SHEET
     radii = (radius, (radius + SHEET) / float(np.cos(np.pi / 16)))
-    pieces = list(build_ring(center, axis, span, (radii, radii), finish))
+    pieces = list(build_ring(center, axis, span, (radii, radii), "steel"))
 
     def point(along: float) -> Vector:
         x, y, z = center
         return (x + along, y, z) if axis == "x" else (x, y, z + along)
 
-    pieces.append(cylinder(point(closed), point(closed + inwards), radius + 0.6 * SHEET, finish))
+    pieces.append(cylinder(point(closed), point(closed + inwards), radius + 0.6 * SHEET, "steel"))
     low, high = span[0] + 0.12 * (span[1] - span[0]), span[1] - 0.02
-    for k in range(paddles):
-        turn = 2 * np.pi * (k + 0.5) / paddles
-        if axis == "x":
-            paddle = block((low, high), (radius - 0.05, radius + 0.004), around(0.0, 0.016), "plastic")
-            pieces.append(move(paddle, center, turn=turn, about=(1.0, 0.0, 0.0)))
-    if axis == "z" and paddles:
+    if axis == "x":
+        paddle = block((low, high), (radius - 0.05, radius + 0.004), around(0.0, 0.016), "plastic")
+        turns = [2 * np.pi * (k + 0.5) / paddles for k in range(paddles)]
+        pieces += [move(paddle, center, turn=turn, about=BACK) for turn in turns]
+    elif paddles:
         pieces += _build_agitator(point(span[0] + SHEET), 0.75 * (span[1] - span[0]), paddles)
-    spin = FRONT if axis == "x" else UP
-    motion = rotate(spin, center)
-    return ShapePart("drum", "tray", tuple(pieces), motion)
+    return ShapePart("drum", "tray", pieces, rotate(FRONT if axis == "x" else UP, center))
 
 
 def fit_radius(room: float) -> float:

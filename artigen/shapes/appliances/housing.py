@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 from artigen.shapes.appliances.cavity import build_feet
 from artigen.shapes.fittings.feet import make_plinth
-from artigen.shapes.fittings.hardware import GAP, Range
+from artigen.shapes.fittings.hardware import GAP
 from artigen.shapes.primitives import Primitive
+from artigen.shapes.ranges import Range
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,10 +39,15 @@ class Housing:
         """Right and left side."""
         return -self.width / 2, self.width / 2
 
+    @property
+    def longest(self) -> float:
+        """Longest edge."""
+        return max(self.width, self.depth, self.height)
+
     def build_stand(
         self, height: float, setback: float, *, radius: float, inset: float
     ) -> tuple[Primitive, ...]:
         """A closed base ``setback`` behind the front of the housing, or four feet where that is 0."""
         if setback:
-            return tuple(make_plinth((self.front + setback, self.back), self.y, height, "body"))
+            return make_plinth((self.front + setback, self.back), self.y, height)
         return build_feet((self.front, self.back), self.y, height, "leg", radius=radius, inset=inset)

@@ -5,15 +5,16 @@ from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.cavity import SIDES, build_tub
+from artigen.shapes.appliances.cavity import build_tub, build_walls
 from artigen.shapes.appliances.control_panel import design_dial, spread_controls
 from artigen.shapes.appliances.drums import build_porthole
 from artigen.shapes.appliances.housing import Housing
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, around, hinge, narrow, slide
-from artigen.shapes.primitives import Primitive, block, box, line
+from artigen.shapes.fittings.hardware import GAP, Panel, Space, hinge, slide
+from artigen.shapes.primitives import Primitive, block, box
+from artigen.shapes.ranges import Range, around, narrow
 from artigen.shapes.shape import ShapePart
 
 WALL = 0.024
@@ -32,7 +33,6 @@ class LaundryPlan(Housing):
     """Height of a drawer below; 0 for none."""
     band: float
     """Height of the control band or console."""
-    longest: float
 
 
 def seat_drum(rng: np.random.Generator, drum: ShapePart, bearing: Primitive) -> Assembly:
@@ -47,12 +47,8 @@ def draw_porthole(rng: np.random.Generator, plan: LaundryPlan, panel: Panel, hol
     edge = "left" if rng.random() < 0.8 else "right"
     glass = "clear" if rng.random() < 0.45 else "glass"
     mouth = 0.84 * hole
-    door = ShapePart(
-        "door",
-        "door",
-        build_porthole(panel, mouth, choose(rng, 0.035, 0.055), glass),
-        hinge(panel, edge, radians(choose(rng, 100, 170))),
-    )
+    solids = build_porthole(panel, mouth, choose(rng, 0.035, 0.055), glass)
+    door = ShapePart("door", "door", solids, hinge(panel, edge, radians(choose(rng, 100, 170))))
     if rng.random() < 0.5:
         return Assembly(parts=(door,))
     return Assembly(parts=(door, make_door_grip(plan, panel, edge, mouth, choose(rng, 0.09, 0.14))))
@@ -68,15 +64,11 @@ def make_door_grip(plan: LaundryPlan, panel: Panel, edge: str, mouth: float, len
 
 def build_cabinet(plan: LaundryPlan, x: float, z: Range) -> list[Primitive]:
     """Sides, back, floor and worktop; sides and back begin at the floor of the cabinet's lowest tier."""
-    back, (y0, y1) = plan.back, plan.y
-    low = z[0] - plan.pedestal
-    inner = (y0 + WALL, y1 - WALL)
+    back, up = plan.back, (z[0] - plan.pedestal, z[1] - LID)
     return [
-        line(box((x + FACE, y0, low), (back, inner[0], z[1] - LID), "body"), "steel", SIDES["right"]),
-        line(box((x + FACE, inner[1], low), (back, y1, z[1] - LID), "body"), "steel", SIDES["left"]),
-        line(block((back - WALL, back), inner, (low, z[1] - LID), "body"), "steel", SIDES["back"]),
-        block((x + FACE, back - WALL), inner, (z[0], z[0] + 0.018), "body"),
-        block((x, back), (y0, y1), (z[1] - LID, z[1]), "top", 0.004),
+        *build_walls((x + FACE, back), plan.y, up, WALL, "steel"),
+        block((x + FACE, back - WALL), narrow(plan.y, WALL), (z[0], z[0] + 0.018), "body"),
+        block((x, back), plan.y, (z[1] - LID, z[1]), "top", 0.004),
     ]
 
 
@@ -95,8 +87,7 @@ def draw_band(rng: np.random.Generator, plan: LaundryPlan, x: float, z: Range) -
         int(rng.choice((0, 3, 4, 5, 6), p=(0.43, 0.12, 0.14, 0.13, 0.18))),
     )
     across = (plan.y[0] + WALL + 0.012, left - 0.012)
-    extras, controls = spread_controls(rng, dial, x, across, z, counts=counts)
-    return built + Assembly((band, *extras), controls)
+    return built + Assembly((band,)) + spread_controls(rng, dial, x, across, z, counts=counts)
 
 
 def draw_box_drawer(

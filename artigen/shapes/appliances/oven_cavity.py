@@ -3,10 +3,11 @@
 import numpy as np
 
 from artigen.shapes.appliances.cavity import build_tub
-from artigen.shapes.appliances.racks import SLENDER, build_rack
+from artigen.shapes.appliances.racks import build_rack, choose_thickness
 from artigen.shapes.choices import choose
-from artigen.shapes.fittings.hardware import ROOM, Space, narrow, slide
+from artigen.shapes.fittings.hardware import ROOM, Space, slide
 from artigen.shapes.primitives import Primitive, box
+from artigen.shapes.ranges import narrow
 from artigen.shapes.shape import ShapePart, require
 
 RAIL = 0.024
@@ -50,17 +51,10 @@ def make_racks(
             x=(space.x[0] + 0.016, space.x[1] - 0.012), y=narrow(space.y, aside), z=(level, level + 0.028)
         )
         if rng.random() < 0.25:
-            wall = max(0.006, max(lie.width, lie.depth) / SLENDER)
+            wall = choose_thickness(lie, 0.006)
             pieces = build_tub(lie, wall, "rubber" if rng.random() < 0.5 else "steel", sides=False)
         else:
-            pieces = build_rack(lie, "steel", bars=int(rng.integers(7, 14)), lip=0.028)
-        out.append(
-            ShapePart(
-                f"{stem}_{k}",
-                "tray",
-                pieces,
-                slide(choose(rng, 0.5, 0.7) * lie.depth),
-                needs=require(door, fraction=1.0),
-            )
-        )
+            pieces = build_rack(lie, bars=int(rng.integers(7, 14)), lip=0.028)
+        motion, needs = slide(choose(rng, 0.5, 0.7) * lie.depth), require(door, fraction=1.0)
+        out.append(ShapePart(f"{stem}_{k}", "tray", pieces, motion, needs=needs))
     return out

@@ -7,11 +7,12 @@ import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import build_window_leaf, mount_grip
 from artigen.shapes.appliances.cavity import build_tub
-from artigen.shapes.appliances.racks import SLENDER
+from artigen.shapes.appliances.racks import choose_thickness
 from artigen.shapes.choices import choose
 from artigen.shapes.fittings.handles import HandleDesign
-from artigen.shapes.fittings.hardware import Panel, Space, hinge, narrow, slide, sweep_gap
+from artigen.shapes.fittings.hardware import Panel, Space, hinge, slide, sweep_gap
 from artigen.shapes.primitives import Primitive, block
+from artigen.shapes.ranges import narrow
 from artigen.shapes.shape import ShapePart
 
 
@@ -49,30 +50,23 @@ def make_oven_door(
         leaf += (_build_lip(panel, edge, aside, look.longest),)
     else:
         inset = max(0.012, min(0.03, (top - look.grip.thickness) / 2))
-        handles.append(
-            mount_grip(panel, look.grip, name=f"{name}_handle", parent=name, edge=edge, inset=inset)
-        )
-    motion = hinge(panel, edge, upper)
-    return [ShapePart(name, "door", leaf, motion), *handles]
+        handles.append(mount_grip(panel, look.grip, parent=name, edge=edge, inset=inset))
+    return [ShapePart(name, "door", leaf, hinge(panel, edge, upper)), *handles]
 
 
 def make_warming_drawer(
     rng: np.random.Generator, panel: Panel, tub: Space, look: FrontLook
 ) -> list[ShapePart]:
     """A warming drawer: a front, and a steel box that fills ``tub`` behind it."""
-    wall = max(0.008, max(tub.width, tub.depth) / SLENDER)
+    wall = choose_thickness(tub, 0.008)
     face = "front" if rng.random() < 0.5 else look.face
     solids = [panel.fill(face, 0.003), *build_tub(tub, wall, "steel")]
     handles = []
     if look.grip is not None and rng.random() < 0.6:
-        handles.append(
-            mount_grip(panel, look.grip, name="drawer_handle", parent="drawer", edge=None, inset=0.02)
-        )
+        handles.append(mount_grip(panel, look.grip, parent="drawer", edge=None, inset=0.02))
     else:
         solids.append(_build_lip(panel, "bottom", 0.3 * panel.width, look.longest))
-    motion = slide(0.68 * tub.depth)
-    drawer = ShapePart("drawer", "drawer", tuple(solids), motion)
-    return [drawer, *handles]
+    return [ShapePart("drawer", "drawer", solids, slide(0.68 * tub.depth)), *handles]
 
 
 def _build_lip(

@@ -5,9 +5,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from artigen.shapes.fittings.hardware import Range
 from artigen.shapes.primitives import FRONT, RIGHT, Primitive, Vector, line, move, polytope, prism
+from artigen.shapes.ranges import Range
 
+SECTORS = 12
+"""Pieces of a plate around its hole."""
 AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -46,7 +48,6 @@ def build_pierced_plate(
     hole: tuple[float, float, float],
     finish: str,
     *,
-    sides: int = 12,
     lining: str | None = None,
 ) -> tuple[Primitive, ...]:
     """A vertical plate (y, z ranges in ``outline``) with a round hole (y, z, radius of the free circle).
@@ -54,8 +55,8 @@ def build_pierced_plate(
     Each piece is the part of the plate in one sector outside one side of the polygon around the hole.
     """
     y, z, radius = hole
-    rim = radius / np.cos(np.pi / sides)
-    angles = (np.arange(sides + 1) + 0.5) * 2 * np.pi / sides
+    rim = radius / np.cos(np.pi / SECTORS)
+    angles = (np.arange(SECTORS + 1) + 0.5) * 2 * np.pi / SECTORS
     corners = np.array([(a - y, b - z) for a in outline[0] for b in outline[1]])
     corner_angles = np.arctan2(corners[:, 1], corners[:, 0]) % (2 * np.pi)
     pieces = []

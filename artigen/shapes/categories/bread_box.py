@@ -16,9 +16,10 @@ from artigen.shapes.draw import Draft, Spans, Wish
 from artigen.shapes.fittings.carrying import make_grip
 from artigen.shapes.fittings.fronts import FrontDesign, FrontStyle, make_door
 from artigen.shapes.fittings.handles import HandleDesign, HandleKind
-from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Panel, Space, around, narrow, sweep_gap
+from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Panel, Space, sweep_gap
 from artigen.shapes.fittings.lids import build_vessel, join_outlines, make_lid
 from artigen.shapes.primitives import block, cylinder, polytope, prism
+from artigen.shapes.ranges import around, narrow
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_wood

@@ -14,22 +14,23 @@ import numpy as np
 from artigen.shapes.appliances.cavity import build_rim
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, pick
-from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_size, find_nearest
+from artigen.shapes.draw import Draft, Size, Spans, Wish, choose_lengths, choose_size, pick_nearest
 from artigen.shapes.fittings.drawers import BoxDesign, make_tray
 from artigen.shapes.fittings.feet import make_castors, make_wheel
-from artigen.shapes.fittings.hardware import GAP, Range, Space, around, narrow, share_range
+from artigen.shapes.fittings.hardware import GAP, Space
 from artigen.shapes.fittings.lids import build_vessel
 from artigen.shapes.fittings.tubes import lean_rod
-from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
+from artigen.shapes.furniture.cabinet import draw_layout, make_cabinet
 from artigen.shapes.furniture.carcass import draw_fitting
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
+from artigen.shapes.furniture.looks import Looks, draw_looks
 from artigen.shapes.furniture.splits import Cell, Node, Split, Taste
 from artigen.shapes.primitives import ROUND, as_vector, block, cylinder
+from artigen.shapes.ranges import Range, around, narrow, share_range
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Cart"
-BODY = "body"
 MAX_LAYOUTS = 60
 Tier = Literal["board", "basket", "pull_out", "drawers", "cabinet"]
 
@@ -39,9 +40,7 @@ class _Kind:
     """A style of cart: weight, sizes (m), palettes, posts and tiers."""
 
     weight: float
-    width: Range
-    depth: Range
-    height: Range
+    spans: Spans
     palettes: tuple[str, ...]
     looks: tuple[str, ...]
     post: Range
@@ -53,9 +52,7 @@ class _Kind:
 STYLES: dict[str, _Kind] = {
     "kitchen": _Kind(
         weight=3.0,
-        width=(0.5, 1.15),
-        depth=(0.36, 0.55),
-        height=(0.8, 0.95),
+        spans=((0.5, 1.15), (0.36, 0.55), (0.8, 0.95)),
         palettes=("oak", "birch", "pine", "white", "sage", "black"),
         looks=("flat", "shaker", "country"),
         post=(0.034, 0.05),
@@ -64,9 +61,7 @@ STYLES: dict[str, _Kind] = {
     ),
     "service": _Kind(
         weight=2.0,
-        width=(0.55, 1.0),
-        depth=(0.4, 0.55),
-        height=(0.78, 1.0),
+        spans=((0.55, 1.0), (0.4, 0.55), (0.78, 1.0)),
         palettes=("industrial", "steel", "metal"),
         looks=("industrial",),
         post=(0.026, 0.034),
@@ -75,9 +70,7 @@ STYLES: dict[str, _Kind] = {
     ),
     "tool": _Kind(
         weight=1.5,
-        width=(0.5, 0.85),
-        depth=(0.4, 0.52),
-        height=(0.75, 1.0),
+        spans=((0.5, 0.85), (0.4, 0.52), (0.75, 1.0)),
         palettes=("black", "anthracite", "navy", "blue", "terracotta", "grey"),
         looks=("handleless", "flat"),
         post=(0.03, 0.03),
@@ -86,9 +79,7 @@ STYLES: dict[str, _Kind] = {
     ),
     "platform": _Kind(
         weight=1.0,
-        width=(0.7, 0.95),
-        depth=(0.45, 0.62),
-        height=(0.82, 1.0),
+        spans=((0.7, 0.95), (0.45, 0.62), (0.82, 1.0)),
         palettes=("industrial", "steel", "blue", "anthracite", "oak"),
         looks=("industrial",),
         post=(0.026, 0.034),
@@ -97,9 +88,7 @@ STYLES: dict[str, _Kind] = {
     ),
     "wheelbarrow": _Kind(
         weight=1.0,
-        width=(1.25, 1.45),
-        depth=(0.56, 0.66),
-        height=(0.58, 0.68),
+        spans=((1.25, 1.45), (0.56, 0.66), (0.58, 0.68)),
         palettes=("blue", "navy", "forest", "terracotta", "anthracite", "steel"),
         looks=("industrial",),
         post=(0.028, 0.034),
@@ -141,22 +130,21 @@ class _Frame:
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a cart that meets the wish."""
-    spans = {name: (kind.width, kind.depth, kind.height) for name, kind in STYLES.items()}
-    style = wish.style or pick(rng, {name: STYLES[name].weight for name in find_nearest(wish, spans)})
+    weights = {name: kind.weight for name, kind in STYLES.items()}
+    sizes = {name: kind.spans for name, kind in STYLES.items()}
+    style = wish.style or pick_nearest(rng, wish, weights, sizes)
     kind = STYLES[style]
     palette = choose_one(rng, kind.palettes)
     finishes = draw_palette(rng, "furniture", palette)
-    barrow = style == "wheelbarrow"
-    size = (
-        choose_size(rng, CATEGORY, wish, spans[style]) if barrow else choose_lengths(rng, wish, spans[style])
-    )
+    if style == "wheelbarrow":
+        size = choose_size(rng, CATEGORY, wish, kind.spans)
+    else:
+        size = choose_lengths(rng, wish, kind.spans)
     parts = draw_fitting(CATEGORY, size, MAX_LAYOUTS, lambda _: _build(rng, kind, size, wish))
     return Draft(style, parts, finishes)
 
 
-def _build(
-    rng: np.random.Generator, kind: _Kind, size: tuple[float, float, float], wish: Wish
-) -> tuple[ShapePart, ...]:
+def _build(rng: np.random.Generator, kind: _Kind, size: Size, wish: Wish) -> Assembly:
     if kind is STYLES["platform"]:
         return _build_platform(rng, kind, size)
     if kind is STYLES["wheelbarrow"]:
@@ -171,13 +159,10 @@ def _build(
     stand = make_castors(x, y, wheel, swivel=swivel, lengthwise=True)
     frame = _Frame(x=x, y=y, z=(stand.height, height), post=choose(rng, *kind.post), looks=looks)
     built = _stack_tiers(rng, frame, kind) if kind.tiers else _build_chest(rng, frame)
-    rest = Assembly(stand.primitives, (_make_push_bar(frame, bar), *stand.parts))
-    return (built + rest).close()
+    return built + Assembly(parts=(_make_push_bar(frame, bar),)) + stand
 
 
-def _build_platform(
-    rng: np.random.Generator, kind: _Kind, size: tuple[float, float, float]
-) -> tuple[ShapePart, ...]:
+def _build_platform(rng: np.random.Generator, kind: _Kind, size: Size) -> Assembly:
     """A deck with a bow of tube at its left end, and a rail half-way up."""
     (width, depth, height), tube = size, choose(rng, *kind.post) / 2
     x, y = around(0.0, depth / 2), around(0.0, width / 2)
@@ -192,12 +177,10 @@ def _build_platform(
         *(cylinder((a, end, deck[1]), (a, end, height), tube, "handle") for a in (front, back)),
         *(cylinder((front, end, z), (back, end, z), radius, "handle") for z, radius in bars),
     ]
-    return (Assembly(pieces) + Assembly(stand.primitives, stand.parts)).close()
+    return Assembly(pieces) + stand
 
 
-def _build_wheelbarrow(
-    rng: np.random.Generator, kind: _Kind, size: tuple[float, float, float]
-) -> tuple[ShapePart, ...]:
+def _build_wheelbarrow(rng: np.random.Generator, kind: _Kind, size: Size) -> Assembly:
     """A tray on two tubes that lead from the wheel, on the right, to the handles; two legs at its rear."""
     (width, depth, height), tube = size, choose(rng, *kind.post) / 2
     radius, tread, end = choose(rng, *kind.wheel), 0.075, width / 2
@@ -224,8 +207,8 @@ def _build_wheelbarrow(
     low = around(0.0, middle + tube), (front - 0.01, rear + 0.02)
     high = around(0.0, depth / 2), (axle[0] - 0.02, rear + 0.12)
     pieces += build_vessel(low, high, (floor, height), 0.022, "front")
-    wheel = make_wheel("wheel", BODY, (0.0, *axle), tread, lengthwise=True)
-    return Assembly(pieces, (wheel,)).close()
+    wheel = make_wheel("wheel", "body", (0.0, *axle), tread, lengthwise=True)
+    return Assembly(pieces, (wheel,))
 
 
 def _stack_tiers(rng: np.random.Generator, frame: _Frame, kind: _Kind) -> Assembly:
@@ -267,7 +250,7 @@ def _build_tier(rng: np.random.Generator, frame: _Frame, tier: Tier, z: Range, t
         run, rail = narrow(frame.x, frame.post), (low + 0.01, low + 0.04)
         rails = [block(run, y, rail, "leg") for y in ((frame.y[0], right), (left, frame.y[1]))]
         design = BoxDesign(wall=wall, rim=1.0, finish="front")
-        tray = make_tray(Space(x=start, y=frame.inner, z=rim), design, name=f"tray_{tag}", parent=BODY)
+        tray = make_tray(Space(x=start, y=frame.inner, z=rim), design, name=f"tray_{tag}")
         return Assembly(rails, (tray,))
     rim = min(choose(rng, 0.04, 0.1), 0.4 * tall) if tier == "basket" else 0.0
     floor, up = (low, low + 1.3 * wall), (low + 1.3 * wall, low + rim)

@@ -15,10 +15,11 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_lengths
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, around, narrow, slide, sweep_gap
+from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Space, slide, sweep_gap
 from artigen.shapes.fittings.lids import Rectangle, build_vessel, make_lid, shrink
 from artigen.shapes.fittings.locks import make_lock
 from artigen.shapes.primitives import LEFT, RIGHT, UP, block, cylinder
+from artigen.shapes.ranges import Range, around, narrow
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.palette import draw_palette
@@ -105,7 +106,7 @@ def _make_baskets(hollow: Space, level: float, step: float, count: int, cover: s
             break
         top = min(hollow.z[1] - PLUG - 0.012, low + 0.26)
         space = Space(x=narrow(hollow.x, ROOM), y=(start, end), z=(low + GAP, top))
-        solids = build_basket(space, "steel", bars=4, posts=3, tines=0)
+        solids = build_basket(space, bars=4, posts=3, tines=0)
         lift, needs = slide(0.85 * (top - low), UP), require(cover, fraction=1.0)
         out.append(ShapePart(f"basket_{k}", "tray", solids, lift, needs=needs))
         start = end + 2 * ROOM

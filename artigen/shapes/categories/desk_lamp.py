@@ -13,7 +13,7 @@ from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
-from artigen.shapes.fittings.hardware import around, rotate
+from artigen.shapes.fittings.hardware import rotate
 from artigen.shapes.fittings.tubes import lean_rod
 from artigen.shapes.primitives import (
     LEFT,
@@ -28,6 +28,7 @@ from artigen.shapes.primitives import (
     place_vertices,
     polytope,
 )
+from artigen.shapes.ranges import around
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import LACQUERS, make_ceramic, make_plastic, make_polished

@@ -13,19 +13,9 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose
 from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import (
-    ROOM,
-    Panel,
-    Range,
-    Space,
-    around,
-    divide_range,
-    hinge,
-    narrow,
-    slide,
-    sweep_gap,
-)
+from artigen.shapes.fittings.hardware import ROOM, Panel, Space, hinge, slide, sweep_gap
 from artigen.shapes.primitives import Primitive, block, box, cylinder, line
+from artigen.shapes.ranges import Range, around, divide_range, margins, narrow
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -143,11 +133,11 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, sill: float, tub: Space) -
         for board in (leaf.fill("front", 0.003), block(deep, plan.y, up, finish, 0.003))
     )
     carrier = "body" if fixed else "door"
-    extras, controls = _draw_controls(rng, plan.x, plan.y, (low, plan.top - 0.003), carrier)
-    housed = (band, *extras)
+    controls = _draw_controls(rng, plan.x, plan.y, (low, plan.top - 0.003), carrier)
+    housed = (band, *controls.pieces)
     solids = (face, *_build_liner(leaf, tub), *(() if fixed else housed))
     door = ShapePart("door", "door", solids, hinge(replace(leaf, z=(sill, top)), "bottom", np.pi / 2))
-    return Assembly(housed if fixed else (), (door, *_mount(plan, leaf, "door"), *controls))
+    return Assembly(housed if fixed else (), (door, *_mount(plan, leaf, "door"), *controls.parts))
 
 
 def _build_liner(leaf: Panel, tub: Space) -> tuple[Primitive, ...]:
@@ -160,9 +150,7 @@ def _build_liner(leaf: Panel, tub: Space) -> tuple[Primitive, ...]:
     )
 
 
-def _draw_controls(
-    rng: np.random.Generator, x: float, y: Range, z: Range, parent: str
-) -> tuple[list[Primitive], list[ShapePart]]:
+def _draw_controls(rng: np.random.Generator, x: float, y: Range, z: Range, parent: str) -> Assembly:
     dial = design_dial(rng, (0.019, 0.027), endless=0.7)
     dials = int(rng.choice((0, 1, 2), p=(0.5, 0.42, 0.08)))
     counts = (
@@ -179,7 +167,7 @@ def _mount(plan: _Plan, panel: Panel, parent: str) -> list[ShapePart]:
         return []
     inset = 0.002 if plan.grip.kind == "edge" else 0.028
     if not plan.paired:
-        return [mount_grip(panel, plan.grip, name=f"{parent}_handle", parent=parent, edge=None, inset=inset)]
+        return [mount_grip(panel, plan.grip, parent=parent, edge=None, inset=inset)]
     z = panel.z[1] - inset - plan.grip.thickness / 2
     places = [(side * 0.26 * panel.width, z) for side in (1, -1)]
     return [
@@ -208,12 +196,11 @@ def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
             z = (ceiling - 0.04, ceiling)
         space = Space(x=x, y=y, z=z)
         if k == 2:
-            solids = build_rack(space, "steel", bars=int(rng.integers(12, 18)), lip=0.03)
+            solids = build_rack(space, bars=int(rng.integers(12, 18)), lip=0.03)
         else:
-            solids = build_basket(space, "steel", bars=6, posts=4 - k, tines=5)
+            solids = build_basket(space, bars=6, posts=4 - k, tines=5)
         rail = (z[0] - 0.0135, z[0] - 0.0015)
-        for across in ((tub.y[0], tub.y[0] + 2 * ROOM), (tub.y[1] - 2 * ROOM, tub.y[1])):
-            rails.append(block((x[0], tub.x[1]), across, rail, "plastic"))
+        rails += [block((x[0], tub.x[1]), side, rail, "plastic") for side in margins(tub.y, 2 * ROOM)]
         motion, needs = slide(choose(rng, 0.6, 0.78) * space.depth), require("door", fraction=1.0)
         parts.append(ShapePart(f"rack_{k}", "tray", solids, motion, needs=needs))
     return Assembly(rails, parts)

@@ -13,10 +13,11 @@ from math import radians
 import numpy as np
 
 from artigen.shapes.appliances.cavity import build_frame
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import Panel, Range, Space, around, narrow, rotate
+from artigen.shapes.fittings.hardware import Panel, Space, rotate
 from artigen.shapes.fittings.hinges import Leaf, fit_hinges, hang_leaves
 from artigen.shapes.fittings.latches import (
     TURN,
@@ -29,7 +30,8 @@ from artigen.shapes.fittings.latches import (
 )
 from artigen.shapes.fittings.levers import LeverDesign, build_lever, design_lever
 from artigen.shapes.primitives import Primitive, block
-from artigen.shapes.shape import ShapePart, make_base
+from artigen.shapes.ranges import Range, around, margins, narrow
+from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Door"
@@ -72,9 +74,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     leaves = hang_leaves(inner, THICK, count=count, hand=1 if rng.random() < 0.5 else -1, sill=0.007)
     finishes = draw_palette(rng, "furniture", choose_one(rng, PALETTES))
     if style == "service":
-        frame = _build_frame(inner, None)
-        parts = _hang_service_leaves(rng, leaves, pull, frame)
-        return Draft(style, (make_base(frame, "frame"), *parts), finishes)
+        built = Assembly(_build_frame(inner, None)) + _hang_service_leaves(rng, leaves, pull)
+        return Draft(style, built.close("frame"), finishes)
     look = style if count == 1 else choose_one(rng, ("panelled", "glazed"))
     grids = GRIDS.get(look, ((1, 1),))
     columns, rows = choose_one(rng, grids)
@@ -93,10 +94,10 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         astragal=(0.022, 0.018),
     )
     grid = (columns if count == 1 else 1, rows)
-    hinges, parts = hang_parts(rng, leaves, hanging, lambda leaf: _build_leaf(leaf, latch, look, grid))
-    frame += hinges
-    base = make_base(frame, "frame")
-    return Draft(style, (base, *parts, _make_lever(latch, lever)), finishes)
+    built = Assembly(frame)
+    built += hang_parts(rng, leaves, hanging, lambda leaf: _build_leaf(leaf, latch, look, grid))
+    built += Assembly(parts=(_make_lever(latch, lever),))
+    return Draft(style, built.close("frame"), finishes)
 
 
 def _choose_levels(leaf: Leaf) -> tuple[float, ...]:
@@ -105,22 +106,21 @@ def _choose_levels(leaf: Leaf) -> tuple[float, ...]:
     return (bottom + 0.22, top - 0.2, *((top - 0.55,) if top > 2.03 else ()))
 
 
-def _hang_service_leaves(
-    rng: np.random.Generator, leaves: Sequence[Leaf], pull: HandleDesign, frame: list[Primitive]
-) -> list[ShapePart]:
-    """Leaves with their pulls; the hinges' solids on the frame are added to ``frame``."""
-    parts = []
+def _hang_service_leaves(rng: np.random.Generator, leaves: Sequence[Leaf], pull: HandleDesign) -> Assembly:
+    """Leaves with their hinges and pulls."""
+    frame: list[Primitive] = []
+    parts: list[ShapePart] = []
     upper, tall, wide = radians(choose(rng, 88.0, 105.0)), choose(rng, 0.3, 0.7), choose(rng, 0.07, 0.13)
     for index, leaf in enumerate(leaves):
         name = ("leaf", "leaf_1")[index]
-        on_leaf, on_frame = fit_hinges(leaf, _choose_levels(leaf), "handle", length=BARREL, straps=STRAPS)
+        on_leaf, on_frame = fit_hinges(leaf, _choose_levels(leaf), length=BARREL, straps=STRAPS)
         frame += on_frame
         solids = [*_build_service_leaf(leaf, wide, (1.75 - tall, 1.75)), *on_leaf]
         parts.append(ShapePart(name, "door", solids, leaf.swing(upper), parent="frame"))
         panel = Panel(x=leaf.x[0], thickness=THICK, y=leaf.y, z=leaf.z)
         at = (leaf.edge - leaf.side * STILE / 2, min(LEVER, 0.55 * leaf.z[1]))
         parts.append(make_handle(panel, pull, name=f"pull_{index}", parent=name, upright=True, at=at))
-    return parts
+    return Assembly(frame, parts)
 
 
 def _build_service_leaf(leaf: Leaf, wide: float, sight: Range) -> list[Primitive]:
@@ -146,15 +146,12 @@ def _build_frame(inner: Space, latch: Latch | None) -> list[Primitive]:
         block(x, narrow(inner.y, -LINING), (top, top + LINING), finish),
         block((stop, x[1]), inner.y, (top - STOP, top), finish),
     ]
-    stops = ((inner.y[0], inner.y[0] + STOP), (inner.y[1] - STOP, inner.y[1]))
-    pieces += [*build_jambs(inner, LINING, latch, finish)]
-    pieces += [block((stop, x[1]), y, (0.0, top - STOP), finish) for y in stops]
+    pieces += build_jambs(inner, LINING, latch)
+    pieces += [block((stop, x[1]), y, (0.0, top - STOP), finish) for y in margins(inner.y, STOP)]
     outer, edge = narrow(inner.y, -BORDER), top + BORDER
     for face in ((x[0] - TRIM_THICK, x[0]), (x[1], x[1] + TRIM_THICK)):
-        for y in ((outer[0], outer[0] + TRIM), (outer[1] - TRIM, outer[1])):
-            pieces.append(block(face, y, (0.0, edge), finish))
-        low, high = narrow(outer, TRIM)
-        pieces.append(block(face, (low, high), (edge - TRIM, edge), finish))
+        pieces += [block(face, y, (0.0, edge), finish) for y in margins(outer, TRIM)]
+        pieces.append(block(face, narrow(outer, TRIM), (edge - TRIM, edge), finish))
     return pieces
 
 
@@ -162,7 +159,7 @@ def _build_leaf(leaf: Leaf, latch: Latch, look: str, grid: tuple[int, int]) -> l
     """Stiles and rails around fields of board or glass; the lock stile holds the latch or its keep."""
     (x0, x1), (z0, z1), finish = leaf.x, leaf.z, "front"
     hung, field, lock = leaf.stiles(STILE)
-    pieces = list(build_lock_stile(leaf, latch, lock, finish))
+    pieces = list(build_lock_stile(leaf, latch, lock))
     if look == "flush":
         plain = min(hung[0], field[0]), max(hung[1], field[1])
         return [*pieces, block((x0, x1), plain, (z0, z1), finish)]
@@ -202,7 +199,7 @@ def _make_lever(latch: Latch, design: LeverDesign) -> ShapePart:
     pieces = (
         *build_lever(design, (latch.x[0], y, z), out=-1.0, along=along),
         *build_lever(design, (latch.x[1], y, z), out=1.0, along=along),
-        *build_tongue(latch, "steel"),
+        *build_tongue(latch),
     )
     motion = rotate((latch.side, 0.0, 0.0), (latch.x[0], y, z), TURN)
     return ShapePart("lever", "knob", pieces, motion, parent="leaf")

@@ -8,16 +8,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
-from artigen.shapes.draw import Draft, Wish
+from artigen.shapes.draw import Draft, Size, Spans, Wish, choose_lengths
 from artigen.shapes.fittings.feet import LegKind, StandKind
-from artigen.shapes.fittings.hardware import Range
 from artigen.shapes.furniture.carcass import draw_fitting
-from artigen.shapes.furniture.case import Size, build_case, draw_plan
+from artigen.shapes.furniture.case import build_case, draw_plan
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
-from artigen.shapes.furniture.furniture_kinds import Kind
-from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, join_cells, stack_drawers
-from artigen.shapes.shape import ShapePart
+from artigen.shapes.furniture.furniture_kinds import Mounting
+from artigen.shapes.furniture.splits import Cell, Node, Split, join_cells, stack_drawers
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Dresser"
@@ -61,11 +60,11 @@ STYLES = {
 }
 MOST_DRAWERS = 9
 """Maximum number of drawers, in columns and rows of equal width."""
-FORMS: dict[str, tuple[Range, Range]] = {
-    "wide": ((1.1, 1.8), (0.72, 0.95)),
-    "tall": ((0.7, 1.05), (1.0, 1.35)),
+FORMS: dict[str, Spans] = {
+    "wide": ((1.1, 1.8), (0.42, 0.53), (0.72, 0.95)),
+    "tall": ((0.7, 1.05), (0.42, 0.53), (1.0, 1.35)),
 }
-"""Width and height (m)."""
+"""Width, depth and height (m)."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -75,20 +74,14 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     wide = rng.random() < 0.62
     if wish.width is not None or wish.height is not None:
         wide = (wish.width or 1.2) > (wish.height or 0.9)
-    width, height = FORMS["wide" if wide else "tall"]
-    size = (
-        choose(rng, *width, wish.width),
-        choose(rng, 0.42, 0.53, wish.depth),
-        choose(rng, *height, wish.height),
-    )
-    kind = Kind(weight=1, width=width, depth=(0.42, 0.53), height=height, stands=look.stands,
-                taste=Taste(), worktop=0.75)  # fmt: skip
+    size = choose_lengths(rng, wish, FORMS["wide" if wide else "tall"])
+    mounting = Mounting(stands=look.stands, worktop=0.75)
     finishes = draw_palette(rng, "furniture", choose_one(rng, look.palettes))
     if style == "midcentury":
         finishes["leg"] = finishes["top"]
 
-    def draw_parts(attempt: int) -> tuple[ShapePart, ...]:
-        plan = draw_plan(wish.shared_stream(rng, attempt), kind, LOOKS[look.fronts], size, wish)
+    def draw_parts(attempt: int) -> Assembly:
+        plan = draw_plan(wish.shared_stream(rng, attempt), mounting, LOOKS[look.fronts], size, wish)
         leg = choose_one(rng, look.legs)
         frame = plan.looks.carcass.frame if style in ("shaker", "classic") else 0.0
         looks = replace(plan.looks, carcass=replace(plan.looks.carcass, frame=frame), lock=False)

@@ -23,14 +23,17 @@ from artigen.shapes.appliances.laundry import (
 from artigen.shapes.appliances.rings import build_pierced_plate
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
-from artigen.shapes.draw import Draft, Wish
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, around, hinge, narrow, slide, sweep_gap
-from artigen.shapes.primitives import UP, Primitive, block, box, cylinder
+from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths
+from artigen.shapes.fittings.hardware import GAP, Panel, hinge, slide, sweep_gap
+from artigen.shapes.primitives import UP, Primitive, block, cylinder
+from artigen.shapes.ranges import Range, around, narrow
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Dryer"
 STYLES = {"white": 5.0, "steel": 2.0, "black": 1.2, "american": 2.0}
+EUROPEAN: Spans = ((0.59, 0.61), (0.55, 0.66), (0.84, 0.87))
+AMERICAN: Spans = ((0.67, 0.7), (0.68, 0.76), (0.96, 1.0))
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -40,13 +43,10 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     palette = draw_palette(
         rng, "appliance", choose_one(rng, ("white", "white", "steel")) if american else style
     )
-    width = choose(rng, *((0.67, 0.7) if american else (0.59, 0.61)), wish.width)
-    depth = choose(rng, *((0.68, 0.76) if american else (0.55, 0.66)), wish.depth)
-    height = choose(rng, *((0.96, 1.0) if american else (0.84, 0.87)), wish.height)
+    width, depth, height = choose_lengths(rng, wish, AMERICAN if american else EUROPEAN)
     plan = LaundryPlan(
         width=width, depth=depth, height=height, pedestal=0.0,
         thickness=choose(rng, 0.036, 0.05), band=choose(rng, 0.1, 0.14),
-        longest=max(width, depth, height),
     )  # fmt: skip
     built = _build(rng, plan, square=american or bool(rng.random() < 0.12))
     return Draft(style, built.close(), palette)
@@ -116,24 +116,18 @@ def _make_kick(rng: np.random.Generator, plan: LaundryPlan, x: float, z: Range) 
     """The kick plate, with a flap before the fins of the heat exchanger."""
     wide, thick = choose(rng, 0.24, 0.34), 0.014
     left = plan.y[1] - 0.05 if rng.random() < 0.5 else plan.y[0] + 0.05 + wide
-    hole_y, hole_z = (left - wide, left), (z[0], z[1])
+    hole = (left - wide, left)
     pieces = [
-        block((x, x + FACE), (plan.y[0], hole_y[0]), z, "front"),
-        block((x, x + FACE), (hole_y[1], plan.y[1]), z, "front"),
+        block((x, x + FACE), (plan.y[0], hole[0]), z, "front"),
+        block((x, x + FACE), (hole[1], plan.y[1]), z, "front"),
     ]
     floor = z[0] + 0.018
     for k in range(3):
-        at = hole_y[0] + (k + 0.5) * wide / 3 - 0.02
-        pieces.append(box((x + 0.06, at, floor), (x + 0.19, at + 0.04, hole_z[1] - 0.012), "steel"))
-    room = sweep_gap(hole_z[1] - hole_z[0], thick)
-    panel = Panel(x=x, thickness=thick, y=narrow(hole_y, GAP), z=(hole_z[0] + GAP, hole_z[1] - room))
-    solids = (
-        block((x, panel.back), panel.y, panel.z, "front", 0.002),
-        box(
-            (x - 0.008, left - 0.65 * wide, panel.z[1] - 0.016),
-            (x, left - 0.35 * wide, panel.z[1] - 0.004),
-            "front",
-        ),
-    )
+        at = hole[0] + (k + 0.5) * wide / 3 - 0.02
+        pieces.append(block((x + 0.06, x + 0.19), (at, at + 0.04), (floor, z[1] - 0.012), "steel"))
+    room = sweep_gap(z[1] - z[0], thick)
+    panel = Panel(x=x, thickness=thick, y=narrow(hole, GAP), z=(z[0] + GAP, z[1] - room))
+    across, up = (left - 0.65 * wide, left - 0.35 * wide), (panel.z[1] - 0.016, panel.z[1] - 0.004)
+    solids = (panel.fill("front", 0.002), block((x - 0.008, x), across, up, "front"))
     flap = ShapePart("flap", "door", solids, hinge(panel, "bottom", radians(88)))
     return Assembly(pieces, (flap,))

@@ -5,17 +5,16 @@ bridge faucets are 203 mm (8 inches) apart. A pillar tap has water of one temper
 middle and turns one way, to warm.
 """
 
-from math import radians
-
 import numpy as np
 
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Spans, Wish, choose_size
-from artigen.shapes.fittings.hardware import Range, around, rotate
+from artigen.shapes.fittings.hardware import rotate
 from artigen.shapes.fittings.taps import PIVOT, make_cross_handle, make_mixer
 from artigen.shapes.fittings.tubes import bend_elbow, lay_pipe, lean_rod
 from artigen.shapes.primitives import FRONT, LEFT, RIGHT, ROUND, UP, Primitive, block, cylinder
+from artigen.shapes.ranges import Range, around
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.materials import make_polished
 from artigen.shapes.surfaces.palette import draw_palette
@@ -31,8 +30,6 @@ SIZES: dict[str, Spans] = {
 """Width and depth, including the piece of worktop, and height."""
 METALS = ("chrome", "chrome", "steel", "black", "brass", "bronze")
 DECK = 0.03
-TURN = radians(50.0)
-"""Range of a cartridge."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -91,7 +88,7 @@ def _draw_single(rng: np.random.Generator, x: float, reach: float, height: float
     pieces = _build_pillar(rng, (x - reach, x), radius, top)
     long = choose(rng, 0.6, 0.8) * reach
     at = (x, 0.0, top)
-    lever = make_mixer(at, UP, FRONT, name="lever", radius=radius, height=cap, length=long, turn=TURN)
+    lever = make_mixer(at, UP, FRONT, radius=radius, height=cap, length=long)
     return Assembly(pieces, lever)
 
 
@@ -138,7 +135,7 @@ def _draw_kitchen(rng: np.random.Generator, x: float, reach: float, height: floa
     collar, z = (0.03, 0.9 * radius), (neck + 0.02, top - bend - drop)
     spout = _make_spout((x, end), neck, collar, z, top, bend=bend, radius=tube)
     long = choose(rng, 0.08, 0.1)
-    lever = make_mixer(side, RIGHT, UP, name="lever", radius=0.018, height=0.02, length=long, turn=TURN)
+    lever = make_mixer(side, RIGHT, UP, radius=0.018, height=0.02, length=long)
     return Assembly(pieces, (spout, *lever))
 
 

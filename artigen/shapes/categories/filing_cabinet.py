@@ -10,17 +10,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.drawers import BoxDesign, make_drawer
 from artigen.shapes.fittings.feet import StandKind, design_stand, make_stand
 from artigen.shapes.fittings.fronts import FrontDesign, FrontStyle
 from artigen.shapes.fittings.handles import HandleKind, design_handle
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, around, narrow, share_down
+from artigen.shapes.fittings.hardware import GAP, Panel, Space
 from artigen.shapes.fittings.locks import make_lock
 from artigen.shapes.furniture.carcass import CarcassDesign, make_carcass, open_carcass
 from artigen.shapes.primitives import Primitive, block
-from artigen.shapes.shape import ShapePart, make_base
+from artigen.shapes.ranges import Range, around, margins, narrow, share_down
+from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import LACQUERS, make_lacquer
 from artigen.shapes.surfaces.palette import draw_palette
@@ -103,11 +105,9 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     crown = CROWN if style != "wooden" and rng.random() < 0.6 else 0.0
     if crown:
         outer = replace(outer, x=(max(handle.reach, KEY) - depth / 2, depth / 2))
-    parts = _build(rng, outer, front, shares, crown, wooden=style == "wooden")
-    base = make_stand(stand, (outer.x[0] + 0.02, outer.x[1]), outer.y)
-    body = replace(parts[0], primitives=(*parts[0].primitives, *base.primitives))
-    finishes = _draw_finishes(rng, style)
-    return Draft(style, (body, *parts[1:], *base.parts), finishes)
+    built = _build(rng, outer, front, shares, crown, wooden=style == "wooden")
+    built += make_stand(stand, (outer.x[0] + 0.02, outer.x[1]), outer.y)
+    return Draft(style, built.close(), _draw_finishes(rng, style))
 
 
 def _fit_rows(height: float, pitch: float, low: int) -> tuple[int, int]:
@@ -141,7 +141,7 @@ def _build(
     crown: float,
     *,
     wooden: bool,
-) -> tuple[ShapePart, ...]:
+) -> Assembly:
     """The body, and its drawers from top to bottom."""
     thick = choose(rng, 0.016, 0.022)
     board = max(0.018, outer.height / 56)
@@ -177,14 +177,13 @@ def _build(
     if crown:
         at = (outer.x[0], outer.y[0] + 0.045, (rail.z[0] + rail.z[1]) / 2)
         parts.append(make_lock(at, name="lock"))
-    return (make_base(solids), *parts)
+    return Assembly(solids, parts)
 
 
 def _make_runners(space: Space, front: float) -> list[Primitive]:
     """A rail at each side of a drawer."""
     x, z = (front + 0.004, front + 0.004 + 0.9 * (space.x[1] - front)), sum(space.z) / 2 - 0.03
-    spans = (space.y[0], space.y[0] + RUNNER), (space.y[1] - RUNNER, space.y[1])
-    return [block(x, span, around(z, 0.02), "steel") for span in spans]
+    return [block(x, side, around(z, 0.02), "steel") for side in margins(space.y, RUNNER)]
 
 
 def _make_files(rng: np.random.Generator, space: Space, filled: float) -> list[Primitive]:

@@ -13,11 +13,12 @@ import numpy as np
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish
-from artigen.shapes.fittings.hardware import GAP, Range, around, narrow
+from artigen.shapes.fittings.hardware import GAP
 from artigen.shapes.fittings.lids import loft, make_lid, shrink
 from artigen.shapes.primitives import LEFT, Primitive, block, cylinder
+from artigen.shapes.ranges import Range, around, narrow
 from artigen.shapes.surfaces.finishes import Color, Finish
-from artigen.shapes.surfaces.materials import make_glass, make_metal
+from artigen.shapes.surfaces.materials import make_glass, make_metal, shade_color
 
 CATEGORY = "Laptop"
 STYLES = {"light": 3.0, "business": 2.0, "gaming": 1.5, "colour": 1.5}
@@ -87,8 +88,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 def _draw_finishes(rng: np.random.Generator, look: _Look, style: str) -> dict[str, Finish]:
     body, key = choose_one(rng, look.bodies), choose_one(rng, look.keys)
     kind, gloss = ("steel", 0.4) if style == "light" else ("plastic", 0.25)
-    shade = (0.94 * body[0], 0.94 * body[1], 0.94 * body[2])
-    well = (0.05, 0.05, 0.055) if max(body) < 0.4 else (0.62 * body[0], 0.62 * body[1], 0.62 * body[2])
+    shade = shade_color(body, 0.94)
+    well = (0.05, 0.05, 0.055) if max(body) < 0.4 else shade_color(body, 0.62)
     dark = Finish(kind="plastic", color=BLACK, accent=BLACK, gloss=0.2)
     return {
         "body": Finish(kind=kind, color=body, accent=shade, grain=LEFT, period=0.05, gloss=gloss),

@@ -15,21 +15,11 @@ from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.draw import Draft, Spans, Wish
 from artigen.shapes.fittings.fronts import FrontDesign, make_front
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import (
-    GAP,
-    Panel,
-    Range,
-    Space,
-    around,
-    hinge,
-    narrow,
-    rotate,
-    share_down,
-    sweep_gap,
-)
+from artigen.shapes.fittings.hardware import GAP, Panel, Space, hinge, rotate, sweep_gap
 from artigen.shapes.fittings.lids import build_roof
 from artigen.shapes.fittings.locks import make_lock
 from artigen.shapes.primitives import RIGHT, Vector, block, move, prism
+from artigen.shapes.ranges import Range, around, margins, narrow, share_down
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import LACQUERS, make_lacquer, make_metal, make_stone, make_wood
@@ -79,9 +69,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
         "inside": make_lacquer(LACQUERS["grey"]),
         "leg": post,
         "foot": make_stone("concrete", seed),
-        "mark": make_lacquer(
-            (0.90, 0.90, 0.88) if paint.color == PAINTS[3] else (0.72, 0.10, 0.10), gloss=0.4
-        ),
+        "mark": make_lacquer(WHITE if paint.color == RED else SIGNAL, gloss=0.4),
         "paper": make_lacquer((0.92, 0.92, 0.90)),
     }
 
@@ -173,11 +161,8 @@ def _build_box(rng: np.random.Generator, outer: Space, heights: tuple[float, ...
 def _build_flap(front: float, hood: float, y: Range, z: Range) -> Assembly:
     """A flap with a lip in a frame, hinged at its upper edge."""
     x, jamb = (front, hood), 0.028
-    frame = (
-        block(x, (y[0], y[0] + jamb), (z[0] + 0.002, z[1]), "body"),
-        block(x, (y[1] - jamb, y[1]), (z[0] + 0.002, z[1]), "body"),
-        block(x, narrow(y, jamb), (z[1] - 0.014, z[1]), "body"),
-    )
+    jambs = [block(x, side, (z[0] + 0.002, z[1]), "body") for side in margins(y, jamb)]
+    frame = (*jambs, block(x, narrow(y, jamb), (z[1] - 0.014, z[1]), "body"))
     panel = Panel(x=front, thickness=THICK, y=narrow(y, 0.03), z=(z[0] + 0.004, z[1] - 0.018))
     lip = block((front - 0.008, front), narrow(panel.y, 0.06), (panel.z[0], panel.z[0] + 0.006), "front")
     flap = (panel.fill("front", 0.001), lip)

@@ -3,6 +3,7 @@
 Those that hang over a range have a ventilation grille above the door.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import radians
 from typing import Literal
@@ -13,22 +14,13 @@ from artigen.shapes.appliances.appliance_doors import build_window_leaf, draw_gr
 from artigen.shapes.appliances.cavity import build_feet, build_shell
 from artigen.shapes.appliances.control_panel import build_display, design_dial, make_button, make_dial
 from artigen.shapes.appliances.rings import build_ring
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, pick
 from artigen.shapes.draw import Draft, Wish
-from artigen.shapes.fittings.hardware import (
-    GAP,
-    Panel,
-    Range,
-    Space,
-    around,
-    divide_range,
-    hinge,
-    narrow,
-    rotate,
-    sweep_gap,
-)
+from artigen.shapes.fittings.hardware import GAP, Panel, Space, hinge, rotate, sweep_gap
 from artigen.shapes.primitives import UP, Primitive, block, cylinder
-from artigen.shapes.shape import ShapePart, make_base
+from artigen.shapes.ranges import Range, around, divide_range, narrow
+from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Microwave"
@@ -64,11 +56,12 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish)
     face = "panel" if rng.random() < (0.6 if style != "retro" else 0.15) else "front"
-    controls, extras = _draw_controls(rng, plan)
-    parts = [_build_body(plan, face, extras), *_draw_door(rng, plan, face, wish), *controls]
+    controls = _draw_controls(rng, plan)
+    door = _draw_door(rng, plan, face, wish)
+    built = Assembly(_build_body(plan, face, controls.pieces), (*door, *controls.parts))
     if rng.random() < 0.72:
-        parts.append(_draw_turntable(rng, plan))
-    return Draft(style, tuple(parts), palette)
+        built += Assembly(parts=(_draw_turntable(rng, plan),))
+    return Draft(style, built.close(), palette)
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
@@ -110,14 +103,14 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     return _Plan(outer=outer, hollow=hollow, door=door, controls=controls, grille=grille, layout=layout)
 
 
-def _build_body(plan: _Plan, face: str, extras: tuple[Primitive, ...]) -> ShapePart:
+def _build_body(plan: _Plan, face: str, extras: Sequence[Primitive]) -> list[Primitive]:
     outer, foot = plan.outer, plan.outer.z[0]
     pieces = [*build_shell(outer, plan.hollow, "body", "inside"), plan.controls.fill(face), *extras]
     if plan.grille:
         pieces += _build_grille(plan.grille)
     if foot:
         pieces += build_feet(outer.x, outer.y, foot, "rubber", radius=0.014, inset=0.04)
-    return make_base(pieces)
+    return pieces
 
 
 def _build_grille(panel: Panel) -> list[Primitive]:
@@ -147,10 +140,10 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, face: str, wish: Wish) -> 
     kinds = wish.choose_handles(("bar", "pull", "arch", "edge"))
     design = draw_grip(rng, kinds, length=length, longest=plan.outer.width)
     inset = max(0.004, (rail - design.thickness) / 2) if design.kind != "edge" else 0.004
-    return [door, mount_grip(panel, design, name="door_handle", parent="door", edge=edge, inset=inset)]
+    return [door, mount_grip(panel, design, parent="door", edge=edge, inset=inset)]
 
 
-def _draw_controls(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart], tuple[Primitive, ...]]:
+def _draw_controls(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """Draws the controls and the fixed parts of the panel between them."""
     if plan.layout in ("above", "below"):
         return _draw_strip(rng, plan)
@@ -181,7 +174,7 @@ def _draw_controls(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePar
         parts += _draw_keys(rng, panel.x, inner, (low, high), rows=int(rng.integers(4, 7)))
     else:
         extras += _build_touch_pad(panel.x, inner, (low, high), shows=not extras)
-    return parts, tuple(extras)
+    return Assembly(extras, parts)
 
 
 def _build_touch_pad(x: float, y: Range, z: Range, *, shows: bool) -> list[Primitive]:
@@ -228,7 +221,7 @@ def _draw_keys(rng: np.random.Generator, x: float, y: Range, z: Range, rows: int
     ]
 
 
-def _draw_strip(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart], tuple[Primitive, ...]]:
+def _draw_strip(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """Draws controls above or below the door: a display in the middle, dials beside it."""
     panel = plan.controls
     y, z = panel.center
@@ -238,7 +231,7 @@ def _draw_strip(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart],
     parts = [
         make_dial(design, (panel.x, y + side * third, z), name=f"dial_{k}") for k, side in enumerate((1, -1))
     ]
-    return parts[: int(rng.integers(1, 3))], (display,)
+    return Assembly((display,), parts[: int(rng.integers(1, 3))])
 
 
 def _draw_turntable(rng: np.random.Generator, plan: _Plan) -> ShapePart:

@@ -6,17 +6,18 @@ from typing import Literal
 import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import draw_grip
-from artigen.shapes.appliances.cavity import SIDES
+from artigen.shapes.appliances.cavity import SIDES, build_walls
 from artigen.shapes.appliances.control_panel import DialDesign, design_dial, make_dial, spread_controls
 from artigen.shapes.appliances.cooktop import CooktopKind, build_burners
 from artigen.shapes.appliances.housing import Housing
 from artigen.shapes.appliances.oven_cavity import build_rails, choose_levels, make_racks
 from artigen.shapes.appliances.oven_front import FrontLook, make_oven_door, make_warming_drawer
 from artigen.shapes.assembly import Assembly
-from artigen.shapes.choices import choose, pick
-from artigen.shapes.draw import Draft, Spans, Wish, find_nearest
-from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space, around, narrow, share_range
+from artigen.shapes.choices import choose
+from artigen.shapes.draw import Draft, Spans, Wish, pick_nearest
+from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Space
 from artigen.shapes.primitives import UP, Primitive, block, line
+from artigen.shapes.ranges import Range, around, margins, narrow, share_range
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Oven"
@@ -87,8 +88,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
-    kinds: dict[Kind, float] = {name: KINDS[name] for name in find_nearest(wish, SIZES)}
-    kind = pick(rng, kinds)
+    kind = pick_nearest(rng, wish, KINDS, SIZES)
     widths, depths, heights = SIZES[kind]
     width = choose(rng, *widths, wish.width)
     depth = choose(rng, *depths, wish.depth)
@@ -176,8 +176,7 @@ def _draw_controls(rng: np.random.Generator, plan: _Plan, top: float) -> tuple[A
     keys = int(rng.choice((0, 1, 3, 4, 5), p=(0.62, 0.1, 0.1, 0.09, 0.09)))
     counts = (_count_dials(rng, plan), keys)
     across = narrow(plan.y, 0.03)
-    extras, controls = spread_controls(rng, plan.dial, x, across, z, counts=counts)
-    return Assembly((*bands, *extras), controls), lower
+    return Assembly(bands) + spread_controls(rng, plan.dial, x, across, z, counts=counts), lower
 
 
 def _count_dials(rng: np.random.Generator, plan: _Plan) -> int:
@@ -203,15 +202,9 @@ def _draw_bands(rng: np.random.Generator, plan: _Plan, z: Range, room: int) -> A
     has_drawer = plan.kind in ("range", "pro") and rng.random() < 0.55 and z[1] - z[0] > 0.5
     drawer = choose(rng, 0.13, 0.2) if has_drawer else 0.0
     racks = 0 if rng.random() < 0.4 else int(rng.integers(1, 4))
-    back, inner = plan.back, narrow(plan.y, SKIN)
-    walls = (
-        ("right", block((plan.front, back), (plan.y[0], inner[0]), z, "body")),
-        ("left", block((plan.front, back), (inner[1], plan.y[1]), z, "body")),
-        ("back", block((back - SKIN, back), inner, z, "body")),
-    )
-    built = Assembly(tuple(line(wall, "cavity", SIDES[side]) for side, wall in walls))
+    built = Assembly(build_walls((plan.front, plan.back), plan.y, z, SKIN, "cavity"))
     if has_drawer:
-        built += _draw_drawer(rng, plan, (z[0], z[0] + drawer), inner)
+        built += _draw_drawer(rng, plan, (z[0], z[0] + drawer), narrow(plan.y, SKIN))
     for row, span in enumerate(share_range((z[0] + drawer, z[1]), rows, 0.0)):
         left = room - len(built.pieces) - 2 * (len(rows) - 1 - row)
         built += _draw_oven_row(rng, plan, f"{row}", span, racks=racks, room=left)
@@ -238,7 +231,7 @@ def _draw_oven_row(
     ]
     free = [inner[0] + cheek, inner[1] - cheek]
     if cheek:
-        fills = ((inner[0], free[0]), (free[1], inner[1]))
+        fills = margins(inner, cheek)
         pieces += [block((plan.front, back), fill, (floor, ceiling), "cavity") for fill in fills]
     if len(columns) > 1:
         between = around((columns[0][1] + columns[1][0]) / 2, plan.wall / 2)

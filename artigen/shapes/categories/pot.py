@@ -8,12 +8,13 @@ from itertools import pairwise
 import numpy as np
 
 from artigen.shapes.appliances.rings import build_ring
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Spans, Wish, choose_size
 from artigen.shapes.fittings.hardware import lift, slide
 from artigen.shapes.fittings.tubes import bend_elbow, lean_rod
 from artigen.shapes.primitives import UP, Primitive, Vector, cylinder, polygon, prism
-from artigen.shapes.shape import ShapePart, make_base
+from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import (
     LACQUERS,
@@ -58,9 +59,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         grips = lift(_build_grip(rng, axis - radius, width), 0.8 * rim)
     else:
         grips = _build_ears(rng, radius, width, rim)
-    body = make_base((*pieces, base, *grips))
-    lid, knob = _make_lid(axis, radius, rim, wall)
-    return Draft(style, (body, lid, knob), _draw_finishes(rng))
+    built = Assembly((*pieces, base, *grips), _make_lid(axis, radius, rim, wall))
+    return Draft(style, built.close(), _draw_finishes(rng))
 
 
 def _make_lid(axis: float, radius: float, rim: float, wall: float) -> tuple[ShapePart, ShapePart]:

@@ -15,9 +15,10 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_castors
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, around, hinge, narrow, slide, sweep_gap
+from artigen.shapes.fittings.hardware import GAP, Panel, hinge, slide, sweep_gap
 from artigen.shapes.fittings.lids import loft, make_lid, shrink
 from artigen.shapes.primitives import Primitive, block, cylinder, polytope
+from artigen.shapes.ranges import Range, around, margins, narrow
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_glass, make_plastic
@@ -116,24 +117,21 @@ def _make_foot(frame: _Frame, *, copier: bool) -> tuple[Assembly, float]:
     """Castors or rubber feet, and the floor of the housing; returns the height of its upper side, too."""
     (x0, x1), y = frame.x, frame.y
     if copier:
-        castors = make_castors(frame.x, y, 0.025, swivel=False)
-        level, pieces, parts = castors.height, castors.primitives, castors.parts
+        built = make_castors(frame.x, y, 0.025, swivel=False)
+        level = built.height
     else:
-        level, parts = 0.008, ()
+        level = 0.008
         places = [(a, b) for a in (x0 + 0.05, x1 - 0.03) for b in narrow(y, 0.04)]
-        pieces = [cylinder((*at, 0.0), (*at, level), 0.012, "rubber") for at in places]
+        built = Assembly([cylinder((*at, 0.0), (*at, level), 0.012, "rubber") for at in places])
     floor = block((x0 + 0.02, x1), y, (level, level + WALL), "body")
-    return Assembly((*pieces, floor), parts), level + WALL
+    return built + Assembly((floor,)), level + WALL
 
 
 def _build_walls(frame: _Frame, z: Range, front: float) -> tuple[Primitive, ...]:
     """Sides and back of one storey."""
-    back, (right, left) = frame.x[1], frame.inner
-    return (
-        block((front, back), (frame.y[0], right), z, "body"),
-        block((front, back), (left, frame.y[1]), z, "body"),
-        block((back - WALL, back), frame.inner, z, "body"),
-    )
+    back = frame.x[1]
+    sides = [block((front, back), side, z, "body") for side in margins(frame.y, WALL)]
+    return (*sides, block((back - WALL, back), frame.inner, z, "body"))
 
 
 def _make_cassette(frame: _Frame, z: Range, name: str) -> Assembly:
@@ -151,8 +149,7 @@ def _make_cassette(frame: _Frame, z: Range, name: str) -> Assembly:
         block(face, (half, left), (notch, top), "front"),
         block((frame.x[0] + 0.011, start), around(0.0, half), (notch, top), "trim"),
         block(x, y, (low, floor), "inside"),
-        block(x, (y[0], y[0] + wall), (floor, rim), "inside"),
-        block(x, (y[1] - wall, y[1]), (floor, rim), "inside"),
+        *(block(x, side, (floor, rim), "inside") for side in margins(y, wall)),
         block((rear, x[1]), narrow(y, wall), (floor, rim), "inside"),
         block((rear - long, rear), PAPER, (floor, rim - 0.008), "paper"),
     )
@@ -183,13 +180,10 @@ def _make_engine(rng: np.random.Generator, frame: _Frame, z: Range, *, opens: bo
 
 def _make_bay(frame: _Frame, z: Range, *, deep: float) -> Assembly:
     """The output bay, an open storey between printing unit and scanner, with a pull-out tray."""
-    (x0, x1), (y0, y1) = frame.x, frame.y
+    x0, x1 = frame.x
     back = x0 + deep * 0.75 * (x1 - x0)
-    pieces = (
-        block((x0, back), (y0, y0 + 0.03), z, "body"),
-        block((x0, back), (y1 - 0.03, y1), z, "body"),
-        block((back, x1), frame.y, z, "body"),
-    )
+    sides = [block((x0, back), side, z, "body") for side in margins(frame.y, 0.03)]
+    pieces = (*sides, block((back, x1), frame.y, z, "body"))
     (start, end), low = (x0 + 0.004, back - 0.01), z[0] + 0.0035
     floor = low + 0.007
     solids = (
@@ -202,13 +196,12 @@ def _make_bay(frame: _Frame, z: Range, *, deep: float) -> Assembly:
 
 def _build_top_tray(frame: _Frame, top: float) -> tuple[Primitive, ...]:
     """The output tray of a laser printer, a hollow in its top."""
-    (x0, x1), (y0, y1), low = frame.x, frame.y, top - 0.04
+    (x0, x1), low = frame.x, top - 0.04
     start, end, inner = x0 + 0.03, x1 - 0.08, narrow(frame.y, 0.06)
     slope = ((start, low), (end, low), (start, low + 0.028), (end, low + 0.004))
     return (
         block((end, x1), frame.y, (low, top), "body"),
-        block((x0, end), (y0, inner[0]), (low, top), "body"),
-        block((x0, end), (inner[1], y1), (low, top), "body"),
+        *(block((x0, end), side, (low, top), "body") for side in margins(frame.y, 0.06)),
         block((x0, start), inner, (low, low + 0.028), "body"),
         polytope(np.array([(a, b, c) for b in inner for a, c in slope]), "inside"),
     )

@@ -18,23 +18,12 @@ from artigen.shapes.appliances.cold_storage import (
     reach_inwards,
 )
 from artigen.shapes.assembly import Assembly
-from artigen.shapes.choices import choose, pick
-from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths, find_nearest
+from artigen.shapes.choices import choose
+from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths, pick_nearest
 from artigen.shapes.fittings.handles import HandleDesign
-from artigen.shapes.fittings.hardware import (
-    GAP,
-    Edge,
-    Panel,
-    Range,
-    Space,
-    around,
-    divide_range,
-    hinge,
-    narrow,
-    slide,
-    sweep_gap,
-)
+from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Space, hinge, slide, sweep_gap
 from artigen.shapes.primitives import Primitive, block
+from artigen.shapes.ranges import Range, around, divide_range, narrow
 from artigen.shapes.shape import Need, ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -112,8 +101,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
-    weights: dict[Kind, float] = {name: KINDS[name] for name in find_nearest(wish, SIZES)}
-    kind = pick(rng, weights)
+    kind = pick_nearest(rng, wish, KINDS, SIZES)
     width, depth, height = choose_lengths(rng, wish, SIZES[kind])
     thickness = choose(rng, *((0.045, 0.055) if kind in ("mini", "display") else (0.052, 0.072)))
     foot = choose(rng, 0.015, 0.028)
@@ -241,7 +229,7 @@ def _draw_doors(
         parts.append(ShapePart(name, "door", leaf, hinge(panel, edge, upper)))
         parts += _mount(plan, panel, edge, name)
         needs.append(Need(part=name, fraction=1.0))
-        reach = reach_inwards(panel, upper, 0.036, 0.012) + 0.004
+        reach = reach_inwards(panel, upper) + 0.004
         if edge == "left":
             high = min(high, panel.y[1] - reach)
         else:
@@ -275,10 +263,8 @@ def _place_doors(plan: _Plan, cell: _Cell, z: Range) -> list[tuple[Panel, Edge]]
     """Panels of the doors of a compartment, from the left, each with its hinged edge."""
     panel = Panel(x=plan.x, thickness=plan.thickness, y=cell.y, z=z)
     if cell.front == "pair":
-        middle = sum(cell.y) / 2
-        gap = sweep_gap((cell.y[1] - cell.y[0]) / 2, plan.thickness)
-        left = replace(panel, y=(middle + gap / 2, cell.y[1]))
-        return [(left, "left"), (replace(panel, y=(cell.y[0], middle - gap / 2)), "right")]
+        left, right = panel.split(sweep_gap(panel.width / 2, plan.thickness))
+        return [(left, "left"), (right, "right")]
     half = sweep_gap(cell.y[1] - cell.y[0], plan.thickness) / 2 + 0.002
     y = (
         cell.y[0] + (half if cell.y[0] != plan.outer.y[0] else 0.0),
@@ -298,11 +284,7 @@ def _mount(plan: _Plan, panel: Panel, edge: Edge, parent: str) -> list[ShapePart
     margin = min(half + 0.04, panel.height / 2)
     level = float(np.clip(1.05, panel.z[0] + margin, panel.z[1] - margin))
     inset = 0.002 if plan.grip.kind == "edge" else 0.03
-    return [
-        mount_grip(
-            panel, plan.grip, name=f"{parent}_handle", parent=parent, edge=edge, inset=inset, level=level
-        )
-    ]
+    return [mount_grip(panel, plan.grip, parent=parent, edge=edge, inset=inset, level=level)]
 
 
 def _make_drawer(plan: _Plan, cell: _Cell, panel: Panel, stem: str) -> list[ShapePart]:
@@ -312,7 +294,7 @@ def _make_drawer(plan: _Plan, cell: _Cell, panel: Panel, stem: str) -> list[Shap
     if plan.grip is None:
         return [drawer]
     inset = 0.002 if plan.grip.kind == "edge" else min(0.035, panel.height / 5)
-    return [drawer, mount_grip(panel, plan.grip, name=f"{name}_handle", parent=name, edge=None, inset=inset)]
+    return [drawer, mount_grip(panel, plan.grip, parent=name, edge=None, inset=inset)]
 
 
 def _draw_glass_doors(rng: np.random.Generator, plan: _Plan, cell: _Cell, z: Range) -> list[ShapePart]:

@@ -12,19 +12,9 @@ from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.draw import Draft, Wish, choose_lengths
 from artigen.shapes.fittings.fronts import FrontDesign, make_front
 from artigen.shapes.fittings.handles import HandleDesign, make_handle, place_handle
-from artigen.shapes.fittings.hardware import (
-    GAP,
-    PASSING,
-    Edge,
-    Panel,
-    Space,
-    around,
-    hinge,
-    narrow,
-    rotate,
-    sweep_gap,
-)
+from artigen.shapes.fittings.hardware import GAP, PASSING, Edge, Panel, Space, hinge, rotate, sweep_gap
 from artigen.shapes.primitives import FRONT, Primitive, block, cylinder
+from artigen.shapes.ranges import around, narrow
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.materials import LACQUERS, make_lacquer
 from artigen.shapes.surfaces.palette import draw_palette

@@ -16,7 +16,7 @@ from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.draw import Draft, Spans, Wish
 from artigen.shapes.fittings.feet import make_legs, make_plinth
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range, around, narrow
+from artigen.shapes.fittings.hardware import GAP, Edge, Panel
 from artigen.shapes.fittings.lids import (
     build_collar,
     build_roof,
@@ -31,6 +31,7 @@ from artigen.shapes.fittings.lids import (
 from artigen.shapes.fittings.locks import DEEP, FREE, make_latch
 from artigen.shapes.fittings.turning import turn_part
 from artigen.shapes.primitives import Primitive, block
+from artigen.shapes.ranges import Range, around, margins, narrow
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_plastic
@@ -91,7 +92,7 @@ def _build_chest(rng: np.random.Generator, width: float, depth: float, height: f
         kind = "tapered" if rng.random() < 0.5 else "square"
         stand = make_legs(x, y, foot, kind=kind, width=0.04, finish="body")
     else:
-        stand = make_plinth((x[0] - 0.5 * over, x[1]), narrow(y, -0.5 * over), foot, "body")
+        stand = make_plinth((x[0] - 0.5 * over, x[1]), narrow(y, -0.5 * over), foot)
     walls = build_vessel((x, y), (x, y), (foot, rim), wall, "body", lining="inside")
     framed = rng.random() < 0.6
     panels = _frame_front(x[0], y, (foot, rim), int(rng.integers(2, 4))) if framed else ()
@@ -188,10 +189,8 @@ def _build_carton(rng: np.random.Generator, width: float, depth: float, height: 
     side = upper - wall - GAP if four else upper
     inner = narrow(x, wall)
     pieces = [
-        block((x[0], inner[0]), y, (0.0, upper), "body"),
-        block((inner[1], x[1]), y, (0.0, upper), "body"),
-        block(inner, (y[0], y[0] + wall), (0.0, side), "body"),
-        block(inner, (y[1] - wall, y[1]), (0.0, side), "body"),
+        *(block(end, y, (0.0, upper), "body") for end in margins(x, wall)),
+        *(block(inner, end, (0.0, side), "body") for end in margins(y, wall)),
         block(inner, narrow(y, wall), (0.0, wall), "body"),
     ]
     opened = radians(choose(rng, 105, 178))
@@ -207,12 +206,10 @@ def _build_carton(rng: np.random.Generator, width: float, depth: float, height: 
         parts.append(ShapePart(f"flap_{name}", "door", solids, hinge_lid(span, y, low, opened, edge)))
     if four:
         reach, deep, low = min(depth / 2, width / 2 - 0.004), narrow(inner, GAP), side + GAP
-        sides: dict[Edge, Range] = {"right": (y[0], y[0] + reach), "left": (y[1] - reach, y[1])}
-        for edge, span in sides.items():
-            solid, motion = (
-                block(deep, span, (low, low + wall), "body"),
-                hinge_lid(deep, span, low, opened, edge),
-            )
+        sides: tuple[Edge, ...] = ("right", "left")
+        for edge, span in zip(sides, margins(y, reach), strict=True):
+            solid = block(deep, span, (low, low + wall), "body")
+            motion = hinge_lid(deep, span, low, opened, edge)
             needs = require("flap_front", "flap_rear")
             parts.append(ShapePart(f"flap_{edge}", "door", (solid,), motion, needs=needs))
     if rng.random() < 0.7:  # a paper label on the front

@@ -8,13 +8,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from artigen.shapes.choices import choose, pick
-from artigen.shapes.draw import Draft, Wish, find_nearest
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import pick
+from artigen.shapes.draw import Draft, Wish, choose_lengths, pick_nearest
 from artigen.shapes.fittings.hardware import Space
-from artigen.shapes.furniture.cabinet import Looks, count_fronts, draw_layout
+from artigen.shapes.furniture.cabinet import count_fronts, draw_layout
 from artigen.shapes.furniture.carcass import draw_fitting
 from artigen.shapes.furniture.case import build_case, draw_plan, place_case
 from artigen.shapes.furniture.furniture_kinds import KINDS, STYLES, Kind, Style
+from artigen.shapes.furniture.looks import Looks
 from artigen.shapes.furniture.splits import Node
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
@@ -33,13 +35,9 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items()})
     kind = _choose_kind(rng, wish, STYLES[style])
     finishes = draw_palette(rng, "furniture", style)
-    size = (
-        choose(rng, *kind.width, wish.width),
-        choose(rng, *kind.depth, wish.depth),
-        choose(rng, *kind.height, wish.height),
-    )
+    size = choose_lengths(rng, wish, kind.spans)
 
-    def draw_parts(attempt: int) -> tuple[ShapePart, ...]:
+    def draw_parts(attempt: int) -> Assembly:
         plan = draw_plan(wish.shared_stream(rng, attempt), kind, STYLES[style], size, wish)
         node = _draw_wanted(rng, place_case(plan, size), plan.looks, kind, wish)
         return build_case(plan, node, size)
@@ -53,13 +51,13 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 def _choose_kind(rng: np.random.Generator, wish: Wish, style: Style) -> Kind:
     """Draws a kind whose sizes include the wished ones or are closest to them."""
-    shown = [
-        name
+    weights = {name: kind.weight for name, kind in KINDS.items()}
+    sizes = {
+        name: kind.spans
         for name, kind in KINDS.items()
         if not style.closed or dict(kind.taste.rules).get("closed", 0) > 0.5
-    ]
-    sizes = {name: (KINDS[name].width, KINDS[name].depth, KINDS[name].height) for name in shown}
-    return KINDS[pick(rng, {name: KINDS[name].weight for name in find_nearest(wish, sizes)})]
+    }
+    return KINDS[pick_nearest(rng, wish, weights, sizes)]
 
 
 def _draw_wanted(rng: np.random.Generator, box: Space, looks: Looks, kind: Kind, wish: Wish) -> Node:

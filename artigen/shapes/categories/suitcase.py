@@ -16,14 +16,15 @@ from artigen.shapes.fittings.bowls import build_bowl
 from artigen.shapes.fittings.carrying import CHANNEL, build_channel, make_grip, make_pull_handle
 from artigen.shapes.fittings.feet import make_castors
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Edge, Panel, Range, around, hinge, narrow
+from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Edge, Panel, hinge
 from artigen.shapes.fittings.lids import make_lid
 from artigen.shapes.fittings.locks import make_latch
 from artigen.shapes.fittings.outlines import Outline
 from artigen.shapes.primitives import Primitive, block, polytope
+from artigen.shapes.ranges import Range, around, narrow
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.finishes import Color, Finish
-from artigen.shapes.surfaces.materials import make_metal
+from artigen.shapes.surfaces.materials import make_metal, shade_color
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Suitcase"
@@ -60,11 +61,11 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     shell, hide = choose_one(rng, SHELLS), choose_one(rng, LEATHERS)
     lining = choose_one(rng, LININGS)
     body = {
-        "leather": Finish(kind="rubber", color=hide, accent=_shade(hide, 0.9), gloss=0.2),
+        "leather": Finish(kind="rubber", color=hide, accent=shade_color(hide, 0.9), gloss=0.2),
         "aluminium": make_metal("steel" if rng.random() < 0.75 else "black", seed),
     }.get(style) or Finish(kind="plastic", color=shell, accent=shell, period=0.3, gloss=0.4)
     dark = Finish(kind="plastic", color=(0.12, 0.12, 0.13), accent=(0.12, 0.12, 0.13), gloss=0.3)
-    belt = Finish(kind="rubber", color=_shade(hide, 0.75), accent=hide, gloss=0.2)
+    belt = Finish(kind="rubber", color=shade_color(hide, 0.75), accent=hide, gloss=0.2)
     return draw_palette(rng, "appliance", "steel") | {
         "body": body,
         "inside": Finish(kind="rubber", color=lining, accent=lining, gloss=0.05),
@@ -72,10 +73,6 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
         "handle": belt if style == "leather" else dark,
         "metal": make_metal("brass" if style == "leather" else "chrome", seed),
     }
-
-
-def _shade(color: Color, factor: float) -> Color:
-    return factor * color[0], factor * color[1], factor * color[2]
 
 
 def _build_standing(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
@@ -87,12 +84,12 @@ def _build_standing(rng: np.random.Generator, width: float, depth: float, height
     seam = x[0] + choose(rng, 0.42, 0.5) * (x[1] - x[0])
     radius, bevel = choose(rng, 0.035, 0.06), choose(rng, 0.012, 0.02)
     outline, wall = Outline(a=y, b=z, cuts=(radius, radius)), max(WALL, (z[1] - z[0]) / SLENDER)
-    front = build_bowl(outline, (x[0], seam - GAP), wall, "body", bevel=bevel, lining="inside")
-    rear = build_bowl(outline, (x[1], seam), wall, "body", bevel=bevel, lining="inside")
+    front = build_bowl(outline, (x[0], seam - GAP), wall, bevel=bevel)
+    rear = build_bowl(outline, (x[1], seam), wall, bevel=bevel)
     edge: Edge = "left" if rng.random() < 0.5 else "right"
     ribs = _build_ribs(rng, x[0], narrow(y, radius), narrow(z, radius))
     swing = hinge(Panel(x=seam - GAP, thickness=0.01, y=y, z=z), edge, radians(choose(rng, 100, 170)))
-    door = ShapePart("door", "door", (*front, *ribs, *castors.primitives[:6]), swing)
+    door = ShapePart("door", "door", (*front, *ribs, *castors.pieces[:6]), swing)
     wheels = [replace(part, parent="door" if k < 2 else "body") for k, part in enumerate(castors.parts)]
     spread, low = choose(rng, 0.38, 0.5) * width, z[0] + 0.06
     rods = make_pull_handle(x[1], spread, (low, z[1] + 0.022), 0.62 * (z[1] - z[0]))
@@ -101,7 +98,7 @@ def _build_standing(rng: np.random.Generator, width: float, depth: float, height
     side = around(y[0] if edge == "left" else y[1], 0.002)
     pieces = (
         *rear,
-        *castors.primitives[6:],
+        *castors.pieces[6:],
         *build_channel(x[1], spread, (low, z[1] - 0.05), "trim"),
         block((seam + 0.004, seam + 0.03), side, around(sum(z) / 2, 0.03), "trim"),
         *_cross_straps(seam + 0.012, y, z),
@@ -138,8 +135,8 @@ def _build_lying(rng: np.random.Generator, width: float, depth: float, height: f
     seam = choose(rng, 0.5, 0.62) * height
     radius, bevel = choose(rng, 0.02, 0.035), choose(rng, 0.006, 0.014)
     outline, high = Outline(a=x, b=y, cuts=(radius, radius)), seam + GAP
-    low = build_bowl(outline, (0.0, seam), WALL, "body", axis=2, bevel=bevel, lining="inside")
-    cover = [*build_bowl(outline, (top, high), WALL, "body", axis=2, bevel=bevel, lining="inside")]
+    low = build_bowl(outline, (0.0, seam), WALL, axis=2, bevel=bevel)
+    cover = [*build_bowl(outline, (top, high), WALL, axis=2, bevel=bevel)]
     straps, face = [], (x[0] - band, x[0] + 0.003)
     for at in (-0.38 * width, 0.38 * width):
         belt = around(at, 0.016)

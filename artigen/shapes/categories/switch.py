@@ -11,12 +11,14 @@ import numpy as np
 
 from artigen.shapes.appliances.cavity import build_frame
 from artigen.shapes.appliances.control_panel import DIAL_GAP, DialDesign, design_dial, make_button, make_dial
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
-from artigen.shapes.fittings.hardware import around, narrow, rotate
+from artigen.shapes.fittings.hardware import rotate
 from artigen.shapes.fittings.tubes import lean_rod
 from artigen.shapes.primitives import LEFT, Primitive, Vector, block, cylinder, polytope
-from artigen.shapes.shape import ShapePart, make_base
+from artigen.shapes.ranges import around, narrow
+from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import LACQUERS, make_ceramic, make_plastic, make_polished
 
@@ -41,26 +43,22 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     wide, (low, high) = PLATE + (count - 1) * PITCH, ((height - HIGH) / 2, (height + HIGH) / 2)
     wall = block((face + THICK, depth / 2), around(0.0, width / 2), (0.0, height), "wall")
     places = [((count - 1) / 2 - k) * PITCH for k in range(count)]
-    pieces: list[Primitive] = [wall]
-    parts: list[ShapePart] = []
+    plate = [block((face, face + THICK), around(0.0, wide / 2), (low, high), "panel", 0.002)]
     if style == "rocker":
-        pieces += _build_plate(face, wide, (low, high), places)
-        parts = [_make_rocker(f"rocker_{k}", (face, y, height / 2)) for k, y in enumerate(places)]
-    else:
-        pieces.append(block((face, face + THICK), around(0.0, wide / 2), (low, high), "panel", 0.002))
-        kind = _draw_dimmer(rng) if style == "dimmer" else None
-        for k, y in enumerate(places):
-            at = (face, y, height / 2)
-            if style == "toggle":
-                part, collar = _make_toggle(f"toggle_{k}", at)
-                parts.append(part)
-                pieces.append(collar)
-            elif kind is not None:
-                parts.append(make_dial(kind, at, name=f"dimmer_{k}"))
-            else:
-                parts += _make_pair(f"button_{k}", at)
-    body = make_base(pieces)
-    return Draft(style, (body, *parts), _draw_finishes(rng, style))
+        plate = _build_plate(face, wide, (low, high), places)
+    built = Assembly((wall, *plate))
+    kind = _draw_dimmer(rng) if style == "dimmer" else None
+    for k, y in enumerate(places):
+        at = (face, y, height / 2)
+        if style == "rocker":
+            built += Assembly(parts=(_make_rocker(f"rocker_{k}", at),))
+        elif style == "toggle":
+            built += _make_toggle(f"toggle_{k}", at)
+        elif kind is not None:
+            built += Assembly(parts=(make_dial(kind, at, name=f"dimmer_{k}"),))
+        else:
+            built += Assembly(parts=_make_pair(f"button_{k}", at))
+    return Draft(style, built.close(), _draw_finishes(rng, style))
 
 
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
@@ -104,11 +102,10 @@ def _make_rocker(name: str, at: Vector) -> ShapePart:
     flat = flat @ np.array([(cosine, sine), (-sine, cosine)])
     corners = np.array([(x, y, z) for x, z in flat for y in (-half, half)])
     tilted = polytope(corners, "front", center=pivot)
-    motion = rotate(LEFT, pivot, ROCK)
-    return ShapePart(name, "knob", (tilted,), motion)
+    return ShapePart(name, "knob", (tilted,), rotate(LEFT, pivot, ROCK))
 
 
-def _make_toggle(name: str, at: Vector) -> tuple[ShapePart, Primitive]:
+def _make_toggle(name: str, at: Vector) -> Assembly:
     """A toggle before a collar, which points down and flips up."""
     x, y, z = at
     collar = cylinder((x - 0.004, y, z), (x, y, z), 0.014, "accent")
@@ -117,9 +114,7 @@ def _make_toggle(name: str, at: Vector) -> tuple[ShapePart, Primitive]:
     tip = (pivot[0] - reach, y, z - reach * float(np.tan(FLIP / 2)))
     stem = lean_rod(pivot, tip, 0.0042, "metal")
     ball = cylinder((pivot[0], y - 0.008, z), (pivot[0], y + 0.008, z), 0.0055, "metal")
-    pieces = (stem, ball)
-    motion = rotate(LEFT, pivot, FLIP)
-    return ShapePart(name, "knob", pieces, motion), collar
+    return Assembly((collar,), (ShapePart(name, "knob", (stem, ball), rotate(LEFT, pivot, FLIP)),))
 
 
 def _draw_dimmer(rng: np.random.Generator) -> DialDesign:

@@ -13,11 +13,12 @@ from artigen.shapes.appliances.cavity import build_rim
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.categories.storage_furniture import STYLES
 from artigen.shapes.choices import choose, choose_one, pick
-from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths, find_nearest
+from artigen.shapes.draw import Draft, Size, Spans, Wish, choose_lengths, pick_nearest
 from artigen.shapes.fittings.feet import LEG_KINDS, LegKind, make_castors, make_legs
-from artigen.shapes.fittings.hardware import GAP, Range, Space, around, lift, narrow
-from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
+from artigen.shapes.fittings.hardware import GAP, Space, lift
+from artigen.shapes.furniture.cabinet import draw_layout, make_cabinet
 from artigen.shapes.furniture.carcass import draw_fitting, open_carcass
+from artigen.shapes.furniture.looks import Looks, draw_looks
 from artigen.shapes.furniture.sinks import TAP_HEIGHT, make_sink
 from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, lay_out
 from artigen.shapes.furniture.table_frames import (
@@ -35,11 +36,11 @@ from artigen.shapes.furniture.table_frames import (
     most_radius,
 )
 from artigen.shapes.primitives import UP, Primitive, block, cylinder, place_vertices
+from artigen.shapes.ranges import Range, around, narrow
 from artigen.shapes.shape import Motion, ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Table"
-BODY = "body"
 MAX_LAYOUTS = 60
 OVERHANGING, ARCHED, STRETCHED, CLOSED, GIRDED = 0.4, 0.2, 0.3, 0.2, 0.75
 """Probabilities of an overhanging top, arched aprons, stretchers, closed sides (twice for small tables), and
@@ -66,8 +67,7 @@ UNDER_SINK = Taste(
 class _Plan:
     """Choices that every kind of table is built from (m)."""
 
-    size: tuple[float, float, float]
-    """Width, depth and height."""
+    size: Size
     looks: Looks
     top: float
     """Thickness of the top."""
@@ -83,8 +83,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     width, depth, height = choose_lengths(rng, wish, kind.spans)
     size = (width, width if kind.round and wish.depth is None else depth, height)
 
-    def draw_parts(attempt: int) -> tuple[ShapePart, ...]:
-        return kind.build(rng, _draw_plan(wish.shared_stream(rng, attempt), style, size, wish)).close()
+    def draw_parts(attempt: int) -> Assembly:
+        return kind.build(rng, _draw_plan(wish.shared_stream(rng, attempt), style, size, wish))
 
     def suits(parts: Sequence[ShapePart]) -> bool:
         return bool(wish.counts) or any(part.motion for part in parts)
@@ -92,7 +92,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts, suits), finishes)
 
 
-def _draw_plan(rng: np.random.Generator, style: str, size: tuple[float, float, float], wish: Wish) -> _Plan:
+def _draw_plan(rng: np.random.Generator, style: str, size: Size, wish: Wish) -> _Plan:
     look = STYLES[style]
     if not wish.handles and "knob" in look.handles and rng.random() < 0.45:  # most tables have small handles
         look = replace(look, handles=("knob",))
@@ -153,19 +153,18 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> Assembly:
     low, high = 0.0, height - plan.top
     footing = _draw_footing(rng, plan)
     x, y = footing.x, footing.y
-    parts: list[ShapePart] = []
-    solids: list[Primitive] = [*footing.top]
+    built = Assembly(footing.top)
     rolling = high < 0.55 and rng.random() < 0.35
     long = rolling and width > 0.95 and rng.random() < 0.2  # three pairs of legs and no drawers
     if rolling:
         swivel, radius = bool(rng.random() < 0.3) or long, choose(rng, 0.022, 0.03)
         stand = make_castors(x, y, radius, swivel=swivel, pairs=3 if long else 2)
-        low, parts = stand.height, [*parts, *stand.parts]
-        solids += stand.primitives
+        low = stand.height
+        built += stand
     leg = plan.leg_width
     upright = make_legs(x, y, high - low, kind=plan.leg, width=leg, finish="leg", middle=long)
     legs = lift(upright, low)
-    solids += legs
+    built += Assembly(legs)
     closed = not long and rng.random() < (2 * CLOSED if width < 0.7 else CLOSED)
     inner = narrow(y, leg)
     room = inner[1] - inner[0]
@@ -177,26 +176,27 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> Assembly:
     if drawers:
         girded = closed or rng.random() < GIRDED
         back = min(x[0] + choose(rng, 0.45, 1.0) * (x[1] - x[0]), behind if girded else x[1])
-        hung = _hang_drawers(drawers, Space(x=(x[0], back), y=inner, z=(high - deep, high)), plan.looks, rng)
-        solids, parts = [*solids, *hung.pieces], [*parts, *hung.parts]
+        space = Space(x=(x[0], back), y=inner, z=(high - deep, high))
+        built += _hang_drawers(drawers, space, plan.looks, rng)
         if girded and not closed:
-            solids += make_apron(x, y, (high - deep, high), leg, sides=("back", "right", "left"))
+            built += Assembly(make_apron(x, y, (high - deep, high), leg, sides=("back", "right", "left")))
         if arch:
             start = x[0] + max(plan.looks.thickness + GAP, 0.25 * leg)
-            solids += make_arch((start, start + WALL), inner, (high - deep - 0.012, high - deep), arch, "leg")
+            edge = (high - deep - 0.012, high - deep)
+            built += Assembly(make_arch((start, start + WALL), inner, edge, arch))
     elif rng.random() < 0.75:
         sides = SIDES[:1] if closed else SIDES
-        solids += make_apron(x, y, (high - 0.6 * deep, high), leg, sides=sides, arch=arch)
+        built += Assembly(make_apron(x, y, (high - 0.6 * deep, high), leg, sides=sides, arch=arch))
     at = low + choose(rng, 0.25, 0.4) * (high - low)
     shelved = rng.random() < (0.65 if high < 0.6 else 0.12)
     if shelved:
-        parts.append(_make_shelf(legs, at))
+        built += Assembly(parts=(_make_shelf(legs, at),))
     elif not long and rng.random() < STRETCHED:
         kind = choose_one(rng, STRETCHER_KINDS)
-        solids += make_stretchers(legs, 0.7 * at + 0.3 * low, 0.48 * leg, kind)
+        built += Assembly(make_stretchers(legs, 0.7 * at + 0.3 * low, 0.48 * leg, kind))
     if closed:
-        solids += make_panels(legs, (at + 0.02 if shelved else at, high))
-    return Assembly(solids, parts)
+        built += Assembly(make_panels(legs, (at + 0.02 if shelved else at, high)))
+    return built
 
 
 def _hang_drawers(count: int, space: Space, looks: Looks, rng: np.random.Generator) -> Assembly:
@@ -234,8 +234,7 @@ def _build_desk(rng: np.random.Generator, plan: _Plan) -> Assembly:
     x, y = (reach - depth / 2, depth / 2), (0.015 - width / 2, width / 2 - 0.015)
     wide = choose(rng, 0.32, 0.46) * float(np.clip(width / 1.3, 0.85, 1.1))
     both = width > 1.25 and rng.random() < 0.5
-    solids: list[Primitive] = [_make_top(plan)]
-    parts: list[ShapePart] = []
+    built = Assembly((_make_top(plan),))
     lifted = float(rng.choice((0.0, 0.06, 0.12)))
     spans = [(y[1] - wide, y[1]), (y[0], y[0] + wide)] if both else [(y[1] - wide, y[1])]
     first: Node | None = None
@@ -244,36 +243,35 @@ def _build_desk(rng: np.random.Generator, plan: _Plan) -> Assembly:
         looks = replace(plan.looks, carcass=replace(plan.looks.carcass, lid=lifted > 0))
         node = first if first is not None and rng.random() < 0.6 else draw_layout(rng, space, looks, PEDESTAL)
         first = node
-        built = make_cabinet(node, space, looks, prefix=f"{'ab'[index]}")
-        solids, parts = [*solids, *built.pieces], [*parts, *built.parts]
+        built += make_cabinet(node, space, looks, prefix="ab"[index])
         if lifted:
-            back = replace(space, x=(x[0] + 0.03, x[1]))
-            solids += make_legs(back.x, span, lifted, kind=plan.leg, width=0.04, finish="leg")
+            under = (x[0] + 0.03, x[1])
+            built += Assembly(make_legs(under, span, lifted, kind=plan.leg, width=0.04, finish="leg"))
     free = (y[0] + wide if both else y[0], y[1] - wide)
     if not both:
         board = 0.03 if rng.random() < 0.5 else plan.leg_width
-        end = (y[0], y[0] + board)
+        end, deep = (y[0], y[0] + board), (x[0] + 0.02, x[1])
         if board == 0.03:
-            solids.append(block((x[0] + 0.02, x[1]), end, (0.0, high), "body"))
+            built += Assembly((block(deep, end, (0.0, high), "body"),))
         else:
-            solids += make_legs(
-                (x[0] + 0.02, x[1]), (y[0], y[0] + 3 * board), high, kind="square", width=board, finish="leg"
-            )[::2]
+            across = (y[0], y[0] + 3 * board)
+            legs = make_legs(deep, across, high, kind="square", width=board, finish="leg")
+            built += Assembly(legs[::2])
         free = (end[1], free[1])
     if rng.random() < 0.7:
         low = high - choose(rng, 0.2, 0.4)
         board = Space(x=(x[1] - 0.06, x[1] - 0.042), y=free, z=(low, high))
-        solids.append(board.fill("body"))
+        built += Assembly((board.fill("body"),))
     if rng.random() < 0.45 and free[1] - free[0] > 0.35:
         space = Space(x=(x[0], x[1] - 0.1), y=free, z=(high - choose(rng, 0.09, 0.12), high))
         count = 2 if free[1] - free[0] > 0.9 and rng.random() < 0.6 else 1
         hung = _hang_drawers(count, space, plan.looks, rng)
-        solids, parts = [*solids, *hung.pieces], [*parts, *(_rename(part, "c") for part in hung.parts)]
-    return Assembly(solids, parts)
+        built += Assembly(hung.pieces, [_rename(part, "c") for part in hung.parts])
+    return built
 
 
 def _rename(part: ShapePart, tag: str) -> ShapePart:
-    parent = part.parent if part.parent in (None, BODY) else f"{tag}_{part.parent}"
+    parent = part.parent if part.parent == "body" else f"{tag}_{part.parent}"
     return replace(part, name=f"{tag}_{part.name}", parent=parent)
 
 
@@ -370,5 +368,6 @@ def _choose_kind(rng: np.random.Generator, wish: Wish) -> _Kind:
         for name, kind in KINDS.items()
         if not (kind.round and wish.width and wish.depth and wish.width != wish.depth)
     }
+    weights = {name: kind.weight for name, kind in known.items()}
     sizes = {name: kind.spans for name, kind in known.items()}
-    return known[pick(rng, {name: known[name].weight for name in find_nearest(wish, sizes)})]
+    return known[pick_nearest(rng, wish, weights, sizes)]

@@ -8,12 +8,14 @@ import numpy as np
 
 from artigen.shapes.appliances.cavity import build_feet
 from artigen.shapes.appliances.control_panel import design_dial, make_button, make_dial
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
-from artigen.shapes.fittings.hardware import GAP, Range, around, narrow, slide
+from artigen.shapes.fittings.hardware import GAP, slide
 from artigen.shapes.fittings.outlines import trace_corners
-from artigen.shapes.primitives import DOWN, FRONT, Primitive, block, box, prism, rounded_box
-from artigen.shapes.shape import Motion, ShapePart, make_base
+from artigen.shapes.primitives import DOWN, FRONT, Primitive, block, box, prism
+from artigen.shapes.ranges import Range, around, margins, narrow
+from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Toaster"
@@ -38,35 +40,31 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     x, y = (-depth / 2 + KNOB, depth / 2), around(0.0, width / 2)
     bays = [(y[0], 0.0), (0.0, y[1])] if four else [y]
     bottom = FOOT + FLOOR + 0.022
-    pieces = [
-        *build_feet(x, y, FOOT, "rubber", radius=0.01, inset=0.025),
-        block(x, y, (FOOT, FOOT + 0.008), "rubber"),
-        *_build_skirt(x, y, bottom),
-    ]
-    parts: list[ShapePart] = []
+    built = Assembly(
+        (
+            *build_feet(x, y, FOOT, "rubber", radius=0.01, inset=0.025),
+            block(x, y, (FOOT, FOOT + 0.008), "rubber"),
+            *_build_skirt(x, y, bottom),
+        )
+    )
     for index, bay in enumerate(bays):
         rounded = (bay[1] == y[1], bay[0] == y[0])
-        made, moving = _build_bay(rng, x, bay, (bottom, height), f"_{index}" if four else "", rounded)
-        pieces += made
-        parts += moving
-    tray = _make_tray(x, y)
-    body = make_base(pieces)
-    finishes = draw_palette(rng, "appliance", style)
-    return Draft(style, (body, *parts, tray), finishes)
+        built += _build_bay(rng, x, bay, (bottom, height), f"_{index}" if four else "", rounded)
+    built += Assembly(parts=(_make_tray(x, y),))
+    return Draft(style, built.close(), draw_palette(rng, "appliance", style))
 
 
 def _build_skirt(x: Range, y: Range, top: float) -> list[Primitive]:
     """Sides and back around the tray, and the floor above it."""
     low = FOOT + 0.008
-    spans = ((y[0], y[0] + WALL), (y[1] - WALL, y[1]))
-    pieces = [block(x, (a, b), (low, top), "front") for a, b in spans]
+    pieces = [block(x, side, (low, top), "front") for side in margins(y, WALL)]
     pieces.append(block((x[1] - END, x[1]), narrow(y, WALL), (low, top), "front"))
     return [*pieces, block((x[0], x[1] - END), narrow(y, WALL), (top - 0.008, top), "front")]
 
 
 def _build_bay(
     rng: np.random.Generator, x: Range, y: Range, z: Range, tag: str, rounded: tuple[bool, bool]
-) -> tuple[list[Primitive], list[ShapePart]]:
+) -> Assembly:
     """Two slots between walls, with the lever, dial and buttons before them; the upper edges of the left and
     right wall may be rounded."""
     low, high = z
@@ -92,22 +90,17 @@ def _build_bay(
     top = high - 0.042
     arm = 0.004
     z_arm, ends = (top - 0.012, top - 0.002), (slots[0][0] + 0.006, slots[1][1] - 0.006)
-    grip = ((x[0] - KNOB, middle - 0.02, top - 0.014), (x[0] - 0.003, middle + 0.02, top + 0.006))
+    grip = (x[0] - KNOB, x[0] - 0.003), around(middle, 0.02), (top - 0.014, top + 0.006)
     lever = [
-        rounded_box(*grip, 0.003, "handle"),
+        block(*grip, "handle", 0.003),
         block((x[0] - 0.004, inner[0] + 0.008), around(middle, arm), z_arm, "steel"),
         block((inner[0] + 0.004, inner[0] + 0.014), ends, z_arm, "steel"),
     ]
+    reach = (inner[0] + 0.014, inner[1] - 0.006)
     for a, b in slots:
-        at = (a + b) / 2
-        low_end, high_end = (
-            (inner[0] + 0.014, at - 0.006, z_arm[0]),
-            (inner[1] - 0.006, at + 0.006, top - 0.006),
-        )
-        lever.append(box(low_end, high_end, "steel"))
+        lever.append(block(reach, around((a + b) / 2, 0.006), (z_arm[0], top - 0.006), "steel"))
     travel = min(TRAVEL, top - 0.014 - low - 0.012)
-    down = Motion(type="prismatic", axis=DOWN, upper=travel, spring=SPRING)
-    parts = [ShapePart(f"lever{tag}", "knob", tuple(lever), down)]
+    parts = [ShapePart(f"lever{tag}", "knob", lever, slide(travel, DOWN, spring=SPRING))]
     side = y[0] + 0.5 * (slots[0][0] - y[0])
     face, aside = x[0], y[1] - (side - y[0])
     dial = design_dial(rng, (0.0085, 0.0095), endless=0.0)  # within the width of a side
@@ -116,7 +109,7 @@ def _build_bay(
         at = (face, aside, low + 0.03 + 0.022 * k)
         size = (0.014, 0.014, 0.005)
         parts.append(make_button(at, size, name=f"{word}{tag}", finish="handle", shape="round"))
-    return pieces, parts
+    return Assembly(pieces, parts)
 
 
 def _make_tray(x: Range, y: Range) -> ShapePart:

@@ -13,10 +13,11 @@ from artigen.shapes.appliances.control_panel import PRESS, make_button
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Spans, Wish, choose_size
-from artigen.shapes.fittings.hardware import Range, Space, around, narrow, rotate
+from artigen.shapes.fittings.hardware import Space, rotate
 from artigen.shapes.fittings.outlines import Outline, build_loft, draw_egg
 from artigen.shapes.fittings.taps import make_cross_handle
 from artigen.shapes.primitives import FRONT, LEFT, RIGHT, UP, Primitive, block, cylinder
+from artigen.shapes.ranges import Range, around, narrow
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.materials import WOODS, make_ceramic, make_metal, make_plastic, make_wood
 

@@ -12,13 +12,13 @@ import numpy as np
 
 from artigen.shapes.assembly import Assembly, draw_styled
 from artigen.shapes.choices import choose, choose_one
-from artigen.shapes.draw import Draft, Spans, Wish
+from artigen.shapes.draw import Draft, Size, Spans, Wish
 from artigen.shapes.fittings.carrying import CHANNEL, build_channel, make_grip, make_pull_handle
 from artigen.shapes.fittings.drawers import BoxDesign, make_drawer
 from artigen.shapes.fittings.feet import make_wheel
 from artigen.shapes.fittings.fronts import FrontDesign
 from artigen.shapes.fittings.handles import HandleDesign
-from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Panel, Range, Space, around, narrow, share_down
+from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Panel, Space
 from artigen.shapes.fittings.lids import (
     Rectangle,
     build_half_shell,
@@ -29,7 +29,8 @@ from artigen.shapes.fittings.lids import (
     shrink,
 )
 from artigen.shapes.fittings.locks import DEEP, FREE, UNHOOKED, make_latch
-from artigen.shapes.primitives import DOWN, ROUND, Primitive, block, cylinder
+from artigen.shapes.primitives import ROUND, Primitive, block, cylinder
+from artigen.shapes.ranges import Range, around, margins, narrow, share_down
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_plastic
@@ -109,10 +110,9 @@ def _build_plastic(rng: np.random.Generator, width: float, depth: float, height:
     face, z = (x[0] - rib, x[0] + WALL), (rim - 0.022, rim)
     band = (
         block(face, y, z, "body"),
-        block((face[1], x[1]), (y[0], y[0] + WALL), z, "body"),
-        block((face[1], x[1]), (y[1] - WALL, y[1]), z, "body"),
+        *(block((face[1], x[1]), side, z, "body") for side in margins(y, WALL)),
     )
-    shell = build_half_shell(Space(x=x, y=y, z=(low, top)), WALL, DOWN, "top", "top")
+    shell = build_half_shell(Space(x=x, y=y, z=(low, top)), WALL, "top", "top")
     ribs = [block(face, around(a, 0.012), (low, top), "top") for a in (-0.42 * width, 0.42 * width)]
     latches = _make_latches(rng, face[0], y, rim, min(0.035, 0.8 * rise))
     lid = _cover((*shell, *ribs), (x, y), low, choose(rng, 95, 110), latches)
@@ -194,7 +194,7 @@ def _build_rolling(rng: np.random.Generator, width: float, depth: float, height:
 
 def _stack(
     rng: np.random.Generator,
-    size: tuple[float, float, float],
+    size: Size,
     rise: float,
     *,
     behind: float,
@@ -217,10 +217,10 @@ def _stack(
         block((x[0], x1), y, (deck, deck + WALL), "body"),
         block((x[0], x0), y, well, "body"),
     ]
-    for span in ((y[0], y[0] + WALL), (y[1] - WALL, y[1])):
+    for span in margins(y, WALL):
         pieces += [block((start, x1), span, (floor, deck), "body"), block((x0, x1), span, well, "body")]
     latches = _make_latches(rng, x[0] - 0.0005, around(0.0, width / 2), rim, min(0.03, 0.6 * rise))
-    shell = build_half_shell(Space(x=x, y=y, z=(low, height)), WALL, DOWN, "top", "inside")
+    shell = build_half_shell(Space(x=x, y=y, z=(low, height)), WALL, "top", "inside")
     parts = [_cover(shell, (x, y), low, choose(rng, 84, 90), latches), *latches]
     largest = choose(rng, 1.0, 1.7)
     shares = np.linspace(1.0, largest, int(np.clip((deck - foot) / rng.uniform(0.055, 0.09), 1, 4)))

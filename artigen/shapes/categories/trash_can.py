@@ -14,7 +14,7 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths
 from artigen.shapes.fittings.feet import make_wheel
-from artigen.shapes.fittings.hardware import GAP, Range, around, narrow, rotate, slide
+from artigen.shapes.fittings.hardware import GAP, rotate, slide
 from artigen.shapes.fittings.lids import build_collar, build_vessel, hinge_lid, loft, make_lid, shrink
 from artigen.shapes.fittings.outlines import trace_corners
 from artigen.shapes.primitives import (
@@ -29,6 +29,7 @@ from artigen.shapes.primitives import (
     polytope,
     prism,
 )
+from artigen.shapes.ranges import Range, around, narrow
 from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_plastic

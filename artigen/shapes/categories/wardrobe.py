@@ -8,16 +8,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_style
-from artigen.shapes.draw import Draft, Wish
+from artigen.shapes.draw import Draft, Size, Wish
 from artigen.shapes.fittings.hardware import ROOM, Space
 from artigen.shapes.furniture.carcass import draw_fitting, open_carcass
-from artigen.shapes.furniture.case import BODY, CasePlan, Size, build_case, draw_plan, place_case
+from artigen.shapes.furniture.case import CasePlan, build_case, draw_plan, place_case
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
-from artigen.shapes.furniture.furniture_kinds import Kind
+from artigen.shapes.furniture.furniture_kinds import Mounting
 from artigen.shapes.furniture.interior import furnish_interior
-from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, draw_order, join_cells
-from artigen.shapes.shape import ShapePart
+from artigen.shapes.furniture.splits import Cell, Node, Split, draw_order, join_cells
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -31,14 +31,7 @@ DOOR = 0.5
 """Usual width (m) of a door."""
 BACKING = 0.014
 """Thickness (m) of the back: the minimum for engines at this height."""
-KIND = Kind(
-    weight=1,
-    width=(0.5, 2.2),
-    depth=(0.5, 0.66),
-    height=(1.75, 2.3),
-    stands=(("plinth", 2), ("toe_kick", 1.5), ("floor", 1), ("legs", 1)),
-    taste=Taste(),
-)
+MOUNTING = Mounting(stands=(("plinth", 2), ("toe_kick", 1.5), ("floor", 1), ("legs", 1)))
 MIRROR = Finish(kind="glass", color=(0.74, 0.79, 0.81), accent=(0.80, 0.85, 0.87), period=0.5, gloss=0.95)
 
 
@@ -52,24 +45,22 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     width = choose(rng, 0.44 * doors, 0.56 * doors, wish.width)
     if slides and wish.width is None:
         width = max(1.2, width)
-    size = (width, choose(rng, *KIND.depth, wish.depth), choose(rng, *KIND.height, wish.height))
+    size = (width, choose(rng, 0.5, 0.66, wish.depth), choose(rng, 1.75, 2.3, wish.height))
     doors = max(1, round(width / DOOR))
     finishes = draw_palette(rng, "furniture", style) | {"mirror": MIRROR}
     look = LOOKS[{"mirrored": "framed_glass", "sliding": "flat"}.get(style, style)]
     mirrored = style == "mirrored" or (slides and bool(rng.random() < 0.5))
     look = replace(look, frame=0.0 if slides else 0.5 * look.frame)
 
-    def draw_parts(attempt: int) -> tuple[ShapePart, ...]:
-        plan = draw_plan(wish.shared_stream(rng, attempt), KIND, look, size, wish)
+    def draw_parts(attempt: int) -> Assembly:
+        plan = draw_plan(wish.shared_stream(rng, attempt), MOUNTING, look, size, wish)
         fronts = replace(plan.looks.doors, style="framed_glass", glass="mirror")
         carcass = replace(plan.looks.carcass, back=BACKING, recess=0.0)
         doors_look = fronts if mirrored and (not slides or attempt < MIRRORED) else plan.looks.doors
         plan = replace(plan, looks=replace(plan.looks, doors=doors_look, carcass=carcass, lock=False))
-        return (
-            _build_sliding(rng, plan, size)
-            if slides
-            else build_case(plan, _draw_hinged(rng, doors, size), size)
-        )
+        if slides:
+            return _build_sliding(rng, plan, size)
+        return build_case(plan, _draw_hinged(rng, doors, size), size)
 
     return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts), finishes)
 
@@ -106,9 +97,8 @@ def _draw_hinged(rng: np.random.Generator, doors: int, size: Size) -> Node:
     return join_cells("columns", [float(wide) for wide in widths], columns)
 
 
-def _build_sliding(rng: np.random.Generator, plan: CasePlan, size: Size) -> tuple[ShapePart, ...]:
+def _build_sliding(rng: np.random.Generator, plan: CasePlan, size: Size) -> Assembly:
     """Two sliding doors before a clothes rail beside shelves."""
-    parts = build_case(plan, Cell(fill="slide"), size)
     rail = Cell(fill="open", inside="rod", count=1)
     shelves = Cell(fill="open", inside="shelves", count=int(rng.integers(3, 6)))
     share = choose(rng, 0.5, 0.65)
@@ -117,6 +107,4 @@ def _build_sliding(rng: np.random.Generator, plan: CasePlan, size: Size) -> tupl
     y, z = open_carcass(outer, design)
     tracks = 2 * plan.looks.thickness + ROOM + 0.012
     space = Space(x=(outer.x[0] + tracks, outer.x[1] - design.back - design.recess), y=y, z=z)
-    inside = furnish_interior(space, node, plan.looks, parent=BODY)
-    body = replace(parts[0], primitives=(*parts[0].primitives, *inside.pieces))
-    return (body, *parts[1:], *inside.parts)
+    return build_case(plan, Cell(fill="slide"), size) + furnish_interior(space, node, plan.looks)

@@ -4,7 +4,7 @@ from math import radians
 
 import numpy as np
 
-from artigen.shapes.appliances.cavity import SIDES, build_feet, build_rim, build_tub
+from artigen.shapes.appliances.cavity import SIDES, build_feet, build_rim, build_tub, build_walls
 from artigen.shapes.appliances.control_panel import design_dial, spread_controls
 from artigen.shapes.appliances.drums import build_bearing, fit_radius, make_drum
 from artigen.shapes.appliances.laundry import (
@@ -20,11 +20,12 @@ from artigen.shapes.appliances.laundry import (
 from artigen.shapes.appliances.rings import build_pierced_plate
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose
-from artigen.shapes.draw import Draft, Wish
+from artigen.shapes.draw import Draft, Wish, choose_lengths
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, around, narrow, rotate, slide
+from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Space, rotate, slide
 from artigen.shapes.fittings.lids import build_collar
 from artigen.shapes.primitives import LEFT, Primitive, block, line
+from artigen.shapes.ranges import Range, around, narrow
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -43,9 +44,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish, *, loads_at_top: bool) -> LaundryPlan:
-    width = choose(rng, 0.57, 0.70, wish.width)
-    depth = choose(rng, 0.54, 0.72, wish.depth)
-    height = choose(rng, *((1.00, 1.12) if loads_at_top else (0.82, 0.99)), wish.height)
+    tall = (1.00, 1.12) if loads_at_top else (0.82, 0.99)
+    width, depth, height = choose_lengths(rng, wish, ((0.57, 0.70), (0.54, 0.72), tall))
     pedestal = 0.0
     if not loads_at_top and wish.height is None and rng.random() < 0.12:
         pedestal = choose(rng, 0.26, 0.36)
@@ -56,7 +56,6 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, *, loads_at_top: bool) -> L
         pedestal=pedestal,
         thickness=choose(rng, 0.036, 0.052),
         band=choose(rng, 0.105, 0.145),
-        longest=max(width, depth, height + pedestal),
     )
 
 
@@ -136,23 +135,16 @@ def _draw_top_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
         int(rng.choice((0, 3, 5, 6), p=(0.5, 0.2, 0.2, 0.1))),
     )
     across, up = narrow(y, 0.03), (deck + 0.05, plan.height)
-    extras, controls = spread_controls(rng, dial, console, across, up, counts=counts)
-    built = Assembly((*pieces, *extras), (door, *controls))
+    built = Assembly(pieces, (door,)) + spread_controls(rng, dial, console, across, up, counts=counts)
     return built + seat_drum(rng, drum, build_bearing(end, foot + 0.018, center, "z"))
 
 
 def _build_tall_cabinet(plan: LaundryPlan, z: Range) -> tuple[Primitive, ...]:
     """Four walls and a floor with a steel lining."""
-    x, back, (y0, y1) = plan.x, plan.back, plan.y
-    inner = (y0 + WALL, y1 - WALL)
-    walls = (
-        ("right", block((x, back), (y0, inner[0]), z, "body")),
-        ("left", block((x, back), (inner[1], y1), z, "body")),
-        ("back", block((back - WALL, back), inner, z, "body")),
-        ("front", block((x, x + WALL), inner, z, "front")),
-    )
-    floor = block((x + WALL, back - WALL), inner, (z[0], z[0] + 0.018), "body")
-    return (*(line(wall, "steel", SIDES[side]) for side, wall in walls), floor)
+    x, inner = (plan.x, plan.back), narrow(plan.y, WALL)
+    front = block((plan.x, plan.x + WALL), inner, z, "front")
+    floor = block(narrow(x, WALL), inner, (z[0], z[0] + 0.018), "body")
+    return (*build_walls(x, plan.y, z, WALL, "steel"), line(front, "steel", SIDES["front"]), floor)
 
 
 def _build_lid(

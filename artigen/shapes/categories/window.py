@@ -5,23 +5,16 @@ Profiles are 70 to 80 mm as in DIN 68121 (IV 68, IV 78), insulating glass is 24 
 both slide, each half-way, are not held.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from artigen.shapes.appliances.cavity import build_frame
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Wish, choose_size
 from artigen.shapes.fittings.handles import HandleDesign, HandleKind, make_handle
-from artigen.shapes.fittings.hardware import (
-    GAP,
-    Panel,
-    Range,
-    Space,
-    around,
-    between,
-    narrow,
-    rotate,
-    slide,
-)
+from artigen.shapes.fittings.hardware import GAP, Panel, Space, rotate, slide
 from artigen.shapes.fittings.hinges import Leaf, hang_leaves
 from artigen.shapes.fittings.latches import (
     RELEASED,
@@ -35,8 +28,9 @@ from artigen.shapes.fittings.latches import (
     make_bolt,
 )
 from artigen.shapes.fittings.levers import LeverDesign, build_lever, design_lever
-from artigen.shapes.primitives import UP, Primitive, block, cylinder
-from artigen.shapes.shape import ShapePart, make_base, require
+from artigen.shapes.primitives import LEFT, RIGHT, UP, Primitive, block, cylinder
+from artigen.shapes.ranges import Range, around, between, margins, narrow
+from artigen.shapes.shape import ShapePart, require
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Window"
@@ -55,8 +49,6 @@ SASH, APART, RAIL, STOP = 0.036, 0.008, 0.048, 0.012
 """Sliding sashes: thickness, gap between their tracks, width of their rails and of the stops beside them."""
 PANE = 0.024
 PULLS: tuple[HandleKind, ...] = ("pull", "bar", "arch")
-Drawn = tuple[list[Primitive], list[ShapePart]]
-"""Solids of the frame, and the moving parts."""
 TWO_LEAVES = 1.12
 """Width from which a casement window has two leaves."""
 
@@ -73,11 +65,10 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     sill = block(around(0.0, depth / 2), around(0.0, width / 2), (0.0, SILL), "top")
     bars = int(rng.integers(3)) if rng.random() < 0.4 else 0
     draw_kind = {"casement": _draw_casement, "sash": _draw_sashes, "sliding": _draw_sliding}[style]
-    pieces, parts = draw_kind(rng, inner, bars)
-    base = make_base((sill, *pieces), "frame")
+    built = Assembly((sill,)) + draw_kind(rng, inner, bars)
     finishes = draw_palette(rng, "furniture", choose_one(rng, PALETTES))
     finishes["top"] = finishes["top"] if finishes["top"].kind == "stone" else finishes["front"]
-    return Draft(style, (base, *parts), finishes)
+    return Draft(style, built.close("frame"), finishes)
 
 
 def _outline(inner: Space) -> tuple[Range, Range]:
@@ -99,11 +90,10 @@ def _glaze(x: Range, y: Range, z: Range, bars: int) -> list[Primitive]:
     return pieces
 
 
-def _draw_casement(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
+def _draw_casement(rng: np.random.Generator, inner: Space, bars: int) -> Assembly:
     """Draws one leaf or two; the handle of the first turns a tongue out of its keep."""
     count = 2 if inner.width > TWO_LEAVES - 2 * (PROFILE + OVERHANG) else 1
-    lever = design_lever(rng, (0.105, 0.125), 0.052)
-    lever = LeverDesign(kind=lever.kind, length=lever.length, reach=lever.reach, thickness=0.016, rose=0.02)
+    lever = replace(design_lever(rng, (0.105, 0.125), 0.052), thickness=0.016, rose=0.02)
     leaves = hang_leaves(inner, LEAF, count=count, hand=1 if rng.random() < 0.5 else -1, sill=0.004)
     first, level = leaves[0], inner.z[0] + 0.45 * inner.height
     latch = Latch(x=first.x, edge=first.edge, side=first.side, level=level, backset=0.034, lift=-1)
@@ -111,7 +101,7 @@ def _draw_casement(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     frame = [
         block(inner.x, (low, high), (a, b), "body") for a, b in ((bottom, inner.z[0]), (inner.z[1], top))
     ]
-    frame += build_jambs(inner, PROFILE, latch if count == 1 else None, "body")
+    frame += build_jambs(inner, PROFILE, latch if count == 1 else None)
     back = (inner.x[0] + LEAF + 0.003, inner.x[1])
     hole = narrow(inner.y, STOP), narrow(inner.z, STOP)
     frame += build_frame(back, (inner.y, inner.z), hole, "body")
@@ -126,19 +116,18 @@ def _draw_casement(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
         length=0.18,
         astragal=(0.02, 0.011),
     )
-    hinges, parts = hang_parts(rng, leaves, hanging, lambda leaf: _build_leaf(leaf, latch, bars))
-    return [*frame, *hinges], [*parts, _make_turn_handle(latch, lever)]
+    built = Assembly(frame) + hang_parts(rng, leaves, hanging, lambda leaf: _build_leaf(leaf, latch, bars))
+    return built + Assembly(parts=(_make_turn_handle(latch, lever),))
 
 
 def _build_leaf(leaf: Leaf, latch: Latch, bars: int) -> list[Primitive]:
     """Stiles and rails around a pane; the lock stile holds the latch or its keep."""
-    (x0, x1), (z0, z1), wide = leaf.x, leaf.z, 0.078
+    wide = 0.078
     hung, field, lock = leaf.stiles(wide)
-    pieces = list(build_lock_stile(leaf, latch, lock, "front", through=False))
-    z = (z0 + wide, z1 - wide)
-    pieces.append(block((x0, x1), hung, (z0, z1), "front"))
-    pieces += [block((x0, x1), field, (a, b), "front") for a, b in ((z0, z[0]), (z[1], z1))]
-    return pieces + _glaze(leaf.x, field, z, bars)
+    pieces = list(build_lock_stile(leaf, latch, lock, through=False))
+    pieces.append(block(leaf.x, hung, leaf.z, "front"))
+    pieces += [block(leaf.x, field, rail, "front") for rail in margins(leaf.z, wide)]
+    return pieces + _glaze(leaf.x, field, narrow(leaf.z, wide), bars)
 
 
 def _make_turn_handle(latch: Latch, design: LeverDesign) -> ShapePart:
@@ -146,7 +135,7 @@ def _make_turn_handle(latch: Latch, design: LeverDesign) -> ShapePart:
     (y, z) = latch.axis
     lever = build_lever(design, (latch.x[0], y, z), out=-1.0, along=(0.0, -1.0))
     motion = rotate((-latch.side, 0.0, 0.0), (latch.x[0], y, z), np.pi / 2)
-    pieces = (*lever, *build_tongue(latch, "steel", through=False))
+    pieces = (*lever, *build_tongue(latch, through=False))
     return ShapePart("handle", "knob", pieces, motion, parent="leaf")
 
 
@@ -157,8 +146,7 @@ def _build_tracks(inner: Space, *, upright: bool) -> list[Primitive]:
     middle = x[0] + STOP + SASH
     slots = ((x[0], x[0] + STOP), (middle + 0.002, middle + APART - 0.002), (x[1] - STOP, x[1]))
     for low, high in slots:
-        spans = inner.y if upright else inner.z
-        for at in ((spans[0], spans[0] + STOP), (spans[1] - STOP, spans[1])):
+        for at in margins(inner.y if upright else inner.z, STOP):
             y, z = (at, inner.z) if upright else (inner.y, at)
             pieces.append(block((low, high), y, z, "body"))
     return pieces
@@ -176,7 +164,7 @@ def _build_sash(x: Range, y: Range, z: Range, rails: tuple[float, float], bars: 
     return [*build_frame(x, (y, z), hole, "front"), *_glaze(x, *hole, bars)]
 
 
-def _draw_sashes(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
+def _draw_sashes(rng: np.random.Generator, inner: Space, bars: int) -> Assembly:
     """Draws a sash that slides up before a fixed one, held by a cam on its rail in a notch of the other."""
     front, back = _find_tracks(inner)
     y = narrow(inner.y, GAP)
@@ -191,18 +179,12 @@ def _draw_sashes(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     frame += [block(back, side, notch_z, "front") for side in beside]
     frame.append(block((deep, back[1]), notch_y, notch_z, "front"))
     free = narrow(inner.y, RAIL)
-    sides = ((inner.y[0], free[0], high), (free[1], inner.y[1], high))
-    frame += [block(back, (a, b), (ledge[1], c), "front") for a, b, c in sides]
+    frame += [block(back, side, (ledge[1], high), "front") for side in margins(inner.y, RAIL)]
     frame.append(block(back, free, (high - RAIL, high), "front"))
     frame += _glaze(back, free, (ledge[1], high - RAIL), bars)
-    sash = ShapePart(
-        "sash",
-        "door",
-        tuple(_build_sash(front, y, (low + 0.002, top), (0.075, RAIL), bars)),
-        slide(0.92 * (high - top - 0.024), UP),
-        parent="frame",
-        needs=require("cam", fraction=RELEASED),
-    )
+    solids = _build_sash(front, y, (low + 0.002, top), (0.075, RAIL), bars)
+    motion, needs = slide(0.92 * (high - top - 0.024), UP), require("cam", fraction=RELEASED)
+    sash = ShapePart("sash", "door", solids, motion, parent="frame", needs=needs)
     at, z = ((front[0] + front[1]) / 2, middle), top + 0.0055
     cam = (
         cylinder((*at, top + 0.0015), (*at, top + 0.019), 0.013, "handle"),
@@ -214,10 +196,10 @@ def _draw_sashes(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     panel = Panel(x=front[0], thickness=SASH, y=y, z=(low, low + 0.075))
     lift = HandleDesign(kind="pull", length=0.18, thickness=0.012)
     grip = make_handle(panel, lift, name="lift", parent="sash", upright=False, at=(middle, low + 0.045))
-    return frame, [sash, lock, grip]
+    return Assembly(frame, (sash, lock, grip))
 
 
-def _draw_sliding(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
+def _draw_sliding(rng: np.random.Generator, inner: Space, bars: int) -> Assembly:
     """Draws a sash that slides sideways before a fixed one, held by a bolt in the frame above, or two."""
     front, back = _find_tracks(inner)
     z = narrow(inner.z, GAP)
@@ -226,24 +208,19 @@ def _draw_sliding(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     y = (middle - over, inner.y[1] - GAP) if left else (inner.y[0] + GAP, middle + over)
     frame = _build_tracks(inner, upright=False)
     if rng.random() < 0.4:
-        return frame, _make_panes(rng, inner, left=left, bars=bars)
+        return Assembly(frame, _make_panes(rng, inner, left=left, bars=bars))
     rest = (inner.y[0], middle + over) if left else (middle - over, inner.y[1])
     frame += _build_sash(back, rest, inner.z, (RAIL, RAIL), bars)
     stile = (y[1] - RAIL / 2) if left else (y[0] + RAIL / 2)
     at = (front[0], stile, inner.z[1] - STOP)
-    bolt, guides, staple = make_bolt(at, STOP, name="bolt", parent="sash", finish="handle", length=0.18)
-    way = (0.0, -1.0 if left else 1.0, 0.0)
-    sash = ShapePart(
-        "sash",
-        "door",
-        (*_build_sash(front, y, z, (RAIL, RAIL), bars), *guides),
-        slide(0.92 * (inner.width - (y[1] - y[0])), way),
-        parent="frame",
-        needs=require("bolt", fraction=RELEASED),
-    )
+    bolt, guides, staple = make_bolt(at, STOP, parent="sash", length=0.18)
+    solids = (*_build_sash(front, y, z, (RAIL, RAIL), bars), *guides)
+    motion = slide(0.92 * (inner.width - (y[1] - y[0])), RIGHT if left else LEFT)
+    needs = require("bolt", fraction=RELEASED)
+    sash = ShapePart("sash", "door", solids, motion, parent="frame", needs=needs)
     pull = HandleDesign(kind=choose_one(rng, PULLS), length=0.15, thickness=0.013)
     grip = _make_pull(front[0], stile, inner.z, pull, name="pull", parent="sash")
-    return [*frame, *staple], [sash, bolt, grip]
+    return Assembly((*frame, *staple), (sash, bolt, grip))
 
 
 def _make_panes(rng: np.random.Generator, inner: Space, *, left: bool, bars: int) -> list[ShapePart]:

@@ -1,7 +1,8 @@
 """Carrying handles and telescopic handles of luggage and tool boxes."""
 
-from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Range, around, slide
+from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, slide
 from artigen.shapes.primitives import UP, Primitive, Vector, block, cylinder
+from artigen.shapes.ranges import Range, around
 from artigen.shapes.shape import ShapePart
 
 ROD = 0.013
@@ -31,7 +32,6 @@ def make_pull_handle(
     travel: float,
     *,
     out: float = 0.0,
-    parent: str = "body",
     finish: str = "steel",
 ) -> ShapePart:
     """A telescopic handle: two rods and a grip that slide up out of a channel.
@@ -42,7 +42,6 @@ def make_pull_handle(
         z: Lower end of the rods and top of the grip.
         travel: Range of the joint (m).
         out: Distance (m) of the grip behind the rods.
-        parent: Name of the part with the channel.
         finish: Finish of the rods.
     """
     front, half = x + GAP, spread / 2
@@ -53,15 +52,12 @@ def make_pull_handle(
     if out > 0.0:
         rods += [block((front, bar), around(a, ROD / 2), top, finish) for a in (-half, half)]
     grip = block((bar, bar + ROD), around(0.0, half + ROD / 2), top, "rubber")
-    return ShapePart("pull_handle", "handle", (grip, *rods), slide(travel, UP), parent=parent)
+    return ShapePart("pull_handle", "handle", (grip, *rods), slide(travel, UP))
 
 
-def build_channel(
-    x: float, spread: float, z: Range, finish: str, *, wall: float = 0.006
-) -> tuple[Primitive, ...]:
+def build_channel(x: float, spread: float, z: Range, finish: str) -> tuple[Primitive, ...]:
     """The channel of `make_pull_handle` behind a face at ``x``: cheeks and a cover, open at the top."""
-    half = spread / 2 + ROD / 2 + GAP
-    back = x + CHANNEL
+    half, back, wall = spread / 2 + ROD / 2 + GAP, x + CHANNEL, 0.006
     return (
         block((x, back), (-half - wall, -half), z, finish),
         block((x, back), (half, half + wall), z, finish),

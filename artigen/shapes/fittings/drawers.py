@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 from artigen.shapes.fittings.fronts import FrontDesign, fit_handle, make_front, suit_drawer
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, narrow, slide
+from artigen.shapes.fittings.hardware import GAP, Panel, Space, slide
 from artigen.shapes.primitives import Primitive
+from artigen.shapes.ranges import Range, margins, narrow
 from artigen.shapes.shape import Need, ShapePart
 
 MAX_RATIO = 56.0
@@ -33,7 +34,6 @@ def make_drawer(
     *,
     box: BoxDesign,
     name: str,
-    parent: str = "body",
     travel: float = 0.75,
 ) -> tuple[ShapePart, ...]:
     """A drawer that fills a space behind its front, with its handles.
@@ -44,33 +44,24 @@ def make_drawer(
         front: Design of the front.
         box: Design of the box.
         name: Name of the drawer.
-        parent: Name of the part that it runs in.
         travel: Range as a share of the box's depth.
     """
     front = suit_drawer(panel, front)
     depth = space.x[1] - GAP - panel.back
     primitives = (*make_front(panel, front), *make_box(space, box, (panel.back, space.x[1] - GAP)))
-    drawer = ShapePart(name, "drawer", primitives, slide(travel * depth), parent=parent)
+    drawer = ShapePart(name, "drawer", primitives, slide(travel * depth))
     return (drawer, *fit_handle(panel, front, parent=name, edge=None))
 
 
-def make_tray(
-    space: Space, box: BoxDesign, *, name: str, parent: str, needs: tuple[Need, ...] = (), travel: float = 0.7
-) -> ShapePart:
+def make_tray(space: Space, box: BoxDesign, *, name: str, needs: tuple[Need, ...] = ()) -> ShapePart:
     """A low drawer without a front, which slides out once the doors before it are open."""
     front, back = space.x[0], space.x[1] - GAP
     solids = make_box(space, box, (front + box.wall, back))
     y, z = _inner_edges(space, box)
     rim = z[0] + _rim(space, box)
     lip = Space(x=(front, front + box.wall), y=y, z=(z[0], rim))
-    return ShapePart(
-        name,
-        "tray",
-        (lip.fill(box.finish), *solids),
-        slide(travel * (back - front)),
-        parent=parent,
-        needs=needs,
-    )
+    pieces = (lip.fill(box.finish), *solids)
+    return ShapePart(name, "tray", pieces, slide(0.7 * (back - front)), needs=needs)
 
 
 def make_box(space: Space, box: BoxDesign, x: Range) -> tuple[Primitive, ...]:
@@ -82,9 +73,7 @@ def make_box(space: Space, box: BoxDesign, x: Range) -> tuple[Primitive, ...]:
     bottom = Space(x=x, y=y, z=(z[0], z[0] + floor))
     up = (z[0] + floor, rim)
     back = Space(x=(x[1] - wall, x[1]), y=y, z=up)
-    sides = [
-        Space(x=(x[0], x[1] - wall), y=span, z=up) for span in ((y[0], y[0] + wall), (y[1] - wall, y[1]))
-    ]
+    sides = [Space(x=(x[0], x[1] - wall), y=span, z=up) for span in margins(y, wall)]
     return tuple(part.fill(box.finish) for part in (bottom, back, *sides))
 
 

@@ -7,8 +7,9 @@ from typing import Literal, get_args
 import numpy as np
 
 from artigen.shapes.appliances.cavity import build_rim
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one
-from artigen.shapes.fittings.hardware import GAP, Range, around, narrow, rotate
+from artigen.shapes.fittings.hardware import GAP, rotate
 from artigen.shapes.primitives import (
     FRONT,
     RIGHT,
@@ -22,6 +23,7 @@ from artigen.shapes.primitives import (
     polygon,
     polytope,
 )
+from artigen.shapes.ranges import Range, around, between, margins, narrow
 from artigen.shapes.shape import Motion, ShapePart
 
 LegKind = Literal["square", "tapered", "round", "splayed"]
@@ -33,13 +35,11 @@ SCREW_TRAVEL = 0.003
 """Travel (m) of a levelling foot."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Stand:
-    """The stand of a body whose underside is at ``height``: solids of the body, and moving parts."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Stand(Assembly):
+    """The stand of a body whose underside is at ``height``."""
 
     height: float
-    primitives: tuple[Primitive, ...] = ()
-    parts: tuple[ShapePart, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,15 +70,15 @@ def design_stand(rng: np.random.Generator, kind: StandKind, height: float) -> St
     tall = min(low + drawn * (high - low), 0.32 * height)
     if kind == "castors":
         width = 0.022 + 0.01 * drawn
-        tall = make_castors((0.0, 1.0), (0.0, 1.0), width, parent="", swivel=False).height
+        tall = make_castors((0.0, 1.0), (0.0, 1.0), width, swivel=False).height
     elif kind == "screw_feet":
-        tall = make_screw_feet((0.0, 1.0), (0.0, 1.0), parent="").height
+        tall = make_screw_feet((0.0, 1.0), (0.0, 1.0)).height
     elif kind == "sled":
         width *= 0.7
     return StandDesign(kind=kind, height=tall, leg=leg, width=width, notch=notch)
 
 
-def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str = "body") -> Stand:
+def make_stand(design: StandDesign, x: Range, y: Range) -> Stand:
     """The stand under a body whose underside is the rectangle x by y."""
     height, edge = design.height, 0.012
     inner_x, inner_y = narrow(x, edge), narrow(y, edge)
@@ -87,31 +87,30 @@ def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str = "body")
             return Stand(height=0.0)
         case "plinth":
             setback = (x[0] + 0.03, x[1] - 0.01)
-            return Stand(height=height, primitives=make_plinth(setback, inner_y, height, "body"))
+            return Stand(height=height, pieces=make_plinth(setback, inner_y, height))
         case "toe_kick":
-            return Stand(height=height, primitives=make_toe_kick(x, y, height, design.notch))
+            return Stand(height=height, pieces=make_toe_kick(x, y, height, design.notch))
         case "legs":
             kind, width, long = design.leg, design.width, y[1] - y[0] > 1.35
             legs = make_legs(inner_x, inner_y, height, kind=kind, width=width, finish="leg", middle=long)
-            return Stand(height=height, primitives=legs)
+            return Stand(height=height, pieces=legs)
         case "sled":
             deep = narrow(y, 0.06)
-            return Stand(height=height, primitives=make_sled(inner_x, deep, height, design.width, "leg"))
+            return Stand(height=height, pieces=make_sled(inner_x, deep, height, design.width))
         case "castors":
-            return make_castors(inner_x, inner_y, design.width, parent=parent, swivel=False)
+            return make_castors(inner_x, inner_y, design.width, swivel=False)
         case "screw_feet":
-            return make_screw_feet(inner_x, inner_y, parent=parent)
+            return make_screw_feet(inner_x, inner_y)
 
 
 def make_toe_kick(x: Range, y: Range, height: float, notch: float = 0.0) -> tuple[Primitive, ...]:
     """Sides that reach the floor and a recessed board between or before them."""
     wall, room, z = 0.018, notch or 0.05, (0.0, height)
     board = (x[0] + room, x[0] + room + wall)
-    sides = (y[0], y[0] + wall), (y[1] - wall, y[1])
-    if notch:
-        rest = [block((board[1], x[1]), side, z, "body") for side in sides]
-        return (block(board, y, z, "body"), *rest)
-    return (*(block(x, side, z, "body") for side in sides), block(board, narrow(y, wall), z, "body"))
+    behind, across = ((board[1], x[1]), y) if notch else (x, narrow(y, wall))
+    sides = [block(behind, side, z, "body") for side in margins(y, wall)]
+    front = block(board, across, z, "body")
+    return (front, *sides) if notch else (*sides, front)
 
 
 def make_legs(
@@ -145,37 +144,28 @@ def _make_leg(sides: int, low: float, high: float, height: float, lean: tuple[fl
     return polytope(np.concatenate([foot, head]), "leg")
 
 
-def make_plinth(x: Range, y: Range, height: float, finish: str) -> tuple[Primitive, ...]:
+def make_plinth(x: Range, y: Range, height: float) -> tuple[Primitive, ...]:
     """A frame of four boards on the floor under a body; long boards are thicker."""
     wall = max(0.018, max(x[1] - x[0], y[1] - y[0]) / 56)
-    return build_rim(x, y, (0.0, height), wall, finish)
+    return build_rim(x, y, (0.0, height), wall, "body")
 
 
-def make_sled(x: Range, y: Range, height: float, width: float, finish: str) -> tuple[Primitive, ...]:
+def make_sled(x: Range, y: Range, height: float, width: float) -> tuple[Primitive, ...]:
     """A sled base of square tube: left and right, a runner on the floor and two posts."""
     out = []
     for low in (y[0], y[1] - width):
         span = (low, low + width)
-        out.append(block(x, span, (0.0, width), finish))
-        for post in ((x[0], x[0] + width), (x[1] - width, x[1])):
-            out.append(block(post, span, (width, height), finish))
+        out.append(block(x, span, (0.0, width), "leg"))
+        out += [block(post, span, (width, height), "leg") for post in margins(x, width)]
     return tuple(out)
 
 
 def make_castors(
-    x: Range,
-    y: Range,
-    radius: float,
-    *,
-    parent: str = "body",
-    swivel: bool,
-    pairs: int = 2,
-    lengthwise: bool = False,
-    finish: str = "steel",
+    x: Range, y: Range, radius: float, *, swivel: bool, pairs: int = 2, lengthwise: bool = False
 ) -> Stand:
     """Pairs of castors within the rectangle x by y; with ``swivel`` the left forks turn too, or all of three.
 
-    A fork is a plate and two cheeks. It belongs to the parent unless it swivels about its vertical axle, as
+    A fork is a plate and two cheeks. It belongs to the body unless it swivels about its vertical axle, as
     at the push bar of a cart. Wheels roll along x, with ``lengthwise`` along y, away from a push bar.
     """
     width, wall = max(0.024, 0.7 * radius), 0.005
@@ -190,17 +180,17 @@ def make_castors(
     for index, (at_x, at_y) in enumerate(corners):
         turning = swivel and (pairs > 2 or at_y > sum(y) / 2)
         thick = plate + (GAP if swivel and not turning else 0.0)
-        fork = _make_fork((at_x, at_y), radius, width, wall, thick, finish, lengthwise=lengthwise)
-        carrier = parent
+        fork = _make_fork((at_x, at_y), radius, width, wall, thick, lengthwise=lengthwise)
+        carrier = "body"
         if turning:
             carrier = f"castor_{index}"
             axle = rotate(UP, (at_x, at_y, height))
-            parts.append(ShapePart(carrier, "wheel", fork, axle, parent=parent))
+            parts.append(ShapePart(carrier, "wheel", fork, axle))
         else:
             fixed += fork
         center = (at_x, at_y, ROUND * radius)
         parts.append(make_wheel(f"wheel_{index}", carrier, center, width, lengthwise=lengthwise))
-    return Stand(height=height, primitives=tuple(fixed), parts=tuple(parts))
+    return Stand(height=height, pieces=fixed, parts=parts)
 
 
 def _make_fork(
@@ -209,7 +199,6 @@ def _make_fork(
     width: float,
     wall: float,
     plate: float,
-    finish: str,
     *,
     lengthwise: bool,
 ) -> tuple[Primitive, ...]:
@@ -221,7 +210,7 @@ def _make_fork(
         for low in (inner, -inner - wall)
     ]
     spans.insert(0, (around(ahead, 0.8 * radius), around(aside, inner + wall), (top, top + plate)))
-    return tuple(block(b, a, z, finish) if lengthwise else block(a, b, z, finish) for a, b, z in spans)
+    return tuple(block(b, a, z, "steel") if lengthwise else block(a, b, z, "steel") for a, b, z in spans)
 
 
 def make_wheel(
@@ -244,13 +233,13 @@ def make_wheel(
     return ShapePart(name, "wheel", (tyre, core), rotate(axle, center), parent=parent)
 
 
-def make_screw_feet(x: Range, y: Range, *, parent: str, radius: float = 0.022) -> Stand:
+def make_screw_feet(x: Range, y: Range) -> Stand:
     """Four levelling feet, screws beside brackets that rise by `SCREW_TRAVEL` in 1.5 turns.
 
     A foot is a pad and a stem, which stays clear of the underside when screwed in. The brackets reach the
     floor and bear the load, since threads yield in simulators.
     """
-    pad, stem = 0.012, 0.007
+    radius, pad, stem = 0.022, 0.012, 0.007
     room = SCREW_TRAVEL + GAP
     bracket = 0.03
     height = pad + room + bracket
@@ -260,9 +249,8 @@ def make_screw_feet(x: Range, y: Range, *, parent: str, radius: float = 0.022) -
     for index, (at_x, at_y) in enumerate((a, b) for a in narrow(x, radius) for b in y):
         side = 1.0 if at_y < sum(y) / 2 else -1.0
         at_y += side * radius
-        near, far = at_y + side * (radius + GAP), at_y + side * (radius + GAP + 0.016)
-        low, high = sorted((near, far))
-        fixed.append(block(around(at_x, 0.02), (low, high), (0.0, height), "steel"))
+        beside = between(at_y + side * (radius + GAP), at_y + side * (radius + GAP + 0.016))
+        fixed.append(block(around(at_x, 0.02), beside, (0.0, height), "steel"))
         solids = (
             cylinder((at_x, at_y, 0.0), (at_x, at_y, pad), radius, "rubber"),
             cylinder((at_x, at_y, pad), (at_x, at_y, height - room), stem, "steel"),
@@ -270,5 +258,5 @@ def make_screw_feet(x: Range, y: Range, *, parent: str, radius: float = 0.022) -
         thread = Motion(
             type="screw", axis=UP, origin=(at_x, at_y, 0.0), upper=turns, pitch=SCREW_TRAVEL / turns
         )
-        parts.append(ShapePart(f"foot_{index}", "knob", solids, thread, parent=parent))
-    return Stand(height=height, primitives=tuple(fixed), parts=tuple(parts))
+        parts.append(ShapePart(f"foot_{index}", "knob", solids, thread))
+    return Stand(height=height, pieces=fixed, parts=parts)

@@ -11,8 +11,9 @@ import numpy as np
 
 from artigen.shapes.choices import choose
 from artigen.shapes.fittings.handles import HandleDesign, make_handle, place_handle
-from artigen.shapes.fittings.hardware import Edge, Panel, Space, hinge, narrow
+from artigen.shapes.fittings.hardware import Edge, Panel, hinge
 from artigen.shapes.primitives import Primitive
+from artigen.shapes.ranges import narrow
 from artigen.shapes.shape import ShapePart
 
 FrontStyle = Literal["flat", "shaker", "framed_glass", "raised", "plank", "louvre"]
@@ -32,7 +33,6 @@ class FrontDesign:
     """None for fronts without handles."""
     hand: float = 1.05
     """Height (m, object frame) at which a hand takes a tall door."""
-    finish: str = "front"
     glass: str = "glass"
 
 
@@ -41,13 +41,12 @@ def design_front(
     style: FrontStyle | None = None,
     *,
     handle: HandleDesign | None = None,
-    finish: str = "front",
 ) -> FrontDesign:
     """Draws a design with frames of 45 to 75 mm, wide enough for the handles; the style if not given."""
     drawn = FRONT_STYLES[int(rng.choice(len(FRONT_STYLES), p=(0.5, 0.2, 0.1, 0.1, 0.06, 0.04)))]
     stile = 0.0 if handle is None else min(handle.height, 0.05) + 0.012
     frame = max(choose(rng, 0.045, 0.075), stile)
-    return FrontDesign(style=style or drawn, frame=frame, handle=handle, finish=finish)
+    return FrontDesign(style=style or drawn, frame=frame, handle=handle)
 
 
 def suit_drawer(panel: Panel, design: FrontDesign) -> FrontDesign:
@@ -65,9 +64,9 @@ def make_front(panel: Panel, design: FrontDesign) -> tuple[Primitive, ...]:
     """The solids of one front; a panel too small for a frame gets a slab."""
     frame = _frame_width(panel, design)
     if design.style == "plank":
-        return _make_planks(panel, design)
+        return _make_planks(panel)
     if not frame:
-        return (_fill(panel, design.finish, 0.0015),)
+        return (panel.fill("front", 0.0015),)
     field = _inside_frame(panel, frame)
     spans = (
         (panel.z, (panel.y[0], field.y[0])),
@@ -75,7 +74,7 @@ def make_front(panel: Panel, design: FrontDesign) -> tuple[Primitive, ...]:
         ((panel.z[0], field.z[0]), field.y),
         ((field.z[1], panel.z[1]), field.y),
     )
-    stiles_and_rails = [_fill(replace(panel, y=y, z=z), design.finish) for z, y in spans]
+    stiles_and_rails = [replace(panel, y=y, z=z).fill("front") for z, y in spans]
     return (*stiles_and_rails, *_make_field(field, design))
 
 
@@ -97,8 +96,12 @@ def _find_field(panel: Panel, design: FrontDesign) -> Panel | None:
         return None
     field = _inside_frame(panel, frame)
     if design.style == "framed_glass":
-        return replace(field, x=field.x + (field.thickness - PANE) / 2, thickness=PANE)
+        return _find_pane(field)
     return _raise_field(field) if design.style == "raised" and _can_rise(field) else _sink_field(field)
+
+
+def _find_pane(field: Panel) -> Panel:
+    return replace(field, x=field.x + (field.thickness - PANE) / 2, thickness=PANE)
 
 
 def _sink_field(field: Panel) -> Panel:
@@ -130,9 +133,7 @@ def fit_handle(panel: Panel, design: FrontDesign, *, parent: str, edge: Edge | N
     if handle is None:
         return ()
     if edge in ("left", "right") and handle.kind == "cup":  # cups are for drawers, knobs for doors
-        handle = HandleDesign(
-            kind="knob", length=0.36 * handle.length, thickness=handle.thickness, finish=handle.finish
-        )
+        handle = replace(handle, kind="knob", length=0.36 * handle.length)
     upright, (y, z) = place_handle(panel, handle, edge, design.hand)
     field = None if handle.kind == "edge" else _find_field(panel, design)
     if field is not None and edge is None:  # on the field
@@ -162,46 +163,33 @@ def fit_handle(panel: Panel, design: FrontDesign, *, parent: str, edge: Edge | N
     )
 
 
-def _fill(panel: Panel, finish: str, bevel: float = 0.0) -> Primitive:
-    space = Space(x=(panel.x, panel.back), y=panel.y, z=panel.z)
-    return space.fill(finish, bevel)
-
-
 def _make_field(field: Panel, design: FrontDesign) -> list[Primitive]:
     """The filling of a frame, set back from its face."""
     if design.style == "framed_glass":
-        pane = replace(field, x=field.x + (field.thickness - PANE) / 2, thickness=PANE)
-        return [_fill(pane, design.glass)]
+        return [_find_pane(field).fill(design.glass)]
     sheet = _sink_field(field)
+    solids = [sheet.fill("front")]
     if design.style == "raised" and _can_rise(field):
         raised = _raise_field(field)
-        return [_fill(sheet, design.finish), _fill(raised, design.finish, 0.4 * raised.thickness)]
-    if design.style == "louvre" and field.height > 0.12:
-        return _make_louvres(field, sheet, design)
-    return [_fill(sheet, design.finish)]
+        solids.append(raised.fill("front", 0.4 * raised.thickness))
+    elif design.style == "louvre" and field.height > 0.12:
+        solids += _make_louvres(field, sheet.x)
+    return solids
 
 
-def _make_louvres(field: Panel, sheet: Panel, design: FrontDesign) -> list[Primitive]:
-    """At most twelve slats on a sheet, a hand's width apart on tall doors."""
+def _make_louvres(field: Panel, back: float) -> list[Primitive]:
+    """At most twelve slats up to ``back`` (x), a hand's width apart on tall doors."""
     count = int(np.clip(round(field.height / 0.06), 2, 12))
-    pitch = field.height / count
-    slats = [
-        Panel(
-            x=field.x + 0.001,
-            thickness=sheet.x - field.x - 0.001,
-            y=field.y,
-            z=(field.z[0] + (k + 0.22) * pitch, field.z[0] + (k + 0.78) * pitch),
-        )
-        for k in range(count)
-    ]
-    return [_fill(sheet, design.finish), *(_fill(slat, design.finish) for slat in slats)]
+    pitch, slat = field.height / count, replace(field, x=field.x + 0.001, thickness=back - field.x - 0.001)
+    spans = [(field.z[0] + (k + 0.22) * pitch, field.z[0] + (k + 0.78) * pitch) for k in range(count)]
+    return [replace(slat, z=span).fill("front") for span in spans]
 
 
-def _make_planks(panel: Panel, design: FrontDesign) -> tuple[Primitive, ...]:
+def _make_planks(panel: Panel) -> tuple[Primitive, ...]:
     """At most eight vertical boards with bevelled edges, side by side."""
     count = int(np.clip(round(panel.width / 0.1), 1, 8))
     edges = np.linspace(*panel.y, count + 1)
     return tuple(
-        _fill(replace(panel, y=(float(low), float(high))), design.finish, min(0.003, 0.2 * panel.thickness))
+        replace(panel, y=(float(low), float(high))).fill("front", min(0.003, 0.2 * panel.thickness))
         for low, high in pairwise(edges)
     )

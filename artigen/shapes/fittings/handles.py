@@ -13,7 +13,8 @@ import numpy as np
 
 from artigen.shapes.choices import choose
 from artigen.shapes.fittings.hardware import Edge, Panel
-from artigen.shapes.primitives import Primitive, Vector, cylinder, polytope, rounded_box
+from artigen.shapes.primitives import Primitive, Vector, block, cylinder, polytope
+from artigen.shapes.ranges import between
 from artigen.shapes.shape import ShapePart
 
 HandleKind = Literal["bar", "pull", "arch", "knob", "cup", "recessed", "edge", "block"]
@@ -59,7 +60,7 @@ class HandleDesign:
 
 
 def design_handle(
-    rng: np.random.Generator, kind: HandleKind | None = None, *, longest: float = 1.0, finish: str = "handle"
+    rng: np.random.Generator, kind: HandleKind | None = None, *, longest: float = 1.0
 ) -> HandleDesign:
     """Draws a design for an object with longest edge ``longest`` (m); large objects get thicker handles."""
     drawn = HANDLE_KINDS[int(rng.choice(len(HANDLE_KINDS), p=(0.26, 0.17, 0.1, 0.2, 0.08, 0.06, 0.09, 0.04)))]
@@ -67,7 +68,7 @@ def design_handle(
     low, high = LENGTHS[kind]
     length = choose(rng, low, high) * float(np.clip(0.75 + 0.25 * longest, 0.85, 1.3))
     thickness = choose(rng, 0.010, 0.014) * float(np.clip(0.7 + 0.4 * longest, 0.9, 1.6))
-    return HandleDesign(kind=kind, length=length, thickness=thickness, finish=finish)
+    return HandleDesign(kind=kind, length=length, thickness=thickness)
 
 
 def place_handle(
@@ -146,9 +147,8 @@ def _place_solid(solid: _Solid, finish: str, upright: bool) -> Primitive:  # noq
     a, b = place(solid.low), place(solid.high)
     if solid.radius:
         return cylinder(a, b, solid.radius, finish)
-    low = (min(a[0], b[0]), min(a[1], b[1]), min(a[2], b[2]))
-    high = (max(a[0], b[0]), max(a[1], b[1]), max(a[2], b[2]))
-    return rounded_box(low, high, solid.bevel, finish)
+    x, y, z = (between(first, second) for first, second in zip(a, b, strict=True))
+    return block(x, y, z, finish, solid.bevel)
 
 
 def _build_bar(design: HandleDesign, long: float) -> list[_Solid]:

@@ -4,13 +4,14 @@ Metres, z up, front -x. Seen from the front, left is +y. A front is hinged at th
 edge: up to 90 degrees the leaf stays within its own outline, and it never moves backwards.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.primitives import DOWN, FRONT, LEFT, RIGHT, UP, Primitive, Range, Vector, block
+from artigen.shapes.primitives import DOWN, FRONT, LEFT, RIGHT, UP, Primitive, Vector, block
+from artigen.shapes.ranges import Range, narrow
 from artigen.shapes.shape import Motion
 
 Edge = Literal["left", "right", "top", "bottom"]
@@ -26,12 +27,9 @@ step, engines predict contacts there that never happen; half this distance was t
 
 
 @dataclass(frozen=True, kw_only=True)
-class Panel:
-    """The rectangle of a front (m): its face lies at ``x`` and it extends back by ``thickness``."""
+class _Rectangle:
+    """Ranges of y and z (m)."""
 
-    x: float
-    """x of the front face, the smallest x."""
-    thickness: float
     y: Range
     """Right and left edge, seen from the front."""
     z: Range
@@ -50,6 +48,15 @@ class Panel:
         """Middle as (y, z)."""
         return (self.y[0] + self.y[1]) / 2, (self.z[0] + self.z[1]) / 2
 
+
+@dataclass(frozen=True, kw_only=True)
+class Panel(_Rectangle):
+    """The rectangle of a front (m): its face lies at ``x`` and it extends back by ``thickness``."""
+
+    x: float
+    """x of the front face, the smallest x."""
+    thickness: float
+
     @property
     def back(self) -> float:
         """The x of the rear face."""
@@ -59,14 +66,18 @@ class Panel:
         """A board with edges chamfered by ``bevel`` (m)."""
         return block((self.x, self.back), self.y, self.z, finish, bevel)
 
+    def split(self, gap: float) -> tuple["Panel", "Panel"]:
+        """The left and the right half, with a gap (m) between them."""
+        middle = self.center[0]
+        left, right = (middle + gap / 2, self.y[1]), (self.y[0], middle - gap / 2)
+        return replace(self, y=left), replace(self, y=right)
+
 
 @dataclass(frozen=True, kw_only=True)
-class Space:
+class Space(_Rectangle):
     """A free box behind a front, metres."""
 
     x: Range
-    y: Range
-    z: Range
 
     @property
     def depth(self) -> float:
@@ -79,47 +90,6 @@ class Space:
     def hollow(self, wall: float) -> "Space":
         """The space within walls at the back and at all sides (m), open to the front."""
         return Space(x=(self.x[0], self.x[1] - wall), y=narrow(self.y, wall), z=narrow(self.z, wall))
-
-    @property
-    def width(self) -> float:
-        return self.y[1] - self.y[0]
-
-    @property
-    def height(self) -> float:
-        return self.z[1] - self.z[0]
-
-
-def between(a: float, b: float) -> Range:
-    """The range between two coordinates in either order."""
-    return min(a, b), max(a, b)
-
-
-def around(middle: float, half: float) -> Range:
-    """The range that extends by a length to both sides of a coordinate."""
-    return middle - half, middle + half
-
-
-def narrow(span: Range, by: float) -> Range:
-    """A range shortened by a length at both ends, or extended if it is negative."""
-    return span[0] + by, span[1] - by
-
-
-def share_range(span: Range, shares: Sequence[float], gap: float = 0.0) -> list[Range]:
-    """Intervals of a range proportional to ``shares``, from its lower end up, with ``gap`` between them."""
-    free = span[1] - span[0] - gap * (len(shares) - 1)
-    sizes = free * np.asarray(shares) / sum(shares)
-    starts = span[0] + np.concatenate([[0.0], np.cumsum(sizes + gap)[:-1]])
-    return [(float(start), float(start + size)) for start, size in zip(starts, sizes, strict=True)]
-
-
-def share_down(span: Range, shares: Sequence[float], gap: float = 0.0) -> list[Range]:
-    """As `share_range`, from the upper end down."""
-    return share_range(span, shares[::-1], gap)[::-1]
-
-
-def divide_range(span: Range, count: int, gap: float = 0.0) -> list[Range]:
-    """Equal intervals of a range, from its lower end up, with ``gap`` between them."""
-    return share_range(span, (1.0,) * count, gap)
 
 
 def lift(primitives: Iterable[Primitive], height: float) -> tuple[Primitive, ...]:

@@ -14,11 +14,13 @@ from typing import Literal
 import numpy as np
 
 from artigen.shapes.appliances.cavity import build_frame
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose
-from artigen.shapes.fittings.hardware import Range, Space, around, between, narrow, slide
+from artigen.shapes.fittings.hardware import Space, slide
 from artigen.shapes.fittings.hinges import Leaf, build_astragal, fit_hinges
-from artigen.shapes.primitives import DOWN, Primitive, Vector, block, box, cylinder, polytope
-from artigen.shapes.shape import Need, ShapePart
+from artigen.shapes.primitives import DOWN, Primitive, Vector, block, cylinder, polytope
+from artigen.shapes.ranges import Range, around, between, narrow
+from artigen.shapes.shape import ShapePart, require
 
 TURN = radians(45.0)
 """Angle (rad) by which a lever is pressed down (DIN 18255)."""
@@ -61,19 +63,18 @@ class Latch:
     @property
     def pocket(self) -> Space:
         """The free space in the leaf, open at the edge."""
-        y = sorted((self.edge, self.edge - self.side * (self.backset + 0.024)))
-        ends = sorted((-self.lift * 0.024, self.lift * (self.backset + THROW + 0.006)))
-        middle, half = sum(self.x) / 2, THICK / 2 + PLAY
-        x, z = around(middle, half), (self.level + ends[0], self.level + ends[1])
-        return Space(x=x, y=(y[0], y[1]), z=z)
+        x = around(sum(self.x) / 2, THICK / 2 + PLAY)
+        y = between(self.edge, self.edge - self.side * (self.backset + 0.024))
+        low, high = between(-self.lift * 0.024, self.lift * (self.backset + THROW + 0.006))
+        return Space(x=x, y=y, z=(self.level + low, self.level + high))
 
     @property
     def keep(self) -> Space:
         """The free space in the frame, beyond the edge."""
-        y = sorted((self.edge, self.edge + self.side * (THROW + PLAY)))
+        y = between(self.edge, self.edge + self.side * (THROW + PLAY))
         rise = ((self.backset + THROW) ** 2 - self.backset**2) ** 0.5  # when the tip passes the edge
-        ends = sorted((-self.lift * (TONGUE + PLAY), self.lift * (rise + TONGUE + PLAY)))
-        return Space(x=self.pocket.x, y=(y[0], y[1]), z=(self.level + ends[0], self.level + ends[1]))
+        low, high = between(-self.lift * (TONGUE + PLAY), self.lift * (rise + TONGUE + PLAY))
+        return Space(x=self.pocket.x, y=y, z=(self.level + low, self.level + high))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,7 +105,7 @@ def hang_parts(
     leaves: Sequence[Leaf],
     hanging: Hanging,
     build_leaf: Callable[[Leaf], Sequence[Primitive]],
-) -> tuple[list[Primitive], list[ShapePart]]:
+) -> Assembly:
     """One or two leaves on their hinges: the solids on the frame, and the leaves and the bolt.
 
     The key of the latch releases the first leaf; the second leaf waits for the first and for its bolt.
@@ -113,71 +114,60 @@ def hang_parts(
     parts: list[ShapePart] = []
     bolts: list[ShapePart] = []
     for index, leaf in enumerate(leaves):
-        on_leaf, on_frame = fit_hinges(
-            leaf, hanging.levels, "handle", length=hanging.barrel, straps=hanging.straps
-        )
+        on_leaf, on_frame = fit_hinges(leaf, hanging.levels, length=hanging.barrel, straps=hanging.straps)
         frame += on_frame
         pieces = [*build_leaf(leaf), *on_leaf]
         if len(leaves) == 2 and index == 0:
             cover, inset = hanging.astragal
-            pieces += build_astragal(leaf, "front", cover=cover, inset=inset)
+            pieces += build_astragal(leaf, cover=cover, inset=inset)
         if index == 1:
             at = (leaf.x[0], leaf.edge - leaf.side * hanging.bolt[0], hanging.bolt[1])
-            bolt, guides, staple = make_bolt(
-                at, hanging.over, name="bolt", parent="leaf_1", finish="handle", length=hanging.length
-            )
+            bolt, guides, staple = make_bolt(at, hanging.over, parent="leaf_1", length=hanging.length)
             bolts.append(bolt)
             pieces += guides
             frame += staple
         needs = (hanging.key,) if index == 0 else ("leaf", "bolt")
-        parts.append(
-            ShapePart(
-                ("leaf", "leaf_1")[index],
-                "door",
-                tuple(pieces),
-                leaf.swing(radians(choose(rng, *hanging.swing))),
-                parent="frame",
-                needs=tuple(Need(part=name, fraction=RELEASED) for name in needs),
-            )
-        )
-    return frame, [*parts, *bolts]
+        swing = leaf.swing(radians(choose(rng, *hanging.swing)))
+        held = require(*needs, fraction=RELEASED)
+        parts.append(ShapePart(("leaf", "leaf_1")[index], "door", pieces, swing, parent="frame", needs=held))
+    return Assembly(frame, (*parts, *bolts))
 
 
-def build_latch_stile(
-    latch: Latch, y: Range, z: Range, finish: str, *, through: bool = True
-) -> tuple[Primitive, ...]:
+def build_latch_stile(latch: Latch, y: Range, z: Range, *, through: bool = True) -> tuple[Primitive, ...]:
     """Boards around the pocket of a leaf's latch, and two skins; the spindle passes through one or both."""
     free, (front, back) = latch.pocket, latch.x
     behind = (y[0], free.y[0]) if latch.side > 0 else (free.y[1], y[1])
     hole_y, hole_z = (around(at, HOLE) for at in latch.axis)
-    skin = block((free.x[1], back), free.y, free.z, finish)
-    skins = [*build_frame((front, free.x[0]), (free.y, free.z), (hole_y, hole_z), finish), skin]
+    around_hole = (free.y, free.z), (hole_y, hole_z), "front"
+    skins = [*build_frame((front, free.x[0]), *around_hole)]
     if through:
-        skins[-1:] = build_frame((free.x[1], back), (free.y, free.z), (hole_y, hole_z), finish)
+        skins += build_frame((free.x[1], back), *around_hole)
+    else:
+        skins.append(block((free.x[1], back), free.y, free.z, "front"))
     return (
-        block((front, back), y, (z[0], free.z[0]), finish),
-        block((front, back), y, (free.z[1], z[1]), finish),
-        block((front, back), behind, free.z, finish),
+        block(latch.x, y, (z[0], free.z[0]), "front"),
+        block(latch.x, y, (free.z[1], z[1]), "front"),
+        block(latch.x, behind, free.z, "front"),
         *skins,
     )
 
 
-def build_lock_stile(
-    leaf: Leaf, latch: Latch, y: Range, finish: str, *, through: bool = True
-) -> tuple[Primitive, ...]:
+def build_lock_stile(leaf: Leaf, latch: Latch, y: Range, *, through: bool = True) -> tuple[Primitive, ...]:
     """The stile beside a leaf's edge: that of the latch, or that of a second leaf with the latch's keep."""
     if leaf.edge == latch.edge:
-        return build_latch_stile(latch, y, leaf.z, finish, through=through)
-    return build_keep(latch, Space(x=leaf.x, y=y, z=leaf.z), finish)
+        return build_latch_stile(latch, y, leaf.z, through=through)
+    return build_keep(latch, Space(x=leaf.x, y=y, z=leaf.z), "front")
 
 
-def build_jambs(inner: Space, width: float, latch: Latch | None, finish: str) -> list[Primitive]:
+def build_jambs(inner: Space, width: float, latch: Latch | None) -> list[Primitive]:
     """Posts of a frame at both sides of a space; a latch in a single leaf has its keep in one of them."""
     pieces: list[Primitive] = []
     for side, at in zip((-1, 1), inner.y, strict=True):
         jamb = Space(x=inner.x, y=between(at, at + side * width), z=inner.z)
-        held = latch is not None and latch.side == side
-        pieces += build_keep(latch, jamb, finish) if latch is not None and held else [jamb.fill(finish)]
+        if latch is not None and latch.side == side:
+            pieces += build_keep(latch, jamb, "body")
+        else:
+            pieces.append(jamb.fill("body"))
     return pieces
 
 
@@ -185,34 +175,36 @@ def build_keep(latch: Latch, jamb: Space, finish: str) -> tuple[Primitive, ...]:
     """A jamb beside the leaf's edge with the keep cut out of it."""
     free, (x0, x1), (y0, y1), (z0, z1) = latch.keep, jamb.x, jamb.y, jamb.z
     web = (free.y[1], y1) if latch.side > 0 else (y0, free.y[0])
-    pieces = [box((x0, y0, z0), (x1, y1, free.z[0]), finish), box((x0, y0, free.z[1]), (x1, y1, z1), finish)]
-    pieces += [block(x, (y0, y1), free.z, finish) for x in ((x0, free.x[0]), (free.x[1], x1))]
-    return (*pieces, block(free.x, web, free.z, finish))
+    return (
+        block(jamb.x, jamb.y, (z0, free.z[0]), finish),
+        block(jamb.x, jamb.y, (free.z[1], z1), finish),
+        block((x0, free.x[0]), jamb.y, free.z, finish),
+        block((free.x[1], x1), jamb.y, free.z, finish),
+        block(free.x, web, free.z, finish),
+    )
 
 
-def build_tongue(latch: Latch, finish: str, *, through: bool = True) -> tuple[Primitive, ...]:
+def build_tongue(latch: Latch, *, through: bool = True) -> tuple[Primitive, ...]:
     """Tongue, hub, and the spindle to a lever before the leaf, or to levers on both faces."""
     (y, z), free = latch.axis, latch.pocket
     x = narrow(free.x, PLAY)
     tip, high = y + latch.side * (latch.backset + THROW), latch.lift * TONGUE
     profile = [(y, z + high), (y, z - high), (tip, z + high), (tip, z), (tip - latch.side * 0.012, z - high)]
-    tongue = polytope(np.array([(at, *corner) for at in x for corner in profile]), finish)
-    hub = cylinder((x[0], y, z), (x[1], y, z), 0.015, finish)
+    tongue = polytope(np.array([(at, *corner) for at in x for corner in profile]), "steel")
+    hub = cylinder((x[0], y, z), (x[1], y, z), 0.015, "steel")
     end = latch.x[1] + 0.006 if through else x[1]
-    return tongue, hub, cylinder((latch.x[0] - 0.006, y, z), (end, y, z), 0.0055, finish)
+    return tongue, hub, cylinder((latch.x[0] - 0.006, y, z), (end, y, z), 0.0055, "steel")
 
 
 def make_bolt(
-    at: Vector, over: float, *, name: str, parent: str, finish: str, length: float
+    at: Vector, over: float, *, parent: str, length: float
 ) -> tuple[ShapePart, tuple[Primitive, ...], tuple[Primitive, ...]]:
     """A vertical surface bolt in a staple on the frame above the leaf, which is drawn down to open.
 
     Args:
         at: Point on the leaf's face below the edge of the frame's face that the bolt reaches over.
         over: Protrusion (m) of the frame's face before the leaf's.
-        name: Name of the bolt.
         parent: Name of the leaf.
-        finish: Role of the finish.
         length: Length of the rod (m).
 
     Returns:
@@ -223,21 +215,18 @@ def make_bolt(
     base = max(over, 0.004)
     middle = x - base - BOLT_PLAY - radius
     top, low = z + reach, z + reach - length
-    rod = cylinder((middle, y, low), (middle, y, top), radius, finish)
+    rod = cylinder((middle, y, low), (middle, y, top), radius, "handle")
     level = min(low + length / 2, z - 0.065)  # below the guide, where fingers reach around it
-    knob = cylinder((middle, y, level), (middle - 0.028, y, level), 0.009, finish)
+    knob = cylinder((middle, y, level), (middle - 0.028, y, level), 0.009, "handle")
+    bolt = ShapePart("bolt", "knob", (rod, knob), slide(reach + 0.012, DOWN), parent=parent)
+    plate = block((x - base, x), around(y, 0.02), (low - 0.045, z - 0.02), "handle")
+    guide = _build_staple((middle, y), radius, x - base, (z - 0.05, z - 0.03))
+    return bolt, (plate, *guide), _build_staple((middle, y), radius, x - over, (z + 0.001, z + 0.016))
 
-    bolt = ShapePart(name, "knob", (rod, knob), slide(reach + 0.012, DOWN), parent=parent)
-    plate = block((x - base, x), around(y, 0.02), (low - 0.045, z - 0.02), finish)
-    guide = _build_staple((middle, y), radius, x - base, (z - 0.05, z - 0.03), finish)
-    return bolt, (plate, *guide), _build_staple((middle, y), radius, x - over, (z + 0.001, z + 0.016), finish)
 
-
-def _build_staple(
-    at: tuple[float, float], radius: float, face: float, z: Range, finish: str
-) -> tuple[Primitive, ...]:
+def _build_staple(at: tuple[float, float], radius: float, face: float, z: Range) -> tuple[Primitive, ...]:
     """Two cheeks and a cap around a rod at (x, y) before a face."""
     (x, y), inner, wall = at, radius + BOLT_PLAY, 0.004
     cap = x - inner
-    cheeks = [block((cap, face), (y + a, y + a + wall), z, finish) for a in (-inner - wall, inner)]
-    return (*cheeks, block((cap - wall, cap), (y - inner - wall, y + inner + wall), z, finish))
+    cheeks = [block((cap, face), (y + a, y + a + wall), z, "handle") for a in (-inner - wall, inner)]
+    return (*cheeks, block((cap - wall, cap), (y - inner - wall, y + inner + wall), z, "handle"))

@@ -11,9 +11,9 @@ from typing import Literal, get_args
 import numpy as np
 
 from artigen.shapes.choices import choose, choose_one
-from artigen.shapes.fittings.hardware import Range
 from artigen.shapes.fittings.tubes import lay_pipe, lean_rod
 from artigen.shapes.primitives import Primitive, Vector, as_vector, cylinder, rounded_box
+from artigen.shapes.ranges import Range
 
 LeverKind = Literal["round", "square", "curved"]
 LEVER_KINDS: tuple[LeverKind, ...] = get_args(LeverKind)
@@ -35,7 +35,6 @@ class LeverDesign:
     thickness: float = 0.019
     rose: float = 0.026
     """Radius of the rose."""
-    finish: str = "handle"
 
 
 def design_lever(rng: np.random.Generator, length: Range = (0.115, 0.14), reach: float = 0.06) -> LeverDesign:
@@ -62,18 +61,18 @@ def build_lever(
     def point(ahead: float, run: float) -> Vector:
         return x + out * ahead, y + along[0] * run, z + along[1] * run
 
-    rose = cylinder(point(ROSE_GAP, 0.0), point(ROSE_GAP + 0.008, 0.0), design.rose, design.finish)
+    rose = cylinder(point(ROSE_GAP, 0.0), point(ROSE_GAP + 0.008, 0.0), design.rose, "handle")
     if design.kind == "square":
-        neck = cylinder(point(0.009, 0.0), point(middle, 0.0), 0.8 * half, design.finish)
+        neck = cylinder(point(0.009, 0.0), point(middle, 0.0), 0.8 * half, "handle")
         across = 1.15 * half
         corners = np.array([point(middle - 0.7 * half, -half), point(middle + half, design.length)])
         wide = np.array([0.0, abs(along[1]), abs(along[0])]) * across
         low, high = corners.min(axis=0) - wide, corners.max(axis=0) + wide
-        grip = rounded_box(as_vector(low), as_vector(high), 0.0025, design.finish)
+        grip = rounded_box(as_vector(low), as_vector(high), 0.0025, "handle")
         return rose, neck, grip
     straight = 0.55 if design.kind == "curved" else 1.0
     path = [point(0.009, 0.0), point(middle, 0.0), point(middle, straight * design.length)]
-    grip = lay_pipe(path, half, BEND, design.finish, pieces=2)
+    grip = lay_pipe(path, half, BEND, "handle", pieces=2)
     if design.kind == "round":
         return rose, *grip
     stations = ((0.0, 0.55, half), (0.004, 0.8, 0.9 * half), (0.014, 1.0, 0.75 * half))
@@ -82,7 +81,7 @@ def build_lever(
             point(middle - before[0], before[1] * design.length),
             point(middle - after[0], after[1] * design.length),
             (before[2], after[2]),
-            design.finish,
+            "handle",
         )
         for before, after in pairwise(stations)
     ]

@@ -12,20 +12,9 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
-from artigen.shapes.fittings.hardware import Edge, Range, Space, narrow, rotate, slide
-from artigen.shapes.primitives import (
-    BACK,
-    FRONT,
-    LEFT,
-    RIGHT,
-    UP,
-    Primitive,
-    Vector,
-    block,
-    box,
-    line,
-    polytope,
-)
+from artigen.shapes.fittings.hardware import Edge, Space, rotate, slide
+from artigen.shapes.primitives import BACK, DOWN, FRONT, LEFT, RIGHT, UP, Primitive, block, line, polytope
+from artigen.shapes.ranges import Range, margins, narrow
 from artigen.shapes.shape import Motion, Need, ShapePart, require
 
 Rectangle = tuple[Range, Range]
@@ -86,38 +75,25 @@ def build_vessel(
     """
     (bx, by), (tx, ty) = bottom, top
     half = wall / 2  # into the sides: unions of leaning faces that only touch are unclean
-    inner_b, inner_t = narrow(by, half), narrow(ty, half)
+    inner = narrow(by, half), narrow(ty, half)
     share = wall / (z[1] - z[0])
     floor_x, floor_y = (
-        (low[0] + share * (high[0] - low[0]) + wall / 2, low[1] + share * (high[1] - low[1]) - wall / 2)
+        (low[0] + share * (high[0] - low[0]) + half, low[1] + share * (high[1] - low[1]) - half)
         for low, high in ((bx, tx), (by, ty))
     )
-    walls = (
-        (LEFT, (bx, (by[0], by[0] + wall)), (tx, (ty[0], ty[0] + wall))),
-        (RIGHT, (bx, (by[1] - wall, by[1])), (tx, (ty[1] - wall, ty[1]))),
-        (BACK, ((bx[0], bx[0] + wall), inner_b), ((tx[0], tx[0] + wall), inner_t)),
-        (FRONT, ((bx[1] - wall, bx[1]), inner_b), ((tx[1] - wall, tx[1]), inner_t)),
-    )
-    pieces = [(side, loft(low, high, z, finish)) for side, low, high in walls]
-    base = block(floor_x, floor_y, (z[0], z[0] + wall), finish)
-    pieces.append((UP, base))
+    flanks = zip((LEFT, RIGHT), margins(by, wall), margins(ty, wall), strict=True)
+    pieces = [(side, loft((bx, low), (tx, high), z, finish)) for side, low, high in flanks]
+    ends = zip((BACK, FRONT), margins(bx, wall), margins(tx, wall), strict=True)
+    pieces += [(side, loft((low, inner[0]), (high, inner[1]), z, finish)) for side, low, high in ends]
+    pieces.append((UP, block(floor_x, floor_y, (z[0], z[0] + wall), finish)))
     return tuple(solid if lining is None else line(solid, lining, side) for side, solid in pieces)
 
 
-def make_lift_out(
-    outline: Rectangle,
-    z: Range,
-    wall: float,
-    finish: str,
-    *,
-    name: str = "tray",
-    lid: str = "lid",
-    parent: str = "body",
-) -> ShapePart:
+def make_lift_out(outline: Rectangle, z: Range, wall: float, finish: str) -> ShapePart:
     """An open tray that fills a rectangle and lifts by nearly its height once the lid is open."""
     solids = build_vessel(outline, outline, z, wall, finish)
     lift = slide(0.85 * (z[1] - z[0]), UP)
-    return ShapePart(name, "tray", solids, lift, parent=parent, needs=require(lid))
+    return ShapePart("tray", "tray", solids, lift, needs=require("lid"))
 
 
 def loft(low: Rectangle, high: Rectangle, z: Range, finish: str) -> Primitive:
@@ -144,9 +120,9 @@ def build_collar(outer: Rectangle, inner: Rectangle, z: Range, finish: str) -> t
     return tuple(block(a, b, z, finish) for a, b in sides if a[0] < a[1] and b[0] < b[1])
 
 
-def trace_arch(x: Range, z: float, rise: float, pieces: int = 6) -> Float[np.ndarray, "N 2"]:
-    """Half an ellipse over a range of x, from front to rear, as points (x, z)."""
-    turns = np.linspace(0.0, np.pi, pieces + 1)
+def trace_arch(x: Range, z: float, rise: float) -> Float[np.ndarray, "N 2"]:
+    """Half an ellipse over a range of x, from front to rear, as seven points (x, z)."""
+    turns = np.linspace(0.0, np.pi, 7)
     middle, half = (x[0] + x[1]) / 2, (x[1] - x[0]) / 2
     return np.column_stack([middle - half * np.cos(turns), z + rise * np.sin(turns)])
 
@@ -167,7 +143,7 @@ def build_roof(
     reach = np.array([outline[-1, 0] - foot[0], outline[:, 1].max() - foot[1]])
     inner = foot + (outline - foot) * (1.0 - wall / reach)
     out = [*join_outlines(outline, inner, y, finish)]
-    for span in ((y[0], y[0] + wall), (y[1] - wall, y[1])) if ends else ():
+    for span in margins(y, wall) if ends else ():
         out.append(polytope(np.array([(a, b, c) for b in span for a, c in outline]), finish))
     return tuple(out)
 
@@ -183,27 +159,15 @@ def join_outlines(
     )
 
 
-def build_half_shell(
-    space: Space, wall: float, side: Vector, finish: str, lining: str
-) -> tuple[Primitive, ...]:
-    """A box of five plates that fills a space and is open towards ``side`` (a unit vector along an axis)."""
-    spans = [space.x, space.y, space.z]
-    out = []
-    for axis in range(3):
-        for end, sign in ((0, -1.0), (1, 1.0)):
-            if side[axis] == sign:
-                continue
-            low, high = [span[0] for span in spans], [span[1] for span in spans]
-            low[axis], high[axis] = (
-                (spans[axis][0], spans[axis][0] + wall)
-                if end == 0
-                else (spans[axis][1] - wall, spans[axis][1])
-            )
-            for other in range(axis):  # plates meet edge to face; those of earlier axes run through
-                low[other] += wall if side[other] != -1.0 else 0.0
-                high[other] -= wall if side[other] != 1.0 else 0.0
-            plate = box((low[0], low[1], low[2]), (high[0], high[1], high[2]), finish)
-            inward = [0.0, 0.0, 0.0]
-            inward[axis] = -sign
-            out.append(line(plate, lining, (inward[0], inward[1], inward[2])))
-    return tuple(out)
+def build_half_shell(space: Space, wall: float, finish: str, lining: str) -> tuple[Primitive, ...]:
+    """Four walls and a top that fill a space; it is open below."""
+    inner_x, inner_y = narrow(space.x, wall), narrow(space.y, wall)
+    (front, rear), (right, left) = margins(space.x, wall), margins(space.y, wall)
+    plates = (
+        (BACK, block(front, space.y, space.z, finish)),
+        (FRONT, block(rear, space.y, space.z, finish)),
+        (LEFT, block(inner_x, right, space.z, finish)),
+        (RIGHT, block(inner_x, left, space.z, finish)),
+        (DOWN, block(inner_x, inner_y, (space.z[1] - wall, space.z[1]), finish)),
+    )
+    return tuple(line(plate, lining, side) for side, plate in plates)

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from artigen.shapes.fittings.hardware import Range, around, rotate
+from artigen.shapes.fittings.hardware import rotate
 from artigen.shapes.primitives import FRONT, RIGHT, Vector, block, cylinder
+from artigen.shapes.ranges import Range, around
 from artigen.shapes.shape import ShapePart
 
 FREE = 0.0015
@@ -14,9 +15,7 @@ UNHOOKED = 0.5
 """Share of a flip latch's range at which it has let go of the lid."""
 
 
-def make_lock(
-    at: Vector, *, name: str, parent: str = "body", radius: float = 0.011, finish: str = "handle"
-) -> ShapePart:
+def make_lock(at: Vector, *, name: str, parent: str = "body", radius: float = 0.011) -> ShapePart:
     """A cylinder lock with its key on a front face at x, which turns by a quarter.
 
     Args:
@@ -24,26 +23,17 @@ def make_lock(
         name: Name of the part.
         parent: Name of the part that carries it.
         radius: Radius of the cylinder (m).
-        finish: Role of the finish.
     """
     x, y, z = at
     solids = (
-        cylinder((x - FREE, y, z), (x - 0.008, y, z), radius, finish),
+        cylinder((x - FREE, y, z), (x - 0.008, y, z), radius, "handle"),
         block((x - 0.026, x - 0.008), around(y, 0.002), around(z, 0.8 * radius), "steel"),
     )
-    turn = rotate(FRONT, (x, y, z), np.pi / 2)
-    return ShapePart(name, "knob", solids, turn, parent=parent)
+    return ShapePart(name, "knob", solids, rotate(FRONT, at, np.pi / 2), parent=parent)
 
 
 def make_latch(
-    x: float,
-    y: Range,
-    z: Range,
-    *,
-    name: str,
-    parent: str = "body",
-    upper: float = 1.9,
-    finish: str = "steel",
+    x: float, y: Range, z: Range, *, name: str, upper: float = 1.9, finish: str = "steel"
 ) -> ShapePart:
     """A latch before a face at x, which holds a lid down and flips outwards about its lower edge.
 
@@ -54,7 +44,6 @@ def make_latch(
         y: Left and right edge (m).
         z: Lower edge, on the box, and upper edge, on the lid (m).
         name: Name of the part.
-        parent: Name of the box.
         upper: Opening angle (rad).
         finish: Role of the finish.
     """
@@ -65,4 +54,4 @@ def make_latch(
         block((face - DEEP, front), y, (z[1] - 0.008, z[1]), finish),
     )
     turn = rotate(RIGHT, (front, (y[0] + y[1]) / 2, z[0]), upper)
-    return ShapePart(name, "knob", solids, turn, parent=parent)
+    return ShapePart(name, "knob", solids, turn)

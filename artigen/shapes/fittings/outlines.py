@@ -11,8 +11,8 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
-from artigen.shapes.fittings.hardware import Range, around, narrow
 from artigen.shapes.primitives import Primitive, line, polytope
+from artigen.shapes.ranges import Range, around, narrow
 
 SHARPEST = 0.2
 """Smallest remaining share of an arc's length when an outline is inset."""

@@ -14,6 +14,8 @@ from artigen.shapes.shape import ShapePart
 
 PIVOT = 0.007
 """Radius of the pin that a mixer's lever lifts about."""
+TURN = radians(50.0)
+"""Range of a mixer's cartridge."""
 LIFT = radians(25.0)
 """Range of a mixer's lever (EN 817: 20 to 30 degrees)."""
 
@@ -33,13 +35,9 @@ def make_mixer(
     out: Vector,
     ahead: Vector,
     *,
-    name: str,
-    parent: str = "body",
     radius: float,
     height: float,
     length: float,
-    turn: float,
-    finish: str = "handle",
 ) -> tuple[ShapePart, ShapePart]:
     """A cartridge that turns about ``out`` (temperature) with a lever along ``ahead`` that lifts (flow).
 
@@ -47,19 +45,14 @@ def make_mixer(
         at: Middle of the face that the cartridge stands on.
         out: Axis of the cartridge, away from the face (unit).
         ahead: Direction of the lever, perpendicular to ``out`` (unit).
-        name: Name of the lever; the cartridge is ``name`` with ``_cartridge``.
-        parent: Name of the part that carries both.
         radius: Radius of the cartridge.
         height: Height of the cartridge above the face.
         length: Distance from the axis to the tip of the lever.
-        turn: Range of the cartridge (rad); its sign is the direction.
-        finish: Role of the finish.
     """
     aside = cross(ahead, out)
-    spin: Vector = out if turn > 0 else (-out[0], -out[1], -out[2])
     pin = height + 0.0015 + PIVOT
-    body = cylinder(along(at, (out, DIAL_GAP)), along(at, (out, height)), radius, finish)
-    cartridge = ShapePart(f"{name}_cartridge", "knob", (body,), rotate(spin, at, abs(turn)), parent=parent)
+    body = cylinder(along(at, (out, DIAL_GAP)), along(at, (out, height)), radius, "handle")
+    cartridge = ShapePart("lever_cartridge", "knob", (body,), rotate(out, at, TURN))
     ends = [along(at, (out, pin), (aside, side * 0.8 * radius)) for side in (-1, 1)]
     stations = ((0.0, 0.72 * radius, (-0.6 * PIVOT, PIVOT)), (length, 0.4 * radius, (0.006, 0.013)))
     blade = np.array(
@@ -70,14 +63,9 @@ def make_mixer(
             for up in levels
         ]
     )
-    lever = ShapePart(
-        name,
-        "knob",
-        (cylinder(ends[0], ends[1], PIVOT, finish), polytope(blade, finish)),
-        rotate(aside, along(at, (out, pin)), LIFT),
-        parent=cartridge.name,
-    )
-    return cartridge, lever
+    solids = (cylinder(ends[0], ends[1], PIVOT, "handle"), polytope(blade, "handle"))
+    lift = rotate(aside, along(at, (out, pin)), LIFT)
+    return cartridge, ShapePart("lever", "knob", solids, lift, parent=cartridge.name)
 
 
 def make_cross_handle(
@@ -86,10 +74,8 @@ def make_cross_handle(
     ahead: Vector,
     *,
     name: str,
-    parent: str = "body",
     reach: float,
     height: float,
-    finish: str = "handle",
     arms: int = 4,
     upper: float = np.pi,
 ) -> ShapePart:
@@ -100,25 +86,22 @@ def make_cross_handle(
         out: Its axis, away from the face (unit).
         ahead: Direction of its first arm, perpendicular to ``out`` (unit).
         name: Name of the part.
-        parent: Name of the part that carries it.
         reach: Length of an arm from the axis.
         height: Height of the hub's top above the face.
-        finish: Role of the finish.
         arms: Number of arms.
         upper: Range (rad).
     """
     aside = cross(out, ahead)
     level, rod = height - 0.008, 0.0055 if arms > 1 else 0.007
     pieces: list[Primitive] = [
-        cylinder(along(at, (out, DIAL_GAP)), along(at, (out, 0.55 * height)), 0.013, finish),
-        cylinder(along(at, (out, 0.55 * height)), along(at, (out, height)), 0.0105, finish),
+        cylinder(along(at, (out, DIAL_GAP)), along(at, (out, 0.55 * height)), 0.013, "handle"),
+        cylinder(along(at, (out, 0.55 * height)), along(at, (out, height)), 0.0105, "handle"),
     ]
     for k in range(arms):
         angle = 2 * np.pi * k / arms
         way = along((0.0, 0.0, 0.0), (ahead, float(np.cos(angle))), (aside, float(np.sin(angle))))
         tip = along(at, (out, level), (way, reach))
-        pieces.append(cylinder(along(at, (out, level)), tip, rod, finish))
+        pieces.append(cylinder(along(at, (out, level)), tip, rod, "handle"))
         if arms > 1:
-            pieces.append(cylinder(along(tip, (way, -0.012)), tip, 1.45 * rod, finish))
-    motion = rotate(out, at, upper)
-    return ShapePart(name, "knob", tuple(pieces), motion, parent=parent)
+            pieces.append(cylinder(along(tip, (way, -0.012)), tip, 1.45 * rod, "handle"))
+    return ShapePart(name, "knob", pieces, rotate(out, at, upper))

@@ -9,15 +9,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from artigen.shapes.appliances.cavity import build_frame
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.draw import CrowdedError
-from artigen.shapes.fittings.hardware import Range, Space, narrow
-from artigen.shapes.primitives import DOWN, FRONT, UP, Primitive, Vector, block, line
+from artigen.shapes.fittings.hardware import Space
+from artigen.shapes.primitives import DOWN, FRONT, LEFT, RIGHT, UP, Primitive, Vector, block, line
+from artigen.shapes.ranges import Range, margins, narrow
 from artigen.shapes.shape import ShapePart
 
 HULL_RATIO = 59.0
 """Largest ratio of a hull's longest to shortest edge for engines, with a margin for rounding in sketches."""
 MAX_HULLS_ON_LINK = 32
 MAX_HULLS = 256
+MAX_LINKS = 60
 FRAME_DEPTH = 0.019
 """Thickness (m) of a face frame."""
 RAIL = 0.08
@@ -37,9 +41,8 @@ class CarcassDesign:
     """Thickness of boards between cells."""
     back: float = 0.008
     """Thickness of the back; 0 for none."""
-    finish: str = "body"
     lining: str | None = "inside"
-    """Role of the finish of inner faces; None for that of the outside."""
+    """Role of the finish of inner faces; None for that of the outside, "body"."""
     lid: bool = True
     """Whether there is a top between the sides; otherwise another part covers them."""
     rails: bool = False
@@ -61,28 +64,26 @@ def make_carcass(outer: Space, design: CarcassDesign, boards: Boards) -> tuple[P
     deep = (front, outer.x[1] if design.recess else x[1])
     y, z = _inside(outer, design)
     pieces = [*framed]
-    for span, side in (((outer.y[0], y[0]), 1.0), ((y[1], outer.y[1]), -1.0)):
-        wall = block(deep, span, outer.z, design.finish)
-        pieces.append(_line(wall, design, (0.0, side, 0.0)))
-    bottom = block(x, y, (outer.z[0], z[0]), design.finish)
+    for span, side in zip(margins(outer.y, design.board), (LEFT, RIGHT), strict=True):
+        pieces.append(_line(block(deep, span, outer.z, "body"), design, side))
+    bottom = block(x, y, (outer.z[0], z[0]), "body")
     pieces.append(_line(bottom, design, UP))
     top = (outer.z[1] - design.board, outer.z[1])
     if design.lid and design.rails:
-        spans = (x[0], x[0] + RAIL), (x[1] - RAIL, x[1])
-        pieces += [block(span, y, top, design.finish) for span in spans]
+        pieces += [block(span, y, top, "body") for span in margins(x, RAIL)]
     elif design.lid:
-        pieces.append(_line(block(x, y, top, design.finish), design, DOWN))
+        pieces.append(_line(block(x, y, top, "body"), design, DOWN))
     if design.back:
         behind = Space(x=(x[1], x[1] + design.back), y=y if design.recess else outer.y, z=outer.z)
-        pieces.append(_line(behind.fill(design.finish), design, FRONT))
+        pieces.append(_line(behind.fill("body"), design, FRONT))
     if design.recess:
         hanging = Space(x=(x[1] + design.back, outer.x[1]), y=y, z=(outer.z[1] - RAIL, outer.z[1]))
-        pieces.append(hanging.fill(design.finish))
-    inner = design.lining or design.finish
+        pieces.append(hanging.fill("body"))
+    inner = design.lining or "body"
     for rectangle in boards:
         span_y, span_z = _thin_board(rectangle, outer, design, boards) if design.frame else rectangle
         board = block(x, span_y, span_z, inner)
-        pieces.append(board if inner == design.finish else line(board, design.finish, FRONT))
+        pieces.append(board if inner == "body" else line(board, "body", FRONT))
     return tuple(pieces)
 
 
@@ -120,11 +121,9 @@ def _inside(outer: Space, design: CarcassDesign) -> tuple[Range, Range]:
 
 def _make_frame(outer: Space, design: CarcassDesign, boards: Boards) -> tuple[Primitive, ...]:
     """A face frame: two stiles, the rails between them, and one member before every board."""
-    y, z = open_carcass(outer, design)
-    stiles = ((outer.y[0], y[0]), outer.z), ((y[1], outer.y[1]), outer.z)
-    rails = (y, (outer.z[0], z[0])), (y, (z[1], outer.z[1]))
     x = (outer.x[0], outer.x[0] + FRAME_DEPTH)
-    return tuple(block(x, span_y, span_z, design.finish) for span_y, span_z in (*stiles, *rails, *boards))
+    frame = build_frame(x, (outer.y, outer.z), open_carcass(outer, design), "body")
+    return (*frame, *(block(x, span_y, span_z, "body") for span_y, span_z in boards))
 
 
 def _thin_board(
@@ -150,7 +149,7 @@ def count_hulls(primitives: Iterable[Primitive]) -> int:
     )
 
 
-def fits_engines(parts: Sequence[ShapePart], max_links: int = 60) -> bool:
+def fits_engines(parts: Sequence[ShapePart]) -> bool:
     """Whether an object respects the limits of engines: links, hulls per link, hulls in total."""
     owner: dict[str, str] = {}
     hulls: dict[str, int] = {}
@@ -159,30 +158,30 @@ def fits_engines(parts: Sequence[ShapePart], max_links: int = 60) -> bool:
         owner[part.name] = owner[str(part.parent)] if fixed else part.name
         hulls[owner[part.name]] = hulls.get(owner[part.name], 0) + count_hulls(part.primitives)
     counts = list(hulls.values())
-    return max(counts) <= MAX_HULLS_ON_LINK and sum(counts) <= MAX_HULLS and len(counts) <= max_links
+    return max(counts) <= MAX_HULLS_ON_LINK and sum(counts) <= MAX_HULLS and len(counts) <= MAX_LINKS
 
 
 def draw_fitting(
     category: str,
     size: Sequence[float],
     layouts: int,
-    draw: Callable[[int], tuple[ShapePart, ...]],
+    draw: Callable[[int], Assembly],
     suits: Callable[[Sequence[ShapePart]], object] = bool,
 ) -> tuple[ShapePart, ...]:
-    """The first of several layouts that respects the limits of engines and suits.
+    """The parts of the first of several layouts that respects the limits of engines and suits.
 
     Args:
         category: What is drawn, for the message.
         size: Width, depth and height (m), for the message.
         layouts: Number of layouts to try.
-        draw: Draws the parts of the object with the layout of this number.
+        draw: Draws the object with the layout of this number.
         suits: What else is demanded of the parts.
 
     Raises:
         CrowdedError: If no layout does.
     """
     for attempt in range(layouts):
-        parts = draw(attempt)
+        parts = draw(attempt).close()
         if suits(parts) and fits_engines(parts):
             return parts
     lengths = " x ".join(f"{length:.3g}" for length in size)

@@ -4,21 +4,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, pick
-from artigen.shapes.draw import Wish
+from artigen.shapes.draw import Size, Wish
 from artigen.shapes.fittings.feet import StandDesign, design_stand, make_stand
-from artigen.shapes.fittings.hardware import Space, around
-from artigen.shapes.furniture.cabinet import Looks, draw_looks, has_fronts, list_cells, make_cabinet
-from artigen.shapes.furniture.furniture_kinds import Kind, Style
+from artigen.shapes.fittings.hardware import Space
+from artigen.shapes.furniture.cabinet import has_fronts, list_cells, make_cabinet
+from artigen.shapes.furniture.furniture_kinds import Mounting, Style
+from artigen.shapes.furniture.looks import Looks, draw_looks
 from artigen.shapes.furniture.splits import Node
 from artigen.shapes.primitives import block
-from artigen.shapes.shape import ShapePart, make_base
+from artigen.shapes.ranges import around
 
 RECESSED = 0.6
 """Probability of a back between the sides with a hanging rail behind it."""
-BODY = "body"
-Size = tuple[float, float, float]
-"""Width, depth and height (m)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,25 +32,25 @@ class CasePlan:
     """Overhang of the worktop, in front and at each side."""
 
 
-def draw_plan(rng: np.random.Generator, kind: Kind, style: Style, size: Size, wish: Wish) -> CasePlan:
-    """Draws the choices for an object of a kind, style and size.
+def draw_plan(rng: np.random.Generator, mounting: Mounting, style: Style, size: Size, wish: Wish) -> CasePlan:
+    """Draws the choices for an object of a mounting, style and size.
 
     They are equal throughout a suite, in which cabinets made for a worktop have one.
     """
-    looks = draw_looks(rng, style, max(size), wish, hand=kind.hand)
-    covered = bool(rng.random() < kind.worktop) or (wish.suite is not None and kind.rails > 0.0)
+    looks = draw_looks(rng, style, max(size), wish, hand=mounting.hand)
+    covered = bool(rng.random() < mounting.worktop) or (wish.suite is not None and mounting.rails > 0.0)
     overhang = (choose(rng, 0.0, 0.02), float(rng.choice((0.0, 0.012))))
     frame, recess = choose(rng, 0.036, 0.045), choose(rng, 0.012, 0.019)
     carcass = replace(
         looks.carcass,
         lid=not covered,
-        rails=bool(rng.random() < kind.rails),
+        rails=bool(rng.random() < mounting.rails),
         frame=frame if rng.random() < style.frame else 0.0,
         recess=recess if rng.random() < RECESSED else 0.0,
     )
     return CasePlan(
         looks=replace(looks, carcass=carcass),
-        stand=design_stand(rng, pick(rng, dict(kind.stands)), size[2]),
+        stand=design_stand(rng, pick(rng, dict(mounting.stands)), size[2]),
         worktop=choose(rng, 0.018, 0.04) if covered else 0.0,
         overhang=overhang if covered else (0.0, 0.0),
     )
@@ -68,8 +67,8 @@ def place_case(plan: CasePlan, size: Size) -> Space:
     )
 
 
-def build_case(plan: CasePlan, node: Node, size: Size) -> tuple[ShapePart, ...]:
-    """All parts of an object with the layout ``node``; the first one is its body."""
+def build_case(plan: CasePlan, node: Node, size: Size) -> Assembly:
+    """An object with the layout ``node``."""
     width, depth, height = size
     box, ahead, looks = place_case(plan, size), plan.overhang[0], plan.looks
     if any(cell.fill == "slide" for cell in list_cells(node)):  # they run in the carcass
@@ -79,9 +78,8 @@ def build_case(plan: CasePlan, node: Node, size: Size) -> tuple[ShapePart, ...]:
     cabinet = make_cabinet(node, box, looks)
     shell = cabinet.pieces[0].center[0] - cabinet.pieces[0].size[0] / 2  # where the sides begin
     stand = make_stand(plan.stand, (float(shell), box.x[1]), box.y)
-    solids = [*cabinet.pieces, *stand.primitives]
+    built = cabinet + stand
     if plan.worktop:
         x = (box.x[0] - ahead, depth / 2)
-        solids.append(block(x, around(0.0, width / 2), (box.z[1], height), "top", 0.002))
-    body = make_base(solids)
-    return (body, *cabinet.parts, *stand.parts)
+        built += Assembly((block(x, around(0.0, width / 2), (box.z[1], height), "top", 0.002),))
+    return built

@@ -8,56 +8,30 @@ from dataclasses import dataclass, replace
 from math import radians
 
 from artigen.shapes.assembly import Assembly
-from artigen.shapes.fittings.drawers import BoxDesign, make_drawer, make_tray
-from artigen.shapes.fittings.fronts import FrontDesign, make_door, make_front
+from artigen.shapes.fittings.drawers import make_drawer, make_tray
+from artigen.shapes.fittings.fronts import make_door, make_front
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import (
-    GAP,
-    ROOM,
-    Edge,
-    Panel,
-    Range,
-    Space,
-    around,
-    narrow,
-    rotate,
-    slide,
-    sweep_gap,
-)
+from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Space, rotate, slide, sweep_gap
+from artigen.shapes.furniture.looks import Looks
 from artigen.shapes.furniture.splits import Cell, Placed
 from artigen.shapes.primitives import FRONT, LEFT, RIGHT, Primitive, block, cylinder
+from artigen.shapes.ranges import Range, around, narrow
 from artigen.shapes.shape import Need, ShapePart
 
 RUNNER = 0.0105
 """Thickness (m) of a runner beside a drawer box."""
+SHELF = 0.016
+"""Thickness (m) of loose shelves."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fitting:
-    """Choices that all cells of one body share (metres, radians)."""
+class Fitting(Looks):
+    """The looks of one body and its place (m)."""
 
     front_x: float
     """x of the front face of the fronts."""
-    thickness: float
-    """Thickness of the fronts."""
     body: Range
     """x of the front and of the inner back of the body."""
-    doors: FrontDesign
-    drawers: FrontDesign
-    box: BoxDesign
-    parent: str = "body"
-    swing: float = radians(100)
-    """Swing of doors with a neighbour on their hinged edge."""
-    wide_swing: float = radians(110)
-    """Swing of doors whose hinged edge is free."""
-    travel: float = 0.75
-    """Travel of drawers, as a share of their depth."""
-    runners: bool = False
-    """Whether drawers run on visible rails; otherwise the box fills its opening."""
-    shelf: float = 0.016
-    """Thickness of loose shelves."""
-    lock: bool = False
-    """Whether doors have a turning lock."""
     frame: float = 0.0
     """Depth of a face frame at the front of the body; 0 for none."""
 
@@ -106,15 +80,8 @@ def _hang_drawer(placed: Placed, fitting: Fitting, tag: str) -> Assembly:
             block(run, span, around(middle, 0.018), "steel")
             for span in ((placed.room_y[0], placed.y[0] + RUNNER), (placed.y[1] - RUNNER, placed.room_y[1]))
         )
-    parts = make_drawer(
-        panel,
-        space,
-        fitting.drawers,
-        box=drawer_box,
-        name=f"drawer_{tag}",
-        parent=fitting.parent,
-        travel=fitting.travel,
-    )
+    name, travel = f"drawer_{tag}", fitting.travel
+    parts = make_drawer(panel, space, fitting.drawers, box=drawer_box, name=name, travel=travel)
     return Assembly(rails, parts)
 
 
@@ -122,9 +89,9 @@ def _make_blank(placed: Placed, fitting: Fitting) -> Primitive:
     """A fixed board: before the body like the fronts of other cells, or within the opening."""
     if fitting.body[0] - fitting.front_x > 0.5 * fitting.thickness:
         x = (fitting.front_x, fitting.body[0])
-        return block(x, placed.front_y, placed.front_z, fitting.doors.finish)
+        return block(x, placed.front_y, placed.front_z, "front")
     x = (fitting.body[0], fitting.body[0] + fitting.thickness)
-    return block(x, placed.y, placed.z, fitting.doors.finish)
+    return block(x, placed.y, placed.z, "front")
 
 
 def _hang_doors(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart, ...]:
@@ -134,11 +101,7 @@ def _hang_doors(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart, 
         case "door":
             return _hang_leaf(panel, placed, cell.edge, fitting, name)
         case "double":
-            half = panel.width / 2
-            room = sweep_gap(half, panel.thickness) / 2
-            middle = panel.center[0]
-            left = replace(panel, y=(middle + room, panel.y[1]))
-            right = replace(panel, y=(panel.y[0], middle - room))
+            left, right = panel.split(sweep_gap(panel.width / 2, panel.thickness))
             upper = min(_choose_swing(placed, "left", fitting), _choose_swing(placed, "right", fitting))
             alike = replace(fitting, swing=upper, wide_swing=upper)
             return (
@@ -149,7 +112,7 @@ def _hang_doors(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart, 
             low_handle = cell.fill == "drop" and panel.z[0] < 0.07
             upper = radians(74) if low_handle else min(fitting.swing, radians(90))
             edge: Edge = "bottom" if cell.fill == "drop" else "top"
-            return make_door(panel, fitting.doors, name=name, parent=fitting.parent, edge=edge, upper=upper)
+            return make_door(panel, fitting.doors, name=name, edge=edge, upper=upper)
         case "fold":
             return _hang_folding(panel, cell, fitting, name)
     return ()
@@ -159,7 +122,7 @@ def _hang_leaf(
     panel: Panel, placed: Placed, edge: Edge, fitting: Fitting, name: str
 ) -> tuple[ShapePart, ...]:
     upper = _choose_swing(placed, edge, fitting)
-    parts = make_door(panel, fitting.doors, name=name, parent=fitting.parent, edge=edge, upper=upper)
+    parts = make_door(panel, fitting.doors, name=name, edge=edge, upper=upper)
     if fitting.lock and panel.height > 0.3:
         return (*parts, _make_lock(panel, parts, edge))
     return parts
@@ -187,24 +150,13 @@ def _make_lock(panel: Panel, parts: tuple[ShapePart, ...], edge: Edge) -> ShapeP
 
 def _hang_folding(panel: Panel, cell: Cell, fitting: Fitting, name: str) -> tuple[ShapePart, ...]:
     """A folding pair: the second leaf is hinged on the free edge of the first."""
-    room = GAP / 2
-    middle = panel.center[0]
-    left, right = (
-        replace(panel, y=(middle + room, panel.y[1])),
-        replace(panel, y=(panel.y[0], middle - room)),
-    )
+    left, right = panel.split(GAP)
     near, far = (left, right) if cell.edge == "left" else (right, left)
     bare = replace(fitting.doors, handle=None)
     first, second = f"{name}_first", f"{name}_second"
+    upper = min(fitting.swing, radians(95))
     return (
-        *make_door(
-            near,
-            bare,
-            name=first,
-            parent=fitting.parent,
-            edge=cell.edge,
-            upper=min(fitting.swing, radians(95)),
-        ),
+        *make_door(near, bare, name=first, edge=cell.edge, upper=upper),
         *make_door(far, fitting.doors, name=second, parent=first, edge=cell.edge, upper=radians(88)),
     )
 
@@ -233,7 +185,7 @@ def _hang_sliding(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart
     grips = [hold(front, names[0], at, k) for k, at in enumerate((front.y[1] - inset, front.y[0] + inset))]
     still = hold(rear, names[1], rear.y[0] + inset, 0)  # its leading edge is covered
     leaves = [
-        ShapePart(name, "door", solids, slide(travel, axis), parent=fitting.parent)
+        ShapePart(name, "door", solids, slide(travel, axis))
         for name, solids, axis in (
             (names[0], make_front(front, plain), RIGHT),
             (names[1], (*make_front(rear, plain), *still.primitives), LEFT),
@@ -252,7 +204,7 @@ def _fill_inside(
     if cell.inside == "shelves":
         pitch = (high - low) / (cell.count + 1)
         shelves = [
-            _make_shelf(span, placed.room_y, low + (k + 1) * pitch, fitting, f"shelf_{tag}_{k}")
+            _make_shelf(span, placed.room_y, low + (k + 1) * pitch, f"shelf_{tag}_{k}")
             for k in range(cell.count)
         ]
         return Assembly(parts=shelves)
@@ -261,15 +213,14 @@ def _fill_inside(
         x = (span[0] + span[1]) / 2
         y = placed.room_y
         rod = cylinder((x, y[0], hat - 0.06), (x, y[1], hat - 0.06), 0.014, "steel")
-        return Assembly((rod,), (_make_shelf(span, y, hat, fitting, f"shelf_{tag}_0"),))
+        return Assembly((rod,), (_make_shelf(span, y, hat, f"shelf_{tag}_0"),))
     if cell.inside == "trays":
         return _hang_trays(placed, fitting, tag, span, needs)
     return Assembly()
 
 
-def _make_shelf(x: Range, y: Range, z: float, fitting: Fitting, name: str) -> ShapePart:
-    shelf = block(x, y, (z, z + fitting.shelf), "inside")
-    return ShapePart(name, "shelf", (shelf,), parent=fitting.parent)
+def _make_shelf(x: Range, y: Range, z: float, name: str) -> ShapePart:
+    return ShapePart(name, "shelf", (block(x, y, (z, z + SHELF), "inside"),))
 
 
 def _hang_trays(placed: Placed, fitting: Fitting, tag: str, x: Range, needs: tuple[Need, ...]) -> Assembly:
@@ -286,5 +237,5 @@ def _hang_trays(placed: Placed, fitting: Fitting, tag: str, x: Range, needs: tup
         for span in ((placed.room_y[0], y[0]), (y[1], placed.room_y[1])):
             rails.append(block((x[0] + 0.02, x[1]), span, (low, low + 0.04), "inside"))
         space = Space(x=(x[0] + 0.004, x[1]), y=y, z=(low, rim))
-        trays.append(make_tray(space, tray_box, name=f"tray_{tag}_{k}", parent=fitting.parent, needs=needs))
+        trays.append(make_tray(space, tray_box, name=f"tray_{tag}_{k}", needs=needs))
     return Assembly(rails, trays)

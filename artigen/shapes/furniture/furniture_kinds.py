@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
+from artigen.shapes.draw import Spans
 from artigen.shapes.fittings.feet import StandKind
 from artigen.shapes.fittings.fronts import FrontStyle
 from artigen.shapes.fittings.handles import HandleKind
-from artigen.shapes.fittings.hardware import Range
 from artigen.shapes.furniture.splits import Fill, Taste
 
 
@@ -86,21 +86,26 @@ STYLES: dict[str, Style] = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Kind:
-    """A kind of furniture: ranges of its size (m), stands, division of its front."""
+class Mounting:
+    """What a cabinet stands on, what covers it, and how high its handles are."""
 
-    weight: float
-    width: Range
-    depth: Range
-    height: Range
     stands: tuple[tuple[StandKind, float], ...]
-    taste: Taste
+    """Stands and their weights."""
     worktop: float = 0.0
     """Probability of a top that covers the sides and overhangs."""
     rails: float = 0.0
     """Probability that a top without overhang is two rails for a later worktop."""
     hand: float = 1.05
     """Height (m) at which a hand takes a tall door."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kind(Mounting):
+    """A kind of furniture: its sizes, its mounting, and the division of its front."""
+
+    weight: float
+    spans: Spans
+    taste: Taste
 
 
 DOORS: tuple[tuple[Fill, float], ...] = (
@@ -120,9 +125,7 @@ LOW: tuple[tuple[Fill, float], ...] = (
 KINDS: dict[str, Kind] = {
     "base_cabinet": Kind(
         weight=4.0,
-        width=(0.3, 1.25),
-        depth=(0.56, 0.66),
-        height=(0.78, 0.94),
+        spans=((0.3, 1.25), (0.56, 0.66), (0.78, 0.94)),
         stands=(("toe_kick", 4), ("plinth", 1.5), ("screw_feet", 0.9), ("legs", 0.3)),
         worktop=0.55,
         rails=0.65,
@@ -142,9 +145,7 @@ KINDS: dict[str, Kind] = {
     ),
     "wall_cabinet": Kind(
         weight=3.6,
-        width=(0.3, 1.2),
-        depth=(0.28, 0.42),
-        height=(0.34, 0.95),
+        spans=((0.3, 1.2), (0.28, 0.42), (0.34, 0.95)),
         stands=(("floor", 1.0),),
         hand=-1.0,
         taste=Taste(
@@ -156,9 +157,7 @@ KINDS: dict[str, Kind] = {
     ),
     "dresser": Kind(
         weight=0.7,
-        width=(0.4, 1.65),
-        depth=(0.38, 0.54),
-        height=(0.7, 1.3),
+        spans=((0.4, 1.65), (0.38, 0.54), (0.7, 1.3)),
         stands=(("legs", 2), ("plinth", 1.5), ("toe_kick", 1), ("floor", 0.6), ("sled", 0.3)),
         worktop=0.45,
         taste=Taste(
@@ -171,9 +170,7 @@ KINDS: dict[str, Kind] = {
     ),
     "wardrobe": Kind(
         weight=1.0,
-        width=(0.5, 1.7),
-        depth=(0.5, 0.66),
-        height=(1.75, 2.25),
+        spans=((0.5, 1.7), (0.5, 0.66), (1.75, 2.25)),
         stands=(("plinth", 2), ("toe_kick", 1.5), ("floor", 1), ("legs", 0.5)),
         taste=Taste(
             module=(0.45, 0.75),
@@ -187,9 +184,7 @@ KINDS: dict[str, Kind] = {
     ),
     "sideboard": Kind(
         weight=1.2,
-        width=(1.0, 2.0),
-        depth=(0.36, 0.5),
-        height=(0.6, 0.95),
+        spans=((1.0, 2.0), (0.36, 0.5), (0.6, 0.95)),
         stands=(("legs", 3), ("plinth", 1), ("sled", 1), ("floor", 0.3)),
         worktop=0.4,
         taste=Taste(
@@ -201,9 +196,7 @@ KINDS: dict[str, Kind] = {
     ),
     "nightstand": Kind(
         weight=2.6,
-        width=(0.34, 0.6),
-        depth=(0.32, 0.46),
-        height=(0.42, 0.7),
+        spans=((0.34, 0.6), (0.32, 0.46), (0.42, 0.7)),
         stands=(("legs", 3), ("plinth", 0.6), ("floor", 0.6), ("castors", 0.8), ("sled", 0.4)),
         worktop=0.45,
         taste=Taste(
@@ -216,9 +209,7 @@ KINDS: dict[str, Kind] = {
     ),
     "bookcase": Kind(
         weight=0.8,
-        width=(0.4, 1.3),
-        depth=(0.26, 0.4),
-        height=(1.0, 2.1),
+        spans=((0.4, 1.3), (0.26, 0.4), (1.0, 2.1)),
         stands=(("toe_kick", 1), ("floor", 2), ("legs", 0.6), ("plinth", 0.6)),
         taste=Taste(
             module=(0.34, 0.8),
@@ -229,9 +220,7 @@ KINDS: dict[str, Kind] = {
     ),
     "tv_stand": Kind(
         weight=1.2,
-        width=(1.0, 2.0),
-        depth=(0.36, 0.48),
-        height=(0.36, 0.62),
+        spans=((1.0, 2.0), (0.36, 0.48), (0.36, 0.62)),
         stands=(("legs", 2), ("plinth", 1), ("sled", 1), ("castors", 0.7), ("floor", 0.5)),
         worktop=0.35,
         taste=Taste(
@@ -244,9 +233,7 @@ KINDS: dict[str, Kind] = {
     ),
     "drawer_unit": Kind(
         weight=0.5,
-        width=(0.3, 0.9),
-        depth=(0.4, 0.58),
-        height=(0.5, 1.35),
+        spans=((0.3, 0.9), (0.4, 0.58), (0.5, 1.35)),
         stands=(("castors", 1.5), ("floor", 1.0), ("legs", 0.6), ("toe_kick", 0.6)),
         worktop=0.2,
         taste=Taste(

@@ -2,34 +2,18 @@
 
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.fittings.hardware import GAP, Edge, Space
-from artigen.shapes.furniture.cabinet import Looks
 from artigen.shapes.furniture.cells import Fitting, furnish_cells
+from artigen.shapes.furniture.looks import Looks
 from artigen.shapes.furniture.splits import Node, lay_out
 from artigen.shapes.primitives import Primitive, block
 
 
-def furnish_interior(space: Space, node: Node, looks: Looks, *, parent: str, prefix: str = "in_") -> Assembly:
-    """Furnishes open cells in a space, with the boards between them.
-
-    Args:
-        space: Free space behind the doors.
-        node: Layout; all its cells are open.
-        looks: Design.
-        parent: Name of the part that the boards join and that carries all other parts.
-        prefix: Makes the names of parts unique.
-    """
+def furnish_interior(space: Space, node: Node, looks: Looks) -> Assembly:
+    """Furnishes a layout of open cells in the space behind doors, with the boards between them."""
     edges: tuple[Edge, ...] = ("left", "right", "top", "bottom")
     reach = dict.fromkeys(edges, -GAP)
     placed, boards = lay_out(node, space.y, space.z, board=looks.carcass.inner, reach=reach, inset=True)
-    fitting = Fitting(
-        front_x=space.x[0],
-        thickness=looks.thickness,
-        body=space.x,
-        doors=looks.doors,
-        drawers=looks.drawers,
-        box=looks.box,
-        parent=parent,
-    )
-    cells = furnish_cells(placed, fitting, prefix)
+    fitting = Fitting(**vars(looks), front_x=space.x[0], body=space.x)
+    cells = furnish_cells(placed, fitting, "in_")
     solids: list[Primitive] = [block(space.x, y, z, "inside") for y, z in boards]
     return Assembly((*solids, *cells.pieces), cells.parts)

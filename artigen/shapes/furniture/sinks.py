@@ -5,15 +5,16 @@ import numpy as np
 from artigen.shapes.appliances.cavity import build_rim
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose
-from artigen.shapes.fittings.hardware import Range, Space, around, rotate
-from artigen.shapes.primitives import RIGHT, Primitive, block, cylinder
+from artigen.shapes.fittings.hardware import Space, rotate
+from artigen.shapes.primitives import RIGHT, Vector, block, cylinder
+from artigen.shapes.ranges import Range, around
 from artigen.shapes.shape import ShapePart
 
 TAP_HEIGHT = 0.27
 """Height (m) of the tap above the worktop."""
 
 
-def make_sink(rng: np.random.Generator, top: Space, span: Range, *, parent: str = "body") -> Assembly:
+def make_sink(rng: np.random.Generator, top: Space, span: Range) -> Assembly:
     """A worktop in a box: four boards around a steel basin within the ``span`` of y."""
     width, depth = top.width, top.depth
     under, height = top.z
@@ -32,13 +33,11 @@ def make_sink(rng: np.random.Generator, top: Space, span: Range, *, parent: str 
     )
     bottom = (height - deep, height - deep + max(0.008, long / 60))
     rim = build_rim(x, y, (bottom[1], height + 0.003), 0.006, "steel")
-    tap, lever = _make_tap((x[1] + 0.055, middle, height), wide, parent)
-    return Assembly((*boards, block(x, y, bottom, "steel"), *rim, *tap), (lever,))
+    basin = Assembly((*boards, block(x, y, bottom, "steel"), *rim))
+    return basin + _make_tap((x[1] + 0.055, middle, height), wide)
 
 
-def _make_tap(
-    foot: tuple[float, float, float], wide: float, parent: str
-) -> tuple[tuple[Primitive, ...], ShapePart]:
+def _make_tap(foot: Vector, wide: float) -> Assembly:
     """A column with a spout over the basin, and a lever on its side that turns upwards."""
     x, y, z = foot
     tall, reach, radius = TAP_HEIGHT - 0.013, 0.55 * wide + 0.05, 0.013
@@ -57,4 +56,4 @@ def _make_tap(
         cylinder((x, side - 0.018, axle), (x, side - 0.018, axle + 0.095), 0.007, "steel"),
     )
     turn = rotate(RIGHT, (x, side, axle), np.pi / 2)
-    return spout, ShapePart("lever", "knob", lever, turn, parent=parent)
+    return Assembly(spout, (ShapePart("lever", "knob", lever, turn),))

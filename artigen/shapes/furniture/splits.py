@@ -13,7 +13,8 @@ from typing import Literal
 import numpy as np
 
 from artigen.shapes.choices import choose, choose_one, pick
-from artigen.shapes.fittings.hardware import Edge, Range, share_down
+from artigen.shapes.fittings.hardware import Edge
+from artigen.shapes.ranges import Range, share_down
 
 Fill = Literal["open", "drawer", "door", "double", "drop", "lift", "fold", "slide", "blank"]
 Inside = Literal["empty", "shelves", "trays", "rod"]

@@ -6,8 +6,9 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from artigen.shapes.fittings.hardware import Range, Space, around, narrow
+from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.primitives import Primitive, Vector, block, cylinder, prism
+from artigen.shapes.ranges import Range, around, narrow
 
 TopKind = Literal["plain", "rounded", "oval"]
 """A rectangle, a rectangle with round corners, or one with semicircular ends."""
@@ -75,13 +76,13 @@ def make_apron(
     for side in sides:
         span_x, span_y = spans[side]
         if arch and side in ("front", "back"):
-            made += make_arch(span_x, span_y, z, arch, "leg")
+            made += make_arch(span_x, span_y, z, arch)
         else:
             made.append(block(span_x, span_y, z, "leg"))
     return tuple(made)
 
 
-def make_arch(x: Range, y: Range, z: Range, rise: float, finish: str) -> tuple[Primitive, ...]:
+def make_arch(x: Range, y: Range, z: Range, rise: float) -> tuple[Primitive, ...]:
     """An arched board of straight pieces, lower by ``rise`` (m) at both ends."""
     length = y[1] - y[0]
     made: list[Primitive] = []
@@ -91,9 +92,9 @@ def make_arch(x: Range, y: Range, z: Range, rise: float, finish: str) -> tuple[P
             profile = np.array([near, far, (far[0], z[1]), (near[0], z[1])])
             middle, level = profile.mean(axis=0).tolist()
             start: Vector = (x[0], middle, level)
-            made.append(prism(profile - (middle, level), start, (x[1], middle, level), finish))
+            made.append(prism(profile - (middle, level), start, (x[1], middle, level), "leg"))
     reach = ARCH[-1][0] * length
-    made.append(block(x, narrow(y, reach), z, finish))
+    made.append(block(x, narrow(y, reach), z, "leg"))
     return tuple(made)
 
 

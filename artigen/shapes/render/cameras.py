@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from torch import Tensor
 
 from artigen.shapes.primitives import Vector
@@ -47,6 +47,25 @@ def camera_axes(cameras: Cameras) -> Float[Tensor, "B 3 3"]:
 def pixel_sizes(cameras: Cameras) -> Float[Tensor, "B"]:
     """Edge of a pixel at depth one (float64)."""
     return 2.0 * torch.tan(torch.deg2rad(cameras.fov.double()) / 2.0) / cameras.height
+
+
+def locate_pixels(
+    cameras: Cameras, pixel: Int[Tensor, "N"]
+) -> tuple[Int[Tensor, "N"], Int[Tensor, "N"], Int[Tensor, "N"]]:
+    """Image, row and column of pixels, which are counted over all images of the batch."""
+    line = torch.div(pixel, cameras.width, rounding_mode="floor")
+    image = torch.div(line, cameras.height, rounding_mode="floor")
+    return image, line % cameras.height, pixel % cameras.width
+
+
+def cast_rays(
+    cameras: Cameras, image: Int[Tensor, "N"], row: Int[Tensor, "N"], column: Int[Tensor, "N"]
+) -> Float[Tensor, "N 3"]:
+    """World directions of rays through the middles of pixels, of length one along the view (float32)."""
+    axes = camera_axes(cameras).float().index_select(0, image)
+    edge = pixel_sizes(cameras).float().index_select(0, image)
+    x, y = (column + 0.5 - cameras.width / 2) * edge, (row + 0.5 - cameras.height / 2) * edge
+    return axes[:, 0] * x[:, None] + axes[:, 1] * y[:, None] + axes[:, 2]
 
 
 def frame_points(

@@ -1,7 +1,7 @@
 """`render`: colour, mask, depth, normals and part ids of shapes, for batches of cameras and joint states."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
@@ -85,7 +85,8 @@ def render(
     view = _look(scene, cameras, instances, cfg.layers)
     maps = _geometry(view)
     if cfg.supersampling > 1:
-        view = _look(scene, _resize(cameras, cfg.supersampling), instances, cfg.layers)
+        width, height = cameras.width * cfg.supersampling, cameras.height * cfg.supersampling
+        view = _look(scene, replace(cameras, width=width, height=height), instances, cfg.layers)
     light = _light_of(view, cfg)
     return Images(rgb=srgb_from_linear(_average(light, cfg.supersampling)), **maps)
 
@@ -128,23 +129,21 @@ def _is_glass(key: Int[Tensor, "N"], glassy: Bool[Tensor, "I"]) -> Bool[Tensor, 
 
 def _geometry(view: _View) -> dict[str, Tensor]:
     """Mask, depth, normals and part ids of the nearest surfaces."""
-    surface, first = view.surface, slice(0, view.layers[0])
-    pixel = surface.pixel[first]
+    surface, count, seen = view.surface, _pixel_count(view.cameras), view.layers[0]
     size = (len(view.cameras.fov), view.cameras.height, view.cameras.width)
-    count, device = _pixel_count(view.cameras), view.scene.device
-    mask = torch.zeros(count, dtype=torch.bool, device=device)
-    depth = torch.full((count,), torch.inf, device=device)
-    normals = torch.zeros(count, 3, device=device)
-    part_ids = torch.full((count,), -1, dtype=torch.int64, device=device)
-    mask[pixel] = True
-    depth[pixel] = surface.depth[first]
-    normals[pixel] = surface.normal[first]
-    part_ids[pixel] = view.scene.part[view.instances.primitive[surface.instance[first]]]
+
+    def fill(values: Tensor, empty: float) -> Tensor:
+        """A map with the values of the nearest surfaces, and ``empty`` elsewhere."""
+        shape, kind = values.shape[1:], {"dtype": values.dtype, "device": values.device}
+        flat = torch.full((count, *shape), empty, **kind)
+        flat[surface.pixel[:seen]] = values[:seen]
+        return flat.reshape(*size, *shape)
+
     return {
-        "mask": mask.reshape(size),
-        "depth": depth.reshape(size),
-        "normals": normals.reshape(*size, 3),
-        "part_ids": part_ids.reshape(size),
+        "mask": fill(torch.ones_like(surface.pixel, dtype=torch.bool), 0),
+        "depth": fill(surface.depth, torch.inf),
+        "normals": fill(surface.normal, 0),
+        "part_ids": fill(view.scene.part[view.instances.primitive[surface.instance]], -1),
     }
 
 
@@ -184,16 +183,6 @@ def _material_of(view: _View) -> Material:
 
 def _pixel_count(cameras: Cameras) -> int:
     return len(cameras.fov) * cameras.height * cameras.width
-
-
-def _resize(cameras: Cameras, factor: int) -> Cameras:
-    return Cameras(
-        position=cameras.position,
-        target=cameras.target,
-        fov=cameras.fov,
-        width=cameras.width * factor,
-        height=cameras.height * factor,
-    )
 
 
 def _average(light: Float[Tensor, "B H W 3"], factor: int) -> Float[Tensor, "B h w 3"]:

@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 from artigen.shapes.primitives import Vector
-from artigen.shapes.render.cameras import Cameras, camera_axes, pixel_sizes
+from artigen.shapes.render.cameras import Cameras, cast_rays, locate_pixels
 from artigen.shapes.render.rays import Surface
 from artigen.shapes.render.scene import Instances
 from artigen.shapes.render.shading import Light, RenderConfig
@@ -84,14 +84,8 @@ def light_floor(
     if not (cfg.floor and cfg.shadow_rays):
         return out
     pixel = (~unseen).nonzero()[:, 0]
-    size = cameras.height * cameras.width
-    image = torch.div(pixel, size, rounding_mode="floor")
-    row = torch.div(pixel - image * size, cameras.width, rounding_mode="floor")
-    column = pixel - image * size - row * cameras.width
-    edge = pixel_sizes(cameras).float()[image]
-    axes = camera_axes(cameras).float()[image]
-    x, y = (column + 0.5 - cameras.width / 2) * edge, (row + 0.5 - cameras.height / 2) * edge
-    ray = axes[:, 0] * x[:, None] + axes[:, 1] * y[:, None] + axes[:, 2]
+    image, row, column = locate_pixels(cameras, pixel)
+    ray = cast_rays(cameras, image, row, column)
     eye = cameras.position.float()[image]
     distance = -eye[:, 2] / ray[:, 2].clamp(max=-1e-6)
     point = eye + ray * distance[:, None]
@@ -148,8 +142,8 @@ def _spread(light: Vector, size: float, count: int) -> list[Vector]:
 
 def _sub_rays(cameras: Cameras, pixel: Int[Tensor, "N"], factor: int) -> Int[Tensor, "N"]:
     """Index of fine pixels within their coarse pixel, counted from zero."""
-    row = torch.div(pixel, cameras.width, rounding_mode="floor") % cameras.height
-    return (row % factor) * factor + pixel % cameras.width % factor
+    _, row, column = locate_pixels(cameras, pixel)
+    return (row % factor) * factor + column % factor
 
 
 def _unit(vector: tuple[float, ...]) -> Vector:

@@ -12,7 +12,7 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
-from artigen.shapes.render.cameras import Cameras, camera_axes, pixel_sizes
+from artigen.shapes.render.cameras import Cameras, camera_axes, cast_rays, locate_pixels, pixel_sizes
 from artigen.shapes.render.scene import CYLINDER, Instances
 from artigen.shapes.render.spans import NEAR, Spans, count_up, find_spans, pick
 
@@ -122,8 +122,8 @@ def find_surface(
 ) -> Surface:
     """The surface at hits: its point in the world and at rest, and its normal."""
     depth, instance = unpack_keys(key)
-    across = pixel % cameras.width + 0.5
-    along = torch.div(pixel, cameras.width, rounding_mode="floor") % cameras.height + 0.5
+    image, row, column = locate_pixels(cameras, pixel)
+    across, along = column + 0.5, row + 0.5
     normal = torch.zeros(len(pixel), 3, device=depth.device)
     group = instances.group[instance]
     for size in instances.groups:
@@ -131,11 +131,7 @@ def find_surface(
         normal[chosen] = _own_normals(
             instances, rays, instance[chosen], across[chosen], along[chosen], depth[chosen], size
         )
-    image = instances.image[instance]
-    axes = camera_axes(cameras).float().index_select(0, image)
-    pixel_size = pixel_sizes(cameras).float().index_select(0, image)
-    x, y = (across - cameras.width / 2) * pixel_size, (along - cameras.height / 2) * pixel_size
-    view = axes[:, 0] * x[:, None] + axes[:, 1] * y[:, None] + axes[:, 2]
+    view = cast_rays(cameras, image, row, column)
     point = cameras.position.float().index_select(0, image) + view * depth[:, None]
     normal = _rotate(instances.rotation.float().index_select(0, instance), normal)
     to_rest = instances.to_rest.index_select(0, instance)

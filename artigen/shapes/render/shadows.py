@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 from artigen.shapes.primitives import Vector
-from artigen.shapes.render.cameras import Cameras, camera_axes, pixel_sizes
+from artigen.shapes.render.cameras import Cameras, camera_axes, locate_pixels, pixel_sizes
 from artigen.shapes.render.rays import Surface
 from artigen.shapes.render.scene import CYLINDER, Instances
 from artigen.shapes.render.spans import count_up, pick
@@ -109,9 +109,7 @@ def find_openness(
     depths = torch.zeros(len(cameras.fov) * size, device=surface.depth.device)
     depths.scatter_reduce_(0, surface.pixel, surface.depth, "amax")  # what is behind glass
     depths = torch.where(depths > 0, depths, 1e3)
-    image = torch.div(surface.pixel, size, rounding_mode="floor")
-    row = torch.div(surface.pixel - image * size, cameras.width, rounding_mode="floor")
-    column = surface.pixel - image * size - row * cameras.width
+    image, row, column = locate_pixels(cameras, surface.pixel)
     pixel = pixel_sizes(cameras).float().index_select(0, image)
     steps = torch.arange(samples, device=depths.device)[:, None]
     radius = reach / (surface.depth * pixel) * ((steps + 0.7) / samples).sqrt()

@@ -55,7 +55,7 @@ def make_wood(name: str, seed: int) -> Finish:
 
 def make_lacquer(color: Color, *, gloss: float = 0.18) -> Finish:
     """A uniform paint; its accent, a shade darker, gives a slight variation."""
-    return Finish(kind="lacquer", color=color, accent=_shade(color, 0.96), period=0.4, gloss=gloss)
+    return Finish(kind="lacquer", color=color, accent=shade_color(color, 0.96), period=0.4, gloss=gloss)
 
 
 def make_metal(name: str, seed: int) -> Finish:
@@ -93,20 +93,23 @@ def make_stone(name: str, seed: int) -> Finish:
 
 def make_ceramic(color: Color, seed: int) -> Finish:
     """Glazed sanitary ware or stoneware: the pattern of stone in a uniform colour."""
-    return Finish(kind="stone", color=color, accent=_shade(color, 0.985), period=0.02, seed=seed, gloss=0.5)
+    return Finish(
+        kind="stone", color=color, accent=shade_color(color, 0.985), period=0.02, seed=seed, gloss=0.5
+    )
 
 
 def make_plastic(color: Color, *, gloss: float = 0.25) -> Finish:
     """A moulding of one colour."""
-    return Finish(kind="plastic", color=color, accent=_shade(color, 0.95), period=0.3, gloss=gloss)
+    return Finish(kind="plastic", color=color, accent=shade_color(color, 0.95), period=0.3, gloss=gloss)
 
 
 def make_glass(color: Color, *, opacity: float = 1.0) -> Finish:
     """Float glass; opaque where it is printed from behind, as on control panels."""
     return Finish(
-        kind="glass", color=color, accent=_shade(color, 1.1), period=0.5, gloss=0.55, opacity=opacity
+        kind="glass", color=color, accent=shade_color(color, 1.1), period=0.5, gloss=0.55, opacity=opacity
     )
 
 
-def _shade(color: Color, factor: float) -> Color:
+def shade_color(color: Color, factor: float) -> Color:
+    """A colour times a factor."""
     return color[0] * factor, color[1] * factor, color[2] * factor

@@ -43,43 +43,14 @@ from artigen.shapes.surfaces.materials import (
 
 Theme = Literal["furniture", "appliance"]
 PALETTE_ROLES = (
-    "body",
-    "front",
-    "inside",
-    "top",
-    "handle",
-    "glass",
-    "rubber",
-    "steel",
-    "accent",
-    "panel",
-    "plastic",
-    "leg",
-    "drawer",
-    "cavity",
-    "clear",
-)
+    "body", "front", "inside", "top", "handle", "glass", "rubber", "steel", "accent", "panel", "plastic",
+    "leg", "drawer", "cavity", "clear",
+)  # fmt: skip
 ROLES = (
     *PALETTE_ROLES,
-    "trim",
-    "paper",
-    "folder",
-    "tray",
-    "mirror",
-    "screen",
-    "key",
-    "lamp",
-    "lid",
-    "wall",
-    "metal",
-    "mark",
-    "foot",
-    "arm",
-    "first",
-    "second",
-    "third",
-    "fourth",
-)
+    "trim", "paper", "folder", "tray", "mirror", "screen", "key", "lamp", "lid", "wall", "metal", "mark",
+    "foot", "arm", "first", "second", "third", "fourth",
+)  # fmt: skip
 
 # Compatible combinations: fronts that suit a body, and metals that suit a front.
 FRONTS_ON_WOOD = {
@@ -108,6 +79,7 @@ WOODS_WITH_LACQUER = {
 }
 WARM = frozenset({"navy", "forest", "sage", "cream", "terracotta", "walnut", "cherry", "teak"})
 """Fronts that are combined with brass."""
+PASTELS = ((0.90, 0.86, 0.76), (0.62, 0.74, 0.70), (0.62, 0.73, 0.80), (0.68, 0.20, 0.18), (0.88, 0.70, 0.66))
 DARK = frozenset({"anthracite", "black", "navy", "forest", "black_ash"})
 
 
@@ -244,14 +216,7 @@ def _black_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Fi
 
 def _retro_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
     """Pastel enamel with chrome."""
-    pastels = (
-        (0.90, 0.86, 0.76),
-        (0.62, 0.74, 0.70),
-        (0.62, 0.73, 0.80),
-        (0.68, 0.20, 0.18),
-        (0.88, 0.70, 0.66),
-    )
-    enamel = make_lacquer(pastels[int(rng.integers(len(pastels)))], gloss=0.5)
+    enamel = make_lacquer(choose_one(rng, PASTELS), gloss=0.5)
     return enamel, enamel, make_metal("chrome", seed)
 
 

@@ -70,7 +70,7 @@ def test_a_need_of_a_part_that_something_else_carries_is_no_latch():
 @pytest.mark.parametrize(("backset", "upper"), [(0.03, np.pi / 2), (0.055, TURN)])
 def test_a_tongue_lies_in_its_keep_and_turns_within_its_pocket(lift, side, backset, upper):
     latch = Latch(x=(0.0, 0.04), edge=0.2, side=side, level=1.0, lift=lift, backset=backset)
-    tongue = build_tongue(latch, "steel")[0]
+    tongue = build_tongue(latch)[0]
     corners = place_vertices(tongue)
     assert (side * (corners[:, 1] - latch.edge)).max() == pytest.approx(THROW)
     y, z = latch.axis

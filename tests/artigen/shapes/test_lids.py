@@ -1,5 +1,6 @@
 """Laws of lids, latches, bowls and turned parts: what opens upwards, and what holds it down."""
 
+from dataclasses import replace
 from math import pi, radians
 
 import numpy as np
@@ -21,7 +22,7 @@ from artigen.shapes.fittings.outlines import Outline
 from artigen.shapes.fittings.turning import QUARTERS, turn_part
 from artigen.shapes.poses import pose_parts
 from artigen.shapes.primitives import Primitive, box, contains, place_vertices
-from artigen.shapes.shape import Shape, ShapePart
+from artigen.shapes.shape import Shape, ShapePart, make_base
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.sketch.faults import find_faults
 from artigen.sketch.words import CATEGORIES
@@ -38,12 +39,12 @@ def make_shape(*parts: ShapePart) -> Shape:
 def vessel(lean: float = 0.0) -> ShapePart:
     bottom = (X[0] + lean, X[1] - lean), (Y[0] + lean, Y[1] - lean)
     solids = build_vessel(bottom, (X, Y), (0.0, RIM), 0.012, "paint")
-    return ShapePart(name="body", label="base", parent=None, primitives=solids)
+    return make_base(solids)
 
 
 def lid(solids: tuple[Primitive, ...], upper: float, edge: Edge | None = None) -> ShapePart:
     motion = hinge_lid(X, Y, RIM + GAP, upper, edge)
-    return ShapePart(name="lid", label="door", parent="body", primitives=solids, motion=motion)
+    return ShapePart("lid", "door", solids, motion)
 
 
 def slab() -> tuple[Primitive, ...]:
@@ -67,7 +68,7 @@ def test_hollow_lids_clear_the_rim_too(rise: float):
     low = RIM + GAP
     hollow = (
         build_roof(trace_arch(X, low, rise), 0.01, Y, "paint"),
-        build_half_shell(Space(x=X, y=Y, z=(low, low + rise)), 0.008, (0.0, 0.0, -1.0), "paint", "paint"),
+        build_half_shell(Space(x=X, y=Y, z=(low, low + rise)), 0.008, "paint", "paint"),
     )
     for solids in hollow:
         shape = make_shape(vessel(lean=0.03), lid(solids, radians(100)))
@@ -89,13 +90,10 @@ def test_a_tray_below_a_lid_comes_out_once_the_lid_is_open():
 def test_a_latch_stays_clear_of_the_face_on_every_side(side: str):
     half = 0.2
     body = box((-half, -half, 0.0), (half, half, RIM), "paint")
-    base = ShapePart(name="body", label="base", parent=None, primitives=(body,))
-    made = make_latch(-half, (-0.02, 0.02), (RIM - 0.05, RIM - 0.005), name="latch", parent="body")
+    base = make_base((body,))
+    made = make_latch(-half, (-0.02, 0.02), (RIM - 0.05, RIM - 0.005), name="latch")
     latch = turn_part(made, side)
-    latch = ShapePart(
-        name="latch", label="knob", parent="body", motion=latch.motion,
-        primitives=tuple(box(*_corners(solid), "paint") for solid in latch.primitives),
-    )  # fmt: skip
+    latch = replace(latch, primitives=[box(*_corners(solid), "paint") for solid in latch.primitives])
     shape = make_shape(base, latch)
     assert find_faults(shape) == ()
     out = {"front": (-1, 0), "right": (0, -1), "back": (1, 0), "left": (0, 1)}[side]
@@ -115,7 +113,7 @@ def _corners(solid: Primitive):
 @pytest.mark.parametrize("span", [(0.0, 0.1), (0.1, 0.0)])
 def test_a_bowl_is_closed_at_one_end_and_around_and_hollow_within(axis: int, span: tuple[float, float]):
     outline = Outline(a=(-0.2, 0.2), b=(0.1, 0.4), cuts=(0.05, 0.05))
-    solids = build_bowl(outline, span, 0.01, "paint", axis=axis, bevel=0.015)
+    solids = build_bowl(outline, span, 0.01, axis=axis, bevel=0.015)
 
     def filled(a: float, b: float, along: float) -> bool:
         point = np.array([[along, a, b] if axis == 0 else [a, b, along]])

@@ -20,7 +20,7 @@ from artigen.shapes.primitives import (
 )
 from artigen.shapes.rasterize import rasterize_shape
 from artigen.shapes.sampling import place_points, sample_shape
-from artigen.shapes.shape import Motion, Shape, ShapePart
+from artigen.shapes.shape import Motion, Shape, ShapePart, make_base
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.voxels.fields import decode, encode
 from artigen.voxels.segmentation.segment import segment
@@ -32,7 +32,7 @@ TRIANGLE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
 
 def one_part(*primitives: Primitive) -> Shape:
-    part = ShapePart(name="body", label="base", parent=None, primitives=primitives)
+    part = make_base(primitives)
     return Shape(category="Thing", seed=0, style="plain", parts=(part,), finishes=(("wood", WOOD),))
 
 
@@ -42,38 +42,33 @@ def boards(*ends: tuple) -> tuple[Primitive, ...]:
 
 def small_cabinet() -> Shape:
     """A carcass, a drawer with a real box and a bar handle, a door with a handle."""
-    body = ShapePart(
-        name="body",
-        label="base",
-        parent=None,
-        primitives=boards(
+    body = make_base(
+        boards(
             ((-0.25, -0.4, 0.0), (0.25, -0.38, 0.7)),
             ((-0.25, 0.38, 0.0), (0.25, 0.4, 0.7)),
             ((0.23, -0.38, 0.0), (0.25, 0.38, 0.7)),
             ((-0.25, -0.38, 0.68), (0.23, 0.38, 0.7)),
             ((-0.25, -0.38, 0.0), (0.23, 0.38, 0.05)),
             ((-0.25, -0.38, 0.42), (0.23, 0.38, 0.44)),
-        ),
+        )
     )
     drawer = ShapePart(
-        name="drawer",
-        label="drawer",
-        parent="body",
-        primitives=boards(
+        "drawer",
+        "drawer",
+        boards(
             ((-0.272, -0.4, 0.432), (-0.252, 0.4, 0.7)),
             ((-0.252, -0.377, 0.46), (0.21, -0.362, 0.6)),
             ((-0.252, 0.362, 0.46), (0.21, 0.377, 0.6)),
             ((-0.252, -0.362, 0.445), (0.21, 0.362, 0.46)),
             ((0.195, -0.362, 0.46), (0.21, 0.362, 0.6)),
         ),
-        motion=Motion(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.38),
+        Motion(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.38),
     )
     door = ShapePart(
-        name="door",
-        label="door",
-        parent="body",
-        primitives=boards(((-0.272, -0.4, 0.05), (-0.252, 0.4, 0.429))),
-        motion=Motion(type="revolute", axis=(0.0, 0.0, -1.0), origin=(-0.272, 0.4, 0.0), upper=1.6),
+        "door",
+        "door",
+        boards(((-0.272, -0.4, 0.05), (-0.252, 0.4, 0.429))),
+        Motion(type="revolute", axis=(0.0, 0.0, -1.0), origin=(-0.272, 0.4, 0.0), upper=1.6),
     )
     bars = [("drawer", (0.0, 0.1, 0.0), 0.55), ("door", (0.0, 0.0, 0.1), 0.25)]
     handles = []
@@ -82,9 +77,7 @@ def small_cabinet() -> Shape:
         rods = [cylinder(tuple(middle - reach), tuple(middle + reach), 0.012, "steel")]
         for end in (middle - 0.9 * reach, middle + 0.9 * reach):
             rods.append(cylinder(tuple(end), (-0.272, end[1], end[2]), 0.01, "steel"))
-        handles.append(
-            ShapePart(name=f"{parent}_handle", label="handle", parent=parent, primitives=tuple(rods))
-        )
+        handles.append(ShapePart(f"{parent}_handle", "handle", tuple(rods), parent=parent))
     return Shape(
         category="StorageFurniture",
         seed=0,
@@ -139,12 +132,7 @@ def test_points_lie_on_their_primitive_and_inside_of_none(name: str):
 
 def test_parts_hide_nothing_of_each_other():
     halves = [
-        ShapePart(
-            name=name,
-            label=label,
-            parent=parent,
-            primitives=(box((x, 0, 0), (x + 1, 1, 1), "wood"),),
-        )
+        ShapePart(name, label, (box((x, 0, 0), (x + 1, 1, 1), "wood"),), parent=parent)
         for name, label, parent, x in (("body", "base", None, 0.0), ("shelf", "shelf", "body", 1.0))
     ]
     shape = replace(one_part(*halves[0].primitives), parts=tuple(halves))
@@ -218,12 +206,7 @@ def test_asset_states_joints_and_boxes_in_unit_lengths():
 
 def test_a_part_below_the_resolution_joins_its_parent_and_a_note_says_so():
     shape = small_cabinet()
-    dot = ShapePart(
-        name="dot",
-        label="knob",
-        parent="body",
-        primitives=(box((0.0, 0.39, 0.3), (1e-4, 0.39005, 0.3001), "wood"),),
-    )
+    dot = ShapePart("dot", "knob", (box((0.0, 0.39, 0.3), (1e-4, 0.39005, 0.3001), "wood"),))
     hidden = replace(dot, name="twin")
     asset = shape_to_asset(replace(shape, parts=(*shape.parts, dot, hidden)))
     assert len(asset.parts) == 6

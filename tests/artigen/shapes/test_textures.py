@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from artigen.shapes.primitives import box, cylinder, line
-from artigen.shapes.shape import Shape, ShapePart
+from artigen.shapes.shape import Shape, make_base
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import (
     LACQUERS,
@@ -47,7 +47,7 @@ def sideboard() -> Shape:
     )
     palette = draw_palette(np.random.default_rng(0), "furniture", "oak")
     finishes = palette | {"inside": make_lacquer(LACQUERS["white"])}
-    part = ShapePart(name="body", label="base", parent=None, primitives=boards)
+    part = make_base(boards)
     return Shape(category="Sideboard", seed=0, style="oak", parts=(part,), finishes=tuple(finishes.items()))
 
 

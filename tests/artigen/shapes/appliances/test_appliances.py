@@ -4,19 +4,16 @@ from functools import cache
 
 import numpy as np
 import pytest
+from shape_sweeps import find_overlaps, links_of, make_hulls
 
 from artigen.shapes.draw import Wish, draw_shape
-from artigen.shapes.poses import pose_parts
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
-from sim_export.geometry.contacts import HullSet, penetration_depths
 from sim_export.geometry.hulls import hull_length, hull_width
-from sim_export.package import Hull
 
 CATEGORIES = ("Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave")
 SEEDS = range(10)
 POSES = 5
-OVERLAP = 1e-4
 
 
 @cache
@@ -29,80 +26,21 @@ def shapes(request: pytest.FixtureRequest) -> list[Shape]:
     return draw_some(request.param)
 
 
-def leaders(shape: Shape) -> list[int]:
-    """For every part the part whose link it belongs to."""
-    row = {part.name: index for index, part in enumerate(shape.parts)}
-    out = []
-    for start in range(len(shape.parts)):
-        at = start
-        while shape.parts[at].motion is None and shape.parts[at].parent is not None:
-            at = row[str(shape.parts[at].parent)]
-        out.append(at)
-    return out
-
-
-def link_hulls(shape: Shape) -> dict[int, HullSet]:
-    owners = leaders(shape)
-    return {
-        leader: HullSet(
-            hulls=tuple(
-                Hull(vertices=place_vertices(primitive), faces=primitive.faces)
-                for part, owner in zip(shape.parts, owners, strict=True)
-                if owner == leader
-                for primitive in part.primitives
-            )
-        )
-        for leader in sorted(set(owners))
-    }
-
-
-def carried(shape: Shape, leader: int) -> set[int]:
-    """The part and all that hang from it."""
-    names = {shape.parts[leader].name}
-    for _ in shape.parts:
-        names |= {part.name for part in shape.parts if part.parent in names}
-    return {index for index, part in enumerate(shape.parts) if part.name in names}
-
-
-def opening(shape: Shape, leader: int) -> np.ndarray:
-    """Coordinates along one joint's range, what it needs standing open."""
-    row = {part.name: index for index, part in enumerate(shape.parts)}
-    part = shape.parts[leader]
-    assert part.motion is not None
-    qpos = np.zeros((POSES, len(shape.parts)))
-    qpos[:, leader] = np.linspace(0.0, part.motion.upper, POSES)
-    for need in part.needs:
-        other = shape.parts[row[need.part]]
-        assert other.motion is not None
-        qpos[:, row[need.part]] = need.fraction * other.motion.upper
-    return qpos
-
-
 def test_every_joint_sweeps_its_range_without_touching_anything(shapes: list[Shape]) -> None:
-    swept = 0
     for shape in shapes:
-        hulls = link_hulls(shape)
-        for leader in hulls:
-            if shape.parts[leader].motion is None:
-                continue
-            T = pose_parts(shape, opening(shape, leader))
-            movers = carried(shape, leader) & set(hulls)
-            for mover in movers:
-                for other in set(hulls) - movers:
-                    depth = penetration_depths(hulls[mover], hulls[other], T[:, mover], T[:, other]).max()
-                    names = shape.parts[mover].name, shape.parts[other].name
-                    assert depth < OVERLAP, f"{shape.name}: {names} overlap by {depth} m"
-            swept += 1
-    assert swept > len(SEEDS)
+        assert find_overlaps(shape, POSES) == [], shape.name
+    assert sum(part.motion is not None for shape in shapes for part in shape.parts) > len(SEEDS)
 
 
 def test_links_are_few_and_stout_enough_for_engines(shapes: list[Shape]) -> None:
     for shape in shapes:
-        for leader, body in link_hulls(shape).items():
-            name = f"{shape.name}: {shape.parts[leader].name}"
-            assert len(body.hulls) <= 32, name
-            assert min(hull_width(hull)[0] for hull in body.hulls) >= 0.003 - 1e-9, name
-            assert max(hull_length(hull)[0] / hull_width(hull)[0] for hull in body.hulls) < 60, name
+        owners = links_of(shape)
+        for link in set(owners):
+            name = f"{shape.name}: {shape.parts[link].name}"
+            hulls = make_hulls(shape, [part for part, owner in enumerate(owners) if owner == link]).hulls
+            assert len(hulls) <= 32, name
+            assert min(hull_width(hull)[0] for hull in hulls) >= 0.003 - 1e-9, name
+            assert max(hull_length(hull)[0] / hull_width(hull)[0] for hull in hulls) < 60, name
 
 
 def test_appliances_stand_on_the_floor_in_front_of_their_wall(shapes: list[Shape]) -> None:

@@ -6,15 +6,17 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from shape_sweeps import OVERLAP, find_overlaps, links_of, make_hulls
 
 from artigen.shapes.draw import ShapeError, Wish, draw_shape
 from artigen.shapes.fittings.feet import make_legs, make_toe_kick
 from artigen.shapes.fittings.fronts import FRONT_STYLES, FrontDesign, make_door, make_front
 from artigen.shapes.fittings.handles import HANDLE_KINDS, design_handle
 from artigen.shapes.fittings.hardware import Panel, Space, hinge, sweep_gap
-from artigen.shapes.furniture.cabinet import draw_looks, list_cells, make_cabinet
+from artigen.shapes.furniture.cabinet import list_cells, make_cabinet
 from artigen.shapes.furniture.carcass import FRAME_DEPTH, RAIL, CarcassDesign, count_hulls, fits_engines
 from artigen.shapes.furniture.furniture_kinds import KINDS, STYLES
+from artigen.shapes.furniture.looks import draw_looks
 from artigen.shapes.furniture.splits import (
     Cell,
     Fill,
@@ -41,67 +43,17 @@ from artigen.shapes.furniture.table_frames import (
 )
 from artigen.shapes.poses import pose_parts
 from artigen.shapes.primitives import Primitive, box, contains, place_vertices
-from artigen.shapes.shape import Shape, ShapePart
+from artigen.shapes.shape import Shape, make_base
 from artigen.shapes.solids import primitive_bounds
 from artigen.shapes.surfaces.palette import draw_palette
 from artigen.sketch.faults import find_faults
 from artigen.transforms import transform_points
-from sim_export.geometry.contacts import HullSet, signed_distances
-from sim_export.package import Hull
+from sim_export.geometry.contacts import signed_distances
 
 CATEGORIES = ("StorageFurniture", "Table", "Cart", "Safe")
 SEEDS = range(12)
-OVERLAP, TOUCH = 1e-4, 1e-3
+TOUCH = 1e-3
 PANEL = Panel(x=-0.3, thickness=0.018, y=(-0.2, 0.25), z=(0.3, 0.9))
-
-
-def make_hulls(shape: Shape, parts: Iterable[int], T: np.ndarray | None = None) -> HullSet:
-    """The solids of some parts as one set, displaced by ``T`` (one per part of the shape)."""
-    hulls = []
-    for part in parts:
-        for solid in shape.parts[part].primitives:
-            vertices = place_vertices(solid)
-            vertices = vertices if T is None else transform_points(T[part], vertices)
-            hulls.append(Hull(vertices=vertices, faces=solid.faces))
-    return HullSet(hulls=tuple(hulls))
-
-
-def links_of(shape: Shape) -> list[int]:
-    """For each part the part whose motion carries it."""
-    names = [part.name for part in shape.parts]
-    owners: list[int] = []
-    for index, part in enumerate(shape.parts):
-        fixed = part.motion is None and part.parent is not None
-        owners.append(owners[names.index(str(part.parent))] if fixed else index)
-    return owners
-
-
-def find_overlaps(shape: Shape, poses: int) -> list[str]:
-    """Joints that run into something while what they need is open and all else is closed."""
-    names = [part.name for part in shape.parts]
-    found = []
-    for leader, part in enumerate(shape.parts):
-        if part.motion is None:
-            continue
-        qpos = np.zeros((poses, len(names)))
-        for need in part.needs:
-            other = names.index(need.part)
-            motion = shape.parts[other].motion
-            assert motion is not None
-            qpos[:, other] = need.fraction * motion.upper
-        qpos[:, leader] = np.linspace(0.0, part.motion.upper, poses)
-        T = pose_parts(shape, qpos)
-        moved = {leader}
-        for index, child in enumerate(shape.parts):
-            if child.parent is not None and names.index(child.parent) in moved:
-                moved.add(index)
-        still = make_hulls(shape, [k for k in range(len(names)) if k not in moved], T[0])
-        distances = signed_distances(
-            make_hulls(shape, sorted(moved)), still, T[:, leader], np.eye(4), -OVERLAP
-        ).distance
-        if len(distances):
-            found.append(f"{part.name} runs {-distances.min():.5f} m into something")
-    return found
 
 
 @pytest.fixture(scope="module", params=CATEGORIES)
@@ -274,7 +226,7 @@ def test_every_fill_and_inside_occurs() -> None:
     cells = []
     for kind in KINDS.values():
         for _ in range(60):
-            width, height = (float(rng.uniform(*span)) for span in (kind.width, kind.height))
+            width, height = (float(rng.uniform(*span)) for span in kind.spans[::2])
             room = Room(width=width, height=0.9 * height, bottom=0.1)
             cells += list_cells(draw_node(rng, room, kind.taste))
     assert {cell.fill for cell in cells} == set(get_args(Fill))
@@ -341,8 +293,8 @@ def _cabinet(node: Node, carcass: CarcassDesign, *, inset: bool = False) -> Shap
     looks = draw_looks(rng, STYLES["flat"], 1.0, Wish())
     looks = replace(looks, carcass=carcass, inset=inset, doors=replace(looks.doors, handle=None), lock=False)
     looks = replace(looks, drawers=replace(looks.drawers, handle=None))
-    built = make_cabinet(node, OUTER, looks, parent="body")
-    body = ShapePart(name="body", label="base", parent=None, primitives=built.pieces)
+    built = make_cabinet(node, OUTER, looks)
+    body = make_base(built.pieces)
     finishes = tuple(sorted(draw_palette(rng, "furniture", "flat").items()))
     return Shape(
         category="StorageFurniture", seed=0, style="flat", parts=(body, *built.parts), finishes=finishes
@@ -441,7 +393,7 @@ def test_stretchers_run_from_leg_to_leg_without_an_end_in_sight(kind: StretcherK
 
 
 def test_an_arch_hangs_down_at_its_ends_alone_and_is_symmetric() -> None:
-    arch = make_arch((0.0, 0.02), (-0.5, 0.5), (0.6, 0.63), 0.05, "leg")
+    arch = make_arch((0.0, 0.02), (-0.5, 0.5), (0.6, 0.63), 0.05)
     corners = np.concatenate([place_vertices(solid) for solid in arch])
     assert corners.min(axis=0) == pytest.approx((0.0, -0.5, 0.55))
     assert corners.max(axis=0) == pytest.approx((0.02, 0.5, 0.63))

@@ -20,7 +20,7 @@ from artigen.shapes.primitives import (
     rounded_box,
 )
 from artigen.shapes.render import Cameras, Images, RenderConfig, build_scene, frame_points, render
-from artigen.shapes.shape import Motion, Shape, ShapePart
+from artigen.shapes.shape import Motion, Shape, ShapePart, make_base
 from artigen.shapes.sheet import draw_sheet
 from artigen.shapes.surfaces.materials import LACQUERS, make_glass, make_lacquer
 from artigen.shapes.surfaces.palette import draw_palette
@@ -37,13 +37,7 @@ def make_shape(*parts: ShapePart, glass_opacity: float = 0.2) -> Shape:
 
 
 def one_part(*primitives: Primitive, **motion) -> ShapePart:
-    return ShapePart(
-        name="body",
-        label="base",
-        parent=None,
-        primitives=primitives,
-        motion=Motion(**motion) if motion else None,
-    )
+    return ShapePart("body", "base", primitives, Motion(**motion) if motion else None, parent=None)
 
 
 def front_camera(size: int = 64, distance: float = 3.0, fov: float = 30.0) -> Cameras:
@@ -116,11 +110,8 @@ def pile(seed: int) -> Shape:
         return move(turned, tuple(rng.uniform(-0.5, 0.5, 3)))
 
     body = [solid() for _ in range(30)]
-    parts = [ShapePart(name="body", label="base", parent=None, primitives=tuple(body))]
-    parts += [
-        ShapePart(name=f"p{k}", label="knob", parent="body", primitives=(solid(), solid(), solid()))
-        for k in range(10)
-    ]
+    parts = [make_base(tuple(body))]
+    parts += [ShapePart(f"p{k}", "knob", (solid(), solid(), solid())) for k in range(10)]
     return make_shape(*parts)
 
 
@@ -241,14 +232,9 @@ def test_a_joint_moves_the_picture_as_moving_the_solids_does(motion: dict):
         cylinder((-0.2, 0, 0), (-0.25, 0, 0), 0.03, "plain"),
     )
     fixed = box((-0.15, -0.3, -0.2), (0.2, 0.3, -0.1), "plain")
-    body = ShapePart(name="body", label="base", parent=None, primitives=(fixed,))
-    moving = ShapePart(name="door", label="door", parent="body", primitives=door, motion=Motion(**motion))
-    knob = ShapePart(
-        name="knob",
-        label="knob",
-        parent="door",
-        primitives=(box((-0.3, 0, 0.1), (-0.2, 0.1, 0.12), "plain"),),
-    )
+    body = make_base((fixed,))
+    moving = ShapePart("door", "door", door, Motion(**motion))
+    knob = ShapePart("knob", "knob", (box((-0.3, 0, 0.1), (-0.2, 0.1, 0.12), "plain"),), parent="door")
     shape = make_shape(body, moving, knob)
     qpos = open_parts(shape, 0.7)
     T = pose_parts(shape, qpos)[1]
@@ -275,7 +261,7 @@ def test_a_joint_moves_the_picture_as_moving_the_solids_does(motion: dict):
 def test_glass_shows_what_is_behind_and_is_the_surface_in_the_maps():
     back = box((0.3, -0.5, -0.5), (0.32, 0.5, 0.5), "plain")
     pane = box((-0.3, -0.2, -0.2), (-0.29, 0.2, 0.2), "glass")
-    parts = (one_part(back), ShapePart(name="pane", label="door", parent="body", primitives=(pane,)))
+    parts = (one_part(back), ShapePart("pane", "door", (pane,)))
     middle = (0, 32, 32)
     shown = [see(make_shape(*parts, glass_opacity=opacity), front_camera()) for opacity in (1.0, 0.2)]
     assert [int(seen.part_ids[middle]) for seen in shown] == [1, 1]
@@ -423,10 +409,8 @@ def test_the_floor_is_dark_beneath_the_object_and_bright_far_from_it():
 def test_a_sheet_has_a_picture_per_shape_and_shows_them_open():
     door = box((-0.2, -0.3, 0.0), (-0.18, 0.3, 0.4), "plain")
     motion = Motion(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.3)
-    body = ShapePart(
-        name="body", label="base", parent=None, primitives=(box((-0.17, -0.3, 0), (0.2, 0.3, 0.5), "body"),)
-    )
-    moving = ShapePart(name="door", label="drawer", parent="body", primitives=(door,), motion=motion)
+    body = make_base((box((-0.17, -0.3, 0), (0.2, 0.3, 0.5), "body"),))
+    moving = ShapePart("door", "drawer", (door,), motion)
     shapes = [make_shape(body, moving), make_shape(body)]
     closed, opened = (draw_sheet(shapes, fraction, 40, columns=1) for fraction in (0.0, 1.0))
     assert closed.shape == opened.shape == (80, 40, 3)
