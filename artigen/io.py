@@ -16,16 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from artigen.errors import SourceError
-from artigen.types import (
-    JOINT_TYPES,
-    PART_LABELS,
-    Asset,
-    Gaussians,
-    Joint,
-    Part,
-    SurfaceSamples,
-    VoxelGrid,
-)
+from artigen.types import JOINT_TYPES, PART_LABELS, Asset, Gaussians, Joint, Part, SurfaceSamples, VoxelGrid
 
 FORMAT = "artigen-asset-1"
 JSON_NAME = "asset.json"

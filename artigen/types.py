@@ -46,6 +46,13 @@ def frozen_array(value: object, dtype: type, shape: tuple[int | None, ...], name
     return array
 
 
+def freeze_field(owner: object, name: str, dtype: type, shape: tuple[int | None, ...], what: str):
+    """Replaces a field of a frozen dataclass by its `frozen_array`, and returns that."""
+    array = frozen_array(getattr(owner, name), dtype, shape, what)
+    object.__setattr__(owner, name, array)
+    return array
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Joint:
     """Motion of a part relative to its parent, in the object frame at rest.
@@ -66,11 +73,10 @@ class Joint:
     def __post_init__(self) -> None:
         if self.type not in JOINT_TYPES:
             raise ValueError(f"joint type {self.type!r} is not one of {', '.join(JOINT_TYPES)}")
-        axis = frozen_array(self.axis, np.float64, (3,), "joint axis")
+        axis = freeze_field(self, "axis", np.float64, (3,), "joint axis")
         if abs(np.linalg.norm(axis) - 1.0) > 1e-6:
             raise ValueError(f"joint axis {axis.tolist()} has length {np.linalg.norm(axis):.9g}, expected 1")
-        object.__setattr__(self, "axis", axis)
-        object.__setattr__(self, "origin", frozen_array(self.origin, np.float64, (3,), "joint origin"))
+        freeze_field(self, "origin", np.float64, (3,), "joint origin")
         if not np.isfinite([self.lower, self.upper, self.pitch]).all():
             raise ValueError(f"joint limits [{self.lower}, {self.upper}], pitch {self.pitch}: must be finite")
         if self.lower > self.upper:
@@ -103,10 +109,9 @@ class Part:
             raise ValueError(
                 f"part {self.name!r}: label {self.label!r} is not one of {', '.join(PART_LABELS)}"
             )
-        box = frozen_array(self.box, np.float64, (2, 3), f"part {self.name!r}: box")
+        box = freeze_field(self, "box", np.float64, (2, 3), f"part {self.name!r}: box")
         if (box[1] < 0).any():
             raise ValueError(f"part {self.name!r}: box size {box[1].tolist()} is negative")
-        object.__setattr__(self, "box", box)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -118,20 +123,24 @@ class VoxelGrid:
     part_ids: Int[np.ndarray, "N"]
 
     def __post_init__(self) -> None:
-        coords = frozen_array(self.coords, np.int16, (None, 3), "voxel coords")
-        part_ids = frozen_array(self.part_ids, np.int16, (len(coords),), "voxel part ids")
+        coords = freeze_field(self, "coords", np.int16, (None, 3), "voxel coords")
+        freeze_field(self, "part_ids", np.int16, (len(coords),), "voxel part ids")
         if len(coords) and (coords.min() < 0 or coords.max() >= self.resolution):
             raise ValueError(
                 f"voxel coords span {coords.min()}..{coords.max()}, grid is 0..{self.resolution - 1}"
             )
-        object.__setattr__(self, "coords", coords)
-        object.__setattr__(self, "part_ids", part_ids)
 
     def occupied(self) -> Bool[np.ndarray, "X Y Z"]:
         """Dense mask of the occupied cells."""
         cells = np.zeros((self.resolution,) * 3, dtype=bool)
         cells[tuple(self.coords.T)] = True
         return cells
+
+    def part_grid(self) -> Int[np.ndarray, "X Y Z"]:
+        """Part of every cell; -1 where there is none."""
+        parts = np.full((self.resolution,) * 3, -1)
+        parts[tuple(self.coords.T)] = self.part_ids
+        return parts
 
     def centers(self) -> Float[np.ndarray, "N 3"]:
         """Cell centres in the unit cube."""
@@ -153,12 +162,10 @@ class SurfaceSamples:
     part_ids: Int[np.ndarray, "N"]
 
     def __post_init__(self) -> None:
-        points = frozen_array(self.points, np.float32, (None, 3), "surface points")
-        n = len(points)
-        object.__setattr__(self, "points", points)
-        object.__setattr__(self, "normals", frozen_array(self.normals, np.float32, (n, 3), "surface normals"))
-        object.__setattr__(self, "colors", frozen_array(self.colors, np.uint8, (n, 3), "surface colors"))
-        object.__setattr__(self, "part_ids", frozen_array(self.part_ids, np.int16, (n,), "surface part ids"))
+        n = len(freeze_field(self, "points", np.float32, (None, 3), "surface points"))
+        freeze_field(self, "normals", np.float32, (n, 3), "surface normals")
+        freeze_field(self, "colors", np.uint8, (n, 3), "surface colors")
+        freeze_field(self, "part_ids", np.int16, (n,), "surface part ids")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -177,16 +184,11 @@ class Gaussians:
     part_ids: Int[np.ndarray, "N"]
 
     def __post_init__(self) -> None:
-        means = frozen_array(self.means, np.float32, (None, 3), "Gaussian means")
-        n = len(means)
-        object.__setattr__(self, "means", means)
+        n = len(freeze_field(self, "means", np.float32, (None, 3), "Gaussian means"))
         for name, width in (("quats", 4), ("scales", 3), ("colors", 3)):
-            value = frozen_array(getattr(self, name), np.float32, (n, width), f"Gaussian {name}")
-            object.__setattr__(self, name, value)
-        object.__setattr__(
-            self, "opacities", frozen_array(self.opacities, np.float32, (n,), "Gaussian opacities")
-        )
-        object.__setattr__(self, "part_ids", frozen_array(self.part_ids, np.int16, (n,), "Gaussian part ids"))
+            freeze_field(self, name, np.float32, (n, width), f"Gaussian {name}")
+        freeze_field(self, "opacities", np.float32, (n,), "Gaussian opacities")
+        freeze_field(self, "part_ids", np.int16, (n,), "Gaussian part ids")
         lengths = np.linalg.norm(self.quats, axis=1)
         if n and np.abs(lengths - 1.0).max() > 1e-4:
             raise ValueError(

@@ -25,8 +25,10 @@ from sim_export.errors import ExportError
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.lone_cells import give_lone_cells
 from sim_export.geometry.meshing import mesh_parts, solid_parts
+from sim_export.geometry.occupancy import require_voxels
 from sim_export.geometry.separation import free_latches, separate_solids
 from sim_export.geometry.struts import brace_links
+from sim_export.geometry.triangles import diagonal_of
 from sim_export.geometry.wheels import fit_width, is_open, round_wheels
 from sim_export.motion.held_drawers import keep_drawers_held
 from sim_export.motion.requirements import find_crossings, find_requirements
@@ -199,10 +201,8 @@ def make_solids(asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | N
         ExportError: As `export_asset`.
     """
     watch = _Stopwatch()
-    if asset.voxels is None:
-        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     owners = link_owners(asset)
-    voxels, lone = give_lone_cells(asset.voxels, owners)
+    voxels, lone = give_lone_cells(require_voxels(asset), owners)
     voxels, gaps = fill_boards(voxels, owners)
     asset = replace(asset, voxels=voxels)
     solids, given_up = separate_solids(asset, solid_parts(asset), owners)
@@ -299,8 +299,8 @@ def export_solids(
     watch.lap("annotate")
     trimmed: tuple[str, ...] = ()
     unpainted: dict[str, Mesh] = {}
-    if source_meshes is None and asset.voxels is not None:
-        cell = asset.scale / asset.voxels.resolution
+    if source_meshes is None:
+        cell = asset.scale / require_voxels(asset).resolution
         solid, filled = fill_meshes(tree.links, solid, cell)
         solid, cut = trim_meshes(tree.links, tree.joints, needs, solid)
         unpainted, braced = brace_links(tree.links, solid, cell)
@@ -349,7 +349,7 @@ def _round_surfaces(
 
     A wheel that its cylinder would close keeps its own, and a record says so.
     """
-    diagonal = float(np.linalg.norm(np.ptp(np.concatenate([s.reshape(-1, 3) for s in surfaces]), axis=0)))
+    diagonal = diagonal_of(np.concatenate([surface.reshape(-1, 3) for surface in surfaces]))
     out, records = list(surfaces), []
     for index, (part, before, mesh) in enumerate(zip(asset.parts, plain, meshes, strict=True)):
         if part.label != "wheel" or mesh is before or not len(surfaces[index]):

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
+from sim_export.geometry.triangles import triangle_areas
 from sim_export.package import Link, SimPackage, SourceMesh
 
 CELLS = 8
@@ -115,8 +116,7 @@ def _spread_areas(
     placed = (triangles - low) * scale
     edges = np.linalg.norm(placed - np.roll(placed, 1, axis=1), axis=2).max(axis=1, initial=0.0)
     counts = np.maximum(np.ceil(edges / PIECE), 1).astype(int)
-    sides = triangles[:, 1:] - triangles[:, :1]
-    areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2.0
+    areas = triangle_areas(triangles)
     for count in np.unique(counts):
         chosen = counts == count
         weights = _piece_centers(int(count))

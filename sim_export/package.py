@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen.types import Gaussians, JointType, PartLabel, frozen_array
+from artigen.types import Gaussians, JointType, PartLabel, freeze_field
 
 UrdfJointType = Literal["fixed", "revolute", "prismatic", "continuous"]
 VisualSource = Literal["voxels", "source"]
@@ -34,22 +34,19 @@ class Mesh:
     color: tuple[float, float, float] = (0.7, 0.7, 0.7)
 
     def __post_init__(self) -> None:
-        vertices = frozen_array(self.vertices, np.float64, (None, 3), "mesh vertices")
-        faces = frozen_array(self.faces, np.int64, (None, 3), "mesh faces")
+        vertices = freeze_field(self, "vertices", np.float64, (None, 3), "mesh vertices")
+        faces = freeze_field(self, "faces", np.int64, (None, 3), "mesh faces")
         if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
             raise ValueError(
                 f"mesh faces index {faces.min()}..{faces.max()}, vertices are 0..{len(vertices) - 1}"
             )
-        object.__setattr__(self, "vertices", vertices)
-        object.__setattr__(self, "faces", faces)
         if (self.uv is None) != (self.texture is None):
             raise ValueError("a mesh needs both texture coordinates and a texture, or neither")
         if self.uv is not None:
-            object.__setattr__(self, "uv", frozen_array(self.uv, np.float64, (len(faces), 3, 2), "mesh uv"))
-            texture = frozen_array(self.texture, np.uint8, (None, None, None), "texture")
+            freeze_field(self, "uv", np.float64, (len(faces), 3, 2), "mesh uv")
+            texture = freeze_field(self, "texture", np.uint8, (None, None, None), "texture")
             if texture.shape[2] not in (3, 4):
                 raise ValueError(f"a texture with {texture.shape[2]} channels, expected RGB or RGBA")
-            object.__setattr__(self, "texture", texture)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -82,10 +79,8 @@ class Hull:
     faces: Int[np.ndarray, "F 3"]
 
     def __post_init__(self) -> None:
-        object.__setattr__(
-            self, "vertices", frozen_array(self.vertices, np.float64, (None, 3), "hull vertices")
-        )
-        object.__setattr__(self, "faces", frozen_array(self.faces, np.int64, (None, 3), "hull faces"))
+        freeze_field(self, "vertices", np.float64, (None, 3), "hull vertices")
+        freeze_field(self, "faces", np.int64, (None, 3), "hull faces")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,12 +10,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-import manifold3d
 import numpy as np
 from jaxtyping import Float, Int
 
 from artigen.shapes.asset import frame_shape, shape_to_asset
-from artigen.shapes.primitives import Primitive, place_vertices
+from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.shapes.surfaces.textures import PaintTable, apply_paint, find_rows, make_paint
@@ -26,8 +25,8 @@ from sim_export.appearance.texture import color_atlas
 from sim_export.collision.hull_limits import trim_hull
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.simplification import TOLERANCE, simplify_links
-from sim_export.geometry.sampling import find_slivers
-from sim_export.geometry.solids import as_solid
+from sim_export.geometry.solids import as_solid, unite
+from sim_export.geometry.triangles import bounds_of, find_slivers, triangle_normals
 from sim_export.package import Hull, Inertial, Mesh, Requirement, SimPackage
 from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.followers import couple_followers
@@ -40,6 +39,8 @@ from sim_export.topology import hull_kinds
 
 SLIVERS = 0.01
 """Share of triangles that may be slivers in a union, as V101 allows; one always may."""
+MAX_SIZE = 1024
+"""Longest side of a part's image (texels); larger parts get larger texels."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,8 +49,6 @@ class ReferenceConfig:
 
     texel: float = 0.005
     """Edge of a texel (m)."""
-    max_size: int = 1024
-    """Longest side of a part's image (texels); larger parts get larger texels."""
     textures: Literal["own", "shared"] = "own"
     """``own``: every part has its own image, exact at every texel. ``shared``: parts with the same finishes
     share an image across objects, so their boards differ from the object's."""
@@ -83,7 +82,6 @@ def build_reference(
     asset = shape_to_asset(shape, resolution=None)
     table = make_paint(shape)
     first = np.cumsum([0, *(len(part.primitives) for part in shape.parts)])
-    kinds: dict[str, FinishKind] = {name: finish.kind for name, finish in shape.finishes}
     make = find_make(shape.category, shape.style)
     geometry, meshes, records = [], [], []
     materials: list[tuple[str, str]] = []
@@ -99,9 +97,7 @@ def build_reference(
         hulls = _trim(simple)
         if len(hulls) > len(simple):
             records.append(f"{part.name}: {len(simple)} primitives cut to {len(hulls)} hulls, being oblong")
-        made_of: list[MaterialName] = [
-            _material(part, primitive, kinds, shape.category) for primitive in part.primitives
-        ]
+        made_of = _materials(shape, part)
         materials.append((part.name, Counter(sorted(made_of)).most_common(1)[0][0]))
         inertial = _weigh(part, solids, made_of, make)
         geometry.append(PartGeometry(visuals=(meshes[-1],), hulls=hulls, inertial=inertial))
@@ -129,15 +125,10 @@ def build_reference(
 
 def weigh_shape(shape: Shape) -> float:
     """Mass (kg) of an object without making its package, in which very light links are heavier."""
-    kinds: dict[str, FinishKind] = {name: finish.kind for name, finish in shape.finishes}
     make = find_make(shape.category, shape.style)
-    total = 0.0
-    for part in shape.parts:
-        made_of: list[MaterialName] = [
-            _material(part, primitive, kinds, shape.category) for primitive in part.primitives
-        ]
-        total += _weigh(part, _solids(part, np.zeros(3)), made_of, make).mass
-    return total
+    return sum(
+        _weigh(part, _solids(part, np.zeros(3)), _materials(shape, part), make).mass for part in shape.parts
+    )
 
 
 def describe_build(shape: Shape) -> list[object]:
@@ -193,7 +184,7 @@ def _unite(solids: Sequence[Hull]) -> _Union:
     parts = [as_solid(solid).as_original() for solid in solids]
     number = {part.original_id(): index for index, part in enumerate(parts)}
     # No simplify(): it loses volume where bevelled boards meet.
-    mesh = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add).to_mesh64()
+    mesh = unite(parts).to_mesh64()
     runs = np.diff(np.asarray(mesh.run_index).astype(np.int64)) // 3
     owners = np.repeat([number[int(original)] for original in mesh.run_original_id], runs)
     vertices = np.asarray(mesh.vert_properties)[:, :3]
@@ -228,23 +219,23 @@ def _paint_part(
 ) -> Mesh:
     """The mesh with an image whose texels have the colour of the object at their place."""
     mesh = union.mesh
-    corners = mesh.vertices[mesh.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    normals = triangle_normals(mesh.vertices[mesh.faces])
     if cfg.textures == "shared":
         return lay_shared(mesh, find_rows(table, start + union.owners, normals), table, center)
-    atlas = make_atlas(mesh, cfg.texel, cfg.max_size)
+    atlas = make_atlas(mesh, cfg.texel, MAX_SIZE)
     facing = normals[atlas.faces]
     rows = find_rows(table, start + union.owners[atlas.faces], facing)
     colors = apply_paint(table, rows, atlas.points + center, facing, footprint=cfg.texel)
     return color_atlas(mesh, atlas, np.rint(255 * np.asarray(colors)).astype(np.uint8))
 
 
-def _material(
-    part: ShapePart, primitive: Primitive, kinds: Mapping[str, FinishKind], category: str
-) -> MaterialName:
-    x, y, z = primitive.size.tolist()
-    return finish_material(kinds[primitive.finish], part.label, category, (x, y, z))
+def _materials(shape: Shape, part: ShapePart) -> list[MaterialName]:
+    """Material of every primitive of a part."""
+    kinds: dict[str, FinishKind] = {name: finish.kind for name, finish in shape.finishes}
+    return [
+        finish_material(kinds[primitive.finish], part.label, shape.category, tuple(primitive.size.tolist()))
+        for primitive in part.primitives
+    ]
 
 
 def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialName], make: Make) -> Inertial:
@@ -274,7 +265,7 @@ def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialNa
     if part.parent is not None:
         return drawn
     points = np.concatenate([solid.vertices for solid in solids])
-    return make.fill_base(drawn, np.stack([points.min(axis=0), points.max(axis=0)]))
+    return make.fill_base(drawn, bounds_of(points))
 
 
 def _couple(shape: Shape, tree: LinkTree) -> LinkTree:

@@ -6,6 +6,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Literal
 
+from artigen.io import write_whole
+
 Verdict = Literal["pass", "fail", "not_applicable"]
 Level = Literal["L0", "L1", "L2", "L3", "L4", "L5"]
 
@@ -70,6 +72,4 @@ def report_from_json(text: str) -> Report:
 
 def write_report(report: Report, path: Path) -> None:
     """Writes the report atomically."""
-    scratch = path.with_name(path.name + ".partial")
-    scratch.write_text(report_to_json(report))
-    scratch.replace(path)
+    write_whole(path, report_to_json(report))

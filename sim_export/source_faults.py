@@ -26,6 +26,7 @@ from sim_export.geometry.islands import visual_islands
 from sim_export.geometry.piercing import PiercedSurface, find_edges, piercing_depth
 from sim_export.geometry.rows import all_three
 from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.triangles import diagonal_of
 from sim_export.motion.kinematics import (
     driven_joints,
     link_displacements,
@@ -75,7 +76,7 @@ def find_source_faults(package: SimPackage, surfaces: Surfaces, failed: Collecti
         if "V201" in failed:
             out |= _explain("V201", on_the_way, cfg.max_penetration)
         if "V103" in failed:  # hulls of one of two links that overlap this much must shrink
-            out |= _explain("V103", max(at_rest, on_the_way), cfg.max_hausdorff * _diagonal(surfaces))
+            out |= _explain("V103", max(at_rest, on_the_way), cfg.max_hausdorff * surfaces_diagonal(surfaces))
     return out
 
 
@@ -88,10 +89,10 @@ def _farthest_island(surfaces: Surfaces, reach: float) -> dict[str, str]:
     return {"V107": f"as in the source: a piece of {name} is {1000 * gap:.0f} mm from the rest of it"}
 
 
-def _diagonal(surfaces: Surfaces) -> float:
+def surfaces_diagonal(surfaces: Surfaces) -> float:
     """Diagonal (m) of the box around all surfaces."""
     corners = np.concatenate([triangles.reshape(-1, 3) for triangles in surfaces.values()])
-    return float(np.linalg.norm(np.ptp(corners, axis=0)))
+    return diagonal_of(corners)
 
 
 def _explain(check: str, found: tuple[float, str], least: float) -> dict[str, str]:
@@ -141,9 +142,9 @@ def show_links(
             size.
     """
     shown = {name: triangles for name, triangles in surfaces.items() if len(triangles)}
-    diagonal = _diagonal(shown)
+    diagonal = surfaces_diagonal(shown)
     before, made = known or ({}, {})
-    same = bool(before) and _diagonal(before) == diagonal
+    same = bool(before) and surfaces_diagonal(before) == diagonal
     return {
         name: made[name]
         if same and name in made and np.array_equal(before[name], triangles)

@@ -45,7 +45,7 @@ def give_files(source: SourceObject) -> SourceObject:
 def find_gifts(source: SourceObject) -> list[Gift]:
     """Small mesh files of moving links farther than `FAR` from the largest one, and the link they touch."""
     from sim_export.geometry.islands import find_islands, join_near, nearest_points, surface_shape
-    from sim_export.geometry.sampling import triangle_areas
+    from sim_export.geometry.triangles import triangle_areas
     from sim_export.physics.links import link_owners
 
     corners = [source.asset.scale * table.corners for table in source.tables]

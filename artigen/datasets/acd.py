@@ -35,6 +35,7 @@ from artigen.datasets.urdf_object import OTHER, turn_upright
 from artigen.errors import SourceError
 from artigen.files.urdf import UrdfShape
 from artigen.files.wavefront import inside
+from artigen.transforms import shift
 from artigen.types import PART_LABELS, PartLabel
 
 logger = logging.getLogger(__name__)
@@ -86,9 +87,9 @@ def read_acd(path: Path, scratch: Path, cfg: ReaderConfig | None = None, *, name
     corners = collect_corners(pieces)
     labels = _label(nodes, corners, turn, notes)
     poses = {
-        node.id: RestPose(rest=node.a, far=node.b)
-        if joint_kind(node) != "continuous"
-        else RestPose(rest=0.0, far=0.0)
+        node.id: RestPose(rest=0.0, far=0.0)
+        if joint_kind(node) == "continuous"
+        else RestPose(rest=node.a, far=node.b)
         for node in nodes
     }
     notes += [note for note in map(describe_joint, nodes) if note]
@@ -180,8 +181,7 @@ def _read_pieces(
     box = item.get("aabb")
     if not isinstance(box, dict):
         raise SourceError(f"{where}: has neither meshes nor 'aabb', expected some of {', '.join(MESH_KEYS)}")
-    T = np.eye(4)
-    T[:3, 3] = read_vector(box, "center", where)
+    T = shift(np.array(read_vector(box, "center", where)))
     size = read_vector(box, "size", where)
     if min(size) <= 0.0:
         raise SourceError(f"{where}: 'size' of 'aabb' holds {list(size)}, expected lengths above 0")

@@ -37,11 +37,6 @@ Table = Mapping[str, list[Any]]
 Files = Mapping[str, Mapping[str, Any]]
 
 
-def size_category(count: int) -> str:
-    """Hugging Face's word for a number of examples."""
-    return next((word for bound, word in SIZES if count < bound), "n>10M")
-
-
 def draw_sheet(thumbnails: Sequence[bytes], columns: int) -> bytes:
     """Thumbnails of one size in rows, as WebP; the last row is padded with the colour of a corner."""
     from PIL import Image
@@ -113,7 +108,7 @@ def _header(about: About, count: int) -> str:
         "license": about.license,
         "task_categories": ["robotics"],
         "tags": list(TAGS),
-        "size_categories": [size_category(count)],
+        "size_categories": [next((word for bound, word in SIZES if count < bound), "n>10M")],
         "annotations_creators": ["machine-generated"],
         "source_datasets": ["original"],
         "configs": [{"config_name": "objects", "default": True, "data_files": MANIFEST}],

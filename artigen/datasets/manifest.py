@@ -141,13 +141,12 @@ class TableWriter:
 def make_schema(columns: Mapping[str, str]) -> Any:
     """The schema of a table, with the metadata that Hugging Face's `datasets` reads."""
     pa = need("pyarrow")
-    types = {
+    known = {name: getattr(pa, name)() for name in ("string", "binary", "int32", "int64", "float64")}
+    known |= {
+        "bool": pa.bool_(),
         "list<string>": pa.list_(pa.string()),
         "image": pa.struct({"bytes": pa.binary(), "path": pa.string()}),
     }
-    plain = {"string": pa.string(), "bool": pa.bool_(), "binary": pa.binary()}
-    numbers = {"int32": pa.int32(), "int64": pa.int64(), "float64": pa.float64()}
-    known = types | plain | numbers
     features = {name: _feature(kind) for name, kind in columns.items()}
     info = json.dumps({"info": {"features": features}})
     return pa.schema([pa.field(name, known[kind]) for name, kind in columns.items()]).with_metadata(

@@ -6,7 +6,7 @@ so that everything behind this module knows one format.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,7 +47,9 @@ def load_shape(shape: UrdfShape, path: Path | None, root: Path, scratch: Path) -
     """
     if path is not None and min(shape.scale) == max(shape.scale) > 0 and _is_self_contained(path):
         mesh, scale = read_obj(path, root), shape.scale[0]
-        return None if not len(mesh.faces) else _scaled(path, scale, mesh)
+        if not len(mesh.faces):
+            return None
+        return PlacedMesh(path=path, scale=scale, mesh=replace(mesh, vertices=scale * mesh.vertices))
     pieces = _primitive(shape) if path is None else _load(path)
     for piece in pieces:
         piece.apply_transform(np.diag([*shape.scale, 1.0]))
@@ -56,17 +58,6 @@ def load_shape(shape: UrdfShape, path: Path | None, root: Path, scratch: Path) -
     target = scratch / f"mesh_{len(list(scratch.glob('*.obj')))}.obj"
     write_obj(pieces, shape.color or NO_MATERIAL, target)
     return PlacedMesh(path=target, scale=1.0, mesh=read_obj(target, scratch))
-
-
-def _scaled(path: Path, scale: float, mesh: ObjMesh) -> PlacedMesh:
-    larger = ObjMesh(
-        vertices=scale * mesh.vertices,
-        faces=mesh.faces,
-        uv=mesh.uv,
-        material_ids=mesh.material_ids,
-        materials=mesh.materials,
-    )
-    return PlacedMesh(path=path, scale=scale, mesh=larger)
 
 
 def _is_self_contained(path: Path) -> bool:

@@ -192,17 +192,17 @@ def _add_joint(
 ) -> ET.Element:
     import mujoco
 
-    if move is None:
-        joint = ET.SubElement(robot, "joint", name=f"{child}_fixed", type="fixed")
-        ET.SubElement(joint, "parent", link=parent)
-        ET.SubElement(joint, "child", link=child)
-        return joint
-    turns = int(model.jnt_type[move]) == int(mujoco.mjtJoint.mjJNT_HINGE)
-    limited = bool(model.jnt_limited[move])
-    kind = "continuous" if turns and not limited else "revolute" if turns else "prismatic"
-    joint = ET.SubElement(robot, "joint", name=_name(model, "joint", move, f"{child}_joint"), type=kind)
+    name, kind, limited = f"{child}_fixed", "fixed", False
+    if move is not None:
+        turns = int(model.jnt_type[move]) == int(mujoco.mjtJoint.mjJNT_HINGE)
+        limited = bool(model.jnt_limited[move])
+        kind = "continuous" if turns and not limited else "revolute" if turns else "prismatic"
+        name = _name(model, "joint", move, f"{child}_joint")
+    joint = ET.SubElement(robot, "joint", name=name, type=kind)
     ET.SubElement(joint, "parent", link=parent)
     ET.SubElement(joint, "child", link=child)
+    if move is None:
+        return joint
     ET.SubElement(joint, "axis", xyz=_numbers(model.jnt_axis[move]))
     if limited:  # the pose of the file is that at the reference coordinate
         low, high = model.jnt_range[move] - model.qpos0[model.jnt_qposadr[move]]

@@ -54,6 +54,12 @@ def digest(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
+def digest_file(path: Path) -> str:
+    """SHA-256 of a file in hexadecimal digits."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
 def list_files(files: Mapping[str, bytes]) -> bytes:
     """The listing (`LISTING`) of a folder with these files."""
     hashes = {path: digest(files[path]) for path in sorted(files) if path not in UNLISTED}

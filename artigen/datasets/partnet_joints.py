@@ -60,10 +60,7 @@ def motion(node: SourceNode, q: Float[np.ndarray, "*B"]) -> Float[np.ndarray, "*
 
 
 def closed_pose(
-    node: SourceNode,
-    label: PartLabel,
-    points: Float[np.ndarray, "N 3"],
-    body: Float[np.ndarray, "2 3"],
+    node: SourceNode, label: PartLabel, points: Float[np.ndarray, "N 3"], body: Float[np.ndarray, "2 3"]
 ) -> RestPose:
     """Finds the closed pose of a node.
 
@@ -95,13 +92,7 @@ def closed_pose(
         tolerance = SLIDER_TOLERANCE * abs(node.b - node.a)
     values = _protrusions(node, np.array(candidates), points, body)
     rest = candidates[int(np.argmax(values <= values.min() + tolerance))]
-    far = (
-        node.b
-        if rest == node.a
-        else node.a
-        if rest == node.b
-        else max(node.a, node.b, key=lambda q: abs(q - rest))
-    )
+    far = max(node.a, node.b, key=lambda q: abs(q - rest))
     return RestPose(rest=rest, far=far, note=describe_rest(node, rest, far))
 
 

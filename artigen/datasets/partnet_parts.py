@@ -1,5 +1,6 @@
 """Builds parts from annotated nodes and meshes: places them at rest, splits off handles and shelves."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,7 +36,7 @@ class _Draft:
 
 def place_nodes(
     nodes: tuple[SourceNode, ...],
-    poses: dict[int, RestPose],
+    poses: Mapping[int, RestPose],
     pieces: tuple[PieceMesh, ...],
     T_zup_file: Float[np.ndarray, "4 4"],
 ) -> Placement:
@@ -71,8 +72,8 @@ def order_nodes(nodes: tuple[SourceNode, ...]) -> list[SourceNode]:
 
 def build_parts(
     nodes: tuple[SourceNode, ...],
-    labels: dict[int, PartLabel],
-    poses: dict[int, RestPose],
+    labels: Mapping[int, PartLabel],
+    poses: Mapping[int, RestPose],
     pieces: tuple[PieceMesh, ...],
     tables: tuple[FaceTable, ...],
     placement: Placement,

@@ -45,10 +45,9 @@ def split_pieces(tables: Sequence[FaceTable], gap: float) -> list[Int[np.ndarray
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    offsets = np.cumsum([0, *(len(table.vertices) for table in tables)])
-    faces = np.concatenate([table.faces + offset for table, offset in zip(tables, offsets[:-1], strict=True)])
+    vertices, faces = join_tables(tables)
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
-    graph = coo_matrix((np.ones(len(edges)), edges.T), shape=(offsets[-1], offsets[-1]))
+    graph = coo_matrix((np.ones(len(edges)), edges.T), shape=(len(vertices), len(vertices)))
     component = connected_components(graph, directed=False)[1][faces[:, 0]]
     used, component = np.unique(component, return_inverse=True)
     corners = np.concatenate([table.corners for table in tables])
@@ -70,9 +69,7 @@ def _merge_boxes(low: np.ndarray, high: np.ndarray, gap: float) -> np.ndarray:
     return connected_components(csr_matrix(between <= gap), directed=False)[1].astype(np.int64)
 
 
-def join_tables(
-    tables: Sequence[FaceTable],
-) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]:
+def join_tables(tables: Sequence[FaceTable]) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]:
     """Vertices and faces of all tables."""
     starts = np.cumsum([0, *(len(table.vertices) for table in tables)])[:-1]
     faces = np.concatenate([table.faces + start for table, start in zip(tables, starts, strict=True)])

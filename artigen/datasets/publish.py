@@ -4,7 +4,6 @@ Everything is written to a scratch folder and moved into place, ``dataset.json``
 that file is complete. The same objects give the same bytes, whatever the order of their making.
 """
 
-import hashlib
 import json
 import shutil
 from collections.abc import Callable, Mapping, Sequence
@@ -28,7 +27,7 @@ from artigen.datasets.manifest import (
     read_table,
     sample_row,
 )
-from artigen.datasets.packing import add_member, digest, open_tar, unpack_files
+from artigen.datasets.packing import add_member, digest, digest_file, open_tar, unpack_files
 from artigen.datasets.samples import Sample, sample_json
 from artigen.datasets.shards import (
     ARCHIVE,
@@ -67,7 +66,7 @@ def order_objects(ids: Sequence[str], is_full: Callable[[str], bool]) -> list[st
     The first one satisfies ``is_full`` if any does: readers infer the schema from the first samples, so these
     should have no empty list.
     """
-    mixed = sorted(ids, key=lambda one: hashlib.sha256(one.encode()).hexdigest())
+    mixed = sorted(ids, key=lambda one: digest(one.encode()))
     first = next((one for one in mixed if is_full(one)), None)
     return mixed if first is None else [first, *(one for one in mixed if one != first)]
 
@@ -174,7 +173,7 @@ def _write_shared(scratch: Path, contents: Sequence[str], fetch: Callable[[str],
 def _list_files(scratch: Path) -> dict[str, dict[str, Any]]:
     """Size and SHA-256 of every file."""
     return {
-        path.relative_to(scratch).as_posix(): {"bytes": path.stat().st_size, "sha256": _hash_file(path)}
+        path.relative_to(scratch).as_posix(): {"bytes": path.stat().st_size, "sha256": digest_file(path)}
         for path in sorted(scratch.rglob("*"))
         if path.is_file()
     }
@@ -201,11 +200,6 @@ def _index_text(about: About, count: int, stored: Mapping[str, Mapping[str, Any]
         "files": dict(sorted(stored.items())),
     }
     return json.dumps(value, indent=1) + "\n"
-
-
-def _hash_file(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _move(scratch: Path, out: Path) -> Path:

@@ -4,15 +4,14 @@ Every error names the file, the line and the key, what was found and what is all
 """
 
 import difflib
-import hashlib
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from artigen.datasets.packing import need
+from artigen.datasets.packing import digest, need
 from artigen.errors import ArtigenError
 from artigen.shapes.draw import Wish, categories
 from artigen.types import PartLabel
@@ -101,7 +100,7 @@ def digest_recipe(recipe: Recipe) -> str:
     value = asdict(recipe)
     for entry in value["objects"]:
         entry.pop("line")
-    return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:16]
+    return digest(json.dumps(value, sort_keys=True).encode())[:16]
 
 
 def read_recipe(path: Path) -> Recipe:
@@ -211,9 +210,7 @@ class _Value:
     def choice(self, words: tuple[str, ...]) -> str:
         text = self.node.value if self.node.id == "scalar" else None
         if text not in words:
-            near = difflib.get_close_matches(str(text), words, 1)
-            hint = f" (did you mean {near[0]}?)" if near else ""
-            raise self.error(f"found {text!r}, expected one of {', '.join(words)}{hint}")
+            raise self.error(f"found {text!r}, expected one of {', '.join(words)}{_hint(str(text), words)}")
         return text
 
     def pairs(self) -> Iterator[tuple[str, "_Value"]]:
@@ -242,14 +239,18 @@ class _Value:
         values = {}
         for name, child in self.pairs():
             if name not in known:
-                near = difflib.get_close_matches(name, known, 1)
-                hint = f" (did you mean {near[0]}?)" if near else ""
-                raise child.error(f"no such key; allowed are {', '.join(known)}{hint}")
+                raise child.error(f"no such key; allowed are {', '.join(known)}{_hint(name, known)}")
             values[name] = known[name](child)
         missing = [name for name in required if name not in values]
         if missing:
             raise self.error(f"{' and '.join(missing)} missing")
         return values
+
+
+def _hint(word: str, known: Iterable[str]) -> str:
+    """The most similar of the known words, as a question; empty if none is similar."""
+    near = difflib.get_close_matches(word, list(known), 1)
+    return f" (did you mean {near[0]}?)" if near else ""
 
 
 def _read_entries(value: _Value) -> tuple[Entry, ...]:
@@ -291,16 +292,8 @@ def _read_wish(value: _Value) -> Wish:
     def length(child: _Value) -> float:
         return child.number(0.02, 10.0)
 
-    fields = value.fields(
-        {
-            "width": length,
-            "depth": length,
-            "height": length,
-            "style": _Value.text,
-            "counts": _read_counts,
-        }
-    )
-    return Wish(**fields)
+    known = {"width": length, "depth": length, "height": length, "style": _Value.text, "counts": _read_counts}
+    return Wish(**value.fields(known))
 
 
 def _read_counts(value: _Value) -> tuple[tuple[PartLabel, int], ...]:

@@ -18,8 +18,7 @@ def carry_surface(source: Asset, found: Asset) -> Asset:
     """
     if source.surface is None or found.voxels is None:
         raise ValueError(f"asset {source.name!r}: surface samples and found voxels are both needed")
-    grid = np.full((found.voxels.resolution,) * 3, -1)
-    grid[tuple(found.voxels.coords.T)] = found.voxels.part_ids
+    grid = found.voxels.part_grid()
     cells = np.floor((source.surface.points.astype(np.float64) + 0.5) * found.voxels.resolution)
     owners = grid[tuple(np.clip(cells, 0, found.voxels.resolution - 1).astype(np.int64).T)]
     inside = owners >= 0
@@ -48,9 +47,7 @@ def restore_tree(source: Asset, found: Asset) -> Asset:
     """
     if source.voxels is None or found.voxels is None:
         raise ValueError(f"asset {source.name!r}: voxels of both are needed")
-    grid = np.full((source.voxels.resolution,) * 3, -1)
-    grid[tuple(source.voxels.coords.T)] = source.voxels.part_ids
-    owners = grid[tuple(found.voxels.coords.T)]
+    owners = source.voxels.part_grid()[tuple(found.voxels.coords.T)]
     shared = np.zeros((len(source.parts), len(found.parts)), dtype=np.int64)
     known = owners >= 0
     np.add.at(shared, (owners[known], found.voxels.part_ids[known]), 1)

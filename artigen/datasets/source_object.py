@@ -16,7 +16,7 @@ from artigen.datasets.partnet_joints import RestPose
 from artigen.datasets.partnet_meshes import PieceMesh
 from artigen.datasets.partnet_parts import build_parts, place_nodes
 from artigen.datasets.partnet_surface import FaceTable, join_tables, make_face_table, sample_surface
-from artigen.types import Asset, Part, PartLabel, SurfaceSamples, frozen_array
+from artigen.types import Asset, Part, PartLabel, SurfaceSamples, freeze_field
 
 Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
 PIECE_GAP = 0.04
@@ -68,12 +68,9 @@ class TriangleMesh:
     part_ids: Int[np.ndarray, "F"]
 
     def __post_init__(self) -> None:
-        faces = frozen_array(self.faces, np.int64, (None, 3), "triangle faces")
-        vertices = frozen_array(self.vertices, np.float64, (None, 3), "triangle vertices")
-        part_ids = frozen_array(self.part_ids, np.int64, (len(faces),), "triangle part ids")
-        object.__setattr__(self, "faces", faces)
-        object.__setattr__(self, "vertices", vertices)
-        object.__setattr__(self, "part_ids", part_ids)
+        count = len(freeze_field(self, "faces", np.int64, (None, 3), "triangle faces"))
+        freeze_field(self, "vertices", np.float64, (None, 3), "triangle vertices")
+        freeze_field(self, "part_ids", np.int64, (count,), "triangle part ids")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -120,13 +117,11 @@ def assemble(
         SourceError: If the surface has no area, or an image cannot be decoded.
     """
     nodes, pieces = tree.nodes, tree.pieces
-    placement = place_nodes(nodes, dict(tree.poses), pieces, tree.T_zup_file)
+    placement = place_nodes(nodes, tree.poses, pieces, tree.T_zup_file)
     tables = tuple(
         make_face_table(piece.mesh, placement.T_unit[piece.node], placement.scale) for piece in pieces
     )
-    parts, owners = build_parts(
-        nodes, dict(tree.labels), dict(tree.poses), pieces, tables, placement, PIECE_GAP
-    )
+    parts, owners = build_parts(nodes, tree.labels, tree.poses, pieces, tables, placement, PIECE_GAP)
     size, size_notes = choose_size(placement.extents)
     surface = sample_surface(tables, owners, cfg.samples, np.random.default_rng(cfg.seed))
     main: dict[int, int] = {}  # split parts come after the part that they are split from

@@ -74,10 +74,7 @@ def build_tree(urdf: SourceUrdf, path: Path) -> Tree:
         if coupling is not None:
             joint = _follow(joint, joints[coupling.leader], coupling, path)
         nodes.append(
-            replace(
-                _build_node(joint, turn, ids[joint.name], urdf, path),
-                parent=owner(turn.parent),
-            )
+            replace(_build_node(joint, turn, ids[joint.name], urdf, path), parent=owner(turn.parent))
         )
     nodes.append(SourceNode(id=len(ids), parent=-1, joint="heavy", name=urdf.root, pieces=()))
     return Tree(
@@ -205,16 +202,17 @@ def _build_node(joint: UrdfJoint, turn: UrdfJoint, number: int, urdf: SourceUrdf
     T = urdf.T_base_link[joint.child]
     direction = T[:3, :3] @ np.array(joint.axis)
     x, y, z = (direction / np.linalg.norm(direction)).tolist()
-    a, b = T[:3, 3].tolist(), joint.type == "prismatic"
+    start_x, start_y, start_z = T[:3, 3].tolist()
+    slides = joint.type == "prismatic"
     lower, upper = joint.lower or 0.0, joint.upper or 0.0
-    unit = 1.0 if b else 180.0 / np.pi
+    unit = 1.0 if slides else 180.0 / np.pi
     node = SourceNode(
         id=number,
         parent=-1,
-        joint="slider" if b else "hinge",
+        joint="slider" if slides else "hinge",
         name=joint.child,
         pieces=(),
-        origin=(a[0], a[1], a[2]),
+        origin=(start_x, start_y, start_z),
         direction=(x, y, z),
         a=unit * lower,
         b=unit * upper,

@@ -14,12 +14,7 @@ from jaxtyping import Float
 
 from artigen.datasets.categories import guess_category
 from artigen.datasets.mesh_files import PlacedMesh, load_shape
-from artigen.datasets.part_labels import (
-    SPLIT_LABELS,
-    SPLIT_WORDS,
-    find_word,
-    guess_label,
-)
+from artigen.datasets.part_labels import SPLIT_LABELS, SPLIT_WORDS, find_word, guess_label
 from artigen.datasets.partnet_annotation import SourceNode, SourcePiece, read_json
 from artigen.datasets.partnet_joints import RestPose, closed_pose, describe_rest
 from artigen.datasets.partnet_meshes import PieceMesh

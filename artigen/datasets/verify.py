@@ -1,12 +1,11 @@
 """`verify_dataset`: checks every file and every record of a data set."""
 
-import hashlib
 from collections.abc import Iterator
 
 from tqdm import tqdm
 
 from artigen.datasets.manifest import SHARED_INDEX
-from artigen.datasets.packing import LISTING, PackingError, digest
+from artigen.datasets.packing import LISTING, PackingError, digest, digest_file
 from artigen.datasets.samples import Sample
 from artigen.datasets.shards import SHARDS, SHARED, Shards, StoredObject
 
@@ -36,10 +35,8 @@ def _verify_files(shards: Shards) -> Iterator[str]:
             yield f"{path} is missing"
         elif path.stat().st_size != facts["bytes"]:
             yield f"{path} has {path.stat().st_size} bytes, expected {facts['bytes']}"
-        else:
-            with path.open("rb") as file:
-                if hashlib.file_digest(file, "sha256").hexdigest() != facts["sha256"]:
-                    yield f"{path} was changed"
+        elif digest_file(path) != facts["sha256"]:
+            yield f"{path} was changed"
 
 
 def _verify_objects(shards: Shards) -> Iterator[str]:

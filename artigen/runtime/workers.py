@@ -170,7 +170,6 @@ def run_supervised(
     Args:
         handle: Called in a thread with a worker of its own. It calls the worker for everything that may
             fail, so that it has a result for every item. An exception from it ends the run.
-        items: Items of any type.
         workers: Number of threads, each with one process.
         first: Running worker to use as the first one; retired at the end.
     """

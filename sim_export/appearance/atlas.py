@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from sim_export.geometry.rows import connect_rows
+from sim_export.geometry.triangles import area_normals, face_edges
 from sim_export.package import Mesh
 
 PADDING = 1
@@ -44,7 +44,7 @@ def make_atlas(mesh: Mesh, texel_size: float, max_size: int) -> Atlas:
     `ValueError` if not even one texel per chart fits.
     """
     triangles = mesh.vertices[mesh.faces]
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normals = area_normals(triangles)
     axis = np.abs(normals).argmax(axis=1)
     facing = 2 * axis + (np.take_along_axis(normals, axis[:, None], 1)[:, 0] > 0)
     chart = _charts(mesh.faces, facing)
@@ -77,15 +77,14 @@ def make_atlas(mesh: Mesh, texel_size: float, max_size: int) -> Atlas:
 
 def _charts(faces: np.ndarray, facing: np.ndarray) -> np.ndarray:
     """Labels the connected sets of faces with equal facing."""
-    edges = np.sort(np.concatenate([faces[:, [n, (n + 1) % 3]] for n in range(3)]), axis=1)
+    edges = np.sort(face_edges(faces), axis=1)
     owner = np.tile(np.arange(len(faces)), 3)
     code = edges[:, 0] * (int(faces.max()) + 1) + edges[:, 1]
     order = np.argsort(code, kind="stable")
     same = code[order][1:] == code[order][:-1]
     pairs = np.stack([owner[order][1:][same], owner[order][:-1][same]])
     pairs = pairs[:, facing[pairs[0]] == facing[pairs[1]]]
-    graph = coo_array((np.ones(pairs.shape[1], dtype=bool), tuple(pairs)), shape=(len(faces),) * 2)
-    return connected_components(graph, directed=False)[1]
+    return connect_rows(pairs, len(faces))
 
 
 def _pack(cells: np.ndarray) -> tuple[np.ndarray, tuple[int, int]]:

@@ -113,7 +113,7 @@ def blend_places(
     for number in range(3):
         ahead = np.full(len(gaussians.means), np.nan) if normals is None else normals[:, number]
         stretch = np.where(np.arange(3) == number, FLATTENING, 1.0)
-        for rows, seen in _pair_sides(axis == number, side, ahead, LEAST_FACING):
+        for rows, seen in _pair_sides(axis == number, side, ahead):
             points = places.points[rows]
             near = find_near(gaussians.means[seen] * stretch, points * stretch, FAR * voxel)
             seen = seen[near]
@@ -164,10 +164,7 @@ def find_near(
 
 
 def _pair_sides(
-    facing: Bool[np.ndarray, "T"],
-    side: Bool[np.ndarray, "T"],
-    ahead: Float[np.ndarray, "N"],
-    least: float,
+    facing: Bool[np.ndarray, "T"], side: Bool[np.ndarray, "T"], ahead: Float[np.ndarray, "N"]
 ) -> Iterator[tuple[Int[np.ndarray, "M"], Int[np.ndarray, "K"]]]:
     """Places that face along an axis, paired with the Gaussians on their side, or with all if these have no
     normals."""
@@ -175,7 +172,10 @@ def _pair_sides(
         yield np.flatnonzero(facing), np.arange(len(ahead))
         return
     for way in (False, True):
-        yield np.flatnonzero(facing & (side == way)), np.flatnonzero((ahead if way else -ahead) > least)
+        yield (
+            np.flatnonzero(facing & (side == way)),
+            np.flatnonzero((ahead if way else -ahead) > LEAST_FACING),
+        )
 
 
 def _project(sheet: _Sheet, rows: Int[np.ndarray, "M"], least: float = 0.0) -> Float[np.ndarray, "M 4"]:

@@ -14,6 +14,7 @@ from jaxtyping import Float, Int, UInt8
 from artigen.shapes.surfaces.finishes import Color, Finish, FinishKind
 from artigen.shapes.surfaces.noise import hash_unit
 from artigen.shapes.surfaces.textures import KINDS, PATTERN_OF, PaintTable, paint
+from sim_export.geometry.triangles import area_normals
 from sim_export.package import Mesh
 
 WIDTH = 256
@@ -82,8 +83,7 @@ def lay_shared(mesh: Mesh, rows: Int[np.ndarray, "F"], table: PaintTable, offset
     sheet = make_sheet(ordered)
     points = mesh.vertices[mesh.faces] + offset  # F 3 3
     local = np.einsum("fcd,fkd->fck", points, table.axes[rows].astype(np.float64))
-    normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-    facing = np.abs(np.einsum("fd,fkd->fk", normals, table.axes[rows])).argmax(axis=1)
+    facing = np.abs(np.einsum("fd,fkd->fk", area_normals(points), table.axes[rows])).argmax(axis=1)
     flat = np.take_along_axis(local, np.array([[1, 2], [0, 2], [0, 1]])[facing][:, None, :], axis=2)
     uv = np.zeros((len(rows), 3, 2))
     for group, row, side in _boards(rows, facing):
@@ -139,7 +139,7 @@ def make_sheet(looks: tuple[Look, ...]) -> Sheet:
     """The image of a set of finishes; equal sets give equal bytes, with at most `COLORS` colours each."""
     bands = [_band(look) for look in looks]
     starts = np.cumsum([0, *(len(band) for band in bands)])
-    image = _reduce(np.concatenate(bands, axis=0), COLORS)
+    image = _reduce(np.concatenate(bands, axis=0))
     image.setflags(write=False)
     return Sheet(image=image, starts=tuple(int(start) for start in starts[:-1]))
 
@@ -161,9 +161,9 @@ def _band(look: Look) -> UInt8[np.ndarray, "R W 3"]:
     return np.maximum(levels, DARKEST)
 
 
-def _reduce(image: UInt8[np.ndarray, "H W 3"], colors: int) -> UInt8[np.ndarray, "H W 3"]:
-    """Quantises the image to at most ``colors`` colours, without dithering."""
+def _reduce(image: UInt8[np.ndarray, "H W 3"]) -> UInt8[np.ndarray, "H W 3"]:
+    """Quantises the image to at most `COLORS` colours, without dithering."""
     from PIL import Image
 
-    reduced = Image.fromarray(image).quantize(colors, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    reduced = Image.fromarray(image).quantize(COLORS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     return np.maximum(np.asarray(reduced.convert("RGB")), DARKEST)

@@ -22,6 +22,7 @@ from artigen.transforms import matrix_from_quat
 from artigen.types import Asset, Gaussians
 from sim_export.appearance.atlas import Atlas, make_atlas
 from sim_export.appearance.blending import LEAST_COVER, SOLID, Places, blend_places
+from sim_export.geometry.triangles import area_normals
 from sim_export.package import Mesh
 
 DARKEST = 4
@@ -60,11 +61,7 @@ class BakedParts:
 
 
 def bake_mesh(
-    mesh: Mesh,
-    gaussians: Gaussians,
-    *,
-    voxel: float,
-    normals: Float[np.ndarray, "N 3"] | None = None,
+    mesh: Mesh, gaussians: Gaussians, *, voxel: float, normals: Float[np.ndarray, "N 3"] | None = None
 ) -> BakedMesh:
     """Textures a mesh with an image, or gives it one colour if its Gaussians have only one.
 
@@ -181,8 +178,7 @@ def _find_gaussians(asset: Asset) -> tuple[Gaussians, Float[np.ndarray, "N 3"] |
 
 def _texel_places(mesh: Mesh, atlas: Atlas) -> Places:
     """Positions of the texels on the mesh, and the normals of their faces."""
-    triangles = mesh.vertices[mesh.faces]
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normals = area_normals(mesh.vertices[mesh.faces])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     return Places(points=atlas.points, normals=normals[atlas.faces])
 

@@ -5,10 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import numpy as np
-
-from artigen.files.wavefront import ObjText
-from sim_export.checks.subject import Subject
+from sim_export.checks.subject import Subject, as_text
 from sim_export.files.obj import parse_obj
 from sim_export.files.urdf import visual_path
 from sim_export.files.write import write_draft
@@ -21,7 +18,7 @@ def open_draft(package: SimPackage) -> Iterator[Subject]:
     with TemporaryDirectory() as scratch:
         folder = write_draft(package, Path(scratch) / package.name, visuals=False)
         meshes = {
-            folder / visual_path(visual): _as_text(visual.mesh)
+            folder / visual_path(visual): as_text(visual.mesh)
             if isinstance(visual.mesh, Mesh)
             else parse_obj(visual.mesh.path)
             for link in package.links
@@ -36,17 +33,3 @@ def read_draft(package: SimPackage) -> Subject:
         read = (subject.visuals, subject.hull_sets, subject.labels, subject.driven, subject.annotations)
         assert all(part is not None for part in read)
     return subject
-
-
-def _as_text(mesh: Mesh) -> ObjText:
-    """A mesh as it would be read from its file, but for the precision of the file."""
-    none = -np.ones((len(mesh.faces), 3), dtype=np.int64)
-    return ObjText(
-        vertices=np.asarray(mesh.vertices),
-        coords=np.zeros((0, 2)),
-        faces=np.asarray(mesh.faces),
-        uv_faces=none,
-        names=("",),
-        material_ids=np.zeros(len(mesh.faces), dtype=np.int64),
-        libraries=(),
-    )

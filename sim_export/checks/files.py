@@ -9,16 +9,13 @@ import numpy as np
 from artigen.files.urdf import UrdfInertial, UrdfJoint, UrdfLink, tree_problems
 from artigen.types import FULL_TURN
 from sim_export.checks.config import CheckConfig
-from sim_export.checks.registry import CheckSpec, Finding, always, count_problems
+from sim_export.checks.registry import CheckSpec, Finding, always, at_most, count_problems
 from sim_export.checks.subject import MAIN_URDF, Subject
 from sim_export.errors import PackageError
 from sim_export.files.urdf import splats_path
-from sim_export.files.write import MANIFEST, manifest_problems
+from sim_export.files.write import MANIFEST, UNHASHED, manifest_problems
 from sim_export.geometry.contacts import HullSet
 from sim_export.package import URDF_JOINT_TYPES
-
-LATER = ("validation.json",)
-"""Files that validation writes, which are in no manifest and referenced by no file."""
 
 SIDECARS = (
     "annotations.json",
@@ -87,7 +84,7 @@ def check_paths(subject: Subject, cfg: CheckConfig) -> Finding:
     for name in subject.files:
         if name.endswith(".mjcf.xml"):
             used |= {name, *_mjcf_files(subject, name, problems)}
-    known = {*SIDECARS, *LATER, MANIFEST, *(() if subject.is_package else PARTNET_SIDECARS)}
+    known = {*SIDECARS, *UNHASHED, *(() if subject.is_package else PARTNET_SIDECARS)}
     if subject.is_package and not isinstance(subject.urdfs.get(MAIN_URDF), PackageError):
         known |= {splats_path(link.name) for link in subject.urdf.links}
     problems += [(n, f"{n}: no file refers to it") for n in subject.files if n not in used | known]
@@ -220,14 +217,8 @@ def check_counts(subject: Subject, cfg: CheckConfig) -> Finding:
         (sum(len(link.collisions) for link in links), cfg.max_hulls, "hulls", MAIN_URDF),
     ]
     count, limit, what, where = max(counts, key=lambda entry: entry[0] / entry[1])
-    return Finding(
-        passed=count <= limit,
-        value=count,
-        threshold=limit,
-        unit=what.split()[0],
-        where=where,
-        message=", ".join(f"{n} of at most {most} {name}" for n, most, name, _ in counts),
-    )
+    message = ", ".join(f"{n} of at most {most} {name}" for n, most, name, _ in counts)
+    return at_most(count, limit, what.split()[0], where=where, message=message)
 
 
 def is_package(subject: Subject) -> str:
@@ -238,7 +229,7 @@ def is_package(subject: Subject) -> str:
 def check_manifest(subject: Subject, cfg: CheckConfig) -> Finding:
     """V010: every file has the hash that the manifest states, and the manifest names every file."""
     problems = [(MANIFEST, f"{MANIFEST}: {sentence}") for sentence in manifest_problems(subject.folder)]
-    hashed = [name for name in subject.files if name not in (MANIFEST, *LATER)]
+    hashed = [name for name in subject.files if name not in UNHASHED]
     return count_problems(problems, f"{len(hashed)} files match their hashes")
 
 

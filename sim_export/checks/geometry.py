@@ -5,15 +5,15 @@ from pathlib import PurePosixPath
 import numpy as np
 
 from sim_export.checks.config import CheckConfig
-from sim_export.checks.registry import CheckSpec, Finding, always, count_problems
+from sim_export.checks.registry import CheckSpec, Finding, always, at_least, at_most, count_problems
 from sim_export.checks.subject import Shape, Subject
 from sim_export.errors import PackageError
-from sim_export.files.obj import face_normals, parse_mtl, read_image
+from sim_export.files.obj import parse_mtl, read_image
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import count_polygons, hull_length, hull_width
 from sim_export.geometry.islands import hull_islands, visual_islands
-from sim_export.geometry.rows import number_rows
-from sim_export.geometry.sampling import find_slivers, triangle_areas
+from sim_export.geometry.rows import connect_rows, number_rows
+from sim_export.geometry.triangles import area_normals, face_edges, find_slivers, triangle_areas
 from sim_export.package import Hull
 
 _FILE_PRECISION = 2e-6
@@ -84,16 +84,11 @@ def count_open_edges(faces: np.ndarray) -> int:
 
 def euler_numbers(faces: np.ndarray) -> np.ndarray:
     """Vertices - edges + faces of every connected piece."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
     used, faces = np.unique(faces, return_inverse=True)
     faces = faces.reshape(-1, 3)
-    edges = np.unique(
-        np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0
-    )
-    graph = coo_matrix((np.ones(len(edges), bool), edges.T), (len(used), len(used)))
-    count, piece = connected_components(graph, directed=False)
+    edges = np.unique(np.sort(face_edges(faces), axis=1), axis=0)
+    piece = connect_rows(edges.T, len(used))
+    count = int(piece.max()) + 1
     vertices = np.bincount(piece, minlength=count)
     return (
         vertices
@@ -152,7 +147,7 @@ def hull_faults(shape: Shape, hull: Hull | None, cfg: CheckConfig) -> list[str]:
 
 def _volume(vertices: np.ndarray, faces: np.ndarray) -> float:
     centered = vertices - vertices.mean(axis=0)
-    return float(np.einsum("fi,fi->", face_normals(centered, faces), centered[faces[:, 0]]) / 6.0)
+    return float(np.einsum("fi,fi->", area_normals(centered[faces]), centered[faces[:, 0]]) / 6.0)
 
 
 def carrier(subject: Subject, link: str) -> str | None:
@@ -203,15 +198,11 @@ def check_floor(subject: Subject, cfg: CheckConfig) -> Finding:
     seen = min((float(s.vertices[:, 2].min()), s.link) for s in subject.visuals if len(s.vertices))
     felt = min(float(h.vertices[:, 2].min()) for h in subject.hull_sets.values() if h.hulls)
     gap = abs(felt - seen[0])
-    return Finding(
-        passed=gap <= cfg.max_floor_gap,
-        value=gap,
-        threshold=cfg.max_floor_gap,
-        unit="m",
-        where=seen[1],
-        message=f"the lowest collision point is {1e3 * (felt - seen[0]):+.3g} mm from the lowest visual one, "
-        f"allowed is {1e3 * cfg.max_floor_gap:g} mm",
+    message = (
+        f"the lowest collision point is {1e3 * (felt - seen[0]):+.3g} mm from the lowest visual one, "
+        f"allowed is {1e3 * cfg.max_floor_gap:g} mm"
     )
+    return at_most(gap, cfg.max_floor_gap, "m", where=seen[1], message=message)
 
 
 def check_islands(subject: Subject, cfg: CheckConfig) -> Finding:
@@ -227,14 +218,8 @@ def check_islands(subject: Subject, cfg: CheckConfig) -> Finding:
             said = f"{size} hulls of link {link!r} are {1e3 * gap:.3g} mm from all else of it"
             gaps.append((gap, link, said))
     gap, where, said = max(gaps)
-    return Finding(
-        passed=gap <= cfg.max_island,
-        value=gap,
-        threshold=cfg.max_island,
-        unit="m",
-        where=where,
-        message=f"{said}, allowed is {1e3 * cfg.max_island:g} mm",
-    )
+    message = f"{said}, allowed is {1e3 * cfg.max_island:g} mm"
+    return at_most(gap, cfg.max_island, "m", where=where, message=message)
 
 
 def has_texture(subject: Subject) -> str:
@@ -257,15 +242,11 @@ def check_texture(subject: Subject, cfg: CheckConfig) -> Finding:
             images[image] = read_image(subject.folder / image)
         shares[shape.file] = _shown(shape, images[image])
     where = min(shares, key=lambda name: shares[name])
-    return Finding(
-        passed=shares[where] >= cfg.min_texture_coverage,
-        value=shares[where],
-        threshold=cfg.min_texture_coverage,
-        unit="of the area",
-        where=where,
-        message=f"{where}: {100 * shares[where]:.4g} % of the area shows a color of the texture, "
-        f"at least {100 * cfg.min_texture_coverage:g} % must",
+    message = (
+        f"{where}: {100 * shares[where]:.4g} % of the area shows a color of the texture, "
+        f"at least {100 * cfg.min_texture_coverage:g} % must"
     )
+    return at_least(shares[where], cfg.min_texture_coverage, "of the area", where=where, message=message)
 
 
 def _image_of(subject: Subject, shape: Shape) -> str:

@@ -12,14 +12,8 @@ from jaxtyping import Float
 
 from artigen.transforms import frame_along
 from sim_export.checks.config import CheckConfig
-from sim_export.checks.opening import (
-    PARALLEL,
-    opening_joints,
-    panel_points,
-    thin_direction,
-    velocity_at,
-)
-from sim_export.checks.registry import CheckSpec, Finding
+from sim_export.checks.opening import PARALLEL, opening_joints, panel_points, thin_direction, velocity_at
+from sim_export.checks.registry import CheckSpec, Finding, at_most
 from sim_export.checks.subject import Shape, Subject
 from sim_export.geometry.grid import Grid, column_crossings
 from sim_export.package import PackageJoint
@@ -81,14 +75,7 @@ def check_handles(subject: Subject, cfg: CheckConfig) -> Finding:
             ratios[name] = min(judge_grip(grip, name, cfg) for grip in grips)
     where = max(ratios, key=lambda name: ratios[name][0])
     ratio, message = ratios[where]
-    return Finding(
-        passed=ratio <= 1.0,
-        value=float(min(ratio, 1e3)),
-        threshold=1.0,
-        unit="of the allowed",
-        where=where,
-        message=message,
-    )
+    return at_most(float(min(ratio, 1e3)), 1.0, "of the allowed", where=where, message=message)
 
 
 def judge_grip(grip: Grip, name: str, cfg: CheckConfig) -> tuple[float, str]:

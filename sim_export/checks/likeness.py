@@ -5,14 +5,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_export.checks.config import CheckConfig
-from sim_export.checks.registry import CheckSpec, Finding
+from sim_export.checks.registry import CheckSpec, Finding, at_most
 from sim_export.checks.subject import Subject
 from sim_export.errors import PackageError
 from sim_export.geometry.distances import surface_distances
-from sim_export.geometry.exposure import find_outside, is_exposed, triangle_normals
-from sim_export.geometry.grid import Grid, fill_solid, find_cavity, make_grid, mark_surface
-from sim_export.geometry.hulls import inside_hulls
-from sim_export.geometry.sampling import sample_triangles, triangle_areas
+from sim_export.geometry.grid import (
+    Grid,
+    fill_solid,
+    find_cavity,
+    find_outside,
+    is_exposed,
+    make_grid,
+    mark_surface,
+)
+from sim_export.geometry.hulls import hull_triangles, inside_hulls
+from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.triangles import triangle_areas, triangle_normals
 
 _LEAST_SAMPLES = 64
 _DENSER = 4
@@ -50,7 +58,7 @@ def check_likeness(subject: Subject, cfg: CheckConfig) -> Finding:
     visual = {
         name: np.concatenate([s.triangles for s in subject.visuals if s.link == name]) for name in links
     }
-    solid = {name: _hull_triangles(subject, name) for name in links}
+    solid = {name: hull_triangles(subject.hull_sets[name].hulls) for name in links}
     grid = make_grid(subject.bounds, cfg.grid_resolution)
     volumes = [_link_volumes(subject, grid, visual[name], solid[name]) for name in links]
     measures = _distances(subject, cfg, visual, solid, dict(zip(links, volumes, strict=True)))
@@ -65,18 +73,8 @@ def check_likeness(subject: Subject, cfg: CheckConfig) -> Finding:
     if cavities:
         measures.append(max(cavities, key=lambda measure: measure.ratio))
     worst = max(measures, key=lambda measure: measure.ratio)
-    return Finding(
-        passed=worst.ratio <= 1.0,
-        value=worst.ratio,
-        threshold=1.0,
-        unit="of the allowed",
-        where=worst.where,
-        message="; ".join(measure.text for measure in measures),
-    )
-
-
-def _hull_triangles(subject: Subject, link: str) -> np.ndarray:
-    return np.concatenate([hull.vertices[hull.faces] for hull in subject.hull_sets[link].hulls])
+    message = "; ".join(measure.text for measure in measures)
+    return at_most(worst.ratio, 1.0, "of the allowed", where=worst.where, message=message)
 
 
 def _distances(

@@ -7,10 +7,11 @@ from jaxtyping import Bool, Float
 
 from artigen.transforms import line_distance
 from sim_export.checks.config import CheckConfig
-from sim_export.checks.registry import CheckSpec, Finding, count_problems
+from sim_export.checks.registry import CheckSpec, Finding, at_least, count_problems
 from sim_export.checks.subject import Subject
-from sim_export.geometry.hulls import hull_planes
+from sim_export.geometry.hulls import hull_planes, hull_triangles
 from sim_export.geometry.sampling import sample_triangles
+from sim_export.motion.held_drawers import held_length
 from sim_export.package import Hull, PackageJoint
 
 _SIGHT_LINES = 400
@@ -73,7 +74,7 @@ def _direction_faults(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -
 
     If the shares are equal (an empty frame), the handle must lead the motion.
     """
-    triangles = np.concatenate([hull.vertices[hull.faces] for hull in subject.hull_sets[joint.child].hulls])
+    triangles = hull_triangles(subject.hull_sets[joint.child].hulls)
     points, _ = sample_triangles(triangles, _SIGHT_LINES)
     reach = joint.upper if joint.type == "prismatic" else min(joint.upper, _FIRST_TURN)
     path = velocity_at(joint, points) * reach
@@ -272,18 +273,13 @@ def check_retained(subject: Subject, cfg: CheckConfig) -> Finding:
             [subject.hull_sets[name].vertices for name in subject.ancestors(joint.child)]
         )
         held = carrier @ joint.axis if len(carrier) else np.array([np.inf, -np.inf])
-        inside = min(own.max(), held.max()) - max(own.min(), held.min())
-        shares[joint.name] = max(0.0, float(inside / np.ptp(own)))
+        shares[joint.name] = max(0.0, held_length(own, held, 0.0) / float(np.ptp(own)))
     where = min(shares, key=lambda name: shares[name])
-    return Finding(
-        passed=shares[where] >= cfg.min_retained,
-        value=shares[where],
-        threshold=cfg.min_retained,
-        unit="of the depth",
-        where=where,
-        message=f"joint {where!r} leaves {100 * shares[where]:.3g} % of its drawer's depth inside when open, "
-        f"at least {100 * cfg.min_retained:g} % must stay",
+    message = (
+        f"joint {where!r} leaves {100 * shares[where]:.3g} % of its drawer's depth inside when open, "
+        f"at least {100 * cfg.min_retained:g} % must stay"
     )
+    return at_least(shares[where], cfg.min_retained, "of the depth", where=where, message=message)
 
 
 OPENING_CHECKS = (

@@ -41,6 +41,20 @@ def always(subject: Subject) -> str:
     return ""
 
 
+def at_most(value: float, limit: float, unit: str, *, where: str, message: str) -> Finding:
+    """A finding that passes up to a limit."""
+    return Finding(
+        passed=value <= limit, value=value, threshold=limit, unit=unit, where=where, message=message
+    )
+
+
+def at_least(value: float, limit: float, unit: str, *, where: str, message: str) -> Finding:
+    """A finding that passes from a limit on."""
+    return Finding(
+        passed=value >= limit, value=value, threshold=limit, unit=unit, where=where, message=message
+    )
+
+
 def count_problems(problems: Sequence[tuple[str, str]], fine: str) -> Finding:
     """A finding that counts (location, sentence) pairs; none are allowed."""
     if not problems:

@@ -25,8 +25,9 @@ from sim_export.files.obj import parse_obj, parse_urdf
 from sim_export.geometry.contacts import HullSet
 from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.primitives import primitive_mesh
-from sim_export.motion.kinematics import MOVING_TYPES, link_displacements
-from sim_export.package import Hull, Link, PackageJoint, Requirement
+from sim_export.geometry.triangles import bounds_of
+from sim_export.motion.kinematics import driven_joints, link_displacements
+from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
 
 MAIN_URDF = "mobility.urdf"
 OWN_SIDECARS = ("annotations.json", "manifest.json", "physics.json", "provenance.json")
@@ -58,7 +59,6 @@ class Subject:
     def __init__(self, folder: Path, meshes: Mapping[Path, ObjText] | None = None) -> None:
         """
         Args:
-            folder: The folder.
             meshes: Meshes by path that need not be read.
         """
         self.folder = Path(folder)
@@ -141,7 +141,7 @@ class Subject:
     @cached_property
     def driven(self) -> tuple[PackageJoint, ...]:
         """The joints with a coordinate of their own."""
-        return tuple(j for j in self.joints if j.type in MOVING_TYPES and j.mimic is None)
+        return driven_joints(self.joints)
 
     @cached_property
     def parents(self) -> dict[str, str]:
@@ -192,7 +192,7 @@ class Subject:
         return tuple(self._shape(link, s) for link in self.links.values() for s in link.collisions)
 
     def _shape(self, link: UrdfLink, shape: UrdfShape) -> Shape:
-        obj = self._mesh(shape) if shape.kind == "mesh" else _primitive(shape)
+        obj = self._mesh(shape) if shape.kind == "mesh" else as_text(primitive_mesh(shape.kind, shape.sizes))
         T = self.poses[link.name] @ shape.T_link_shape
         vertices = transform_points(T, obj.vertices * shape.scale)
         faces = obj.faces if np.prod(shape.scale) > 0 else obj.faces[:, ::-1]
@@ -254,7 +254,7 @@ class Subject:
         points = np.concatenate([np.zeros((0, 3)), *(s.vertices for s in (*self.visuals, *self.collisions))])
         if not len(points):
             raise PackageError(f"{MAIN_URDF}: no link has any geometry")
-        return np.stack([points.min(axis=0), points.max(axis=0)])
+        return bounds_of(points)
 
     @property
     def diagonal(self) -> float:
@@ -292,9 +292,8 @@ def _engine_hull(vertices: np.ndarray) -> Hull | None:
         return None
 
 
-def _primitive(shape: UrdfShape) -> ObjText:
-    """A URDF box, cylinder or sphere as triangles."""
-    mesh = primitive_mesh(shape.kind, shape.sizes)
+def as_text(mesh: Mesh) -> ObjText:
+    """A mesh as it would be read from its file, but for its texture and the precision of the file."""
     return ObjText(
         vertices=mesh.vertices,
         coords=np.zeros((0, 2)),

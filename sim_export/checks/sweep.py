@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_export.checks.config import CheckConfig
-from sim_export.checks.registry import CheckSpec, Finding
+from sim_export.checks.registry import CheckSpec, Finding, at_most
 from sim_export.checks.subject import Subject
 from sim_export.errors import PackageError
 from sim_export.geometry.contacts import penetration_depths, signed_distances
@@ -58,26 +58,15 @@ def check_sweep(subject: Subject, cfg: CheckConfig) -> Finding:
                 if share > overlap:
                     overlap, overlap_where = share, where
     if depth / cfg.max_penetration >= overlap / cfg.max_swept_overlap:
-        passed, value, threshold, unit, where = (
-            depth <= cfg.max_penetration,
-            depth,
-            cfg.max_penetration,
-            "m",
-            depth_where,
-        )
+        value, threshold, unit, where = depth, cfg.max_penetration, "m", depth_where
     else:
-        passed, value, threshold = overlap <= cfg.max_swept_overlap, overlap, cfg.max_swept_overlap
-        unit, where = "of the volume", overlap_where
-    return Finding(
-        passed=passed,
-        value=value,
-        threshold=threshold,
-        unit=unit,
-        where=where,
-        message=f"{len(subject.driven)} joints: {1e3 * depth:.3g} mm at most beyond rest "
+        value, threshold, unit, where = overlap, cfg.max_swept_overlap, "of the volume", overlap_where
+    message = (
+        f"{len(subject.driven)} joints: {1e3 * depth:.3g} mm at most beyond rest "
         f"({depth_where or 'nowhere'}; allowed {1e3 * cfg.max_penetration:g} mm), "
-        f"{100 * overlap:.2g} % of a link's volume (allowed {100 * cfg.max_swept_overlap:g} %)",
+        f"{100 * overlap:.2g} % of a link's volume (allowed {100 * cfg.max_swept_overlap:g} %)"
     )
+    return at_most(value, threshold, unit, where=where, message=message)
 
 
 def open_positions(subject: Subject, joint: PackageJoint) -> dict[str, float]:

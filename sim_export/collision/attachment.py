@@ -15,6 +15,7 @@ from jaxtyping import Float
 from sim_export.collision.hull_limits import MAX_ASPECT, MAX_VERTICES, MOST_OF_LINK, hull_aspect
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import box_hull, convex_hull, hull_planes, replace_hulls
+from sim_export.geometry.rays import plane_axes
 from sim_export.motion.kinematics import Sweep, read_sweeps
 from sim_export.package import Hull, Link, PackageJoint, Requirement
 
@@ -26,7 +27,8 @@ _LEVEL = 1e-3
 """Metres by which buttons in a row may end at different depths."""
 # Lengths in metres.
 NEAR = 0.0045
-"""A gap up to this is left alone: links that are nearer count as attached."""
+"""A gap up to this is left alone: links that are nearer count as attached, hulls that end this little above
+the lowest visible point as standing on the floor."""
 FAR = 0.032
 """A gap beyond this is left alone too: the two do not touch in the source either. A cell of an object of
 two metres in a grid of 64^3 is as long: drawn parts may hang a cell off their body."""
@@ -42,11 +44,7 @@ PAIRS = 4
 
 
 def add_hull(
-    sets: Sequence[HullSet],
-    sweeps: Sequence[Sweep],
-    slot: int,
-    addition: Hull,
-    stand: Hull,
+    sets: Sequence[HullSet], sweeps: Sequence[Sweep], slot: int, addition: Hull, stand: Hull
 ) -> HullSet | None:
     """The hulls of link ``slot`` with one more, or ``None`` if that is in some link's way.
 
@@ -148,16 +146,12 @@ class _Spot:
 
 
 def attach_links(
-    links: Sequence[Link],
-    joints: Sequence[PackageJoint],
-    requirements: Sequence[Requirement] = (),
+    links: Sequence[Link], joints: Sequence[PackageJoint], requirements: Sequence[Requirement] = ()
 ) -> Attachment:
     """Adds pegs where a link's hulls are too far from those of the link that carries it, at rest.
 
     Args:
         links: Links with hulls, object frame at rest.
-        joints: Their joints.
-        requirements: Joints that must be open while another moves.
 
     Returns:
         New links; those without pegs are the same objects. Hulls only grow.
@@ -181,9 +175,7 @@ def attach_links(
         left = _find_facing(sets[child], sets[parent])[0].gap
         pegs.append(Peg(link=links[slot].name, **names, gap=facing[0].gap, left=left, width=width))
     return Attachment(
-        links=replace_hulls(links, [hulls.hulls for hulls in sets]),
-        pegs=tuple(pegs),
-        apart=tuple(apart),
+        links=replace_hulls(links, [hulls.hulls for hulls in sets]), pegs=tuple(pegs), apart=tuple(apart)
     )
 
 
@@ -236,10 +228,7 @@ def _fit_peg(
     ``peers`` are the boxes of all links that slide on the same one; they may share a peg.
     """
     for room, width in ((room, width) for room in ROOMS for width in WIDTHS):
-        spots = (
-            *_straight_spots(facing, joint, room),
-            *_side_spots(facing, joint, peers, room, width),
-        )
+        spots = (*_straight_spots(facing, joint, room), *_side_spots(facing, joint, peers, room, width))
         for spot in spots:
             slot = pair[0] if spot.on_child else pair[1]
             peg = _peg_hull(spot, width)
@@ -277,11 +266,7 @@ def _places(pair: _Facing, joint: PackageJoint) -> list[np.ndarray]:
 
 
 def _side_spots(
-    facing: Sequence[_Facing],
-    joint: PackageJoint,
-    peers: np.ndarray,
-    room: float,
-    width: float,
+    facing: Sequence[_Facing], joint: PackageJoint, peers: np.ndarray, room: float, width: float
 ) -> Iterator[_Spot]:
     """Pegs that stand on the parent beside a button, which itself moves across the gap; bars first."""
     if joint.type != "prismatic":
@@ -332,10 +317,7 @@ def _row(corners: np.ndarray, peers: np.ndarray, along: np.ndarray, aside: np.nd
 def _frame(direction: np.ndarray) -> np.ndarray:
     """Three orthonormal rows, the first along ``direction``, the others as near to the axes as can be."""
     first = direction / np.linalg.norm(direction)
-    axis = np.eye(3)[np.abs(first).argmin()]
-    second = axis - (axis @ first) * first
-    second /= np.linalg.norm(second)
-    return np.stack([first, second, np.cross(first, second)])
+    return np.stack([first, *plane_axes(first)])
 
 
 def _peg_hull(spot: _Spot, width: float) -> Hull:

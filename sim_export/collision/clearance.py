@@ -112,7 +112,6 @@ def clear_joints(
 
     Args:
         links: Links with hulls, object frame at rest.
-        joints: Their joints.
         requirements: Joints that must be open while another moves (`find_requirements`).
         sheets: Whether hulls may be sheets, as those of a source's own surface (`relieve_pair`).
         shares: Whether the hull is cut that loses the smaller share, rather than the smaller volume.

@@ -14,6 +14,7 @@ from jaxtyping import Bool, Float, Int
 from sim_export.collision.hull_limits import MIN_WIDTH
 from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.solids import inside_grid
+from sim_export.geometry.triangles import area_normals, diagonal_of
 from sim_export.package import Hull
 
 FIRST_SEEDS = 48
@@ -41,16 +42,12 @@ MAX_PLANES = 64
 
 
 def largest_cuboids(
-    occupancy: Bool[np.ndarray, "X Y Z"],
-    edges: Sequence[Float[np.ndarray, "A"]],
-    count: int,
-    least: float,
+    occupancy: Bool[np.ndarray, "X Y Z"], edges: Sequence[Float[np.ndarray, "A"]], count: int, least: float
 ) -> Float[np.ndarray, "K 2 3"]:
     """Few boxes that cover every occupied cell and no other, each as large as can be: lowest and highest
     corner, in the order found.
 
     Args:
-        occupancy: Occupied cells.
         edges: Coordinates between the cells along each axis.
         count: Where more boxes are needed, the rest is left out, which is detail.
         least: So are boxes that newly cover no more than this share of what is occupied.
@@ -118,9 +115,9 @@ def face_coordinates(
     Faces that are aligned but for a few degrees or bumps count as well, at their mean coordinate,
     where no other plane is near: else a whole board would have no face to end at.
     """
-    diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    diagonal = diagonal_of(vertices)
     corners = vertices[faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_normals(corners)
     area = np.linalg.norm(normals, axis=1)
     least = detail * area.sum()
     aligned = np.abs(normals) > 0.999 * area[:, None]

@@ -17,7 +17,7 @@ from sim_export.collision.relief import END, MAX_REMOVED, SLIVER, SLIVER_LENGTH,
 from sim_export.collision.specks import drop_specks
 from sim_export.geometry.contacts import HullSet
 from sim_export.geometry.distances import MAX_P99, surface_distances
-from sim_export.geometry.hulls import hull_volume, hull_width, inside_hulls, reduce_hull
+from sim_export.geometry.hulls import hull_triangles, hull_volume, hull_width, inside_hulls, reduce_hull
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.motion.kinematics import box_sides
 from sim_export.package import Hull, Link
@@ -147,9 +147,8 @@ class CutHulls:
             return False
         points = sample_triangles(hull.vertices[hull.faces], SKIN_SAMPLES)[0]
         outside = points[~inside_hulls(points, tuple(others))]
-        solid = np.concatenate([other.vertices[other.faces] for other in others])
-        reach = MAX_P99 * self.diagonal
-        return bool((surface_distances(outside, solid, SKIN_NEAREST) <= reach).all())
+        away = surface_distances(outside, hull_triangles(others), SKIN_NEAREST)
+        return bool((away <= MAX_P99 * self.diagonal).all())
 
     def sets(self) -> list[HullSet]:
         return [self.prepared(link)[0] for link in range(len(self.links))]

@@ -16,7 +16,7 @@ import manifold3d
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.collision.attachment import add_hull
+from sim_export.collision.attachment import NEAR, add_hull
 from sim_export.collision.hull_limits import trim_hull
 from sim_export.collision.surface_hulls import split_components
 from sim_export.collision.surface_pieces import cut_triangles
@@ -32,15 +32,15 @@ from sim_export.geometry.hulls import (
     replace_hulls,
 )
 from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.solids import make_manifold, solid_arrays
 from sim_export.motion.kinematics import Sweep, read_sweeps
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement, Visual
 from sim_export.physics.standing import MARGIN, center_of_mass, depth_of_mass
 
 # Lengths in metres.
-NEAR = 0.0045
-"""Hulls that end this little above the lowest visible point are left alone."""
 FAR = 0.06
-"""Hulls that end further up lack more than feet; they are left alone too."""
+"""Hulls that end further above the lowest visible point lack more than feet; they are left alone, as those
+within `NEAR` are."""
 ROOT = 1e-3
 """How far a foot reaches up beyond the lowest hull."""
 SHORT = 0.004
@@ -92,8 +92,6 @@ def add_feet(
 
     Args:
         links: Links with hulls, object frame at rest.
-        joints: Their joints.
-        requirements: Joints that must be open while another moves.
         meshes: Mesh of every part, by name; metres, object frame.
         find: Makes feet of meshes between two heights; by default of closed meshes. `find_tips` takes any.
 
@@ -139,16 +137,11 @@ def _find_feet(meshes: Sequence[Mesh], low: float, high: float) -> list[Hull]:
     for mesh in meshes:
         if float(mesh.vertices[:, 2].min()) >= middle:
             continue
-        solid = manifold3d.Manifold(
-            manifold3d.Mesh64(
-                vert_properties=np.array(mesh.vertices, dtype=np.float64),
-                tri_verts=np.array(mesh.faces, dtype=np.uint64),
-            )
-        )
+        solid = make_manifold(mesh.vertices, mesh.faces)
         for piece in solid.trim_by_plane((0.0, 0.0, -1.0), -middle).decompose():
             fill = piece.volume() / max(piece.hull().volume(), 1e-12)
             for pad in [piece] if fill >= LEAST_FILL else _cut_corners(piece):
-                points = np.array(pad.to_mesh64().vert_properties)[:, :3]
+                points, _ = solid_arrays(pad)
                 found.append(np.concatenate([points, points * [1, 1, 0] + [0, 0, high]]))
     return _as_feet(found)
 
@@ -214,9 +207,6 @@ def level_object(
 
     Args:
         links: Links with hulls and inertials, object frame at rest; the body is the last.
-        joints: Their joints.
-        requirements: Joints that must be open while another moves.
-        category: What the object is.
         shown: Triangles (m) that are seen of the body; feet reach up to them.
 
     Returns:
@@ -239,12 +229,7 @@ def level_object(
     part = links[-1].parts[0]
     points = sample_triangles(shown, SAMPLES)[0] if feet else np.zeros((0, 3))
     visuals = tuple(
-        Visual(
-            name=f"foot_{index}",
-            part=part,
-            label="base",
-            mesh=_show_foot(foot, points),
-        )
+        Visual(name=f"foot_{index}", part=part, label="base", mesh=_show_foot(foot, points))
         for index, foot in enumerate(feet)
     )
     if not feet:

@@ -14,11 +14,11 @@ from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
 from sim_export.collision.cuboids import box_sums, compress, count_filled, empty_box, grow_boxes
-from sim_export.geometry.exposure import triangle_normals
-from sim_export.geometry.grid import Grid, make_grid, mark_surface
+from sim_export.geometry.grid import Grid, label_cells, make_grid, mark_surface
 from sim_export.geometry.hulls import box_hull
-from sim_export.geometry.rows import all_three, number_rows
-from sim_export.geometry.sampling import sample_triangles, triangle_areas
+from sim_export.geometry.rows import number_rows
+from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.triangles import bounds_of, triangle_areas, triangle_normals
 from sim_export.package import Hull
 
 CELLS = 128
@@ -53,7 +53,7 @@ DENSITY = 3.0
 """Samples per cell of surface."""
 MOST_SAMPLES = 200_000
 SHEET = 0.002
-"""Thickness (m) of a box that stands for a single sheet."""
+"""Thickness (m) of a box or hull that stands for a single sheet."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -94,18 +94,17 @@ def find_free_space(
     ``others`` are points where the surfaces of other links are or pass. Enclosed space that much of them
     pass through is free, the room of drawers, unless the surface is that of a ``solid``.
     """
-    bounds = np.stack([triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))])
+    bounds = bounds_of(triangles.reshape(-1, 3))
     longest = max(float(np.ptp(bounds, axis=0).max()), 1e-6)
     count = int(np.clip(longest / (FINEST * diagonal), 8, CELLS))
     grid = make_grid(bounds + longest / count * ASIDE[:, None], count)
     wall = mark_surface(triangles, grid)
     away = _distances(wall) * np.float32(grid.cell)
-    regions = np.zeros(wall.shape, dtype=np.int32)
-    ndimage.label(~wall, output=regions)
+    regions, _ = label_cells(~wall)
     taken = np.zeros(wall.shape, dtype=bool)
     if others is not None and len(others):
         cells = grid.cells_of(others)
-        taken[tuple(cells[all_three((cells >= 0) & (cells < grid.shape))].T)] = True
+        taken[tuple(cells[grid.holds(cells)].T)] = True
         taken &= ~wall
     size = np.bincount(regions.ravel())
     # Surfaces of lodgers are thin, so blocks of cells are counted in which they are.
@@ -117,10 +116,7 @@ def find_free_space(
     free = lodged[regions]
     depth = np.where(free, away, np.float32(0.0))
     return FreeSpace(
-        grid=grid,
-        away=away,
-        depth=np.where(taken & free, np.maximum(depth, TAKEN_DEPTH), depth),
-        solid=solid,
+        grid=grid, away=away, depth=np.where(taken & free, np.maximum(depth, TAKEN_DEPTH), depth), solid=solid
     )
 
 
@@ -197,7 +193,7 @@ def look_up(
 def find_inside(points: Float[np.ndarray, "N 3"], space: FreeSpace) -> Float[np.ndarray, "N"]:
     """How deep (m) points lie in enclosed space, at least; 0 beyond the grid, in wall and in free cells."""
     cells = space.grid.cells_of(points)
-    within = all_three((cells >= 0) & (cells < space.grid.shape))
+    within = space.grid.holds(cells)
     deep, where = np.zeros(len(points)), tuple(cells[within].T)
     deep[within] = np.where(space.depth[where] > 0, np.float32(0.0), space.away[where])
     return np.maximum(deep - space.grid.cell, 0.0)
@@ -236,7 +232,7 @@ def _find_aligned(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace) -> Al
     count = int(min(DENSITY * triangle_areas(flat).sum() / space.grid.cell**2, MOST_SAMPLES))
     points, owner = sample_triangles(flat, count)
     cells = space.grid.cells_of(points)
-    within = all_three((cells >= 0) & (cells < space.grid.shape))
+    within = space.grid.holds(cells)
     return Aligned(points=points[within], cells=cells[within], axes=axes[owner[within]])
 
 

@@ -27,6 +27,7 @@ from sim_export.geometry.hulls import (
 )
 from sim_export.geometry.primitives import is_box
 from sim_export.geometry.rows import number_rows
+from sim_export.geometry.triangles import area_normals, diagonal_of, face_edges
 from sim_export.package import Hull, Link
 
 MOST_OF_LINK = 96
@@ -121,16 +122,11 @@ def _cut_to_aspect(hull: Hull, depth: int = MAX_CUTS) -> list[Hull]:
 
 
 def compact_hull(
-    hull: Hull,
-    thickest: float,
-    alike: float = ALIKE,
-    halvings: int = HALVINGS,
-    reach: float = np.inf,
+    hull: Hull, thickest: float, alike: float = ALIKE, halvings: int = HALVINGS, reach: float = np.inf
 ) -> list[Hull]:
     """A hull, or what stands for it within the limits: its box, a thicker hull, or halves of these.
 
     Args:
-        hull: Any hull.
         thickest: Thickness (m) up to which a hull is thickened rather than divided.
         alike: Volume of its box over that of a hull up to which the box is taken.
         halvings: Times that it may be divided; what is left oblong then is left out.
@@ -198,7 +194,7 @@ def flatten_facets(hull: Hull) -> Hull:
     """A hull inside of the given one, with one facet in place of neighbours that are nearly coplanar."""
     if box_bounds(hull) is not None:
         return hull
-    tolerance = COPLANAR * float(np.linalg.norm(np.ptp(hull.vertices, axis=0)))
+    tolerance = COPLANAR * diagonal_of(hull.vertices)
     least = (1.0 - MAX_FLATTENED) * hull_volume(hull)
     flat = hull
     for _ in range(MOST_MERGED):
@@ -221,16 +217,14 @@ def _merged_plane(hull: Hull, tolerance: float) -> Float[np.ndarray, "4"] | None
         return None
     first, facet = number_rows(np.rint(1e7 * planes).astype(np.int64))
     corners = hull.vertices[hull.faces]
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    areas = np.linalg.norm(area_normals(corners), axis=1)
     total = np.bincount(facet, weights=areas)
     middles = (
         np.stack([np.bincount(facet, weights=areas * corners.mean(axis=1)[:, n]) for n in range(3)], axis=1)
         / np.maximum(total, 1e-300)[:, None]
     )
     normals, offsets = planes[first, :3], planes[first, 3]
-    edges = np.sort(
-        np.concatenate([hull.faces[:, [0, 1]], hull.faces[:, [1, 2]], hull.faces[:, [2, 0]]]), axis=1
-    )
+    edges = np.sort(face_edges(hull.faces), axis=1)
     owner = np.tile(facet, 3)
     order = np.lexsort((edges[:, 1], edges[:, 0]))
     pairs = owner[order].reshape(-1, 2)

@@ -59,10 +59,7 @@ def ignored_pairs(package: SimPackage) -> tuple[tuple[str, str], ...]:
 
 
 def kept_distance(
-    links: Sequence[Link],
-    joints: Sequence[PackageJoint],
-    pair: tuple[str, str],
-    sets: dict[str, HullSet],
+    links: Sequence[Link], joints: Sequence[PackageJoint], pair: tuple[str, str], sets: dict[str, HullSet]
 ) -> float | None:
     """A distance (m) that two links keep at all positions of the joints; None if they may meet.
 
@@ -70,9 +67,6 @@ def kept_distance(
     part of them as the two are apart in its middle.
 
     Args:
-        links: The links of a package.
-        joints: Its joints.
-        pair: The names of the two links.
         sets: The hulls of all links that have any; of a link that turns without limits against its parent,
             hulls that hold all its positions.
     """

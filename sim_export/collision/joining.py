@@ -17,7 +17,6 @@ def join_neighbours(
     """Joins pairs of items until none can be joined, those first that cost least.
 
     Args:
-        items: What is joined.
         reach: Items whose bounds are farther apart than this along an axis are not neighbours.
         join: The cost of joining two neighbours and the result, or None where they must stay apart.
 

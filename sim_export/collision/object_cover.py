@@ -18,6 +18,7 @@ from sim_export.collision.surface_hulls import (
     refine_cover,
 )
 from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.triangles import diagonal_of
 from sim_export.motion.kinematics import (
     driven_joints,
     hanging_links,
@@ -56,7 +57,7 @@ class ObjectCover:
         """
         corners = np.concatenate([surface.reshape(-1, 3) for surface in surfaces.values()])
         self._surfaces, self._passing, self._solid = surfaces, passing, solid
-        self._diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
+        self._diagonal = diagonal_of(corners)
         self._covers: dict[tuple[str, Fineness], Cover] = {}
 
     def make_hulls(
@@ -110,15 +111,13 @@ def find_passing(
     of different branches count at rest only: one may have to be opened before the other.
 
     Args:
-        links: The links.
-        joints: Their joints.
         surfaces: Triangles of every link that has any, at rest.
         solid: Whether the surfaces are closed and apart from each other.
     """
     points = {name: sample_triangles(triangles, SAMPLES)[0] for name, triangles in surfaces.items()}
     below = {link.name: set(hanging_links(joints, link.name)) for link in links}
     slot = {link.name: index for index, link in enumerate(links)}
-    size = {name: float(np.linalg.norm(np.ptp(found, axis=0))) for name, found in points.items()}
+    size = {name: diagonal_of(found) for name, found in points.items()}
     rivals = {
         name: [o for o in points if o != name and (solid or (size[o], o) < (size[name], name))]
         for name in points

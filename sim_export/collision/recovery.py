@@ -15,17 +15,27 @@ from jaxtyping import Float
 from artigen.transforms import inverse, transform_points
 from sim_export.collision.attachment import GAP, add_hull, relative_poses
 from sim_export.collision.hull_limits import MIN_WIDTH, MOST_OF_LINK, trim_hull
+from sim_export.collision.relief import MARGIN
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.distances import surface_distances
-from sim_export.geometry.hulls import clip_hull, hull_volume, hull_width, inside_hulls, replace_hulls
-from sim_export.geometry.sampling import sample_triangles, triangle_areas
-from sim_export.geometry.solids import as_solid, solid_arrays, solid_hull
+from sim_export.geometry.hulls import (
+    clip_hull,
+    hull_triangles,
+    hull_volume,
+    hull_width,
+    inside_hulls,
+    replace_hulls,
+)
+from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.solids import as_solid, solid_hull, solid_triangles, unite
+from sim_export.geometry.triangles import diagonal_of, meet_box, triangle_areas
 from sim_export.motion.kinematics import Sweep, read_sweeps
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
 
 _DENSER = 4
 """The surface measured to has this many times the samples of the points measured from."""
-_LEAST_SAMPLES = 200
+LEAST_SAMPLES = 200
+"""Points on a link beyond its share of `SAMPLES`."""
 # Lengths as shares of the object's diagonal, unless in metres.
 MISSED = 0.02
 """Surface farther than this from that of all hulls is lost; 0.03 is what checks allow."""
@@ -41,15 +51,13 @@ HALVINGS = 3
 """Times that what does not fit one hull is divided in two."""
 CUTS = 8
 """Most cuts that free a hull from others."""
-MARGIN = 0.0025
-"""Room (m) that such a cut leaves, so that poses between the sampled ones are free too."""
 
 
 def find_lost(
     triangles: Float[np.ndarray, "F 3 3"], hulls: Sequence[Hull], samples: int, least: float
 ) -> tuple[Float[np.ndarray, "N 3"], Float[np.ndarray, "N"]]:
     """Points of a link's surface farther than ``least`` (m) from its hulls, and how far: seen, not felt."""
-    solid = np.concatenate([hull.vertices[hull.faces] for hull in hulls])
+    solid = hull_triangles(hulls)
     seen, _ = sample_triangles(triangles, samples)
     seen = seen[~inside_hulls(seen, tuple(hulls))]
     away = surface_distances(seen, solid, _DENSER * samples, least)
@@ -94,13 +102,10 @@ def stands_out(hull: Hull, solids: Sequence[manifold3d.Manifold]) -> float:
         rest = rest - solid
     if rest.is_empty():
         return 0.0
-    surface, faces = solid_arrays(manifold3d.Manifold.batch_boolean(list(solids), manifold3d.OpType.Add))
-    reach = float(np.linalg.norm(np.ptp(hull.vertices, axis=0)))
-    corners = surface[faces]
+    surface, reach = solid_triangles(unite(solids)), diagonal_of(hull.vertices)
     low, high = hull.vertices.min(axis=0) - reach, hull.vertices.max(axis=0) + reach
-    near = ((corners.max(axis=1) >= low) & (corners.min(axis=1) <= high)).all(axis=1)
-    vertices, faces = solid_arrays(rest)
-    return float(surface_distances(sample_triangles(vertices[faces], 2000)[0], corners[near], 5000).max())
+    points = sample_triangles(solid_triangles(rest), 2000)[0]
+    return float(surface_distances(points, surface[meet_box(surface, low, high)], 5000).max())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -122,8 +127,6 @@ def recover_surface(
 
     Args:
         links: Links with hulls, object frame at rest.
-        joints: Their joints.
-        requirements: Joints that must be open while another moves.
         meshes: Closed mesh of every part, by name; metres, object frame.
 
     Returns:
@@ -138,12 +141,12 @@ def recover_surface(
     scene = _Scene(
         sets=[HullSet(hulls=link.hulls) for link in links],
         sweeps=read_sweeps(links, joints, requirements),
-        diagonal=float(np.linalg.norm(np.ptp(np.concatenate(corners), axis=0))),
+        diagonal=diagonal_of(np.concatenate(corners)),
     )
     records = []
     for slot, own in enumerate(shown):
         if own:
-            samples = int(SAMPLES * areas[slot] / sum(areas)) + _LEAST_SAMPLES
+            samples = int(SAMPLES * areas[slot] / sum(areas)) + LEAST_SAMPLES
             records += _recover_link(links[slot].name, slot, own, scene, samples)
     return replace_hulls(links, [hulls.hulls for hulls in scene.sets]), tuple(records)
 
@@ -151,7 +154,7 @@ def recover_surface(
 def _recover_link(name: str, slot: int, meshes: Sequence[Mesh], scene: _Scene, samples: int) -> list[str]:
     """Puts back what one link has lost, into ``scene.sets``; returns what there is to say."""
     triangles = np.concatenate([mesh.vertices[mesh.faces] for mesh in meshes])
-    solids = [manifold3d.Manifold.batch_boolean(list(map(as_solid, meshes)), manifold3d.OpType.Add)]
+    solids = [unite(map(as_solid, meshes))]
     least = MISSED * scene.diagonal
     points, distances = find_lost(triangles, scene.sets[slot].hulls, samples, least)
     if not len(points):

@@ -143,9 +143,7 @@ def _cost(plan: Relief, pair: OverlappingPair, *, sheets: bool, shares: bool) ->
 
 
 def _measure(
-    hulls: tuple[Hull, Hull],
-    poses: tuple[Float[np.ndarray, "P 4 4"], Float[np.ndarray, "P 4 4"]],
-    gap: float,
+    hulls: tuple[Hull, Hull], poses: tuple[Float[np.ndarray, "P 4 4"], Float[np.ndarray, "P 4 4"]], gap: float
 ) -> Distances:
     """Distances of two hulls at the poses at which they are nearer than ``gap`` (m)."""
     return signed_distances(HullSet(hulls=hulls[:1]), HullSet(hulls=hulls[1:]), *poses, gap)

@@ -9,9 +9,9 @@ import numpy as np
 from jaxtyping import Float
 
 from sim_export.collision.surface_pieces import cut_triangles
-from sim_export.geometry.exposure import triangle_normals
 from sim_export.geometry.rows import number_rows
 from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.triangles import triangle_normals
 
 AXIS_SAMPLES = 4000
 """Points by which a surface is judged to be one of revolution."""

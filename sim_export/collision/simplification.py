@@ -21,6 +21,8 @@ from sim_export.geometry.primitives import (
     place_axes,
     primitive_hull,
 )
+from sim_export.geometry.solids import unite
+from sim_export.geometry.triangles import area_normals, bounds_of
 from sim_export.package import Hull
 
 TOLERANCE = 0.0035
@@ -92,7 +94,7 @@ class _Piece:
 
     @cached_property
     def bounds(self) -> Float[np.ndarray, "2 3"]:
-        return np.stack([self.hull.vertices.min(axis=0), self.hull.vertices.max(axis=0)])
+        return bounds_of(self.hull.vertices)
 
     def grow(self, margin: float) -> manifold3d.Manifold:
         """The solid with every face moved outwards by ``margin`` (m)."""
@@ -119,7 +121,7 @@ def _simplify(piece: _Piece, pieces: Sequence[_Piece]) -> Hull:
 def _boxes_around(hull: Hull) -> Iterator[PrimitiveShape]:
     """The smallest boxes around a hull with an edge along one of its edges and a face on one of its faces."""
     corners = hull.vertices[hull.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_normals(corners)
     edges = np.concatenate(
         [np.roll(corners, -k, axis=1)[:, 1] - np.roll(corners, -k, axis=1)[:, 0] for k in range(3)]
     )
@@ -180,5 +182,5 @@ def _lies_within(hull: Hull, pieces: Sequence[_Piece], margin: float) -> bool:
     inside = [(points @ piece.planes[:, :3].T <= piece.planes[:, 3] + margin).all(axis=1) for piece in near]
     if not np.any(inside, axis=0).all():  # most are told apart by these
         return False
-    grown = manifold3d.Manifold.batch_boolean([piece.grow(margin) for piece in near], manifold3d.OpType.Add)
+    grown = unite(piece.grow(margin) for piece in near)
     return (manifold3d.Manifold.hull_points(hull.vertices) - grown).volume() < _SPECK

@@ -32,7 +32,6 @@ def drop_specks(hulls: Sequence[Hull], diagonal: float) -> tuple[Hull, ...]:
     What holds other hulls of the link together stays, too.
 
     Args:
-        hulls: All hulls of the link.
         diagonal: That of the box around the whole object (m).
     """
     reach = min(NEAR, NEAR_SHARE * diagonal)

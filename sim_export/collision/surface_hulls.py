@@ -15,23 +15,24 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from sim_export.collision.cuboids import fill_with_boxes
-from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, cover_with_boxes, is_open_between, look_up
+from sim_export.collision.free_space import (
+    SHEET,
+    TAKEN_DEPTH,
+    FreeSpace,
+    cover_with_boxes,
+    is_open_between,
+    look_up,
+)
 from sim_export.collision.hull_limits import MIN_WIDTH, THICKEST, compact_hull, thicken_hull
 from sim_export.collision.joining import join_neighbours
 from sim_export.collision.sectors import SAGITTA, Axis, count_sectors, cut_sectors, find_axis
 from sim_export.collision.specks import drop_specks
-from sim_export.collision.surface_pieces import (
-    Piece,
-    join_pieces,
-    make_piece,
-    measure_again,
-    split_piece,
-)
+from sim_export.collision.surface_pieces import Piece, join_pieces, make_piece, measure_again, split_piece
 from sim_export.errors import DegeneratePart
-from sim_export.geometry.exposure import is_exposed, triangle_normals
+from sim_export.geometry.grid import is_exposed
 from sim_export.geometry.hulls import convex_hull
-from sim_export.geometry.rows import number_rows
-from sim_export.geometry.sampling import triangle_areas
+from sim_export.geometry.islands import connect_corners, split_groups
+from sim_export.geometry.triangles import triangle_areas, triangle_normals
 from sim_export.package import Hull
 
 HALVED = 8
@@ -58,8 +59,6 @@ TAKEN_OF_ROUND = 1.0
 """The same of sectors of a thin curved wall, whose hulls are little more than what their arcs enclose."""
 SHALLOW = 0.15
 """Depth of the arcs of the sectors of a solid, over the mean thickness of its wall."""
-SHEET = 0.002
-"""Thickness (m) of the hulls of sheets."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -268,20 +267,9 @@ def _halve(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "G 3 3"]:
 
 def split_components(triangles: Float[np.ndarray, "F 3 3"]) -> list[Float[np.ndarray, "G 3 3"]]:
     """The triangles by what they are connected to through common corners."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
     size = max(float(np.ptp(triangles.reshape(-1, 3), axis=0).max()), 1e-9)
-    keys = np.round(triangles.reshape(-1, 3) / size * 1e5).astype(np.int64)
-    _, slot = number_rows(keys)
-    faces = slot.reshape(-1, 3)
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
-    count = int(faces.max()) + 1
-    graph = coo_matrix((np.ones(len(edges)), edges.T), shape=(count, count))
-    component = connected_components(graph, directed=False)[1][faces[:, 0]]
-    order = np.argsort(component, kind="stable")
-    starts = np.flatnonzero(np.diff(component[order])) + 1
-    return [triangles[rows] for rows in np.split(order, starts)]
+    places = np.round(triangles.reshape(-1, 3) / size * 1e5).astype(np.int64)
+    return split_groups(triangles, connect_corners(places))
 
 
 def _fits(piece: Piece, least: float, taken: float) -> bool:

@@ -10,15 +10,10 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import ConvexHull, QhullError
 
-from sim_export.collision.free_space import (
-    NO_INTRUSION,
-    FreeSpace,
-    Intrusion,
-    look_up,
-    measure_intrusion,
-)
+from sim_export.collision.free_space import NO_INTRUSION, FreeSpace, Intrusion, look_up, measure_intrusion
 from sim_export.geometry.rows import number_rows
-from sim_export.geometry.sampling import cross_rows, sample_triangles, triangle_areas
+from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.triangles import area_normals, bounds_of, face_edges, triangle_areas
 
 THIN = 2e-3
 """Pieces (m) thinner than this are sheets: their hulls hold no cell."""
@@ -63,7 +58,7 @@ class Piece:
     @cached_property
     def bounds(self) -> Float[np.ndarray, "2 3"]:
         """Lowest and highest corner (m)."""
-        return np.stack([self.corners.min(axis=0), self.corners.max(axis=0)])
+        return bounds_of(self.corners)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -155,8 +150,7 @@ def _measure(around: Around, space: FreeSpace, least: float, skin: int) -> Intru
     cell = space.grid.cell
     intrusion = NO_INTRUSION
     if len(around.planes):
-        bounds = np.stack([around.corners.min(axis=0), around.corners.max(axis=0)])
-        intrusion = measure_intrusion(around.planes, bounds, space, least)
+        intrusion = measure_intrusion(around.planes, bounds_of(around.corners), space, least)
     if len(around.faces) and around.volume < cell * around.area:
         depth = look_up(sample_triangles(around.faces, skin)[0], space.depth, space.grid)
         share = float((depth > least + 0.5 * cell).mean())
@@ -202,7 +196,7 @@ def _without_needles(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray,
 
 def cut_planes(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "K 4"]:
     """Planes worth a cut: beside the largest flat regions of a surface, and across its middle."""
-    normals = cross_rows(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normals = area_normals(triangles)
     areas = np.linalg.norm(normals, axis=1)
     proper = areas > 1e-12
     low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
@@ -270,7 +264,7 @@ def _make_net(triangles: Float[np.ndarray, "F 3 3"]) -> _Net:
     points = triangles.reshape(-1, 3)
     first, slot = number_rows(np.rint(1e9 * points).astype(np.int64))
     faces = slot.reshape(-1, 3)
-    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    edges = np.sort(face_edges(faces), axis=1)
     return _Net(
         vertices=points[first],
         faces=faces,

@@ -15,12 +15,12 @@ import manifold3d
 import numpy as np
 
 from sim_export.collision.attachment import is_free
-from sim_export.collision.recovery import cut_out, find_lost, group_points
+from sim_export.collision.recovery import LEAST_SAMPLES, SAMPLES, cut_out, find_lost, group_points
 from sim_export.geometry.contacts import HullSet
 from sim_export.geometry.distances import SampledSurface, distances_to, sample_surface_tree
-from sim_export.geometry.sampling import triangle_areas
-from sim_export.geometry.solids import as_solid, inside_grid, solid_arrays, solid_hull
+from sim_export.geometry.solids import as_solid, inside_grid, solid_arrays, solid_hull, solid_triangles, unite
 from sim_export.geometry.tidy import tidy_mesh
+from sim_export.geometry.triangles import diagonal_of, triangle_areas
 from sim_export.motion.kinematics import read_sweeps
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
 
@@ -32,7 +32,6 @@ LEAST_FILLED = 0.001
 """Share of a link's volume below which what one hull fills is left alone."""
 GRID = 24
 """Cells along each axis with which the depth of what a hull fills is measured."""
-_LEAST_SAMPLES = 200
 _LEAST_VOLUME = 1e-9
 """Cubic metres; smaller pieces are flat."""
 _SPECK = 1e-7
@@ -59,8 +58,6 @@ MAX_REMOVED = 0.2
 """Greatest share of a part's volume that is left out."""
 ROOM = 0.0017
 """Room (m) that a hull needs around itself; what has it is shown, though nothing is felt there."""
-SAMPLES = 20_000
-"""Points on the surfaces of all links together."""
 
 
 def fill_meshes(
@@ -81,9 +78,9 @@ def fill_meshes(
         if not link.hulls or not link.parts:
             continue
         solids = {part: as_solid(meshes[part]) for part in link.parts}
-        whole = manifold3d.Manifold.batch_boolean(list(solids.values()), manifold3d.OpType.Add)
+        whole = unite(solids.values())
         volume = whole.volume()
-        felt = manifold3d.Manifold.batch_boolean(list(map(as_solid, link.hulls)), manifold3d.OpType.Add)
+        felt = unite(map(as_solid, link.hulls))
         excess = (felt - whole).volume() - FILLED_SHARE * volume
         if excess <= 0.0:
             continue
@@ -92,7 +89,7 @@ def fill_meshes(
         for hull, rest in _fillers(link.hulls, whole, LEAST_FILLED * volume):
             if excess <= 0.0:
                 break
-            if _depth(rest, surface, GRID) > FILLED_DEPTH * voxel:
+            if _depth(rest, surface) > FILLED_DEPTH * voxel:
                 continue
             part = max(solids, key=lambda name: (solids[name] ^ hull).volume())
             solids[part] = solids[part] + hull
@@ -127,15 +124,14 @@ def _fillers(
 
 def _sample(whole: manifold3d.Manifold) -> SampledSurface:
     """The surface of a solid, to measure distances to."""
-    vertices, faces = solid_arrays(whole)
-    return sample_surface_tree(vertices[faces], SAMPLES)
+    return sample_surface_tree(solid_triangles(whole), SAMPLES)
 
 
-def _depth(rest: manifold3d.Manifold, surface: SampledSurface, cells: int) -> float:
+def _depth(rest: manifold3d.Manifold, surface: SampledSurface) -> float:
     """How far (m) from the surface of a solid something outside of it reaches, to a cell of a grid."""
     vertices, faces = solid_arrays(rest)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    steps = (np.arange(cells) + 0.4871) / cells
+    steps = (np.arange(GRID) + 0.4871) / GRID
     x, y, z = (low[axis] + (high - low)[axis] * steps for axis in range(3))
     inside = np.argwhere(inside_grid(vertices, faces, (x, y, z)))
     points = np.concatenate([np.stack([x, y, z], axis=1)[inside, [0, 1, 2]], vertices])
@@ -152,8 +148,6 @@ def trim_meshes(
 
     Args:
         links: Links with hulls, object frame at rest.
-        joints: Their joints.
-        requirements: Joints that must be open while another moves.
         meshes: Closed mesh of every part, by name; metres, object frame.
 
     Returns:
@@ -163,7 +157,7 @@ def trim_meshes(
     corners = [meshes[part].vertices for link in links for part in link.parts]
     if not corners:
         return out, ()
-    diagonal = float(np.linalg.norm(np.ptp(np.concatenate(corners), axis=0)))
+    diagonal = diagonal_of(np.concatenate(corners))
     total = sum(float(triangle_areas(mesh.vertices[mesh.faces]).sum()) for mesh in meshes.values())
     lost = [_find_lost(link, meshes, total, diagonal) for link in links]
     much = sum(len(points) for points, _ in lost) > SHARE * SAMPLES
@@ -205,7 +199,7 @@ def _find_lost(
     if not link.hulls or not link.parts:
         return np.zeros((0, 3)), np.zeros(0)
     triangles = np.concatenate([meshes[part].vertices[meshes[part].faces] for part in link.parts])
-    samples = int(SAMPLES * triangle_areas(triangles).sum() / total) + _LEAST_SAMPLES
+    samples = int(SAMPLES * triangle_areas(triangles).sum() / total) + LEAST_SAMPLES
     return find_lost(triangles, link.hulls, samples, MISSED * diagonal)
 
 
@@ -246,8 +240,4 @@ def _union(hulls: Sequence[Hull], near: manifold3d.Manifold) -> manifold3d.Manif
         for hull in hulls
         if (hull.vertices.min(axis=0) <= box[3:]).all() and (hull.vertices.max(axis=0) >= box[:3]).all()
     ]
-    return (
-        manifold3d.Manifold.batch_boolean(meeting, manifold3d.OpType.Add)
-        if meeting
-        else manifold3d.Manifold()
-    )
+    return unite(meeting) if meeting else manifold3d.Manifold()

@@ -52,11 +52,12 @@ def read_semantics(path: Path) -> dict[str, PartLabel]:
     return labels
 
 
-def thicken(points: Float[np.ndarray, "N 3"], thickness: float) -> Float[np.ndarray, "M 3"]:
-    """Offsets points by half a thickness both ways along every direction in which they are flat."""
+def thicken(points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "M 3"]:
+    """Offsets points by half of `PLATE_THICKNESS` both ways along every direction in which they are flat."""
     centered = points - points.mean(axis=0)
     _, _, directions = np.linalg.svd(np.concatenate([centered, np.zeros((3, 3))]), full_matrices=False)
     for direction in directions:
-        if np.ptp(points @ direction) < thickness:
-            points = np.concatenate([points - direction * thickness / 2, points + direction * thickness / 2])
+        if np.ptp(points @ direction) < PLATE_THICKNESS:
+            offset = direction * PLATE_THICKNESS / 2
+            points = np.concatenate([points - offset, points + offset])
     return points

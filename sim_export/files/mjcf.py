@@ -23,6 +23,7 @@ from sim_export.files.urdf import (
     link_origins,
     visual_path,
     visual_placement,
+    xml_text,
 )
 from sim_export.geometry.primitives import find_primitive
 from sim_export.package import Hull, Link, PackageJoint, SimPackage, SourceMesh, Visual
@@ -67,8 +68,7 @@ def mjcf_text(package: SimPackage, apart: tuple[tuple[str, str], ...] = ()) -> s
             bodies[link.name] = _add_body(holder, asset, link, joint, at, origins[link.name])
         waiting = [link for link in waiting if link.name not in bodies]
     _add_pairs(root, package, apart)
-    ET.indent(root)
-    return '<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+    return xml_text(root)
 
 
 def _add_body(
@@ -100,12 +100,7 @@ def _add_body(
 
 
 def _add_hull(
-    body: ET.Element,
-    asset: ET.Element,
-    hull: Hull,
-    name: str,
-    file: str,
-    origin: Float[np.ndarray, "3"],
+    body: ET.Element, asset: ET.Element, hull: Hull, name: str, file: str, origin: Float[np.ndarray, "3"]
 ) -> None:
     """A collision geom: a box or cylinder where the hull is exactly that, else a mesh."""
     shape = find_primitive(hull)
@@ -114,17 +109,13 @@ def _add_hull(
         geom = {"type": "mesh", "mesh": f"hull_{name}", "pos": format_vector(-origin)}
     else:
         T = shape.T_object_shape
-        sizes = (
-            [size / 2 for size in shape.sizes]
-            if shape.kind == "box"
-            else [shape.sizes[0], shape.sizes[1] / 2]
-        )
+        halved = [0.5, 0.5, 0.5] if shape.kind == "box" else [1.0, 0.5]
         geom = {
             "type": shape.kind,
-            "size": format_vector(np.array(sizes)),
+            "size": format_vector(np.array(shape.sizes) * halved),
             "pos": format_vector(T[:3, 3] - origin),
+            "quat": format_vector(quat_from_matrix(T[:3, :3]), 12),
         }
-        geom["quat"] = format_vector(quat_from_matrix(T[:3, :3]), 12)
     style = {"group": "3", "friction": HULL_FRICTION, "mass": "0", "rgba": "0.6 0.6 0.6 0.5"}
     ET.SubElement(body, "geom", {"name": f"collision_{name}"} | geom | style)
 
@@ -216,5 +207,4 @@ def srdf_text(name: str, pairs: tuple[tuple[str, str], ...]) -> str:
     robot = ET.Element("robot", name=name)
     for first, second in pairs[:MAX_PAIRS]:
         ET.SubElement(robot, "disable_collisions", link1=first, link2=second, reason="Default")
-    ET.indent(robot)
-    return '<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(robot, encoding="unicode") + "\n"
+    return xml_text(robot)

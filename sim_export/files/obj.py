@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Int, UInt8
+from jaxtyping import UInt8
 
 from artigen.errors import SourceError
 from artigen.files import urdf, wavefront
@@ -20,16 +20,11 @@ from sim_export.errors import PackageError
 from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.normals import corner_normals
 from sim_export.geometry.rows import number_rows
+from sim_export.geometry.triangles import area_normals
 from sim_export.package import Hull, Mesh
 
 DECIMALS = 6
 PALETTE = 256
-
-
-def face_normals(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]) -> np.ndarray:
-    """Normals with the length of twice the area of each triangle."""
-    a, b, c = vertices[faces[:, 0]], vertices[faces[:, 1]], vertices[faces[:, 2]]
-    return np.cross(b - a, c - a)
 
 
 def format_rows(prefix: str, values: np.ndarray, decimals: int) -> str:
@@ -74,7 +69,7 @@ def hull_obj_text(hull: Hull, name: str) -> str:
     """
     hull = convex_hull(np.round(hull.vertices, DECIMALS))
     vertices = hull.vertices
-    weighted = face_normals(vertices, hull.faces)
+    weighted = area_normals(vertices[hull.faces])
     lengths = np.linalg.norm(weighted, axis=1, keepdims=True)
     normals, normal_of = _unique_rows(weighted / np.where(lengths > 0, lengths, 1.0), 4)
     corners = np.stack([hull.faces + 1, np.repeat(normal_of[:, None] + 1, 3, axis=1)], axis=2)

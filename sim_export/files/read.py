@@ -19,23 +19,14 @@ from artigen.splats.ply import read_ply
 from artigen.transforms import transform_points
 from artigen.types import JOINT_TYPES, Gaussians, PartLabel
 from sim_export.errors import DegeneratePart, PackageError
-from sim_export.files.foreign import PLATE_THICKNESS, label_of, read_semantics, thicken
+from sim_export.files.foreign import label_of, read_semantics, thicken
 from sim_export.files.joints import place_joint
 from sim_export.files.obj import parse_obj, parse_urdf, read_mesh
 from sim_export.files.sidecars import FORMAT, VERSION, handles_from_json
 from sim_export.files.urdf import splats_path
 from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.primitives import primitive_mesh
-from sim_export.package import (
-    Hull,
-    Inertial,
-    Link,
-    Mesh,
-    PackageJoint,
-    SimPackage,
-    SourceMesh,
-    Visual,
-)
+from sim_export.package import Hull, Inertial, Link, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -117,12 +108,7 @@ def _inertial(inertial: UrdfInertial | None, T: Float[np.ndarray, "4 4"], owner:
 
 
 def _read_own(
-    folder: Path,
-    urdf: UrdfFile,
-    poses: dict[str, Float[np.ndarray, "4 4"]],
-    meta: dict,
-    *,
-    appearance: bool,
+    folder: Path, urdf: UrdfFile, poses: dict[str, Float[np.ndarray, "4 4"]], meta: dict, *, appearance: bool
 ) -> SimPackage:
     """Our own package with exact meshes and hulls, labels and handles."""
     if meta.get("version") != VERSION:
@@ -173,13 +159,7 @@ def _own_joint(joint: PackageJoint, motion: dict | None) -> PackageJoint:
 
 
 def _own_link(
-    folder: Path,
-    urdf: UrdfFile,
-    index: int,
-    T: Float[np.ndarray, "4 4"],
-    facts: dict,
-    *,
-    appearance: bool,
+    folder: Path, urdf: UrdfFile, index: int, T: Float[np.ndarray, "4 4"], facts: dict, *, appearance: bool
 ) -> Link:
     link = urdf.links[index]
     owner = f"{urdf.path}: link {link.name!r}"
@@ -301,11 +281,6 @@ def _foreign_hull(foreign: _Foreign, shape: UrdfShape, T: Float[np.ndarray, "4 4
         return convex_hull(points)
     except DegeneratePart:
         foreign.records.append(
-            f"link {link_of(owner)}: collision {shape.file or shape.kind} is flat, read as a plate of 1 mm"
+            f"link {shape.link!r}: collision {shape.file or shape.kind} is flat, read as a plate of 1 mm"
         )
-        return convex_hull(thicken(points, PLATE_THICKNESS))
-
-
-def link_of(owner: str) -> str:
-    """The quoted name at the end of an error's owner."""
-    return owner.rsplit("link ", 1)[-1]
+        return convex_hull(thicken(points))

@@ -10,14 +10,7 @@ import json
 import numpy as np
 
 from sim_export.errors import PackageError
-from sim_export.package import (
-    HandleAnnotation,
-    Link,
-    PackageJoint,
-    Requirement,
-    SimPackage,
-    SourceMesh,
-)
+from sim_export.package import HandleAnnotation, Link, PackageJoint, Requirement, SimPackage, SourceMesh
 from sim_export.physics.inertia import subtree_inertial
 from sim_export.physics.materials import MATERIALS, physx_friction_coefficient
 from sim_export.topology import find_topology

@@ -16,6 +16,7 @@ from jaxtyping import Float
 from artigen.transforms import rpy_from_matrix
 from artigen.types import FULL_TURN
 from sim_export.geometry.primitives import find_primitive
+from sim_export.geometry.triangles import diagonal_of
 from sim_export.package import Link, PackageJoint, SimPackage, SourceMesh, Visual
 
 UrdfVariant = Literal["standard", "maniskill"]
@@ -50,6 +51,12 @@ def format_vector(values: Float[np.ndarray, "N"], decimals: int = DECIMALS) -> s
     return " ".join(format_number(float(value), decimals) for value in values)
 
 
+def xml_text(root: ET.Element) -> str:
+    """An XML document, indented."""
+    ET.indent(root)
+    return '<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+
+
 def link_origins(package: SimPackage) -> dict[str, Float[np.ndarray, "3"]]:
     """Origin of every link frame in the object frame at rest."""
     origins = {link.name: np.zeros(3) for link in package.links}
@@ -81,8 +88,7 @@ def urdf_text(package: SimPackage, variant: UrdfVariant = "standard") -> str:
         _add_link(robot, link, origins[link.name], names)
     for joint in package.joints:
         _add_joint(robot, joint, origins[joint.parent])
-    ET.indent(robot)
-    return '<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(robot, encoding="unicode") + "\n"
+    return xml_text(robot)
 
 
 def _add_link(robot: ET.Element, link: Link, origin: Float[np.ndarray, "3"], names: dict[str, str]) -> None:
@@ -194,4 +200,4 @@ def _visual_size(visual: Visual) -> float:
     """Diagonal of a visual's box; for source meshes the size of the file."""
     if isinstance(visual.mesh, SourceMesh):
         return float(visual.mesh.path.stat().st_size)
-    return float(np.linalg.norm(np.ptp(visual.mesh.vertices, axis=0)))
+    return diagonal_of(visual.mesh.vertices)

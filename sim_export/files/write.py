@@ -38,6 +38,7 @@ from sim_export.physics.links import check_kinematics
 Overwrite = Literal["refuse", "replace"]
 MANIFEST = "manifest.json"
 UNHASHED = frozenset({MANIFEST, "validation.json"})
+"""Files that are in no manifest; the second is what validation writes."""
 
 
 def package_files(package: SimPackage, *, engines: bool = True, visuals: bool = True) -> dict[str, bytes]:

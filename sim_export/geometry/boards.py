@@ -11,10 +11,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Bool, Int
+from jaxtyping import Bool
 from scipy import ndimage
 
 from artigen.types import VoxelGrid
+from sim_export.geometry.grid import label_cells
 
 MAX_BOARD = 3
 """Largest width (cells) of a gap; wider spaces are compartments."""
@@ -28,10 +29,8 @@ def fill_boards(voxels: VoxelGrid, owners: Sequence[int] | None = None) -> tuple
     A gap is assigned to the part that owns most of the surrounding cells. ``owners`` gives for every part the
     part that leads its link (`sim_export.physics.links.link_owners`); without it all parts count as one link.
     """
-    shape = (voxels.resolution + 2,) * 3
-    owner = np.full(shape, -1, dtype=np.int64)
-    owner[tuple(voxels.coords.T + 1)] = voxels.part_ids
-    spaces, count = label_spaces(owner < 0)
+    owner = np.pad(voxels.part_grid(), 1, constant_values=-1)
+    spaces, count = label_cells(owner < 0)
     wide = np.unique(spaces[wider_than(owner < 0, MAX_BOARD)])
     thin = np.setdiff1d(np.arange(1, count + 1), wide)
     gaps = np.isin(spaces, thin)
@@ -54,13 +53,6 @@ def fill_boards(voxels: VoxelGrid, owners: Sequence[int] | None = None) -> tuple
     coords = np.concatenate([voxels.coords, added - 1])
     part_ids = np.concatenate([voxels.part_ids, votes.argmax(axis=1)[spaces[tuple(added.T)]]])
     return replace(voxels, coords=coords, part_ids=part_ids), len(added)
-
-
-def label_spaces(empty: Bool[np.ndarray, "X Y Z"]) -> tuple[Int[np.ndarray, "X Y Z"], int]:
-    """Labels the connected spaces from 1; 0 is solid."""
-    spaces = np.zeros(empty.shape, dtype=np.int64)
-    ndimage.label(empty, output=spaces)
-    return spaces, int(spaces.max())
 
 
 def wider_than(empty: Bool[np.ndarray, "X Y Z"], width: int) -> Bool[np.ndarray, "X Y Z"]:

@@ -98,8 +98,6 @@ def signed_distances(
     """Exact signed distance of every pair of hulls closer than ``max_distance`` (m), pose by pose.
 
     Args:
-        first: Hulls of one link.
-        second: Hulls of the other.
         T_first: Displacements of ``first``, one or P of them.
         T_second: Displacements of ``second``, one or P of them.
         max_distance: Pairs further apart than this are left out; 0 keeps overlaps and touches.

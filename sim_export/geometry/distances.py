@@ -7,7 +7,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from sim_export.geometry.rows import all_three
-from sim_export.geometry.sampling import cross_rows, sample_triangles
+from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.triangles import cross_rows
 
 if TYPE_CHECKING:
     from scipy.spatial import KDTree
@@ -40,10 +41,7 @@ def sample_surface_tree(triangles: Float[np.ndarray, "F 3 3"], samples: int) -> 
 
 
 def surface_distances(
-    points: Float[np.ndarray, "N 3"],
-    triangles: Float[np.ndarray, "F 3 3"],
-    samples: int,
-    near: float = 0.0,
+    points: Float[np.ndarray, "N 3"], triangles: Float[np.ndarray, "F 3 3"], samples: int, near: float = 0.0
 ) -> Float[np.ndarray, "N"]:
     """Distances of points to a surface, see `distances_to`, which it samples with ``samples`` points."""
     if not len(points):

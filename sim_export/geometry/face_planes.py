@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from artigen.types import Part
+from sim_export.geometry.rows import connect_rows
 
 DIRECTIONS: tuple[tuple[int, int], ...] = ((0, -1), (0, 1), (1, -1), (1, 1), (2, -1), (2, 1))
 """(axis, sign) of the six face normals, in the order in which faces are listed everywhere."""
@@ -189,7 +188,7 @@ def _read_faces(solid: np.ndarray) -> tuple[_Faces, _Steps]:
         below = beside[at] - outward[at]
         steps.append((at, row[direction[at], below], row[toward[at], cell[at]], False))
 
-    patch = _connected(np.concatenate(links, axis=1), len(cell))
+    patch = connect_rows(np.concatenate(links, axis=1), len(cell))
     grid = np.append(patch, -1)[row].reshape(6, *solid.shape)
     first, second = shifts[around[1]], shifts[around[3]]
     by_cell = grid.reshape(6, -1)
@@ -210,13 +209,6 @@ def _read_faces(solid: np.ndarray) -> tuple[_Faces, _Steps]:
     source, target, riser = (patch[np.concatenate([step[n] for step in steps])] for n in range(3))
     climbs = np.concatenate([np.full(len(step[0]), step[3]) for step in steps])
     return faces, _Steps(source=source, target=target, riser=riser, climbs=climbs)
-
-
-def _connected(links: np.ndarray, count: int) -> np.ndarray:
-    """Labels the connected components of ``count`` rows joined by pairs of rows."""
-    weights = np.ones(links.shape[1], dtype=bool)
-    graph = coo_matrix((weights, tuple(links)), shape=(count, count))
-    return connected_components(graph, directed=False)[1]
 
 
 def _place_patches(

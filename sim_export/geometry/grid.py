@@ -1,4 +1,4 @@
-"""Voxelises triangle surfaces: cells that a surface crosses or encloses, and cavities.
+"""Voxelises triangle surfaces: cells that a surface crosses or encloses, cavities, and what is exposed.
 
 A column is the line through the centres of cells along one axis. The direction of each crossing with a
 triangle tells whether the column enters or leaves a solid. One pass over all triangles thus gives the winding
@@ -9,9 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
+from scipy import ndimage
+
+from sim_export.geometry.rows import all_three
 
 _SHIFT = np.array([1.37e-4, 2.71e-4, 3.19e-4])
 """Offset (in cells) of columns from the cell centres, so that they miss axis-aligned edges."""
+STEPS = (1.5, 2.5)
+"""Cells in front of a surface at which free space is looked for; at less, a cell is wall itself."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -25,6 +30,10 @@ class Grid:
     def cells_of(self, points: Float[np.ndarray, "N 3"]) -> Int[np.ndarray, "N 3"]:
         """Indices of the cells that contain the points; points outside get indices out of range."""
         return np.floor((points - self.low) / self.cell).astype(np.int64)
+
+    def holds(self, cells: Int[np.ndarray, "N 3"]) -> Bool[np.ndarray, "N"]:
+        """Which indices are those of cells of the grid."""
+        return all_three((cells >= 0) & (cells < self.shape))
 
 
 def make_grid(bounds: Float[np.ndarray, "2 3"], resolution: int) -> Grid:
@@ -61,6 +70,40 @@ def mark_surface(triangles: Float[np.ndarray, "F 3 3"], grid: Grid) -> Bool[np.n
     return out
 
 
+def label_cells(
+    cells: Bool[np.ndarray, "*S"], structure: Bool[np.ndarray, "*T"] | None = None
+) -> tuple[Int[np.ndarray, "*S"], int]:
+    """Connected groups of cells numbered from 1, and their count; by default, groups connect by faces."""
+    labels = np.zeros(cells.shape, dtype=np.int32)
+    ndimage.label(cells, structure=structure, output=labels)
+    return labels, int(labels.max())
+
+
+def find_outside(wall: Bool[np.ndarray, "X Y Z"]) -> Bool[np.ndarray, "X Y Z"]:
+    """Cells that can be reached from outside without crossing a wall; the outermost cells must be free."""
+    regions, _ = label_cells(~wall)
+    return regions == regions[0, 0, 0]
+
+
+def is_exposed(
+    points: Float[np.ndarray, "N 3"],
+    normals: Float[np.ndarray, "N 3"],
+    free: Bool[np.ndarray, "X Y Z"],
+    grid: Grid,
+) -> Bool[np.ndarray, "N"]:
+    """Whether free cells, or the space beyond the grid, lie in front of points on a surface.
+
+    What lies in rooms that a surface encloses, like the inside of a double wall, is neither seen nor felt.
+    """
+    out = np.zeros(len(points), dtype=bool)
+    for step in STEPS:
+        cells = grid.cells_of(points + step * grid.cell * normals)
+        within = grid.holds(cells)
+        out |= ~within
+        out[within] |= free[tuple(cells[within].T)]
+    return out
+
+
 def find_cavity(wall: Bool[np.ndarray, "X Y Z"], side: int) -> Bool[np.ndarray, "X Y Z"]:
     """Free cells in which an object could be placed: enclosed, reachable from outside, and wide enough.
 
@@ -69,15 +112,12 @@ def find_cavity(wall: Bool[np.ndarray, "X Y Z"], side: int) -> Bool[np.ndarray, 
     cells, those that a free cube of ``side`` cells can cover are returned. The outermost cells of the grid
     must be free.
     """
-    from scipy.ndimage import label
-
-    regions = np.asarray(label(~wall)[0])  # pyright: ignore[reportIndexIssue]
     walled = np.zeros(wall.shape, dtype=np.int8)
     for axis in range(3):
         before = np.logical_or.accumulate(wall, axis=axis)
         after = np.flip(np.logical_or.accumulate(np.flip(wall, axis), axis=axis), axis)
         walled += before & after
-    return open_with_cube((regions == regions[0, 0, 0]) & (walled >= 2), side)
+    return open_with_cube(find_outside(wall) & (walled >= 2), side)
 
 
 def open_with_cube(cells: Bool[np.ndarray, "X Y Z"], side: int) -> Bool[np.ndarray, "X Y Z"]:

@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.rows import all_three, number_rows
-from sim_export.geometry.sampling import cross_rows
+from sim_export.geometry.triangles import area_normals, cross_rows, face_edges
 from sim_export.package import Hull, Link
 
 FLAT = 1e-6
@@ -44,6 +44,11 @@ def replace_hulls(links: Sequence[Link], hulls: Sequence[tuple[Hull, ...]]) -> t
     return tuple(link if own == link.hulls else replace(link, hulls=own) for link, own in pairs)
 
 
+def hull_triangles(hulls: Iterable[Hull]) -> Float[np.ndarray, "F 3 3"]:
+    """The surfaces of hulls, of which there must be one."""
+    return np.concatenate([hull.vertices[hull.faces] for hull in hulls])
+
+
 def wrap_surface(triangles: Float[np.ndarray, "F 3 3"]) -> tuple[Hull, ...]:
     """One convex hull of triangles, of a plane as thick as `PLANE`; none where they span no plane."""
     points = triangles.reshape(-1, 3)
@@ -70,8 +75,7 @@ def _close_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
 
 def _is_manifold(hull: Hull) -> bool:
     """Whether every edge is passed once each way."""
-    faces = np.asarray(hull.faces)
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    edges = face_edges(hull.faces)
     count = len(hull.vertices)
     key = np.sort(edges[:, 0] * count + edges[:, 1])
     back = np.sort(edges[:, 1] * count + edges[:, 0])
@@ -93,8 +97,7 @@ def _find_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
     slot = np.full(len(points), -1)
     slot[used] = np.arange(len(used))
     corners = points[solved.simplices]  # F 3 3
-    outward = cross_rows(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    inverted = np.einsum("ij,ij->i", outward, solved.equations[:, :3]) < 0
+    inverted = np.einsum("ij,ij->i", area_normals(corners), solved.equations[:, :3]) < 0
     faces = np.where(inverted[:, None], solved.simplices[:, ::-1], solved.simplices)
     return Hull(vertices=points[used], faces=slot[faces])
 
@@ -134,7 +137,7 @@ def hull_planes(hull: Hull) -> Float[np.ndarray, "F 4"]:
     The array is read-only, since it is kept for the next call.
     """
     corners = hull.vertices[hull.faces]
-    normals = cross_rows(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_normals(corners)
     lengths = np.linalg.norm(normals, axis=1)
     proper = lengths > 0
     normals = normals[proper] / lengths[proper, None]
@@ -153,7 +156,7 @@ def clip_hull(hull: Hull, normal: Float[np.ndarray, "3"], offset: float) -> Hull
         return None
     if np.count_nonzero(normal) == 1 and (bounds := box_bounds(hull)) is not None:
         return _clip_box(*bounds, normal, offset)
-    edges = np.sort(np.concatenate([hull.faces[:, [0, 1]], hull.faces[:, [1, 2]], hull.faces[:, [2, 0]]]))
+    edges = np.sort(face_edges(hull.faces))
     edges = edges[number_rows(edges)[0]]
     crossing = edges[below[edges[:, 0]] != below[edges[:, 1]]]
     start, end = heights[crossing[:, 0]], heights[crossing[:, 1]]
@@ -254,8 +257,8 @@ def count_polygons(hull: Hull) -> int:
     return len(number_rows(np.rint(1e4 * scaled).astype(np.int64))[0])
 
 
-def reduce_hull(hull: Hull, max_vertices: int = 64, max_polygons: int = 64) -> Hull:
-    """A hull inside the given one within the limits that PhysX sets for its GPU solver.
+def reduce_hull(hull: Hull, max_vertices: int, max_polygons: int) -> Hull:
+    """A hull inside the given one within limits, such as those that PhysX sets for its GPU solver.
 
     Keeps the farthest vertices in evenly spread directions, as many as the limits allow, and of a slanted
     plate one on either face.

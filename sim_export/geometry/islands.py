@@ -9,9 +9,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from sim_export.geometry.contacts import HullSet
-from sim_export.geometry.exposure import find_outside
-from sim_export.geometry.grid import Grid, make_grid, mark_surface
-from sim_export.geometry.rows import number_rows
+from sim_export.geometry.grid import Grid, find_outside, make_grid, mark_surface
+from sim_export.geometry.rows import connect_rows, number_rows
+from sim_export.geometry.triangles import bounds_of, meet_box
 
 if TYPE_CHECKING:
     import coal
@@ -55,8 +55,7 @@ def find_surface_islands(
     if not len(triangles):
         return triangles, []
     piece = join_near(triangles, connected_pieces(triangles), reach)
-    order = np.argsort(piece, kind="stable")
-    pieces = np.split(triangles[order], np.flatnonzero(np.diff(piece[order])) + 1)
+    pieces = split_groups(triangles, piece)
     bounds = np.array([_bounds(piece) for piece in pieces])
     shapes = cache(lambda index: surface_shape(pieces[index]))
     extents = np.linalg.norm(bounds[:, 1] - bounds[:, 0], axis=1)
@@ -89,7 +88,6 @@ def hull_islands(
     cover a surface is not judged here.
 
     Args:
-        hulls: The hulls of a link.
         triangles: What is seen of it.
         reach: Farthest that a hull may be from the rest (m).
     """
@@ -102,7 +100,7 @@ def hull_islands(
         if other < count:
             return _distance(hulls.shapes[one], hulls.shapes[other])
         low, high = hulls.rest_bounds[one, 0] - reach, hulls.rest_bounds[one, 1] + reach
-        near = (triangles.min(axis=1) <= high).all(axis=1) & (triangles.max(axis=1) >= low).all(axis=1)
+        near = meet_box(triangles, low, high)
         found = _distance(hulls.shapes[one], surface_shape(triangles[near])) if near.any() else np.inf
         return found if found <= reach else _distance(hulls.shapes[one], shown())
 
@@ -114,7 +112,7 @@ def hull_islands(
 
 
 def _bounds(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "2 3"]:
-    return np.stack([triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))])
+    return bounds_of(triangles.reshape(-1, 3))
 
 
 def _distance(first: object, second: object) -> float:
@@ -147,7 +145,6 @@ def find_islands(
     Args:
         bounds: Lowest and highest corner of every thing.
         distance: Exact distance of two of them (m).
-        ranks: Rank of each.
         reach: Farthest that things may be apart and still hold together (m).
     """
     groups = np.arange(len(bounds))
@@ -192,33 +189,36 @@ def _near_pairs(bounds: Float[np.ndarray, "N 2 3"], reach: float) -> Iterator[tu
 
 def connected_pieces(triangles: Float[np.ndarray, "F 3 3"]) -> Int[np.ndarray, "F"]:
     """Number of the connected piece of every face; corners in the same place, to a micrometre, are one."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
+    return connect_corners(np.round(triangles.reshape(-1, 3) * 1e6).astype(np.int64))
 
-    keys = np.round(triangles.reshape(-1, 3) * 1e6).astype(np.int64)
-    first, corner = number_rows(keys)
+
+def connect_corners(places: Int[np.ndarray, "C 3"]) -> Int[np.ndarray, "F"]:
+    """Number of the connected piece of every face; its corners are three rows, and equal rows are one."""
+    first, corner = number_rows(places)
     faces = corner.reshape(-1, 3)
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
-    graph = coo_matrix((np.ones(len(edges), bool), edges.T), (len(first), len(first)))
-    return connected_components(graph, directed=False)[1][faces[:, 0]]
+    return connect_rows(edges.T, len(first))[faces[:, 0]]
+
+
+def split_groups(
+    triangles: Float[np.ndarray, "F 3 3"], group: Int[np.ndarray, "F"]
+) -> list[Float[np.ndarray, "G 3 3"]]:
+    """The triangles of every group, in the order of their numbers."""
+    order = np.argsort(group, kind="stable")
+    return np.split(triangles[order], np.flatnonzero(np.diff(group[order])) + 1)
 
 
 def join_near(
     triangles: Float[np.ndarray, "F 3 3"], piece: Int[np.ndarray, "F"], reach: float
 ) -> Int[np.ndarray, "F"]:
     """Pieces that have corners in one cell with a diagonal of ``reach`` as one: quick, and never too many."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
     if not reach > 0.0:
         return piece
     cells = np.floor(triangles.reshape(-1, 3) * (np.sqrt(3.0) / reach)).astype(np.int64)
     _, cell = number_rows(cells)
     count = int(piece.max()) + 1
-    row, column = np.repeat(piece, 3), count + cell
-    size = count + int(cell.max()) + 1
-    graph = coo_matrix((np.ones(len(row), bool), (row, column)), (size, size))
-    return connected_components(graph, directed=False)[1][piece]
+    pairs = np.stack([np.repeat(piece, 3), count + cell])
+    return connect_rows(pairs, count + int(cell.max()) + 1)[piece]
 
 
 def surface_shape(triangles: Float[np.ndarray, "F 3 3"]) -> object:
@@ -227,11 +227,7 @@ def surface_shape(triangles: Float[np.ndarray, "F 3 3"]) -> object:
 
     shape = coal.BVHModelOBBRSS()
     shape.beginModel(len(triangles), 3 * len(triangles))
-    points, faces = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
-    for corner in triangles.reshape(-1, 3):
-        points.append(corner)
-    for face in range(0, 3 * len(triangles), 3):
-        faces.append(coal.Triangle(face, face + 1, face + 2))
-    shape.addSubModel(points, faces)
+    shape.addVertices(triangles.reshape(-1, 3))
+    shape.addTriangles(np.arange(3 * len(triangles)).reshape(-1, 3))
     shape.endModel()
     return shape

@@ -11,6 +11,7 @@ import numpy as np
 from scipy import ndimage
 
 from artigen.types import VoxelGrid
+from sim_export.geometry.grid import label_cells
 
 LONE = 4
 """Most cells of a piece that is given away."""
@@ -25,14 +26,11 @@ def give_lone_cells(voxels: VoxelGrid, owners: Sequence[int]) -> tuple[VoxelGrid
     ``owners`` gives for every part the part that leads its link (`sim_export.physics.links.link_owners`). The
     last cells of a part are never given away.
     """
-    shape = (voxels.resolution + 2,) * 3
-    part = np.full(shape, -1, dtype=np.int64)
-    part[tuple(voxels.coords.T + 1)] = voxels.part_ids
+    part = np.pad(voxels.part_grid(), 1, constant_values=-1)
     link = np.where(part < 0, -1, np.asarray(owners)[part])
     out = part.copy()
     for owner in np.unique(link[link >= 0]):
-        pieces = np.zeros(shape, dtype=np.int32)
-        ndimage.label(link == owner, _ALL, output=pieces)
+        pieces, _ = label_cells(link == owner, _ALL)
         for index in np.flatnonzero(np.bincount(pieces.ravel()) <= LONE):
             own = np.argwhere(pieces == index)
             near = tuple(

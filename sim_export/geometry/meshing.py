@@ -14,21 +14,12 @@ from jaxtyping import Bool, Float, Int
 
 from artigen.types import Asset, Part
 from sim_export.errors import DegeneratePart, OpenMesh
-from sim_export.geometry.face_planes import (
-    BOX_REACH,
-    DIRECTIONS,
-    MARGIN,
-    box_in_lattice,
-    fit_face_planes,
-)
-from sim_export.geometry.occupancy import PartOccupancy, part_occupancy
+from sim_export.geometry.face_planes import BOX_REACH, DIRECTIONS, MARGIN, box_in_lattice, fit_face_planes
+from sim_export.geometry.occupancy import PartOccupancy, part_occupancy, require_voxels
 from sim_export.geometry.slants import find_slants
-from sim_export.geometry.smoothing import (
-    BlockySurface,
-    put_on_slants,
-    smooth_surface,
-    stretch_to_box,
-)
+from sim_export.geometry.smoothing import BlockySurface, put_on_slants, smooth_surface, stretch_to_box
+from sim_export.geometry.solids import make_manifold, solid_arrays
+from sim_export.geometry.triangles import face_edges
 from sim_export.package import Mesh
 
 TOLERANCE = 0.03
@@ -42,20 +33,18 @@ def solid_parts(asset: Asset) -> tuple[PartOccupancy, ...]:
 
     Raises `DegeneratePart` if a part has no voxels, `ValueError` if the asset has none.
     """
-    if asset.voxels is None:
-        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
-    solids = []
+    voxels, solids = require_voxels(asset), []
     for index, part in enumerate(asset.parts):
-        if not (asset.voxels.part_ids == index).any():
+        if not (voxels.part_ids == index).any():
             raise DegeneratePart(
-                f"asset {asset.name!r}: part {part.name!r} owns 0 of {len(asset.voxels.coords)} voxels, "
+                f"asset {asset.name!r}: part {part.name!r} owns 0 of {len(voxels.coords)} voxels, "
                 "expected at least 1; give it more samples or leave it out"
             )
-        box = box_in_lattice(part, asset.voxels.resolution)
+        box = box_in_lattice(part, voxels.resolution)
         fittings = [
             k for k, other in enumerate(asset.parts) if other.parent == index and other.label == "knob"
         ]
-        solids.append(part_occupancy(asset.voxels, index, box, fittings, leaf=part.label == "door"))
+        solids.append(part_occupancy(voxels, index, box, fittings, leaf=part.label == "door"))
     return tuple(solids)
 
 
@@ -65,17 +54,15 @@ def mesh_parts(asset: Asset, solids: Sequence[PartOccupancy] | None = None) -> t
     ``solids`` are the cells of the parts if already computed (`solid_parts`). Raises `DegeneratePart` if a
     part has no voxels, `ValueError` if the asset has none.
     """
-    if asset.voxels is None:
-        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
-    meshes = []
-    boxes = [box_in_lattice(part, asset.voxels.resolution) for part in asset.parts]
+    voxels, meshes = require_voxels(asset), []
+    boxes = [box_in_lattice(part, voxels.resolution) for part in asset.parts]
     for index, (part, solid) in enumerate(zip(asset.parts, solids or solid_parts(asset), strict=True)):
         occupancy = solid.occupancy
         others = np.zeros_like(occupancy)
-        others[tuple(asset.voxels.coords[asset.voxels.part_ids != index].T)] = True
+        others[tuple(voxels.coords[voxels.part_ids != index].T)] = True
         vertices, faces = mesh_occupancy(occupancy, boxes[index], others & ~occupancy)
         _check_closed(asset.name, part, vertices, faces)
-        metres = (vertices / asset.voxels.resolution - 0.5) * asset.scale
+        metres = (vertices / voxels.resolution - 0.5) * asset.scale
         meshes.append(Mesh(vertices=metres, faces=faces))
     return tuple(meshes)
 
@@ -97,7 +84,7 @@ def mesh_occupancy(
     vertices = smooth_surface(surface)
     vertices = stretch_to_box(vertices, ~surface.locked, box - low, BOX_REACH)
     faces = _split_quads(vertices, surface.quads)
-    return _merge_coplanar(vertices + low, faces, TOLERANCE)
+    return _merge_coplanar(vertices + low, faces)
 
 
 def read_surface(
@@ -192,23 +179,18 @@ def _split_quads(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
     return np.concatenate([turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]])
 
 
-def _merge_coplanar(
-    vertices: np.ndarray, faces: np.ndarray, tolerance: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Fewer triangles within ``tolerance`` of the same surface; still a closed manifold."""
-    solid = manifold3d.Manifold(
-        manifold3d.Mesh64(vert_properties=vertices, tri_verts=faces.astype(np.uint64))
-    )
+def _merge_coplanar(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Fewer triangles within `TOLERANCE` of the same surface; still a closed manifold."""
+    solid = make_manifold(vertices, faces)
     if solid.status() != manifold3d.Error.NoError:
         raise OpenMesh(f"blocky surface of {len(faces)} triangles is no manifold: {solid.status().name}")
     # The first pass removes collinear triangles, which the second would keep.
-    merged = solid.simplify(tolerance / 6).simplify(tolerance).to_mesh64()
-    return np.array(merged.vert_properties[:, :3]), np.array(merged.tri_verts, dtype=np.int64)
+    return solid_arrays(solid.simplify(TOLERANCE / 6).simplify(TOLERANCE))
 
 
 def _check_closed(name: str, part: Part, vertices: np.ndarray, faces: np.ndarray) -> None:
     """Raises unless every edge has exactly one twin in the opposite direction and the volume is positive."""
-    edges = np.concatenate([faces[:, [n, (n + 1) % 3]] for n in range(3)])
+    edges = face_edges(faces)
     codes = edges[:, 0] * len(vertices) + edges[:, 1]
     twins = edges[:, 1] * len(vertices) + edges[:, 0]
     closed = len(np.unique(codes)) == len(codes) and np.isin(codes, twins).all()

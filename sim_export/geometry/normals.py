@@ -5,7 +5,7 @@ from jaxtyping import Float
 from scipy import sparse
 
 from sim_export.geometry.rows import number_rows
-from sim_export.geometry.sampling import cross_rows
+from sim_export.geometry.triangles import area_normals
 
 CREASE = 35.0
 """Angle (degrees) between two faces up to which the edge between them is smooth."""
@@ -19,9 +19,9 @@ def corner_normals(
     Corners at the same position are neighbours even if they share no vertex, weighted by the areas of their
     faces; faces without area keep the zero normal.
     """
-    area_normals = cross_rows(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    lengths = np.linalg.norm(area_normals, axis=1, keepdims=True)
-    normals = area_normals / np.where(lengths > 0, lengths, 1.0)
+    weighted = area_normals(triangles)
+    lengths = np.linalg.norm(weighted, axis=1, keepdims=True)
+    normals = weighted / np.where(lengths > 0, lengths, 1.0)
     flat = np.repeat(normals[:, None], 3, axis=1)
     if crease <= 0 or len(triangles) == 0:
         return flat
@@ -34,7 +34,7 @@ def corner_normals(
     corner_of_pair, pair_of_corner = number_rows(np.column_stack([places, kinds]))
     pairs = np.stack([places, kinds])[:, corner_of_pair]
     sums = np.zeros((pairs.shape[1], 3))
-    np.add.at(sums, pair_of_corner, np.repeat(area_normals, 3, axis=0))
+    np.add.at(sums, pair_of_corner, np.repeat(weighted, 3, axis=0))
     incidence = sparse.csr_matrix(
         (np.ones(pairs.shape[1]), (np.arange(pairs.shape[1]), pairs[0])),
         shape=(pairs.shape[1], int(places.max()) + 1),

@@ -12,8 +12,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy import ndimage
 
-from artigen.types import VoxelGrid
+from artigen.types import Asset, VoxelGrid
 from sim_export.errors import DegeneratePart
+from sim_export.geometry.grid import label_cells
 from sim_export.geometry.joining import join_cells
 
 _SMALL_HOLE = 16
@@ -54,6 +55,13 @@ class PartOccupancy:
             (self.joined, "cells joined others that touched along an edge only"),
         )
         return tuple(f"{count} {what}" for count, what in kinds if count)
+
+
+def require_voxels(asset: Asset) -> VoxelGrid:
+    """The voxels of an asset; raises `ValueError` if it has none."""
+    if asset.voxels is None:
+        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
+    return asset.voxels
 
 
 def part_occupancy(
@@ -127,7 +135,7 @@ def _pits(own: np.ndarray, others: np.ndarray) -> np.ndarray:
 def _small_holes(own: np.ndarray, others: np.ndarray, normal: int) -> np.ndarray:
     """In-plane components of others' cells, up to `_SMALL_HOLE` in size, that are surrounded by this part
     alone."""
-    labels, count = _label(~own, _in_plane(normal))
+    labels, count = label_cells(~own, _in_plane(normal))
     ids = labels.ravel()
     size = np.bincount(ids, minlength=count + 1)
     foreign = np.bincount(ids, weights=others.ravel(), minlength=count + 1)
@@ -152,18 +160,11 @@ def _ragged_layers(own: np.ndarray, others: np.ndarray, box: np.ndarray) -> np.n
                 continue
             mine, theirs = np.take(own, layer, axis), np.take(others, layer, axis)
             wanted = theirs & np.take(own, layer + inward, axis)
-            labels, count = _label(mine | wanted, ndimage.generate_binary_structure(2, 1))
+            labels, count = label_cells(mine | wanted)
             held = np.bincount(labels.ravel(), weights=mine.ravel(), minlength=count + 1)
             total = np.bincount(labels.ravel(), minlength=count + 1)
             np.moveaxis(out, axis, 0)[layer] |= wanted & np.greater_equal(held, _RAGGED_SHARE * total)[labels]
     return out
-
-
-def _label(grid: np.ndarray, structure: np.ndarray) -> tuple[np.ndarray, int]:
-    """Connected components labelled from 1, and their number."""
-    labels = np.zeros(grid.shape, dtype=np.int32)
-    ndimage.label(grid, structure=structure, output=labels)
-    return labels, int(labels.max())
 
 
 def _in_plane(normal: int) -> np.ndarray:
@@ -184,7 +185,7 @@ def _fill_cavities(grid: np.ndarray, others: np.ndarray, plugs: np.ndarray, with
     holes = np.asarray(ndimage.binary_fill_holes(grid | plugs), dtype=bool) & ~(grid | plugs)
     if not (holes & others).any():
         return grid | holes
-    labels, count = _label(holes, _FACES)
+    labels, count = label_cells(holes)
     lodgers = np.bincount(labels[others & holes], minlength=count + 1)
     return grid | (holes & (lodgers[labels] < MIN_LODGER))
 
@@ -193,7 +194,7 @@ def _seamed_cavities(grid: np.ndarray, others: np.ndarray, within: np.ndarray) -
     """Cavities between this part and others that belong to this part's inside, except for seams and for what
     others own ``within`` its box, such as the rim on which a lid with a plug lies."""
     closed = grid | others
-    labels, count = _label(np.asarray(ndimage.binary_fill_holes(closed), dtype=bool) & ~closed, _FACES)
+    labels, count = label_cells(np.asarray(ndimage.binary_fill_holes(closed), dtype=bool) & ~closed)
     seamed = np.zeros(count + 1, dtype=bool)
     for index, window in enumerate(ndimage.find_objects(labels), start=1):
         if min(s.stop - s.start for s in window) > LEAF:

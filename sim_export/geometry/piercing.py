@@ -4,8 +4,8 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
-from sim_export.geometry.exposure import triangle_normals
 from sim_export.geometry.rows import all_three, number_rows
+from sim_export.geometry.triangles import triangle_normals
 
 # embreex is a compiled module without stubs.
 # pyright: reportAttributeAccessIssue=false

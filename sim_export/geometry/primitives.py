@@ -10,6 +10,7 @@ from jaxtyping import Float
 from artigen.shapes.primitives import SEGMENTS, box, cylinder, move, place_vertices
 from artigen.transforms import transform_points
 from sim_export.errors import PackageError
+from sim_export.geometry.triangles import area_normals
 from sim_export.package import Hull, Mesh
 
 FACET_TURN = np.pi / 32
@@ -147,7 +148,7 @@ def _find_cylinder(hull: Hull) -> PrimitiveShape | None:
 def _find_caps(hull: Hull) -> Float[np.ndarray, "3"] | None:
     """The normal, towards higher coordinates, shared by the triangles of two polygons of `SEGMENTS` sides."""
     corners = hull.vertices[hull.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_normals(corners)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
     alike = np.abs(normals @ normals.T) > 1.0 - 1e-6
     best = int(alike.sum(axis=1).argmax())

@@ -3,6 +3,8 @@
 import numpy as np
 from jaxtyping import Float
 
+from sim_export.geometry.triangles import area_normals, meet_box
+
 
 def plane_axes(normal: Float[np.ndarray, "3"]) -> tuple[np.ndarray, np.ndarray]:
     """Two directions perpendicular to ``normal``; object axes if ``normal`` is one."""
@@ -43,10 +45,7 @@ def triangles_in_the_way(
     """Triangles that parallel rays may hit: in projection, their boxes overlap that of the origins."""
     across = np.stack(plane_axes(direction), axis=1)  # 3 2
     flat, seen = triangles @ across, origins @ across
-    near = (flat.min(axis=1) <= seen.max(axis=0)).all(axis=1) & (flat.max(axis=1) >= seen.min(axis=0)).all(
-        axis=1
-    )
-    return triangles[near]
+    return triangles[meet_box(flat, seen.min(axis=0), seen.max(axis=0))]
 
 
 def first_hits(
@@ -65,7 +64,7 @@ def first_hits(
     if entering:
         distances = np.where(sides < 0, distances, np.inf)
     faces = triangles[distances.argmin(axis=1)]
-    normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+    normals = area_normals(faces)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
     return distances.min(axis=1), normals
 

@@ -18,7 +18,7 @@ from jaxtyping import Bool, Float
 from scipy import ndimage
 
 from artigen.types import Asset
-from sim_export.geometry.boards import label_spaces
+from sim_export.geometry.grid import label_cells
 from sim_export.geometry.joining import join_cells
 from sim_export.geometry.lone_cells import LONE
 from sim_export.geometry.occupancy import PartOccupancy
@@ -38,7 +38,6 @@ def separate_solids(
     """Removes the cells of sunk drawers and trays from the solids around them; one sentence per change.
 
     Args:
-        asset: The parts.
         solids: The solid cells of every part.
         owners: The part that leads each part's link (`sim_export.physics.links.link_owners`).
     """
@@ -54,7 +53,7 @@ def separate_solids(
             if common.sum() < SUNK * body.sum() or common.sum() == out[other].occupancy.sum():
                 continue
             left = _without_crumbs(out[other].occupancy & ~body, common)
-            if label_spaces(left)[1] > label_spaces(out[other].occupancy)[1]:
+            if label_cells(left)[1] > label_cells(out[other].occupancy)[1]:
                 continue  # legs under a board that is as low as the drawer
             left = join_cells(left, body)
             taken = int(out[other].occupancy.sum() - left.sum())
@@ -65,7 +64,7 @@ def separate_solids(
 
 def _without_crumbs(left: Bool[np.ndarray, "X Y Z"], taken: Bool[np.ndarray, "X Y Z"]) -> np.ndarray:
     """What is left of a solid without pieces that held by the cells taken from it and lie in their box."""
-    pieces, count = label_spaces(left)
+    pieces, count = label_cells(left)
     beside = pieces[np.asarray(ndimage.binary_dilation(taken, np.ones((3, 3, 3))), dtype=bool)]
     crumbs = np.zeros(count + 1, dtype=bool)
     crumbs[beside] = True
@@ -82,7 +81,6 @@ def free_latches(
     """Removes the cells of latches beside all but the leaves that carry them.
 
     Args:
-        asset: The parts.
         solids: The solid cells of every part.
         owners: As in `separate_solids`.
 
@@ -100,7 +98,7 @@ def free_latches(
         frame = np.any([solids[k].occupancy for k in others], axis=0)
         body = solids[index].occupancy
         near = body & np.asarray(ndimage.binary_dilation(frame, np.ones((3, 3, 3))), dtype=bool)
-        pieces, count = label_spaces(body & ~near)
+        pieces, count = label_cells(body & ~near)
         sizes = np.bincount(pieces.ravel(), minlength=count + 1)[1:]
         if not near.any() or sizes.max(initial=0) < MIN_LATCH * body.sum():
             continue

@@ -6,6 +6,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.sparse import coo_array, csr_array
 
+from sim_export.geometry.triangles import face_edges
+
 _RELAXED_RINGS = 4
 """Distance (cells) from a curved surface within which vertices of flat ones follow it."""
 _STRETCHED = 4.0
@@ -109,7 +111,7 @@ def _smooth_curved(surface: BlockySurface, quads: np.ndarray, ids: np.ndarray) -
     for _ in range(ITERATIONS):
         for step in (SHRINK, -GROW):
             at = np.clip(at + step * (mean @ at - at), low, high)
-        at = _spread_walls(at, free, walls, LEAST_WALL)
+        at = _spread_walls(at, free, walls)
     return at
 
 
@@ -133,7 +135,7 @@ def _relax_flat(surface: BlockySurface, at: np.ndarray, curved_ids: np.ndarray) 
 
 def _neighbour_mean(quads: np.ndarray, count: int) -> csr_array:
     """Row-stochastic matrix that averages each vertex's neighbours along the quads' edges."""
-    edges = np.concatenate([quads[:, [n, (n + 1) % 4]] for n in range(4)])
+    edges = face_edges(quads)
     edges = np.concatenate([edges, edges[:, ::-1]])
     matrix = csr_array(coo_array((np.ones(len(edges)), tuple(edges.T)), shape=(count, count)))
     degree = np.diff(matrix.indptr)
@@ -141,10 +143,10 @@ def _neighbour_mean(quads: np.ndarray, count: int) -> csr_array:
     return matrix
 
 
-def _spread_walls(at: np.ndarray, free: np.ndarray, walls: np.ndarray, least: float) -> np.ndarray:
-    """Moves the two sides of thin walls apart if they came closer than ``least``."""
+def _spread_walls(at: np.ndarray, free: np.ndarray, walls: np.ndarray) -> np.ndarray:
+    """Moves the two sides of thin walls apart if they came closer than `LEAST_WALL`."""
     low, high, axis = walls.T
-    missing = least - (at[high, axis] - at[low, axis])
+    missing = LEAST_WALL - (at[high, axis] - at[low, axis])
     thin = missing > 0
     if not thin.any():
         return at

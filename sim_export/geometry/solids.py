@@ -1,12 +1,24 @@
 """Closed meshes as exact solids (`manifold3d`), and the grid points inside of them."""
 
+from collections.abc import Iterable
+
 import manifold3d
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from sim_export.errors import OpenMesh
 from sim_export.geometry.hulls import convex_hull
+from sim_export.geometry.triangles import area_normals
 from sim_export.package import Hull, Mesh
+
+
+def make_manifold(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]) -> manifold3d.Manifold:
+    """The solid of a mesh, whose status tells whether it is closed."""
+    mesh = manifold3d.Mesh64(  # copies, because manifold3d refuses read-only arrays
+        vert_properties=np.array(vertices, dtype=np.float64, order="C"),
+        tri_verts=np.array(faces, dtype=np.uint64, order="C"),
+    )
+    return manifold3d.Manifold(mesh)
 
 
 def as_solid(mesh: Mesh | Hull) -> manifold3d.Manifold:
@@ -15,7 +27,7 @@ def as_solid(mesh: Mesh | Hull) -> manifold3d.Manifold:
     Raises:
         OpenMesh: If the mesh does not enclose a volume.
     """
-    solid = _manifold(mesh.vertices, mesh.faces)
+    solid = make_manifold(mesh.vertices, mesh.faces)
     if solid.status() != manifold3d.Error.NoError or solid.is_empty() or solid.volume() <= 0.0:
         raise OpenMesh(
             f"a mesh of {len(mesh.faces)} faces encloses {solid.volume():.3g} m^3 "
@@ -28,6 +40,17 @@ def solid_arrays(solid: manifold3d.Manifold) -> tuple[Float[np.ndarray, "V 3"], 
     """Vertices and faces of a solid."""
     mesh = solid.to_mesh64()
     return np.asarray(mesh.vert_properties[:, :3]), np.asarray(mesh.tri_verts).astype(np.int64)
+
+
+def solid_triangles(solid: manifold3d.Manifold) -> Float[np.ndarray, "F 3 3"]:
+    """The surface of a solid."""
+    vertices, faces = solid_arrays(solid)
+    return vertices[faces]
+
+
+def unite(solids: Iterable[manifold3d.Manifold]) -> manifold3d.Manifold:
+    """The union of solids."""
+    return manifold3d.Manifold.batch_boolean(list(solids), manifold3d.OpType.Add)
 
 
 def solid_hull(solid: manifold3d.Manifold) -> Hull:
@@ -47,7 +70,7 @@ def inside_grid(
     """
     xs, ys, zs = axes
     corners = vertices[faces]  # F 3 3
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_normals(corners)
     steep = np.abs(normals[:, 2]) > 1e-15
     corners, normals = corners[steep], normals[steep]
     first, last = [], []
@@ -78,12 +101,3 @@ def inside_grid(
     winding = np.zeros((len(xs), len(ys), len(zs) + 1), dtype=np.int32)
     np.add.at(winding, (i, j, level), -np.sign(normals[triangle, 2]).astype(np.int32))
     return np.cumsum(winding, axis=2)[:, :, :-1] > 0
-
-
-def _manifold(vertices: np.ndarray, faces: np.ndarray) -> manifold3d.Manifold:
-    # Copies, because manifold3d refuses read-only arrays.
-    mesh = manifold3d.Mesh64(
-        vert_properties=np.array(vertices, dtype=np.float64, order="C"),
-        tri_verts=np.array(faces, dtype=np.uint64, order="C"),
-    )
-    return manifold3d.Manifold(mesh)

@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from sim_export.geometry.islands import nearest_points, surface_shape
 from sim_export.geometry.sampling import sample_triangles
-from sim_export.geometry.solids import as_solid, solid_arrays
+from sim_export.geometry.solids import as_solid, solid_arrays, solid_triangles, unite
 from sim_export.geometry.tidy import tidy_mesh
 from sim_export.package import Link, Mesh
 
@@ -35,7 +35,6 @@ def brace_links(
     """Connects the pieces of every link; pieces out of reach are left out if they are specks.
 
     Args:
-        links: The links.
         meshes: Closed mesh of every part, by name; metres, object frame.
         cell: Edge of a voxel (m).
 
@@ -62,7 +61,7 @@ def _brace(
     pieces = [(part, piece) for part, solid in solids.items() for piece in solid.decompose()]
     if len(pieces) < 2:
         return {}
-    shapes = [surface_shape(_triangles(piece)) for _, piece in pieces]
+    shapes = [surface_shape(solid_triangles(piece)) for _, piece in pieces]
     volumes = [piece.volume() for _, piece in pieces]
     # The surface of a void inside is a piece of negative volume.
     joined = [k for k, volume in enumerate(volumes) if volume == max(volumes) or volume < 0.0]
@@ -71,7 +70,7 @@ def _brace(
         for k in range(len(pieces))
         if k not in joined
     }
-    whole = manifold3d.Manifold.batch_boolean(list(solids.values()), manifold3d.OpType.Add)
+    whole = unite(solids.values())
     changed: dict[str, tuple[manifold3d.Manifold, int, int]] = {}
     while near:
         index = min(near, key=lambda k: near[k][0])
@@ -94,18 +93,12 @@ def _gap(found: tuple[float, Float[np.ndarray, "2 3"]]) -> float:
     return found[0]
 
 
-def _triangles(solid: manifold3d.Manifold) -> Float[np.ndarray, "F 3 3"]:
-    vertices, faces = solid_arrays(solid)
-    return vertices[faces]
-
-
 def make_struts(
     piece: manifold3d.Manifold, whole: manifold3d.Manifold, ends: Float[np.ndarray, "2 3"], cell: float
 ) -> manifold3d.Manifold:
     """A box from a piece to what it belongs to, or two near the ends of what faces it along a line.
 
     Args:
-        piece: The piece.
         whole: What it belongs to.
         ends: Their nearest points (m).
         cell: Largest width (m).
@@ -117,7 +110,9 @@ def make_struts(
     patches = (piece.translate((gap + inside) * way) ^ whole).decompose()
     points = ends.mean(axis=0, keepdims=True)
     if patches:
-        points = sample_triangles(_triangles(max(patches, key=lambda patch: patch.volume())), _SAMPLES)[0]
+        points = sample_triangles(solid_triangles(max(patches, key=lambda patch: patch.volume())), _SAMPLES)[
+            0
+        ]
     frame = _frame(way, points)
     flat = (points - points.mean(axis=0)) @ frame[1:].T
     low, high = flat.min(axis=0), flat.max(axis=0)
@@ -133,7 +128,7 @@ def make_struts(
         at = place + way * (way @ (ends.mean(axis=0) - place))
         T = np.column_stack([frame.T, at])
         struts.append(manifold3d.Manifold.cube(size, center=True).transform(T))
-    return manifold3d.Manifold.batch_boolean(struts, manifold3d.OpType.Add)
+    return unite(struts)
 
 
 def _frame(way: Float[np.ndarray, "3"], points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "3 3"]:

@@ -4,7 +4,9 @@ import numpy as np
 
 from artigen.types import Asset, SurfaceSamples
 from sim_export.geometry.meshing import mesh_parts
-from sim_export.geometry.sampling import sample_triangles, triangle_areas
+from sim_export.geometry.occupancy import require_voxels
+from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.triangles import area_normals, triangle_areas
 
 SAMPLES = 4
 """Samples along the edge of a voxel."""
@@ -22,15 +24,13 @@ def sample_surface(asset: Asset) -> SurfaceSamples:
         DegeneratePart: If a part has no voxels.
         ValueError: If the asset has no voxels.
     """
-    meshes = mesh_parts(asset)
-    assert asset.voxels is not None
-    triangles = [mesh.vertices[mesh.faces] / asset.scale for mesh in meshes]
-    per_area = (SAMPLES * asset.voxels.resolution) ** 2
+    triangles = [mesh.vertices[mesh.faces] / asset.scale for mesh in mesh_parts(asset)]
+    per_area = (SAMPLES * require_voxels(asset).resolution) ** 2
     points, normals, part_ids = [], [], []
     for part, corners in enumerate(triangles):
         count = int(np.ceil(triangle_areas(corners).sum() * per_area))
         found, rows = sample_triangles(corners, count)
-        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[rows]
+        across = area_normals(corners)[rows]
         points.append(found)
         normals.append(across / np.linalg.norm(across, axis=1, keepdims=True))
         part_ids.append(np.full(count, part))

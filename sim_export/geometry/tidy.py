@@ -4,8 +4,8 @@ import manifold3d
 import numpy as np
 
 from sim_export.errors import OpenMesh
-from sim_export.geometry.sampling import find_slivers
 from sim_export.geometry.solids import as_solid, solid_arrays
+from sim_export.geometry.triangles import diagonal_of, find_slivers
 from sim_export.package import Mesh
 
 DETAILS = (1e-5, 1e-4, 5e-4, 1e-3)
@@ -26,7 +26,7 @@ def tidy_mesh(solid: manifold3d.Manifold, like: Mesh) -> Mesh | None:
     vertices, _ = solid_arrays(solid)
     if not len(vertices):
         return None
-    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    size = diagonal_of(vertices)
     for detail in DETAILS:
         vertices, faces = solid_arrays(solid.simplify(max(detail * size, LEAST_DETAIL)))
         mesh = Mesh(vertices=vertices, faces=faces, color=like.color)

@@ -11,7 +11,7 @@ from artigen.types import Asset, Joint
 from sim_export.geometry.distances import MAX_P99, surface_distances
 from sim_export.geometry.hulls import convex_hull, hull_volume
 from sim_export.geometry.sampling import sample_triangles
-from sim_export.geometry.solids import as_solid
+from sim_export.geometry.solids import as_solid, unite
 from sim_export.geometry.tidy import tidy_mesh
 from sim_export.package import Hull, Mesh
 
@@ -38,7 +38,7 @@ def fit_width(cylinder: Mesh, joint: Joint, scale: float, triangles: Float[np.nd
     arms = cylinder.vertices - origin
     radius = float(np.linalg.norm(arms - np.outer(arms @ axis, axis), axis=1).max())
     along = (triangles.reshape(-1, 3) - origin) @ axis
-    return _cylinder(origin, axis, (float(along.min()), float(along.max())), radius, SEGMENTS)
+    return _cylinder(origin, axis, (float(along.min()), float(along.max())), radius)
 
 
 def is_open(triangles: Float[np.ndarray, "F 3 3"], cylinder: Hull, diagonal: float) -> bool:
@@ -73,14 +73,14 @@ def round_wheels(asset: Asset, meshes: Sequence[Mesh]) -> tuple[tuple[Mesh, ...]
         drop = float(origin[2] - floor) / float(np.hypot(axis[0], axis[1]))
         if abs(drop - radius) <= NEAR * voxel:
             radius = drop
-        cylinder = _cylinder(origin, axis, (float(along.min()), float(along.max())), radius, SEGMENTS)
+        cylinder = _cylinder(origin, axis, (float(along.min()), float(along.max())), radius)
         share = as_solid(mesh).volume() / hull_volume(cylinder)
         if not LEAST_ALIKE <= share <= 1.0 / LEAST_ALIKE:
             continue
         out[index] = replace(mesh, vertices=cylinder.vertices, faces=cylinder.faces)
         records.append(f"{part.name}: became a cylinder of {2000 * radius:.1f} mm about its axle")
         reach = (float(along.min()) - WELL, float(along.max()) + WELL)
-        wells[index] = as_solid(_cylinder(origin, axis, reach, radius + WELL, SEGMENTS))
+        wells[index] = as_solid(_cylinder(origin, axis, reach, radius + WELL))
     for index, well in wells.items():
         for other in sorted(set(range(len(out))) - wells.keys()):
             hollow = _without(out[other], well)
@@ -99,15 +99,11 @@ def _without(mesh: Mesh, well: manifold3d.Manifold) -> Mesh | None:
         return None
     pieces = (solid - well).decompose()
     kept = [piece for piece in pieces if piece.volume() > 0.1 * shared]
-    return tidy_mesh(manifold3d.Manifold.batch_boolean(kept, manifold3d.OpType.Add), mesh)
+    return tidy_mesh(unite(kept), mesh)
 
 
 def _cylinder(
-    origin: Float[np.ndarray, "3"],
-    axis: Float[np.ndarray, "3"],
-    span: tuple[float, float],
-    radius: float,
-    segments: int,
+    origin: Float[np.ndarray, "3"], axis: Float[np.ndarray, "3"], span: tuple[float, float], radius: float
 ) -> Hull:
     """A cylinder with its corners at this radius, one of them straight below the axis."""
     down = np.array([0.0, 0.0, -1.0]) + axis[2] * axis
@@ -115,6 +111,6 @@ def _cylinder(
         down = np.array([1.0, 0.0, 0.0])
     down /= np.linalg.norm(down)
     side = np.cross(axis, down)
-    angles = 2.0 * np.pi * np.arange(segments) / segments
+    angles = 2.0 * np.pi * np.arange(SEGMENTS) / SEGMENTS
     ring = origin + radius * (np.outer(np.cos(angles), down) + np.outer(np.sin(angles), side))
     return convex_hull(np.concatenate([ring + end * axis for end in span]))

@@ -5,9 +5,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from jaxtyping import Float
 
+from artigen.transforms import shift
 from sim_export.checks.config import CheckConfig
 from sim_export.mend.source import Source, leading_part, move_part
-from sim_export.source_faults import Shown
+from sim_export.source_faults import Shown, surfaces_diagonal
 
 FARTHEST = 0.02
 """Longest translation relative to the object's diagonal."""
@@ -23,8 +24,6 @@ def pull_apart(source: Source, cfg: CheckConfig) -> Source:
     They move along an axis of the object, or else across the axis of their joint, as a laptop's hinge must.
     """
     surfaces = source.links
-    corners = np.concatenate([triangles.reshape(-1, 3) for triangles in surfaces.values()])
-    diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
     body = next(reversed(surfaces))
     for name in surfaces:
         if name == body:
@@ -40,7 +39,7 @@ def pull_apart(source: Source, cfg: CheckConfig) -> Source:
             continue
         deepest_first = [shown[other] for other in sorted(depths, key=lambda other: -depths[other])]
         part = leading_part(source, name)
-        shifts = FARTHEST * diagonal * _shifts(source.asset.parts[part].joint.axis)
+        shifts = FARTHEST * surfaces_diagonal(surfaces) * _shifts(source.asset.parts[part].joint.axis)
         allowed = FREE * cfg.max_rest_overlap_parent
         found = next((s for s in shifts if _is_free(shown[name], deepest_first, s, allowed)), None)
         if found is None:
@@ -71,14 +70,12 @@ def _shifts(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "N 3"]:
     return np.concatenate(groups)
 
 
-def _is_free(link: Shown, others: Sequence[Shown], shift: Float[np.ndarray, "3"], allowed: float) -> bool:
-    """Whether a link, moved by ``shift`` (m), overlaps no other by more than is allowed (m)."""
-    return all(depth <= allowed for other in others for depth in _depths(link, other, shift))
+def _is_free(link: Shown, others: Sequence[Shown], offset: Float[np.ndarray, "3"], allowed: float) -> bool:
+    """Whether a link, moved by ``offset`` (m), overlaps no other by more than is allowed (m)."""
+    return all(depth <= allowed for other in others for depth in _depths(link, other, offset))
 
 
-def _depths(link: Shown, other: Shown, shift: Float[np.ndarray, "3"]) -> Iterator[float]:
-    """Depths (m) to which a link, moved by ``shift`` (m), enters another one, and this one enters it."""
-    for into, moved, way in ((other, link, shift), (link, other, -shift)):
-        T = np.eye(4)
-        T[:3, 3] = way
-        yield into.entered(moved, T)[0]
+def _depths(link: Shown, other: Shown, offset: Float[np.ndarray, "3"]) -> Iterator[float]:
+    """Depths (m) to which a link, moved by ``offset`` (m), enters another one, and this one enters it."""
+    for into, moved, way in ((other, link, offset), (link, other, -offset)):
+        yield into.entered(moved, shift(way))[0]

@@ -8,10 +8,10 @@ from jaxtyping import Float
 from artigen.transforms import frame_along
 from artigen.types import SurfaceSamples
 from sim_export.checks.config import CheckConfig
-from sim_export.geometry.exposure import triangle_normals
 from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.islands import find_surface_islands, nearest_points, surface_shape
 from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.triangles import triangle_normals
 from sim_export.mend.source import Source, leading_part
 
 LONGEST = 0.1
@@ -20,6 +20,7 @@ WIDTH = 0.006
 """Edge (m) of a post's square cross-section, and how far it stands in what it connects."""
 POST_COLOR = (140, 140, 140)
 SAMPLES = 500
+"""Points on a post, which voxels and colours are made of."""
 
 
 def bridge_islands(source: Source, cfg: CheckConfig) -> Source:

@@ -57,7 +57,7 @@ def source_package(source: Source) -> SimPackage:
     """The object as a package for checks: its own surface, and one convex hull per part."""
     geometry = [
         PartGeometry(
-            visuals=(_as_mesh(triangles),) if len(triangles) else (),
+            visuals=(as_mesh(triangles),) if len(triangles) else (),
             hulls=wrap_surface(triangles),
             inertial=Inertial(mass=1.0, com=source.asset.scale * part.box[0], inertia=0.01 * np.eye(3)),
         )
@@ -73,7 +73,8 @@ def source_package(source: Source) -> SimPackage:
     )
 
 
-def _as_mesh(triangles: Float[np.ndarray, "F 3 3"]) -> Mesh:
+def as_mesh(triangles: Float[np.ndarray, "F 3 3"]) -> Mesh:
+    """Triangles as a mesh without shared vertices."""
     return Mesh(vertices=triangles.reshape(-1, 3), faces=np.arange(3 * len(triangles)).reshape(-1, 3))
 
 
@@ -94,10 +95,9 @@ def move_part(source: Source, part: int, shift: Float[np.ndarray, "3"], record: 
     """The object with a part and its descendants moved by ``shift`` (m), including joints."""
     asset, step = source.asset, np.asarray(shift) / source.asset.scale
     moved = np.zeros(len(asset.parts), dtype=bool)
-    moved[part] = True
     for index in range(len(asset.parts)):
         at = index
-        while at != -1 and at != part:
+        while at not in (-1, part):
             at = asset.parts[at].parent
         moved[index] = at == part
     parts = tuple(

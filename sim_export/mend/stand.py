@@ -14,6 +14,7 @@ from scipy.spatial import ConvexHull
 from artigen.splats.motion import transform_gaussians
 from artigen.transforms import transform_points
 from sim_export.collision.feet import add_feet, find_tips
+from sim_export.mend.source import as_mesh
 from sim_export.package import HandleAnnotation, Hull, Link, Mesh, PackageJoint, SimPackage, Visual
 from sim_export.physics.standing import DOWN, MARGIN, center_of_mass, depth_of_mass, must_stand
 from sim_export.picture.draw import visual_meshes
@@ -23,8 +24,8 @@ FARTHEST = 30.0
 
 
 def stand_on_side(package: SimPackage) -> SimPackage:
-    """The package on the nearest side on which it stands, with a record; unchanged if it need not stand, does
-    so already, or if no such side is near."""
+    """A package of independent joints on the nearest side on which it stands, with a record; unchanged if it
+    need not stand, does so already, or if no such side is near."""
     points = np.concatenate([np.zeros((0, 3)), *(hull.vertices for k in package.links for hull in k.hulls)])
     weighed = any(link.inertial is not None for link in package.links)
     if not must_stand(package.category) or not len(points) or not weighed:
@@ -42,7 +43,7 @@ def stand_on_side(package: SimPackage) -> SimPackage:
             break
     else:
         return package
-    turned = turn_package(package, _turn_onto(normals[row], DOWN), points)
+    turned = turn_package(package, _turn_onto_floor(normals[row]), points)
     record = (
         f"mend stand (V303): the object was turned by {angles[row]:.1f} degrees onto a side on which it "
         f"stands; its centre of mass was {1e3 * -before:.0f} mm outside of what touched the floor"
@@ -55,23 +56,19 @@ def stand_on_side(package: SimPackage) -> SimPackage:
 
 def _shown_parts(package: SimPackage) -> dict[str, Mesh]:
     """What is seen of every part (m), as one mesh."""
-    corners: dict[str, list[np.ndarray]] = {}
+    triangles: dict[str, list[np.ndarray]] = {}
     for visual in (visual for link in package.links for visual in link.visuals):
-        corners.setdefault(visual.part, []).extend(
-            mesh.vertices[mesh.faces].reshape(-1, 3) for mesh in visual_meshes(visual)
+        triangles.setdefault(visual.part, []).extend(
+            mesh.vertices[mesh.faces] for mesh in visual_meshes(visual)
         )
-    joined = {part: np.concatenate(chunks) for part, chunks in corners.items()}
-    return {
-        part: Mesh(vertices=points, faces=np.arange(len(points)).reshape(-1, 3))
-        for part, points in joined.items()
-    }
+    return {part: as_mesh(np.concatenate(chunks)) for part, chunks in triangles.items()}
 
 
-def _turn_onto(normal: Float[np.ndarray, "3"], down: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
-    """The smallest rotation that brings a normal to ``down``: a half turn about it, and one about the middle
-    of both."""
-    first, second = normal / np.linalg.norm(normal), normal / np.linalg.norm(normal) + down
-    half_turns = [2.0 * np.outer(n, n) / (n @ n) - np.eye(3) for n in (first, second)]
+def _turn_onto_floor(normal: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+    """The smallest rotation that turns a normal down: a half turn about it, and one about the middle of
+    both."""
+    first = normal / np.linalg.norm(normal)
+    half_turns = [2.0 * np.outer(n, n) / (n @ n) - np.eye(3) for n in (first, first + DOWN)]
     return half_turns[1] @ half_turns[0]
 
 

@@ -24,15 +24,12 @@ def held_length(own: Float[np.ndarray, "N"], carrier: Float[np.ndarray, "M"], tr
 
 
 def keep_drawers_held(
-    links: Sequence[Link],
-    joints: Sequence[PackageJoint],
-    panels: Mapping[str, Float[np.ndarray, "N 3"]],
+    links: Sequence[Link], joints: Sequence[PackageJoint], panels: Mapping[str, Float[np.ndarray, "N 3"]]
 ) -> tuple[tuple[PackageJoint, ...], tuple[str, ...]]:
     """Lowers the limits of drawers that would leave their carrier; one sentence per change.
 
     Args:
         links: Links with hulls, object frame at rest.
-        joints: Their joints.
         panels: Points of each drawer without its handles, by link.
     """
     by_name = {link.name: link for link in links}

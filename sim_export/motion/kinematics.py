@@ -46,8 +46,6 @@ def link_displacements(
     """Displacement of every link from rest, in the order of ``links`` and in the object frame.
 
     Args:
-        links: The links of a package.
-        joints: Its joints.
         qpos: Coordinate of driven joints by name, numbers or arrays of poses that broadcast;
             joints that are not named stay at 0, mimicking ones follow theirs.
 
@@ -179,9 +177,7 @@ def sample_range(
 
 
 def read_sweeps(
-    links: Sequence[Link],
-    joints: Sequence[PackageJoint],
-    requirements: Sequence[Requirement],
+    links: Sequence[Link], joints: Sequence[PackageJoint], requirements: Sequence[Requirement]
 ) -> tuple[Sweep, ...]:
     """Every driven joint's sweep, with what it requires open."""
     sweeps = []

@@ -7,7 +7,7 @@ thick; the share of the moving link that gets into the other one does (`find_cro
 form a cycle. Slight contact is a matter of clearance.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -43,23 +43,30 @@ def find_requirements(links: Sequence[Link], joints: Sequence[PackageJoint]) -> 
     size = float(box_sides(links).max())
     driven = driven_joints(joints)
     moved = {joint.name: moved_links(links, joints, joint) for joint in driven}
+
+    def depth(joint: PackageJoint, other: PackageJoint, opening: float) -> float:
+        """Deepest penetration of links moved by ``joint`` and those that only ``other`` moves, less that at
+        rest."""
+        T = link_displacements(
+            links, joints, {joint.name: sweep_coordinates(joint, POSES), other.name: opening}
+        )
+        deepest = 0.0
+        for first in moved[joint.name]:
+            for second in set(moved[other.name]) - set(moved[joint.name]):
+                if sets[first].hulls and sets[second].hulls:
+                    depths = penetration_depths(sets[first], sets[second], T[:, first], T[:, second])
+                    at_rest = penetration_depths(sets[first], sets[second], np.eye(4), np.eye(4))[0]
+                    deepest = max(deepest, float(depths.max() - at_rest))
+        return deepest
+
     blocked = []
     for joint in driven:
-        poses = sweep_coordinates(joint, POSES)
         for other in driven:
-            apart = [slot for slot in moved[other.name] if slot not in moved[joint.name]]
-            if other is joint or not apart or set(moved[joint.name]) <= set(moved[other.name]):
-                continue
-            depth = _depth(links, joints, sets, {joint.name: poses}, (moved[joint.name], apart))
-            if depth > MIN_DEPTH * size:
-                blocked.append((depth, joint, other))
-
-    def is_free(joint: PackageJoint, other: PackageJoint, opening: float) -> bool:
-        opened = {joint.name: sweep_coordinates(joint, POSES), other.name: opening}
-        apart = [slot for slot in moved[other.name] if slot not in moved[joint.name]]
-        return _depth(links, joints, sets, opened, (moved[joint.name], apart)) <= FREE_DEPTH * size
-
-    return require_openings(blocked, joints, is_free)
+            if not set(moved[joint.name]) <= set(moved[other.name]):
+                found = depth(joint, other, 0.0)
+                if found > MIN_DEPTH * size:
+                    blocked.append((found, joint, other))
+    return require_openings(blocked, joints, lambda *at: depth(*at) <= FREE_DEPTH * size)
 
 
 def require_openings(
@@ -88,25 +95,6 @@ def require_openings(
                 break
     order = {joint.name: index for index, joint in enumerate(joints)}
     return tuple(sorted(found, key=lambda requirement: (order[requirement.joint], order[requirement.needs])))
-
-
-def _depth(
-    links: Sequence[Link],
-    joints: Sequence[PackageJoint],
-    sets: Sequence[HullSet],
-    qpos: Mapping[str, object],
-    pair: tuple[Sequence[int], Sequence[int]],
-) -> float:
-    """Deepest penetration of two groups of links along a sweep, less what it is at rest."""
-    T = link_displacements(links, joints, qpos)
-    deepest = 0.0
-    for first in pair[0]:
-        for second in pair[1]:
-            if sets[first].hulls and sets[second].hulls:
-                depths = penetration_depths(sets[first], sets[second], T[:, first], T[:, second])
-                at_rest = penetration_depths(sets[first], sets[second], np.eye(4), np.eye(4))[0]
-                deepest = max(deepest, float(depths.max() - at_rest))
-    return deepest
 
 
 def find_crossings(

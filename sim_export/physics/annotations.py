@@ -14,13 +14,8 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.types import Asset, Part
-from sim_export.geometry.rays import (
-    bar_depths,
-    first_hits,
-    free_depths,
-    hit_cosines,
-    plane_axes,
-)
+from sim_export.geometry.rays import bar_depths, first_hits, free_depths, hit_cosines, plane_axes
+from sim_export.geometry.triangles import meet_box
 from sim_export.package import HandleAnnotation, Mesh, PackageJoint
 from sim_export.physics.links import LinkTree, link_names, link_owners
 
@@ -92,7 +87,7 @@ def _annotate(
     pull = guide if leaf is None else joint_velocity(leaf, center)
     if part.label == "handle" and part.joint.type == "prismatic":
         points = _leading_bar(triangles, motion)
-    carrier = _near(carrier, points, REACH)
+    carrier = _near(carrier, points)
     normal = _outward_normal(points, carrier, guide, pull / max(float(np.linalg.norm(pull)), 1e-9))
     frame = _box_along(_front_side(points, normal, carrier), normal)
     if part.label == "knob":
@@ -100,7 +95,7 @@ def _annotate(
         line = np.stack([frame.center - half, frame.center + half])
         clearance = min(_stand_off(frame, carrier), REACH)
     else:
-        clearance, line = _grip(frame, triangles, _near(others, points, REACH))
+        clearance, line = _grip(frame, triangles, _near(others, points))
     direction = motion
     if in_place:  # its outline moves, while its centre hardly does
         direction = joint_velocity(joint, line[1])
@@ -137,12 +132,11 @@ def gapart_class(part: Part, ratio: float) -> str:
 
 
 def _near(
-    triangles: Float[np.ndarray, "F 3 3"], points: Float[np.ndarray, "N 3"], reach: float
+    triangles: Float[np.ndarray, "F 3 3"], points: Float[np.ndarray, "N 3"]
 ) -> Float[np.ndarray, "G 3 3"]:
-    """Triangles whose boxes come within ``reach`` of the points' box."""
-    low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
-    near = (triangles.min(axis=1) <= high).all(axis=1) & (triangles.max(axis=1) >= low).all(axis=1)
-    return triangles[near]
+    """Triangles whose boxes come within `REACH` of the points' box."""
+    low, high = points.min(axis=0) - REACH, points.max(axis=0) + REACH
+    return triangles[meet_box(triangles, low, high)]
 
 
 def _outward_normal(
@@ -278,9 +272,7 @@ def _corners(frame: _Frame) -> Float[np.ndarray, "8 3"]:
 
 
 def _grip(
-    frame: _Frame,
-    triangles: Float[np.ndarray, "F 3 3"],
-    behind: Float[np.ndarray, "G 3 3"],
+    frame: _Frame, triangles: Float[np.ndarray, "F 3 3"], behind: Float[np.ndarray, "G 3 3"]
 ) -> tuple[float, Float[np.ndarray, "2 3"]]:
     """Clearance behind a bar and its grasp line, from rays along its middle and its two sides.
 

@@ -78,11 +78,6 @@ def combine(inertials: Sequence[Inertial]) -> Inertial:
     return Inertial(mass=float(mass), com=com, inertia=inertia)
 
 
-def principal_moments(inertial: Inertial) -> Float[np.ndarray, "3"]:
-    """Eigenvalues of the inertia, ascending."""
-    return np.linalg.eigvalsh(inertial.inertia)
-
-
 def check_inertial(inertial: Inertial, owner: str) -> None:
     """Raises `InvalidInertia` unless mass and inertia are physical.
 
@@ -97,7 +92,7 @@ def check_inertial(inertial: Inertial, owner: str) -> None:
     inertia = np.asarray(inertial.inertia)
     if np.abs(inertia - inertia.T).max() > TRIANGLE_TOLERANCE * np.abs(inertia).max():
         raise InvalidInertia(f"{owner}: inertia {inertia.tolist()} is not symmetric")
-    small, middle, large = principal_moments(inertial)
+    small, middle, large = np.linalg.eigvalsh(inertia)
     if not small > 0:
         raise InvalidInertia(
             f"{owner}: principal moments {small:.6g}, {middle:.6g}, {large:.6g}: expected > 0"

@@ -105,10 +105,7 @@ def link_surfaces(
 
 
 def build_links(
-    asset: Asset,
-    geometry: Sequence[PartGeometry],
-    latched: Collection[str] = (),
-    stays: Collection[str] = (),
+    asset: Asset, geometry: Sequence[PartGeometry], latched: Collection[str] = (), stays: Collection[str] = ()
 ) -> LinkTree:
     """Welds parts into links and converts part joints to package joints.
 

@@ -15,7 +15,8 @@ from scipy.ndimage import binary_erosion
 from artigen.types import Asset, VoxelGrid
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.hulls import convex_hull, hull_planes
-from sim_export.geometry.occupancy import PartOccupancy
+from sim_export.geometry.occupancy import PartOccupancy, require_voxels
+from sim_export.geometry.triangles import area_normals, bounds_of
 from sim_export.package import Inertial, Link, Mesh
 from sim_export.physics.inertia import inertia_about, mesh_inertial
 from sim_export.physics.makes import find_make, is_hardware
@@ -37,8 +38,7 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy)
         mesh: Its closed mesh, metres.
         occupancy: The cells from which the mesh was made.
     """
-    if asset.voxels is None:
-        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
+    voxels = require_voxels(asset)
     part = asset.parts[part_id]
     name, make = part_material(part.label, asset.category), find_make(asset.category)
     hardware = is_hardware(part.label, moves=part.joint.type != "fixed")
@@ -47,14 +47,14 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy)
     else:
         own = MATERIALS[name].density if hardware else make.wall_density(name)
         density = own * min(1.0, MATERIALS[name].thickest / mean_thickness(mesh))
-        walls = _weigh_shell(asset.voxels, occupancy, asset.scale, mesh, density)
+        walls = _weigh_shell(voxels, occupancy, asset.scale, mesh, density)
     if walls.mass <= 0:
         raise DegeneratePart(
             f"part {part.name!r}: walls of {walls.mass:.3g} kg around its cavity, expected > 0"
         )
     if part.parent != -1:
         return walls
-    return make.fill_base(walls, np.stack([mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)]))
+    return make.fill_base(walls, bounds_of(mesh.vertices))
 
 
 def _weigh_shell(
@@ -72,7 +72,7 @@ def _weigh_shell(
 def mean_thickness(mesh: Mesh) -> float:
     """Mean thickness (m) of a plate with the volume and area of a mesh; half the diameter for a bar."""
     corners = mesh.vertices[mesh.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_normals(corners)
     volume = float(np.einsum("fi,fi->", corners[:, 0], normals)) / 6.0
     return 2.0 * volume / (float(np.linalg.norm(normals, axis=1).sum()) / 2.0)
 

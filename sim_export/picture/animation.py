@@ -46,9 +46,7 @@ class AnimationConfig:
 
 
 def animate_packages(
-    packages: Sequence[SimPackage],
-    cfg: AnimationConfig | None = None,
-    draw_splats: DrawSplats | None = None,
+    packages: Sequence[SimPackage], cfg: AnimationConfig | None = None, draw_splats: DrawSplats | None = None
 ) -> list[UInt8[np.ndarray, "H W 3"]]:
     """Frames of packages in a grid, from all closed to all open.
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from artigen.types import frozen_array
+from artigen.types import freeze_field
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -29,8 +29,7 @@ class Camera:
 
     def __post_init__(self) -> None:
         for name in ("position", "target"):
-            value = frozen_array(getattr(self, name), np.float64, (3,), f"camera {name}")
-            object.__setattr__(self, name, value)
+            freeze_field(self, name, np.float64, (3,), f"camera {name}")
         if not 0.0 < self.fov < 180.0:
             raise ValueError(f"camera fov is {self.fov} degrees, allowed is between 0 and 180")
         if min(self.width, self.height) < 1:

@@ -15,10 +15,11 @@ from artigen.files.wavefront import NO_MATERIAL
 from artigen.transforms import transform_points
 from sim_export.errors import PackageError
 from sim_export.files.obj import parse_mtl, parse_obj, read_image
+from sim_export.geometry.triangles import area_normals, diagonal_of
 from sim_export.motion.kinematics import driven_joints, link_displacements, package_joint_motion
 from sim_export.package import Hull, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
 from sim_export.picture.raycast import Surface
-from sim_export.picture.render import move_surface, surface_from_mesh
+from sim_export.picture.render import move_surface, surface_from_mesh, surface_points
 
 CONTINUOUS_OPEN = np.pi / 2
 """Open position (radians) of a joint without limits: a quarter turn."""
@@ -85,7 +86,7 @@ def hull_surfaces(package: SimPackage) -> tuple[Surface, ...]:
     vertices = [hull.vertices for link in package.links for hull in link.hulls]
     if not vertices:
         return ()
-    hair = HAIR * float(np.linalg.norm(np.ptp(np.concatenate(vertices), axis=0)))
+    hair = HAIR * diagonal_of(np.concatenate(vertices))
     surfaces = []
     for index, link in enumerate(package.links):
         for place, hull in enumerate(link.hulls):
@@ -101,7 +102,7 @@ def hull_surfaces(package: SimPackage) -> tuple[Surface, ...]:
 def swell_hull(hull: Hull, amount: float) -> Float[np.ndarray, "V 3"]:
     """Vertices of the hull with its faces moved outward by at most ``amount`` (metres)."""
     corners = hull.vertices[hull.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_normals(corners)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     # Count the triangles of one flat face once.
     _, first, kind = np.unique(np.round(normals, 3), axis=0, return_index=True, return_inverse=True)
@@ -173,8 +174,8 @@ def explode_links(
     stays.
     """
     centers = _link_centers(len(package.links), surfaces)
-    points = np.concatenate([np.zeros((0, 3)), *(surface.triangles.reshape(-1, 3) for surface in surfaces)])
-    step = spread * float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
+    points = surface_points(surfaces)
+    step = spread * diagonal_of(points) if len(points) else 0.0
     joint_of = {joint.child: joint for joint in package.joints}
     slot = {link.name: index for index, link in enumerate(package.links)}
     T = np.tile(np.eye(4), (len(package.links), 1, 1))
@@ -190,9 +191,8 @@ def explode_links(
 def _link_centers(count: int, surfaces: Sequence[Surface]) -> np.ndarray:
     centers = np.zeros((count, 3))
     for index in range(count):
-        own = [surface.triangles.reshape(-1, 3) for surface in surfaces if surface.id == index]
-        if own:
-            points = np.concatenate(own)
+        points = surface_points([surface for surface in surfaces if surface.id == index])
+        if len(points):
             centers[index] = (points.min(axis=0) + points.max(axis=0)) / 2.0
     return centers
 

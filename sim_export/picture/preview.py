@@ -19,13 +19,7 @@ from jaxtyping import Float, UInt8
 from sim_export.motion.kinematics import driven_joints
 from sim_export.package import SimPackage
 from sim_export.picture.camera import Camera, Viewpoint, frame_points
-from sim_export.picture.draw import (
-    explode_links,
-    hull_surfaces,
-    open_links,
-    package_surfaces,
-    pose_surfaces,
-)
+from sim_export.picture.draw import explode_links, hull_surfaces, open_links, package_surfaces, pose_surfaces
 from sim_export.picture.lighting import RenderConfig
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import render_scene, surface_points
@@ -47,6 +41,9 @@ PALE_INK = (110, 116, 128)
 QUALITY = 80
 """WebP quality."""
 PANELS: tuple[Panel, ...] = ("closed", "open")
+"""Panels of contact sheets and thumbnails."""
+SPREAD = 0.25
+"""Distance that exploded links move, as a fraction of the object's diagonal."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,8 +56,6 @@ class PreviewConfig:
     """Viewpoint of the camera and pixels per panel."""
     render: RenderConfig = field(default_factory=RenderConfig)
     """Light and sampling."""
-    spread: float = 0.25
-    """Distance that exploded links move, as a fraction of the object's diagonal."""
     columns: int = 4
     """Objects in a row of a contact sheet."""
 
@@ -138,14 +133,13 @@ def contact_sheet(
     cfg = PreviewConfig() if cfg is None else cfg
     if not packages:
         raise ValueError("a contact sheet of no packages")
-    pairs: tuple[Panel, ...] = ("closed", "open")
     cells = []
     for package in packages:
         shapes = prepare_shapes(package, cfg)
-        camera = frame_shapes(shapes, cfg, pairs)
-        pair = np.concatenate([draw_panel(shapes, panel, camera, cfg) for panel in pairs], axis=1)
+        camera = frame_shapes(shapes, cfg, PANELS)
+        pair = np.concatenate([draw_panel(shapes, panel, camera, cfg) for panel in PANELS], axis=1)
         if draw_splats is not None and any(has_splats(one) for one in packages):
-            below = [_draw_splats(shapes, panel, camera, cfg, draw_splats) for panel in pairs]
+            below = [_draw_splats(shapes, panel, camera, cfg, draw_splats) for panel in PANELS]
             pair = np.concatenate([pair, np.concatenate(below, axis=1)], axis=0)
         cells.append(
             caption_below(pair, f"{package.name}     {describe_joints(package)}", cfg.render.background)
@@ -203,19 +197,19 @@ def prepare_shapes(package: SimPackage, cfg: PreviewConfig) -> Shapes:
     if not any(len(surface.triangles) for surface in visual):
         raise ValueError(f"package {package.name!r} has no visual triangles, there is nothing to draw")
     return Shapes(
-        package=package, visual=visual, hulls=hulls, exploded=explode_links(package, visual, cfg.spread)
+        package=package, visual=visual, hulls=hulls, exploded=explode_links(package, visual, SPREAD)
     )
 
 
+def _panel_pose(shapes: Shapes, panel: Panel) -> Float[np.ndarray, "L 4 4"]:
+    """Displacements of all links in a panel."""
+    if panel == "exploded":
+        return shapes.exploded
+    return open_links(shapes.package, {"closed": 0.0, "half": 0.5}.get(panel, 1.0))
+
+
 def _panel_surfaces(shapes: Shapes, panel: Panel) -> tuple[Surface, ...]:
-    match panel:
-        case "closed" | "half" | "open":
-            fraction = {"closed": 0.0, "half": 0.5}.get(panel, 1.0)
-            return pose_surfaces(shapes.visual, open_links(shapes.package, fraction))
-        case "exploded":
-            return pose_surfaces(shapes.visual, shapes.exploded)
-        case "collision":
-            return pose_surfaces(shapes.hulls, open_links(shapes.package, 1.0))
+    return pose_surfaces(shapes.hulls if panel == "collision" else shapes.visual, _panel_pose(shapes, panel))
 
 
 def frame_shapes(shapes: Shapes, cfg: PreviewConfig, panels: Sequence[Panel]) -> Camera:
@@ -247,9 +241,7 @@ def _draw_splats(
     """The Gaussians in a panel's pose; blank if there are none, or the panel shows none."""
     if panel not in SPLAT_PANELS or not has_splats(shapes.package):
         return np.full((camera.height, camera.width, 3), cfg.render.background, dtype=np.uint8)
-    fraction = {"closed": 0.0, "half": 0.5}.get(panel, 1.0)
-    T = shapes.exploded if panel == "exploded" else open_links(shapes.package, fraction)
-    return draw_splats(pose_splats(shapes.package, T), camera, cfg.render.background)
+    return draw_splats(pose_splats(shapes.package, _panel_pose(shapes, panel)), camera, cfg.render.background)
 
 
 def caption_below(
@@ -285,16 +277,18 @@ def _write(
     return np.asarray(picture)
 
 
-def draw_thumbnail(package: SimPackage, size: int = 192) -> UInt8[np.ndarray, "H W 3"]:
-    """The closed object beside the open one, each ``size`` x ``size`` pixels, with one camera.
+def draw_thumbnail(
+    package: SimPackage, size: int, panels: tuple[Panel, ...] = PANELS
+) -> UInt8[np.ndarray, "H W 3"]:
+    """Panels side by side, each ``size`` x ``size`` pixels, with one camera.
 
     Raises:
         ValueError: If the package has nothing to draw.
     """
-    cfg = PreviewConfig(panels=PANELS, viewpoint=Viewpoint(width=size, height=size))
+    cfg = PreviewConfig(panels=panels, viewpoint=Viewpoint(width=size, height=size))
     shapes = prepare_shapes(package, cfg)
-    camera = frame_shapes(shapes, cfg, PANELS)
-    return np.concatenate([draw_panel(shapes, panel, camera, cfg) for panel in PANELS], axis=1)
+    camera = frame_shapes(shapes, cfg, panels)
+    return np.concatenate([draw_panel(shapes, panel, camera, cfg) for panel in panels], axis=1)
 
 
 def webp_bytes(image: UInt8[np.ndarray, "H W 3"]) -> bytes:

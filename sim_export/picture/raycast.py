@@ -7,13 +7,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
 
 from artigen.splats.colors import linear_from_srgb
-from artigen.types import frozen_array
-from sim_export.geometry.exposure import triangle_normals
-from sim_export.picture.shading import (
-    blend_corners,
-    sample_cover,
-    sample_texture,
-)
+from artigen.types import freeze_field
+from sim_export.geometry.triangles import bounds_of, triangle_normals
+from sim_export.picture.shading import blend_corners, sample_cover, sample_texture
 
 # embreex is a compiled module without stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -45,16 +41,12 @@ class Surface:
     color: tuple[float, float, float] = (0.7, 0.7, 0.7)
 
     def __post_init__(self) -> None:
-        triangles = frozen_array(self.triangles, np.float64, (None, 3, 3), "surface triangles")
-        normals = frozen_array(self.normals, np.float64, (len(triangles), 3, 3), "surface normals")
-        object.__setattr__(self, "triangles", triangles)
-        object.__setattr__(self, "normals", normals)
+        count = len(freeze_field(self, "triangles", np.float64, (None, 3, 3), "surface triangles"))
+        freeze_field(self, "normals", np.float64, (count, 3, 3), "surface normals")
         if (self.uv is None) != (self.texture is None):
             raise ValueError("a surface has texture coordinates and a texture, or neither")
         if self.uv is not None:
-            object.__setattr__(
-                self, "uv", frozen_array(self.uv, np.float64, (len(triangles), 3, 2), "surface uv")
-            )
+            freeze_field(self, "uv", np.float64, (count, 3, 2), "surface uv")
         if self.id < 0:
             raise ValueError(f"surface id is {self.id}, allowed is 0 and above (-1 means background)")
 
@@ -118,7 +110,7 @@ def build_scene(surfaces: Sequence[Surface]) -> Scene:
     triangles = np.concatenate([empty, *(surface.triangles for surface in surfaces)])
     normals = triangle_normals(triangles)
     corners = triangles.reshape(-1, 3)
-    bounds = np.stack([corners.min(axis=0), corners.max(axis=0)]) if len(corners) else np.zeros((2, 3))
+    bounds = bounds_of(corners) if len(corners) else np.zeros((2, 3))
     tree = None
     if len(triangles):
         tree = rtcore_scene.EmbreeScene(robust=True)

@@ -17,6 +17,7 @@ from jaxtyping import Float
 
 from artigen.splats.colors import srgb_from_linear
 from artigen.transforms import matrix_from_quat, quat_from_matrix
+from sim_export.geometry.triangles import diagonal_of
 from sim_export.motion.kinematics import driven_joints, link_displacements
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 from sim_export.picture.camera import Viewpoint, frame_points
@@ -141,10 +142,7 @@ def _shown_at_first(package: SimPackage, group: Group) -> bool:
 
 
 def _add_splats(
-    server: "viser.ViserServer",
-    package: SimPackage,
-    branch: "viser.FrameHandle",
-    visual: tuple[Surface, ...],
+    server: "viser.ViserServer", package: SimPackage, branch: "viser.FrameHandle", visual: tuple[Surface, ...]
 ) -> None:
     """Adds the Gaussians of all links, with the whole branch beside the meshes."""
     for link in package.links:
@@ -165,7 +163,7 @@ def _add_splats(
 
 def _add_handle(server: "viser.ViserServer", handle: HandleAnnotation, index: int) -> None:
     middle = handle.grasp_line.mean(axis=0)
-    size = 0.5 * float(np.linalg.norm(np.ptp(handle.corners, axis=0)))
+    size = 0.5 * diagonal_of(handle.corners)
     server.scene.add_line_segments(
         f"/grasp_line/{handle.link}/{index}", handle.grasp_line[None], COLORS["grasp_line"], thickness=0.006
     )

@@ -13,6 +13,7 @@ from jaxtyping import Float, Int, UInt8
 from artigen.splats.colors import linear_from_srgb
 from sim_export.files.obj import png_bytes
 from sim_export.geometry.normals import corner_normals
+from sim_export.geometry.triangles import bounds_of
 from sim_export.package import Mesh, Visual
 from sim_export.physics.materials import MaterialName
 from sim_export.usd.labels import MATERIAL_WORDS, NONVISUAL_BASES, add_label, label_part
@@ -63,10 +64,7 @@ def add_visual(
 
 
 def define_mesh(
-    stage: "Usd.Stage",
-    path: "Sdf.Path",
-    vertices: Float[np.ndarray, "V 3"],
-    faces: Int[np.ndarray, "F 3"],
+    stage: "Usd.Stage", path: "Sdf.Path", vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]
 ) -> "UsdGeom.Mesh":
     """A mesh prim of triangles with its extent; no subdivision, no normals."""
     from pxr import UsdGeom, Vt
@@ -77,8 +75,7 @@ def define_mesh(
     mesh.CreateFaceVertexCountsAttr().Set(Vt.IntArray.FromNumpy(np.full(len(faces), 3, np.int32)))
     mesh.CreateFaceVertexIndicesAttr().Set(Vt.IntArray.FromNumpy(faces.astype(np.int32).ravel()))
     mesh.CreateSubdivisionSchemeAttr().Set(UsdGeom.Tokens.none)
-    extent = np.stack([points.min(axis=0), points.max(axis=0)])
-    mesh.CreateExtentAttr().Set(Vt.Vec3fArray.FromNumpy(extent))
+    mesh.CreateExtentAttr().Set(Vt.Vec3fArray.FromNumpy(bounds_of(points)))
     return mesh
 
 

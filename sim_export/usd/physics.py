@@ -17,8 +17,8 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import quat_from_matrix
-from sim_export.files.obj import face_normals
 from sim_export.geometry.primitives import find_primitive
+from sim_export.geometry.triangles import area_normals
 from sim_export.package import Hull, Inertial, PackageJoint
 from sim_export.physics.materials import MATERIALS, MaterialName
 from sim_export.usd.labels import MATERIAL_WORDS, add_label
@@ -128,7 +128,7 @@ def _add_hull(
     from pxr import UsdGeom, Vt
 
     mesh = define_mesh(stage, path, hull.vertices - origin, hull.faces)
-    weighted = face_normals(hull.vertices, hull.faces)
+    weighted = area_normals(hull.vertices[hull.faces])
     lengths = np.linalg.norm(weighted, axis=1, keepdims=True)
     normals = np.where(lengths > 0, weighted / np.where(lengths > 0, lengths, 1.0), [0.0, 0.0, 1.0])
     mesh.CreateNormalsAttr().Set(Vt.Vec3fArray.FromNumpy(normals.astype(np.float32)))

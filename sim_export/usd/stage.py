@@ -17,6 +17,7 @@ from jaxtyping import Float
 
 from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.files.urdf import link_origins
+from sim_export.motion.kinematics import box_sides
 from sim_export.package import Hull, Link, Mesh, SimPackage, Visual
 from sim_export.physics.links import check_kinematics
 from sim_export.physics.materials import MaterialName
@@ -153,8 +154,6 @@ def _describe(package: SimPackage) -> dict[str, object]:
     from pxr import Gf
 
     said = dict(package.provenance)
-    points = [hull.vertices for link in package.links for hull in link.hulls]
-    edges = np.ptp(np.concatenate(points), axis=0) if points else np.zeros(3)
     return {
         "asset_name": asset_name(package.name),
         "asset_type": "prop",
@@ -166,7 +165,7 @@ def _describe(package: SimPackage) -> dict[str, object]:
         "category": package.category or "object",
         "qcode": category_code(package.category),
         "rigid_body_count": len(package.links),
-        "asset_extents": Gf.Vec3f(*edges.tolist()),
+        "asset_extents": Gf.Vec3f(*box_sides(package.links).tolist()),
         "mass": sum(link.inertial.mass for link in package.links if link.inertial is not None),
     }
 

@@ -11,15 +11,11 @@ bytes.
 
 from pathlib import Path
 
-import numpy as np
-from jaxtyping import UInt8
-
 from sim_export.errors import PackageError
 from sim_export.files.obj import png_bytes
 from sim_export.files.write import Overwrite, write_files
 from sim_export.package import SimPackage
-from sim_export.picture.camera import Viewpoint
-from sim_export.picture.preview import PreviewConfig, draw_standing, frame_shapes, prepare_shapes
+from sim_export.picture.preview import draw_thumbnail
 from sim_export.usd.names import asset_name
 from sim_export.usd.stage import stage_files
 
@@ -65,14 +61,9 @@ def usd_files(package: SimPackage) -> dict[str, bytes]:
         )
     name = asset_name(package.name)
     files = {f"{FOLDER}/{path}": content for path, content in stage_files(package).items()}
-    return files | {f"{FOLDER}/.thumbs/256x256/{name}.usd.png": png_bytes(draw_thumbnail(package))}
-
-
-def draw_thumbnail(package: SimPackage) -> UInt8[np.ndarray, "256 256 3"]:
-    """Renders the closed object at 256 x 256 pixels."""
-    cfg = PreviewConfig(panels=("closed",), viewpoint=Viewpoint(width=THUMBNAIL, height=THUMBNAIL))
-    shapes = prepare_shapes(package, cfg)
-    return draw_standing(shapes, shapes.visual, frame_shapes(shapes, cfg, cfg.panels), cfg)
+    return files | {
+        f"{FOLDER}/.thumbs/256x256/{name}.usd.png": png_bytes(draw_thumbnail(package, THUMBNAIL, ("closed",)))
+    }
 
 
 def require_usd() -> None:

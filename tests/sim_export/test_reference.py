@@ -13,7 +13,7 @@ from artigen.splats.faces import lay_gaussians
 from sim_export.checks.suite import run_checks
 from sim_export.files.write import package_files, write_package
 from sim_export.geometry.primitives import find_primitive
-from sim_export.geometry.sampling import find_slivers
+from sim_export.geometry.triangles import find_slivers
 from sim_export.physics.inertia import is_closed, mesh_inertial
 from sim_export.physics.materials import MATERIALS, finish_material
 from sim_export.reference import ReferenceConfig, build_reference

@@ -10,7 +10,7 @@ from artigen.datasets.partnet_surface import FaceTable
 from artigen.datasets.source_object import SourceObject, SourceVisual, TriangleMesh
 from artigen.types import FIXED, Asset, Joint, Part, SurfaceSamples
 from sim_export.geometry.hulls import box_hull
-from sim_export.geometry.sampling import triangle_areas
+from sim_export.geometry.triangles import triangle_areas
 
 SCALE = 2.0
 SLIDE = Joint(type="prismatic", axis=np.array([-1.0, 0, 0]), origin=np.zeros(3), upper=0.1)

@@ -13,7 +13,8 @@ from sim_export.collision.sectors import count_sectors, cut_sectors, find_axis
 from sim_export.collision.surface_hulls import USUAL, cover_surface
 from sim_export.geometry.distances import surface_distances
 from sim_export.geometry.hulls import box_hull
-from sim_export.geometry.sampling import sample_triangles, triangle_areas
+from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.triangles import triangle_areas
 
 PROFILE = ((0.03, 0.0), (0.034, 0.1), (0.034, 0.15), (0.012, 0.2), (0.012, 0.25))
 """Radius and height (m) of a bottle without a bottom."""

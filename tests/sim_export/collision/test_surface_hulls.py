@@ -23,7 +23,8 @@ from sim_export.collision.surface_pieces import cut_triangles, make_piece
 from sim_export.geometry.distances import surface_distances
 from sim_export.geometry.grid import Grid
 from sim_export.geometry.hulls import box_hull, convex_hull, hull_volume, hull_width, inside_hulls
-from sim_export.geometry.sampling import sample_triangles, triangle_areas
+from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.triangles import triangle_areas
 from sim_export.package import Link, PackageJoint
 
 WALL = 0.018

@@ -11,7 +11,7 @@ from PIL import Image
 
 from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.errors import PackageError
-from sim_export.files.foreign import PLATE_THICKNESS, thicken
+from sim_export.files.foreign import thicken
 from sim_export.files.mjcf import mjcf_text, srdf_text
 from sim_export.files.obj import hull_obj_text, obj_text, parse_obj, png_bytes
 from sim_export.files.read import read_package
@@ -109,4 +109,4 @@ def test_visuals_with_fewer_corners_than_mujoco_takes_are_left_out(tmp_path: Pat
 
 def test_flat_collision_becomes_a_plate_of_a_millimetre():
     flat = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    assert np.ptp(thicken(flat, PLATE_THICKNESS), axis=0) == pytest.approx([1.0, 1.0, 0.001])
+    assert np.ptp(thicken(flat), axis=0) == pytest.approx([1.0, 1.0, 0.001])

@@ -4,8 +4,8 @@ import manifold3d
 import numpy as np
 import pytest
 
-from sim_export.geometry.sampling import find_slivers
 from sim_export.geometry.tidy import tidy_mesh
+from sim_export.geometry.triangles import find_slivers
 from sim_export.package import Mesh
 
 LIKE = Mesh(vertices=np.eye(3), faces=np.array([[0, 1, 2]]), color=(0.2, 0.4, 0.6))

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from sim_export.geometry.exposure import find_outside, is_exposed
-from sim_export.geometry.grid import make_grid, mark_surface
+from sim_export.geometry.grid import find_outside, is_exposed, make_grid, mark_surface
 from sim_export.geometry.hulls import box_hull
 
 
