@@ -2,7 +2,8 @@
 
 Wheelbarrows are drawn with level handles and stand tilted, on their wheel and legs; bags are drawn on an
 edge. What needs a larger turn stays as it is: its z axis would not be up any more. Where hulls end above what
-is lowest after the turn, such as the ends of handles, these get hulls of their own.
+is lowest after the turn, such as the ends of handles, these get hulls of their own. Joints get the friction
+that holds their parts in the new position.
 """
 
 from dataclasses import replace
@@ -16,6 +17,7 @@ from artigen.transforms import transform_points
 from sim_export.collision.feet import add_feet, find_tips
 from sim_export.mend.source import as_mesh
 from sim_export.package import HandleAnnotation, Hull, Link, Mesh, PackageJoint, SimPackage, Visual
+from sim_export.physics.resistance import resist_joints
 from sim_export.physics.standing import DOWN, MARGIN, center_of_mass, depth_of_mass, must_stand
 from sim_export.picture.draw import visual_meshes
 
@@ -51,7 +53,8 @@ def stand_on_side(package: SimPackage) -> SimPackage:
     links, footed = add_feet(
         turned.links, turned.joints, turned.requires_open, _shown_parts(turned), find=find_tips
     )
-    return replace(turned, links=links, records=(*package.records, record, *footed))
+    joints = resist_joints(links, turned.joints)
+    return replace(turned, links=links, joints=joints, records=(*package.records, record, *footed))
 
 
 def _shown_parts(package: SimPackage) -> dict[str, Mesh]:

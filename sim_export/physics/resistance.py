@@ -70,7 +70,7 @@ def greatest_moment(links: Sequence[Link], joints: Sequence[PackageJoint], joint
 def resist_joints(
     links: Sequence[Link],
     joints: Sequence[PackageJoint],
-    latched: frozenset[str],
+    latched: frozenset[str] = frozenset(),
     stays: frozenset[str] = frozenset(),
 ) -> tuple[PackageJoint, ...]:
     """Friction, damping, effort and velocity of every movable joint.

@@ -53,6 +53,29 @@ def test_a_tilted_plate_comes_to_lie_with_its_visual_its_joint_and_its_inertia()
     assert stand_on_side(done) is done
 
 
+@pytest.mark.parametrize("turn", [-20.0, 20.0])
+def test_a_door_on_a_turned_object_stays_where_it_is_left(turn):
+    """The hinge was level; after the turn the door would swing by itself, one way or the other."""
+    package = tilted(turn)
+    door = replace(
+        package.links[0],
+        label="door",
+        inertial=Inertial(mass=2.0, com=np.array([0.1, 0.5, 0.0]), inertia=np.eye(3)),
+    )
+    joint = replace(
+        package.joints[0], type="revolute", kind="revolute", upper=1.0, friction=0.3,
+        origin=np.zeros(3), axis=np.array([0.0, 0.0, 1.0]),
+    )  # fmt: skip
+    done = stand_on_side(replace(package, links=(door, package.links[1]), joints=(joint,)))
+    moved = done.links[0].inertial
+    assert moved is not None
+    arm = moved.com - done.joints[0].origin
+    falling = -9.81 * 2.0 * np.cross(done.joints[0].axis, arm)[2]
+    assert abs(falling) > 1.0
+    assert (done.joints[0].friction > 0.3) == (falling > 0.0)
+    assert done.joints[0].friction >= falling
+
+
 @pytest.mark.parametrize(("degrees", "turns"), [(29.5, True), (30.5, False)])
 def test_what_needs_more_than_thirty_degrees_stays(degrees, turns):
     before = tilted(degrees)
