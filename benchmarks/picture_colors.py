@@ -61,7 +61,7 @@ def main(model: Path = SHIPPED, first: int = 0, each: int = 2) -> int:
     for category in PAPER_CATEGORIES:
         for seed in range(first, first + each):
             truth = draw_shape(category, seed)
-            rgba = photograph_shape(truth, seed, PICTURE_EDGE).rgba
+            rgba = photograph_shape(truth, seed, PICTURE_EDGE)
             picture = rgba.transpose(2, 0, 1).astype(np.float32) / 255.0
             encoded = encode_picture(network, picture)
             drawn = draw_object(network, SketchRequest(), seed, cfg, encoded).shape

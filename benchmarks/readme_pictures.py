@@ -80,7 +80,7 @@ def draw_photographs(out: Path) -> list[tuple[UInt8[np.ndarray, "H W 3"], Path]]
     for category in PAPER_CATEGORIES:
         folder, picture = out / category, out / f"{category}.png"
         folder.mkdir(parents=True, exist_ok=True)
-        rgba = photograph_shape(draw_shape(category, 0), 0, PHOTOGRAPH).rgba
+        rgba = photograph_shape(draw_shape(category, 0), 0, PHOTOGRAPH)
         Image.fromarray(rgba).save(picture)
         generate(folder, cfg=GenerateSettings(image=picture))
         share = rgba[..., 3:] / 255.0

@@ -46,9 +46,7 @@ def read_kinds(
 
 
 def describe_voxels(
-    kinds: Float[np.ndarray, "N 20"],
-    places: Float[np.ndarray, "N 6"],
-    paint: Float[np.ndarray, "N 7"],
+    kinds: Float[np.ndarray, "N 20"], places: Float[np.ndarray, "N 6"], paint: Float[np.ndarray, "N 7"]
 ) -> Float[np.ndarray, "N A"]:
     """Conditioning features of every voxel for the flow of structured latents (float32)."""
     return np.concatenate([kinds, places, paint], axis=1).astype(np.float32)

@@ -50,8 +50,6 @@ class CurationConfig:
     """Pictures of a state that are kept as targets."""
     weighting: Weighting = "seen"
     """Which views count for a voxel: those that show it, or all, as in the paper."""
-    tolerance: float = 1.5
-    """Largest difference of depths, in voxels, at which a view shows a voxel."""
     sided: bool = False
     """Whether features include the appearance of both sides of a voxel (`artigen.appearance.sides`)."""
     painted: bool = True
@@ -87,7 +85,7 @@ def curate(
     scene = build_scene([shape])
     center, scale = frame_shape(shape)
     centers, part_ids, cell = asset.voxels.centers(), asset.voxels.part_ids, 1.0 / asset.voxels.resolution
-    mean = FeatureMean(centers, part_ids, cell=cell, weighting=cfg.weighting, tolerance=cfg.tolerance)
+    mean = FeatureMean(centers, part_ids, cell=cell, weighting=cfg.weighting)
     sides = SideMean(asset.voxels, facings) if cfg.sided else None
     fractions = plan_fractions(shape, cfg.states, staggered=cfg.staggered)
     kept = []

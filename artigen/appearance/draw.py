@@ -25,7 +25,7 @@ from artigen.types import Asset
 from artigen.voxels.fields import tabulate_parts
 from artigen.voxels.frames import SIDES, find_facings
 from artigen.voxels.layout import Canvas, lay_out
-from artigen.voxels.regions import find_edges, number_faces
+from artigen.voxels.regions import connected_groups, find_edges
 from artigen.voxels.surface import describe_places, measure_places
 from artigen.voxels.voxelize import voxelize_again
 
@@ -192,7 +192,7 @@ def even_sides(
     drawn: Float[Tensor, "N C"],
     expected: Float[Tensor, "N C"],
     paint: Float[np.ndarray, "N 7"],
-    edges: Int[np.ndarray, "E 2"],
+    edges: Int[np.ndarray, "2 E"],
 ) -> Float[Tensor, "N C"]:
     """Latents whose deviation in colour from the linear prior is averaged over each region of one paint.
 
@@ -204,8 +204,8 @@ def even_sides(
     for side in range(SIDES):
         own = slice(3 * side, 3 * side + 3)
         painted = np.concatenate([paint[:, own], paint[:, -1:]], axis=1)
-        alike = np.abs(painted[edges[:, 0]] - painted[edges[:, 1]]).max(axis=1) <= ALIKE
-        regions = torch.from_numpy(number_faces(len(paint), edges[alike]).astype(np.int64)).to(drawn.device)
+        alike = np.abs(painted[edges[0]] - painted[edges[1]]).max(axis=1) <= ALIKE
+        regions = torch.from_numpy(connected_groups(len(paint), edges[:, alike])).to(drawn.device)
         residual = drawn[:, own] - expected[:, own]
         count = torch.bincount(regions).to(residual.dtype)
         total = torch.zeros(len(count), residual.shape[1], dtype=residual.dtype, device=residual.device)

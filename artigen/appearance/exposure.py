@@ -4,7 +4,7 @@ Exact up to the number of directions tried. Every visible point is moved back to
 from there are tested against all solids but glass.
 """
 
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 import torch
@@ -80,7 +80,5 @@ def _without_glass(scene: Scene, instances: Instances) -> Instances:
     """The opaque primitives of a shape."""
     clear = scene.paint.opacity.reshape(-1, 2).amin(dim=1) < 1
     kept = ~clear[instances.primitive]
-    rows: dict[str, Any] = {
-        name: value[kept] if isinstance(value, Tensor) else value for name, value in vars(instances).items()
-    }
-    return Instances(**rows)
+    rows = {name: value[kept] for name, value in vars(instances).items() if isinstance(value, Tensor)}
+    return replace(instances, **rows)

@@ -18,7 +18,7 @@ from torch import Tensor
 from torch.nn import functional
 
 from artigen.appearance.slat_vae import SlatTrunk, SlatVaeConfig, WindowPlans
-from artigen.splats.colors import linear_from_srgb
+from artigen.splats.colors import HARMONIC, linear_from_srgb
 from artigen.splats.render.motion import multiply_quats
 from artigen.splats.render.splats import Splats
 from artigen.transforms import quat_from_matrix
@@ -27,8 +27,6 @@ from artigen.voxels.frames import facing_frames
 
 CHANNELS = {"offset": 3, "color": 3, "scale": 3, "quat": 4, "opacity": 1}
 """Raw channels of one Gaussian, in the order of the output layer."""
-HARMONIC = 0.28209479177387814
-"""Value of the harmonic of degree 0."""
 FLATNESS = 5.0
 """Initial ratio of width to thickness of the Gaussians of a side."""
 Channel = Literal["offset", "color", "scale", "quat", "opacity"]

@@ -17,26 +17,14 @@ from artigen.models.conditions import ConditionBatch, ConditionConfig, Condition
 from artigen.models.rectified_flow import SamplerConfig, sample_flow
 
 TRELLIS_MEAN = (
-    -2.1687545776367188,
-    -0.004347046371549368,
-    -0.13352349400520325,
-    -0.08418072760105133,
-    -0.5271206498146057,
-    0.7238689064979553,
-    -1.1414450407028198,
-    1.2039363384246826,
-)
+    -2.1687545776367188, -0.004347046371549368, -0.13352349400520325, -0.08418072760105133,
+    -0.5271206498146057, 0.7238689064979553, -1.1414450407028198, 1.2039363384246826,
+)  # fmt: skip
 """Mean of the latents of TRELLIS' encoder, per channel (its `pipeline.json`)."""
 TRELLIS_STD = (
-    2.377650737762451,
-    2.386378288269043,
-    2.124418020248413,
-    2.1748552322387695,
-    2.663944721221924,
-    2.371192216873169,
-    2.6217446327209473,
-    2.684523105621338,
-)
+    2.377650737762451, 2.386378288269043, 2.124418020248413, 2.1748552322387695,
+    2.663944721221924, 2.371192216873169, 2.6217446327209473, 2.684523105621338,
+)  # fmt: skip
 """Standard deviation of the latents of TRELLIS' encoder, per channel."""
 
 
@@ -64,14 +52,6 @@ class SlatFlow(nn.Module):
         self.register_buffer("latent_mean", mean)
         self.register_buffer("latent_std", std)
         self.expectation = Expectation(self.channels) if self.attribute_channels else None
-
-    def plan(self, coords: Int[Tensor, "N 4"], samples: int) -> SlatDitPlan | PatchPlan:
-        """Plans the network for voxels (sample, x, y, z); compute once per set.
-
-        Raises:
-            ValueError: If a sample is empty, a voxel occurs twice, or one lies outside the grid.
-        """
-        return self.network.plan(coords, samples)
 
     def velocity(
         self,
@@ -149,9 +129,9 @@ def sample_slats(
     tokens = flow.conditions(asked)
     samples = len(tokens)
     both = torch.cat([tokens, flow.conditions(nothing)])
-    plan = flow.plan(coords, samples)
+    plan = flow.network.plan(coords, samples)
     copied = coords + torch.tensor([samples, 0, 0, 0], dtype=coords.dtype, device=coords.device)
-    twice = flow.plan(torch.cat([coords, copied]), 2 * samples)
+    twice = flow.network.plan(torch.cat([coords, copied]), 2 * samples)
     doubled = None if attributes is None else torch.cat([attributes, attributes])
 
     def pair(x: Tensor, times: Tensor) -> tuple[Tensor, Tensor]:

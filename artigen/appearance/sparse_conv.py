@@ -10,7 +10,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from artigen.appearance.sparse import Neighbours
-from artigen.models.attention import NORM_EPS
+from artigen.models.attention import NORM_EPS, learned_norm, plain_norm
 
 EDGE = 3
 MIDDLE = EDGE**3 // 2
@@ -67,16 +67,7 @@ class SparseResBlock3d(nn.Module):
         neighbours: Neighbours,
     ) -> Float[Tensor, "N D"]:
         """Features of the same voxels."""
-        h = self.conv1(functional.silu(norm_rows(feats, self.norm1)), neighbours)
+        h = self.conv1(functional.silu(learned_norm(feats, self.norm1)), neighbours)
         scale, shift = self.emb_layers(emb)[samples].chunk(2, dim=1)
-        h = functional.layer_norm(h.float(), h.shape[-1:], eps=NORM_EPS).to(h.dtype)
-        h = self.conv2(functional.silu(h * (1 + scale) + shift), neighbours)
+        h = self.conv2(functional.silu(plain_norm(h) * (1 + scale) + shift), neighbours)
         return h + self.skip_connection(feats)
-
-
-def norm_rows(feats: Float[Tensor, "N C"], norm: nn.LayerNorm) -> Float[Tensor, "N C"]:
-    """Layer norm with gain and bias, in float32."""
-    normed = functional.layer_norm(
-        feats.float(), feats.shape[-1:], norm.weight.float(), norm.bias.float(), norm.eps
-    )
-    return normed.to(feats.dtype)

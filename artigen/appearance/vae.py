@@ -6,8 +6,9 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
-from artigen.appearance.gaussian_decoder import HARMONIC, GaussianDecoder, GaussianDecoderConfig
+from artigen.appearance.gaussian_decoder import GaussianDecoder, GaussianDecoderConfig
 from artigen.appearance.slat_vae import SlatEncoder, SlatVaeConfig, WindowPlans
+from artigen.splats.colors import HARMONIC
 from artigen.splats.render.splats import Splats
 from artigen.voxels.surface import MIDDLE_SPREAD
 
@@ -69,11 +70,6 @@ class AppearanceVae(nn.Module):
         nn.init.constant_(last.bias[width:], NARROW)
         if encoder.sided:
             _lead_sides_through(self.encoder, self.decoder)
-
-    @property
-    def count(self) -> int:
-        """Gaussians per voxel."""
-        return self.decoder.gaussians.count
 
     def forward(
         self,

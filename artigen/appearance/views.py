@@ -1,17 +1,21 @@
 """Cameras and lights for an object in any joint state."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
-from artigen.shapes.poses import pose_parts
-from artigen.shapes.primitives import place_vertices
+from artigen.shapes.poses import place_posed
 from artigen.shapes.render import Cameras, RenderConfig, frame_points
 from artigen.shapes.render.shading import EVEN_LIGHT
 from artigen.shapes.shape import Shape
+
+FOV = 40.0
+"""Angle of view (degrees)."""
+LOWEST, HIGHEST = -0.45, 0.92
+"""Sines of the lowest and of the highest elevation of a camera."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,12 +26,6 @@ class ViewConfig:
     """Number of pictures."""
     size: int = 128
     """Edge of a picture in pixels."""
-    fov: float = 40.0
-    """Angle of view (degrees)."""
-    lowest: float = -0.45
-    """Sine of the lowest elevation of a camera."""
-    highest: float = 0.92
-    """Sine of the highest elevation of a camera."""
     front: float = 0.5
     """Share of the cameras that stand in front and look into openings; the others stand all around."""
     light: RenderConfig = field(default_factory=lambda: EVEN_LIGHT)
@@ -36,10 +34,9 @@ class ViewConfig:
     """Rays per pixel edge in the pictures that are kept."""
 
     def __post_init__(self) -> None:
-        if self.count < 1 or not -1 < self.lowest < self.highest < 1 or not 0 <= self.front <= 1:
+        if self.count < 1 or not 0 <= self.front <= 1:
             raise ValueError(
-                f"{self.count} views with sines of elevation {self.lowest} to {self.highest}, {self.front} "
-                "of them in front: expected at least 1, an interval inside (-1, 1), and a share"
+                f"{self.count} views, {self.front} of them in front: expected at least 1, and a share"
             )
 
 
@@ -50,7 +47,7 @@ def spread_directions(cfg: ViewConfig, turn: float) -> Float[np.ndarray, "V 3"]:
         turn: Shift of the sequence in [0, 1), so that states are seen from different places.
     """
     order = np.arange(cfg.count)
-    height = cfg.lowest + (cfg.highest - cfg.lowest) * ((order + 0.5) / cfg.count)
+    height = LOWEST + (HIGHEST - LOWEST) * ((order + 0.5) / cfg.count)
     around = (order * 0.6180339887498949 + turn) % 1.0  # golden-ratio sequence, as even as Hammersley's
     ahead = np.pi * (around / max(cfg.front, 1e-9) - 0.5)
     anywhere = 2.0 * np.pi * (around - cfg.front) / max(1.0 - cfg.front, 1e-9)
@@ -59,20 +56,11 @@ def spread_directions(cfg: ViewConfig, turn: float) -> Float[np.ndarray, "V 3"]:
     return np.stack([-np.cos(angle) * level, np.sin(angle) * level, height], axis=1)
 
 
-def state_vertices(shape: Shape, qpos: Float[np.ndarray, "P"]) -> Float[np.ndarray, "N 3"]:
-    """Vertices of all primitives in a joint state (m)."""
-    moved = []
-    for part, T in zip(shape.parts, pose_parts(shape, qpos), strict=True):
-        points = np.concatenate([place_vertices(primitive) for primitive in part.primitives])
-        moved.append(points @ T[:3, :3].T + T[:3, 3])
-    return np.concatenate(moved)
-
-
 def place_cameras(shape: Shape, qpos: Float[np.ndarray, "P"], cfg: ViewConfig, turn: float) -> Cameras:
     """One camera per direction, each as near as possible with the whole object in the picture (m)."""
-    points = state_vertices(shape, qpos)
+    points = place_posed(shape, qpos)
     single = [
-        frame_points(points, (float(x), float(y), float(z)), fov=cfg.fov, width=cfg.size, height=cfg.size)
+        frame_points(points, (float(x), float(y), float(z)), fov=FOV, width=cfg.size, height=cfg.size)
         for x, y, z in spread_directions(cfg, turn)
     ]
     return join_cameras(single)
@@ -80,12 +68,8 @@ def place_cameras(shape: Shape, qpos: Float[np.ndarray, "P"], cfg: ViewConfig, t
 
 def pick_cameras(cameras: Cameras, rows: Int[Tensor, "K"]) -> Cameras:
     """Some of the cameras, in the order of ``rows``."""
-    return Cameras(
-        position=cameras.position[rows],
-        target=cameras.target[rows],
-        fov=cameras.fov[rows],
-        width=cameras.width,
-        height=cameras.height,
+    return replace(
+        cameras, position=cameras.position[rows], target=cameras.target[rows], fov=cameras.fov[rows]
     )
 
 
@@ -98,23 +82,14 @@ def join_cameras(parts: list[Cameras]) -> Cameras:
     sizes = {(one.width, one.height) for one in parts}
     if len(sizes) != 1:
         raise ValueError(f"cameras with pictures of {sorted(sizes)} pixels, expected one size")
-    ((width, height),) = sizes
-    return Cameras(
-        position=torch.cat([one.position for one in parts]),
-        target=torch.cat([one.target for one in parts]),
-        fov=torch.cat([one.fov for one in parts]),
-        width=width,
-        height=height,
-    )
+    fields = ("position", "target", "fov")
+    joined = {name: torch.cat([getattr(one, name) for one in parts]) for name in fields}
+    return replace(parts[0], **joined)
 
 
 def scale_cameras(cameras: Cameras, center: Float[np.ndarray, "3"], scale: float) -> Cameras:
     """Cameras in unit-cube coordinates: relative to ``center`` (m), in units of ``scale`` metres."""
     middle = torch.as_tensor(center)
-    return Cameras(
-        position=(cameras.position - middle) / scale,
-        target=(cameras.target - middle) / scale,
-        fov=cameras.fov,
-        width=cameras.width,
-        height=cameras.height,
+    return replace(
+        cameras, position=(cameras.position - middle) / scale, target=(cameras.target - middle) / scale
     )

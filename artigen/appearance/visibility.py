@@ -9,13 +9,15 @@ from typing import Literal
 
 import numpy as np
 import torch
-from jaxtyping import Bool, Float, Int, Shaped
+from jaxtyping import Float, Int, Shaped
 from torch import Tensor
 from torch.nn import functional
 
 from artigen.shapes.render.cameras import Cameras, camera_axes, pixel_sizes
 
 Weighting = Literal["seen", "plain"]
+TOLERANCE = 1.5
+"""Largest difference of depths, in voxels, at which a view shows a voxel."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -60,11 +62,7 @@ class VoxelFeatures:
 
 
 class FeatureMean:
-    """Accumulates features view by view.
-
-    Args:
-        tolerance: Largest difference of depths in voxels at which a voxel counts as seen.
-    """
+    """Accumulates features view by view."""
 
     def __init__(
         self,
@@ -73,10 +71,9 @@ class FeatureMean:
         *,
         cell: float,
         weighting: Weighting = "seen",
-        tolerance: float = 1.5,
     ) -> None:
         self.centers, self.part_ids = centers.astype(np.float64), part_ids.astype(np.int64)
-        self.cell, self.weighting, self.tolerance = cell, weighting, tolerance
+        self.cell, self.weighting = cell, weighting
         self.views = torch.zeros(len(centers))
         self.sums: Tensor | None = None
 
@@ -86,10 +83,9 @@ class FeatureMean:
         moved = torch.from_numpy(np.einsum("nij,nj->ni", D[:, :3, :3], self.centers) + D[:, :3, 3])
         turn = torch.from_numpy(D[:, :3, :3]).float()
         place, depth = project_points(moved, views.cameras)
-        counted = find_seen(place, depth, views.depth, self.tolerance * self.cell)
-        if self.weighting == "plain":
-            counted = (place.abs() <= 1).all(dim=2) & (depth > 0)
-        else:
+        counted = (place.abs() <= 1).all(dim=2) & (depth > 0)
+        if self.weighting == "seen":
+            counted &= (_read_pixels(views.depth, place) - depth).abs() <= TOLERANCE * self.cell
             counted &= _read_pixels(views.parts, place) == torch.from_numpy(self.part_ids)
         if self.sums is None:
             self.sums = torch.zeros(len(moved), maps.shape[1])
@@ -136,17 +132,6 @@ def project_points(
         [local[:, :, 0] / (half * cameras.width), local[:, :, 1] / (half * cameras.height)], dim=2
     )
     return place.float(), depth.float()
-
-
-def find_seen(
-    place: Float[Tensor, "V N 2"],
-    depth: Float[Tensor, "V N"],
-    rendered: Float[Tensor, "V H W"],
-    tolerance: float,
-) -> Bool[Tensor, "V N"]:
-    """Whether the rendered surface at a point's pixel lies at the point's depth, within ``tolerance``."""
-    inside = (place.abs() <= 1).all(dim=2) & (depth > 0)
-    return inside & ((_read_pixels(rendered, place) - depth).abs() <= tolerance)
 
 
 def _read_pixels(values: Shaped[Tensor, "V H W"], place: Float[Tensor, "V N 2"]) -> Shaped[Tensor, "V N"]:

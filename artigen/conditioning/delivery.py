@@ -15,11 +15,16 @@ def part_counts(asset: Asset) -> Int[np.ndarray, "L"]:
     return np.bincount(labels, minlength=len(PART_LABELS))
 
 
-def asset_size(asset: Asset) -> Float[np.ndarray, "3"]:
-    """Depth, width, height (m): the extent of the boxes of all parts at rest along x, y and z."""
+def asset_bounds(asset: Asset) -> Float[np.ndarray, "2 3"]:
+    """Lowest and highest corner of the boxes of all parts at rest, in unit-cube lengths."""
     low = np.min([part.box[0] - part.box[1] / 2 for part in asset.parts], axis=0)
     high = np.max([part.box[0] + part.box[1] / 2 for part in asset.parts], axis=0)
-    return (high - low) * asset.scale
+    return np.stack([low, high])
+
+
+def asset_size(asset: Asset) -> Float[np.ndarray, "3"]:
+    """Depth, width, height (m): the extent of the boxes of all parts at rest along x, y and z."""
+    return np.ptp(asset_bounds(asset), axis=0) * asset.scale
 
 
 def has_counts(asset: Asset, counts: tuple[tuple[PartLabel, int], ...]) -> bool:

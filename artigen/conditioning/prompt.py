@@ -12,70 +12,41 @@ from dataclasses import dataclass, replace
 from artigen.errors import ArtigenError
 from artigen.types import PartLabel
 
-CATEGORY_WORDS: dict[str, str] = {
-    "cabinet": "StorageFurniture",
-    "cupboard": "StorageFurniture",
-    "dresser": "StorageFurniture",
-    "wardrobe": "StorageFurniture",
-    "sideboard": "StorageFurniture",
-    "nightstand": "StorageFurniture",
-    "bookcase": "StorageFurniture",
-    "storage furniture": "StorageFurniture",
-    "chest of drawers": "StorageFurniture",
-    "tv stand": "StorageFurniture",
-    "table": "Table",
-    "desk": "Table",
-    "refrigerator": "Refrigerator",
-    "fridge": "Refrigerator",
-    "freezer": "Refrigerator",
-    "dishwasher": "Dishwasher",
-    "oven": "Oven",
-    "stove": "Oven",
-    "range": "Oven",
-    "washing machine": "WashingMachine",
-    "washer": "WashingMachine",
-    "microwave": "Microwave",
-    "microwave oven": "Microwave",
-    "filing cabinet": "FilingCabinet",
-    "file cabinet": "FilingCabinet",
-    "trash can": "TrashCan",
-    "storage box": "Box",
-    "carton": "Box",
-    "tool box": "ToolBox",
-    "toolbox": "ToolBox",
-    "suitcase": "Suitcase",
-    "chest freezer": "ChestFreezer",
-    "laptop": "Laptop",
-    "tumble dryer": "Dryer",
-    "dryer": "Dryer",
-    "bread box": "BreadBox",
-    "mailbox": "Mailbox",
-    "letterbox": "Mailbox",
-    "printer": "Printer",
-    "copier": "Printer",
-    "bin": "TrashCan",
-    "dustbin": "TrashCan",
-    "garbage can": "TrashCan",
-    "waste bin": "TrashCan",
-    "bread bin": "BreadBox",
-    "trunk": "Box",
-    "notebook computer": "Laptop",
-    "trolley": "Cart",
-    "cart": "Cart",
-    "safe": "Safe",
-    "casement window": "Window",
-    "sash window": "Window",
-    "sliding window": "Window",
-    "doorway": "Door",
-    "faucet": "Faucet",
-    "tap": "Faucet",
-    "toilet": "Toilet",
-    "desk lamp": "DeskLamp",
-    "cooking pot": "Pot",
-    "saucepan": "Pot",
-    "light switch": "Switch",
-    "toaster": "Toaster",
-}
+NOUNS: dict[str, tuple[str, ...]] = {
+    "StorageFurniture": (
+        "cabinet", "cupboard", "dresser", "wardrobe", "sideboard", "nightstand", "bookcase",
+        "storage furniture", "chest of drawers", "tv stand",
+    ),
+    "Table": ("table", "desk"),
+    "Refrigerator": ("refrigerator", "fridge", "freezer"),
+    "Dishwasher": ("dishwasher",),
+    "Oven": ("oven", "stove", "range"),
+    "WashingMachine": ("washing machine", "washer"),
+    "Microwave": ("microwave", "microwave oven"),
+    "FilingCabinet": ("filing cabinet", "file cabinet"),
+    "TrashCan": ("trash can", "bin", "dustbin", "garbage can", "waste bin"),
+    "Box": ("storage box", "carton", "trunk"),
+    "ToolBox": ("tool box", "toolbox"),
+    "Suitcase": ("suitcase",),
+    "ChestFreezer": ("chest freezer",),
+    "Laptop": ("laptop", "notebook computer"),
+    "Dryer": ("tumble dryer", "dryer"),
+    "BreadBox": ("bread box", "bread bin"),
+    "Mailbox": ("mailbox", "letterbox"),
+    "Printer": ("printer", "copier"),
+    "Cart": ("trolley", "cart"),
+    "Safe": ("safe",),
+    "Window": ("casement window", "sash window", "sliding window"),
+    "Door": ("doorway",),
+    "Faucet": ("faucet", "tap"),
+    "Toilet": ("toilet",),
+    "DeskLamp": ("desk lamp",),
+    "Pot": ("cooking pot", "saucepan"),
+    "Switch": ("light switch",),
+    "Toaster": ("toaster",),
+}  # fmt: skip
+"""Singular nouns of each category; sentences name it by the first."""
+CATEGORY_WORDS = {noun: category for category, nouns in NOUNS.items() for noun in nouns}
 """Category of each singular noun."""
 
 PART_WORDS: dict[str, PartLabel] = {
@@ -92,39 +63,18 @@ PART_WORDS: dict[str, PartLabel] = {
     "caster": "wheel",
 }
 NUMBERS: dict[str, int] = {
-    "no": 0,
-    "zero": 0,
-    "without": 0,
-    "a": 1,
-    "an": 1,
-    "one": 1,
-    "single": 1,
-    "two": 2,
-    "double": 2,
-    "three": 3,
-    "four": 4,
-    "five": 5,
-    "six": 6,
-    "seven": 7,
-    "eight": 8,
-    "nine": 9,
-    "ten": 10,
-    "eleven": 11,
-    "twelve": 12,
-}
+    "zero": 0, "one": 1, "two": 2, "three": 3, "four": 4, "five": 5, "six": 6, "seven": 7, "eight": 8,
+    "nine": 9, "ten": 10, "eleven": 11, "twelve": 12,
+    "no": 0, "without": 0, "a": 1, "an": 1, "single": 1, "double": 2,
+}  # fmt: skip
+"""Words for numbers; sentences use the first of each."""
 LENGTHS: dict[str, float] = {
-    "mm": 0.001,
-    "cm": 0.01,
-    "m": 1.0,
-    "millimetre": 0.001,
-    "centimetre": 0.01,
-    "metre": 1.0,
-    "millimeter": 0.001,
-    "centimeter": 0.01,
-    "meter": 1.0,
-    "inch": 0.0254,
-    "in": 0.0254,
-}
+    "mm": 0.001, "millimetre": 0.001, "millimeter": 0.001,
+    "cm": 0.01, "centimetre": 0.01, "centimeter": 0.01,
+    "m": 1.0, "metre": 1.0, "meter": 1.0,
+    "in": 0.0254, "inch": 0.0254,
+}  # fmt: skip
+"""Metres of each unit."""
 AXES: dict[str, str] = {
     "wide": "width",
     "width": "width",
@@ -230,7 +180,6 @@ def write_text(category: str, counts: Mapping[PartLabel, int]) -> str:
         category: A category that has a noun.
         counts: Parts by label; the base and labels with a count of 0 are not named.
     """
-    nouns = {named: noun for noun, named in reversed(CATEGORY_WORDS.items())}
     names = {label: noun for noun, label in reversed(PART_WORDS.items())}
     numbers = {number: word for word, number in reversed(NUMBERS.items()) if number > 1}
     parts = []
@@ -239,7 +188,7 @@ def write_text(category: str, counts: Mapping[PartLabel, int]) -> str:
             continue
         noun = "shelves" if count > 1 and label == "shelf" else names[label] + "s" * (count > 1)
         parts.append(f"{numbers.get(count, count) if count > 1 else 'one'} {noun}")
-    noun = nouns[category]
+    noun = NOUNS[category][0]
     whole = f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
     if not parts:
         return whole

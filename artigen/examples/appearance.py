@@ -5,7 +5,6 @@ They are made from procedural objects by seed; the same arguments give the same 
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +28,7 @@ from artigen.examples.shards import (
     save_shard,
     split_rows,
 )
-from artigen.examples.structure import draw_example_of
+from artigen.examples.structure import draw_example
 from artigen.shapes.asset import part_owners
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.sampling import sample_shape
@@ -88,24 +87,11 @@ def draw_appearance(
     extractor: FeatureExtractor,
     cfg: CurationConfig,
     *,
-    resolution: int = 64,
-    image_size: int = 128,
-) -> AppearanceExample:
-    """Draws a procedural object and renders it; ``image_size`` 0 skips the condition's picture."""
-    return draw_appearance_of(category, seed, extractor, cfg, resolution=resolution, image_size=image_size)[1]
-
-
-def draw_appearance_of(
-    category: str,
-    seed: int,
-    extractor: FeatureExtractor,
-    cfg: CurationConfig,
-    *,
-    resolution: int = 64,
-    image_size: int = 128,
+    resolution: int,
+    image_size: int,
 ) -> tuple[Asset, AppearanceExample]:
-    """A procedural object with voxels, and its example as from `draw_appearance`."""
-    asset, described = draw_example_of(category, seed, resolution=resolution, image_size=image_size)
+    """A procedural object with voxels, and its example; ``image_size`` 0 skips the condition's picture."""
+    asset, described = draw_example(category, seed, resolution=resolution, image_size=image_size)
     shape = draw_shape(category, seed)
     laid, facings, paint = lay_painted(shape, asset)
     assert laid.voxels is not None
@@ -126,18 +112,6 @@ def draw_appearance_of(
         size=described.size,
         image=described.image,
     )
-
-
-def lay_true_voxels(shape: Shape, asset: Asset) -> tuple[Asset, Int[np.ndarray, "N"]]:
-    """The asset of a procedural object with surface samples and the voxels for Gaussians, and their facings.
-
-    `artigen.voxels.layout` chooses these voxels and the directions of their outer sides.
-
-    Raises:
-        ValueError: If the asset has no voxels.
-    """
-    laid, facings, _ = lay_painted(shape, asset)
-    return laid, facings
 
 
 def sample_parts(shape: Shape, asset: Asset, spacing: float) -> SurfaceSamples:
@@ -164,13 +138,12 @@ def make_appearance_shard(job: ShardJob[AppearanceShardConfig]) -> Path:
     """Draws and renders the objects of one shard and writes it; runs in a worker process."""
     cfg = job.cfg
     extractor = make_extractor(cfg.extractor)
-    draw = partial(
-        draw_appearance,
-        extractor=extractor,
-        cfg=cfg.curation,
-        resolution=cfg.resolution,
-        image_size=cfg.image_size,
-    )
+
+    def draw(category: str, seed: int) -> AppearanceExample:
+        return draw_appearance(
+            category, seed, extractor, cfg.curation, resolution=cfg.resolution, image_size=cfg.image_size
+        )[1]
+
     return draw_shard(job, draw, write_appearance_shard)
 
 

@@ -12,6 +12,7 @@ from artigen.appearance.gaussian_decoder import select_voxels
 from artigen.appearance.vae import AppearanceVae
 from artigen.appearance.views import pick_cameras
 from artigen.examples.appearance import AppearanceExample
+from artigen.models.batch import TensorBatch
 from artigen.shapes.render import Cameras
 from artigen.splats.render import RasterConfig, move_splats, rasterize
 from artigen.splats.render.splats import Splats
@@ -20,7 +21,7 @@ CPU_FRAGMENTS, GPU_FRAGMENTS = 1 << 19, 1 << 24
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PictureBatch:
+class PictureBatch(TensorBatch):
     """Voxels of several objects, and target pictures, equally many of each."""
 
     coords: Int[Tensor, "N 4"]
@@ -38,15 +39,6 @@ class PictureBatch:
     """Cameras of each sample."""
     displacements: tuple[Float[np.ndarray, "M P 4 4"], ...]
     """Displacements of each sample's parts, picture by picture."""
-
-    def to(self, device: torch.device | str) -> "PictureBatch":
-        """The same batch on another device."""
-        tensors = {
-            name: value.to(device, non_blocking=True)
-            for name, value in vars(self).items()
-            if isinstance(value, Tensor)
-        }
-        return PictureBatch(**{**vars(self), **tensors})
 
 
 def voxel_batch(

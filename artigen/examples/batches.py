@@ -15,6 +15,7 @@ from artigen.examples.shards import Described
 from artigen.examples.structure import StructureExample
 from artigen.latent.outline import OutlineBatch, gather_outlines
 from artigen.latent.patches import PatchBatch, collate
+from artigen.models.batch import TensorBatch
 from artigen.models.conditions import ConditionBatch, ConditionConfig
 from artigen.types import PART_LABELS
 
@@ -23,34 +24,21 @@ Example = TypeVar("Example")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class FieldBatch:
+class FieldBatch(TensorBatch):
     """Fields of objects with their outlines."""
 
     patches: PatchBatch
     outlines: OutlineBatch
 
-    def to(self, device: torch.device | str) -> "FieldBatch":
-        """The same batch on another device."""
-        return FieldBatch(patches=self.patches.to(device), outlines=self.outlines.to(device))
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LatentBatch:
+class LatentBatch(TensorBatch):
     """Posterior means and standard deviations of objects, with their conditions and outlines."""
 
     mean: Tensor
     std: Tensor
     conditions: ConditionBatch
     outlines: OutlineBatch
-
-    def to(self, device: torch.device | str) -> "LatentBatch":
-        """The same batch on another device."""
-        return LatentBatch(
-            mean=self.mean.to(device),
-            std=self.std.to(device),
-            conditions=self.conditions.to(device),
-            outlines=self.outlines.to(device),
-        )
 
 
 def patch_batch(examples: Sequence[StructureExample]) -> PatchBatch:
@@ -95,10 +83,7 @@ def describe_example(example: Described) -> str:
 
 
 def draw_batches(
-    examples: Sequence[Example],
-    make: Callable[[Sequence[Example]], Batch],
-    size: int,
-    seed: int,
+    examples: Sequence[Example], make: Callable[[Sequence[Example]], Batch], size: int, seed: int
 ) -> Iterator[Batch]:
     """Endless batches; every epoch has a new random order."""
     rng = np.random.default_rng(seed)

@@ -4,7 +4,6 @@ The shading is that of procedural objects (`artigen.shapes.render`), so pictures
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import torch
@@ -37,18 +36,8 @@ SHADOW_OFFSET = 2.0
 """Offset of shadow tests from the surface, in pixels of the shadow map."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class MeshPicture:
-    """A mesh as a camera sees it."""
-
-    rgba: UInt8[np.ndarray, "h w 4"]
-    """Premultiplied on black."""
-    faces: Int[np.ndarray, "h w"]
-    """Face at the centre of each pixel, counted over all tables; -1 where there is none."""
-
-
-def picture_mesh(tables: Sequence[FaceTable], scale: float, cameras: Cameras) -> MeshPicture:
-    """Renders a textured mesh through one camera.
+def picture_mesh(tables: Sequence[FaceTable], scale: float, cameras: Cameras) -> UInt8[np.ndarray, "h w 4"]:
+    """Renders a textured mesh through one camera: RGBA, premultiplied on black.
 
     Args:
         cameras: A batch of one (m), of ``FINE`` times the width and height of the picture.
@@ -76,10 +65,7 @@ def picture_mesh(tables: Sequence[FaceTable], scale: float, cameras: Cameras) ->
     cells = fine.reshape(height, FINE, width, FINE, 4).transpose(0, 2, 1, 3, 4).reshape(height, width, -1, 4)
     covered = cells[..., 3].sum(axis=2)
     rgb = cells[..., :3].sum(axis=2) / np.maximum(covered, 1.0)[..., None]
-    middle = np.full(cameras.height * cameras.width, -1)
-    middle[seen.pixel] = seen.face
-    faces_seen = middle.reshape(cameras.height, cameras.width)[FINE // 2 :: FINE, FINE // 2 :: FINE]
-    return MeshPicture(rgba=pack_picture(rgb, faces_seen >= 0), faces=faces_seen)
+    return pack_picture(rgb, cells[..., FINE**2 // 2, 3] > 0)  # shown where a pixel's centre is
 
 
 def _pinhole(cameras: Cameras) -> Pinhole:

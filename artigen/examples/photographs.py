@@ -1,12 +1,10 @@
 """Renders condition pictures of procedural and real objects from near their front."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Int, UInt8
+from jaxtyping import Float, UInt8
 
-from artigen.appearance.photographs import NOTHING
 from artigen.datasets.partnet_surface import FaceTable, join_tables
 from artigen.examples.mesh_pictures import FINE, pack_picture, picture_mesh
 from artigen.shapes.primitives import Vector, place_vertices
@@ -15,16 +13,6 @@ from artigen.shapes.shape import Shape
 
 NEAR_FRONT = (0.6, 0.25)
 """Largest yaw to either side and largest pitch of the camera (radians): pictures are near-frontal."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Photograph:
-    """A picture of a closed object, and the parts that it shows."""
-
-    rgba: UInt8[np.ndarray, "H W 4"]
-    """Premultiplied on black."""
-    parts: UInt8[np.ndarray, "H W"]
-    """Part at the centre of each pixel, `NOTHING` where there is none."""
 
 
 def draw_camera(points: Float[np.ndarray, "N 3"], seed: int, size: int) -> Cameras:
@@ -40,31 +28,18 @@ def find_direction(turn: float, lift: float) -> Vector:
     return float(-np.cos(turn) * level), float(np.sin(turn) * level), float(np.sin(lift))
 
 
-def photograph_shape(
-    shape: Shape, seed: int, size: int, owners: Int[np.ndarray, "P"] | None = None
-) -> Photograph:
-    """Renders a procedural object, closed.
-
-    Args:
-        owners: Number that stands for each part of the shape in the picture; its own index when None.
-    """
+def photograph_shape(shape: Shape, seed: int, size: int) -> UInt8[np.ndarray, "H W 4"]:
+    """A picture of a procedural object, closed: RGBA, premultiplied on black."""
     points = np.concatenate([place_vertices(p) for part in shape.parts for p in part.primitives])
     camera = draw_camera(points, seed, size)
     seen = render(build_scene([shape]), camera, [np.zeros(len(shape.parts))])
-    mask = seen.mask[0].numpy()
-    names = np.arange(len(shape.parts)) if owners is None else owners
-    return Photograph(
-        rgba=pack_picture(seen.rgb[0].numpy(), mask), parts=_mark(names, seen.part_ids[0].numpy(), mask)
-    )
+    return pack_picture(seen.rgb[0].numpy(), seen.mask[0].numpy())
 
 
 def photograph_mesh(
-    tables: Sequence[FaceTable], scale: float, seed: int, size: int, owners: Int[np.ndarray, "F"]
-) -> Photograph:
-    """Renders a textured mesh.
-
-    Args:
-        owners: Part of each face, counted over all tables.
+    tables: Sequence[FaceTable], scale: float, seed: int, size: int
+) -> UInt8[np.ndarray, "H W 4"]:
+    """A picture of a textured mesh: RGBA, premultiplied on black.
 
     Raises:
         SourceError: If an image of a material cannot be decoded.
@@ -72,12 +47,4 @@ def photograph_mesh(
     vertices, faces = join_tables(tables)
     vertices = scale * vertices
     camera = draw_camera(vertices[np.unique(faces)], seed, FINE * size)
-    seen = picture_mesh(tables, scale, camera)
-    return Photograph(rgba=seen.rgba, parts=_mark(owners, seen.faces, seen.faces >= 0))
-
-
-def _mark(
-    names: Int[np.ndarray, "N"], seen: Int[np.ndarray, "H W"], mask: Bool[np.ndarray, "H W"]
-) -> UInt8[np.ndarray, "H W"]:
-    """Part number per pixel, `NOTHING` at the background; numbers too large for a byte count as nothing."""
-    return np.where(mask, np.minimum(names[seen], NOTHING), NOTHING).astype(np.uint8)
+    return picture_mesh(tables, scale, camera)

@@ -17,7 +17,7 @@ from artigen.examples.photographs import photograph_mesh
 from artigen.examples.structure import StructureExample, example_of_asset, read_shard, write_shard
 from artigen.runtime.workers import Outcome, Worker, run_supervised
 from artigen.types import PAPER_CATEGORIES, Asset
-from artigen.voxels.voxelize import drop_unresolved, find_heirs, voxelize
+from artigen.voxels.voxelize import drop_unresolved, voxelize
 
 logger = logging.getLogger(__name__)
 
@@ -75,22 +75,12 @@ def read_real(job: RealJob) -> tuple[Asset, StructureExample]:
     asset = drop_unresolved(replace(asset, voxels=voxels, surface=None))
     if not job.image_size:
         return asset, example_of_asset(asset)
-    parts = source.asset.parts
-    parents = {part.name: None if part.parent < 0 else parts[part.parent].name for part in parts}
-    owners = find_heirs(parents, asset)[source.triangles.part_ids]
     seed = zlib.crc32(asset.name.encode())
-    return asset, example_of_asset(
-        asset, photograph_mesh(source.tables, asset.scale, seed, job.image_size, owners)
-    )
+    return asset, example_of_asset(asset, photograph_mesh(source.tables, asset.scale, seed, job.image_size))
 
 
 def read_reals(
-    folder: Path,
-    split: Split,
-    resolution: int,
-    *,
-    image_size: int = 0,
-    workers: int,
+    folder: Path, split: Split, resolution: int, *, image_size: int = 0, workers: int
 ) -> tuple[list[tuple[Asset, StructureExample]], dict[str, str]]:
     """All readable objects of a split in order, and the reasons why others are left out, by id.
 

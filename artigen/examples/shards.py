@@ -89,12 +89,7 @@ class ShardJob(Generic[Config]):
 
 
 def make_shards(
-    folder: Path,
-    count: int,
-    cfg: Config,
-    make: Callable[[ShardJob[Config]], Path],
-    *,
-    workers: int,
+    folder: Path, count: int, cfg: Config, make: Callable[[ShardJob[Config]], Path], *, workers: int
 ) -> list[Path]:
     """Makes the shards that are missing and returns the paths of all, in order.
 

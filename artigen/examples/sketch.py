@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import torch
 from jaxtyping import Int
 
 from artigen.examples.shards import ShardConfig, ShardJob, load_shard, make_shards, save_shard, split_rows
@@ -19,9 +18,10 @@ from artigen.examples.sketch_photos import (
     PhotoBatch,
     gather_photos,
     pack_photos,
-    take_photo,
+    take_photos,
     unpack_photos,
 )
+from artigen.models.batch import TensorBatch
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.sketch.batch import RowBatch, make_batch, sample_request
@@ -56,16 +56,11 @@ class SketchExample:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SketchBatch:
+class SketchBatch(TensorBatch):
     """A batch of objects, with or without pictures."""
 
     rows: RowBatch
     photos: PhotoBatch | None
-
-    def to(self, device: torch.device | str) -> "SketchBatch":
-        """The batch on another device."""
-        photos = None if self.photos is None else self.photos.to(device)
-        return SketchBatch(rows=self.rows.to(device), photos=photos)
 
 
 def draw_batches(examples: Sequence[SketchExample], rows: int, seed: int) -> Iterator[SketchBatch]:
@@ -154,7 +149,7 @@ def make_sketch_shard(job: ShardJob[ShardConfig]) -> Path:
         table = make_table(shape)
         if table is not None:
             tables.append(table)
-            photos += [take_photo(shape, rng)] if job.cfg.image_size else []
+            photos += take_photos([shape], rng) if job.cfg.image_size else []
     save_shard(job.path, pack_tables(tables) | (pack_photos(photos) if photos else {}), packed=True)
     return job.path
 

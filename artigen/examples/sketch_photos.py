@@ -15,9 +15,11 @@ from jaxtyping import Bool, Float, Int, UInt8
 from torch import Tensor
 from torch.nn import functional
 
+from artigen.appearance.views import join_cameras
 from artigen.examples.mesh_pictures import pack_picture
 from artigen.examples.photographs import find_direction
 from artigen.examples.shards import split_rows
+from artigen.models.batch import TensorBatch
 from artigen.shapes.poses import place_posed
 from artigen.shapes.render import Cameras, RenderConfig, build_scene, frame_points, render
 from artigen.shapes.shape import Shape
@@ -59,15 +61,10 @@ class Photo:
     """Yaw and pitch of the camera (radians), and half the diagonal of the object over its distance."""
 
 
-def take_photo(shape: Shape, rng: np.random.Generator) -> Photo:
-    """Renders an object from a random direction in front, in random light, closed or with one part open."""
-    return take_photos([shape], rng)[0]
-
-
 def take_photos(shapes: Sequence[Shape], rng: np.random.Generator) -> list[Photo]:
-    """Renders objects as `take_photo` does, all in the same light."""
+    """Renders objects from random directions in front, closed or with one part open, in one random light."""
     poses = [_open_part(shape, rng) for shape in shapes]
-    cameras = _join_cameras(
+    cameras = join_cameras(
         [_place_camera(shape, qpos, rng) for shape, qpos in zip(shapes, poses, strict=True)]
     )
     light = RenderConfig(
@@ -106,13 +103,6 @@ def _place_camera(shape: Shape, qpos: Float[np.ndarray, "Q"], rng: np.random.Gen
     way = find_direction(yaw, pitch)
     points = place_posed(shape, qpos)
     return frame_points(points, way, fov=rng.uniform(14.0, 55.0), width=EDGE, height=EDGE)
-
-
-def _join_cameras(cameras: Sequence[Cameras]) -> Cameras:
-    position, target, fov = (
-        torch.cat([getattr(camera, name) for camera in cameras]) for name in ("position", "target", "fov")
-    )
-    return Cameras(position=position, target=target, fov=fov, width=EDGE, height=EDGE)
 
 
 def _label_photo(
@@ -179,7 +169,7 @@ def unpack_photos(arrays: Mapping[str, np.ndarray]) -> list[PackedPhoto]:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PhotoBatch:
+class PhotoBatch(TensorBatch):
     """A batch of photos with their labels."""
 
     image: Float[Tensor, "B 4 S S"]
@@ -190,10 +180,6 @@ class PhotoBatch:
     given: Tensor
     """Mask of the rows that are parts, bool [B, N]."""
     view: Float[Tensor, "B 3"]
-
-    def to(self, device: torch.device | str) -> "PhotoBatch":
-        """The same batch on another device."""
-        return PhotoBatch(**{name: value.to(device, non_blocking=True) for name, value in vars(self).items()})
 
 
 def gather_photos(photos: Sequence[PackedPhoto]) -> PhotoBatch:

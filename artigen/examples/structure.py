@@ -5,14 +5,13 @@ They are made from procedural objects by seed, or from real ones; the same argum
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, UInt8
 
 from artigen.conditioning.delivery import asset_size, part_counts
-from artigen.examples.photographs import Photograph, photograph_shape
+from artigen.examples.photographs import photograph_shape
 from artigen.examples.shards import (
     CONDITION,
     ShardConfig,
@@ -25,7 +24,7 @@ from artigen.examples.shards import (
     split_rows,
 )
 from artigen.latent.patches import PackedField, pack_asset
-from artigen.shapes.asset import part_owners, shape_to_asset
+from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.types import Asset
 
@@ -45,7 +44,7 @@ class StructureExample:
     image: UInt8[np.ndarray, "H W 4"] | None = None
 
 
-def example_of_asset(asset: Asset, photograph: Photograph | None = None) -> StructureExample:
+def example_of_asset(asset: Asset, image: UInt8[np.ndarray, "H W 4"] | None = None) -> StructureExample:
     """The example of an asset with voxels: its field, part counts, and extent at rest in metres."""
     voxels = asset.voxels
     if voxels is None:
@@ -56,33 +55,30 @@ def example_of_asset(asset: Asset, photograph: Photograph | None = None) -> Stru
         field=pack_asset(asset),
         counts=part_counts(asset).astype(np.uint8),
         size=asset_size(asset).astype(np.float32),
-        image=None if photograph is None else photograph.rgba,
+        image=image,
     )
 
 
 def draw_example(
-    category: str, seed: int, *, resolution: int = 64, image_size: int = 128
-) -> StructureExample:
-    """Draws a procedural object and renders it from near its front; ``image_size`` 0 skips the picture."""
-    return draw_example_of(category, seed, resolution=resolution, image_size=image_size)[1]
-
-
-def draw_example_of(
-    category: str, seed: int, *, resolution: int = 64, image_size: int = 128
+    category: str, seed: int, *, resolution: int, image_size: int
 ) -> tuple[Asset, StructureExample]:
-    """A procedural object with voxels, and its example as from `draw_example`."""
+    """A procedural object with voxels, and its example, rendered from near its front.
+
+    Args:
+        image_size: Edge of the picture in pixels; 0 for none.
+    """
     shape = draw_shape(category, seed)
     asset = shape_to_asset(shape, resolution)
-    if not image_size:
-        return asset, example_of_asset(asset)
-    return asset, example_of_asset(
-        asset, photograph_shape(shape, seed, image_size, part_owners(shape, asset))
-    )
+    return asset, example_of_asset(asset, photograph_shape(shape, seed, image_size) if image_size else None)
 
 
 def make_shard(job: ShardJob[ShardConfig]) -> Path:
     """Draws the objects of one shard and writes it; runs in a worker process."""
-    draw = partial(draw_example, resolution=job.cfg.resolution, image_size=job.cfg.image_size)
+    cfg = job.cfg
+
+    def draw(category: str, seed: int) -> StructureExample:
+        return draw_example(category, seed, resolution=cfg.resolution, image_size=cfg.image_size)[1]
+
     return draw_shard(job, draw, write_shard)
 
 

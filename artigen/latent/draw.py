@@ -10,7 +10,7 @@ from torch import Tensor
 
 from artigen.conditioning.delivery import asset_size, part_counts
 from artigen.errors import SegmentationError, SourceError
-from artigen.latent.outline import gather_outlines, outline_rows
+from artigen.latent.outline import gather_outlines
 from artigen.latent.presets import PRESETS, StructurePreset
 from artigen.latent.structure_flow import StructureFlow, sample_latents
 from artigen.latent.structure_vae import StructureVae, decode_cells
@@ -20,10 +20,11 @@ from artigen.models.rectified_flow import SamplerConfig
 from artigen.models.store import load_model
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.shape import Shape
-from artigen.types import PART_LABELS, Asset, VoxelGrid
+from artigen.types import PART_LABELS, Asset
 from artigen.voxels.cleanup.clean import mend_cells
 from artigen.voxels.cleanup.rows import Owners, read_owners
-from artigen.voxels.fields import VoxelFields
+from artigen.voxels.fields import VoxelFields, tabulate_parts
+from artigen.voxels.frames import gather_voxels
 from artigen.voxels.segmentation.segment import SegmentConfig, segment
 
 
@@ -113,7 +114,7 @@ def generate_structure(
     generator = torch.Generator().manual_seed(seed)
     noise = torch.randn((1, model.flow.channels, edge, edge, edge), generator=generator).to(device)
     known = gather_conditions([asked], model.preset.conditions).to(device)
-    rows = outline_rows(outlined) if model.flow.takes_outlines else None
+    rows = tabulate_parts(outlined) if model.flow.takes_outlines else None
     if rows is None or cfg.segment is not None:
         fields, _ = _decode(model, known, noise, rows, cfg)
         found = segment(
@@ -159,10 +160,7 @@ def _place_parts(outlined: Asset, owners: Owners, notes: tuple[str, ...]) -> Ass
     Raises:
         SegmentationError: If a part owns no cell.
     """
-    coords = np.argwhere(owners >= 0)
-    part_ids = owners[tuple(coords.T)]
-    lost = [part.name for number, part in enumerate(outlined.parts) if not (part_ids == number).any()]
+    lost = [part.name for number, part in enumerate(outlined.parts) if not (owners == number).any()]
     if lost:
         raise SegmentationError(f"no voxel was drawn for {', '.join(lost)} of {len(outlined.parts)} parts")
-    voxels = VoxelGrid(resolution=len(owners), coords=coords, part_ids=part_ids)
-    return replace(outlined, voxels=voxels, notes=(*outlined.notes, *notes))
+    return replace(outlined, voxels=gather_voxels(owners), notes=(*outlined.notes, *notes))

@@ -1,7 +1,7 @@
 """Outlines: one row per part with label, joint, axis, origin, range and box, and the hints derived from them.
 
 An outline holds what a voxel field states about its parts, without their shapes. The latent flow and the
-decoder take the outline of the object that they draw (`outline_rows`).
+decoder take the outline of the object that they draw (`artigen.voxels.fields.tabulate_parts`).
 """
 
 from collections.abc import Sequence
@@ -13,10 +13,8 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor
 from torch.nn import functional
 
-from artigen.shapes.asset import shape_to_asset
-from artigen.shapes.shape import Shape
-from artigen.types import Asset
-from artigen.voxels.fields import ROW, tabulate_parts
+from artigen.models.batch import TensorBatch
+from artigen.voxels.fields import ROW
 
 BLUR = 0.25 / 64
 """Standard deviation of the noise on boxes in training, in unit-cube lengths."""
@@ -24,6 +22,8 @@ FACES = 6
 """Numbers in a hint that are distances to the faces of a box."""
 DEPTH = 4
 """Number of candidate parts per cell: the smallest that reach into it."""
+HINT_CHANNELS = DEPTH * (ROW.box.stop + FACES + 1)
+"""Channels of a hint (`draw_hint`)."""
 MARGIN = 0.5 / 64
 """Unit-cube lengths that a part may reach beyond its box, because boxes are slightly inexact."""
 
@@ -39,25 +39,11 @@ class Candidates:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class OutlineBatch:
+class OutlineBatch(TensorBatch):
     """Outlines side by side: the channels after occupancy, a row per part; rows not ``given`` are padding."""
 
     rows: Float[Tensor, "B N C"]
     given: Bool[Tensor, "B N"]
-
-    def to(self, device: torch.device | str) -> "OutlineBatch":
-        """The same batch on another device."""
-        return OutlineBatch(rows=self.rows.to(device), given=self.given.to(device))
-
-
-def outline_rows(source: Asset | Shape, resolution: int = 64) -> Float[np.ndarray, "N C"]:
-    """The outline of an exact object: a row per part that the grid resolves, in the order of the parts.
-
-    Args:
-        source: The object; the parts of an asset are taken as they are.
-        resolution: Cells along the longest edge; parts of a shape without a cell join their parents.
-    """
-    return tabulate_parts(shape_to_asset(source, resolution) if isinstance(source, Shape) else source)
 
 
 def sort_rows(table: Float[np.ndarray, "N C"]) -> Float[np.ndarray, "N C"]:
@@ -91,11 +77,6 @@ def blur_outlines(outlines: OutlineBatch, share: float, generator: torch.Generat
     return OutlineBatch(rows=rows, given=outlines.given & kept[:, None])
 
 
-def hint_channels() -> int:
-    """Channels of a hint."""
-    return DEPTH * (ROW.box.stop + FACES + 1)
-
-
 def find_candidates(outlines: OutlineBatch, edge: int) -> Candidates:
     """The `DEPTH` smallest parts that reach into each cell of a grid of ``edge`` over the unit cube."""
     low, high = _faces(outlines)
@@ -124,7 +105,6 @@ def reach_cells(
     Boxes are grown by half of `MARGIN`.
 
     Args:
-        outlines: Outlines of the batch.
         candidates: Candidates of the cells of the grid.
         edge: Cells of the grid along an edge.
         patch: Finer cells in one of them, along an edge.
@@ -162,11 +142,6 @@ def draw_hint(outlines: OutlineBatch, candidates: Candidates, edge: int) -> Floa
     hint = torch.cat([attributes, (faces * edge).clamp(-2.0, 2.0), torch.ones_like(faces[..., :1])], dim=-1)
     hint = hint * candidates.found[..., None]
     return hint.permute(0, 1, 3, 2).reshape(len(hint), -1, edge, edge, edge)
-
-
-def part_labels(rows: Float[Tensor, "B N C"]) -> Int[Tensor, "B N"]:
-    """Label of each row."""
-    return rows[..., ROW.label].argmax(dim=-1)
 
 
 def _faces(outlines: OutlineBatch) -> tuple[Float[Tensor, "B N 3"], ...]:

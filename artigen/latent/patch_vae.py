@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float
 from torch import Tensor, nn
 from torch.nn import functional
 
-from artigen.latent.outline import DEPTH, hint_channels
+from artigen.latent.outline import DEPTH, HINT_CHANNELS
 from artigen.latent.patches import CELLS, PATCH, PatchBatch, patch_centers, relative
 from artigen.latent.volumes import (
     ChannelLayerNorm,
@@ -140,7 +140,7 @@ class PatchDecoder(nn.Module):
         self.cfg = cfg
         half = cfg.decoder_blocks // 2
         self.input_layer = nn.Conv3d(cfg.latent_channels, cfg.width, 3, padding=1)
-        self.hint_layer = nn.Conv3d(hint_channels(), cfg.width, 1, bias=False)
+        self.hint_layer = nn.Conv3d(HINT_CHANNELS, cfg.width, 1, bias=False)
         self.before = nn.ModuleList(ResBlock3d(cfg.width) for _ in range(half))
         self.mixer = GlobalMixer(cfg)
         self.after = nn.ModuleList(ResBlock3d(cfg.width) for _ in range(cfg.decoder_blocks - half))
@@ -172,10 +172,7 @@ class PatchDecoder(nn.Module):
         return logits.masked_fill(~inside.any(dim=-1), NEVER)
 
     def attributes(
-        self,
-        features: Float[Tensor, "P D"],
-        rows: Float[Tensor, "P Q C"],
-        inside: Bool[Tensor, "P K Q"],
+        self, features: Float[Tensor, "P D"], rows: Float[Tensor, "P Q C"], inside: Bool[Tensor, "P K Q"]
     ) -> Float[Tensor, "P K C"]:
         """Channels after occupancy (class channels as logits) of the cells of patches.
 
@@ -183,7 +180,6 @@ class PatchDecoder(nn.Module):
         evaluation they are those of the likeliest part.
 
         Args:
-            features: Features of the patches.
             rows: Candidate parts of each patch.
             inside: Whether each cell lies in the box of each candidate.
         """

@@ -5,7 +5,7 @@ are constant within a part, so a patch stores the part of each cell, and a table
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import torch
@@ -13,6 +13,7 @@ from jaxtyping import Float, Int, UInt8
 from torch import Tensor
 
 from artigen.latent.volumes import gather_pixels, shuffle_pixels
+from artigen.models.batch import TensorBatch
 from artigen.types import Asset
 from artigen.voxels.fields import ROW, tabulate_parts
 
@@ -35,7 +36,7 @@ class PackedField:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PatchBatch:
+class PatchBatch(TensorBatch):
     """Packed fields of several objects as tensors.
 
     ``index`` counts patches through the batch (sample * patches + patch); row 0 of ``table`` is zero, for
@@ -47,13 +48,6 @@ class PatchBatch:
     index: Int[Tensor, "P"]
     rows: Int[Tensor, "P K"]
     table: Float[Tensor, "T C"]
-
-    def to(self, device: torch.device | str) -> "PatchBatch":
-        """The same batch on another device."""
-        moved = {
-            name: getattr(self, name).to(device, non_blocking=True) for name in ("index", "rows", "table")
-        }
-        return replace(self, **moved)
 
     def occupied(self) -> Tensor:
         """Mask of the occupied cells, bool [P, K]."""
@@ -150,9 +144,12 @@ def from_patches(cells: Float[Tensor, "N K"], edge: int) -> Float[Tensor, "B X Y
 
 def patch_centers(index: Int[Tensor, "P"], edge: int) -> Float[Tensor, "P 3"]:
     """Centres of patches in the unit cube."""
-    inside = index % edge**3
-    places = torch.stack([inside // edge**2, inside // edge % edge, inside % edge], dim=1)
-    return (places + 0.5) / edge - 0.5
+    return (unravel(index % edge**3, edge) + 0.5) / edge - 0.5
+
+
+def unravel(flat: Int[Tensor, "N"], edge: int) -> Int[Tensor, "N 3"]:
+    """Places in a cube of cells from their flat index, z fastest."""
+    return torch.stack([flat // edge**2, flat // edge % edge, flat % edge], dim=1)
 
 
 def relative(

@@ -9,7 +9,7 @@ from typing import Literal
 
 from artigen.latent.conv_vae import ConvVaeConfig
 from artigen.latent.latent_dit import LatentDitConfig
-from artigen.latent.outline import hint_channels
+from artigen.latent.outline import HINT_CHANNELS
 from artigen.latent.patch_vae import PatchVaeConfig
 from artigen.latent.structure_dit import StructureDitConfig
 from artigen.models.clip import ClipConfig
@@ -44,19 +44,19 @@ PRESETS: dict[PresetName, StructurePreset] = {
             resolution=32, width=32, encoder_blocks=1, decoder_blocks=2, global_width=64, global_blocks=1
         ),
         flow=LatentDitConfig(
-            edge=8, width=64, blocks=2, heads=2, cell_width=32, cell_blocks=2, hint=hint_channels()
+            edge=8, width=64, blocks=2, heads=2, cell_width=32, cell_blocks=2, hint=HINT_CHANNELS
         ),
         conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_width=32, image_blocks=1),
         resolution=32,
     ),
     "small": StructurePreset(
         vae=PatchVaeConfig(width=64, encoder_blocks=1, decoder_blocks=3, global_width=128, global_blocks=2),
-        flow=LatentDitConfig(hint=hint_channels()),
+        flow=LatentDitConfig(hint=HINT_CHANNELS),
         conditions=ConditionConfig(),
     ),
     "compact": StructurePreset(
         vae=PatchVaeConfig(),
-        flow=LatentDitConfig(cell_width=64, cell_blocks=4, hint=hint_channels()),
+        flow=LatentDitConfig(cell_width=64, cell_blocks=4, hint=HINT_CHANNELS),
         conditions=ConditionConfig(),
     ),
     "paper": StructurePreset(

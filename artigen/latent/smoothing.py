@@ -10,8 +10,9 @@ from jaxtyping import Bool, Float
 from torch import Tensor
 from torch.nn import functional
 
-from artigen.latent.outline import OutlineBatch, part_labels, touched_cells
+from artigen.latent.outline import OutlineBatch, touched_cells
 from artigen.types import PART_LABELS, PartLabel
+from artigen.voxels.fields import ROW
 
 REACH = 4
 """Cells to each side along an axis over which means are taken."""
@@ -54,6 +55,6 @@ def _line_means(x: Float[Tensor, "B X Y Z"], axis: int, reach: int) -> Float[Ten
 
 def _exempt(outlines: OutlineBatch, edge: int) -> Bool[Tensor, "B X Y Z"]:
     """Cells in the box of a part of an exempt label."""
-    labels = part_labels(outlines.rows)
+    labels = outlines.rows[..., ROW.label].argmax(dim=-1)
     exempt = torch.tensor([PART_LABELS.index(name) for name in EXEMPT], device=labels.device)
     return (touched_cells(outlines, edge) & torch.isin(labels, exempt)[..., None, None, None]).any(dim=1)

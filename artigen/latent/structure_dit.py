@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor, nn
-from torch.nn import functional
 
 from artigen.latent.volumes import as_tokens, as_volume, gather_pixels, shuffle_pixels
 from artigen.models.attention import (
@@ -16,6 +15,7 @@ from artigen.models.attention import (
     CrossAttention,
     FeedForward,
     SelfAttention,
+    learned_norm,
     modulate,
     plain_norm,
 )
@@ -83,10 +83,7 @@ class ModulatedBlock(nn.Module):
         shift_attn, scale_attn, gate_attn, shift_mlp, scale_mlp, gate_mlp = mod.chunk(6, dim=1)
         h = self.self_attn(modulate(plain_norm(x), shift_attn, scale_attn), mask)
         x = x + h * gate_attn.unsqueeze(1)
-        normed = functional.layer_norm(
-            x.float(), x.shape[-1:], self.norm2.weight.float(), self.norm2.bias.float(), NORM_EPS
-        )
-        x = x + self.cross_attn(normed.to(x.dtype), cond)
+        x = x + self.cross_attn(learned_norm(x, self.norm2), cond)
         h = self.mlp(modulate(plain_norm(x), shift_mlp, scale_mlp))
         return x + h * gate_mlp.unsqueeze(1)
 
@@ -146,10 +143,7 @@ class StructureDit(FlowTransformer):
         self.initialise()
 
     def forward(
-        self,
-        x: Float[Tensor, "B C X Y Z"],
-        times: Float[Tensor, "B"],
-        cond: Float[Tensor, "B M K"],
+        self, x: Float[Tensor, "B C X Y Z"], times: Float[Tensor, "B"], cond: Float[Tensor, "B M K"]
     ) -> Float[Tensor, "B C X Y Z"]:
         """Velocity at ``times`` (0 to 1000), for a condition."""
         patch = self.cfg.patch_size

@@ -13,7 +13,7 @@ from torch import Tensor, nn
 from artigen.latent.conv_vae import ConvDecoder, ConvEncoder, ConvVaeConfig
 from artigen.latent.outline import OutlineBatch, draw_hint, find_candidates, reach_cells
 from artigen.latent.patch_vae import NEVER, PatchDecoder, PatchEncoder, PatchVaeConfig
-from artigen.latent.patches import PATCH, PatchBatch, as_patches, fold, from_patches, unfold
+from artigen.latent.patches import PATCH, PatchBatch, as_patches, fold, from_patches, unfold, unravel
 from artigen.latent.smoothing import steady_occupancy
 from artigen.latent.volumes import sample_gaussian
 from artigen.types import FULL_TURN
@@ -81,10 +81,7 @@ class StructureVae(nn.Module):
         return logits, dense[index][..., 1:], index
 
     def forward(
-        self,
-        patches: PatchBatch,
-        noise: Float[Tensor, "B D X Y Z"],
-        outlines: OutlineBatch | None = None,
+        self, patches: PatchBatch, noise: Float[Tensor, "B D X Y Z"], outlines: OutlineBatch | None = None
     ) -> Reconstruction:
         """Reconstructs a batch through a draw from its posterior."""
         mean, logvar = self.encode(patches)
@@ -111,16 +108,9 @@ def decode_cells(
         patch = index[mine] - sample * per_sample
         occupied = logits[index[mine]] > 0
         row, cell = occupied.nonzero(as_tuple=True)
-        coords = PATCH * _unravel(patch[row], edge) + _unravel(cell, PATCH)
+        coords = PATCH * unravel(patch[row], edge) + unravel(cell, PATCH)
         out.append(_read(coords, attributes[mine][occupied], edge * PATCH))
     return out, from_patches(logits, edge)
-
-
-def decode_fields(
-    vae: StructureVae, z: Float[Tensor, "B D X Y Z"], outlines: OutlineBatch | None = None
-) -> list[VoxelFields]:
-    """Fields of the occupied cells of latents."""
-    return decode_cells(vae, z, outlines)[0]
 
 
 def _read(coords: Int[Tensor, "N 3"], values: Float[Tensor, "N C"], resolution: int) -> VoxelFields:
@@ -128,27 +118,19 @@ def _read(coords: Int[Tensor, "N 3"], values: Float[Tensor, "N C"], resolution: 
     flat = (coords[:, 0] * resolution + coords[:, 1]) * resolution + coords[:, 2]
     order = flat.argsort()
     values = values[order].float()
-
-    def channels(part: slice) -> Tensor:
-        return values[:, part]
-
     units = torch.tensor([FULL_TURN, 1.0], device=values.device)
-    return VoxelFields(
-        resolution=resolution,
-        coords=coords[order].cpu().numpy(),
-        label_probs=channels(ROW.label).softmax(dim=1).cpu().numpy(),
-        joint_probs=channels(ROW.joint_type).softmax(dim=1).cpu().numpy(),
-        axis=channels(ROW.axis).cpu().numpy(),
-        origin=channels(ROW.origin).cpu().numpy(),
-        ranges=(channels(ROW.range) * units).cpu().numpy(),
-        box=channels(ROW.box).cpu().numpy(),
-        category_probs=channels(ROW.category).softmax(dim=1).cpu().numpy(),
-    )
+    found = {
+        "label_probs": values[:, ROW.label].softmax(dim=1),
+        "joint_probs": values[:, ROW.joint_type].softmax(dim=1),
+        "axis": values[:, ROW.axis],
+        "origin": values[:, ROW.origin],
+        "ranges": values[:, ROW.range] * units,
+        "box": values[:, ROW.box],
+        "category_probs": values[:, ROW.category].softmax(dim=1),
+        "coords": coords[order],
+    }
+    return VoxelFields(resolution=resolution, **{name: value.cpu().numpy() for name, value in found.items()})
 
 
 def _occupied_patches(logits: Float[Tensor, "N K"]) -> Int[Tensor, "P"]:
     return (logits > 0).any(dim=1).nonzero()[:, 0]
-
-
-def _unravel(flat: Int[Tensor, "N"], edge: int) -> Int[Tensor, "N 3"]:
-    return torch.stack([flat // edge**2, flat // edge % edge, flat % edge], dim=1)

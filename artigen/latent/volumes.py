@@ -23,7 +23,9 @@ class ResBlock3d(nn.Module):
         self.norm1 = ChannelLayerNorm(channels)
         self.norm2 = ChannelLayerNorm(channels)
         self.conv1 = nn.Conv3d(channels, channels, 3, padding=1)
-        self.conv2 = zero_module(nn.Conv3d(channels, channels, 3, padding=1))
+        self.conv2 = nn.Conv3d(channels, channels, 3, padding=1)
+        for parameter in self.conv2.parameters():
+            nn.init.zeros_(parameter)
 
     def forward(self, x: Float[Tensor, "B C X Y Z"]) -> Float[Tensor, "B C X Y Z"]:
         h = self.conv1(functional.silu(self.norm1(x)))
@@ -67,13 +69,6 @@ def gather_pixels(x: Float[Tensor, "B C X Y Z"], factor: int) -> Float[Tensor, "
     x = x.reshape(batch, channels, small[0], factor, small[1], factor, small[2], factor)
     x = x.permute(0, 1, 3, 5, 7, 2, 4, 6)
     return x.reshape(batch, channels * factor**3, *small)
-
-
-def zero_module(module: nn.Conv3d) -> nn.Conv3d:
-    """Sets every parameter of a module to zero and returns it."""
-    for parameter in module.parameters():
-        nn.init.zeros_(parameter)
-    return module
 
 
 def as_tokens(x: Float[Tensor, "B C X Y Z"]) -> Float[Tensor, "B L C"]:

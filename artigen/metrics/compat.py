@@ -8,12 +8,13 @@ would align the objects, and joints are not stretched. AS includes the state at 
 `artigen.metrics.strict` is the measure to trust; the two are never compared with each other.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
 from scipy.optimize import linear_sum_assignment
 
+from artigen.conditioning.delivery import asset_bounds
 from artigen.metrics.clouds import PartCloud, chamfer, sample_every_part
 from artigen.transforms import joint_motion, transform_points
 from artigen.types import Asset, Part
@@ -36,7 +37,7 @@ class CompatDistance:
 def compat_distance(found: Asset, truth: Asset, *, per_part: int = 2048) -> CompatDistance:
     """RS and AS Chamfer distance by the published protocol."""
     clouds = [_center(sample_every_part(asset, per_part)) for asset in (found, truth)]
-    sizes = [np.ptp(_corners(asset), axis=(0, 1)) for asset in (found, truth)]
+    sizes = [np.ptp(asset_bounds(asset), axis=0) for asset in (found, truth)]
     stretched = _stretch(clouds[0], sizes[0] / np.maximum(sizes[1], 1e-9))
     ids = [np.unique(cloud.part_ids) for cloud in clouds]
     centers = [_centers(cloud.asset)[kept] for cloud, kept in zip(clouds, ids, strict=True)]
@@ -67,37 +68,27 @@ def pair_with_leftovers(
     return partner
 
 
-def _corners(asset: Asset) -> Float[np.ndarray, "2 1 3"]:
-    """Lowest and highest corner of the boxes of all parts."""
-    low = np.min([part.box[0] - part.box[1] / 2 for part in asset.parts], axis=0)
-    high = np.max([part.box[0] + part.box[1] / 2 for part in asset.parts], axis=0)
-    return np.stack([low, high])[:, None]
-
-
 def _centers(asset: Asset) -> Float[np.ndarray, "P 3"]:
     """Centres of the boxes of all parts, about the centre of the object."""
-    return np.stack([part.box[0] for part in asset.parts]) - _corners(asset).mean(axis=(0, 1))
+    return np.stack([part.box[0] for part in asset.parts]) - asset_bounds(asset).mean(axis=0)
 
 
 def _center(cloud: PartCloud) -> PartCloud:
-    middle = _corners(cloud.asset).mean(axis=(0, 1))
-    return PartCloud(asset=cloud.asset, points=cloud.points - middle, part_ids=cloud.part_ids)
+    return replace(cloud, points=cloud.points - asset_bounds(cloud.asset).mean(axis=0))
 
 
 def _stretch(cloud: PartCloud, factors: Float[np.ndarray, "3"]) -> PartCloud:
     """Stretches every part about the centre of its own box."""
     centers = _centers(cloud.asset)[cloud.part_ids]
-    points = centers + (cloud.points - centers) * factors
-    return PartCloud(asset=cloud.asset, points=points, part_ids=cloud.part_ids)
+    return replace(cloud, points=centers + (cloud.points - centers) * factors)
 
 
 def _move(cloud: PartCloud, share: float) -> Float[np.ndarray, "N 3"]:
     """Centred points with all joints opened by the published rule."""
     asset = cloud.asset
-    middle = _corners(asset).mean(axis=(0, 1))
     own = np.stack([_published_motion(part, share) for part in asset.parts])
     shift = np.eye(4)
-    shift[:3, 3] = middle
+    shift[:3, 3] = asset_bounds(asset).mean(axis=0)
     back = np.linalg.inv(shift)
     out = cloud.points.copy()
     for index, part in enumerate(asset.parts):

@@ -13,7 +13,7 @@ from artigen.errors import ArtigenError, SegmentationError
 from artigen.examples.batches import outline_batch, patch_batch
 from artigen.io import read_asset, write_asset
 from artigen.latent.draw import GenerateConfig, StructureModel, generate_structure
-from artigen.latent.structure_vae import decode_fields
+from artigen.latent.structure_vae import decode_cells
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
 from artigen.runtime.journal import append_line, read_lines
@@ -84,11 +84,7 @@ class Draw:
 
 
 def draw_all(
-    jobs: Sequence[DrawJob],
-    folder: Path,
-    draw_asset: DrawAsset,
-    *,
-    name: str = "draws",
+    jobs: Sequence[DrawJob], folder: Path, draw_asset: DrawAsset, *, name: str = "draws"
 ) -> list[Draw]:
     """Makes the draws that ``folder`` does not hold yet, and returns all, in the order of ``jobs``.
 
@@ -124,7 +120,7 @@ def reconstruct(model: StructureModel, subject: Subject) -> Asset | None:
     device = next(model.vae.parameters()).device
     with torch.no_grad():
         mean, _ = model.vae.encode(patch_batch([subject.example]).to(device))
-    (fields,) = decode_fields(model.vae, mean, outline_batch([subject.example]).to(device))
+    (fields,), _ = decode_cells(model.vae, mean, outline_batch([subject.example]).to(device))
     asset = subject.asset
     try:
         return segment(fields, name=asset.name, scale=asset.scale, category=asset.category)
@@ -133,9 +129,9 @@ def reconstruct(model: StructureModel, subject: Subject) -> Asset | None:
 
 
 def _draw(job: DrawJob, draw_asset: DrawAsset) -> Draw:
-    started = time.perf_counter()
+    started, asset, reason = time.perf_counter(), None, None
     try:
         asset = draw_asset(job.asked, job.seed)
     except ArtigenError as error:  # no shape, or a part without cells
-        return Draw(asset=None, error=str(error), seconds=time.perf_counter() - started)
-    return Draw(asset=asset, error=None, seconds=time.perf_counter() - started)
+        reason = str(error)
+    return Draw(asset=asset, error=reason, seconds=time.perf_counter() - started)

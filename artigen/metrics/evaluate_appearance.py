@@ -13,18 +13,14 @@ from artigen.appearance.draw import AppearanceModel, draw_splats, has_appearance
 from artigen.appearance.extractors import ExtractorConfig, make_extractor
 from artigen.appearance.features import FeatureExtractor, PyramidFeatures
 from artigen.appearance.inputs import FeatureInputs
+from artigen.appearance.paint import lay_painted
 from artigen.appearance.photographs import take_pictures
 from artigen.appearance.presets import APPEARANCE_PRESETS
 from artigen.appearance.states import plan_fractions
 from artigen.appearance.vae import APPEARANCE_VAE, AppearanceVae
 from artigen.appearance.views import ViewConfig
 from artigen.errors import ArtigenError, SourceError
-from artigen.examples.appearance import (
-    AppearanceExample,
-    draw_appearance_of,
-    lay_true_voxels,
-    sample_parts,
-)
+from artigen.examples.appearance import AppearanceExample, draw_appearance, sample_parts
 from artigen.latent.presets import PresetName
 from artigen.metrics.appearance import (
     Comparison,
@@ -213,7 +209,7 @@ def draw_subject(
     """A held-out object with the input features of the model, and the pictures on which it is scored."""
     categories = model.conditions.categories
     category, seed = categories[number % len(categories)], number // len(categories)
-    asset, example = draw_appearance_of(
+    asset, example = draw_appearance(
         category,
         seed,
         model.extractor,
@@ -244,13 +240,13 @@ def _compare_drawn(
 ) -> list[Comparison]:
     """Pictures of Gaussians that the flow samples on true voxels, given nothing but their true paint.
 
-    None without a flow that takes paint.
+    Empty without a flow that takes paint.
     """
     if model.drawer is None or not model.drawer.flow.attribute_channels:
         return []
     out = []
     for asset, example in tqdm(subjects, "draws", disable=None):
-        laid, facings = lay_true_voxels(_draw_again(asset), asset)
+        laid, facings, _ = lay_painted(_draw_again(asset), asset)
         assert laid.voxels is not None
         assert laid.surface is not None
         canvas = Canvas(

@@ -61,12 +61,7 @@ class PackageReport:
 
 
 def prove_draws(
-    jobs: Sequence[DrawJob],
-    out: Path,
-    draw_asset: DrawAsset,
-    prove: Prove,
-    *,
-    redraws: int,
+    jobs: Sequence[DrawJob], out: Path, draw_asset: DrawAsset, prove: Prove, *, redraws: int
 ) -> PackageReport:
     """Draws objects, makes and checks their packages as far as ``out`` lacks them, and counts.
 
@@ -95,7 +90,7 @@ def count_proofs(objects: Sequence[tuple[str, Sequence[Proof]]], redraws: int) -
         proofs = [draws for category, draws in objects if name in (category, "all")]
         scores[name] = PackageScores(
             objects=len(proofs),
-            valid=float(np.mean([not any(map(_is_no_object, draws[0].causes)) for draws in proofs])),
+            valid=float(np.mean([not _has_no_object(draws[0]) for draws in proofs])),
             first=float(np.mean([draws[0].passed for draws in proofs])),
             within=float(np.mean([draws[-1].passed for draws in proofs])),
             draws=float(np.mean([len(draws) for draws in proofs])),
@@ -118,12 +113,7 @@ def _draw_again(job: DrawJob, number: int) -> DrawJob:
     return DrawJob(key=f"{job.key}_again_{number}", asked=job.asked, seed=seed)
 
 
-def _prove_round(
-    jobs: Sequence[DrawJob],
-    out: Path,
-    draw_asset: DrawAsset,
-    prove: Prove,
-) -> list[Proof]:
+def _prove_round(jobs: Sequence[DrawJob], out: Path, draw_asset: DrawAsset, prove: Prove) -> list[Proof]:
     """Proofs in the order of ``jobs``; those in the journal are reused."""
     journal = out / JOURNAL
     known = {line["key"]: Proof(**{**line, "causes": tuple(line["causes"])}) for line in read_lines(journal)}
@@ -139,8 +129,8 @@ def _prove_round(
     return [known[job.key] for job in jobs]
 
 
-def _is_no_object(cause: str) -> bool:
-    return cause.startswith(NO_OBJECT)
+def _has_no_object(proof: Proof) -> bool:
+    return any(cause.startswith(NO_OBJECT) for cause in proof.causes)
 
 
 def _count(proofs: Sequence[Proof]) -> dict[str, int]:

@@ -139,15 +139,9 @@ def _format_packages(report: PackageReport | None) -> list[str]:
     if report is None:
         return []
     lines = ["", "## Packages (counts and size asked for, checks L0 to L3)", ""]
+    redrawn = f"within {report.redraws} redraws"
     lines += format_table(
-        (
-            "category",
-            "objects",
-            "a tree at once",
-            "passes at once",
-            f"within {report.redraws} redraws",
-            "draws",
-        ),
+        ("category", "objects", "a tree at once", "passes at once", redrawn, "draws"),
         [
             (
                 name,

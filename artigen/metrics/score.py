@@ -72,20 +72,19 @@ def score_objects(
     strict = [
         None if one is None else strict_distance(one, truth, points=cfg.points) for _, one, truth in pairs
     ]
-    out["strict_rest"] = float(np.mean([PENALTY if s is None else s.rest for s in strict]))
-    out["strict_articulated"] = float(np.mean([PENALTY if s is None else s.articulated for s in strict]))
+    for name in ("rest", "articulated"):
+        costs = [PENALTY if one is None else getattr(one, name) for one in strict]
+        out[f"strict_{name}"] = float(np.mean(costs))
     measured = [one for one in strict if one is not None]
     if not measured:
         return out
-    out["strict_rest_matched"] = float(np.mean([one.rest_matched for one in measured]))
-    out["strict_articulated_matched"] = float(np.mean([one.articulated_matched for one in measured]))
-    out["strict_whole_rest"] = float(np.mean([one.whole_rest for one in measured]))
-    out["strict_whole_articulated"] = float(np.mean([one.whole_articulated for one in measured]))
+    for name in ("rest_matched", "articulated_matched", "whole_rest", "whole_articulated"):
+        out[f"strict_{name}"] = float(np.mean([getattr(one, name) for one in measured]))
     compat = [
         compat_distance(one, truth, per_part=cfg.per_part) for _, one, truth in pairs if one is not None
     ]
-    out["compat_rest"] = float(np.mean([one.rest for one in compat]))
-    out["compat_articulated"] = float(np.mean([one.articulated for one in compat]))
+    for name in ("rest", "articulated"):
+        out[f"compat_{name}"] = float(np.mean([getattr(one, name) for one in compat]))
     return out
 
 
@@ -142,9 +141,7 @@ def coverage(cross: Float[np.ndarray, "G R"]) -> float:
 
 
 def nearest_neighbour_accuracy(
-    cross: Float[np.ndarray, "G R"],
-    generated: Float[np.ndarray, "G G"],
-    reference: Float[np.ndarray, "R R"],
+    cross: Float[np.ndarray, "G R"], generated: Float[np.ndarray, "G G"], reference: Float[np.ndarray, "R R"]
 ) -> float:
     """1-NNA: share of objects whose nearest neighbour among all others is of their own set.
 

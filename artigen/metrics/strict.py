@@ -72,9 +72,7 @@ def _centroids(cloud: PartCloud) -> tuple[Int[np.ndarray, "P"], Float[np.ndarray
 
 
 def _matched(
-    clouds: tuple[PartCloud, PartCloud],
-    pairs: Int[np.ndarray, "K 2"],
-    state: tuple[np.ndarray, np.ndarray],
+    clouds: tuple[PartCloud, PartCloud], pairs: Int[np.ndarray, "K 2"], state: tuple[np.ndarray, np.ndarray]
 ) -> list[float]:
     return [
         chamfer(state[0][clouds[0].part_ids == one], state[1][clouds[1].part_ids == two])

@@ -3,7 +3,7 @@
 Attributes are compared on cells that are occupied in truth and reconstruction, occupancy on all cells.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import torch
@@ -12,17 +12,16 @@ from torch import Tensor
 
 from artigen.examples.batches import outline_batch, patch_batch
 from artigen.examples.structure import StructureExample
-from artigen.latent.outline import OutlineBatch
 from artigen.latent.patches import PatchBatch
 from artigen.latent.structure_vae import StructureVae
 from artigen.types import FULL_TURN, JOINT_TYPES, PART_LABELS
 from artigen.voxels.fields import ROW
 
+BATCH = 16
+"""Examples that are reconstructed at once."""
 
-@torch.no_grad()
-def score_reconstruction(
-    vae: StructureVae, examples: Sequence[StructureExample], *, batch: int = 16
-) -> dict[str, float]:
+
+def score_reconstruction(vae: StructureVae, examples: Sequence[StructureExample]) -> dict[str, float]:
     """Encodes (posterior mean) and decodes examples; shares in [0, 1], degrees, unit lengths.
 
     ``occupancy_recall`` is the share of occupied cells found, ``label`` and ``joint_type`` the share of
@@ -32,11 +31,8 @@ def score_reconstruction(
     and ``travel`` the mean errors of the ranges, ``box_center`` and ``box_size`` mean distances (Table 3),
     ``box`` the mean error of a component of the box.
     """
-    device = next(vae.parameters()).device
     sums: dict[str, list[float]] = {}
-    for start in range(0, len(examples), batch):
-        patches, outlines = _subjects(examples[start : start + batch], device)
-        logits, values, _ = vae.decode(vae.encode(patches)[0], patches.index, outlines)
+    for patches, logits, values in _reconstruct(vae, examples):
         occupancy = patches.occupancy().flatten(0, 1) > 0
         found = logits > 0
         _count(sums, "occupancy_recall", found[occupancy])
@@ -47,10 +43,7 @@ def score_reconstruction(
     return {name: total / max(count, 1) for name, (total, count) in sums.items()}
 
 
-@torch.no_grad()
-def score_spread(
-    vae: StructureVae, examples: Sequence[StructureExample], *, batch: int = 16
-) -> dict[str, tuple[float, ...]]:
+def score_spread(vae: StructureVae, examples: Sequence[StructureExample]) -> dict[str, tuple[float, ...]]:
     """Standard deviations of attributes over the cells of a part, averaged over parts: the rows of Table 4.
 
     Over the cells that are occupied in truth and reconstruction: ``box_center`` and ``box_size`` of all
@@ -58,17 +51,14 @@ def score_spread(
     (degrees) of rotating and ``travel`` (unit lengths) of sliding ones. A row that applies to no part is
     empty.
     """
-    device = next(vae.parameters()).device
     spreads, kinds = [], []
-    for start in range(0, len(examples), batch):
-        patches, outlines = _subjects(examples[start : start + batch], device)
-        logits, values, _ = vae.decode(vae.encode(patches)[0], patches.index, outlines)
+    for patches, logits, values in _reconstruct(vae, examples):
         common = patches.occupied() & (logits[patches.index] > 0)
         ids, spread = part_deviations(
             values[common].float().cpu().numpy(), patches.rows[common].cpu().numpy()
         )
         spreads.append(spread)
-        kinds.append(patches.table[torch.from_numpy(ids).to(device)][:, ROW.joint_type].argmax(1))
+        kinds.append(patches.table[torch.from_numpy(ids).to(logits.device)][:, ROW.joint_type].argmax(1))
     spread, kind = np.concatenate(spreads), torch.cat(kinds).cpu().numpy()
     still, sliding = (JOINT_TYPES.index(name) for name in ("fixed", "prismatic"))
     everywhere, moving = np.ones(len(kind), dtype=bool), kind != still
@@ -106,8 +96,17 @@ def part_deviations(
     return ids, np.sqrt(sums((values - means[at]) ** 2) / counts)
 
 
-def _subjects(examples: Sequence[StructureExample], device: torch.device) -> tuple[PatchBatch, OutlineBatch]:
-    return patch_batch(examples).to(device), outline_batch(examples).to(device)
+def _reconstruct(
+    vae: StructureVae, examples: Sequence[StructureExample]
+) -> Iterator[tuple[PatchBatch, Float[Tensor, "N K"], Float[Tensor, "P K C"]]]:
+    """Examples in batches, with the logits of all cells and the channels of the occupied patches."""
+    device = next(vae.parameters()).device
+    for start in range(0, len(examples), BATCH):
+        some = examples[start : start + BATCH]
+        patches, outlines = patch_batch(some).to(device), outline_batch(some).to(device)
+        with torch.no_grad():
+            logits, values, _ = vae.decode(vae.encode(patches)[0], patches.index, outlines)
+        yield patches, logits, values
 
 
 def _compare(sums: dict[str, list[float]], found: Tensor, truth: Tensor) -> None:

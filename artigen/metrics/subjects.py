@@ -11,7 +11,7 @@ from typing import Literal
 from tqdm import trange
 
 from artigen.examples.real import Split, read_reals
-from artigen.examples.structure import StructureExample, draw_example_of
+from artigen.examples.structure import StructureExample, draw_example
 from artigen.models.conditions import StructureCondition
 from artigen.types import PART_LABELS, Asset
 
@@ -28,30 +28,20 @@ class Subject:
 
 
 def draw_subjects(
-    categories: Sequence[str],
-    first_seed: int,
-    count: int,
-    *,
-    resolution: int,
-    image_size: int,
+    categories: Sequence[str], first_seed: int, count: int, *, resolution: int, image_size: int
 ) -> list[Subject]:
     """Procedural objects in the order of `artigen.examples.shards`: categories in turn, seeds upwards."""
     out = []
     for number in trange(count, desc="objects", disable=None):
         category = categories[number % len(categories)]
         seed = first_seed + number // len(categories)
-        asset, example = draw_example_of(category, seed, resolution=resolution, image_size=image_size)
+        asset, example = draw_example(category, seed, resolution=resolution, image_size=image_size)
         out.append(Subject(asset=asset, example=example))
     return out
 
 
 def read_subjects(
-    folder: Path,
-    split: Split,
-    resolution: int,
-    *,
-    image_size: int,
-    workers: int,
+    folder: Path, split: Split, resolution: int, *, image_size: int, workers: int
 ) -> tuple[list[Subject], dict[str, str]]:
     """Real objects of a split in order, and the reasons why others are left out, by id.
 

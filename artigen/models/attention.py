@@ -94,6 +94,12 @@ def plain_norm(x: Float[Tensor, "*B C"], eps: float = NORM_EPS) -> Float[Tensor,
     return functional.layer_norm(x.float(), x.shape[-1:], eps=eps).to(x.dtype)
 
 
+def learned_norm(x: Float[Tensor, "*B C"], norm: nn.LayerNorm) -> Float[Tensor, "*B C"]:
+    """Layer norm with gain and bias, in float32."""
+    normed = functional.layer_norm(x.float(), x.shape[-1:], norm.weight.float(), norm.bias.float(), norm.eps)
+    return normed.to(x.dtype)
+
+
 def modulate(
     x: Float[Tensor, "B L C"], shift: Float[Tensor, "B C"], scale: Float[Tensor, "B C"]
 ) -> Float[Tensor, "B L C"]:

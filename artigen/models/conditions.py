@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 
 from artigen.conditioning.image import MARGIN
+from artigen.models.batch import TensorBatch
 from artigen.models.clip import ClipConfig
 from artigen.models.dinov2 import DinoConfig
 from artigen.models.public_encoders import PublicPictures, PublicSentences
@@ -52,7 +53,7 @@ def describe_shape(shape: Shape) -> StructureCondition:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ConditionBatch:
+class ConditionBatch(TensorBatch):
     """Conditions as numbers: -1 where a class is open; ``has_`` marks the other fields that are given."""
 
     category: Int[Tensor, "B"]
@@ -62,13 +63,6 @@ class ConditionBatch:
     image: Float[Tensor, "B 4 H W"]
     has_image: Bool[Tensor, "B"]
     texts: tuple[str | None, ...]
-
-    def to(self, device: torch.device | str) -> "ConditionBatch":
-        """The same batch on another device."""
-        tensors = {name: value for name, value in vars(self).items() if name != "texts"}
-        return ConditionBatch(
-            texts=self.texts, **{name: value.to(device, non_blocking=True) for name, value in tensors.items()}
-        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -81,7 +81,6 @@ def sample_flow(
     cfg: SamplerConfig,
     *,
     samples: int | None = None,
-    on_step: Callable[[int, float, Tensor], None] | None = None,
 ) -> Tensor:
     """Integrates the flow from noise to data.
 
@@ -89,11 +88,9 @@ def sample_flow(
         noise: Initial state; one sample per row, unless ``samples`` is given.
         pair: Velocities with and without the condition; called only where guidance applies.
         samples: Number of samples to which the rows of a sparse tensor belong.
-        on_step: Called with step, time and state after each step.
     """
     x = noise
-    times = plan_times(cfg)
-    for step, (time, following) in enumerate(pairwise(times)):
+    for time, following in pairwise(plan_times(cfg)):
         at = torch.full((samples or len(x),), float(time), dtype=torch.float32, device=x.device)
         if is_guided(float(time), cfg):
             with_condition, without = pair(x, at)
@@ -101,6 +98,4 @@ def sample_flow(
         else:
             velocity = conditional(x, at)
         x = x - float(time - following) * velocity
-        if on_step is not None:
-            on_step(step, float(following), x)
     return x

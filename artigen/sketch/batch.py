@@ -8,6 +8,7 @@ import torch
 from jaxtyping import Bool, Int
 from torch import Tensor
 
+from artigen.models.batch import TensorBatch
 from artigen.sketch.piece import PIECE_KINDS
 from artigen.sketch.request import RequestRows
 from artigen.sketch.rows import FIELDS, ROW_KINDS, WIDTH, column, find_predicted, number_axis
@@ -22,7 +23,7 @@ _OBJECT, _PART, _JOINT = (ROW_KINDS.index(kind) for kind in ("object", "part", "
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RowBatch:
+class RowBatch(TensorBatch):
     """Rows of several objects, padded on the right; the rows of the request come first.
 
     ``known`` marks given cells (only requests have unknown ones), ``predicted`` those that the network
@@ -50,17 +51,11 @@ class RowBatch:
     anchored: Bool[Tensor, "B T"]
     """Whether that piece comes before the row."""
 
-    def to(self, device: torch.device | str) -> "RowBatch":
-        """Copies the batch to another device."""
-        return RowBatch(**{name: value.to(device) for name, value in vars(self).items()})
 
-
-def make_batch(
-    tables: Sequence[Int[np.ndarray, "T W"]], requests: Sequence[RequestRows], *, length: int | None = None
-) -> RowBatch:
-    """Prepends its request to each object and pads to the longest or to ``length`` rows."""
+def make_batch(tables: Sequence[Int[np.ndarray, "T W"]], requests: Sequence[RequestRows]) -> RowBatch:
+    """Prepends its request to each object and pads to the longest."""
     pairs = list(zip(requests, tables, strict=True))
-    longest = length or max(len(request.rows) + len(rows) for request, rows in pairs)
+    longest = max(len(request.rows) + len(rows) for request, rows in pairs)
     shape = (len(pairs), longest)
     rows = np.full((*shape, WIDTH), 0)
     rows[:, :, 0] = ROW_KINDS.index("end")

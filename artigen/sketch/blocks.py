@@ -103,10 +103,7 @@ class CrossAttention(nn.Module):
         return keys, values
 
     def forward(
-        self,
-        x: Float[Tensor, "B T D"],
-        keys: Float[Tensor, "B H N E"],
-        values: Float[Tensor, "B H N E"],
+        self, x: Float[Tensor, "B T D"], keys: Float[Tensor, "B H N E"], values: Float[Tensor, "B H N E"]
     ) -> Float[Tensor, "B T D"]:
         query = self.query(self.norm(x)).unflatten(-1, (self.heads, -1)).transpose(1, 2)
         mixed = functional.scaled_dot_product_attention(query, keys.to(query.dtype), values.to(query.dtype))

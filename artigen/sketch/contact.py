@@ -58,12 +58,7 @@ class Near:
 
 
 def list_bodies(shape: Shape, leaders: Int[np.ndarray, "P"]) -> Bodies:
-    """Collects the primitives of all parts.
-
-    Args:
-        shape: The object.
-        leaders: For every part the leading part of its rigid body.
-    """
+    """Collects the primitives of all parts; ``leaders`` are the leading parts of their rigid bodies."""
     primitives = tuple(primitive for part in shape.parts for primitive in part.primitives)
     parts = primitive_parts(shape)
     return gather_bodies(primitives, parts, leaders[parts])
@@ -80,14 +75,13 @@ def gather_bodies(
     sides = [_place_planes(primitive) for primitive in primitives]
     vertices, planes = _pad(corners), _pad(sides)
     counts = np.array([(len(v), len(p)) for v, p in zip(corners, sides, strict=True)])
-    aligned = (np.abs(planes[:, :, :3]).max(axis=2) > _ALONG).all(axis=1)
     return Bodies(
         primitives=primitives,
         vertices=vertices,
         planes=planes,
         low=vertices.min(axis=1),
         high=vertices.max(axis=1),
-        upright=aligned & (counts[:, 1] == SMALL[1]),
+        upright=_are_aligned(planes) & (counts[:, 1] == SMALL[1]),
         large=np.any(counts > np.array(SMALL), axis=1),
         parts=zero if parts is None else parts,
         links=zero if links is None else links,
@@ -95,21 +89,10 @@ def gather_bodies(
 
 
 def displace(bodies: Bodies, rows: Int[np.ndarray, "M"], T: Float[np.ndarray, "M 4 4"]) -> Bodies:
-    """Applies rigid displacements to some primitives.
-
-    Args:
-        bodies: All primitives.
-        rows: Primitives to displace.
-        T: Displacement of each.
-    """
-    vertices, planes = bodies.vertices.copy(), bodies.planes.copy()
-    turn, offset = np.swapaxes(T[:, :3, :3], 1, 2), T[:, :3, 3]
-    vertices[rows] = vertices[rows] @ turn + offset[:, None]
-    normals = planes[rows, :, :3] @ turn
-    planes[rows, :, 3] -= (normals @ offset[:, :, None])[:, :, 0]
-    planes[rows, :, :3] = normals
-    upright = bodies.upright.copy()
-    upright[rows] &= (np.abs(normals).max(axis=2) > _ALONG).all(axis=1)
+    """Applies a rigid displacement to each of some primitives."""
+    vertices, planes, upright = bodies.vertices.copy(), bodies.planes.copy(), bodies.upright.copy()
+    vertices[rows], planes[rows] = _move(vertices[rows], planes[rows], T)
+    upright[rows] &= _are_aligned(planes[rows])
     low, high = vertices.min(axis=1), vertices.max(axis=1)
     return replace(bodies, vertices=vertices, planes=planes, low=low, high=high, upright=upright)
 
@@ -124,13 +107,7 @@ def find_near(bodies: Bodies, reach: float) -> Near:
 def measure_pairs(
     bodies: Bodies, first: Int[np.ndarray, "C"], second: Int[np.ndarray, "C"]
 ) -> Float[np.ndarray, "C"]:
-    """Signed distances (m) of pairs; penetration depths are upper bounds except for axis-aligned boxes.
-
-    Args:
-        bodies: All primitives.
-        first: One primitive of each pair.
-        second: The other.
-    """
+    """Signed distances (m) of pairs; penetration depths are upper bounds except for axis-aligned boxes."""
     gaps = np.maximum(bodies.low[first] - bodies.high[second], bodies.low[second] - bodies.high[first])
     apart = np.linalg.norm(gaps.clip(min=0.0), axis=1)
     distance = np.where(apart > 0, apart, gaps.max(axis=1))
@@ -150,9 +127,6 @@ def separate(
     """Largest face separation of each pair (m); negative where no face plane separates the two.
 
     Args:
-        bodies: All primitives.
-        first: One primitive of each pair.
-        second: The other.
         T: Displacement of the first primitive of each pair; by default none.
     """
     out = np.empty(len(first))
@@ -220,7 +194,6 @@ def find_overhang(bodies: Bodies, band: float) -> float:
     """Distance (m) of the centre of volume from the support polygon in plan; negative inside.
 
     Args:
-        bodies: All primitives.
         band: Height (m) above the lowest point within which corners count as support.
     """
     corners = bodies.vertices.reshape(-1, 3)
@@ -245,6 +218,11 @@ def _weigh(bodies: Bodies) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N
 def _place_planes(primitive: Primitive) -> Float[np.ndarray, "K 4"]:
     normals = primitive.planes[:, :3] @ primitive.rotation.T
     return np.column_stack([normals, primitive.planes[:, 3] - normals @ primitive.center])
+
+
+def _are_aligned(planes: Float[np.ndarray, "N K 4"]) -> Bool[np.ndarray, "N"]:
+    """Whether all normals of a solid are along axes."""
+    return (np.abs(planes[:, :, :3]).max(axis=2) > _ALONG).all(axis=1)
 
 
 def _pad(rows: list[np.ndarray]) -> Float[np.ndarray, "N M D"]:

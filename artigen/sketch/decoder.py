@@ -206,12 +206,7 @@ class _Block:
         self.look = None if block.look is None else _Look(block.look)
 
     def __call__(
-        self,
-        x: Float[np.ndarray, "N D"],
-        turn: Pair,
-        heads: int,
-        shared: Pair,
-        own: Pair,
+        self, x: Float[np.ndarray, "N D"], turn: Pair, heads: int, shared: Pair, own: Pair
     ) -> tuple[Float[np.ndarray, "N D"], Pair]:
         qkv = (_normalise(x, self.norm) @ self.qkv).reshape(len(x), 3, heads, 1, -1).swapaxes(0, 1)
         q, k = _turn(qkv[:2], turn)

@@ -57,8 +57,6 @@ def begin_draft(decoder: Decoder, request: RequestRows, picture: PictureMemory |
     """An empty table for a request.
 
     Args:
-        decoder: A trained network.
-        request: The request.
         picture: Picture memory of the object; None without a picture.
     """
     memory = decoder.begin(picture)

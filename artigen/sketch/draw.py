@@ -42,16 +42,13 @@ def continue_draft(
 ) -> list[Draft | None]:
     """Extends a table in several ways in parallel until ``until`` holds for each.
 
-    A continuation that grows too long or has a row that does not fit is None.
-
-    It does not depend on those beside it.
+    A continuation does not depend on those beside it; one that grows too long or has a row that does not fit
+    is None.
 
     Args:
-        decoder: A trained network.
         draft: The table; it is not modified.
         until: Stopping condition, evaluated after every row.
         rngs: Random generator of each continuation.
-        cfg: Sampling parameters.
         temperatures: Softmax temperature of each continuation, instead of that of ``cfg``.
         fits: Whether a table may go on, evaluated before each row is closed.
     """

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Bool, Int
+from jaxtyping import Bool
 
 from artigen.shapes.primitives import Primitive
 from artigen.shapes.shape import Shape
@@ -53,6 +53,7 @@ from artigen.sketch.sweep import (
 )
 from artigen.sketch.tree import Tree, read_tree
 from artigen.types import FULL_TURN
+from artigen.voxels.regions import connected_groups
 
 MAX_OVERLAP = 1e-6
 """Penetration (m) of two bodies at rest: that of rounded numbers. Exact bodies touch; checks allow hulls of
@@ -99,10 +100,10 @@ class _Subject:
     tree: Tree
     bodies: Bodies
     near: Near
-    courses: tuple[_Course, ...]
-    openers: tuple[Opener, ...]
     rest: dict[tuple[int, int], tuple[float, int, int]]
     """Overlapping bodies, lower leader first: depth (m) and the two primitives."""
+    courses: tuple[_Course, ...] = ()
+    openers: tuple[Opener, ...] = ()
 
     def name(self, row: int) -> str:
         """Name of the part that a primitive belongs to."""
@@ -123,15 +124,8 @@ def search_faults(shape: Shape) -> Iterator[Fault]:
     tree = read_tree(shape)
     bodies = list_bodies(shape, tree.leaders)
     near = find_near(bodies, 2 * MAX_GAP)
-    subject = _Subject(
-        shape=shape,
-        tree=tree,
-        bodies=bodies,
-        near=near,
-        courses=(),
-        openers=(),
-        rest=_measure_rest(bodies, near),
-    )
+    rest = _measure_rest(bodies, near)
+    subject = _Subject(shape=shape, tree=tree, bodies=bodies, near=near, rest=rest)
     count = 0
     for finder in (_overlaps, _floating, _loose, _ranges, _trees, _hulls, _tips, _latches):
         for fault in finder(subject):
@@ -182,23 +176,16 @@ def _overlaps(subject: _Subject) -> Iterator[Fault]:
 
 
 def _blocked(subject: _Subject, course: _Course) -> Iterator[Fault]:
-    links = course.placed.links
-    pairs = np.column_stack([links[course.found.first], links[course.found.second]])
-    for pair in np.unique(pairs, axis=0):
-        rows = np.flatnonzero((pairs == pair).all(axis=1))
-        yield from _judge_meetings(subject, course, rows)
-
-
-def _judge_meetings(subject: _Subject, course: _Course, rows: Int[np.ndarray, "M"]) -> Iterator[Fault]:
-    """Faults between two bodies along one motion."""
+    """Pairs of bodies that run into each other along one motion, deeper than at rest."""
     placed, found = course.placed, course.found
-    depth, at = deepest(placed, found, rows)
-    one, other = sorted((int(placed.links[found.first[rows[0]]]), int(placed.links[found.second[rows[0]]])))
-    excess = depth - subject.rest.get((one, other), (0.0,))[0]
-    if excess <= TOUCH:
-        return
-    names = subject.name(int(found.first[at])), subject.name(int(found.second[at]))
-    yield Fault(id="blocked", part=names[0], other=names[1], value=excess, allowed=TOUCH)
+    pairs = np.column_stack([placed.links[found.first], placed.links[found.second]])
+    for pair in np.unique(pairs, axis=0):
+        depth, at = deepest(placed, found, np.flatnonzero((pairs == pair).all(axis=1)))
+        one, other = sorted(pair.tolist())
+        excess = depth - subject.rest.get((one, other), (0.0,))[0]
+        if excess > TOUCH:
+            names = subject.name(int(found.first[at])), subject.name(int(found.second[at]))
+            yield Fault(id="blocked", part=names[0], other=names[1], value=excess, allowed=TOUCH)
 
 
 def _latches(subject: _Subject) -> Iterator[Fault]:
@@ -242,7 +229,7 @@ def _loose(subject: _Subject) -> Iterator[Fault]:
     bodies, near = subject.bodies, subject.near
     same = bodies.links[near.first] == bodies.links[near.second]
     joined = same & (near.distance <= MAX_SLIT)
-    groups = _connect(len(bodies.links), near.first[joined], near.second[joined])
+    groups = connected_groups(len(bodies.links), np.stack([near.first[joined], near.second[joined]]))
     sizes = (bodies.high - bodies.low).prod(axis=1)
     for leader in np.unique(bodies.links).tolist():
         own = bodies.links == leader
@@ -256,15 +243,6 @@ def _loose(subject: _Subject) -> Iterator[Fault]:
             kind: FaultId = "floating" if apart else "loose"
             carrier = subject.shape.parts[leader].name if apart else None
             yield Fault(id=kind, part=name, other=carrier, value=gap, allowed=MAX_SLIT)
-
-
-def _connect(count: int, first: Int[np.ndarray, "C"], second: Int[np.ndarray, "C"]) -> Int[np.ndarray, "N"]:
-    """Number of the connected component of each element."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    graph = coo_matrix((np.ones(len(first), dtype=bool), (first, second)), (count, count))
-    return connected_components(graph, directed=False)[1]
 
 
 def _inward(subject: _Subject) -> Iterator[Fault]:

@@ -9,6 +9,7 @@ from artigen.shapes.fittings.outlines import Outline, build_loft
 from artigen.shapes.fittings.tubes import bend_elbow
 from artigen.shapes.primitives import SEGMENTS, Primitive, place_vertices
 from artigen.sketch.piece import (
+    CORNER_ENDS,
     CORNERS,
     INWARD,
     MAX_PIECES_OF_ARC,
@@ -52,7 +53,7 @@ def build_elbow(piece: Piece) -> tuple[Primitive, ...]:
     if not reach > 2 * radius - TOLERANCE or radius <= 0:
         raise ValueError(f"an elbow of {reach} from a tube of {2 * radius}: expected at least the diameter")
     center, eye = (low + high) / 2, np.eye(3)
-    far = ((0, 0), (1, 0), (1, 1), (0, 1))[piece.corners]
+    far = CORNER_ENDS[piece.corners]
     for axis, end in zip((u, v), far, strict=True):
         center[axis] = (low, high)[end][axis]
     ways = tuple(as_vector((1 - 2 * end) * eye[axis]) for axis, end in zip((u, v), far, strict=True))
@@ -64,25 +65,21 @@ def build_elbow(piece: Piece) -> tuple[Primitive, ...]:
 def fit_walls(primitives: Sequence[Primitive]) -> tuple[Piece, int] | None:
     """Fits a hollow shell to the first primitives; the second value is the number of primitives used."""
     count = _count_walls(primitives)
-    if count < LEAST_WALLS:
-        return None
-    walls = primitives[:count]
-    points = np.concatenate([place_vertices(primitive) for primitive in walls])
-    for axis in range(3):
-        for piece in _guess_shells(points, axis, walls[0], hollow=True):
-            if is_same(walls, build_shell(piece)):
-                return piece, count
-    return None
+    return None if count < LEAST_WALLS else _fit_shell(primitives[:count], hollow=True)
 
 
 def fit_solid_shell(primitive: Primitive) -> tuple[Piece, int] | None:
     """Fits a solid with rounded edges to one primitive; the second value is 1, the number of primitives
     used."""
-    points = place_vertices(primitive)
+    return _fit_shell([primitive], hollow=False)
+
+
+def _fit_shell(primitives: Sequence[Primitive], *, hollow: bool) -> tuple[Piece, int] | None:
+    points = np.concatenate([place_vertices(primitive) for primitive in primitives])
     for axis in range(3):
-        for piece in _guess_shells(points, axis, primitive, hollow=False):
-            if is_same([primitive], build_shell(piece)):
-                return piece, 1
+        for piece in _guess_shells(points, axis, primitives[0], hollow=hollow):
+            if is_same(primitives, build_shell(piece)):
+                return piece, len(primitives)
     return None
 
 
@@ -141,8 +138,8 @@ def _measure_wall(flat: Float[np.ndarray, "N 2"]) -> float:
     """Thickness of the wall between the outer and inner outlines, if the points form two outlines."""
     from scipy.spatial import ConvexHull
 
-    inner = np.delete(flat, ConvexHull(flat.round(9)).vertices, axis=0)
-    hull = flat[ConvexHull(flat.round(9)).vertices]
+    outer = ConvexHull(flat.round(9)).vertices
+    inner, hull = np.delete(flat, outer, axis=0), flat[outer]
     inner = inner[np.abs(inner[:, None] - hull[None]).max(axis=2).min(axis=1) > TOLERANCE]
     return float((inner.min(axis=0) - flat.min(axis=0)).mean()) if len(inner) else 0.0
 
@@ -171,10 +168,10 @@ def _guess_elbows(points: Float[np.ndarray, "V 3"], first: Primitive, sides: int
             continue
         radius = size[axis] / 2 / np.cos(np.pi / SEGMENTS)
         spare = radius - size[axis] / 2  # corners of a tube do not reach the sides of its bounds
-        for corners in range(CORNERS):
+        for corners, ends in enumerate(CORNER_ENDS):
             bottom, top = low.copy(), high.copy()
             bottom[axis], top[axis] = low[axis] - spare, high[axis] + spare
-            for side, end in zip((u, v), ((0, 0), (1, 0), (1, 1), (0, 1))[corners], strict=True):
+            for side, end in zip((u, v), ends, strict=True):
                 bottom[side] -= spare * end
                 top[side] += spare * (1 - end)
             numbers = (*bottom.tolist(), *top.tolist())

@@ -25,12 +25,7 @@ from artigen.sketch.faults import find_extent_faults, find_faults
 from artigen.sketch.front import find_front_faults
 from artigen.sketch.growth import Grower
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
-from artigen.sketch.part_counts import (
-    PartCounts,
-    describe_part_counts,
-    parse_part_counts,
-    read_part_counts,
-)
+from artigen.sketch.part_counts import describe_part_counts, parse_part_counts, read_part_counts
 from artigen.sketch.picture import PictureConfig, PicturePrediction
 from artigen.sketch.picture_colors import read_colors
 from artigen.sketch.request import NETWORK, SketchRequest, check_category, encode_request
@@ -101,7 +96,7 @@ def load_sketch_network(folder: Path, like: SketchNetwork | None = None) -> Sket
         SourceError: If the folder holds no sketch network.
         VocabularyError: If the network was trained with words or fields that this version lacks.
     """
-    stored = read_description(folder).get(NETWORK)
+    stored: Any = read_description(folder).get(NETWORK)
     if stored is None:
         raise SourceError(f"{folder}: holds no sketch network; train one with artigen train")
     vocabulary, categories = stored.get("vocabulary"), stored.get("categories")
@@ -119,17 +114,12 @@ def load_sketch_network(folder: Path, like: SketchNetwork | None = None) -> Sket
     fresh = (like or network).state_dict()
     load_model(network, folder, NETWORK, lambda weights: carry_weights(weights, vocabulary, fresh))
     network.categories = tuple(categories)
-    network.part_counts = _read_part_counts(folder, stored.get("part_counts", {}))
-    network.unlearned[find_new_symbols(vocabulary, categories)] = True
-    return network
-
-
-def _read_part_counts(folder: Path, stored: Any) -> PartCounts:
-    """Counts of the training objects from a description; older models have none."""
-    try:
-        return parse_part_counts(stored)
+    try:  # older models have none
+        network.part_counts = parse_part_counts(stored.get("part_counts", {}))
     except (AttributeError, TypeError, ValueError) as error:
         raise SourceError(f"{folder}: a sketch network with unreadable part counts ({error})") from error
+    network.unlearned[find_new_symbols(vocabulary, categories)] = True
+    return network
 
 
 def _read_sizes(stored: Any) -> SketchNetworkConfig:
@@ -250,9 +240,7 @@ def draw_pictured(
     Args:
         network: A trained network that reads pictures.
         request: Explicit conditions, which override the picture.
-        seed: Seed of all sampling.
         picture: RGBA in [0, 1], premultiplied on black.
-        cfg: Sampling parameters and budget.
 
     Raises:
         SketchError: As for `draw_object`.
@@ -278,9 +266,6 @@ def draw_header(
     """Samples category, style, counts of every label and extents for a request.
 
     Args:
-        network: A trained network.
-        request: The condition.
-        seed: Seed of all sampling.
         cfg: Sampling parameters; by default those of an object's header.
         encoded: What the network sees (`encode_picture`), if there is a picture.
 
@@ -307,11 +292,7 @@ def draw_header(
 
 
 def _draw_header(
-    decoder: Decoder,
-    empty: Draft,
-    rng: np.random.Generator,
-    cfg: DrawConfig,
-    seen: PicturePrediction | None,
+    decoder: Decoder, empty: Draft, rng: np.random.Generator, cfg: DrawConfig, seen: PicturePrediction | None
 ) -> Draft:
     """Adds a header to an empty table; for a picture, the most plausible of `HEADERS`."""
     if seen is None:

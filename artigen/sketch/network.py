@@ -194,10 +194,7 @@ class SketchNetwork(nn.Module):
         return self.leave(x)
 
     def hidden(
-        self,
-        states: Float[Tensor, "N D"],
-        before: Float[Tensor, "N D"],
-        slot: Int[Tensor, "N"],
+        self, states: Float[Tensor, "N D"], before: Float[Tensor, "N D"], slot: Int[Tensor, "N"]
     ) -> Float[Tensor, "N D"]:
         """Hidden vector for predicting a slot, from the projected state (`state`) before the row and the
         row's cells so far."""
@@ -212,10 +209,7 @@ class SketchNetwork(nn.Module):
         return logits.masked_fill(~self.inside[slot], FAR)
 
     def number_parts(
-        self,
-        x: Float[Tensor, "B N D"],
-        keys: Float[Tensor, "B C P"],
-        open_planes: Bool[Tensor, "B N C"],
+        self, x: Float[Tensor, "B N D"], keys: Float[Tensor, "B C P"], open_planes: Bool[Tensor, "B N C"]
     ) -> "NumberParts":
         """Log probabilities of the three encodings of a number.
 

@@ -4,6 +4,7 @@ Agreement has three terms: overlap of the silhouettes, colours that are even whe
 on one side, and edges where the shape has edges.
 """
 
+from collections import defaultdict
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,9 +69,7 @@ class Target:
 def list_faces(shape: Shape) -> Faces:
     """The triangles of a closed shape with their part, finish, side and region."""
     numbers = {role: index for index, (role, _) in enumerate(shape.finishes)}
-    columns: dict[str, list[np.ndarray]] = {
-        name: [] for name in ("vertices", "corners", "normals", "roles", "parts", "primitives")
-    }
+    columns: dict[str, list[np.ndarray]] = defaultdict(list)
     count = 0
     owned = [(number, p) for number, part in enumerate(shape.parts) for p in part.primitives]
     for index, (part, primitive) in enumerate(owned):
@@ -189,9 +188,7 @@ def _correlate(one: Float[np.ndarray, "N"], other: Float[np.ndarray, "N"]) -> fl
     return float(a @ b) / size if size > 1e-9 else 0.0
 
 
-def _find_regions(
-    columns: dict[str, np.ndarray],
-) -> tuple[Int[np.ndarray, "F"], Int[np.ndarray, "F"]]:
+def _find_regions(columns: dict[str, np.ndarray]) -> tuple[Int[np.ndarray, "F"], Int[np.ndarray, "F"]]:
     """Sides and regions of faces."""
     normals, points = columns["normals"], columns["vertices"][columns["corners"][:, 0]]
     rows = np.arange(len(normals))

@@ -10,7 +10,6 @@ where the encoder sees them (`artigen.sketch.handle_color`).
 from collections import defaultdict
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -24,9 +23,6 @@ from artigen.sketch.handle_color import THIN, read_handle
 from artigen.sketch.overlay import FRONT, SIDES, SOLID, Faces, find_visible, list_faces, read_target
 from artigen.splats.colors import linear_from_srgb, srgb_from_linear
 
-Lighting = Literal["room", "even"]
-"""Illumination of the picture: the bright room of the renderer, or uniform light that leaves colours
-unchanged."""
 MIN_PIXELS = 12
 """Smallest number of pixels away from edges for the colour of a finish, or for its brightness on one side."""
 OPAQUE = 0.99
@@ -84,7 +80,6 @@ def read_colors(
     *,
     keep: Collection[str] = (),
     trust: bool = False,
-    lighting: Lighting = "room",
     labels: Float[np.ndarray, "L h w"] | None = None,
 ) -> Shape:
     """Colours a shape as in a picture.
@@ -95,15 +90,13 @@ def read_colors(
         fit: The shape's alignment with this picture.
         keep: Roles of finishes whose colour is kept.
         trust: Whether colours that agree with the picture are kept as well; a network's are more exact.
-        lighting: Illumination to remove.
         labels: Probability of each part label by cell of the picture, for the colour of handles.
 
     Raises:
         PictureError: If the picture shows no object.
     """
-    spots = find_spots(shape, picture, fit.camera, lighting)
-    sides = find_brightness(spots, len(shape.finishes)) if lighting == "room" else np.zeros(SIDES)
-    bright = np.exp(sides[spots.sides])
+    spots = find_spots(shape, picture, fit.camera)
+    bright = np.exp(find_brightness(spots, len(shape.finishes))[spots.sides])
     colors = srgb_from_linear(_undo_light(spots) / bright[:, None])
     read: dict[str, Float[np.ndarray, "3"]] = {}
     for index, (role, finish) in enumerate(shape.finishes):
@@ -138,9 +131,7 @@ def find_handle(shape: Shape) -> str | None:
     return role if role in SMALL else None
 
 
-def find_spots(
-    shape: Shape, picture: Float[np.ndarray, "4 S S"], camera: Pinhole, lighting: Lighting = "room"
-) -> Spots:
+def find_spots(shape: Shape, picture: Float[np.ndarray, "4 S S"], camera: Pinhole) -> Spots:
     """Pixels that lie on both the picture's object and the shape, away from likely shadows.
 
     Raises:
@@ -160,7 +151,7 @@ def find_spots(
     footprint = camera.pixel * float(away.mean()) if len(face) else 0.0
     painted = paint_primitives(shape, faces.primitives[face], points, normals, footprint=footprint)
     bright, mirrored = np.ones(len(face)), np.zeros(len(face))
-    if lighting == "room" and len(face):
+    if len(face):
         bright, mirrored = _light(shape, points, camera)
     return Spots(
         light=linear_from_srgb(target.rgb[rows, columns].astype(float)),

@@ -60,9 +60,10 @@ MIN_WEDGES = 8
 """Smallest number of wedges of a ring."""
 MAX_PIECES_OF_ARC = 8
 """Largest number of straight segments in a quarter arc of a slab, shell or elbow."""
-CORNERS = 4
-"""Corners across an axis, counterclockwise from the lowest (u, v); the cut corners of a slab are bits of one
-number."""
+CORNER_ENDS = ((0, 0), (1, 0), (1, 1), (0, 1))
+"""Corners across an axis by their ends along u and v, 0 for the low one; counterclockwise. The cut corners of
+a slab are bits of one number."""
+CORNERS = len(CORNER_ENDS)
 LINED: tuple[Vector, ...] = (
     (1.0, 0.0, 0.0),
     (-1.0, 0.0, 0.0),

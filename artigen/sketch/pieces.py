@@ -4,12 +4,12 @@ Most pieces are one primitive; a ring, spokes around an axle, a plate with a rou
 elbow are several. `fit_pieces` converts primitives to pieces; `build_piece` is the inverse.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 
 from artigen.shapes.primitives import Primitive, line
 from artigen.sketch.lofted_pieces import build_elbow, build_shell, fit_elbow, fit_solid_shell, fit_walls
-from artigen.sketch.piece import INWARD, LINED, Piece, UnknownSolid
+from artigen.sketch.piece import INWARD, LINED, Piece, PieceKind, UnknownSolid
 from artigen.sketch.round_pieces import (
     PLATE_SIDES,
     build_plate,
@@ -27,6 +27,23 @@ from artigen.sketch.solid_pieces import (
     fit_cylinder,
     fit_polytope,
 )
+
+SINGLE: Mapping[PieceKind, Callable[[Piece], Primitive]] = {
+    "box": build_box,
+    "cylinder": build_cylinder,
+    "frustum": build_frustum,
+    "prism": build_prism,
+    "slab": build_slab,
+}
+"""Builders of the kinds that are one primitive."""
+SEVERAL: Mapping[PieceKind, Callable[[Piece], tuple[Primitive, ...]]] = {
+    "ring": build_ring,
+    "spokes": build_spokes,
+    "plate": build_plate,
+    "shell": build_shell,
+    "elbow": build_elbow,
+}
+"""Builders of the others."""
 
 
 def fit_pieces(primitives: Sequence[Primitive]) -> tuple[Piece, ...]:
@@ -50,27 +67,7 @@ def build_piece(piece: Piece) -> tuple[Primitive, ...]:
     Raises:
         ValueError: If the numbers describe no solid.
     """
-    match piece.kind:
-        case "box":
-            made = (build_box(piece),)
-        case "cylinder":
-            made = (build_cylinder(piece),)
-        case "frustum":
-            made = (build_frustum(piece),)
-        case "prism":
-            made = (build_prism(piece),)
-        case "slab":
-            made = (build_slab(piece),)
-        case "ring":
-            made = build_ring(piece)
-        case "spokes":
-            made = build_spokes(piece)
-        case "plate":
-            made = build_plate(piece)
-        case "shell":
-            made = build_shell(piece)
-        case "elbow":
-            made = build_elbow(piece)
+    made = (SINGLE[piece.kind](piece),) if piece.kind in SINGLE else SEVERAL[piece.kind](piece)
     if piece.lining is None or piece.lined is None or piece.lined == INWARD:
         return made
     return tuple(line(primitive, piece.lining, LINED[piece.lined]) for primitive in made)

@@ -136,8 +136,6 @@ def list_planes(
     """Coordinates of the planes that each number may refer to, and a mask of those that are available.
 
     Args:
-        sides: What the rows name.
-        places: Positions of the numbers.
         earlier: Rows that precede each number's own.
     """
     xp = array_namespace(places.axis)

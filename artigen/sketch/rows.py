@@ -34,15 +34,7 @@ from artigen.sketch.row_values import (
     read_joint,
     read_piece,
 )
-from artigen.sketch.sketch import (
-    FRACTIONS,
-    LEVELS,
-    OPACITIES,
-    PERIODS,
-    Sketch,
-    SketchError,
-    SketchPart,
-)
+from artigen.sketch.sketch import FRACTIONS, LEVELS, OPACITIES, PERIODS, Sketch, SketchError, SketchPart
 from artigen.sketch.words import CATEGORIES, OTHER_STYLE, STYLES
 from artigen.types import JOINT_TYPES, PART_LABELS
 
@@ -215,7 +207,8 @@ def find_predicted(rows: Int[np.ndarray, "T W"]) -> Bool[np.ndarray, "T W"]:
 
 def find_implied(row: Sequence[int]) -> frozenset[str]:
     """Names of the fields of a row (kind first) that are implied by earlier ones."""
-    return _implied(ROW_KINDS[row[0]], _read_key(row))
+    key = tuple(row[at] if at else 0 for at in _key_columns()[row[0]].tolist())
+    return _implied(ROW_KINDS[row[0]], key)
 
 
 def fill_implied(row: list[int]) -> None:
@@ -278,11 +271,6 @@ def _key_columns() -> Int[np.ndarray, "K 3"]:
             for kind in ROW_KINDS
         ]
     )
-
-
-def _read_key(row: Sequence[int]) -> tuple[int, ...]:
-    """Values of the fields that determine the implied ones of a row."""
-    return tuple(row[at] if at else 0 for at in _key_columns()[row[0]].tolist())
 
 
 @cache

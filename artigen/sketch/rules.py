@@ -13,14 +13,7 @@ from jaxtyping import Bool, Int
 
 from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.shapes.surfaces.palette import ROLES
-from artigen.sketch.piece import (
-    INWARD,
-    MAX_PIECES_OF_ARC,
-    MIN_WEDGES,
-    PIECE_KINDS,
-    ROUND_SIDES,
-    across,
-)
+from artigen.sketch.piece import INWARD, MAX_PIECES_OF_ARC, MIN_WEDGES, PIECE_KINDS, ROUND_SIDES, across
 from artigen.sketch.request import RequestRows
 from artigen.sketch.rows import (
     COUNTED,

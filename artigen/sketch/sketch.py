@@ -19,7 +19,7 @@ from artigen.shapes.surfaces.finishes import Finish, FinishKind
 from artigen.shapes.surfaces.palette import ROLES
 from artigen.sketch.piece import LINED, Piece, UnknownSolid, across, number_axes
 from artigen.sketch.pieces import build_piece, fit_pieces
-from artigen.sketch.snap import STEP, snap_piece
+from artigen.sketch.snap import STEP, snap_piece, to_metres
 from artigen.types import FULL_TURN, JointType, PartLabel
 
 HALF_DEGREE = np.pi / 360
@@ -166,7 +166,6 @@ def read_sketch(sketch: Sketch, seed: int = 0) -> Shape:
     """Converts a sketch to a shape.
 
     Args:
-        sketch: The sketch.
         seed: Seed of the shape's name and of the patterns of its finishes.
 
     Raises:
@@ -219,9 +218,7 @@ def move_piece(piece: Piece, offset: np.ndarray) -> Piece:
     )
 
 
-def _bound_pieces(
-    parts: Sequence[Sequence[Piece]],
-) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
+def _bound_pieces(parts: Sequence[Sequence[Piece]]) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
     bounds = np.array([piece_bounds(piece) for pieces in parts for piece in pieces])
     return bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
 
@@ -359,11 +356,7 @@ def build_primitives(piece: Piece) -> tuple[Primitive, ...]:
     Raises:
         ValueError: If the numbers describe no solid.
     """
-    return build_piece(_scale(piece))
-
-
-def _scale(piece: Piece) -> Piece:
-    return replace(piece, numbers=tuple(number * STEP for number in piece.numbers))
+    return build_piece(to_metres(piece))
 
 
 def _read_joint(joint: SketchJoint) -> Motion:

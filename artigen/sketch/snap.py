@@ -41,6 +41,11 @@ def snap_piece(piece: Piece) -> Piece:
     return _find_frustum(snapped) if kind == "prism" else snapped
 
 
+def to_metres(piece: Piece) -> Piece:
+    """A piece in steps, in metres."""
+    return replace(piece, numbers=tuple(number * STEP for number in piece.numbers))
+
+
 def _find_frustum(prism: Piece) -> Piece:
     """A prism in steps, or the equivalent frustum if it has two parallel sides perpendicular to an axis."""
     u, v = across(prism.axis)
@@ -50,7 +55,7 @@ def _find_frustum(prism: Piece) -> Piece:
     if not any(len(set(side)) == 2 and side.count(side[0]) == 2 for side in (ends, others)):
         return prism
     try:
-        found = fit_polytope(build_prism(replace(prism, numbers=tuple(n * STEP for n in prism.numbers))))
+        found = fit_polytope(build_prism(to_metres(prism)))
     except ValueError:  # the rounded prism is degenerate; reading the sketch reports it
         return prism
     numbers = tuple(round(number / STEP) for number in found.numbers)

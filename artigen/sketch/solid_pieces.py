@@ -8,6 +8,7 @@ from jaxtyping import Float
 from artigen.shapes.fittings.outlines import trace_corners
 from artigen.shapes.primitives import Primitive, cylinder, place_vertices, polytope, rounded_box
 from artigen.sketch.piece import (
+    CORNER_ENDS,
     CORNERS,
     LINED,
     MAX_PIECES_OF_ARC,
@@ -151,17 +152,10 @@ def fit_polytope(primitive: Primitive) -> Piece:
     if bevel is not None:
         numbers = (*low.tolist(), *high.tolist(), bevel)
         return Piece(kind="box", numbers=numbers, **shared)
-    for axis in range(3):
-        sides, numbers = _fit_frustum(points, axis, low, high)
-        if sides:
-            piece = Piece(kind="frustum", numbers=numbers, axis=axis, sides=sides, **shared)
-            if is_same([primitive], [build_frustum(piece)]):
-                return piece
-    for axis in range(3):
-        numbers = _fit_prism(points, axis, low, high)
-        if numbers:
-            piece = Piece(kind="prism", numbers=numbers, axis=axis, **shared)
-            if is_same([primitive], [build_prism(piece)]):
+    for guess, build in ((_guess_frustum, build_frustum), (_guess_prism, build_prism)):
+        for axis in range(3):
+            piece = guess(points, axis, low, high, shared)
+            if piece is not None and is_same([primitive], [build(piece)]):
                 return piece
     for axis in range(3):
         piece = _fit_slab(points, axis, low, high, shared)
@@ -183,11 +177,10 @@ def find_bevel(points: Points, low: Corner, high: Corner) -> float | None:
     return bevel if even else None
 
 
-def _fit_frustum(points: Points, axis: int, low: Corner, high: Corner) -> tuple[int, tuple[float, ...]]:
-    """Sides and numbers of a frustum; 0 sides if none fits."""
+def _guess_frustum(points: Points, axis: int, low: Corner, high: Corner, surface: Surface) -> Piece | None:
     layers = split_layers(points, axis, low, high)
     if layers is None or len(layers[0]) not in (4, *ROUND_SIDES):
-        return 0, ()
+        return None
     u, v = across(axis)
     sides, rectangles = len(layers[0]), []
     for layer in layers:
@@ -200,14 +193,14 @@ def _fit_frustum(points: Points, axis: int, low: Corner, high: Corner) -> tuple[
         rectangles.append((*bottom.tolist(), *top.tolist()))
     bounds = np.array([low, high])
     bounds[:, u], bounds[:, v] = rectangles[1][::2], rectangles[1][1::2]
-    return sides, (*bounds[0].tolist(), *bounds[1].tolist(), *rectangles[0])
+    numbers = (*bounds[0].tolist(), *bounds[1].tolist(), *rectangles[0])
+    return Piece(kind="frustum", numbers=numbers, axis=axis, sides=sides, **surface)
 
 
-def _fit_prism(points: Points, axis: int, low: Corner, high: Corner) -> tuple[float, ...]:
-    """Numbers of a prism; empty if none fits."""
+def _guess_prism(points: Points, axis: int, low: Corner, high: Corner, surface: Surface) -> Piece | None:
     layers = split_layers(points, axis, low, high)
     if layers is None or len(layers[0]) != 4:
-        return ()
+        return None
     u, v = across(axis)
     flat = layers[0][:, [u, v]]
     spokes = flat - flat.mean(axis=0)
@@ -215,7 +208,8 @@ def _fit_prism(points: Points, axis: int, low: Corner, high: Corner) -> tuple[fl
     flat = np.roll(flat, -int(np.lexsort((flat[:, 1].round(7), flat[:, 0].round(7)))[0]), axis=0)
     bounds = np.array([low, high])
     bounds[:, u], bounds[:, v] = flat[[0, 2], 0], flat[[0, 2], 1]
-    return (*bounds[0].tolist(), *bounds[1].tolist(), *flat[1].tolist(), *flat[3].tolist())
+    numbers = (*bounds[0].tolist(), *bounds[1].tolist(), *flat[1].tolist(), *flat[3].tolist())
+    return Piece(kind="prism", numbers=numbers, axis=axis, **surface)
 
 
 def _fit_slab(points: Points, axis: int, low: Corner, high: Corner, surface: Surface) -> Piece | None:
@@ -241,7 +235,7 @@ def measure_cuts(flat: Float[np.ndarray, "N 2"]) -> Float[np.ndarray, "4 2"]:
     kept."""
     low, high = flat.min(axis=0), flat.max(axis=0)
     out = np.empty((CORNERS, 2))
-    for k, ends in enumerate(((0, 0), (1, 0), (1, 1), (0, 1))):
+    for k, ends in enumerate(CORNER_ENDS):
         corner = np.where(ends, high, low)
         away = np.abs(flat - corner)
         out[k] = [away[away[:, 1 - along] < TOLERANCE, along].min() for along in (0, 1)]

@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float, Int
 from artigen.shapes.poses import lead_followers, pose_parts
 from artigen.shapes.shape import Motion, Shape
 from artigen.sketch.contact import Bodies, displace, penetrate, separate
-from artigen.transforms import screw_motion, transform_points
+from artigen.transforms import frame_along, screw_motion, transform_points
 from artigen.types import FULL_TURN
 
 TOUCH = 1e-4
@@ -90,7 +90,6 @@ def find_meetings(bodies: Bodies, path: Path, carried: Bool[np.ndarray, "N"]) ->
 
     Args:
         bodies: All primitives, at the start of the path.
-        path: The motion.
         carried: Primitives that move.
     """
     ours, others = np.flatnonzero(carried), np.flatnonzero(~carried)
@@ -147,7 +146,7 @@ def _turning_pairs(
     bodies: Bodies, path: Path, ours: Int[np.ndarray, "M"], others: Int[np.ndarray, "O"]
 ) -> tuple[Int[np.ndarray, "C"], Int[np.ndarray, "C"]]:
     """Pairs that may collide: heights along the axis, distances from it and angles about it overlap."""
-    frame = _frame_about(path.axis)
+    frame = frame_along(path.axis).T.copy()  # as columns
     local = (bodies.vertices - path.origin) @ frame
     low, high = local.min(axis=1), local.max(axis=1)
     outer = np.linalg.norm(local[:, :, :2], axis=2).max(axis=1)
@@ -265,11 +264,3 @@ def _shared_depth(
     behind = (back @ between[:, :, None])[:, :, 0]
     turned = (np.swapaxes(size, 1, 2) @ half[second][:, :, None])[:, :, 0] + half[first] - np.abs(behind)
     return np.minimum(seen.min(axis=1), turned.min(axis=1))
-
-
-def _frame_about(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
-    """A right-handed frame as columns, its third along ``axis``."""
-    helper = np.eye(3)[int(np.abs(axis).argmin())]
-    first = np.cross(helper, axis)
-    first /= np.linalg.norm(first)
-    return np.column_stack([first, np.cross(axis, first), axis])

@@ -28,10 +28,6 @@ class Tree:
             if leader == index or index in self.ancestors[leader]
         ]
 
-    def related(self, first: int, second: int) -> bool:
-        """Whether one of two bodies carries the other."""
-        return first in self.ancestors[second] or second in self.ancestors[first]
-
 
 def read_tree(shape: Shape) -> Tree:
     """Merges fixed parts with their parents, as an exporter does."""

@@ -1,7 +1,12 @@
 """Conversion between sRGB and linear light (IEC 61966-2-1), extended beyond [0, 1]."""
 
+import math
+
 import numpy as np
 from jaxtyping import Float
+
+HARMONIC = 1.0 / math.sqrt(4.0 * math.pi)
+"""The spherical harmonic of degree 0, by which files and decoders multiply colours."""
 
 
 def srgb_from_linear(light: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]:

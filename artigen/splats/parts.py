@@ -1,7 +1,6 @@
 """Selects Gaussians and joins sets of them."""
 
 from collections.abc import Sequence
-from dataclasses import fields
 
 import numpy as np
 from jaxtyping import Bool, Int
@@ -11,7 +10,7 @@ from artigen.types import Gaussians
 
 def select_gaussians(gaussians: Gaussians, rows: Int[np.ndarray, "M"] | Bool[np.ndarray, "N"]) -> Gaussians:
     """Selects the Gaussians of the given rows, in their order."""
-    return Gaussians(**{field.name: getattr(gaussians, field.name)[rows] for field in fields(Gaussians)})
+    return Gaussians(**{name: value[rows] for name, value in vars(gaussians).items()})
 
 
 def merge_gaussians(sets: Sequence[Gaussians]) -> Gaussians:
@@ -22,9 +21,4 @@ def merge_gaussians(sets: Sequence[Gaussians]) -> Gaussians:
     """
     if not sets:
         raise ValueError("merging Gaussians: no sets, expected at least 1")
-    return Gaussians(
-        **{
-            field.name: np.concatenate([getattr(one, field.name) for one in sets])
-            for field in fields(Gaussians)
-        }
-    )
+    return Gaussians(**{name: np.concatenate([getattr(one, name) for one in sets]) for name in vars(sets[0])})

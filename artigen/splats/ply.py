@@ -6,14 +6,13 @@ natural logarithm, ``rot`` as wxyz (Kerbl et al., 3D Gaussian Splatting, 2023; t
 ``save_ply``). Harmonics of higher degree, ``f_rest``, are not written.
 """
 
-import math
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
 
 from artigen.errors import SourceError
-from artigen.splats.colors import linear_from_srgb, srgb_from_linear
+from artigen.splats.colors import HARMONIC, linear_from_srgb, srgb_from_linear
 from artigen.types import Gaussians
 
 FIELDS = (
@@ -21,8 +20,6 @@ FIELDS = (
     "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3",
 )  # fmt: skip
 """Properties of a vertex, in the order of the reference code."""
-HARMONIC = 1.0 / math.sqrt(4.0 * math.pi)
-"""The spherical harmonic of degree 0."""
 LARGEST_LOGIT = 20.0
 """Logit of opacity 1 in files; its sigmoid rounds to 1 in float32."""
 LEAST_LOGIT = -104.0

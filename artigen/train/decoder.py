@@ -18,6 +18,7 @@ from artigen.examples.structure import StructureExample
 from artigen.latent.outline import OutlineBatch, blur_outlines
 from artigen.latent.structure_flow import StructureFlow
 from artigen.latent.structure_vae import StructureVae
+from artigen.models.batch import TensorBatch
 from artigen.models.conditions import ConditionConfig
 from artigen.models.rectified_flow import diffuse, predict_data
 from artigen.train.loop import LoopConfig, process_seed, train
@@ -29,15 +30,11 @@ AGAIN = 0.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class EncodedFields:
+class EncodedFields(TensorBatch):
     """Fields of objects with their latents."""
 
     fields: FieldBatch
     latents: LatentBatch
-
-    def to(self, device: torch.device | str) -> "EncodedFields":
-        """The same batch on another device."""
-        return EncodedFields(fields=self.fields.to(device), latents=self.latents.to(device))
 
 
 class Decoding(nn.Module):

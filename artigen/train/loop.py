@@ -90,11 +90,7 @@ def process_seed(seed: int) -> int:
 
 
 def train(
-    network: nn.Module,
-    losses: LossFunction,
-    batches: Iterator[Any],
-    folder: Path,
-    cfg: LoopConfig,
+    network: nn.Module, losses: LossFunction, batches: Iterator[Any], folder: Path, cfg: LoopConfig
 ) -> nn.Module:
     """Trains until the budget is used and returns the network with its averaged weights.
 

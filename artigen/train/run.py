@@ -14,12 +14,7 @@ from artigen.models.public_encoders import find_encoders
 from artigen.runtime.journal import claim_folder
 from artigen.train.settings import TrainSettings
 
-Stage = Literal[
-    "structure",
-    "structure-vae",
-    "structure-flow",
-    "structure-decoder",
-]
+Stage = Literal["structure", "structure-vae", "structure-flow", "structure-decoder"]
 """All networks, or one of them."""
 
 

@@ -9,11 +9,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from artigen.examples.sketch import SketchBatch
-from artigen.examples.sketch_photos import (
-    EDGE,
-    PhotoBatch,
-    vary_photos,
-)
+from artigen.examples.sketch_photos import EDGE, PhotoBatch, vary_photos
 from artigen.sketch.batch import RowBatch
 from artigen.sketch.blocks import PictureMemory
 from artigen.sketch.network import SketchNetwork

@@ -43,9 +43,12 @@ class Channels(NamedTuple):
     category: slice
 
 
+WIDTHS = (len(PART_LABELS), len(JOINT_TYPES), 3, 3, 2, 6, len(PAPER_CATEGORIES))
+"""Numbers of channels of the attributes."""
+
+
 def _slices(first: int) -> Channels:
-    widths = (len(PART_LABELS), len(JOINT_TYPES), 3, 3, 2, 6, len(PAPER_CATEGORIES))
-    ends = tuple(accumulate(widths, initial=first))
+    ends = tuple(accumulate(WIDTHS, initial=first))
     return Channels(*map(slice, ends[:-1], ends[1:]))
 
 
@@ -81,22 +84,10 @@ class VoxelFields:
                 f"field coords span {coords.min()}..{coords.max()}, grid is 0..{self.resolution - 1}"
             )
         object.__setattr__(self, "coords", coords)
-        widths = {
-            "label_probs": len(PART_LABELS),
-            "joint_probs": len(JOINT_TYPES),
-            "axis": 3,
-            "origin": 3,
-            "ranges": 2,
-            "box": 6,
-            "category_probs": len(PAPER_CATEGORIES),
-        }
-        for name, width in widths.items():
+        names = ("label_probs", "joint_probs", "axis", "origin", "ranges", "box", "category_probs")
+        for name, width in zip(names, WIDTHS, strict=True):
             value = frozen_array(getattr(self, name), np.float32, (len(coords), width), f"field {name}")
             object.__setattr__(self, name, value)
-
-    def centers(self) -> Float[np.ndarray, "N 3"]:
-        """Cell centres in the unit cube."""
-        return (self.coords + 0.5) / self.resolution - 0.5
 
 
 def canonical_origin(part: Part) -> Float[np.ndarray, "3"]:

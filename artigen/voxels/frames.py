@@ -9,6 +9,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int, Integer, Real
 from scipy.ndimage import uniform_filter
 
+from artigen.types import VoxelGrid
+
 FACINGS = 6
 """Directions: -x, +x, -y, +y, -z, +z."""
 SIDES = 2
@@ -112,6 +114,12 @@ def mark_voxels(
     grid = np.full((resolution,) * 3, -1)
     grid[tuple(coords.astype(np.int64).T)] = numbers
     return grid
+
+
+def gather_voxels(owners: Int[np.ndarray, "R R R"]) -> VoxelGrid:
+    """The voxels of a dense grid of part ids, -1 in empty cells: inverse of `mark_voxels`."""
+    coords = np.argwhere(owners >= 0)
+    return VoxelGrid(resolution=len(owners), coords=coords, part_ids=owners[tuple(coords.T)])
 
 
 def facing_frames() -> Float[np.ndarray, "6 3 3"]:

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from artigen.types import SurfaceSamples, VoxelGrid
-from artigen.voxels.frames import find_facings, find_outward, mark_voxels
+from artigen.voxels.frames import find_facings, find_outward, gather_voxels, mark_voxels
 from artigen.voxels.surface import SAMPLES, VoxelPlaces, find_voxels
 
 DEPTHS = (0.5, 1.0)
@@ -70,8 +70,7 @@ def cover_surface(surface: SurfaceSamples, voxels: VoxelGrid) -> VoxelGrid:
         taken, first = np.unique(taken[most], return_index=True)
         owners.ravel()[taken] = part[most][first]
         waiting[rows] = owners.ravel()[flat] != part_ids[rows]
-    coords = np.argwhere(owners >= 0)
-    return VoxelGrid(resolution=edge, coords=coords, part_ids=owners[tuple(coords.T)])
+    return gather_voxels(owners)
 
 
 def turn_facings(

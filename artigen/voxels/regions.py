@@ -21,7 +21,7 @@ def find_edges(
     part_ids: Int[np.ndarray, "N"],
     facings: Int[np.ndarray, "N"],
     resolution: int,
-) -> Int[np.ndarray, "E 2"]:
+) -> Int[np.ndarray, "2 E"]:
     """Pairs of voxels that share a face, a part, and the direction of their outer sides."""
     grid = np.pad(mark_voxels(coords, np.arange(len(coords)), resolution), (0, 1), constant_values=-1)
     pairs = []
@@ -31,14 +31,14 @@ def find_edges(
         (one,) = np.nonzero(other >= 0)
         other = other[one]
         alike = (part_ids[one] == part_ids[other]) & (facings[one] == facings[other])
-        pairs.append(np.stack([one[alike], other[alike]], axis=1))
-    return np.concatenate(pairs)
+        pairs.append(np.stack([one[alike], other[alike]]))
+    return np.concatenate(pairs, axis=1)
 
 
-def number_faces(count: int, edges: Int[np.ndarray, "E 2"]) -> Int[np.ndarray, "N"]:
-    """Face number of each voxel: connected components of the neighbour pairs."""
-    links = coo_array((np.ones(len(edges), dtype=bool), (edges[:, 0], edges[:, 1])), shape=(count, count))
-    return connected_components(links, directed=False)[1]
+def connected_groups(count: int, pairs: Int[np.ndarray, "2 E"]) -> Int[np.ndarray, "N"]:
+    """Number of the connected component of each of ``count`` things, of which pairs hold together."""
+    graph = coo_array((np.ones(pairs.shape[1], dtype=bool), (pairs[0], pairs[1])), shape=(count, count))
+    return connected_components(graph, directed=False)[1].astype(np.int64)
 
 
 def is_round(face: Bool[np.ndarray, "H W"]) -> bool:

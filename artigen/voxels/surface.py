@@ -42,9 +42,7 @@ class VoxelPlaces:
     """Position of the surface within voxels, in voxels from their centres."""
 
     heights: Float[np.ndarray, "N 2"]
-    """Heights of the outer and the inner side, positive outwards."""
-    faced: Bool[np.ndarray, "N 2"]
-    """Whether any surface faces the way of each side; if not, its height is assumed (`HEIGHT`)."""
+    """Heights of the outer and the inner side, positive outwards; `HEIGHT` if no surface faces that way."""
     lowest: Float[np.ndarray, "N 2"]
     """Start of the surface along the frame's +y and +z."""
     highest: Float[np.ndarray, "N 2"]
@@ -86,13 +84,12 @@ def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.n
     points = (surface.points[own].astype(np.float64) + 0.5) * voxels.resolution
     off = np.einsum("kij,ki->kj", frames, points - voxels.coords[rows] - 0.5)
     ahead = np.einsum("ki,ki->k", frames[:, :, 0], surface.normals[own].astype(np.float64))
-    heights, faced = np.empty((count, 2)), np.empty((count, 2), dtype=bool)
+    heights = np.empty((count, 2))
     for side, sign in enumerate((1.0, -1.0)):
         facing = sign * ahead > AHEAD
         number = np.bincount(rows[facing], minlength=count)
         total = np.bincount(rows[facing], weights=off[facing, 0], minlength=count)
-        faced[:, side] = number > 0
-        heights[:, side] = np.where(faced[:, side], total / np.maximum(number, 1), sign * HEIGHT)
+        heights[:, side] = np.where(number > 0, total / np.maximum(number, 1), sign * HEIGHT)
     low, high = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
     for axis in (0, 1):  # NumPy is faster with one axis at a time
         np.minimum.at(low[:, axis], rows, off[:, 1 + axis])
@@ -102,7 +99,6 @@ def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.n
     missed = 0.5 / SAMPLES  # surface reaches about this far beyond the last sample
     return VoxelPlaces(
         heights=_limit_heights(heights),
-        faced=faced,
         lowest=np.maximum(low - missed, -0.5).clip(max=0.5),
         highest=np.minimum(high + missed, 0.5).clip(min=-0.5),
     )

@@ -11,7 +11,7 @@ from jaxtyping import Float, Int
 
 from artigen.types import Asset, SurfaceSamples, VoxelGrid
 from artigen.voxels.fields import decode, encode
-from artigen.voxels.frames import mark_voxels
+from artigen.voxels.frames import gather_voxels, mark_voxels
 
 __all__ = ["assign_cells", "decode", "drop_unresolved", "encode", "find_heirs", "voxelize", "voxelize_again"]
 
@@ -79,8 +79,7 @@ def voxelize_again(surface: SurfaceSamples, voxels: VoxelGrid) -> VoxelGrid:
         return found
     owners = mark_voxels(found.coords, found.part_ids, voxels.resolution)
     owners[tuple(voxels.coords[lost].T)] = voxels.part_ids[lost]
-    coords = np.argwhere(owners >= 0)
-    return VoxelGrid(resolution=voxels.resolution, coords=coords, part_ids=owners[tuple(coords.T)])
+    return gather_voxels(owners)
 
 
 def assign_cells(

@@ -5,7 +5,6 @@ A latent flow trained on true voxels alone leaves gaps and smears on sampled one
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,15 +12,15 @@ import torch
 from jaxtyping import Int
 from scipy.spatial import KDTree
 
-from artigen.examples.appearance import lay_true_voxels
+from artigen.appearance.paint import lay_painted
 from artigen.examples.shards import ShardConfig, ShardJob, draw_shard, load_shard, save_shard, split_rows
 from artigen.latent.draw import GenerateConfig, StructureModel, draw_cells, load_structure_model
-from artigen.latent.outline import outline_rows
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.types import Asset, SurfaceSamples, VoxelGrid
-from artigen.voxels.frames import find_facings
+from artigen.voxels.fields import tabulate_parts
+from artigen.voxels.frames import find_facings, gather_voxels
 from artigen.voxels.layout import lay_out
 from artigen.voxels.voxelize import voxelize_again
 
@@ -107,15 +106,14 @@ def redraw(
             f"asset {asset.name!r} has {found}, the model draws those of {wanted}^3 {how}: expected the same "
             "resolution, and a model that draws within outlines"
         )
-    rows, edge = outline_rows(asset), model.flow.edge
+    rows, edge = tabulate_parts(asset), model.flow.edge
     asked = gather_conditions([StructureCondition(category=asset.category)], model.preset.conditions)
     shape = (1, model.flow.channels, edge, edge, edge)
     noise = torch.from_numpy(rng.standard_normal(shape, dtype=np.float32))
     device = next(model.flow.parameters()).device
     with torch.no_grad():
         owners, _ = draw_cells(model, asked.to(device), noise.to(device), rows, GenerateConfig())
-    coords = np.argwhere(owners >= 0)
-    drawn = VoxelGrid(resolution=wanted, coords=coords, part_ids=owners[tuple(coords.T)])
+    drawn = gather_voxels(owners)
     if resurface is not None and len(np.unique(drawn.part_ids)) == len(asset.parts):
         surface = resurface(replace(asset, voxels=drawn))
         drawn, faced = lay_out(surface, voxelize_again(surface, drawn))
@@ -134,39 +132,20 @@ def redraw(
     )
 
 
-def draw_again(
-    asset: Asset,
-    facings: Int[np.ndarray, "N"],
-    rng: np.random.Generator,
-    model: StructureModel | None,
-    resurface: Resurface | None = None,
-) -> DrawnVoxels:
-    """Voxels that a model samples (`redraw`); without a model, roughened ones."""
-    if model is not None:
-        return redraw(model, asset, facings, rng, resurface)
-    assert asset.voxels is not None
-    return roughen(asset.voxels, facings, rng)
-
-
 def make_drawn_shard(job: ShardJob[DrawnShardConfig]) -> Path:
     """Samples the voxels of the objects of one shard and writes them; runs in a worker process."""
-    model = None if job.cfg.structure is None else load_structure_model(job.cfg.structure)
-    draw = partial(draw_drawn, resolution=job.cfg.resolution, model=model, resurface=job.cfg.resurface)
+    cfg = job.cfg
+    model = None if cfg.structure is None else load_structure_model(cfg.structure)
+
+    def draw(category: str, seed: int) -> DrawnVoxels:
+        shape, rng = draw_shape(category, seed), np.random.default_rng(seed)
+        asset, facings, _ = lay_painted(shape, shape_to_asset(shape, cfg.resolution))
+        if model is not None:
+            return redraw(model, asset, facings, rng, cfg.resurface)
+        assert asset.voxels is not None
+        return roughen(asset.voxels, facings, rng)
+
     return draw_shard(job, draw, write_drawn_shard)
-
-
-def draw_drawn(
-    category: str,
-    seed: int,
-    *,
-    resolution: int,
-    model: StructureModel | None = None,
-    resurface: Resurface | None = None,
-) -> DrawnVoxels:
-    """Voxels of a procedural object as a model samples them."""
-    shape = draw_shape(category, seed)
-    asset, facings = lay_true_voxels(shape, shape_to_asset(shape, resolution))
-    return draw_again(asset, facings, np.random.default_rng(seed), model, resurface)
 
 
 def write_drawn_shard(path: Path, drawn: Sequence[DrawnVoxels]) -> None:

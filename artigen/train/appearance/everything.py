@@ -34,11 +34,7 @@ from artigen.train.appearance.drawn import (
 )
 from artigen.train.appearance.flow import train_appearance_flow
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
-from artigen.train.appearance.run import (
-    AppearanceRunConfig,
-    AppearanceStage,
-    claim_appearance_run,
-)
+from artigen.train.appearance.run import AppearanceRunConfig, AppearanceStage, claim_appearance_run
 from artigen.train.appearance.vae import encode_appearance, train_appearance_vae
 from artigen.train.stage import begin_stage, describe_stage, load_stage, plan_loop
 
@@ -46,10 +42,7 @@ logger = logging.getLogger(__name__)
 
 
 def train_appearance(
-    cfg: AppearanceRunConfig,
-    stage: AppearanceStage = "appearance",
-    *,
-    resurface: Resurface | None = None,
+    cfg: AppearanceRunConfig, stage: AppearanceStage = "appearance", *, resurface: Resurface | None = None
 ) -> dict[str, float]:
     """Runs the stages that are missing; returns the scores of the held-out objects.
 

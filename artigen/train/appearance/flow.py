@@ -18,6 +18,7 @@ from artigen.appearance.vae import SIDE_CHANNELS
 from artigen.examples.appearance import AppearanceExample
 from artigen.examples.appearance_batches import place_batch
 from artigen.examples.batches import condition_batch, draw_batches, prefetch
+from artigen.models.batch import TensorBatch
 from artigen.models.conditions import (
     ALONE,
     ConditionBatch,
@@ -37,7 +38,7 @@ BLUR = 0.02
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SlatBatch:
+class SlatBatch(TensorBatch):
     """Posteriors of the voxels of several objects, with their conditions."""
 
     coords: Int[Tensor, "N 4"]
@@ -45,10 +46,6 @@ class SlatBatch:
     std: Float[Tensor, "N D"]
     attributes: Float[Tensor, "N A"]
     conditions: ConditionBatch
-
-    def to(self, device: torch.device | str) -> "SlatBatch":
-        """The same batch on another device."""
-        return SlatBatch(**{name: value.to(device) for name, value in vars(self).items()})
 
 
 def train_appearance_flow(
@@ -94,7 +91,7 @@ def train_appearance_flow(
         known = isolate_pictures(given.conditions, ALONE, generator)
         asked = drop_conditions(known, DROPOUT, generator)
         row_times = times[given.coords[:, 0]]
-        plan = flow.plan(given.coords, samples)
+        plan = flow.network.plan(given.coords, samples)
         attributes = _blur(given.attributes, generator) if flow.attribute_channels else None
         x_0 = flow.normalise(given.mean + given.std * jitter, attributes)
         velocity = network(diffuse(x_0, noise, row_times), times, asked, plan, attributes)
@@ -147,9 +144,7 @@ class SlatMoments:
 
 
 def measure_slats(
-    means: Sequence[Tensor],
-    stds: Sequence[Tensor],
-    told: Sequence[Float[np.ndarray, "N A"]] | None = None,
+    means: Sequence[Tensor], stds: Sequence[Tensor], told: Sequence[Float[np.ndarray, "N A"]] | None = None
 ) -> SlatMoments:
     """Moments of samples from the posteriors of all voxels, given their attributes.
 

@@ -48,10 +48,7 @@ class AppearanceLossConfig:
 
 
 def appearance_losses(
-    encoded: Encoded,
-    drawn: Float[Tensor, "B M H W 3"],
-    batch: PictureBatch,
-    cfg: AppearanceLossConfig,
+    encoded: Encoded, drawn: Float[Tensor, "B M H W 3"], batch: PictureBatch, cfg: AppearanceLossConfig
 ) -> dict[str, Tensor]:
     """The terms, each with its weight, by name."""
     first, second = (values.flatten(0, 1).permute(0, 3, 1, 2) for values in (drawn, batch.rgb))

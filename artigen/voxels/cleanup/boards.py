@@ -11,14 +11,12 @@ from scipy.ndimage import label as number_pieces
 
 from artigen.types import PartLabel
 from artigen.voxels.cleanup.boxes import fill_boxes, find_boxes, reach_box
-from artigen.voxels.cleanup.rows import Owners
+from artigen.voxels.cleanup.rows import CERTAIN, Owners
 from artigen.voxels.fields import ROW, name_joints, name_rows
 
 SLACK = 0.25
 """Cells by which a board may exceed the box of its part."""
 
-CERTAIN = 4.0
-"""Logits beyond this, either way, count as certain."""
 LEAST_BOARD = 20
 """Least evidence for a board, in cells that no other board holds."""
 LEAST_CUT = 100
@@ -37,9 +35,7 @@ are exempt as well."""
 
 
 def make_boards(
-    owners: Owners,
-    logits: Float[np.ndarray, "X Y Z"],
-    rows: Float[np.ndarray, "N C"],
+    owners: Owners, logits: Float[np.ndarray, "X Y Z"], rows: Float[np.ndarray, "N C"]
 ) -> tuple[Owners, tuple[str, ...]]:
     """Rebuilds parts from boards; returns the new owners and a note of how much changed."""
     before = owners
@@ -70,9 +66,7 @@ def make_boards(
 
 
 def _make_part(
-    owned: Int[np.ndarray, "X Y Z"],
-    number: np.intp,
-    evidence: Float[np.ndarray, "X Y Z"],
+    owned: Int[np.ndarray, "X Y Z"], number: np.intp, evidence: Float[np.ndarray, "X Y Z"]
 ) -> Bool[np.ndarray, "X Y Z"]:
     """The cells of a part's boards, and of its larger pieces outside them."""
     mine = owned == number

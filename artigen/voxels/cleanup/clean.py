@@ -19,9 +19,7 @@ Stage = Callable[[Owners], tuple[Owners, tuple[str, ...]]]
 
 
 def mend_cells(
-    owners: Owners,
-    logits: Float[np.ndarray, "X Y Z"],
-    rows: Float[np.ndarray, "N C"],
+    owners: Owners, logits: Float[np.ndarray, "X Y Z"], rows: Float[np.ndarray, "N C"]
 ) -> tuple[Owners, tuple[str, ...]]:
     """Cleans up sampled cells; returns the new owners and notes of what changed.
 

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from artigen.types import FULL_TURN
 from artigen.voxels.cleanup.panel import find_panel
-from artigen.voxels.cleanup.rows import Owners
+from artigen.voxels.cleanup.rows import Owners, note_changes
 from artigen.voxels.fields import ROW, name_joints, name_rows
 
 SLACK = 0.25
@@ -21,11 +21,9 @@ BESIDE = 1 / 64
 
 def clear_doorways(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owners, tuple[str, ...]]:
     """Removes cells of open doors before drawers and trays behind them; returns owners and a note."""
-    owners, labels = owners.copy(), name_rows(rows)
-    kinds = np.array(name_joints(rows))
-    boxes = rows[:, ROW.box]
-    gone = 0
-    for door in np.flatnonzero((np.array(labels) == "door") & (kinds == "revolute")):
+    before, owners = owners, owners.copy()
+    labels, kinds, boxes = np.array(name_rows(rows)), np.array(name_joints(rows)), rows[:, ROW.box]
+    for door in np.flatnonzero((labels == "door") & (kinds == "revolute")):
         behind = [
             row
             for row in np.flatnonzero(np.isin(labels, ("drawer", "tray")) & (kinds == "prismatic"))
@@ -45,11 +43,8 @@ def clear_doorways(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owne
                 opened[:, 0] < high[0]
             )
         owners[tuple(cells[blocking].T)] = -1
-        gone += int(blocking.sum())
-    if not gone:
-        return owners, ()
-    note = f"{gone} cells on the inside of doors were removed that would stand before a drawer when open"
-    return owners, (note,)
+    what = "cells on the inside of doors were removed that would stand before a drawer when open"
+    return note_changes(before, owners, what)
 
 
 def _is_behind(inner: Float[np.ndarray, "6"], door: Float[np.ndarray, "6"]) -> bool:

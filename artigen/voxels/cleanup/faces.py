@@ -19,7 +19,7 @@ from jaxtyping import Bool, Float, Int
 from scipy.ndimage import binary_fill_holes, label
 
 from artigen.voxels.cleanup.boxes import find_boxes
-from artigen.voxels.cleanup.rows import Owners
+from artigen.voxels.cleanup.rows import CERTAIN, Owners, note_changes
 from artigen.voxels.fields import name_category, name_rows
 from artigen.voxels.regions import find_rectangles, is_round
 
@@ -29,8 +29,6 @@ PLATED = ("WashingMachine",)
 """Categories whose bodies have a board in front as well."""
 OPEN: Mapping[str, tuple[Kind, ...]] = {"Oven": ("top",), "Table": ("side", "back")}
 """Faces that are not boards, by category: burners stand on cooktops, and tables stand on legs."""
-CERTAIN = 4.0
-"""Logits beyond this, either way, count as certain."""
 DEPTH = 6
 """Layers of cells in which a face is sought."""
 LEAST, SHARE = 12.0, 0.03
@@ -139,10 +137,7 @@ def even_faces(
                 _lay_panels(face)
             else:
                 _lay_board(face)
-    changed = int((owners != before).sum())
-    if not changed:
-        return before, ()
-    return owners, (f"{changed} cells of holes, stairs and frayed edges of faces were made even",)
+    return note_changes(before, owners, "cells of holes, stairs and frayed edges of faces were made even")
 
 
 def weigh_depths(evidence: Float[np.ndarray, "D H W"]) -> Float[np.ndarray, "K H W"]:

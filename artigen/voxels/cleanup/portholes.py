@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 
 from artigen.voxels.cleanup.boxes import reach_box
 from artigen.voxels.cleanup.panel import find_panel
-from artigen.voxels.cleanup.rows import Owners
+from artigen.voxels.cleanup.rows import Owners, note_changes
 from artigen.voxels.fields import ROW, name_category, name_joints, name_rows
 
 OBLONG = 1.25
@@ -40,8 +40,7 @@ def round_portholes(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Own
         upright = size[0] < size[1:].min() and max(size[1] / size[2], size[2] / size[1]) <= OBLONG
         if upright and (near.any() or washing):
             _round_door(owners, int(door), labels == "base", boxes[door])
-    changed = int((owners != before).sum())
-    return owners, (f"{changed} cells were changed to make a door and its opening round",) if changed else ()
+    return note_changes(before, owners, "cells were changed to make a door and its opening round")
 
 
 def _round_door(

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 
 from artigen.types import PartLabel
 from artigen.voxels.cleanup.panel import find_panel
-from artigen.voxels.cleanup.rows import Owners
+from artigen.voxels.cleanup.rows import Owners, note_changes
 from artigen.voxels.fields import ROW, name_joints, name_rows
 
 DRUM: PartLabel = "tray"
@@ -52,10 +52,7 @@ def revolve_parts(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owner
             _clear_doors(owners, labels, swept)
         else:
             _part_dials(owners, number, labels == DIAL, swept)
-    changed = int((owners != before).sum())
-    if not changed:
-        return owners, ()
-    return owners, (f"{changed} cells were changed so that parts turn freely",)
+    return note_changes(before, owners, "cells were changed so that parts turn freely")
 
 
 def _find_turning(rows: np.ndarray, labels: np.ndarray) -> Bool[np.ndarray, "N"]:

@@ -1,4 +1,4 @@
-"""Maps every cell to its row of the outline."""
+"""Owners of cells: their rows of the outline, and notes of how many changed."""
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -7,6 +7,14 @@ from artigen.voxels.fields import ROW, VoxelFields
 
 Owners = Int[np.ndarray, "X Y Z"]
 """Row of the outline that every cell belongs to; -1 where empty."""
+CERTAIN = 4.0
+"""Logits beyond this, either way, count as certain."""
+
+
+def note_changes(before: Owners, after: Owners, what: str) -> tuple[Owners, tuple[str, ...]]:
+    """The new owners, with a note of the number of changed cells and ``what`` they are, if there are any."""
+    changed = int((after != before).sum())
+    return after, (f"{changed} {what}",) if changed else ()
 
 
 def read_owners(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> Owners:

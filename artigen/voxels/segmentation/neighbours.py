@@ -1,11 +1,9 @@
-"""Neighbouring voxels, connected components, and the assignment of voxels to parts."""
+"""Neighbouring voxels, and the assignment of voxels to parts."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Int
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+from jaxtyping import Int
 
 from artigen.types import PART_LABELS, PartLabel, frozen_array
 from artigen.voxels.fields import VoxelFields
@@ -28,15 +26,6 @@ def neighbour_pairs(coords: Int[np.ndarray, "N 3"], resolution: int) -> Int[np.n
         mine = np.flatnonzero(other >= 0)
         found.append(np.stack([mine, other[mine]]))
     return np.concatenate(found, axis=1)
-
-
-def connected_groups(
-    count: int, pairs: Int[np.ndarray, "2 E"], linked: Bool[np.ndarray, "E"]
-) -> Int[np.ndarray, "N"]:
-    """Component number of each of ``count`` voxels when only the ``linked`` pairs hold together."""
-    kept = pairs[:, linked]
-    graph = coo_array((np.ones(kept.shape[1], dtype=bool), (kept[0], kept[1])), shape=(count, count))
-    return connected_components(graph, directed=False)[1].astype(np.int64)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -171,7 +171,7 @@ def _cluster_boxes(boxes: Float[np.ndarray, "n 6"]) -> Int[np.ndarray, "n"]:
     votes, which, weights = np.unique(boxes, axis=0, return_inverse=True, return_counts=True)
     step = max(1, -(-len(votes) // MAX_ROWS))
     chosen = np.arange(0, len(votes), step)
-    clusters = DBSCAN(eps=EPS, min_samples=max(1, MIN_SAMPLES)).fit_predict(
+    clusters = DBSCAN(eps=EPS, min_samples=MIN_SAMPLES).fit_predict(
         votes[chosen], sample_weight=weights[chosen] * step
     )
     dense = chosen[clusters >= 0]

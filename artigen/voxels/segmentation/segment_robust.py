@@ -11,15 +11,11 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from artigen.errors import SegmentationError
-from artigen.types import PART_LABELS
 from artigen.voxels.fields import VoxelFields
-from artigen.voxels.segmentation.neighbours import (
-    Partition,
-    canonical_partition,
-    connected_groups,
-    neighbour_pairs,
-)
+from artigen.voxels.regions import connected_groups
+from artigen.voxels.segmentation.neighbours import Partition, canonical_partition, neighbour_pairs
 from artigen.voxels.segmentation.votes import (
+    BASE,
     WIDTH,
     GroupVotes,
     Votes,
@@ -33,11 +29,6 @@ from artigen.voxels.segmentation.votes import (
     vote_costs,
 )
 
-LENGTH_FLOOR = 0.05
-"""Least noise assumed on lengths, in voxels. Raise it when votes drift within a part and parts
-are found split."""
-MOTION_FLOOR = 0.005
-"""Least noise assumed on axis components and on normalised ranges."""
 SPLIT_SCATTER = 1.5
 """A group is split when its votes scatter this many times more than noise alone (variance)."""
 OVERLONG = 1.5
@@ -48,17 +39,8 @@ SEED_VOXELS = 24
 ABSORB_SIGMAS = 8.0
 """Largest deviation, in standard deviations, of the votes of a small group from the group that
 absorbs it. Raise it when single stray voxels become parts."""
-EXTENT_TOLERANCE = 0.75
-"""Voxels by which a part may fall short of or exceed the box it votes for."""
 MERGE_EVIDENCE = 8.0
 """Two groups are one part when the evidence against that stays below this."""
-LABEL_PENALTY = 3.0
-"""Evidence against merging groups of different labels. Raise it when a handle is taken for the
-knob beside it, lower it when patches of wrong labels become parts."""
-LABEL_ERROR = 0.03
-"""Share of wrong labels expected among voxels."""
-OUTSIDE = 0.7
-"""Voxels outside a part's box that count as one standard deviation."""
 NEIGHBOUR_WEIGHT = 0.5
 """Evidence for a part per neighbouring voxel that belongs to it."""
 ROUNDS = 2
@@ -75,27 +57,23 @@ def partition_robust(fields: VoxelFields) -> Partition:
     """
     pairs = neighbour_pairs(fields.coords.astype(np.int64), fields.resolution)
     labels = fields.label_probs.argmax(axis=1)
-    base = PART_LABELS.index("base")
     alike = labels[pairs[0]] == labels[pairs[1]]
-    floor = np.repeat([LENGTH_FLOOR / fields.resolution, MOTION_FLOOR], [9, WIDTH - 9])
-    votes = collect_votes(
-        fields, is_base=labels == base, alike=pairs[:, alike], floor=floor, label_error=LABEL_ERROR
-    )
-    pieces = connected_groups(len(labels), pairs, alike)
-    groups = _first_groups(votes, pieces, labels == base)
+    votes = collect_votes(fields, is_base=labels == BASE, alike=pairs[:, alike])
+    pieces = connected_groups(len(labels), pairs[:, alike])
+    groups = _first_groups(votes, pieces, labels == BASE)
     if groups.max() > MAX_GROUPS:
         raise SegmentationError(
             f"the votes of {len(labels)} voxels fall into {groups.max()} groups, expected at most "
             f"{MAX_GROUPS}: the votes of neighbouring voxels differ too much to form parts"
         )
-    groups = _absorb(votes, groups, base, np.inf)
+    groups = _absorb(votes, groups, np.inf)
     for _ in range(ROUNDS):
-        groups = _absorb(votes, groups, base, 2.0)
-        groups = _merge(votes, groups, pieces, base)
-        groups = _reassign(votes, groups, pairs, base)
-    groups = _without_gaps(_absorb(votes, groups, base, 2.0))
-    label = summarise(votes, groups, base).label
-    groups[label[groups] == base] = 0
+        groups = _absorb(votes, groups, 2.0)
+        groups = _merge(votes, groups, pieces)
+        groups = _reassign(votes, groups, pairs)
+    groups = _without_gaps(_absorb(votes, groups, 2.0))
+    label = summarise(votes, groups).label
+    groups[label[groups] == BASE] = 0
     return canonical_partition(fields, groups, label)
 
 
@@ -154,17 +132,17 @@ def _bisect(values: Float[np.ndarray, "n D"], direction: Float[np.ndarray, "D"])
     return side
 
 
-def _absorb(votes: Votes, groups: Int[np.ndarray, "N"], base: int, share: float) -> Int[np.ndarray, "N"]:
+def _absorb(votes: Votes, groups: Int[np.ndarray, "N"], share: float) -> Int[np.ndarray, "N"]:
     """Gives small groups to larger ones that explain them by noise, whatever their classes.
 
     A larger group has `SEED_VOXELS`, or ``share`` times the voxels. `_explained_below` gives the limit.
     """
     groups = _without_gaps(groups)
-    stats = summarise(votes, groups, base)
+    stats = summarise(votes, groups)
     returned = _return_to_base(votes, stats, groups)
     if (returned != groups).any():
         groups = _without_gaps(returned)
-        stats = summarise(votes, groups, base)
+        stats = summarise(votes, groups)
     is_small = stats.count < SEED_VOXELS
     is_small[0] = False
     if not is_small.any():
@@ -175,7 +153,7 @@ def _absorb(votes: Votes, groups: Int[np.ndarray, "N"], base: int, share: float)
     larger = np.flatnonzero(stats.count >= min(share, SEED_VOXELS))
     if not len(larger):  # a handful of voxels: not even the base is a seed
         return groups
-    costs = vote_costs(votes, select_groups(stats, larger), rows, OUTSIDE)
+    costs = vote_costs(votes, select_groups(stats, larger), rows)
     least = np.minimum(np.repeat(number, number) * share, SEED_VOXELS)
     costs[least[:, None] > stats.count[larger]] = np.inf
     mean = np.add.reduceat(costs, np.cumsum(number) - number, axis=0) / number[:, None]
@@ -201,31 +179,21 @@ def _return_to_base(votes: Votes, stats: GroupVotes, groups: Int[np.ndarray, "N"
     No real part votes for the box of the base.
     """
     rows = np.flatnonzero(groups > 0)
-    costs = vote_costs(votes, select_groups(stats, np.array([0])), rows, OUTSIDE)[:, 0]
+    costs = vote_costs(votes, select_groups(stats, np.array([0])), rows)[:, 0]
     mean = np.bincount(groups[rows], weights=costs, minlength=len(stats.count)) / stats.count
     limit = np.maximum(_explained_below(stats.count), 0.75 * WIDTH)
     return np.where((groups > 0) & (mean < limit)[groups], 0, groups)
 
 
-def _merge(
-    votes: Votes, groups: Int[np.ndarray, "N"], pieces: Int[np.ndarray, "N"], base: int
-) -> Int[np.ndarray, "N"]:
+def _merge(votes: Votes, groups: Int[np.ndarray, "N"], pieces: Int[np.ndarray, "N"]) -> Int[np.ndarray, "N"]:
     """Merges groups that look like one part, the most similar first, until none are left."""
     while True:
         groups = _without_gaps(groups)
-        stats = summarise(votes, groups, base)
+        stats = summarise(votes, groups)
         total = len(stats.count)
         piece = _main_piece(groups, pieces)
-        scores = merge_scores(
-            votes,
-            stats,
-            groups,
-            same_piece=piece[:, None] == piece,
-            tolerance=EXTENT_TOLERANCE,
-            outside=OUTSIDE,
-            label_penalty=LABEL_PENALTY,
-        )
-        scores[0, stats.label == base] = scores[stats.label == base, 0] = -np.inf
+        scores = merge_scores(votes, stats, groups, piece[:, None] == piece)
+        scores[0, stats.label == BASE] = scores[stats.label == BASE, 0] = -np.inf
         np.fill_diagonal(scores, np.inf)
         into = np.arange(total)
         taken = np.zeros(total, dtype=bool)
@@ -254,19 +222,19 @@ def _without_gaps(groups: Int[np.ndarray, "N"]) -> Int[np.ndarray, "N"]:
 
 
 def _reassign(
-    votes: Votes, groups: Int[np.ndarray, "N"], pairs: Int[np.ndarray, "2 E"], base: int
+    votes: Votes, groups: Int[np.ndarray, "N"], pairs: Int[np.ndarray, "2 E"]
 ) -> Int[np.ndarray, "N"]:
     """Moves every voxel to the group that explains it best, neighbours included.
 
     Voxels that the base explains within twice the expected chi squared stay there.
     """
     groups = _without_gaps(groups)
-    stats = summarise(votes, groups, base)
+    stats = summarise(votes, groups)
     total = len(stats.count)
     in_base = np.flatnonzero(groups == 0)
-    sure = vote_costs(votes, select_groups(stats, np.array([0])), in_base, OUTSIDE)[:, 0] < WIDTH
+    sure = vote_costs(votes, select_groups(stats, np.array([0])), in_base)[:, 0] < WIDTH
     rows = np.setdiff1d(np.arange(len(groups)), in_base[sure], assume_unique=True)
-    costs = vote_costs(votes, stats, rows, OUTSIDE) + class_costs(votes, stats, rows)
+    costs = vote_costs(votes, stats, rows) + class_costs(votes, stats, rows)
     place = np.full(len(groups), -1)
     place[rows] = np.arange(len(rows))
     ends = np.concatenate([pairs, pairs[::-1]], axis=1)

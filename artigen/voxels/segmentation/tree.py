@@ -9,7 +9,6 @@ There is one base; whatever touches nothing within reach is reported, never gues
 """
 
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
 
 import numpy as np
 from jaxtyping import Int
@@ -17,17 +16,15 @@ from scipy.spatial import KDTree
 
 from artigen.types import Part, PartLabel
 
-ALLOWED_PARENTS: Mapping[PartLabel, Mapping[PartLabel, float]] = MappingProxyType(
-    {
-        "drawer": {"base": 1.0},
-        "door": {"base": 1.0},
-        "handle": {"drawer": 3.0, "door": 3.0, "tray": 3.0, "knob": 1.0, "base": 1.0},
-        "knob": {"door": 1.5, "drawer": 1.5, "base": 1.0},
-        "tray": {"base": 1.0, "drawer": 0.3},
-        "shelf": {"base": 1.0, "door": 1.0},
-        "wheel": {"wheel": 3.0, "knob": 3.0, "base": 1.0},
-    }
-)
+ALLOWED_PARENTS: Mapping[PartLabel, Mapping[PartLabel, float]] = {
+    "drawer": {"base": 1.0},
+    "door": {"base": 1.0},
+    "handle": {"drawer": 3.0, "door": 3.0, "tray": 3.0, "knob": 1.0, "base": 1.0},
+    "knob": {"door": 1.5, "drawer": 1.5, "base": 1.0},
+    "tray": {"base": 1.0, "drawer": 0.3},
+    "shelf": {"base": 1.0, "door": 1.0},
+    "wheel": {"wheel": 3.0, "knob": 3.0, "base": 1.0},
+}
 """For each label, the labels it may hang from, with the factor on their contact count.
 
 Equal labels: a wheel hangs from a wheel only where that one is a caster's stem, see `_is_stem`.
@@ -116,11 +113,7 @@ def _hang_rest(
 
 
 def _meet(
-    some: list[int],
-    held: list[int],
-    contact: np.ndarray,
-    coords: np.ndarray,
-    part_ids: np.ndarray,
+    some: list[int], held: list[int], contact: np.ndarray, coords: np.ndarray, part_ids: np.ndarray
 ) -> tuple[int, int] | None:
     """The part among ``some`` that meets one of ``held`` most, and that one; None where none is in reach."""
     touches = contact[some][:, held]

@@ -5,14 +5,29 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from artigen.types import FULL_TURN
+from artigen.types import FULL_TURN, PART_LABELS
 from artigen.voxels.fields import VoxelFields
 
+BASE = PART_LABELS.index("base")
 BOX, PLACE, ORIGIN, MOTION = slice(0, 6), slice(0, 3), slice(6, 9), slice(9, 14)
 WIDTH = 14
 """Columns of a vote: box centre 3, box size 3, joint origin 3, axis 3, normalised ranges 2."""
 FACE_CAP, OUTSIDE_CAP, SEPARATE_JOINTS = 25.0, 24.0, 10.0
 """Evidence: caps per coordinate of a box and per voxel outside a box, and weight of unequal joint types."""
+LENGTH_FLOOR = 0.05
+"""Least noise assumed on lengths, in voxels. Raise it when votes drift within a part and parts
+are found split."""
+MOTION_FLOOR = 0.005
+"""Least noise assumed on axis components and on normalised ranges."""
+LABEL_ERROR = 0.03
+"""Share of wrong labels expected among voxels."""
+LABEL_PENALTY = 3.0
+"""Evidence against merging groups of different labels. Raise it when a handle is taken for the
+knob beside it, lower it when patches of wrong labels become parts."""
+EXTENT_TOLERANCE = 0.75
+"""Voxels by which a part may fall short of or exceed the box it votes for."""
+OUTSIDE = 0.7
+"""Voxels outside a part's box that count as one standard deviation."""
 WITNESSES = 40
 """Most voxels per group that are tested against another group's box."""
 SPLIT_BIAS = 6.0
@@ -78,13 +93,10 @@ def measure_noise(
 
 
 def collect_votes(
-    fields: VoxelFields,
-    is_base: Bool[np.ndarray, "N"],
-    alike: Int[np.ndarray, "2 E"],
-    floor: Float[np.ndarray, "14"],
-    label_error: float,
+    fields: VoxelFields, is_base: Bool[np.ndarray, "N"], alike: Int[np.ndarray, "2 E"]
 ) -> Votes:
     """Votes of a field in units of its own noise; see `measure_noise`."""
+    floor = np.repeat([LENGTH_FLOOR / fields.resolution, MOTION_FLOOR], [9, WIDTH - 9])
     ranges = fields.ranges / (FULL_TURN, 1.0)
     values = np.concatenate([fields.box, fields.origin, fields.axis, ranges], axis=1, dtype=np.float64)
     sigma, patch = measure_noise(values, is_base, alike, floor)
@@ -95,9 +107,14 @@ def collect_votes(
         sigma=sigma,
         patch=patch,
         drift=(2 * floor / sigma) ** 2,
-        log_label=np.log(fields.label_probs * (1 - label_error) + label_error / fields.label_probs.shape[1]),
-        log_joint=np.log(fields.joint_probs * (1 - label_error) + label_error / fields.joint_probs.shape[1]),
+        log_label=_log_classes(fields.label_probs),
+        log_joint=_log_classes(fields.joint_probs),
     )
+
+
+def _log_classes(chances: Float[np.ndarray, "N K"]) -> Float[np.ndarray, "N K"]:
+    """Log probabilities of classes of which a share of `LABEL_ERROR` is wrong."""
+    return np.log(chances * (1 - LABEL_ERROR) + LABEL_ERROR / chances.shape[1])
 
 
 def placed_votes(votes: Votes, rows: Int[np.ndarray, "n"]) -> Float[np.ndarray, "n 14"]:
@@ -128,7 +145,7 @@ def overlong_axis(votes: Votes, rows: Int[np.ndarray, "n"], excess: float) -> in
     return longest if beyond[longest] > 0 else None
 
 
-def summarise(votes: Votes, groups: Int[np.ndarray, "N"], base: int) -> GroupVotes:
+def summarise(votes: Votes, groups: Int[np.ndarray, "N"]) -> GroupVotes:
     """Counts, mean votes, extents and majority classes of groups numbered from 0 without gaps.
 
     Rows with group -1 are left out. Group 0 is the base: it keeps its label, and its votes are
@@ -141,7 +158,7 @@ def summarise(votes: Votes, groups: Int[np.ndarray, "N"], base: int) -> GroupVot
     mean = np.add.reduceat(votes.whitened[order], starts, axis=0) / count[:, None]
     mean[0] = np.median(votes.whitened[order[: count[0]]], axis=0)
     label = np.add.reduceat(votes.log_label[order], starts, axis=0).argmax(axis=1)
-    label[0] = base
+    label[0] = BASE
     low, high = _trimmed_extents(
         votes.coords[order], np.repeat(np.arange(len(count)), count), votes.resolution
     )
@@ -174,19 +191,18 @@ def _trimmed_extents(
 
 def select_groups(stats: GroupVotes, chosen: Int[np.ndarray, "K"]) -> GroupVotes:
     """The summaries of some of the groups."""
-    columns = {name: getattr(stats, name)[chosen] for name in stats.__dataclass_fields__}
-    return GroupVotes(**columns)
+    return GroupVotes(**{name: value[chosen] for name, value in vars(stats).items()})
 
 
 def misfit(
-    votes: Votes, mean: np.ndarray, draws: np.ndarray, low: np.ndarray, high: np.ndarray, tolerance: float
+    votes: Votes, mean: np.ndarray, draws: np.ndarray, low: np.ndarray, high: np.ndarray
 ) -> np.ndarray:
     """Chi squared of the voted box against the extent of the voxels (leading shape of ``draws``).
 
-    The extent of the cells exceeds the box by up to a voxel, half of one on average; ``tolerance`` is
-    the standard deviation of that in voxels (half of it for the centre).
+    The extent of the cells exceeds the box by up to a voxel, half of one on average; `EXTENT_TOLERANCE` is
+    the standard deviation of that (half of it for the centre).
     """
-    cell, free = 1 / votes.resolution, tolerance / votes.resolution
+    cell, free = 1 / votes.resolution, EXTENT_TOLERANCE / votes.resolution
     center, size = mean[..., :3] * votes.sigma[:3], mean[..., 3:6] * votes.sigma[3:6]
     noise = 1 / draws[..., None]
     off = (center - (low + high) / 2) ** 2 / (votes.sigma[:3] ** 2 * noise + (free / 2) ** 2)
@@ -195,36 +211,28 @@ def misfit(
 
 
 def merge_scores(
-    votes: Votes,
-    stats: GroupVotes,
-    groups: Int[np.ndarray, "N"],
-    *,
-    same_piece: Bool[np.ndarray, "G G"],
-    tolerance: float,
-    outside: float,
-    label_penalty: float,
+    votes: Votes, stats: GroupVotes, groups: Int[np.ndarray, "N"], same_piece: Bool[np.ndarray, "G G"]
 ) -> Float[np.ndarray, "G G"]:
     """Evidence, for every two groups, that they are two parts and not one.
 
     The disagreement of their votes, plus the better of two geometric arguments (the common box fits
     the common extent worse than the separate boxes fit theirs; the smaller group lies outside the
     other's box), plus penalties for different classes. ``same_piece`` marks groups split from the same
-    connected piece; ``tolerance`` and ``outside`` are in voxels.
+    connected piece.
     """
     apart = _disagreement(votes, stats, same_piece)
     weight = stats.draws[:, None] / (stats.draws[:, None] + stats.draws)
     mean = weight[..., None] * stats.mean[:, None] + (1 - weight[..., None]) * stats.mean
-    alone = misfit(votes, stats.mean, stats.draws, stats.low, stats.high, tolerance)
+    alone = misfit(votes, stats.mean, stats.draws, stats.low, stats.high)
     together = misfit(
         votes,
         mean,
         stats.draws[:, None] + stats.draws,
         np.minimum(stats.low[:, None], stats.low),
         np.maximum(stats.high[:, None], stats.high),
-        tolerance,
     )
-    geometry = np.maximum(together - alone[:, None] - alone, _strangeness(votes, stats, groups, outside))
-    classes = label_penalty * (stats.label[:, None] != stats.label)
+    geometry = np.maximum(together - alone[:, None] - alone, _strangeness(votes, stats, groups))
+    classes = LABEL_PENALTY * (stats.label[:, None] != stats.label)
     return apart + geometry + classes + SEPARATE_JOINTS * (stats.joint[:, None] != stats.joint)
 
 
@@ -246,9 +254,7 @@ def _disagreement(
     return evidence
 
 
-def _strangeness(
-    votes: Votes, stats: GroupVotes, groups: Int[np.ndarray, "N"], outside: float
-) -> Float[np.ndarray, "G G"]:
+def _strangeness(votes: Votes, stats: GroupVotes, groups: Int[np.ndarray, "N"]) -> Float[np.ndarray, "G G"]:
     """How much worse the voxels of the smaller group lie in the other's box than in their own.
 
     At most `WITNESSES` evenly chosen voxels represent a group.
@@ -262,23 +268,18 @@ def _strangeness(
             for start, n, count in zip(starts, number, stats.count, strict=True)
         ]
     )
-    costs = outside_costs(votes, stats, chosen, outside)
+    costs = outside_costs(votes, stats, chosen)
     total = np.add.reduceat(costs, np.cumsum(number) - number, axis=0)  # G G
     extra = np.maximum(total - np.diag(total)[:, None], 0.0)
     smaller = stats.count[:, None] <= stats.count
     return np.maximum(np.where(smaller, extra, 0.0), np.where(smaller, extra, 0.0).T)
 
 
-def outside_costs(
-    votes: Votes, stats: GroupVotes, rows: Int[np.ndarray, "n"], outside: float
-) -> Float[np.ndarray, "n G"]:
-    """Half chi squared of each voxel's distance from each group's voted box, capped.
-
-    ``outside`` is the number of voxels beyond the box that make one standard deviation.
-    """
+def outside_costs(votes: Votes, stats: GroupVotes, rows: Int[np.ndarray, "n"]) -> Float[np.ndarray, "n G"]:
+    """Half chi squared of each voxel's distance from each group's voted box, capped."""
     center, half = stats.mean[:, :3] * votes.sigma[:3], stats.mean[:, 3:6] * votes.sigma[3:6] / 2
     noise = (votes.sigma[:3] ** 2 + votes.sigma[3:6] ** 2 / 4) / stats.draws[:, None]
-    noise = noise + (outside / votes.resolution) ** 2  # G 3
+    noise = noise + (OUTSIDE / votes.resolution) ** 2  # G 3
     at = (votes.coords[rows] + 0.5) / votes.resolution - 0.5
     beyond = np.zeros((len(rows), len(stats.count)))
     for k in range(3):
@@ -287,15 +288,13 @@ def outside_costs(
     return np.minimum(beyond / 2, OUTSIDE_CAP)
 
 
-def vote_costs(
-    votes: Votes, stats: GroupVotes, rows: Int[np.ndarray, "n"], outside: float
-) -> Float[np.ndarray, "n G"]:
+def vote_costs(votes: Votes, stats: GroupVotes, rows: Int[np.ndarray, "n"]) -> Float[np.ndarray, "n G"]:
     """Half chi squared of each voxel's votes and place in each group.
 
     Box, origin and motion votes are capped separately, so that one wild attribute does not outvote
-    the others; ``outside`` is the number of voxels beyond the box that make one standard deviation.
+    the others.
     """
-    cost = outside_costs(votes, stats, rows, outside)
+    cost = outside_costs(votes, stats, rows)
     for columns, cap in ((BOX, 24.0), (ORIGIN, 12.0), (MOTION, 12.0)):
         mine, theirs = votes.whitened[rows, columns], stats.mean[:, columns]
         square = (mine**2).sum(axis=1)[:, None] - 2 * mine @ theirs.T + (theirs**2).sum(axis=1)

@@ -11,7 +11,7 @@ def test_what_is_added_within_a_figure_is_its_mean_and_nothing_else_changes():
     drawn, expected = torch.randn(2, 12, 13, generator=generator)
     paint = np.zeros((12, 7))
     paint[6:, :3] = 0.5  # outer sides: two figures; inner ones: one; the last two voxels are no neighbours
-    edges = np.array([[n, n + 1] for n in range(9)] + [[10, 11]])
+    edges = np.array([[n, n + 1] for n in range(9)] + [[10, 11]]).T
     out = even_sides(drawn, expected, paint, edges)
     torch.testing.assert_close(out[:, 6:], drawn[:, 6:], rtol=0, atol=0)
     for side, figures in ((0, ([0, 6], [6, 10], [10, 12])), (1, ([0, 10], [10, 12]))):

@@ -22,13 +22,7 @@ from artigen.appearance.paint import PAINT
 from artigen.appearance.presets import APPEARANCE_PRESETS
 from artigen.appearance.slat_flow import SlatFlow, sample_slats
 from artigen.appearance.slat_vae import SlatEncoder
-from artigen.appearance.vae import (
-    COLOR_MIDDLE,
-    COLOR_SPREAD,
-    SIDE_CHANNELS,
-    SIDE_LATENTS,
-    AppearanceVae,
-)
+from artigen.appearance.vae import COLOR_MIDDLE, COLOR_SPREAD, SIDE_CHANNELS, SIDE_LATENTS, AppearanceVae
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.rectified_flow import SamplerConfig, diffuse, draw_times
 from artigen.models.store import load_model, save_model
@@ -46,17 +40,6 @@ PLAIN = GaussianDecoderConfig(
 """Voxels without sides, as TRELLIS has them."""
 MIDDLE, WIDTH = 0.2, 0.4
 """Of a strip of surface within a voxel."""
-
-
-@pytest.fixture(autouse=True)
-def no_gradients():
-    with torch.no_grad():
-        yield
-
-
-@pytest.fixture
-def generator() -> torch.Generator:
-    return torch.Generator().manual_seed(0)
 
 
 def test_an_untrained_decoder_gives_the_biases_and_spreads_means_over_each_voxel():
@@ -114,7 +97,7 @@ def test_untrained_networks_put_flat_gaussians_of_the_right_colours_on_both_side
     thickness = torch.einsum("ni,nkij,nj->nk", outward, spread, outward).sqrt()
     widest = torch.linalg.eigvalsh(spread)[..., -1].sqrt()
     assert (thickness[:32] < 0.35 * widest[:32]).all()
-    half = vae.count // 2
+    half = vae.decoder.gaussians.count // 2
     for side, height, rows in ((0, 0.4, slice(0, half)), (1, -0.2, slice(half, None))):
         told = (
             feats[:, 1 - SIDE_CHANNELS : -4].unflatten(1, (2, 4))[:, side, :3] * COLOR_SPREAD + COLOR_MIDDLE
@@ -250,7 +233,7 @@ def test_one_step_goes_along_the_guided_velocity(generator: torch.Generator):
     named = [StructureCondition(category=name) for name in ("Oven", "Table")]
     asked = gather_conditions(named, TINY.conditions)
     nothing = gather_conditions([StructureCondition()] * 2, TINY.conditions)
-    plan, start = flow.plan(coords, 2), torch.ones(2)
+    plan, start = flow.network.plan(coords, 2), torch.ones(2)
     with_condition = flow(noise, start, asked, plan, attributes)
     without = flow(noise, start, nothing, plan, attributes)
     cfg = SamplerConfig(steps=1, strength=2.0)
@@ -314,7 +297,7 @@ def test_compact_flow_learns_the_latents_of_two_objects(generator: torch.Generat
     latents = torch.randn(40, SIDE_LATENTS, generator=generator)
     attributes = torch.randn(40, flow.attribute_channels, generator=generator)
     asked = gather_conditions([StructureCondition()] * 2, TINY.conditions)
-    plan = flow.plan(coords, 2)
+    plan = flow.network.plan(coords, 2)
     with torch.enable_grad():
         optimizer = torch.optim.Adam(flow.parameters(), lr=5e-3)
         for _ in range(80):

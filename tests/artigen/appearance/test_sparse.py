@@ -23,17 +23,6 @@ SMALL = SlatDitConfig(
 TINY = APPEARANCE_PRESETS["tiny"]
 
 
-@pytest.fixture(autouse=True)
-def no_gradients():
-    with torch.no_grad():
-        yield
-
-
-@pytest.fixture
-def generator() -> torch.Generator:
-    return torch.Generator().manual_seed(0)
-
-
 @pytest.mark.parametrize(("window", "shift"), [(4, 0), (4, 2), (8, 4), (16, 0)])
 def test_window_attention_is_dense_attention_under_a_mask(
     window: int, shift: int, generator: torch.Generator
@@ -113,7 +102,7 @@ def answer_all(coords: torch.Tensor, feats: torch.Tensor, batch: list[int]) -> d
     return per_voxel | {
         "latents": torch.cat(encoder(coords, feats, facings=facings), dim=1),
         "paper": dit(feats, 1000.0 * times, dit.plan(coords, len(batch)), small),
-        "compact": flow.velocity(feats, times, wide, flow.plan(coords, len(batch))),
+        "compact": flow.velocity(feats, times, wide, flow.network.plan(coords, len(batch))),
     }
 
 

@@ -121,7 +121,7 @@ def test_an_object_with_faults_is_exported_only_if_it_was_the_last_draw(
 
 
 def test_a_package_by_a_picture_has_its_colours(model: Path, tmp_path: Path, drawn: list[tuple[object, int]]):
-    rgba = photograph_shape(SHAPE, 0, 64).rgba.astype(np.float64)
+    rgba = photograph_shape(SHAPE, 0, 64).astype(np.float64)
     rgba[..., :3] = rgba[..., 3:] * (0.8, 0.1, 0.1)
     Image.fromarray(rgba.astype(np.uint8)).save(tmp_path / "red.png")
     settings = GenerateSettings(image=tmp_path / "red.png", counts=("door=2",), gaussians=False)

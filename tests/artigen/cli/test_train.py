@@ -61,7 +61,7 @@ def run(tmp_path_factory: pytest.TempPathFactory, partnet: Path) -> Path:
     folder = tmp_path_factory.mktemp("runs") / "run"
     for name, seed in (("train", HELD_OUT), ("held_out", 0)):
         (folder / name).mkdir(parents=True)
-        drawn = [draw_example(category, seed, resolution=32, image_size=32) for category in ("Oven", "Table")]
+        drawn = [draw_example(name, seed, resolution=32, image_size=32)[1] for name in ("Oven", "Table")]
         write_shard(folder / name / "shard_00000.npz", drawn)
     assert train("structure", folder, replace(SETTINGS, partnet=partnet), workers=1) == 0
     return folder

@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull
 from artigen.datasets.mesh_raster import Pinhole, project_points, rasterize_mesh
 from artigen.datasets.partnet_mobility import ReaderConfig, read_object
 from artigen.datasets.partnet_surface import FaceTable
-from artigen.examples.photographs import NOTHING, draw_camera, photograph_mesh, photograph_shape
+from artigen.examples.photographs import draw_camera, photograph_mesh, photograph_shape
 from artigen.files.wavefront import Material
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import place_vertices
@@ -79,14 +79,13 @@ def test_nothing_is_seen_of_what_is_a_line_or_beside_the_picture():
     assert len(rasterize_mesh(np.concatenate([on_a_line, beside]), faces, CAMERA).pixel) == 0
 
 
-def mesh_of(shape: Shape) -> tuple[FaceTable, np.ndarray]:
-    """The surfaces of all primitives in the unit of metres, red, and the part of each face."""
+def mesh_of(shape: Shape) -> FaceTable:
+    """The surfaces of all primitives in the unit of metres, red."""
     hulls = [ConvexHull(place_vertices(p)) for part in shape.parts for p in part.primitives]
-    owners = [number for number, part in enumerate(shape.parts) for _ in part.primitives]
     starts = np.cumsum([0, *(len(hull.points) for hull in hulls)])[:-1]
     faces = np.concatenate([hull.simplices + start for hull, start in zip(hulls, starts, strict=True)])
     vertices = np.concatenate([hull.points for hull in hulls])
-    mesh = FaceTable(
+    return FaceTable(
         vertices=vertices,
         faces=faces.astype(np.int64),
         corners=vertices[faces],
@@ -94,27 +93,23 @@ def mesh_of(shape: Shape) -> tuple[FaceTable, np.ndarray]:
         material_ids=np.zeros(len(faces), dtype=np.int64),
         materials=(Material(color=(0.8, 0.1, 0.1)),),
     )
-    return mesh, np.repeat(owners, [len(hull.simplices) for hull in hulls])
 
 
 @pytest.mark.parametrize("category", ["Table", "Microwave"])
 def test_a_mesh_is_seen_as_the_shape_it_is_made_of(category: str):
     shape = draw_shape(category, 4)
     exact = photograph_shape(shape, 7, 48)
-    mesh, owners = mesh_of(shape)
-    drawn = photograph_mesh([mesh], 1.0, 7, 48, owners)
-    assert ((exact.rgba[..., 3] > 0) == (drawn.rgba[..., 3] > 0)).mean() > 0.995
-    assert (exact.parts == drawn.parts).mean() > 0.98
-    np.testing.assert_array_equal(drawn.parts < NOTHING, drawn.rgba[..., 3] > 0)
-    np.testing.assert_array_equal(photograph_mesh([mesh], 1.0, 7, 48, owners).rgba, drawn.rgba)
-    other = photograph_mesh([mesh], 1.0, 8, 48, owners).rgba
-    assert (other[..., 3] != drawn.rgba[..., 3]).mean() > 0.01
+    mesh = mesh_of(shape)
+    drawn = photograph_mesh([mesh], 1.0, 7, 48)
+    assert ((exact[..., 3] > 0) == (drawn[..., 3] > 0)).mean() > 0.995
+    np.testing.assert_array_equal(photograph_mesh([mesh], 1.0, 7, 48), drawn)
+    other = photograph_mesh([mesh], 1.0, 8, 48)
+    assert (other[..., 3] != drawn[..., 3]).mean() > 0.01
 
 
 def test_a_picture_of_a_mesh_has_its_colour_light_and_nothing_around():
     shape = draw_shape("Table", 4)
-    mesh, owners = mesh_of(shape)
-    seen = photograph_mesh([mesh], 1.0, 7, 48, owners).rgba
+    seen = photograph_mesh([mesh_of(shape)], 1.0, 7, 48)
     inside = seen[..., 3] > 0
     assert not seen[~inside].any()
     red, green = seen[inside][:, 0].astype(float), seen[inside][:, 1].astype(float)
@@ -126,9 +121,7 @@ def test_a_picture_of_a_mesh_has_its_colour_light_and_nothing_around():
 def test_a_real_object_is_seen_where_its_surface_is(real_objects: Path):
     source = read_object(real_objects / "partnet_mobility" / "46197", ReaderConfig(samples=60_000))
     assert source.asset.surface is not None
-    owners = source.triangles.part_ids
-    photograph = photograph_mesh(source.tables, source.asset.scale, 3, 64, owners)
-    seen = photograph.rgba[..., 3] > 0
+    seen = photograph_mesh(source.tables, source.asset.scale, 3, 64)[..., 3] > 0
     scale = source.asset.scale
     camera = draw_camera(scale * source.triangles.vertices[np.unique(source.triangles.faces)], 3, 64)
     view = Pinhole(

@@ -14,7 +14,6 @@ from artigen.examples.sketch_photos import (
     PhotoBatch,
     gather_photos,
     pack_photos,
-    take_photo,
     take_photos,
     unpack_photos,
     vary_photos,
@@ -30,7 +29,7 @@ SHAPE = draw_shape("StorageFurniture", 3)
 
 @pytest.fixture(scope="module")
 def photos() -> list[Photo]:
-    return [take_photo(SHAPE, np.random.default_rng(seed)) for seed in range(4)]
+    return [take_photos([SHAPE], np.random.default_rng(seed))[0] for seed in range(4)]
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +64,7 @@ def test_the_view_is_that_of_the_camera(monkeypatch: pytest.MonkeyPatch):
     faces = list_faces(SHAPE)
     hull = find_hull(faces.vertices)
     for seed in range(4):
-        photo = take_photo(SHAPE, np.random.default_rng(seed))
+        (photo,) = take_photos([SHAPE], np.random.default_rng(seed))
         picture = photo.rgba.transpose(2, 0, 1).astype(np.float32) / 255.0
         target = read_target(picture, EDGE)
         seen = find_visible(faces, place_camera(View(*photo.view.tolist()), hull, target)) >= 0

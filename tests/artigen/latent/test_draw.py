@@ -17,7 +17,7 @@ from artigen.latent.draw import (
     generate_structure,
     load_structure_model,
 )
-from artigen.latent.outline import OutlineBatch, outline_rows, sort_rows
+from artigen.latent.outline import OutlineBatch, sort_rows
 from artigen.latent.presets import PRESETS
 from artigen.models.conditions import StructureCondition
 from artigen.models.store import save_model
@@ -25,7 +25,7 @@ from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.types import Asset
-from artigen.voxels.fields import VoxelFields, decode, encode
+from artigen.voxels.fields import VoxelFields, decode, encode, tabulate_parts
 from artigen.voxels.segmentation.segment import SegmentConfig
 
 OPEN = StructureCondition()
@@ -115,7 +115,7 @@ def test_boxes_are_told_and_what_is_asked_gives_way_to_them(
     generate_structure(model, OPEN, 1, boxes=exact)
     generate_structure(model, StructureCondition(category="Oven", counts=(("door", 9),)), 1, boxes=exact)
     assert torch.equal(seen[0].latent, seen[1].latent)
-    assert torch.equal(seen[0].outlines.rows[0], torch.from_numpy(sort_rows(outline_rows(exact))))
+    assert torch.equal(seen[0].outlines.rows[0], torch.from_numpy(sort_rows(tabulate_parts(exact))))
     first, second, *others = exact.parts
     second = replace(second, box=second.box * [[1.0], [0.98]])
     generate_structure(model, OPEN, 1, boxes=replace(exact, parts=(first, second, *others)))

@@ -15,7 +15,7 @@ from artigen.latent.patches import PackedField, PatchBatch, collate, fold, pack_
 from artigen.latent.presets import PRESETS
 from artigen.latent.structure_dit import StructureDitConfig
 from artigen.latent.structure_flow import StructureFlow, sample_latents
-from artigen.latent.structure_vae import StructureVae, decode_fields
+from artigen.latent.structure_vae import StructureVae, decode_cells
 from artigen.models.conditions import (
     ConditionConfig,
     ConditionEncoder,
@@ -87,7 +87,7 @@ def test_a_perfect_reconstruction_costs_nothing_and_reads_back(small: Asset, pat
             return logits, attributes, patches.index
 
     oracle = Oracle(TINY.vae)
-    fields = decode_fields(oracle, torch.zeros(2, 1, 1, 1, 1))[1]
+    fields = decode_cells(oracle, torch.zeros(2, 1, 1, 1, 1))[0][1]
     from artigen.voxels.fields import decode
 
     truth = decode(encode(small))

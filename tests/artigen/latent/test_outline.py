@@ -9,14 +9,12 @@ import torch
 from artigen.examples.structure import draw_example
 from artigen.latent.outline import (
     DEPTH,
+    HINT_CHANNELS,
     OutlineBatch,
     blur_outlines,
     draw_hint,
     find_candidates,
     gather_outlines,
-    hint_channels,
-    outline_rows,
-    part_labels,
     reach_cells,
 )
 from artigen.latent.presets import PRESETS
@@ -24,7 +22,7 @@ from artigen.latent.structure_vae import StructureVae
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.types import PART_LABELS, Asset
-from artigen.voxels.fields import ROW, part_attributes
+from artigen.voxels.fields import ROW, part_attributes, tabulate_parts
 from artigen.voxels.voxelize import voxelize
 
 TINY = PRESETS["tiny"]
@@ -45,15 +43,14 @@ def outlines(table: np.ndarray) -> OutlineBatch:
 
 @pytest.mark.parametrize("category", ["StorageFurniture", "WashingMachine"])
 def test_rows_of_a_shape_are_those_that_training_sees(category: str):
-    shape, example = draw_shape(category, 1), draw_example(category, 1, resolution=32, image_size=0)
-    assert np.array_equal(outline_rows(shape, 32), example.field.table)
-    assert np.array_equal(outline_rows(shape_to_asset(shape, 32)), example.field.table)
+    shape, (_, example) = draw_shape(category, 1), draw_example(category, 1, resolution=32, image_size=0)
+    assert np.array_equal(tabulate_parts(shape_to_asset(shape, 32)), example.field.table)
 
 
 def test_parts_are_read_in_one_order_whatever_order_they_come_in(table: np.ndarray, outlines: OutlineBatch):
     shuffled = gather_outlines([table[::-1].copy()])
     assert torch.equal(shuffled.rows[0], outlines.rows[0])
-    labels = part_labels(outlines.rows)[0]
+    labels = outlines.rows[0, :, ROW.label].argmax(dim=1)
     assert (labels.diff() >= 0).all()
     assert outlines.given.sum(dim=1).tolist() == [len(table), 3]
 
@@ -62,7 +59,7 @@ def test_every_cell_of_a_part_has_its_part_among_its_candidates(cabinet: Asset, 
     assert cabinet.surface is not None
     voxels = voxelize(cabinet.surface, 4 * EDGE)
     found = find_candidates(outlines, EDGE)
-    labels = part_labels(outlines.rows)[0]
+    labels = outlines.rows[0, :, ROW.label].argmax(dim=1)
     flat = np.ravel_multi_index(tuple((voxels.coords // 4).T.astype(np.int64)), (EDGE,) * 3)
     offered = torch.where(found.found[0], labels[found.chosen[0]], -1)[:, flat].numpy()
     wanted = np.array([PART_LABELS.index(part.label) for part in cabinet.parts])[voxels.part_ids]
@@ -77,7 +74,7 @@ def test_candidates_come_smallest_first_and_a_missing_one_is_told_by_zeros(outli
     assert (volumes.diff(dim=0)[both] >= 0).all()
     assert (found.found[0, 1:] <= found.found[0, :-1]).all()
     hint = draw_hint(outlines, found, EDGE)
-    assert hint.shape == (2, hint_channels(), EDGE, EDGE, EDGE)
+    assert hint.shape == (2, HINT_CHANNELS, EDGE, EDGE, EDGE)
     told = hint[0].reshape(DEPTH, -1, EDGE**3)
     assert not told.movedim(1, 2)[~found.found[0]].any()
     assert torch.equal(told[:, -1], found.found[0].float())

@@ -28,13 +28,7 @@ from artigen.metrics.appearance import (
     score_sets,
     split_states,
 )
-from artigen.metrics.pictures import (
-    frechet_distance,
-    kernel_distance,
-    measure_psnr,
-    measure_ssim,
-    ssim_map,
-)
+from artigen.metrics.pictures import frechet_distance, kernel_distance, measure_psnr, measure_ssim, ssim_map
 from artigen.metrics.settings import EvaluateSettings
 from artigen.models.store import load_model
 from artigen.splats.render.splats import Splats
@@ -181,7 +175,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name, seed in (("train", HELD_OUT), ("held_out", 0)):
         (folder / "appearance" / name).mkdir(parents=True)
         drawn = [
-            draw_appearance("Microwave", seed, PyramidFeatures(), sided, resolution=32, image_size=32)
+            draw_appearance("Microwave", seed, PyramidFeatures(), sided, resolution=32, image_size=32)[1]
         ] * 2
         write_appearance_shard(folder / "appearance" / name / "shard_00000.npz", drawn)
     with pytest.MonkeyPatch.context() as patch:

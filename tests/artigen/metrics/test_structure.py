@@ -11,6 +11,7 @@ from artigen.examples.shards import ShardConfig, ShardJob
 from artigen.examples.structure import make_shard, read_shard
 from artigen.latent.presets import PRESETS
 from artigen.latent.structure_vae import StructureVae
+from artigen.metrics import structure
 from artigen.metrics.asks import condition_distance, retrieve
 from artigen.metrics.instantiation import pose_set
 from artigen.metrics.score import ScoreConfig, score_novelty, score_objects, score_set
@@ -58,13 +59,14 @@ class Oracle(StructureVae):
         return 2.0 * self.shown.occupancy().flatten(0, 1) - 1.0, values, index
 
 
-def test_what_is_said_exactly_scores_perfectly(subjects: list[Subject]):
+def test_what_is_said_exactly_scores_perfectly(subjects: list[Subject], monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(structure, "BATCH", 4)
     examples = [subject.example for subject in subjects]
-    scores = score_reconstruction(Oracle(0.0), examples, batch=4)
+    scores = score_reconstruction(Oracle(0.0), examples)
     assert [scores[name] for name in SHARES] == [1.0] * len(SHARES)
     rest = {name: value for name, value in scores.items() if name not in (*SHARES, "small_label")}
     assert max(rest.values()) == pytest.approx(0.0, abs=0.05)  # the axis comes from an arc cosine
-    spread = score_spread(Oracle(0.0), examples, batch=4)
+    spread = score_spread(Oracle(0.0), examples)
     assert {name: len(values) for name, values in spread.items()}["origin"] == 3
     assert max(value for values in spread.values() for value in values) == pytest.approx(0.0, abs=1e-6)
 

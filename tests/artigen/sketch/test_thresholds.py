@@ -21,7 +21,7 @@ from artigen.sketch.decoder import Decoder, PlaneScores
 from artigen.sketch.draft import begin_draft
 from artigen.sketch.model import load_sketch_network
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
-from artigen.sketch.overlay import find_lines, find_visible, list_faces, measure_evenness, read_target
+from artigen.sketch.overlay import SIDES, find_lines, find_visible, list_faces, measure_evenness, read_target
 from artigen.sketch.picture_colors import Spots, find_brightness, read_colors
 from artigen.sketch.piece import NUMBERS, Piece, PieceKind, UnknownSolid
 from artigen.sketch.pieces import build_piece, fit_pieces
@@ -232,6 +232,12 @@ def test_a_sixth_of_a_pixel_is_its_own_at_least():
     assert picture_colors._undo_light(there)[0] == pytest.approx([0.15 * 0.4] * 3)
 
 
+def show_evenly(monkeypatch: pytest.MonkeyPatch, shown: Spots) -> None:
+    """Lets pictures show the given spots, all sides equally bright."""
+    monkeypatch.setattr(picture_colors, "find_spots", lambda *_: shown)
+    monkeypatch.setattr(picture_colors, "find_brightness", lambda *_: np.zeros(SIDES))
+
+
 @pytest.mark.parametrize(
     ("clear", "others", "opacity", "read"),
     [
@@ -250,10 +256,10 @@ def test_the_colour_of_an_opaque_finish_on_two_percent_of_the_object_is_read(
     shape = blocks(finishes=(finish(opacity=opacity),))
     shown = spots({(0, 0): clear + others}, light=1.0)
     shown = replace(shown, clear=np.arange(clear + others) < clear)
-    monkeypatch.setattr(picture_colors, "find_spots", lambda *_: shown)
+    show_evenly(monkeypatch, shown)
     _, camera, _ = seen_from_front(shape)
     fit = Fit(view=View(yaw=0, pitch=0, closeness=0.1), camera=camera, overlap=1)
-    found = read_colors(shape, np.zeros((4, 8, 8), dtype=np.float32), fit, lighting="even")
+    found = read_colors(shape, np.zeros((4, 8, 8), dtype=np.float32), fit)
     assert (found.finishes != shape.finishes) == read
 
 
@@ -278,10 +284,10 @@ def test_lightness_is_that_of_greys_and_chroma_that_of_what_is_not_grey():
 def test_a_drawn_colour_of_nearly_the_pictures_hue_and_lightness_is_kept(monkeypatch, trust, read, agrees):
     shape = blocks(finishes=(finish(0.5),))
     shown = replace(spots({(0, 0): 12}), light=np.tile(linear_from_srgb(np.array(read)), (12, 1)))
-    monkeypatch.setattr(picture_colors, "find_spots", lambda *_: shown)
+    show_evenly(monkeypatch, shown)
     _, camera, _ = seen_from_front(shape)
     fit = Fit(view=View(yaw=0, pitch=0, closeness=0.1), camera=camera, overlap=1)
-    found = read_colors(shape, np.zeros((4, 8, 8), dtype=np.float32), fit, trust=trust, lighting="even")
+    found = read_colors(shape, np.zeros((4, 8, 8), dtype=np.float32), fit, trust=trust)
     wanted = (0.5,) * 3 if trust and agrees else read
     assert found.finishes[0][1].color == pytest.approx(wanted)
 

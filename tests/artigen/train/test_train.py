@@ -23,7 +23,7 @@ from artigen.train.structure_losses import StructureLossConfig
 
 @pytest.fixture(scope="module")
 def examples() -> list[StructureExample]:
-    return [draw_example("Microwave", seed, resolution=32, image_size=32) for seed in (0, 1)]
+    return [draw_example("Microwave", seed, resolution=32, image_size=32)[1] for seed in (0, 1)]
 
 
 @dataclass(frozen=True)

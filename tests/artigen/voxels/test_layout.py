@@ -5,7 +5,7 @@ import pytest
 from box_surface import EDGE, sample_box
 from drawer_chest import make_chest
 
-from artigen.examples.appearance import lay_true_voxels
+from artigen.appearance.paint import lay_painted
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.types import SurfaceSamples, VoxelGrid
@@ -85,7 +85,7 @@ def test_true_objects_are_covered(category: str):
     shape = draw_shape(category, 1)
     asset = shape_to_asset(shape, 64)
     assert asset.voxels is not None
-    laid, facings = lay_true_voxels(shape, asset)
+    laid, facings, _ = lay_painted(shape, asset)
     assert laid.voxels is not None
     assert laid.surface is not None
     bare = [1.0 - find_voxels(laid.surface, voxels)[1].mean() for voxels in (asset.voxels, laid.voxels)]
@@ -95,7 +95,7 @@ def test_true_objects_are_covered(category: str):
 
 def test_sides_face_along_the_axis_that_most_surface_does():
     shape = make_chest()
-    laid, facings = lay_true_voxels(shape, shape_to_asset(shape, 16))
+    laid, facings, _ = lay_painted(shape, shape_to_asset(shape, 16))
     assert laid.voxels is not None
     assert laid.surface is not None
     rows, own = find_voxels(laid.surface, laid.voxels)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from artigen.voxels.regions import draw_ellipse, find_edges, find_rectangles, is_round, number_faces
+from artigen.voxels.regions import connected_groups, draw_ellipse, find_edges, find_rectangles, is_round
 
 EDGE = 8
 
@@ -11,10 +11,10 @@ EDGE = 8
 def test_edges_join_what_touches_and_is_alike():
     coords = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [3, 0, 0], [7, 7, 7], [7, 7, 6]])
     alike = np.zeros(6, dtype=int)
-    assert find_edges(coords, alike, alike, EDGE).tolist() == [[0, 1], [1, 2], [5, 4]]
-    assert find_edges(coords, np.array([0, 0, 1, 0, 0, 0]), alike, EDGE).tolist() == [[0, 1], [5, 4]]
-    assert find_edges(coords, alike, np.array([0, 1, 1, 0, 0, 5]), EDGE).tolist() == [[1, 2]]
-    faces = number_faces(6, find_edges(coords, alike, alike, EDGE))
+    assert find_edges(coords, alike, alike, EDGE).T.tolist() == [[0, 1], [1, 2], [5, 4]]
+    assert find_edges(coords, np.array([0, 0, 1, 0, 0, 0]), alike, EDGE).T.tolist() == [[0, 1], [5, 4]]
+    assert find_edges(coords, alike, np.array([0, 1, 1, 0, 0, 5]), EDGE).T.tolist() == [[1, 2]]
+    faces = connected_groups(6, find_edges(coords, alike, alike, EDGE))
     assert (faces[:, None] == faces).sum() == 3 * 3 + 1 + 2 * 2
 
 

@@ -67,7 +67,6 @@ def test_surface_over_a_voxel_is_that_voxels():
     for top, height in ((5.1, 0.6), (5.4, 0.675)):  # higher surface cannot be encoded
         surface = sample_box(np.array([2.0, 2.0, 4.3]), np.array([6.0, 6.0, top]))
         places = measure_places(surface, fill((2, 2, 4), (6, 6, 5)), np.full(16, 5))
-        assert places.faced.all()
         np.testing.assert_allclose(places.heights, np.tile([height, -0.2], (16, 1)), atol=1e-6)
 
 
@@ -93,9 +92,7 @@ def test_what_networks_are_told_is_where_the_surface_lies():
 def place_one(heights: tuple[float, float], low: float, high: float) -> VoxelPlaces:
     """One voxel with a surface from ``low`` to ``high`` along both axes."""
     ends = np.array([[low, low]]), np.array([[high, high]])
-    return VoxelPlaces(
-        heights=np.array([heights]), faced=np.ones((1, 2), bool), lowest=ends[0], highest=ends[1]
-    )
+    return VoxelPlaces(heights=np.array([heights]), lowest=ends[0], highest=ends[1])
 
 
 def test_places_are_encoded_as_the_shipped_weights_read_them():
@@ -115,7 +112,7 @@ def test_surface_faces_a_side_up_to_sixty_degrees_from_it(degrees: float, sides:
         part_ids=np.zeros(1, dtype=np.int64),
     )
     places = measure_places(surface, fill((0, 0, 0), (1, 1, 1)), np.full(1, 5))
-    assert places.faced.tolist() == [[sides > 0, False]]
+    np.testing.assert_allclose(places.heights, [[0.0 if sides else 0.3, -0.3]], atol=1e-9)
 
 
 @pytest.mark.parametrize(("top", "thickness", "kept"), [(5.25, 0.26, 0.26), (5.4, 0.45, 0.3)])

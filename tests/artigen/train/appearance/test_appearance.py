@@ -20,13 +20,7 @@ from artigen.appearance.slat_flow import SlatFlow
 from artigen.appearance.slat_patch_dit import SlatPatchDitConfig
 from artigen.appearance.slat_vae import SlatVaeConfig
 from artigen.appearance.states import asset_coordinates, plan_fractions, shape_coordinates
-from artigen.appearance.vae import (
-    COLOR_MIDDLE,
-    COLOR_SPREAD,
-    SIDE_CHANNELS,
-    AppearanceVae,
-    Encoded,
-)
+from artigen.appearance.vae import COLOR_MIDDLE, COLOR_SPREAD, SIDE_CHANNELS, AppearanceVae, Encoded
 from artigen.appearance.views import ViewConfig, place_cameras, spread_directions
 from artigen.appearance.visibility import SeenVoxels
 from artigen.examples.appearance import (

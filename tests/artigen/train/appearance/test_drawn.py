@@ -8,10 +8,9 @@ import pytest
 from drawer_chest import make_chest
 
 import artigen.train.appearance.drawn
+from artigen.appearance.paint import lay_painted
 from artigen.errors import ArtigenError
-from artigen.examples.appearance import lay_true_voxels
 from artigen.latent.draw import StructureModel, build_structure_model, load_structure_model
-from artigen.latent.outline import outline_rows
 from artigen.latent.presets import PRESETS
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
@@ -19,6 +18,7 @@ from artigen.shapes.shape import Shape
 from artigen.train.appearance.drawn import NEAR, DrawnVoxels, redraw, roughen
 from artigen.train.appearance.run import AppearanceRunConfig, claim_appearance_run
 from artigen.types import Asset, SurfaceSamples
+from artigen.voxels.fields import tabulate_parts
 from artigen.voxels.frames import find_facings
 from artigen.voxels.layout import lay_out
 from artigen.voxels.voxelize import voxelize_again
@@ -36,7 +36,7 @@ def model() -> StructureModel:
 @pytest.fixture(scope="module")
 def microwave(model: StructureModel) -> tuple[Asset, np.ndarray, DrawnVoxels]:
     """A microwave of 64^3 cells, the facings of its voxels, and the voxels as the model draws them."""
-    asset, facings = lay_true_voxels(MICROWAVE, shape_to_asset(MICROWAVE, 64))
+    asset, facings, _ = lay_painted(MICROWAVE, shape_to_asset(MICROWAVE, 64))
     return asset, facings, redraw(model, asset, facings, np.random.default_rng(5))
 
 
@@ -109,7 +109,7 @@ def test_voxels_stay_as_drawn_where_a_part_has_none(
 ):
     asset, facings, plain = microwave
     more = replace(asset, parts=(*asset.parts, replace(asset.parts[-1], name="another")))
-    monkeypatch.setattr(artigen.train.appearance.drawn, "outline_rows", lambda _: outline_rows(asset))
+    monkeypatch.setattr(artigen.train.appearance.drawn, "tabulate_parts", lambda _: tabulate_parts(asset))
     drawn = redraw(model, more, facings, np.random.default_rng(5), sample_surface)
     np.testing.assert_array_equal(drawn.coords, plain.coords)
     np.testing.assert_array_equal(drawn.facings, plain.facings)

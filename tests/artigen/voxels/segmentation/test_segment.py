@@ -24,13 +24,14 @@ from artigen.types import (
     VoxelGrid,
 )
 from artigen.voxels.fields import VoxelFields, decode, encode
+from artigen.voxels.regions import connected_groups
 from artigen.voxels.segmentation.aggregate import (
     aggregate_part,
     dominant_axis,
     fuse_box,
     nearest_point_to_lines,
 )
-from artigen.voxels.segmentation.neighbours import connected_groups, neighbour_pairs
+from artigen.voxels.segmentation.neighbours import neighbour_pairs
 from artigen.voxels.segmentation.segment import SegmentConfig, partition_paper, regularise, segment
 from artigen.voxels.segmentation.segment_robust import OVERLONG, _explained_below, partition_robust
 from artigen.voxels.segmentation.tree import ALLOWED_PARENTS
@@ -441,7 +442,7 @@ def test_neighbours_are_the_pairs_within_one_cell():
 
 def test_links_decide_what_hangs_together():
     pairs = np.array([[0, 1, 2], [1, 2, 3]])
-    groups = connected_groups(4, pairs, np.array([True, False, True]))
+    groups = connected_groups(4, pairs[:, [0, 2]])
     assert groups[0] == groups[1] != groups[2] == groups[3]
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import artigen.voxels.segmentation.votes
 from artigen.voxels.segmentation.votes import Votes, merge_scores, summarise
 
 EDGE = 64
@@ -31,7 +32,7 @@ def test_a_hundredth_of_a_part_may_lie_beyond_its_extent(count: int, end: int):
     cells = np.full((count, 3), 10)
     cells[0] = 39
     votes = vote(cells, np.full((count, 3), 10.5), np.ones((count, 3)), 0.05)
-    found = summarise(votes, np.zeros(count, dtype=int), 0)
+    found = summarise(votes, np.zeros(count, dtype=int))
     np.testing.assert_allclose(found.high, np.full((1, 3), end / EDGE - 0.5))
     np.testing.assert_allclose(found.low, np.full((1, 3), 10 / EDGE - 0.5))
 
@@ -44,19 +45,12 @@ def weigh(count: int) -> float:
     sizes = np.repeat([[10.0, 8.0, 8.0]], len(block) + count, axis=0)
     votes = vote(np.concatenate([block, plane]), centers, sizes, 4.0)
     groups = np.repeat([0, 1], [len(block), count])
-    scores = merge_scores(
-        votes,
-        summarise(votes, groups, 0),
-        groups,
-        same_piece=np.zeros((2, 2), dtype=bool),
-        tolerance=10.0,
-        outside=0.7,
-        label_penalty=0.0,
-    )
+    scores = merge_scores(votes, summarise(votes, groups), groups, np.zeros((2, 2), dtype=bool))
     return float(scores[0, 1])
 
 
-def test_forty_voxels_of_a_part_say_all_against_a_merger():
+def test_forty_voxels_of_a_part_say_all_against_a_merger(monkeypatch: pytest.MonkeyPatch):
     """Of those that stand six voxels beside the block, each is an evidence of about one."""
+    monkeypatch.setattr(artigen.voxels.segmentation.votes, "EXTENT_TOLERANCE", 10.0)
     assert weigh(40) - weigh(39) == pytest.approx(1.1, abs=0.1)
     assert weigh(41) == pytest.approx(weigh(40))
