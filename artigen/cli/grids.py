@@ -33,7 +33,7 @@ def make_on_grids(
 ) -> Finished:
     """Makes and validates one object from the first of its ``jobs``, and from each next one while it fails.
 
-    The last package that could be made stays.
+    The last package that could be made stays; if none could, the first error does.
 
     Args:
         worker: Supervised process in which packages are made.
@@ -47,11 +47,12 @@ def make_on_grids(
         if finished.good:
             break
         tried = make_and_validate(worker, job, make, timeout=timeout, validation=validation)
-        if tried.error and not finished.error:
-            note = f"not made from {job.grid}^3 voxels: {tried.error}"
-            finished = replace(finished, notes=(*finished.notes, note))
-            continue
-        failed = finished.error or "; ".join(finished.failures)
-        note = f"made from {job.grid}^3 voxels, as coarser ones fail: {failed}"
-        finished = replace(tried, notes=(*tried.notes, note))
+        if tried.error:
+            said = f"not made from {job.grid}^3 voxels: {tried.error}"
+            notes = finished.notes if tried.error == finished.error else (*finished.notes, said)
+            finished = replace(finished, notes=notes)
+        else:
+            failed = finished.error or "; ".join(finished.failures)
+            said = f"made from {job.grid}^3 voxels, as coarser ones fail: {failed}"
+            finished = replace(tried, notes=(*tried.notes, said))
     return finished

@@ -67,6 +67,12 @@ def test_what_cannot_be_made_on_a_finer_grid_stays_as_the_coarser_one_made_it(mo
     )
 
 
+def test_what_cannot_be_read_says_so_once(monkeypatch):
+    broken = Finished(key="cart", settings="", error="no meshes")
+    monkeypatch.setattr(grids, "make_and_validate", lambda *_, **__: broken)
+    assert shape_voxels() == broken
+
+
 def test_of_packages_that_fail_the_finest_is_kept(monkeypatch):
     judge_by(monkeypatch, {64: None, 96: False, 128: False})
     finished = shape_voxels()
