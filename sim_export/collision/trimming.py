@@ -91,11 +91,13 @@ def fill_meshes(
                 break
             if _depth(rest, surface) > FILLED_DEPTH * voxel:
                 continue
-            part = max(solids, key=lambda name: (solids[name] ^ hull).volume())
+            part = link.parts[0]
+            if len(solids) > 1:
+                part = max(solids, key=lambda name: (solids[name] ^ hull).volume())
             solids[part] = solids[part] + hull
             taken[part] = taken.get(part, 0) + 1
-            excess -= (rest - whole).volume()
-            whole = whole + hull
+            before, whole = whole.volume(), whole + hull
+            excess -= whole.volume() - before
             surface = _sample(whole)
         for part, count in taken.items():
             mesh = tidy_mesh(solids[part], meshes[part])
