@@ -13,8 +13,8 @@ from envs.maniskill.placement import find_stand, free_radius, grip_path, outward
 from envs.maniskill.robots import ROBOTS
 from envs.maniskill.solver.grasp import find_grasps
 from sim_export.files.write import write_package
-from sim_export.geometry.hulls import convex_hull
-from sim_export.package import SimPackage
+from sim_export.geometry.hulls import box_hull, convex_hull
+from sim_export.package import Hull, SimPackage
 from sim_export.report import CheckResult, Report, write_report
 
 
@@ -165,3 +165,34 @@ def test_a_drawer_has_room_within_its_walls(cabinet):
     assert (container.aim[:2] > container.region[0, :2]).all()
     assert (container.aim[:2] < container.region[1, :2]).all()
     assert find_container(cabinet, part, 0.9, 0.9) is None
+
+
+def with_hulls(package: SimPackage, link: str, hulls: tuple[Hull, ...], **changes) -> SimPackage:
+    """The package with other hulls of one link."""
+    links = tuple(replace(x, hulls=hulls) if x.name == link else x for x in package.links)
+    return replace(package, links=links, **changes)
+
+
+@pytest.mark.parametrize(("beyond", "held"), [(0.0049, 2), (0.0051, 1)])
+def test_hulls_of_a_handle_reach_five_millimetres_beyond_its_box(package, tmp_path, beyond, held):
+    handle = package.handles[0]
+    low, high = handle.corners.min(axis=0), handle.corners.max(axis=0)
+    for name, wider in (("low", (low - beyond, high)), ("high", (low, high + beyond))):
+        hulls = (box_hull(low, high), box_hull(*wider), box_hull(low - 0.1, high + 0.1))
+        folder = write_package(with_hulls(package, handle.link, hulls), tmp_path / name)
+        part = next(x for x in read_object(folder, "any").parts if x.handle is not None)
+        assert len(part.held) == held
+
+
+@pytest.mark.parametrize(("behind", "side"), [(0.0099, 0.1), (0.0101, 0.05)])
+def test_a_part_is_gripped_in_the_middle_of_its_foremost_centimetre(package, tmp_path, behind, side):
+    """The drawer opens to the front, where a second board begins farther back, up to y = 0.2."""
+    labels = {link.name: link.label for link in package.links}
+    drawer = next(x for x in package.joints if labels[x.child] == "drawer")
+    boards = (
+        box_hull(np.array([-0.5, 0.0, 0.0]), np.array([-0.4, 0.1, 0.1])),
+        box_hull(np.array([-0.5 + behind, 0.1, 0.0]), np.array([-0.4, 0.2, 0.1])),
+    )
+    plain = with_hulls(package, drawer.child, boards, handles=())
+    entry = read_object(write_package(plain, tmp_path / "plain"), "drawer")
+    np.testing.assert_allclose(entry.parts[0].grip[1:], [side, 0.05], atol=1e-6)
