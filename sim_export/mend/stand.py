@@ -36,18 +36,18 @@ def stand_on_side(package: SimPackage) -> SimPackage:
     before = depth_of_mass(points, com)
     if before >= 0.0:
         return package
-    normals = np.unique(np.round(ConvexHull(points).equations[:, :3], 4), axis=0)
-    angles = np.degrees(np.arccos(np.clip(normals @ DOWN, -1.0, 1.0)))
-    for row in np.argsort(angles, kind="stable"):
-        if angles[row] > FARTHEST:
-            return package
-        if depth_of_mass(points, com, normals[row]) >= MARGIN:
+    sides = ConvexHull(points).equations
+    normals = np.unique(np.round(sides[:, :3], 4), axis=0)
+    for normal in normals[np.argsort(_angles(normals), kind="stable")]:
+        side = _roll(sides, com, normal)
+        angle = float(_angles(side))
+        if angle <= FARTHEST and depth_of_mass(points, com, side) >= MARGIN:
             break
     else:
         return package
-    turned = turn_package(package, _turn_onto_floor(normals[row]), points)
+    turned = turn_package(package, _turn_onto_floor(side), points)
     record = (
-        f"mend stand (V303): the object was turned by {angles[row]:.1f} degrees onto a side on which it "
+        f"mend stand (V303): the object was turned by {angle:.1f} degrees onto a side on which it "
         f"stands; its centre of mass was {1e3 * -before:.0f} mm outside of what touched the floor"
     )
     links, footed = add_feet(
@@ -55,6 +55,33 @@ def stand_on_side(package: SimPackage) -> SimPackage:
     )
     joints = resist_joints(links, turned.joints)
     return replace(turned, links=links, joints=joints, records=(*package.records, record, *footed))
+
+
+def _angles(normals: Float[np.ndarray, "*N 3"]) -> Float[np.ndarray, "*N"]:
+    """Turns (degrees) that bring normals down."""
+    return np.degrees(np.arccos(np.clip(normals @ DOWN, -1.0, 1.0)))
+
+
+def _roll(
+    sides: Float[np.ndarray, "S 4"], com: Float[np.ndarray, "3"], down: Float[np.ndarray, "3"]
+) -> Float[np.ndarray, "3"]:
+    """Normal of the side on which an object comes to rest that is put down with another direction down.
+
+    It rolls onto the side below its centre of mass, which is lower on each next one.
+
+    Args:
+        sides: Planes of the convex hull of all that can touch the floor, normals outwards.
+        com: Its centre of mass, inside.
+        down: The direction (unit vector).
+    """
+    heights = -(sides[:, :3] @ com + sides[:, 3])
+    for _ in sides:
+        falls = sides[:, :3] @ down
+        ways = np.divide(heights, falls, out=np.full(len(sides), np.inf), where=falls > 0.0)
+        before, down = down, sides[ways.argmin(), :3]
+        if before @ down > 1.0 - 1e-12:
+            break
+    return down
 
 
 def _shown_parts(package: SimPackage) -> dict[str, Mesh]:

@@ -53,6 +53,28 @@ def test_a_tilted_plate_comes_to_lie_with_its_visual_its_joint_and_its_inertia()
     assert stand_on_side(done) is done
 
 
+@pytest.mark.parametrize("at", [-0.2, 0.2])
+def test_it_comes_to_stand_on_the_side_below_its_centre_of_mass(at):
+    """The underside is bent by half a degree, so that the plate rocks; either half is within what counts as
+    touching the floor."""
+    R = rotation_about(TILT_AXIS, np.array(np.radians(20.0)))
+    rise = 0.3 * np.tan(np.radians(0.25))
+    corners = [(x, y, z) for x in (-0.3, 0.3) for y in (-0.2, 0.2) for z in (rise, 0.1)]
+    hull = convex_hull(np.array([*corners, (0.0, -0.2, 0.0), (0.0, 0.2, 0.0)]) @ R.T)
+    package = tilted(20.0)
+    body = replace(
+        package.links[1],
+        hulls=(hull,),
+        inertial=Inertial(mass=10.0, com=R @ (at, 0.0, 0.05), inertia=np.eye(3)),
+    )
+    done = stand_on_side(replace(package, links=(package.links[0], body)))
+    points, inertial = done.links[1].hulls[0].vertices, done.links[1].inertial
+    assert inertial is not None
+    touching = points[points[:, 2] < points[:, 2].min() + 1e-6]
+    assert len(touching) == 4
+    assert touching[:, 0].min() < inertial.com[0] < touching[:, 0].max()
+
+
 @pytest.mark.parametrize("turn", [-20.0, 20.0])
 def test_a_door_on_a_turned_object_stays_where_it_is_left(turn):
     """The hinge was level; after the turn the door would swing by itself, one way or the other."""
