@@ -287,7 +287,7 @@ def export_solids(
     watch.lap("recover")
     links, footed = add_feet(flatten_links(links), cleared.joints, needs, solid)
     attached = attach_links(links, cleared.joints, needs)
-    seen = solids.surfaces if sheets and solids.surfaces else [mesh.vertices[mesh.faces] for mesh in meshes]
+    seen = solids.surfaces or [mesh.vertices[mesh.faces] for mesh in meshes]
     base = np.concatenate(
         [own for part, own in zip(asset.parts, seen, strict=True) if part.name in tree.links[-1].parts]
     )

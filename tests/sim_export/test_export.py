@@ -8,7 +8,9 @@ from drawer_chest import make_chest
 
 from artigen.shapes.asset import shape_to_asset
 from artigen.types import Asset
+from sim_export import export
 from sim_export.attempts import HullWay
+from sim_export.collision.feet import Levelled
 from sim_export.export import export_asset, export_solids, make_solids, paint_package
 from sim_export.geometry.hulls import box_hull
 from sim_export.package import Mesh, SimPackage, Visual
@@ -51,6 +53,20 @@ def test_painting_keeps_shapes_and_what_is_not_of_a_part(chest: Asset):
         np.testing.assert_allclose(after[name], corners, atol=1e-9)
     for visual in (visual for link in painted.links for visual in link.visuals):
         assert is_painted(visual) == (visual.name != "foot_0")
+
+
+@pytest.mark.parametrize("collision", ["surfaces", "voxels"])
+def test_feet_reach_up_to_the_surface_of_a_source_with_any_hulls(chest, monkeypatch, collision):
+    surfaces = [mesh.vertices[mesh.faces] + 0.001 for mesh in make_solids(chest).meshes]
+    seen = []
+
+    def level(links, joints, requirements, category, shown):
+        seen.append(shown)
+        return Levelled(links=tuple(links))
+
+    monkeypatch.setattr(export, "level_object", level)
+    export_solids(make_solids(chest, surfaces), HullWay(collision=collision), source_meshes={})
+    np.testing.assert_array_equal(seen[0], surfaces[chest.root])
 
 
 def test_what_has_no_colours_stays_as_it_is(chest: Asset):
