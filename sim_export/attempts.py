@@ -16,14 +16,13 @@ COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V107", "V201", "V20
 class HullWay:
     """How hulls are made: from the triangles of a source or from the meshes of voxels, with smaller ones for
     the links in ``finer``, which are the usual ones ``divided`` or other ones, ``fewer`` in all, and whether
-    clearance cuts the hull that loses the smaller share, which spares thin leaves. The ``last`` ends them."""
+    clearance cuts the hull that loses the smaller share, which spares thin leaves."""
 
     collision: Literal["surfaces", "voxels"] = "surfaces"
     finer: frozenset[str] = frozenset()
     divided: bool = False
     fewer: bool = False
     shares: bool = False
-    last: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,9 +43,9 @@ def change_hulls(way: HullWay, judged: Judgement | None) -> HullWay | None:
     smaller hulls, then those that a joint connects to them do: what is coarse takes more off its neighbours.
     Where this was not enough, or where links only meet each other on their way, clearance spares thin leaves.
     Then the usual ones are divided. After the triangles of a source come its voxels, which are closed where
-    these are open.
+    these are open, in the same ways.
     """
-    if way.last or (judged is not None and not judged.failed):
+    if judged is not None and not judged.failed:
         return None
     if judged is not None and "V006" in judged.failed and not way.fewer:
         return replace(way, fewer=True)
@@ -54,7 +53,7 @@ def change_hulls(way: HullWay, judged: Judgement | None) -> HullWay | None:
     if judged is not None and way.finer and way.shares and not way.divided:
         return replace(way, divided=True, shares=False)
     if judged is None or (way.shares and way.finer):
-        return HullWay(collision="voxels", last=True) if way.collision == "surfaces" else None
+        return HullWay(collision="voxels") if way.collision == "surfaces" else None
     if not way.finer and not way.shares and {"V201", "V202"} >= set(judged.failed):
         return replace(way, shares=True)
     if not way.finer and not way.shares:

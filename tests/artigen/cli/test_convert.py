@@ -14,7 +14,7 @@ from sim_export.errors import DegeneratePart
 from sim_export.export import Exported
 
 USUAL = HullWay()
-VOXELS = HullWay(collision="voxels", last=True)
+VOXELS = HullWay(collision="voxels")
 
 
 @dataclass(frozen=True)
@@ -115,8 +115,9 @@ def test_an_object_with_too_many_hulls_gets_fewer_once_before_its_other_faults_a
     assert ways(likeness, many) == [HullWay(), HullWay(finer=finer), HullWay(finer=finer, fewer=True)]
 
 
-def test_nothing_is_tried_after_voxels_or_after_a_package_that_passes():
-    assert change_hulls(VOXELS, judge(["V103"])) is None
+def test_nothing_is_tried_after_the_last_hulls_of_voxels_or_after_a_package_that_passes():
+    last = replace(VOXELS, finer=frozenset({"link_0"}), divided=True, shares=True)
+    assert change_hulls(last, judge(["V103"])) is None
     assert change_hulls(VOXELS, None) is None
     assert change_hulls(HullWay(), judge()) is None
 
@@ -128,8 +129,9 @@ def test_nothing_is_tried_after_voxels_or_after_a_package_that_passes():
         ((2, 0), (0.9, 0.9), 1, 2),
         ((2, 1, 0), (0.9, 0.5, 0.7), 2, 3),
         ((1, 2, 2, 0), (0.9, 0.5, 0.7, 0.8), 3, 4),
-        ((1, 2, 2, 2, 2, 2), (0.9, 0.5, 0.7, 0.8, 0.6, 0.6), 0, 6),
-        ((1, 1, 1, 1, 1, 1), (0.9, 0.5, 0.7, 0.8, 0.6, 0.6), 1, 6),
+        ((1, *9 * (2,)), (0.9, *9 * (0.6,)), 0, 10),
+        (10 * (1,), (0.9, 0.5, *8 * (0.6,)), 1, 10),
+        ((*9 * (1,), 0), 10 * (0.6,), 9, 10),
     ],
 )
 def test_hulls_are_made_again_while_they_fail_and_the_best_are_kept(attempts, failed, unlike, chosen, tried):
@@ -148,7 +150,7 @@ def test_hulls_are_made_again_while_they_fail_and_the_best_are_kept(attempts, fa
 
 
 def test_an_attempt_that_cannot_be_made_is_recorded_and_voxels_are_tried(attempts):
-    asked = attempts((None, judge(["V103"])))
+    asked = attempts((None, judge()))
     made = convert.export_source(None, None, {})
     assert asked == [HullWay(), VOXELS]
     assert made.package.number == 1
