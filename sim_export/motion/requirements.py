@@ -7,9 +7,10 @@ thick; the share of the moving link that gets into the other one does (`find_cro
 form a cycle. Slight contact is a matter of clearance.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
+from jaxtyping import Float
 
 from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.geometry.overlap import swept_overlap
@@ -37,32 +38,45 @@ MAX_LEFT = 0.02
 """Share up to which the way counts as free."""
 
 
+class _Ways:
+    """Hulls and moving joints of an object, and the pairs of hulls that may meet while one joint moves."""
+
+    def __init__(self, links: Sequence[Link], joints: Sequence[PackageJoint]) -> None:
+        self.links, self.joints, self.driven = links, joints, driven_joints(joints)
+        self.sets = [HullSet(hulls=link.hulls) for link in links]
+        self.moved = {joint.name: set(moved_links(links, joints, joint)) for joint in self.driven}
+
+    def meet(
+        self, joint: PackageJoint, other: PackageJoint, opening: float
+    ) -> Iterator[tuple[HullSet, HullSet, Float[np.ndarray, "B 4 4"], Float[np.ndarray, "B 4 4"]]]:
+        """Hulls of each link that ``joint`` moves, and of each that only ``other`` moves, with the places of
+        both over the range of ``joint`` while ``other`` is at ``opening``."""
+        coordinates = {joint.name: sweep_coordinates(joint, POSES), other.name: opening}
+        T = link_displacements(self.links, self.joints, coordinates)
+        for first in self.moved[joint.name]:
+            for second in self.moved[other.name] - self.moved[joint.name]:
+                if self.sets[first].hulls and self.sets[second].hulls:
+                    yield self.sets[first], self.sets[second], T[:, first], T[:, second]
+
+
 def find_requirements(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple[Requirement, ...]:
     """Which joints need which others open (`require_openings`), by how deep links get into each other."""
-    sets = [HullSet(hulls=link.hulls) for link in links]
-    size = float(box_sides(links).max())
-    driven = driven_joints(joints)
-    moved = {joint.name: moved_links(links, joints, joint) for joint in driven}
+    ways, size = _Ways(links, joints), float(box_sides(links).max())
 
     def depth(joint: PackageJoint, other: PackageJoint, opening: float) -> float:
         """Deepest penetration of links moved by ``joint`` and those that only ``other`` moves, less that at
         rest."""
-        T = link_displacements(
-            links, joints, {joint.name: sweep_coordinates(joint, POSES), other.name: opening}
-        )
         deepest = 0.0
-        for first in moved[joint.name]:
-            for second in set(moved[other.name]) - set(moved[joint.name]):
-                if sets[first].hulls and sets[second].hulls:
-                    depths = penetration_depths(sets[first], sets[second], T[:, first], T[:, second])
-                    at_rest = penetration_depths(sets[first], sets[second], np.eye(4), np.eye(4))[0]
-                    deepest = max(deepest, float(depths.max() - at_rest))
+        for first, second, T_first, T_second in ways.meet(joint, other, opening):
+            depths = penetration_depths(first, second, T_first, T_second)
+            at_rest = penetration_depths(first, second, np.eye(4), np.eye(4))[0]
+            deepest = max(deepest, float(depths.max() - at_rest))
         return deepest
 
     blocked = []
-    for joint in driven:
-        for other in driven:
-            if not set(moved[joint.name]) <= set(moved[other.name]):
+    for joint in ways.driven:
+        for other in ways.driven:
+            if not ways.moved[joint.name] <= ways.moved[other.name]:
                 found = depth(joint, other, 0.0)
                 if found > MIN_DEPTH * size:
                     blocked.append((found, joint, other))
@@ -101,29 +115,21 @@ def find_crossings(
     links: Sequence[Link], joints: Sequence[PackageJoint], known: Sequence[Requirement]
 ) -> tuple[Requirement, ...]:
     """The known requirements and those of joints whose links pass through links of other closed joints."""
-    sets = [HullSet(hulls=link.hulls) for link in links]
-    driven = driven_joints(joints)
-    moved = {joint.name: moved_links(links, joints, joint) for joint in driven}
+    ways = _Ways(links, joints)
 
     def crossed(joint: PackageJoint, other: PackageJoint, opening: float) -> float:
         """Largest share of a link moved by ``joint`` that gets into a link that only ``other`` moves."""
-        T = link_displacements(
-            links, joints, {joint.name: sweep_coordinates(joint, POSES), other.name: opening}
-        )
         most = 0.0
-        for first in moved[joint.name]:
-            for second in set(moved[other.name]) - set(moved[joint.name]):
-                if sets[first].hulls and sets[second].hulls:
-                    near = signed_distances(sets[first], sets[second], T[:, first], T[:, second])
-                    if len(near.pose):
-                        at = T[:, first], T[:, second], near
-                        most = max(most, swept_overlap(sets[first], sets[second], *at))
+        for first, second, T_first, T_second in ways.meet(joint, other, opening):
+            near = signed_distances(first, second, T_first, T_second)
+            if len(near.pose):
+                most = max(most, swept_overlap(first, second, T_first, T_second, near))
         return most
 
     blocked = []
-    for joint in driven:
-        for other in driven:
-            apart = not set(moved[joint.name]) & set(moved[other.name])
+    for joint in ways.driven:
+        for other in ways.driven:
+            apart = not ways.moved[joint.name] & ways.moved[other.name]
             if apart and other.name not in needed_fractions(joint.name, known):
                 share = crossed(joint, other, other.lower)
                 if share >= MIN_CROSSED:
