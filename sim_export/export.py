@@ -161,7 +161,7 @@ def export_best(
     Raises:
         ExportError: If no attempt can be exported.
     """
-    tried: list[tuple[Judgement, Exported]] = []
+    tried: list[tuple[Judgement, Exported, SimPackage]] = []
     errors: list[ExportError] = []
     while way is not None:
         judged = None
@@ -170,17 +170,20 @@ def export_best(
         except ExportError as error:
             errors.append(error)
         else:
-            judged = judge_package(finish(made.package))
-            tried.append((judged, made))
+            finished = finish(made.package)
+            judged = judge_package(finished)
+            tried.append((judged, made, finished))
         way = change_hulls(way, judged)
     if not tried:
         raise errors[0]
     seconds: Counter[str] = Counter(dict(solids.seconds))
-    for _, made in tried:
+    for _, made, _ in tried:
         seconds.update(dict(made.seconds))
     watch = _Stopwatch()
-    best = min(tried, key=lambda pair: (len(pair[0].failed), pair[0].unlike))[1]
-    package = finish(paint_package(best.package, solids.asset, best.unpainted))
+    _, best, package = min(tried, key=lambda one: (len(one[0].failed), one[0].unlike))
+    painted = paint_package(best.package, solids.asset, best.unpainted)
+    if painted is not best.package:
+        package = finish(painted)
     watch.lap("texture")
     seconds.update(dict(watch.laps))
     failed = tuple(f"hulls could not be made in one of several ways: {error}" for error in errors)

@@ -149,6 +149,15 @@ def test_hulls_are_made_again_while_they_fail_and_the_best_are_kept(attempts, fa
     assert seconds == {"clearance": tried, "attach": 2.0 * tried}
 
 
+def test_what_needs_no_paint_is_finished_once_for_each_attempt(attempts, monkeypatch):
+    attempts((judge(["V103"]), judge()))
+    monkeypatch.setattr(export, "paint_package", lambda package, asset, unpainted: package)
+    seen = []
+    made = convert.export_source(None, None, {}, lambda package: seen.append(package) or package)
+    assert [package.number for package in seen] == [0, 1]
+    assert made.package == seen[1]
+
+
 def test_an_attempt_that_cannot_be_made_is_recorded_and_voxels_are_tried(attempts):
     asked = attempts((None, judge()))
     made = convert.export_source(None, None, {})
