@@ -29,6 +29,15 @@ def door(name: str = "door", latches: tuple = ()) -> SimpleNamespace:
     )
 
 
+def run_stubbed(monkeypatch, stubs: dict, task: SimpleNamespace, solve) -> None:
+    """One episode of a task by a solver, whose planning and driving are replaced by ``stubs``."""
+    for name, stub in stubs.items():
+        monkeypatch.setattr(module, name, stub)
+    env = MagicMock(unwrapped=task)
+    env.reset.return_value = (None, {})
+    solve(env, 0)
+
+
 @pytest.fixture
 def play(monkeypatch):
     """An episode with a door, in which plans do what ``plan`` says of (kind, begin, end): the penetration of
@@ -80,11 +89,7 @@ def play(monkeypatch):
             "grip": lambda *_: None,
             "wait": lambda _, count: log.waits.append(count),
         }
-        for name, stub in stubs.items():
-            monkeypatch.setattr(module, name, stub)
-        env = MagicMock(unwrapped=task)
-        env.reset.return_value = (None, {})
-        solve_open_part(env, 0)
+        run_stubbed(monkeypatch, stubs, task, solve_open_part)
         return log
 
     return make
@@ -171,11 +176,7 @@ def carry(monkeypatch):
             "root_pose": lambda _: np.eye(4),
             "arm_angles": lambda _: np.zeros(1),
         }
-        for name, stub in stubs.items():
-            monkeypatch.setattr(module, name, stub)
-        env = MagicMock(unwrapped=task)
-        env.reset.return_value = (None, {})
-        solve_put_inside(env, 0)
+        run_stubbed(monkeypatch, stubs, task, solve_put_inside)
         return log
 
     return make
