@@ -1,8 +1,8 @@
 """Wavefront OBJ and MTL files as arrays: fast on triangles, strict on everything else.
 
 Only the data of a coloured surface are read: positions, faces, texture coordinates, and per face the plain
-colour or image of its material. Files are untrusted: every index is checked, and an image outside the
-object's folder is rejected.
+colour or image of its material, and its opacity. Files are untrusted: every index is checked, and an image
+outside the object's folder is rejected.
 """
 
 import os
@@ -10,6 +10,7 @@ import warnings
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int, Shaped
@@ -17,6 +18,16 @@ from jaxtyping import Float, Int, Shaped
 from artigen.errors import SourceError
 
 NO_MATERIAL = (0.7, 0.7, 0.7)
+_NUMBERS = {1: "a number", 3: "three numbers"}
+
+
+class MtlMaterial(NamedTuple):
+    """A material as written in an MTL file; its image is named relative to the file, "" for none."""
+
+    color: tuple[float, float, float] = NO_MATERIAL
+    image: str = ""
+    opacity: float = 1.0
+    """1 hides what is behind, 0 hides nothing."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -243,46 +254,54 @@ def read_mtl(path: Path, root: Path) -> dict[str, Material]:
         SourceError: If a colour is not three numbers.
     """
     known = {}
-    for name, (color, image) in parse_mtl(path).items():
+    for name, (color, image, _) in parse_mtl(path).items():
         found = path.parent / image if image and _lies_inside(root, path.parent, image) else None
         found = found if found is not None and found.is_file() else None
         known[name] = Material(color=color, image=found, missing="" if found else image)
     return known
 
 
-def parse_mtl(path: Path) -> dict[str, tuple[tuple[float, float, float], str]]:
-    """Diffuse colour and image, as named in the file ("" for none), of the materials of one file.
+def parse_mtl(path: Path) -> dict[str, MtlMaterial]:
+    """The materials of one file: diffuse colour, image, and opacity (``d``, or one minus ``Tr``).
 
     Raises:
-        SourceError: If the file cannot be read, or a colour is not three numbers.
+        SourceError: If the file cannot be read, or a colour or opacity is not made of finite numbers.
     """
     try:
         lines = path.read_text(errors="replace").splitlines()
     except OSError as err:
         raise SourceError(f"{path}: cannot be read ({err.strerror})") from err
-    known: dict[str, tuple[tuple[float, float, float], str]] = {}
+    known: dict[str, MtlMaterial] = {}
     name = ""
     for line in lines:
         tag, _, value = line.strip().partition(" ")
         value = value.strip()
-        color, image = known.get(name, (NO_MATERIAL, ""))
+        material = known.get(name, MtlMaterial())
         if tag == "newmtl":
-            name, known[value] = value, (NO_MATERIAL, "")
+            name, known[value] = value, MtlMaterial()
         elif tag == "Kd":
-            known[name] = (_parse_color(value, path, name), image)
+            red, green, blue = _parse_shares(value, 3, f"{path}: material {name!r} has Kd")
+            known[name] = material._replace(color=(red, green, blue))
         elif tag == "map_Kd" and value:
-            known[name] = (color, value.split()[-1] if value.startswith("-") else value)
+            image = value.split()[-1] if value.startswith("-") else value
+            known[name] = material._replace(image=image)
+        elif tag in ("d", "Tr"):
+            (share,) = _parse_shares(value.removeprefix("-halo"), 1, f"{path}: material {name!r} has {tag}")
+            known[name] = material._replace(opacity=share if tag == "d" else 1.0 - share)
     return known
 
 
-def _parse_color(value: str, path: Path, name: str) -> tuple[float, float, float]:
+def _parse_shares(value: str, count: int, what: str) -> list[float]:
+    """The first numbers of a line, clipped to [0, 1]; ``what`` begins the error message."""
     try:
-        red, green, blue = (float(word) for word in value.split()[:3])
+        shares = [float(word) for word in value.split()[:count]]
     except ValueError as err:
-        raise SourceError(f"{path}: material {name!r} has Kd {value!r}, expected three numbers") from err
-    if not np.isfinite([red, green, blue]).all():
-        raise SourceError(f"{path}: material {name!r} has Kd {value!r}, expected finite numbers")
-    return min(max(red, 0.0), 1.0), min(max(green, 0.0), 1.0), min(max(blue, 0.0), 1.0)
+        raise SourceError(f"{what} {value!r}, expected {_NUMBERS[count]}") from err
+    if len(shares) != count:
+        raise SourceError(f"{what} {value!r}, expected {_NUMBERS[count]}")
+    if not np.isfinite(shares).all():
+        raise SourceError(f"{what} {value!r}, expected finite numbers")
+    return [min(max(share, 0.0), 1.0) for share in shares]
 
 
 def inside(root: Path, base: Path, name: str, owner: str) -> Path:

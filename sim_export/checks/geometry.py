@@ -255,8 +255,8 @@ def _image_of(subject: Subject, shape: Shape) -> str:
         return ""
     folder = PurePosixPath(shape.file).parent
     materials = parse_mtl(subject.folder / folder / shape.obj.libraries[-1])
-    _, image = materials.get(shape.obj.face_materials[0], (None, ""))
-    return str(folder / image) if image else ""
+    material = materials.get(shape.obj.face_materials[0])
+    return str(folder / material.image) if material is not None and material.image else ""
 
 
 def _shown(shape: Shape, image: np.ndarray) -> float:

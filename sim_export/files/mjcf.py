@@ -13,7 +13,7 @@ from collections import Counter
 import numpy as np
 from jaxtyping import Float
 
-from artigen.files.wavefront import NO_MATERIAL
+from artigen.files.wavefront import NO_MATERIAL, MtlMaterial
 from artigen.transforms import quat_from_matrix
 from sim_export.files.obj import parse_mtl, parse_obj, read_image
 from sim_export.files.urdf import (
@@ -170,7 +170,7 @@ def source_color(source: SourceMesh) -> tuple[float, float, float]:
         return NO_MATERIAL
     ((main, _),) = Counter(data.face_materials.tolist()).most_common(1)
     library = source.path.parent / data.libraries[-1]
-    color, image = parse_mtl(library).get(main, (NO_MATERIAL, ""))
+    color, image, _ = parse_mtl(library).get(main, MtlMaterial())
     if not image:
         return color
     red, green, blue = read_image(library.parent / image)[..., :3].mean(axis=(0, 1)) / 255.0

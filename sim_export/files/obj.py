@@ -140,8 +140,8 @@ def parse_obj(path: Path) -> ObjText:
         return wavefront.parse_obj(path)
 
 
-def parse_mtl(path: Path) -> dict[str, tuple[tuple[float, float, float], str]]:
-    """Colour, and image as written in the file ("" for none), of the materials of an MTL file."""
+def parse_mtl(path: Path) -> dict[str, wavefront.MtlMaterial]:
+    """The materials of an MTL file."""
     with _as_package():
         return wavefront.parse_mtl(path)
 
@@ -164,10 +164,10 @@ def _as_package() -> Iterator[None]:
 def read_mesh(path: Path) -> Mesh:
     """Reads an OBJ with one material into a `Mesh`, with its texture or colour."""
     data = parse_obj(path)
-    color, image = wavefront.NO_MATERIAL, ""
+    color, image, _ = wavefront.MtlMaterial()
     if data.libraries and len(data.faces):
         materials = parse_mtl(path.parent / data.libraries[-1])
-        color, image = materials.get(data.face_materials[0], (color, image))
+        color, image, _ = materials.get(data.face_materials[0], wavefront.MtlMaterial())
     if not image or not len(data.coords) or (data.uv_faces < 0).any():
         return Mesh(vertices=data.vertices, faces=data.faces, color=color)
     return Mesh(

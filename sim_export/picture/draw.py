@@ -9,9 +9,9 @@ import colorsys
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, UInt8
 
-from artigen.files.wavefront import NO_MATERIAL
+from artigen.files.wavefront import MtlMaterial
 from artigen.transforms import transform_points
 from sim_export.errors import PackageError
 from sim_export.files.obj import parse_mtl, parse_obj, read_image
@@ -52,15 +52,27 @@ def load_source_meshes(source: SourceMesh) -> tuple[Mesh, ...]:
                 f"{source.path}: material {name!r} is not in {data.libraries[-1]}, which has "
                 f"{', '.join(sorted(materials)) or 'none'}"
             )
-        color, image = materials.get(name, (NO_MATERIAL, ""))
+        color, image, opacity = materials.get(name, MtlMaterial())
         own = data.face_materials == name
         faces, uv_faces = data.faces[own], data.uv_faces[own]
+        uv, texture = None, None
         if image and len(data.coords) and (uv_faces >= 0).all():
-            texture = read_image(source.path.parent / image)
-            meshes.append(Mesh(vertices=vertices, faces=faces, uv=data.coords[uv_faces], texture=texture))
-        else:
-            meshes.append(Mesh(vertices=vertices, faces=faces, color=color))
+            uv, texture = data.coords[uv_faces], read_image(source.path.parent / image)
+        elif opacity < 1.0:
+            uv, texture = (
+                np.full((len(faces), 3, 2), 0.5),
+                np.rint(255.0 * np.array([[color]])).astype(np.uint8),
+            )
+        if texture is not None and opacity < 1.0:
+            texture = _make_clear(texture, opacity)
+        meshes.append(Mesh(vertices=vertices, faces=faces, uv=uv, texture=texture, color=color))
     return tuple(meshes)
+
+
+def _make_clear(texture: UInt8[np.ndarray, "H W C"], opacity: float) -> UInt8[np.ndarray, "H W 4"]:
+    """A texture whose opacity is multiplied by that of its material."""
+    alpha = texture[..., 3:] if texture.shape[2] == 4 else np.full((*texture.shape[:2], 1), 255)
+    return np.concatenate([texture[..., :3], np.rint(opacity * alpha).astype(np.uint8)], axis=2)
 
 
 def visual_meshes(visual: Visual) -> tuple[Mesh, ...]:

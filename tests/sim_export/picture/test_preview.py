@@ -300,6 +300,22 @@ def test_source_meshes_keep_their_place_scale_and_texture(tmp_path: Path):
     assert np.nonzero(red)[0].mean() < np.nonzero(blue)[0].mean() - 20
 
 
+@pytest.mark.parametrize("image", ["paint.png", None])
+def test_a_pane_of_a_source_shows_what_is_behind_it(tmp_path: Path, image: str | None):
+    source = _write_square(tmp_path, image)
+    (opaque,) = load_source_meshes(source)
+    materials = tmp_path / "square.mtl"
+    materials.write_text(materials.read_text().replace("Kd 1 1 1", "Kd 0 1 0\nd 0.2"))
+    (pane,) = load_source_meshes(source)
+    assert (opaque.texture is None) == (image is None)
+    assert pane.texture is not None
+    assert set(pane.texture[..., 3].ravel().tolist()) == {51}
+    if opaque.texture is None:
+        assert pane.texture.tolist() == [[[0, 255, 0, 51]]]
+    else:
+        np.testing.assert_array_equal(pane.texture[..., :3], opaque.texture)
+
+
 def test_a_source_mesh_without_its_image_is_an_error(tmp_path: Path):
     with pytest.raises(PackageError, match=r"gone\.png"):
         load_source_meshes(_write_square(tmp_path, "gone.png"))
