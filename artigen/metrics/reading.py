@@ -20,20 +20,22 @@ def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[s
     """Scores the likeliest header that the network reads from the picture of each object; shares in [0, 1].
 
     ``category`` is the share of pictures with the right category, ``counts`` with the right counts of all
-    labels, ``counts in view`` of all but shelves and trays, ``counts of <label>`` of one label. ``extents``
-    is the mean absolute error of the logarithms of the extents, each relative to the longest. Categories are
-    compared by `is_same_category`.
+    labels, ``counts in view`` of all but shelves and trays, ``counts of <label>`` of one label. ``hidden,
+    given the rest`` is the share with the right shelves and trays when the category and all other counts are
+    requested: what ``counts`` would be if everything in view were read correctly. ``extents`` is the mean
+    absolute error of the logarithms of the extents, each relative to the longest. Categories are compared by
+    `is_same_category`.
     """
-    kinds, rights, errors = [], [], []
+    kinds, rights, hidden, errors = [], [], [], []
     for subject in subjects:
         image = describe_subject(subject, ("image",)).image
         assert image is not None
-        header = draw_header(network, SketchRequest(), 0, encoded=encode_picture(network, image))
-        held = {"base": 1, **dict(header.counts)}
+        encoded = encode_picture(network, image)
+        header = draw_header(network, SketchRequest(), 0, encoded=encoded)
         kinds.append(is_same_category(header.category, subject.example.category))
-        rights.append(
-            [held[label] == count for label, count in zip(PART_LABELS, subject.example.counts, strict=True)]
-        )
+        rights.append(_compare_counts(header, subject))
+        given = draw_header(network, _request_in_view(subject), 0, encoded=encoded)
+        hidden.append(all(_compare_counts(given, subject)))
         extents = np.array([header.depth, header.width, header.height], dtype=float)
         off = np.log(extents / extents.max()) - np.log(subject.example.size / subject.example.size.max())
         errors.append(np.abs(off).mean())
@@ -43,6 +45,7 @@ def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[s
         "category": float(np.mean(kinds)),
         "counts": float(right.all(axis=1).mean()),
         "counts in view": float(right[:, shown].all(axis=1).mean()),
+        "hidden, given the rest": float(np.mean(hidden)),
         **{
             f"counts of {label}": float(share)
             for label, share in zip(PART_LABELS, right.mean(axis=0), strict=True)
@@ -54,3 +57,18 @@ def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[s
 def is_same_category(one: str | None, other: str | None) -> bool:
     """Whether both are the same category in PartNet-Mobility."""
     return NAMES.get(one or "", one) == NAMES.get(other or "", other)
+
+
+def _compare_counts(header: SketchRequest, subject: Subject) -> list[bool]:
+    """Whether a header has the right number of parts of each label."""
+    held = {"base": 1, **dict(header.counts)}
+    return [held[label] == count for label, count in zip(PART_LABELS, subject.example.counts, strict=True)]
+
+
+def _request_in_view(subject: Subject) -> SketchRequest:
+    """The category of an object and its counts but those of `HIDDEN`."""
+    counts = zip(PART_LABELS[1:], subject.example.counts[1:].tolist(), strict=True)
+    return SketchRequest(
+        category=subject.example.category,
+        counts=tuple((label, count) for label, count in counts if label not in HIDDEN),
+    )
