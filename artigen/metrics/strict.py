@@ -16,8 +16,6 @@ from artigen.types import Asset
 
 PENALTY = 3.0**0.5
 """Cost of a part without partner: the length of the diagonal of the unit cube."""
-POINTS = 100_000
-"""Points on a whole object in the published protocol."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,8 +36,12 @@ class StrictDistance:
     """The same for open objects."""
 
 
-def strict_distance(found: Asset, truth: Asset, *, points: int = POINTS) -> StrictDistance:
-    """Chamfer distances per part and of whole objects, closed and opened."""
+def strict_distance(found: Asset, truth: Asset, *, points: int) -> StrictDistance:
+    """Chamfer distances per part and of whole objects, closed and opened.
+
+    Args:
+        points: Points on each whole object; the published protocol has 100,000.
+    """
     clouds = sample_cells(found, points), sample_cells(truth, points)
     rest, opened = [(clouds[0].opened(share), clouds[1].opened(share)) for share in (0.0, 1.0)]
     pairs = pair_parts(clouds[0], clouds[1])

@@ -7,7 +7,15 @@ from typing import get_args
 from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.shapes.surfaces.palette import ROLES
 from artigen.sketch.piece import NUMBERS, Piece, PieceKind
-from artigen.sketch.sketch import MAX_NEEDS, Sketch, SketchError, SketchFinish, SketchJoint, SketchPart
+from artigen.sketch.sketch import (
+    MAX_NEEDS,
+    ROUND_TURN,
+    Sketch,
+    SketchError,
+    SketchFinish,
+    SketchJoint,
+    SketchPart,
+)
 from artigen.types import JOINT_TYPES
 
 MATERIALS: tuple[FinishKind, ...] = get_args(FinishKind)
@@ -129,14 +137,12 @@ def read_joint(row: Sequence[int]) -> SketchJoint | None:
     if row[0] == 0:
         return None
     kind = JOINT_TYPES[row[0]]
-    needs = tuple(need - 1 for need in row[2:4] if need)
-    plain = SketchJoint(type=kind, axis=row[1], needs=needs, fraction=row[4])
     return SketchJoint(
         type=kind,
         axis=row[1],
-        origin=plain.origin if kind == "prismatic" else (row[5], row[6], row[7]),
-        upper=plain.upper if kind == "continuous" else row[8],
+        origin=(0, 0, 0) if kind == "prismatic" else (row[5], row[6], row[7]),
+        upper=ROUND_TURN if kind == "continuous" else row[8],
         travel=row[9],
-        needs=needs,
+        needs=tuple(need - 1 for need in row[2:4] if need),
         fraction=row[4],
     )

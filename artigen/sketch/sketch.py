@@ -63,13 +63,15 @@ class SketchJoint:
     type: JointType
     axis: int
     """Index into `artigen.sketch.piece.LINED`, which lists the six directions."""
-    origin: tuple[int, int, int] = (0, 0, 0)
-    upper: int = ROUND_TURN
-    travel: int = 0
+    origin: tuple[int, int, int]
+    """0 for a prismatic joint."""
+    upper: int
+    """`ROUND_TURN` for a continuous joint."""
+    travel: int
     """Steps that a screw advances over its whole range."""
-    needs: tuple[int, ...] = ()
+    needs: tuple[int, ...]
     """Indices of the parts that must be open first."""
-    fraction: int = 0
+    fraction: int
     """Index into `FRACTIONS`."""
 
 

@@ -35,7 +35,7 @@ class Surface:
 
     triangles: Float[np.ndarray, "F 3 3"]
     normals: Float[np.ndarray, "F 3 3"]
-    id: int = 0
+    id: int
     uv: Float[np.ndarray, "F 3 2"] | None = None
     texture: UInt8[np.ndarray, "H W C"] | None = None
     color: tuple[float, float, float] = (0.7, 0.7, 0.7)
