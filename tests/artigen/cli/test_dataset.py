@@ -17,7 +17,7 @@ from project import ROOT
 pytest.importorskip("pyarrow")
 
 from artigen.cli.dataset import dataset
-from artigen.cli.dataset_objects import LARGE_MIB, restart_large
+from artigen.cli.dataset_objects import restart_large
 from artigen.cli.shape import ShapeJob, ShapeSettings, export_shape
 from artigen.datasets import open_shards
 from artigen.datasets.packing import read_folder
@@ -141,8 +141,8 @@ def test_shards_hold_neither_times_nor_owners(made):
             assert {(one.mtime, one.uid, one.gid, one.mode) for one in tar} == {(0, 0, 0, 0o644)}
 
 
-@pytest.mark.parametrize(("resident", "closed"), [(LARGE_MIB, 0), (LARGE_MIB + 0.1, 1)])
-def test_a_worker_is_replaced_once_it_holds_more_than_it_may(resident, closed):
+@pytest.mark.parametrize(("resident", "closed"), [(1190.0, 0), (1210.0, 1)])
+def test_a_worker_is_replaced_once_it_holds_more_than_1200_mib(resident, closed):
     class Counted(Worker):
         closed = 0
 

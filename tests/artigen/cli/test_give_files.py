@@ -1,11 +1,12 @@
 """A file goes to the link that it touches only if it is small and far from its own link."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from artigen.cli.give_files import FAR, SMALL, TOUCHING, find_gifts, give_files
+from artigen.cli.give_files import find_gifts, give_files
 from artigen.datasets.partnet_surface import FaceTable
 from artigen.datasets.source_object import SourceObject, SourceVisual, TriangleMesh
 from artigen.types import FIXED, Asset, Joint, Part, SurfaceSamples
@@ -71,13 +72,13 @@ def sliver(gap, over=0.0, size=0.02):
 @pytest.mark.parametrize(
     ("gap", "over", "given"),
     [
-        (1.01 * FAR, 0, True),
-        (0.99 * FAR, 0, False),
-        (0.2, 0.99 * TOUCHING, True),
-        (0.2, 1.01 * TOUCHING, False),
+        (0.0505, 0, True),
+        (0.0495, 0, False),
+        (0.2, 0.99e-3, True),
+        (0.2, 1.01e-3, False),
     ],
 )
-def test_only_files_far_from_their_link_that_touch_another_are_given(gap, over, given):
+def test_only_files_5_cm_from_their_link_and_1_mm_from_another_are_given(gap, over, given):
     source = make_source([BODY, DRAWER, sliver(gap, over)], [0, 1, 1])
     done = give_files(source)
     taker = 0 if given else 1
@@ -91,11 +92,25 @@ def test_only_files_far_from_their_link_that_touch_another_are_given(gap, over, 
     assert (done is source) == (not given)
 
 
-@pytest.mark.parametrize(("share", "given"), [(0.9 * SMALL, 1), (1.1 * SMALL, 0)])
-def test_a_large_piece_stays_with_its_link(share, given):
+@pytest.mark.parametrize(("share", "given"), [(0.095, 1), (0.105, 0)])
+def test_a_piece_of_more_than_a_tenth_stays_with_its_link(share, given):
     whole = float(triangle_areas(box(*DRAWER)).sum())
     size = np.sqrt(share / (1.0 - share) * whole / 6.0)
     assert len(find_gifts(make_source([BODY, DRAWER, sliver(0.2, size=size)], [0, 1, 1]))) == given
+
+
+@pytest.mark.parametrize(("away", "owner"), [(0.9e-4, 0), (1.1e-4, 1)])
+def test_samples_within_a_ten_thousandth_of_a_given_file_go_with_it(away, owner):
+    """In the unit cube; this one is above the middle of the file."""
+    source = make_source([BODY, DRAWER, sliver(0.2)], [0, 1, 1])
+    surface = source.asset.surface
+    assert surface is not None
+    points = np.array(surface.points)
+    points[36] = np.array([0.11, 0.01, 0.04]) / SCALE + [0.0, 0.0, away]
+    asset = replace(source.asset, surface=replace(surface, points=points))
+    given = give_files(replace(source, asset=asset)).asset.surface
+    assert given is not None
+    assert given.part_ids[36] == owner
 
 
 def test_what_stands_still_gives_nothing():

@@ -14,7 +14,7 @@ from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.sketch import faults, opening, sweep
 from artigen.sketch.contact import find_overlaps, gather_bodies, list_bodies, measure_pairs, penetrate
-from artigen.sketch.faults import WITHIN, find_extent_faults, find_faults
+from artigen.sketch.faults import find_extent_faults, find_faults
 from artigen.sketch.request import SketchRequest
 from artigen.sketch.sweep import deepest, find_meetings, open_needed, place_opened, read_path
 from artigen.sketch.tree import read_tree
@@ -620,7 +620,7 @@ def test_checks_of_the_package_agree(defect: str, tmp_path: Path):
 def test_an_extent_may_miss_its_request_by_one_percent(axis: str):
     shape = draw_shape("Safe", 1)
     true = getattr(shape.condition, axis)
-    for factor, faulty in ((1 / (1 + 0.9 * WITHIN), False), (1 / (1 + 1.1 * WITHIN), True), (1.0, False)):
-        found = find_extent_faults(shape, SketchRequest(**{axis: true * factor}))
+    for more, faulty in ((0.009, False), (0.011, True), (0.0, False)):
+        found = find_extent_faults(shape, SketchRequest(**{axis: true / (1 + more)}))
         assert [fault.part for fault in found] == ([axis] if faulty else [])
     assert find_extent_faults(shape, SketchRequest()) == ()

@@ -1,0 +1,73 @@
+"""Both sides of the limits that networks share, and the sizes of the public ones."""
+
+import pytest
+import torch
+from torch import nn
+
+from artigen.errors import SourceError
+from artigen.models.attention import plain_norm
+from artigen.models.clip import ClipConfig
+from artigen.models.conditions import ConditionConfig, StructureCondition, gather_conditions
+from artigen.models.dinov2 import DinoConfig, DinoV2
+from artigen.models.embeddings import TimestepEmbedder, embed_times
+from artigen.models.rectified_flow import SamplerConfig, diffuse, sample_flow, target_velocity
+from artigen.models.tensors import load_strictly
+
+
+def test_a_norm_takes_a_variance_of_a_millionth_for_twice_that():
+    x = torch.tensor([1e-3, -1e-3])
+    torch.testing.assert_close(plain_norm(x), x / 2e-6**0.5)
+
+
+def test_counts_from_24_on_are_one():
+    asked = [StructureCondition(counts=(("drawer", count),)) for count in (22, 23, 24, 25, 100)]
+    counts = gather_conditions(asked, ConditionConfig(image_size=0)).counts.amax(dim=1)
+    assert counts.tolist() == [22, 23, 24, 24, 24]
+
+
+def test_the_public_vision_transformer_is_the_large_one():
+    """37 x 37 patches of 14 pixels, a class token and four registers; 24 blocks with heads of 64 channels."""
+    cfg = DinoConfig()
+    with torch.device("meta"):
+        shapes = {name: tuple(value.shape) for name, value in DinoV2(cfg).state_dict().items()}
+    assert shapes["pos_embed"] == (1, 1 + 37 * 37, 1024)
+    assert shapes["register_tokens"] == (1, 4, 1024)
+    assert shapes["patch_embed.proj.weight"] == (1024, 3, 14, 14)
+    assert shapes["blocks.23.mlp.fc1.weight"] == (4096, 1024)
+    assert not any(name.startswith("blocks.24.") for name in shapes)
+    assert cfg.width / cfg.heads == 64
+
+
+def test_the_public_text_encoder_has_heads_of_64_channels():
+    assert ClipConfig().width / ClipConfig().heads == 64
+
+
+def test_a_time_has_128_frequencies_from_one_to_nearly_a_ten_thousandth():
+    (waves,) = embed_times(torch.ones(1))
+    assert len(waves) == 256
+    rates = 10000.0 ** (-torch.arange(128) / 128)
+    torch.testing.assert_close(waves, torch.cat([rates.cos(), rates.sin()]))
+    assert TimestepEmbedder(8)(torch.ones(1)).shape == (1, 8)
+
+
+def test_a_hundred_thousandth_of_the_noise_is_left_at_the_end_of_the_path():
+    data, noise = torch.zeros(1, 1, dtype=torch.float64), torch.ones(1, 1, dtype=torch.float64)
+    assert float(diffuse(data, noise, torch.zeros(1))) == pytest.approx(1e-5)
+    assert 1.0 - float(target_velocity(data, noise)) == pytest.approx(1e-5)
+
+
+def test_latents_are_sampled_in_12_steps_and_guided_by_3_down_to_half_the_time():
+    """The eleventh step, the first that is not guided, begins at 3 / 6 over 1 + 2 / 6."""
+
+    def one(x: torch.Tensor, _: torch.Tensor) -> torch.Tensor:
+        return torch.ones_like(x)
+
+    found = sample_flow(torch.zeros(1, 1), one, lambda x, t: (one(x, t), 0.0 * x), SamplerConfig())
+    assert float(found) == pytest.approx(-(0.625 * (1.0 + 3.0) + 0.375))
+
+
+@pytest.mark.parametrize(("count", "said"), [(6, r"t5\)"), (7, r"t5 and 1 more\)")])
+def test_an_error_lists_six_tensors(count, said):
+    tensors = {f"t{number}": torch.zeros(1) for number in range(count)}
+    with pytest.raises(SourceError, match=rf"{count} unexpected \(t0, .*{said}"):
+        load_strictly(nn.Module(), tensors, "file")
