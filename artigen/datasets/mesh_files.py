@@ -117,9 +117,10 @@ def write_obj(pieces: Sequence["Trimesh"], color: tuple[float, float, float], ta
         rows += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in piece.vertices.tolist()]
         rows += [f"vt {u:.7g} {v:.7g}" for u, v in ([] if uv is None else uv.tolist())]
         first = len(materials)
-        for plain in colors:
-            red, green, blue = plain
+        for red, green, blue, opacity in colors:
             material = f"newmtl m{len(materials)}\nKd {red:.5g} {green:.5g} {blue:.5g}"
+            if opacity < 1.0:
+                material += f"\nd {opacity:.5g}"
             if image is not None:
                 name = f"{target.stem}_{len(materials)}.png"
                 image.convert("RGB").save(target.parent / name)
@@ -139,20 +140,25 @@ def write_obj(pieces: Sequence["Trimesh"], color: tuple[float, float, float], ta
 def _find_look(
     piece: "Trimesh", color: tuple[float, float, float]
 ) -> tuple[np.ndarray | None, "Image | None", list[tuple[float, ...]], np.ndarray]:
-    """Texture coordinates and image if there is one, plain colours, and the colour of each face."""
+    """Texture coordinates and image if there is one, plain colours (RGBA), and the colour of each face.
+
+    A material is transparent only if it says so: glTF ignores the alpha of others.
+    """
     visual: Any = piece.visual
     one = np.zeros(len(piece.faces), dtype=np.int64)
     if visual.kind == "texture":
         material = visual.material
         image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
-        if image is not None and visual.uv is not None:
-            return np.asarray(visual.uv, dtype=np.float64), image, [(1.0, 1.0, 1.0)], one
         said = getattr(material, "baseColorFactor", None) is not None or hasattr(material, "diffuse")
-        return None, None, [tuple(np.asarray(material.main_color)[:3] / 255) if said else color], one
+        main = np.asarray(material.main_color) / 255 if said else np.array([*color, 1.0])
+        opacity = float(main[3]) if getattr(material, "alphaMode", None) == "BLEND" else 1.0
+        if image is not None and visual.uv is not None:
+            return np.asarray(visual.uv, dtype=np.float64), image, [(1.0, 1.0, 1.0, opacity)], one
+        return None, None, [(*main[:3].tolist(), opacity)], one
     if visual.kind is None:
-        return None, None, [color], one
+        return None, None, [(*color, 1.0)], one
     faces = np.asarray(visual.face_colors)[:, :3] / 255
     plain, numbers = np.unique(faces, axis=0, return_inverse=True)
     if len(plain) > COLORS:
-        return None, None, [tuple(faces.mean(axis=0))], one
-    return None, None, [tuple(row) for row in plain], numbers.ravel()
+        return None, None, [(*faces.mean(axis=0).tolist(), 1.0)], one
+    return None, None, [(*row, 1.0) for row in plain.tolist()], numbers.ravel()

@@ -278,7 +278,11 @@ def _read_geom(model: "mujoco.MjModel", geom: int) -> "Trimesh | None":
         case _:
             return None
     color, image = _read_look(model, geom)
-    material = PBRMaterial(baseColorFactor=color, baseColorTexture=image if uv is not None else None)
+    material = PBRMaterial(
+        baseColorFactor=color,
+        baseColorTexture=image if uv is not None else None,
+        alphaMode="OPAQUE" if color[3] == 1.0 else "BLEND",
+    )
     return Trimesh(mesh.vertices, mesh.faces, process=False, visual=TextureVisuals(uv=uv, material=material))
 
 
