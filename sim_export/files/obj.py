@@ -164,16 +164,15 @@ def _as_package() -> Iterator[None]:
 def read_mesh(path: Path) -> Mesh:
     """Reads an OBJ with one material into a `Mesh`, with its texture or colour."""
     data = parse_obj(path)
-    color, image, _ = wavefront.MtlMaterial()
+    material = wavefront.MtlMaterial()
     if data.libraries and len(data.faces):
-        materials = parse_mtl(path.parent / data.libraries[-1])
-        color, image, _ = materials.get(data.face_materials[0], wavefront.MtlMaterial())
-    if not image or not len(data.coords) or (data.uv_faces < 0).any():
-        return Mesh(vertices=data.vertices, faces=data.faces, color=color)
+        material = parse_mtl(path.parent / data.libraries[-1]).get(data.face_materials[0], material)
+    if not material.image or not len(data.coords) or (data.uv_faces < 0).any():
+        return Mesh(vertices=data.vertices, faces=data.faces, color=material.color)
     return Mesh(
         vertices=data.vertices,
         faces=data.faces,
         uv=data.coords[data.uv_faces],
-        texture=read_image(path.parent / image),
-        color=color,
+        texture=read_image(path.parent / material.image),
+        color=material.color,
     )

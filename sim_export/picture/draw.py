@@ -58,13 +58,10 @@ def load_source_meshes(source: SourceMesh) -> tuple[Mesh, ...]:
         uv, texture = None, None
         if image and len(data.coords) and (uv_faces >= 0).all():
             uv, texture = data.coords[uv_faces], read_image(source.path.parent / image)
-        elif opacity < 1.0:
-            uv, texture = (
-                np.full((len(faces), 3, 2), 0.5),
-                np.rint(255.0 * np.array([[color]])).astype(np.uint8),
-            )
-        if texture is not None and opacity < 1.0:
-            texture = _make_clear(texture, opacity)
+        if opacity < 1.0:
+            uv = np.full((len(faces), 3, 2), 0.5) if uv is None else uv
+            pixel = np.rint(255.0 * np.array([[color]])).astype(np.uint8)
+            texture = _make_clear(pixel if texture is None else texture, opacity)
         meshes.append(Mesh(vertices=vertices, faces=faces, uv=uv, texture=texture, color=color))
     return tuple(meshes)
 
