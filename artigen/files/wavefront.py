@@ -262,7 +262,9 @@ def read_mtl(path: Path, root: Path) -> dict[str, Material]:
 
 
 def parse_mtl(path: Path) -> dict[str, MtlMaterial]:
-    """The materials of one file: diffuse colour, image, and opacity (``d``, or one minus ``Tr``).
+    """The materials of one file: diffuse colour, image, and opacity.
+
+    The opacity is ``d``, or else one minus ``Tr``, which some programs write the other way round.
 
     Raises:
         SourceError: If the file cannot be read, or a colour or opacity is not made of finite numbers.
@@ -272,6 +274,7 @@ def parse_mtl(path: Path) -> dict[str, MtlMaterial]:
     except OSError as err:
         raise SourceError(f"{path}: cannot be read ({err.strerror})") from err
     known: dict[str, MtlMaterial] = {}
+    dissolved = set[str]()
     name = ""
     for line in lines:
         tag, _, value = line.strip().partition(" ")
@@ -287,7 +290,11 @@ def parse_mtl(path: Path) -> dict[str, MtlMaterial]:
             known[name] = material._replace(image=image)
         elif tag in ("d", "Tr"):
             (share,) = _parse_shares(value.removeprefix("-halo"), 1, f"{path}: material {name!r} has {tag}")
-            known[name] = material._replace(opacity=share if tag == "d" else 1.0 - share)
+            if tag == "d":
+                dissolved.add(name)
+                known[name] = material._replace(opacity=share)
+            elif name not in dissolved:
+                known[name] = material._replace(opacity=1.0 - share)
     return known
 
 

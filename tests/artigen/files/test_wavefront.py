@@ -26,6 +26,8 @@ def test_a_material_that_says_nothing_is_grey_and_opaque(tmp_path: Path):
         (["d -halo 0.25"], 0.25),
         (["Tr 0.25"], 0.75),
         (["d 0.25", "Kd 1 0 0"], 0.25),
+        (["d 1", "Tr 1"], 1.0),
+        (["Tr 1", "d 1"], 1.0),
         (["d 1.5"], 1.0),
         (["d -1"], 0.0),
     ],
