@@ -29,7 +29,7 @@ from sample_cabinet import sample_asset
 from artigen.datasets.partnet_mobility import read_object
 from artigen.types import Asset
 from artigen.voxels.voxelize import voxelize
-from sim_export.collision.object_cover import ObjectCover
+from sim_export.collision.cover.object_cover import ObjectCover
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.hulls import convex_hull

@@ -15,9 +15,9 @@ from sim_export.appearance.texture import bake_parts
 from sim_export.attempts import HullWay, Judgement, change_hulls, judge_package
 from sim_export.collision.attachment import attach_links
 from sim_export.collision.clearance import clear_joints
+from sim_export.collision.cover.object_cover import ObjectCover, find_passing
 from sim_export.collision.feet import add_feet, level_object
 from sim_export.collision.hull_limits import flatten_links
-from sim_export.collision.object_cover import ObjectCover, find_passing
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.recovery import recover_surface
 from sim_export.collision.trimming import fill_meshes, trim_meshes

@@ -19,7 +19,7 @@ from jaxtyping import Float
 from artigen.transforms import inverse, transform_points
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.suite import run_checks
-from sim_export.collision.free_space import FreeSpace, find_free_space, find_inside
+from sim_export.collision.cover.free_space import FreeSpace, find_free_space, find_inside
 from sim_export.files.write import write_draft
 from sim_export.geometry.hulls import wrap_surface
 from sim_export.geometry.islands import visual_islands

@@ -1,1 +1,1 @@
-"""Convex collision hulls of links: candidates, selection, clearance, additions."""
+"""Convex hulls of links: made of surfaces (`cover`), cut where joints need room, attached, simplified."""

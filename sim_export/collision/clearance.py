@@ -34,7 +34,7 @@ PASSING = 3e-3
 a leaf swings close past its neighbour, and keep some."""
 THREAD = 1e-4
 """The same between what a screw connects, which are one in the other and whose contacts engines ignore
-(`sim_export.collision.ignored_pairs`); cuts leave twice this."""
+(`sim_export.motion.ignored_pairs`); cuts leave twice this."""
 ENOUGH = 1.2
 """Gap that cuts leave at least, over the one required: the next pass finds nothing to cut there."""
 TOLERANCE = 2e-5

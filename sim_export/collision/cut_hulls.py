@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sim_export.collision.cover.specks import drop_specks
 from sim_export.collision.hull_limits import (
     MAX_POLYGONS,
     MAX_VERTICES,
@@ -14,7 +15,6 @@ from sim_export.collision.hull_limits import (
     trim_hull,
 )
 from sim_export.collision.relief import END, MAX_REMOVED, SLIVER, SLIVER_LENGTH, find_ends
-from sim_export.collision.specks import drop_specks
 from sim_export.geometry.contacts import HullSet
 from sim_export.geometry.distances import MAX_P99, surface_distances
 from sim_export.geometry.hulls import hull_triangles, hull_volume, hull_width, inside_hulls, reduce_hull

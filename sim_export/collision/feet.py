@@ -17,9 +17,9 @@ import numpy as np
 from jaxtyping import Float
 
 from sim_export.collision.attachment import NEAR, add_hull
+from sim_export.collision.cover.surface_hulls import split_components
+from sim_export.collision.cover.surface_pieces import cut_triangles
 from sim_export.collision.hull_limits import trim_hull
-from sim_export.collision.surface_hulls import split_components
-from sim_export.collision.surface_pieces import cut_triangles
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import (

@@ -4,7 +4,7 @@ Visuals are in group 2 and do not collide; hulls are in group 3. Bodies connecte
 as in SAPIEN. MuJoCo by itself would let a drawer collide with a carcass that is fixed to the world.
 
 `srdf_text` writes what SAPIEN loads beside the URDF: further pairs of links whose contacts it ignores
-(`sim_export.collision.ignored_pairs`).
+(`sim_export.motion.ignored_pairs`).
 """
 
 import xml.etree.ElementTree as ET

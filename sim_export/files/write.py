@@ -16,7 +16,6 @@ from typing import Literal
 from artigen.splats.motion import transform_gaussians
 from artigen.splats.ply import encode_ply
 from artigen.transforms import shift
-from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.errors import PackageError
 from sim_export.files.mjcf import mjcf_text, srdf_text
 from sim_export.files.obj import hull_obj_text, mtl_text, obj_text, png_bytes
@@ -32,6 +31,7 @@ from sim_export.files.sidecars import (
 )
 from sim_export.files.urdf import hull_path, link_origins, splats_path, urdf_text, visual_path
 from sim_export.geometry.primitives import find_primitive
+from sim_export.motion.ignored_pairs import ignored_pairs
 from sim_export.package import SimPackage, SourceMesh, Visual
 from sim_export.physics.links import check_kinematics
 

@@ -1,1 +1,1 @@
-"""How links move: kinematics and sweeps, what must be open first, and limits that keep drawers held."""
+"""How links move: kinematics, sweeps, what must be open first, limits of drawers, pairs never in contact."""

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.files.urdf import link_origins
+from sim_export.motion.ignored_pairs import ignored_pairs
 from sim_export.motion.kinematics import box_sides
 from sim_export.package import Hull, Link, Mesh, SimPackage, Visual
 from sim_export.physics.links import check_kinematics

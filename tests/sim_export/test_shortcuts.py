@@ -5,7 +5,7 @@ import pytest
 
 from artigen.transforms import matrix_from_quat
 from sim_export.appearance.blending import find_near
-from sim_export.collision.cuboids import count_filled, empty_box, grow_boxes
+from sim_export.collision.cover.cuboids import count_filled, empty_box, grow_boxes
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import box_hull, convex_hull, hull_planes
 from sim_export.package import Hull

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from sim_export.collision.free_space import find_free_space
+from sim_export.collision.cover.free_space import find_free_space
+from sim_export.collision.cover.surface_hulls import cover_surface
 from sim_export.collision.hull_limits import compact_hull, comply_hull, flatten_facets, hull_aspect, trim_hull
-from sim_export.collision.surface_hulls import cover_surface
 from sim_export.geometry.hulls import convex_hull, hull_volume, hull_width
 from sim_export.geometry.primitives import is_box
 from sim_export.package import Hull

@@ -4,9 +4,9 @@ import manifold3d
 import numpy as np
 import pytest
 
-from sim_export.collision.cuboids import face_coordinates
+from sim_export.collision.cover.cuboids import face_coordinates
+from sim_export.collision.cover.free_space import find_free_space
 from sim_export.collision.feet import add_feet
-from sim_export.collision.free_space import find_free_space
 from sim_export.collision.hull_limits import comply_hull
 from sim_export.collision.recovery import recover_surface
 from sim_export.collision.simplification import simplify_hulls

@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 
 from artigen.kinematics import displacements, qlimits
 from artigen.types import Asset
-from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.files.mjcf import mjcf_text, srdf_text
 from sim_export.files.urdf import link_origins
 from sim_export.files.write import write_package
+from sim_export.motion.ignored_pairs import ignored_pairs
 from sim_export.package import SimPackage
 
 

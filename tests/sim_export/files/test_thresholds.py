@@ -9,7 +9,6 @@ import pytest
 from box_cabinet import as_package, box_geometry, scaled
 from PIL import Image
 
-from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.errors import PackageError
 from sim_export.files.foreign import thicken
 from sim_export.files.mjcf import mjcf_text, srdf_text
@@ -19,6 +18,7 @@ from sim_export.files.urdf import format_number
 from sim_export.files.write import write_package
 from sim_export.geometry.hulls import box_hull, convex_hull, hull_volume
 from sim_export.geometry.normals import corner_normals
+from sim_export.motion.ignored_pairs import ignored_pairs
 from sim_export.package import Hull, Link, Mesh, SimPackage, SourceMesh, Visual
 
 

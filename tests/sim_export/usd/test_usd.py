@@ -14,13 +14,13 @@ from PIL import Image
 
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.transforms import inverse, matrix_from_quat, shift, transform_points
-from sim_export.collision.ignored_pairs import ignored_pairs
 from sim_export.errors import PackageError
 from sim_export.files.read import read_package
 from sim_export.files.urdf import link_origins
 from sim_export.files.write import write_package
 from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.primitives import find_primitive
+from sim_export.motion.ignored_pairs import ignored_pairs
 from sim_export.motion.kinematics import link_displacements
 from sim_export.package import Link, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
 from sim_export.physics.inertia import mesh_inertial

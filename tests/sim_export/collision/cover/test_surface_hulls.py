@@ -5,11 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim_export.collision import object_cover
-from sim_export.collision.free_space import FreeSpace, find_free_space, find_inside, look_up
-from sim_export.collision.hull_limits import MAX_ASPECT, compact_hull, hull_aspect
-from sim_export.collision.object_cover import ObjectCover, find_passing
-from sim_export.collision.surface_hulls import (
+from sim_export.collision.cover import object_cover
+from sim_export.collision.cover.free_space import FreeSpace, find_free_space, find_inside, look_up
+from sim_export.collision.cover.object_cover import ObjectCover, find_passing
+from sim_export.collision.cover.surface_hulls import (
     DIVIDED,
     FINER,
     USUAL,
@@ -19,7 +18,8 @@ from sim_export.collision.surface_hulls import (
     refine_cover,
     split_components,
 )
-from sim_export.collision.surface_pieces import cut_triangles, make_piece
+from sim_export.collision.cover.surface_pieces import cut_triangles, make_piece
+from sim_export.collision.hull_limits import MAX_ASPECT, compact_hull, hull_aspect
 from sim_export.geometry.distances import surface_distances
 from sim_export.geometry.grid import Grid
 from sim_export.geometry.hulls import box_hull, convex_hull, hull_volume, hull_width, inside_hulls

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.collision.surface_pieces import cut_triangles
+from sim_export.collision.cover.surface_pieces import cut_triangles
 from sim_export.geometry.rows import number_rows
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.geometry.triangles import triangle_normals

@@ -8,12 +8,12 @@ import pytest
 from sample_cabinet import SAMPLE_PARTS, sample_box_arrays
 from scipy.spatial import ConvexHull
 
-from sim_export.collision.cuboids import fill_with_boxes, largest_cuboids
-from sim_export.collision.free_space import find_free_space
+from sim_export.collision.cover.cuboids import fill_with_boxes, largest_cuboids
+from sim_export.collision.cover.free_space import find_free_space
+from sim_export.collision.cover.object_cover import ObjectCover, find_passing
+from sim_export.collision.cover.sectors import count_sectors
+from sim_export.collision.cover.surface_hulls import SHALLOW, cover_surface
 from sim_export.collision.hull_limits import MAX_ASPECT, MAX_POLYGONS, MAX_VERTICES, MIN_WIDTH, hull_aspect
-from sim_export.collision.object_cover import ObjectCover, find_passing
-from sim_export.collision.sectors import count_sectors
-from sim_export.collision.surface_hulls import SHALLOW, cover_surface
 from sim_export.geometry.hulls import (
     box_bounds,
     box_hull,

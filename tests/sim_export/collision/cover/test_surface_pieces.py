@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sim_export.collision.free_space import FreeSpace, find_free_space
-from sim_export.collision.surface_pieces import cut_planes, make_piece, split_piece, wrap
+from sim_export.collision.cover.free_space import FreeSpace, find_free_space
+from sim_export.collision.cover.surface_pieces import cut_planes, make_piece, split_piece, wrap
 from sim_export.geometry.grid import Grid
 
 

@@ -10,7 +10,13 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import ConvexHull, QhullError
 
-from sim_export.collision.free_space import NO_INTRUSION, FreeSpace, Intrusion, look_up, measure_intrusion
+from sim_export.collision.cover.free_space import (
+    NO_INTRUSION,
+    FreeSpace,
+    Intrusion,
+    look_up,
+    measure_intrusion,
+)
 from sim_export.geometry.rows import number_rows
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.geometry.triangles import area_normals, bounds_of, face_edges, triangle_areas

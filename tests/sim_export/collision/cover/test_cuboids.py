@@ -4,7 +4,7 @@ import manifold3d
 import numpy as np
 import pytest
 
-from sim_export.collision.cuboids import face_coordinates, fill_with_boxes
+from sim_export.collision.cover.cuboids import face_coordinates, fill_with_boxes
 
 Solid = manifold3d.Manifold
 

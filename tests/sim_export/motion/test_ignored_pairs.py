@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim_export.collision.ignored_pairs import ignored_pairs, kept_distance
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import convex_hull
+from sim_export.motion.ignored_pairs import ignored_pairs, kept_distance
 from sim_export.motion.kinematics import link_displacements
 from sim_export.package import Hull, Link, PackageJoint, SimPackage
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim_export.collision.specks import drop_specks
+from sim_export.collision.cover.specks import drop_specks
 from sim_export.geometry.hulls import box_hull
 
 

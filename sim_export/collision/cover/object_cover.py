@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
-from sim_export.collision.free_space import find_free_space
-from sim_export.collision.surface_hulls import (
+from sim_export.collision.cover.free_space import find_free_space
+from sim_export.collision.cover.surface_hulls import (
     DIVIDED,
     FINER,
     USUAL,

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
-from sim_export.collision.cuboids import box_sums, compress, count_filled, empty_box, grow_boxes
+from sim_export.collision.cover.cuboids import box_sums, compress, count_filled, empty_box, grow_boxes
 from sim_export.geometry.grid import Grid, label_cells, make_grid, mark_surface
 from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.rows import number_rows

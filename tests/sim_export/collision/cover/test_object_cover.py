@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim_export.collision import object_cover
-from sim_export.collision.object_cover import ObjectCover, find_passing
+from sim_export.collision.cover import object_cover
+from sim_export.collision.cover.object_cover import ObjectCover, find_passing
 from sim_export.geometry.hulls import box_hull
 from sim_export.package import Link
 

@@ -1,8 +1,8 @@
 """Collision hulls of a surface, that of a source or of a solid: boxes, and convex pieces of what these leave.
 
-Boxes cover the axis-aligned surface (`sim_export.collision.free_space`), or fill a solid
-(`sim_export.collision.cuboids`). What is left is taken apart into connected components, or a surface of
-revolution into sectors (`sim_export.collision.sectors`). Those whose hulls take free space are cut, and
+Boxes cover the axis-aligned surface (`sim_export.collision.cover.free_space`), or fill a solid
+(`sim_export.collision.cover.cuboids`). What is left is taken apart into connected components, or a surface of
+revolution into sectors (`sim_export.collision.cover.sectors`). Those whose hulls take free space are cut, and
 pieces are joined as long as their common hull takes none, and coarser where there are too many hulls. Only
 surface that can be reached counts.
 """
@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
-from sim_export.collision.cuboids import fill_with_boxes
-from sim_export.collision.free_space import (
+from sim_export.collision.cover.cuboids import fill_with_boxes
+from sim_export.collision.cover.free_space import (
     SHEET,
     TAKEN_DEPTH,
     FreeSpace,
@@ -23,11 +23,17 @@ from sim_export.collision.free_space import (
     is_open_between,
     look_up,
 )
+from sim_export.collision.cover.greedy_joining import join_neighbours
+from sim_export.collision.cover.sectors import SAGITTA, Axis, count_sectors, cut_sectors, find_axis
+from sim_export.collision.cover.specks import drop_specks
+from sim_export.collision.cover.surface_pieces import (
+    Piece,
+    join_pieces,
+    make_piece,
+    measure_again,
+    split_piece,
+)
 from sim_export.collision.hull_limits import MIN_WIDTH, THICKEST, compact_hull, thicken_hull
-from sim_export.collision.joining import join_neighbours
-from sim_export.collision.sectors import SAGITTA, Axis, count_sectors, cut_sectors, find_axis
-from sim_export.collision.specks import drop_specks
-from sim_export.collision.surface_pieces import Piece, join_pieces, make_piece, measure_again, split_piece
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.grid import is_exposed
 from sim_export.geometry.hulls import convex_hull

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from artigen.transforms import rotation_about
-from sim_export.collision import surface_hulls
-from sim_export.collision.free_space import find_free_space
-from sim_export.collision.object_cover import ObjectCover
-from sim_export.collision.sectors import count_sectors, cut_sectors, find_axis
-from sim_export.collision.surface_hulls import USUAL, cover_surface
+from sim_export.collision.cover import surface_hulls
+from sim_export.collision.cover.free_space import find_free_space
+from sim_export.collision.cover.object_cover import ObjectCover
+from sim_export.collision.cover.sectors import count_sectors, cut_sectors, find_axis
+from sim_export.collision.cover.surface_hulls import USUAL, cover_surface
 from sim_export.geometry.distances import surface_distances
 from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.sampling import sample_triangles

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim_export.collision.free_space import (
+from sim_export.collision.cover.free_space import (
     FreeSpace,
     cover_with_boxes,
     find_free_space,
