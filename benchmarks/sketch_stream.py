@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import torch
 from jaxtyping import Bool, Int
+from sketch_changes import change_shape
 from torch import Tensor
 
 from artigen.examples.shards import load_shard, save_shard
@@ -30,7 +31,6 @@ from artigen.examples.sketch import (
     pack_tables,
     unpack_tables,
 )
-from artigen.examples.sketch_changes import change_shape
 from artigen.examples.sketch_photos import CELL, EDGE, Photo, PhotoBatch, take_photos
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import torch
+from sketch_steps import SketchStep, StepLosses, step_losses
 from sketch_stream import Sizes, Store, list_steps, list_tables, make_objects
 
 from artigen.examples.batches import prefetch
@@ -29,7 +30,6 @@ from artigen.sketch.network import SketchNetworkConfig
 from artigen.sketch.part_counts import collect_part_counts
 from artigen.train.growth import grow_network
 from artigen.train.loop import LoopConfig, finished_steps, train
-from artigen.train.sketch_losses import SketchStep, StepLosses, step_losses
 
 WEIGHTS = {"shown": 0.3, "plain": 0.5, "read": 0.35, "told": 0.2}
 """Weights of the losses of the batches; a step has either of those without photos."""

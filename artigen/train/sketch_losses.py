@@ -1,7 +1,6 @@
 """Losses of the sketch network: the likelihood of tables, and auxiliary losses of the image encoder."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import torch
 from jaxtyping import Bool, Float
@@ -49,45 +48,6 @@ class SketchLosses(nn.Module):
         return {"symbols": symbols.sum() / count, "numbers": numbers.sum() / count}
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SketchStep:
-    """Several batches for one step of the training, by name."""
-
-    batches: Mapping[str, SketchBatch]
-
-    def to(self, device: torch.device | str) -> "SketchStep":
-        """The same batches on another device."""
-        return SketchStep(batches={name: batch.to(device) for name, batch in self.batches.items()})
-
-
-class StepLosses(nn.Module):
-    """The weighted losses of several batches; their pictures are encoded together, which takes less time.
-
-    Args:
-        weights: Weight of the losses of each batch, by its name.
-    """
-
-    def __init__(self, network: SketchNetwork, weights: Mapping[str, float]) -> None:
-        super().__init__()
-        self.each, self.weights = SketchLosses(network), weights
-
-    def forward(self, step: SketchStep) -> dict[str, Tensor]:
-        """The terms of `SketchLosses` of each batch, weighted, with the name of their batch."""
-        photos = {name: batch.photos for name, batch in step.batches.items() if batch.photos is not None}
-        images = [one.image for one in photos.values()]
-        seen, memory = self.each.network.encode_pictures(torch.cat(images)) if images else (None, None)
-        terms, start = dict[str, Tensor](), 0
-        for name, batch in step.batches.items():
-            own, part = {}, None
-            if batch.photos is not None and seen is not None and memory is not None:
-                here = slice(start, start + len(batch.photos.image))
-                start, part = here.stop, memory[here]
-                own = reading_losses(seen[here], batch.photos) | guessing_losses(seen[here], batch.rows)
-            own |= self.each.rate_rows(batch.rows, part)
-            terms |= {f"{name} {term}": self.weights[name] * value for term, value in own.items()}
-        return terms
-
-
 def weigh_fields(rows: RowBatch) -> tuple[Float[Tensor, "M"], Float[Tensor, "N"]]:
     """Weights of the symbols and of the numbers of a batch, in the order of their likelihoods."""
     weights = torch.where(find_headers(rows), HEADER, 1.0)[..., None].expand(rows.predicted.shape)
@@ -98,18 +58,11 @@ def sketch_losses(
     network: nn.Module, batch: SketchBatch, generator: torch.Generator, edge: int = EDGE
 ) -> dict[str, Tensor]:
     """Loss terms of a batch, after augmentation of its pictures to ``edge`` pixels."""
-    return network(_vary(batch, generator, edge))
+    return network(vary_batch(batch, generator, edge))
 
 
-def step_losses(
-    network: nn.Module, step: SketchStep, generator: torch.Generator, edge: int = EDGE
-) -> dict[str, Tensor]:
-    """Loss terms of the batches of a step, after augmentation of their pictures to ``edge`` pixels."""
-    varied = {name: _vary(batch, generator, edge) for name, batch in step.batches.items()}
-    return network(SketchStep(batches=varied))
-
-
-def _vary(batch: SketchBatch, generator: torch.Generator, edge: int) -> SketchBatch:
+def vary_batch(batch: SketchBatch, generator: torch.Generator, edge: int) -> SketchBatch:
+    """A batch with its pictures, if it has any, augmented to ``edge`` pixels."""
     if batch.photos is None:
         return batch
     return replace(batch, photos=vary_photos(batch.photos, generator, edge))

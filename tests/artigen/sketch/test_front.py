@@ -1,8 +1,8 @@
 """Fronts that are closed all over have no holes."""
 
 import pytest
+from sketch_changes import remove_parts
 
-from artigen.examples.sketch_changes import remove_parts
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import box
 from artigen.shapes.shape import Shape, ShapePart

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import torch
 from average_weights import average_networks
+from sketch_steps import SketchStep, StepLosses
 
 from artigen.errors import ArtigenError, SourceError
 from artigen.examples.sketch import (
@@ -33,8 +34,6 @@ from artigen.train.sketch import SIZES, SketchRunConfig, train_sketch
 from artigen.train.sketch_losses import (
     HEADER,
     SketchLosses,
-    SketchStep,
-    StepLosses,
     reading_losses,
     sketch_losses,
     spread_spots,

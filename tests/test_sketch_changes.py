@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from sketch_changes import REMOVABLE, change_shape, remove_parts
 
 from artigen.examples.sketch import make_table
-from artigen.examples.sketch_changes import REMOVABLE, change_shape, remove_parts
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.sketch.words import CATEGORIES
