@@ -18,6 +18,8 @@ from artigen.types import PartLabel
 
 NETWORK = "sketch"
 """Name of the sketch network in a model folder."""
+LEAST_SIZE = 0.01
+"""Smallest extent (m) that can be requested."""
 ROLES_OF: Mapping[PartLabel, tuple[str, ...]] = {
     "base": ("body", "front"),
     "door": ("front",),
@@ -134,8 +136,10 @@ def encode_request(request: SketchRequest) -> RequestRows:
     for name in ("depth", "width", "height"):
         length = getattr(request, name)
         if length is not None:
-            if not 0.02 <= length < REACH * STEP:
-                raise SketchError(f"{name} {length:g} m: expected from 0.02 to {REACH * STEP:.3f} m")
+            if not LEAST_SIZE <= length < REACH * STEP:
+                raise SketchError(
+                    f"{name} {length:g} m: expected from {LEAST_SIZE:g} to {REACH * STEP:.3f} m"
+                )
             put(name, round(length / STEP))
     rows, marks = [header], [known]
     for finish in sorted(request.finishes, key=lambda finish: _role(finish.role)):

@@ -358,12 +358,17 @@ def test_a_header_says_what_is_asked_and_all_that_is_not():
         ({"style": "baroque"}, "baroque"),
         ({"counts": (("door", 99),)}, "99 parts called door"),
         ({"width": 9.0}, "width 9 m"),
+        ({"depth": 0.0099}, "depth 0.0099 m"),
         ({"finishes": (FinishRequest(role="soul"),)}, "soul"),
     ],
 )
 def test_what_cannot_be_asked_is_refused_with_what_can(wrong: dict[str, object], said: str):
     with pytest.raises(SketchError, match=said):
         encode_request(replace(REQUEST, **wrong))  # type: ignore[arg-type]
+
+
+def test_an_extent_of_one_centimetre_can_be_asked():
+    assert encode_request(SketchRequest(depth=0.01)).rows[0, column("object", "depth")] == round(0.01 / STEP)
 
 
 @pytest.mark.parametrize("reads", ["words", "pictures"])
