@@ -22,7 +22,7 @@ PIECE = 0.5
 """Longest edge, in cells, of the pieces that triangles are subdivided into."""
 STEP = 1e-4
 """Rounding of geometry in the hash (metres)."""
-LEVELS = 65535
+LEVELS = np.iinfo(np.uint16).max
 """Quantisation levels of a share in a stored descriptor."""
 
 

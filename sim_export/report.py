@@ -43,7 +43,6 @@ class Report:
     package: str
     checks: tuple[CheckResult, ...]
     versions: tuple[tuple[str, str], ...] = ()
-    seed: int = 0
 
     @property
     def passed(self) -> bool:
@@ -65,9 +64,11 @@ def report_to_json(report: Report) -> str:
 def report_from_json(text: str) -> Report:
     """Parses the output of `report_to_json`; raises `ValueError` for anything else."""
     value = json.loads(text)
-    value.pop("passed")
-    checks = tuple(CheckResult(**check) for check in value.pop("checks"))
-    return Report(checks=checks, versions=tuple(value.pop("versions").items()), **value)
+    return Report(
+        package=value["package"],
+        checks=tuple(CheckResult(**check) for check in value["checks"]),
+        versions=tuple(value["versions"].items()),
+    )
 
 
 def write_report(report: Report, path: Path) -> None:

@@ -12,7 +12,7 @@ import tyro
 from artigen.cli.arguments import Out, Workers
 from artigen.cli.batch import Finished, Laps, Made, make_and_validate
 from artigen.errors import ArtigenError
-from artigen.metrics.settings import EvaluateSettings
+from artigen.metrics.settings import AppearanceViews, EvaluateSettings
 from artigen.runtime.cores import choose_workers
 from artigen.runtime.runner import LocalRunner, run_jobs
 from artigen.runtime.workers import Worker
@@ -22,21 +22,9 @@ if TYPE_CHECKING:
     from artigen.metrics.packages import Proof
 
 
-EVALUATE = EvaluateSettings()
+EVALUATE, VIEWS = EvaluateSettings(), AppearanceViews()
 TIMEOUT = 300.0
 """Time limit in seconds for exporting one object."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class AppearanceViews:
-    """Settings of appearance only."""
-
-    states: int = 5
-    """Number of joint states, from closed to fully open."""
-    views: int = 8
-    """Number of pictures per state."""
-    dinov2: Path | None = None
-    """Folder with the weights of DINOv2, for models and set distances that use it."""
 
 
 def evaluate(
@@ -45,7 +33,7 @@ def evaluate(
     model: Path = SHIPPED,
     cfg: tyro.conf.OmitArgPrefixes[EvaluateSettings] = EVALUATE,
     workers: Workers = None,
-    appearance: tyro.conf.OmitArgPrefixes[AppearanceViews] = AppearanceViews(),
+    appearance: tyro.conf.OmitArgPrefixes[AppearanceViews] = VIEWS,
 ) -> int:
     """Evaluate a trained model; writes evaluation.json and evaluation.md.
 

@@ -13,7 +13,7 @@ from jaxtyping import Float
 
 EXTENTS = 0.01
 """Largest relative difference of the edges of two boxes at which objects may be near duplicates."""
-LEVELS = 65535
+LEVELS = np.iinfo(np.uint16).max
 """Steps of a share in a descriptor."""
 
 

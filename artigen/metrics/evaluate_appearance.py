@@ -34,6 +34,7 @@ from artigen.metrics.appearance import (
     split_states,
 )
 from artigen.metrics.report import format_score, format_table, write_evaluation
+from artigen.metrics.settings import AppearanceViews
 from artigen.models.conditions import ConditionConfig, StructureCondition
 from artigen.models.description import hash_model, read_description
 from artigen.models.rectified_flow import SamplerConfig
@@ -60,23 +61,17 @@ ROWS = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class EvaluateAppearanceConfig:
+class EvaluateAppearanceConfig(AppearanceViews):
     """Scope of an evaluation."""
 
     held_out: int = 14
     """Held-out procedural objects, categories in turn."""
-    states: int = 5
-    """Joint states, all joints together from closed to the limit."""
-    views: int = 8
-    """Pictures of each state."""
     size: int = 128
     """Edge of a picture in pixels."""
     sampler: SamplerConfig | None = None
     """Steps and guidance; those of the model's preset when None."""
     seed: int = 0
     """Seed of the noise."""
-    dinov2: Path | None = None
-    """Folder with the weights of DINOv2, for the distances between sets and for models trained with it."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -24,3 +24,15 @@ class EvaluateSettings:
     """Number of structure draws, by counts and size, to export and check (L0 to L3); 0 skips this."""
     redraws: int = 3
     """Maximum number of new draws for such an object that fails a check."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AppearanceViews:
+    """Settings of appearance only."""
+
+    states: int = 5
+    """Number of joint states, from closed to fully open."""
+    views: int = 8
+    """Number of pictures per state."""
+    dinov2: Path | None = None
+    """Folder with the weights of DINOv2, for models and set distances that use it."""

@@ -17,6 +17,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import quat_from_matrix
+from sim_export.files.mjcf import HARD_IMPEDANCE, HARD_REFERENCE
 from sim_export.geometry.primitives import find_primitive
 from sim_export.geometry.triangles import area_normals
 from sim_export.package import Hull, Inertial, PackageJoint
@@ -27,9 +28,9 @@ from sim_export.usd.looks import define_mesh
 if TYPE_CHECKING:
     from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
-HARD_REFERENCE = (0.004, 1.0)
-HARD_IMPEDANCE = (0.99, 0.999, 1e-4, 0.5, 2.0)
-"""Constraint impedance of screws in MuJoCo, as in our MJCF."""
+_REFERENCE = tuple(map(float, HARD_REFERENCE.split()))
+_IMPEDANCE = (*map(float, HARD_IMPEDANCE.split()), 0.5, 2.0)
+"""Impedance of screws in MuJoCo: that of the MJCF, and MuJoCo's defaults for what it leaves out."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -205,8 +206,8 @@ def follow_joint(prim: "Usd.Prim", joint: PackageJoint, leader: "Usd.Prim") -> N
     prim.CreateRelationship("mjc:target", custom=False).SetTargets([leader.GetPath()])
     for name, kind, value in (
         ("mjc:coef1", Sdf.ValueTypeNames.Double, joint.mimic_multiplier),
-        ("mjc:solref", Sdf.ValueTypeNames.DoubleArray, Vt.DoubleArray(HARD_REFERENCE)),
-        ("mjc:solimp", Sdf.ValueTypeNames.DoubleArray, Vt.DoubleArray(HARD_IMPEDANCE)),
+        ("mjc:solref", Sdf.ValueTypeNames.DoubleArray, Vt.DoubleArray(_REFERENCE)),
+        ("mjc:solimp", Sdf.ValueTypeNames.DoubleArray, Vt.DoubleArray(_IMPEDANCE)),
     ):
         prim.CreateAttribute(name, kind, custom=False, variability=Sdf.VariabilityUniform).Set(value)
     prim.AddAppliedSchema("PhysxMimicJointAPI:rotZ")

@@ -14,7 +14,7 @@ from artigen.appearance.photographs import NOTHING
 from artigen.appearance.presets import APPEARANCE_PRESETS
 from artigen.appearance.slat_flow import SlatFlow
 from artigen.appearance.views import ViewConfig
-from artigen.cli.evaluate import AppearanceViews, evaluate
+from artigen.cli.evaluate import evaluate
 from artigen.cli.train import AppearanceSettings, train
 from artigen.errors import ArtigenError, SourceError
 from artigen.examples.appearance import draw_appearance, write_appearance_shard
@@ -29,7 +29,7 @@ from artigen.metrics.appearance import (
     split_states,
 )
 from artigen.metrics.pictures import frechet_distance, kernel_distance, measure_psnr, measure_ssim, ssim_map
-from artigen.metrics.settings import EvaluateSettings
+from artigen.metrics.settings import AppearanceViews, EvaluateSettings
 from artigen.models.store import load_model
 from artigen.splats.render.splats import Splats
 from artigen.train.loop import finished_steps
