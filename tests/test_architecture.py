@@ -62,6 +62,7 @@ EXPORT_LAYERS = (
 """The same of sim_export."""
 HEAVY = (
     "torch",
+    "transformers",
     "sapien",
     "mujoco",
     "viser",

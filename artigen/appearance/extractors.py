@@ -6,7 +6,7 @@ from typing import Literal
 
 from artigen.appearance.features import BASE, FeatureExtractor, PyramidFeatures
 from artigen.errors import SourceError
-from artigen.models.dinov2 import load_dinov2
+from artigen.models.public_encoders import load_dinov2
 
 ExtractorName = Literal["pyramid", "dinov2"]
 

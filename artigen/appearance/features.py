@@ -1,6 +1,6 @@
 """Image features for voxels: feature extractors behind one interface.
 
-`PyramidFeatures` needs no weights and no training; `artigen.models.dinov2` has the paper's DINOv2.
+`PyramidFeatures` needs no weights and no training; `artigen.models.public_encoders` has the paper's DINOv2.
 """
 
 from typing import Protocol, runtime_checkable

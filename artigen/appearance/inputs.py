@@ -10,7 +10,7 @@ from artigen.appearance.slat_vae import SlatVaeConfig
 from artigen.appearance.vae import SIDE_CHANNELS
 from artigen.appearance.visibility import Weighting
 from artigen.latent.presets import PresetName
-from artigen.models.dinov2 import DinoConfig
+from artigen.models.public_encoders import DinoConfig
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,9 +12,8 @@ from artigen.latent.latent_dit import LatentDitConfig
 from artigen.latent.outline import HINT_CHANNELS
 from artigen.latent.patch_vae import PatchVaeConfig
 from artigen.latent.structure_dit import StructureDitConfig
-from artigen.models.clip import ClipConfig
 from artigen.models.conditions import ConditionConfig
-from artigen.models.dinov2 import DinoConfig
+from artigen.models.public_encoders import ClipConfig, DinoConfig
 
 PresetName = Literal["tiny", "small", "compact", "paper"]
 

@@ -14,9 +14,7 @@ from torch import Tensor, nn
 
 from artigen.conditioning.image import MARGIN
 from artigen.models.batch import TensorBatch
-from artigen.models.clip import ClipConfig
-from artigen.models.dinov2 import DinoConfig
-from artigen.models.public_encoders import PublicPictures, PublicSentences
+from artigen.models.public_encoders import ClipConfig, DinoConfig, PublicPictures, PublicSentences
 from artigen.shapes.shape import Shape
 from artigen.types import PAPER_CATEGORIES, PART_LABELS, PartLabel
 

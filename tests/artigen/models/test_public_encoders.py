@@ -1,4 +1,4 @@
-"""Conditions that public networks read: tokens as these give them, training and drawing with and without."""
+"""DINOv2 and CLIP as conditions: tokens as these give them, training and drawing with and without."""
 
 import json
 from dataclasses import replace
@@ -7,14 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from clip_files import SMALL as CLIP
-from clip_files import write_clip
+from encoder_files import CLIP, DINO, write_clip, write_dinov2
 from torch.nn import functional
 
 from artigen.errors import ArtigenError, SourceError
 from artigen.latent.presets import PRESETS, StructurePreset
 from artigen.latent.structure_dit import StructureDit, StructureDitConfig
-from artigen.models.clip import load_clip
 from artigen.models.conditions import (
     FIELDS,
     ConditionConfig,
@@ -24,16 +22,20 @@ from artigen.models.conditions import (
     gather_conditions,
     isolate_pictures,
 )
-from artigen.models.dinov2 import DinoConfig, DinoV2, load_dinov2
-from artigen.models.public_encoders import CLIP_FOLDER, attach_encoders, find_encoders
+from artigen.models.public_encoders import (
+    CLIP_FOLDER,
+    DINO_FOLDER,
+    attach_encoders,
+    find_encoders,
+    load_clip,
+    load_dinov2,
+)
 from artigen.train.everything import train_everything
 from artigen.train.presets import TRAINING
 from artigen.train.run import RunConfig, run_conditions
 from artigen.types import PART_LABELS
 
-DINO = DinoConfig(width=48, blocks=1, heads=2, patch=4, edge=4)
 KNOWN = ConditionConfig(width=48, image_size=16, dino=DINO, clip=CLIP)
-TOKENS = 1 + DINO.registers + DINO.edge**2
 FLOW = StructureDitConfig(
     resolution=8, model_channels=48, cond_channels=48, num_blocks=1, num_heads=2, patch_size=2
 )
@@ -43,11 +45,7 @@ FLOW = StructureDitConfig(
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Both encoders, small, with random weights."""
     path = tmp_path_factory.mktemp("encoders")
-    torch.manual_seed(0)
-    network = DinoV2(DINO)
-    for weight in network.parameters():
-        torch.nn.init.normal_(weight, std=0.2)
-    torch.save(network.state_dict(), path / "dinov2_vitl14_reg4_pretrain.pth")
+    write_dinov2(path / "dinov2-with-registers-large")
     write_clip(path / "clip-vit-large-patch14")
     return path
 
@@ -72,30 +70,29 @@ def test_tokens_are_what_the_public_networks_give(folder: Path, encoder: Conditi
     ]
     batch = gather_conditions(asked, KNOWN)
     tokens = encoder(batch)
-    assert tokens.shape == (3, FIELDS + TOKENS + CLIP.length, KNOWN.width)
-    seen = load_dinov2(folder, DINO).tokens(batch.image[:1, :3])
-    shown, told = tokens[:, FIELDS : FIELDS + TOKENS], tokens[:, FIELDS + TOKENS :]
+    assert tokens.shape == (3, FIELDS + DINO.length + CLIP.length, KNOWN.width)
+    seen = load_dinov2(folder / DINO_FOLDER, DINO).tokens(batch.image[:1, :3])
+    shown, told = tokens[:, FIELDS : FIELDS + DINO.length], tokens[:, FIELDS + DINO.length :]
     torch.testing.assert_close(shown[:1], functional.layer_norm(seen, (48,)))
     assert not shown[1:].any()
-    tokenizer, network = load_clip(folder / CLIP_FOLDER, CLIP)
+    read = load_clip(folder / CLIP_FOLDER, CLIP)(["an oven with one door"])
     assert encoder.text is not None
-    torch.testing.assert_close(
-        told[1:2], encoder.text.out_layer(network(tokenizer(["an oven with one door"])))
-    )
+    torch.testing.assert_close(told[1:2], encoder.text.out_layer(read))
     torch.testing.assert_close(told[0], encoder.text.missing.expand(CLIP.length, -1))
 
 
 def test_public_weights_are_no_part_of_the_models(encoder: ConditionEncoder):
     assert set(encoder.state_dict()) == set(ConditionEncoder(KNOWN).state_dict())
-    assert not any("dino" in name or "text_model" in name for name in encoder.state_dict())
 
 
 def test_what_cannot_be_read_is_said_and_the_rest_is_answered(tmp_path: Path, folder: Path):
     alone = ConditionEncoder(KNOWN)
     assert alone(gather_conditions([StructureCondition(category="Oven")], KNOWN)).isfinite().all()
-    with pytest.raises(SourceError, match="DINOv2, whose weights were not given"):
+    with pytest.raises(
+        SourceError, match="DINOv2, which was not given: download dinov2-with-registers-large"
+    ):
         alone(gather_conditions([StructureCondition(image=picture())], KNOWN))
-    with pytest.raises(SourceError, match="CLIP, whose files were not given"):
+    with pytest.raises(SourceError, match="CLIP, which was not given: download clip-vit-large-patch14"):
         alone(gather_conditions([StructureCondition(text="an oven")], KNOWN))
     with pytest.raises(SourceError, match="holds neither DINOv2"):
         attach_encoders(alone, tmp_path)

@@ -3,13 +3,18 @@
 import pytest
 import torch
 from torch import nn
+from transformers import (
+    CLIPTextConfig,
+    CLIPTextModel,
+    Dinov2WithRegistersConfig,
+    Dinov2WithRegistersModel,
+)
 
 from artigen.errors import SourceError
 from artigen.models.attention import plain_norm
-from artigen.models.clip import ClipConfig
 from artigen.models.conditions import ConditionConfig, StructureCondition, gather_conditions
-from artigen.models.dinov2 import DinoConfig, DinoV2
 from artigen.models.embeddings import TimestepEmbedder, embed_times
+from artigen.models.public_encoders import ClipConfig, DinoConfig, DinoV2
 from artigen.models.rectified_flow import SamplerConfig, diffuse, sample_flow, target_velocity
 from artigen.models.tensors import load_strictly
 
@@ -26,20 +31,31 @@ def test_counts_from_24_on_are_one():
 
 
 def test_the_public_vision_transformer_is_the_large_one():
-    """37 x 37 patches of 14 pixels, a class token and four registers; 24 blocks with heads of 64 channels."""
+    """37 x 37 patches of 14 pixels, a class token and four registers."""
     cfg = DinoConfig()
+    assert cfg.edge * cfg.patch == 518
+    assert cfg.length == 1374
     with torch.device("meta"):
-        shapes = {name: tuple(value.shape) for name, value in DinoV2(cfg).state_dict().items()}
-    assert shapes["pos_embed"] == (1, 1 + 37 * 37, 1024)
-    assert shapes["register_tokens"] == (1, 4, 1024)
-    assert shapes["patch_embed.proj.weight"] == (1024, 3, 14, 14)
-    assert shapes["blocks.23.mlp.fc1.weight"] == (4096, 1024)
-    assert not any(name.startswith("blocks.24.") for name in shapes)
-    assert cfg.width / cfg.heads == 64
+        network = Dinov2WithRegistersModel(
+            Dinov2WithRegistersConfig(
+                hidden_size=1024, num_hidden_layers=24, num_attention_heads=16, image_size=518, patch_size=14
+            )
+        )
+        tokens = DinoV2(network, cfg).tokens(torch.zeros(1, 3, 518, 518))
+    assert tokens.shape == (1, cfg.length, cfg.width)
+    assert sum(value.numel() for value in network.parameters()) == 304_372_736
 
 
-def test_the_public_text_encoder_has_heads_of_64_channels():
-    assert ClipConfig().width / ClipConfig().heads == 64
+def test_the_public_text_encoder_reads_77_tokens():
+    cfg = ClipConfig()
+    large = CLIPTextConfig(
+        hidden_size=768, intermediate_size=3072, num_hidden_layers=12, num_attention_heads=12
+    )
+    with torch.device("meta"):
+        network = CLIPTextModel(large)
+    assert network.get_input_embeddings().weight.shape == (49408, cfg.width)
+    assert large.max_position_embeddings == cfg.length == 77
+    assert sum(value.numel() for value in network.parameters()) == 123_060_480
 
 
 def test_a_time_has_128_frequencies_from_one_to_nearly_a_ten_thousandth():
