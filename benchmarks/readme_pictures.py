@@ -26,8 +26,8 @@ from artigen.shapes.sheet import draw_sheet
 from artigen.types import PAPER_CATEGORIES
 from sim_export.files.read import read_package
 from sim_export.picture.animation import write_animation
-from sim_export.picture.camera import Viewpoint
 from sim_export.picture.preview import PreviewConfig, arrange_grid, contact_sheet, preview_package
+from sim_export.picture.viewpoint import Viewpoint
 
 SENTENCES = (
     ("a white fridge with black handles", 2),

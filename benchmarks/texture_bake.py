@@ -20,6 +20,7 @@ from PIL import Image
 
 from artigen.appearance.draw import generate_appearance, load_appearance_model
 from artigen.appearance.paint import paint_surface, repaint
+from artigen.camera import Camera, pixel_rays
 from artigen.kinematics import articulate_gaussians, displacements, qlimits
 from artigen.latent.draw import generate_structure, load_structure_model
 from artigen.models.conditions import describe_shape
@@ -37,9 +38,9 @@ from sim_export.appearance.texture import BakedMesh, bake_mesh
 from sim_export.geometry.meshing import mesh_parts
 from sim_export.geometry.surface import sample_surface
 from sim_export.package import Mesh
-from sim_export.picture.camera import Camera, Viewpoint, frame_points, pixel_rays
 from sim_export.picture.raycast import Surface, albedo_at, build_scene, cast_layers
 from sim_export.picture.render import move_surface, surface_from_mesh
+from sim_export.picture.viewpoint import Viewpoint, place_camera
 from sim_export.reference import build_reference
 
 OBJECTS = ("StorageFurniture_3", "Oven_2", "Refrigerator_1", "Table_4", "Microwave_5", "Dishwasher_6")
@@ -88,7 +89,9 @@ def bake_all(asset: Asset, meshes: Sequence[Mesh]) -> list[BakedMesh]:
 
 def draw_meshes(surfaces: Sequence[Surface], camera: Camera) -> tuple[np.ndarray, np.ndarray]:
     """Colours without light (sRGB in [0, 1], white behind) and the share of each pixel that is filled."""
-    big = replace(camera, width=FACTOR * camera.width, height=FACTOR * camera.height)
+    big = replace(
+        camera, pixel=camera.pixel / FACTOR, width=FACTOR * camera.width, height=FACTOR * camera.height
+    )
     scene, rays = build_scene(surfaces), pixel_rays(big).reshape(-1, 3)
     image, left = np.zeros((len(rays), 4)), np.ones(len(rays))
     for hits, cover in cast_layers(scene, big.position, rays):
@@ -118,16 +121,9 @@ def measure(
         surfaces = [move_surface(surface_from_mesh(one.mesh), T[k]) for k, one in enumerate(baked)]
         moved = scale_gaussians(articulate_gaussians(asset, qpos, gaussians), asset.scale)
         for number, view in enumerate(VIEWS):
-            camera = frame_points(moved.means.astype(np.float64), view)
+            camera = place_camera(moved.means.astype(np.float64), view)
             if (state, number) not in splats:
-                splats[state, number] = draw_gaussians(
-                    moved,
-                    camera.position,
-                    camera.target,
-                    fov=camera.fov,
-                    size=(camera.width, camera.height),
-                    cfg=RasterConfig(),
-                )
+                splats[state, number] = draw_gaussians(moved, camera, cfg=RasterConfig())
             wanted = splats[state, number] / 255.0
             got, filled = draw_meshes(surfaces, camera)
             error = ((got - wanted) ** 2).mean(axis=2)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float, Int
 
-from sim_export.picture.camera import Camera, pixel_rays
+from artigen.camera import Camera, pixel_rays
 from sim_export.picture.lighting import NOTHING
 from sim_export.picture.raycast import Surface, build_scene, cast_rays, surface_ids_at
 

@@ -13,7 +13,18 @@ import pytest
 from project import ROOT
 
 PACKAGES = ("artigen", "sim_export", "envs")
-SHARED = {"types", "transforms", "kinematics", "io", "errors", "files", "runtime", "shapes", "splats"}
+SHARED = {
+    "types",
+    "transforms",
+    "camera",
+    "kinematics",
+    "io",
+    "errors",
+    "files",
+    "runtime",
+    "shapes",
+    "splats",
+}
 """Modules of artigen that the other two packages may use."""
 MODEL_CODE = (
     "artigen.appearance",
@@ -31,7 +42,7 @@ MODEL_CODE = (
 )
 """The only places where torch is imported."""
 LAYERS = (
-    {"errors", "types", "transforms", "kinematics", "io"},
+    {"errors", "types", "transforms", "kinematics", "camera", "io"},
     {"files", "runtime"},
     {"voxels"},
     {"shapes"},

@@ -9,8 +9,8 @@ from artigen.errors import ArtigenError
 if TYPE_CHECKING:
     import numpy as np
 
+    from artigen.camera import Camera
     from artigen.types import Gaussians
-    from sim_export.picture.camera import Camera
 
 
 def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
@@ -49,11 +49,4 @@ def draw_splats(gaussians: "Gaussians", camera: "Camera", background: tuple[int,
     """Renders Gaussians (metres) with a preview camera."""
     from artigen.splats.render.picture import draw_gaussians
 
-    return draw_gaussians(
-        gaussians,
-        camera.position,
-        camera.target,
-        fov=camera.fov,
-        size=(camera.width, camera.height),
-        background=[level / 255.0 for level in background],
-    )
+    return draw_gaussians(gaussians, camera, background=[level / 255.0 for level in background])

@@ -9,10 +9,11 @@ import numpy as np
 import torch
 from jaxtyping import Bool, Float, Int, UInt8
 
-from artigen.datasets.mesh_raster import Pinhole, SeenFaces, project_points, rasterize_mesh
+from artigen.camera import Camera, frame_points, project_points
+from artigen.datasets.mesh_raster import SeenFaces, rasterize_mesh
 from artigen.datasets.partnet_surface import FaceTable, join_tables, look_up_colors
 from artigen.shapes.primitives import Vector
-from artigen.shapes.render.cameras import Cameras, camera_axes, frame_points, pixel_sizes
+from artigen.shapes.render.cameras import batch_cameras
 from artigen.shapes.render.lighting import CORNER, SKY
 from artigen.shapes.render.rays import Surface
 from artigen.shapes.render.shading import (
@@ -36,30 +37,32 @@ SHADOW_OFFSET = 2.0
 """Offset of shadow tests from the surface, in pixels of the shadow map."""
 
 
-def picture_mesh(tables: Sequence[FaceTable], scale: float, cameras: Cameras) -> UInt8[np.ndarray, "h w 4"]:
+def picture_mesh(tables: Sequence[FaceTable], scale: float, camera: Camera) -> UInt8[np.ndarray, "h w 4"]:
     """Renders a textured mesh through one camera: RGBA, premultiplied on black.
 
     Args:
-        cameras: A batch of one (m), of ``FINE`` times the width and height of the picture.
+        camera: In metres, with ``FINE`` times the width and height of the picture.
 
     Raises:
         SourceError: If an image of a material cannot be decoded.
     """
     vertices, faces = join_tables(tables)
     vertices = scale * vertices
-    seen = rasterize_mesh(vertices, faces, _pinhole(cameras))
-    surface = _find_surface(vertices, faces, seen, cameras)
+    seen = rasterize_mesh(vertices, faces, camera)
+    surface = _find_surface(vertices, faces, seen, camera)
     uv = np.einsum("nk,nkd->nd", seen.weights, np.concatenate([table.uv for table in tables])[seen.face])
     material = _matte(look_up_colors(tables, seen.face, uv))
     cfg = RenderConfig()
     light = Light(
         lamp=_find_lit(vertices, faces, surface, cfg.lamp),
         sky=_find_lit(vertices, faces, surface, SKY),
-        open=find_openness(cameras, surface, torch.zeros_like(surface.pixel), reach=CORNER, samples=10),
+        open=find_openness(
+            batch_cameras([camera]), surface, torch.zeros_like(surface.pixel), reach=CORNER, samples=10
+        ),
     )
     scattered, mirrored = shade(surface.normal, surface.view, material, light, cfg)
-    height, width = cameras.height // FINE, cameras.width // FINE
-    fine = np.zeros((cameras.height * cameras.width, 4))
+    height, width = camera.height // FINE, camera.width // FINE
+    fine = np.zeros((camera.height * camera.width, 4))
     fine[seen.pixel, :3] = srgb_from_linear(scattered + mirrored).numpy()
     fine[seen.pixel, 3] = 1.0
     cells = fine.reshape(height, FINE, width, FINE, 4).transpose(0, 2, 1, 3, 4).reshape(height, width, -1, 4)
@@ -68,24 +71,13 @@ def picture_mesh(tables: Sequence[FaceTable], scale: float, cameras: Cameras) ->
     return pack_picture(rgb, cells[..., FINE**2 // 2, 3] > 0)  # shown where a pixel's centre is
 
 
-def _pinhole(cameras: Cameras) -> Pinhole:
-    """The only camera of a batch."""
-    return Pinhole(
-        position=cameras.position[0].double().numpy(),
-        axes=camera_axes(cameras)[0].numpy(),
-        pixel=float(pixel_sizes(cameras)[0]),
-        width=cameras.width,
-        height=cameras.height,
-    )
-
-
 def _find_surface(
-    vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], seen: SeenFaces, cameras: Cameras
+    vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], seen: SeenFaces, camera: Camera
 ) -> Surface:
     """Surface for shading; normals face the camera, since source triangles have no reliable orientation."""
     corners = vertices[faces[seen.face]]
     point = np.einsum("nk,nkd->nd", seen.weights, corners)
-    view = point - cameras.position[0].double().numpy()
+    view = point - camera.position
     view /= np.linalg.norm(view, axis=1, keepdims=True)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
@@ -121,17 +113,15 @@ def _find_lit(
     vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], surface: Surface, light: Vector
 ) -> Float[torch.Tensor, "N"]:
     """1 where a point is lit by a distant light, 0 in shadow."""
-    camera = _pinhole(
-        frame_points(
-            vertices[faces].reshape(-1, 3), light, fov=SHADOW_FOV, width=SHADOW_EDGE, height=SHADOW_EDGE
-        )
-    )
+    corners, toward = vertices[faces].reshape(-1, 3), np.array(light)
+    camera = frame_points(corners, toward, fov=SHADOW_FOV, width=SHADOW_EDGE, height=SHADOW_EDGE)
     seen = rasterize_mesh(vertices, faces, camera)
     nearest = np.full(SHADOW_EDGE**2, np.inf)
     nearest[seen.pixel] = seen.depth
     offset = SHADOW_OFFSET * camera.pixel * float(seen.depth.mean())
-    screen, depth = project_points(surface.point.double().numpy() + offset * surface.normal.numpy(), camera)
-    column, row = np.clip(np.floor(screen), 0, SHADOW_EDGE - 1).astype(np.int64).T
+    lifted = surface.point.double().numpy() + offset * surface.normal.numpy()
+    *screen, depth = project_points(camera, lifted).T
+    column, row = np.clip(np.floor(screen), 0, SHADOW_EDGE - 1).astype(np.int64)
     lit: Bool[np.ndarray, "N"] = depth <= nearest[row * SHADOW_EDGE + column] + offset
     return torch.from_numpy(lit).float()
 

@@ -5,21 +5,23 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from artigen.camera import Camera, frame_points
 from artigen.datasets.partnet_surface import FaceTable, join_tables
 from artigen.examples.mesh_pictures import FINE, pack_picture, picture_mesh
 from artigen.shapes.primitives import Vector, place_vertices
-from artigen.shapes.render import Cameras, build_scene, frame_points, render
+from artigen.shapes.render import build_scene, render
+from artigen.shapes.render.cameras import batch_cameras
 from artigen.shapes.shape import Shape
 
 NEAR_FRONT = (0.6, 0.25)
 """Largest yaw to either side and largest pitch of the camera (radians): pictures are near-frontal."""
 
 
-def draw_camera(points: Float[np.ndarray, "N 3"], seed: int, size: int) -> Cameras:
-    """A camera near the front with all points in view, as a batch of one."""
+def draw_camera(points: Float[np.ndarray, "N 3"], seed: int, size: int) -> Camera:
+    """A camera near the front with all points in view."""
     rng = np.random.default_rng([seed, 1])
     turn, lift = rng.uniform(-NEAR_FRONT[0], NEAR_FRONT[0]), rng.uniform(0.0, NEAR_FRONT[1])
-    return frame_points(points, find_direction(turn, lift), width=size, height=size)
+    return frame_points(points, np.array(find_direction(turn, lift)), width=size, height=size)
 
 
 def find_direction(turn: float, lift: float) -> Vector:
@@ -32,7 +34,7 @@ def photograph_shape(shape: Shape, seed: int, size: int) -> UInt8[np.ndarray, "H
     """A picture of a procedural object, closed: RGBA, premultiplied on black."""
     points = np.concatenate([place_vertices(p) for part in shape.parts for p in part.primitives])
     camera = draw_camera(points, seed, size)
-    seen = render(build_scene([shape]), camera, [np.zeros(len(shape.parts))])
+    seen = render(build_scene([shape]), batch_cameras([camera]), [np.zeros(len(shape.parts))])
     return pack_picture(seen.rgb[0].numpy(), seen.mask[0].numpy())
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from artigen.datasets.mesh_raster import Pinhole
+from artigen.camera import Camera
 from artigen.shapes.shape import Shape
 from artigen.sketch.overlay import (
     Faces,
@@ -84,7 +84,7 @@ class Fit:
     """The camera under which a shape matches a picture best."""
 
     view: View
-    camera: Pinhole
+    camera: Camera
     """For the picture at its given size; rows of ``axes`` are sheared by the position of the crop."""
     overlap: float
     """Intersection over union of the silhouettes."""
@@ -154,7 +154,7 @@ def find_hull(points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "H 3"]:
     return points[ConvexHull(points).vertices]
 
 
-def place_camera(view: View, hull: Float[np.ndarray, "H 3"], target: Target) -> Pinhole:
+def place_camera(view: View, hull: Float[np.ndarray, "H 3"], target: Target) -> Camera:
     """Camera of a view, scaled and sheared so that the object's box coincides with the picture's."""
     edge = len(target.alpha)
     axes, position = _stand(hull, *(np.array([v]) for v in (view.yaw, view.pitch, view.closeness)))
@@ -165,7 +165,7 @@ def place_camera(view: View, hull: Float[np.ndarray, "H 3"], target: Target) -> 
     pixel = float(np.exp(-view.zoom) * np.sqrt(np.prod((high - low) / (target.high - target.low))))
     middle = (target.low + target.high) / 2 + edge * np.array([view.aside, view.down])
     shear = (middle - edge / 2) * pixel - (low + high) / 2
-    return Pinhole(
+    return Camera(
         position=position,
         axes=axes + np.array([[shear[0]], [shear[1]], [0.0]]) * axes[2],
         pixel=pixel,

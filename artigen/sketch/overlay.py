@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from artigen.datasets.mesh_raster import Pinhole, rasterize_mesh
+from artigen.camera import Camera
+from artigen.datasets.mesh_raster import rasterize_mesh
 from artigen.errors import ArtigenError
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
@@ -128,7 +129,7 @@ def read_target(picture: Float[np.ndarray, "4 S S"], edge: int) -> Target:
     )
 
 
-def find_visible(faces: Faces, camera: Pinhole) -> Int[np.ndarray, "S S"]:
+def find_visible(faces: Faces, camera: Camera) -> Int[np.ndarray, "S S"]:
     """Index of the visible face at each pixel, -1 for background."""
     ahead = np.einsum("fk,fk->f", faces.normals, camera.position - faces.vertices[faces.corners[:, 0]])
     rows = np.flatnonzero(ahead > 0)

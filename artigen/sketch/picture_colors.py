@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from artigen.datasets.mesh_raster import Pinhole, project_points
+from artigen.camera import Camera
 from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.textures import paint_primitives
@@ -131,7 +131,7 @@ def find_handle(shape: Shape) -> str | None:
     return role if role in SMALL else None
 
 
-def find_spots(shape: Shape, picture: Float[np.ndarray, "4 S S"], camera: Pinhole) -> Spots:
+def find_spots(shape: Shape, picture: Float[np.ndarray, "4 S S"], camera: Camera) -> Spots:
     """Pixels that lie on both the picture's object and the shape, away from likely shadows.
 
     Raises:
@@ -237,7 +237,7 @@ def _find_clear(faces: Faces, seen: Int[np.ndarray, "S S"]) -> Bool[np.ndarray, 
 
 
 def _find_open(
-    faces: Faces, seen: Int[np.ndarray, "S S"], clear: Bool[np.ndarray, "S S"], camera: Pinhole
+    faces: Faces, seen: Int[np.ndarray, "S S"], clear: Bool[np.ndarray, "S S"], camera: Camera
 ) -> Bool[np.ndarray, "S S"]:
     """Pixels without neighbouring geometry that could shade them. A finish with no such pixel uses those away
     from edges."""
@@ -259,7 +259,7 @@ def _find_open(
 
 
 def _trace(
-    faces: Faces, face: Int[np.ndarray, "N"], spots: Float[np.ndarray, "N 2"], camera: Pinhole
+    faces: Faces, face: Int[np.ndarray, "N"], spots: Float[np.ndarray, "N 2"], camera: Camera
 ) -> Float[np.ndarray, "N 3"]:
     """Surface points (m) that image positions show on the given faces."""
     plane = (spots - np.array([camera.width, camera.height]) / 2) * camera.pixel
@@ -271,7 +271,7 @@ def _trace(
 
 
 def _light(
-    shape: Shape, points: Float[np.ndarray, "N 3"], camera: Pinhole
+    shape: Shape, points: Float[np.ndarray, "N 3"], camera: Camera
 ) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N"]]:
     """Illumination of visible points (m): diffuse factor and mirrored light.
 
@@ -282,8 +282,8 @@ def _light(
 
     from artigen.shapes.render import Cameras, RenderConfig, build_scene, render
 
-    plain = replace(camera, axes=_straighten(camera.axes), pixel=1.0, width=0, height=0)
-    plane, _ = project_points(points, plain)
+    local = (points - camera.position) @ _straighten(camera.axes).T
+    plane = local[:, :2] / local[:, 2:]
     reach = 1.02 * float(np.abs(plane).max())
     eye = torch.tensor(np.stack([camera.position] * 2))
     cameras = Cameras(

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import UInt8
 
+from artigen.camera import Camera
 from sim_export.motion.kinematics import link_displacements
 from sim_export.package import SimPackage
-from sim_export.picture.camera import Camera, Viewpoint
 from sim_export.picture.draw import pose_surfaces, sweep_qpos
 from sim_export.picture.preview import (
     PreviewConfig,
@@ -20,6 +20,7 @@ from sim_export.picture.preview import (
     prepare_shapes,
 )
 from sim_export.picture.splats import DrawSplats, has_splats, pose_splats
+from sim_export.picture.viewpoint import Viewpoint
 
 
 @dataclass(frozen=True, kw_only=True)

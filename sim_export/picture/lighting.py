@@ -7,8 +7,8 @@ from functools import partial
 import numpy as np
 from jaxtyping import Float, Int
 
+from artigen.camera import Camera, project_points
 from artigen.splats.colors import linear_from_srgb
-from sim_export.picture.camera import Camera, project_points
 from sim_export.picture.raycast import (
     OPAQUE,
     Hits,

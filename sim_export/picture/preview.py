@@ -16,14 +16,15 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from artigen.camera import Camera
 from sim_export.motion.kinematics import driven_joints
 from sim_export.package import SimPackage
-from sim_export.picture.camera import Camera, Viewpoint, frame_points
 from sim_export.picture.draw import explode_links, hull_surfaces, open_links, package_surfaces, pose_surfaces
 from sim_export.picture.lighting import RenderConfig
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import render_scene, surface_points
 from sim_export.picture.splats import DrawSplats, has_splats, pose_splats
+from sim_export.picture.viewpoint import Viewpoint, place_camera
 
 Panel = Literal["closed", "half", "open", "exploded", "collision"]
 SPLAT_PANELS: tuple[Panel, ...] = ("closed", "half", "open", "exploded")
@@ -215,7 +216,7 @@ def _panel_surfaces(shapes: Shapes, panel: Panel) -> tuple[Surface, ...]:
 def frame_shapes(shapes: Shapes, cfg: PreviewConfig, panels: Sequence[Panel]) -> Camera:
     """A camera that frames every one of the panels."""
     points = [surface_points(_panel_surfaces(shapes, panel)) for panel in panels]
-    return frame_points(np.concatenate(points), cfg.viewpoint)
+    return place_camera(np.concatenate(points), cfg.viewpoint)
 
 
 def draw_panel(

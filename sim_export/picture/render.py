@@ -10,11 +10,11 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from artigen.camera import Camera, pixel_rays, rays_through
 from artigen.splats.colors import srgb_from_linear
 from artigen.transforms import transform_points, transform_vectors
 from sim_export.geometry.normals import CREASE, corner_normals
 from sim_export.package import Mesh
-from sim_export.picture.camera import Camera, pixel_rays, rays_through
 from sim_export.picture.lighting import (
     Grid,
     Light,

@@ -6,11 +6,11 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from artigen.camera import Camera
 from artigen.splats.motion import transform_gaussians
 from artigen.splats.parts import merge_gaussians
 from artigen.types import Gaussians
 from sim_export.package import SimPackage
-from sim_export.picture.camera import Camera
 
 DrawSplats = Callable[[Gaussians, Camera, tuple[int, int, int]], UInt8[np.ndarray, "H W 3"]]
 """Renders Gaussians (metres) with a camera over a plain background (sRGB levels)."""

@@ -20,12 +20,12 @@ from artigen.transforms import matrix_from_quat, quat_from_matrix
 from sim_export.geometry.triangles import diagonal_of
 from sim_export.motion.kinematics import driven_joints, link_displacements
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
-from sim_export.picture.camera import Viewpoint, frame_points
 from sim_export.picture.draw import hull_surfaces, open_end, package_surfaces
 from sim_export.picture.glb import textured_trimesh
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import surface_points
 from sim_export.picture.splats import has_splats
+from sim_export.picture.viewpoint import Viewpoint, place_camera
 
 if TYPE_CHECKING:
     import viser
@@ -116,7 +116,7 @@ def _place_camera(server: "viser.ViserServer", surfaces: tuple[Surface, ...]) ->
     if not len(points):
         return
     low, high = points.min(axis=0), points.max(axis=0)
-    camera = frame_points(points, Viewpoint(fov=40.0, margin=0.2))
+    camera = place_camera(points, Viewpoint(fov=40.0, margin=0.2))
     server.initial_camera.position = tuple(camera.position)
     server.initial_camera.look_at = tuple((low + high) / 2.0)
     width = 4.0 * float((high - low).max())

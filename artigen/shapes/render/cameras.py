@@ -3,6 +3,7 @@
 The image plane has its origin at the upper left; depth is measured along the viewing direction.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,8 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
+from artigen.camera import Camera
+from artigen.camera import frame_points as camera_around
 from artigen.shapes.primitives import Vector
 
 
@@ -87,21 +90,16 @@ def frame_points(
         width: Pixels per row.
         height: Number of rows.
     """
-    way = torch.tensor([direction], dtype=torch.float64)
-    facing = Cameras(position=way, target=torch.zeros_like(way), fov=torch.tensor([fov]))
-    axes = camera_axes(facing)[0].numpy()
-    local = points @ axes.T
-    # Each border of the picture is a half-space condition that is linear in the camera's position.
-    vertical = np.tan(np.radians(fov) / 2.0) * (1.0 - 2.0 * margin)
-    slopes = np.array([vertical * width / height, vertical])
-    highest = (local[:, :2] - slopes * local[:, 2:]).max(axis=0)
-    lowest = (local[:, :2] + slopes * local[:, 2:]).min(axis=0)
-    depth = float(((lowest - highest) / (2.0 * slopes)).min())
-    position = np.array([*((highest + lowest) / 2.0), depth]) @ axes
+    camera = camera_around(points, np.array(direction), fov=fov, margin=margin, width=width, height=height)
+    return batch_cameras([camera])
+
+
+def batch_cameras(cameras: Sequence[Camera]) -> Cameras:
+    """Cameras with orthogonal axes and pictures of one size as a batch."""
     return Cameras(
-        position=torch.tensor(position[None]),
-        target=torch.tensor((position + axes[2])[None]),
-        fov=torch.tensor([fov], dtype=torch.float64),
-        width=width,
-        height=height,
+        position=torch.from_numpy(np.stack([camera.position for camera in cameras])),
+        target=torch.from_numpy(np.stack([camera.target for camera in cameras])),
+        fov=torch.tensor([camera.fov for camera in cameras], dtype=torch.float64),
+        width=cameras[0].width,
+        height=cameras[0].height,
     )

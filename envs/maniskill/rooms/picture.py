@@ -16,11 +16,11 @@ from sim_export.files.read import read_package
 from sim_export.geometry.hulls import box_hull
 from sim_export.motion.kinematics import link_displacements
 from sim_export.package import Mesh, SimPackage
-from sim_export.picture.camera import Viewpoint, frame_points
 from sim_export.picture.draw import package_surfaces
 from sim_export.picture.lighting import RenderConfig
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import move_surface, render_scene, surface_from_mesh, surface_points
+from sim_export.picture.viewpoint import Viewpoint, place_camera
 
 from .footprints import cached_package, outline_of, read_footprint
 from .room import Fixture, Item, Placement, Room, Side, from_wall, pose_matrix_of
@@ -56,7 +56,7 @@ def draw_room(room: Room) -> UInt8[np.ndarray, "H W 3"]:
     viewpoint = Viewpoint(
         azimuth=azimuth, elevation=ELEVATION, fov=30.0, margin=0.02, width=WIDTH, height=HEIGHT
     )
-    camera = frame_points(surface_points(surfaces), viewpoint)
+    camera = place_camera(surface_points(surfaces), viewpoint)
     return render_scene(surfaces, camera, RENDER)
 
 

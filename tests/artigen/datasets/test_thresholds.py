@@ -9,9 +9,10 @@ import pytest
 import trimesh
 from cabinet_files import box_visual, joint, link, urdf
 
+from artigen.camera import Camera
 from artigen.datasets.duplicates import Duplicate, Duplicates, Fingerprint
 from artigen.datasets.mesh_files import write_obj
-from artigen.datasets.mesh_raster import Pinhole, rasterize_mesh
+from artigen.datasets.mesh_raster import rasterize_mesh
 from artigen.datasets.mjcf import write_urdf
 from artigen.datasets.packing import PackingError
 from artigen.datasets.partnet_annotation import SourceNode, read_nodes
@@ -63,7 +64,7 @@ def test_a_back_is_seen_where_it_is_nearer_by_a_ten_thousandth(ahead, seen):
     """Of a front, and a back a bit before it."""
     front = np.array([[-1.0, -1.0, 1.0], [0.0, 2.0, 1.0], [2.0, -1.0, 1.0]])
     vertices = np.concatenate([front, (1.0 - ahead) * front])
-    camera = Pinhole(position=np.zeros(3), axes=np.eye(3), pixel=0.1, width=1, height=1)
+    camera = Camera(position=np.zeros(3), axes=np.eye(3), pixel=0.1, width=1, height=1)
     assert rasterize_mesh(vertices, np.array([[0, 1, 2], [3, 5, 4]]), camera).face.tolist() == [seen]
 
 

@@ -7,17 +7,17 @@ import pytest
 from scipy.ndimage import binary_dilation
 from scipy.spatial import ConvexHull
 
-from artigen.datasets.mesh_raster import Pinhole, project_points, rasterize_mesh
+from artigen.camera import Camera, project_points
+from artigen.datasets.mesh_raster import rasterize_mesh
 from artigen.datasets.partnet_mobility import ReaderConfig, read_object
 from artigen.datasets.partnet_surface import FaceTable
 from artigen.examples.photographs import draw_camera, photograph_mesh, photograph_shape
 from artigen.files.wavefront import Material
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import place_vertices
-from artigen.shapes.render.cameras import camera_axes, pixel_sizes
 from artigen.shapes.shape import Shape
 
-CAMERA = Pinhole(
+CAMERA = Camera(
     position=np.array([-3.0, 0.1, 0.2]), axes=np.eye(3)[[1, 2, 0]], pixel=0.02, width=40, height=30
 )
 
@@ -30,7 +30,7 @@ def soup(seed: int, count: int) -> tuple[np.ndarray, np.ndarray]:
     return vertices, np.arange(3 * count).reshape(-1, 3)
 
 
-def cast(vertices: np.ndarray, faces: np.ndarray, camera: Pinhole) -> np.ndarray:
+def cast(vertices: np.ndarray, faces: np.ndarray, camera: Camera) -> np.ndarray:
     """Nearest depth of every pixel by solving for each triangle, infinite where there is none."""
     columns, rows = np.meshgrid(np.arange(camera.width) + 0.5, np.arange(camera.height) + 0.5)
     x, y = (columns.ravel() - camera.width / 2), (rows.ravel() - camera.height / 2)
@@ -58,9 +58,10 @@ def test_weights_give_the_point_that_is_seen():
     seen = rasterize_mesh(vertices, faces, CAMERA)
     assert len(seen.pixel) > 100
     assert (seen.weights > -1e-5).all()
-    screen, depth = project_points(np.einsum("nk,nkd->nd", seen.weights, vertices[faces[seen.face]]), CAMERA)
+    points = np.einsum("nk,nkd->nd", seen.weights, vertices[faces[seen.face]])
+    *screen, depth = project_points(CAMERA, points).T
     middles = np.column_stack([seen.pixel % CAMERA.width, seen.pixel // CAMERA.width]) + 0.5
-    np.testing.assert_allclose(screen, middles, atol=1e-4)
+    np.testing.assert_allclose(np.column_stack(screen), middles, atol=1e-4)
     np.testing.assert_allclose(depth, seen.depth, rtol=1e-5)
 
 
@@ -124,14 +125,7 @@ def test_a_real_object_is_seen_where_its_surface_is(real_objects: Path):
     seen = photograph_mesh(source.tables, source.asset.scale, 3, 64)[..., 3] > 0
     scale = source.asset.scale
     camera = draw_camera(scale * source.triangles.vertices[np.unique(source.triangles.faces)], 3, 64)
-    view = Pinhole(
-        position=camera.position[0].numpy(),
-        axes=camera_axes(camera)[0].numpy(),
-        pixel=float(pixel_sizes(camera)[0]),
-        width=64,
-        height=64,
-    )
-    screen, _ = project_points(scale * source.asset.surface.points, view)
+    screen = project_points(camera, scale * source.asset.surface.points)[:, :2]
     column, row = np.floor(screen).astype(int).T
     assert binary_dilation(seen, np.ones((3, 3)))[row, column].all()
     hit = np.zeros_like(seen)

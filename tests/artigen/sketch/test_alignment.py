@@ -8,7 +8,7 @@ import pytest
 import torch
 from jaxtyping import Float
 
-from artigen.datasets.mesh_raster import Pinhole
+from artigen.camera import Camera
 from artigen.examples.photographs import draw_camera, photograph_shape
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import box, move, place_vertices
@@ -46,7 +46,7 @@ def photograph(shape: Shape, seed: int) -> Float[np.ndarray, "4 S S"]:
 def true_yaw(shape: Shape, seed: int) -> float:
     """Turn of the camera of a photograph, as it is seen from the middle of the object."""
     points = np.concatenate([place_vertices(p) for part in shape.parts for p in part.primitives])
-    way = draw_camera(points, seed, SIZE).position[0].numpy() - shape.bounds().mean(axis=0)
+    way = draw_camera(points, seed, SIZE).position - shape.bounds().mean(axis=0)
     return float(np.arctan2(way[1], -way[0]))
 
 
@@ -57,7 +57,7 @@ def dye(faces: Faces, seen: np.ndarray, colors: np.ndarray) -> Float[np.ndarray,
     return np.concatenate([rgb, mask[..., None]], axis=2).transpose(2, 0, 1).astype(np.float32)
 
 
-def stand(shape: Shape, view: View) -> tuple[Faces, Pinhole]:
+def stand(shape: Shape, view: View) -> tuple[Faces, Camera]:
     """The camera of a view that fills a picture."""
     blank = np.zeros((4, SIZE, SIZE), dtype=np.float32)
     blank[3, 12:116, 24:104] = 1.0

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from artigen.datasets.mesh_raster import project_points
+from artigen.camera import project_points
 from artigen.shapes.primitives import box, place_vertices
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
@@ -52,7 +52,8 @@ def test_a_view_without_zoom_or_shift_fills_the_box_of_the_picture():
     blank[3, 10:40, 20:60] = 1.0
     target = read_target(blank, 64)
     points = np.concatenate([place_vertices(p) for p in blocks(0.3).parts[0].primitives])
-    plane, _ = project_points(points, place_camera(View(yaw=0.4, pitch=0.2, closeness=0.2), points, target))
+    camera = place_camera(View(yaw=0.4, pitch=0.2, closeness=0.2), points, target)
+    plane = project_points(camera, points)[:, :2]
     low, high = plane.min(axis=0), plane.max(axis=0)
     np.testing.assert_allclose((low + high) / 2, [40.0, 25.0], atol=1e-9)
     assert np.prod(high - low) == pytest.approx(30.0 * 40.0)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import torch
 
+from artigen.camera import look_at
 from artigen.cli.shape import make_package
 from artigen.shapes.draw import draw_shape
 from artigen.splats.colors import linear_from_srgb
@@ -94,9 +95,8 @@ def test_a_sheet_without_thickness_shows_the_side_one_looks_at(side: float):
     discs = splat_surface(both)
     spacing = 0.6 / np.sqrt(count)
     np.testing.assert_allclose(np.abs(discs.means[:, 0]), 0.5 * spacing, rtol=0.15)
-    picture = draw_gaussians(
-        discs, np.array([side * 4.0, 1.5, 1.0]), np.zeros(3), fov=5.0, size=(96, 96)
-    ).astype(float)
+    camera = look_at(np.array([side * 4.0, 1.5, 1.0]), np.zeros(3), fov=5.0, width=96, height=96)
+    picture = draw_gaussians(discs, camera).astype(float)
     wanted = both.colors[0 if side < 0 else -1].astype(float)
     wrong = np.abs(picture - wanted).max(axis=2)
     assert np.median(wrong) < 12

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from artigen.camera import look_at
 from artigen.splats.colors import linear_from_srgb
 from artigen.splats.render.picture import draw_gaussians
 from artigen.splats.surface import SurfaceSplatConfig, splat_surface
@@ -105,7 +106,9 @@ def test_a_pane_in_a_frame_is_as_clear_as_its_gaussians(opacity: float):
     assert (seen[middle > 0.35, 3] == 255).all()
     white, black = (
         draw_gaussians(
-            discs, np.array([0.0, -3.0, 0.0]), np.zeros(3), fov=8.0, size=(64, 64), background=(tone,) * 3
+            discs,
+            look_at(np.array([0.0, -3.0, 0.0]), np.zeros(3), fov=8.0, width=64, height=64),
+            background=(tone,) * 3,
         )
         for tone in (1.0, 0.0)
     )

@@ -12,6 +12,7 @@ from picture_maps import render_ids
 from PIL import Image
 from sample_cabinet import SAMPLE_PARTS, SamplePart, sample_box_arrays
 
+from artigen.camera import Camera, look_at, project_points
 from artigen.types import Gaussians
 from sim_export.errors import PackageError
 from sim_export.files.write import write_package
@@ -26,7 +27,6 @@ from sim_export.package import (
     Visual,
 )
 from sim_export.picture.animation import AnimationConfig, animate_packages, write_animation
-from sim_export.picture.camera import Camera, Viewpoint, project_points
 from sim_export.picture.draw import (
     distinct_color,
     explode_links,
@@ -49,6 +49,7 @@ from sim_export.picture.preview import (
     write_preview,
 )
 from sim_export.picture.render import surface_points
+from sim_export.picture.viewpoint import Viewpoint
 
 SMALL = PreviewConfig(
     viewpoint=Viewpoint(width=120, height=120),
@@ -194,7 +195,7 @@ def test_of_hulls_that_share_a_plane_one_is_seen_all_over(boxes_package: SimPack
     hulls = tuple(Hull(vertices=plate.vertices @ turned, faces=plate.faces) for plate in plates)
     package = replace(boxes_package, links=(replace(boxes_package.links[1], hulls=hulls),), joints=())
     first, second = hull_surfaces(package)
-    front = Camera(position=np.array([-3.0, 0.3, 0.2]) @ turned, target=np.zeros(3))
+    front = look_at(np.array([-3.0, 0.3, 0.2]) @ turned, np.zeros(3))
     ids = render_ids([first, replace(second, id=second.id + 1)], front)
     assert len(np.unique(ids[ids >= 0])) <= 2
     middle = ids[180:204, 180:204]
