@@ -17,7 +17,6 @@ import tyro
 from artigen.examples.photographs import photograph_shape
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
-from artigen.sketch.alignment import View, fit_camera
 from artigen.sketch.model import (
     COOLEST,
     PICTURE_EDGE,
@@ -27,6 +26,7 @@ from artigen.sketch.model import (
     encode_picture,
     load_sketch_network,
 )
+from artigen.sketch.overlay import View
 from artigen.sketch.picture_colors import read_colors
 from artigen.sketch.request import SketchRequest
 from artigen.types import PAPER_CATEGORIES
@@ -65,9 +65,9 @@ def main(model: Path = SHIPPED, first: int = 0, each: int = 2) -> int:
             picture = rgba.transpose(2, 0, 1).astype(np.float32) / 255.0
             encoded = encode_picture(network, picture)
             drawn = draw_object(network, SketchRequest(), seed, cfg, encoded).shape
-            fit = fit_camera(drawn, picture, View(*encoded[0].view[0].tolist()))
+            view = View(*encoded[0].view[0].tolist())
             labels = encoded[0].labels[0].softmax(dim=0).numpy()
-            colored = read_colors(drawn, picture, fit, trust=True, labels=labels)
+            colored = read_colors(drawn, picture, view, labels=labels)
             for errors, shape in ((of_drawn, drawn), (read, colored)):
                 for role, error in compare_finishes(shape, truth).items():
                     errors[role].append(error)

@@ -1,6 +1,6 @@
 """Estimates the colour of handles and knobs from a picture and the labels that the encoder finds in it.
 
-They are a few pixels wide, so a fitted shape rarely has them at the exact pixels where the picture shows
+They are a few pixels wide, so a drawn shape rarely has them at the exact pixels where the picture shows
 them. The encoder's labels say which cells of the picture show one; of a cell's pixels, the half that differs
 most from the surroundings is taken for the handle.
 """

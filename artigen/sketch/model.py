@@ -15,7 +15,6 @@ from artigen.errors import SourceError
 from artigen.models.description import read_description
 from artigen.models.store import load_model, save_model
 from artigen.shapes.shape import Shape
-from artigen.sketch.alignment import View, fit_camera
 from artigen.sketch.blocks import PictureMemory
 from artigen.sketch.decoder import Decoder
 from artigen.sketch.draft import Draft, begin_draft
@@ -25,6 +24,7 @@ from artigen.sketch.faults import find_extent_faults, find_faults
 from artigen.sketch.front import find_front_faults
 from artigen.sketch.growth import Grower
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
+from artigen.sketch.overlay import View
 from artigen.sketch.part_counts import describe_part_counts, parse_part_counts, read_part_counts
 from artigen.sketch.picture import PictureConfig, PicturePrediction
 from artigen.sketch.picture_colors import read_colors
@@ -249,10 +249,10 @@ def draw_pictured(
     encoded = encode_picture(network, picture)
     cfg = replace(cfg or SketchConfig(), header=PICTURED, coolest=COOLEST)
     drawn = draw_object(network, request, seed, cfg, encoded)
-    fit = fit_camera(drawn.shape, picture, View(*encoded[0].view[0].tolist()))
+    view = View(*encoded[0].view[0].tolist())
     requested = {finish.role for finish in request.finishes if finish.color is not None}
     labels = encoded[0].labels[0].softmax(dim=0).numpy()
-    shape = read_colors(drawn.shape, picture, fit, keep=requested, trust=True, labels=labels)
+    shape = read_colors(drawn.shape, picture, view, keep=requested, labels=labels)
     return replace(drawn, shape=shape)
 
 

@@ -1,8 +1,7 @@
-"""Estimates the colours of finishes from a picture and an aligned shape.
+"""Estimates the colours of finishes from a picture and a shape in the view that the encoder predicts.
 
-A pixel shows its finish's colour under some illumination. The illumination is modelled as the bright room in
-which shapes are rendered; the brightness of each side of the object is corrected with finishes that are
-visible on several sides. The colour of a finish is the median of its corrected pixels. A finish that is not
+A pixel shows its finish's colour under some illumination, which is modelled as that of the bright room in
+which shapes are rendered. The colour of a finish is the median of its corrected pixels. A finish that is not
 visible keeps its colour, or takes that of a visible finish with the same original colour. Handles are read
 where the encoder sees them (`artigen.sketch.handle_color`).
 """
@@ -15,33 +14,25 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from artigen.camera import Camera
+from artigen.datasets.mesh_raster import SeenFaces
 from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.textures import paint_primitives
-from artigen.sketch.alignment import Fit
 from artigen.sketch.handle_color import THIN, read_handle
-from artigen.sketch.overlay import FRONT, SIDES, SOLID, Faces, find_visible, list_faces, read_target
+from artigen.sketch.overlay import FRONT, SIDES, SOLID, Faces, View, find_visible, list_faces, place_camera
 from artigen.splats.colors import linear_from_srgb, srgb_from_linear
 
 MIN_PIXELS = 12
-"""Smallest number of pixels away from edges for the colour of a finish, or for its brightness on one side."""
+"""Smallest number of pixels away from edges for the colour of a finish."""
 OPAQUE = 0.99
 """Opacity below which a finish keeps its colour."""
-KNOWN = 0.1
-"""Weight of the prior that sides are as bright as in the room, as a share of the object's pixels."""
 LARGE = 0.02
 """Share of the object's pixels that must show a finish, away from edges, for its colour to be read. Fewer are
-mostly shadows, gaps or misaligned parts. On one side, they determine how bright that side is."""
-AROUND = tuple(
-    (step * y, step * x) for step in (2, 4) for y in (-1, 0, 1) for x in (-1, 0, 1) if (y, x) != (0, 0)
-)
-"""Pixel offsets at which a shadow caster is looked for."""
-RECESS = 0.006
-"""Height (m) above a surface from which neighbouring geometry counts as blocking its light."""
+mostly shadows, gaps or parts that lie elsewhere."""
 LEAST = 0.15
 """Smallest share of a pixel's light that is attributed to its finish; the rest may be mirrored."""
 SMALL = ("handle", "accent", "steel", "plastic")
-"""Roles of small parts in front of others. A fitted shape rarely has them at the exact pixels where the
+"""Roles of small parts in front of others. A drawn shape rarely has them at the exact pixels where the
 picture shows them, so their colours are not estimated; those of handles are, where the encoder sees them."""
 SAME_LIGHTNESS, SAME_CHROMA = 40.0, 8.0
 """Differences (CIELAB) from the picture up to which a drawn colour is trusted. Lightness depends on
@@ -76,42 +67,39 @@ class Spots:
 def read_colors(
     shape: Shape,
     picture: Float[np.ndarray, "4 S S"],
-    fit: Fit,
+    view: View,
     *,
     keep: Collection[str] = (),
-    trust: bool = False,
     labels: Float[np.ndarray, "L h w"] | None = None,
 ) -> Shape:
-    """Colours a shape as in a picture.
+    """Colours a shape as in a picture; colours that agree with it stay, as a network's are more exact.
 
     Args:
-        shape: The fitted object, at rest.
+        shape: The object, at rest.
         picture: RGBA in [0, 1], premultiplied on black.
-        fit: The shape's alignment with this picture.
+        view: From where the picture shows it.
         keep: Roles of finishes whose colour is kept.
-        trust: Whether colours that agree with the picture are kept as well; a network's are more exact.
         labels: Probability of each part label by cell of the picture, for the colour of handles.
 
     Raises:
         PictureError: If the picture shows no object.
     """
-    spots = find_spots(shape, picture, fit.camera)
-    bright = np.exp(find_brightness(spots, len(shape.finishes))[spots.sides])
-    colors = srgb_from_linear(_undo_light(spots) / bright[:, None])
+    spots = find_spots(shape, picture, view)
+    colors = srgb_from_linear(_undo_light(spots))
     read: dict[str, Float[np.ndarray, "3"]] = {}
     for index, (role, finish) in enumerate(shape.finishes):
         chosen = spots.clear & (spots.roles == index)
-        if finish.opacity >= OPAQUE and chosen.sum() >= _least_pixels(spots):
+        if finish.opacity >= OPAQUE and chosen.sum() >= max(MIN_PIXELS, LARGE * len(spots.roles)):
             read[role] = np.median(colors[chosen], axis=0) / np.median(spots.pattern[chosen], axis=0)
     unread = {*SMALL, *keep}
     handle = find_handle(shape)
     shown = None if labels is None else read_handle(picture, labels)
-    if handle is not None and handle not in keep and shown is not None and len(bright):
+    if handle is not None and handle not in keep and shown is not None and len(spots.roles):
         front = spots.sides == FRONT if (spots.sides == FRONT).any() else slice(None)  # most handles face it
-        read[handle] = srgb_from_linear(linear_from_srgb(shown) / np.median((spots.bright * bright)[front]))
+        read[handle] = srgb_from_linear(linear_from_srgb(shown) / np.median(spots.bright[front]))
         unread.remove(handle)
     given = dict(shape.finishes)
-    found = {role: _settle(color, given[role].color, trust=trust) for role, color in read.items()}
+    found = {role: _settle(color, given[role].color) for role, color in read.items()}
     return replace(
         shape,
         finishes=tuple(
@@ -131,63 +119,38 @@ def find_handle(shape: Shape) -> str | None:
     return role if role in SMALL else None
 
 
-def find_spots(shape: Shape, picture: Float[np.ndarray, "4 S S"], camera: Camera) -> Spots:
-    """Pixels that lie on both the picture's object and the shape, away from likely shadows.
+def find_spots(shape: Shape, picture: Float[np.ndarray, "4 S S"], view: View) -> Spots:
+    """Pixels that lie on both the picture's object and the shape.
 
     Raises:
         PictureError: If the picture shows no object.
     """
-    faces, target = list_faces(shape), read_target(picture, picture.shape[1])
-    seen = find_visible(faces, camera)
-    chosen = (seen >= 0) & (target.alpha > SOLID)
-    clear = _find_clear(faces, seen) & target.inside
-    chosen &= _find_open(faces, seen, clear, camera)
-    rows, columns = np.nonzero(chosen)
-    face = seen[rows, columns]
-    points = _trace(faces, face, np.column_stack([columns, rows]) + 0.5, camera)
-    normals = faces.normals[face]
+    from scipy.ndimage import minimum_filter
+
+    faces, alpha = list_faces(shape), picture[3]
+    camera = place_camera(view, faces.vertices, alpha)
+    visible = find_visible(faces, camera)
+    solid = (alpha > SOLID).ravel()[visible.pixel]
+    pixel, face = visible.pixel[solid], visible.face[solid]
+    corners = faces.vertices[faces.corners[face]]
+    points, normals = np.einsum("nk,nkd->nd", visible.weights[solid], corners), faces.normals[face]
+    clear = _find_clear(faces, visible, alpha.shape) & minimum_filter(alpha > 0.5, 3, mode="constant")
     colors = np.array([finish.color for _, finish in shape.finishes])[faces.roles[face]]
-    away = np.linalg.norm(points - camera.position, axis=1)
-    footprint = camera.pixel * float(away.mean()) if len(face) else 0.0
-    painted = paint_primitives(shape, faces.primitives[face], points, normals, footprint=footprint)
-    bright, mirrored = np.ones(len(face)), np.zeros(len(face))
+    footprint, bright, mirrored = 0.0, np.ones(0), np.zeros(0)
     if len(face):
+        footprint = camera.pixel * float(np.linalg.norm(points - camera.position, axis=1).mean())
         bright, mirrored = _light(shape, points, camera)
+    painted = paint_primitives(shape, faces.primitives[face], points, normals, footprint=footprint)
+    rgb = np.moveaxis(picture[:3] / np.maximum(alpha, 1e-3), 0, -1).reshape(-1, 3)
     return Spots(
-        light=linear_from_srgb(target.rgb[rows, columns].astype(float)),
+        light=linear_from_srgb(rgb[pixel].astype(float)),
         roles=faces.roles[face],
         sides=faces.sides[face],
-        clear=clear[rows, columns],
+        clear=clear.ravel()[pixel],
         bright=bright,
         mirrored=mirrored,
         pattern=np.maximum(painted, 1e-3) / np.maximum(colors, 1e-3),
     )
-
-
-def find_brightness(spots: Spots, roles: int) -> Float[np.ndarray, "6"]:
-    """Log brightness of each side relative to the room, from finishes that are visible on several sides.
-
-    Least squares: the log light of a finish on a side is the brightness of the finish plus that of the side,
-    with a prior of zero on the sides.
-    """
-    sent = np.log(_undo_light(spots).mean(axis=1))
-    cells = spots.roles * SIDES + spots.sides
-    numbers = np.bincount(cells[spots.clear], minlength=roles * SIDES)
-    rows, wanted = [], []
-    for cell in np.flatnonzero(numbers >= _least_pixels(spots)):
-        row = np.zeros(roles + SIDES)
-        row[[cell // SIDES, roles + cell % SIDES]] = 1.0
-        weight = np.sqrt(numbers[cell])
-        rows.append(weight * row)
-        wanted.append(weight * float(np.median(sent[spots.clear & (cells == cell)])))
-    known = np.sqrt(KNOWN * len(cells)) * np.eye(roles + SIDES)[roles:]
-    system = np.concatenate([np.array(rows).reshape(-1, roles + SIDES), known])
-    return np.linalg.lstsq(system, np.concatenate([wanted, np.zeros(SIDES)]), rcond=None)[0][roles:]
-
-
-def _least_pixels(spots: Spots) -> float:
-    """Number of pixels from which colours can be read."""
-    return max(MIN_PIXELS, LARGE * len(spots.roles))
 
 
 def _undo_light(spots: Spots) -> Float[np.ndarray, "N 3"]:
@@ -215,10 +178,10 @@ def _equal(one: Finish, other: Finish) -> bool:
     return one.kind == other.kind and one.opacity == other.opacity and bool(apart < EQUAL)
 
 
-def _settle(read: Float[np.ndarray, "3"], drawn: Color, *, trust: bool) -> Color:
-    """The colour read, or the drawn one if that is trusted and agrees."""
+def _settle(read: Float[np.ndarray, "3"], drawn: Color) -> Color:
+    """The colour read, or the drawn one if that agrees."""
     r, g, b = np.minimum(read, 1.0).tolist()
-    return drawn if trust and _agree((r, g, b), drawn) else (r, g, b)
+    return drawn if _agree((r, g, b), drawn) else (r, g, b)
 
 
 def _agree(read: Color, drawn: Color) -> bool:
@@ -227,47 +190,14 @@ def _agree(read: Color, drawn: Color) -> bool:
     return bool(lightness <= SAME_LIGHTNESS and np.hypot(*chroma) <= SAME_CHROMA)
 
 
-def _find_clear(faces: Faces, seen: Int[np.ndarray, "S S"]) -> Bool[np.ndarray, "S S"]:
+def _find_clear(faces: Faces, visible: SeenFaces, size: tuple[int, ...]) -> Bool[np.ndarray, "S S"]:
     """Pixels whose neighbourhood shows the same finish on the same side of the same part."""
     from scipy.ndimage import maximum_filter, minimum_filter
 
-    label = (faces.parts * 64 + faces.roles) * SIDES + faces.sides
-    label = np.where(seen >= 0, label[seen], -1)
+    label = np.full(size, -1)
+    kind = (faces.parts * 64 + faces.roles) * SIDES + faces.sides
+    label.ravel()[visible.pixel] = kind[visible.face]
     return maximum_filter(label, 3) == minimum_filter(label, 3)
-
-
-def _find_open(
-    faces: Faces, seen: Int[np.ndarray, "S S"], clear: Bool[np.ndarray, "S S"], camera: Camera
-) -> Bool[np.ndarray, "S S"]:
-    """Pixels without neighbouring geometry that could shade them. A finish with no such pixel uses those away
-    from edges."""
-    rows, columns = np.nonzero(seen >= 0)
-    face = seen[rows, columns]
-    points = np.full((*seen.shape, 3), np.nan)
-    points[rows, columns] = _trace(faces, face, np.column_stack([columns, rows]) + 0.5, camera)
-    own, normals = points[rows, columns], faces.normals[face]
-    free = np.ones(len(rows), dtype=bool)
-    for down, right in AROUND:
-        there = points[
-            np.clip(rows + down, 0, camera.height - 1), np.clip(columns + right, 0, camera.width - 1)
-        ]
-        free &= ~(((there - own) * normals).sum(axis=1) > RECESS)
-    roles = faces.roles[face]
-    out = np.zeros(seen.shape, dtype=bool)
-    out[rows, columns] = free | (clear[rows, columns] & ~np.isin(roles, roles[free]))
-    return out
-
-
-def _trace(
-    faces: Faces, face: Int[np.ndarray, "N"], spots: Float[np.ndarray, "N 2"], camera: Camera
-) -> Float[np.ndarray, "N 3"]:
-    """Surface points (m) that image positions show on the given faces."""
-    plane = (spots - np.array([camera.width, camera.height]) / 2) * camera.pixel
-    ray = np.column_stack([plane, np.ones(len(plane))]) @ np.linalg.inv(camera.axes).T
-    normal, corner = faces.normals[face], faces.vertices[faces.corners[face, 0]]
-    speed = np.minimum((normal * ray).sum(axis=1), -1e-6)
-    depth = (normal * (corner - camera.position)).sum(axis=1) / speed
-    return camera.position + depth[:, None] * ray
 
 
 def _light(
