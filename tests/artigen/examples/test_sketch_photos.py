@@ -19,8 +19,7 @@ from artigen.examples.sketch_photos import (
     vary_photos,
 )
 from artigen.shapes.draw import draw_shape
-from artigen.sketch.alignment import View, find_hull, place_camera
-from artigen.sketch.overlay import find_visible, list_faces, read_target
+from artigen.sketch.overlay import View, find_visible, list_faces, place_camera
 from artigen.sketch.picture import CELL
 from artigen.types import PART_LABELS
 
@@ -62,13 +61,12 @@ def test_the_view_is_that_of_the_camera(monkeypatch: pytest.MonkeyPatch):
     """From the view alone, the closed object covers the picture again."""
     monkeypatch.setattr(artigen.examples.sketch_photos, "OPEN", 0.0)
     faces = list_faces(SHAPE)
-    hull = find_hull(faces.vertices)
     for seed in range(4):
         (photo,) = take_photos([SHAPE], np.random.default_rng(seed))
-        picture = photo.rgba.transpose(2, 0, 1).astype(np.float32) / 255.0
-        target = read_target(picture, EDGE)
-        seen = find_visible(faces, place_camera(View(*photo.view.tolist()), hull, target)) >= 0
-        shown = picture[3] > 0.5
+        alpha = photo.rgba[..., 3] / 255.0
+        camera = place_camera(View(*photo.view.tolist()), faces.vertices, alpha)
+        shown, seen = (alpha > 0.5).ravel(), np.zeros(EDGE * EDGE, dtype=bool)
+        seen[find_visible(faces, camera).pixel] = True
         assert (seen & shown).sum() > 0.97 * (seen | shown).sum()
 
 
