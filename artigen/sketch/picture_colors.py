@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from artigen.camera import Camera
+from artigen.camera import Camera, look_at, project_points
 from artigen.datasets.mesh_raster import SeenFaces
 from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.finishes import Color, Finish
@@ -208,25 +208,17 @@ def _light(
     The shape is rendered twice, all black and all grey; the black rendering isolates the mirrored light, with
     shadows included in both.
     """
-    import torch
+    from artigen.shapes.render import RenderConfig, build_scene, render
+    from artigen.shapes.render.cameras import batch_cameras
 
-    from artigen.shapes.render import Cameras, RenderConfig, build_scene, render
-
-    local = (points - camera.position) @ _straighten(camera.axes).T
-    plane = local[:, :2] / local[:, 2:]
-    reach = 1.02 * float(np.abs(plane).max())
-    eye = torch.tensor(np.stack([camera.position] * 2))
-    cameras = Cameras(
-        position=eye,
-        target=eye + torch.tensor(camera.axes[2]),
-        fov=torch.full((2,), 2.0 * float(np.degrees(np.arctan(reach))), dtype=torch.float64),
-        width=LIGHT_EDGE,
-        height=LIGHT_EDGE,
-    )
+    straight = look_at(camera.position, camera.target, width=LIGHT_EDGE, height=LIGHT_EDGE)
+    off = np.abs(project_points(straight, points)[:, :2] - LIGHT_EDGE / 2).max()
+    room = replace(straight, pixel=1.02 * straight.pixel * float(off) / (LIGHT_EDGE / 2))  # shows all of them
     scene = build_scene([_flatten(shape, 0.0), _flatten(shape, GREY)])
-    still = [np.zeros(len(shape.parts))] * 2
-    drawn = render(scene, cameras, still, shape_ids=[0, 1], cfg=RenderConfig(layers=1)).rgb.double().numpy()
-    column, row = np.clip(((plane / reach + 1.0) / 2.0 * LIGHT_EDGE).astype(int), 0, LIGHT_EDGE - 1).T
+    still, cfg = [np.zeros(len(shape.parts))] * 2, RenderConfig(layers=1)
+    seen = render(scene, batch_cameras([room] * 2), still, shape_ids=[0, 1], cfg=cfg)
+    column, row = np.clip(project_points(room, points)[:, :2].astype(int), 0, LIGHT_EDGE - 1).T
+    drawn = seen.rgb.double().numpy()
     black, grey = linear_from_srgb(drawn[:, row, column].mean(axis=2))
     return np.maximum((grey - black) / linear_from_srgb(np.array(GREY)), DARK), black
 
@@ -240,12 +232,6 @@ def _flatten(shape: Shape, level: float) -> Shape:
             (role, replace(finish, color=color, accent=color, opacity=1.0)) for role, finish in shape.finishes
         ),
     )
-
-
-def _straighten(axes: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3 3"]:
-    """Orthogonal axes, without the shear that a crop adds."""
-    forward = axes[2]
-    return np.stack([axis - (axis @ forward) * forward for axis in axes[:2]] + [forward])
 
 
 def _lab(color: Float[np.ndarray, "*S 3"]) -> Float[np.ndarray, "*S 3"]:
