@@ -4,6 +4,7 @@ z is up. The image plane has its origin at the upper left; pixel (column, row) c
 [row, row + 1]``. Depth is measured along the viewing direction.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -112,7 +113,7 @@ def project_points(camera: Camera, points: Float[np.ndarray, "N 3"]) -> Float[np
 
 def frame_points(
     points: Float[np.ndarray, "N 3"],
-    direction: Float[np.ndarray, "3"],
+    direction: Sequence[float] | Float[np.ndarray, "3"],
     *,
     fov: float = 24.0,
     margin: float = 0.06,

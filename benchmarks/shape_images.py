@@ -17,17 +17,19 @@ import numpy as np
 import torch
 import tyro
 
+from artigen.camera import frame_points
 from artigen.shapes.draw import categories, draw_shape
 from artigen.shapes.poses import open_parts
 from artigen.shapes.primitives import place_vertices
-from artigen.shapes.render import Cameras, build_scene, frame_points, render
+from artigen.shapes.render import Cameras, batch_cameras, build_scene, render
 from artigen.shapes.shape import Shape
 
 
 def frame_shape(shape: Shape, size: int) -> Cameras:
     """A camera in front of the closed object."""
     points = np.concatenate([place_vertices(p) for part in shape.parts for p in part.primitives])
-    return frame_points(points, (-0.8, 0.45, 0.35), width=size, height=size, margin=0.12)
+    camera = frame_points(points, (-0.8, 0.45, 0.35), width=size, height=size, margin=0.12)
+    return batch_cameras([camera])
 
 
 def time_picture(shape: Shape, size: int) -> float:

@@ -7,8 +7,9 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
+from artigen.camera import frame_points
 from artigen.shapes.poses import place_posed
-from artigen.shapes.render import Cameras, RenderConfig, frame_points
+from artigen.shapes.render import Cameras, RenderConfig, batch_cameras
 from artigen.shapes.render.shading import EVEN_LIGHT
 from artigen.shapes.shape import Shape
 
@@ -60,10 +61,10 @@ def place_cameras(shape: Shape, qpos: Float[np.ndarray, "P"], cfg: ViewConfig, t
     """One camera per direction, each as near as possible with the whole object in the picture (m)."""
     points = place_posed(shape, qpos)
     single = [
-        frame_points(points, (float(x), float(y), float(z)), fov=FOV, width=cfg.size, height=cfg.size)
-        for x, y, z in spread_directions(cfg, turn)
+        frame_points(points, direction, fov=FOV, width=cfg.size, height=cfg.size)
+        for direction in spread_directions(cfg, turn)
     ]
-    return join_cameras(single)
+    return batch_cameras(single)
 
 
 def pick_cameras(cameras: Cameras, rows: Int[Tensor, "K"]) -> Cameras:
@@ -71,20 +72,6 @@ def pick_cameras(cameras: Cameras, rows: Int[Tensor, "K"]) -> Cameras:
     return replace(
         cameras, position=cameras.position[rows], target=cameras.target[rows], fov=cameras.fov[rows]
     )
-
-
-def join_cameras(parts: list[Cameras]) -> Cameras:
-    """Concatenates cameras; their pictures must be of one size.
-
-    Raises:
-        ValueError: If there are none, or sizes differ.
-    """
-    sizes = {(one.width, one.height) for one in parts}
-    if len(sizes) != 1:
-        raise ValueError(f"cameras with pictures of {sorted(sizes)} pixels, expected one size")
-    fields = ("position", "target", "fov")
-    joined = {name: torch.cat([getattr(one, name) for one in parts]) for name in fields}
-    return replace(parts[0], **joined)
 
 
 def scale_cameras(cameras: Cameras, center: Float[np.ndarray, "3"], scale: float) -> Cameras:

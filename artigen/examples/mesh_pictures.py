@@ -113,8 +113,8 @@ def _find_lit(
     vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], surface: Surface, light: Vector
 ) -> Float[torch.Tensor, "N"]:
     """1 where a point is lit by a distant light, 0 in shadow."""
-    corners, toward = vertices[faces].reshape(-1, 3), np.array(light)
-    camera = frame_points(corners, toward, fov=SHADOW_FOV, width=SHADOW_EDGE, height=SHADOW_EDGE)
+    corners = vertices[faces].reshape(-1, 3)
+    camera = frame_points(corners, light, fov=SHADOW_FOV, width=SHADOW_EDGE, height=SHADOW_EDGE)
     seen = rasterize_mesh(vertices, faces, camera)
     nearest = np.full(SHADOW_EDGE**2, np.inf)
     nearest[seen.pixel] = seen.depth

@@ -9,8 +9,7 @@ from artigen.camera import Camera, frame_points
 from artigen.datasets.partnet_surface import FaceTable, join_tables
 from artigen.examples.mesh_pictures import FINE, pack_picture, picture_mesh
 from artigen.shapes.primitives import Vector, place_vertices
-from artigen.shapes.render import build_scene, render
-from artigen.shapes.render.cameras import batch_cameras
+from artigen.shapes.render import batch_cameras, build_scene, render
 from artigen.shapes.shape import Shape
 
 NEAR_FRONT = (0.6, 0.25)
@@ -21,7 +20,7 @@ def draw_camera(points: Float[np.ndarray, "N 3"], seed: int, size: int) -> Camer
     """A camera near the front with all points in view."""
     rng = np.random.default_rng([seed, 1])
     turn, lift = rng.uniform(-NEAR_FRONT[0], NEAR_FRONT[0]), rng.uniform(0.0, NEAR_FRONT[1])
-    return frame_points(points, np.array(find_direction(turn, lift)), width=size, height=size)
+    return frame_points(points, find_direction(turn, lift), width=size, height=size)
 
 
 def find_direction(turn: float, lift: float) -> Vector:

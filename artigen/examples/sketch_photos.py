@@ -15,13 +15,13 @@ from jaxtyping import Bool, Float, Int, UInt8
 from torch import Tensor
 from torch.nn import functional
 
-from artigen.appearance.views import join_cameras
+from artigen.camera import Camera, frame_points
 from artigen.examples.mesh_pictures import pack_picture
 from artigen.examples.photographs import find_direction
 from artigen.examples.shards import split_rows
 from artigen.models.batch import TensorBatch
 from artigen.shapes.poses import place_posed
-from artigen.shapes.render import Cameras, RenderConfig, build_scene, frame_points, render
+from artigen.shapes.render import RenderConfig, batch_cameras, build_scene, render
 from artigen.shapes.shape import Shape
 from artigen.sketch.picture import CELL
 from artigen.types import PART_LABELS
@@ -64,7 +64,7 @@ class Photo:
 def take_photos(shapes: Sequence[Shape], rng: np.random.Generator) -> list[Photo]:
     """Renders objects from random directions in front, closed or with one part open, in one random light."""
     poses = [_open_part(shape, rng) for shape in shapes]
-    cameras = join_cameras(
+    cameras = batch_cameras(
         [_place_camera(shape, qpos, rng) for shape, qpos in zip(shapes, poses, strict=True)]
     )
     light = RenderConfig(
@@ -97,7 +97,7 @@ def _open_part(shape: Shape, rng: np.random.Generator) -> Float[np.ndarray, "Q"]
     return qpos
 
 
-def _place_camera(shape: Shape, qpos: Float[np.ndarray, "Q"], rng: np.random.Generator) -> Cameras:
+def _place_camera(shape: Shape, qpos: Float[np.ndarray, "Q"], rng: np.random.Generator) -> Camera:
     wide, high = NEAR if rng.random() < 0.5 else FAR
     yaw, pitch = rng.uniform(-wide, wide), rng.uniform(-0.08, high)
     way = find_direction(yaw, pitch)

@@ -6,6 +6,7 @@ from math import ceil, hypot, sqrt
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from artigen.camera import frame_points
 from artigen.shapes.poses import open_parts, place_posed
 from artigen.shapes.primitives import Vector
 from artigen.shapes.shape import Shape
@@ -44,12 +45,12 @@ def draw_sheet(
 
 def draw_picture(shape: Shape, qpos: Float[np.ndarray, "Q"], size: int) -> UInt8[np.ndarray, "H W 3"]:
     """Renders one object at joint coordinates (one per part), on a bright floor in soft light."""
-    from artigen.shapes.render import RenderConfig, build_scene, frame_points, render
+    from artigen.shapes.render import RenderConfig, batch_cameras, build_scene, render
 
     points = place_posed(shape, qpos)
     cfg = RenderConfig(floor=True, supersampling=2, shadow_rays=12)
-    cameras = frame_points(points, _view_of(points), width=size, height=size)
-    rgb = render(build_scene([shape]), cameras, [qpos], cfg=cfg).rgb[0]
+    camera = frame_points(points, _view_of(points), width=size, height=size)
+    rgb = render(build_scene([shape]), batch_cameras([camera]), [qpos], cfg=cfg).rgb[0]
     return np.round(255.0 * rgb.numpy()).astype(np.uint8)
 
 

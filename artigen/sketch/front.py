@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from artigen.camera import frame_points
 from artigen.shapes.poses import place_posed
-from artigen.shapes.render import RenderConfig, build_scene, frame_points, render
+from artigen.shapes.render import RenderConfig, batch_cameras, build_scene, render
 from artigen.shapes.shape import Shape
 from artigen.sketch.fault import Fault
 
@@ -42,7 +43,7 @@ def measure_open_front(shape: Shape) -> float:
     closed = np.zeros(len(shape.parts))
     points = place_posed(shape, closed)
     camera = frame_points(points, (-1.0, 0.0, 0.0), fov=ANGLE, width=EDGE, height=EDGE)
-    seen = render(build_scene([shape]), camera, [closed], cfg=PLAIN)
+    seen = render(build_scene([shape]), batch_cameras([camera]), [closed], cfg=PLAIN)
     shown = seen.depth[0][seen.mask[0]].numpy()
-    front = points[:, 0].min() - float(camera.position[0, 0])
+    front = points[:, 0].min() - float(camera.position[0])
     return float((shown - front > INSIDE * np.ptp(points[:, 0])).mean())

@@ -208,8 +208,7 @@ def _light(
     The shape is rendered twice, all black and all grey; the black rendering isolates the mirrored light, with
     shadows included in both.
     """
-    from artigen.shapes.render import RenderConfig, build_scene, render
-    from artigen.shapes.render.cameras import batch_cameras
+    from artigen.shapes.render import RenderConfig, batch_cameras, build_scene, render
 
     straight = look_at(camera.position, camera.target, width=LIGHT_EDGE, height=LIGHT_EDGE)
     off = np.abs(project_points(straight, points)[:, :2] - LIGHT_EDGE / 2).max()

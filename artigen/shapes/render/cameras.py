@@ -12,8 +12,6 @@ from jaxtyping import Float, Int
 from torch import Tensor
 
 from artigen.camera import Camera
-from artigen.camera import frame_points as camera_around
-from artigen.shapes.primitives import Vector
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -71,31 +69,15 @@ def cast_rays(
     return axes[:, 0] * x[:, None] + axes[:, 1] * y[:, None] + axes[:, 2]
 
 
-def frame_points(
-    points: Float[np.ndarray, "N 3"],
-    direction: Vector,
-    *,
-    fov: float = 24.0,
-    margin: float = 0.06,
-    width: int = 128,
-    height: int = 128,
-) -> Cameras:
-    """The nearest camera that sees every point, as a batch of one.
-
-    Args:
-        points: Points that must be in the picture (m).
-        direction: From the object to the camera.
-        fov: Vertical angle of view in degrees.
-        margin: Free border, as a share of the image on each side.
-        width: Pixels per row.
-        height: Number of rows.
-    """
-    camera = camera_around(points, np.array(direction), fov=fov, margin=margin, width=width, height=height)
-    return batch_cameras([camera])
-
-
 def batch_cameras(cameras: Sequence[Camera]) -> Cameras:
-    """Cameras with orthogonal axes and pictures of one size as a batch."""
+    """Cameras with orthogonal axes as a batch; their pictures must be of one size.
+
+    Raises:
+        ValueError: If there are none, or sizes differ.
+    """
+    sizes = {(one.width, one.height) for one in cameras}
+    if len(sizes) != 1:
+        raise ValueError(f"cameras with pictures of {sorted(sizes)} pixels, expected one size")
     return Cameras(
         position=torch.from_numpy(np.stack([camera.position for camera in cameras])),
         target=torch.from_numpy(np.stack([camera.target for camera in cameras])),

@@ -6,7 +6,7 @@
 The cameras are those of the analytic renderer, so that both see the same object from the same place.
 """
 
-from artigen.shapes.render.cameras import Cameras, frame_points
+from artigen.shapes.render.cameras import Cameras, batch_cameras
 from artigen.splats.render.config import RasterConfig
 from artigen.splats.render.motion import move_splats
 from artigen.splats.render.rasterize import rasterize
@@ -17,7 +17,7 @@ __all__ = [
     "RasterConfig",
     "Rendering",
     "Splats",
-    "frame_points",
+    "batch_cameras",
     "make_splats",
     "move_splats",
     "rasterize",

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 import torch
 
+from artigen.camera import frame_points
 from artigen.examples.sketch_photos import NOTHING
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import place_vertices
-from artigen.shapes.render import RenderConfig, build_scene, frame_points, render
+from artigen.shapes.render import RenderConfig, batch_cameras, build_scene, render
 from artigen.sketch.handle_color import read_handle
 from artigen.sketch.picture import CELL
 from artigen.sketch.picture_colors import find_handle
@@ -92,7 +93,7 @@ def test_handles_of_a_rendered_cabinet_are_red():
     )
     shape = replace(shape, finishes=finishes)
     points = np.concatenate([place_vertices(p) for part in shape.parts for p in part.primitives])
-    camera = frame_points(points, (-1.0, 0.3, 0.3), width=256, height=256)
+    camera = batch_cameras([frame_points(points, (-1.0, 0.3, 0.3), width=256, height=256)])
     still = [np.zeros(len(shape.parts))]
     seen = render(build_scene([shape]), camera, still, cfg=RenderConfig(shadow_rays=0, openness=False))
     mask = seen.mask[0].numpy()

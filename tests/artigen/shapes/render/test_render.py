@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import torch
 
+from artigen.camera import frame_points
 from artigen.shapes.poses import open_parts, pose_parts
 from artigen.shapes.primitives import (
     Primitive,
@@ -19,7 +20,7 @@ from artigen.shapes.primitives import (
     prism,
     rounded_box,
 )
-from artigen.shapes.render import Cameras, Images, RenderConfig, build_scene, frame_points, render
+from artigen.shapes.render import Cameras, Images, RenderConfig, batch_cameras, build_scene, render
 from artigen.shapes.shape import Motion, Shape, ShapePart, make_base
 from artigen.shapes.sheet import draw_sheet
 from artigen.shapes.surfaces.materials import LACQUERS, make_glass, make_lacquer
@@ -347,7 +348,7 @@ def test_supersampling_changes_edges_alone():
 def test_a_framed_object_is_inside_the_picture_and_touches_its_margins():
     shape = pile(6)
     corners = np.concatenate([place_vertices(p) for part in shape.parts for p in part.primitives])
-    cameras = frame_points(corners, (-1.0, 0.5, 0.4), width=120, height=100)
+    cameras = batch_cameras([frame_points(corners, (-1.0, 0.5, 0.4), width=120, height=100)])
     columns, rows = torch.nonzero(see(shape, cameras).mask[0]).unbind(1)[::-1]
     assert columns.min() >= 6
     assert columns.max() <= 113
@@ -435,3 +436,10 @@ def test_poses_and_arguments_are_checked():
         build_scene([])
     with pytest.raises(ValueError, match="multiples of 4"):
         RenderConfig(supersampling=2, shadow_rays=6)
+
+
+@pytest.mark.parametrize("widths", [(), (20, 21)])
+def test_a_batch_has_cameras_of_one_size(widths: tuple[int, ...]):
+    cameras = [frame_points(np.eye(3), (-1.0, 0.5, 0.4), width=width, height=20) for width in widths]
+    with pytest.raises(ValueError, match="expected one size"):
+        batch_cameras(cameras)

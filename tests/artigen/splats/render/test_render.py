@@ -8,6 +8,7 @@ import pytest
 import torch
 from torch import Tensor
 
+from artigen.camera import frame_points
 from artigen.kinematics import articulate_gaussians, displacements, qlimits
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.render import build_scene, render
@@ -18,7 +19,7 @@ from artigen.splats.render import (
     Cameras,
     RasterConfig,
     Splats,
-    frame_points,
+    batch_cameras,
     make_splats,
     move_splats,
     rasterize,
@@ -269,7 +270,7 @@ def test_a_footprint_covers_what_the_closed_form_says(variance: float, shift: tu
 def test_an_articulated_set_looks_like_its_parts_moved(cabinet: Asset):
     gaussians = random_gaussians(cabinet, 300)
     limits = qlimits(cabinet)
-    camera = frame_points(gaussians.means * 1.5, (-1.0, 0.6, 0.5), width=48, height=40)
+    camera = batch_cameras([frame_points(gaussians.means * 1.5, (-1.0, 0.6, 0.5), width=48, height=40)])
     for share in (0.0, 0.6, 1.0):
         qpos = limits[:, 0] + share * (limits[:, 1] - limits[:, 0])
         D = displacements(cabinet, qpos)
@@ -303,7 +304,7 @@ def test_both_renderers_see_the_same_object_from_the_same_camera():
     spacing = 0.012
     points = place_points(shape, spacing)
     at = np.asarray(points.points, dtype=np.float32)
-    camera = frame_points(at, (-1.0, 0.5, 0.4), width=96, height=80)
+    camera = batch_cameras([frame_points(at, (-1.0, 0.5, 0.4), width=96, height=80)])
     exact = render(build_scene([shape]), camera, [np.zeros(len(shape.parts))])
     count = len(at)
     splats = Splats(
