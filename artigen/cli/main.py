@@ -12,6 +12,7 @@ from artigen.runtime.cores import thread_environment
 COMMANDS = {
     "shape": "shape",
     "generate": "generate",
+    "read": "read",
     "convert": "convert",
     "validate": "validate",
     "preview": "preview",

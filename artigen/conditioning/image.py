@@ -46,28 +46,7 @@ def read_picture(path: Path, size: int, *, margin: float = MARGIN) -> Picture:
         SourceError: If the file is missing, not an image, truncated, too small or too large, or its object is
             empty.
     """
-    from PIL import Image, UnidentifiedImageError
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # refused below
-            opened = Image.open(path)
-        with opened:
-            _check_extent(path, opened.size)
-            image = _to_rgba(opened)
-    except FileNotFoundError as error:
-        raise SourceError(f"{path}: no such picture") from error
-    except IsADirectoryError as error:
-        raise SourceError(f"{path}: is a folder, expected a picture") from error
-    except Image.DecompressionBombError as error:
-        raise SourceError(
-            f"{path}: is far too large ({error}), expected at most {MAX_PIXELS // 10**6} million pixels; "
-            "scale it down"
-        ) from error
-    except UnidentifiedImageError as error:
-        raise SourceError(f"{path}: is no picture that can be read ({error})") from error
-    except (OSError, SyntaxError) as error:
-        raise SourceError(f"{path}: is damaged ({error})") from error
+    image = open_picture(path)
     notes: list[str] = []
     if max(image.size) > MAX_EDGE:
         notes.append(f"{image.width} x {image.height} pixels were scaled down to {MAX_EDGE} at most")
@@ -81,6 +60,49 @@ def read_picture(path: Path, size: int, *, margin: float = MARGIN) -> Picture:
         raise SourceError(f"{path}: is transparent everywhere, expected an object")
     square = _fit(values, object_mask, size, margin)
     return Picture(rgba=square, notes=tuple(notes))
+
+
+def open_picture(path: Path) -> "Image.Image":
+    """Opens a picture as 8-bit RGBA, upright as its camera noted; of an animation, the first frame.
+
+    HEIC files are read where Pillow's plug-in ``pillow_heif`` is installed.
+
+    Raises:
+        SourceError: If the file is missing, not an image, truncated, too small or too large.
+    """
+    from PIL import Image, ImageOps, UnidentifiedImageError
+
+    _register_plugins()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # refused below
+            opened = Image.open(path)
+        with opened:
+            _check_extent(path, opened.size)
+            return _to_rgba(ImageOps.exif_transpose(opened))
+    except FileNotFoundError as error:
+        raise SourceError(f"{path}: no such picture") from error
+    except IsADirectoryError as error:
+        raise SourceError(f"{path}: is a folder, expected a picture") from error
+    except Image.DecompressionBombError as error:
+        raise SourceError(
+            f"{path}: is far too large ({error}), expected at most {MAX_PIXELS // 10**6} million pixels; "
+            "scale it down"
+        ) from error
+    except UnidentifiedImageError as error:
+        hint = "; install pillow-heif to read it" if path.suffix.lower() in (".heic", ".heif") else ""
+        raise SourceError(f"{path}: is no picture that can be read ({error}){hint}") from error
+    except (OSError, SyntaxError, ValueError) as error:
+        raise SourceError(f"{path}: is damaged ({error})") from error
+
+
+def _register_plugins() -> None:
+    """Lets Pillow read HEIC if its plug-in is installed; AVIF is built in."""
+    try:
+        import pillow_heif  # type: ignore[import-not-found]
+    except ImportError:
+        return
+    pillow_heif.register_heif_opener()
 
 
 def resize_picture(rgba: Float[np.ndarray, "4 S S"], size: int) -> Float[np.ndarray, "4 s s"]:

@@ -90,7 +90,12 @@ def process_seed(seed: int) -> int:
 
 
 def train(
-    network: nn.Module, losses: LossFunction, batches: Iterator[Any], folder: Path, cfg: LoopConfig
+    network: nn.Module,
+    losses: LossFunction,
+    batches: Iterator[Any],
+    folder: Path,
+    cfg: LoopConfig,
+    factors: Mapping[str, float] | None = None,
 ) -> nn.Module:
     """Trains until the budget is used and returns the network with its averaged weights.
 
@@ -99,6 +104,7 @@ def train(
     Args:
         network: Network on the CPU; it is moved to the device.
         batches: Endless batches.
+        factors: Factors on the learning rate of parameters, by the beginning of their names; 1 for the others.
 
     Raises:
         FloatingPointError: If the loss is not finite.
@@ -110,7 +116,7 @@ def train(
     device = accelerator.device
     network.to(device)
     optimizer = torch.optim.AdamW(
-        network.parameters(),
+        _group_parameters(network, factors or {}),
         lr=cfg.learning_rate,
         weight_decay=cfg.weight_decay,
         betas=(0.9, 0.99),
@@ -138,7 +144,7 @@ def train(
     while progress.share(cfg) < 1.0:
         rate = cfg.learning_rate * _rate(progress, cfg)
         for group in optimizer.param_groups:
-            group["lr"] = rate
+            group["lr"] = rate * group["factor"]
         optimizer.zero_grad()
         batch = next(batches).to(device)
         with torch.autocast(device.type, number_type or torch.bfloat16, enabled=number_type is not None):
@@ -179,6 +185,16 @@ def train(
     bar.close()
     network.load_state_dict(average)
     return network.eval()
+
+
+def _group_parameters(network: nn.Module, factors: Mapping[str, float]) -> list[dict[str, Any]]:
+    """Parameters that learn, grouped by the factor on their learning rate."""
+    groups: dict[float, list[nn.Parameter]] = {}
+    for name, parameter in network.named_parameters():
+        if parameter.requires_grad:
+            factor = next((value for start, value in factors.items() if name.startswith(start)), 1.0)
+            groups.setdefault(factor, []).append(parameter)
+    return [{"params": held, "factor": factor} for factor, held in groups.items()]
 
 
 def show_metrics(bar: tqdm, name: str, line: Mapping[str, float]) -> None:

@@ -1,0 +1,544 @@
+"""Rendered views for the reader: procedural objects, alone or in rooms, with a mark for every part.
+
+A view is a picture with the number of the part that each pixel shows. Its marks say what a part is and where its
+corners are in the picture; `artigen.examples.reader_pictures` turns a view into training pictures.
+"""
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import torch
+from jaxtyping import Float, Int, UInt8, UInt16
+
+from artigen.camera import Camera, frame_points, project_points
+from artigen.examples.mesh_pictures import pack_picture
+from artigen.examples.photographs import find_direction
+from artigen.examples.shards import ShardConfig, ShardJob, make_shards, save_shard
+from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, MATERIALS, PULL, SHELF, UNKNOWN, WHEEL
+from artigen.shapes.draw import CrowdedError, draw_shape
+from artigen.shapes.poses import lead_followers, place_posed, pose_parts
+from artigen.shapes.primitives import Primitive, box, cylinder, move, place_vertices
+from artigen.shapes.render import RenderConfig, batch_cameras, build_scene, render
+from artigen.shapes.shape import Need, Shape, ShapePart
+from artigen.shapes.surfaces.finishes import Finish, FinishKind
+
+EDGE = 384
+"""Pixels of a view's edge."""
+NOTHING = 65535
+"""Number of a pixel that shows no part."""
+SURROUNDINGS = -1
+"""Object of parts that belong to none: walls, floors and loose things."""
+THING_OF = {
+    "door": FRONT, "drawer": FRONT, "handle": PULL, "knob": DIAL, "shelf": SHELF, "tray": SHELF, "wheel": WHEEL,
+}  # fmt: skip
+NEAR, FAR = (0.6, 0.3), (0.95, 0.75)
+"""Largest yaw to either side and largest pitch (radians) of two thirds of the cameras, and of the others."""
+OPEN, AJAR = 0.25, 0.04
+"""Share of objects with open parts; share of its range from which a part counts as open."""
+ROOMS = 0.45
+"""Share of the views that show a room."""
+RESTYLED = 0.4
+"""Share of the objects whose finishes are drawn anew, regardless of what suits the kind."""
+LEG = 0.05
+"""Height (m) under the lowest wide solid from which an object stands on legs."""
+PART = np.dtype(
+    [
+        ("thing", np.int8),
+        ("object", np.int8),
+        ("door", np.int8),
+        ("hinge", np.int8),
+        ("open", np.int8),
+        ("pane", np.int8),
+        ("material", np.int8),
+        ("corners", np.float32, (4, 2)),
+    ]
+)
+"""A part of a view: what it is (`UNKNOWN` for bodies), its object, whether it is a door (1) or a drawer (0), side of
+its hinges, whether it is open and glazed, its material, and the corners of its front (pixels; from the upper left
+clockwise)."""
+BODY = np.dtype(
+    [("kind", np.int16), ("stand", np.int8), ("view", np.float32, (3,)), ("size", np.float32, (3,))]
+)
+"""An object of a view: kind, stand, camera (yaw, pitch, and half its diagonal over its distance), and width, depth
+and height (m)."""
+OFTEN = {
+    "StorageFurniture": 7, "Dresser": 3, "Wardrobe": 3, "FilingCabinet": 2, "Table": 3, "Refrigerator": 3,
+    "WashingMachine": 2, "Dryer": 1, "Oven": 2, "Microwave": 2, "Dishwasher": 2, "Door": 2, "Toilet": 1,
+    "Laptop": 1, "TrashCan": 1,
+}  # fmt: skip
+"""Weights of kinds; the others have half of one."""
+BESIDE = (
+    "StorageFurniture",
+    "StorageFurniture",
+    "Dresser",
+    "Refrigerator",
+    "Oven",
+    "Dishwasher",
+    "WashingMachine",
+)
+"""Kinds that stand beside others."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class View:
+    """A rendered picture with its marks."""
+
+    rgba: UInt8[np.ndarray, "S S 4"]
+    """Premultiplied on black; opaque everywhere in rooms."""
+    ids: UInt16[np.ndarray, "S S"]
+    parts: np.ndarray
+    """Rows of `PART`."""
+    bodies: np.ndarray
+    """Rows of `BODY`; the first is the main object."""
+
+
+VIEWS = 16
+"""Views of a shard."""
+TIMEOUT = 900.0
+"""Seconds after which a shard counts as failed."""
+
+
+def make_view_shards(folder: Path, count: int, *, first: int, workers: int) -> list[Path]:
+    """Renders the shards of views that are missing, and returns the paths of all.
+
+    Args:
+        first: Seed of the first shard.
+
+    Raises:
+        SourceError: If a shard could not be made.
+    """
+    cfg = ShardConfig(first_seed=first, objects=VIEWS, timeout=TIMEOUT)
+    return make_shards(folder, count, cfg, _make_view_shard, workers=workers)
+
+
+def _make_view_shard(job: ShardJob[ShardConfig]) -> Path:
+    torch.set_num_threads(1)  # there is one process per core
+    views = take_views(job.cfg.first_seed + job.number, job.cfg.objects)
+    save_shard(job.path, pack_views(views), packed=False)
+    return job.path
+
+
+def take_views(seed: int, count: int) -> list[View]:
+    """Renders ``count`` views, a pure function of the seed."""
+    rng = np.random.default_rng([seed, 7])
+    return [_take_view(rng) for _ in range(count)]
+
+
+def _take_view(rng: np.random.Generator) -> View:
+    names = list(KINDS)
+    weights = np.array([OFTEN.get(name, 0.5) for name in names])
+    kind = names[rng.choice(len(names), p=weights / weights.sum())]
+    shapes = [_draw(kind, rng)]
+    room = bool(rng.random() < ROOMS)
+    while room and len(shapes) < 4 and rng.random() < 0.5:
+        shapes.append(_draw(str(rng.choice(BESIDE)), rng))
+    poses = [_open_parts(shape, rng) for shape in shapes]
+    wide, high = NEAR if rng.random() < 0.67 else FAR
+    yaw, pitch = rng.uniform(-wide, wide), rng.uniform(-0.1, high)
+    points = place_posed(shapes[0], poses[0])
+    zoom = rng.uniform(0.8, 1.8) if room and len(shapes) > 1 else rng.uniform(0.95, 1.15)
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    camera = frame_points(
+        middle + zoom * (points - middle),
+        find_direction(yaw, pitch),
+        fov=rng.uniform(14.0, 60.0),
+        width=EDGE,
+        height=EDGE,
+    )
+    return _photograph(_arrange(shapes, rng) if room else shapes, poses, camera, rng, room)
+
+
+def _draw(kind: str, rng: np.random.Generator) -> Shape:
+    """An object; of cabinets often the richest in fronts of three, as real ones have more than the grammar's."""
+    tries = 3 if OFTEN.get(kind, 0) >= 2 and rng.random() < 0.55 else 1
+    drawn: list[Shape] = []
+    while len(drawn) < tries:
+        try:
+            drawn.append(draw_shape(kind, int(rng.integers(2**40))))
+        except CrowdedError:
+            continue
+    shape = max(drawn, key=lambda one: sum(part.label in ("door", "drawer") for part in one.parts))
+    if rng.random() < 0.2:
+        shape = replace(
+            shape, parts=tuple(p for p in shape.parts if p.label != "handle" or _carries(shape, p))
+        )
+    return _restyle(shape, rng) if rng.random() < RESTYLED else shape
+
+
+def _carries(shape: Shape, part: ShapePart) -> bool:
+    """Whether anything depends on a part."""
+    return part.motion is not None or any(
+        part.name in (other.parent, *(need.part for need in other.needs)) for other in shape.parts
+    )
+
+
+def _restyle(shape: Shape, rng: np.random.Generator) -> Shape:
+    """The shape in other colours and materials; what is transparent stays so."""
+    kinds: list[FinishKind] = ["wood", "lacquer", "steel", "plastic", "stone"]
+    worn = []
+    for name, finish in shape.finishes:
+        if finish.opacity < 1.0 or finish.kind == "glass" or rng.random() < 0.35:
+            worn.append((name, finish))
+            continue
+        value = rng.uniform(0.06, 1.0)
+        color = np.clip(
+            value + rng.normal(0, rng.choice([0.02, 0.07, 0.2], p=[0.4, 0.4, 0.2]), 3), 0.02, 0.98
+        )
+        kind = kinds[rng.choice(5, p=[0.35, 0.3, 0.12, 0.15, 0.08])]
+        if kind == "wood":
+            color = np.clip(
+                np.array([0.75, 0.52, 0.32]) * rng.uniform(0.25, 1.25) + rng.normal(0, 0.06, 3), 0.02, 0.98
+            )
+        accent = np.clip(color * rng.uniform(0.45, 1.1), 0, 1)
+        worn.append(
+            (
+                name,
+                Finish(
+                    kind=kind,
+                    color=tuple(color.tolist()),
+                    accent=tuple(accent.tolist()),
+                    grain=finish.grain,
+                    period=float(np.exp(rng.uniform(np.log(0.008), np.log(0.12)))),
+                    seed=int(rng.integers(2**30)),
+                    gloss=float(rng.uniform(0.02, 0.7)),
+                ),
+            )
+        )
+    return replace(shape, finishes=tuple(worn))
+
+
+def _open_parts(shape: Shape, rng: np.random.Generator) -> Float[np.ndarray, "P"]:
+    """Joint coordinates: mostly closed, or one to three parts open by any amount."""
+    qpos = np.zeros(len(shape.parts))
+    free = [k for k, part in enumerate(shape.parts) if part.motion is not None and not part.needs]
+    if free and rng.random() < OPEN:
+        for k in rng.choice(free, size=min(len(free), int(rng.integers(1, 4))), replace=False):
+            motion = shape.parts[int(k)].motion
+            assert motion is not None
+            qpos[k] = rng.random() * min(motion.upper, 2.0)
+    return lead_followers(shape, qpos)
+
+
+def _arrange(shapes: Sequence[Shape], rng: np.random.Generator) -> list[Shape]:
+    """Objects in a row along a wall, the first where it was."""
+    gap = rng.choice([0.0, 0.003, 0.02, 0.2], p=[0.25, 0.25, 0.25, 0.25])
+    low, high = shapes[0].bounds()
+    left, right, out = high[1], low[1], [shapes[0]]
+    for shape in shapes[1:]:
+        first, last = shape.bounds()
+        if rng.random() < 0.5:
+            y, left = left + gap - first[1], left + gap + last[1] - first[1]
+        else:
+            y, right = right - gap - last[1], right - gap - (last[1] - first[1])
+        out.append(_shift(shape, (float(high[0] - last[0]), float(y), 0.0)))
+    return out
+
+
+def _shift(shape: Shape, offset: tuple[float, float, float]) -> Shape:
+    """The shape elsewhere."""
+    return replace(
+        shape,
+        parts=tuple(
+            replace(
+                part,
+                primitives=tuple(move(solid, offset) for solid in part.primitives),
+                motion=None
+                if part.motion is None
+                else replace(part.motion, origin=tuple((np.array(part.motion.origin) + offset).tolist())),
+            )
+            for part in shape.parts
+        ),
+    )
+
+
+def _photograph(
+    shapes: Sequence[Shape], poses: Sequence[np.ndarray], camera: Camera, rng: np.random.Generator, room: bool
+) -> View:
+    """Renders shapes together, with the marks of their parts."""
+    joined, owners = _join(shapes)
+    qpos = np.concatenate([[0.0], *poses])  # the first part is the world
+    if room:
+        extra, finishes = _furnish(shapes, rng)
+        joined = replace(joined, parts=(*joined.parts, *extra), finishes=(*joined.finishes, *finishes))
+        owners = np.concatenate([owners, np.full(len(extra), SURROUNDINGS)])
+        qpos = np.concatenate([qpos, np.zeros(len(extra))])
+    soft = rng.random() < 0.25
+    light = RenderConfig(
+        lamp=(-rng.uniform(0.3, 1.0), rng.uniform(-0.8, 0.8), rng.uniform(0.3, 1.0)),
+        lamp_strength=rng.uniform(0.2, 0.8),
+        fill_strength=rng.uniform(0.2, 0.5),
+        shadow_rays=int(not soft),
+        openness=bool(rng.random() < 0.8),
+    )
+    seen = render(build_scene([joined]), batch_cameras([camera]), [qpos], cfg=light)
+    mask = seen.mask[0].numpy()
+    ids = np.where(mask, seen.part_ids[0].numpy(), NOTHING).astype(np.uint16)
+    displacements = pose_parts(joined, qpos)
+    parts = np.array(
+        [
+            _mark(joined, k, int(owners[k]), displacements[k], float(qpos[k]), camera)
+            for k in range(len(joined.parts))
+        ],
+        dtype=PART,
+    )
+    bodies = np.array([_describe(shape, camera) for shape in shapes], dtype=BODY)
+    return View(rgba=pack_picture(seen.rgb[0].numpy(), mask), ids=ids, parts=parts, bodies=bodies)
+
+
+def _join(shapes: Sequence[Shape]) -> tuple[Shape, Int[np.ndarray, "P"]]:
+    """One shape of several, and which of them each part comes from."""
+    parts: list[ShapePart] = [
+        ShapePart("world", "base", [box((0, 0, -9.0), (0.01, 0.01, -8.99), "0.none")], parent=None)
+    ]
+    finishes: list[tuple[str, Finish]] = [
+        ("0.none", Finish(kind="lacquer", color=(0.5, 0.5, 0.5), accent=(0.5, 0.5, 0.5)))
+    ]
+    owners = [SURROUNDINGS]
+    for index, shape in enumerate(shapes):
+        own = f"{index}."
+        finishes += [(own + name, finish) for name, finish in shape.finishes]
+        for part in shape.parts:
+            solids = tuple(
+                replace(
+                    solid,
+                    finish=own + solid.finish,
+                    lining=None if solid.lining is None else own + solid.lining,
+                )
+                for solid in part.primitives
+            )
+            motion = part.motion
+            if motion is not None and motion.follows is not None:
+                motion = replace(motion, follows=own + motion.follows)
+            parts.append(
+                replace(
+                    part,
+                    name=own + part.name,
+                    primitives=solids,
+                    motion=motion,
+                    parent="world" if part.parent is None else own + part.parent,
+                    needs=tuple(Need(part=own + need.part, fraction=need.fraction) for need in part.needs),
+                )
+            )
+            owners.append(index)
+    joined = Shape(category="Room", seed=0, style="room", parts=tuple(parts), finishes=tuple(finishes))
+    return joined, np.array(owners)
+
+
+def _furnish(
+    shapes: Sequence[Shape], rng: np.random.Generator
+) -> tuple[list[ShapePart], list[tuple[str, Finish]]]:
+    """A floor, walls and loose things as parts that belong to no object."""
+    bounds = np.stack([shape.bounds() for shape in shapes])
+    low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
+    finishes: list[tuple[str, Finish]] = []
+
+    def finish(kinds: Sequence[FinishKind], light: tuple[float, float]) -> str:
+        value = rng.uniform(*light)
+        color = np.clip(value + rng.normal(0, rng.choice([0.02, 0.08, 0.2], p=[0.5, 0.35, 0.15]), 3), 0.02, 1)
+        finishes.append(
+            (
+                f"room.{len(finishes)}",
+                Finish(
+                    kind=kinds[rng.integers(len(kinds))],
+                    color=tuple(color.tolist()),
+                    accent=tuple(np.clip(color * rng.uniform(0.5, 1.1), 0, 1).tolist()),
+                    grain=(0.0, 1.0, 0.0) if rng.random() < 0.5 else (1.0, 0.0, 0.0),
+                    period=float(np.exp(rng.uniform(np.log(0.01), np.log(0.4)))),
+                    seed=int(rng.integers(2**30)),
+                    gloss=float(rng.uniform(0.0, 0.3)),
+                ),
+            )
+        )
+        return finishes[-1][0]
+
+    floor = float(low[2])
+    wall = high[0] + rng.choice([0.0, 0.01, rng.uniform(0.0, 1.5)], p=[0.4, 0.3, 0.3])
+    solids: list[Primitive] = [
+        box(
+            (low[0] - 8, low[1] - 8, floor - 0.06),
+            (wall + 0.1, high[1] + 8, floor - 0.001),
+            finish(["wood", "stone", "lacquer"], (0.2, 0.9)),
+        ),
+        box(
+            (wall, low[1] - 8, floor - 0.1),
+            (wall + 0.1, high[1] + 8, floor + 4.5),
+            finish(["lacquer", "lacquer", "stone", "wood"], (0.3, 1.0)),
+        ),
+    ]
+    if rng.random() < 0.5:
+        solids.append(
+            box(
+                (wall - 0.015, low[1] - 8, floor),
+                (wall, high[1] + 8, floor + rng.uniform(0.05, 0.14)),
+                finish(["lacquer", "wood"], (0.3, 1.0)),
+            )
+        )
+    if rng.random() < 0.35:
+        side = (
+            high[1] + rng.uniform(0.01, 0.8) if rng.random() < 0.5 else low[1] - rng.uniform(0.01, 0.8) - 0.1
+        )
+        solids.append(
+            box(
+                (low[0] - 8, side, floor - 0.1),
+                (wall, side + 0.1, floor + 4.5),
+                finish(["lacquer", "stone"], (0.3, 1.0)),
+            )
+        )
+    tops = [(float(b[0, 0]), float(b[1, 0]), float(b[0, 1]), float(b[1, 1]), float(b[1, 2])) for b in bounds]
+    for _ in range(int(rng.integers(0, 6))):
+        x0, x1, y0, y1, top = tops[rng.integers(len(tops))]
+        size = np.exp(rng.uniform(np.log(0.05), np.log(0.4), 3))
+        if rng.random() < 0.7:
+            x, y, z = rng.uniform(x0, x1), rng.uniform(y0, y1), top
+        else:
+            x, y, z = x0 - rng.uniform(0.1, 1.2), rng.uniform(y0 - 0.5, y1 + 0.5), floor
+        look = finish(["lacquer", "plastic", "wood", "steel"], (0.05, 1.0))
+        if rng.random() < 0.5:
+            solids.append(cylinder((x, y, z), (x, y, z + size[2]), size[0] / 2, look))
+        else:
+            solids.append(
+                box(
+                    (x - size[0] / 2, y - size[1] / 2, z),
+                    (x + size[0] / 2, y + size[1] / 2, z + size[2]),
+                    look,
+                )
+            )
+    if rng.random() < 0.3:  # a picture or a window on the wall
+        y, z = rng.uniform(low[1] - 0.5, high[1] + 0.5), floor + rng.uniform(1.2, 2.2)
+        solids.append(
+            box(
+                (wall - 0.02, y, z),
+                (wall, y + rng.uniform(0.2, 1.0), z + rng.uniform(0.2, 1.0)),
+                finish(["lacquer", "plastic"], (0.0, 1.0)),
+            )
+        )
+    return [
+        ShapePart(f"room.{k}", "base", [solid], parent="world") for k, solid in enumerate(solids)
+    ], finishes
+
+
+def _mark(
+    shape: Shape, index: int, owner: int, T_world_part: np.ndarray, q: float, camera: Camera
+) -> tuple[object, ...]:
+    """A row of `PART`."""
+    part = shape.parts[index]
+    if owner == SURROUNDINGS or part.label not in THING_OF:
+        return (UNKNOWN, owner, UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, np.zeros((4, 2)))
+    finishes = dict(shape.finishes)
+    largest = max(part.primitives, key=lambda solid: float(np.prod(np.sort(solid.size)[1:])))
+    material = MATERIALS.index(finishes[largest.finish].kind)
+    if THING_OF[part.label] != FRONT:
+        return (THING_OF[part.label], owner, UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, material, np.zeros((4, 2)))
+    corners, hinge = project_front(part, T_world_part, camera)
+    area = float(np.prod(np.sort(np.diff(part.bounds(), axis=0)[0])[1:]))
+    glazed = any(
+        finishes[solid.finish].kind == "glass" and float(np.prod(np.sort(solid.size)[1:])) > 0.12 * area
+        for solid in part.primitives
+    )
+    motion = part.motion
+    swings = motion is not None and motion.type == "revolute" and part.label == "door"
+    opened = motion is not None and q > AJAR * min(motion.upper, 2.0)
+    return (
+        FRONT,
+        owner,
+        int(part.label == "door"),
+        hinge if swings else UNKNOWN,
+        int(opened),
+        int(glazed),
+        material,
+        corners,
+    )
+
+
+def project_front(
+    part: ShapePart, T_world_part: Float[np.ndarray, "4 4"], camera: Camera
+) -> tuple[Float[np.ndarray, "4 2"], int]:
+    """Corners (pixels) of the face of a door or drawer that looks outward, from the upper left clockwise as seen, and
+    the side of its hinges (index into `HINGES`)."""
+    low, high = part.bounds()
+    size = high - low
+    normal = 0 if part.label == "drawer" else int(np.argmin(size))
+    outer = high[normal] if normal == 2 else low[normal]
+    a, b = [k for k in range(3) if k != normal]
+    face = np.zeros((4, 3))
+    face[:, normal] = outer
+    for row, (u, v) in enumerate(
+        ((low[a], low[b]), (low[a], high[b]), (high[a], high[b]), (high[a], low[b]))
+    ):
+        face[row, a], face[row, b] = u, v
+    seen = project_points(camera, face @ T_world_part[:3, :3].T + T_world_part[:3, 3])[:, :2]
+    corners = sort_corners(seen)
+    hinge = UNKNOWN
+    if part.motion is not None and part.motion.type == "revolute":
+        axis, origin = np.array(part.motion.axis), np.array(part.motion.origin)
+        middle = face.mean(axis=0)
+        foot = origin + axis * float((middle - origin) @ axis)
+        ends = np.stack([middle, foot])  # the axis does not move with the part, its foot may
+        there = project_points(camera, ends @ T_world_part[:3, :3].T + T_world_part[:3, 3])[:, :2]
+        right, down = there[1] - there[0]
+        if abs(right) > abs(down):
+            hinge = HINGES.index("right" if right > 0 else "left")
+        else:
+            hinge = HINGES.index("bottom" if down > 0 else "top")
+    return corners, hinge
+
+
+def sort_corners(points: Float[np.ndarray, "4 2"]) -> Float[np.ndarray, "4 2"]:
+    """Four corners in cyclic order, from the upper left clockwise in the picture."""
+    middle = points.mean(axis=0)
+    angles = np.arctan2(points[:, 1] - middle[1], points[:, 0] - middle[0])
+    ordered = points[np.argsort(angles)]
+    start = int(np.argmin(ordered.sum(axis=1)))
+    return np.roll(ordered, -start, axis=0)
+
+
+def _describe(shape: Shape, camera: Camera) -> tuple[object, ...]:
+    """A row of `BODY`."""
+    low, high = shape.bounds()
+    away = camera.position - (low + high) / 2
+    distance = float(np.linalg.norm(away))
+    near = float(np.linalg.norm(high - low)) / 2 / distance
+    view = (np.arctan2(away[1], -away[0]), np.arcsin(away[2] / distance), near)
+    depth, width, height = high - low
+    return KINDS.index(shape.category), _find_stand(shape), view, (width, depth, height)
+
+
+def _find_stand(shape: Shape) -> int:
+    """Index into `STANDS`."""
+    if sum(part.label == "wheel" for part in shape.parts) >= 3:
+        return 2
+    low, high = shape.bounds()
+    footprint = float(np.prod((high - low)[:2]))
+    wide = []
+    for part in shape.parts:
+        for solid in part.primitives:
+            points = place_vertices(solid)
+            if float(np.prod(np.ptp(points[:, :2], axis=0))) > 0.25 * footprint:
+                wide.append(float(points[:, 2].min()))
+    return int(bool(wide) and min(wide) - low[2] > LEG)
+
+
+def pack_views(views: Sequence[View]) -> dict[str, np.ndarray]:
+    """Views as arrays; pictures and numbers of parts as PNG."""
+    from PIL import Image
+
+    def encode(image: np.ndarray) -> np.ndarray:
+        out = io.BytesIO()
+        Image.fromarray(image).save(out, format="PNG", compress_level=1)
+        return np.frombuffer(out.getvalue(), dtype=np.uint8)
+
+    pictures = [encode(view.rgba) for view in views]
+    numbers = [encode(view.ids) for view in views]
+    return {
+        "pictures": np.concatenate(pictures),
+        "picture_bytes": np.array([len(one) for one in pictures]),
+        "ids": np.concatenate(numbers),
+        "id_bytes": np.array([len(one) for one in numbers]),
+        "parts": np.concatenate([view.parts for view in views]),
+        "part_counts": np.array([len(view.parts) for view in views]),
+        "bodies": np.concatenate([view.bodies for view in views]),
+        "body_counts": np.array([len(view.bodies) for view in views]),
+    }

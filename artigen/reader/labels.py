@@ -1,0 +1,21 @@
+"""What the reader can name."""
+
+KINDS = (
+    "StorageFurniture", "Table", "Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave",
+    "Cart", "Safe", "Box", "BreadBox", "ChestFreezer", "DeskLamp", "Door", "Dresser", "Dryer", "Faucet",
+    "FilingCabinet", "Laptop", "Mailbox", "Pot", "Printer", "Suitcase", "Switch", "Toaster", "Toilet",
+    "ToolBox", "TrashCan", "Wardrobe", "Window",
+)  # fmt: skip
+"""Kinds of objects."""
+THINGS = ("front", "pull", "dial", "shelf", "wheel", "object")
+"""What is found at a place, each on a map of its own: fronts are doors and drawers, pulls are handles, dials are
+knobs and buttons, shelves include trays and racks."""
+FRONT, PULL, DIAL, SHELF, WHEEL, OBJECT = range(len(THINGS))
+HINGES = ("left", "right", "top", "bottom")
+"""Sides of a door as seen, on which its hinges are."""
+MATERIALS = ("wood", "lacquer", "steel", "plastic", "glass", "rubber", "stone")
+"""Materials of a front's largest surface."""
+STANDS = ("flat", "legs", "wheels")
+"""How an object stands: on its base or a plinth, on legs, or on wheels."""
+UNKNOWN = -1
+"""Value of a mark's attribute that nobody has stated."""

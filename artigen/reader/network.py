@@ -1,0 +1,110 @@
+"""The reader's network: maps of centres on a pretrained trunk, with boxes and attributes at every cell.
+
+As in CenterNet (Zhou et al., 2019), each kind of thing has a map whose peaks are the middles of its boxes. What is
+known of a thing is read at its peak.
+"""
+
+from dataclasses import dataclass
+
+import torch
+from jaxtyping import Float
+from torch import Tensor, nn
+from torch.nn import functional
+
+from artigen.reader.labels import HINGES, KINDS, MATERIALS, STANDS, THINGS
+from artigen.reader.trunk import Trunk
+
+STRIDE = 4
+"""Pixels of a cell's edge."""
+ATTRIBUTES = {
+    "box": 4 * len(THINGS), "corners": 8, "door": 1, "hinge": len(HINGES), "open": 1, "pane": 1,
+    "material": len(MATERIALS), "kind": len(KINDS), "stand": len(STANDS), "view": 3, "size": 3,
+}  # fmt: skip
+"""Channels of what is read at peaks: boxes of each thing (logarithms of the distances to left, top, right and
+bottom in pixels); corners, door, hinge, open, pane and material of fronts; kind, stand, view and size of objects."""
+PRIOR = -4.5
+"""Initial logit of peaks."""
+REACH = (3.3, 1.8, 1.8, 2.8, 2.0, 4.4)
+"""Initial logarithm of the distance from the middle to each side (pixels), by thing."""
+GROUPS = 8
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReaderConfig:
+    """Sizes of the network."""
+
+    variant: str = "lite2"
+    """Variant of the trunk."""
+    width: int = 96
+    """Channels of the decoder."""
+    tuned_from: int = 8
+    """Stride after which blocks of the trunk are tuned."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Maps:
+    """What the network says about a batch of pictures, per cell of `STRIDE` pixels."""
+
+    heat: Float[Tensor, "B T h w"]
+    """Logits of peaks, by `THINGS`."""
+    attributes: dict[str, Float[Tensor, "B C h w"]]
+    """By `ATTRIBUTES`."""
+
+
+class _Fuse(nn.Module):
+    """A convolution with a norm."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.conv = nn.Conv2d(width, width, 3, padding=1)
+        self.norm = nn.GroupNorm(GROUPS, width)
+
+    def forward(self, x: Float[Tensor, "B C H W"]) -> Float[Tensor, "B C H W"]:
+        return functional.relu(self.norm(self.conv(x)))
+
+
+class ReaderNetwork(nn.Module):
+    """Trunk, a decoder from its deepest features to those at stride 4, and maps."""
+
+    def __init__(self, cfg: ReaderConfig) -> None:
+        super().__init__()
+        self.cfg = cfg
+        self.trunk = Trunk(cfg.variant)
+        self.first_tuned = 0 if cfg.tuned_from == 0 else self.trunk.taps[(4, 8, 16).index(cfg.tuned_from)] + 1
+        self.trunk.stem.requires_grad_(False)
+        for index, block in enumerate(self.trunk.blocks):
+            if index < self.first_tuned:
+                block.requires_grad_(False)
+            block.depth.weight.requires_grad_(
+                False
+            )  # general filters, whose gradients would cost most of a step
+        self.sides = nn.ModuleList(nn.Conv2d(channels, cfg.width, 1) for channels in self.trunk.channels)
+        self.fuse = nn.ModuleList(_Fuse(cfg.width) for _ in self.trunk.channels)
+        self.last = _Fuse(cfg.width)
+        self.heat = nn.Conv2d(cfg.width, len(THINGS), 1)
+        self.attributes = nn.Conv2d(cfg.width, sum(ATTRIBUTES.values()), 1)
+        with torch.no_grad():
+            self.heat.bias.fill_(PRIOR)
+            self.attributes.bias.zero_()
+            self.attributes.bias[: ATTRIBUTES["box"]] = torch.tensor(REACH).repeat_interleave(4)
+
+    def forward(self, pixels: Tensor) -> Maps:
+        """Reads RGB pixels from 0 to 255, [B, 3, H, W]; H and W are multiples of 32."""
+        taps = []
+        with torch.no_grad():
+            x = self.trunk.enter(pixels)
+            for index in range(self.first_tuned):
+                x = self.trunk.blocks[index](x)
+                if index in self.trunk.taps:
+                    taps.append(x)
+        for index in range(self.first_tuned, len(self.trunk.blocks)):
+            x = self.trunk.blocks[index](x)
+            if index in self.trunk.taps:
+                taps.append(x)
+        y = self.fuse[3](self.sides[3](taps[3]))
+        for level in (2, 1, 0):
+            y = functional.interpolate(y, scale_factor=2.0, mode="nearest")
+            y = self.fuse[level](self.sides[level](taps[level]) + y)
+        y = self.last(y)
+        said = self.attributes(y).float().split(list(ATTRIBUTES.values()), dim=1)
+        return Maps(heat=self.heat(y).float(), attributes=dict(zip(ATTRIBUTES, said, strict=True)))

@@ -1,0 +1,243 @@
+"""`read_photo`: a photograph to a `Reading`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import torch
+from jaxtyping import Bool, Float, UInt8
+
+from artigen.conditioning.image import open_picture
+from artigen.errors import ArtigenError, SourceError
+from artigen.reader.decode import Found, average_maps, find_things, mirror_maps, overlaps
+from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, MATERIALS, OBJECT, PULL, SHELF, STANDS, WHEEL
+from artigen.reader.model import load_reader
+from artigen.reader.network import ReaderNetwork
+from artigen.reader.reading import Label, Reading, ReadPart
+from artigen.weights import READER
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+EDGE = 384
+"""Longest edge (pixels) at which photographs are read."""
+PAD = 255
+"""Value around a photograph that is no square."""
+LEAST_OBJECT = 0.2
+"""Score from which there is an object."""
+LEAST = {FRONT: 0.3, PULL: 0.3, DIAL: 0.3, SHELF: 0.35, WHEEL: 0.35}
+"""Score from which there is a part, by thing."""
+HELD = 0.5
+"""Share of a part's box that must be within its object's."""
+MARGIN = 0.03
+"""Margin around the object's box, as a share of its longer side."""
+LONG = 1.8
+"""Ratio of a handle's sides from which it is a bar."""
+HINGE_SURE = 0.5
+"""Probability from which a hinge's side is stated."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Sheet:
+    """A photograph in a square, and where it lies there."""
+
+    pixels: UInt8[np.ndarray, "S S 3"]
+    origin: Float[np.ndarray, "2"]
+    extent: Float[np.ndarray, "2"]
+
+    def to_shares(self, points: Float[np.ndarray, "*N 2"]) -> Float[np.ndarray, "*N 2"]:
+        """Pixels of the square as shares of the photograph."""
+        return (points - self.origin) / self.extent
+
+    def to_pixels(self, shares: Float[np.ndarray, "*N 2"]) -> Float[np.ndarray, "*N 2"]:
+        """Inverts `to_shares`."""
+        return shares * self.extent + self.origin
+
+
+def read_photo(photo: Path, *, box: Sequence[float] | None = None, folder: Path = READER) -> Reading:
+    """Reads the largest object of a photograph, or the one in a box.
+
+    Args:
+        photo: Any picture that `artigen.conditioning.image.open_picture` opens.
+        box: Left, top, right and bottom of an object, as shares of width and height.
+        folder: Folder of the reader's weights.
+
+    Raises:
+        SourceError: If the picture cannot be opened, or shows no object of a known kind.
+        ArtigenError: If the box is none.
+    """
+    return read_image(open_picture(photo), load_reader(folder), str(photo), box=box)
+
+
+@torch.no_grad()
+def read_image(
+    image: "Image.Image", network: ReaderNetwork, name: str, *, box: Sequence[float] | None = None
+) -> Reading:
+    """As `read_photo`, of an opened picture; ``name`` is for messages."""
+    if box is not None:
+        _check_box(box)
+    sheet = _place(image)
+    pixels = torch.from_numpy(sheet.pixels).permute(2, 0, 1)[None]
+    maps = average_maps(network(pixels), mirror_maps(network(pixels.flip(3))))
+    things = find_things(maps)[0]
+    chosen = _choose_object(things[OBJECT], sheet, box)
+    if chosen is None:
+        raise SourceError(_say_nothing(things[OBJECT], name, box))
+    return _assemble(things, chosen, sheet, image)
+
+
+def _check_box(box: Sequence[float]) -> None:
+    if len(box) != 4 or not (0 <= box[0] < box[2] <= 1 and 0 <= box[1] < box[3] <= 1):
+        raise ArtigenError(
+            f"box {', '.join(f'{value:g}' for value in box)}: expected left, top, right and bottom as shares of width "
+            "and height, from 0 to 1, such as 0.1 0.2 0.6 0.9"
+        )
+
+
+def _place(image: "Image.Image") -> _Sheet:
+    """The picture over white, scaled into a square."""
+    from PIL import Image as PillowImage
+
+    scale = EDGE / max(image.size)
+    extent = tuple(max(8, round(edge * scale)) for edge in image.size)
+    small = image.resize(extent, PillowImage.Resampling.BOX if scale < 1 else PillowImage.Resampling.BILINEAR)
+    origin = ((EDGE - extent[0]) // 2, (EDGE - extent[1]) // 2)
+    square = PillowImage.new("RGB", (EDGE, EDGE), (PAD, PAD, PAD))
+    square.paste(small.convert("RGB"), origin, small.getchannel("A"))
+    return _Sheet(
+        pixels=np.asarray(square), origin=np.array(origin, np.float64), extent=np.array(extent, np.float64)
+    )
+
+
+def _choose_object(objects: Found, sheet: _Sheet, box: Sequence[float] | None) -> int | None:
+    """Index of the largest object, weighted by its score, or of the one that a box names best."""
+    sure = np.flatnonzero(objects.score > LEAST_OBJECT)
+    if not len(sure):
+        return None
+    boxes = objects.box[sure]
+    if box is not None:
+        asked = sheet.to_pixels(np.array(box, np.float64).reshape(2, 2)).ravel()
+        shared = overlaps(boxes, asked)
+        return int(sure[shared.argmax()]) if shared.max() > 0.3 else None
+    sides = np.sqrt(np.prod(boxes[:, 2:] - boxes[:, :2], axis=1))
+    return int(sure[np.argmax(sides * objects.score[sure])])
+
+
+def _say_nothing(objects: Found, name: str, box: Sequence[float] | None) -> str:
+    """Why nothing was read."""
+    where = "" if box is None else " in the given box"
+    said = f"{name}: no object of a known kind was found{where}"
+    if len(objects):
+        likely = _rank_kinds(objects.attributes["kind"][0])[:3]
+        said += f"; the likeliest kinds are {', '.join(f'{kind} ({share:.0%})' for kind, share in likely)}"
+    return (
+        said + "; show one piece of furniture or appliance as a whole, from near its front, or name its kind"
+    )
+
+
+def _rank_kinds(logits: Float[np.ndarray, "K"]) -> list[tuple[str, float]]:
+    shares = np.exp(logits - logits.max())
+    shares /= shares.sum()
+    return [(KINDS[index], float(shares[index])) for index in np.argsort(-shares)]
+
+
+def _assemble(things: Sequence[Found], chosen: int, sheet: _Sheet, image: "Image.Image") -> Reading:
+    """The reading of one object."""
+    objects = things[OBJECT]
+    own = objects.box[chosen]
+    said = {name: values[chosen] for name, values in objects.attributes.items()}
+    kinds = _rank_kinds(said["kind"])
+    parts: list[ReadPart] = []
+    for thing in (FRONT, PULL, DIAL, SHELF, WHEEL):
+        found = things[thing]
+        kept = np.flatnonzero((found.score > LEAST[thing]) & _is_within(found.box, own))
+        parts += [_describe_part(found, int(index), thing, sheet) for index in kept]
+    fronts = sort_reading([part for part in parts if part.label in ("door", "drawer")])
+    others = [part for part in parts if part.label not in ("door", "drawer")]
+    width, depth, height = (float(value) for value in np.exp(said["size"]))
+    yaw, pitch, near = (float(value) for value in said["view"])
+    return Reading(
+        kind=kinds[0][0],
+        kinds=tuple(kinds),
+        box=np.clip(sheet.to_shares(own.reshape(2, 2)), 0, 1).ravel(),
+        parts=(*fronts, *others),
+        size=(width, depth, height),
+        view=(yaw, pitch, near),
+        stand=STANDS[int(said["stand"].argmax())],  # type: ignore[arg-type]
+        color=_median_color(sheet.pixels, own, things[FRONT].box),
+        extent=image.size,
+    )
+
+
+def _is_within(boxes: Float[np.ndarray, "N 4"], own: Float[np.ndarray, "4"]) -> Bool[np.ndarray, "N"]:
+    margin = MARGIN * float(max(own[2:] - own[:2]))
+    low, high = np.maximum(boxes[:, :2], own[:2] - margin), np.minimum(boxes[:, 2:], own[2:] + margin)
+    shared = np.clip(high - low, 0, None).prod(axis=1)
+    return shared > HELD * np.maximum((boxes[:, 2:] - boxes[:, :2]).prod(axis=1), 1e-9)
+
+
+def _describe_part(found: Found, index: int, thing: int, sheet: _Sheet) -> ReadPart:
+    box = found.box[index]
+    said = {name: values[index] for name, values in found.attributes.items()}
+    shares = np.clip(sheet.to_shares(box.reshape(2, 2)), 0, 1).ravel()
+    common = {"score": float(found.score[index]), "box": shares, "color": _median_color(sheet.pixels, box)}
+    if thing != FRONT:
+        labels: dict[int, Label] = {PULL: "handle", DIAL: "knob", SHELF: "shelf", WHEEL: "wheel"}
+        wide, high = box[2:] - box[:2]
+        form = None
+        if thing == PULL:
+            form = "bar" if max(wide, high) > LONG * min(wide, high) else "knob"
+        return ReadPart(label=labels[thing], form=form, **common)
+    door = bool(said["door"][0] > 0)
+    sides = np.exp(said["hinge"] - said["hinge"].max())
+    sides /= sides.sum()
+    hinged = door and sides.max() > HINGE_SURE
+    return ReadPart(
+        label="door" if door else "drawer",
+        corners=sheet.to_shares(found.corners[index]),
+        hinge=HINGES[int(sides.argmax())] if hinged else None,  # type: ignore[arg-type]
+        open=bool(said["open"][0] > 0),
+        pane=bool(said["pane"][0] > 0),
+        material=MATERIALS[int(said["material"].argmax())],
+        **common,
+    )
+
+
+def sort_reading(fronts: Sequence[ReadPart]) -> list[ReadPart]:
+    """Fronts from top to bottom, and from left to right where they overlap in height by half."""
+    rest = sorted(fronts, key=lambda part: float(part.box[1]))
+    out: list[ReadPart] = []
+    while rest:
+        first = rest[0]
+        row = [part for part in rest if _share_height(part, first) > 0.5]
+        out += sorted(row, key=lambda part: float(part.box[0]))
+        rest = [part for part in rest if part not in row]
+    return out
+
+
+def _share_height(part: ReadPart, other: ReadPart) -> float:
+    shared = min(part.box[3], other.box[3]) - max(part.box[1], other.box[1])
+    return float(shared / max(min(part.box[3] - part.box[1], other.box[3] - other.box[1]), 1e-6))
+
+
+def _median_color(
+    pixels: UInt8[np.ndarray, "S S 3"],
+    box: Float[np.ndarray, "4"],
+    without: Float[np.ndarray, "N 4"] | None = None,
+) -> tuple[int, int, int]:
+    """Median colour within a box, apart from other boxes where something else is left."""
+    low = np.clip(np.floor(box[:2] + 0.15 * (box[2:] - box[:2])), 0, len(pixels) - 1).astype(int)
+    high = np.maximum(
+        low + 1, np.clip(np.ceil(box[2:] - 0.15 * (box[2:] - box[:2])), 0, len(pixels)).astype(int)
+    )
+    inside = np.zeros(pixels.shape[:2], bool)
+    inside[low[1] : high[1], low[0] : high[0]] = True
+    if without is not None:
+        free = inside.copy()
+        for x0, y0, x1, y1 in np.clip(without, 0, len(pixels)).astype(int):
+            free[y0:y1, x0:x1] = False
+        inside = free if free.any() else inside
+    red, green, blue = np.median(pixels[inside], axis=0)
+    return int(red), int(green), int(blue)
