@@ -30,6 +30,8 @@ FURNITURE = {"dresser": "Dresser", "wardrobe": "Wardrobe", "desk": "Table", "cab
 """Kinds by the photographs' words for a front's appliance and for the main object."""
 TOUCHING, SPACED = 0.1, 0.35
 """Largest gap between fronts of one appliance, and of one piece of furniture, as a share of the larger front."""
+FRAME = 0.04
+"""Width of the frame around a piece of furniture's fronts, as a share of their extent."""
 LEAST_FRONT, LEAST_PULL = 7.0, 3.0
 """Least extents (pixels) of what is worth finding: of both sides of a front, of the longer side of a pull."""
 SEEN = 0.5
@@ -77,14 +79,18 @@ def read_marked_photos(folder: Path) -> list[MarkedPhoto]:
                 room_doors=room_doors,
                 complete=entry["complete"] is True,
                 main=entry["object"],
-                objects=tuple(_find_objects(fronts, room_doors, entry["object"])),
+                objects=tuple(_find_objects(fronts, room_doors, entry["object"], complete=entry["complete"] is True)),
             )
         )
     return out
 
 
 def _find_objects(
-    fronts: Sequence[dict], room_doors: Float[np.ndarray, "N 4"], main: str | None
+    fronts: Sequence[dict],
+    room_doors: Float[np.ndarray, "N 4"],
+    main: str | None,
+    *,
+    complete: bool,
 ) -> list[tuple[str, Float[np.ndarray, "4"], bool]]:
     """Objects whose kind is known, from groups of fronts that touch."""
     out = []
@@ -96,7 +102,9 @@ def _find_objects(
         groups = _join_boxes(own, SPACED)
         if groups:
             largest = max(groups, key=lambda box: float((box[2] - box[0]) * (box[3] - box[1])))
-            out.append((FURNITURE[main], largest, False))
+            edge = FRAME * (largest[2:] - largest[:2])
+            whole = np.clip(np.concatenate([largest[:2] - edge, largest[2:] + edge]), 0, 1).astype(np.float32)
+            out.append((FURNITURE[main], whole, complete and main != "desk"))
     out += [("Door", box, True) for box in room_doors]
     return out
 
