@@ -37,8 +37,7 @@ def vary_photometry(
         more = rng.uniform(0.3, 1.5)
         image = cv2.addWeighted(image, 1 + more, cv2.GaussianBlur(image, (0, 0), 1.5), -more, 0)
     if rng.random() < 0.4:
-        noise = np.empty(image.shape, np.int16)
-        cv2.randn(noise, 0, rng.uniform(0, 12 * strength))
+        noise = rng.standard_normal(image.shape, dtype=np.float32) * rng.uniform(0, 12 * strength)
         image = cv2.add(image, noise, dtype=cv2.CV_8U)
     if rng.random() < 0.5:
         coded = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, int(rng.integers(25, 95))])[1]
