@@ -19,7 +19,7 @@ PICTURES = (".png", ".jpg", ".jpeg", ".webp")
 def read(
     photo: tyro.conf.Positional[Path],
     box: tuple[float, float, float, float] | None = None,
-    as_json: Json = False,  # noqa: FBT001, FBT002 - a flag of the command line
+    as_json: Json = False,  # noqa: FBT002 - a flag of the command line
     picture: Path | None = None,
 ) -> int:
     """Read a photograph: kind, doors, drawers, handles, size and colours of one object.
@@ -54,7 +54,9 @@ def describe(reading: "Reading") -> str:
     lines = [f"{reading.kind} ({likely})"]
     if not reading.sure:
         lines[0] = f"not sure: {likely}"
-    counts = ", ".join(f"{count} {label}{'s' * (count != 1)}" for label, count in reading.counts.items() if count)
+    counts = ", ".join(
+        f"{count} {label}{'s' * (count != 1)}" for label, count in reading.counts.items() if count
+    )
     lines.append(f"in view: {counts or 'no doors, drawers, handles or knobs'}")
     for front in reading.fronts:
         left, top, right, bottom = front.box

@@ -1,8 +1,8 @@
 """Photographs of rooms whose doors, drawers and pulls are marked, as training pictures of the reader.
 
-The folder holds ``labels.json`` and ``images``: for each photograph its fronts with label, box (shares of width and
-height), hinge side and whether it is open, the boxes of pulls, and those of doors of rooms. Labels ``pair`` and
-``none`` are ignored, and so is the empty ground of photographs that are not marked completely.
+The folder holds ``labels.json`` and ``images``: for each photograph its fronts with label, box (shares of
+width and height), hinge side and whether it is open, the boxes of pulls, and those of doors of rooms. Labels
+``pair`` and ``none`` are ignored, and so is the empty ground of photographs that are not marked completely.
 """
 
 import json
@@ -29,13 +29,15 @@ APPLIANCES = {
 FURNITURE = {"dresser": "Dresser", "wardrobe": "Wardrobe", "desk": "Table", "cabinet": "StorageFurniture"}
 """Kinds by the photographs' words for a front's appliance and for the main object."""
 TOUCHING, SPACED = 0.1, 0.35
-"""Largest gap between fronts of one appliance, and of one piece of furniture, as a share of the larger front."""
+"""Largest gap between fronts of one appliance, and of one piece of furniture, as a share of the larger
+front."""
 FRAME = 0.04
 """Width of the frame around a piece of furniture's fronts, as a share of their extent."""
 LEAST_FRONT, LEAST_PULL = 7.0, 3.0
 """Least extents (pixels) of what is worth finding: of both sides of a front, of the longer side of a pull."""
 SEEN = 0.5
-"""Share of a box that must be inside the picture; with less, the thing counts neither as there nor as missing."""
+"""Share of a box that must be inside the picture; with less, the thing counts neither as there nor as
+missing."""
 LARGEST_GAIN = 2.2
 """Largest enlargement of a photograph."""
 
@@ -79,7 +81,9 @@ def read_marked_photos(folder: Path) -> list[MarkedPhoto]:
                 room_doors=room_doors,
                 complete=entry["complete"] is True,
                 main=entry["object"],
-                objects=tuple(_find_objects(fronts, room_doors, entry["object"], complete=entry["complete"] is True)),
+                objects=tuple(
+                    _find_objects(fronts, room_doors, entry["object"], complete=entry["complete"] is True)
+                ),
             )
         )
     return out
@@ -231,7 +235,8 @@ def _weigh(
     edge = size // STRIDE
     weight = np.zeros((len(THINGS), edge, edge), np.float32)
     weight[FRONT] = weight[PULL] = 1.0 if photo.complete else UNCHECKED
-    # Dials and shelves are not marked; appliances have them, so only pictures without one show where none are.
+    # Dials and shelves are not marked; appliances have them, so only pictures without one show where
+    # none are.
     if photo.complete and not any(f.get("kind") in APPLIANCES for f in photo.fronts):
         weight[DIAL] = UNCHECKED
 
@@ -262,7 +267,8 @@ def _mirror_hinge(side: str | None, flipped: bool) -> int:  # noqa: FBT001
 def _choose_frame(
     photo: MarkedPhoto, width: int, height: int, rng: np.random.Generator
 ) -> tuple[float, float, float]:
-    """Left, top and edge (pixels) of a square: a group of neighbouring fronts, or any part of the photograph."""
+    """Left, top and edge (pixels) of a square: a group of neighbouring fronts, or any part of the
+    photograph."""
     scale = np.array([width, height, width, height])
     boxes = (
         np.array([f["box"] for f in photo.fronts if f["label"] not in ("pair", "none")]).reshape(-1, 4)

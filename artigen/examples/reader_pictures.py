@@ -1,8 +1,8 @@
 """Training pictures of the reader from rendered views: placed, dressed and photographed as people do.
 
-A view may get other colours and textures, fronts cut out of marked photographs (whose pulls come with them), a
-background, things before it, and all that cameras do. Backgrounds and textures are parts of marked photographs where
-no front is.
+A view may get other colours and textures, fronts cut out of marked photographs (whose pulls come with them),
+a background, things before it, and all that cameras do. Backgrounds and textures are parts of marked
+photographs where no front is.
 """
 
 import io
@@ -266,7 +266,8 @@ def _paste_fronts(
     stock: Stock,
     rng: np.random.Generator,
 ) -> tuple[Float[np.ndarray, "S S 3"], list[np.ndarray]]:
-    """Puts fronts of one photograph onto closed fronts, which lose their own pulls; returns corners of new pulls.
+    """Puts fronts of one photograph onto closed fronts, which lose their own pulls; returns corners of new
+    pulls.
 
     ``ids`` and ``parts`` are changed in place.
     """
@@ -348,7 +349,8 @@ def _dress(
     stock: Stock,
     rng: np.random.Generator,
 ) -> Float[np.ndarray, "S S 3"]:
-    """Other colours or textures for bodies, fronts and pulls; keeps the shading. ``parts`` is changed in place."""
+    """Other colours or textures for bodies, fronts and pulls; keeps the shading. ``parts`` is changed in
+    place."""
     look = np.append(np.where(parts["object"] >= 0, parts["thing"], THINGS.index("object")), OBJECT)
     of_pixel = look[np.minimum(ids, len(parts))]
     bodies = np.isin(of_pixel, (UNKNOWN, THINGS.index("shelf"), THINGS.index("wheel")))
@@ -401,7 +403,8 @@ def _draw_grain(rng: np.random.Generator, size: int) -> Float[np.ndarray, "S S 1
 def _choose_homography(
     ids: UInt16[np.ndarray, "S S"], edge: int, size: int, rng: np.random.Generator
 ) -> Float[np.ndarray, "3 3"]:
-    """Map from a view to a picture: scale, place, stretch, roll, keystone, mirror; sometimes cut by the frame."""
+    """Map from a view to a picture: scale, place, stretch, roll, keystone, mirror; sometimes cut by the
+    frame."""
     rows, columns = np.nonzero(ids < NOTHING)
     if len(rows) == 0 or len(rows) > 0.98 * ids.size:  # a room fills the view
         x0, y0, x1, y1 = 0.0, 0.0, float(edge), float(edge)

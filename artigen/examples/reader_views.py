@@ -1,7 +1,7 @@
 """Rendered views for the reader: procedural objects, alone or in rooms, with a mark for every part.
 
-A view is a picture with the number of the part that each pixel shows. Its marks say what a part is and where its
-corners are in the picture; `artigen.examples.reader_pictures` turns a view into training pictures.
+A view is a picture with the number of the part that each pixel shows. Its marks say what a part is and where
+its corners are in the picture; `artigen.examples.reader_pictures` turns a view into training pictures.
 """
 
 import io
@@ -32,7 +32,8 @@ NOTHING = 65535
 SURROUNDINGS = -1
 """Object of parts that belong to none: walls, floors and loose things."""
 THING_OF = {
-    "door": FRONT, "drawer": FRONT, "handle": PULL, "knob": DIAL, "shelf": SHELF, "tray": SHELF, "wheel": WHEEL,
+    "door": FRONT, "drawer": FRONT, "handle": PULL, "knob": DIAL, "shelf": SHELF, "tray": SHELF,
+    "wheel": WHEEL,
 }  # fmt: skip
 NEAR, FAR = (0.6, 0.3), (0.95, 0.75)
 """Largest yaw to either side and largest pitch (radians) of two thirds of the cameras, and of the others."""
@@ -56,14 +57,14 @@ PART = np.dtype(
         ("corners", np.float32, (4, 2)),
     ]
 )
-"""A part of a view: what it is (`UNKNOWN` for bodies), its object, whether it is a door (1) or a drawer (0), side of
-its hinges, whether it is open and glazed, its material, and the corners of its front (pixels; from the upper left
-clockwise)."""
+"""A part of a view: what it is (`UNKNOWN` for bodies), its object, whether it is a door (1) or a drawer (0),
+side of its hinges, whether it is open and glazed, its material, and the corners of its front (pixels; from
+the upper left clockwise)."""
 BODY = np.dtype(
     [("kind", np.int16), ("stand", np.int8), ("view", np.float32, (3,)), ("size", np.float32, (3,))]
 )
-"""An object of a view: kind, stand, camera (yaw, pitch, and half its diagonal over its distance), and width, depth
-and height (m)."""
+"""An object of a view: kind, stand, camera (yaw, pitch, and half its diagonal over its distance), and width,
+depth and height (m)."""
 OFTEN = {
     "StorageFurniture": 7, "Dresser": 3, "Wardrobe": 3, "FilingCabinet": 2, "Table": 3, "Refrigerator": 3,
     "WashingMachine": 2, "Dryer": 1, "Oven": 2, "Microwave": 2, "Dishwasher": 2, "Door": 2, "Toilet": 1,
@@ -148,11 +149,11 @@ def _take_view(rng: np.random.Generator) -> View:
         width=EDGE,
         height=EDGE,
     )
-    return _photograph(_arrange(shapes, rng) if room else shapes, poses, camera, rng, room)
+    return _photograph(_arrange(shapes, rng) if room else shapes, poses, camera, rng, room=room)
 
 
 def _draw(kind: str, rng: np.random.Generator) -> Shape:
-    """An object; of cabinets often the richest in fronts of three, as real ones have more than the grammar's."""
+    """An object; often the richest in fronts of three, as real cabinets have more than the grammar's."""
     tries = 3 if OFTEN.get(kind, 0) >= 2 and rng.random() < 0.55 else 1
     drawn: list[Shape] = []
     while len(drawn) < tries:
@@ -255,7 +256,12 @@ def _shift(shape: Shape, offset: tuple[float, float, float]) -> Shape:
 
 
 def _photograph(
-    shapes: Sequence[Shape], poses: Sequence[np.ndarray], camera: Camera, rng: np.random.Generator, room: bool
+    shapes: Sequence[Shape],
+    poses: Sequence[np.ndarray],
+    camera: Camera,
+    rng: np.random.Generator,
+    *,
+    room: bool,
 ) -> View:
     """Renders shapes together, with the marks of their parts."""
     joined, owners = _join(shapes)
@@ -456,8 +462,8 @@ def _mark(
 def project_front(
     part: ShapePart, T_world_part: Float[np.ndarray, "4 4"], camera: Camera
 ) -> tuple[Float[np.ndarray, "4 2"], int]:
-    """Corners (pixels) of the face of a door or drawer that looks outward, from the upper left clockwise as seen, and
-    the side of its hinges (index into `HINGES`)."""
+    """Corners (pixels) of the face of a door or drawer that looks outward, from the upper left clockwise as
+    seen, and the side of its hinges (index into `HINGES`)."""
     low, high = part.bounds()
     size = high - low
     normal = 0 if part.label == "drawer" else int(np.argmin(size))

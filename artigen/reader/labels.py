@@ -8,8 +8,8 @@ KINDS = (
 )  # fmt: skip
 """Kinds of objects."""
 THINGS = ("front", "pull", "dial", "shelf", "wheel", "object")
-"""What is found at a place, each on a map of its own: fronts are doors and drawers, pulls are handles, dials are
-knobs and buttons, shelves include trays and racks."""
+"""What is found at a place, each on a map of its own: fronts are doors and drawers, pulls are handles, dials
+are knobs and buttons, shelves include trays and racks."""
 FRONT, PULL, DIAL, SHELF, WHEEL, OBJECT = range(len(THINGS))
 HINGES = ("left", "right", "top", "bottom")
 """Sides of a door as seen, on which its hinges are."""

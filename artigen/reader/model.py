@@ -1,23 +1,43 @@
 """Stores and loads the reader's weights."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from artigen.models.description import read_description
+from artigen.errors import SourceError
+from artigen.models.description import DESCRIPTION, read_description
 from artigen.models.store import load_model, save_model
+from artigen.reader.choice import Counts, CountShares
 from artigen.reader.network import ReaderConfig, ReaderNetwork
+from artigen.weights import READER
 
 NAME = "reader"
 
 
-def save_reader(network: ReaderNetwork, folder: Path, described: dict[str, object]) -> list[Path]:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reader:
+    """A trained network, and what it knows of how many fronts objects have."""
+
+    network: ReaderNetwork
+    counts: CountShares
+
+
+def save_reader(reader: Reader, folder: Path, described: Mapping[str, object]) -> list[Path]:
     """Writes weights in half precision with a description; returns the files of weights."""
-    sizes = {"variant": network.cfg.variant, "width": network.cfg.width, "tuned_from": network.cfg.tuned_from}
-    return save_model(network, folder, {**described, "sizes": sizes}, NAME)
+    cfg = reader.network.cfg
+    counts = {
+        kind: {f"{doors} {drawers}": round(share, 4) for (doors, drawers), share in sorted(shares.items())}
+        for kind, shares in sorted(reader.counts.items())
+    }
+    sizes = {"variant": cfg.variant, "width": cfg.width, "tuned_from": cfg.tuned_from}
+    return save_model(
+        reader.network, folder, {**described, "sizes": sizes, "doors_and_drawers": counts}, NAME
+    )
 
 
 @lru_cache(maxsize=2)
-def load_reader(folder: Path) -> ReaderNetwork:
+def load_reader(folder: Path) -> Reader:
     """The reader of a folder, loaded once per process.
 
     Raises:
@@ -25,9 +45,23 @@ def load_reader(folder: Path) -> ReaderNetwork:
     """
     import torch
 
-    sizes = read_description(folder)[NAME]["sizes"]
-    assert isinstance(sizes, dict)
-    network = ReaderNetwork(ReaderConfig(**sizes))
+    described = read_description(folder).get(NAME)
+    try:
+        sizes, counts = described["sizes"], described["doors_and_drawers"]  # type: ignore[index]
+        network = ReaderNetwork(ReaderConfig(**sizes))  # type: ignore[arg-type]
+        shares = {
+            kind: {_parse_counts(key): float(share) for key, share in shares.items()}
+            for kind, shares in counts.items()  # type: ignore[union-attr]
+        }
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise SourceError(
+            f"{folder / DESCRIPTION}: describes no reader ({error}); give the folder of one, such as {READER}"
+        ) from error
     load_model(network, folder, NAME)
-    network.requires_grad_(False)
-    return network.to(memory_format=torch.channels_last)
+    network.requires_grad_(requires_grad=False)
+    return Reader(network=network.to(memory_format=torch.channels_last), counts=shares)
+
+
+def _parse_counts(text: str) -> Counts:
+    doors, drawers = text.split()
+    return int(doors), int(drawers)

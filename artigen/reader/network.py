@@ -1,7 +1,7 @@
 """The reader's network: maps of centres on a pretrained trunk, with boxes and attributes at every cell.
 
-As in CenterNet (Zhou et al., 2019), each kind of thing has a map whose peaks are the middles of its boxes. What is
-known of a thing is read at its peak.
+As in CenterNet (Zhou et al., 2019), each kind of thing has a map whose peaks are the middles of its boxes.
+What is known of a thing is read at its peak.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,8 @@ ATTRIBUTES = {
     "material": len(MATERIALS), "kind": len(KINDS), "stand": len(STANDS), "view": 3, "size": 3,
 }  # fmt: skip
 """Channels of what is read at peaks: boxes of each thing (logarithms of the distances to left, top, right and
-bottom in pixels); corners, door, hinge, open, pane and material of fronts; kind, stand, view and size of objects."""
+bottom in pixels); corners, door, hinge, open, pane and material of fronts; kind, stand, view and size of
+objects."""
 PRIOR = -4.5
 """Initial logit of peaks."""
 REACH = (3.3, 1.8, 1.8, 2.8, 2.0, 4.4)
@@ -71,13 +72,12 @@ class ReaderNetwork(nn.Module):
         self.cfg = cfg
         self.trunk = Trunk(cfg.variant)
         self.first_tuned = 0 if cfg.tuned_from == 0 else self.trunk.taps[(4, 8, 16).index(cfg.tuned_from)] + 1
-        self.trunk.stem.requires_grad_(False)
+        self.trunk.stem.requires_grad_(requires_grad=False)
         for index, block in enumerate(self.trunk.blocks):
             if index < self.first_tuned:
-                block.requires_grad_(False)
-            block.depth.weight.requires_grad_(
-                False
-            )  # general filters, whose gradients would cost most of a step
+                block.requires_grad_(requires_grad=False)
+            # General filters, whose gradients would cost most of a step.
+            block.depth.weight.requires_grad_(requires_grad=False)
         self.sides = nn.ModuleList(nn.Conv2d(channels, cfg.width, 1) for channels in self.trunk.channels)
         self.fuse = nn.ModuleList(_Fuse(cfg.width) for _ in self.trunk.channels)
         self.last = _Fuse(cfg.width)

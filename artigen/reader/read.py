@@ -11,10 +11,10 @@ from jaxtyping import Bool, Float, UInt8
 
 from artigen.conditioning.image import open_picture
 from artigen.errors import ArtigenError, SourceError
+from artigen.reader.choice import CountShares, choose_fronts
 from artigen.reader.decode import Found, average_maps, find_things, mirror_maps, overlaps
 from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, MATERIALS, OBJECT, PULL, SHELF, STANDS, WHEEL
-from artigen.reader.model import load_reader
-from artigen.reader.network import ReaderNetwork
+from artigen.reader.model import Reader, load_reader
 from artigen.reader.reading import Label, Reading, ReadPart
 from artigen.weights import READER
 
@@ -27,8 +27,12 @@ PAD = 255
 """Value around a photograph that is no square."""
 LEAST_OBJECT = 0.2
 """Score from which there is an object."""
-LEAST = {FRONT: 0.3, PULL: 0.3, DIAL: 0.3, SHELF: 0.35, WHEEL: 0.35}
+LEAST = {PULL: 0.3, DIAL: 0.3, SHELF: 0.35, WHEEL: 0.35}
 """Score from which there is a part, by thing."""
+MIDDLE, FAINT = 0.3, 0.1
+"""Score of a front that is as likely there as not, and least score of one that is considered."""
+USUAL = 0.5
+"""Weight of how many fronts are usual for a kind."""
 HELD = 0.5
 """Share of a part's box that must be within its object's."""
 MARGIN = 0.03
@@ -73,26 +77,27 @@ def read_photo(photo: Path, *, box: Sequence[float] | None = None, folder: Path 
 
 @torch.no_grad()
 def read_image(
-    image: "Image.Image", network: ReaderNetwork, name: str, *, box: Sequence[float] | None = None
+    image: "Image.Image", reader: Reader, name: str, *, box: Sequence[float] | None = None
 ) -> Reading:
     """As `read_photo`, of an opened picture; ``name`` is for messages."""
     if box is not None:
         _check_box(box)
     sheet = _place(image)
     pixels = torch.from_numpy(sheet.pixels).permute(2, 0, 1)[None]
+    network = reader.network
     maps = average_maps(network(pixels), mirror_maps(network(pixels.flip(3))))
     things = find_things(maps)[0]
     chosen = _choose_object(things[OBJECT], sheet, box)
     if chosen is None:
         raise SourceError(_say_nothing(things[OBJECT], name, box))
-    return _assemble(things, chosen, sheet, image)
+    return _assemble(things, chosen, sheet, image, reader.counts)
 
 
 def _check_box(box: Sequence[float]) -> None:
     if len(box) != 4 or not (0 <= box[0] < box[2] <= 1 and 0 <= box[1] < box[3] <= 1):
         raise ArtigenError(
-            f"box {', '.join(f'{value:g}' for value in box)}: expected left, top, right and bottom as shares of width "
-            "and height, from 0 to 1, such as 0.1 0.2 0.6 0.9"
+            f"box {', '.join(f'{value:g}' for value in box)}: expected left, top, right and bottom as shares "
+            "of width and height, from 0 to 1, such as 0.1 0.2 0.6 0.9"
         )
 
 
@@ -143,18 +148,28 @@ def _rank_kinds(logits: Float[np.ndarray, "K"]) -> list[tuple[str, float]]:
     return [(KINDS[index], float(shares[index])) for index in np.argsort(-shares)]
 
 
-def _assemble(things: Sequence[Found], chosen: int, sheet: _Sheet, image: "Image.Image") -> Reading:
+def _assemble(
+    things: Sequence[Found], chosen: int, sheet: _Sheet, image: "Image.Image", counts: CountShares
+) -> Reading:
     """The reading of one object."""
     objects = things[OBJECT]
     own = objects.box[chosen]
     said = {name: values[chosen] for name, values in objects.attributes.items()}
     kinds = _rank_kinds(said["kind"])
     parts: list[ReadPart] = []
-    for thing in (FRONT, PULL, DIAL, SHELF, WHEEL):
+    fronts = things[FRONT]
+    considered = np.flatnonzero((fronts.score > FAINT) & _is_within(fronts.box, own))
+    doors = 1.0 / (1.0 + np.exp(-fronts.attributes["door"][considered, 0].astype(np.float64)))
+    believed, labels = choose_fronts(
+        fronts.score[considered].astype(np.float64), doors, kinds, counts, middle=MIDDLE, strength=USUAL
+    )
+    for index, door in zip(considered[believed], labels, strict=True):
+        parts.append(_describe_front(fronts, int(index), door, sheet))
+    for thing in (PULL, DIAL, SHELF, WHEEL):
         found = things[thing]
         kept = np.flatnonzero((found.score > LEAST[thing]) & _is_within(found.box, own))
         parts += [_describe_part(found, int(index), thing, sheet) for index in kept]
-    fronts = sort_reading([part for part in parts if part.label in ("door", "drawer")])
+    sorted_fronts = sort_reading([part for part in parts if part.label in ("door", "drawer")])
     others = [part for part in parts if part.label not in ("door", "drawer")]
     width, depth, height = (float(value) for value in np.exp(said["size"]))
     yaw, pitch, near = (float(value) for value in said["view"])
@@ -162,7 +177,7 @@ def _assemble(things: Sequence[Found], chosen: int, sheet: _Sheet, image: "Image
         kind=kinds[0][0],
         kinds=tuple(kinds),
         box=np.clip(sheet.to_shares(own.reshape(2, 2)), 0, 1).ravel(),
-        parts=(*fronts, *others),
+        parts=(*sorted_fronts, *others),
         size=(width, depth, height),
         view=(yaw, pitch, near),
         stand=STANDS[int(said["stand"].argmax())],  # type: ignore[arg-type]
@@ -179,30 +194,41 @@ def _is_within(boxes: Float[np.ndarray, "N 4"], own: Float[np.ndarray, "4"]) -> 
 
 
 def _describe_part(found: Found, index: int, thing: int, sheet: _Sheet) -> ReadPart:
+    labels: dict[int, Label] = {PULL: "handle", DIAL: "knob", SHELF: "shelf", WHEEL: "wheel"}
     box = found.box[index]
+    wide, high = box[2:] - box[:2]
+    form = None
+    if thing == PULL:
+        form = "bar" if max(wide, high) > LONG * min(wide, high) else "knob"
+    return ReadPart(
+        label=labels[thing],
+        score=float(found.score[index]),
+        box=_to_box(box, sheet),
+        form=form,
+        color=_median_color(sheet.pixels, box),
+    )
+
+
+def _describe_front(found: Found, index: int, door: bool, sheet: _Sheet) -> ReadPart:  # noqa: FBT001
     said = {name: values[index] for name, values in found.attributes.items()}
-    shares = np.clip(sheet.to_shares(box.reshape(2, 2)), 0, 1).ravel()
-    common = {"score": float(found.score[index]), "box": shares, "color": _median_color(sheet.pixels, box)}
-    if thing != FRONT:
-        labels: dict[int, Label] = {PULL: "handle", DIAL: "knob", SHELF: "shelf", WHEEL: "wheel"}
-        wide, high = box[2:] - box[:2]
-        form = None
-        if thing == PULL:
-            form = "bar" if max(wide, high) > LONG * min(wide, high) else "knob"
-        return ReadPart(label=labels[thing], form=form, **common)
-    door = bool(said["door"][0] > 0)
     sides = np.exp(said["hinge"] - said["hinge"].max())
     sides /= sides.sum()
     hinged = door and sides.max() > HINGE_SURE
     return ReadPart(
         label="door" if door else "drawer",
+        score=float(found.score[index]),
+        box=_to_box(found.box[index], sheet),
         corners=sheet.to_shares(found.corners[index]),
         hinge=HINGES[int(sides.argmax())] if hinged else None,  # type: ignore[arg-type]
         open=bool(said["open"][0] > 0),
         pane=bool(said["pane"][0] > 0),
         material=MATERIALS[int(said["material"].argmax())],
-        **common,
+        color=_median_color(sheet.pixels, found.box[index]),
     )
+
+
+def _to_box(box: Float[np.ndarray, "4"], sheet: _Sheet) -> Float[np.ndarray, "4"]:
+    return np.clip(sheet.to_shares(box.reshape(2, 2)), 0, 1).ravel()
 
 
 def sort_reading(fronts: Sequence[ReadPart]) -> list[ReadPart]:

@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Float
 
 Label = Literal["door", "drawer", "handle", "knob", "shelf", "wheel"]
-"""What a part is; handles include every fixed pull, knobs are dials and buttons that move, shelves include trays and
-racks."""
+"""What a part is; handles include every fixed pull, knobs are dials and buttons that move, shelves include
+trays and racks."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

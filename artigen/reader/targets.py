@@ -29,9 +29,9 @@ MARK = np.dtype(
         ("size", np.float32, (3,)),
     ]
 )
-"""A thing in a picture: its box (left, top, right, bottom; pixels), whether that is the whole of it (1) or only where its
-middle is (0), corners of a front (pixels, from the upper left clockwise), and what is known of it. Attributes that are
-not known are -1, numbers NaN."""
+"""A thing in a picture: its box (left, top, right, bottom; pixels), whether that is the whole of it (1) or
+only where its middle is (0), corners of a front (pixels, from the upper left clockwise), and what is known of
+it. Attributes that are not known are -1, numbers NaN."""
 SPREAD, LEAST_SPREAD = 0.1, 0.65
 """Standard deviation of a peak as a share of its box, and the least one in cells."""
 CORE = 0.5
@@ -46,7 +46,8 @@ class Picture:
     marks: np.ndarray
     """Rows of `MARK`."""
     weight: Float[np.ndarray, "T h w"]
-    """Weight of each cell without a peak, by thing: 1 where nothing is known to be, 0 where something may be."""
+    """Weight of each cell without a peak, by thing: 1 where nothing is known to be, 0 where something may
+    be."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -1,7 +1,9 @@
-"""EfficientNet-Lite (Tan and Le, 2019; the variant for mobile devices): a convolutional trunk pretrained on ImageNet.
+"""EfficientNet-Lite (Tan and Le, 2019; the variant for mobile devices): a convolutional trunk pretrained on
+ImageNet.
 
-Every batch norm is folded into the convolution before it: its statistics stay those of ImageNet, while the weights
-may be tuned. Pictures of any size that is a multiple of 32 pixels are read; features are taken at four strides.
+Every batch norm is folded into the convolution before it: its statistics stay those of ImageNet, while the
+weights may be tuned. Pictures of any size that is a multiple of 32 pixels are read; features are taken at
+four strides.
 """
 
 from collections.abc import Mapping
@@ -100,7 +102,8 @@ class FoldedConv(nn.Module):
 
 
 class Block(nn.Module):
-    """An inverted residual block: expand, filter each channel, project, and add the input where sizes agree."""
+    """An inverted residual block: expand, filter each channel, project, and add the input where sizes
+    agree."""
 
     def __init__(self, shape: BlockShape) -> None:
         super().__init__()
@@ -155,7 +158,8 @@ class Trunk(nn.Module):
 
 
 def fold_weights(weights: Mapping[str, Tensor]) -> dict[str, Tensor]:
-    """Weights of a `Trunk` with ``pooled``, from those of ``efficientnet_lite_pytorch`` with its batch norms."""
+    """Weights of a `Trunk` with ``pooled``, from those of ``efficientnet_lite_pytorch`` with its batch
+    norms."""
     out: dict[str, Tensor] = {}
 
     def fold(target: str, conv: str, norm: str) -> None:

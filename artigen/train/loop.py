@@ -104,7 +104,8 @@ def train(
     Args:
         network: Network on the CPU; it is moved to the device.
         batches: Endless batches.
-        factors: Factors on the learning rate of parameters, by the beginning of their names; 1 for the others.
+        factors: Factors on the learning rate of parameters, by the beginning of their names; 1 for the
+            others.
 
     Raises:
         FloatingPointError: If the loss is not finite.

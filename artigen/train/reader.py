@@ -10,12 +10,14 @@ import torch
 from torch.utils.data import DataLoader, Dataset
 
 from artigen.errors import ArtigenError, SourceError
+from artigen.examples.front_counts import share_counts
 from artigen.examples.marked_photos import MarkedPhoto, crop_photo, read_marked_photos, sampling_weights
 from artigen.examples.reader_pictures import Stock, gather_stock, make_picture, read_views
-from artigen.examples.reader_views import make_view_shards
+from artigen.examples.reader_views import VIEWS, make_view_shards
 from artigen.examples.shards import HELD_OUT
+from artigen.models.description import hash_model
 from artigen.models.tensors import load_strictly
-from artigen.reader.model import load_reader, save_reader
+from artigen.reader.model import Reader, load_reader, save_reader
 from artigen.reader.network import ReaderConfig, ReaderNetwork
 from artigen.reader.targets import ReaderBatch, make_batch
 from artigen.reader.trunk import fold_weights
@@ -145,21 +147,22 @@ def train_reader(cfg: ReaderRunConfig) -> dict[str, float]:
     """
     from accelerate import PartialState
 
-    if (
-        cfg.size % 32
-        or not 0 <= cfg.photo_share <= 1
-        or min(cfg.batch, cfg.shards) < 1
-        or not cfg.minutes > 0
-    ):
+    if cfg.size % 32 or not 0 <= cfg.photo_share <= 1 or min(cfg.batch, cfg.shards, cfg.minutes) <= 0:
         raise ArtigenError(
             f"size {cfg.size}, photo_share {cfg.photo_share:g}, batch {cfg.batch}, {cfg.shards} shards, "
-            f"{cfg.minutes:g} minutes: expected a multiple of 32, a share from 0 to 1, and more than 0 of the others"
+            f"{cfg.minutes:g} minutes: expected a multiple of 32, a share from 0 to 1, and more than 0 of "
+            "the others"
         )
     state = PartialState()
     if state.is_main_process:
         claim_folder(
             cfg.folder / "reader.json",
-            {"photos": None if cfg.photos is None else cfg.photos.name, "size": cfg.size, "batch": cfg.batch},
+            {
+                "photos": None if cfg.photos is None else cfg.photos.name,
+                "size": cfg.size,
+                "batch": cfg.batch,
+                "start": None if cfg.start is None else hash_model(cfg.start),
+            },
         )
         make_view_shards(cfg.folder / "views", cfg.shards, first=HELD_OUT, workers=cfg.workers)
     state.wait_for_everyone()
@@ -169,7 +172,7 @@ def train_reader(cfg: ReaderRunConfig) -> dict[str, float]:
     if cfg.start is None:
         load_pretrained(network, find_trunk(cfg))
     else:
-        network.load_state_dict(load_reader(cfg.start).state_dict())
+        network.load_state_dict(load_reader(cfg.start).network.state_dict())
     network = network.to(memory_format=torch.channels_last).train()
     stage = cfg.folder / "reader"
     batches = draw_batches(cfg, shards, finished_steps(stage), state.num_processes, state.process_index)
@@ -185,13 +188,14 @@ def train_reader(cfg: ReaderRunConfig) -> dict[str, float]:
     )
     train(network, reader_losses, batches, stage, loop, factors={"trunk.": TRUNK_FACTOR})
     if state.is_main_process:
+        photos = [] if cfg.photos is None else read_marked_photos(cfg.photos)
         save_reader(
-            network.cpu(),
+            Reader(network=network.cpu(), counts=share_counts(shards, photos)),
             cfg.folder / "model",
             {
                 "steps": finished_steps(stage),
                 "pictures": finished_steps(stage) * cfg.batch * state.num_processes,
-                "views": len(shards) * 16,
+                "views": len(shards) * VIEWS,
                 "photos": None if cfg.photos is None else cfg.photos.name,
             },
         )

@@ -18,8 +18,8 @@ NEAR = 4.0
 LARGEST = 7.0
 """Largest logarithm of a distance (pixels)."""
 WEIGHTS = {
-    "door": 1.0, "hinge": 0.6, "open": 0.3, "pane": 0.2, "material": 0.1, "kind": 0.4, "stand": 0.1, "corners": 2.0,
-    "view": 0.5, "size": 0.3,
+    "door": 1.0, "hinge": 0.6, "open": 0.3, "pane": 0.2, "material": 0.1, "kind": 0.4, "stand": 0.1,
+    "corners": 2.0, "view": 0.5, "size": 0.3,
 }  # fmt: skip
 
 

@@ -17,7 +17,8 @@ SIZE = 160
 
 
 def write_photo(folder: Path, **changes: object) -> Path:
-    """A white cabinet on grey: a blue door with left hinges, a green drawer above, and a red pull on the door."""
+    """A white cabinet on grey: a blue door with left hinges, a green drawer above, and a red pull on the
+    door."""
     image = np.full((240, 320, 3), 128, np.uint8)
     image[60:90, 100:200] = (30, 200, 30)
     image[92:200, 100:200] = (30, 30, 220)

@@ -71,7 +71,8 @@ def test_a_picture_is_a_function_of_its_stream():
 
 @pytest.mark.parametrize("shown", ["left", "right"])
 def test_pasted_fronts_bring_their_pulls_and_keep_the_hinge(monkeypatch: pytest.MonkeyPatch, shown: str):
-    """A green door of a photograph covers the blue one; it is mirrored where its hinges are on the other side."""
+    """A green door of a photograph covers the blue one; it is mirrored where its hinges are on the other
+    side."""
     monkeypatch.setattr(reader_pictures, "CUT_OUT", 1.0)
     pixels = np.full((80, 60, 3), (30, 200, 30), np.uint8)
     x = (6, 14) if shown == "right" else (46, 54)
