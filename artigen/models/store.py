@@ -15,7 +15,13 @@ from artigen.models.tensors import load_strictly, read_tensors
 FILE_LIMIT = 16 * 2**20
 
 
-def save_model(network: nn.Module, folder: Path, described: Mapping[str, object], name: str) -> list[Path]:
+def save_model(
+    network: nn.Module,
+    folder: Path,
+    described: Mapping[str, object],
+    name: str,
+    convert: Callable[[dict[str, Tensor]], dict[str, Tensor]] | None = None,
+) -> list[Path]:
     """Writes the weights of a network beside a description of the model they belong to.
 
     Args:
@@ -23,6 +29,7 @@ def save_model(network: nn.Module, folder: Path, described: Mapping[str, object]
         folder: Folder of the model, which may hold other networks.
         described: Entry of the network in `model.json`: preset, training, data.
         name: Name of the network; its files are called ``name-<number>.safetensors``.
+        convert: Converts the tensors of the network to those that are stored.
 
     Returns:
         Paths of the files of weights.
@@ -32,7 +39,8 @@ def save_model(network: nn.Module, folder: Path, described: Mapping[str, object]
     folder.mkdir(parents=True, exist_ok=True)
     files: list[dict[str, Tensor]] = [{}]
     filled = 0
-    for key, value in network.state_dict().items():
+    tensors = network.state_dict()
+    for key, value in (tensors if convert is None else convert(tensors)).items():
         stored = (value.half() if value.is_floating_point() else value).contiguous().cpu()
         size = stored.numel() * stored.element_size()
         if filled + size > FILE_LIMIT - 65536 and files[-1]:

@@ -9,31 +9,36 @@ from artigen.errors import SourceError
 from artigen.models.description import DESCRIPTION, read_description
 from artigen.models.store import load_model, save_model
 from artigen.reader.choice import Counts, CountShares
+from artigen.reader.kind_network import KindNetwork, pack_bytes, unpack_bytes
 from artigen.reader.network import ReaderConfig, ReaderNetwork
 from artigen.weights import READER
 
-NAME = "reader"
+NAME, KINDS = "reader", "kinds"
+"""Names of the networks that find things and that name kinds."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Reader:
-    """A trained network, and what it knows of how many fronts objects have."""
+    """Trained networks, and how many fronts objects usually have."""
 
     network: ReaderNetwork
+    kinds: KindNetwork
     counts: CountShares
 
 
 def save_reader(reader: Reader, folder: Path, described: Mapping[str, object]) -> list[Path]:
-    """Writes weights in half precision with a description; returns the files of weights."""
+    """Writes weights with a description: in half precision, those of kinds in bytes; returns their files."""
     cfg = reader.network.cfg
     counts = {
         kind: {f"{doors} {drawers}": round(share, 4) for (doors, drawers), share in sorted(shares.items())}
         for kind, shares in sorted(reader.counts.items())
     }
     sizes = {"variant": cfg.variant, "width": cfg.width, "tuned_from": cfg.tuned_from}
-    return save_model(
-        reader.network, folder, {**described, "sizes": sizes, "doors_and_drawers": counts}, NAME
-    )
+    said = {**described, "sizes": sizes, "doors_and_drawers": counts}
+    return [
+        *save_model(reader.network, folder, said, NAME),
+        *save_model(reader.kinds, folder, {"variant": cfg.variant}, KINDS, pack_bytes),
+    ]
 
 
 @lru_cache(maxsize=2)
@@ -57,9 +62,12 @@ def load_reader(folder: Path) -> Reader:
         raise SourceError(
             f"{folder / DESCRIPTION}: describes no reader ({error}); give the folder of one, such as {READER}"
         ) from error
+    kinds = KindNetwork(network.cfg.variant)
     load_model(network, folder, NAME)
-    network.requires_grad_(requires_grad=False)
-    return Reader(network=network.to(memory_format=torch.channels_last), counts=shares)
+    load_model(kinds, folder, KINDS, unpack_bytes)
+    for one in (network, kinds):
+        one.requires_grad_(requires_grad=False).to(memory_format=torch.channels_last)
+    return Reader(network=network, kinds=kinds, counts=shares)
 
 
 def _parse_counts(text: str) -> Counts:

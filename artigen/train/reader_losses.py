@@ -11,14 +11,14 @@ from artigen.reader.targets import ReaderBatch
 
 HEAT = (1.0, 0.5, 0.3, 0.2, 0.1, 0.3)
 """Weights of the maps of peaks, by thing."""
-BOX = (1.0, 0.5, 0.3, 0.2, 0.1, 0.5)
+BOX = (1.0, 0.5, 0.3, 0.2, 0.1, 1.0)
 """Weights of boxes, by thing."""
 NEAR = 4.0
 """Power that spares the slopes of peaks."""
 LARGEST = 7.0
 """Largest logarithm of a distance (pixels)."""
 WEIGHTS = {
-    "door": 1.0, "hinge": 0.6, "open": 0.3, "pane": 0.2, "material": 0.1, "kind": 0.4, "stand": 0.1,
+    "door": 1.0, "hinge": 1.5, "open": 0.3, "pane": 0.2, "material": 0.1, "kind": 0.4, "stand": 0.1,
     "corners": 2.0, "view": 0.5, "size": 0.3,
 }  # fmt: skip
 

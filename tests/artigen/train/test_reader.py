@@ -87,7 +87,7 @@ def test_a_run_says_what_it_lacks(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         find_trunk(ReaderRunConfig(folder=tmp_path))
     torch.save({"weight": torch.zeros(1)}, tmp_path / "other.pth")
     with pytest.raises(SourceError, match="EfficientNet-Lite"):
-        load_pretrained(ReaderNetwork(ReaderConfig(variant="lite0")), tmp_path / "other.pth")
+        load_pretrained(Trunk("lite0"), tmp_path / "other.pth")
     with pytest.raises(ArtigenError, match="multiple of 32"):
         reader_training.train_reader(ReaderRunConfig(folder=tmp_path / "run", size=100))
 
