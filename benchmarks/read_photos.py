@@ -3,9 +3,9 @@
     python benchmarks/read_photos.py FOLDER [--model FOLDER] [--out FOLDER]
 
 FOLDER has the photographs, ``index.csv`` (file, kind, category, doors, drawers, knobs_visible, handles) and
-``fronts.json`` (per file the fronts: label, box as shares of width and height, hinge). Photographs may be such
-that nothing of them may be trained on or published; the scores are all that leaves this script. With ``--out``, a
-JSON of every reading and a picture of its boxes are written.
+``fronts.json`` (per file the fronts: label, box as shares of width and height, hinge). Photographs may be
+such that nothing of them may be trained on or published; the scores are all that leaves this script. With
+``--out``, a JSON of every reading and a picture of its boxes are written.
 """
 
 import csv

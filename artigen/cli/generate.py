@@ -39,7 +39,8 @@ class GenerateSettings:
     text: str | None = None
     """A description in English, such as "a tall cabinet with three drawers and two doors"."""
     image: Path | None = None
-    """Photo of one object, taken from near its front; cut out or before a plain background."""
+    """Photo of one object, taken from near its front. Its kind, doors and drawers are read as by ``artigen
+    read``; a cut-out with transparency is read by the sketch network alone."""
     width: float | None = None
     """Width in metres, seen from the front."""
     depth: float | None = None
@@ -122,7 +123,10 @@ class _Asked:
 
 def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
     """Reads the picture of a request and resolves adjectives such as "tall" to extents."""
+    from artigen.conditioning.image import is_cut_out
+    from artigen.reader.read import read_photo
     from artigen.sketch.model import draw_header, encode_picture, read_object_picture
+    from artigen.sketch.reading_request import follow_reading
 
     request = understood.request
     network = load_sketch(job.model)
@@ -130,6 +134,9 @@ def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
     if job.cfg.image is not None:
         shown = read_object_picture(network, job.cfg.image)
         picture, notes = shown.rgba, (*notes, *shown.notes)
+        if not is_cut_out(job.cfg.image):  # cut-outs are what the sketch network itself has learned to read
+            request, said = follow_reading(request, read_photo(job.cfg.image), network.part_counts)
+            notes = (*notes, *said)
     if understood.stretch:
         encoded = None if picture is None else encode_picture(network, picture)
         usual = draw_header(network, request, job.seed, encoded=encoded)

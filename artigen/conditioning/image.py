@@ -46,6 +46,8 @@ def read_picture(path: Path, size: int, *, margin: float = MARGIN) -> Picture:
         SourceError: If the file is missing, not an image, truncated, too small or too large, or its object is
             empty.
     """
+    from PIL import Image
+
     image = open_picture(path)
     notes: list[str] = []
     if max(image.size) > MAX_EDGE:
@@ -94,6 +96,16 @@ def open_picture(path: Path) -> "Image.Image":
         raise SourceError(f"{path}: is no picture that can be read ({error}){hint}") from error
     except (OSError, SyntaxError, ValueError) as error:
         raise SourceError(f"{path}: is damaged ({error})") from error
+
+
+def is_cut_out(path: Path) -> bool:
+    """Whether a picture is transparent somewhere.
+
+    Raises:
+        SourceError: As `open_picture`.
+    """
+    lowest, _ = open_picture(path).getchannel("A").getextrema()
+    return int(lowest) < 255  # type: ignore[arg-type]
 
 
 def _register_plugins() -> None:

@@ -1,7 +1,7 @@
 """`read_photo`: a photograph to a `Reading`."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float, UInt8
 from artigen.conditioning.image import open_picture
 from artigen.errors import ArtigenError, SourceError
 from artigen.reader.choice import CountShares, choose_fronts
-from artigen.reader.decode import Found, average_maps, find_things, mirror_maps, overlaps
+from artigen.reader.decode import Found, average_maps, find_things, mirror_maps
 from artigen.reader.hinges import weigh_hinges
 from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, MATERIALS, OBJECT, PULL, SHELF, STANDS, WHEEL
 from artigen.reader.model import Reader, load_reader
@@ -28,6 +28,8 @@ KIND_EDGE, AROUND = 320, 1.2
 """Pixels at which kinds are read, and the edge of a crop over the longer side of its object."""
 PAD = 255
 """Value around a photograph that is no square."""
+AROUND_BOX = 0.1
+"""Margin around the box of a requested object, as a share of its sides."""
 LEAST_OBJECT = 0.2
 """Score from which there is an object."""
 LEAST = {PULL: 0.3, DIAL: 0.3, SHELF: 0.35, WHEEL: 0.35}
@@ -95,14 +97,17 @@ def read_image(
     """As `read_photo`, of an opened picture; ``name`` is for messages."""
     if box is not None:
         _check_box(box)
+        frame = _frame_box(image, box)
+        part = read_image(image.crop(frame), reader, name, settings=settings)
+        return _place_back(part, frame, image.size)
     sheet = _place(image)
     pixels = torch.from_numpy(sheet.pixels).permute(2, 0, 1)[None]
     network = reader.network
     maps = average_maps(network(pixels), mirror_maps(network(pixels.flip(3))))
     things = find_things(maps)[0]
-    chosen = _choose_object(things[OBJECT], sheet, box)
+    chosen = _choose_object(things[OBJECT])
     if chosen is None:
-        raise SourceError(_say_nothing(things[OBJECT], name, box))
+        raise SourceError(_say_nothing(things[OBJECT], name))
     kinds = _name_kinds(things[OBJECT], chosen, image, sheet, reader)
     return _assemble(things, chosen, kinds, sheet, image, reader.counts, settings or ReadSettings())
 
@@ -162,30 +167,50 @@ def _place(image: "Image.Image") -> _Sheet:
     )
 
 
-def _choose_object(objects: Found, sheet: _Sheet, box: Sequence[float] | None) -> int | None:
-    """Index of the largest object, weighted by its score, or of the one that a box names best."""
-    sure = np.flatnonzero(objects.score > LEAST_OBJECT)
-    if not len(sure):
+def _choose_object(objects: Found) -> int | None:
+    """Index of the largest object, weighted by its score."""
+    if not len(objects) or objects.score.max() < LEAST_OBJECT:
         return None
-    boxes = objects.box[sure]
-    if box is not None:
-        asked = sheet.to_pixels(np.array(box, np.float64).reshape(2, 2)).ravel()
-        shared = overlaps(boxes, asked)
-        return int(sure[shared.argmax()]) if shared.max() > 0.3 else None
-    sides = np.sqrt(np.prod(boxes[:, 2:] - boxes[:, :2], axis=1))
-    return int(sure[np.argmax(sides * objects.score[sure])])
+    sides = np.sqrt(np.prod(objects.box[:, 2:] - objects.box[:, :2], axis=1))
+    return int(np.argmax(sides * objects.score * (objects.score >= LEAST_OBJECT)))
 
 
-def _say_nothing(objects: Found, name: str, box: Sequence[float] | None) -> str:
+def _say_nothing(objects: Found, name: str) -> str:
     """Why nothing was read."""
-    where = "" if box is None else " in the given box"
-    said = f"{name}: no object of a known kind was found{where}"
+    said = f"{name}: no object of a known kind was found"
     if len(objects):
         likely = _rank_kinds(objects.attributes["kind"][0])[:3]
         said += f"; the likeliest kinds are {', '.join(f'{kind} ({share:.0%})' for kind, share in likely)}"
-    return (
-        said + "; show one piece of furniture or appliance as a whole, from near its front, or name its kind"
+    return said + "; show one piece of furniture or appliance as a whole, from near its front"
+
+
+def _frame_box(image: "Image.Image", box: Sequence[float]) -> tuple[int, int, int, int]:
+    """A part of the picture around a box (pixels)."""
+    low, high = np.array(box[:2]), np.array(box[2:])
+    edge = AROUND_BOX * (high - low)
+    extent = np.array(image.size)
+    x0, y0 = np.floor(np.maximum(low - edge, 0) * extent).astype(int).tolist()
+    x1, y1 = np.ceil(np.minimum(high + edge, 1) * extent).astype(int).tolist()
+    return x0, y0, x1, y1
+
+
+def _place_back(reading: Reading, frame: tuple[int, int, int, int], extent: tuple[int, int]) -> Reading:
+    """The reading of a part of a picture, in shares of the whole."""
+    size, origin = np.array(extent), np.array(frame[:2])
+    scale = (np.array(frame[2:]) - origin) / size
+
+    def move(points: Float[np.ndarray, "*N 2"]) -> Float[np.ndarray, "*N 2"]:
+        return points * scale + origin / size
+
+    parts = tuple(
+        replace(
+            part,
+            box=move(part.box.reshape(2, 2)).ravel(),
+            corners=None if part.corners is None else move(part.corners),
+        )
+        for part in reading.parts
     )
+    return replace(reading, box=move(reading.box.reshape(2, 2)).ravel(), parts=parts, extent=extent)
 
 
 def _rank_kinds(logits: Float[np.ndarray, "K"]) -> list[tuple[str, float]]:
