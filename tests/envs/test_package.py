@@ -21,11 +21,11 @@ from sim_export.physics.materials import physx_friction_coefficient
 from sim_export.reference import build_reference
 
 sapien = pytest.importorskip("sapien")
-from envs.friction import CHAIN_ITERATIONS, apply_damping, apply_friction, apply_velocity  # noqa: E402
 from envs.hand import pose_matrix  # noqa: E402
-from envs.loaded import advance, qpos_of, set_open_fraction  # noqa: E402
-from envs.package import LoadConfig, load_package  # noqa: E402
-from envs.scene import create_scene  # noqa: E402
+from envs.sim.friction import CHAIN_ITERATIONS, apply_damping, apply_friction, apply_velocity  # noqa: E402
+from envs.sim.loaded import qpos_of, set_open_fraction  # noqa: E402
+from envs.sim.sapien import LoadConfig, load_package  # noqa: E402
+from envs.sim.scene import create_scene  # noqa: E402
 
 pytestmark = pytest.mark.sim
 TIMESTEPS = [1 / 60, 1 / 100, 1 / 240]
@@ -339,7 +339,7 @@ def test_a_screw_turns_and_travels_as_one(tmp_path, timestep):
     turned = 0.0
     for step in range(round(3.0 / timestep)):
         articulation.find_link_by_name("carrier").add_force_torque([0, 0, 0], [0, 0, 0.021])
-        advance(loaded)
+        loaded.step()
         turned, travelled = (float(articulation.qpos[names.index(n)]) for n in ("joint_0", "joint_0_travel"))
         assert travelled == pytest.approx(0.01 * turned / (2 * np.pi), abs=1e-3), step
     assert turned > np.pi
@@ -377,7 +377,7 @@ def test_a_folding_door_stays_closed_on_a_slope(tmp_path: Path, iterations: int,
     half = np.radians(5.0) / 2
     loaded.articulation.set_root_pose(sapien.Pose(q=[float(np.cos(half)), 0.0, -float(np.sin(half)), 0.0]))
     for _ in range(120):
-        advance(loaded)
+        loaded.step()
     joint = loaded.joint("joint_0")
     opened = float(loaded.articulation.qpos[joint.index]) / (joint.spec.upper - joint.spec.lower)
     assert opened < 0.005 if holds else opened > 0.01

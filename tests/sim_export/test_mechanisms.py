@@ -193,8 +193,8 @@ def test_usd_has_the_spring_in_degrees(package, tmp_path):
 @pytest.mark.sim
 def test_in_sapien_the_lid_follows_and_the_spring_closes_both(package, folder):
     sapien = pytest.importorskip("sapien")
-    from envs.loaded import advance, set_open_fraction
-    from envs.package import LoadConfig, load_package
+    from envs.sim.loaded import set_open_fraction
+    from envs.sim.sapien import LoadConfig, load_package
 
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
     scene.set_timestep(0.01)
@@ -205,7 +205,7 @@ def test_in_sapien_the_lid_follows_and_the_spring_closes_both(package, folder):
     qpos = set_open_fraction(loaded, [float(x.spec.name == pedal.name) for x in loaded.joints])
     assert qpos[names.index(lid.name)] == pytest.approx(lid.upper)
     for _ in range(200):
-        advance(loaded)
+        loaded.step()
     np.testing.assert_allclose(loaded.articulation.qpos, 0.0, atol=2e-3)
 
 

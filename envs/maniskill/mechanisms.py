@@ -1,0 +1,43 @@
+"""Followers and springs of packages in a ManiSkill scene, at every step of it."""
+
+from collections.abc import Collection
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from sim_export.package import SimPackage
+
+from ..sim.articulation import act_before_steps, step_followers_and_springs
+from ..sim.mechanism import Mechanism, find_mechanism
+
+if TYPE_CHECKING:
+    from mani_skill.utils.structs import Articulation
+
+
+def mechanism_of(articulation: "Articulation", package: SimPackage, held: Collection[str] = ()) -> Mechanism:
+    """The mechanism of a loaded package by the articulation's joint vector (`find_mechanism`)."""
+    return find_mechanism(package, [joint.name for joint in articulation.active_joints], held)
+
+
+def add_mechanism(articulation: "Articulation", mechanism: Mechanism) -> None:
+    """Makes followers follow and springs pull at every step of an articulation's scene.
+
+    On the GPU springs are left out.
+    """
+    scene = articulation.scene
+    if scene.gpu_sim_enabled:
+        if mechanism.followers:
+            act_before_steps(scene, partial(_follow_on_gpu, articulation, mechanism))
+    elif mechanism:
+        for engine in articulation._objs:
+            act_before_steps(scene, partial(step_followers_and_springs, engine, mechanism))
+
+
+def _follow_on_gpu(articulation: "Articulation", mechanism: Mechanism) -> None:
+    """Sets the targets of all followers from the positions after the last step."""
+    physics: Any = articulation.px
+    physics.gpu_fetch_articulation_qpos()
+    wanted = mechanism.complete(articulation.get_qpos())
+    columns = [each.column for each in mechanism.followers]
+    joints = [articulation.active_joints[column] for column in columns]
+    articulation.set_joint_drive_targets(wanted[:, columns], joints)
+    physics.gpu_apply_articulation_target_position()
