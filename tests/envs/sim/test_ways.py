@@ -10,6 +10,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package
+from screw_jar import screw_package
 
 from artigen.shapes.draw import Wish, draw_shape
 from envs.maniskill.rooms.file import write_room
@@ -228,4 +229,20 @@ def test_a_latch_that_stands_open_is_held_against_its_spring(tmp_path: Path):
         assert now[lid.name] == pytest.approx(lid.mimic_multiplier * now[pedal.name], abs=0.01)
         assert float(thing.get_qvel().abs().max()) < 0.1
         env.step(torch.zeros(env.unwrapped.single_action_space.shape))  # type: ignore[attr-defined]
+    env.close()
+
+
+def test_a_cap_rises_on_its_thread_as_it_is_turned_in_a_room(tmp_path: Path):
+    """By a centimetre per turn; the scene is stepped as any environment around it may step it."""
+    env = make("ArtiGen-Room-v1", write_package(screw_package(), tmp_path / "jar"), tmp_path / "room")
+    thing = object_in(env)
+    (engine,) = thing._objs
+    assert [joint.name for joint in thing.active_joints] == ["joint_0", "joint_0_travel"]
+    carrier = next(link for link in engine.links if link.name.endswith("carrier"))
+    for _ in range(300):
+        carrier.add_force_torque([0.0, 0.0, 0.0], [0.0, 0.0, 0.021])
+        env.unwrapped.scene.step()  # type: ignore[attr-defined]
+        turn, travel = engine.qpos
+        assert travel == pytest.approx(0.01 * turn / (2.0 * np.pi), abs=1e-3)
+    assert turn > np.pi
     env.close()
