@@ -10,6 +10,7 @@ from ..sim.articulation import act_before_steps, step_followers_and_springs
 from ..sim.mechanism import Mechanism, find_mechanism
 
 if TYPE_CHECKING:
+    from mani_skill.envs.scene import ManiSkillScene
     from mani_skill.utils.structs import Articulation
 
 
@@ -23,13 +24,20 @@ def add_mechanism(articulation: "Articulation", mechanism: Mechanism) -> None:
 
     On the GPU springs are left out.
     """
-    scene = articulation.scene
+    on_gpu = articulation.scene.gpu_sim_enabled
+    if mechanism.followers or (mechanism.springs and not on_gpu):
+        act_before_steps(articulation.scene, partial(_act, articulation, mechanism))
+
+
+def _act(articulation: "Articulation", mechanism: Mechanism, scene: "ManiSkillScene") -> None:
+    """Moves followers and springs of an object while it is in its scene."""
+    if scene.articulations.get(articulation.name) is not articulation:
+        return
     if scene.gpu_sim_enabled:
-        if mechanism.followers:
-            act_before_steps(scene, partial(_follow_on_gpu, articulation, mechanism))
-    elif mechanism:
-        for engine in articulation._objs:
-            act_before_steps(scene, partial(step_followers_and_springs, engine, mechanism))
+        _follow_on_gpu(articulation, mechanism)
+        return
+    for engine in articulation._objs:
+        step_followers_and_springs(engine, mechanism)
 
 
 def _follow_on_gpu(articulation: "Articulation", mechanism: Mechanism) -> None:

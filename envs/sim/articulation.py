@@ -73,23 +73,23 @@ def step_followers_and_springs(articulation: "PhysxArticulation", mechanism: Mec
         pull_spring(joints[each.column], each.spec, float(qpos[each.column]))
 
 
-def act_before_steps(scene: Any, act: Callable[[], None]) -> None:
-    """Makes every ``scene.step()`` call ``act`` first, whoever calls it.
+def act_before_steps(scene: Any, act: Callable[[Any], None]) -> None:
+    """Makes every ``scene.step()`` call ``act`` with the scene first, whoever calls it.
 
     Args:
         scene: Scene of SAPIEN or ManiSkill. Neither has a hook, so the scene gets a ``step`` of its own,
             which calls what was added in order, and then the step of its class.
     """
-    acts: list[Callable[[], None]] | None = vars(scene).get("_acts_before_steps")
+    acts: list[Callable[[Any], None]] | None = vars(scene).get("_acts_before_steps")
     if acts is None:
         acts = scene._acts_before_steps = []
         whole = weakref.ref(scene)  # a scene that holds itself would be freed late
 
         def step() -> None:
-            for each in acts:
-                each()
             here = whole()
             assert here is not None
+            for each in acts:
+                each(here)
             type(here).step(here)
 
         scene.step = step

@@ -17,7 +17,7 @@ from sim_export.package import HandleAnnotation, SimPackage
 from .articulation import act_before_steps, equip, prepare, step_followers_and_springs
 from .hull_cache import forget_changed_hulls
 from .loaded import LinkLoad, LoadedJoint, LoadedPackage
-from .mechanism import find_mechanism
+from .mechanism import Mechanism, find_mechanism
 from .urdf_text import without_visuals
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def load_package(
     mechanism = find_mechanism(package, [joint.spec.name for joint in joints])
     equip(articulation, package, resistance=cfg.joint_resistance)
     if mechanism:
-        act_before_steps(scene, partial(step_followers_and_springs, articulation, mechanism))
+        act_before_steps(scene, partial(_act, articulation, mechanism))
     order = [joint.name for joint in package.joints]
     moving = [joint for joint in joints if joint.spec.mimic is None]
     moving.sort(key=lambda joint: order.index(joint.spec.name))
@@ -88,6 +88,12 @@ def load_package(
         links=links,
         mechanism=mechanism,
     )
+
+
+def _act(articulation: "PhysxArticulation", mechanism: Mechanism, scene: "sapien.Scene") -> None:
+    """Moves followers and springs of an object while it is in its scene."""
+    if articulation in scene.get_all_articulations():
+        step_followers_and_springs(articulation, mechanism)
 
 
 def _parse(loader, folder: Path, visuals: str):

@@ -71,6 +71,14 @@ def test_a_value_behaves_as_its_folder(engine: Any, tmp_path: Path):
     assert found[0]["joint_1"] == pytest.approx(0.3, abs=1e-3)
 
 
+def test_a_scene_steps_on_without_an_object_that_was_taken_out(tmp_path: Path):
+    package = with_drawer(0.1)
+    sprung = replace(package, joints=(replace(package.joints[0], spring=5.0), *package.joints[1:]))
+    simulation = load(sprung)
+    simulation.scene.remove_articulation(simulation.articulation)
+    simulation.scene.step()
+
+
 @pytest.mark.parametrize("engine", ["sapien", "mujoco"])
 def test_wrong_arguments_are_refused(engine: Any, tmp_path: Path):
     simulation = load(with_drawer(0.1), engine)
