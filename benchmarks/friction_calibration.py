@@ -1,7 +1,7 @@
 """Measures the holding force of SAPIEN's joint friction against a force-limited drive.
 
 Prints the holding effort of horizontal drawers and doors as part of the load that they carry, for
-several coefficients and time steps, and beside it that of `envs.friction`, which is what was asked for.
+several coefficients and time steps, and beside it that of `envs.sim.friction`, which is what was asked for.
 """
 
 import tempfile
@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import tyro
 
-from envs.friction import apply_friction
-from envs.scene import create_scene
+from envs.sim.friction import apply_friction
+from envs.sim.scene import create_scene
 
 GRAVITY = 9.81
 COEFFICIENTS = (0.01, 0.05, 0.2, 1.0)

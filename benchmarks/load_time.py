@@ -16,7 +16,7 @@ import numpy as np
 import tyro
 from defects import mesh_collisions
 
-from envs.urdf_text import physics_urdf
+from envs.sim.urdf_text import physics_urdf
 from sim_export.files.folders import find_packages
 
 # mujoco and sapien are compiled modules whose stubs name nothing.

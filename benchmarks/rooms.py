@@ -19,13 +19,13 @@ from tqdm import tqdm
 
 from artigen.transforms import transform_points
 from envs.hand import link_vertices, pose_matrix
-from envs.loaded import LoadedPackage, qpos_of
 from envs.maniskill.populate import PopulateConfig, populate
 from envs.maniskill.rooms.catalogue import Catalogue, PopulateError, read_catalogue
 from envs.maniskill.rooms.check import check_room
 from envs.maniskill.rooms.room import Room, RoomKind
-from envs.package import LoadConfig, load_package
-from envs.scene import create_scene
+from envs.sim.loaded import LoadedPackage, qpos_of
+from envs.sim.sapien import LoadConfig, load_package
+from envs.sim.scene import create_scene
 
 KINDS = get_args(RoomKind)
 

@@ -11,9 +11,8 @@ from artigen.transforms import inverse, shift, transform_points
 
 from .base import SUBSTEPS, PackageEnv, open_fractions
 from .hand import measure_moved, pose_matrix
-from .loaded import LoadedJoint, advance, qpos_of
 from .plan import plan_trials
-from .trials import reset
+from .sim.loaded import LoadedJoint
 
 ON_AXIS = 0.01
 """Distance (m) from the axis below which a handle is turned instead of pulled."""
@@ -88,7 +87,7 @@ class ActuateEnv(PackageEnv):
         joint = self._joint
         start = {other.spec.name: other.lower for other in self.loaded.joints}
         start |= {name: self.loaded.joint(name).spec.upper for name in self._plans[self._target].needs}
-        reset(self.loaded, qpos_of(self.loaded, start))
+        self.loaded.reset(start)
         T_link_world = inverse(pose_matrix(joint.engine.child_link.entity_pose))
         self._grip = transform_points(T_link_world, self._grasp_point()[None])[0]
         self._travel = 0.0
@@ -107,7 +106,7 @@ class ActuateEnv(PackageEnv):
                 joint.engine.child_link.add_force_at_point(force.tolist(), point.tolist())
             else:
                 joint.engine.child_link.add_force_torque([0.0, 0.0, 0.0], (effort * direction).tolist())
-            advance(self.loaded)
+            self.loaded.step()
             self._travel += float(self.loaded.articulation.qvel[joint.index]) * self.scene.timestep
         info = self._info()
         return self._observe(), self._opened() - before, info["success"], False, info

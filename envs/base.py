@@ -10,9 +10,9 @@ from jaxtyping import Float
 from sim_export.files.read import read_package
 from sim_export.package import SimPackage
 
-from .loaded import LoadedPackage, collision_boxes
-from .package import LoadConfig, load_package
-from .scene import create_scene
+from .sim.loaded import LoadedPackage, collision_boxes
+from .sim.sapien import LoadConfig, load_package
+from .sim.scene import create_scene
 
 CONTROL_FREQUENCY = 20
 SUBSTEPS = 5

@@ -18,9 +18,9 @@ from sim_export.physics.standing import must_stand
 from sim_export.report import CheckResult
 
 from .limits import limit_tolerance
+from .sim.mujoco import compile_model
 from .titles import TITLES, make_result, not_run
 from .trials import TrialResults, run_trials
-from .urdf_text import physics_urdf
 
 TIMESTEP = 1.0 / 100.0
 """Time step (seconds) of checks V302 to V307: ManiSkill's default."""
@@ -226,7 +226,7 @@ def check_energy(run: TrialResults) -> CheckResult:
 
 def check_repeat(folder: Path, package: SimPackage, first: TrialResults) -> CheckResult:
     """V307: all trials repeated in new scenes; every recorded coordinate agrees within 1e-6."""
-    second = run_trials(folder, package, TIMESTEP, hulls="known")
+    second = run_trials(folder, package, TIMESTEP)
     if first.trace.shape != second.trace.shape:
         return _result(
             "V307", fails=True, value=float(abs(len(first.trace) - len(second.trace))), threshold=0.0,
@@ -263,7 +263,7 @@ def check_timesteps(folder: Path, package: SimPackage) -> CheckResult:
     """V309: checks V302 to V306 pass at 1/60 s and 1/240 s too (they use 1/100 s)."""
     failures = []
     for timestep in OTHER_TIMESTEPS:
-        run = run_trials(folder, package, timestep, hulls="known")
+        run = run_trials(folder, package, timestep)
         failures += [
             f"{result.id} at 1/{round(1.0 / timestep)} s ({result.message})"
             for result in _single_checks(package, run)
@@ -316,20 +316,11 @@ def _compile(path: Path) -> MujocoResult:
     import mujoco
 
     warnings: list[str] = []
-    # Without a custom handler MuJoCo appends its warnings to a file in the working directory.
-    before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(warnings.append)
     try:
-        if path.suffix == ".urdf":
-            model = mujoco.MjModel.from_xml_string(physics_urdf(path, mujoco=True))
-        else:
-            model = mujoco.MjModel.from_xml_path(str(path))
+        model = compile_model(path, warnings)
     except (ValueError, PackageError) as error:
-        return MujocoResult(
-            file=path.name, force=np.inf, error=" ".join(str(error).split()), warnings=tuple(warnings)
-        )
-    finally:
-        mujoco.set_mju_user_warning(before)
+        text = " ".join(str(error).split())
+        return MujocoResult(file=path.name, force=np.inf, error=text, warnings=tuple(warnings))
     # Gravity and springs are off; the remaining forces come from overlaps and violated limits.
     model.opt.gravity[:] = 0.0
     model.jnt_stiffness[:] = 0.0

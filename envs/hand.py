@@ -15,7 +15,7 @@ from jaxtyping import Float
 from artigen.transforms import rotation_about, transform_points
 from sim_export.physics.materials import GRAVITY
 
-from .loaded import LoadedJoint, moving_links
+from .sim.loaded import LoadedJoint, moving_links
 
 if TYPE_CHECKING:
     import sapien

@@ -12,7 +12,7 @@ from sim_export.geometry.hulls import convex_hull
 
 from .base import PackageEnv
 from .hand import pose_matrix, shape_vertices
-from .loaded import set_open_fraction
+from .sim.loaded import set_open_fraction
 
 
 @dataclass(frozen=True, kw_only=True)

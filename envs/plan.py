@@ -13,8 +13,7 @@ from artigen.transforms import rotation_about
 from sim_export.motion.kinematics import needed_fractions
 
 from .hand import Moved, hand_effort, measure_moved, weight_effort
-from .limits import rest_coordinate
-from .loaded import LoadedJoint, LoadedPackage, qpos_of
+from .sim.loaded import LoadedJoint, LoadedPackage, qpos_of
 
 SWEEP_SAMPLES = 13
 SPEED_MARGIN = 1.5
@@ -62,14 +61,8 @@ def plan_trials(loaded: LoadedPackage) -> TrialPlan:
         moved = measure_moved(joint)
         plans.append(_plan(joint, moved, needs))
         swept.append(_swept_box(joint, moved))
-    loaded.articulation.set_qpos(rest_qpos(loaded))
+    loaded.reset()
     return TrialPlan(joints=tuple(plans), groups=_group(plans, np.array(swept).reshape(-1, 2, 3)))
-
-
-def rest_qpos(loaded: LoadedPackage) -> Float[np.ndarray, "Q"]:
-    """Rest coordinates: 0 for every joint, or the nearest value within its limits."""
-    q = {joint.spec.name: rest_coordinate(joint.spec) for joint in loaded.joints}
-    return qpos_of(loaded, q).astype(np.float32)
 
 
 def _plan(joint: LoadedJoint, moved: Moved, needs: tuple[str, ...]) -> JointPlan:

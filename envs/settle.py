@@ -11,9 +11,7 @@ from sim_export.physics.materials import GRAVITY
 
 from .base import SUBSTEPS, PackageEnv, open_fractions
 from .hand import pose_matrix
-from .loaded import advance
-from .plan import rest_qpos
-from .trials import center_of_mass, local_vertices, quat_about, reset, world_vertices
+from .trials import center_of_mass, local_vertices, quat_about, world_vertices
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,7 +81,7 @@ class SettleEnv(PackageEnv):
         """Lifts and tilts the object, and releases it."""
         self._rebuild(seed)
         self._resting = 0
-        reset(self.loaded, rest_qpos(self.loaded))
+        self.loaded.reset()
         lean = np.radians(self.cfg.lean_degrees) * self.np_random.uniform()
         heading = self.np_random.uniform(0.0, 2.0 * np.pi)
         axis = np.array([np.cos(heading), np.sin(heading), 0.0])
@@ -103,7 +101,7 @@ class SettleEnv(PackageEnv):
         for _ in range(SUBSTEPS):
             if force.any():
                 root.add_force_at_point(force.tolist(), center_of_mass(self.loaded).tolist())
-            advance(self.loaded)
+            self.loaded.step()
         info = self._info()
         settled = info["tilt_degrees"] < self.cfg.upright_degrees and info["speed"] < self.cfg.rest_speed
         self._resting = self._resting + 1 if settled else 0

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 import sapien
@@ -20,10 +19,10 @@ from sim_export.package import PackageJoint, SimPackage
 
 from .hand import link_vertices, pose_matrix, push_wrench
 from .limits import limit_tolerance
-from .loaded import LinkLoad, LoadedJoint, LoadedPackage, advance, collision_boxes, qpos_of
-from .package import LoadConfig, load_package
-from .plan import JointPlan, TrialPlan, plan_trials, rest_qpos
-from .scene import create_scene
+from .plan import JointPlan, TrialPlan, plan_trials
+from .sim.loaded import LinkLoad, LoadedJoint, LoadedPackage, collision_boxes
+from .sim.sapien import LoadConfig, load_package
+from .sim.scene import create_scene
 
 REST_SECONDS = 5.0
 """Duration (seconds) for which the fixed object rests under gravity (V302)."""
@@ -82,21 +81,12 @@ class TrialResults:
     trace: Float[np.ndarray, "T"]
 
 
-def run_trials(
-    folder: Path,
-    package: SimPackage,
-    timestep: float,
-    hulls: Literal["read", "known"] = "read",
-) -> TrialResults:
-    """All trials of one package at one time step, in new scenes.
-
-    Args:
-        hulls: ``known`` if the same folder was loaded before, unchanged (`LoadConfig.hulls`).
-    """
-    loaded = load_package(create_scene(timestep), folder, LoadConfig(base="fixed", hulls=hulls), package)
+def run_trials(folder: Path, package: SimPackage, timestep: float) -> TrialResults:
+    """All trials of one package at one time step (seconds), in new scenes."""
+    loaded = load_package(create_scene(timestep), folder, LoadConfig(base="fixed"), package)
     plan = plan_trials(loaded)
     trace: list[np.ndarray] = []
-    reset(loaded, rest_qpos(loaded))
+    loaded.reset()
     size = _size(loaded)
     rest_drift, rest_speed = _rest(loaded, trace)
     growth = [_size(loaded)]
@@ -120,14 +110,6 @@ def run_trials(
     )
 
 
-def reset(loaded: LoadedPackage, qpos: Float[np.ndarray, "Q"]) -> None:
-    """Poses the articulation at rest and clears all efforts."""
-    still = np.zeros(len(qpos), dtype=np.float32)
-    loaded.articulation.set_qpos(qpos.astype(np.float32))
-    loaded.articulation.set_qvel(still)
-    loaded.articulation.set_qf(still)
-
-
 def _steps(loaded: LoadedPackage, seconds: float) -> int:
     return max(1, round(seconds / loaded.scene.timestep))
 
@@ -142,7 +124,7 @@ def _run_free(loaded: LoadedPackage, seconds: float, trace: list) -> np.ndarray:
     start = np.array(loaded.articulation.qpos, dtype=np.float64)
     worst = np.zeros(len(start))
     for step in range(_steps(loaded, seconds)):
-        advance(loaded)
+        loaded.step()
         if step % 8 == 7:
             q = np.array(loaded.articulation.qpos, dtype=np.float64)
             worst = np.fmax(worst, np.abs(q - start)) if np.isfinite(q).all() else np.full(len(q), np.inf)
@@ -157,7 +139,7 @@ def _rest(loaded: LoadedPackage, trace: list) -> tuple[np.ndarray, np.ndarray]:
     drift = _run_free(loaded, REST_SECONDS, trace)
     # PhysX reports speeds of joints that stand still: asleep, or pressed against a limit.
     before = _of_joints(loaded, loaded.articulation.qpos)
-    advance(loaded)
+    loaded.step()
     moved = np.abs(_of_joints(loaded, loaded.articulation.qpos) - before)
     return drift, moved / loaded.scene.timestep
 
@@ -169,7 +151,7 @@ def _lean(loaded: LoadedPackage, plan: TrialPlan, trace: list) -> np.ndarray:
     for _, lean in sorted(leans.items()):
         axis = np.cross([0.0, 0.0, 1.0], lean)  # rotation about this axis lowers the side of `lean`
         loaded.articulation.set_root_pose(sapien.Pose(q=quat_about(axis, np.radians(LEAN_DEGREES))))
-        reset(loaded, rest_qpos(loaded))
+        loaded.reset()
         worst = np.maximum(worst, _run_free(loaded, LEAN_SECONDS, trace))
     loaded.articulation.set_root_pose(sapien.Pose())
     return worst
@@ -186,10 +168,9 @@ def _pull_group(
     """Opens joints together from their lower limits, then closes them; all others are at rest."""
     members = [(loaded.joints[index], plan.joints[index]) for index in group]
     needs = members[0][1].needs
-    start = {joint.spec.name: float(rest_qpos(loaded)[joint.index]) for joint in loaded.joints}
-    start |= {name: loaded.joint(name).spec.upper for name in needs}
+    start = {name: loaded.joint(name).spec.upper for name in needs}
     start |= {joint.spec.name: joint.lower for joint, _ in members}
-    reset(loaded, qpos_of(loaded, start))
+    loaded.reset(start)
     kept = [  # required joints are held open against their springs
         (joint.engine.child_link, push_wrench(joint, own.axis, own.opening))
         for joint, own in zip(loaded.joints, plan.joints, strict=True)
@@ -240,7 +221,7 @@ def _drive(
                 link.add_force_torque(*wrench)
         for link, wrench in kept:
             link.add_force_torque(*wrench)
-        advance(loaded)
+        loaded.step()
         q = np.array(loaded.articulation.qpos, dtype=np.float64)[columns]
         v = np.array(loaded.articulation.qvel, dtype=np.float64)[columns]
         travelled = travelled + direction * v * dt
@@ -280,8 +261,8 @@ def world_vertices(
 
 def _stand(folder: Path, package: SimPackage, timestep: float, trace: list) -> StandResult:
     scene = create_scene(timestep, ground=True)
-    loaded = load_package(scene, folder, LoadConfig(base="free", hulls="known"), package)
-    reset(loaded, rest_qpos(loaded))
+    loaded = load_package(scene, folder, LoadConfig(base="free"), package)
+    loaded.reset()
     local = local_vertices(loaded)
     vertices = world_vertices(loaded, local)
     if not len(vertices):

@@ -33,11 +33,8 @@ def run_dynamics(folder: Path) -> tuple[CheckResult, ...]:
 def run_tasks(folder: Path) -> tuple[CheckResult, ...]:
     """Checks L4, in this process."""
     with quiet_libraries():
-        import sapien.physx
-
         from .maniskill.checks import check_tasks
 
-        sapien.physx.clear_cache()  # as in `envs.package.load_package`
         return check_tasks(folder)
 
 

@@ -13,9 +13,9 @@ from sim_export.reference import build_reference
 
 def main(folder: Path) -> None:
     """Writes a drawn cabinet into ``folder`` and lets it stand."""
-    from envs.loaded import advance, set_open_fraction
-    from envs.package import LoadConfig, load_package
-    from envs.scene import create_scene
+    from envs.sim.loaded import set_open_fraction
+    from envs.sim.sapien import LoadConfig, load_package
+    from envs.sim.scene import create_scene
 
     wish = Wish(counts=(("drawer", 1), ("door", 1)))
     package = write_package(build_reference(draw_shape("StorageFurniture", 0, wish)), folder / "cabinet")
@@ -23,7 +23,7 @@ def main(folder: Path) -> None:
     loaded = load_package(scene, package, LoadConfig())
     before = set_open_fraction(loaded, (0.5, 0.5))  # drawer, door
     for _ in range(200):
-        advance(loaded)
+        loaded.step()
     after = loaded.articulation.get_qpos()
     for joint, was, now in zip(loaded.articulation.get_active_joints(), before, after, strict=True):
         print(f"{joint.name}: {was:.4f} -> {now:.4f}")

@@ -28,8 +28,8 @@ def main(folder: Path) -> None:
 
     from envs.maniskill.rooms.check import check_room
     from envs.maniskill.rooms.file import read_room
-    from envs.package import LoadConfig, load_package
-    from envs.scene import create_scene
+    from envs.sim.sapien import LoadConfig, load_package
+    from envs.sim.scene import create_scene
     from envs.validate import validate
 
     for seed, (category, wish) in enumerate(OBJECTS):

@@ -44,6 +44,7 @@ def hash_geometry(package: SimPackage) -> str:
         numbers = [*joint.origin, *joint.axis, joint.lower, joint.upper, joint.mimic_multiplier]
         text.update(f"joint {joint.kind} {place[joint.parent]} {place[joint.child]}\n".encode())
         numbers += [joint.spring] if joint.spring > 0.0 else []
+        numbers += [joint.mimic_offset] if joint.mimic_offset != 0.0 else []
         text.update(_round(np.array(numbers)).tobytes())
     return text.hexdigest()
 

@@ -7,7 +7,7 @@ whose axes are the object's.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
@@ -117,7 +117,8 @@ class PackageJoint:
     ``friction`` is a force (N) or torque (N m), ``damping`` is in N s/m or N m s/rad. ``kind`` is the asset's
     joint type. A screw consists of two joints in a row: the second one is prismatic and mimics the first with
     ``mimic_multiplier`` (metres per radian). A part that follows another one (a lid and its pedal) mimics
-    that part's joint in the same way. ``spring`` is a force (N) or torque (N m) that closes the joint, twice
+    that part's joint in the same way; ``mimic_offset`` (m or rad) is its coordinate where the other's is 0.
+    ``spring`` is a force (N) or torque (N m) that closes the joint, twice
     as large at the upper limit as at 0; a negative one, as in the hinges of heavy lids, opens it, a third as
     large at the upper limit as at 0.
     """
@@ -137,12 +138,21 @@ class PackageJoint:
     damping: float = 0.0
     mimic: str | None = None
     mimic_multiplier: float = 0.0
+    mimic_offset: float = 0.0
     spring: float = 0.0
 
     @property
     def is_travel(self) -> bool:
         """Whether this is the second joint of a screw."""
         return self.mimic is not None and self.kind == "screw"
+
+    def follow(self, q: Any) -> Any:
+        """Coordinate of a follower (m or rad) where that of its leader is ``q``, a number or an array."""
+        return self.mimic_multiplier * q + self.mimic_offset
+
+    def pull(self, q: Any) -> Any:
+        """Effort of the spring (N or N m) at the coordinate ``q``, a number or an array; > 0 opens."""
+        return -(self.spring + self.stiffness * q)
 
     @property
     def stiffness(self) -> float:

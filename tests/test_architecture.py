@@ -264,7 +264,7 @@ def test_modules_load_in_an_order_without_cycles():
             targets.add(item.module)
         graph[item.importer] |= targets - {item.importer}
     order = list(TopologicalSorter(graph).static_order())
-    assert order.index("artigen.types") < order.index("sim_export.package") < order.index("envs.package")
+    assert order.index("artigen.types") < order.index("sim_export.package") < order.index("envs.sim.sapien")
 
 
 def modules_to_load(package: str) -> list[str]:

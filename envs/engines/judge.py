@@ -86,7 +86,9 @@ def _thread_ends(plan: EnginePlan, joint: JointTask) -> tuple[float, ...]:
     without one."""
     for other in plan.joints:
         if other.mimic == joint.name and other.multiplier:
-            return tuple(sorted((other.lower / other.multiplier, other.upper / other.multiplier)))
+            return tuple(
+                sorted((end - other.offset) / other.multiplier for end in (other.lower, other.upper))
+            )
     return ()
 
 

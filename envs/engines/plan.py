@@ -63,6 +63,7 @@ class JointTask:
     damping: float
     mimic: str | None
     multiplier: float
+    offset: float
     open: dict[str, float]
     effort: float
     speed: float
@@ -127,6 +128,7 @@ def _task(package: SimPackage, joint: PackageJoint) -> JointTask:
         damping=joint.damping,
         mimic=joint.mimic,
         multiplier=joint.mimic_multiplier,
+        offset=joint.mimic_offset,
         open=open_coordinates(package, joint),
         effort=PUSH_RATIO * joint.friction + joint.damping * speed + 2.0 * load * span / TRAVEL_SECONDS**2,
         speed=speed,

@@ -1,12 +1,8 @@
 """Loads a package into a ManiSkill scene: friction and damping in SI units, no visuals without a render
-device.
-
-Screws are fixed at rest: SAPIEN couples their two joints by a tendon that gains energy, and no task here
-turns one.
-"""
+device. Followers, springs and chains act at every step of the scene, whatever environment it is part of."""
 
 import shutil
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -22,8 +18,10 @@ from mani_skill.utils.structs import Pose
 from artigen.errors import ArtigenError
 from sim_export.package import SimPackage
 
-from ..friction import apply_resistance, drive_follower, pull_spring
-from ..urdf_text import without_visuals
+from ..sim.articulation import equip, prepare
+from ..sim.hull_cache import forget_changed_hulls
+from ..sim.urdf_text import without_visuals
+from .mechanisms import add_mechanism, mechanism_of
 from .objects import TaskObject
 
 if TYPE_CHECKING:
@@ -48,12 +46,14 @@ def load_object(
     scene_index: int,
     *,
     endless: Literal["turn", "hold"] = "turn",
+    held: Collection[str] = (),
 ) -> tuple["Articulation", dict[str, Float[np.ndarray, "4 4"]]]:
     """Builds an object at the origin, on the floor, fixed to the world, in one of the parallel scenes.
 
     Args:
         scene: ManiSkill scene; visuals are built only if it can render.
         endless: Whether wheels and other joints without limits turn or are fixed at rest.
+        held: Joints without their springs, because something keeps them where they are.
 
     Returns:
         The articulation, and ``T_object_link`` at rest of every link by name.
@@ -62,9 +62,12 @@ def load_object(
         LoadError: If a collision shape was lost.
     """
     builder = _parse(scene, entry.folder)
-    _hold(builder, entry.package, endless=endless)
+    package = prepare(builder, entry.package, 1 + len(scene.articulations))
+    if endless == "hold":
+        _hold_endless(builder, package)
     pose = sapien.Pose(p=[0.0, 0.0, -entry.floor])
-    return _build(builder, entry.folder, entry.package, name, scene_index, pose), _link_frames(builder)
+    articulation = _build(builder, entry.folder, package, name, scene_index, pose, held)
+    return articulation, _link_frames(builder)
 
 
 def load_placed(
@@ -72,7 +75,7 @@ def load_placed(
 ) -> "Articulation":
     """Builds a package fixed at ``pose``, all joints at 0; otherwise as `load_object`."""
     builder = _parse(scene, folder)
-    _hold(builder, package, endless="turn")
+    package = prepare(builder, package, 1 + len(scene.articulations))
     return _build(builder, folder, package, name, scene_index, pose)
 
 
@@ -129,6 +132,7 @@ def place_robot(env: "BaseEnv", qpos: Float[np.ndarray, "B Q"], base: Float[np.n
 
 def _parse(scene: "ManiSkillScene", folder: Path) -> "ArticulationBuilder":
     """The builder of a package's articulation, with a fixed root."""
+    forget_changed_hulls(folder)
     loader = scene.create_urdf_loader()
     loader.fix_root_link = True
     loader.load_multiple_collisions_from_file = True
@@ -140,11 +144,10 @@ def _parse(scene: "ManiSkillScene", folder: Path) -> "ArticulationBuilder":
         return loader.parse(str(stripped), srdf)["articulation_builders"][0]
 
 
-def _hold(builder: "ArticulationBuilder", package: SimPackage, *, endless: str) -> None:
-    """Replaces the joints of screws, and endless ones if requested, with fixed ones at rest."""
-    held = {joint.name for joint in package.joints if joint.kind == "screw"}
-    if endless == "hold":
-        held |= {joint.name for joint in package.joints if joint.type == "continuous"}
+def _hold_endless(builder: "ArticulationBuilder", package: SimPackage) -> None:
+    """Replaces joints without limits, and what follows them, with fixed ones at rest."""
+    held = {joint.name for joint in package.joints if joint.type == "continuous"}
+    held |= {joint.name for joint in package.joints if joint.mimic in held}
     for link in builder.link_builders:
         if link.joint_record.name in held:
             link.joint_record.joint_type = "fixed"
@@ -157,47 +160,17 @@ def _build(
     name: str,
     scene_index: int,
     pose: sapien.Pose | Pose,
+    held: Collection[str] = (),
 ) -> "Articulation":
     builder.set_scene_idxs([scene_index])
     builder.initial_pose = pose
-    own = 1 + len(builder.scene.articulations)
-    for link in builder.link_builders:
-        # SAPIEN ignores contact of links that share a bit of group 2 and the number in group 3, robots' too.
-        link.collision_groups[3] = own
     articulation = builder.build(name=name, build_mimic_joints=False)
     prefix = f"scene-{scene_index}-{name}_"
-    specs = {joint.name: joint for joint in package.joints}
     for engine in articulation._objs:
-        for joint in engine.active_joints:
-            spec = specs[joint.name.removeprefix(prefix)]
-            if spec.mimic is not None:
-                drive_follower(joint, spec, package)
-            else:
-                apply_resistance(engine, joint, spec)
+        equip(engine, package, prefix=prefix)
+    add_mechanism(articulation, mechanism_of(articulation, package, held))
     _compare(articulation, folder, package, prefix)
     return articulation
-
-
-def play_mechanisms(articulation: "Articulation", package: SimPackage) -> None:
-    """Updates followers and applies springs; call it before every physics step.
-
-    On the GPU springs are skipped.
-    """
-    joints = {joint.name: index for index, joint in enumerate(articulation.active_joints)}
-    pairs = [spec for spec in package.joints if spec.mimic in joints and spec.name in joints]
-    springs = [spec for spec in package.joints if spec.spring != 0.0 and spec.name in joints]
-    if not pairs and not springs:
-        return
-    qpos = articulation.get_qpos()
-    if pairs:
-        targets = [spec.mimic_multiplier * qpos[:, joints[str(spec.mimic)]] for spec in pairs]
-        followers = [articulation.active_joints[joints[spec.name]] for spec in pairs]
-        articulation.set_joint_drive_targets(torch.stack(targets, dim=1), followers)
-    if articulation.scene.gpu_sim_enabled:
-        return
-    for spec in springs:
-        index = joints[spec.name]
-        pull_spring(articulation._objs[0].active_joints[index], spec, float(qpos[0, index]))
 
 
 def _link_frames(builder: "ArticulationBuilder") -> dict[str, Float[np.ndarray, "4 4"]]:

@@ -4,7 +4,6 @@ A part is usable if one joint moves it and nothing follows it. All other moving 
 the reason, instead of causing a NaN later.
 """
 
-import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,6 +21,7 @@ from sim_export.motion.kinematics import hanging_links, needed_fractions
 from sim_export.package import HandleAnnotation, Hull, PackageJoint, SimPackage
 from sim_export.report import report_from_json
 
+from ..folder_stamp import kept_until_written
 from .verbs import VERBS, Verb, grip_direction, verb_of
 
 PartKind = Literal["drawer", "door", "handle", "knob", "tray", "shelf", "any"]
@@ -154,11 +154,11 @@ def read_objects(
     return usable
 
 
-@functools.lru_cache(maxsize=256)
+@kept_until_written(256)
 def read_object(
     folder: Path, kind: PartKind, handles: HandleNeed = "optional", verb: Verb = "open"
 ) -> TaskObject:
-    """One package with its usable parts, possibly none."""
+    """One package with its usable parts, possibly none; read again only after its files have changed."""
     package = read_package(folder, appearance=False)
     labels: dict[str, PartLabel | None] = {link.name: link.label for link in package.links}
     parts: list[TaskPart] = []

@@ -20,7 +20,9 @@ from mani_skill.utils.structs import Actor, Articulation
 from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
 
 from .load import build_box, load_robot, place_robot
+from .mechanisms import mechanism_of
 from .rooms.file import read_room
+from .rooms.footprints import cached_package
 from .rooms.load import item_pose, load_item, load_placement
 from .rooms.map import start_place
 from .rooms.room import Fixture, Room
@@ -87,10 +89,11 @@ class RoomSceneBuilder(SceneBuilder):
             for placement in self.rooms[index].placements:
                 articulation = self.placed[index][placement.id]
                 wanted = dict(placement.joints)
-                qpos = [[wanted.get(joint.name, 0.0) for joint in articulation.active_joints]]
-                if qpos[0]:
-                    articulation.set_qpos(torch.tensor(qpos, device=self.env.device))
-                    articulation.set_qvel(torch.zeros((1, len(qpos[0])), device=self.env.device))
+                qpos = torch.tensor([[wanted.get(joint.name, 0.0) for joint in articulation.active_joints]])
+                if qpos.numel():
+                    mechanism = mechanism_of(articulation, cached_package(placement.package))
+                    articulation.set_qpos(mechanism.complete(qpos).to(self.env.device))
+                    articulation.set_qvel(torch.zeros_like(qpos, device=self.env.device))
             for item in self.rooms[index].contents:
                 actor = self.contents[index][item.id]
                 actor.set_pose(item_pose(self.rooms[index], item))

@@ -25,7 +25,9 @@ from mani_skill.utils.structs import Articulation, Link
 
 from artigen.transforms import inverse, transform_points
 
+from ..sim.mechanism import Mechanism
 from .load import load_object, load_robot
+from .mechanisms import mechanism_of
 from .objects import TaskError, Validation, read_objects
 from .task import AWAY
 
@@ -59,6 +61,8 @@ class _FromPackages:
 
     def _load_cabinets(self: Any, joint_types: list[str]) -> None:
         self._cabinets: list[Articulation] = []
+        self._heights: list[float] = []
+        self._mechanisms: list[Mechanism] = []
         links: list[Link] = []
         grips = []
         for index in range(self.num_envs):
@@ -71,11 +75,26 @@ class _FromPackages:
             grips.append(transform_points(inverse(frames[part.joint.child]), part.grip[None])[0])
             links.append(cabinet.links_map[part.joint.child])
             self._cabinets.append(cabinet)
+            self._heights.append(-entry.floor)
+            self._mechanisms.append(mechanism_of(cabinet, entry.package))
         self.cabinet = Articulation.merge(self._cabinets, name="cabinet")
         self.add_to_state_dict_registry(self.cabinet)
         self.handle_link = Link.merge(links, name="handle_link")
         self.handle_link_pos = torch.tensor(np.array(grips), dtype=torch.float32, device=self.device)
         self.handle_link_goal = _build_goal(self.scene)
+
+    def _after_reconfigure(self: Any, options: dict) -> None:
+        """ManiSkill takes an object's height from its shapes in the world, where it stands on the floor."""
+        super()._after_reconfigure(options)  # type: ignore[misc]
+        self.cabinet_zs = torch.tensor(self._heights, dtype=torch.float32, device=self.device)
+
+    def _initialize_episode(self: Any, env_idx: torch.Tensor, options: dict) -> None:
+        """ManiSkill closes all joints by their lower limits; followers go where their leaders put them."""
+        super()._initialize_episode(env_idx, options)  # type: ignore[misc]
+        for index in env_idx.tolist():
+            if mechanism := self._mechanisms[index]:
+                cabinet = self._cabinets[index]
+                cabinet.set_qpos(mechanism.complete(cabinet.get_qpos()))
 
 
 class PackageDrawerEnv(_FromPackages, OpenCabinetDrawerEnv):

@@ -24,7 +24,9 @@ from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
 from artigen.transforms import inverse, transform_points, transform_vectors
 
 from ..limits import rest_coordinate
-from .load import build_box, load_object, load_robot, place_robot, play_mechanisms
+from ..sim.articulation import limit_screws
+from .load import build_box, load_object, load_robot, place_robot
+from .mechanisms import mechanism_of
 from .objects import HandleNeed, PartKind, TaskObject, TaskPart, Validation, on_plinth, read_objects
 from .placement import PATH_SAMPLES, Stand, find_stand, grip_path
 from .robots import ROBOTS, RobotSpec
@@ -126,7 +128,8 @@ class PackageTask(BaseEnv):
                 low, high = np.array(entry.bounds)
                 low[2], high[2] = 0.0, entry.raised
                 build_box(self.scene, f"plinth-{index}", index, low, high)
-            articulation, frames = load_object(self.scene, entry, name, index)
+            held = self._open_needs(part)
+            articulation, frames = load_object(self.scene, entry, name, index, held=held)
             self.remove_from_state_dict_registry(articulation)
             into_link = inverse(frames[part.joint.child])
             grips.append(transform_points(into_link, part.grip[None])[0])
@@ -146,18 +149,22 @@ class PackageTask(BaseEnv):
         """Initial open fraction of the part."""
         return self.initial_open
 
-    def _start(self, entry: TaskObject, part: TaskPart, articulation: Articulation) -> Float[np.ndarray, "Q"]:
-        """Initial joint vector, padded to the object with the most joints in the batch."""
-        specs = {joint.name: joint for joint in entry.package.joints}
+    def _open_needs(self, part: TaskPart) -> frozenset[str]:
+        """Joints that stand open for the part, held there against their springs."""
         shut = {latch.part.joint.name for latch in part.latches} if self.latched else set()
+        return frozenset(part.needs) - shut
+
+    def _start(self, entry: TaskObject, part: TaskPart, articulation: Articulation) -> Float[np.ndarray, "Q"]:
+        """Initial joint vector, padded to the object with the most joints in the batch; followers follow."""
+        specs = {joint.name: joint for joint in limit_screws(entry.package).joints}
+        wide = self._open_needs(part)
         qpos = np.zeros(self.object.max_dof)
         for column, joint in enumerate(articulation.active_joints):
             spec = specs[joint.name]
-            wide = spec.name in part.needs and spec.name not in shut
-            qpos[column] = spec.upper if wide else rest_coordinate(spec)
+            qpos[column] = spec.upper if spec.name in wide else rest_coordinate(spec)
         opened = part.joint.lower + self._opened(entry, part) * part.span
         qpos[_column(articulation, part.joint.name)] = opened
-        return qpos
+        return mechanism_of(articulation, entry.package).complete(qpos)
 
     def _stand(self, entry: TaskObject, part: TaskPart) -> Stand:
         """Base position from which all of the grip's path is in reach."""
@@ -191,11 +198,6 @@ class PackageTask(BaseEnv):
             for values in (lower, span, starts, grips, pulls)
         )
         self._still = torch.tensor([0.1 if flag else 1.0 for flag in sliding], device=self.device)
-
-    def _before_simulation_step(self) -> None:
-        super()._before_simulation_step()
-        for (entry, _), articulation in zip(self.drawn, self.built, strict=True):
-            play_mechanisms(articulation, entry.package)
 
     def _initialize_episode(self, env_idx: torch.Tensor, options: dict) -> None:
         self.object.set_qpos(self._starts[env_idx])

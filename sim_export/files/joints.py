@@ -39,7 +39,15 @@ def place_joint(joint: UrdfJoint, poses: Mapping[str, Float[np.ndarray, "4 4"]],
         if (value := getattr(joint, key)) is not None
     }
     T = poses[joint.child]
-    numbers = [lower, upper, joint.mimic_multiplier, *T.ravel(), *joint.axis, *optional.values()]
+    numbers = [
+        lower,
+        upper,
+        joint.mimic_multiplier,
+        joint.mimic_offset,
+        *T.ravel(),
+        *joint.axis,
+        *optional.values(),
+    ]
     if not np.isfinite(numbers).all():
         raise PackageError(f"{owner}: origin, axis, limits or dynamics hold NaN or infinite values")
     if lower > upper:
@@ -60,5 +68,6 @@ def place_joint(joint: UrdfJoint, poses: Mapping[str, Float[np.ndarray, "4 4"]],
         upper=upper,
         mimic=joint.mimic,
         mimic_multiplier=joint.mimic_multiplier if joint.mimic is not None else 0.0,
+        mimic_offset=joint.mimic_offset,
         **optional,
     )

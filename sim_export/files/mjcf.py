@@ -196,7 +196,7 @@ def _add_pairs(root: ET.Element, package: SimPackage, apart: tuple[tuple[str, st
                 "joint",
                 joint1=joint.name,
                 joint2=joint.mimic,
-                polycoef=f"0 {joint.mimic_multiplier:.12g} 0 0 0",
+                polycoef=f"{joint.mimic_offset:.12g} {joint.mimic_multiplier:.12g} 0 0 0",
                 solref=HARD_REFERENCE,
                 solimp=HARD_IMPEDANCE,
             )

@@ -152,8 +152,8 @@ def _add_joint(robot: ET.Element, joint: PackageJoint, parent_origin: Float[np.n
         element, "dynamics", damping=format_number(joint.damping), friction=format_number(joint.friction)
     )
     if joint.mimic is not None:
-        multiplier = f"{joint.mimic_multiplier:.12g}"
-        ET.SubElement(element, "mimic", joint=joint.mimic, multiplier=multiplier, offset="0")
+        multiplier, offset = f"{joint.mimic_multiplier:.12g}", f"{joint.mimic_offset:.12g}"
+        ET.SubElement(element, "mimic", joint=joint.mimic, multiplier=multiplier, offset=offset)
 
 
 def _for_maniskill(package: SimPackage) -> SimPackage:

@@ -62,8 +62,8 @@ def link_displacements(
     out = np.tile(np.eye(4), (*poses, len(links), 1, 1))
     slot = {link.name: index for index, link in enumerate(links)}
     for joint in _parents_first(links, joints):
-        source, ratio = (joint.name, 1.0) if joint.mimic is None else (joint.mimic, joint.mimic_multiplier)
-        own = package_joint_motion(joint, ratio * coordinates.get(source, np.zeros(())))
+        q = coordinates.get(joint.mimic or joint.name, np.zeros(()))
+        own = package_joint_motion(joint, q if joint.mimic is None else joint.follow(q))
         out[..., slot[joint.child], :, :] = out[..., slot[joint.parent], :, :] @ own
     return out
 

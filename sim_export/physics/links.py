@@ -308,7 +308,7 @@ def check_kinematics(package: SimPackage) -> None:
         if joint.type not in URDF_JOINT_TYPES:
             raise InvalidKinematics(f"{where}: type {joint.type!r}, allowed: {', '.join(URDF_JOINT_TYPES)}")
         numbers = [*joint.origin, *joint.axis, joint.lower, joint.upper]
-        numbers += [joint.friction, joint.damping, joint.spring]
+        numbers += [joint.friction, joint.damping, joint.spring, joint.mimic_offset]
         if not np.isfinite(numbers).all():
             raise InvalidKinematics(
                 f"{where}: origin, axis, limits or resistance hold NaN or infinite values"

@@ -200,7 +200,7 @@ def physx_friction_coefficient(joint: PackageJoint, mass: float, lever: float) -
     PhysX takes no force or torque here. Its documented rule, resistance <= coefficient * load, holds for
     neither solver that SAPIEN can use: the holding force depends on the time step (at 240 Hz twice as much as
     at 100 Hz) and on the iterations. This interpolates measurements at 100 Hz, accurate to 5 % for drawers
-    and to a third for doors. `envs.friction` applies the friction itself, exactly.
+    and to a third for doors. `envs.sim.friction` applies the friction itself, exactly.
 
     Raises:
         ValueError: If ``mass`` is not positive.

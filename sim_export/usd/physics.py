@@ -201,7 +201,7 @@ def follow_joint(prim: "Usd.Prim", joint: PackageJoint, leader: "Usd.Prim") -> N
             (turn.CreateLowerLimitAttr(), joint.lower),
             (turn.CreateUpperLimitAttr(), joint.upper),
         ):
-            attribute.Set(float(np.degrees(end / joint.mimic_multiplier)))
+            attribute.Set(float(np.degrees((end - joint.mimic_offset) / joint.mimic_multiplier)))
     prim.AddAppliedSchema("MjcEqualityJointAPI")
     prim.CreateRelationship("mjc:target", custom=False).SetTargets([leader.GetPath()])
     for name, kind, value in (
@@ -210,6 +210,9 @@ def follow_joint(prim: "Usd.Prim", joint: PackageJoint, leader: "Usd.Prim") -> N
         ("mjc:solimp", Sdf.ValueTypeNames.DoubleArray, Vt.DoubleArray(_IMPEDANCE)),
     ):
         prim.CreateAttribute(name, kind, custom=False, variability=Sdf.VariabilityUniform).Set(value)
+    if joint.mimic_offset != 0.0:
+        rest = prim.CreateAttribute("mjc:coef0", Sdf.ValueTypeNames.Double, custom=False)
+        rest.Set(joint.mimic_offset)
     prim.AddAppliedSchema("PhysxMimicJointAPI:rotZ")
     own = "physxMimicJoint:rotZ:"
     prim.CreateRelationship(f"{own}referenceJoint", custom=False).SetTargets([leader.GetPath()])
@@ -217,8 +220,12 @@ def follow_joint(prim: "Usd.Prim", joint: PackageJoint, leader: "Usd.Prim") -> N
     axis.Set("rotZ")
     gearing = prim.CreateAttribute(f"{own}gearing", Sdf.ValueTypeNames.Float, custom=False)
     # PhysX uses degrees for the leader and for turning followers.
-    scale = (np.pi / 180.0 if turn else 1.0) * (1.0 if joint.type == "prismatic" else 180.0 / np.pi)
+    own_unit = 1.0 if joint.type == "prismatic" else 180.0 / np.pi
+    scale = (np.pi / 180.0 if turn else 1.0) * own_unit
     gearing.Set(-joint.mimic_multiplier * scale)
+    if joint.mimic_offset != 0.0:
+        offset = prim.CreateAttribute(f"{own}offset", Sdf.ValueTypeNames.Float, custom=False)
+        offset.Set(-joint.mimic_offset * own_unit)
 
 
 def _from_z(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:

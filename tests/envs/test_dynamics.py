@@ -181,9 +181,9 @@ def test_speeds_at_rest_are_those_of_positions(speed: float):
     def step() -> None:
         articulation.qpos = articulation.qpos + 0.01 * speed
 
-    scene = SimpleNamespace(timestep=0.01, step=step)
-    joint = SimpleNamespace(index=0, spec=SimpleNamespace(spring=0.0))
-    loaded = SimpleNamespace(articulation=articulation, scene=scene, joints=(joint,), followers=())
+    scene = SimpleNamespace(timestep=0.01)
+    joint = SimpleNamespace(index=0)
+    loaded = SimpleNamespace(articulation=articulation, scene=scene, joints=(joint,), step=step)
     assert trials_module._rest(loaded, [])[1] == pytest.approx([speed])
 
 
@@ -215,7 +215,7 @@ def test_scenes_do_not_depend_on_what_ran_in_the_process_before(package, folder)
 
 
 def test_hulls_that_sapien_knows_behave_as_those_it_reads(folder, package, trials):
-    known = run_trials(folder, package, 0.01, hulls="known")
+    known = run_trials(folder, package, 0.01)
     np.testing.assert_array_equal(known.trace, trials.trace)
 
 
@@ -245,9 +245,9 @@ def test_what_sapien_passes_over_fails_v301(package, tmp_path, damage: Callable[
 
 def test_joints_that_could_meet_are_tried_apart(package, tmp_path):
     """Two square knobs side by side that meet only where both are turned by 45 degrees."""
-    from envs.package import LoadConfig, load_package
     from envs.plan import plan_trials
-    from envs.scene import create_scene
+    from envs.sim.sapien import LoadConfig, load_package
+    from envs.sim.scene import create_scene
 
     body = next(link for link in package.links if link.label == "base")
     turning = package.joints[0]

@@ -10,9 +10,9 @@ from sim_export.geometry.hulls import box_hull
 from sim_export.package import Inertial, Link, PackageJoint, SimPackage
 
 sapien = pytest.importorskip("sapien")
-from envs.loaded import LoadedPackage, advance, set_open_fraction  # noqa: E402
-from envs.package import LoadConfig, load_package  # noqa: E402
-from envs.scene import create_scene  # noqa: E402
+from envs.sim.loaded import LoadedPackage, set_open_fraction  # noqa: E402
+from envs.sim.sapien import LoadConfig, load_package  # noqa: E402
+from envs.sim.scene import create_scene  # noqa: E402
 
 pytestmark = pytest.mark.sim
 G = 9.81
@@ -53,7 +53,7 @@ def test_a_joint_creeps_by_a_hundredth_of_a_millimetre_a_second_at_its_friction(
         tmp_path, (block("link_0", "drawer", (0.1, 0.2, 0.0), (0.2, 0.4, 0.2), 2.0), BODY), (slide,)
     )
     for _ in range(20):
-        advance(loaded)
+        loaded.step()
     assert loaded.articulation.qpos[0] == pytest.approx(share * 1e-5 * 0.2, rel=0.1)
 
 
@@ -77,7 +77,7 @@ def test_the_first_leaf_of_a_folding_door_gives_way_a_fourth_as_far_as_with_ten_
         slope = sapien.Pose(q=[float(np.cos(half)), -float(np.sin(half)), 0.0, 0.0])
         loaded.articulation.set_root_pose(slope)
         for _ in range(30):
-            advance(loaded)
+            loaded.step()
         first, second = loaded.articulation.qpos
         return float(first - second)
 
@@ -98,6 +98,6 @@ def test_a_follower_sags_by_a_hundredth_of_a_millimetre(tmp_path):
     loaded.scene.set_timestep(1e-3)
     set_open_fraction(loaded, 0.5)
     for _ in range(50):
-        advance(loaded)
+        loaded.step()
     leader, follower = loaded.articulation.qpos
     assert follower - leader == pytest.approx(G / 1000.0**2, rel=0.2)

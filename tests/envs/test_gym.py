@@ -16,8 +16,8 @@ pytest.importorskip("sapien")
 from envs import ENVIRONMENT_IDS
 from envs.actuate import ActuateConfig
 from envs.joint_sweep import JointSweepConfig
-from envs.scene import NoRenderDevice, has_render_device
 from envs.settle import SettleConfig
+from envs.sim.scene import NoRenderDevice, has_render_device
 
 pytestmark = pytest.mark.sim
 

@@ -8,24 +8,23 @@ import numpy as np
 import pytest
 from defects import mesh_collisions
 from sample_packages import SAMPLE_PARTS, build_package
+from screw_jar import screw_package
 
 from artigen.shapes.draw import draw_shape
 from artigen.transforms import inverse
 from sim_export.errors import PackageError
 from sim_export.files.write import write_package
-from sim_export.geometry.hulls import box_hull
 from sim_export.motion.kinematics import link_displacements
-from sim_export.package import Inertial, Link, PackageJoint, SimPackage
-from sim_export.physics.inertia import mesh_inertial
+from sim_export.package import PackageJoint, SimPackage
 from sim_export.physics.materials import physx_friction_coefficient
 from sim_export.reference import build_reference
 
 sapien = pytest.importorskip("sapien")
-from envs.friction import CHAIN_ITERATIONS, apply_damping, apply_friction, apply_velocity  # noqa: E402
 from envs.hand import pose_matrix  # noqa: E402
-from envs.loaded import advance, qpos_of, set_open_fraction  # noqa: E402
-from envs.package import LoadConfig, load_package  # noqa: E402
-from envs.scene import create_scene  # noqa: E402
+from envs.sim.friction import CHAIN_ITERATIONS, apply_damping, apply_friction, apply_velocity  # noqa: E402
+from envs.sim.loaded import qpos_of, set_open_fraction  # noqa: E402
+from envs.sim.sapien import LoadConfig, load_package  # noqa: E402
+from envs.sim.scene import create_scene  # noqa: E402
 
 pytestmark = pytest.mark.sim
 TIMESTEPS = [1 / 60, 1 / 100, 1 / 240]
@@ -283,50 +282,6 @@ def test_what_cannot_be_parsed_is_one_error(package, tmp_path, old, new, sentenc
         load_package(create_scene(0.01), folder, LoadConfig(), package)
 
 
-def plain_link(name: str, label=None, hulls=(), inertial=None) -> Link:
-    return Link(name=name, label=label, parts=(), visuals=(), hulls=hulls, inertial=inertial)
-
-
-def screw_package() -> SimPackage:
-    """A cap that rises 1 cm per turn on a plate: two joints in a row, the second following the first."""
-    plate = box_hull(np.array([-0.2, -0.2, 0.0]), np.array([0.2, 0.2, 0.02]))
-    cap = box_hull(np.array([-0.05, -0.05, 0.05]), np.array([0.05, 0.05, 0.09]))
-    links = (
-        plain_link("base"),
-        plain_link("carrier", inertial=Inertial(mass=0.05, com=np.zeros(3), inertia=1e-5 * np.eye(3))),
-        plain_link("link_0", "knob", (cap,), mesh_inertial(cap, 1000.0)),
-        plain_link("link_1", "base", (plate,), mesh_inertial(plate, 1000.0)),
-    )
-    turn = PackageJoint(
-        name="joint_0",
-        type="continuous",
-        kind="screw",
-        parent="link_1",
-        child="carrier",
-        origin=np.zeros(3),
-        axis=np.array([0.0, 0.0, 1.0]),
-        friction=0.02,
-        velocity=6.0,
-    )
-    travel = replace(
-        turn,
-        name="joint_0_travel",
-        type="prismatic",
-        parent="carrier",
-        child="link_0",
-        upper=0.05,
-        friction=0.0,
-        mimic="joint_0",
-        mimic_multiplier=0.01 / (2 * np.pi),
-    )
-    bolt = replace(
-        turn, name="joint_1", type="fixed", kind="fixed", parent="base", child="link_1", friction=0.0
-    )
-    return SimPackage(
-        name="jar", category="Bottle", visual="voxels", links=links, joints=(turn, travel, bolt)
-    )
-
-
 @pytest.mark.parametrize("timestep", TIMESTEPS)
 def test_a_screw_turns_and_travels_as_one(tmp_path, timestep):
     package = screw_package()
@@ -339,7 +294,7 @@ def test_a_screw_turns_and_travels_as_one(tmp_path, timestep):
     turned = 0.0
     for step in range(round(3.0 / timestep)):
         articulation.find_link_by_name("carrier").add_force_torque([0, 0, 0], [0, 0, 0.021])
-        advance(loaded)
+        loaded.step()
         turned, travelled = (float(articulation.qpos[names.index(n)]) for n in ("joint_0", "joint_0_travel"))
         assert travelled == pytest.approx(0.01 * turned / (2 * np.pi), abs=1e-3), step
     assert turned > np.pi
@@ -377,7 +332,7 @@ def test_a_folding_door_stays_closed_on_a_slope(tmp_path: Path, iterations: int,
     half = np.radians(5.0) / 2
     loaded.articulation.set_root_pose(sapien.Pose(q=[float(np.cos(half)), 0.0, -float(np.sin(half)), 0.0]))
     for _ in range(120):
-        advance(loaded)
+        loaded.step()
     joint = loaded.joint("joint_0")
     opened = float(loaded.articulation.qpos[joint.index]) / (joint.spec.upper - joint.spec.lower)
     assert opened < 0.005 if holds else opened > 0.01

@@ -12,9 +12,9 @@ from sim_export.package import Inertial, Link, PackageJoint, SimPackage
 
 pytest.importorskip("sapien")
 from envs.hand import hand_effort, measure_moved
-from envs.package import LoadConfig, load_package
 from envs.plan import plan_trials
-from envs.scene import create_scene
+from envs.sim.sapien import LoadConfig, load_package
+from envs.sim.scene import create_scene
 
 pytestmark = pytest.mark.sim
 G = 9.81

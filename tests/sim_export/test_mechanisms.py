@@ -14,6 +14,7 @@ from artigen.shapes.shape import Motion, Shape
 from sim_export.errors import InvalidKinematics
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
+from sim_export.fingerprint import hash_geometry
 from sim_export.motion.kinematics import link_displacements, moved_links
 from sim_export.package import PackageJoint, Requirement, SimPackage
 from sim_export.physics.followers import follow_parts
@@ -150,6 +151,29 @@ def test_mujoco_pulls_as_stated_and_couples(package, folder):
     assert model.eq_data[0, 1] == pytest.approx(lid.mimic_multiplier)
 
 
+def with_offset(package: SimPackage, offset: float) -> SimPackage:
+    """The lid is open by ``offset`` (rad) while the pedal is up."""
+    _, lid = pedal_and_lid(package)
+    ajar = replace(lid, mimic_offset=offset, upper=lid.upper + offset)
+    return replace(package, joints=tuple(ajar if x is lid else x for x in package.joints))
+
+
+def test_an_offset_is_kept_in_files_and_in_motion(package, tmp_path):
+    """A follower's coordinate is multiplier times its leader's, plus offset, wherever one is stated."""
+    mujoco = pytest.importorskip("mujoco")
+    ajar = with_offset(package, 0.1)
+    folder = write_package(ajar, tmp_path / "ajar")
+    pedal, lid = pedal_and_lid(read_package(folder))
+    assert lid.mimic_offset == pytest.approx(0.1)
+    T = link_displacements(ajar.links, ajar.joints, {pedal.name: np.array([0.0, 0.5 * pedal.upper])})
+    turned = T[:, [link.name for link in ajar.links].index(lid.child)]
+    angle = np.arccos((np.trace(turned[:, :3, :3], axis1=1, axis2=2) - 1.0) / 2.0)
+    np.testing.assert_allclose(angle, [0.1, 0.1 + 0.5 * lid.mimic_multiplier * pedal.upper], atol=1e-6)
+    model = mujoco.MjModel.from_xml_path(str(folder / "mobility.mjcf.xml"))
+    np.testing.assert_allclose(model.eq_data[0, :2], [0.1, lid.mimic_multiplier], atol=1e-9)
+    assert hash_geometry(ajar) != hash_geometry(package)
+
+
 def test_usd_has_the_spring_in_degrees(package, tmp_path):
     pytest.importorskip("pxr")
     from pxr import Usd, UsdPhysics
@@ -169,8 +193,8 @@ def test_usd_has_the_spring_in_degrees(package, tmp_path):
 @pytest.mark.sim
 def test_in_sapien_the_lid_follows_and_the_spring_closes_both(package, folder):
     sapien = pytest.importorskip("sapien")
-    from envs.loaded import advance, set_open_fraction
-    from envs.package import LoadConfig, load_package
+    from envs.sim.loaded import set_open_fraction
+    from envs.sim.sapien import LoadConfig, load_package
 
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
     scene.set_timestep(0.01)
@@ -181,7 +205,7 @@ def test_in_sapien_the_lid_follows_and_the_spring_closes_both(package, folder):
     qpos = set_open_fraction(loaded, [float(x.spec.name == pedal.name) for x in loaded.joints])
     assert qpos[names.index(lid.name)] == pytest.approx(lid.upper)
     for _ in range(200):
-        advance(loaded)
+        loaded.step()
     np.testing.assert_allclose(loaded.articulation.qpos, 0.0, atol=2e-3)
 
 

@@ -103,9 +103,16 @@ def play(engine: Engine, plan: dict) -> dict:
     return result
 
 
+def followed(joint: dict, q: float) -> float:
+    """Coordinate of a follower where that of its leader is ``q``."""
+    return joint["multiplier"] * q + joint["offset"]
+
+
 def closed(plan: dict) -> dict[str, float]:
-    """Rest coordinates: 0, or the nearest value within a joint's limits."""
-    return {joint["name"]: min(max(0.0, joint["lower"]), joint["upper"]) for joint in plan["joints"]}
+    """Rest coordinates: 0, or the nearest value within a joint's limits; followers follow."""
+    qpos = {joint["name"]: min(max(0.0, joint["lower"]), joint["upper"]) for joint in plan["joints"]}
+    followers = [joint for joint in plan["joints"] if joint["mimic"] is not None]
+    return qpos | {joint["name"]: followed(joint, qpos.get(joint["mimic"], 0.0)) for joint in followers}
 
 
 def rest(engine: Engine, plan: dict) -> dict:
@@ -127,7 +134,7 @@ def pose(plan: dict, joint: dict, value: float) -> dict[str, float]:
     qpos = closed(plan) | joint["open"] | {joint["name"]: value}
     for other in plan["joints"]:
         if other["mimic"] is not None:
-            qpos[other["name"]] = other["multiplier"] * qpos[other["mimic"]]
+            qpos[other["name"]] = followed(other, qpos[other["mimic"]])
     return qpos
 
 
@@ -138,7 +145,7 @@ def through_range(engine: Engine, plan: dict, joint: dict) -> dict:
     open_gap = push(engine, plan, joint, 1.0)
     now = engine.positions()
     follow = {
-        other["name"]: abs(now[other["name"]] - other["multiplier"] * now[joint["name"]])
+        other["name"]: abs(now[other["name"]] - followed(other, now[joint["name"]]))
         for other in plan["joints"]
         if other["mimic"] == joint["name"] and other["name"] in now
     }

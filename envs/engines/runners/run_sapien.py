@@ -1,4 +1,4 @@
-"""Runs a package's URDF in SAPIEN, loaded with `envs.package`; the only runner that needs this project."""
+"""Runs a package's URDF in SAPIEN, loaded with `envs.sim.sapien`; the only runner that needs this project."""
 
 from pathlib import Path
 
@@ -12,8 +12,8 @@ class Sapien:
     def __init__(self, plan: dict) -> None:
         import sapien
 
-        from envs.package import LoadConfig, load_package
-        from envs.scene import create_scene
+        from envs.sim.sapien import LoadConfig, load_package
+        from envs.sim.scene import create_scene
 
         self.version = sapien.__version__
         resistance = "engine" if plan.get("as_loaded") else "package"
@@ -31,7 +31,7 @@ class Sapien:
 
     def joints(self) -> dict[str, JointFacts]:
         facts: dict[str, JointFacts] = {}
-        followers = {each.follower.name for each in self.loaded.followers}
+        followers = {self.names[each.column] for each in self.loaded.mechanism.followers}
         for joint in self.articulation.active_joints:
             lower, upper = (float(value) for value in np.asarray(joint.limits).reshape(-1))
             limited = bool(np.isfinite([lower, upper]).all())
@@ -53,15 +53,10 @@ class Sapien:
         self.articulation.set_qf(np.zeros_like(values))
 
     def step(self, efforts: dict[str, float]) -> None:
-        from envs.loaded import advance
-
-        values = np.array([efforts.get(name, 0.0) for name in self.names], dtype=np.float32)
-        self.articulation.set_qf(values)
-        advance(self.loaded)
+        self.loaded.step(efforts)
 
     def positions(self) -> dict[str, float]:
-        values = np.asarray(self.articulation.qpos, dtype=np.float64).tolist()
-        return dict(zip(self.names, values, strict=True))
+        return self.loaded.positions()
 
 
 if __name__ == "__main__":

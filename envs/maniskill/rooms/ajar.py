@@ -38,7 +38,8 @@ def open_some(room: Room, share: float) -> Room:
 
 
 def _free_joints(package: SimPackage) -> list[tuple[str, float, float]]:
-    """Name and limits of doors and drawers without opening requirements."""
+    """Name and limits of doors and drawers without opening requirements, and without springs that close
+    them."""
     labels = {link.name: link.label for link in package.links}
     waiting = {need.joint for need in package.requires_open}
     return [
@@ -46,5 +47,6 @@ def _free_joints(package: SimPackage) -> list[tuple[str, float, float]]:
         for joint in opening_joints(package)
         if joint.name not in waiting
         and joint.type != "continuous"
+        and joint.spring <= 0.0
         and labels[joint.child] in ("door", "drawer")
     ]

@@ -7,7 +7,6 @@ throughout the sweep of every door and drawer.
 import heapq
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from itertools import count
 from pathlib import Path
 from typing import Literal
@@ -19,6 +18,7 @@ from artigen.transforms import inverse
 from sim_export.geometry.contacts import HullSet
 from sim_export.package import Link, SimPackage
 
+from ...folder_stamp import kept_until_written
 from .footprints import bounds_of, cached_package
 from .sweeps import find_sweeps, sweep_boxes
 
@@ -49,9 +49,9 @@ class Compartment:
     high: tuple[float, float, float]
 
 
-@lru_cache(maxsize=512)
+@kept_until_written(512)
 def cached_compartments(folder: Path) -> tuple[Compartment, ...]:
-    """The compartments of a package on disk, cached."""
+    """The compartments of a package on disk, cached until its files change."""
     return find_compartments(cached_package(folder))
 
 

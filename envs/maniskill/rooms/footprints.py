@@ -1,7 +1,6 @@
 """Footprint of a package for planning: box, swept space, standing places, top."""
 
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Literal
@@ -15,6 +14,7 @@ from sim_export.files.read import read_package
 from sim_export.geometry.contacts import HullSet
 from sim_export.package import SimPackage
 
+from ...folder_stamp import kept_until_written
 from .sweeps import Sweep, find_sweeps
 
 CHUNKS = 8
@@ -55,15 +55,15 @@ class Footprint:
         return self.body[1] - self.body[0]
 
 
-@lru_cache(maxsize=512)
+@kept_until_written(512)
 def cached_package(folder: Path) -> SimPackage:
-    """A package on disk without its appearance, cached."""
+    """A package on disk without its appearance, cached until its files change."""
     return read_package(folder, appearance=False)
 
 
-@lru_cache(maxsize=512)
+@kept_until_written(512)
 def read_footprint(folder: Path) -> Footprint:
-    """The footprint of a package on disk, cached.
+    """The footprint of a package on disk, cached until its files change.
 
     Raises:
         FootprintError: If it has no collision shape.
@@ -187,7 +187,7 @@ def _level_tops(package: SimPackage, height: float) -> tuple[Float[np.ndarray, "
     return tuple(tops)
 
 
-@lru_cache(maxsize=512)
+@kept_until_written(512)
 def is_level(folder: Path, end: Literal["bottom", "top"]) -> bool:
     """Whether at least half of an object's underside is level (it has no legs), or of its top (no rails for a
     worktop that is laid on later)."""

@@ -109,8 +109,8 @@ def test_a_counterbalance_is_the_same_in_every_file(tmp_path: Path):
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.7])
 def test_in_sapien_a_heavy_lid_stays_where_it_is_left(tmp_path: Path, share: float):
     sapien = pytest.importorskip("sapien")
-    from envs.loaded import advance, set_open_fraction
-    from envs.package import LoadConfig, load_package
+    from envs.sim.loaded import set_open_fraction
+    from envs.sim.sapien import LoadConfig, load_package
 
     package = build_reference(make_box(0.08, low=0.01))
     assert hinge_of(package).spring < 0.0
@@ -120,7 +120,7 @@ def test_in_sapien_a_heavy_lid_stays_where_it_is_left(tmp_path: Path, share: flo
     loaded = load_package(scene, folder, LoadConfig())
     begin = set_open_fraction(loaded, share).copy()
     for _ in range(300):
-        advance(loaded)
+        loaded.step()
     np.testing.assert_allclose(loaded.articulation.qpos, begin, atol=2e-3)
 
 

@@ -2,18 +2,22 @@
 
 SAPIEN's own loader drops collision shapes that it cannot read, assumes masses that a URDF lacks, ignores
 joint friction, and needs a render device (or aborts) as soon as there is a visual. `load_package` compares
-everything with the package, and skips the visuals unless they are requested.
+everything with the package, and skips the visuals unless they are requested. Followers and springs, which
+SAPIEN lacks, act at every step of the scene.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from sim_export.errors import PackageError
-from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
+from sim_export.package import HandleAnnotation, SimPackage
 
-from .friction import apply_resistance, drive_follower, hold_chains
-from .loaded import Follower, LinkLoad, LoadedJoint, LoadedPackage
+from .articulation import act_before_steps, equip, prepare, step_followers_and_springs
+from .hull_cache import forget_changed_hulls
+from .loaded import LinkLoad, LoadedJoint, LoadedPackage
+from .mechanism import Mechanism, find_mechanism
 from .urdf_text import without_visuals
 
 if TYPE_CHECKING:
@@ -36,10 +40,6 @@ class LoadConfig:
     interpretation of the URDF, as other loaders do. Joints with neither value in the package are left to the
     engine in both cases."""
 
-    hulls: Literal["read", "known"] = "read"
-    """``known`` reuses SAPIEN's cached hulls of the same files, which must not have changed: reading and
-    preparing them is most of the cost of loading."""
-
 
 def load_package(
     scene: "sapien.Scene", folder: Path, cfg: LoadConfig, package: SimPackage | None = None
@@ -55,26 +55,17 @@ def load_package(
     Raises:
         PackageError: If the folder cannot be read or the engine rejects it.
     """
-    import sapien.physx
-
     from sim_export.files.read import read_package
 
     if package is None:
         package = read_package(folder)
-    if cfg.hulls == "read":
-        # SAPIEN caches hulls by path, including those of a package previously at that path.
-        sapien.physx.clear_cache()
+    forget_changed_hulls(folder)
     loader = scene.create_urdf_loader()
     loader.fix_root_link = cfg.base == "fixed"
     loader.load_multiple_collisions_from_file = True
     builder = _parse(loader, folder, cfg.visuals)
-    package = _limit_screws(package)
-    _uncouple(builder, package)
+    package = prepare(builder, package, 1 + len(scene.get_all_articulations()))
     records = {record.name: record for record in builder.link_builders}
-    own = 1 + len(scene.get_all_articulations())
-    for record in builder.link_builders:
-        # SAPIEN ignores contact of links that share a bit of group 2 and the number in group 3.
-        record.collision_groups[3] = own
     try:
         articulation = builder.build()
     except (RuntimeError, AssertionError) as error:
@@ -82,11 +73,10 @@ def load_package(
     masses = {link.name: link.inertial.mass if link.inertial else None for link in package.links}
     links = tuple(_compare(link, records[link.name], masses.get(link.name)) for link in articulation.links)
     joints = _match_joints(articulation, package)
-    if cfg.joint_resistance == "package":
-        for joint in joints:
-            if joint.spec.mimic is None:
-                apply_resistance(articulation, joint.engine, joint.spec)
-        hold_chains(articulation, package)
+    mechanism = find_mechanism(package, [joint.spec.name for joint in joints])
+    equip(articulation, package, resistance=cfg.joint_resistance)
+    if mechanism:
+        act_before_steps(scene, partial(_act, articulation, mechanism))
     order = [joint.name for joint in package.joints]
     moving = [joint for joint in joints if joint.spec.mimic is None]
     moving.sort(key=lambda joint: order.index(joint.spec.name))
@@ -96,10 +86,14 @@ def load_package(
         articulation=articulation,
         joints=tuple(moving),
         links=links,
-        followers=tuple(
-            _drive_follower(joint, joints, package) for joint in joints if joint.spec.mimic is not None
-        ),
+        mechanism=mechanism,
     )
+
+
+def _act(articulation: "PhysxArticulation", mechanism: Mechanism, scene: "sapien.Scene") -> None:
+    """Moves followers and springs of an object while it is in its scene."""
+    if articulation in scene.get_all_articulations():
+        step_followers_and_springs(articulation, mechanism)
 
 
 def _parse(loader, folder: Path, visuals: str):
@@ -122,42 +116,6 @@ def _parse(loader, folder: Path, visuals: str):
             "articulation; write a root link and at least one joint, and no floating ones"
         )
     return articulations[0]
-
-
-def _limit_screws(package: SimPackage) -> SimPackage:
-    """Limits every screw's turn to the ends of its thread."""
-    followers = {joint.mimic: joint for joint in package.joints if joint.mimic is not None}
-
-    def limit(joint: PackageJoint) -> PackageJoint:
-        follower = followers.get(joint.name)
-        if follower is None or joint.type != "continuous" or follower.mimic_multiplier == 0.0:
-            return joint
-        ends = sorted(
-            (follower.lower / follower.mimic_multiplier, follower.upper / follower.mimic_multiplier)
-        )
-        return replace(joint, type="revolute", lower=ends[0], upper=ends[1])
-
-    return replace(package, joints=tuple(limit(joint) for joint in package.joints))
-
-
-def _uncouple(builder, package: SimPackage) -> None:
-    """Removes SAPIEN's tendons from a builder and sets the limits of the turning joints of screws."""
-    builder.mimic_joint_records.clear()
-    leaders = {joint.mimic for joint in package.joints if joint.mimic is not None}
-    limits = {joint.name: [[joint.lower, joint.upper]] for joint in package.joints if joint.name in leaders}
-    for link in builder.link_builders:
-        record = link.joint_record
-        if record.name in limits and record.joint_type == "revolute":
-            record.joint_type, record.limits = "revolute_unwrapped", limits[record.name]
-
-
-def _drive_follower(joint: LoadedJoint, joints: tuple[LoadedJoint, ...], package: SimPackage) -> Follower:
-    """Couples a follower to its leader with a critically damped position drive."""
-    leader = next((other for other in joints if other.spec.name == joint.spec.mimic), None)
-    if leader is None:
-        raise PackageError(f"joint {joint.spec.name!r} follows {joint.spec.mimic!r}, which does not move")
-    drive_follower(joint.engine, joint.spec, package)
-    return Follower(leader=leader.index, multiplier=joint.spec.mimic_multiplier, follower=joint.engine)
 
 
 def _compare(link, record, mass: float | None) -> LinkLoad:

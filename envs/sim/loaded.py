@@ -1,6 +1,6 @@
 """A loaded package: poses, stepping, moving links."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -9,8 +9,8 @@ from jaxtyping import Float
 
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 
-from .friction import pull_spring
-from .limits import joint_ends
+from ..limits import joint_ends, rest_coordinate
+from .mechanism import Mechanism
 
 if TYPE_CHECKING:
     import sapien
@@ -57,20 +57,6 @@ class LoadedJoint:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Follower:
-    """A joint that follows another one by ``multiplier``: a screw's travel its turn, a lid its pedal.
-
-    SAPIEN's own coupling, a stiff tendon, adds energy with multipliers as small as a thread's. The follower
-    therefore has a position drive, whose target `advance` sets. The reaction on the leader is neglected; on
-    screws, thread friction exceeds it.
-    """
-
-    leader: int
-    multiplier: float
-    follower: "PhysxArticulationJoint"
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class LoadedPackage:
     """A package in a scene. ``joints`` are the independent ones, without followers, in the order of the
     package. It holds a reference to the scene, without which SAPIEN frees the articulation."""
@@ -80,7 +66,7 @@ class LoadedPackage:
     articulation: "PhysxArticulation"
     joints: tuple[LoadedJoint, ...]
     links: tuple[LinkLoad, ...]
-    followers: tuple[Follower, ...] = ()
+    mechanism: Mechanism
 
     def joint(self, name: str) -> LoadedJoint:
         """The joint with that name; raises `ValueError` with the existing names."""
@@ -90,18 +76,37 @@ class LoadedPackage:
         known = ", ".join(joint.spec.name for joint in self.joints)
         raise ValueError(f"package {self.package.name!r} has no joint {name!r}; it has {known or 'none'}")
 
+    def reset(self, coordinates: Mapping[str, float] | None = None) -> None:
+        """Poses the object without speed or efforts.
 
-def advance(loaded: LoadedPackage) -> None:
-    """Performs one physics step with followers and springs; objects without them need only
-    ``scene.step()``."""
-    if loaded.followers:
-        qpos = loaded.articulation.qpos
-        for each in loaded.followers:
-            each.follower.set_drive_target(each.multiplier * float(qpos[each.leader]))
-    for joint in loaded.joints:
-        if joint.spec.spring != 0.0:
-            pull_spring(joint.engine, joint.spec, float(loaded.articulation.qpos[joint.index]))
-    loaded.scene.step()
+        Args:
+            coordinates: Of independent joints by name (m or rad); others are at rest, and followers follow.
+
+        Raises:
+            ValueError: If a name is not that of an independent joint.
+        """
+        rest = {joint.spec.name: rest_coordinate(joint.spec) for joint in self.joints}
+        given = {self.joint(name).spec.name: value for name, value in (coordinates or {}).items()}
+        qpos = qpos_of(self, rest | given).astype(np.float32)
+        self.articulation.set_qpos(qpos)
+        self.articulation.set_qvel(np.zeros_like(qpos))
+        self.articulation.set_qf(np.zeros_like(qpos))
+
+    def step(self, efforts: Mapping[str, float] | None = None) -> None:
+        """Performs one step of the whole scene.
+
+        Args:
+            efforts: On joints by name (N or N m), which act until others are given; ``None`` gives none.
+        """
+        if efforts is not None:
+            joints = self.articulation.active_joints
+            self.articulation.set_qf(np.array([efforts.get(x.name, 0.0) for x in joints], dtype=np.float32))
+        self.scene.step()
+
+    def positions(self) -> dict[str, float]:
+        """Coordinates of all moving joints by name (m or rad), followers included."""
+        values = np.asarray(self.articulation.qpos, dtype=np.float64).tolist()
+        return dict(zip((joint.name for joint in self.articulation.active_joints), values, strict=True))
 
 
 def set_open_fraction(
@@ -129,15 +134,8 @@ def set_open_fraction(
 
 def qpos_of(loaded: LoadedPackage, coordinates: dict[str, float]) -> Float[np.ndarray, "Q"]:
     """The articulation's ``qpos`` for joint coordinates by name; other joints are at 0, followers follow."""
-    qpos = np.zeros(loaded.articulation.dof)
-    specs = {joint.name: joint for joint in loaded.package.joints}
-    for index, joint in enumerate(loaded.articulation.active_joints):
-        spec = specs[joint.name]
-        if spec.mimic is not None:
-            qpos[index] = spec.mimic_multiplier * coordinates.get(spec.mimic, 0.0)
-        else:
-            qpos[index] = coordinates.get(joint.name, 0.0)
-    return qpos
+    names = [joint.name for joint in loaded.articulation.active_joints]
+    return loaded.mechanism.complete(np.array([coordinates.get(name, 0.0) for name in names]))
 
 
 def collision_boxes(loaded: LoadedPackage) -> Float[np.ndarray, "L 2 3"]:

@@ -102,7 +102,7 @@ def drive_follower(engine: "PhysxArticulationJoint", joint: PackageJoint, packag
 
 def pull_spring(engine: "PhysxArticulationJoint", joint: PackageJoint, q: float) -> None:
     """Applies the spring force of a joint at the coordinate ``q`` (rad or m) to both links for one step."""
-    effort = -(joint.spring + joint.stiffness * q)
+    effort = joint.pull(q)
     pose = engine.global_pose
     axis = np.asarray(pose.to_transformation_matrix()[:3, 0], dtype=np.float64)  # the axis of a joint is x
     for link, push in ((engine.child_link, effort * axis), (engine.parent_link, -effort * axis)):
