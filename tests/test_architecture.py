@@ -33,6 +33,7 @@ MODEL_CODE = (
     "artigen.models",
     "artigen.latent",
     "artigen.metrics",
+    "artigen.reader",
     "artigen.shapes.render",
     "artigen.sketch",
     "artigen.train",
@@ -42,19 +43,20 @@ MODEL_CODE = (
 )
 """The only places where torch is imported."""
 LAYERS = (
-    {"errors", "types", "transforms", "kinematics", "camera", "io"},
+    {"errors", "types", "transforms", "kinematics", "camera", "io", "weights"},
     {"files", "runtime"},
     {"voxels"},
     {"shapes"},
     {"splats", "datasets", "conditioning"},
     {"models"},
+    {"reader"},
     {"sketch"},
     {"latent"},
     {"appearance"},
     {"trellis", "examples"},
     {"metrics"},
     {"train"},
-    {"cli", "weights"},
+    {"cli"},
 )
 """Folders and loose modules of artigen, lowest first: a layer imports from itself and from below."""
 EXPORT_LAYERS = (
