@@ -36,7 +36,18 @@ class AppearanceSettings:
     voxels are perturbed instead."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class ReaderSettings:
+    """Settings of the reader only."""
+
+    photos: Path | None = None
+    """Folder of marked photographs: labels.json and images. Without one, rendered views alone are used."""
+    trunk: Path | None = None
+    """ImageNet weights of EfficientNet-Lite2; default: those of the package that artigen[reader] installs."""
+
+
 What = Literal[
+    "reader",
     "sketch",
     "structure",
     "structure-vae",
@@ -54,19 +65,24 @@ def train(
     cfg: tyro.conf.OmitArgPrefixes[TrainSettings] = TRAIN,
     workers: Workers = None,
     appearance: tyro.conf.OmitArgPrefixes[AppearanceSettings] = AppearanceSettings(),
+    reader: tyro.conf.OmitArgPrefixes[ReaderSettings] = ReaderSettings(),
 ) -> int:
     """Generate data, train networks, score held-out objects and store the weights in RUN/model.
 
     Running the same command again resumes an interrupted run.
 
     Args:
-        what: A model (sketch, structure, appearance) or one of its networks; a flow needs its VAE.
+        what: A model (reader, sketch, structure, appearance) or one of its networks; a flow needs its VAE.
         run: Run folder for data, checkpoints, metrics and weights.
         cfg: What to train, on which data and for how long.
         workers: Worker processes that generate data; default: one per available core.
         appearance: Settings of appearance only.
+        reader: Settings of the reader only.
     """
-    begin = _prepare(what, run, cfg, choose_workers(workers), appearance)
+    if what == "reader":
+        begin = _prepare_reader(run, cfg, choose_workers(workers), reader)
+    else:
+        begin = _prepare(what, run, cfg, choose_workers(workers), appearance)
     logging.getLogger("artigen.train").setLevel(logging.INFO)
     with logging_redirect_tqdm():
         scores = begin()
@@ -108,6 +124,21 @@ def _prepare(
     from artigen.train.run import RunConfig
 
     return partial(train_everything, RunConfig(folder=run, workers=workers, **given), what)
+
+
+def _prepare_reader(
+    run: Path, cfg: TrainSettings, workers: int, reader: ReaderSettings
+) -> Callable[[], dict[str, float]]:
+    """Builds the training function of the reader of photographs."""
+    from artigen.train.reader import ReaderRunConfig, train_reader
+
+    for name in ("partnet", "trellis", "encoders", "objects"):
+        if getattr(cfg, name) is not None:
+            raise ArtigenError(
+                f"the reader is trained on views of the grammar and on photographs: omit --{name}"
+            )
+    shared = {name: getattr(cfg, name) for name in ("minutes", "shards", "start")}
+    return partial(train_reader, ReaderRunConfig(folder=run, workers=workers, **shared, **vars(reader)))
 
 
 def _prepare_sketch(run: Path, cfg: TrainSettings, workers: int) -> Callable[[], dict[str, float]]:

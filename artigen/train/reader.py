@@ -33,6 +33,8 @@ VIEW_FILES = 3
 """Shards of views that a batch is made from."""
 KIND_SHARDS = 150
 """Shards of views that kinds are learned from."""
+HELD_OUT_SHARDS, SCORED = 4, 320
+"""Shards of views that are scored, and the edge (pixels) of their pictures."""
 ENDLESS = 10**9
 """Number of batches that no run reaches."""
 
@@ -144,6 +146,19 @@ def load_pretrained(trunk: Trunk, path: Path) -> None:
     load_strictly(trunk, folded, str(path))
 
 
+@torch.no_grad()
+def score_views(network: ReaderNetwork, shards: Sequence[Path]) -> dict[str, float]:
+    """Losses of plain pictures of rendered views, by term."""
+    rng, stock = np.random.default_rng(0), gather_stock([])
+    sums: dict[str, float] = {}
+    for shard in shards:
+        pictures = [make_picture(view.unpack(), stock, SCORED, rng) for view in read_views(shard)]
+        terms = reader_losses(network.eval(), make_batch(pictures), torch.Generator())
+        for name, value in terms.items():
+            sums[name] = sums.get(name, 0.0) + float(value) / len(shards)
+    return {"loss": sum(sums.values()), **sums}
+
+
 def train_reader(cfg: ReaderRunConfig) -> dict[str, float]:
     """Renders missing views, trains, and stores the weights; resumes a run in the folder.
 
@@ -171,6 +186,7 @@ def train_reader(cfg: ReaderRunConfig) -> dict[str, float]:
             },
         )
         make_view_shards(cfg.folder / "views", cfg.shards, first=HELD_OUT, workers=cfg.workers)
+        make_view_shards(cfg.folder / "held_out", HELD_OUT_SHARDS, first=0, workers=cfg.workers)
     state.wait_for_everyone()
     shards = sorted((cfg.folder / "views").glob("shard_*.npz"))
     torch.manual_seed(cfg.seed)
@@ -208,4 +224,4 @@ def train_reader(cfg: ReaderRunConfig) -> dict[str, float]:
                 "photos": None if cfg.photos is None else cfg.photos.name,
             },
         )
-    return {"steps": float(finished_steps(stage))}
+    return score_views(network, sorted((cfg.folder / "held_out").glob("shard_*.npz")))
