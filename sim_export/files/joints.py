@@ -20,7 +20,8 @@ def place_joint(joint: UrdfJoint, poses: Mapping[str, Float[np.ndarray, "4 4"]],
         file: How errors name the URDF.
 
     Raises:
-        PackageError: If it cannot be moved.
+        PackageError: If it cannot be moved, or follows another joint with an offset: the joints of a package
+            are all closed at 0.
     """
     owner = f"{file}: joint {joint.name!r}"
     if joint.type not in URDF_JOINT_TYPES:
@@ -39,11 +40,24 @@ def place_joint(joint: UrdfJoint, poses: Mapping[str, Float[np.ndarray, "4 4"]],
         if (value := getattr(joint, key)) is not None
     }
     T = poses[joint.child]
-    numbers = [lower, upper, joint.mimic_multiplier, *T.ravel(), *joint.axis, *optional.values()]
+    numbers = [
+        lower,
+        upper,
+        joint.mimic_multiplier,
+        joint.mimic_offset,
+        *T.ravel(),
+        *joint.axis,
+        *optional.values(),
+    ]
     if not np.isfinite(numbers).all():
         raise PackageError(f"{owner}: origin, axis, limits or dynamics hold NaN or infinite values")
     if lower > upper:
         raise PackageError(f"{owner}: lower {lower} is above upper {upper}")
+    if joint.mimic is not None and joint.mimic_offset != 0.0:
+        raise PackageError(
+            f"{owner}: follows {joint.mimic!r} with offset {joint.mimic_offset:g}, expected 0, as a "
+            "package is closed where all joints are 0; `artigen convert` moves the offset into the origin"
+        )
     length = float(np.linalg.norm(joint.axis))
     if length < 1e-9 and joint.type != "fixed":
         raise PackageError(f"{owner}: axis {joint.axis.tolist()} has no direction")

@@ -11,7 +11,8 @@ import pytest
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.poses import lead_followers
 from artigen.shapes.shape import Motion, Shape
-from sim_export.errors import InvalidKinematics
+from sim_export.checks.suite import run_checks
+from sim_export.errors import InvalidKinematics, PackageError
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
 from sim_export.motion.kinematics import link_displacements, moved_links
@@ -117,6 +118,18 @@ def test_files_say_it_and_are_read_again(package, folder):
     told = " ".join(json.loads((folder / "meta.json").read_text())["records"])
     assert f"{lid.name} follows {pedal.name}" in told
     assert f"{pedal.name}: a spring closes it" in told
+
+
+def test_a_mimic_with_an_offset_is_refused_when_read_and_fails_a_check(package, tmp_path):
+    """It would be dropped: followers of packages are closed where their leaders are."""
+    folder = write_package(package, tmp_path / "bin")
+    for name in ("mobility.urdf", "mobility_cvx.urdf"):
+        text = (folder / name).read_text()
+        (folder / name).write_text(text.replace("<mimic ", '<mimic offset="0.2" '))
+    said = "with offset 0.2, expected 0, as a package is closed where all joints are 0"
+    with pytest.raises(PackageError, match=said):
+        read_package(folder)
+    assert any(said in check.message for check in run_checks(folder) if check.verdict == "fail")
 
 
 def test_what_has_neither_is_written_as_before(tmp_path):
