@@ -125,7 +125,7 @@ def test_a_mimic_with_an_offset_is_refused_when_read_and_fails_a_check(package, 
     folder = write_package(package, tmp_path / "bin")
     for name in ("mobility.urdf", "mobility_cvx.urdf"):
         text = (folder / name).read_text()
-        (folder / name).write_text(text.replace("<mimic ", '<mimic offset="0.2" '))
+        (folder / name).write_text(text.replace('offset="0"', 'offset="0.2"'))
     said = "with offset 0.2, expected 0, as a package is closed where all joints are 0"
     with pytest.raises(PackageError, match=said):
         read_package(folder)
