@@ -11,7 +11,7 @@ import tyro
 
 from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
 from artigen.cli.batch import Finished, Laps, Made, make_and_validate, read_shard, run_shown, say_results
-from artigen.cli.models import hash_weights, load_drawer, load_sketch, load_structure
+from artigen.cli.models import hash_file, hash_weights, load_drawer, load_sketch, load_structure
 from artigen.cli.shape import read_wish
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
@@ -91,8 +91,9 @@ class GenerateJob:
 
     @property
     def settings(self) -> str:
-        """Object, weights and settings as text; packages of other weights are made again."""
-        return f"{self.key} {hash_weights(self.model)} {self.cfg}"
+        """Object, weights, picture and settings as text; where one of them changes, it is made again."""
+        image = "" if self.cfg.image is None else f" {hash_file(self.cfg.image)}"
+        return f"{self.key} {hash_weights(self.model)}{image} {self.cfg}"
 
 
 def _understand(job: GenerateJob) -> "Understood":

@@ -279,3 +279,13 @@ def test_packages_of_other_weights_are_made_again_and_those_of_the_same_are_not(
         for folder in (model, same, other)
     ]
     assert settings[0] == settings[1] != settings[2]
+
+
+def test_a_photo_that_changed_in_place_makes_its_package_again(model: Path, tmp_path: Path):
+    photo = tmp_path / "photo.png"
+    job = GenerateJob(model=model, category=None, seed=0, out=tmp_path, cfg=GenerateSettings(image=photo))
+    found = []
+    for gray in (10, 200, 10):
+        Image.new("L", (4, 4), gray).save(photo)
+        found.append(job.settings)
+    assert found[0] == found[2] != found[1]

@@ -481,6 +481,18 @@ def test_sources_are_found_in_folders_and_called_by_what_tells_them_apart(tmp_pa
         read_source(tmp_path, tmp_path)
 
 
+@pytest.mark.parametrize("inner", ["", "urdf/", "robot/urdf/"])
+@pytest.mark.parametrize("file", ["robot.urdf", "model.urdf", "mobility.urdf"])
+def test_generic_names_of_files_and_folders_tell_no_objects_apart(tmp_path, inner, file):
+    for name in ("chest", "lamp"):
+        path = tmp_path / name / f"{inner}{file}"
+        path.parent.mkdir(parents=True)
+        path.write_text("")
+        assert name_source(path) == name
+        if inner:
+            assert name_source(path.parent) == name
+
+
 @pytest.mark.parametrize("visual", ["voxels", "source"])
 def test_a_urdf_becomes_a_package_with_the_same_joints(tmp_path, visual):
     """A coffee machine: a lid on a lever, a button and a tray; what moves it keeps its tree in voxels too."""
