@@ -12,6 +12,7 @@ import tyro
 from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
 from artigen.cli.batch import Finished, Laps, Made, make_and_validate, read_shard, run_shown, say_results
 from artigen.cli.models import hash_file, hash_weights, load_drawer, load_sketch, load_structure
+from artigen.cli.names import choose_name, name_request
 from artigen.cli.shape import read_wish
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
@@ -82,12 +83,12 @@ class GenerateJob:
     cfg: GenerateSettings = field(default_factory=GenerateSettings)
     draws: tuple[str, ...] = ()
     name: str | None = None
-    """Name of the package; by default category and seed."""
+    """Name of the package; by default made of category, words and seed."""
 
     @property
     def key(self) -> str:
         """Name of the package."""
-        return self.name or f"{self.category or 'object'}_{self.seed}"
+        return self.name or name_request(self.category, self.cfg.text, self.cfg.image, self.seed)
 
     @property
     def settings(self) -> str:
@@ -301,6 +302,7 @@ def generate(
     category: tyro.conf.Positional[str | None] = None,
     seed: int = 0,
     count: Count = 1,
+    name: str | None = None,
     cfg: tyro.conf.OmitArgPrefixes[GenerateSettings] = GenerateSettings(),
     workers: Workers = None,
     runner: RunnerChoice = "local",
@@ -316,6 +318,8 @@ def generate(
         category: Category to generate, such as StorageFurniture; optional with --text or --image.
         seed: Seed of the first object.
         count: Number of objects, with consecutive seeds.
+        name: Name of the package, followed by the seed if there are several; default: category, words and
+            seed.
         cfg: The condition and the sampling settings.
     """
     from artigen.sketch.request import encode_request
@@ -336,7 +340,14 @@ def generate(
             "least one step, no strength below 0, and a temperature above 0"
         )
     jobs = [
-        GenerateJob(model=model, category=category, seed=number, out=out, cfg=cfg)
+        GenerateJob(
+            model=model,
+            category=category,
+            seed=number,
+            out=out,
+            cfg=cfg,
+            name=choose_name(name, number, count),
+        )
         for number in range(seed, seed + count)
     ]
     # Reject bad requests early: sentences and numbers here, models and pictures when they are loaded.

@@ -206,7 +206,7 @@ def check_place(folder: Path, overwrite: Overwrite) -> None:
         PackageError: If the folder exists and is not a package, or must not be replaced.
     """
     if folder.exists() and overwrite == "refuse":
-        raise PackageError(f"{folder}: exists already; remove it or write with overwrite='replace'")
+        raise PackageError(f"{folder}: exists already; remove it, or replace it (--existing replace)")
     if (
         folder.exists()
         and not (folder / MANIFEST).is_file()
