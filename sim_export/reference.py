@@ -92,8 +92,8 @@ def build_reference(
         if apart:
             most = np.ceil(1e4 * max(apart)) / 10
             records.append(
-                f"{part.name}: {len(apart)} of {len(solids)} hulls are boxes or cylinders that differ from the "
-                f"part by at most {most:g} mm"
+                f"{part.name}: {len(apart)} of {len(solids)} hulls are boxes or cylinders that differ from "
+                f"the part by at most {most:g} mm"
             )
         hulls = _trim(simple)
         if len(hulls) > len(simple):
