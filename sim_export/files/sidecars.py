@@ -260,6 +260,11 @@ def _coefficient(package: SimPackage, joint: PackageJoint) -> float | None:
 
 def provenance_json(package: SimPackage) -> str:
     """Origin of the object, and versions of the tools that made the package."""
+    wrong = next((pair for pair in package.provenance if not isinstance(pair[1], str)), None)
+    if wrong is not None:
+        raise PackageError(
+            f"package {package.name!r}: provenance {wrong[0]!r} is {wrong[1]!r}, expected a text"
+        )
     return json_text(dict(package.provenance))
 
 
