@@ -16,7 +16,7 @@ from artigen.cli.names import choose_name, name_request
 from artigen.cli.shape import read_wish
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
-from artigen.runtime.workers import Worker
+from artigen.runtime.workers import InProcess, Worker
 from artigen.weights import SHIPPED
 
 if TYPE_CHECKING:
@@ -286,10 +286,11 @@ def _attach_drawn(
 def generate_and_validate(worker: Worker, job: GenerateJob, *, validation: bool = True) -> Finished:
     """Draws an object until it passes every check, with at most ``redraws`` new draws.
 
-    If all draws fail, the last package is kept with its report. The provenance lists every draw.
+    If all draws fail, the last package is kept with its report. The provenance lists every draw. Where time
+    or memory ran out, nothing is drawn instead: a seed gives the same object on any machine.
     """
     finished = make_and_validate(worker, job, generate_object, timeout=TIMEOUT, validation=validation)
-    while not finished.good and len(job.draws) < job.cfg.redraws:
+    while not (finished.good or finished.stopped) and len(job.draws) < job.cfg.redraws:
         reason = finished.error or "; ".join(finished.failures)
         job = replace(job, draws=(*job.draws, reason))
         finished = make_and_validate(worker, job, generate_object, timeout=TIMEOUT, validation=validation)
@@ -352,7 +353,7 @@ def generate(
     ]
     # Reject bad requests early: sentences and numbers here, models and pictures when they are loaded.
     encode_request(_understand(jobs[0]).request)
-    worker = Worker()
+    worker = InProcess() if workers == 0 else Worker()
     try:
         checked = worker.call(check_job, jobs[0], TIMEOUT)
         if checked.error is not None:
