@@ -251,7 +251,7 @@ def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialNa
     for count, name in enumerate(names, start=1):
         chosen = [solid for solid, made in zip(solids, made_of, strict=True) if made in names[:count]]
         mesh = _unite(chosen).mesh
-        density = MATERIALS[name].density if hardware else make.wall_density(name)
+        density = MATERIALS[name].bulk if hardware else make.wall_density(name)
         if name in make.wall and not hardware:
             own = [solid for solid, made in zip(solids, made_of, strict=True) if made == name]
             density = make.wall_density(name, mean_thickness(_unite(own).mesh))

@@ -237,6 +237,7 @@ def physics_json(package: SimPackage) -> str:
     table = {
         name: {
             "density": MATERIALS[name].density,
+            "filled": _number(MATERIALS[name].filled, 6),
             "static_friction": MATERIALS[name].static_friction,
             "sliding_friction": MATERIALS[name].sliding_friction,
         }
