@@ -58,7 +58,7 @@ iterations (ManiSkill's settings), measured on horizontal drawers of 1 to 20 kg 
 
 @dataclass(frozen=True, kw_only=True)
 class Material:
-    """Density of the solid in kg/m^3 and coefficients of static and sliding friction against a common surface.
+    """Density of the solid in kg/m^3, and coefficients of static and sliding friction on a common surface.
 
     ``thickest`` (m) is the largest wall thickness in practice; thicker parts are hollow. ``filled`` is the
     share of a drawn piece that the solid fills, where pieces are drawn thicker than they are; air fills the
@@ -92,8 +92,8 @@ MATERIALS: dict[MaterialName, Material] = {
     "foam_panel": Material(density=125.0, static_friction=0.4, sliding_friction=0.3),
     "stone": Material(density=2700.0, static_friction=0.6, sliding_friction=0.5),
 }
-"""``steel_sheet`` is a folded or foamed panel: a millimetre of steel on 22 drawn ones, because `artigen` walls
-are panels one voxel thick. ``steel`` is a hollow bar or rack, of which a third is steel: a rack of half a
+"""``steel_sheet`` is a folded or foamed panel: a millimetre of steel on 22 drawn ones, because walls are
+panels one voxel thick. ``steel`` is a hollow bar or rack, of which a third is steel: a rack of half a
 square metre weighs five kilograms regardless of the thickness of its voxels. ``foam_panel`` is the insulation
 of a refrigerator, at least five centimetres thick, with its skins: 10 kg a door. ``insulating_glass`` is two
 panes of four millimetres with gas between them."""
