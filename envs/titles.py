@@ -56,19 +56,15 @@ def make_result(
     )
 
 
-def not_run(titles: Mapping[str, str], reason: str, first: str | None = None) -> tuple[CheckResult, ...]:
-    """Failed results for checks that could not be run.
-
-    Args:
-        first: The check that the reason applies to; the others are not run because it failed. All when None.
-    """
+def not_run(titles: Mapping[str, str], reason: str) -> tuple[CheckResult, ...]:
+    """Failed results for checks that could not be run, for one reason."""
     return tuple(
         CheckResult(
             id=check,
             level=f"L{check[1]}",  # type: ignore[arg-type]
             title=title,
             verdict="fail",
-            message=f"not run: {reason if first in (None, check) else f'{first} failed'}",
+            message=f"not run: {reason}",
         )
         for check, title in titles.items()
     )

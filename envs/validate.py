@@ -1,13 +1,12 @@
 """Validates a package folder: checks L0 to L3, and optionally L4 and L5, in one report."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from artigen.runtime.workers import Worker
+from artigen.runtime.workers import InProcess, Worker
 from sim_export.errors import PackageError
-from sim_export.report import CheckResult, Report, write_report
+from sim_export.report import Report, write_report
 
 from .config import ValidateConfig
 from .titles import TASK_TITLES, TITLES, not_run
@@ -15,7 +14,7 @@ from .worker import run_dynamics, run_static, run_tasks
 
 REPORT_FILE = "validation.json"
 ENGINES = ("artigen", "coal", "mujoco", "numpy", "sapien", "scipy", "trimesh", "yourdfpy")
-READABLE = {"V001": "well-formed"}
+READABLE = "V001"
 """The first check, which all levels above L2 require."""
 TIMEOUT = 120.0
 """Time limit (seconds) for the static and for the dynamic checks."""
@@ -24,15 +23,16 @@ LONG_TIMEOUT = 600.0
 
 
 def validate(folder: Path, cfg: ValidateConfig | None = None, worker: Worker | None = None) -> Report:
-    """Runs every check on a package folder in a supervised child process.
+    """Runs every check on a package folder.
 
-    A crash of the child becomes a failed check. The report contains the time of each check; the file does
-    not, so that repeated validation gives the same bytes.
+    The report contains the time of each check; the file does not, so that repeated validation gives the same
+    bytes.
 
     Args:
         folder: A package, or any folder in PartNet-Mobility's layout.
         cfg: What is run, and whether ``validation.json`` is written.
-        worker: Process to reuse across packages; by default a new one is started and stopped.
+        worker: Supervised process that runs the checks: crashes and time limits become failed checks that say
+            so. By default, the checks run in this process, without either.
 
     Raises:
         PackageError: If the folder does not exist; problems inside it are reported by the checks.
@@ -40,49 +40,44 @@ def validate(folder: Path, cfg: ValidateConfig | None = None, worker: Worker | N
     cfg, folder = cfg or ValidateConfig(), Path(folder)
     if not folder.is_dir():
         raise PackageError(f"{folder}: no such folder")
-    own = Worker() if worker is None else worker
-    try:
-        checks = call_checks(own, run_static, folder, READABLE, TIMEOUT)
-        unreadable = any(check.id in READABLE and check.verdict == "fail" for check in checks)
-        upper = [(run_dynamics, TITLES, TIMEOUT)]
-        upper += [(run_tasks, TASK_TITLES, LONG_TIMEOUT)] if cfg.tasks == "run" else []
-        for run, titles, timeout in upper:
-            checks += (
-                not_run(titles, "V001 failed")
-                if unreadable
-                else call_checks(own, run, folder, titles, timeout)
-            )
-    finally:
-        if worker is None:
-            own.close()
+    worker = worker or InProcess()
+    static = worker.call(run_static, folder, TIMEOUT)
+    stopped = static.stopped
+    checks = not_run(list_titles(), str(static.error)) if static.value is None else static.value
+    unreadable = any(check.id == READABLE and check.verdict == "fail" for check in checks)
+    barred = f"{READABLE} failed" if unreadable else None
+    if static.value is None:
+        barred = f"checks L0 to L2 were not done ({static.error})"
+    upper = [(run_dynamics, TITLES, TIMEOUT)]
+    upper += [(run_tasks, TASK_TITLES, LONG_TIMEOUT)] if cfg.tasks == "run" else []
+    for run, titles, timeout in upper:
+        if barred is not None:
+            checks += not_run(titles, barred)
+            continue
+        outcome = worker.call(run, folder, timeout)
+        checks += not_run(titles, str(outcome.error)) if outcome.value is None else outcome.value
+        stopped |= outcome.stopped
     if cfg.engines:
         from .engines.witness import ask_engines, not_asked
 
         checks += (
-            not_asked(cfg.engines, "V001 failed")
-            if unreadable
-            else ask_engines(folder, cfg.engines, LONG_TIMEOUT)
+            ask_engines(folder, cfg.engines, LONG_TIMEOUT)
+            if barred is None
+            else not_asked(cfg.engines, barred)
         )
     ordered = tuple(sorted(checks, key=lambda check: check.id))
     versions = tuple((name, _version(name)) for name in ENGINES)
-    report = Report(package=folder.resolve().name, checks=ordered, versions=versions)
+    report = Report(package=folder.resolve().name, checks=ordered, versions=versions, stopped=stopped)
     if cfg.output == "package":
         write_report(without_seconds(report), folder / REPORT_FILE)
     return report
 
 
-def call_checks(
-    worker: Worker,
-    run: Callable[[Path], tuple[CheckResult, ...]],
-    folder: Path,
-    titles: Mapping[str, str],
-    timeout: float,
-) -> tuple[CheckResult, ...]:
-    """Checks in the child; a crash or timeout fails the first of ``titles``, and the others are not run."""
-    outcome = worker.call(run, folder, timeout)
-    if outcome.value is not None:
-        return outcome.value
-    return not_run(titles, str(outcome.error), first=next(iter(titles)))
+def list_titles() -> dict[str, str]:
+    """Ids and titles of the checks L0 to L2."""
+    from sim_export.checks.suite import CHECKS
+
+    return {spec.id: spec.title for spec in CHECKS}
 
 
 def without_seconds(report: Report) -> Report:

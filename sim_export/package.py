@@ -15,7 +15,8 @@ from jaxtyping import Float, Int, UInt8
 from artigen.types import Gaussians, JointType, PartLabel, freeze_field
 
 UrdfJointType = Literal["fixed", "revolute", "prismatic", "continuous"]
-VisualSource = Literal["voxels", "source"]
+VisualSource = Literal["exact", "voxels", "source"]
+"""What visual meshes show: the object's own primitives, its voxels, or the meshes of its source."""
 URDF_JOINT_TYPES: tuple[UrdfJointType, ...] = ("fixed", "revolute", "prismatic", "continuous")
 
 

@@ -24,7 +24,7 @@ from sim_export.appearance.splats import attach_splats
 from sim_export.appearance.texture import color_atlas
 from sim_export.collision.hull_limits import trim_hull
 from sim_export.collision.pins import pin_carriers
-from sim_export.collision.simplification import TOLERANCE, simplify_links
+from sim_export.collision.simplification import EXACT, measure_simplified, simplify_links
 from sim_export.geometry.solids import as_solid, unite
 from sim_export.geometry.triangles import bounds_of, find_slivers, triangle_normals
 from sim_export.package import Hull, Inertial, Mesh, Requirement, SimPackage
@@ -88,11 +88,12 @@ def build_reference(
     for part, start, solids, simple in zip(shape.parts, first, *_collide(shape, center), strict=False):
         union = _show(solids, [primitive.kind == "cylinder" for primitive in part.primitives])
         meshes.append(_paint_part(union, table, int(start), center, cfg))
-        changed = sum(new is not old for new, old in zip(simple, solids, strict=True))
-        if changed:
+        apart = [far for far in measure_simplified(solids, simple) if far > EXACT]
+        if apart:
+            most = np.ceil(1e4 * max(apart)) / 10
             records.append(
-                f"{part.name}: {changed} of {len(solids)} hulls are boxes or cylinders that differ from the "
-                f"part by at most {1000 * TOLERANCE:g} mm"
+                f"{part.name}: {len(apart)} of {len(solids)} hulls are boxes or cylinders that differ from "
+                f"the part by at most {most:g} mm"
             )
         hulls = _trim(simple)
         if len(hulls) > len(simple):
@@ -112,7 +113,7 @@ def build_reference(
     return SimPackage(
         name=asset.name,
         category=asset.category,
-        visual="voxels",
+        visual="exact",
         links=links,
         joints=tree.joints,
         handles=annotate_handles(asset, meshes, tree),
@@ -250,7 +251,7 @@ def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialNa
     for count, name in enumerate(names, start=1):
         chosen = [solid for solid, made in zip(solids, made_of, strict=True) if made in names[:count]]
         mesh = _unite(chosen).mesh
-        density = MATERIALS[name].density if hardware else make.wall_density(name)
+        density = MATERIALS[name].bulk if hardware else make.wall_density(name)
         if name in make.wall and not hardware:
             own = [solid for solid, made in zip(solids, made_of, strict=True) if made == name]
             density = make.wall_density(name, mean_thickness(_unite(own).mesh))

@@ -43,6 +43,8 @@ class Report:
     package: str
     checks: tuple[CheckResult, ...]
     versions: tuple[tuple[str, str], ...] = ()
+    stopped: bool = False
+    """Whether time or memory ran out before all checks were done; those that were not have failed."""
 
     @property
     def passed(self) -> bool:
@@ -58,6 +60,8 @@ class Report:
 def report_to_json(report: Report) -> str:
     """The report as indented JSON; equal reports give equal text."""
     value = asdict(report) | {"passed": report.passed, "versions": dict(report.versions)}
+    if not report.stopped:
+        del value["stopped"]
     return json.dumps(value, indent=1) + "\n"
 
 
@@ -68,6 +72,7 @@ def report_from_json(text: str) -> Report:
         package=value["package"],
         checks=tuple(CheckResult(**check) for check in value["checks"]),
         versions=tuple(value["versions"].items()),
+        stopped=value.get("stopped", False),
     )
 
 

@@ -14,7 +14,8 @@ Workers = Annotated[
     int | None,
     tyro.conf.arg(
         metavar="INT",
-        help="Single-threaded worker processes; default: one per available core.",
+        help="Single-threaded worker processes; 0 to run in this process, where errors have their "
+        "traceback; default: one per available core.",
     ),
 ]
 RunnerChoice = Annotated[

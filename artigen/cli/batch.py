@@ -102,6 +102,8 @@ class Finished:
     notes: tuple[str, ...] = ()
     as_in_source: tuple[str, ...] = ()
     """Failed checks that the source fails as well, each with its evidence."""
+    stopped: bool = False
+    """Whether time or memory ran out, which says nothing about the object."""
     at: float = 0.0
     """Unix time of completion; the latest line of an object is valid."""
 
@@ -172,7 +174,7 @@ def make_and_validate(
     settings = digest_settings(job.settings)
     outcome = worker.call(make, job, timeout)
     if outcome.value is None:
-        return Finished(key=job.key, settings=settings, error=outcome.error)
+        return Finished(key=job.key, settings=settings, error=outcome.error, stopped=outcome.stopped)
     made = Finished(
         key=job.key,
         settings=settings,
@@ -187,6 +189,7 @@ def make_and_validate(
     return replace(
         made,
         passed=report.passed,
+        stopped=report.stopped,
         failures=tuple(f"{check.id} {check.where}: {check.message}" for check in report.failures),
         seconds=(*made.seconds, ("validate", time.perf_counter() - before)),
     )
@@ -277,11 +280,13 @@ def run_shown(
 
 
 def say_results(results: Sequence[Finished], out: Path) -> int:
-    """Prints how many packages were written and passed; returns the exit code of the command."""
-    passed = sum(bool(finished.passed) for finished in results)
+    """Prints how many packages were written, passed and were not checked; returns the exit code."""
+    passed = sum(finished.passed is True for finished in results)
+    checked = sum(finished.passed is not None for finished in results)
     lost = sum(finished.error is not None for finished in results)
-    sys.stdout.write(
-        f"{len(results)} objects: {len(results) - lost} packages in {out}, {passed} of them passed every "
-        f"check{f', {lost} not made' if lost else ''}\n"
-    )
+    said = [f"{len(results)} objects: {len(results) - lost} packages in {out}"]
+    said += [f"{passed} of them passed every check"] if checked else []
+    said += [f"{len(results) - lost - checked} of them not checked"] if len(results) > lost + checked else []
+    said += [f"{lost} not made"] if lost else []
+    sys.stdout.write(", ".join(said) + "\n")
     return 0 if all(finished.good for finished in results) else 1

@@ -73,8 +73,10 @@ class ConvertJob:
 
     @property
     def settings(self) -> str:
-        """Source and settings as text."""
-        return f"{self.source.resolve()} {self.cfg}"
+        """Content of the source and settings as text; an object whose files change is converted again."""
+        from artigen.datasets.contents import digest_source
+
+        return f"{self.key} {digest_source(self.source)} {self.cfg}"
 
     def read(self, scratch: Path) -> "SourceObject":
         """Reads the source and mends it if requested; converted meshes go into ``scratch``."""

@@ -150,6 +150,7 @@ def _failed_before(jobs: list[ObjectJob], work: Path) -> dict[str, Finished]:
         for job in jobs
         if (line := journal.get(job.key)) is not None
         and line.passed is False
+        and not line.stopped
         and line.settings == digest_settings(job.settings)
     }
 

@@ -11,11 +11,12 @@ import tyro
 
 from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
 from artigen.cli.batch import Finished, Laps, Made, make_and_validate, read_shard, run_shown, say_results
-from artigen.cli.models import hash_weights, load_drawer, load_sketch, load_structure
+from artigen.cli.models import hash_file, hash_weights, load_drawer, load_sketch, load_structure
+from artigen.cli.names import choose_name, name_request
 from artigen.cli.shape import read_wish
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
-from artigen.runtime.workers import Worker
+from artigen.runtime.workers import InProcess, Worker
 from artigen.weights import SHIPPED
 
 if TYPE_CHECKING:
@@ -83,17 +84,18 @@ class GenerateJob:
     cfg: GenerateSettings = field(default_factory=GenerateSettings)
     draws: tuple[str, ...] = ()
     name: str | None = None
-    """Name of the package; by default category and seed."""
+    """Name of the package; by default made of category, words and seed."""
 
     @property
     def key(self) -> str:
         """Name of the package."""
-        return self.name or f"{self.category or 'object'}_{self.seed}"
+        return self.name or name_request(self.category, self.cfg.text, self.cfg.image, self.seed)
 
     @property
     def settings(self) -> str:
-        """Object, weights and settings as text; packages of other weights are made again."""
-        return f"{self.key} {hash_weights(self.model)} {self.cfg}"
+        """Object, weights, picture and settings as text; where one of them changes, it is made again."""
+        image = "" if self.cfg.image is None else f" {hash_file(self.cfg.image)}"
+        return f"{self.key} {hash_weights(self.model)}{image} {self.cfg}"
 
 
 def _understand(job: GenerateJob) -> "Understood":
@@ -291,10 +293,11 @@ def _attach_drawn(
 def generate_and_validate(worker: Worker, job: GenerateJob, *, validation: bool = True) -> Finished:
     """Draws an object until it passes every check, with at most ``redraws`` new draws.
 
-    If all draws fail, the last package is kept with its report. The provenance lists every draw.
+    If all draws fail, the last package is kept with its report. The provenance lists every draw. Where time
+    or memory ran out, nothing is drawn instead: a seed gives the same object on any machine.
     """
     finished = make_and_validate(worker, job, generate_object, timeout=TIMEOUT, validation=validation)
-    while not finished.good and len(job.draws) < job.cfg.redraws:
+    while not (finished.good or finished.stopped) and len(job.draws) < job.cfg.redraws:
         reason = finished.error or "; ".join(finished.failures)
         job = replace(job, draws=(*job.draws, reason))
         finished = make_and_validate(worker, job, generate_object, timeout=TIMEOUT, validation=validation)
@@ -307,6 +310,7 @@ def generate(
     category: tyro.conf.Positional[str | None] = None,
     seed: int = 0,
     count: Count = 1,
+    name: str | None = None,
     cfg: tyro.conf.OmitArgPrefixes[GenerateSettings] = GenerateSettings(),
     workers: Workers = None,
     runner: RunnerChoice = "local",
@@ -322,6 +326,8 @@ def generate(
         category: Category to generate, such as StorageFurniture; optional with --text or --image.
         seed: Seed of the first object.
         count: Number of objects, with consecutive seeds.
+        name: Name of the package, followed by the seed if there are several; default: category, words and
+            seed.
         cfg: The condition and the sampling settings.
     """
     from artigen.sketch.request import encode_request
@@ -342,12 +348,19 @@ def generate(
             "least one step, no strength below 0, and a temperature above 0"
         )
     jobs = [
-        GenerateJob(model=model, category=category, seed=number, out=out, cfg=cfg)
+        GenerateJob(
+            model=model,
+            category=category,
+            seed=number,
+            out=out,
+            cfg=cfg,
+            name=choose_name(name, number, count),
+        )
         for number in range(seed, seed + count)
     ]
     # Reject bad requests early: sentences and numbers here, models and pictures when they are loaded.
     encode_request(_understand(jobs[0]).request)
-    worker = Worker()
+    worker = InProcess() if workers == 0 else Worker()
     try:
         checked = worker.call(check_job, jobs[0], TIMEOUT)
         if checked.error is not None:

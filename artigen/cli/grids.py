@@ -44,7 +44,7 @@ def make_on_grids(
     """
     finished = make_and_validate(worker, jobs[0], make, timeout=timeout, validation=validation)
     for job in jobs[1:]:
-        if finished.good:
+        if finished.good or finished.stopped:
             break
         tried = make_and_validate(worker, job, make, timeout=timeout, validation=validation)
         if tried.error:

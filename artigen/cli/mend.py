@@ -69,7 +69,7 @@ def _write_posts(mended: "Source", scratch: Path) -> list[SourceVisual]:
     for number, (part, post) in enumerate(mended.posts):
         faces = np.arange(3 * len(post)).reshape(-1, 3)
         path = scratch / f"post_{number}.obj"
-        write_obj([Trimesh(post.reshape(-1, 3), faces)], (red, green, blue), path)
+        write_obj([Trimesh(post.reshape(-1, 3), faces)], (red, green, blue, 1.0), path)
         scale = 1.0 / mended.asset.scale
         visuals.append(SourceVisual(part=part, name=path.stem, path=path, T_unit_file=np.eye(4), scale=scale))
     return visuals

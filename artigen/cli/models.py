@@ -1,5 +1,6 @@
 """Models from folders, each loaded once per process."""
 
+import hashlib
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +17,14 @@ def hash_weights(folder: Path) -> str:
     from artigen.models.description import hash_model
 
     return hash_model(folder)
+
+
+def hash_file(path: Path) -> str:
+    """Hash of a file's content; of nothing if the file cannot be read, which its reader reports."""
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError:
+        return ""
 
 
 @lru_cache(maxsize=1)

@@ -73,8 +73,8 @@ def scene(
         kind: Kind of room.
         out: Output folder for scene.json, room.png and plan.png.
         seed: Seed of everything that is not set.
-        packages: Folder of packages that passed `artigen validate`; without it, objects are sampled and
-            validated first, which takes minutes.
+        packages: Folder with packages, at any depth, that passed `artigen validate`; without it, objects are
+            sampled and validated first, which takes minutes.
         cfg: Properties of the room.
         pictures: Pictures to render: room and plan, the plan only, or none.
         workers: Worker processes that sample objects; default: one per available core.

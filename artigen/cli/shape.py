@@ -20,6 +20,7 @@ from artigen.cli.batch import (
     take_part,
 )
 from artigen.cli.grids import GRIDS, make_on_grids
+from artigen.cli.names import choose_name
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
 from artigen.runtime.workers import Worker
@@ -288,6 +289,7 @@ def shape(
     out: Out,
     seed: int = 0,
     count: Count = 1,
+    name: str | None = None,
     cfg: tyro.conf.OmitArgPrefixes[ShapeSettings] = ShapeSettings(),
     sheet: Path | None = None,
     workers: Workers = None,
@@ -303,6 +305,7 @@ def shape(
         out: Output folder for the packages and the journal run.jsonl.
         seed: Seed of the first object.
         count: Number of objects, with consecutive seeds.
+        name: Name of the package, followed by the seed if there are several; default: category and seed.
         cfg: Properties of the objects and how they are exported.
         sheet: Write a PNG contact sheet: all objects closed in the top row, open in the bottom row.
     """
@@ -310,7 +313,8 @@ def shape(
         raise ArtigenError(f"{count} objects from seed {seed}: expected at least 1 object and a seed from 0")
     cfg = choose_like(category, cfg)
     jobs = [
-        ShapeJob(category=category, seed=number, out=out, cfg=cfg) for number in range(seed, seed + count)
+        ShapeJob(category=category, seed=number, out=out, cfg=cfg, name=choose_name(name, number, count))
+        for number in range(seed, seed + count)
     ]
     part, chosen = read_shard(shard), choose_runner(runner, workers)
     pictured = take_part(jobs, part) if sheet else jobs[:1]

@@ -14,7 +14,7 @@ import numpy as np
 
 from artigen.errors import SourceError
 from artigen.files.urdf import UrdfShape
-from artigen.files.wavefront import NO_MATERIAL, ObjMesh, read_obj
+from artigen.files.wavefront import NO_MATERIAL, ObjMesh, clean_name, read_obj
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -56,7 +56,7 @@ def load_shape(shape: UrdfShape, path: Path | None, root: Path, scratch: Path) -
     if not pieces:
         return None
     target = scratch / f"mesh_{len(list(scratch.glob('*.obj')))}.obj"
-    write_obj(pieces, shape.color or NO_MATERIAL, target)
+    write_obj(pieces, (*(shape.color or NO_MATERIAL), shape.opacity), target)
     return PlacedMesh(path=target, scale=1.0, mesh=read_obj(target, scratch))
 
 
@@ -76,9 +76,8 @@ def _named_files(path: Path, keys: Sequence[str]) -> list[Path]:
     if not path.is_file():
         return []
     rows = [line.strip() for line in path.read_text(errors="replace").splitlines()]
-    return [
-        path.parent / row.split(maxsplit=1)[-1].split()[-1] for row in rows if row.startswith(tuple(keys))
-    ]
+    said = [row.split(maxsplit=1) for row in rows if row.startswith(tuple(keys))]
+    return [path.parent / clean_name(row[1]) for row in said if len(row) == 2]
 
 
 def _primitive(shape: UrdfShape) -> list["Trimesh"]:
@@ -95,6 +94,7 @@ def _primitive(shape: UrdfShape) -> list["Trimesh"]:
 
 def _load(path: Path) -> list["Trimesh"]:
     import trimesh
+    from trimesh.visual import ColorVisuals
 
     if path.suffix.lower().lstrip(".") not in FORMATS:
         raise SourceError(f"{path}: a {path.suffix or 'nameless'} mesh, expected one of {', '.join(FORMATS)}")
@@ -103,14 +103,20 @@ def _load(path: Path) -> list["Trimesh"]:
         pieces = [piece for piece in scene.dump() if isinstance(piece, trimesh.Trimesh) and len(piece.faces)]
     except Exception as err:  # every loader behind trimesh raises errors of its own
         raise SourceError(f"{path}: mesh cannot be read: {type(err).__name__}: {err}") from err
+    unnamed = path.suffix.lower() == ".obj" and not any(
+        file.is_file() for file in _named_files(path, ("mtllib",))
+    )
     for piece in pieces:
         if not np.isfinite(piece.vertices).all():
             raise SourceError(f"{path}: a vertex is not finite")
+        visual: Any = piece.visual
+        if unnamed and visual.kind == "texture":  # trimesh invents a material for texture coordinates
+            piece.visual = ColorVisuals(piece)
     return pieces
 
 
-def write_obj(pieces: Sequence["Trimesh"], color: tuple[float, float, float], target: Path) -> None:
-    """Writes meshes as one OBJ, with plain colours and images; ``color`` is for those that have none."""
+def write_obj(pieces: Sequence["Trimesh"], color: tuple[float, float, float, float], target: Path) -> None:
+    """Writes meshes as one OBJ, with plain colours and images; ``color`` (RGBA) is for those without any."""
     rows, materials, start, texture = [f"mtllib {target.stem}.mtl"], [], 1, 1
     for piece in pieces:
         uv, image, colors, numbers = _find_look(piece, color)
@@ -138,11 +144,11 @@ def write_obj(pieces: Sequence["Trimesh"], color: tuple[float, float, float], ta
 
 
 def _find_look(
-    piece: "Trimesh", color: tuple[float, float, float]
+    piece: "Trimesh", color: tuple[float, float, float, float]
 ) -> tuple[np.ndarray | None, "Image | None", list[tuple[float, ...]], np.ndarray]:
     """Texture coordinates and image if there is one, plain colours (RGBA), and the colour of each face.
 
-    A material is transparent only if it says so: glTF ignores the alpha of others.
+    A material of the mesh is transparent only if it says so: glTF ignores the alpha of others.
     """
     visual: Any = piece.visual
     one = np.zeros(len(piece.faces), dtype=np.int64)
@@ -150,13 +156,14 @@ def _find_look(
         material = visual.material
         image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
         said = getattr(material, "baseColorFactor", None) is not None or hasattr(material, "diffuse")
-        main = np.asarray(material.main_color) / 255 if said else np.array([*color, 1.0])
-        opacity = float(main[3]) if getattr(material, "alphaMode", None) == "BLEND" else 1.0
+        main = np.asarray(material.main_color) / 255 if said else np.array(color)
+        blends = not said or getattr(material, "alphaMode", None) == "BLEND"
+        opacity = float(main[3]) if blends else 1.0
         if image is not None and visual.uv is not None:
             return np.asarray(visual.uv, dtype=np.float64), image, [(1.0, 1.0, 1.0, opacity)], one
         return None, None, [(*main[:3].tolist(), opacity)], one
     if visual.kind is None:
-        return None, None, [(*color, 1.0)], one
+        return None, None, [color], one
     faces = np.asarray(visual.face_colors)[:, :3] / 255
     plain, numbers = np.unique(faces, axis=0, return_inverse=True)
     if len(plain) > COLORS:

@@ -1,7 +1,8 @@
 """Reads MJCF (MuJoCo, RoboCasa) by way of a URDF with the same links, joints and visible geometry.
 
-MuJoCo compiles the file, so that defaults, includes and mesh formats mean what they mean there. Visible are
-the geoms that MuJoCo renders by default (groups 0 to 2). Where some of these do not collide, only they are.
+MuJoCo compiles the file, so that defaults, includes and mesh formats mean what they mean there. Masses are
+not read, so that a file without them is as good. Visible are the geoms that MuJoCo renders by default (groups
+0 to 2), without the groups of collision shapes: those in which all geoms collide, where other groups do not.
 """
 
 # mujoco is a compiled module without stubs.
@@ -28,6 +29,9 @@ VISIBLE_GROUPS = 3
 PLAIN = (0.5, 0.5, 0.5, 1.0)
 """Colour of a geom that states none; its material's counts then."""
 SECTIONS = 48
+LEAST_MASS = 1e-3
+LEAST_INERTIA = 1e-6
+"""Mass (kg) and inertia (kg m^2) with which a body without them compiles."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -57,15 +61,10 @@ def write_urdf(path: Path, scratch: Path) -> Path:
     without geometry is left out, and what hangs from it hangs from its parent.
 
     Raises:
-        SourceError: If MuJoCo cannot compile the file, or a body has a ball joint or, inside the tree, a free
-            one.
+        SourceError: If MuJoCo cannot compile the file, a slide has no range, or a body has a ball joint or,
+            inside the tree, a free one.
     """
-    import mujoco
-
-    try:
-        model = mujoco.MjModel.from_xml_path(str(path))
-    except ValueError as err:
-        raise SourceError(f"{path}: MuJoCo cannot read it: {err}") from err
+    model = _compile(path)
     folder = scratch / f"{path.stem}_urdf"
     folder.mkdir(parents=True, exist_ok=True)
     robot = ET.Element("robot", name=path.stem)
@@ -79,7 +78,7 @@ def write_urdf(path: Path, scratch: Path) -> Path:
         moves = [] if body == root else _list_joints(model, body, path)
         if body != root and not moves and not geoms.get(body):
             continue
-        frames[body] = _add_links(robot, model, body, above, frames, moves)
+        frames[body] = _add_links(robot, model, body, above, frames, moves, path)
         link = next(one for one in robot.iter("link") if one.get("name") == frames[body].name)
         for number, geom in enumerate(geoms.get(body, ())):
             file = folder / f"geom_{geom}.glb"
@@ -93,6 +92,24 @@ def write_urdf(path: Path, scratch: Path) -> Path:
     return target
 
 
+def _compile(path: Path) -> "mujoco.MjModel":
+    """The model of a file, whatever its masses.
+
+    Raises:
+        SourceError: If MuJoCo cannot compile the file.
+    """
+    import mujoco
+
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+        spec.compiler.boundmass = max(spec.compiler.boundmass, LEAST_MASS)
+        spec.compiler.boundinertia = max(spec.compiler.boundinertia, LEAST_INERTIA)
+        spec.compiler.balanceinertia = True
+        return spec.compile()
+    except ValueError as err:
+        raise SourceError(f"{path}: MuJoCo cannot read it: {err}") from err
+
+
 def _visible_geoms(model: "mujoco.MjModel") -> dict[int, list[int]]:
     """Geoms that are rendered, by body."""
     import mujoco
@@ -103,8 +120,10 @@ def _visible_geoms(model: "mujoco.MjModel") -> dict[int, list[int]]:
         & (np.asarray(model.geom_type) != int(mujoco.mjtGeom.mjGEOM_PLANE))
     )
     silent = (np.asarray(model.geom_contype) == 0) & (np.asarray(model.geom_conaffinity) == 0)
-    if (shown & silent).any():
-        shown &= silent
+    groups = np.asarray(model.geom_group)
+    drawn = set(groups[shown & silent].tolist())
+    if drawn:
+        shown &= np.isin(groups, list(drawn))
     found: dict[int, list[int]] = {}
     for geom in np.flatnonzero(shown).tolist():
         found.setdefault(int(model.geom_bodyid[geom]), []).append(geom)
@@ -160,19 +179,19 @@ def _add_links(
     above: int | None,
     frames: dict[int, _Frame],
     moves: list[int],
+    path: Path,
 ) -> _Frame:
-    """Adds the links of a body, one per joint, and their joints; returns the last."""
+    """Adds the links of a body, one per joint, and their joints; returns the last.
+
+    The root link has the axes of the world, so that an object stands as the file stands it.
+    """
     name = _name(model, "body", body, "base" if above is None else f"body_{body}")
     if above is None:
         ET.SubElement(robot, "link", name=name)
-        return _Frame(name=name, T_body_link=np.eye(4))
-    # From the frame of the link above to the body.
-    T = np.eye(4)
-    at = body
-    while at != above:
-        T = _pose(model.body_pos[at], model.body_quat[at]) @ T
-        at = int(model.body_parentid[at])
-    T = inverse(frames[above].T_body_link) @ T
+        turned = _pose_below(model, 0, body)
+        turned[:3, 3] = 0.0
+        return _Frame(name=name, T_body_link=inverse(turned))
+    T = inverse(frames[above].T_body_link) @ _pose_below(model, above, body)
     parent, T_body_link = frames[above].name, np.eye(4)
     for number, move in enumerate(moves or [None]):
         last = number == max(len(moves), 1) - 1
@@ -181,14 +200,14 @@ def _add_links(
         if move is not None:
             T_body_next[:3, 3] = model.jnt_pos[move]
         ET.SubElement(robot, "link", name=link)
-        joint = _add_joint(robot, model, move, parent, link)
+        joint = _add_joint(robot, model, move, parent, link, path)
         _add_origin(joint, T @ T_body_next if number == 0 else inverse(T_body_link) @ T_body_next)
         parent, T_body_link = link, T_body_next
     return _Frame(name=name, T_body_link=T_body_link)
 
 
 def _add_joint(
-    robot: ET.Element, model: "mujoco.MjModel", move: int | None, parent: str, child: str
+    robot: ET.Element, model: "mujoco.MjModel", move: int | None, parent: str, child: str, path: Path
 ) -> ET.Element:
     import mujoco
 
@@ -207,23 +226,37 @@ def _add_joint(
     if limited:  # the pose of the file is that at the reference coordinate
         low, high = model.jnt_range[move] - model.qpos0[model.jnt_qposadr[move]]
         ET.SubElement(joint, "limit", lower=f"{low:.9g}", upper=f"{high:.9g}", effort="1", velocity="1")
-    for leader, multiplier, offset in _list_leaders(model, move):
+    leaders = list(_list_leaders(model, move))
+    if kind == "prismatic" and not (limited or leaders):
+        raise SourceError(f'{path}: joint {name!r} slides without limits, expected a range, such as "0 0.3"')
+    for leader, multiplier, offset in leaders:
         ET.SubElement(joint, "mimic", joint=leader, multiplier=f"{multiplier:.9g}", offset=f"{offset:.9g}")
     return joint
 
 
 def _list_leaders(model: "mujoco.MjModel", move: int) -> Iterator[tuple[str, float, float]]:
-    """The joint that a joint follows in proportion (an equality constraint), factor and offset."""
+    """The joint that a joint follows in proportion (an active equality constraint), factor and offset."""
     import mujoco
 
     for row in range(model.neq):
         one, other = int(model.eq_obj1id[row]), int(model.eq_obj2id[row])
         if int(model.eq_type[row]) != int(mujoco.mjtEq.mjEQ_JOINT) or one != move or other < 0:
             continue
+        if not model.eq_active0[row]:
+            continue
         offset, factor, *higher = (float(value) for value in model.eq_data[row][:5])
         if not any(higher):
             yield _name(model, "joint", other, f"joint_{other}"), factor, offset
             return
+
+
+def _pose_below(model: "mujoco.MjModel", above: int, body: int) -> Float[np.ndarray, "4 4"]:
+    """Pose of a body in the frame of one of its ancestors, or of the world (0)."""
+    T, at = np.eye(4), body
+    while at != above:
+        T = _pose(model.body_pos[at], model.body_quat[at]) @ T
+        at = int(model.body_parentid[at])
+    return T
 
 
 def _pose(position: np.ndarray, quat: np.ndarray) -> Float[np.ndarray, "4 4"]:
@@ -278,6 +311,8 @@ def _read_geom(model: "mujoco.MjModel", geom: int) -> "Trimesh | None":
         case _:
             return None
     color, image = _read_look(model, geom)
+    if image is not None and uv is None:  # a primitive shows the image's mean colour
+        color[:3] *= np.asarray(image).reshape(-1, 3).mean(axis=0) / 255.0
     material = PBRMaterial(
         baseColorFactor=color,
         baseColorTexture=image if uv is not None else None,

@@ -15,8 +15,10 @@ Layout = Literal["PartNet-Mobility", "URDF", "MJCF", "object.json"]
 ANNOTATION = "mobility_v2.json"
 TREE = "object.json"
 MAIN = "mobility.urdf"
-COMMON_NAMES = ("mobility", "model", "robot", "object", "main", "urdf", "mobility_annotation_gapartnet")
-"""Generic file names; such an object takes the name of its folder."""
+COMMON_NAMES = (
+    "mobility", "model", "robot", "object", "main", "urdf", "mjcf", "xml", "mobility_annotation_gapartnet",
+)  # fmt: skip
+"""Generic names of files and folders; such an object takes the name of the next folder above."""
 
 
 def find_layout(source: Path) -> Layout | None:
@@ -65,10 +67,12 @@ def find_sources(paths: tuple[Path, ...]) -> list[Path]:
 
 
 def name_source(source: Path) -> str:
-    """Name of an object's package: that of its file, or of its folder if the file name is generic."""
-    if source.is_file() and source.stem.lower() not in COMMON_NAMES:
-        return source.stem
-    return source.resolve().parent.name if source.is_file() else source.resolve().name
+    """Name of an object's package: that of its file or folder, or of the first folder above with a name that
+    is not generic."""
+    path = source.parent.resolve() / source.name if source.is_symlink() else source.resolve()
+    names = [path.stem if source.is_file() else path.name, *(folder.name for folder in path.parents)]
+    told = (name for name in names if name and name.lower() not in COMMON_NAMES)
+    return next(told, names[0])
 
 
 def read_source(source: Path, scratch: Path, cfg: ReaderConfig | None = None) -> SourceObject:

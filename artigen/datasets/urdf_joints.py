@@ -34,11 +34,10 @@ class Tree:
 
 @dataclass(frozen=True, kw_only=True)
 class _Coupling:
-    """``q = ratio * q_leader + offset``."""
+    """``q = ratio * q_leader``."""
 
     leader: str
     ratio: float
-    offset: float
 
 
 def build_tree(urdf: SourceUrdf, path: Path) -> Tree:
@@ -147,34 +146,48 @@ def _find_screws(joints: Mapping[str, UrdfJoint], urdf: SourceUrdf) -> dict[str,
 def _simplify_chains(
     joints: Mapping[str, UrdfJoint], screws: frozenset[str], urdf: SourceUrdf, notes: list[str]
 ) -> dict[str, UrdfJoint]:
-    """Fixes one of two joints in a row through an empty link, because a part has one joint.
+    """Fixes all but one of the joints in a row through empty links, because a part has one joint.
 
-    The continuous joint stays, else the one that turns, else the second.
+    The continuous joint stays, else the one that turns, else any; of several the one with the largest range,
+    and of equal ranges the last.
     """
     shown = {shape.link for shape in (*urdf.visuals, *urdf.collisions)}
-    rank = ("fixed", "prismatic", "revolute", "continuous")
-    found: dict[str, UrdfJoint] = {}
+    following: dict[str, UrdfJoint] = {}
     for first in joints.values():
         after = [joint for joint in joints.values() if joint.parent == first.child]
         if first.child in shown or len(after) != 1 or {first.name, after[0].name} & screws:
             continue
-        second = after[0]
-        if "fixed" in (first.type, second.type):
-            continue
-        lost, kept = (second, first) if rank.index(first.type) > rank.index(second.type) else (first, second)
-        found[lost.name] = replace(lost, type="fixed", mimic=None)
+        if "fixed" not in (first.type, after[0].type):
+            following[first.name] = after[0]
+    found: dict[str, UrdfJoint] = {}
+    inner = {joint.name for joint in following.values()}
+    for name in (name for name in following if name not in inner):
+        chain = [joints[name]]
+        while chain[-1].name in following:
+            chain.append(following[chain[-1].name])
+        kept = max(reversed(chain), key=_rank)
+        found |= {
+            joint.name: replace(joint, type="fixed", mimic=None) for joint in chain if joint is not kept
+        }
+        *others, last = (repr(joint.name) for joint in chain)
+        links = ", ".join(repr(joint.child) for joint in chain[:-1])
         notes.append(
-            f"joints {first.name!r} and {second.name!r} move one part through the empty link "
-            f"{first.child!r}; {kept.name!r} ({kept.type}) is kept"
+            f"joints {', '.join(others)} and {last} move one part through the empty "
+            f"{'link' if len(chain) == 2 else 'links'} {links}; {kept.name!r} ({kept.type}) is kept"
         )
     return found
 
 
+def _rank(joint: UrdfJoint) -> tuple[int, float]:
+    """Which of several joints of one part says most about how it moves; the largest does."""
+    order = ("prismatic", "revolute", "continuous").index(joint.type)
+    return order, (joint.upper or 0.0) - (joint.lower or 0.0)
+
+
 def _resolve(joint: UrdfJoint, joints: Mapping[str, UrdfJoint], path: Path) -> _Coupling:
     """The joint that a joint follows, directly or through other followers."""
-    ratio, offset, at, seen = 1.0, 0.0, joint, {joint.name}
+    ratio, at, seen = 1.0, joint, {joint.name}
     while at.mimic is not None:
-        offset += ratio * at.mimic_offset
         ratio *= at.mimic_multiplier
         if at.mimic in seen:
             raise SourceError(f"{path}: joint {joint.name!r}: mimics {', '.join(sorted(seen))} form a cycle")
@@ -185,14 +198,14 @@ def _resolve(joint: UrdfJoint, joints: Mapping[str, UrdfJoint], path: Path) -> _
             f"{path}: joint {joint.name!r} mimics {at.name!r}, which is {at.type}; a part can only follow "
             "what moves between two limits: give that joint limits, or take <mimic> away"
         )
-    return _Coupling(leader=at.name, ratio=ratio, offset=offset)
+    return _Coupling(leader=at.name, ratio=ratio)
 
 
 def _follow(joint: UrdfJoint, leader: UrdfJoint, coupling: _Coupling, path: Path) -> UrdfJoint:
     """The joint with the limits that its leader moves it to: lower at the leader's lower limit."""
     if coupling.ratio == 0.0:
         raise SourceError(f"{path}: joint {joint.name!r} mimics {leader.name!r} times 0, which moves nothing")
-    ends = [coupling.ratio * (value or 0.0) + coupling.offset for value in (leader.lower, leader.upper)]
+    ends = [coupling.ratio * (value or 0.0) for value in (leader.lower, leader.upper)]
     kind = "revolute" if joint.type == "continuous" else joint.type
     return replace(joint, type=kind, lower=ends[0], upper=ends[1])
 
@@ -228,6 +241,6 @@ def _build_node(joint: UrdfJoint, turn: UrdfJoint, number: int, urdf: SourceUrdf
             "allowed are right-handed ones"
         )
     if turn.type == "revolute":
-        lower, upper = (abs(joint.mimic_multiplier) * (value or 0.0) for value in (turn.lower, turn.upper))
+        lower, upper = sorted(joint.mimic_multiplier * (value or 0.0) for value in (turn.lower, turn.upper))
     degrees = float(np.degrees((upper - lower) / abs(joint.mimic_multiplier)))
     return replace(node, a=lower, b=upper, rotates=True, rotation_limit=degrees)

@@ -180,12 +180,13 @@ def find_mesh(name: str, urdf: Path) -> Path:
 
     ``package://`` and ``model://`` paths are looked up in the parent folders of the URDF, with and without
     the package's name. No path may leave the package: the folder with ``package.xml``, else the one above
-    the URDF's folder.
+    the URDF's folder. Where the URDF is a link, as in the cache of Hugging Face, meshes may be links into the
+    folder that holds its content.
 
     Raises:
         SourceError: If the path leaves the package.
     """
-    above = [urdf.resolve().parent, *urdf.resolve().parent.parents][:ANCESTORS]
+    above = _list_above(urdf)
     scheme, _, rest = name.rpartition("://")
     if scheme in ("package", "model"):
         package, _, inner = rest.partition("/")
@@ -197,11 +198,20 @@ def find_mesh(name: str, urdf: Path) -> Path:
         nearby = above[min(1, len(above) - 1)]
         root = next((folder for folder in above if (folder / PACKAGE_FILE).is_file()), nearby)
     found = next((place for place in places if place.is_file()), places[0])
-    if scheme not in ("", "file", "package", "model") or not found.resolve().is_relative_to(root):
+    allowed = (root, urdf.resolve().parent) if urdf.is_symlink() else (root,)
+    if scheme not in ("", "file", "package", "model") or not any(
+        found.resolve().is_relative_to(folder) for folder in allowed
+    ):
         raise SourceError(
             f"{urdf}: names mesh {name!r}, expected a path inside of {root}, relative or with package://"
         )
     return found
+
+
+def _list_above(urdf: Path) -> list[Path]:
+    """The folder that a URDF is in and those above it; not those of the file that a link points to."""
+    folder = urdf.parent.resolve()
+    return [folder, *folder.parents][:ANCESTORS]
 
 
 def _common_root(urdf: Path, file: Path) -> Path:

@@ -16,6 +16,9 @@ from jaxtyping import Float
 from artigen.errors import SourceError
 from artigen.transforms import matrix_from_rpy
 
+Rgba = tuple[float, float, float, float]
+"""Red, green, blue and opacity in [0, 1]."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class UrdfShape:
@@ -32,6 +35,8 @@ class UrdfShape:
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
     color: tuple[float, float, float] | None = None
     """Colour of its material in [0, 1], if one is given."""
+    opacity: float = 1.0
+    """That of its material: 1 hides what is behind, 0 hides nothing."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -195,18 +200,17 @@ def _origin(element: Element, owner: str) -> np.ndarray:
     return T
 
 
-def _color(material: Element | None, owner: str) -> tuple[float, float, float] | None:
-    """The colour that a ``<material>`` gives itself."""
+def _color(material: Element | None, owner: str) -> Rgba | None:
+    """The colour and opacity that a ``<material>`` gives itself."""
     found = None if material is None else material.find("color")
     if found is None or found.get("rgba") is None:
         return None
-    red, green, blue, _ = np.clip(_floats(found.get("rgba", ""), 4, f"{owner}: <color rgba>"), 0, 1).tolist()
-    return red, green, blue
+    rgba = np.clip(_floats(found.get("rgba", ""), 4, f"{owner}: <color rgba>"), 0, 1)
+    red, green, blue, opacity = rgba.tolist()
+    return red, green, blue, opacity
 
 
-def _shape(
-    element: Element, link: str, owner: str, colors: Mapping[str, tuple[float, float, float]]
-) -> UrdfShape:
+def _shape(element: Element, link: str, owner: str, colors: Mapping[str, Rgba]) -> UrdfShape:
     shapes = element.findall("geometry/*")
     if len(shapes) != 1:
         raise SourceError(f"{owner}: <{element.tag}> holds {len(shapes)} shapes, expected one")
@@ -227,6 +231,7 @@ def _shape(
         case _:
             raise SourceError(f"{owner}: shape <{shape.tag}>, expected mesh, box, cylinder or sphere")
     material = element.find("material")
+    color = _color(material, owner) or (None if material is None else colors.get(material.get("name", "")))
     x, y, z = scale.tolist()
     return UrdfShape(
         link=link,
@@ -236,7 +241,8 @@ def _shape(
         file=shape.get("filename", ""),
         sizes=sizes,
         scale=(x, y, z),
-        color=_color(material, owner) or (None if material is None else colors.get(material.get("name", ""))),
+        color=None if color is None else color[:3],
+        opacity=1.0 if color is None else color[3],
     )
 
 
@@ -255,9 +261,7 @@ def _inertial(element: Element, owner: str) -> UrdfInertial:
     )
 
 
-def _link(
-    file: str, element: Element, colors: Mapping[str, tuple[float, float, float]], *, inertials: bool
-) -> UrdfLink:
+def _link(file: str, element: Element, colors: Mapping[str, Rgba], *, inertials: bool) -> UrdfLink:
     name = element.get("name", "")
     owner = f"{file}: link {name!r}"
     inertial = element.find("inertial") if inertials else None

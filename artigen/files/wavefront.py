@@ -118,6 +118,12 @@ def parse_obj(path: Path) -> ObjText:
     return _parse(path, data)
 
 
+def clean_name(value: str) -> str:
+    """The path that follows ``mtllib`` or ``map_Kd``, without options and with ``/`` for ``\\``."""
+    value = value.strip()
+    return (value.split()[-1] if value.startswith("-") else value).replace("\\", "/")
+
+
 @lru_cache(maxsize=256)
 def _parse(path: Path, data: bytes) -> ObjText:
     """Parses the content of a file; kept, as conversion, drafts and checks read each file several times."""
@@ -134,7 +140,7 @@ def _parse(path: Path, data: bytes) -> ObjText:
         uv_faces=uv_faces,
         names=tuple(names),
         material_ids=material_ids,
-        libraries=tuple(_name(line[7:]) for line in lines if line[:7] == b"mtllib "),
+        libraries=tuple(clean_name(_name(line[7:])) for line in lines if line[:7] == b"mtllib "),
     )
 
 
@@ -153,28 +159,39 @@ def _name(value: bytes) -> str:
 
 
 def _parse_numbers(rows: list[bytes], width: int, path: Path, tag: str) -> np.ndarray:
-    """The first ``width`` numbers of every row (files may append colours or a weight)."""
+    """The first ``width`` numbers of every row; each row may append a colour or a weight of its own."""
     if not rows:
         return np.zeros((0, width))
+    spaces = {row.count(b" ") for row in rows}
+    flat = _parse_flat(rows, path, tag) if len(spaces) == 1 else np.zeros(0)
+    if len(flat) != len(rows) * (min(spaces) + 1):  # rows of unequal length, or with double spaces
+        words = [row.split() for row in rows]
+        short = next((number for number, row in enumerate(words) if len(row) < width), None)
+        if short is not None:
+            raise SourceError(
+                f"{path}: '{tag}' line {short + 1} is {rows[short].decode(errors='replace')!r}, "
+                f"expected {width} numbers"
+            )
+        flat = _parse_flat([b" ".join(row[:width]) for row in words], path, tag)
+    values = flat.reshape(len(rows), -1)[:, :width]
+    if values.shape[1] < width or not np.isfinite(values).all():
+        row = 0 if values.shape[1] < width else int(np.argwhere(~np.isfinite(values).all(axis=1))[0, 0])
+        raise SourceError(
+            f"{path}: '{tag}' line {row + 1} is {rows[row].decode(errors='replace')!r}, "
+            f"expected {width} finite numbers"
+        )
+    return values
+
+
+def _parse_flat(rows: list[bytes], path: Path, tag: str) -> np.ndarray:
+    """The numbers of all rows, one after the other."""
     with warnings.catch_warnings():
         # For text that is no number, numpy only warns and stops reading.
         warnings.simplefilter("error", DeprecationWarning)
         try:
-            flat = np.fromstring(b" ".join(rows), sep=" ", dtype=np.float64)
+            return np.fromstring(b" ".join(rows), sep=" ", dtype=np.float64)
         except (ValueError, DeprecationWarning) as err:
             raise SourceError(f"{path}: a '{tag}' line holds something that is not a number") from err
-    columns, rest = divmod(len(flat), len(rows))
-    if rest or columns < width:
-        raise SourceError(
-            f"{path}: {len(rows)} '{tag}' lines hold {len(flat)} numbers, expected {width} on each"
-        )
-    values = flat.reshape(-1, columns)[:, :width]
-    if not np.isfinite(values).all():
-        row = int(np.argwhere(~np.isfinite(values).all(axis=1))[0, 0])
-        raise SourceError(
-            f"{path}: '{tag}' line {row + 1} holds {values[row].tolist()}, expected finite numbers"
-        )
-    return values
 
 
 def _parse_faces(
@@ -190,12 +207,16 @@ def _parse_faces(
         elif line[:7] == b"usemtl ":
             names.append(_name(line[7:]))
             starts.append(len(rows))
-    corners, owners = _parse_corners(rows, path)
+    seen = _count_seen(lines) if any(b"-" in row for row in rows) else np.zeros((len(rows), 2), np.int64)
+    corners, owners = _parse_corners(rows, seen, path)
     for column, limit, what in ((0, num_vertices, "vertex"), (1, num_coords, "texture coordinate")):
         bad = (corners[..., column] >= limit) | (corners[..., column] < -column)
         if bad.any():
-            value = int(corners[..., column][bad][0]) + 1
-            raise SourceError(f"{path}: a face names {what} {value}, allowed are 1..{limit}")
+            face = int(owners[np.argwhere(bad)[0, 0]])
+            raise SourceError(
+                f"{path}: face {rows[face].decode(errors='replace')!r} names a {what} that is not there, "
+                f"allowed are 1..{limit}, or -1 for the last one before the face"
+            )
     per_row = np.searchsorted(np.array(starts, dtype=np.int64), np.arange(len(rows)), side="right")
     if not starts or starts[0] > 0:
         names.insert(0, "")
@@ -204,10 +225,20 @@ def _parse_faces(
     return corners[..., 0], corners[..., 1], names, per_row[owners]
 
 
-def _parse_corners(rows: list[bytes], path: Path) -> tuple[np.ndarray, np.ndarray]:
+def _count_seen(lines: list[bytes]) -> np.ndarray:
+    """Vertices and texture coordinates [F, 2] above every face, from which relative indices count back."""
+    tags = np.array([line[:2] for line in lines])
+    above = np.stack([np.cumsum(tags == tag) for tag in (b"v ", b"vt")], axis=-1)
+    return above[tags == b"f "]
+
+
+def _parse_corners(rows: list[bytes], seen: np.ndarray, path: Path) -> tuple[np.ndarray, np.ndarray]:
     """Corners [F, 3, 2] as zero-based (vertex, texture) indices, and the row each face came from.
 
     Rows of one shape (corners, slashes) are parsed together; there are two or three shapes in a file.
+
+    Args:
+        seen: Vertices and texture coordinates above each row [R, 2]; -1 names the last of them.
     """
     groups: dict[tuple[int, int, int], list[int]] = {}
     for index, row in enumerate(rows):
@@ -221,7 +252,11 @@ def _parse_corners(rows: list[bytes], path: Path) -> tuple[np.ndarray, np.ndarra
         width = 2 if doubles else 1 + slashes // sides
         table = _parse_indices([rows[index] for index in members], sides, width, path)
         coords = np.zeros_like(table[..., 0]) if doubles or width == 1 else table[..., 1]
-        polygons = np.stack([table[..., 0], coords], axis=-1) - 1  # N sides 2
+        polygons = np.stack([table[..., 0], coords], axis=-1)  # N sides 2
+        last = seen[members][:, None, :]
+        # An index before the first one must not pass for "no texture coordinate" (-1).
+        back = np.where(last + polygons < 0, -2, last + polygons)
+        polygons = np.where(polygons < 0, back, polygons - 1)
         fan = np.array([[0, k, k + 1] for k in range(1, sides - 1)])
         corners.append(polygons[:, fan].reshape(-1, 3, 2))
         owners.append(np.repeat(members, sides - 2))
@@ -286,8 +321,7 @@ def parse_mtl(path: Path) -> dict[str, MtlMaterial]:
             red, green, blue = _parse_shares(value, 3, f"{path}: material {name!r} has Kd")
             known[name] = material._replace(color=(red, green, blue))
         elif tag == "map_Kd" and value:
-            image = value.split()[-1] if value.startswith("-") else value
-            known[name] = material._replace(image=image)
+            known[name] = material._replace(image=clean_name(value))
         elif tag in ("d", "Tr"):
             (share,) = _parse_shares(value.removeprefix("-halo"), 1, f"{path}: material {name!r} has {tag}")
             if tag == "d":

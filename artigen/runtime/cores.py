@@ -75,15 +75,16 @@ def choose_workers(asked: int | None) -> int:
     """Number of worker processes: the requested one, else one per core as far as memory suffices.
 
     Args:
-        asked: Requested number; None derives it from the machine.
+        asked: Requested number, 0 for no process of its own; None derives it from the machine.
 
     Raises:
-        ArtigenError: If fewer than one are requested.
+        ArtigenError: If fewer than none are requested.
     """
     if asked is not None:
-        if asked < 1:
+        if asked < 0:
             raise ArtigenError(
-                f"{asked} workers: expected at least one; leave --workers out for one per core"
+                f"{asked} workers: expected 0 or more, where 0 runs everything in this process; leave "
+                "--workers out for one per core"
             )
         return asked
     cores, memory = count_cores(), available_mib()

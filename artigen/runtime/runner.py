@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Literal, Protocol, TypeVar
 
 from artigen.runtime.cores import choose_workers
-from artigen.runtime.workers import Worker, run_supervised
+from artigen.runtime.workers import InProcess, Worker, run_supervised
 
 Job = TypeVar("Job")
 Value = TypeVar("Value")
@@ -32,15 +32,22 @@ class LocalRunner:
     """Supervised processes on this machine."""
 
     workers: int
+    """Number of processes; with 0, jobs run one after the other in this one."""
     first: Worker | None = None
     """A running worker to use as one of them; when None, all are started."""
 
     def run(self, handle: Callable[[Worker, Job], Value], jobs: Sequence[Job]) -> Iterator[Value]:
         """As `Runner.run`."""
+        if self.workers == 0:
+            worker = InProcess()
+            return (handle(worker, job) for job in jobs)
         return run_supervised(handle, jobs, workers=self.workers, first=self.first)
 
     def begin_with(self, worker: Worker) -> "LocalRunner":
         """As `Runner.begin_with`."""
+        if self.workers == 0:
+            worker.close()
+            return self
         return replace(self, first=worker)
 
 
@@ -50,7 +57,8 @@ def choose_runner(name: RunnerName = "local", workers: int | None = None) -> Run
     Args:
         name: ``local``, or ``ray`` for the cluster that ``RAY_ADDRESS`` names or this machine belongs to;
             without one, a local cluster is started.
-        workers: Number of concurrent jobs; None derives it from the machine or the cluster.
+        workers: Number of concurrent jobs; 0 for none but this process, and None derives it from the machine
+            or the cluster.
 
     Raises:
         ArtigenError: If there are no workers, or Ray is not installed.

@@ -3,7 +3,8 @@
 Some libraries can abort the whole process (physics engines on a degenerate mesh, convex decomposition),
 and any stage may hang. Items therefore run in spawned processes that are supervised: a crash or a timeout
 becomes the outcome of that one item, and the process is replaced. Each process has the number of threads
-that `artigen.runtime.cores` chooses, and ends with the process that started it.
+that `artigen.runtime.cores` chooses, and ends with the process that started it. `InProcess` runs items
+without supervision where they are called, to debug them.
 """
 
 import multiprocessing
@@ -35,6 +36,8 @@ class Outcome(Generic[Value]):
 
     value: Value | None = None
     error: str | None = None
+    stopped: bool = False
+    """Whether time or memory ran out, which says nothing about the item: another try may succeed."""
 
 
 def _serve(connection: Connection) -> None:
@@ -53,7 +56,7 @@ def _serve(connection: Connection) -> None:
             connection.send(Outcome(error=str(error)))
         except Exception as error:
             # The boundary of the process: any other exception is the outcome of this item, with its type.
-            connection.send(Outcome(error=_explain(error)))
+            connection.send(Outcome(error=_explain(error), stopped=_lacks_memory(error)))
 
 
 def _end_with_parent() -> None:
@@ -66,9 +69,11 @@ def _end_with_parent() -> None:
 
 def _explain(error: Exception) -> str:
     """One sentence; if memory ran out (a `RuntimeError` in PyTorch), with advice."""
-    if isinstance(error, MemoryError) or "can't allocate memory" in str(error):
-        return f"memory ran out; {LESS_MEMORY}"
-    return f"{type(error).__name__}: {error}"
+    return f"memory ran out; {LESS_MEMORY}" if _lacks_memory(error) else f"{type(error).__name__}: {error}"
+
+
+def _lacks_memory(error: Exception) -> bool:
+    return isinstance(error, MemoryError) or "can't allocate memory" in str(error)
 
 
 @contextmanager
@@ -104,18 +109,19 @@ class Worker:
             timeout: Seconds after which the process is stopped.
         """
         if self._retired:
-            return Outcome(error="the run was stopped")
+            return Outcome(error="the run was stopped", stopped=True)
         connection = self._start()
         try:
             connection.send((function, item))
             if not connection.poll(timeout):
                 self.close()
-                return Outcome(error=f"took longer than {timeout:g} s and was stopped")
+                return Outcome(error=f"took longer than {timeout:g} s and was stopped", stopped=True)
             return connection.recv()
         except (EOFError, OSError):  # of a process that died, or of a connection closed by another thread
             code = self._exit_code()
             self.close()
-            return Outcome(error=f"the worker process died: {code}")
+            said, killed = _explain_exit(code)
+            return Outcome(error=f"the worker process died: {said}", stopped=killed)
 
     def close(self) -> None:
         """Ends the process; the next call starts another. Idempotent and thread-safe."""
@@ -143,17 +149,31 @@ class Worker:
             child.close()
         return self._connection
 
-    def _exit_code(self) -> str:
+    def _exit_code(self) -> int | None:
         if self._process is None:
-            return "not started"
+            return None
         self._process.join(timeout=5)
-        code = self._process.exitcode
-        if code is None or code >= 0:
-            return f"exit code {code}"
-        killed = (
-            f", which is what systems out of memory send; {LESS_MEMORY}" if -code == signal.SIGKILL else ""
-        )
-        return f"signal {signal.Signals(-code).name}{killed}"
+        return self._process.exitcode
+
+
+def _explain_exit(code: int | None) -> tuple[str, bool]:
+    """How a process ended, and whether the system killed it."""
+    if code is None or code >= 0:
+        return f"exit code {code}", False
+    killed = -code == signal.SIGKILL
+    advice = f", which is what systems out of memory send; {LESS_MEMORY}" if killed else ""
+    return f"signal {signal.Signals(-code).name}{advice}", killed
+
+
+class InProcess(Worker):
+    """Runs items in the calling process, without time limits: unexpected exceptions have their traceback."""
+
+    def call(self, function: Callable[[Item], Value], item: Item, timeout: float) -> Outcome[Value]:
+        """As `Worker.call`, but only an `ArtigenError` becomes an outcome, and ``timeout`` does not count."""
+        try:
+            return Outcome(value=function(item))
+        except ArtigenError as error:
+            return Outcome(error=str(error))
 
 
 def run_supervised(

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 from tqdm import tqdm
@@ -25,7 +26,7 @@ from artigen.models.tensors import load_strictly
 logger = logging.getLogger(__name__)
 METRICS = "metrics.jsonl"
 BAR = "{desc} {percentage:3.0f} %|{bar}| {postfix}"
-CHECKPOINT = {"network", "optimizer", "average", "generator", "step", "elapsed"}
+CHECKPOINT = {"network", "optimizer", "average", "step", "elapsed"}
 """Keys of a checkpoint."""
 
 
@@ -89,6 +90,12 @@ def process_seed(seed: int) -> int:
     return seed + PartialState().process_index
 
 
+def seed_step(generator: torch.Generator, seed: int, process: int, step: int) -> None:
+    """Seeds the random numbers of one step of one process, whether or not the run was resumed before it."""
+    state = np.random.SeedSequence([seed, process, step]).generate_state(1, np.uint64)
+    generator.manual_seed(int(state[0]))
+
+
 def train(
     network: nn.Module,
     losses: LossFunction,
@@ -124,7 +131,7 @@ def train(
         fused=device.type == "cuda",
     )
     average = {name: value.detach().clone().float() for name, value in network.state_dict().items()}
-    generator = torch.Generator(device).manual_seed(cfg.seed + accelerator.process_index)
+    generator = torch.Generator(device)
     progress = _Progress()
     checkpoint = folder / "checkpoint.pt"
     if checkpoint.is_file():
@@ -132,7 +139,6 @@ def train(
         load_strictly(network, stored["network"], str(checkpoint))
         optimizer.load_state_dict(stored["optimizer"])
         average = stored["average"]
-        generator.set_state(stored["generator"].cpu())
         progress = _Progress(step=stored["step"], elapsed=stored["elapsed"])
     wrapped, optimizer = accelerator.prepare(network, optimizer)
     folder.mkdir(parents=True, exist_ok=True)
@@ -148,6 +154,7 @@ def train(
             group["lr"] = rate * group["factor"]
         optimizer.zero_grad()
         batch = next(batches).to(device)
+        seed_step(generator, cfg.seed, accelerator.process_index, progress.step)
         with torch.autocast(device.type, number_type or torch.bfloat16, enabled=number_type is not None):
             terms = losses(wrapped, batch, generator)
         loss = torch.stack(list(terms.values())).sum()
@@ -179,10 +186,10 @@ def train(
                     file.write(json.dumps(line) + "\n")
                 show_metrics(bar, folder.name, line)
         if accelerator.is_main_process and time.monotonic() - saved > 60.0 * cfg.checkpoint_minutes:
-            _save(folder, network, optimizer, average, generator, progress)
+            _save(folder, network, optimizer, average, progress)
             saved = time.monotonic()
     if accelerator.is_main_process:
-        _save(folder, network, optimizer, average, generator, progress)
+        _save(folder, network, optimizer, average, progress)
     bar.close()
     network.load_state_dict(average)
     return network.eval()
@@ -265,7 +272,6 @@ def _save(
     network: nn.Module,
     optimizer: torch.optim.Optimizer,
     average: dict[str, Tensor],
-    generator: torch.Generator,
     progress: _Progress,
 ) -> None:
     """Writes checkpoint and averaged weights, each whole or not at all."""
@@ -275,7 +281,6 @@ def _save(
         "network": network.state_dict(),
         "optimizer": optimizer.state_dict(),
         "average": average,
-        "generator": generator.get_state(),
         "step": progress.step,
         "elapsed": progress.elapsed,
     }

@@ -24,7 +24,7 @@ _SPOTS = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / np.array([[3],
 
 def own_visuals(subject: Subject) -> str:
     """Applies to visual meshes that we made, not to those copied from a source."""
-    if subject.visual_source == "voxels":
+    if subject.has_own_visuals:
         return ""
     return "the visual meshes are the source's own and serve only to be looked at"
 

@@ -62,7 +62,7 @@ def check_likeness(subject: Subject, cfg: CheckConfig) -> Finding:
     grid = make_grid(subject.bounds, cfg.grid_resolution)
     volumes = [_link_volumes(subject, grid, visual[name], solid[name]) for name in links]
     measures = _distances(subject, cfg, visual, solid, dict(zip(links, volumes, strict=True)))
-    if subject.visual_source == "voxels":
+    if subject.has_own_visuals:
         measures.append(_volume_overlap(cfg, grid, volumes))
     cavities = [
         measure
@@ -153,7 +153,7 @@ def _link_volumes(subject: Subject, grid: Grid, visual: np.ndarray, solid: np.nd
     part = Grid(
         low=grid.low + low * grid.cell, cell=grid.cell, shape=(int(size[0]), int(size[1]), int(size[2]))
     )
-    closed = subject.visual_source == "voxels"
+    closed = subject.has_own_visuals
     seen = fill_solid(visual, part) if closed else mark_surface(visual, part)
     return Volumes(
         window=(slice(low[0], high[0]), slice(low[1], high[1]), slice(low[2], high[2])),

@@ -83,9 +83,9 @@ class Subject:
         return self.read_json("meta.json") if (self.folder / "meta.json").is_file() else {}
 
     @cached_property
-    def visual_source(self) -> str:
-        """``voxels`` if we made the visual meshes, else ``source``: meshes copied from the source."""
-        return "voxels" if self.meta.get("visual") == "voxels" else "source"
+    def has_own_visuals(self) -> bool:
+        """Whether we made the visual meshes; others are copied from a source."""
+        return self.meta.get("visual") in ("exact", "voxels")
 
     def read_json(self, name: str) -> dict:
         """A JSON object beside the URDF; raises `PackageError` for anything else."""

@@ -29,6 +29,8 @@ TOLERANCE = 0.0035
 """Metres between the exact surface and a primitive; links may overlap by as much on their way (V201)."""
 SHARE = 0.25
 """The same as a share of the piece's thickness, which holds where it is less."""
+EXACT = 1e-6
+"""Metres; a hull that differs by no more is the same, as files have this precision."""
 CANDIDATES = 4
 """Primitives that are tried for a piece, the smallest ones."""
 _LEAST_SIDES = 5
@@ -75,6 +77,24 @@ def simplify_links(parts: Sequence[Sequence[Hull]], owners: Sequence[int]) -> li
         met = {changed[first] for first in found.first[found.distance < 0.0].tolist()}
         out[k] = tuple(hulls[i] if i in met else hull for i, hull in enumerate(out[k]))
     return out
+
+
+def measure_simplified(hulls: Sequence[Hull], simple: Sequence[Hull]) -> list[float]:
+    """How far (m) each hull of `simplify_hulls` reaches beyond its part at most; 0 for hulls that stayed.
+
+    Args:
+        hulls: The convex pieces.
+        simple: The hull for each of them.
+    """
+    return [
+        0.0 if new is old else _reach(new, _Piece(hull=old)) for new, old in zip(simple, hulls, strict=True)
+    ]
+
+
+def _reach(hull: Hull, piece: "_Piece") -> float:
+    """The excess of a primitive over its piece; other pieces fill what exceeds the slack."""
+    shape = find_primitive(hull)
+    return piece.slack if shape is None else min(max(_excess(shape, piece), 0.0), piece.slack)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

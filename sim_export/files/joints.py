@@ -20,7 +20,8 @@ def place_joint(joint: UrdfJoint, poses: Mapping[str, Float[np.ndarray, "4 4"]],
         file: How errors name the URDF.
 
     Raises:
-        PackageError: If it cannot be moved.
+        PackageError: If it cannot be moved, or follows another joint with an offset: the joints of a package
+            are all closed at 0.
     """
     owner = f"{file}: joint {joint.name!r}"
     if joint.type not in URDF_JOINT_TYPES:

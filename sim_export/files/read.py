@@ -118,6 +118,11 @@ def _read_own(
     physics = _object(folder / "physics.json")
     handles, needs = handles_from_json(_object(folder / "annotations.json"))
     provenance = _object(folder / "provenance.json")
+    wrong = next((key for key, value in provenance.items() if not isinstance(value, str)), None)
+    if wrong is not None:
+        raise PackageError(
+            f"{folder / 'provenance.json'}: {wrong!r} is {provenance[wrong]!r}, expected a text"
+        )
     try:
         facts = {entry["name"]: entry for entry in meta["links"]}
         motion = {entry["name"]: entry for entry in physics["joints"]}

@@ -237,6 +237,7 @@ def physics_json(package: SimPackage) -> str:
     table = {
         name: {
             "density": MATERIALS[name].density,
+            "filled": _number(MATERIALS[name].filled, 6),
             "static_friction": MATERIALS[name].static_friction,
             "sliding_friction": MATERIALS[name].sliding_friction,
         }
@@ -260,6 +261,11 @@ def _coefficient(package: SimPackage, joint: PackageJoint) -> float | None:
 
 def provenance_json(package: SimPackage) -> str:
     """Origin of the object, and versions of the tools that made the package."""
+    wrong = next((pair for pair in package.provenance if not isinstance(pair[1], str)), None)
+    if wrong is not None:
+        raise PackageError(
+            f"package {package.name!r}: provenance {wrong[0]!r} is {wrong[1]!r}, expected a text"
+        )
     return json_text(dict(package.provenance))
 
 

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
+from artigen.files.wavefront import clean_name
 from artigen.splats.motion import transform_gaussians
 from artigen.splats.ply import encode_ply
 from artigen.transforms import shift
@@ -137,7 +138,7 @@ def _source_files(source: SourceMesh, stem: str) -> dict[str, bytes]:
         if key != b"mtllib":
             lines.append(line)
         elif f"{stem}.mtl" not in files:
-            library = source.path.parent / value.strip().decode(errors="replace")
+            library = source.path.parent / clean_name(value.decode(errors="replace"))
             files |= _material_files(_inside(library, source.path), stem, source.path)
             lines.append(f"mtllib {name}.mtl".encode())
     files[f"{stem}.obj"] = b"\n".join(lines)
@@ -162,8 +163,8 @@ def _material_files(library: Path, stem: str, source: Path) -> dict[str, bytes]:
             lines.append(line)
             continue
         value = value.strip()
-        options, file = value.rpartition(b" ")[::2] if value.startswith(b"-") else (b"", value)
-        image = _inside(library.parent / file.decode(errors="replace"), source)
+        options = value.rpartition(b" ")[0] if value.startswith(b"-") else b""
+        image = _inside(library.parent / clean_name(value.decode(errors="replace")), source)
         content = _read(image)
         target = f"texture_{hashlib.sha256(content).hexdigest()[:12]}{image.suffix.lower()}"
         files[f"visual/{target}"] = content
@@ -205,7 +206,7 @@ def check_place(folder: Path, overwrite: Overwrite) -> None:
         PackageError: If the folder exists and is not a package, or must not be replaced.
     """
     if folder.exists() and overwrite == "refuse":
-        raise PackageError(f"{folder}: exists already; remove it or write with overwrite='replace'")
+        raise PackageError(f"{folder}: exists already; remove it, or replace it (--existing replace)")
     if (
         folder.exists()
         and not (folder / MANIFEST).is_file()

@@ -21,7 +21,7 @@ class Make:
     """Differences from `MATERIALS` in objects of a category, and hidden mass of their bases."""
 
     density: Mapping[MaterialName, float] = field(default_factory=dict)
-    """Density of walls as drawn (kg/m^3)."""
+    """Mean density of walls as drawn (kg/m^3), in place of `Material.bulk`."""
     wall: Mapping[MaterialName, float] = field(default_factory=dict)
     """Real wall thickness (m); thicker drawn walls have the mass of this thickness."""
     hidden: float = 0.0
@@ -31,7 +31,7 @@ class Make:
 
     def wall_density(self, material: MaterialName, thickness: float | None = None) -> float:
         """Mean density (kg/m^3) of walls drawn with a thickness (m); without one, that of real walls."""
-        own = self.density.get(material, MATERIALS[material].density)
+        own = self.density.get(material, MATERIALS[material].bulk)
         return own if thickness is None else own * min(1.0, self.wall.get(material, thickness) / thickness)
 
     def fill_base(self, drawn: Inertial, box: Float[np.ndarray, "2 3"]) -> Inertial:

@@ -45,7 +45,7 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy)
     if name in make.wall and not hardware:
         walls = mesh_inertial(mesh, make.wall_density(name, mean_thickness(mesh)))
     else:
-        own = MATERIALS[name].density if hardware else make.wall_density(name)
+        own = MATERIALS[name].bulk if hardware else make.wall_density(name)
         density = own * min(1.0, MATERIALS[name].thickest / mean_thickness(mesh))
         walls = _weigh_shell(voxels, occupancy, asset.scale, mesh, density)
     if walls.mass <= 0:

@@ -58,33 +58,45 @@ iterations (ManiSkill's settings), measured on horizontal drawers of 1 to 20 kg 
 
 @dataclass(frozen=True, kw_only=True)
 class Material:
-    """Density in kg/m^3 and coefficients of static and sliding friction against a common surface.
+    """Density of the solid in kg/m^3, and coefficients of static and sliding friction on a common surface.
 
-    ``thickest`` (m) is the largest wall thickness in practice; thicker parts are hollow.
+    ``thickest`` (m) is the largest wall thickness in practice; thicker parts are hollow. ``filled`` is the
+    share of a drawn piece that the solid fills, where pieces are drawn thicker than they are; air fills the
+    rest.
     """
 
     density: float
     static_friction: float
     sliding_friction: float
     thickest: float = np.inf
+    filled: float = 1.0
+
+    @property
+    def bulk(self) -> float:
+        """Mean density of a drawn piece in kg/m^3."""
+        return self.density * self.filled
 
 
+STEEL = 7850.0
+"""Density of mild steel in kg/m^3."""
 MATERIALS: dict[MaterialName, Material] = {
     "wood_board": Material(density=650.0, static_friction=0.5, sliding_friction=0.4),
-    "steel_sheet": Material(density=350.0, static_friction=0.4, sliding_friction=0.3),
-    "steel": Material(density=2700.0, static_friction=0.4, sliding_friction=0.3, thickest=0.004),
+    "steel_sheet": Material(density=STEEL, static_friction=0.4, sliding_friction=0.3, filled=350.0 / STEEL),
+    "steel": Material(
+        density=STEEL, static_friction=0.4, sliding_friction=0.3, thickest=0.004, filled=2700.0 / STEEL
+    ),
     "glass": Material(density=2500.0, static_friction=0.5, sliding_friction=0.4, thickest=0.012),
-    "insulating_glass": Material(density=800.0, static_friction=0.5, sliding_friction=0.4),
+    "insulating_glass": Material(density=2500.0, static_friction=0.5, sliding_friction=0.4, filled=0.32),
     "plastic": Material(density=1050.0, static_friction=0.4, sliding_friction=0.3, thickest=0.004),
     "rubber": Material(density=1150.0, static_friction=0.9, sliding_friction=0.8),
     "foam_panel": Material(density=125.0, static_friction=0.4, sliding_friction=0.3),
     "stone": Material(density=2700.0, static_friction=0.6, sliding_friction=0.5),
 }
-"""``steel_sheet`` is a folded or foamed panel. Its density is the mean over the panel's thickness, because
-`artigen` walls are panels one voxel thick and not solid sheets (7850). ``steel`` is a hollow bar or rack: a
-rack of half a square metre weighs five kilograms regardless of the thickness of its voxels. ``foam_panel`` is
-the insulation of a refrigerator, at least five centimetres thick, with its skins: 10 kg a door.
-``insulating_glass`` is two panes of four millimetres with gas between them."""
+"""``steel_sheet`` is a folded or foamed panel: a millimetre of steel on 22 drawn ones, because walls are
+panels one voxel thick. ``steel`` is a hollow bar or rack, of which a third is steel: a rack of half a
+square metre weighs five kilograms regardless of the thickness of its voxels. ``foam_panel`` is the insulation
+of a refrigerator, at least five centimetres thick, with its skins: 10 kg a door. ``insulating_glass`` is two
+panes of four millimetres with gas between them."""
 
 
 def part_material(label: PartLabel, category: str) -> MaterialName:

@@ -1,7 +1,7 @@
 """Valid names for USD and SimReady: prim identifiers, and lower-case file names."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 from sim_export.errors import PackageError
 
@@ -23,6 +23,15 @@ def prim_names(names: Iterable[str], taken: Iterable[str] = ()) -> tuple[str, ..
         used.add(unique)
         found.append(unique)
     return tuple(found)
+
+
+def free_name(name: str, used: Collection[str]) -> str:
+    """The name, or the first of ``name_2``, ``name_3`` ..., whose asset name is not in ``used``."""
+    tried, count = name, 1
+    while asset_name(tried) in used:
+        count += 1
+        tried = f"{name}_{count}"
+    return tried
 
 
 def asset_name(name: str) -> str:

@@ -42,7 +42,7 @@ def write_usd(package: SimPackage, out: Path, overwrite: Overwrite = "refuse") -
     folder = Path(out) / name
     main = folder / FOLDER / f"{name}.usd"
     if folder.exists() and overwrite == "refuse":
-        raise PackageError(f"{folder}: exists already; remove it or write with overwrite='replace'")
+        raise PackageError(f"{folder}: exists already; remove it, or replace it (--existing replace)")
     if folder.exists() and not main.is_file():
         raise PackageError(
             f"{folder}: is no USD asset (it has no {FOLDER}/{name}.usd), so it is not replaced"

@@ -10,11 +10,11 @@ from sample_packages import SAMPLE_PARTS, build_package
 from artigen.runtime.workers import Outcome, Worker
 from envs.config import ValidateConfig
 from envs.titles import TITLES
-from envs.validate import REPORT_FILE, call_checks, validate, without_seconds
+from envs.validate import REPORT_FILE, list_titles, validate, without_seconds
 from envs.worker import run_dynamics, run_static
 from sim_export.errors import PackageError
 from sim_export.files.write import manifest_problems, write_package
-from sim_export.report import report_from_json
+from sim_export.report import report_from_json, report_to_json
 
 pytest.importorskip("sapien")
 pytestmark = pytest.mark.sim
@@ -30,11 +30,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 class DoomedWorker(Worker):
     """A worker in whose child something happens instead of the checks."""
 
-    def __init__(self, action, argument, timeout):
+    def __init__(self, doomed, action, argument, timeout):
         super().__init__()
-        self.action, self.argument, self.timeout = action, argument, timeout
+        self.doomed, self.action, self.argument, self.timeout = doomed, action, argument, timeout
 
     def call(self, function, item, timeout):
+        if function is not self.doomed:
+            return super().call(function, item, timeout)
         return super().call(self.action, self.argument, self.timeout)
 
 
@@ -59,34 +61,37 @@ def test_the_report_is_written_and_the_same_every_time(folder):
 
 
 @pytest.mark.parametrize(
-    ("action", "argument", "timeout", "reason"),
+    ("action", "argument", "timeout", "reason", "stopped"),
     [
-        (signal.raise_signal, int(signal.SIGABRT), 60.0, "signal SIGABRT"),
-        (os._exit, 7, 60.0, "exit code 7"),
-        (signal.sigwait, [signal.SIGUSR1], 0.2, "took longer than 0.2 s"),
+        (signal.raise_signal, int(signal.SIGABRT), 60.0, "the worker process died: signal SIGABRT", False),
+        (os._exit, 7, 60.0, "the worker process died: exit code 7", False),
+        (signal.sigwait, [signal.SIGUSR1], 0.2, "took longer than 0.2 s and was stopped", True),
     ],
 )
-def test_the_death_of_an_engine_is_a_failed_v301(folder, action, argument, timeout, reason):
-    worker = DoomedWorker(action, argument, timeout)
-    try:
-        results = call_checks(worker, run_dynamics, folder, TITLES, timeout)
-    finally:
-        worker.close()
-    assert [result.id for result in results] == list(TITLES)
-    assert {result.verdict for result in results} == {"fail"}
-    assert reason in results[0].message
-    assert {result.message for result in results[1:]} == {"not run: V301 failed"}
-
-
-def test_the_death_of_the_static_half_is_a_failed_v001(folder):
-    worker = DoomedWorker(os._exit, 3, 60.0)
+@pytest.mark.parametrize("doomed", [run_static, run_dynamics])
+def test_checks_that_were_not_done_say_why(folder, doomed, action, argument, timeout, reason, *, stopped):
+    """After a death or a time limit no check is said to have failed because of another one."""
+    worker = DoomedWorker(doomed, action, argument, timeout)
     try:
         report = validate(folder, SILENT, worker)
     finally:
         worker.close()
-    assert [check.id for check in report.checks] == ["V001", *TITLES]
-    assert "exit code 3" in report.checks[0].message
-    assert report.checks[1].message == "not run: V001 failed"
+    levels = ("L3",) if doomed is run_dynamics else ("L0", "L1", "L2")
+    own = [check for check in report.checks if check.level in levels]
+    assert {check.message for check in own} == {f"not run: {reason}"}
+    assert set(TITLES if doomed is run_dynamics else list_titles()) == {check.id for check in own}
+    assert (report.passed, report.stopped) == (False, stopped)
+    if doomed is run_static:
+        above = {check.message for check in report.checks if check.level == "L3"}
+        assert above == {f"not run: checks L0 to L2 were not done ({reason})"}
+    again = report_from_json(report_to_json(report))
+    assert (again.stopped, again.checks) == (stopped, report.checks)
+
+
+def test_by_default_no_process_is_started(folder, monkeypatch):
+    """A script without a main guard would run again in it."""
+    monkeypatch.setattr(Worker, "_start", lambda worker: pytest.fail("a process was started"))
+    assert {check.level for check in validate(folder, SILENT).checks} == {"L0", "L1", "L2", "L3"}
 
 
 def test_validation_waits_two_minutes_for_an_engine_and_ten_for_a_robot(folder, monkeypatch):
@@ -95,7 +100,7 @@ def test_validation_waits_two_minutes_for_an_engine_and_ten_for_a_robot(folder, 
     def hang(_worker: Worker, function: object, _item: object, timeout: float) -> Outcome:
         waited.append(timeout)
         done = () if function is run_static else None
-        return Outcome(value=done, error="took too long")
+        return Outcome(value=done, error="took too long", stopped=True)
 
     monkeypatch.setattr(Worker, "call", hang)
     assert not validate(folder, ValidateConfig(output="none", tasks="run"), Worker()).passed

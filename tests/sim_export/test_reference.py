@@ -161,7 +161,7 @@ def test_plates_weigh_what_sheet_and_panes_do():
     assert finish_material("lacquer", "base", "Cart", bar) == "steel"
     assert finish_material("glass", "door", "Refrigerator", (0.031, 0.5, 1.7)) == "insulating_glass"
     # Two panes of four millimetres weigh 20 kg a square metre.
-    assert 15.0 < MATERIALS["insulating_glass"].density * 0.031 < 30.0
+    assert 15.0 < MATERIALS["insulating_glass"].bulk * 0.031 < 30.0
 
 
 def test_visuals_close_hold_the_volume_and_have_the_colours_of_the_object(package):

@@ -485,3 +485,14 @@ def test_gaussians_of_links_come_back(cabinet: Asset, tmp_path: Path):
 def few_samples(asset: Asset) -> SurfaceSamples:
     assert asset.surface is not None
     return SurfaceSamples(**{name: value[::40] for name, value in vars(asset.surface).items()})
+
+
+@pytest.mark.parametrize("wrong", [3, None, ["a"]])
+def test_a_provenance_that_is_no_text_is_named_by_its_key(package, tmp_path, wrong):
+    """Both when a package is written and when it is read."""
+    with pytest.raises(PackageError, match=r"provenance 'seed' is .*, expected a text"):
+        write_package(replace(package, provenance=(("seed", wrong),)), tmp_path / "a")
+    folder = write_package(package, tmp_path / "b")
+    (folder / "provenance.json").write_text(json.dumps({"source": "x", "seed": wrong}))
+    with pytest.raises(PackageError, match=r"provenance\.json: 'seed' is .*, expected a text"):
+        read_package(folder)

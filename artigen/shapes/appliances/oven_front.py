@@ -11,7 +11,7 @@ from artigen.shapes.appliances.racks import choose_thickness
 from artigen.shapes.choices import choose
 from artigen.shapes.fittings.handles import HandleDesign
 from artigen.shapes.fittings.hardware import Panel, Space, hinge, slide, sweep_gap
-from artigen.shapes.primitives import Primitive, block
+from artigen.shapes.primitives import block
 from artigen.shapes.ranges import narrow
 from artigen.shapes.shape import ShapePart
 
@@ -23,7 +23,7 @@ class FrontLook:
     face: str
     """Role of the finish."""
     grip: HandleDesign | None
-    """None for grip lips that are one piece with the doors."""
+    """None for grip lips along the free edges of the doors."""
     longest: float
     """Longest edge of the oven (m), which lips and handles are proportional to."""
 
@@ -45,13 +45,12 @@ def make_oven_door(
     window = (narrow(panel.y, aside), (panel.z[0] + bottom, panel.z[1] - top))
     leaf = build_window_leaf(panel, window, look.face, "cavity")
     upper = float(np.pi / 2 if edge == "bottom" else np.radians(rng.uniform(90, 120)))
-    handles = []
     if look.grip is None:
-        leaf += (_build_lip(panel, edge, aside, look.longest),)
+        handle = _mount_lip(panel, edge, aside, look.longest, parent=name)
     else:
         inset = max(0.012, min(0.03, (top - look.grip.thickness) / 2))
-        handles.append(mount_grip(panel, look.grip, parent=name, edge=edge, inset=inset))
-    return [ShapePart(name, "door", leaf, hinge(panel, edge, upper)), *handles]
+        handle = mount_grip(panel, look.grip, parent=name, edge=edge, inset=inset)
+    return [ShapePart(name, "door", leaf, hinge(panel, edge, upper)), handle]
 
 
 def make_warming_drawer(
@@ -61,17 +60,16 @@ def make_warming_drawer(
     wall = choose_thickness(tub, 0.008)
     face = "front" if rng.random() < 0.5 else look.face
     solids = [panel.fill(face, 0.003), *build_tub(tub, wall, "steel")]
-    handles = []
     if look.grip is not None and rng.random() < 0.6:
-        handles.append(mount_grip(panel, look.grip, parent="drawer", edge=None, inset=0.02))
+        handle = mount_grip(panel, look.grip, parent="drawer", edge=None, inset=0.02)
     else:
-        solids.append(_build_lip(panel, "bottom", 0.3 * panel.width, look.longest))
-    return [ShapePart("drawer", "drawer", solids, slide(0.68 * tub.depth)), *handles]
+        handle = _mount_lip(panel, "bottom", 0.3 * panel.width, look.longest, parent="drawer")
+    return [ShapePart("drawer", "drawer", solids, slide(0.68 * tub.depth)), handle]
 
 
-def _build_lip(
-    panel: Panel, edge: Literal["bottom", "left", "right"], aside: float, longest: float
-) -> Primitive:
+def _mount_lip(
+    panel: Panel, edge: Literal["bottom", "left", "right"], aside: float, longest: float, *, parent: str
+) -> ShapePart:
     """A grip lip for the fingertips along the free edge, ``aside`` metres short at both ends."""
     size, inset = max(0.018, 0.017 * longest), 0.008
     y, z = narrow(panel.y, aside), (panel.z[1] - inset - size, panel.z[1] - inset)
@@ -79,4 +77,5 @@ def _build_lip(
         z = (panel.z[0] + 0.1 * panel.height, panel.z[1] - 0.2 * panel.height)
         start = panel.y[0] + inset if edge == "left" else panel.y[1] - inset - size
         y = (start, start + size)
-    return block((panel.x - 0.022, panel.x), y, z, "handle")
+    lip = block((panel.x - 0.022, panel.x), y, z, "handle")
+    return ShapePart(f"{parent}_handle", "handle", (lip,), parent=parent)

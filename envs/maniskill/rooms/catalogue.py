@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from artigen.errors import ArtigenError
+from sim_export.files.folders import list_packages
 from sim_export.files.sidecars import FORMAT
 from sim_export.report import report_from_json
 
@@ -52,7 +53,7 @@ def fits_role(entry: Entry, role: Role) -> bool:
 
 
 def read_catalogue(folder: Path) -> Catalogue:
-    """All packages directly in ``folder`` with a passed validation.json.
+    """All packages in ``folder``, at any depth, with a passed validation.json.
 
     Raises:
         PopulateError: If the folder is missing or has no package, or none of them passed.
@@ -60,7 +61,7 @@ def read_catalogue(folder: Path) -> Catalogue:
     folder = folder.resolve()
     if not folder.is_dir():
         raise PopulateError(f"{folder}: no such folder; give a folder of packages, or none to draw objects")
-    found = sorted(path.parent for path in folder.glob("*/mobility.urdf") if path.parent.name[0] != ".")
+    found = list_packages(folder)
     if not found:
         raise PopulateError(
             f"{folder}: holds no package (a folder with mobility.urdf); `artigen shape` writes some"

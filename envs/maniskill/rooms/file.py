@@ -51,12 +51,13 @@ def write_room(room: Room, folder: Path) -> Path:
     return path
 
 
-def read_room(path: Path) -> Room:
+def read_room(path: Path | str) -> Room:
     """Reads a room from scene.json, or from the folder that contains it.
 
     Raises:
         SceneFileError: If the file is missing, has another version or structure, or names a missing package.
     """
+    path = Path(path)
     path = path / SCENE_FILE if path.is_dir() else path
     try:
         value = json.loads(path.read_text())
@@ -79,7 +80,7 @@ def read_room(path: Path) -> Room:
             openings=tuple(Opening(**entry) for entry in value.pop("openings", ())),
             size=tuple(value.pop("size")),
             contents=tuple(_item(entry) for entry in value.pop("contents", ())),
-            provenance=tuple(value.pop("provenance").items()),
+            provenance=_provenance(value.pop("provenance"), "the room"),
             **value,
         )
     except (KeyError, TypeError, AttributeError, ValueError) as err:
@@ -122,5 +123,15 @@ def _placement(entry: dict, folder: Path) -> Placement:
         joints=tuple((name, float(q)) for name, q in entry["joints"].items()),
         standing=tuple((float(px), float(py)) for px, py in entry["standing"]),
         support=entry["support"],
-        provenance=tuple(entry["provenance"].items()),
+        provenance=_provenance(entry["provenance"], entry["id"]),
     )
+
+
+def _provenance(value: object, owner: str) -> tuple[tuple[str, str], ...]:
+    """The origin of a room or a placement; raises an error that names the key that holds no text."""
+    if not isinstance(value, dict):
+        raise TypeError(f"'provenance' of {owner} is {value!r}, expected an object of texts")
+    wrong = next((key for key, one in value.items() if not isinstance(one, str)), None)
+    if wrong is not None:
+        raise ValueError(f"'provenance' of {owner}: {wrong!r} is {value[wrong]!r}, expected a text")
+    return tuple(value.items())

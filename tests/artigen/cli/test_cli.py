@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from sample_partnet import write_sample
 
-from artigen.cli.batch import Finished, read_journal
+from artigen.cli.batch import Finished, read_journal, say_results
 from artigen.cli.convert import ConvertSettings, convert
 from artigen.cli.export import export
 from artigen.cli.validate import validate
@@ -93,3 +93,24 @@ def test_an_asset_folder_becomes_a_package(cabinet, tmp_path):
     assert (tmp_path / "package" / "mobility.urdf").is_file()
     with pytest.raises(ArtigenError, match="package"):
         export(tmp_path / "asset", tmp_path / "package")
+
+
+OUTCOMES = {
+    "passed": Finished(key="a", settings="", passed=True),
+    "failed": Finished(key="b", settings="", passed=False),
+    "unchecked": Finished(key="c", settings=""),
+    "lost": Finished(key="d", settings="", error="no"),
+}
+
+
+@pytest.mark.parametrize("numbers", [(2, 0, 0, 0), (1, 1, 0, 0), (0, 0, 3, 0), (0, 0, 0, 1), (1, 2, 3, 4)])
+def test_the_summary_counts_every_object_once_and_checks_only_where_there_were_some(capsys, numbers):
+    results = [one for one, count in zip(OUTCOMES.values(), numbers, strict=True) for _ in range(count)]
+    passed, failed, unchecked, lost = numbers
+    assert say_results(results, Path("out")) == (1 if failed or lost else 0)
+    said = capsys.readouterr().out.strip().split(", ")
+    expected = [f"{sum(numbers)} objects: {sum(numbers) - lost} packages in out"]
+    expected += [f"{passed} of them passed every check"] if passed + failed else []
+    expected += [f"{unchecked} of them not checked"] if unchecked else []
+    expected += [f"{lost} not made"] if lost else []
+    assert said == expected

@@ -75,6 +75,20 @@ def test_what_fails_is_drawn_again_and_remembered(model: Path, tmp_path: Path):
     assert [one.draws for one in worker.jobs] == [(), ("failure 1",), ("failure 1", "failure 2")]
 
 
+def test_where_time_or_memory_runs_out_no_other_object_is_drawn(model: Path, tmp_path: Path):
+    """A seed means the same object on a slow machine; the next run tries it again."""
+
+    class SlowWorker(BrokenWorker):
+        def call(self, function: object, job: GenerateJob, timeout: float) -> Outcome[None]:
+            return replace(super().call(function, job, timeout), stopped=True)
+
+    worker = SlowWorker()
+    job = GenerateJob(model=model, category="Oven", seed=4, out=tmp_path, cfg=GenerateSettings(redraws=2))
+    finished = generate_and_validate(worker, job)  # type: ignore[arg-type]
+    assert [one.draws for one in worker.jobs] == [()]
+    assert (finished.error, finished.stopped, finished.good) == ("failure 1", True, False)
+
+
 @pytest.fixture
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[tuple[object, int]]:
     """Requests and seeds of what is drawn: always the same cabinet."""
@@ -279,3 +293,13 @@ def test_packages_of_other_weights_are_made_again_and_those_of_the_same_are_not(
         for folder in (model, same, other)
     ]
     assert settings[0] == settings[1] != settings[2]
+
+
+def test_a_photo_that_changed_in_place_makes_its_package_again(model: Path, tmp_path: Path):
+    photo = tmp_path / "photo.png"
+    job = GenerateJob(model=model, category=None, seed=0, out=tmp_path, cfg=GenerateSettings(image=photo))
+    found = []
+    for gray in (10, 200, 10):
+        Image.new("L", (4, 4), gray).save(photo)
+        found.append(job.settings)
+    assert found[0] == found[2] != found[1]

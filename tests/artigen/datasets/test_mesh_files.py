@@ -64,3 +64,38 @@ def test_glass_of_an_mjcf_stays_glass(tmp_path: Path):
         for material in parse_mtl(visual.path.with_suffix(".mtl")).values()
     }
     assert sorted(found.values()) == pytest.approx([0.3, 1.0], abs=1 / 255)
+
+
+@pytest.mark.parametrize("library", ["", "mtllib lost.mtl\n"])
+@pytest.mark.parametrize("coords", [False, True])
+@pytest.mark.parametrize("opacity", [0.3, 1.0])
+def test_a_mesh_without_materials_takes_colour_and_opacity_of_its_link(
+    tmp_path: Path, library: str, opacity: float, *, coords: bool
+):
+    source, scratch = tmp_path / "leaf.obj", tmp_path / "scratch"
+    corner = "{0}/{0}" if coords else "{0}"
+    face = " ".join(corner.format(number) for number in (1, 2, 3))
+    rows = "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + ("vt 0 0\nvt 1 0\nvt 0 1\n" if coords else "")
+    source.write_text(f"{library}{rows}f {face}\n")
+    scratch.mkdir()
+    shape = UrdfShape(
+        link="leaf", name="", kind="mesh", T_link_shape=np.eye(4), color=(0.8, 0.1, 0.1), opacity=opacity
+    )
+    placed = load_shape(shape, source, tmp_path, scratch)
+    assert placed is not None
+    (material,) = parse_mtl(placed.path.with_suffix(".mtl")).values()
+    assert material == MtlMaterial(color=(0.8, 0.1, 0.1), image="", opacity=opacity)
+
+
+@pytest.mark.parametrize("name", ["tex/wood.png", "tex\\wood.png", "-clamp on tex\\wood.png"])
+def test_an_image_is_found_however_its_path_is_written(tmp_path: Path, name: str):
+    folder = tmp_path / "object"
+    (folder / "tex").mkdir(parents=True)
+    Image.new("RGB", (2, 2)).save(folder / "tex" / "wood.png")
+    (folder / "leaf.mtl").write_text(f"newmtl wood\nmap_Kd {name}\n")
+    (folder / "leaf.obj").write_text("mtllib leaf.mtl\nusemtl wood\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    shape = UrdfShape(link="leaf", name="", kind="mesh", T_link_shape=np.eye(4))
+    placed = load_shape(shape, folder / "leaf.obj", folder, tmp_path)
+    assert placed is not None
+    assert placed.path == folder / "leaf.obj"  # kept as it is
+    assert placed.mesh.materials[0].image == folder / "tex" / "wood.png"

@@ -8,13 +8,15 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from PIL import Image
 
 from artigen.datasets.mjcf import is_mjcf, write_urdf
 from artigen.datasets.sources import find_sources, name_source, read_source
 from artigen.datasets.urdf_file import read_urdf
 from artigen.errors import SourceError
+from artigen.files.wavefront import parse_mtl
 from artigen.shapes.draw import draw_shape
-from artigen.transforms import rotation_about
+from artigen.transforms import rotation_about, shift
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
 from sim_export.reference import ReferenceConfig, build_reference
@@ -77,7 +79,6 @@ def test_the_urdf_moves_as_mujoco_does(tmp_path):
     urdf = read_urdf(write_urdf(path, tmp_path))
     model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
-    base = [model.geom("body").id]
     rng = np.random.default_rng(0)
     names = [model.joint(k).name for k in range(model.njnt)]
     assert {joint.name for joint in urdf.joints} == set(names)
@@ -85,12 +86,9 @@ def test_the_urdf_moves_as_mujoco_does(tmp_path):
         q = rng.uniform(-0.5, 0.5, model.njnt)
         data.qpos[:] = model.qpos0 + q
         mujoco.mj_kinematics(model, data)
-        placed = place_urdf(urdf, dict(zip(names, q, strict=True)))
-        T_world_base = np.eye(4)
-        T_world_base[:3, :3], T_world_base[:3, 3] = (
-            data.geom_xmat[base].reshape(3, 3),
-            data.geom_xpos[base][0],
-        )
+        values = dict(zip(names, q, strict=True))
+        values["lid_hinge"] -= 0.1  # a follower is at 0 where its leader is
+        placed = place_urdf(urdf, values)
         for geom in range(model.ngeom):
             name = model.geom(geom).name
             if name == "felt":
@@ -98,7 +96,7 @@ def test_the_urdf_moves_as_mujoco_does(tmp_path):
                 continue
             T = np.eye(4)
             T[:3, :3], T[:3, 3] = data.geom_xmat[geom].reshape(3, 3), data.geom_xpos[geom]
-            expected = np.linalg.inv(T_world_base) @ T
+            expected = shift(-model.body("object").pos) @ T  # upright as in the world
             np.testing.assert_allclose(placed[name], expected, atol=1e-6)
 
 
@@ -109,6 +107,109 @@ def test_ranges_begin_at_the_reference_and_followers_are_mimics(tmp_path):
     assert (joints["slide"].lower, joints["slide"].upper) == pytest.approx((0.0, 0.02))
     assert joints["twist"].type == "continuous"
     assert (joints["lid_hinge"].mimic, joints["lid_hinge"].mimic_multiplier) == ("hinge", -0.5)
+
+
+def chest(door: str, *, before: str = "", after: str = "", tray: str = 'range="0 0.2"') -> str:
+    """A box with a door and a tray; ``door`` holds joints and geoms of the door."""
+    return f"""<mujoco>{before}<compiler angle="radian"/><worldbody><body name="chest">
+      <geom name="box" type="box" size="0.2 0.2 0.25"/>
+      <body name="door" pos="-0.21 -0.2 0">{door}</body>
+      <body name="tray" pos="0 0 0.3"><joint name="slide" type="slide" axis="-1 0 0" {tray}/>
+        <geom name="board" type="box" size="0.1 0.1 0.01"/></body>
+      </body></worldbody>{after}</mujoco>"""
+
+
+HINGE = '<joint name="hinge" axis="0 0 1" range="0 1.5"/>'
+PANEL = '<geom name="panel" type="box" size="0.01 0.2 0.25" pos="0 0.2 0"/>'
+
+
+@pytest.mark.parametrize(("active", "followers"), [("true", 1), ("false", 0)])
+def test_only_active_equalities_make_followers(tmp_path, active, followers):
+    tied = f'<equality><joint joint1="slide" joint2="hinge" active="{active}"/></equality>'
+    urdf = read_urdf(write_urdf(write(tmp_path, chest(HINGE + PANEL, after=tied)), tmp_path))
+    assert sum(joint.mimic is not None for joint in urdf.joints) == followers
+
+
+def test_masses_do_not_decide_whether_a_file_is_read(tmp_path):
+    """They are not used: a file whose bodies have none gives the same URDF."""
+    light = chest(HINGE + PANEL).replace("<compiler", '<compiler inertiagrouprange="4 4"')
+    with pytest.raises(ValueError, match="mass and inertia"):
+        mujoco.MjModel.from_xml_string(light)
+    texts = []
+    for name, text in (("a", light), ("b", chest(HINGE + PANEL))):
+        (tmp_path / name).mkdir()
+        texts.append(write_urdf(write(tmp_path / name, text), tmp_path / name).read_text())
+    assert texts[0] == texts[1]
+
+
+@pytest.mark.parametrize(
+    ("box", "sticker", "shown"),
+    [
+        ("", 'contype="0" conaffinity="0"', {"box", "board", "panel", "sticker"}),
+        ('group="1" contype="0" conaffinity="0"', 'group="0"', {"box", "board", "panel"}),
+        ("", "", {"box", "board", "panel", "sticker"}),
+    ],
+)
+def test_a_group_of_collision_shapes_is_hidden_where_another_group_is_drawn(tmp_path, box, sticker, shown):
+    more = f'<geom name="sticker" type="box" size="0.001 0.03 0.03" pos="-0.011 0.2 0.1" {sticker}/>'
+    before = f"<default><geom {box}/></default>"
+    more = more if "contype" in sticker else more.replace("/>", ' contype="1" conaffinity="1"/>')
+    urdf = read_urdf(write_urdf(write(tmp_path, chest(HINGE + PANEL + more, before=before)), tmp_path))
+    assert {shape.name for shape in urdf.visuals} == shown
+
+
+def test_a_slide_without_range_is_named_as_in_the_file(tmp_path):
+    path = write(tmp_path, chest(HINGE + PANEL, tray=""))
+    with pytest.raises(SourceError, match=rf"^{path}: joint 'slide' slides without limits, expected a range"):
+        write_urdf(path, tmp_path)
+
+
+@pytest.mark.parametrize("turn", ["1 0 0", "0 1 0", "0.3 0.4 0.5"])
+def test_an_object_stands_as_its_root_body_stands(tmp_path, turn):
+    """Turning the root and counter-turning the world is nothing: a turned object has turned extents."""
+    tilted = chest(HINGE + PANEL).replace('name="chest"', f'name="chest" euler="{turn}"')
+    path = write(tmp_path, tilted)
+    urdf = read_urdf(write_urdf(path, tmp_path))
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    for name, T in place_urdf(urdf, {}).items():
+        np.testing.assert_allclose(T[:3, :3], data.geom(name).xmat.reshape(3, 3), atol=1e-6)
+
+
+def test_a_texture_on_a_primitive_shows_as_its_mean_colour(tmp_path):
+    pixels = np.zeros((4, 4, 3), dtype=np.uint8)
+    pixels[:, :2, 0], pixels[:, 2:, 2] = 200, 100
+    Image.fromarray(pixels).save(tmp_path / "two.png")
+    look = (
+        '<asset><texture name="t" type="2d" file="two.png"/>'
+        '<material name="m" texture="t" rgba="1 1 0.5 1"/></asset>'
+    )
+    panel = PANEL.replace("/>", ' material="m"/>')
+    source = read_source(write(tmp_path, chest(HINGE + panel, before=look)), tmp_path)
+    colors = [m.color for v in source.visuals for m in parse_mtl(v.path.with_suffix(".mtl")).values()]
+    assert min(colors, key=lambda color: color[1]) == pytest.approx((100 / 255, 0, 25 / 255), abs=2 / 255)
+
+
+@pytest.mark.parametrize(
+    ("joints", "kept"),
+    [
+        ((("hinge", 1.5), ("slide", 0.1), ("hinge", 0.4)), 0),
+        ((("hinge", 0.4), ("slide", 2.0), ("hinge", 1.5)), 2),
+        ((("slide", 0.1), ("slide", 0.3), ("slide", 0.3), ("slide", 0.2)), 2),
+        ((("hinge", 1.5), ("hinge", None), ("slide", 0.3)), 1),
+    ],
+)
+def test_of_any_number_of_joints_of_one_body_the_furthest_turn_is_kept(tmp_path, joints, kept):
+    ranges = ["" if upper is None else f'range="0 {upper}"' for _, upper in joints]
+    rows = [
+        f'<joint name="j{number}" type="{kind}" axis="0 {number} 1" {ranges[number]}/>'
+        for number, (kind, _) in enumerate(joints)
+    ]
+    asset = read_source(write(tmp_path, chest("".join(rows) + PANEL)), tmp_path).asset
+    assert sum(part.joint.type != "fixed" for part in asset.parts) == 2
+    assert sum(f"'j{kept}'" in note and "is kept" in note for note in asset.notes) == 1
+    assert any(f"'j{kept}' (" in note for note in asset.notes)
 
 
 @pytest.mark.parametrize("category", ["Microwave", "StorageFurniture", "TrashCan"])

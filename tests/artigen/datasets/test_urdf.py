@@ -13,10 +13,13 @@ from artigen.datasets.categories import guess_category
 from artigen.datasets.part_labels import JOINT_TABLE, MovingPart, find_word, label_by_joint
 from artigen.datasets.source_object import ReaderConfig
 from artigen.datasets.sources import find_layout, find_sources, name_source, read_source
+from artigen.datasets.urdf_file import read_urdf
 from artigen.datasets.urdf_object import turn_upright
 from artigen.errors import SourceError
+from artigen.files.urdf import UrdfJoint, parse_urdf
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
+from artigen.transforms import rotation_about
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
 from sim_export.reference import ReferenceConfig, build_reference
@@ -158,6 +161,83 @@ def test_followers_close_and_open_with_their_leader(tmp_path):
     assert [leader for _, leader in found.follows] == ["door_0", "door_0"]
     last = found.asset.parts[3].joint
     assert last.upper * found.asset.scale == pytest.approx(0.2 * 0.6)
+
+
+def place_links(joints: list[UrdfJoint], leader: float) -> dict[str, np.ndarray]:
+    """Poses of links that hang from the body, at a coordinate of ``to_flap``."""
+    by_name = {one.name: one for one in joints}
+
+    def value(one: UrdfJoint) -> float:
+        at = by_name.get(one.mimic or "")
+        return leader if at is None else one.mimic_multiplier * value(at) + one.mimic_offset
+
+    return {one.child: one.T_parent_joint @ _step(one, value(one)) for one in joints}
+
+
+def _step(one: UrdfJoint, value: float) -> np.ndarray:
+    T = np.eye(4)
+    if one.type == "prismatic":
+        T[:3, 3] = value * one.axis
+    else:
+        T[:3, :3] = rotation_about(one.axis, np.array([value]))[0]
+    return T
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.1, -0.7])
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+def test_offsets_of_mimics_move_origins_and_nothing_else(tmp_path, kind, offset):
+    """At every coordinate of the leader, followers of followers included, all links are where they were."""
+    rows = (
+        flap(limits=(0, 1.2)),
+        joint(kind, "body", "leaf", xyz=(0.1, 0.2, 0.3), axis=(0, 0.6, 0.8), limits=(-1, 2),
+              extra=f'<mimic joint="to_flap" multiplier="-0.5" offset="{offset}"/>'),
+        joint("prismatic", "body", "bolt", axis=(1, 0, 0), limits=(-1, 1),
+              extra='<mimic joint="to_leaf" multiplier="0.2" offset="0.05"/>'),
+    )  # fmt: skip
+    small = [link(name, box_visual((0.02, 0.05, 0.02))) for name in ("leaf", "bolt")]
+    path = tmp_path / "thing.urdf"
+    path.write_text(urdf(BODY, FLAP, *small, *rows))
+    written, folded = parse_urdf(path).joints, read_urdf(path).joints
+    assert all(one.mimic_offset == 0.0 for one in folded)
+    for q in (0.0, 0.4, 1.2):
+        before, after = place_links(list(written), q), place_links(list(folded), q)
+        for name, T in before.items():
+            np.testing.assert_allclose(after[name], T, atol=1e-12)
+    assert len(read(tmp_path, BODY, FLAP, *small, *rows).follows) == 2
+
+
+@pytest.mark.parametrize(("axis", "multiplier"), [((0, 0, 1), 0.005), ((0, 0, -1), -0.005)])
+@pytest.mark.parametrize("offset", [0.0, 0.02])
+def test_a_screw_climbs_the_same_way_however_it_is_written(tmp_path, axis, multiplier, offset):
+    carrier = joint("revolute", "body", "carrier", xyz=(0, 0, 0.4), axis=(0, 0, 1), limits=(0, 6))
+    said = f'<mimic joint="to_carrier" multiplier="{multiplier}" offset="{np.sign(multiplier) * offset}"/>'
+    travel = joint("prismatic", "carrier", "cap", axis=axis, limits=(-0.1, 0.1), extra=said)
+    cap = link("cap", box_visual((0.05, 0.05, 0.02), (0, 0, 0.01)))
+    asset = read(tmp_path, BODY, link("carrier"), cap, carrier, travel).asset
+    screw = asset.parts[1]
+    np.testing.assert_allclose(screw.joint.axis, (0, 0, 1), atol=1e-9)
+    assert screw.joint.upper == pytest.approx(6.0)
+    rise = (screw.box[0][2] - asset.parts[0].box[0][2]) * asset.scale
+    assert rise == pytest.approx(0.41 + offset, abs=1e-5)
+
+
+def test_meshes_beside_a_linked_urdf_may_be_links_into_its_store(tmp_path):
+    """As in the cache of Hugging Face; a link that leads elsewhere is refused as before."""
+    store, shown = tmp_path / "cache" / "blobs", tmp_path / "cache" / "snapshots" / "abc"
+    (shown / "meshes").mkdir(parents=True)
+    store.mkdir()
+    trimesh.creation.box((0.02, 0.6, 0.3)).export(store / "2222", file_type="stl")
+    flap_link = link("flap", mesh_visual("meshes/flap.stl"))
+    (store / "1111").write_text(urdf(BODY, flap_link, flap()))
+    (shown / "cabinet.urdf").symlink_to(Path("../../blobs/1111"))
+    (shown / "meshes" / "flap.stl").symlink_to(Path("../../../blobs/2222"))
+    found = read_source(shown / "cabinet.urdf", tmp_path, FAST).asset
+    assert [part.joint.type for part in found.parts] == ["fixed", "revolute"]
+    (shown / "meshes" / "flap.stl").unlink()
+    (store / "2222").rename(tmp_path / "2222")
+    (shown / "meshes" / "flap.stl").symlink_to(tmp_path / "2222")
+    with pytest.raises(SourceError, match="expected a path inside of"):
+        read_source(shown / "cabinet.urdf", tmp_path, FAST)
 
 
 def test_scaled_meshes_of_a_package_are_found_and_fit(tmp_path):
@@ -399,6 +479,18 @@ def test_sources_are_found_in_folders_and_called_by_what_tells_them_apart(tmp_pa
     assert name_source(tmp_path / "a" / "model.urdf") == "a"
     with pytest.raises(SourceError, match="is no object: expected a URDF"):
         read_source(tmp_path, tmp_path)
+
+
+@pytest.mark.parametrize("inner", ["", "urdf/", "robot/urdf/"])
+@pytest.mark.parametrize("file", ["robot.urdf", "model.urdf", "mobility.urdf"])
+def test_generic_names_of_files_and_folders_tell_no_objects_apart(tmp_path, inner, file):
+    for name in ("chest", "lamp"):
+        path = tmp_path / name / f"{inner}{file}"
+        path.parent.mkdir(parents=True)
+        path.write_text("")
+        assert name_source(path) == name
+        if inner:
+            assert name_source(path.parent) == name
 
 
 @pytest.mark.parametrize("visual", ["voxels", "source"])

@@ -87,9 +87,10 @@ def test_workers_are_one_per_core_that_memory_suffices_for(
     assert choose_workers(5) == 5
 
 
-def test_no_workers_are_refused():
-    with pytest.raises(ArtigenError, match="0 workers"):
-        choose_workers(0)
+def test_less_than_no_workers_are_refused():
+    assert choose_workers(0) == 0
+    with pytest.raises(ArtigenError, match="-1 workers: expected 0 or more"):
+        choose_workers(-1)
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="affinity is Linux's")

@@ -21,7 +21,7 @@ from artigen.cli.batch import (
     take_part,
 )
 from artigen.errors import ArtigenError
-from artigen.runtime.runner import LocalRunner, run_jobs
+from artigen.runtime.runner import LocalRunner, choose_runner, run_jobs
 from artigen.runtime.workers import Worker
 
 
@@ -169,4 +169,11 @@ def _is_zombie(pid: int) -> bool:
 def test_local_jobs_are_answered_in_processes_of_their_own(tmp_path: Path):
     answers = list(run_jobs(do, notes(tmp_path, 3), LocalRunner(workers=2)))
     assert sorted(answer.key for answer in answers) == ["n0", "n1", "n2"]
+    assert times_done(tmp_path) == {"n0": 1, "n1": 1, "n2": 1}
+
+
+def test_without_workers_jobs_run_here_in_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(Worker, "_start", lambda worker: pytest.fail("a process was started"))
+    runner = choose_runner("local", 0).begin_with(Worker())
+    assert [answer.key for answer in run_jobs(do, notes(tmp_path, 3), runner)] == ["n0", "n1", "n2"]
     assert times_done(tmp_path) == {"n0": 1, "n1": 1, "n2": 1}

@@ -8,7 +8,7 @@ import time
 import pytest
 
 from artigen.errors import SourceError
-from artigen.runtime.workers import Outcome, Worker, run_supervised
+from artigen.runtime.workers import InProcess, Outcome, Worker, run_supervised
 
 
 def act(item: str) -> str:
@@ -72,6 +72,16 @@ def test_good_items_survive_their_neighbours(outcomes):
 def test_each_failure_is_one_sentence(outcomes, item, sentence):
     assert outcomes[item].value is None
     assert outcomes[item].error == sentence
+    assert outcomes[item].stopped == (item in ("kill", "memory", "tensor", "hang"))
+
+
+def test_in_process_only_unexpected_errors_are_raised_with_their_traceback():
+    worker = InProcess()
+    assert worker.call(act, "a", 0.0).value == "A"
+    assert worker.call(act, "raise", 1.0).error == "mobility.urdf: joint 'joint_0' has no parent"
+    with pytest.raises(KeyError, match="oops") as caught:
+        worker.call(act, "bug", 1.0)
+    assert any(entry.name == "act" for entry in caught.traceback)
 
 
 def test_a_worker_is_replaced_after_a_crash():

@@ -5,6 +5,7 @@ import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import accelerate
 import numpy as np
 import pytest
 import torch
@@ -16,7 +17,7 @@ from artigen.latent.structure_flow import StructureFlow
 from artigen.latent.structure_vae import StructureVae
 from artigen.runtime.journal import read_lines
 from artigen.train.decoder import guess_latents, train_decoder
-from artigen.train.loop import LoopConfig, train
+from artigen.train.loop import LoopConfig, seed_step, train
 from artigen.train.structure import encode_examples, latent_batch, measure_latents
 from artigen.train.structure_losses import StructureLossConfig
 
@@ -55,7 +56,23 @@ def fit(folder: Path, steps: int, total: int) -> torch.nn.Module:
     return train(network, losses, itertools.repeat(Points(torch.linspace(-1, 1, 8)[:, None])), folder, cfg)
 
 
-def test_a_run_that_is_stopped_ends_like_one_that_is_not(tmp_path: Path):
+def test_every_step_of_every_process_has_random_numbers_of_its_own():
+    def draw(seed: int, process: int, step: int) -> tuple[float, ...]:
+        generator = torch.Generator()
+        torch.rand(step + 3, generator=generator)
+        seed_step(generator, seed, process, step)
+        return tuple(torch.rand(4, generator=generator).tolist())
+
+    places = list(itertools.product((0, 1), (0, 1, 2), (0, 1, 500)))
+    assert len({draw(*place) for place in places}) == len(places)
+    assert [draw(*place) for place in places] == [draw(*place) for place in places]
+
+
+@pytest.mark.parametrize("process", [0, 3])
+def test_a_run_that_is_stopped_ends_like_one_that_is_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, process: int
+):
+    monkeypatch.setattr(accelerate.Accelerator, "process_index", property(lambda _: process))
     whole = fit(tmp_path / "whole", 80, 80)
     with pytest.raises(KeyboardInterrupt):
         fit(tmp_path / "parts", 30, 80)

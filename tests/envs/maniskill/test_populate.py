@@ -353,7 +353,7 @@ def test_a_scene_file_survives_a_round_trip_and_a_move(rooms, folder, tmp_path):
     assert any(placement.joints for placement in room.placements)
     path = write_room(room, tmp_path / "here")
     assert read_room(path) == room
-    assert read_room(tmp_path / "here") == room
+    assert read_room(tmp_path / "here") == room == read_room(str(tmp_path / "here"))
     value = json.loads(path.read_text())
     assert value["version"] == 1
     assert not any(Path(entry["package"]).is_absolute() for entry in value["placements"])
@@ -366,6 +366,31 @@ def test_a_scene_file_survives_a_round_trip_and_a_move(rooms, folder, tmp_path):
     path.write_text(json.dumps(value | {"version": 99}))
     with pytest.raises(SceneFileError, match="version 1"):
         read_room(path)
+
+
+@pytest.mark.parametrize("wrong", [3, None, ["a"]])
+def test_a_provenance_that_is_no_text_is_named_by_its_key(folder, tmp_path, wrong):
+    path = write_room(populate("kitchen", 3, read_catalogue(folder)), tmp_path)
+    written = json.loads(path.read_text())
+    for owner, entry in (("the room", written), (written["placements"][1]["id"], written["placements"][1])):
+        kept = entry["provenance"]
+        entry["provenance"] = kept | {"origin": wrong}
+        path.write_text(json.dumps(written))
+        with pytest.raises(SceneFileError, match=f"'provenance' of {owner}: 'origin' is .*, expected a text"):
+            read_room(path)
+        entry["provenance"] = wrong
+        path.write_text(json.dumps(written))
+        with pytest.raises(SceneFileError, match=f"'provenance' of {owner} is .*, expected an object"):
+            read_room(path)
+        entry["provenance"] = kept
+
+
+@pytest.mark.parametrize("depth", [1, 2, 3])
+def test_packages_are_found_at_any_depth_but_not_in_hidden_folders(tmp_path, depth):
+    inner = tmp_path.joinpath(*(["sub"] * (depth - 1)))
+    write_proven(FURNITURE[0], inner)
+    write_proven(FURNITURE[1], tmp_path / ".hidden")
+    assert [entry.name for entry in read_catalogue(tmp_path).entries] == [FURNITURE[0].name]
 
 
 def test_open_doors_touch_nothing(rooms):

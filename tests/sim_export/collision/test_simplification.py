@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.primitives import Primitive, box, cylinder, place_vertices, prism, rounded_box
-from sim_export.collision.simplification import simplify_hulls, simplify_links
+from sim_export.collision.simplification import measure_simplified, simplify_hulls, simplify_links
 from sim_export.geometry.hulls import convex_hull, hull_planes, hull_volume, hull_width
 from sim_export.geometry.primitives import find_primitive
 from sim_export.geometry.solids import as_solid
@@ -54,6 +54,14 @@ def test_primitives_stay_the_same_objects():
     solids = [box((0, 0, 0), (1, 2, 3), ""), cylinder((0, 0, 0), (0, 0, 1), 0.2, "")]
     hulls = [hull_of(solid) for solid in solids]
     assert all(new is old for new, old in zip(simplify_hulls(hulls), hulls, strict=True))
+
+
+@pytest.mark.parametrize("bevel", [0.0, 1e-4, 0.001, 0.003, 0.008])
+def test_the_measured_difference_is_that_of_the_bevel_and_none_for_what_stays(bevel: float):
+    hulls = [bevelled(bevel) if bevel else hull_of(box((0, 0, 0), (0.3, 0.4, 0.02), ""))]
+    simple = simplify_hulls(hulls)
+    (apart,) = measure_simplified(hulls, simple)
+    assert apart == pytest.approx(0.0 if simple[0] is hulls[0] else CORNER * bevel, abs=1e-9)
 
 
 @pytest.mark.parametrize(("share", "kind"), [(0.99, "box"), (1.01, "mesh")])

@@ -24,6 +24,7 @@ from sim_export.physics.links import PartGeometry, build_links
 from sim_export.physics.materials import (
     GRAVITY,
     MATERIALS,
+    MaterialName,
     joint_resistance,
     part_material,
     physx_friction_coefficient,
@@ -219,11 +220,28 @@ def test_a_wheel_resists_rolling_by_its_load_and_radius_and_a_swivel_does_not(st
     assert [joint.friction for joint in tree.joints] == pytest.approx([expected] * 4)
 
 
+HANDBOOK = {
+    "wood_board": (450, 800), "steel_sheet": (7700, 8050), "steel": (7700, 8050), "glass": (2400, 2600),
+    "insulating_glass": (2400, 2600), "plastic": (900, 1450), "rubber": (900, 1300), "stone": (2300, 2900),
+    "foam_panel": (30, 200),
+}  # fmt: skip
+"""Densities (kg/m^3) of the solids."""
+
+
+@pytest.mark.parametrize("name", MATERIALS)
+def test_a_density_is_that_of_the_solid_and_the_rest_of_a_piece_is_air(name: MaterialName):
+    material = MATERIALS[name]
+    low, high = HANDBOOK[name]
+    assert low <= material.density <= high
+    assert 0.0 < material.filled <= 1.0
+    assert material.bulk == material.density * material.filled
+
+
 def test_every_part_has_a_material_and_every_joint_resists():
     for category in (*PAPER_CATEGORIES, "Bottle", "Faucet", "something new"):
         for label in PART_LABELS:
             material = MATERIALS[part_material(label, category)]
-            assert 50 < material.density < 8000
+            assert 50 < material.bulk <= material.density < 8000
             assert 0 < material.sliding_friction <= material.static_friction <= 1
     for label in PART_LABELS:
         for kind in JOINT_TYPES:

@@ -91,7 +91,7 @@ def test_steel_weighs_what_a_hollow_bar_or_a_rack_does_however_thick_its_voxels_
     steel = MATERIALS["steel"]
     area = 2 * 0.75**2 + 4 * 0.75 * 2 / 32
     weight = weigh_part(asset, 0, mesh, part_occupancy(grid, 0)).mass
-    assert weight == pytest.approx(steel.density * steel.thickest * area / 2, rel=1e-6)
+    assert weight == pytest.approx(steel.bulk * steel.thickest * area / 2, rel=1e-6)
 
 
 def test_a_body_with_known_walls_weighs_as_much_as_these_all_over():

@@ -131,3 +131,15 @@ def test_a_closed_base_reaches_the_floor_all_around_and_leaves_room_for_toes(cat
         assert corners[:, 0].max() == pytest.approx(high[0])
         assert corners[:, 0].min() > low[0] + 0.009
     assert 4 <= based <= 20
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_every_front_of_an_oven_has_a_handle_whether_bar_or_lip(seed: int):
+    """What is seen and taken by hand is a part of its own, so that packages can annotate it."""
+    shape = draw_shape("Oven", seed)
+    fronts = {part.name for part in shape.parts if part.label in ("door", "drawer")}
+    handles = [part for part in shape.parts if part.label == "handle"]
+    assert {part.parent for part in handles} == fronts
+    for part in handles:
+        front = next(one for one in shape.parts if one.name == part.parent)
+        assert part.bounds()[0][0] < front.bounds()[0][0] - 0.01  # it stands out
