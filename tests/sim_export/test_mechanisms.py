@@ -11,8 +11,7 @@ import pytest
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.poses import lead_followers
 from artigen.shapes.shape import Motion, Shape
-from sim_export.checks.suite import run_checks
-from sim_export.errors import InvalidKinematics, PackageError
+from sim_export.errors import InvalidKinematics
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
 from sim_export.fingerprint import hash_geometry
