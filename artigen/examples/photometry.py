@@ -41,7 +41,7 @@ def vary_photometry(
         image = cv2.add(image, noise, dtype=cv2.CV_8U)
     if rng.random() < 0.5:
         coded = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, int(rng.integers(25, 95))])[1]
-        image = cv2.imdecode(coded, cv2.IMREAD_COLOR)
+        image = np.asarray(cv2.imdecode(coded, cv2.IMREAD_COLOR))
     return image
 
 

@@ -303,7 +303,7 @@ def _paste_fronts(
         warped = cv2.warpPerspective(cutout.pixels, to_view, (size, size), flags=cv2.INTER_AREA)
         quad = np.zeros(ids.shape, np.uint8)
         cv2.fillConvexPoly(quad, corners.round().astype(np.int32), 1)
-        inside = (quad > 0) & (mask | _on_front(ids, parts, index, quad > 0))
+        inside = (quad > 0) & (mask | _on_front(ids, parts, int(index), quad > 0))
         shade = 0.35 + 0.65 * _shading(rgb, mask) if rng.random() < 0.5 else 1.0
         rgb[inside] = np.clip(warped[inside].astype(np.float32) / 255 * tint * shade, 0, 1)
         ids[inside] = index

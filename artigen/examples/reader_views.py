@@ -348,7 +348,7 @@ def _furnish(
             (
                 f"room.{len(finishes)}",
                 Finish(
-                    kind=kinds[rng.integers(len(kinds))],
+                    kind=kinds[int(rng.integers(len(kinds)))],
                     color=tuple(color.tolist()),
                     accent=tuple(np.clip(color * rng.uniform(0.5, 1.1), 0, 1).tolist()),
                     grain=(0.0, 1.0, 0.0) if rng.random() < 0.5 else (1.0, 0.0, 0.0),

@@ -20,7 +20,7 @@ def draw_reading(image: "Image.Image", reading: Reading) -> "Image.Image":
     from PIL import Image, ImageDraw, ImageFont
 
     scale = min(1.0, EDGE / max(image.size))
-    size = tuple(max(1, round(edge * scale)) for edge in image.size)
+    size = (max(1, round(image.width * scale)), max(1, round(image.height * scale)))
     out = Image.new("RGB", size, (255, 255, 255))
     out.paste(image.convert("RGB").resize(size), (0, 0), image.getchannel("A").resize(size))
     pen, font = ImageDraw.Draw(out), ImageFont.load_default(max(11, max(size) // 50))

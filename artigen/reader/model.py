@@ -66,7 +66,8 @@ def load_reader(folder: Path) -> Reader:
     load_model(network, folder, NAME)
     load_model(kinds, folder, KINDS, unpack_bytes)
     for one in (network, kinds):
-        one.requires_grad_(requires_grad=False).to(memory_format=torch.channels_last)
+        one.requires_grad_(requires_grad=False)
+        one.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     return Reader(network=network, kinds=kinds, counts=shares)
 
 

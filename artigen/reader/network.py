@@ -12,7 +12,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from artigen.reader.labels import HINGES, KINDS, MATERIALS, STANDS, THINGS
-from artigen.reader.trunk import Trunk
+from artigen.reader.trunk import Block, Trunk
 
 STRIDE = 4
 """Pixels of a cell's edge."""
@@ -74,19 +74,20 @@ class ReaderNetwork(nn.Module):
         self.first_tuned = 0 if cfg.tuned_from == 0 else self.trunk.taps[(4, 8, 16).index(cfg.tuned_from)] + 1
         self.trunk.stem.requires_grad_(requires_grad=False)
         for index, block in enumerate(self.trunk.blocks):
+            assert isinstance(block, Block)
             if index < self.first_tuned:
                 block.requires_grad_(requires_grad=False)
             # General filters, whose gradients would cost most of a step.
-            block.depth.weight.requires_grad_(requires_grad=False)
+            block.depth.weight.requires_grad = False
         self.sides = nn.ModuleList(nn.Conv2d(channels, cfg.width, 1) for channels in self.trunk.channels)
         self.fuse = nn.ModuleList(_Fuse(cfg.width) for _ in self.trunk.channels)
         self.last = _Fuse(cfg.width)
         self.heat = nn.Conv2d(cfg.width, len(THINGS), 1)
         self.attributes = nn.Conv2d(cfg.width, sum(ATTRIBUTES.values()), 1)
-        with torch.no_grad():
-            self.heat.bias.fill_(PRIOR)
-            self.attributes.bias.zero_()
-            self.attributes.bias[: ATTRIBUTES["box"]] = torch.tensor(REACH).repeat_interleave(4)
+        reach = torch.zeros(sum(ATTRIBUTES.values()))
+        reach[: ATTRIBUTES["box"]] = torch.tensor(REACH).repeat_interleave(4)
+        self.heat.bias = nn.Parameter(torch.full((len(THINGS),), PRIOR))
+        self.attributes.bias = nn.Parameter(reach)
 
     def forward(self, pixels: Tensor) -> Maps:
         """Reads RGB pixels from 0 to 255, [B, 3, H, W]; H and W are multiples of 32."""

@@ -157,7 +157,7 @@ def _place(image: "Image.Image") -> _Sheet:
     from PIL import Image as PillowImage
 
     scale = EDGE / max(image.size)
-    extent = tuple(max(8, round(edge * scale)) for edge in image.size)
+    extent = (max(8, round(image.width * scale)), max(8, round(image.height * scale)))
     small = image.resize(extent, PillowImage.Resampling.BOX if scale < 1 else PillowImage.Resampling.BILINEAR)
     origin = ((EDGE - extent[0]) // 2, (EDGE - extent[1]) // 2)
     square = PillowImage.new("RGB", (EDGE, EDGE), (PAD, PAD, PAD))

@@ -124,7 +124,7 @@ def make_batch(pictures: Sequence[Picture]) -> ReaderBatch:
     extent = np.stack([x1 - x0, y1 - y0], axis=1)[:, None]
     corners = (known["corners"] - known["box"][:, None, :2]) / np.maximum(extent, 1.0)
 
-    def number(values: np.ndarray) -> Tensor:
+    def as_tensor(values: np.ndarray) -> Tensor:
         return torch.from_numpy(np.ascontiguousarray(values, dtype=np.float32))
 
     def index(name: str) -> Tensor:
@@ -133,11 +133,11 @@ def make_batch(pictures: Sequence[Picture]) -> ReaderBatch:
     return ReaderBatch(
         pixels=torch.from_numpy(np.stack([p.pixels for p in pictures])).permute(0, 3, 1, 2),
         heat=torch.from_numpy(np.stack(heats)),
-        weight=number(np.stack([p.weight for p in pictures])),
+        weight=as_tensor(np.stack([p.weight for p in pictures])),
         place=torch.from_numpy(place.astype(np.int64)),
-        box=number(box),
-        corners=number(corners.reshape(-1, 8)),
+        box=as_tensor(box),
+        corners=as_tensor(corners.reshape(-1, 8)),
         **{name: index(name) for name in ("door", "hinge", "open", "pane", "material", "kind", "stand")},
-        view=number(known["view"]),
-        size=number(np.log(known["size"])),
+        view=as_tensor(known["view"]),
+        size=as_tensor(np.log(known["size"])),
     )

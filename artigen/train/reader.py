@@ -195,7 +195,7 @@ def train_reader(cfg: ReaderRunConfig) -> dict[str, float]:
         load_pretrained(network.trunk, find_trunk(cfg))
     else:
         network.load_state_dict(load_reader(cfg.start).network.state_dict())
-    network = network.to(memory_format=torch.channels_last).train()
+    network.to(memory_format=torch.channels_last).train()  # type: ignore[call-overload]
     stage = cfg.folder / "reader"
     batches = draw_batches(cfg, shards, finished_steps(stage), state.num_processes, state.process_index)
     loop = LoopConfig(
