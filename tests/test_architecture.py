@@ -20,6 +20,7 @@ SHARED = {
     "kinematics",
     "io",
     "errors",
+    "kind",
     "files",
     "runtime",
     "shapes",
@@ -42,10 +43,11 @@ MODEL_CODE = (
 )
 """The only places where torch is imported."""
 LAYERS = (
-    {"errors", "types", "transforms", "kinematics", "camera", "io"},
+    {"errors", "types", "kind", "transforms", "kinematics", "camera", "io"},
     {"files", "runtime"},
     {"voxels"},
     {"shapes"},
+    {"kinds"},
     {"splats", "datasets", "conditioning"},
     {"models"},
     {"sketch"},

@@ -7,9 +7,9 @@ from typing import TypeVar
 
 from artigen.conditioning.prompt import COLORS, ParsedText, parse_text
 from artigen.errors import ArtigenError
+from artigen.kind import find_kind
 from artigen.shapes.draw import Wish, check_wish
 from artigen.sketch.request import (
-    ALSO_OF,
     MATERIAL_OF,
     ROLES_OF,
     FinishRequest,
@@ -93,7 +93,8 @@ def find_finishes(
         colors: Colour words by the label they refer to; ``base`` is the whole object.
         category: Category of the object, if known.
     """
-    also = ALSO_OF.get(category or "", ())
+    kind = None if category is None else find_kind(category)
+    also = () if kind is None else kind.colored
     found: dict[str, FinishRequest] = {}
     for label, word in sorted(colors, key=lambda named: named[0] != "base"):
         for role in (*ROLES_OF[label], *(also if label == "base" else ())):

@@ -12,8 +12,9 @@ from artigen.conditioning.prompt import (
     parse_text,
     write_text,
 )
-from artigen.shapes.draw import categories, draw_shape
-from artigen.types import PAPER_CATEGORIES, PART_LABELS
+from artigen.kind import kinds, paper_kinds
+from artigen.shapes.draw import draw_shape
+from artigen.types import PART_LABELS
 
 
 def test_a_sentence_says_category_counts_and_size():
@@ -41,7 +42,7 @@ def test_every_noun_is_understood_in_both_numbers(noun: str):
     for word in (noun, noun + "s" if not noun.endswith("f") else noun):
         if noun != "chest of drawers":
             assert parse_text(f"one {word}").category == CATEGORY_WORDS[noun]
-    assert CATEGORY_WORDS[noun] in categories()
+    assert CATEGORY_WORDS[noun] in kinds()
 
 
 @pytest.mark.parametrize("part", sorted(PART_WORDS))
@@ -80,7 +81,7 @@ def test_nothing_is_invented():
     assert parse_text("microwave") == ParsedText(category="Microwave")
 
 
-@pytest.mark.parametrize("category", PAPER_CATEGORIES)
+@pytest.mark.parametrize("category", paper_kinds())
 def test_a_written_sentence_says_what_is_read_out_of_it(category: str):
     for seed in range(20):
         counts = dict(draw_shape(category, seed).condition.counts)
@@ -91,5 +92,5 @@ def test_a_written_sentence_says_what_is_read_out_of_it(category: str):
 
 
 def test_every_category_has_a_noun_and_parts_of_others_are_none():
-    assert set(CATEGORY_WORDS.values()) | {"Dresser", "Wardrobe"} == set(categories())
+    assert set(CATEGORY_WORDS.values()) | {"Dresser", "Wardrobe"} == set(kinds())
     assert parse_text("an oven with a window and a door").category == "Oven"
