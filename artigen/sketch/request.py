@@ -31,8 +31,6 @@ ROLES_OF: Mapping[PartLabel, tuple[str, ...]] = {
     "tray": ("steel",),
 }
 """Finishes that a colour requested for a label applies to."""
-MATERIAL_OF: Mapping[str, FinishKind] = {"oak": "wood", "walnut": "wood", "steel": "steel", "silver": "steel"}
-"""Colour words that also imply a material."""
 
 
 @dataclass(frozen=True, kw_only=True)

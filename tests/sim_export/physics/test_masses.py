@@ -104,9 +104,7 @@ def test_a_body_with_known_walls_weighs_as_much_as_these_all_over():
     area = 2 * (x * y + y * z + z * x)
     assert part_material("base", "Toilet") == "stone"
     thickness = find_make("Toilet").wall["stone"]
-    assert walls.mass == pytest.approx(
-        MATERIALS["stone"].density * thickness * area / 2
-    )
+    assert walls.mass == pytest.approx(MATERIALS["stone"].density * thickness * area / 2)
     np.testing.assert_allclose(walls.com, asset.parts[0].box[0], atol=1e-9)
 
 
