@@ -136,7 +136,7 @@ KIND = Kind(
     feet=True,
     trade="furniture",
     synset="chest_of_drawers.n.01",
-    wikidata=None,
+    wikidata="Q14745",  # furniture
     partnet="StorageFurniture",
     body="dresser_body",
     places=(Place(role="dresser", low=(0.35, 0.6, 0.6), high=(0.7, 1.8, 1.4), draws=((0.0, 1.2, 0.0),)),),

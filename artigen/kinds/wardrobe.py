@@ -134,7 +134,7 @@ KIND = Kind(
     feet=True,
     trade="furniture",
     synset="wardrobe.n.01",
-    wikidata=None,
+    wikidata="Q14745",  # furniture
     partnet="StorageFurniture",
     body="wardrobe_body",
     places=(Place(role="wardrobe", low=(0.35, 0.45, 1.4), high=(0.75, 1.8, 2.4), draws=((0.0, 1.2, 0.0),)),),
