@@ -76,6 +76,8 @@ def plurals(*nouns: str) -> dict[str, str]:
 
 
 def _plural(noun: str) -> str:
+    if noun.endswith("shelf"):
+        return noun.removesuffix("f") + "ves"
     hissing = noun.endswith(("s", "x", "z", "ch", "sh"))
     return noun + ("es" if hissing else "s")
 

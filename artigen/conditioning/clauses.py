@@ -17,6 +17,7 @@ from artigen.conditioning.vocabulary import (
     PART_NOUNS,
     PARTS,
     PIECES,
+    SCALES,
     SHADES,
     STYLES,
     UNITS,
@@ -170,6 +171,11 @@ def _read_style(reading: Reading) -> Reading:
                 continue
             if words[at] in SHADES and at + 1 < len(words) and words[at + 1] in PAINTS:
                 continue
+            if words[at] in SCALES and at not in reading.head and reading.found.style is not None:
+                continue
+            if reading.found.style in SCALES:  # "a large leather suitcase" has the style of leather
+                first = words.index(reading.found.style)
+                reading = replace(reading, used=reading.used - {first}).say(style=None)
             if reading.found.style not in (None, style):
                 raise TextError(f"styles {reading.found.style} and {style} are asked for; name one")
             reading = reading.take(at, count).say(style=style)
@@ -250,6 +256,10 @@ def _read_adjectives(reading: Reading) -> Reading:
         if known.get(axis, factor) != factor:
             raise TextError(f"{word!r} contradicts an earlier word about the {axis}")
         reading = reading.take(at).say(stretch=tuple(sorted({**known, axis: factor}.items())))
+    for at, word in enumerate(reading.words):
+        if word in SCALES and at not in reading.used and not _describes_part(reading, at):
+            stretch = {**dict.fromkeys(AXES, SCALES[word]), **dict(reading.found.stretch)}
+            reading = reading.take(at).say(stretch=tuple(sorted(stretch.items())))
     return reading
 
 

@@ -99,12 +99,13 @@ def _is_description(words: tuple[str, ...], at: int) -> bool:
 
 def _find_before(words: tuple[str, ...], at: int, head: range, known: dict[str, str]) -> str:
     """What a colour after its noun belongs to: the noun that it is linked to, else the object."""
-    place, linked = at - 1, False
+    place = at - 1
     while place >= 0 and words[place] in LINKS:
-        place, linked = place - 1, True
-    if place < 0 or not linked:
+        place -= 1
+    link = words[place + 1 : at]
+    if place < 0 or not link:
         return OBJECT
     target = _name_target(words, place, head)
-    if target in ("drawer", "door", "shelf", "tray") and OBJECT not in known:
+    if link == ("in",) and target in ("drawer", "door", "shelf", "tray") and OBJECT not in known:
         return OBJECT  # "a dresser with six drawers in oak"
     return target or OBJECT

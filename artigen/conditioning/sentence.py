@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from artigen.conditioning.vocabulary import Axis
 from artigen.errors import ArtigenError
+from artigen.kind import plurals
 from artigen.types import PartLabel
 
 OBJECT = "object"
@@ -65,7 +66,7 @@ class Sentence:
         said += [] if self.style is None else [f"style {self.style}"]
         said += [f"{length:g} m {_WORDS[axis]}" for axis, length in self.size]
         said += [f"{factor:g} times the usual {axis}" for axis, factor in self.stretch]
-        said += [f"{count} {label}{'s' * (count != 1)}" for label, count in self.counts]
+        said += [f"{count} {label if count == 1 else plurals(label)[label]}" for label, count in self.counts]
         said += [f"at least one {label}" for label in self.some]
         said += [f"{target} {word}" for target, word in (*self.colors, *self.materials)]
         said += [f"{part} {what} {value}" for part, what, value in self.features]

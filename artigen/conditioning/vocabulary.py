@@ -39,7 +39,7 @@ _PIECES = {
 
 
 def _with_plurals(nouns: dict[str, str]) -> dict[str, str]:
-    irregular = {"shelf": "shelf/shelves", "body": "body/bodies"}
+    irregular = {"body": "body/bodies"}
     more = plurals(*(irregular.get(noun, noun) for noun in nouns))
     return nouns | {more[noun]: named for noun, named in nouns.items()}
 
@@ -66,7 +66,8 @@ NUMBERS: dict[str, int] = {
     "nine": 9, "ten": 10, "eleven": 11, "twelve": 12, "thirteen": 13, "fourteen": 14, "fifteen": 15,
     "sixteen": 16, "seventeen": 17, "eighteen": 18, "nineteen": 19, "twenty": 20, "thirty": 30, "forty": 40,
     "fifty": 50, "sixty": 60, "seventy": 70, "eighty": 80, "ninety": 90, "hundred": 100,
-    "no": 0, "without": 0, "a": 1, "an": 1, "single": 1, "double": 2, "twin": 2, "triple": 3, "both": 2,
+    "no": 0, "without": 0, "neither": 0,
+    "a": 1, "an": 1, "single": 1, "double": 2, "twin": 2, "triple": 3, "both": 2,
 }  # fmt: skip
 """Words for numbers; sentences use the first of each."""
 GROUPS = {"dozen": 12, "couple": 2, "pair": 2}
@@ -93,8 +94,11 @@ ADJECTIVES: dict[str, tuple[Axis, float]] = {
     "narrow": ("width", 0.7),
     "deep": ("depth", 1.25),
     "shallow": ("depth", 0.75),
+    "long": ("width", 1.35),
 }
 """Adjectives that scale a kind's usual extent along one axis when no length is given."""
+SCALES = {"large": 1.2, "big": 1.2, "small": 0.8, "little": 0.8, "compact": 0.8}
+"""Adjectives that scale all extents of which nothing else is said."""
 
 PAINTS: dict[str, Color] = {
     "white": (0.92, 0.92, 0.91),
@@ -228,6 +232,7 @@ FILLERS = frozenset({
     "a", "an", "the", "and", "or", "of", "for", "in", "it", "its", "is", "are", "that", "which", "to",
     "on", "at", "by", "with", "has", "have", "having", "made", "painted", "finished", "coloured",
     "colored", "finish", "i", "want", "please", "me", "one", "s", "featuring", "piece", "from", "each",
-    "all", "both", "some", "any", "about", "roughly", "approximately", "around", "x",
+    "all", "both", "some", "any", "about", "roughly", "approximately", "around", "x", "but", "make",
+    "draw", "create", "generate", "give", "need", "my", "our", "new", "either", "nor", "neither",
 })  # fmt: skip
 """Words without a meaning of their own."""

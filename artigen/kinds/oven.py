@@ -291,7 +291,9 @@ def _draw_hob(rng: np.random.Generator, plan: _Plan) -> Assembly:
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("oven", "stove", "range", "cooker", "kitchen range", "range cooker", "hob", "cooktop"),
+    nouns=plurals(
+        "oven", "stove", "range", "cooker", "kitchen range", "range cooker", "hob", "cooktop", "stovetop"
+    ),
     hints=(),
     size=(
         by_width(0.75, 0.35, "cooktop"),

@@ -350,6 +350,8 @@ KIND = Kind(
         "litter bin",
         "wheelie bin",
         "wastebasket",
+        "wastepaper basket",
+        "dust bin",
         "waste basket",
     ),
     hints=(),

@@ -163,7 +163,7 @@ def _build_lid(
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("washing machine", "washer", "clothes washer", "laundry machine"),
+    nouns=plurals("washing machine", "washer", "clothes washer", "laundry machine", "washer dryer"),
     hints=(),
     size=(by_height(0.85),),
     deepest=0.75,

@@ -63,7 +63,7 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "a tumble drier, the door is grey": (
         "Dryer",
-        {"parts": {"door": {}, "object": {"color": "grey"}}},
+        {"parts": {"door": {"color": "grey"}}},
     ),
     "a dresser with six drawers in walnut and handles in bronze": (
         "Dresser",
@@ -118,6 +118,11 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
     "a wheelbarrow": ("Cart", {"style": "wheelbarrow"}),
     "a range cooker with six burners": ("Oven", {"ignored": ["six", "burners"]}),
     "a zebra cabinet for the kitchen": ("StorageFurniture", {"ignored": ["zebra", "kitchen"]}),
+    "a large leather suitcase": (
+        "Suitcase",
+        {"style": "leather", "stretch": {"width": 1.2, "depth": 1.2, "height": 1.2}},
+    ),
+    "a cabinet with neither doors nor drawers": ("StorageFurniture", {"counts": {"door": 0, "drawer": 0}}),
     "a tall, narrow armoire": ("Wardrobe", {"stretch": {"height": 1.35, "width": 0.7}}),
     "an oven with a window and a door": ("Oven", {"counts": {"door": 1}, "ignored": ["window"]}),
     "a 60 cm dishwasher": ("Dishwasher", {"ignored": ["60 cm"]}),
