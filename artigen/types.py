@@ -17,17 +17,6 @@ JointType = Literal["fixed", "revolute", "prismatic", "continuous", "screw"]
 
 PART_LABELS: tuple[PartLabel, ...] = get_args(PartLabel)
 JOINT_TYPES: tuple[JointType, ...] = get_args(JointType)
-PAPER_CATEGORIES: tuple[str, ...] = (
-    "StorageFurniture",
-    "Table",
-    "Refrigerator",
-    "Dishwasher",
-    "Oven",
-    "WashingMachine",
-    "Microwave",
-)
-"""The seven categories of the paper, in the order of the category channels."""
-
 FULL_TURN = 2.0 * np.pi
 
 

@@ -19,13 +19,14 @@ import tyro
 
 from artigen.cli.batch import read_journal
 from artigen.cli.generate import GenerateSettings, generate
+from artigen.kind import paper_kinds
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.solids import list_solids
 from artigen.sketch.draw import DrawConfig
 from artigen.sketch.model import SketchConfig, draw_object, load_sketch_network
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.request import SketchRequest
-from artigen.types import PAPER_CATEGORIES, PART_LABELS
+from artigen.types import PART_LABELS
 from artigen.weights import SHIPPED
 
 
@@ -125,7 +126,7 @@ def main(out: Path, each: int = 10, workers: int = 2, model: Path = SHIPPED) -> 
     """
     network = load_sketch_network(model)
     rows = []
-    for category in PAPER_CATEGORIES:
+    for category in paper_kinds():
         first, within, package_seconds = measure_packages(category, out, each, workers)
         counts, extents, sound, draw_seconds = measure_headers(network, category, each)
         rows.append(

@@ -15,6 +15,7 @@ import numpy as np
 import tyro
 
 from artigen.examples.photographs import photograph_shape
+from artigen.kind import paper_kinds
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.sketch.model import (
@@ -29,7 +30,6 @@ from artigen.sketch.model import (
 from artigen.sketch.overlay import View
 from artigen.sketch.picture_colors import read_colors
 from artigen.sketch.request import SketchRequest
-from artigen.types import PAPER_CATEGORIES
 from artigen.weights import SHIPPED
 
 SEEN = ("body", "front", "top", "handle")
@@ -58,7 +58,7 @@ def main(model: Path = SHIPPED, first: int = 0, each: int = 2) -> int:
     cfg = SketchConfig(header=PICTURED, coolest=COOLEST)
     of_drawn: dict[str, list[float]] = defaultdict(list)
     read: dict[str, list[float]] = defaultdict(list)
-    for category in PAPER_CATEGORIES:
+    for category in paper_kinds():
         for seed in range(first, first + each):
             truth = draw_shape(category, seed)
             rgba = photograph_shape(truth, seed, PICTURE_EDGE)

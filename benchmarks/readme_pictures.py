@@ -21,9 +21,9 @@ from PIL import Image
 from artigen.cli.generate import GenerateSettings, generate
 from artigen.cli.preview import draw_splats
 from artigen.examples.photographs import photograph_shape
-from artigen.shapes.draw import categories, draw_shape
+from artigen.kind import kinds, paper_kinds
+from artigen.shapes.draw import draw_shape
 from artigen.shapes.sheet import draw_sheet
-from artigen.types import PAPER_CATEGORIES
 from sim_export.files.read import read_package
 from sim_export.picture.animation import write_animation
 from sim_export.picture.preview import PreviewConfig, arrange_grid, contact_sheet, preview_package
@@ -51,17 +51,17 @@ def save(image: UInt8[np.ndarray, "H W 3"], path: Path) -> None:
 
 def draw_categories(out: Path) -> list[Path]:
     """Packages of the first seeds of every category."""
-    for category in PAPER_CATEGORIES:
+    for category in paper_kinds():
         generate(out, category=category, count=EACH)
-    return [out / f"{category}_{seed}" for category in PAPER_CATEGORIES for seed in range(EACH)]
+    return [out / f"{category}_{seed}" for category in paper_kinds() for seed in range(EACH)]
 
 
 def draw_further_kinds(out: Path) -> list[Path]:
     """Packages of the first seed of every kind beside those of the paper."""
-    kinds = [kind for kind in categories() if kind not in PAPER_CATEGORIES]
-    for kind in kinds:
+    further = [kind for kind in kinds() if kind not in paper_kinds()]
+    for kind in further:
         generate(out, category=kind, cfg=GenerateSettings(gaussians=False))
-    return [out / f"{kind}_0" for kind in kinds]
+    return [out / f"{kind}_0" for kind in further]
 
 
 def draw_sentences(out: Path) -> list[Path]:
@@ -77,7 +77,7 @@ def draw_sentences(out: Path) -> list[Path]:
 def draw_photographs(out: Path) -> list[tuple[UInt8[np.ndarray, "H W 3"], Path]]:
     """Photographs of held-out procedural objects, and the packages that are made of them."""
     pairs = []
-    for category in PAPER_CATEGORIES:
+    for category in paper_kinds():
         folder, picture = out / category, out / f"{category}.png"
         folder.mkdir(parents=True, exist_ok=True)
         rgba = photograph_shape(draw_shape(category, 0), 0, PHOTOGRAPH)
@@ -103,7 +103,7 @@ def show_photographs(
 
 def draw_kinds() -> UInt8[np.ndarray, "H W 3"]:
     """The first seed of every kind of the grammar, open."""
-    shapes = [draw_shape(category, 0) for category in categories()]
+    shapes = [draw_shape(category, 0) for category in kinds()]
     return draw_sheet(shapes, opened=0.8, size=PHOTOGRAPH, columns=6)
 
 

@@ -18,7 +18,8 @@ import torch
 import tyro
 
 from artigen.camera import frame_points
-from artigen.shapes.draw import categories, draw_shape
+from artigen.kind import kinds
+from artigen.shapes.draw import draw_shape
 from artigen.shapes.poses import open_parts
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.render import Cameras, batch_cameras, build_scene, render
@@ -79,7 +80,7 @@ def main(*, objects: int = 8, size: int = 128, batch: int = 16, device: str = "c
     torch.set_num_threads(1)
     print(f"| category | primitives | one picture, median (ms) | most (ms) | {device}, pictures / s |")
     print("|---|---|---|---|---|")
-    for category in categories():
+    for category in kinds():
         shapes = [draw_shape(category, seed) for seed in range(objects)]
         spent = [time_picture(shape, size) for shape in shapes]
         rate = statistics.median(rate_batch(shape, size, batch, device) for shape in shapes[:3])

@@ -18,8 +18,8 @@ from tqdm import tqdm
 
 from artigen.cli.batch import Finished, run_batch
 from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate
+from artigen.kind import kinds
 from artigen.runtime.runner import choose_runner
-from artigen.shapes.draw import categories
 
 Source = Literal["reference", "voxels"]
 
@@ -44,7 +44,7 @@ class Options:
 
 def run_source(options: Options, source: Source) -> list[Finished]:
     """Exports and validates all objects from one source."""
-    names = options.category or tuple(categories())
+    names = options.category or tuple(kinds())
     out = options.out / source
     jobs = [
         ShapeJob(category=name, seed=seed, out=out, cfg=ShapeSettings(source=source))

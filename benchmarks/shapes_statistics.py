@@ -19,8 +19,9 @@ import tyro
 from PIL import Image, ImageDraw
 from shapes_features import Features, describe_drawn, describe_real
 
-from artigen.shapes.draw import categories, draw_shape
-from artigen.types import JOINT_TYPES, PAPER_CATEGORIES, PART_LABELS
+from artigen.kind import kinds, paper_kinds
+from artigen.shapes.draw import draw_shape
+from artigen.types import JOINT_TYPES, PART_LABELS
 
 PROCEDURAL, REAL = (196, 122, 52), (70, 110, 170)
 
@@ -50,7 +51,7 @@ def measure_real(options: Options) -> list[Features]:
         path
         for path in sorted(options.real.iterdir())
         if (path / "meta.json").is_file()
-        and json.loads((path / "meta.json").read_text())["model_cat"] in categories()
+        and json.loads((path / "meta.json").read_text())["model_cat"] in kinds()
     ]
     with ProcessPoolExecutor(options.workers) as pool:
         real = [one for one in pool.map(describe_real, folders) if one is not None]
@@ -167,7 +168,7 @@ def main(options: Options) -> int:
     lines: list[str] = []
     kept: dict[str, list[dict]] = {"procedural": [], "real": []}
     with ProcessPoolExecutor(options.workers) as pool:
-        for name in categories():
+        for name in kinds():
             theirs = [one for one in real if one.category == name]
             ours = list(pool.map(partial(describe_drawn, name), range(options.count), chunksize=8))
             kept["procedural"] += [asdict(one) for one in ours]
@@ -182,7 +183,7 @@ def main(options: Options) -> int:
     (options.out / "features.json").write_text(json.dumps(kept))
     (options.out / "statistics.md").write_text("\n".join(lines) + "\n")
     print("\n".join(lines))
-    return 0 if set(PAPER_CATEGORIES) <= set(categories()) else 1
+    return 0 if set(paper_kinds()) <= set(kinds()) else 1
 
 
 if __name__ == "__main__":

@@ -23,9 +23,10 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from artigen.errors import ArtigenError
+from artigen.kind import kinds
 from artigen.kinematics import displacements, movable_parts
 from artigen.shapes.asset import shape_parts
-from artigen.shapes.draw import categories, draw_shape
+from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
 from artigen.types import Asset
@@ -308,7 +309,7 @@ def write_results(verdicts: list[Verdict], out: Path) -> str:
 
 def main(options: Options) -> int:
     """Judges all objects and writes the results."""
-    names = options.category or tuple(categories())
+    names = options.category or tuple(kinds())
     seeds = range(options.first, options.first + options.count)
     verdicts: list[Verdict] = []
     with ProcessPoolExecutor(options.workers) as pool:

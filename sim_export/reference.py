@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int
 
+from artigen.kind import Make, MaterialName
 from artigen.shapes.asset import frame_shape, shape_to_asset
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape, ShapePart
@@ -32,9 +33,9 @@ from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.followers import couple_followers
 from sim_export.physics.inertia import combine, mesh_inertial
 from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_owners
-from sim_export.physics.makes import Make, find_make, is_hardware
+from sim_export.physics.makes import fill_base, find_make, is_hardware, wall_density
 from sim_export.physics.masses import mean_thickness, subtract
-from sim_export.physics.materials import MATERIALS, MaterialName, finish_material
+from sim_export.physics.materials import MATERIALS, finish_material
 from sim_export.topology import hull_kinds
 
 SLIVERS = 0.01
@@ -251,10 +252,10 @@ def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialNa
     for count, name in enumerate(names, start=1):
         chosen = [solid for solid, made in zip(solids, made_of, strict=True) if made in names[:count]]
         mesh = _unite(chosen).mesh
-        density = MATERIALS[name].bulk if hardware else make.wall_density(name)
+        density = MATERIALS[name].bulk if hardware else wall_density(make, name)
         if name in make.wall and not hardware:
             own = [solid for solid, made in zip(solids, made_of, strict=True) if made == name]
-            density = make.wall_density(name, mean_thickness(_unite(own).mesh))
+            density = wall_density(make, name, mean_thickness(_unite(own).mesh))
         added = mesh_inertial(mesh, density)
         known = None if before is None else mesh_inertial(before, density)
         before = mesh
@@ -266,7 +267,7 @@ def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialNa
     if part.parent is not None:
         return drawn
     points = np.concatenate([solid.vertices for solid in solids])
-    return make.fill_base(drawn, bounds_of(points))
+    return fill_base(make, drawn, bounds_of(points))
 
 
 def _couple(shape: Shape, tree: LinkTree) -> LinkTree:

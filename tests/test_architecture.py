@@ -20,6 +20,7 @@ SHARED = {
     "kinematics",
     "io",
     "errors",
+    "kind",
     "files",
     "runtime",
     "shapes",
@@ -43,10 +44,11 @@ MODEL_CODE = (
 )
 """The only places where torch is imported."""
 LAYERS = (
-    {"errors", "types", "transforms", "kinematics", "camera", "io", "weights"},
+    {"errors", "types", "kind", "transforms", "kinematics", "camera", "io", "weights"},
     {"files", "runtime"},
     {"voxels"},
     {"shapes"},
+    {"kinds"},
     {"splats", "datasets", "conditioning"},
     {"models"},
     {"reader"},

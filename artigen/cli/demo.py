@@ -9,10 +9,10 @@ from artigen.cli.batch import Finished, run_batch
 from artigen.runtime.runner import choose_runner
 from artigen.weights import SHIPPED
 
-OBJECTS = (("StorageFurniture", 3), ("Oven", 2), ("Refrigerator", 1), ("Table", 4))
-"""Category and seed of the procedural objects."""
-GENERATED = (("StorageFurniture", 20), ("Oven", 20))
-"""Category and seed of the generated objects."""
+OBJECTS = (("cabinet", 3), ("oven", 2), ("fridge", 1), ("table", 4))
+"""Noun and seed of the procedural objects."""
+GENERATED = (("cabinet", 20), ("oven", 20))
+"""Noun and seed of the generated objects."""
 
 
 def demo(out: Out = Path("out/demo"), workers: Workers = None) -> int:
@@ -27,19 +27,20 @@ def demo(out: Out = Path("out/demo"), workers: Workers = None) -> int:
     from sim_export.picture.preview import write_preview
 
     runner = choose_runner("local", workers)
-    shapes = [draw_shape(category, seed) for category, seed in OBJECTS]
+    objects = _find_kinds(OBJECTS)
+    shapes = [draw_shape(category, seed) for category, seed in objects]
     write_sheet(shapes, out / "shapes.png")
     ways: tuple[Literal["reference", "voxels"], ...] = ("reference", "voxels")
     good = True
     for way in ways:
         cfg = ShapeSettings(source=way)
-        jobs = [ShapeJob(category=category, seed=seed, out=out / way, cfg=cfg) for category, seed in OBJECTS]
+        jobs = [ShapeJob(category=category, seed=seed, out=out / way, cfg=cfg) for category, seed in objects]
         results = run_batch(export_and_validate, jobs, out / way, runner=runner, on_done=_say)
         good &= all(finished.good for finished in results)
         write_preview(tuple(out / way / shape.name for shape in shapes), out / f"{way}.png")
     drawn = [
         GenerateJob(model=SHIPPED, category=category, seed=seed, out=out / "generated")
-        for category, seed in GENERATED
+        for category, seed in _find_kinds(GENERATED)
     ]
     results = run_batch(generate_and_validate, drawn, out / "generated", runner=runner, on_done=_say)
     if any(finished.error for finished in results):  # a failed check is only reported
@@ -53,6 +54,13 @@ def demo(out: Out = Path("out/demo"), workers: Workers = None) -> int:
         f"view       artigen view {out}/reference/{shapes[0].name}\n"
     )
     return 0 if good else 1
+
+
+def _find_kinds(named: tuple[tuple[str, int], ...]) -> list[tuple[str, int]]:
+    """The kinds that nouns name, with their seeds."""
+    from artigen.kind import find_noun
+
+    return [(kind.name, seed) for noun, seed in named if (kind := find_noun(noun)) is not None]
 
 
 def _say(finished: Finished) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import sys
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -359,7 +360,10 @@ def generate(
         for number in range(seed, seed + count)
     ]
     # Reject bad requests early: sentences and numbers here, models and pictures when they are loaded.
-    encode_request(_understand(jobs[0]).request)
+    understood = _understand(jobs[0])
+    encode_request(understood.request)
+    if understood.said:
+        sys.stdout.write("\n".join((understood.said, *understood.notes)) + "\n")
     worker = InProcess() if workers == 0 else Worker()
     try:
         checked = worker.call(check_job, jobs[0], TIMEOUT)

@@ -2,29 +2,12 @@
 
 import re
 from collections.abc import Sequence
+from functools import cache
 
-from artigen.conditioning.prompt import CATEGORY_WORDS
-from artigen.datasets.sizes import SIZE_TABLE
+from artigen.kind import Category, find_kind, kinds, list_categories
 
 UNKNOWN = "Object"
 
-OTHER_WORDS: dict[str, str] = {
-    "armoire": "StorageFurniture",
-    "kitchen cabinet": "StorageFurniture",
-    "hanging cabinet": "StorageFurniture",
-    "sink cabinet": "StorageFurniture",
-    "base cabinet": "StorageFurniture",
-    "wall cabinet": "StorageFurniture",
-    "drawer": "StorageFurniture",
-    "shelf": "StorageFurniture",
-    "coffee maker": "CoffeeMachine",
-    "espresso machine": "CoffeeMachine",
-    "sink": "Faucet",
-    "lamp": "Lamp",
-    "lid pot": "KitchenPot",
-    "kettle": "Kettle",
-}
-"""Nouns of sources that are not in the vocabulary of requests."""
 NO_NAMES = ("mobility", "model", "robot", "object", "partnet", "urdf", "asset", "cvx", "main", "scene")
 """Meaningless words in names of files and robots."""
 
@@ -41,16 +24,14 @@ def guess_category(names: Sequence[str]) -> tuple[str, str]:
     The last noun in a name counts, and the longest of those. Without a noun, the category is the first name
     that is a word, else `UNKNOWN`.
     """
-    known = {" ".join(split_words(name)): name for name in SIZE_TABLE}
-    known |= {**CATEGORY_WORDS, **OTHER_WORDS}
+    known = _name_words()
     for name in names:
         words = split_words(name)
         for end in range(len(words), 0, -1):
             for start in range(end):
                 noun = " ".join(words[start:end])
-                for spelled in (noun, noun.removesuffix("s")):
-                    if spelled in known:
-                        return known[spelled], f"category {known[spelled]} by the word {noun!r} in {name!r}"
+                if noun in known:
+                    return known[noun], f"category {known[noun]} by the word {noun!r} in {name!r}"
     for name in names:
         spelled = [
             token for token in re.split(r"[^A-Za-z0-9]+", name) if re.fullmatch(r"[A-Za-z]+\d*", token)
@@ -60,3 +41,23 @@ def guess_category(names: Sequence[str]) -> tuple[str, str]:
             category = "".join(word.capitalize() for word in words)
             return category, f"category {category} is the name {name!r}: it holds no noun that is known"
     return UNKNOWN, f"category {UNKNOWN}: none of {', '.join(map(repr, names))} says what it is"
+
+
+@cache
+def _name_words() -> dict[str, str]:
+    """Categories by their names and nouns in words; a source's own categories go before kinds."""
+    foreign = [category for category in list_categories() if find_kind(category.name) is None]
+    known = {_spell(kind.partnet): name for name, kind in kinds().items() if kind.partnet is not None}
+    known |= {_spell(category.name): category.name for category in list_categories()}
+    for category in (*kinds().values(), *foreign):
+        known |= dict.fromkeys((*_number(category), *category.hints), category.name)
+    return known
+
+
+def _spell(name: str) -> str:
+    return " ".join(split_words(name))
+
+
+def _number(category: Category) -> tuple[str, ...]:
+    """The nouns of a category, singular and plural."""
+    return (*category.nouns, *category.nouns.values())

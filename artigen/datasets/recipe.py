@@ -13,7 +13,8 @@ from typing import Any, Literal, get_args
 
 from artigen.datasets.packing import digest, need
 from artigen.errors import ArtigenError
-from artigen.shapes.draw import Wish, categories
+from artigen.kind import kinds
+from artigen.shapes.draw import Wish
 from artigen.types import PartLabel
 
 Textures = Literal["shared", "own"]
@@ -269,7 +270,7 @@ def _read_entries(value: _Value) -> tuple[Entry, ...]:
 
 
 def _read_entry(value: _Value) -> Entry:
-    known = tuple(categories())
+    known = tuple(kinds())
     fields = value.fields(
         {
             "name": _Value.name,

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from artigen.examples.marked_photos import APPLIANCES, MarkedPhoto
+from artigen.examples.marked_photos import APPLIANCES, MarkedPhoto, name_kind
 from artigen.examples.reader_pictures import LEAST_FRONT, read_views
 from artigen.reader.choice import Counts, CountShares
 from artigen.reader.labels import FRONT, KINDS
@@ -49,7 +49,7 @@ def count_photos(photos: Sequence[MarkedPhoto]) -> dict[str, Counter[Counts]]:
         if not photo.complete:
             continue
         for kind, box, _ in photo.objects:
-            words = {word for word, name in APPLIANCES.items() if name == kind}
+            words = {noun for noun in APPLIANCES if name_kind(noun) == kind}
             inside = [
                 front["label"]
                 for front in photo.fronts

@@ -16,18 +16,18 @@ from jaxtyping import Float, UInt8
 
 from artigen.errors import SourceError
 from artigen.examples.photometry import vary_photometry
+from artigen.kind import find_noun
 from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, OBJECT, PULL, THINGS, UNKNOWN
 from artigen.reader.network import STRIDE
 from artigen.reader.targets import MARK, Picture
 
 UNCHECKED = 0.2
 """Weight of empty ground where marks may be missing."""
-APPLIANCES = {
-    "refrigerator": "Refrigerator", "oven": "Oven", "dishwasher": "Dishwasher", "microwave": "Microwave",
-    "washer": "WashingMachine",
-}  # fmt: skip
-FURNITURE = {"dresser": "Dresser", "wardrobe": "Wardrobe", "desk": "Table", "cabinet": "StorageFurniture"}
-"""Kinds by the photographs' words for a front's appliance and for the main object."""
+APPLIANCES = ("refrigerator", "oven", "dishwasher", "microwave", "washer")
+FRAMELESS = ("refrigerator", "dishwasher")
+"""Appliances whose fronts show where they end."""
+FURNITURE = ("dresser", "wardrobe", "desk", "cabinet")
+"""Nouns of the photographs for a front's appliance and for the main object."""
 TOUCHING, SPACED = 0.1, 0.35
 """Largest gap between fronts of one appliance, and of one piece of furniture, as a share of the larger
 front."""
@@ -98,9 +98,9 @@ def _find_objects(
 ) -> list[tuple[str, Float[np.ndarray, "4"], bool]]:
     """Objects whose kind is known, from groups of fronts that touch."""
     out = []
-    for word, kind in APPLIANCES.items():
-        boxes = [np.array(f["box"]) for f in fronts if f.get("kind") == word]
-        out += [(kind, box, kind in ("Refrigerator", "Dishwasher")) for box in _join_boxes(boxes, TOUCHING)]
+    for noun in APPLIANCES:
+        boxes = [np.array(f["box"]) for f in fronts if f.get("kind") == noun]
+        out += [(name_kind(noun), box, noun in FRAMELESS) for box in _join_boxes(boxes, TOUCHING)]
     if main in FURNITURE:
         own = [np.array(f["box"]) for f in fronts if f.get("kind") in (None, "cabinet", "other")]
         groups = _join_boxes(own, SPACED)
@@ -108,9 +108,16 @@ def _find_objects(
             largest = max(groups, key=lambda box: float((box[2] - box[0]) * (box[3] - box[1])))
             edge = FRAME * (largest[2:] - largest[:2])
             whole = np.clip(np.concatenate([largest[:2] - edge, largest[2:] + edge]), 0, 1).astype(np.float32)
-            out.append((FURNITURE[main], whole, complete and main != "desk"))
-    out += [("Door", box, True) for box in room_doors]
+            out.append((name_kind(main), whole, complete and main != "desk"))
+    out += [(name_kind("door"), box, True) for box in room_doors]
     return out
+
+
+def name_kind(noun: str) -> str:
+    """The kind that a noun of the photographs names."""
+    kind = find_noun(noun)
+    assert kind is not None, noun
+    return kind.name
 
 
 def _join_boxes(boxes: Sequence[np.ndarray], reach: float) -> list[np.ndarray]:

@@ -17,6 +17,7 @@ from artigen.camera import Camera, frame_points, project_points
 from artigen.examples.mesh_pictures import pack_picture
 from artigen.examples.photographs import find_direction
 from artigen.examples.shards import ShardConfig, ShardJob, make_shards, save_shard
+from artigen.kind import Trade, kinds
 from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, MATERIALS, PULL, SHELF, UNKNOWN, WHEEL
 from artigen.shapes.draw import CrowdedError, draw_shape
 from artigen.shapes.poses import lead_followers, place_posed, pose_parts
@@ -65,22 +66,13 @@ BODY = np.dtype(
 )
 """An object of a view: kind, stand, camera (yaw, pitch, and half its diagonal over its distance), and width,
 depth and height (m)."""
-OFTEN = {
-    "StorageFurniture": 7, "Dresser": 3, "Wardrobe": 3, "FilingCabinet": 2, "Table": 3, "Refrigerator": 3,
-    "WashingMachine": 2, "Dryer": 1, "Oven": 2, "Microwave": 2, "Dishwasher": 2, "Door": 2, "Toilet": 1,
-    "Laptop": 1, "TrashCan": 1,
-}  # fmt: skip
-"""Weights of kinds; the others have half of one."""
-BESIDE = (
-    "StorageFurniture",
-    "StorageFurniture",
-    "Dresser",
-    "Refrigerator",
-    "Oven",
-    "Dishwasher",
-    "WashingMachine",
-)
-"""Kinds that stand beside others."""
+OFTEN: dict[Trade | None, float] = {"furniture": 3.5, "appliance": 2.0}
+"""Weights of kinds by their trade; the others have 0.6."""
+SELDOM = 0.6
+RICH = 0.55
+"""Share of the furniture that is the richest in fronts of three drawn."""
+TALL = 1.0
+"""Height (m) that kinds which stand beside others may have."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -129,13 +121,13 @@ def take_views(seed: int, count: int) -> list[View]:
 
 
 def _take_view(rng: np.random.Generator) -> View:
-    names = list(KINDS)
-    weights = np.array([OFTEN.get(name, 0.5) for name in names])
-    kind = names[rng.choice(len(names), p=weights / weights.sum())]
+    weights = np.array([OFTEN.get(kinds()[name].trade, SELDOM) for name in KINDS])
+    kind = KINDS[int(rng.choice(len(KINDS), p=weights / weights.sum()))]
+    beside = [one.name for one in kinds().values() if one.trade in OFTEN and one.sizes[2][1] >= TALL]
     shapes = [_draw(kind, rng)]
     room = bool(rng.random() < ROOMS)
     while room and len(shapes) < 4 and rng.random() < 0.5:
-        shapes.append(_draw(str(rng.choice(BESIDE)), rng))
+        shapes.append(_draw(str(rng.choice(beside)), rng))
     poses = [_open_parts(shape, rng) for shape in shapes]
     wide, high = NEAR if rng.random() < 0.67 else FAR
     yaw, pitch = rng.uniform(-wide, wide), rng.uniform(-0.1, high)
@@ -154,7 +146,7 @@ def _take_view(rng: np.random.Generator) -> View:
 
 def _draw(kind: str, rng: np.random.Generator) -> Shape:
     """An object; often the richest in fronts of three, as real cabinets have more than the grammar's."""
-    tries = 3 if OFTEN.get(kind, 0) >= 2 and rng.random() < 0.55 else 1
+    tries = 3 if kinds()[kind].trade == "furniture" and rng.random() < RICH else 1
     drawn: list[Shape] = []
     while len(drawn) < tries:
         try:

@@ -15,8 +15,9 @@ from tqdm import tqdm
 from artigen.errors import SourceError
 from artigen.examples.photographs import photograph_mesh
 from artigen.examples.structure import StructureExample, example_of_asset, read_shard, write_shard
+from artigen.kind import paper_kinds
 from artigen.runtime.workers import Outcome, Worker, run_supervised
-from artigen.types import PAPER_CATEGORIES, Asset
+from artigen.types import Asset
 from artigen.voxels.voxelize import drop_unresolved, voxelize
 
 logger = logging.getLogger(__name__)
@@ -68,8 +69,8 @@ def read_real(job: RealJob) -> tuple[Asset, StructureExample]:
 
     source = read_object(job.folder)
     asset = source.asset
-    if asset.category not in PAPER_CATEGORIES:
-        raise SourceError(f"{job.folder}: category {asset.category!r}, expected one of {PAPER_CATEGORIES}")
+    if asset.category not in paper_kinds():
+        raise SourceError(f"{job.folder}: category {asset.category!r}, expected one of {paper_kinds()}")
     assert asset.surface is not None
     voxels = voxelize(asset.surface, job.resolution)
     asset = drop_unresolved(replace(asset, voxels=voxels, surface=None))

@@ -9,7 +9,7 @@ import time
 import zipfile
 import zlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
@@ -18,8 +18,8 @@ import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from artigen.errors import SourceError
+from artigen.kind import paper_kinds
 from artigen.runtime.workers import Outcome, Worker, run_supervised
-from artigen.types import PAPER_CATEGORIES
 
 logger = logging.getLogger(__name__)
 HELD_OUT = 10_000
@@ -34,7 +34,7 @@ CONDITION = ("names", "categories", *PER_OBJECT)
 class ShardConfig:
     """Configuration of the examples of a folder."""
 
-    categories: tuple[str, ...] = PAPER_CATEGORIES
+    categories: tuple[str, ...] = field(default_factory=paper_kinds)
     """Categories, taken in turn."""
     first_seed: int = HELD_OUT
     """Seed of the first object of each category."""

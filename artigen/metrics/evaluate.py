@@ -9,6 +9,7 @@ import torch
 from artigen.errors import ArtigenError
 from artigen.examples.real import list_split
 from artigen.examples.shards import HELD_OUT
+from artigen.kind import paper_kinds
 from artigen.latent.draw import GenerateConfig, load_structure_model
 from artigen.metrics.asks import (
     ASKS,
@@ -30,7 +31,6 @@ from artigen.metrics.subjects import Subject, draw_subjects, read_subjects
 from artigen.models.description import hash_model, read_description
 from artigen.runtime.journal import claim_folder
 from artigen.sketch.model import load_sketch_network
-from artigen.types import PAPER_CATEGORIES
 
 RESOLUTION = 64
 """Edge of the voxel grid on which exact objects are compared."""
@@ -165,9 +165,9 @@ def evaluate_structure(
 
 def _check_evaluation(cfg: EvaluateConfig) -> None:
     for name, count in (("held-out", cfg.held_out), ("training", cfg.training)):
-        if count < len(PAPER_CATEGORIES):
+        if count < len(paper_kinds()):
             raise ArtigenError(
-                f"{count} {name} objects: expected at least {len(PAPER_CATEGORIES)}, one of each category"
+                f"{count} {name} objects: expected at least {len(paper_kinds())}, one of each category"
             )
     if min(cfg.packages, cfg.redraws) < 0:
         raise ArtigenError(
@@ -205,6 +205,4 @@ def _measure_asks(bench: Bench, held: Mapping[str, HeldOut], *, pictured: bool) 
 
 
 def _draw_set(first_seed: int, count: int, resolution: int, cfg: EvaluateConfig) -> list[Subject]:
-    return draw_subjects(
-        PAPER_CATEGORIES, first_seed, count, resolution=resolution, image_size=cfg.image_size
-    )
+    return draw_subjects(paper_kinds(), first_seed, count, resolution=resolution, image_size=cfg.image_size)

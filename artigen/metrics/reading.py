@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from artigen.kind import find_kind
 from artigen.metrics.subjects import Subject, describe_subject
 from artigen.sketch.model import draw_header, encode_picture
 from artigen.sketch.network import SketchNetwork
@@ -12,8 +13,6 @@ from artigen.types import PART_LABELS, PartLabel
 
 HIDDEN: tuple[PartLabel, ...] = ("shelf", "tray")
 """Labels of parts that are mostly behind doors."""
-NAMES = {"Dresser": "StorageFurniture", "Wardrobe": "StorageFurniture", "FilingCabinet": "StorageFurniture"}
-"""Kinds of the grammar that PartNet-Mobility, and so the paper, classifies under another name."""
 
 
 def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[str, float]:
@@ -56,7 +55,12 @@ def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[s
 
 def is_same_category(one: str | None, other: str | None) -> bool:
     """Whether both are the same category in PartNet-Mobility."""
-    return NAMES.get(one or "", one) == NAMES.get(other or "", other)
+    return _name_in_source(one) == _name_in_source(other)
+
+
+def _name_in_source(category: str | None) -> str | None:
+    kind = None if category is None else find_kind(category)
+    return category if kind is None else kind.partnet or category
 
 
 def _compare_counts(header: SketchRequest, subject: Subject) -> list[bool]:

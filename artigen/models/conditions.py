@@ -5,7 +5,7 @@ serves every subset. Leaving everything open gives the unconditional velocity of
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import torch
@@ -13,10 +13,11 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 
 from artigen.conditioning.image import MARGIN
+from artigen.kind import paper_kinds
 from artigen.models.batch import TensorBatch
 from artigen.models.public_encoders import ClipConfig, DinoConfig, PublicPictures, PublicSentences
 from artigen.shapes.shape import Shape
-from artigen.types import PAPER_CATEGORIES, PART_LABELS, PartLabel
+from artigen.types import PART_LABELS, PartLabel
 
 MAX_COUNT = 24
 """Counts from here on share one token."""
@@ -69,7 +70,7 @@ class ConditionConfig:
 
     width: int = 256
     """Width of a token."""
-    categories: tuple[str, ...] = PAPER_CATEGORIES
+    categories: tuple[str, ...] = field(default_factory=paper_kinds)
     """Categories that have a token of their own."""
     image_size: int = 128
     """Edge of the picture in pixels; 0 leaves pictures out."""

@@ -1,12 +1,9 @@
 """What the reader can name."""
 
-KINDS = (
-    "StorageFurniture", "Table", "Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave",
-    "Cart", "Safe", "Box", "BreadBox", "ChestFreezer", "DeskLamp", "Door", "Dresser", "Dryer", "Faucet",
-    "FilingCabinet", "Laptop", "Mailbox", "Pot", "Printer", "Suitcase", "Switch", "Toaster", "Toilet",
-    "ToolBox", "TrashCan", "Wardrobe", "Window",
-)  # fmt: skip
-"""Kinds of objects."""
+from artigen.kind import list_words
+
+KINDS = list_words()
+"""Kinds of objects, in the order of their numbers in networks."""
 THINGS = ("front", "pull", "dial", "shelf", "wheel", "object")
 """What is found at a place, each on a map of its own: fronts are doors and drawers, pulls are handles, dials
 are knobs and buttons, shelves include trays and racks."""

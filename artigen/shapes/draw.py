@@ -1,32 +1,24 @@
 """`draw_shape`: a procedural object of any category, a pure function of category, seed and wish.
 
-A category is a module of `artigen.shapes.categories` with its name ``CATEGORY``, the styles ``STYLES`` that a
-wish may name, and ``draw(rng, wish) -> Draft``. Adding a file there adds a category.
+A category is the name of an `artigen.kind.Kind`. Its record has the styles that a wish may name, and
+``draw(rng, wish) -> Draft``.
 """
 
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
-from importlib import import_module
-from pkgutil import iter_modules
-from types import ModuleType
 from zlib import crc32
 
 import numpy as np
 
 from artigen.errors import ArtigenError
+from artigen.kind import Size, Spans, kinds
 from artigen.shapes.choices import Word, choose, pick
 from artigen.shapes.fittings.handles import HandleKind
-from artigen.shapes.ranges import Range
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import PartLabel
 
-Size = tuple[float, float, float]
-"""Width, depth and height (m)."""
-Spans = tuple[Range, Range, Range]
-"""Ranges of them."""
 MAX_DRAWS = 1000
 FEW_DRAWS = 100
 """Draws after which a count of more than twice the largest one seen is given up."""
@@ -91,14 +83,6 @@ class Draft:
     finishes: Mapping[str, Finish]
 
 
-@cache
-def categories() -> dict[str, ModuleType]:
-    """Modules of the categories by name, sorted."""
-    package = import_module("artigen.shapes.categories")
-    modules = [import_module(f"{package.__name__}.{found.name}") for found in iter_modules(package.__path__)]
-    return {module.CATEGORY: module for module in sorted(modules, key=lambda module: module.CATEGORY)}
-
-
 def draw_shape(category: str, seed: int, wish: Wish | None = None) -> Shape:
     """Draws one object; the same arguments give the same object on every run.
 
@@ -140,7 +124,7 @@ def draw_variant(
         bits = np.random.PCG64(np.random.SeedSequence([key, like, attempt]))
         rng = _Varied(bits, np.random.default_rng([key, seed, step]), 1.0 - (step / (VARIANTS - 1)) ** 2)
         try:
-            draft = categories()[category].draw(rng, wish)
+            draft = kinds()[category].draw(rng, wish)
         except CrowdedError:
             continue
         worn = {role: _wear(own, looks.get(role) or own) for role, own in draft.finishes.items()}
@@ -211,10 +195,10 @@ def _make_shape(category: str, seed: int, draft: Draft) -> Shape:
 def _draw_draft(category: str, seed: int, wish: Wish) -> tuple[Draft, int]:
     """The first draft that has the counts wished for, and how many came before it."""
     check_wish(wish)
-    known = categories()
+    known = kinds()
     if category not in known:
         raise ShapeError(f"category {category!r} is not known, expected one of {', '.join(known)}")
-    if wish.style is not None and wish.style not in (styles := known[category].STYLES):
+    if wish.style is not None and wish.style not in (styles := known[category].styles):
         raise ShapeError(
             f"{category}: style {wish.style!r} is not known, expected one of {', '.join(styles)}"
         )

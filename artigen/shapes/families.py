@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from artigen.kind import Trade, find_kind, kinds
 from artigen.shapes.choices import choose_one
-from artigen.shapes.draw import ShapeError, Wish, categories
+from artigen.shapes.draw import ShapeError, Wish
 from artigen.shapes.fittings.handles import HandleKind
 from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
@@ -194,23 +195,13 @@ FAMILIES: dict[str, Family] = {
     ),
 }  # fmt: skip
 
-TRADES: dict[str, tuple[str, ...]] = {
-    "furniture": ("StorageFurniture", "Table", "Dresser", "Wardrobe", "Cart", "FilingCabinet"),
-    "joinery": ("Door", "Window"),
-    "appliance": (
-        "Refrigerator", "Oven", "Dishwasher", "Microwave", "WashingMachine", "Dryer", "Toaster",
-        "ChestFreezer", "BreadBox", "TrashCan",
-    ),
-    "fittings": ("Faucet", "DeskLamp", "Switch", "Toilet"),
-}  # fmt: skip
-"""Categories by trade; a suite changes the finishes of a trade together, and of no other category."""
-WORN: dict[str, frozenset[FinishKind]] = {
+WORN: dict[Trade, frozenset[FinishKind]] = {
     "furniture": frozenset({"wood", "lacquer", "stone"}),
     "joinery": frozenset({"wood", "lacquer", "stone"}),
     "appliance": frozenset({"lacquer", "steel"}),
     "fittings": frozenset({"wood", "lacquer", "stone"}),
 }
-"""Materials that a suite changes, in addition to the metal of `METAL_ROLES`."""
+"""Materials that a suite changes by trade, in addition to the metal of `METAL_ROLES`."""
 METAL_ROLES = frozenset({"handle", "accent", "arm"})
 
 
@@ -252,21 +243,22 @@ def choose_suite(family: str, seed: int) -> Suite:
 def wish_suite(category: str, suite: Suite, wish: Wish | None = None) -> Wish:
     """The wish with the suite's hardware and with its style if the category has one of its styles."""
     wish = wish or Wish()
-    known = categories()[category].STYLES if category in categories() else ()
+    known = kinds()[category].styles if category in kinds() else ()
     style = wish.style or next((style for style in suite.styles if style in known), None)
     return replace(wish, style=style, handles=wish.handles or suite.handles, suite=suite.seed)
 
 
 def dress_shape(shape: Shape, suite: Suite) -> Shape:
     """The object in the materials of the suite."""
-    trade = next((name for name, kinds in TRADES.items() if shape.category in kinds), None)
+    kind = find_kind(shape.category)
+    trade = kind and kind.trade
     if trade is None:
         return shape
-    offered, kinds = suite.finishes[trade], WORN[trade]
+    offered, changed = suite.finishes[trade], WORN[trade]
     worn: list[tuple[str, Finish]] = []
     for role, own in shape.finishes:
         metal = role in METAL_ROLES and (own.kind == "steel" or role == "handle")
-        new = offered.get(role) if metal or (own.kind in kinds and role not in METAL_ROLES) else None
+        new = offered.get(role) if metal or (own.kind in changed and role not in METAL_ROLES) else None
         worn.append((role, own if new is None else replace(new, seed=own.seed)))
     return replace(shape, finishes=tuple(worn))
 

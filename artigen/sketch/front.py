@@ -3,24 +3,12 @@
 import numpy as np
 
 from artigen.camera import frame_points
+from artigen.kind import find_kind
 from artigen.shapes.poses import place_posed
 from artigen.shapes.render import RenderConfig, batch_cameras, build_scene, render
 from artigen.shapes.shape import Shape
 from artigen.sketch.fault import Fault
 
-CLOSED_FRONTS = {
-    "ChestFreezer": 0.03,
-    "Dishwasher": 0.04,
-    "Dresser": 0.065,
-    "Dryer": 0.03,
-    "FilingCabinet": 0.05,
-    "Microwave": 0.03,
-    "Refrigerator": 0.03,
-    "Safe": 0.08,
-    "Wardrobe": 0.065,
-}
-"""Largest share of the front through which the inside, or what is behind feet, shows: a little more than
-in 150 objects of the grammar. Other kinds have open compartments."""
 INSIDE = 0.35
 """Depth behind the front, over that of the object, from which on a point is inside."""
 EDGE = 96
@@ -32,7 +20,8 @@ PLAIN = RenderConfig(shadow_rays=0, openness=False)
 
 def find_front_faults(shape: Shape) -> tuple[Fault, ...]:
     """A fault if more of the front is open than in any object of the grammar of this kind."""
-    allowed = CLOSED_FRONTS.get(shape.category)
+    kind = find_kind(shape.category)
+    allowed = None if kind is None else kind.open_front
     if allowed is None or (share := measure_open_front(shape)) <= allowed:
         return ()
     return (Fault(id="open", part=shape.parts[0].name, value=share, allowed=allowed),)

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Int
 
+from artigen.kind import kinds
 from artigen.models.description import read_description
-from artigen.shapes.draw import categories
 from artigen.shapes.surfaces.finishes import Color, FinishKind
 from artigen.shapes.surfaces.palette import ROLES
 from artigen.sketch.rows import COUNTED, MATERIALS, MAX_COUNT, REACH, ROW_KINDS, WIDTH, column
@@ -31,15 +31,6 @@ ROLES_OF: Mapping[PartLabel, tuple[str, ...]] = {
     "tray": ("steel",),
 }
 """Finishes that a colour requested for a label applies to."""
-ALSO_OF: Mapping[str, tuple[str, ...]] = {
-    "StorageFurniture": ("top",),
-    "Table": ("top", "leg"),
-    "WashingMachine": ("top",),
-}
-"""Further finishes, by category, that the colour of a whole object applies to: a blue table has a blue
-top."""
-MATERIAL_OF: Mapping[str, FinishKind] = {"oak": "wood", "walnut": "wood", "steel": "steel", "silver": "steel"}
-"""Colour words that also imply a material."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,7 +94,7 @@ def check_category(category: str, learned: Sequence[str] = CATEGORIES) -> None:
     if category in learned:
         return
     text = f"category {category!r}: expected one of {', '.join(learned)}, which the model draws"
-    if category in categories():
+    if category in kinds():
         text += f"; `artigen shape {category}` draws it"
     raise SketchError(text)
 

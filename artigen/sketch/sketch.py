@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from artigen.errors import ArtigenError
+from artigen.kind import find_kind
 from artigen.shapes.primitives import LEFT, Primitive
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
@@ -30,8 +31,6 @@ PERIODS = (0.4, 0.045, 0.012, 0.3, 0.05, 0.5, 0.006, 0.016)
 """Periods (m) of the patterns of finishes."""
 FRACTIONS = (0.95, 1.0, 0.9, 0.5)
 """Shares of its range by which a required part must be open."""
-STAYING = ("BreadBox", "ChestFreezer", "ToolBox")
-"""Categories whose lids stay wherever they are left; sketches do not state it."""
 MAX_NEEDS = 2
 ROUND_TURN = 720
 """A full turn, in half degrees."""
@@ -173,7 +172,8 @@ def read_sketch(sketch: Sketch, seed: int = 0) -> Shape:
     Raises:
         SketchError: If the sketch describes no shape; the message names the part.
     """
-    names, stays = _name_parts(sketch.parts), sketch.category in STAYING
+    names, kind = _name_parts(sketch.parts), find_kind(sketch.category)
+    stays = kind is not None and kind.lid_stays  # sketches do not state it
     try:
         return Shape(
             category=sketch.category,

@@ -5,19 +5,20 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
-from artigen.conditioning.prompt import COLORS, ParsedText, parse_text
+from artigen.conditioning.colors import find_color_only, find_stuff
+from artigen.conditioning.read import check_size, read_sentence
+from artigen.conditioning.sentence import OBJECT, Sentence
+from artigen.conditioning.vocabulary import AXES, METALLIC, PARTS, STYLES
 from artigen.errors import ArtigenError
+from artigen.kind import find_kind
 from artigen.shapes.draw import Wish, check_wish
 from artigen.sketch.request import (
-    ALSO_OF,
-    MATERIAL_OF,
     ROLES_OF,
     FinishRequest,
     SketchRequest,
     check_category,
 )
 from artigen.sketch.words import CATEGORIES
-from artigen.types import PartLabel
 
 Value = TypeVar("Value")
 
@@ -39,34 +40,41 @@ class Understood:
     request: SketchRequest
     stretch: tuple[tuple[str, float], ...] = ()
     """Factors relative to usual sizes for extents that are not given: a tall cabinet."""
+    said: str = ""
+    """What is understood of the words, in one line."""
     notes: tuple[str, ...] = ()
+    """What is not understood, and what the model cannot be asked for."""
 
 
 def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Understood:
-    """Parses the words of a request and merges them with its explicit fields.
+    """Reads the words of a request and merges them with its explicit fields.
 
     Raises:
-        ArtigenError: If the request is empty, names an unknown category or contradicts itself, or its text
-            cannot be parsed.
+        ArtigenError: If the request is empty, names an unknown category or contradicts itself, no object of
+            the kind has the size, or its text cannot be read.
     """
-    text = ParsedText() if request.text is None else parse_text(request.text)
-    category = _agree("category", request.category, text.category)
+    beside = request.category is not None or request.image is not None
+    said = Sentence() if request.text is None else read_sentence(request.text, whole=not beside)
+    category = _agree("category", request.category, said.kind)
     if category is None and request.image is None:
         raise ArtigenError("no category is given: name one, describe the object in words, or give a picture")
     if category is not None:
         check_category(category, learned)
-    wish = request.wish
+    wish, size = request.wish, dict(said.size)
     counts = dict(wish.counts)
-    for label, count in text.counts:
+    for label, count in said.counts:
         counts[label] = _agree(f"number of {label}s", counts.get(label), count) or 0
     wish = Wish(
-        depth=_agree("depth", wish.depth, text.depth),
-        width=_agree("width", wish.width, text.width),
-        height=_agree("height", wish.height, text.height),
-        style=wish.style,
+        depth=_agree("depth", wish.depth, size.get("depth")),
+        width=_agree("width", wish.width, size.get("width")),
+        height=_agree("height", wish.height, size.get("height")),
+        style=_agree("style", wish.style, said.style),
         counts=tuple(sorted(counts.items())),
     )
     check_wish(wish)
+    kind = None if category is None else find_kind(category)
+    if kind is not None:
+        check_size(kind, {axis: length for axis in AXES if (length := getattr(wish, axis)) is not None})
     sketch_request = SketchRequest(
         category=category,
         style=wish.style,
@@ -74,31 +82,59 @@ def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Underst
         depth=wish.depth,
         width=wish.width,
         height=wish.height,
-        finishes=find_finishes(text.colors, category),
-        some=tuple(label for label, _ in text.colors if label != "base"),
+        finishes=find_finishes(said, category),
+        some=said.some,
     )
     open_axes = tuple(
-        (axis, factor) for axis, factor in text.stretch if getattr(wish, axis) is None
+        (axis, factor) for axis, factor in said.stretch if getattr(wish, axis) is None
     )  # "tall" is ignored if a height is given
-    notes = (f"no meaning was found in: {', '.join(text.unused)}",) if text.unused else ()
-    return Understood(request=sketch_request, stretch=open_axes, notes=notes)
+    return Understood(
+        request=sketch_request,
+        stretch=open_axes,
+        said="" if request.text is None else said.describe(),
+        notes=(*_name_ignored(said), *_name_unmet(said)),
+    )
 
 
-def find_finishes(
-    colors: tuple[tuple[PartLabel, str], ...], category: str | None = None
-) -> tuple[FinishRequest, ...]:
-    """The finishes that colour words request; a word for a part overrides that for the whole object.
+def find_finishes(said: Sentence, category: str | None = None) -> tuple[FinishRequest, ...]:
+    """The finishes that words request; a word for a part overrides that for the whole object.
 
     Args:
-        colors: Colour words by the label they refer to; ``base`` is the whole object.
+        said: What is said.
         category: Category of the object, if known.
     """
-    also = ALSO_OF.get(category or "", ())
+    kind = None if category is None else find_kind(category)
+    also = () if kind is None else kind.colored
+    colors, materials = dict(said.colors), dict(said.materials)
     found: dict[str, FinishRequest] = {}
-    for label, word in sorted(colors, key=lambda named: named[0] != "base"):
-        for role in (*ROLES_OF[label], *(also if label == "base" else ())):
-            found[role] = FinishRequest(role=role, color=COLORS[word], material=MATERIAL_OF.get(word))
+    for target in sorted({*colors, *materials}, key=lambda target: (target != OBJECT, target)):
+        stuff = find_stuff(materials.get(target, ""))
+        color = find_color_only(colors.get(target, "")) or (None if stuff is None else stuff.color)
+        material = METALLIC.get(colors.get(target, "")) if stuff is None else stuff.kind
+        for role in _list_roles(target, also):
+            found[role] = FinishRequest(role=role, color=color, material=material)
     return tuple(found.values())
+
+
+def _list_roles(target: str, also: tuple[str, ...]) -> tuple[str, ...]:
+    """Finishes of the whole object, of a part, or of a piece that a word of finishes names."""
+    if target == OBJECT:
+        return (*ROLES_OF["base"], *also)
+    return ROLES_OF[PARTS[target]] if target in PARTS else (target,)
+
+
+def _name_ignored(said: Sentence) -> tuple[str, ...]:
+    return (f"no meaning was found in: {', '.join(said.ignored)}",) if said.ignored else ()
+
+
+def _name_unmet(said: Sentence) -> tuple[str, ...]:
+    """What is understood, but is no condition of the model."""
+    unmet = [
+        f"{part} {what} {value}"
+        for part, what, value in said.features
+        if STYLES.get((part, what, value)) != (said.style or "") and part != "wheel" and value != "none"
+    ]
+    return (f"understood, but the model cannot be asked for it: {', '.join(unmet)}",) if unmet else ()
 
 
 def _agree(what: str, first: Value | None, second: Value | None) -> Value | None:

@@ -5,14 +5,9 @@ Words may be added anywhere but not removed.
 
 from functools import cache
 
-from artigen.shapes.draw import categories
+from artigen.kind import kinds, list_words
 
-CATEGORIES = (
-    "StorageFurniture", "Table", "Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave",
-    "Cart", "Safe", "Box", "BreadBox", "ChestFreezer", "DeskLamp", "Door", "Dresser", "Dryer", "Faucet",
-    "FilingCabinet", "Laptop", "Mailbox", "Pot", "Printer", "Suitcase", "Switch", "Toaster", "Toilet",
-    "ToolBox", "TrashCan", "Wardrobe", "Window",
-)  # fmt: skip
+CATEGORIES = list_words()
 """Categories of the grammar."""
 STYLES = (
     "flat", "shaker", "framed_glass", "handleless", "classic", "industrial", "country", "louvre",
@@ -33,5 +28,5 @@ OTHER_STYLE = STYLES.index("other")
 @cache
 def list_styles(category: int) -> tuple[int, ...]:
     """Numbers of the styles that the grammar draws a category in; `OTHER_STYLE` for those without a word."""
-    drawn = categories()[CATEGORIES[category]].STYLES
+    drawn = kinds()[CATEGORIES[category]].styles
     return tuple(sorted({STYLES.index(style) if style in STYLES else OTHER_STYLE for style in drawn}))

@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
+from artigen.kind import paper_kinds
 from artigen.types import (
     FULL_TURN,
     JOINT_TYPES,
-    PAPER_CATEGORIES,
     PART_LABELS,
     Asset,
     JointType,
@@ -43,7 +43,9 @@ class Channels(NamedTuple):
     category: slice
 
 
-WIDTHS = (len(PART_LABELS), len(JOINT_TYPES), 3, 3, 2, 6, len(PAPER_CATEGORIES))
+PAPER_KINDS = 7
+"""Number of `artigen.kind.paper_kinds`."""
+WIDTHS = (len(PART_LABELS), len(JOINT_TYPES), 3, 3, 2, 6, PAPER_KINDS)
 """Numbers of channels of the attributes."""
 
 
@@ -142,8 +144,8 @@ def part_attributes(part: Part, category: str) -> Float[np.ndarray, "C"]:
     row[FIELD.origin] = canonical_origin(part)
     row[FIELD.range] = joint_ranges(part) / (FULL_TURN, 1.0)
     row[FIELD.box] = part.box.ravel()
-    if category in PAPER_CATEGORIES:
-        row[FIELD.category.start + PAPER_CATEGORIES.index(category)] = 1.0
+    if category in paper_kinds():
+        row[FIELD.category.start + paper_kinds().index(category)] = 1.0
     return row
 
 
@@ -166,7 +168,7 @@ def name_joints(table: Float[np.ndarray, "P C"]) -> tuple[JointType, ...]:
 def name_category(table: Float[np.ndarray, "P C"]) -> str | None:
     """Category of the object whose parts are the rows of `tabulate_parts`; None if it has no channel."""
     one_hot = table[0, ROW.category]
-    return PAPER_CATEGORIES[one_hot.argmax()] if one_hot.any() else None
+    return paper_kinds()[one_hot.argmax()] if one_hot.any() else None
 
 
 def encode(asset: Asset) -> Float[np.ndarray, "C X Y Z"]:

@@ -4,30 +4,6 @@ from dataclasses import dataclass
 
 from sim_export.geometry.distances import MAX_P99
 
-CATEGORY_DIAGONALS: tuple[tuple[str, float, float], ...] = (
-    ("Bottle", 0.1, 0.8),
-    ("Box", 0.1, 2.0),
-    ("Cart", 0.3, 3.0),
-    ("Chair", 0.5, 2.0),
-    ("Dishwasher", 0.5, 2.0),
-    ("Door", 1.0, 3.5),
-    ("Faucet", 0.1, 1.0),
-    ("KitchenPot", 0.1, 1.0),
-    ("Laptop", 0.2, 0.9),
-    ("Microwave", 0.3, 1.1),
-    ("Oven", 0.4, 2.2),
-    ("Refrigerator", 0.5, 3.0),
-    ("Safe", 0.2, 2.5),
-    ("StorageFurniture", 0.2, 3.5),
-    ("Suitcase", 0.3, 1.5),
-    ("Switch", 0.05, 0.6),
-    ("Table", 0.3, 3.5),
-    ("Wardrobe", 1.0, 4.0),
-    ("WashingMachine", 0.5, 2.0),
-    ("Window", 0.3, 3.5),
-)
-"""Category, and smallest and largest plausible diagonal (m) of the bounding box of its objects."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class CheckConfig:
@@ -54,9 +30,7 @@ class CheckConfig:
     com_tolerance: float = 1e-3
     """V008: how far (m) the centre of mass may lie outside the link's convex hull."""
     diagonal_range: tuple[float, float] = (0.1, 3.0)
-    """V009: bounding-box diagonal (m) of objects whose category is not in ``category_diagonals``."""
-    category_diagonals: tuple[tuple[str, float, float], ...] = CATEGORY_DIAGONALS
-    """V009: category, smallest and largest diagonal (m)."""
+    """V009: bounding-box diagonal (m) of objects of categories without one of their own (`artigen.kind`)."""
     max_faces: int = 50_000
     """V101: triangles per visual mesh."""
     sliver_ratio: float = 1e-4

@@ -7,6 +7,7 @@ from pathlib import PurePosixPath
 import numpy as np
 
 from artigen.files.urdf import UrdfInertial, UrdfJoint, UrdfLink, tree_problems
+from artigen.kind import find_category
 from artigen.types import FULL_TURN
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, always, at_most, count_problems
@@ -320,8 +321,8 @@ def _extreme(subject: Subject, link: str) -> np.ndarray:
 def check_size(subject: Subject, cfg: CheckConfig) -> Finding:
     """V009: the object's size is typical of its category, which verifies that lengths are metres."""
     category = str(subject.meta.get("model_cat", ""))
-    ranges = {name: (low, high) for name, low, high in cfg.category_diagonals}
-    low, high = ranges.get(category, cfg.diagonal_range)
+    known = find_category(category)
+    low, high = cfg.diagonal_range if known is None else known.diagonal or cfg.diagonal_range
     diagonal = subject.diagonal
     return Finding(
         passed=low <= diagonal <= high,

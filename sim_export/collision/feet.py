@@ -16,6 +16,7 @@ import manifold3d
 import numpy as np
 from jaxtyping import Float
 
+from artigen.kind import find_kind
 from sim_export.collision.attachment import NEAR, add_hull
 from sim_export.collision.cover.surface_hulls import split_components
 from sim_export.collision.cover.surface_pieces import cut_triangles
@@ -73,12 +74,6 @@ SAMPLES = 200_000
 """Points on the body at which that is looked up."""
 COLOR = (0.12, 0.12, 0.12)
 """Colour of feet: black rubber."""
-CATEGORIES = frozenset({
-    "BreadBox", "Cart", "ChestFreezer", "Dishwasher", "Dresser", "Dryer", "FilingCabinet", "Microwave",
-    "Oven", "Printer", "Refrigerator", "Safe", "StorageFurniture", "Table", "Toaster", "Toilet", "ToolBox",
-    "TrashCan", "Wardrobe", "WashingMachine",
-})  # fmt: skip
-"""What stands on the floor or on a worktop by itself."""
 
 
 def add_feet(
@@ -213,7 +208,8 @@ def level_object(
         New links; all are the same objects where none is needed, or where none has room.
     """
     unchanged = Levelled(links=tuple(links))
-    if category not in CATEGORIES or not links[-1].hulls:
+    kind = find_kind(category)
+    if kind is None or not kind.feet or not links[-1].hulls:
         return unchanged
     sets = [HullSet(hulls=link.hulls) for link in links]
     low, high = _bounds(sets)

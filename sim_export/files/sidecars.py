@@ -9,6 +9,7 @@ import json
 
 import numpy as np
 
+from artigen.kind import find_kind
 from sim_export.errors import PackageError
 from sim_export.package import HandleAnnotation, Link, PackageJoint, Requirement, SimPackage, SourceMesh
 from sim_export.physics.inertia import subtree_inertial
@@ -17,16 +18,6 @@ from sim_export.topology import find_topology
 
 FORMAT = "artigen-package"
 VERSION = 1
-
-BODY_NAMES: dict[str, str] = {
-    "StorageFurniture": "furniture_body",
-    "Table": "furniture_body",
-    "Refrigerator": "refrigerator_body",
-    "Dishwasher": "dishwasher_body",
-    "Oven": "oven_body",
-    "WashingMachine": "washing_machine_body",
-    "Microwave": "microwave_body",
-}
 
 
 def json_text(value: object) -> str:
@@ -62,7 +53,8 @@ def _semantic_kind(joint: PackageJoint | None) -> str:
 
 def _semantic_name(package: SimPackage, link: Link, joint: PackageJoint | None) -> str:
     if joint is None or joint.type == "fixed":
-        return BODY_NAMES.get(package.category, f"{package.category.lower()}_body")
+        kind = find_kind(package.category)
+        return f"{package.category.lower()}_body" if kind is None else kind.body
     if link.label == "door":
         return "rotation_door" if joint.type != "prismatic" else "translation_door"
     return "part" if link.label in (None, "base") else link.label

@@ -19,7 +19,7 @@ from sim_export.geometry.occupancy import PartOccupancy, require_voxels
 from sim_export.geometry.triangles import area_normals, bounds_of
 from sim_export.package import Inertial, Link, Mesh
 from sim_export.physics.inertia import inertia_about, mesh_inertial
-from sim_export.physics.makes import find_make, is_hardware
+from sim_export.physics.makes import fill_base, find_make, is_hardware, wall_density
 from sim_export.physics.materials import MATERIALS, part_material
 
 FARTHEST = 0.006
@@ -43,9 +43,9 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy)
     name, make = part_material(part.label, asset.category), find_make(asset.category)
     hardware = is_hardware(part.label, moves=part.joint.type != "fixed")
     if name in make.wall and not hardware:
-        walls = mesh_inertial(mesh, make.wall_density(name, mean_thickness(mesh)))
+        walls = mesh_inertial(mesh, wall_density(make, name, mean_thickness(mesh)))
     else:
-        own = MATERIALS[name].bulk if hardware else make.wall_density(name)
+        own = MATERIALS[name].bulk if hardware else wall_density(make, name)
         density = own * min(1.0, MATERIALS[name].thickest / mean_thickness(mesh))
         walls = _weigh_shell(voxels, occupancy, asset.scale, mesh, density)
     if walls.mass <= 0:
@@ -54,7 +54,7 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy)
         )
     if part.parent != -1:
         return walls
-    return make.fill_base(walls, bounds_of(mesh.vertices))
+    return fill_base(make, walls, bounds_of(mesh.vertices))
 
 
 def _weigh_shell(

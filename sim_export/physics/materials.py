@@ -6,25 +6,14 @@ The tables contain handbook values. The material of a part follows from its labe
 """
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
+from artigen.kind import MaterialName, find_category
 from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.types import JointType, PartLabel
 from sim_export.package import PackageJoint
 
-MaterialName = Literal[
-    "wood_board",
-    "steel_sheet",
-    "steel",
-    "glass",
-    "insulating_glass",
-    "plastic",
-    "rubber",
-    "stone",
-    "foam_panel",
-]
 GRAVITY = 9.81
 ROLLING = 0.02
 """Resistance of a castor with a rubber tyre on a hard floor, over its load."""
@@ -34,21 +23,8 @@ PLATE_SLENDERNESS = 6.0
 """Smaller in-plane extent over thickness from which a piece is a plate."""
 THICKEST_GLASS = 0.012
 """Thickness (m) above which a plate of glass is insulating glass."""
-APPLIANCES: frozenset[str] = frozenset(
-    {
-        "Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave", "Safe", "CoffeeMachine",
-        "Toaster", "ChestFreezer", "Dryer", "FilingCabinet", "Mailbox",
-    }
-)  # fmt: skip
-"""Categories whose carcass and moving parts are sheet metal; every other category is wood board."""
-INSULATED: frozenset[str] = frozenset({"Refrigerator", "ChestFreezer"})
-"""Appliances with thick walls of foam."""
-PLASTIC_CATEGORIES: frozenset[str] = frozenset(
-    {"Bottle", "Box", "Laptop", "Printer", "Phone", "Remote", "Suitcase", "Switch", "TrashCan", "Dispenser"}
-)
-METAL_CATEGORIES: frozenset[str] = frozenset({"Faucet", "Pot", "Cart", "Scissors", "Pliers", "ToolBox"})
-HEAVY_BASES: frozenset[str] = frozenset({"DeskLamp", "Toilet"})
-"""Categories whose base is vitreous china, or a block of concrete or cast iron against tipping."""
+PANELS: dict[str | None, MaterialName] = {"sheet": "steel_sheet", "foam": "foam_panel"}
+"""Material of carcass and doors by build."""
 PHYSX_COEFFICIENTS = (0.01, 0.05, 0.2, 1.0)
 PHYSX_SLIDING_HOLD = (0.0108, 0.0336, 0.0706, 0.173)
 PHYSX_TURNING_HOLD = (0.0178, 0.0430, 0.0980, 0.292)
@@ -107,14 +83,15 @@ def part_material(label: PartLabel, category: str) -> MaterialName:
         return "plastic"
     if label == "handle":
         return "steel"
-    if category in APPLIANCES:
-        walls: MaterialName = "foam_panel" if category in INSULATED else "steel_sheet"
-        return "steel" if label in ("tray", "shelf") else walls
-    if category in PLASTIC_CATEGORIES:
+    known = find_category(category)
+    build = None if known is None else known.build
+    if build in PANELS:
+        return "steel" if label in ("tray", "shelf") else PANELS[build]
+    if build == "plastic":
         return "plastic"
-    if category in METAL_CATEGORIES:
+    if build == "metal":
         return "steel"
-    return "stone" if label == "base" and category in HEAVY_BASES else "wood_board"
+    return "stone" if label == "base" and build == "weighted" else "wood_board"
 
 
 def finish_material(
@@ -135,12 +112,14 @@ def finish_material(
     if plate and label in ("tray", "shelf") and kind in ("steel", "rubber", "lacquer"):
         return "steel_sheet"
     folded = plate or label in ("drawer", "door")
-    if folded and category in METAL_CATEGORIES and label != "wheel" and kind in ("steel", "lacquer"):
+    known = find_category(category)
+    build = None if known is None else known.build
+    if folded and build == "metal" and label != "wheel" and kind in ("steel", "lacquer"):
         return "steel_sheet"
     hardware = label in ("handle", "knob", "wheel", "tray", "shelf")
     if kind == "wood":
         return "wood_board"
-    if category in APPLIANCES and not hardware and kind in ("lacquer", "steel", "plastic"):
+    if build in PANELS and not hardware and kind in ("lacquer", "steel", "plastic"):
         return part_material(label, category)
     if kind == "lacquer":
         return "steel" if hardware else part_material(label, category)

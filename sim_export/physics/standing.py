@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
+from artigen.kind import find_category
 from artigen.shapes.support import measure_overhang
 from sim_export.package import Link
 
@@ -13,17 +14,12 @@ TOUCHING = 2e-3
 MARGIN = 0.01
 """Least distance (m) of the centre of mass from the edges of the area that an object stands on."""
 DOWN = np.array([0.0, 0.0, -1.0])
-MOUNTED_CATEGORIES = frozenset({"Door", "Faucet", "Switch", "Window"})
-HELD_CATEGORIES = frozenset(
-    {"Eyeglasses", "Knife", "Lighter", "Pen", "Phone", "Pliers", "Remote", "Scissors", "Stapler", "USB"}
-)
-"""PartNet-Mobility categories that are fixed to a building or hand-held and need not stand. All others,
-including unknown categories, must stand."""
 
 
 def must_stand(category: str) -> bool:
-    """Whether objects of this category must stand on their own."""
-    return category not in MOUNTED_CATEGORIES | HELD_CATEGORIES
+    """Whether objects of this category must stand on their own; those of unknown categories must."""
+    known = find_category(category)
+    return known is None or known.stands == "free"
 
 
 def center_of_mass(links: Sequence[Link]) -> Float[np.ndarray, "3"]:

@@ -1,7 +1,7 @@
 """Semantic labels, Wikidata codes and non-visual materials.
 
-Codes are assigned only where they are certain. An object of another category is labelled as furniture or as a
-physical object; a part of another kind has no code.
+Codes are assigned only where they are certain. An object without one is labelled as a physical object; a part
+without one has none.
 """
 
 # usd-core has no type stubs, and is optional.
@@ -9,26 +9,14 @@ physical object; a part of another kind has no code.
 
 from typing import TYPE_CHECKING
 
+from artigen.kind import PHYSICAL_OBJECT, MaterialName, find_kind
 from artigen.types import PartLabel
 from sim_export.package import Link, SimPackage, Visual
-from sim_export.physics.materials import MATERIALS, MaterialName, part_material
+from sim_export.physics.materials import MATERIALS, part_material
 
 if TYPE_CHECKING:
     from pxr import Usd
 
-FURNITURE = "Q14745"
-PHYSICAL_OBJECT = "Q223557"
-CATEGORY_CODES: dict[str, str] = {
-    "StorageFurniture": FURNITURE,
-    "Table": "Q14748",
-    "Refrigerator": "Q37828",
-    "Dishwasher": "Q186263",
-    "Oven": "Q36539",
-    "WashingMachine": "Q124441",
-    "Microwave": "Q127956",
-    "Safe": "Q471898",
-}
-"""Wikidata items of categories; storage furniture is classified as furniture."""
 PART_CODES: dict[PartLabel, str] = {"door": "Q36794", "wheel": "Q446"}
 """Wikidata items of part labels; drawers, handles, knobs, trays and shelves have none."""
 
@@ -51,7 +39,8 @@ NONVISUAL_BASES: dict[MaterialName, str] = {
 
 def category_code(category: str) -> str:
     """The Wikidata code of a category, or of physical objects in general."""
-    return CATEGORY_CODES.get(category, PHYSICAL_OBJECT)
+    kind = find_kind(category)
+    return PHYSICAL_OBJECT if kind is None else kind.wikidata or PHYSICAL_OBJECT
 
 
 def visual_material(package: SimPackage, visual: Visual) -> MaterialName:

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
+from artigen.kind import MaterialName
 from artigen.splats.colors import linear_from_srgb
 from sim_export.files.obj import png_bytes
 from sim_export.geometry.normals import corner_normals
 from sim_export.geometry.triangles import bounds_of
 from sim_export.package import Mesh, Visual
-from sim_export.physics.materials import MaterialName
 from sim_export.usd.labels import MATERIAL_WORDS, NONVISUAL_BASES, add_label, label_part
 
 if TYPE_CHECKING:

@@ -16,12 +16,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
+from artigen.kind import MaterialName
 from artigen.transforms import quat_from_matrix
 from sim_export.files.mjcf import HARD_IMPEDANCE, HARD_REFERENCE
 from sim_export.geometry.primitives import find_primitive
 from sim_export.geometry.triangles import area_normals
 from sim_export.package import Hull, Inertial, PackageJoint
-from sim_export.physics.materials import MATERIALS, MaterialName
+from sim_export.physics.materials import MATERIALS
 from sim_export.usd.labels import MATERIAL_WORDS, add_label
 from sim_export.usd.looks import define_mesh
 

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
+from artigen.kind import MaterialName
 from sim_export.files.urdf import link_origins
 from sim_export.motion.ignored_pairs import ignored_pairs
 from sim_export.motion.kinematics import box_sides
 from sim_export.package import Hull, Link, Mesh, SimPackage, Visual
 from sim_export.physics.links import check_kinematics
-from sim_export.physics.materials import MaterialName
 from sim_export.picture.draw import visual_meshes
 from sim_export.usd.labels import add_label, category_code, label_part, link_material, visual_material
 from sim_export.usd.looks import Looks, add_visual

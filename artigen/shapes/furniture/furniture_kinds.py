@@ -1,4 +1,4 @@
-"""Tables: kinds of storage furniture and styles of fronts, with sizes in metres and relative weights."""
+"""Tables: forms of storage furniture and styles of fronts, with sizes in metres and relative weights."""
 
 from dataclasses import dataclass
 
@@ -100,8 +100,8 @@ class Mounting:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Kind(Mounting):
-    """A kind of furniture: its sizes, its mounting, and the division of its front."""
+class Form(Mounting):
+    """A form of furniture: its sizes, its mounting, and the division of its front."""
 
     weight: float
     spans: Spans
@@ -122,8 +122,8 @@ LOW: tuple[tuple[Fill, float], ...] = (
     ("slide", 1.0),
     ("lift", 0.15),
 )
-KINDS: dict[str, Kind] = {
-    "base_cabinet": Kind(
+FORMS: dict[str, Form] = {
+    "base_cabinet": Form(
         weight=4.0,
         spans=((0.3, 1.25), (0.56, 0.66), (0.78, 0.94)),
         stands=(("toe_kick", 4), ("plinth", 1.5), ("screw_feet", 0.9), ("legs", 0.3)),
@@ -143,7 +143,7 @@ KINDS: dict[str, Kind] = {
             trays=0.3,
         ),
     ),
-    "wall_cabinet": Kind(
+    "wall_cabinet": Form(
         weight=3.6,
         spans=((0.3, 1.2), (0.28, 0.42), (0.34, 0.95)),
         stands=(("floor", 1.0),),
@@ -155,7 +155,7 @@ KINDS: dict[str, Kind] = {
             trays=0.0,
         ),
     ),
-    "dresser": Kind(
+    "dresser": Form(
         weight=0.7,
         spans=((0.4, 1.65), (0.38, 0.54), (0.7, 1.3)),
         stands=(("legs", 2), ("plinth", 1.5), ("toe_kick", 1), ("floor", 0.6), ("sled", 0.3)),
@@ -168,7 +168,7 @@ KINDS: dict[str, Kind] = {
             symmetry=0.95,
         ),
     ),
-    "wardrobe": Kind(
+    "wardrobe": Form(
         weight=1.0,
         spans=((0.5, 1.7), (0.5, 0.66), (1.75, 2.25)),
         stands=(("plinth", 2), ("toe_kick", 1.5), ("floor", 1), ("legs", 0.5)),
@@ -182,7 +182,7 @@ KINDS: dict[str, Kind] = {
             trays=0.1,
         ),
     ),
-    "sideboard": Kind(
+    "sideboard": Form(
         weight=1.2,
         spans=((1.0, 2.0), (0.36, 0.5), (0.6, 0.95)),
         stands=(("legs", 3), ("plinth", 1), ("sled", 1), ("floor", 0.3)),
@@ -194,7 +194,7 @@ KINDS: dict[str, Kind] = {
             symmetry=0.9,
         ),
     ),
-    "nightstand": Kind(
+    "nightstand": Form(
         weight=2.6,
         spans=((0.34, 0.6), (0.32, 0.46), (0.42, 0.7)),
         stands=(("legs", 3), ("plinth", 0.6), ("floor", 0.6), ("castors", 0.8), ("sled", 0.4)),
@@ -207,7 +207,7 @@ KINDS: dict[str, Kind] = {
             trays=0.0,
         ),
     ),
-    "bookcase": Kind(
+    "bookcase": Form(
         weight=0.8,
         spans=((0.4, 1.3), (0.26, 0.4), (1.0, 2.1)),
         stands=(("toe_kick", 1), ("floor", 2), ("legs", 0.6), ("plinth", 0.6)),
@@ -218,7 +218,7 @@ KINDS: dict[str, Kind] = {
             trays=0.0,
         ),
     ),
-    "tv_stand": Kind(
+    "tv_stand": Form(
         weight=1.2,
         spans=((1.0, 2.0), (0.36, 0.48), (0.36, 0.62)),
         stands=(("legs", 2), ("plinth", 1), ("sled", 1), ("castors", 0.7), ("floor", 0.5)),
@@ -231,7 +231,7 @@ KINDS: dict[str, Kind] = {
             symmetry=0.95,
         ),
     ),
-    "drawer_unit": Kind(
+    "drawer_unit": Form(
         weight=0.5,
         spans=((0.3, 0.9), (0.4, 0.58), (0.5, 1.35)),
         stands=(("castors", 1.5), ("floor", 1.0), ("legs", 0.6), ("toe_kick", 0.6)),

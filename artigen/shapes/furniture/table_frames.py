@@ -7,8 +7,9 @@ from typing import Literal, get_args
 import numpy as np
 
 from artigen.shapes.fittings.hardware import Space
-from artigen.shapes.primitives import Primitive, Vector, block, cylinder, prism
+from artigen.shapes.primitives import Primitive, Vector, block, cylinder, place_vertices, prism
 from artigen.shapes.ranges import Range, around, narrow
+from artigen.shapes.shape import ShapePart
 
 TopKind = Literal["plain", "rounded", "oval"]
 """A rectangle, a rectangle with round corners, or one with semicircular ends."""
@@ -124,3 +125,18 @@ def _span_axes(legs: Sequence[Primitive]) -> tuple[Range, Range]:
     """Axes (x, y) of the outermost legs."""
     low, high = (pick([leg.center for leg in legs], axis=0) for pick in (np.min, np.max))
     return (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))
+
+
+def make_shelf(legs: Sequence[Primitive], z: float) -> ShapePart:
+    """A board between four legs, with its upper face at a height."""
+    top = z + 0.02
+    centers = np.array([leg.center for leg in legs])
+    inner = []
+    for leg in legs:
+        low, high = place_vertices(leg)[leg.vertices[:, 2] < 0], place_vertices(leg)[leg.vertices[:, 2] > 0]
+        share = (top - low[0, 2]) / (high[0, 2] - low[0, 2])
+        inner.append((1 - share) * np.ptp(low[:, 1]) / 2 + share * np.ptp(high[:, 1]) / 2)
+    edge = float(np.abs(centers[:, 1]).max() - inner[0])
+    x = (float(centers[:, 0].min()) - 0.004, float(centers[:, 0].max()) + 0.004)
+    shelf = block(x, around(0.0, edge), (z, top), "top")
+    return ShapePart("shelf", "shelf", (shelf,))

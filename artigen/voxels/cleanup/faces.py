@@ -18,17 +18,16 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.ndimage import binary_fill_holes, label
 
+from artigen.kind import Board, find_kind
 from artigen.voxels.cleanup.boxes import find_boxes
 from artigen.voxels.cleanup.rows import CERTAIN, Owners, note_changes
 from artigen.voxels.fields import name_category, name_rows
 from artigen.voxels.regions import find_rectangles, is_round
 
-Kind = Literal["top", "side", "back", "front", "plate", "panel"]
+FaceKind = Literal["top", "side", "back", "front", "plate", "panel"]
 
-PLATED = ("WashingMachine",)
-"""Categories whose bodies have a board in front as well."""
-OPEN: Mapping[str, tuple[Kind, ...]] = {"Oven": ("top",), "Table": ("side", "back")}
-"""Faces that are not boards, by category: burners stand on cooktops, and tables stand on legs."""
+BOARDS: tuple[Board, ...] = ("top", "side", "back")
+"""Faces of a body that are whole boards, where its kind is not known."""
 DEPTH = 6
 """Layers of cells in which a face is sought."""
 LEAST, SHARE = 12.0, 0.03
@@ -41,7 +40,7 @@ BENEATH = ("drawer", "shelf")
 """Labels of parts that give way to a top."""
 SEEN = 0.6
 """Least share of the columns in which the part begins within `DEPTH` layers for them to form a face."""
-SMALLEST: Mapping[Kind, int] = {"front": 4, "panel": 4, "plate": 16, "top": 16, "side": 16, "back": 16}
+SMALLEST: Mapping[FaceKind, int] = {"front": 4, "panel": 4, "plate": 16, "top": 16, "side": 16, "back": 16}
 """Least width of a face in cells; the low sides of a cooktop are not faces."""
 WIDE, NARROW = 0.35, 3
 """Largest width of a strip: a share of the face where doors, plinths or worktops may be, else in cells."""
@@ -60,9 +59,9 @@ THICKEST = 3
 
 
 class Side(NamedTuple):
-    """Kind and viewing direction of a face."""
+    """FaceKind and viewing direction of a face."""
 
-    kind: Kind
+    kind: FaceKind
     """All but ``front`` are boards."""
     axis: int
     """Axis along which the face is seen."""
@@ -89,7 +88,7 @@ SIDES: Mapping[str, tuple[Side, ...]] = {
 class Face:
     """A face of a part, seen along the first axis."""
 
-    kind: Kind
+    kind: FaceKind
     number: int
     """Row of the part in the outline."""
     cells: Owners
@@ -120,13 +119,14 @@ def even_faces(
 ) -> tuple[Owners, tuple[str, ...]]:
     """Flattens the faces of all parts; returns the new owners and a note of how many cells changed."""
     before, owners = owners, owners.copy()
-    category, names = name_category(rows) or "", name_rows(rows)
+    kind, names = find_kind(name_category(rows) or ""), name_rows(rows)
+    boards = BOARDS if kind is None or kind.channel is None else kind.channel.boards
     beneath = np.isin(names, BENEATH)
     for number, name in enumerate(names):
         for side in SIDES.get(name, ()):
-            if side.kind in OPEN.get(category, ()):
+            if side.kind in BOARDS and side.kind not in boards:
                 continue
-            if side.kind == "front" and category in PLATED:
+            if side.kind == "front" and "plate" in boards:
                 side = side._replace(kind="plate")
             face = _read_face(owners, logits, number, side, beneath)
             if face is None:
@@ -265,7 +265,7 @@ def _draw_strips(face: Face, main: int) -> tuple[Int[np.ndarray, "H W"], Bool[np
 
 
 def _find_strips(
-    kind: Kind, gains: Float[np.ndarray, "K H W"], main: int
+    kind: FaceKind, gains: Float[np.ndarray, "K H W"], main: int
 ) -> Iterator[tuple[float, tuple[slice, slice], int | None]]:
     """Best strip along each edge for each depth that it may have: gain, place and depth.
 

@@ -2,12 +2,14 @@
 
 A network draws the mean of a ring and its box: doors with cut corners over ragged holes. A tray that rotates
 continuously about a front-to-back axis is a drum. All procedural machines with a drum behind a door have a
-round door, whose opening has 0.72 to 0.80 of its radius. So have washing machines whose drum does not rotate.
+round door, whose opening has 0.72 to 0.80 of its radius. So have kinds with round doors whose drum does not
+rotate.
 """
 
 import numpy as np
 from jaxtyping import Bool, Float
 
+from artigen.kind import find_kind
 from artigen.voxels.cleanup.boxes import reach_box
 from artigen.voxels.cleanup.panel import find_panel
 from artigen.voxels.cleanup.rows import Owners, note_changes
@@ -17,8 +19,6 @@ OBLONG = 1.25
 """Largest ratio of width and height of a round door, either way."""
 MOUTH, RIM = 0.72, 0.80
 """Shares of the door's radius: the opening is clear within the first, the plate whole beyond the second."""
-WASHING = "WashingMachine"
-"""Category whose doors are round with or without a drum."""
 PLATE = 7
 """Layers behind the panel of the door in which the plate of the body is sought; the fullest is taken."""
 WHOLE = 0.7
@@ -32,13 +32,14 @@ def round_portholes(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Own
     before, owners = owners, owners.copy()
     labels, kinds = np.array(name_rows(rows)), np.array(name_joints(rows))
     boxes, axes = rows[:, ROW.box], rows[:, ROW.axis]
-    washing = name_category(rows) == WASHING
+    kind = find_kind(name_category(rows) or "")
+    rounded = kind is not None and kind.channel is not None and kind.channel.round_door
     drums = boxes[(labels == "tray") & (kinds == "continuous") & (np.abs(axes).argmax(axis=1) == 0)]
     for door in np.flatnonzero((labels == "door") & (kinds == "revolute")):
         center, size = boxes[door, :3], boxes[door, 3:]
         near = (np.abs(drums[:, 1:3] - center[1:]) < size[1:] / 4).all(axis=1) & (drums[:, 0] > center[0])
         upright = size[0] < size[1:].min() and max(size[1] / size[2], size[2] / size[1]) <= OBLONG
-        if upright and (near.any() or washing):
+        if upright and (near.any() or rounded):
             _round_door(owners, int(door), labels == "base", boxes[door])
     return note_changes(before, owners, "cells were changed to make a door and its opening round")
 

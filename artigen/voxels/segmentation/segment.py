@@ -16,7 +16,8 @@ from jaxtyping import Float, Int
 from scipy.spatial import KDTree
 
 from artigen.errors import SegmentationError
-from artigen.types import PAPER_CATEGORIES, PART_LABELS, Asset, Joint, Part, VoxelGrid
+from artigen.kind import paper_kinds
+from artigen.types import PART_LABELS, Asset, Joint, Part, VoxelGrid
 from artigen.voxels.fields import VoxelFields, canonical_origin
 from artigen.voxels.segmentation.aggregate import aggregate_part
 from artigen.voxels.segmentation.neighbours import Partition, canonical_partition, neighbour_pairs
@@ -144,7 +145,7 @@ def _voted_category(fields: VoxelFields) -> str:
     votes = fields.category_probs.mean(axis=0)
     if len(votes) == 0 or votes.max() < 0.5:
         return "unknown"
-    return PAPER_CATEGORIES[int(votes.argmax())]
+    return paper_kinds()[int(votes.argmax())]
 
 
 def partition_paper(fields: VoxelFields) -> Partition:

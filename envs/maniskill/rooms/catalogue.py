@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from artigen.errors import ArtigenError
+from artigen.kind import Place, find_kind
 from sim_export.files.folders import list_packages
 from sim_export.files.sidecars import FORMAT
 from sim_export.report import report_from_json
@@ -45,11 +46,15 @@ class Catalogue:
 
 def fits_role(entry: Entry, role: Role) -> bool:
     """Whether category, size and joints match the role."""
+    kind = find_kind(entry.category)
+    return kind is not None and any(_fits(entry, place) for place in kind.places if place.role == role.name)
+
+
+def _fits(entry: Entry, place: Place) -> bool:
     right_size = all(
-        low <= size <= high for low, size, high in zip(role.low, entry.size, role.high, strict=True)
+        low <= size <= high for low, size, high in zip(place.low, entry.size, place.high, strict=True)
     )
-    needed = role.needs_joint is None or role.needs_joint in entry.kinds
-    return entry.category in role.categories and right_size and needed
+    return right_size and (place.joint is None or place.joint in entry.kinds)
 
 
 def read_catalogue(folder: Path) -> Catalogue:
@@ -105,11 +110,18 @@ def demand_roles(catalogue: Catalogue, recipe: Recipe) -> None:
 
 def describe_role(role: Role) -> str:
     """A role in words: its name, categories and sizes."""
+    by_size: dict[str, list[str]] = {}
+    for name, place in role.places:
+        by_size.setdefault(_describe_size(place), []).append(name)
+    filled = "; or ".join(f"{' or '.join(names)}, {size}" for size, names in by_size.items())
+    return f"{role.name} ({filled})"
+
+
+def _describe_size(place: Place) -> str:
     names = ("deep", "wide", "high")
-    sizes = ", ".join(
-        f"{low:g} to {high:g} m {name}" for low, high, name in zip(role.low, role.high, names, strict=True)
+    return ", ".join(
+        f"{low:g} to {high:g} m {name}" for low, high, name in zip(place.low, place.high, names, strict=True)
     )
-    return f"{role.name} ({' or '.join(role.categories)}, {sizes})"
 
 
 def _verdict(package: Path) -> str:

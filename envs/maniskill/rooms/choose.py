@@ -12,7 +12,7 @@ from scipy.optimize import linear_sum_assignment, milp
 
 from .catalogue import Entry
 from .pieces import GAP
-from .recipes import Share
+from .recipes import Share, pull_along
 
 TALL = 1.02
 """Height (m) above which a unit is not placed in a corner."""
@@ -180,12 +180,8 @@ def order_units(units: Sequence[Offer], rng: np.random.Generator, corners: Seque
             costs[row] += away * np.abs(places - (0.5 if len(corners) == 2 else tall_end))
         if height > TALL and corners:
             costs[row, [index for index, place in enumerate(places) if place in corners]] += 4.0
-        if category == "Oven":
-            costs[row] += 2.0 * np.abs(places - 0.5)
-        elif category in ("Dishwasher", "WashingMachine"):
-            costs[row] += 0.5 * np.abs(places - 0.4)
-        else:
-            costs[row] += 0.2 * np.abs(places - 0.5)
+        weight, at = pull_along(category)
+        costs[row] += weight * np.abs(places - at)
     costs += 0.4 * rng.random(costs.shape)
     row, column = linear_sum_assignment(costs)
     order = np.empty(len(units), dtype=int)

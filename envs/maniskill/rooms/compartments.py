@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+from artigen.kind import find_kind
 from artigen.transforms import inverse
 from sim_export.geometry.contacts import HullSet
 from sim_export.package import Link, SimPackage
@@ -23,8 +24,6 @@ from .footprints import bounds_of, cached_package
 from .sweeps import find_sweeps, sweep_boxes
 
 CupboardKind = Literal["drawer", "shelf"]
-CUPBOARDS = ("StorageFurniture", "Table", "Refrigerator", "FilingCabinet", "Wardrobe", "Dresser", "Safe")
-"""Categories with compartments behind doors and on trays; a drawer counts in every category."""
 CLEARANCE = 0.005
 """Distance (m) from walls, and from everything above."""
 HEIGHT = {"drawer": 0.035, "shelf": 0.09}
@@ -63,7 +62,8 @@ def find_compartments(package: SimPackage) -> tuple[Compartment, ...]:
     }
     doors = [link for link in package.links if link.label == "door" and link.hulls]
     fronts = [bounds_of(_bounds(link)) for link in doors]
-    cupboard = package.category in CUPBOARDS
+    kind = find_kind(package.category)
+    cupboard = kind is not None and kind.holds is not None  # else only drawers are compartments
     found: list[Compartment] = []
     for index, link in enumerate(package.links):
         if not link.hulls:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
+from artigen.kind import find_kind
 from artigen.transforms import rotation_about, transform_points
 
 from .check import check_contents
@@ -53,7 +54,9 @@ def fill_compartment(
 ) -> list[Item]:
     """Things of a few kinds at free places of a compartment; none where none fits."""
     low, high = np.array(compartment.low), np.array(compartment.high)
-    where = "fridge" if holder.category == "Refrigerator" else f"{kind} {compartment.kind}"
+    held = find_kind(holder.category)
+    cold = held is not None and held.holds == "food"
+    where = "fridge" if cold else f"{kind} {compartment.kind}"
     fitting = [thing for thing in THINGS if where in thing.where and _fits(thing, high - low)]
     fitting = [fitting[index] for index in rng.permutation(len(fitting))[:VARIETY]]
     wanted = float(rng.uniform(*FILL)) * float(np.prod((high - low)[:2]))

@@ -1,33 +1,45 @@
-"""Recipes of rooms as tables: roles by category and size, their numbers, and placement preferences.
-
-Sizes are depth, width and height in metres, handles included.
-"""
+"""Recipes of rooms as tables: roles, their numbers, and placement preferences."""
 
 from dataclasses import dataclass
 from typing import Literal
 
+from artigen.kind import Place, Size, find_kind, kinds, list_words
+
 from .room import THICKNESS, RoomKind, Side
 
-Size = tuple[float, float, float]
 Where = Literal["wall", "middle"]
 
-STORAGE = "StorageFurniture"
+MIDDLE = (0.2, 0.5)
+"""Pull of categories that belong nowhere in a run."""
 COUNTERS = ("base cabinet", "island", "sideboard")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Role:
-    """A function in a room that packages of some categories and sizes can fill."""
+    """A function in a room; the records of kinds say which sizes of which kinds fill it."""
 
     name: str
-    categories: tuple[str, ...]
-    low: Size
-    high: Size
-    needs_joint: str | None = None
-    """Kind of joint that a package must have."""
-    draws: tuple[tuple[str, Size], ...] = ()
-    """Objects to generate without a folder of packages: category and desired size (0 samples it from the
-    seed)."""
+
+    @property
+    def places(self) -> tuple[tuple[str, Place], ...]:
+        """Kinds and the sizes that fill the role, in the order of the kinds' words."""
+        return tuple(
+            (name, place)
+            for name in list_words()
+            for place in kinds()[name].places
+            if place.role == self.name
+        )
+
+    @property
+    def categories(self) -> tuple[str, ...]:
+        """Kinds that fill the role."""
+        return tuple(name for name, _ in self.places)
+
+    @property
+    def draws(self) -> tuple[tuple[str, Size], ...]:
+        """Objects to draw without a folder of packages: kind and desired size (0 samples it from the
+        seed)."""
+        return tuple((name, size) for name, place in self.places for size in place.draws)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,97 +101,53 @@ class Recipe:
         return tuple({role.name: role for role in every}.values())
 
 
-def _role(
-    name: str, categories: str, low: Size, high: Size, needs: str | None = None, draws: tuple = ()
-) -> Role:
-    return Role(
-        name=name, categories=tuple(categories.split()), low=low, high=high, needs_joint=needs, draws=draws
-    )
+def pull_along(category: str) -> tuple[float, float]:
+    """Weight, and share of the length of a run of units at which a category belongs."""
+    kind = find_kind(category)
+    return max((place.along for place in kind.places), default=MIDDLE) if kind is not None else MIDDLE
 
 
-FRIDGE = _role(
-    "fridge", "Refrigerator", (0.5, 0.45, 1.3), (0.95, 1.4, 2.2), draws=(("Refrigerator", (0.68, 0.7, 1.75)),)
-)
-RANGE = _role("range", "Oven", (0.5, 0.45, 0.75), (0.85, 1.25, 1.3), draws=(("Oven", (0.65, 0.6, 0.92)),))
-DISHWASHER = _role(
-    "dishwasher", "Dishwasher", (0.4, 0.4, 0.7), (0.75, 0.75, 1.0), draws=(("Dishwasher", (0.6, 0.6, 0.86)),)
-)
-WASHER = _role(
-    "washing machine", "WashingMachine", (0.4, 0.4, 0.7), (0.8, 0.8, 1.3),
-    draws=(("WashingMachine", (0.6, 0.6, 0.88)),),
-)  # fmt: skip
-SINK = _role("sink", "Table", (0.5, 0.5, 1.05), (0.7, 1.35, 1.25), draws=(("Table", (0.6, 0.9, 1.15)),))
-BASE = _role(
-    "base cabinet", STORAGE, (0.5, 0.28, 0.72), (0.74, 1.4, 1.0),
-    draws=tuple((STORAGE, (0.6, width, 0.88)) for width in (0.45, 0.6, 0.8, 0.9)),
-)  # fmt: skip
-LARDER = _role("larder", STORAGE, (0.45, 0.4, 1.6), (0.74, 1.7, 2.3))
-HUNG = _role(
-    "wall cabinet", STORAGE, (0.25, 0.3, 0.34), (0.44, 1.25, 0.95), needs="revolute",
-    draws=tuple((STORAGE, (0.34, width, 0.72)) for width in (0.6, 0.8)),
-)  # fmt: skip
-MICROWAVE = _role(
-    "microwave", "Microwave", (0.25, 0.35, 0.2), (0.6, 0.7, 0.5), draws=(("Microwave", (0, 0, 0)),)
-)
-TABLE_OVEN = _role("table oven", "Oven", (0.3, 0.3, 0.25), (0.6, 0.8, 0.62))
-CART = _role("cart", "Cart", (0.3, 0.4, 0.6), (0.7, 1.1, 1.1), draws=(("Cart", (0, 0, 0)),))
-ISLAND = _role("island", STORAGE, (0.5, 0.9, 0.7), (0.95, 1.8, 1.0), draws=((STORAGE, (0.62, 1.2, 0.88)),))
-DINING = _role("table", "Table", (0.55, 0.75, 0.66), (1.1, 2.0, 0.84), draws=(("Table", (0.8, 1.4, 0.75)),))
-DESK = _role(
-    "desk", "Table", (0.45, 0.95, 0.66), (0.9, 1.9, 0.82),
-    draws=(("Table", (0.7, 1.4, 0.74)), ("Table", (0.65, 1.2, 0.74))),
-)  # fmt: skip
-PEDESTAL = _role(
-    "pedestal", STORAGE, (0.3, 0.28, 0.38), (0.66, 0.66, 0.86), draws=((STORAGE, (0.5, 0.42, 0.6)),)
-)
-FILING = _role(
-    "filing cabinet", f"FilingCabinet {STORAGE}", (0.3, 0.3, 0.7), (0.7, 1.7, 1.7),
-    draws=((STORAGE, (0.45, 0.8, 1.1)), ("FilingCabinet", (0, 0, 1.3))),
-)  # fmt: skip
-BOOKCASE = _role("bookcase", STORAGE, (0.25, 0.4, 1.4), (0.7, 1.7, 2.3), draws=((STORAGE, (0.38, 0.9, 1.9)),))
-SIDEBOARD = _role(
-    "sideboard", STORAGE, (0.3, 0.7, 0.55), (0.6, 2.0, 0.98), draws=((STORAGE, (0.42, 1.3, 0.8)),)
-)
-BIN = _role("bin", "TrashCan", (0.18, 0.18, 0.25), (0.5, 0.5, 0.75), draws=(("TrashCan", (0, 0, 0)),))
-LAMP = _role("lamp", "DeskLamp", (0.2, 0.1, 0.3), (0.6, 0.4, 0.7), draws=(("DeskLamp", (0, 0, 0)),))
-LAPTOP = _role("laptop", "Laptop", (0.15, 0.25, 0.01), (0.35, 0.45, 0.05), draws=(("Laptop", (0, 0, 0)),))
-PRINTER = _role("printer", "Printer", (0.25, 0.3, 0.1), (0.5, 0.6, 0.5), draws=(("Printer", (0, 0, 0)),))
-TOASTER = _role("toaster", "Toaster", (0.2, 0.1, 0.12), (0.4, 0.4, 0.3), draws=(("Toaster", (0, 0, 0)),))
-BREAD = _role("bread box", "BreadBox", (0.15, 0.2, 0.12), (0.35, 0.5, 0.3), draws=(("BreadBox", (0, 0, 0)),))
-POT = _role("pot", "Pot", (0.1, 0.15, 0.08), (0.35, 0.5, 0.35), draws=(("Pot", (0, 0, 0)),))
-DOOR = _role("door", "Door", (0.1, 0.6, 1.9), (0.45, 1.95, 2.3), draws=(("Door", (0.2, 0, 0)),))
-WINDOW = _role("window", "Window", (0.05, 0.4, 0.6), (0.4, 1.9, 1.5), draws=(("Window", (0, 1.0, 1.2)),))
-TOILET = _role("toilet", "Toilet", (0.45, 0.3, 0.35), (0.8, 0.65, 1.2), draws=(("Toilet", (0, 0, 0)),))
-DRYER = _role("dryer", "Dryer", (0.4, 0.5, 0.7), (0.8, 0.8, 1.2), draws=(("Dryer", (0, 0, 0)),))
-FREEZER = _role(
-    "chest freezer", "ChestFreezer", (0.5, 0.5, 0.7), (0.8, 1.7, 1.0), draws=(("ChestFreezer", (0, 0, 0)),)
-)
-TOOL_BOX = _role("tool box", "ToolBox", (0.15, 0.3, 0.12), (0.3, 0.6, 0.4), draws=(("ToolBox", (0, 0, 0)),))
-TOOL_CHEST = _role(
-    "tool chest", "ToolBox", (0.25, 0.35, 0.45), (0.6, 0.9, 1.1), draws=(("ToolBox", (0, 0, 0.6)),)
-)
-CRATE = _role("crate", "Box", (0.2, 0.25, 0.15), (0.5, 1.0, 0.5), draws=(("Box", (0, 0, 0)),))
-LUGGAGE = _role("suitcase", "Suitcase", (0.2, 0.3, 0.45), (0.4, 0.6, 0.85), draws=(("Suitcase", (0, 0, 0)),))
-SAFE = _role("safe", "Safe", (0.25, 0.3, 0.55), (0.65, 0.75, 1.35), draws=(("Safe", (0, 0, 0.9)),))
-SMALL_FRIDGE = _role("small fridge", "Refrigerator", (0.4, 0.35, 0.45), (0.7, 0.65, 1.0))
-LOW_TABLE = _role(
-    "low table", "Table", (0.4, 0.65, 0.28), (0.9, 1.4, 0.56), draws=(("Table", (0.55, 1.0, 0.42)),)
-)
-NIGHTSTAND = _role(
-    "nightstand", f"{STORAGE} Table", (0.28, 0.3, 0.38), (0.52, 0.66, 0.72),
-    draws=((STORAGE, (0.4, 0.45, 0.55)),),
-)  # fmt: skip
-WARDROBE = _role(
-    "wardrobe", f"Wardrobe {STORAGE}", (0.35, 0.45, 1.4), (0.75, 1.8, 2.4),
-    draws=((STORAGE, (0.6, 1.2, 2.1)), ("Wardrobe", (0, 1.2, 0))),
-)  # fmt: skip
-DRESSER = _role(
-    "dresser", f"Dresser {STORAGE}", (0.35, 0.6, 0.6), (0.7, 1.8, 1.4),
-    draws=((STORAGE, (0.48, 1.0, 0.9)), ("Dresser", (0, 1.2, 0))),
-)  # fmt: skip
-LOWBOARD = _role(
-    "lowboard", STORAGE, (0.3, 0.8, 0.34), (0.6, 2.0, 0.78), draws=((STORAGE, (0.42, 1.4, 0.5)),)
-)
+FRIDGE = Role("fridge")
+RANGE = Role("range")
+DISHWASHER = Role("dishwasher")
+WASHER = Role("washing machine")
+SINK = Role("sink")
+BASE = Role("base cabinet")
+LARDER = Role("larder")
+HUNG = Role("wall cabinet")
+MICROWAVE = Role("microwave")
+TABLE_OVEN = Role("table oven")
+CART = Role("cart")
+ISLAND = Role("island")
+DINING = Role("table")
+DESK = Role("desk")
+PEDESTAL = Role("pedestal")
+FILING = Role("filing cabinet")
+BOOKCASE = Role("bookcase")
+SIDEBOARD = Role("sideboard")
+BIN = Role("bin")
+LAMP = Role("lamp")
+LAPTOP = Role("laptop")
+PRINTER = Role("printer")
+TOASTER = Role("toaster")
+BREAD = Role("bread box")
+POT = Role("pot")
+DOOR = Role("door")
+WINDOW = Role("window")
+TOILET = Role("toilet")
+DRYER = Role("dryer")
+FREEZER = Role("chest freezer")
+TOOL_BOX = Role("tool box")
+TOOL_CHEST = Role("tool chest")
+CRATE = Role("crate")
+LUGGAGE = Role("suitcase")
+SAFE = Role("safe")
+SMALL_FRIDGE = Role("small fridge")
+LOW_TABLE = Role("low table")
+NIGHTSTAND = Role("nightstand")
+WARDROBE = Role("wardrobe")
+DRESSER = Role("dresser")
+LOWBOARD = Role("lowboard")
 
 WINDOWS = Group(name="windows", roles=("window",), count=(0, 2), like="middle", height=0.92, sunk=THICKNESS)
 

@@ -13,7 +13,7 @@ from .catalogue import Catalogue, Entry
 from .choose import TALL, Offer, Wall, choose_units, order_units
 from .footprints import bounds_of, is_level
 from .pieces import GAP, Boxes, Cluster, Member, Piece, line_up, make_piece, move_boxes
-from .recipes import STORAGE, Recipe
+from .recipes import BASE, Recipe
 from .room import Side, along_wall, wall_axis, wall_length
 
 RESERVE = 0.78
@@ -52,7 +52,11 @@ def draw_shortlists(
     for role in recipe.all_roles:
         entries = catalogue.of_role(role)
         order = rng.permutation(len(entries)).tolist()
-        covered = (k for k in order if entries[k].category != STORAGE or is_level(entries[k].folder, "top"))
+        covered = (
+            k
+            for k in order
+            if entries[k].category not in BASE.categories or is_level(entries[k].folder, "top")
+        )
         picked = list(islice(covered, variety)) or order[:variety]
         lists[role.name] = tuple(entries[index] for index in sorted(picked))
     return lists

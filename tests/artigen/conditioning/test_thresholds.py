@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from artigen.conditioning.image import find_object, read_picture
-from artigen.conditioning.prompt import parse_text
+from artigen.conditioning.read import read_sentence
 from artigen.errors import SourceError
 from artigen.metrics.score import ScoreConfig, score_objects
 from artigen.models.conditions import StructureCondition
@@ -87,13 +87,14 @@ def test_a_plain_background_varies_by_less_than_twelve_percent(apart: float, pla
     assert mask.mean() == (0.125 if plain else 1.0)
 
 
-@pytest.mark.parametrize(
-    ("between", "colors"), [("old and small", (("base", "red"),)), ("or not so large", ())]
-)
-def test_a_colour_and_its_noun_have_at_most_three_words_between_them(
-    between: str, colors: tuple[tuple[str, str], ...]
-):
-    assert parse_text(f"a red {between} table").colors == colors
+@pytest.mark.parametrize(("between", "target"), [("a b c", "handle"), ("a b c d", "object")])
+def test_a_colour_and_its_noun_have_at_most_three_words_between_them(between: str, target: str):
+    assert read_sentence(f"a table with red {between} handle").colors == ((target, "red"),)
+
+
+@pytest.mark.parametrize(("between", "counts"), [("b c d", (("drawer", 2),)), ("b c d e", ())])
+def test_a_number_and_its_part_have_at_most_three_words_between_them(between: str, counts: tuple):
+    assert read_sentence(f"a table with two {between} drawers").counts == counts
 
 
 @pytest.mark.parametrize(("more", "met"), [(0.049, 1.0), (0.051, 0.0)])

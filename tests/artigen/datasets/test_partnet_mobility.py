@@ -19,11 +19,12 @@ from artigen.datasets.part_labels import LABEL_TABLE, label_nodes
 from artigen.datasets.partnet_annotation import SourceNode, read_nodes
 from artigen.datasets.partnet_joints import motion
 from artigen.datasets.partnet_mobility import ReaderConfig, find_rest_poses, read_object
-from artigen.datasets.sizes import DEPTH_LIMITS, FALLBACK, SIZE_TABLE, estimate_size
+from artigen.datasets.sizes import FALLBACK, estimate_size
 from artigen.errors import SourceError
+from artigen.kind import find_category, list_categories
 from artigen.kinematics import articulate_points, qlimits
 from artigen.transforms import transform_points
-from artigen.types import PAPER_CATEGORIES, PART_LABELS
+from artigen.types import PART_LABELS
 
 FAST = ReaderConfig(samples=20_000, size=1.0)
 DOCS = ROOT / "docs" / "reference" / "partnet_mobility.md"
@@ -519,11 +520,12 @@ def size_table_markdown() -> str:
         "| category | extent | metres | for height / footprint up to | depth at most |",
         "|---|---|---|---|---|",
     ]
-    for category, rules in [*SIZE_TABLE.items(), ("any other", FALLBACK)]:
+    known = {category.name: (category.size, category.deepest) for category in list_categories()}
+    for category, (rules, deepest) in {**known, "any other": (FALLBACK, np.inf)}.items():
         for rule in rules:
             bound = "" if np.isinf(rule.up_to) else f"{rule.up_to:g}"
             note = f" ({rule.note})" if rule.note else ""
-            depth = f"{DEPTH_LIMITS[category]:g}" if category in DEPTH_LIMITS else ""
+            depth = "" if np.isinf(deepest) else f"{deepest:g}"
             rows.append(f"| {category}{note} | {rule.extent} | {rule.metres:g} | {bound} | {depth} |")
     return "\n".join(rows) + "\n"
 
@@ -579,20 +581,19 @@ def test_a_lever_that_turns_both_ways_rests_in_the_middle_and_a_dial_at_its_end(
     assert find_rest_poses(nodes, labels, corners)[1].rest == rest
 
 
-@pytest.mark.parametrize("category", [*SIZE_TABLE, "SpaceShip"])
+@pytest.mark.parametrize("category", [*(category.name for category in list_categories()), "SpaceShip"])
 def test_sizes_depend_on_proportions_alone(category):
     rng = np.random.default_rng(0)
     for extents in rng.uniform(0.2, 1.0, (20, 3)):
         size, known = estimate_size(category, extents)
-        assert known == (category in SIZE_TABLE)
+        assert known == (find_category(category) is not None)
         assert 0.01 < size <= 2.4
         assert estimate_size(category, 7.0 * extents)[0] == pytest.approx(size)
         depth = size * extents[0] / extents.max()
-        assert depth <= DEPTH_LIMITS.get(category, np.inf) + 1e-9
+        assert depth <= getattr(find_category(category), "deepest", np.inf) + 1e-9
 
 
-def test_every_category_of_the_paper_has_a_size():
-    assert set(PAPER_CATEGORIES) <= set(SIZE_TABLE)
+def test_sizes_of_sources_are_those_of_catalogues():
     assert estimate_size("Refrigerator", np.array([0.6, 0.6, 1.5]))[0] == pytest.approx(1.75)
     assert estimate_size("Table", np.array([0.8, 1.6, 0.75]))[0] == pytest.approx(1.6)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from artigen.shapes.categories.cart import STYLES as CARTS
+from artigen.kinds.cart import STYLES as CARTS
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.fittings.carrying import make_pull_handle
 from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP

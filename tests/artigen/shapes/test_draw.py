@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
+from artigen.kind import kinds, paper_kinds
 from artigen.shapes.choices import choose, choose_style
-from artigen.shapes.draw import ShapeError, Wish, categories, draw_shape
+from artigen.shapes.draw import ShapeError, Wish, draw_shape
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
-from artigen.types import PAPER_CATEGORIES, PART_LABELS
+from artigen.types import PART_LABELS
 
-NAMES = sorted(categories())
+NAMES = sorted(kinds())
 
 
 def geometry(shape: Shape) -> np.ndarray:
@@ -17,8 +18,8 @@ def geometry(shape: Shape) -> np.ndarray:
 
 
 def test_all_categories_of_the_paper_and_two_more_are_there():
-    assert set(PAPER_CATEGORIES) | {"Cart"} <= set(NAMES)
-    assert set(NAMES) - set(PAPER_CATEGORIES) - {"Cart"}
+    assert set(paper_kinds()) | {"Cart"} <= set(NAMES)
+    assert set(NAMES) - set(paper_kinds()) - {"Cart"}
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -7,8 +7,9 @@ import pytest
 
 from artigen.cli.shape import ShapeJob, ShapeSettings, choose_like, draw_wished, read_suite
 from artigen.errors import ArtigenError
-from artigen.shapes.draw import ShapeError, Wish, categories, draw_shape
-from artigen.shapes.families import FAMILIES, TRADES, choose_suite, dress_shape, wish_suite
+from artigen.kind import kinds
+from artigen.shapes.draw import ShapeError, Wish, draw_shape
+from artigen.shapes.families import FAMILIES, choose_suite, dress_shape, wish_suite
 from artigen.shapes.fittings.handles import HANDLE_KINDS
 from artigen.shapes.shape import Shape
 
@@ -18,15 +19,15 @@ def draw_suited(category: str, seed: int, family: str, suite: int, **lengths: fl
     return dress_shape(draw_shape(category, seed, wish_suite(category, chosen, Wish(**lengths))), chosen)
 
 
-@pytest.mark.parametrize("category", categories())
+@pytest.mark.parametrize("category", kinds())
 def test_every_style_that_a_category_states_can_be_wished_for(category: str):
-    for style in categories()[category].STYLES:
+    for style in kinds()[category].styles:
         assert draw_shape(category, 1, Wish(style=style)).style == style
     with pytest.raises(ShapeError, match=f"{category}: style 'baroque' is not known, expected one of"):
         draw_shape(category, 1, Wish(style="baroque"))
 
 
-@pytest.mark.parametrize("category", categories())
+@pytest.mark.parametrize("category", kinds())
 def test_every_kind_is_drawn_in_every_family_and_keeps_what_one_sees_through(category: str):
     for family in FAMILIES:
         suite = choose_suite(family, 3)
@@ -39,13 +40,10 @@ def test_every_kind_is_drawn_in_every_family_and_keeps_what_one_sees_through(cat
         assert dressed.parts == plain.parts
 
 
-def test_families_name_styles_and_categories_that_exist():
-    styles = {style for module in categories().values() for style in module.STYLES}
+def test_families_name_styles_that_exist():
+    styles = {style for kind in kinds().values() for style in kind.styles}
     for family in FAMILIES.values():
         assert set(family.styles) <= styles
-    kinds = [kind for trade in TRADES.values() for kind in trade]
-    assert set(kinds) <= set(categories())
-    assert len(kinds) == len(set(kinds))
 
 
 @pytest.mark.parametrize("family", FAMILIES)

@@ -6,7 +6,8 @@ from math import pi, radians
 import numpy as np
 import pytest
 
-from artigen.shapes.draw import Wish, categories, draw_shape
+from artigen.kind import kinds
+from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.fittings.bowls import build_bowl
 from artigen.shapes.fittings.hardware import GAP, Edge, Space
 from artigen.shapes.fittings.lids import (
@@ -29,7 +30,7 @@ from artigen.sketch.words import CATEGORIES
 
 FINISH = Finish(kind="plastic", color=(0.5, 0.5, 0.5), accent=(0.4, 0.4, 0.4))
 X, Y, RIM = (-0.2, 0.25), (-0.3, 0.35), 0.3
-MORE = sorted(set(categories()) - set(CATEGORIES[:9]))
+MORE = sorted(set(kinds()) - set(CATEGORIES[:9]))
 
 
 def make_shape(*parts: ShapePart) -> Shape:

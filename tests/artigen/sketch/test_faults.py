@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from artigen.cli.shape import make_package
-from artigen.shapes.draw import Wish, categories, draw_shape
+from artigen.kind import kinds
+from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.primitives import Primitive, Vector, box, cylinder, move, place_vertices, prism
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
@@ -110,7 +111,7 @@ def swap_motion(**changes: object) -> Callable[[ShapePart], ShapePart]:
     return change
 
 
-@pytest.mark.parametrize("category", list(categories()))
+@pytest.mark.parametrize("category", list(kinds()))
 def test_procedural_shapes_have_none(category: str):
     for seed in range(12 if category in CATEGORIES[:9] else 4):
         assert find_faults(draw_shape(category, seed)) == ()

@@ -11,7 +11,8 @@ import pytest
 import torch
 
 from artigen.errors import SourceError
-from artigen.shapes.draw import categories, draw_shape
+from artigen.kind import kinds
+from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import Primitive, box, cylinder, move, place_vertices, polytope
 from artigen.shapes.shape import Shape
 from artigen.sketch import draw, growth, model
@@ -147,7 +148,7 @@ def test_the_rules_allow_the_styles_of_the_category_and_no_others(category: str)
     writer.put(ROW_KINDS.index("object"))
     writer.put(CATEGORIES.index(category))
     assert writer.name == "style"
-    known = {style if style in STYLES else "other" for style in categories()[category].STYLES}
+    known = {style if style in STYLES else "other" for style in kinds()[category].styles}
     assert {STYLES[index] for index in writer.allowed(len(STYLES)).nonzero()[0]} == known
 
 

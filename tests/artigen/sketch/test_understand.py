@@ -62,6 +62,27 @@ def test_words_that_mean_nothing_are_named():
     assert "zebra" in understand(Request(text="a zebra cabinet")).notes[0]
 
 
+def test_what_the_model_cannot_be_asked_for_is_named():
+    said = understand(Request(text="a fridge with a bottom freezer, hinged on the left"))
+    assert said.notes == (
+        "understood, but the model cannot be asked for it: freezer at bottom, door hinged left",
+    )
+    assert understand(Request(text="a cabinet with glass doors")).request.style == "framed_glass"
+    assert understand(Request(text="a cabinet with glass doors")).notes == ()
+
+
+def test_a_door_beside_a_category_is_a_part_of_it():
+    request = understand(Request(category="Refrigerator", text="a white door")).request
+    assert (request.category, request.counts) == ("Refrigerator", (("door", 1),))
+
+
+def test_metals_of_knobs_are_requested_as_steel_of_their_colour():
+    (brass,) = understand(Request(text="a dresser with brass knobs")).request.finishes
+    assert (brass.role, brass.material) == ("handle", "steel")
+    assert brass.color is not None
+    assert brass.color[0] > brass.color[2] + 0.2
+
+
 @pytest.mark.parametrize(
     ("request_", "said"),
     [
@@ -74,7 +95,8 @@ def test_words_that_mean_nothing_are_named():
         ),
         (Request(category="Table", wish=Wish(width=-1.0)), "width -1 m"),
         (Request(category="Table", wish=Wish(counts=(("base", 2),))), "2 parts called base"),
-        (Request(text="hello"), "no word"),
+        (Request(text="hello"), "names no kind"),
+        (Request(category="Refrigerator", wish=Wish(width=0.05)), r"expected 0.35 to 1.9 m"),
     ],
 )
 def test_contradictions_and_nonsense_are_refused(request_: Request, said: str):

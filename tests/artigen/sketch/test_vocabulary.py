@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 import torch
 
-from artigen.shapes.draw import categories, draw_shape
+from artigen.kind import kinds
+from artigen.shapes.draw import draw_shape
 from artigen.sketch.model import draw_header, draw_object, load_sketch_network, save_sketch_network
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig
@@ -46,7 +47,7 @@ def _without(category: str = "Safe", style: str = "dial", role: str = "cavity") 
 
 
 def test_every_category_of_the_grammar_and_its_styles_are_words():
-    assert set(CATEGORIES) == set(categories())
+    assert set(CATEGORIES) == set(kinds())
     drawn = {draw_shape(category, seed).style for category in CATEGORIES for seed in range(12)}
     assert drawn <= set(STYLES) - {STYLES[OTHER_STYLE]}
     assert len(set(STYLES)) == len(STYLES)

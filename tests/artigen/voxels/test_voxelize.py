@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from artigen.kind import paper_kinds
 from artigen.types import (
     FIXED,
     FULL_TURN,
     JOINT_TYPES,
-    PAPER_CATEGORIES,
     PART_LABELS,
     Asset,
     Joint,
@@ -244,7 +244,7 @@ def test_decode_recovers_every_attribute_of_every_voxel(cabinet: Asset):
         assert np.allclose(fields.ranges[mine], joint_ranges(part), atol=1e-6)
         assert np.allclose(fields.box[mine], part.box.ravel(), atol=1e-6)
     assert np.allclose(fields.label_probs.sum(axis=1), 1)
-    category = PAPER_CATEGORIES.index("StorageFurniture")
+    category = paper_kinds().index("StorageFurniture")
     assert (fields.category_probs.argmax(axis=1) == category).all()
 
 

@@ -7,10 +7,11 @@ import pytest
 
 from artigen.appearance.draw import draw_splats, load_appearance_model
 from artigen.conditioning.delivery import has_counts, size_error
+from artigen.kind import kinds
 from artigen.latent.draw import generate_structure, load_structure_model
 from artigen.models.conditions import StructureCondition
 from artigen.shapes.asset import shape_to_asset
-from artigen.shapes.draw import Wish, categories, draw_shape
+from artigen.shapes.draw import Wish, draw_shape
 from artigen.sketch.model import draw_object, load_sketch_network
 from artigen.sketch.request import SketchRequest, list_learned
 from artigen.voxels.fields import tabulate_parts
@@ -30,7 +31,7 @@ def test_they_are_small_enough_to_ship():
 
 def test_every_category_of_the_grammar_is_drawn_by_the_sketch_network():
     network = load_sketch_network(SHIPPED)
-    assert set(list_learned(SHIPPED)) == set(network.categories) == set(categories())
+    assert set(list_learned(SHIPPED)) == set(network.categories) == set(kinds())
     drawn = draw_object(network, SketchRequest(category="BreadBox"), 0)
     assert drawn.shape.category == "BreadBox"
     assert not drawn.faults

@@ -8,8 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from artigen.kind import paper_kinds
 from artigen.transforms import rotation_about
-from artigen.types import JOINT_TYPES, PAPER_CATEGORIES, PART_LABELS, Asset, Joint, Part
+from artigen.types import JOINT_TYPES, PART_LABELS, Asset, Joint, Part
 from sim_export.errors import DegeneratePart, InvalidInertia, OpenMesh
 from sim_export.geometry.hulls import box_hull, convex_hull
 from sim_export.package import Inertial, Mesh, PackageJoint
@@ -238,7 +239,7 @@ def test_a_density_is_that_of_the_solid_and_the_rest_of_a_piece_is_air(name: Mat
 
 
 def test_every_part_has_a_material_and_every_joint_resists():
-    for category in (*PAPER_CATEGORIES, "Bottle", "Faucet", "something new"):
+    for category in (*paper_kinds(), "Bottle", "Faucet", "something new"):
         for label in PART_LABELS:
             material = MATERIALS[part_material(label, category)]
             assert 50 < material.bulk <= material.density < 8000

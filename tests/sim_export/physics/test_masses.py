@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
+from artigen.kind import PLAIN, make
 from artigen.shapes.asset import shape_to_asset
-from artigen.shapes.draw import Wish, categories, draw_shape
+from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.primitives import place_vertices
 from artigen.types import FIXED, Asset, Part, VoxelGrid
 from sim_export.geometry.hulls import box_hull
@@ -15,7 +16,7 @@ from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.occupancy import part_occupancy
 from sim_export.package import Inertial, Link
 from sim_export.physics.inertia import check_inertial, combine
-from sim_export.physics.makes import MAKES, Make, find_make
+from sim_export.physics.makes import fill_base, find_make, wall_density
 from sim_export.physics.masses import cells_inertial, hold_centers, subtract, weigh_part
 from sim_export.physics.materials import MATERIALS, part_material
 from sim_export.reference import build_reference, weigh_shape
@@ -102,36 +103,33 @@ def test_a_body_with_known_walls_weighs_as_much_as_these_all_over():
     x, y, z = np.array([20, 24, 30]) / 32
     area = 2 * (x * y + y * z + z * x)
     assert part_material("base", "Toilet") == "stone"
-    assert walls.mass == pytest.approx(MATERIALS["stone"].density * MAKES["Toilet"].wall["stone"] * area / 2)
+    thickness = find_make("Toilet").wall["stone"]
+    assert walls.mass == pytest.approx(MATERIALS["stone"].density * thickness * area / 2)
     np.testing.assert_allclose(walls.com, asset.parts[0].box[0], atol=1e-9)
 
 
 @pytest.mark.parametrize("thickness", [0.0005, 0.00399, 0.004, 0.00401, 0.02])
 def test_walls_drawn_too_thick_weigh_per_area_what_real_ones_do(thickness: float):
-    make = Make(density={"plastic": 900.0}, wall={"plastic": 0.004})
-    per_area = make.wall_density("plastic", thickness) * thickness
+    made = make(density={"plastic": 900.0}, wall={"plastic": 0.004})
+    per_area = wall_density(made, "plastic", thickness) * thickness
     assert per_area == pytest.approx(900.0 * min(thickness, 0.004))
-    assert make.wall_density("rubber", thickness) == MATERIALS["rubber"].density
+    assert wall_density(made, "rubber", thickness) == MATERIALS["rubber"].density
 
 
 def test_what_is_hidden_in_a_base_adds_its_mass_and_moves_no_centre():
     drawn = cells_inertial(np.ones((4, 6, 8), dtype=bool), 0.1, 50.0)
     box = np.array([[-0.2, -0.3, -0.4], [0.2, 0.3, 0.4]])
-    full = Make(hidden=3.0, filled=20.0).fill_base(drawn, box)
+    full = fill_base(make(hidden=3.0, filled=20.0), drawn, box)
     assert full.mass == pytest.approx(drawn.mass + 3.0 + 20.0 * 0.4 * 0.6 * 0.8)
     np.testing.assert_array_equal(full.com, drawn.com)
     np.testing.assert_allclose(full.inertia / full.mass, drawn.inertia / drawn.mass)
     check_inertial(full, "base")
 
 
-def test_makes_are_those_of_kinds_and_styles_that_exist():
-    known = categories()
-    for key in MAKES:
-        category, _, style = key.partition(" ")
-        assert category in known
-        assert not style or style in known[category].STYLES
-        assert find_make(category, style or None) is MAKES[key]
-    assert find_make("Toilet", "skirted") is MAKES["Toilet"]
+def test_a_style_has_its_own_make_or_that_of_its_kind():
+    assert find_make("FilingCabinet", "pedestal").hidden > find_make("FilingCabinet", "vertical").hidden
+    assert find_make("Toilet", "skirted") is find_make("Toilet")
+    assert find_make("Spaceship") is PLAIN
 
 
 def test_a_package_weighs_what_its_shape_does():

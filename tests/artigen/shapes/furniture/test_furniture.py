@@ -15,7 +15,7 @@ from artigen.shapes.fittings.handles import HANDLE_KINDS, design_handle
 from artigen.shapes.fittings.hardware import Panel, Space, hinge, sweep_gap
 from artigen.shapes.furniture.cabinet import list_cells, make_cabinet
 from artigen.shapes.furniture.carcass import FRAME_DEPTH, RAIL, CarcassDesign, count_hulls, fits_engines
-from artigen.shapes.furniture.furniture_kinds import KINDS, STYLES
+from artigen.shapes.furniture.furniture_kinds import FORMS, STYLES
 from artigen.shapes.furniture.looks import draw_looks
 from artigen.shapes.furniture.splits import (
     Cell,
@@ -150,7 +150,7 @@ def test_a_seeded_defect_is_found() -> None:
 def test_mirror_twice_is_the_same_and_lays_out_reflected() -> None:
     rng = np.random.default_rng(0)
     edges = dict.fromkeys(("left", "right", "top", "bottom"), 0.0)
-    taste = Taste(rules=KINDS["sideboard"].taste.rules, fills=KINDS["sideboard"].taste.fills)
+    taste = Taste(rules=FORMS["sideboard"].taste.rules, fills=FORMS["sideboard"].taste.fills)
     splits = 0
     for _ in range(30):
         node = draw_node(rng, Room(width=1.6, height=0.7, bottom=0.1), taste)
@@ -224,7 +224,7 @@ def test_handles_sit_on_the_free_side_and_touch_the_front(kind: str, edge: str) 
 def test_every_fill_and_inside_occurs() -> None:
     rng = np.random.default_rng(3)
     cells = []
-    for kind in KINDS.values():
+    for kind in FORMS.values():
         for _ in range(60):
             width, height = (float(rng.uniform(*span)) for span in kind.spans[::2])
             room = Room(width=width, height=0.9 * height, bottom=0.1)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from cupboard import BASE, EDGE, carcass, row
 
+from artigen.kind import paper_kinds
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
-from artigen.types import PAPER_CATEGORIES
 from artigen.voxels.cleanup.faces import even_faces, weigh_depths
 from artigen.voxels.cleanup.rows import Owners
 from artigen.voxels.fields import ROW, name_category, tabulate_parts
@@ -28,7 +28,7 @@ ASIDE = (Y >= 4) & (Y < 16) & (Z >= 8) & (Z < 24)
 def of_category(name: str, rows: np.ndarray = ROWS) -> np.ndarray:
     """The same rows, of an object of a category."""
     out = rows.copy()
-    out[:, ROW.category] = [kind == name for kind in PAPER_CATEGORIES]
+    out[:, ROW.category] = [kind == name for kind in paper_kinds()]
     return out
 
 
@@ -167,7 +167,7 @@ def test_uncertain_cells_speak_for_no_depth():
     assert (weigh_depths(np.zeros((4, 1, 1))) == 0.0).all()
 
 
-@pytest.mark.parametrize("category", PAPER_CATEGORIES)
+@pytest.mark.parametrize("category", paper_kinds())
 def test_true_objects_hardly_change(category: str):
     for seed in (0, 3):
         asset = shape_to_asset(draw_shape(category, seed), 64)

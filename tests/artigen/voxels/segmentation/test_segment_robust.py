@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from artigen.errors import SegmentationError
-from artigen.types import JOINT_TYPES, PAPER_CATEGORIES, PART_LABELS, JointType, PartLabel
+from artigen.kind import paper_kinds
+from artigen.types import JOINT_TYPES, PART_LABELS, JointType, PartLabel
 from artigen.voxels.fields import VoxelFields
 from artigen.voxels.segmentation.segment_robust import partition_robust
 
@@ -37,7 +38,7 @@ def body(
         origin=np.zeros((count, 3)),
         ranges=np.zeros((count, 2)),
         box=np.tile([*(np.array(center) / EDGE - 0.5), *(np.array(size) / EDGE)], (count, 1)),
-        category_probs=np.zeros((count, len(PAPER_CATEGORIES))),
+        category_probs=np.zeros((count, len(paper_kinds()))),
     )
 
 

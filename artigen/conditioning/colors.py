@@ -1,0 +1,111 @@
+"""Finds what colours and materials of a sentence belong to, before, after and behind commas."""
+
+from artigen.conditioning.sentence import OBJECT, TextError
+from artigen.conditioning.vocabulary import ADJECTIVES, MATERIALS, PAINTS, PARTS, PIECES, SHADES, Stuff
+from artigen.shapes.surfaces.finishes import Color
+
+BETWEEN = 4
+"""Largest number of words between a colour and its noun."""
+LINKS = {"in", "of", "are", "is", "painted", "finished", "made", "from", "coloured", "colored", "all"}
+"""Words between a noun and a colour after it."""
+ENDS = {",", "with", "without", "in", "on", "of", "for", "but"}
+"""Words that a colour does not reach across."""
+Pairs = tuple[tuple[str, str], ...]
+
+
+def read_finishes(
+    words: tuple[str, ...], used: frozenset[int], head: range
+) -> tuple[Pairs, Pairs, frozenset[int]]:
+    """Colour words and material words by what they belong to, and the words that are read.
+
+    Args:
+        words: Words of the sentence.
+        used: Places of those that mean something else.
+        head: Places of the noun that names the object.
+
+    Raises:
+        TextError: If one thing has two colours, or two materials.
+    """
+    colors: dict[str, str] = {}
+    materials: dict[str, str] = {}
+    read = set(used)
+    at = 0
+    while at < len(words):
+        count = _measure(words, at)
+        if not count or at in used:
+            at += 1
+            continue
+        word = " ".join(words[at : at + count])
+        table = colors if find_color_only(word) is not None else materials
+        target = _find_after(words, at + count, head) or _find_before(words, at, head, table)
+        if table.get(target, word) != word:
+            named = "the object" if target == OBJECT else f"the {target}"
+            raise TextError(f"{table[target]} and {word} are asked for, both of {named}; name one")
+        table[target] = word
+        read |= set(range(at, at + count))
+        at += count
+    return tuple(sorted(colors.items())), tuple(sorted(materials.items())), frozenset(read)
+
+
+def find_color_only(word: str) -> Color | None:
+    """The colour (sRGB) of a paint, which may have a shade before it: "light blue"; None for other words."""
+    shade, _, paint = word.rpartition(" ")
+    color = PAINTS.get(paint)
+    if color is None or shade not in ("", *SHADES):
+        return None
+    share = SHADES.get(shade, 0.0)
+    goal = 1.0 if share > 0 else 0.0
+    r, g, b = (level + abs(share) * (goal - level) for level in color)
+    return r, g, b
+
+
+def find_stuff(word: str) -> Stuff | None:
+    """The material of a word; None for other words."""
+    return MATERIALS.get(word)
+
+
+def _measure(words: tuple[str, ...], at: int) -> int:
+    """Number of words of the colour or material at a place; 0 for none."""
+    for count in (2, 1):
+        word = " ".join(words[at : at + count])
+        if at + count <= len(words) and (word in MATERIALS or find_color_only(word) is not None):
+            return count
+    return 0
+
+
+def _name_target(words: tuple[str, ...], at: int, head: range) -> str | None:
+    if at in head:
+        return OBJECT
+    return PARTS.get(words[at]) or PIECES.get(words[at])
+
+
+def _find_after(words: tuple[str, ...], start: int, head: range) -> str | None:
+    """What the next noun names, unless a clause ends before it."""
+    for at in range(start, min(start + BETWEEN, len(words))):
+        if words[at] in ENDS:
+            return None
+        if words[at] == "and" and not _is_description(words, at + 1):
+            return None
+        target = _name_target(words, at, head)
+        if target is not None:
+            return target
+    return None
+
+
+def _is_description(words: tuple[str, ...], at: int) -> bool:
+    """Whether a word after "and" goes on describing the same noun: "white and narrow fridge"."""
+    return at < len(words) and (words[at] in ADJECTIVES or _measure(words, at) > 0)
+
+
+def _find_before(words: tuple[str, ...], at: int, head: range, known: dict[str, str]) -> str:
+    """What a colour after its noun belongs to: the noun that it is linked to, else the object."""
+    place = at - 1
+    while place >= 0 and words[place] in LINKS:
+        place -= 1
+    link = words[place + 1 : at]
+    if place < 0 or not link:
+        return OBJECT
+    target = _name_target(words, place, head)
+    if link == ("in",) and target in ("drawer", "door", "shelf", "tray") and OBJECT not in known:
+        return OBJECT  # "a dresser with six drawers in oak"
+    return target or OBJECT

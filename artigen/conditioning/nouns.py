@@ -1,0 +1,74 @@
+"""Finds the noun that names the kind of object in a sentence."""
+
+from dataclasses import dataclass
+
+from artigen.conditioning.numbers import read_number
+from artigen.conditioning.sentence import TextError
+from artigen.conditioning.vocabulary import AMBIGUOUS, CLAUSES, PARTS
+from artigen.kind import Kind, find_noun
+
+LONGEST = 3
+"""Words of the longest noun."""
+
+
+@dataclass(frozen=True)
+class Head:
+    """A noun of a kind: its first word, their number, and the kind."""
+
+    at: int
+    count: int
+    kind: Kind
+
+
+def find_head(words: tuple[str, ...], used: frozenset[int], *, whole: bool = True) -> Head | None:
+    """The noun that names the object; None without one.
+
+    Nouns after "with" and the like name contents or surroundings. A noun that also names a part (a door, a
+    window) names the object only if no other does, and nothing counts it.
+
+    Raises:
+        TextError: If two kinds are named.
+    """
+    nouns = _find_nouns(words, used)
+    clear = [noun for noun in nouns if not _is_ambiguous(noun, words)]
+    if not clear:
+        return next((noun for noun in nouns if _is_one(noun, words, whole=whole)), None)
+    end = next((at for at in range(clear[0].at, len(words)) if words[at] in CLAUSES), len(words))
+    before = [noun for noun in clear if noun.at < end]
+    if not before:
+        return clear[0]
+    head = before[0]
+    for noun in before[1:]:
+        if noun.kind is not head.kind and noun.at > head.at + head.count:
+            raise TextError(f"both {head.kind.name} and {noun.kind.name} are named; give one kind")
+        head = noun  # the last word of a compound is its head
+    return head
+
+
+def _find_nouns(words: tuple[str, ...], used: frozenset[int]) -> list[Head]:
+    found: list[Head] = []
+    at = 0
+    while at < len(words):
+        for count in range(min(LONGEST, len(words) - at), 0, -1):
+            kind = find_noun(" ".join(words[at : at + count]))
+            if kind is not None and at not in used:
+                found.append(Head(at, count, kind))
+                at += count
+                break
+        else:
+            at += 1
+    return found
+
+
+def _is_ambiguous(noun: Head, words: tuple[str, ...]) -> bool:
+    return " ".join(words[noun.at : noun.at + noun.count]) in AMBIGUOUS
+
+
+def _is_one(noun: Head, words: tuple[str, ...], *, whole: bool) -> bool:
+    """Whether a noun that also names a part is one thing, and not in a clause of parts."""
+    spelled = " ".join(words[noun.at : noun.at + noun.count])
+    before = words[: noun.at]
+    number = next((read_number(words, at) for at in (noun.at - 1, noun.at - 2) if at >= 0), None)
+    counted = number is not None and number[0] != 1 and words[noun.at - 1] not in ("double",)
+    part = spelled in PARTS and (not whole or spelled not in noun.kind.nouns)
+    return not part and not counted and not CLAUSES & set(before)

@@ -1,0 +1,77 @@
+"""`Sentence`: what a description in English asks for, as a plain value.
+
+"A tall white cabinet with three drawers and two black handles, 80 cm wide" gives a StorageFurniture of 0.8 m,
+higher than usual, with three drawers and two handles, and colours. Words without a meaning are listed as
+ignored, never dropped.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from artigen.conditioning.vocabulary import Axis
+from artigen.errors import ArtigenError
+from artigen.kind import plurals
+from artigen.types import PartLabel
+
+OBJECT = "object"
+"""Target of colours and materials of the whole object."""
+
+
+class TextError(ArtigenError):
+    """A sentence that names no kind, contradicts itself, or asks for what cannot be."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sentence:
+    """Content of a sentence. Lengths in metres; pairs are sorted."""
+
+    kind: str | None = None
+    style: str | None = None
+    counts: tuple[tuple[PartLabel, int], ...] = ()
+    some: tuple[PartLabel, ...] = ()
+    """Parts that are named without a number: at least one."""
+    size: tuple[tuple[Axis, float], ...] = ()
+    stretch: tuple[tuple[Axis, float], ...] = ()
+    """Factors relative to the usual extents: a tall cabinet."""
+    colors: tuple[tuple[str, str], ...] = ()
+    """Colour words by target: `OBJECT`, a part label, or the finish of a piece."""
+    materials: tuple[tuple[str, str], ...] = ()
+    """Material words by target."""
+    features: tuple[tuple[str, str, str], ...] = ()
+    """Other properties: part, property, value, such as door, hinged, left."""
+    ignored: tuple[str, ...] = ()
+    """Words and phrases without a known meaning, in their order."""
+
+    def to_json(self) -> dict[str, object]:
+        """A value for JSON: kind, style, counts, size (m), usual extents to scale, and properties by part."""
+        parts: dict[str, dict[str, str | bool]] = {label: {} for label in self.some}
+        for what, pairs in (("color", self.colors), ("material", self.materials)):
+            for target, word in pairs:
+                parts.setdefault(target, {})[what] = word
+        for part, what, value in self.features:
+            parts.setdefault(part, {})[what] = value
+        return {
+            "kind": self.kind,
+            "style": self.style,
+            "counts": dict(self.counts),
+            "size": {axis: round(length, 6) for axis, length in self.size},
+            "stretch": dict(self.stretch),
+            "parts": parts,
+            "ignored": list(self.ignored),
+        }
+
+    def describe(self) -> str:
+        """One line: what is understood, and what is not."""
+        said = [self.kind or "any kind"]
+        said += [] if self.style is None else [f"style {self.style}"]
+        said += [f"{length:g} m {_WORDS[axis]}" for axis, length in self.size]
+        said += [f"{factor:g} times the usual {axis}" for axis, factor in self.stretch]
+        said += [f"{count} {label if count == 1 else plurals(label)[label]}" for label, count in self.counts]
+        said += [f"at least one {label}" for label in self.some]
+        said += [f"{target} {word}" for target, word in (*self.colors, *self.materials)]
+        said += [f"{part} {what} {value}" for part, what, value in self.features]
+        lost = f"; not understood: {', '.join(self.ignored)}" if self.ignored else ""
+        return f"understood: {', '.join(said)}{lost}"
+
+
+_WORDS: Mapping[Axis, str] = {"width": "wide", "depth": "deep", "height": "high"}

@@ -1,0 +1,238 @@
+"""Words of sentences that belong to no kind: parts, numbers, units, directions, colours, materials, features.
+
+Nouns and styles of kinds are in their records (`artigen.kind`).
+"""
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from artigen.kind import plurals
+from artigen.shapes.fittings.handles import HANDLE_KINDS
+from artigen.shapes.surfaces.finishes import Color, FinishKind
+from artigen.shapes.surfaces.materials import METALS, STONES, WOODS
+from artigen.types import PartLabel
+
+Axis = Literal["width", "depth", "height"]
+AXES: tuple[Axis, ...] = get_args(Axis)
+
+_PARTS: dict[str, PartLabel] = {
+    "drawer": "drawer",
+    "door": "door",
+    "lid": "door",
+    "handle": "handle",
+    "knob": "knob",
+    "button": "knob",
+    "dial": "knob",
+    "tray": "tray",
+    "rack": "tray",
+    "shelf": "shelf",
+    "wheel": "wheel",
+    "castor": "wheel",
+    "caster": "wheel",
+}
+"""Labels by singular nouns; sentences use the first of each."""
+_PIECES = {
+    "top": "top", "worktop": "top", "tabletop": "top", "countertop": "top", "leg": "leg", "front": "front",
+    "body": "body", "carcass": "body",
+}  # fmt: skip
+"""Finishes by nouns of pieces that are no part of their own."""
+
+
+def _with_plurals(nouns: dict[str, str]) -> dict[str, str]:
+    irregular = {"body": "body/bodies"}
+    more = plurals(*(irregular.get(noun, noun) for noun in nouns))
+    return nouns | {more[noun]: named for noun, named in nouns.items()}
+
+
+PART_NOUNS: dict[str, PartLabel] = dict(_PARTS)
+PARTS: dict[str, PartLabel] = dict(zip(_with_plurals(dict(_PARTS)), (*_PARTS.values(),) * 2, strict=True))
+"""Labels by nouns, singular and plural."""
+PIECES = _with_plurals(_PIECES)
+"""Finishes by nouns of pieces, singular and plural."""
+AMBIGUOUS = frozenset({
+    "door", "doors", "window", "windows", "switch", "switches", "freezer", "freezers", "box", "boxes",
+    "lamp", "lamps", "tap", "taps", "bin", "bins", "hob", "hobs", "chest", "chests", "range", "ranges",
+    "notebook",
+})  # fmt: skip
+"""Nouns of kinds that also name a part of another kind, or something else."""
+CLAUSES = frozenset({
+    "with", "without", "having", "has", "featuring", "containing", "holding", "including", "for",
+    "under", "above",
+})  # fmt: skip
+"""Words after which nouns name parts or surroundings, not the object."""
+
+NUMBERS: dict[str, int] = {
+    "zero": 0, "one": 1, "two": 2, "three": 3, "four": 4, "five": 5, "six": 6, "seven": 7, "eight": 8,
+    "nine": 9, "ten": 10, "eleven": 11, "twelve": 12, "thirteen": 13, "fourteen": 14, "fifteen": 15,
+    "sixteen": 16, "seventeen": 17, "eighteen": 18, "nineteen": 19, "twenty": 20, "thirty": 30, "forty": 40,
+    "fifty": 50, "sixty": 60, "seventy": 70, "eighty": 80, "ninety": 90, "hundred": 100,
+    "no": 0, "without": 0, "neither": 0,
+    "a": 1, "an": 1, "single": 1, "double": 2, "twin": 2, "triple": 3, "both": 2,
+}  # fmt: skip
+"""Words for numbers; sentences use the first of each."""
+GROUPS = {"dozen": 12, "couple": 2, "pair": 2}
+"""Nouns for numbers of things: a dozen drawers, a pair of doors."""
+UNITS: dict[str, float] = {
+    "mm": 0.001, "millimetre": 0.001, "millimeter": 0.001, "millimetres": 0.001, "millimeters": 0.001,
+    "cm": 0.01, "centimetre": 0.01, "centimeter": 0.01, "centimetres": 0.01, "centimeters": 0.01,
+    "m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0,
+    "in": 0.0254, "inch": 0.0254, "inches": 0.0254,
+    "ft": 0.3048, "foot": 0.3048, "feet": 0.3048,
+}  # fmt: skip
+"""Metres of each unit."""
+DIRECTIONS: dict[str, Axis] = {
+    "wide": "width", "width": "width", "broad": "width", "long": "width", "length": "width",
+    "deep": "depth", "depth": "depth",
+    "tall": "height", "high": "height", "height": "height",
+}  # fmt: skip
+ADJECTIVES: dict[str, tuple[Axis, float]] = {
+    "tall": ("height", 1.35),
+    "high": ("height", 1.35),
+    "low": ("height", 0.7),
+    "short": ("height", 0.7),
+    "wide": ("width", 1.35),
+    "narrow": ("width", 0.7),
+    "deep": ("depth", 1.25),
+    "shallow": ("depth", 0.75),
+    "long": ("width", 1.35),
+}
+"""Adjectives that scale a kind's usual extent along one axis when no length is given."""
+SCALES = {"large": 1.2, "big": 1.2, "small": 0.8, "little": 0.8, "compact": 0.8}
+"""Adjectives that scale all extents of which nothing else is said."""
+
+PAINTS: dict[str, Color] = {
+    "white": (0.92, 0.92, 0.91),
+    "ivory": (0.93, 0.90, 0.82),
+    "cream": (0.91, 0.87, 0.76),
+    "beige": (0.83, 0.77, 0.65),
+    "silver": (0.76, 0.76, 0.77),
+    "grey": (0.53, 0.53, 0.54),
+    "gray": (0.53, 0.53, 0.54),
+    "charcoal": (0.24, 0.25, 0.27),
+    "anthracite": (0.24, 0.25, 0.27),
+    "black": (0.10, 0.10, 0.11),
+    "brown": (0.42, 0.28, 0.19),
+    "red": (0.70, 0.16, 0.15),
+    "burgundy": (0.40, 0.10, 0.14),
+    "orange": (0.86, 0.48, 0.17),
+    "terracotta": (0.65, 0.40, 0.31),
+    "yellow": (0.88, 0.77, 0.32),
+    "green": (0.36, 0.50, 0.36),
+    "sage": (0.56, 0.62, 0.53),
+    "mint": (0.67, 0.82, 0.74),
+    "turquoise": (0.30, 0.63, 0.63),
+    "teal": (0.15, 0.43, 0.45),
+    "blue": (0.26, 0.38, 0.60),
+    "navy": (0.16, 0.21, 0.35),
+    "purple": (0.44, 0.28, 0.50),
+    "pink": (0.86, 0.63, 0.66),
+}
+"""sRGB colours of paints."""
+SHADES = {"light": 0.4, "pale": 0.5, "dark": -0.4, "deep": -0.3}
+"""Share of the way to white, or to black where negative, of a colour after such a word."""
+
+
+@dataclass(frozen=True)
+class Stuff:
+    """A material: what finish it is, and its colour if the word implies one (sRGB)."""
+
+    kind: FinishKind
+    color: Color | None = None
+
+
+MATERIALS: dict[str, Stuff] = {
+    **{name.replace("_", " "): Stuff("wood", color) for name, (color, _) in WOODS.items()},
+    "oak": Stuff("wood", (0.80, 0.66, 0.47)),
+    "walnut": Stuff("wood", (0.40, 0.28, 0.20)),
+    "beech": Stuff("wood", (0.82, 0.66, 0.48)),
+    "ash": Stuff("wood", (0.82, 0.73, 0.58)),
+    "maple": Stuff("wood", (0.86, 0.74, 0.57)),
+    "mahogany": Stuff("wood", (0.38, 0.18, 0.13)),
+    "bamboo": Stuff("wood", (0.82, 0.69, 0.45)),
+    "wood": Stuff("wood"),
+    "wooden": Stuff("wood"),
+    "timber": Stuff("wood"),
+    **{name: Stuff("steel", METALS[name][0]) for name in ("chrome", "brass", "bronze")},
+    "steel": Stuff("steel", (0.72, 0.73, 0.74)),
+    "stainless steel": Stuff("steel", (0.72, 0.73, 0.74)),
+    "brushed steel": Stuff("steel", (0.72, 0.73, 0.74)),
+    "copper": Stuff("steel", (0.72, 0.45, 0.32)),
+    "gold": Stuff("steel", (0.83, 0.68, 0.36)),
+    "aluminium": Stuff("steel", (0.78, 0.78, 0.79)),
+    "aluminum": Stuff("steel", (0.78, 0.78, 0.79)),
+    "iron": Stuff("steel", (0.20, 0.20, 0.21)),
+    "metal": Stuff("steel"),
+    **{name: Stuff("stone", color) for name, (color, _) in STONES.items()},
+    "marble": Stuff("stone", (0.88, 0.87, 0.86)),
+    "stone": Stuff("stone"),
+    "glass": Stuff("glass"),
+    "plastic": Stuff("plastic"),
+    "rubber": Stuff("rubber"),
+}  # fmt: skip
+"""Materials by words."""
+METALLIC: dict[str, FinishKind] = {"silver": "steel"}
+"""Colour words that imply a material."""
+
+Feature = tuple[str, str, str]
+"""Part, property, value."""
+
+
+def _features() -> dict[str, Feature]:
+    found: dict[str, Feature] = {
+        "freezer drawer": ("freezer", "type", "drawer"),
+        "side by side": ("door", "type", "side by side"),
+        "push to open": ("handle", "type", "none"),
+        "on legs": ("stand", "type", "legs"),
+        "on feet": ("stand", "type", "feet"),
+        "on a plinth": ("stand", "type", "plinth"),
+        "lockable": ("lock", "type", "lock"),
+        "with a lock": ("lock", "type", "lock"),
+    }
+    for where in ("top", "bottom"):
+        for text in (
+            "{} freezer",
+            "freezer at the {}",
+            "freezer on the {}",
+            "freezer on {}",
+            "freezer at {}",
+        ):
+            found[text.format(where)] = ("freezer", "at", where)
+    for side in ("left", "right", "top", "bottom"):
+        for link in ("on the", "at the", ""):
+            for verb in ("hinged", "hinges", "hinge"):
+                found[" ".join(filter(None, (verb, link, side)))] = ("door", "hinged", side)
+        for verb in ("hinged", "hinges", "hand hinge", "hand hinges", "hand hinged"):
+            found[f"{side} {verb}"] = ("door", "hinged", side)
+    for word, kind in (("glass", "glass"), ("glazed", "glass")):
+        for noun in ("door", "doors", "front", "fronts", "fronted", "pane", "panes"):
+            found[f"{word} {noun}"] = ("door", "material", kind)
+    for kind in ("sliding", "folding", "french", "mirrored", "louvred"):
+        for noun in ("door", "doors"):
+            found[f"{kind} {noun}"] = ("door", "type", kind)
+    for kind in HANDLE_KINDS:
+        for noun in ("handle", "handles", "pull", "pulls"):
+            found[f"{kind} {noun}"] = ("handle", "type", kind)
+    for noun in ("castors", "casters", "wheels", "rollers"):
+        found[f"on {noun}"] = ("wheel", "type", "castor" if noun != "wheels" else "wheel")
+    return found
+
+
+FEATURES = _features()
+"""Properties of parts by phrases."""
+STYLES: dict[Feature, str] = {
+    ("door", "material", "glass"): "framed_glass",
+    ("door", "type", "sliding"): "sliding",
+    ("door", "type", "mirrored"): "mirrored",
+    ("door", "type", "louvred"): "louvre",
+}
+"""Styles that have a feature, for the kinds that have such a style."""
+BARE: Feature = ("handle", "type", "none")
+"""The feature of fronts without handles."""
+FILLERS = frozenset({
+    "a", "an", "the", "and", "or", "of", "for", "in", "it", "its", "is", "are", "that", "which", "to",
+    "on", "at", "by", "with", "has", "have", "having", "made", "painted", "finished", "coloured",
+    "colored", "finish", "i", "want", "please", "me", "one", "s", "featuring", "piece", "from", "each",
+    "all", "both", "some", "any", "about", "roughly", "approximately", "around", "x", "but", "make",
+    "draw", "create", "generate", "give", "need", "my", "our", "new", "either", "nor", "neither",
+})  # fmt: skip
+"""Words without a meaning of their own."""

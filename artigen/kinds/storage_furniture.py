@@ -1,0 +1,176 @@
+"""StorageFurniture: cabinets, dressers, wardrobes, sideboards, nightstands, bookcases, TV stands.
+
+A kind of furniture has sizes, a taste and stands (`artigen.shapes.furniture.furniture_kinds`); the grammar of
+`artigen.shapes.furniture.splits` divides its front.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from artigen.kind import PLAIN, Channel, Kind, Place, by_height, by_width, plurals
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.choices import pick
+from artigen.shapes.draw import Draft, Wish, choose_lengths, pick_nearest
+from artigen.shapes.fittings.hardware import Space
+from artigen.shapes.furniture.cabinet import count_fronts, draw_layout
+from artigen.shapes.furniture.carcass import draw_fitting
+from artigen.shapes.furniture.case import build_case, draw_plan, place_case
+from artigen.shapes.furniture.furniture_kinds import FORMS, STYLES, Form, Style
+from artigen.shapes.furniture.looks import Looks
+from artigen.shapes.furniture.splits import Node
+from artigen.shapes.shape import ShapePart
+from artigen.shapes.surfaces.palette import draw_palette
+from artigen.types import PartLabel
+
+CATEGORY = "StorageFurniture"
+MAX_LAYOUTS = 100
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """Draws a piece of storage furniture that meets the wish.
+
+    It is redrawn while it exceeds the limits of engines and, unless counts are wished for, while nothing
+    moves.
+    """
+    style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items()})
+    kind = _choose_form(rng, wish, STYLES[style])
+    finishes = draw_palette(rng, "furniture", style)
+    size = choose_lengths(rng, wish, kind.spans)
+
+    def draw_parts(attempt: int) -> Assembly:
+        plan = draw_plan(wish.shared_stream(rng, attempt), kind, STYLES[style], size, wish)
+        node = _draw_wanted(rng, place_case(plan, size), plan.looks, kind, wish)
+        return build_case(plan, node, size)
+
+    def suits(parts: Sequence[ShapePart]) -> bool:
+        shown = not STYLES[style].closed or any(part.label == "door" for part in parts)
+        return shown and (bool(wish.counts) or any(part.motion for part in parts))
+
+    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts, suits), finishes)
+
+
+def _choose_form(rng: np.random.Generator, wish: Wish, style: Style) -> Form:
+    """Draws a kind whose sizes include the wished ones or are closest to them."""
+    weights = {name: kind.weight for name, kind in FORMS.items()}
+    sizes = {
+        name: kind.spans
+        for name, kind in FORMS.items()
+        if not style.closed or dict(kind.taste.rules).get("closed", 0) > 0.5
+    }
+    return FORMS[pick_nearest(rng, wish, weights, sizes)]
+
+
+def _draw_wanted(rng: np.random.Generator, box: Space, looks: Looks, kind: Form, wish: Wish) -> Node:
+    """The first of `MAX_LAYOUTS` layouts with the wished numbers of drawers and doors, or the last one."""
+    wanted: list[tuple[PartLabel, int]] = [
+        (label, count) for label, count in wish.counts if label in ("drawer", "door")
+    ]
+    node = draw_layout(rng, box, looks, kind.taste)
+    for _ in range(MAX_LAYOUTS):
+        held = count_fronts(node)
+        if all(held[label] == count for label, count in wanted):
+            break
+        node = draw_layout(rng, box, looks, kind.taste)
+    return node
+
+
+KIND = Kind(
+    name=CATEGORY,
+    nouns=plurals(
+        "cabinet",
+        "cupboard",
+        "sideboard",
+        "nightstand",
+        "bookcase",
+        "storage furniture/storage furniture",
+        "tv stand",
+        "night stand",
+        "bedside cabinet",
+        "bookshelf",
+        "glass cabinet",
+        "drawer unit",
+        "vanity unit",
+        "media unit",
+        "shelving unit",
+        "media console",
+        "tv unit",
+        "tv cabinet",
+        "credenza",
+        "kitchen cabinet",
+        "base cabinet",
+        "wall cabinet",
+        "hanging cabinet",
+        "sink cabinet",
+        "storage cabinet",
+        "bathroom cabinet",
+        "display cabinet",
+        "china cabinet",
+        "shoe cabinet",
+        "locker",
+        "lowboard",
+        "highboard",
+    ),
+    hints=("drawer", "shelf"),
+    size=(
+        by_width(1.4, 0.45, "sideboard"),
+        by_height(0.8, 1.05, "chest, base cabinet"),
+        by_height(0.9, 1.6, "cupboard"),
+        by_height(1.9, note="wardrobe, tall cabinet"),
+    ),
+    deepest=0.65,
+    diagonal=(0.2, 3.5),
+    build="board",
+    stands="free",
+    styles=tuple(STYLES),
+    style_words={
+        "louvred": "louvre",
+        "louvered": "louvre",
+        "rustic": "country",
+        "farmhouse": "country",
+        "traditional": "classic",
+        "glazed": "framed_glass",
+        "glass cabinet": "framed_glass",
+    },
+    sizes=((0.2, 4.0), (0.15, 1.2), (0.2, 3.2)),
+    make=PLAIN,
+    makes={},
+    feet=True,
+    trade="furniture",
+    synset="cabinet.n.01",
+    wikidata="Q14745",  # furniture
+    partnet=CATEGORY,
+    body="furniture_body",
+    places=(
+        Place(
+            role="base cabinet",
+            low=(0.5, 0.28, 0.72),
+            high=(0.74, 1.4, 1.0),
+            draws=((0.6, 0.45, 0.88), (0.6, 0.6, 0.88), (0.6, 0.8, 0.88), (0.6, 0.9, 0.88)),
+        ),
+        Place(role="larder", low=(0.45, 0.4, 1.6), high=(0.74, 1.7, 2.3)),
+        Place(
+            role="wall cabinet",
+            low=(0.25, 0.3, 0.34),
+            high=(0.44, 1.25, 0.95),
+            draws=((0.34, 0.6, 0.72), (0.34, 0.8, 0.72)),
+            joint="revolute",
+        ),
+        Place(role="island", low=(0.5, 0.9, 0.7), high=(0.95, 1.8, 1.0), draws=((0.62, 1.2, 0.88),)),
+        Place(role="pedestal", low=(0.3, 0.28, 0.38), high=(0.66, 0.66, 0.86), draws=((0.5, 0.42, 0.6),)),
+        Place(role="filing cabinet", low=(0.3, 0.3, 0.7), high=(0.7, 1.7, 1.7), draws=((0.45, 0.8, 1.1),)),
+        Place(role="bookcase", low=(0.25, 0.4, 1.4), high=(0.7, 1.7, 2.3), draws=((0.38, 0.9, 1.9),)),
+        Place(role="sideboard", low=(0.3, 0.7, 0.55), high=(0.6, 2.0, 0.98), draws=((0.42, 1.3, 0.8),)),
+        Place(role="nightstand", low=(0.28, 0.3, 0.38), high=(0.52, 0.66, 0.72), draws=((0.4, 0.45, 0.55),)),
+        Place(role="wardrobe", low=(0.35, 0.45, 1.4), high=(0.75, 1.8, 2.4), draws=((0.6, 1.2, 2.1),)),
+        Place(role="dresser", low=(0.35, 0.6, 0.6), high=(0.7, 1.8, 1.4), draws=((0.48, 1.0, 0.9),)),
+        Place(role="lowboard", low=(0.3, 0.8, 0.34), high=(0.6, 2.0, 0.78), draws=((0.42, 1.4, 0.5),)),
+    ),
+    holds="things",
+    open_front=None,
+    lid_stays=False,
+    colored=("top",),
+    channel=Channel(number=0, boards=("top", "side", "back"), round_door=False),
+    word=0,
+    draw=draw,
+)

@@ -1,1 +1,0 @@
-"""One file per category; see `artigen.shapes.draw`."""

@@ -1,0 +1,194 @@
+"""Sentences over all kinds, and their right reading."""
+
+from typing import Any
+
+import pytest
+
+from artigen.conditioning.read import read_sentence
+from artigen.conditioning.sentence import TextError
+from artigen.kind import kinds
+
+SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
+    # Numbers, units and sizes by position.
+    "a 1,2 m wide table": ("Table", {"size": {"width": 1.2}}),
+    "a dresser with six drawers, 1.2 m wide": ("Dresser", {"counts": {"drawer": 6}, "size": {"width": 1.2}}),
+    "a chest of drawers half a metre wide": ("Dresser", {"size": {"width": 0.5}}),
+    "a bookcase, two and a half metres high": ("StorageFurniture", {"size": {"height": 2.5}}),
+    "a wardrobe a metre and a half wide": ("Wardrobe", {"size": {"width": 1.5}}),
+    "an oven 60 x 55 x 85 cm": ("Oven", {"size": {"width": 0.6, "depth": 0.55, "height": 0.85}}),
+    "a fridge with a height of 1.8 m and a width of 70 cm": (
+        "Refrigerator",
+        {"size": {"width": 0.7, "height": 1.8}},
+    ),
+    "a desk 1,400 mm wide and 700 mm deep": ("Table", {"size": {"width": 1.4, "depth": 0.7}}),
+    "a 6 ft tall cabinet": ("StorageFurniture", {"size": {"height": 1.8288}}),
+    "a washer 34 inches high": ("WashingMachine", {"size": {"height": 0.8636}}),
+    "a sideboard 1 1/2 m long": ("StorageFurniture", {"size": {"width": 1.5}}),
+    "a coffee table 3/4 m wide": ("Table", {"size": {"width": 0.75}}),
+    "a door 2 m 10 high": ("Door", {"size": {"height": 2.1}}),
+    "a window 1.2 m wide, 90 high": ("Window", {"size": {"width": 1.2}, "ignored": ["90", "high"]}),
+    "a quarter of a metre high toaster": ("Toaster", {"size": {"height": 0.25}}),
+    # Counts.
+    "a dresser with a dozen drawers": ("Dresser", {"counts": {"drawer": 12}}),
+    "a cabinet with half a dozen drawers": ("StorageFurniture", {"counts": {"drawer": 6}}),
+    "a wardrobe with a pair of doors": ("Wardrobe", {"counts": {"door": 2}}),
+    "a three-door wardrobe": ("Wardrobe", {"counts": {"door": 3}}),
+    "a 4-drawer filing cabinet": ("FilingCabinet", {"counts": {"drawer": 4}}),
+    "cupboard, no drawers or shelves, one door": (
+        "StorageFurniture",
+        {"counts": {"drawer": 0, "shelf": 0, "door": 1}},
+    ),
+    "an oven with twenty-four knobs": ("Oven", {"counts": {"knob": 24}}),
+    "a desk with three wide oak drawers": (
+        "Table",
+        {"counts": {"drawer": 3}, "parts": {"drawer": {"material": "oak"}}, "ignored": ["wide"]},
+    ),
+    "a trolley with castors": ("Cart", {"counts": {}, "parts": {"wheel": {}}}),
+    "two doors, 60 cm wide oven": ("Oven", {"counts": {"door": 2}, "size": {"width": 0.6}}),
+    # Colours and materials, before, after, behind commas.
+    "a dresser, white": ("Dresser", {"parts": {"object": {"color": "white"}}}),
+    "a sideboard in oak with brass knobs": (
+        "StorageFurniture",
+        {"parts": {"object": {"material": "oak"}, "knob": {"material": "brass"}}},
+    ),
+    "a white fridge with black handles": (
+        "Refrigerator",
+        {"parts": {"object": {"color": "white"}, "handle": {"color": "black"}}},
+    ),
+    "a dishwasher in stainless steel": ("Dishwasher", {"parts": {"object": {"material": "stainless steel"}}}),
+    "a light blue microwave": ("Microwave", {"parts": {"object": {"color": "light blue"}}}),
+    "a table painted navy, with a marble top": (
+        "Table",
+        {"parts": {"object": {"color": "navy"}, "top": {"material": "marble"}}},
+    ),
+    "a tumble drier, the door is grey": (
+        "Dryer",
+        {"parts": {"door": {"color": "grey"}}},
+    ),
+    "a dresser with six drawers in walnut and handles in bronze": (
+        "Dresser",
+        {
+            "counts": {"drawer": 6},
+            "parts": {"object": {"material": "walnut"}, "handle": {"material": "bronze"}},
+        },
+    ),
+    "a wooden door with a chrome handle": (
+        "Door",
+        {
+            "counts": {"handle": 1},
+            "parts": {"object": {"material": "wooden"}, "handle": {"material": "chrome"}},
+        },
+    ),
+    # Parts.
+    "a fridge with a bottom freezer": ("Refrigerator", {"parts": {"freezer": {"at": "bottom"}}}),
+    "fridge-freezer, freezer on top": ("Refrigerator", {"parts": {"freezer": {"at": "top"}}}),
+    "a cabinet with two glass doors": (
+        "StorageFurniture",
+        {"style": "framed_glass", "counts": {"door": 2}, "parts": {"door": {"material": "glass"}}},
+    ),
+    "a cupboard without handles": ("StorageFurniture", {"counts": {"handle": 0}}),
+    "a left-hinged oven": ("Oven", {"parts": {"door": {"hinged": "left"}}}),
+    "a safe with both doors hinged on the left": (
+        "Safe",
+        {"counts": {"door": 2}, "parts": {"door": {"hinged": "left"}}},
+    ),
+    "a nightstand on castors": ("StorageFurniture", {"parts": {"wheel": {"type": "castor"}}}),
+    "a wardrobe with sliding doors": (
+        "Wardrobe",
+        {"style": "sliding", "parts": {"door": {"type": "sliding"}}},
+    ),
+    "a dresser with cup handles": ("Dresser", {"parts": {"handle": {"type": "cup"}}}),
+    # Nouns, plurals and styles of every kind.
+    "a window": ("Window", {}),
+    "a pot": ("Pot", {}),
+    "a cardboard box": ("Box", {"style": "carton"}),
+    "bread bin": ("BreadBox", {}),
+    "deep freezer": ("ChestFreezer", {}),
+    "an architect desk lamp": ("DeskLamp", {"style": "architect"}),
+    "a mixer tap": ("Faucet", {"style": "single"}),
+    "a gaming laptop": ("Laptop", {"style": "gaming"}),
+    "letterboxes": ("Mailbox", {}),
+    "a photocopier": ("Printer", {"style": "copier"}),
+    "a carry-on suitcase": ("Suitcase", {"style": "cabin"}),
+    "a dimmer": ("Switch", {"style": "dimmer"}),
+    "a wall-hung toilet": ("Toilet", {"style": "wall_hung"}),
+    "a tool chest": ("ToolBox", {"style": "chest"}),
+    "a wheelie bin": ("TrashCan", {"style": "wheeled"}),
+    "a garbage can with a pedal": ("TrashCan", {"style": "pedal"}),
+    "a wheelbarrow": ("Cart", {"style": "wheelbarrow"}),
+    "a range cooker with six burners": ("Oven", {"ignored": ["six", "burners"]}),
+    "a zebra cabinet for the kitchen": ("StorageFurniture", {"ignored": ["zebra", "kitchen"]}),
+    "a large leather suitcase": (
+        "Suitcase",
+        {"style": "leather", "stretch": {"width": 1.2, "depth": 1.2, "height": 1.2}},
+    ),
+    "a cabinet with neither doors nor drawers": ("StorageFurniture", {"counts": {"door": 0, "drawer": 0}}),
+    "a tall, narrow armoire": ("Wardrobe", {"stretch": {"height": 1.35, "width": 0.7}}),
+    "an oven with a window and a door": ("Oven", {"counts": {"door": 1}, "ignored": ["window"]}),
+    "a 60 cm dishwasher": ("Dishwasher", {"ignored": ["60 cm"]}),
+}
+PLAIN = {"style": None, "counts": {}, "size": {}, "stretch": {}, "parts": {}, "ignored": []}
+
+
+@pytest.mark.parametrize("text", SENTENCES)
+def test_a_sentence_is_read_as_people_read_it(text: str):
+    kind, said = SENTENCES[text]
+    found = read_sentence(text).to_json()
+    assert found == {**PLAIN, "kind": kind, **said}
+
+
+def test_the_sentences_are_of_all_kinds():
+    assert {kind for kind, _ in SENTENCES.values()} == set(kinds())
+
+
+@pytest.mark.parametrize("kind", kinds())
+def test_every_noun_names_its_kind_in_both_numbers(kind: str):
+    for pair in kinds()[kind].nouns.items():
+        for noun, article in zip(pair, ("a", "white"), strict=True):
+            if noun == "doors":
+                continue  # parts of something else
+            said = read_sentence(f"{article} {noun}")
+            assert said.kind == kind, noun
+
+
+@pytest.mark.parametrize("kind", kinds())
+def test_no_kind_exceeds_its_sizes_and_the_refusal_says_what_is_allowed(kind: str):
+    record = kinds()[kind]
+    noun = next(iter(record.nouns))
+    for axis, (low, high) in zip(("wide", "deep", "high"), record.sizes, strict=True):
+        for length in (low, high):
+            assert read_sentence(f"a {noun} {1000 * length:g} mm {axis}").kind == kind
+        for length in (0.9 * low, 1.1 * high):
+            with pytest.raises(TextError, match=rf"{kind}.*expected {low:g} to {high:g} m; give another"):
+                read_sentence(f"a {noun} {1000 * length:g} mm {axis}")
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("a green sofa", "'sofa' is not understood; expected one of .*cabinet.* for example"),
+        ("", "names no kind"),
+        ("two drawers", "names no kind"),
+        ("a fridge and an oven", "both Refrigerator and Oven are named"),
+        ("a cabinet with two doors and three doors", "2 and 3 parts called door"),
+        ("a cabinet 80 cm wide and 90 cm wide", "width is 0.8 m and 0.9 m"),
+        ("a low tall cabinet", "contradicts"),
+        ("a cabinet 0 cm wide", "expected more than 0"),
+        ("a white oven, blue", "white and blue are asked for, both of the object"),
+        ("a shaker classic cabinet", "styles shaker and classic"),
+        ("a fridge 5 cm wide", "width of 0.05 m: expected 0.35 to 1.9 m"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_a_sentence(text: str, match: str):
+    with pytest.raises(TextError, match=match):
+        read_sentence(text)
+
+
+def test_the_order_of_clauses_does_not_matter():
+    one = read_sentence("an oven with 4 knobs and one door, 60 cm wide")
+    assert one == read_sentence("60 cm wide oven, one door, 4 knobs")
+
+
+def test_one_line_says_what_is_understood_and_what_is_not():
+    line = read_sentence("a white zebra dresser with six drawers").describe()
+    assert line == "understood: Dresser, 6 drawers, object white; not understood: zebra"
