@@ -46,8 +46,7 @@ class ReaderSettings:
     """ImageNet weights of EfficientNet-Lite2; default: those of the package that artigen[reader] installs."""
 
 
-What = Literal[
-    "reader",
+Generator = Literal[
     "sketch",
     "structure",
     "structure-vae",
@@ -57,6 +56,7 @@ What = Literal[
     "appearance-vae",
     "appearance-flow",
 ]
+What = Literal["reader"] | Generator
 
 
 def train(
@@ -94,7 +94,7 @@ def train(
 
 
 def _prepare(
-    what: What, run: Path, cfg: TrainSettings, workers: int, appearance: AppearanceSettings
+    what: Generator, run: Path, cfg: TrainSettings, workers: int, appearance: AppearanceSettings
 ) -> Callable[[], dict[str, float]]:
     """Builds the training function for the arguments."""
     given = {name: value for name, value in vars(cfg).items() if value is not None}
