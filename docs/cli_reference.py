@@ -36,7 +36,8 @@ artigen shape StorageFurniture --topology drawer=3 door=0 -n 64 -o out/drawers""
 artigen generate --text "an oak cabinet with two black handles" -o out/from_text
 artigen generate --image photo.png -o out/from_photo""",
     "read": """artigen read kitchen.jpg --picture boxes.png
-artigen read kitchen.jpg --json --box 0.55 0.1 0.9 0.95""",
+artigen read kitchen.jpg --json --box 0.55 0.1 0.9 0.95
+artigen read --text "a dresser with six drawers, 1,2 m wide" --json""",
     "convert": """artigen convert PATH/TO/partnet_mobility/* -o out/packages
 artigen convert PATH/TO/45261 -o out/rebuilt --visual voxels
 artigen convert MY_OBJECT.urdf -o out/packages --front=-y --category Microwave""",

@@ -87,3 +87,17 @@ def test_a_picture_of_the_boxes_is_written(photo: Path, tmp_path: Path):
         assert drawn.size == (60, 40)
     with pytest.raises(ArtigenError, match="expected a file that ends with"):
         read(photo, picture=tmp_path / "boxes.doc")
+
+
+def test_sentences_are_read_without_drawing(capsys: pytest.CaptureFixture[str]):
+    assert read(text="a dresser with six drawers, 1,2 m wide", as_json=True) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert (said["kind"], said["counts"], said["size"]) == ("Dresser", {"drawer": 6}, {"width": 1.2})
+    read(text="a dresser with six drawers")
+    assert "Dresser" in capsys.readouterr().out
+
+
+def test_a_photograph_or_words_are_expected(photo: Path):
+    for options in ({}, {"photo": photo, "text": "a table"}):
+        with pytest.raises(ArtigenError, match="expected a photograph or --text"):
+            read(**options)
