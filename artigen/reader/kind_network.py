@@ -12,12 +12,15 @@ DROPPED = 0.3
 
 
 class KindNetwork(nn.Module):
-    """A frozen trunk, and one linear layer on what its ImageNet classifier reads."""
+    """A frozen trunk, and one linear layer on what its ImageNet classifier reads.
+
+    Its last output is that a picture shows no object of a known kind.
+    """
 
     def __init__(self, variant: str) -> None:
         super().__init__()
         self.trunk = Trunk(variant, pooled=True).requires_grad_(requires_grad=False)
-        self.kinds = nn.Linear(POOLED, len(KINDS))
+        self.kinds = nn.Linear(POOLED, len(KINDS) + 1)
         nn.init.zeros_(self.kinds.weight)
         nn.init.zeros_(self.kinds.bias)
 
@@ -26,8 +29,8 @@ class KindNetwork(nn.Module):
         """Features of RGB pixels from 0 to 255, [B, 3, H, W]; H and W are multiples of 32."""
         return self.trunk.pool(self.trunk(pixels)[-1]).float()
 
-    def forward(self, pixels: Tensor) -> Float[Tensor, "B K"]:
-        """Logits of `KINDS`."""
+    def forward(self, pixels: Tensor) -> Float[Tensor, "B L"]:
+        """Logits of `KINDS`, and of nothing."""
         return self.kinds(self.extract(pixels))
 
 

@@ -30,8 +30,8 @@ PAD = 255
 """Value around a photograph that is no square."""
 AROUND_BOX = 0.1
 """Margin around the box of a requested object, as a share of its sides."""
-LEAST_OBJECT = 0.2
-"""Score from which there is an object."""
+LEAST_OBJECT, NOTHING = 0.2, 0.5
+"""Score from which there is an object, and probability from which a picture shows nothing known."""
 LEAST = {PULL: 0.3, DIAL: 0.3, SHELF: 0.35, WHEEL: 0.35}
 """Score from which there is a part, by thing."""
 REACH = 0.75
@@ -47,9 +47,9 @@ LONG = 1.8
 class ReadSettings:
     """What is believed."""
 
-    middle: float = 0.3
+    middle: float = 0.33
     """Score of a front that is as likely there as not."""
-    usual: float = 0.5
+    usual: float = 0.4
     """Weight of how many fronts are usual for a kind."""
 
 
@@ -107,21 +107,27 @@ def read_image(
     things = find_things(maps)[0]
     chosen = _choose_object(things[OBJECT])
     if chosen is None:
-        raise SourceError(_say_nothing(things[OBJECT], name))
-    kinds = _name_kinds(things[OBJECT], chosen, image, sheet, reader)
+        raise SourceError(_say_nothing([], name))
+    nothing, kinds = _name_kinds(things[OBJECT], chosen, image, sheet, reader)
+    if nothing > NOTHING:
+        raise SourceError(_say_nothing(kinds, name))
     return _assemble(things, chosen, kinds, sheet, image, reader.counts, settings or ReadSettings())
 
 
 def _name_kinds(
     objects: Found, chosen: int, image: "Image.Image", sheet: _Sheet, reader: Reader
-) -> list[tuple[str, float]]:
-    """Kinds with probabilities: those of the whole picture and of the object by the trunk as it was
-    pretrained, and those that the network found in place, multiplied."""
+) -> tuple[float, list[tuple[str, float]]]:
+    """Probability that nothing is shown, and kinds with theirs.
+
+    Those of the whole picture and of the object by the trunk as it was pretrained, and those that the network
+    found in place, are multiplied.
+    """
     crop = _cut(image, sheet, objects.box[chosen])
     pixels = torch.from_numpy(np.stack([_resize(sheet.pixels), crop])).permute(0, 3, 1, 2)
     seen = reader.kinds(pixels).log_softmax(dim=1).mean(dim=0).numpy()
     placed = objects.attributes["kind"][chosen]
-    return _rank_kinds(seen + placed - np.logaddexp.reduce(placed))
+    nothing = float(np.exp(seen[-1] - np.logaddexp.reduce(seen)))
+    return nothing, _rank_kinds(seen[:-1] + placed - np.logaddexp.reduce(placed))
 
 
 def _resize(pixels: UInt8[np.ndarray, "S S 3"]) -> UInt8[np.ndarray, "E E 3"]:
@@ -175,12 +181,12 @@ def _choose_object(objects: Found) -> int | None:
     return int(np.argmax(sides * objects.score * (objects.score >= LEAST_OBJECT)))
 
 
-def _say_nothing(objects: Found, name: str) -> str:
+def _say_nothing(kinds: Sequence[tuple[str, float]], name: str) -> str:
     """Why nothing was read."""
     said = f"{name}: no object of a known kind was found"
-    if len(objects):
-        likely = _rank_kinds(objects.attributes["kind"][0])[:3]
-        said += f"; the likeliest kinds are {', '.join(f'{kind} ({share:.0%})' for kind, share in likely)}"
+    if kinds:
+        likely = ", ".join(f"{kind} ({share:.0%})" for kind, share in kinds[:3])
+        said += f"; if it shows one, the likeliest kinds are {likely}"
     return said + "; show one piece of furniture or appliance as a whole, from near its front"
 
 
