@@ -11,6 +11,7 @@ from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
 from types import ModuleType
+from typing import TYPE_CHECKING
 from zlib import crc32
 
 import numpy as np
@@ -18,10 +19,14 @@ import numpy as np
 from artigen.errors import ArtigenError
 from artigen.shapes.choices import Word, choose, pick
 from artigen.shapes.fittings.handles import HandleKind
+from artigen.shapes.furniture.splits import Node
 from artigen.shapes.ranges import Range
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import PartLabel
+
+if TYPE_CHECKING:
+    from artigen.shapes.fittings.feet import StandKind
 
 Size = tuple[float, float, float]
 """Width, depth and height (m)."""
@@ -40,6 +45,8 @@ SEARCHED = 500
 """Seeds that are searched for an object with given counts."""
 SIZE_MARGIN = 0.2
 """Share by which a wished length may exceed the usual range of categories without arbitrary sizes."""
+LAID_OUT = ("Dresser", "FilingCabinet", "StorageFurniture", "Table", "Wardrobe")
+"""Categories whose fronts a wish may lay out."""
 LENGTHS = (0.02, 10.0)
 """Range of wished lengths (m)."""
 
@@ -66,6 +73,12 @@ class Wish:
     """Kinds of handles in order of preference; an object has the first one that its category offers."""
     suite: int | None = None
     """Seed of the choices that objects of one suite share: handles, fitting of fronts, stands, worktops."""
+    layout: Node | None = None
+    """Division of the front into cells, of categories in `LAID_OUT`; its handles and panes are as the cells say."""
+    stands: tuple["StandKind", ...] = ()
+    """Kinds of stands to draw from, with a layout."""
+    stand_height: float | None = None
+    """Height (m) of legs or of a plinth, with a layout."""
 
     def shared_stream(self, rng: np.random.Generator, attempt: int = 0) -> np.random.Generator:
         """The random stream of choices that objects of a suite share; ``rng`` without a suite.
@@ -76,10 +89,17 @@ class Wish:
 
     def choose_handles(self, offered: tuple[HandleKind, ...]) -> tuple[HandleKind, ...]:
         """The kinds of handles to draw from: as many as offered, all equal to the preferred one."""
+        if self.layout is not None and self.handles:  # they were seen
+            return self.handles[:1] * len(offered)
         for kind in self.handles:
             if kind in offered:
                 return (kind,) * len(offered)
         return offered
+
+    def choose_stands(self, offered: Mapping["StandKind", float]) -> dict["StandKind", float]:
+        """Weights of the kinds of stands to draw from: those wished for, where some are, or all offered."""
+        both = {kind: weight for kind, weight in offered.items() if kind in self.stands}
+        return both or dict.fromkeys(self.stands, 1.0) or dict(offered)
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,6 +234,8 @@ def _draw_draft(category: str, seed: int, wish: Wish) -> tuple[Draft, int]:
     known = categories()
     if category not in known:
         raise ShapeError(f"category {category!r} is not known, expected one of {', '.join(known)}")
+    if wish.layout is not None and category not in LAID_OUT:
+        raise ShapeError(f"{category}: its fronts cannot be laid out; categories that can: {', '.join(LAID_OUT)}")
     if wish.style is not None and wish.style not in (styles := known[category].STYLES):
         raise ShapeError(
             f"{category}: style {wish.style!r} is not known, expected one of {', '.join(styles)}"

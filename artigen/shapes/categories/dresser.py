@@ -86,7 +86,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         frame = plan.looks.carcass.frame if style in ("shaker", "classic") else 0.0
         looks = replace(plan.looks, carcass=replace(plan.looks.carcass, frame=frame), lock=False)
         plan = replace(plan, looks=looks, stand=replace(plan.stand, leg=leg))
-        return build_case(plan, _draw_layout(rng, size), size)
+        return build_case(plan, wish.layout or _draw_layout(rng, size), size)
 
     return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts), finishes)
 

@@ -24,6 +24,8 @@ from artigen.shapes.surfaces.palette import draw_palette
 CATEGORY = "Wardrobe"
 STYLES = {"flat": 3.0, "shaker": 2.2, "country": 1.0, "louvre": 0.8, "mirrored": 1.4, "sliding": 2.4}
 """Styles and their weights."""
+PLAIN = {name: weight for name, weight in STYLES.items() if name in ("flat", "shaker", "country")}
+"""Styles of given layouts, whose cells say what slides and what is glazed."""
 MAX_LAYOUTS = 100
 MIRRORED = 10
 """Layouts with mirrored sliding doors that are tried before plain ones; wide mirrors need too many hulls."""
@@ -37,7 +39,7 @@ MIRROR = Finish(kind="glass", color=(0.74, 0.79, 0.81), accent=(0.80, 0.85, 0.87
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a wardrobe that meets the wish."""
-    style = choose_style(rng, STYLES, wish.style)
+    style = choose_style(rng, STYLES if wish.layout is None else PLAIN, wish.style)
     slides = style == "sliding"
     doors = int(
         rng.choice((2, 2, 3, 4) if slides else (1, 2, 2, 3) if style == "louvre" else (1, 2, 2, 3, 4))
@@ -58,9 +60,9 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         carcass = replace(plan.looks.carcass, back=BACKING, recess=0.0)
         doors_look = fronts if mirrored and (not slides or attempt < MIRRORED) else plan.looks.doors
         plan = replace(plan, looks=replace(plan.looks, doors=doors_look, carcass=carcass, lock=False))
-        if slides:
+        if slides and wish.layout is None:
             return _build_sliding(rng, plan, size)
-        return build_case(plan, _draw_hinged(rng, doors, size), size)
+        return build_case(plan, wish.layout or _draw_hinged(rng, doors, size), size)
 
     return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts), finishes)
 

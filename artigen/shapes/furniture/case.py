@@ -7,7 +7,7 @@ import numpy as np
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, pick
 from artigen.shapes.draw import Size, Wish
-from artigen.shapes.fittings.feet import StandDesign, design_stand, make_stand
+from artigen.shapes.fittings.feet import StandDesign, StandKind, design_stand, make_stand
 from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.furniture.cabinet import has_fronts, list_cells, make_cabinet
 from artigen.shapes.furniture.furniture_kinds import Mounting, Style
@@ -16,6 +16,8 @@ from artigen.shapes.furniture.splits import Node
 from artigen.shapes.primitives import block
 from artigen.shapes.ranges import around
 
+RAISED: tuple[StandKind, ...] = ("plinth", "toe_kick", "legs", "sled")
+"""Stands of any height."""
 RECESSED = 0.6
 """Probability of a back between the sides with a hanging rail behind it."""
 
@@ -48,9 +50,12 @@ def draw_plan(rng: np.random.Generator, mounting: Mounting, style: Style, size: 
         frame=frame if rng.random() < style.frame else 0.0,
         recess=recess if rng.random() < RECESSED else 0.0,
     )
+    stand = design_stand(rng, pick(rng, wish.choose_stands(dict(mounting.stands))), size[2])
+    if wish.stand_height is not None and stand.kind in RAISED:
+        stand = replace(stand, height=wish.stand_height)
     return CasePlan(
         looks=replace(looks, carcass=carcass),
-        stand=design_stand(rng, pick(rng, dict(mounting.stands)), size[2]),
+        stand=stand,
         worktop=choose(rng, 0.018, 0.04) if covered else 0.0,
         overhang=overhang if covered else (0.0, 0.0),
     )
