@@ -1,6 +1,6 @@
 """From a tree of cuts to the cells of a cabinet: fronts where they are, and open cells where nothing covers."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -64,7 +64,7 @@ def _fill(
         [np.min([front.bounds[:2] for front in held], 0), np.max([front.bounds[2:] for front in held], 0)]
     )
     inner = region.copy()
-    wide = np.abs(hull - region) >= np.tile(least, 2)
+    wide = (hull - region) * (1, 1, -1, -1) >= np.tile(least, 2)
     inner[wide] = hull[wide]
     node = _place(tree, fronts, inner, least)
     for along, low in (("columns", 0), ("rows", 1)):
@@ -159,10 +159,3 @@ def join_nodes(along: Axis, sides: Sequence[tuple[Node, float]]) -> Node:
     board = not (along == "rows" and drawers)
     shares = tuple(max(LEAST, float(extent)) - (BOARD if board else 0.0) for _, extent in flat)
     return Split(along=along, shares=shares, children=tuple(node for node, _ in flat), board=board)
-
-
-def map_cells(node: Node, changed: Iterator[Cell]) -> Node:
-    """A layout with its cells replaced, in order."""
-    if isinstance(node, Cell):
-        return next(changed)
-    return replace(node, children=tuple(map_cells(child, changed) for child in node.children))

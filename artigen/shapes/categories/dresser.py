@@ -12,7 +12,7 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Size, Spans, Wish, choose_lengths
 from artigen.shapes.fittings.feet import LegKind, StandKind
-from artigen.shapes.furniture.carcass import draw_fitting
+from artigen.shapes.furniture.carcass import LAID_LAYOUTS, draw_fitting
 from artigen.shapes.furniture.case import build_case, draw_plan
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
 from artigen.shapes.furniture.furniture_kinds import Mounting
@@ -88,7 +88,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         plan = replace(plan, looks=looks, stand=replace(plan.stand, leg=leg))
         return build_case(plan, wish.layout or _draw_layout(rng, size), size)
 
-    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts), finishes)
+    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS if wish.layout is None else LAID_LAYOUTS, draw_parts), finishes)
 
 
 def _draw_layout(rng: np.random.Generator, size: Size) -> Node:

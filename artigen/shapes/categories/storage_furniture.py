@@ -13,7 +13,7 @@ from artigen.shapes.choices import pick
 from artigen.shapes.draw import Draft, Wish, choose_lengths, pick_nearest
 from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.furniture.cabinet import count_fronts, draw_layout
-from artigen.shapes.furniture.carcass import draw_fitting
+from artigen.shapes.furniture.carcass import LAID_LAYOUTS, draw_fitting
 from artigen.shapes.furniture.case import build_case, draw_plan, place_case
 from artigen.shapes.furniture.furniture_kinds import KINDS, STYLES, Kind, Style
 from artigen.shapes.furniture.looks import Looks
@@ -47,7 +47,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         shown = not STYLES[style].closed or any(part.label == "door" for part in parts)
         return shown and (laid or bool(wish.counts) or any(part.motion for part in parts))
 
-    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts, suits), finishes)
+    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS if wish.layout is None else LAID_LAYOUTS, draw_parts, suits), finishes)
 
 
 def _choose_kind(rng: np.random.Generator, wish: Wish, style: Style) -> Kind:

@@ -17,7 +17,8 @@ from artigen.shapes.draw import Draft, Size, Spans, Wish, choose_lengths, pick_n
 from artigen.shapes.fittings.feet import LEG_KINDS, LegKind, make_castors, make_legs
 from artigen.shapes.fittings.hardware import GAP, Space, lift
 from artigen.shapes.furniture.cabinet import draw_layout, make_cabinet
-from artigen.shapes.furniture.carcass import draw_fitting, open_carcass
+from artigen.shapes.furniture.carcass import LAID_LAYOUTS, draw_fitting, open_carcass
+from artigen.shapes.furniture.laid_tables import Underside, build_under_top
 from artigen.shapes.furniture.looks import Looks, draw_looks
 from artigen.shapes.furniture.sinks import TAP_HEIGHT, make_sink
 from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, lay_out
@@ -84,12 +85,14 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     size = (width, width if kind.round and wish.depth is None else depth, height)
 
     def draw_parts(attempt: int) -> Assembly:
-        return kind.build(rng, _draw_plan(wish.shared_stream(rng, attempt), style, size, wish))
+        plan = _draw_plan(wish.shared_stream(rng, attempt), style, size, wish)
+        return kind.build(rng, plan) if wish.layout is None else _build_laid(plan, wish.layout, wish)
 
     def suits(parts: Sequence[ShapePart]) -> bool:
-        return bool(wish.counts) or any(part.motion for part in parts)
+        return wish.layout is not None or bool(wish.counts) or any(part.motion for part in parts)
 
-    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts, suits), finishes)
+    layouts = MAX_LAYOUTS if wish.layout is None else LAID_LAYOUTS
+    return Draft(style, draw_fitting(CATEGORY, size, layouts, draw_parts, suits), finishes)
 
 
 def _draw_plan(rng: np.random.Generator, style: str, size: Size, wish: Wish) -> _Plan:
@@ -268,6 +271,21 @@ def _build_desk(rng: np.random.Generator, plan: _Plan) -> Assembly:
         hung = _hang_drawers(count, space, plan.looks, rng)
         built += Assembly(hung.pieces, [_rename(part, "c") for part in hung.parts])
     return built
+
+
+def _build_laid(plan: _Plan, layout: Node, wish: Wish) -> Assembly:
+    """A top on the columns of a given layout."""
+    width, depth, height = plan.size
+    under = Underside(
+        x=(plan.looks.reach - depth / 2, depth / 2),
+        y=around(0.0, width / 2 - 0.015),
+        height=height - plan.top,
+        looks=plan.looks,
+        leg=plan.leg,
+        width=0.04,
+        lifted=wish.stand_height or 0.0,
+    )
+    return Assembly((_make_top(plan),)) + build_under_top(layout, under)
 
 
 def _rename(part: ShapePart, tag: str) -> ShapePart:

@@ -12,7 +12,7 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_style
 from artigen.shapes.draw import Draft, Size, Wish
 from artigen.shapes.fittings.hardware import ROOM, Space
-from artigen.shapes.furniture.carcass import draw_fitting, open_carcass
+from artigen.shapes.furniture.carcass import LAID_LAYOUTS, draw_fitting, open_carcass
 from artigen.shapes.furniture.case import CasePlan, build_case, draw_plan, place_case
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
 from artigen.shapes.furniture.furniture_kinds import Mounting
@@ -64,7 +64,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
             return _build_sliding(rng, plan, size)
         return build_case(plan, wish.layout or _draw_hinged(rng, doors, size), size)
 
-    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts), finishes)
+    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS if wish.layout is None else LAID_LAYOUTS, draw_parts), finishes)
 
 
 def _draw_hinged(rng: np.random.Generator, doors: int, size: Size) -> Node:
