@@ -19,7 +19,7 @@ import numpy as np
 from artigen.errors import ArtigenError
 from artigen.shapes.choices import Word, choose, pick
 from artigen.shapes.fittings.handles import HandleKind
-from artigen.shapes.furniture.splits import Node
+from artigen.shapes.furniture.layouts import Layout
 from artigen.shapes.ranges import Range
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
@@ -73,12 +73,8 @@ class Wish:
     """Kinds of handles in order of preference; an object has the first one that its category offers."""
     suite: int | None = None
     """Seed of the choices that objects of one suite share: handles, fitting of fronts, stands, worktops."""
-    layout: Node | None = None
-    """Division of the front into cells, of categories in `LAID_OUT`; its handles and panes are as the cells say."""
-    stands: tuple["StandKind", ...] = ()
-    """Kinds of stands to draw from, with a layout."""
-    stand_height: float | None = None
-    """Height (m) of legs or of a plinth, with a layout."""
+    layout: Layout | None = None
+    """The front as given, for categories in `LAID_OUT`; handles are then of the first preferred kind."""
 
     def shared_stream(self, rng: np.random.Generator, attempt: int = 0) -> np.random.Generator:
         """The random stream of choices that objects of a suite share; ``rng`` without a suite.
@@ -97,9 +93,10 @@ class Wish:
         return offered
 
     def choose_stands(self, offered: Mapping["StandKind", float]) -> dict["StandKind", float]:
-        """Weights of the kinds of stands to draw from: those wished for, where some are, or all offered."""
-        both = {kind: weight for kind, weight in offered.items() if kind in self.stands}
-        return both or dict.fromkeys(self.stands, 1.0) or dict(offered)
+        """Weights of the kinds of stands to draw from: those of the layout, or all offered."""
+        stands = () if self.layout is None else self.layout.stands
+        both = {kind: weight for kind, weight in offered.items() if kind in stands}
+        return both or dict.fromkeys(stands, 1.0) or dict(offered)
 
 
 @dataclass(frozen=True, eq=False)
@@ -235,7 +232,9 @@ def _draw_draft(category: str, seed: int, wish: Wish) -> tuple[Draft, int]:
     if category not in known:
         raise ShapeError(f"category {category!r} is not known, expected one of {', '.join(known)}")
     if wish.layout is not None and category not in LAID_OUT:
-        raise ShapeError(f"{category}: its fronts cannot be laid out; categories that can: {', '.join(LAID_OUT)}")
+        raise ShapeError(
+            f"{category}: its fronts cannot be laid out; categories that can: {', '.join(LAID_OUT)}"
+        )
     if wish.style is not None and wish.style not in (styles := known[category].STYLES):
         raise ShapeError(
             f"{category}: style {wish.style!r} is not known, expected one of {', '.join(styles)}"

@@ -9,13 +9,15 @@ from jaxtyping import Float
 from artigen.errors import ArtigenError
 from artigen.reader.layout.cells import make_cells
 from artigen.reader.layout.colours import find_finishes
-from artigen.reader.layout.contents import furnish_node, merge_cells
+from artigen.reader.layout.contents import furnish_node, simplify
 from artigen.reader.layout.fronts import View, settle_hinges, view_fronts
 from artigen.reader.reading import Reading
 from artigen.shapes.draw import LAID_OUT, LENGTHS, CrowdedError, Wish, draw_shape
 from artigen.shapes.fittings.feet import StandKind
 from artigen.shapes.fittings.handles import HandleKind
 from artigen.shapes.furniture.cabinet import list_cells
+from artigen.shapes.furniture.case import FRAMED
+from artigen.shapes.furniture.layouts import Layout
 from artigen.shapes.furniture.splits import Cell, Node
 from artigen.shapes.shape import Shape
 
@@ -27,6 +29,8 @@ PLINTH = 0.12
 """Greatest height (m) of a plinth."""
 LEGS = (0.05, 0.5)
 """Least height (m) of legs, and the greatest as a share of the object's."""
+WORKTOP = (0.015, 0.05)
+"""Least and greatest thickness (m) of a worktop: thinner ones are the top of the case."""
 MOST_FILES = 6
 """Drawers of a filing cabinet."""
 MOST_MERGES = 40
@@ -79,12 +83,21 @@ def build_from_reading(
     if kind == "FilingCabinet" and not _is_stack(node):
         kind = "StorageFurniture"
         notes.append(f"a filing cabinet is one stack of up to {MOST_FILES} drawers: built as {kind}")
-    notes += _say_unbuilt(reading, node)
-    shape, merged = _draw(kind, seed, node, view, _wish(reading, rng, view, foot))
+    notes += _say_unbuilt(reading)
+    layout = Layout(
+        node=node,
+        stands=foot.kinds,
+        stand_height=foot.height,
+        gap=view.gap,
+        worktop=_find_worktop(view),
+    )
+    shape, merged = _draw(kind, seed, layout, view, _wish(reading, rng, view))
     worn = dict(shape.finishes)
     found = find_finishes(reading, seed)
     legs = {"leg": found["body"]} if worn.get("leg") == worn.get("body") else {}
-    finishes = tuple(sorted((worn | {role: own for role, own in (found | legs).items() if role in worn}).items()))
+    finishes = tuple(
+        sorted((worn | {role: own for role, own in (found | legs).items() if role in worn}).items())
+    )
     return replace(shape, finishes=finishes), (*notes, *merged)
 
 
@@ -97,9 +110,15 @@ def find_foot(reading: Reading, view: View, kind: str) -> Foot:
     if reading.stand == "legs":
         known = below >= LEGS[0]
         return Foot(kinds=("legs",), height=min(below, LEGS[1] * height) if known else None)
-    if below < FLOOR:
+    if below < FLOOR or kind == "Table":
         return Foot(kinds=("floor",), height=None)
     return Foot(kinds=("plinth", "toe_kick"), height=min(below, PLINTH))
+
+
+def _find_worktop(view: View) -> float:
+    """Thickness (m) of a worktop in what is above the fronts; 0 for none."""
+    above = min((float(front.bounds[1]) for front in view.fronts), default=0.0)
+    return min(above, WORKTOP[1]) if above >= WORKTOP[0] else 0.0
 
 
 def _lay_out(view: View, foot: Foot) -> Node:
@@ -109,10 +128,10 @@ def _lay_out(view: View, foot: Foot) -> Node:
     lowest = max(float(front.bounds[3]) for front in view.fronts)
     bottom = lowest if foot.height is None else height - foot.height
     region: Float[np.ndarray, "4"] = np.array([0.0, 0.0, width, max(bottom, lowest)])
-    return make_cells(view.tree, view.fronts, region)
+    return make_cells(view.tree, view.fronts, region, framed=view.gap is not None and view.gap >= FRAMED)
 
 
-def _wish(reading: Reading, rng: np.random.Generator, view: View, foot: Foot) -> Wish:
+def _wish(reading: Reading, rng: np.random.Generator, view: View) -> Wish:
     forms = Counter(part.form for part in reading.parts if part.label == "handle" and part.form is not None)
     form = forms.most_common(1)[0][0] if forms else "bar"
     kinds = FORMS[form]
@@ -122,25 +141,27 @@ def _wish(reading: Reading, rng: np.random.Generator, view: View, foot: Foot) ->
         depth=depth,
         height=height,
         handles=(kinds[int(rng.integers(len(kinds)))],),
-        stands=foot.kinds,
-        stand_height=foot.height,
     )
 
 
-def _draw(kind: str, seed: int, node: Node, view: View, wish: Wish) -> tuple[Shape, tuple[str, ...]]:
+def _draw(kind: str, seed: int, layout: Layout, view: View, wish: Wish) -> tuple[Shape, tuple[str, ...]]:
     """The object with this layout, or the nearest one with fewer cells that engines can hold."""
-    wanted = Counter(cell.fill for cell in list_cells(node))
+    wanted = Counter(cell.fill for cell in list_cells(layout.node))
     for _ in range(MOST_MERGES):
         try:
-            shape = draw_shape(kind, seed, replace(wish, layout=node))
+            shape = draw_shape(kind, seed, replace(wish, layout=layout))
         except CrowdedError:
-            fewer = merge_cells(node, view.size)
-            if fewer is None:
+            simpler = simplify(layout, view.size)
+            if simpler is None:
                 raise
-            node = fewer
+            layout = simpler
             continue
-        held = Counter(cell.fill for cell in list_cells(node))
-        lost = [f"{held[fill]} instead of {count} cells with {fill}" for fill, count in wanted.items() if held[fill] != count]
+        held = Counter(cell.fill for cell in list_cells(layout.node))
+        lost = [
+            f"{held[fill]} instead of {count} cells with {fill}"
+            for fill, count in wanted.items()
+            if held[fill] != count
+        ]
         return shape, (f"more than engines hold: {', '.join(lost)}",) if lost else ()
     raise CrowdedError(f"{kind}: {sum(wanted.values())} cells are far more than engines hold")
 
@@ -151,7 +172,7 @@ def _is_stack(node: Node) -> bool:
     return single and len(cells) <= MOST_FILES and all(cell.fill == "drawer" for cell in cells)
 
 
-def _say_unbuilt(reading: Reading, node: Node) -> list[str]:
+def _say_unbuilt(reading: Reading) -> list[str]:
     """What was read and is not built."""
     notes = []
     glazed = sum(front.label == "drawer" and front.pane for front in reading.fronts)

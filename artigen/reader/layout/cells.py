@@ -43,16 +43,26 @@ class Seen:
         return float(self.bounds[2] - self.bounds[0])
 
 
-def make_cells(tree: Tree, fronts: Sequence[Seen], region: Float[np.ndarray, "4"]) -> Node:
+def make_cells(
+    tree: Tree, fronts: Sequence[Seen], region: Float[np.ndarray, "4"], *, framed: bool = False
+) -> Node:
     """The layout of a cabinet whose front is a region, with fronts where they were seen.
 
     Args:
         tree: Cuts of the fronts.
         fronts: What the leaves of the tree are.
         region: Left, top, right and bottom (m), y down; it holds all fronts.
+        framed: Whether a face frame shows between all fronts, stacked drawers included.
     """
     whole = region[2:] - region[:2]
-    return _fill(tree, fronts, region, np.maximum(OPEN, OPEN_SHARE * whole))
+    node = _fill(tree, fronts, region, np.maximum(OPEN, OPEN_SHARE * whole))
+    return _board_all(node) if framed else node
+
+
+def _board_all(node: Node) -> Node:
+    if isinstance(node, Cell):
+        return node
+    return replace(node, board=True, children=tuple(_board_all(child) for child in node.children))
 
 
 def _fill(

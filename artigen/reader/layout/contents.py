@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
+from artigen.shapes.furniture.layouts import Layout
 from artigen.shapes.furniture.splits import Cell, Node
 
 PITCH = (0.26, 0.4)
@@ -75,20 +76,38 @@ def _furnish_cell(
     return replace(cell, inside="shelves", count=count)
 
 
-def merge_cells(node: Node, size: tuple[float, float, float]) -> Node | None:
-    """The layout without shelves, and after that with the smallest two alike neighbours in one; None if none are."""
-    bare = _empty(node)
-    if bare != node:
-        return bare
+def simplify(layout: Layout, size: tuple[float, float, float]) -> Layout | None:
+    """The nearest layout with fewer solids; None if there is none.
+
+    Shelves go first, then boards between stacked drawers, then the face frame; after that the smallest two alike
+    neighbours become one.
+    """
+    bare = replace(layout, node=_empty(layout.node))
+    for simpler in (
+        bare,
+        replace(bare, node=_unboard(bare.node)),
+        replace(bare, node=_unboard(bare.node), gap=0.0),
+    ):
+        if simpler != layout and (layout.gap != 0.0 or simpler.node != layout.node):
+            return simpler
     width, _, height = size
-    found = sorted(_list_pairs(node, width, height, ()), key=lambda pair: pair[0])
-    return _merge_at(node, found[0][1]) if found else None
+    found = sorted(_list_pairs(layout.node, width, height, ()), key=lambda pair: pair[0])
+    return replace(layout, node=_merge_at(layout.node, found[0][1])) if found else None
 
 
 def _empty(node: Node) -> Node:
     if isinstance(node, Cell):
         return replace(node, inside="empty", count=0)
     return replace(node, children=tuple(_empty(child) for child in node.children))
+
+
+def _unboard(node: Node) -> Node:
+    """Without the boards between stacked drawers."""
+    if isinstance(node, Cell):
+        return node
+    drawers = all(isinstance(child, Cell) and child.fill == "drawer" for child in node.children)
+    board = node.board and not (drawers and node.along == "rows")
+    return replace(node, board=board, children=tuple(_unboard(child) for child in node.children))
 
 
 def _list_pairs(
@@ -99,7 +118,9 @@ def _list_pairs(
         return
     whole = sum(node.shares)
     for index, (child, share) in enumerate(zip(node.children, node.shares, strict=True)):
-        wide, high = (width, height * share / whole) if node.along == "rows" else (width * share / whole, height)
+        wide, high = (
+            (width, height * share / whole) if node.along == "rows" else (width * share / whole, height)
+        )
         yield from _list_pairs(child, wide, high, (*path, index))
         following = node.children[index + 1 : index + 2]
         if isinstance(child, Cell) and following and isinstance(following[0], Cell):

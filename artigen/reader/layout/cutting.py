@@ -110,4 +110,6 @@ def _unwrap(tree: Tree, along: Axis) -> tuple[Tree, ...]:
 
 def list_leaves(tree: Tree) -> list[int]:
     """The rectangles of a tree, in order."""
-    return [tree] if isinstance(tree, int) else [leaf for child in tree.children for leaf in list_leaves(child)]
+    return (
+        [tree] if isinstance(tree, int) else [leaf for child in tree.children for leaf in list_leaves(child)]
+    )

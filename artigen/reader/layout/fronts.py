@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
 
-from artigen.reader.layout.cells import WIDEST_LEAF, Seen
-from artigen.reader.layout.cutting import Cutting, Tree, cut_rectangles
-from artigen.reader.layout.plane import Plane, Sight, find_face, frame_box, guess_sights
+from artigen.reader.layout.cells import OPEN, WIDEST_LEAF, Seen
+from artigen.reader.layout.cutting import Cutting, Tree, cut_rectangles, list_leaves
+from artigen.reader.layout.plane import Plane, Sight, find_face, fit_face, frame_box, guess_sights
 from artigen.reader.reading import Reading, ReadPart
 
 TWICE = 0.6
@@ -17,6 +18,8 @@ WITHIN = 0.85
 """Share of a front within another one from which it is a part of that."""
 CROSSED = 0.25
 """Overlap at a cut, as a share of the smaller front, from which it is said."""
+BESIDE = 0.01
+"""Distance, as a share of the picture, of what may hide a front."""
 REACH = 0.1
 """Distance of a handle's middle from its front, as a share of the front, up to which it belongs to that."""
 ASIDE = 0.1
@@ -32,6 +35,8 @@ class View:
     fronts: tuple[Seen, ...]
     tree: Tree | None
     """Cuts of the fronts; None where there are none."""
+    gap: float | None
+    """Usual distance (m) of neighbouring fronts; None for fewer than two."""
     shelves: Float[np.ndarray, "N 2"]
     """Middles of shelves on the plane (m), y down from the top."""
     notes: tuple[str, ...]
@@ -47,18 +52,30 @@ def view_fronts(reading: Reading, width: float | None = None) -> View:
     fronts, notes = _sort_out(reading.fronts)
     if not fronts:
         size = _find_size(reading, find_face(reading), width)
-        return View(size=size, fronts=(), tree=None, shelves=np.zeros((0, 2)), notes=(*notes, "no front was read"))
+        return View(
+            size=size,
+            fronts=(),
+            tree=None,
+            gap=None,
+            shelves=np.zeros((0, 2)),
+            notes=(*notes, "no front was read"),
+        )
     shut = [front for front in fronts if not front.open]
     seen = shut or list(fronts)
     sight, _ = min(_cut_sights(reading, seen), key=lambda both: both[1].cost)
     bounds = sight.plane.bound(sight.quads)
-    face = sight.plane.bound(find_face(reading)[None])[0]
-    face = np.concatenate([np.minimum(face[:2], bounds[:, :2].min(0)), np.maximum(face[2:], bounds[:, 2:].max(0))])
+    hull = np.concatenate([bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)])
+    face = fit_face(sight.plane, reading, hull)
     if len(seen) < len(fronts):
         placed = dict(zip(map(id, seen), bounds, strict=True))
         closed, more = _close_fronts(fronts, placed, sight.plane, face)
         bounds, notes = np.stack(closed), (*notes, *more)
-    size, more = _grow(_find_size(reading, find_face(reading), width), bounds, face, free=width is None)
+        face = np.concatenate(
+            [np.minimum(face[:2], bounds[:, :2].min(axis=0)), np.maximum(face[2:], bounds[:, 2:].max(axis=0))]
+        )
+    size, more = _grow(
+        _find_size(reading, sight.plane.show(frame_box(face)), width), bounds, face, free=width is None
+    )
     scale = np.array([size[0], size[2]]) / (face[2:] - face[:2])
     bounds = (bounds - np.tile(face[:2], 2)) * np.tile(scale, 2)
     cutting = cut_rectangles(bounds, [front.label == "drawer" for front in fronts])
@@ -74,8 +91,33 @@ def view_fronts(reading: Reading, width: float | None = None) -> View:
     crossed = tuple(_say_crossing(held, *crossing) for crossing in cutting.crossed if crossing[2] > CROSSED)
     said = (f"{lost} handle{'s' * (lost > 1)} on no front: left out",) if lost else ()
     return View(
-        size=size, fronts=tuple(held), tree=cutting.tree, shelves=at, notes=(*notes, *more, *crossed, *said)
+        size=size,
+        fronts=tuple(held),
+        tree=cutting.tree,
+        gap=_find_gap(cutting.tree, bounds),
+        shelves=at,
+        notes=(*notes, *more, *crossed, *said),
     )
+
+
+def _find_gap(tree: Tree, bounds: Float[np.ndarray, "N 4"]) -> float | None:
+    """Median distance of neighbours in the tree, open cells aside; 0 where most overlap."""
+    found: list[float] = []
+
+    def gather(node: Tree) -> None:
+        if isinstance(node, int):
+            return
+        low = 1 if node.along == "rows" else 0
+        for first, second in pairwise(node.children):
+            end = max(float(bounds[leaf, low + 2]) for leaf in list_leaves(first))
+            start = min(float(bounds[leaf, low]) for leaf in list_leaves(second))
+            if start - end < OPEN:
+                found.append(max(start - end, 0.0))
+        for child in node.children:
+            gather(child)
+
+    gather(tree)
+    return float(np.median(found)) if found else None
 
 
 def _cut_sights(reading: Reading, fronts: Sequence[ReadPart]) -> list[tuple[Sight, Cutting]]:
@@ -149,9 +191,7 @@ def _grow(
     return (width, depth, height), (f"enlarged by {min(needed, 2.0):.2f} for the smallest front",)
 
 
-def _count_handles(
-    parts: Sequence[ReadPart], fronts: Sequence[ReadPart]
-) -> tuple[list[list[ReadPart]], int]:
+def _count_handles(parts: Sequence[ReadPart], fronts: Sequence[ReadPart]) -> tuple[list[list[ReadPart]], int]:
     """The handles of every front, and how many belong to none."""
     held: list[list[ReadPart]] = [[] for _ in fronts]
     lost = 0
@@ -202,6 +242,12 @@ def _close_fronts(
     An open drawer is taken to be as wide as the closed front that is nearest to it in the picture, and to fill its
     column's gap at its height; an open door fills the free width at its height.
     """
+    opened = [front for front in fronts if front.open]
+    placed = {
+        id(front): _uncover(front, opened, placed[id(front)], list(placed.values()))
+        for front in fronts
+        if id(front) in placed
+    }
     shut = list(placed.values())
     done: list[Float[np.ndarray, "4"]] = []
     notes: list[str] = []
@@ -217,8 +263,33 @@ def _close_fronts(
     return done, tuple(notes)
 
 
+def _uncover(
+    front: ReadPart,
+    opened: Sequence[ReadPart],
+    bound: Float[np.ndarray, "4"],
+    shut: Sequence[Float[np.ndarray, "4"]],
+) -> Float[np.ndarray, "4"]:
+    """A drawer that an open one hides in part: as wide as the widest one of its column."""
+    hidden = front.label == "drawer" and any(
+        (other.box[:2] < front.box[2:] + BESIDE).all() and (other.box[2:] > front.box[:2] - BESIDE).all()
+        for other in opened
+    )
+    if not hidden:
+        return bound
+    column = [
+        other
+        for other in shut
+        if min(other[2], bound[2]) - max(other[0], bound[0]) > 0.5 * (bound[2] - bound[0])
+    ]
+    widest = max(column, key=lambda other: float(other[2] - other[0]))
+    return np.array([widest[0], bound[1], widest[2], bound[3]])
+
+
 def _drop_in(
-    box: Float[np.ndarray, "4"], shut: Sequence[Float[np.ndarray, "4"]], face: Float[np.ndarray, "4"], axis: int
+    box: Float[np.ndarray, "4"],
+    shut: Sequence[Float[np.ndarray, "4"]],
+    face: Float[np.ndarray, "4"],
+    axis: int,
 ) -> Float[np.ndarray, "4"]:
     """The free place next to a box along an axis (0: x, 1: y), across it as its nearest neighbour."""
     bounds = np.stack(shut)

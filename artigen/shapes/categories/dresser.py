@@ -83,12 +83,17 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     def draw_parts(attempt: int) -> Assembly:
         plan = draw_plan(wish.shared_stream(rng, attempt), mounting, LOOKS[look.fronts], size, wish)
         leg = choose_one(rng, look.legs)
-        frame = plan.looks.carcass.frame if style in ("shaker", "classic") else 0.0
+        framed = style in ("shaker", "classic") or wish.layout is not None
+        frame = plan.looks.carcass.frame if framed else 0.0
         looks = replace(plan.looks, carcass=replace(plan.looks.carcass, frame=frame), lock=False)
         plan = replace(plan, looks=looks, stand=replace(plan.stand, leg=leg))
-        return build_case(plan, wish.layout or _draw_layout(rng, size), size)
+        return build_case(plan, _draw_layout(rng, size) if wish.layout is None else wish.layout.node, size)
 
-    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS if wish.layout is None else LAID_LAYOUTS, draw_parts), finishes)
+    return Draft(
+        style,
+        draw_fitting(CATEGORY, size, MAX_LAYOUTS if wish.layout is None else LAID_LAYOUTS, draw_parts),
+        finishes,
+    )
 
 
 def _draw_layout(rng: np.random.Generator, size: Size) -> Node:

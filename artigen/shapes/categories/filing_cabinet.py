@@ -93,12 +93,14 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     width, depth = choose(rng, *kind.width, wish.width), choose(rng, *kind.depth, wish.depth)
     rows, pitch = int(rng.choice(kind.rows)), choose(rng, 0.295, 0.315)
     low = kind.low if rows == 1 else 0
-    stand = design_stand(rng, choose_one(rng, wish.stands or kind.stands), 1.0)
+    stand = design_stand(
+        rng, choose_one(rng, kind.stands if wish.layout is None else wish.layout.stands or kind.stands), 1.0
+    )
     drawn = stand.height + rows * pitch + low * choose(rng, 0.105, 0.14) + 0.06
     height = drawn if wish.height is None else wish.height
     if wish.height is not None:
         rows, low = _fit_rows(wish.height - stand.height - 0.06, pitch, kind.low)
-    stack = stack_drawers((0.4,) * low + (1.0,) * rows) if wish.layout is None else wish.layout
+    stack = stack_drawers((0.4,) * low + (1.0,) * rows) if wish.layout is None else wish.layout.node
     cells, shares = _read_stack(stack)
     handles = wish.choose_handles(kind.handles)
     handle = design_handle(rng, choose_one(rng, handles), longest=height)

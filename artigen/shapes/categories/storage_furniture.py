@@ -33,21 +33,29 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     moves.
     """
     laid = wish.layout is not None
-    style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items() if not (laid and look.closed)})
+    style = wish.style or pick(
+        rng, {name: look.weight for name, look in STYLES.items() if not (laid and look.closed)}
+    )
     kind = _choose_kind(rng, wish, STYLES[style])
     finishes = draw_palette(rng, "furniture", style)
     size = choose_lengths(rng, wish, kind.spans)
 
     def draw_parts(attempt: int) -> Assembly:
         plan = draw_plan(wish.shared_stream(rng, attempt), kind, STYLES[style], size, wish)
-        node = wish.layout or _draw_wanted(rng, place_case(plan, size), plan.looks, kind, wish)
+        if wish.layout is not None:
+            return build_case(plan, wish.layout.node, size)
+        node = _draw_wanted(rng, place_case(plan, size), plan.looks, kind, wish)
         return build_case(plan, node, size)
 
     def suits(parts: Sequence[ShapePart]) -> bool:
         shown = not STYLES[style].closed or any(part.label == "door" for part in parts)
         return shown and (laid or bool(wish.counts) or any(part.motion for part in parts))
 
-    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS if wish.layout is None else LAID_LAYOUTS, draw_parts, suits), finishes)
+    return Draft(
+        style,
+        draw_fitting(CATEGORY, size, MAX_LAYOUTS if wish.layout is None else LAID_LAYOUTS, draw_parts, suits),
+        finishes,
+    )
 
 
 def _choose_kind(rng: np.random.Generator, wish: Wish, style: Style) -> Kind:

@@ -19,6 +19,7 @@ from artigen.shapes.fittings.hardware import GAP, Space, lift
 from artigen.shapes.furniture.cabinet import draw_layout, make_cabinet
 from artigen.shapes.furniture.carcass import LAID_LAYOUTS, draw_fitting, open_carcass
 from artigen.shapes.furniture.laid_tables import Underside, build_under_top
+from artigen.shapes.furniture.layouts import Layout
 from artigen.shapes.furniture.looks import Looks, draw_looks
 from artigen.shapes.furniture.sinks import TAP_HEIGHT, make_sink
 from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, lay_out
@@ -86,7 +87,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
     def draw_parts(attempt: int) -> Assembly:
         plan = _draw_plan(wish.shared_stream(rng, attempt), style, size, wish)
-        return kind.build(rng, plan) if wish.layout is None else _build_laid(plan, wish.layout, wish)
+        return kind.build(rng, plan) if wish.layout is None else _build_laid(plan, wish.layout)
 
     def suits(parts: Sequence[ShapePart]) -> bool:
         return wish.layout is not None or bool(wish.counts) or any(part.motion for part in parts)
@@ -273,7 +274,7 @@ def _build_desk(rng: np.random.Generator, plan: _Plan) -> Assembly:
     return built
 
 
-def _build_laid(plan: _Plan, layout: Node, wish: Wish) -> Assembly:
+def _build_laid(plan: _Plan, layout: Layout) -> Assembly:
     """A top on the columns of a given layout."""
     width, depth, height = plan.size
     under = Underside(
@@ -283,9 +284,9 @@ def _build_laid(plan: _Plan, layout: Node, wish: Wish) -> Assembly:
         looks=plan.looks,
         leg=plan.leg,
         width=0.04,
-        lifted=wish.stand_height or 0.0,
+        lifted=layout.stand_height or 0.0,
     )
-    return Assembly((_make_top(plan),)) + build_under_top(layout, under)
+    return Assembly((_make_top(plan),)) + build_under_top(layout.node, under)
 
 
 def _rename(part: ShapePart, tag: str) -> ShapePart:

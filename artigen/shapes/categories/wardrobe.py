@@ -62,9 +62,15 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         plan = replace(plan, looks=replace(plan.looks, doors=doors_look, carcass=carcass, lock=False))
         if slides and wish.layout is None:
             return _build_sliding(rng, plan, size)
-        return build_case(plan, wish.layout or _draw_hinged(rng, doors, size), size)
+        return build_case(
+            plan, _draw_hinged(rng, doors, size) if wish.layout is None else wish.layout.node, size
+        )
 
-    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS if wish.layout is None else LAID_LAYOUTS, draw_parts), finishes)
+    return Draft(
+        style,
+        draw_fitting(CATEGORY, size, MAX_LAYOUTS if wish.layout is None else LAID_LAYOUTS, draw_parts),
+        finishes,
+    )
 
 
 def _draw_hinged(rng: np.random.Generator, doors: int, size: Size) -> Node:

@@ -150,7 +150,9 @@ def fit_handle(panel: Panel, design: FrontDesign, *, parent: str, edge: Edge | N
             "bottom": (y, panel.z[1] - half),
         }
         y, z = middles[edge]
-    pair = handle.kind in ("knob", "cup", "arch") and panel.width > 0.62 if design.pair is None else design.pair
+    pair = (
+        handle.kind in ("knob", "cup", "arch") and panel.width > 0.62 if design.pair is None else design.pair
+    )
     pair = pair and edge is None
     if pair and design.pair:
         handle = replace(handle, length=min(handle.length, 0.4 * panel.width))

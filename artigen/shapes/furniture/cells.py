@@ -65,7 +65,14 @@ def furnish_cell(placed: Placed, fitting: Fitting, tag: str) -> Assembly:
 def suit_cell(design: FrontDesign, cell: Cell) -> FrontDesign:
     """The design of the fronts of one cell: with its panes and its number of handles."""
     if cell.pane is not None and cell.pane != (design.style == "framed_glass"):
-        design = replace(design, style="framed_glass" if cell.pane else "shaker" if design.style == "framed_glass" else design.style)
+        design = replace(
+            design,
+            style="framed_glass"
+            if cell.pane
+            else "shaker"
+            if design.style == "framed_glass"
+            else design.style,
+        )
     if cell.handles is None:
         return design
     return replace(design, handle=design.handle if cell.handles else None, pair=cell.handles > 1)

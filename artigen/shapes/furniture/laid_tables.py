@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.fittings.feet import LegKind, make_legs
 from artigen.shapes.fittings.hardware import Space
-from artigen.shapes.furniture.cabinet import make_cabinet
+from artigen.shapes.furniture.cabinet import MAX_DRAWERS_ON_RUNNERS, count_fronts, make_cabinet
 from artigen.shapes.furniture.looks import Looks
 from artigen.shapes.furniture.splits import Cell, Node, Split, join_cells
 from artigen.shapes.ranges import Range, share_down
@@ -44,11 +44,20 @@ def build_under_top(node: Node, under: Underside) -> Assembly:
     columns, shares = (node.children, node.shares) if isinstance(node, Split) and split else ((node,), (1.0,))
     left, right = _is_free(columns[0]), _is_free(columns[-1])
     inner = (under.y[0] + (under.width if right else 0.0), under.y[1] - (under.width if left else 0.0))
+    if count_fronts(node)["drawer"] > MAX_DRAWERS_ON_RUNNERS:
+        under = replace(under, looks=replace(under.looks, runners=False))
     built = Assembly()
     for index, (column, span) in enumerate(zip(columns, share_down(under.y, shares), strict=True)):
         held = (max(span[0], inner[0]), min(span[1], inner[1]))
         built += _build_column(column, held, under, "abcdefgh"[index % 8] * (1 + index // 8))
-    legs = make_legs((under.x[0] + 0.02, under.x[1]), under.y, under.height, kind=under.leg, width=under.width, finish="leg")
+    legs = make_legs(
+        (under.x[0] + 0.02, under.x[1]),
+        under.y,
+        under.height,
+        kind=under.leg,
+        width=under.width,
+        finish="leg",
+    )
     return built + Assembly((*(legs[1::2] if left else ()), *(legs[::2] if right else ())))
 
 
@@ -61,12 +70,16 @@ def _is_free(column: Node) -> bool:
 def _build_column(column: Node, y: Range, under: Underside, prefix: str) -> Assembly:
     high = under.height
     if isinstance(column, Cell) and column.fill == "open":
-        board = Space(x=(under.x[1] - 0.06, under.x[1] - 0.042), y=y, z=(high - min(MODESTY, 0.6 * high), high))
+        board = Space(
+            x=(under.x[1] - 0.06, under.x[1] - 0.042), y=y, z=(high - min(MODESTY, 0.6 * high), high)
+        )
         return Assembly((board.fill("body"),)) if y[1] - y[0] > KNEES else Assembly()
     if isinstance(column, Split) and _is_free(column):
         hung = join_cells("rows", column.shares[:-1], column.children[:-1])
         if isinstance(hung, Split):
-            hung = replace(hung, board=not all(isinstance(c, Cell) and c.fill == "drawer" for c in hung.children))
+            hung = replace(
+                hung, board=not all(isinstance(c, Cell) and c.fill == "drawer" for c in hung.children)
+            )
         deep = high * sum(column.shares[:-1]) / sum(column.shares)
         return make_cabinet(hung, Space(x=under.x, y=y, z=(high - deep, high)), under.looks, prefix=prefix)
     looks = replace(under.looks, carcass=replace(under.looks.carcass, lid=under.lifted > 0))
