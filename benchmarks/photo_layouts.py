@@ -2,12 +2,11 @@
 
     python benchmarks/photo_layouts.py FOLDER --sheet sheet.png --out packages
 
-The folder holds photographs, ``index.csv`` with a column ``kind``, and ``fronts.json``: by file width and height
-(pixels), and fronts with label, box (shares of width and height, y down), hinge and open; optionally ``object``, the
-box of the object. Nothing but boxes, labels and hinges is given to the grammar. A front is in its place if the
-object's fronts, projected on its front plane, have the same order in rows and columns, the same labels and the same
-hinges.
-"""
+The folder holds photographs, ``index.csv`` with a column ``kind``, and ``fronts.json``: by file width and
+height (pixels), and fronts with label, box (shares of width and height, y down), hinge and open; optionally
+``object``, the box of the object. Nothing but boxes, labels and hinges is given to the grammar. A front is in
+its place if the object's fronts, projected on its front plane, have the same order in rows and columns, the
+same labels and the same hinges."""
 
 import csv
 import json
@@ -77,9 +76,9 @@ def describe_tree(tree: Tree, names: Sequence[str]) -> str:
 def is_like(marked: Reading, shape: Shape) -> tuple[bool, float]:
     """Whether the object has every marked front in its place, and the least overlap (IoU) of the two.
 
-    Fronts are compared in the order of the cuts, on the front plane: the same tree of rows and columns, labels, and
-    hinges where they are marked; and no two fronts that are apart in the photograph change places.
-    """
+    Fronts are compared in the order of the cuts, on the front plane: the same tree of rows and columns,
+    labels, and hinges where they are marked; and no two fronts that are apart in the photograph change
+    places."""
     view, built = view_fronts(marked), read_shape(shape).fronts
     boxes = np.stack([front.box for front in built])
     cutting = cut_rectangles(boxes, [front.label == "drawer" for front in built])
@@ -163,9 +162,8 @@ def main(
             f"| {name} | {kind} | {len(reading.fronts)} | {like} | {least:.2f} | {spent[-1]:.0f} | {said} |",
             flush=True,
         )
-    print(
-        f"\n{good} of {len(shapes)} with every front in its place; ms, median {np.median(spent):.0f}, most {max(spent):.0f}"
-    )
+    print(f"\n{good} of {len(shapes)} with every front in its place")
+    print(f"ms, median {np.median(spent):.0f}, most {max(spent):.0f}")
     if sheet is not None:
         from PIL import Image
 

@@ -96,7 +96,8 @@ class Wish:
         """Weights of the kinds of stands to draw from: those of the layout, or all offered."""
         stands = () if self.layout is None else self.layout.stands
         both = {kind: weight for kind, weight in offered.items() if kind in stands}
-        return both or dict.fromkeys(stands, 1.0) or dict(offered)
+        wished: dict[StandKind, float] = dict.fromkeys(stands, 1.0)
+        return both or wished or dict(offered)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,5 @@
-"""From a tree of cuts to the cells of a cabinet: fronts where they are, and open cells where nothing covers."""
+"""From a tree of cuts to the cells of a cabinet: fronts where they are, and open cells where nothing
+covers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -11,7 +12,8 @@ from artigen.reader.reading import ReadPart
 from artigen.shapes.furniture.splits import Axis, Cell, Fill, Node, Split
 
 OPEN = 0.12
-"""Width or height (m) from which what no front covers is an open cell; below it is a frame, rail or worktop."""
+"""Width or height (m) from which what no front covers is an open cell; below it is a frame, rail or
+worktop."""
 OPEN_SHARE = 0.1
 """The same as a share of the object's front, so that a few per cent of error at a large one open nothing."""
 BOARD = 0.016
@@ -77,9 +79,10 @@ def _fill(
     wide = (hull - region) * (1, 1, -1, -1) >= np.tile(least, 2)
     inner[wide] = hull[wide]
     node = _place(tree, fronts, inner, least)
-    for along, low in (("columns", 0), ("rows", 1)):
+    axes: tuple[tuple[Axis, int], ...] = (("columns", 0), ("rows", 1))
+    for along, low in axes:
         before, after = inner[low] - region[low], region[low + 2] - inner[low + 2]
-        sides = [(Cell(fill="open"), before)] if wide[low] else []
+        sides: list[tuple[Node, float]] = [(Cell(fill="open"), before)] if wide[low] else []
         sides.append((node, inner[low + 2] - inner[low]))
         sides += [(Cell(fill="open"), after)] if wide[low + 2] else []
         node = join_nodes(along, sides)
@@ -112,7 +115,7 @@ def _place(
         own[low], own[low + 2] = start, max(end, start + LEAST)
         following = None if last else tree.children[index + 1]
         if pair is not None:
-            node, extent = done.pop()
+            _, extent = done.pop()
             done.append((_pair_up(*pair), extent + end - start))
             pair = None
         else:
@@ -155,7 +158,8 @@ def _close(front: Seen) -> Cell:
 
 
 def join_nodes(along: Axis, sides: Sequence[tuple[Node, float]]) -> Node:
-    """Nodes of given extents (m) in rows or columns; one as it is, and those along the same axis side by side."""
+    """Nodes of given extents (m) in rows or columns; one as it is, and those along the same axis side by
+    side."""
     if len(sides) == 1:
         return sides[0][0]
     flat: list[tuple[Node, float]] = []

@@ -20,8 +20,8 @@ from artigen.shapes.surfaces.materials import (
 )
 
 SAME = 0.06
-"""Mean difference of two colours (sRGB in [0, 1]) below which a body has the finish of its fronts: as much as light
-from a window changes between two faces."""
+"""Mean difference of two colours (sRGB in [0, 1]) below which a body has the finish of its fronts: as much as
+light from a window changes between two faces."""
 DARKEST, BRIGHTEST = 0.04, 0.95
 """Range of the channels of a surface; pictures of lamps and of shadows go beyond."""
 

@@ -79,9 +79,8 @@ def _furnish_cell(
 def simplify(layout: Layout, size: tuple[float, float, float]) -> Layout | None:
     """The nearest layout with fewer solids; None if there is none.
 
-    Shelves go first, then boards between stacked drawers, then the face frame; after that the smallest two alike
-    neighbours become one.
-    """
+    Shelves go first, then boards between stacked drawers, then the face frame; after that the smallest two
+    alike neighbours become one."""
     bare = replace(layout, node=_empty(layout.node))
     for simpler in (
         bare,
@@ -123,9 +122,10 @@ def _list_pairs(
         )
         yield from _list_pairs(child, wide, high, (*path, index))
         following = node.children[index + 1 : index + 2]
-        if isinstance(child, Cell) and following and isinstance(following[0], Cell):
-            if following[0].fill == child.fill:
-                yield width * height * (share + node.shares[index + 1]) / whole, (*path, index)
+        if isinstance(child, Cell) and any(
+            isinstance(other, Cell) and other.fill == child.fill for other in following
+        ):
+            yield width * height * (share + node.shares[index + 1]) / whole, (*path, index)
 
 
 def _merge_at(node: Node, path: tuple[int, ...]) -> Node:

@@ -9,7 +9,8 @@ from jaxtyping import Float
 from artigen.shapes.furniture.splits import Axis
 
 SLACK = 0.06
-"""Overlap of two neighbours, as a share of the smaller one, that costs nothing: boxes fit to a few per cent."""
+"""Overlap of two neighbours, as a share of the smaller one, that costs nothing: boxes fit to a few per
+cent."""
 TIE = 0.1
 """Difference in cost below which rows and columns are equally good."""
 UNCUT = 10.0
@@ -45,7 +46,8 @@ def cut_rectangles(rectangles: Float[np.ndarray, "N 4"], alike: Sequence[bool]) 
 
     Args:
         rectangles: Left, top, right and bottom, y down; at least one.
-        alike: Whether a rectangle is a drawer; where rows and columns are equally good, drawers alone are cut into
+        alike: Whether a rectangle is a drawer; where rows and columns are equally good, drawers alone are cut
+            into
             columns of stacks, and others into rows.
     """
     bounds = [tuple(float(value) for value in rectangle) for rectangle in rectangles]

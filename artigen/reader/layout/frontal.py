@@ -1,4 +1,5 @@
-"""`read_shape`: what a reader without error would say of a shape that it sees from straight ahead and far away."""
+"""`read_shape`: what a reader without error would say of a shape that it sees from straight ahead and far
+away."""
 
 from typing import Literal
 

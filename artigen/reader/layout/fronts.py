@@ -1,4 +1,5 @@
-"""Fronts of a reading on their plane, in metres: where each is when closed, how many handles it has, and its hinges."""
+"""Fronts of a reading on their plane, in metres: where each is when closed, how many handles it has, and its
+hinges."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -23,7 +24,8 @@ BESIDE = 0.01
 REACH = 0.1
 """Distance of a handle's middle from its front, as a share of the front, up to which it belongs to that."""
 ASIDE = 0.1
-"""Distance of a handle from the middle of its front, as a share of it, from which hinges are on the other side."""
+"""Distance of a handle from the middle of its front, as a share of it, from which hinges are on the other
+side."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -142,7 +144,8 @@ def _sort_out(fronts: Sequence[ReadPart]) -> tuple[tuple[ReadPart, ...], tuple[s
 
 
 def _hides(one: ReadPart, other: ReadPart) -> bool:
-    """Whether two fronts are one, or a front is within another one on one plane; fronts that are open hide nothing."""
+    """Whether two fronts are one, or a front is within another one on one plane; fronts that are open hide
+    nothing."""
     low, high = np.maximum(one.box[:2], other.box[:2]), np.minimum(one.box[2:], other.box[2:])
     shared = float(np.clip(high - low, 0, None).prod())
     areas = [float((part.box[2:] - part.box[:2]).prod()) for part in (one, other)]
@@ -239,9 +242,8 @@ def _close_fronts(
 ) -> tuple[list[Float[np.ndarray, "4"]], tuple[str, ...]]:
     """Where fronts are when closed: open ones go into what the others leave free.
 
-    An open drawer is taken to be as wide as the closed front that is nearest to it in the picture, and to fill its
-    column's gap at its height; an open door fills the free width at its height.
-    """
+    An open drawer is taken to be as wide as the closed front that is nearest to it in the picture, and to
+    fill its column's gap at its height; an open door fills the free width at its height."""
     opened = [front for front in fronts if front.open]
     placed = {
         id(front): _uncover(front, opened, placed[id(front)], list(placed.values()))

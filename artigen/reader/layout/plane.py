@@ -1,8 +1,7 @@
 """The plane of an object's fronts: where things of a photograph are on it.
 
-Edges of fronts are horizontal or vertical, so their lines meet in two vanishing points, and these give the map from
-the picture to the plane but for a scale and a shift of either axis.
-"""
+Edges of fronts are horizontal or vertical, so their lines meet in two vanishing points, and these give the
+map from the picture to the plane but for a scale and a shift of either axis."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -15,14 +14,15 @@ from artigen.camera import look_at, project_points
 from artigen.reader.reading import Reading, ReadPart
 
 STEADY = 0.1
-"""Weight of the assumption that edges are parallel in the picture, against edges as long as half the fronts' extent:
-corners that are 2 % off then turn no small front into a strong perspective."""
+"""Weight of the assumption that edges are parallel in the picture, against edges as long as half the fronts'
+extent: corners that are 2 % off then turn no small front into a strong perspective."""
 AHEAD = 0.15
 """Least depth, relative to that of the middle, at which a corner is still before the camera."""
 SLOPES = np.linspace(-1.0, 1.0, 41)
 """Slopes of horizontal edges in the picture (pixels), y down, as tried where only boxes are known."""
 ALIKE = 0.08
-"""Distance of two edges, as a share of the fronts' height, from which they have nothing to do with each other."""
+"""Distance of two edges, as a share of the fronts' height, from which they have nothing to do with each
+other."""
 OUTSIDE = 0.01
 """Distance, as a share of the picture, by which an object's front may leave its box."""
 HALVINGS = 8
@@ -72,7 +72,8 @@ def frame_box(box: Float[np.ndarray, "4"]) -> Float[np.ndarray, "4 2"]:
 
 
 def guess_sights(reading: Reading, fronts: Sequence[ReadPart]) -> Iterator[Sight]:
-    """Ways to see the fronts, the plainest first: one where corners are known, else several that fit the boxes."""
+    """Ways to see the fronts, the plainest first: one where corners are known, else several that fit the
+    boxes."""
     extent = np.array(reading.extent, dtype=np.float64)
     if any(front.corners is not None for front in fronts):
         quads = np.stack(
@@ -88,7 +89,8 @@ def guess_sights(reading: Reading, fronts: Sequence[ReadPart]) -> Iterator[Sight
 def _level(
     boxes: Float[np.ndarray, "N 4"], slopes: Float[np.ndarray, "*S 2"]
 ) -> tuple[Float[np.ndarray, "*S N"], Float[np.ndarray, "*S N"]]:
-    """Heights at which the upper and the lower edge of fronts within boxes meet the upright line through the middle.
+    """Heights at which the upper and the lower edge of fronts within boxes meet the upright line through the
+    middle.
 
     Args:
         boxes: Left, top, right and bottom (pixels).
@@ -171,7 +173,8 @@ def _map_to_plane(
     columns: Float[np.ndarray, "3"],
     extent: Float[np.ndarray, "2"],
 ) -> Plane:
-    """The plane with vanishing points of horizontal and of upright edges; parallel edges where these lie too near.
+    """The plane with vanishing points of horizontal and of upright edges; parallel edges where these lie too
+    near.
 
     Vanishing points are relative to the middle of the quadrangles (pixels), in halves of their longer extent.
     """
@@ -190,7 +193,8 @@ def _map_to_plane(
 
 
 def find_face(reading: Reading) -> Float[np.ndarray, "4 2"]:
-    """Corners of an object's front in the picture (shares), from the upper left clockwise, by its camera and size.
+    """Corners of an object's front in the picture (shares), from the upper left clockwise, by its camera and
+    size.
 
     The box around a cuboid of the read size, seen from the read direction, is laid over the read box.
     """
@@ -209,9 +213,8 @@ def find_face(reading: Reading) -> Float[np.ndarray, "4 2"]:
 def fit_face(plane: Plane, reading: Reading, hull: Float[np.ndarray, "4"]) -> Float[np.ndarray, "4"]:
     """Left, top, right and bottom of an object's front on the plane of its fronts.
 
-    The front by camera and size is narrowed towards the fronts until the read box holds it, since the fronts tell the
-    direction of view better than the camera that was read.
-    """
+    The front by camera and size is narrowed towards the fronts until the read box holds it, since the fronts
+    tell the direction of view better than the camera that was read."""
     guess = plane.bound(find_face(reading)[None])[0]
     guess = np.concatenate([np.minimum(guess[:2], hull[:2]), np.maximum(guess[2:], hull[2:])])
     low, high = np.asarray(reading.box[:2]) - OUTSIDE, np.asarray(reading.box[2:]) + OUTSIDE

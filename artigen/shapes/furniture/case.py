@@ -20,8 +20,8 @@ from artigen.shapes.ranges import around
 RAISED: tuple[StandKind, ...] = ("plinth", "toe_kick", "legs", "sled")
 """Stands of any height."""
 INSET, FRAMED = 0.008, 0.025
-"""Distances (m) of neighbouring fronts from which the board between them shows, and from which it is a face frame:
-overlaying fronts are 3 mm apart, and boards are at most 22 mm thick."""
+"""Distances (m) of neighbouring fronts from which the board between them shows, and from which it is a face
+frame: overlaying fronts are 3 mm apart, and boards are at most 22 mm thick."""
 STILES = (0.03, 0.08)
 """Range of the width (m) of stiles and rails."""
 RECESSED = 0.6

@@ -37,9 +37,8 @@ class Underside:
 def build_under_top(node: Node, under: Underside) -> Assembly:
     """Builds the columns of a layout under a top.
 
-    An open column is room for knees, and a column that ends with an open row hangs from the top; where the outermost
-    column is one of these, legs stand at its end. All others are pedestals.
-    """
+    An open column is room for knees, and a column that ends with an open row hangs from the top; where the
+    outermost column is one of these, legs stand at its end. All others are pedestals."""
     split = isinstance(node, Split) and node.along == "columns"
     columns, shares = (node.children, node.shares) if isinstance(node, Split) and split else ((node,), (1.0,))
     left, right = _is_free(columns[0]), _is_free(columns[-1])

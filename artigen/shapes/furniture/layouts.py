@@ -20,6 +20,7 @@ class Layout:
     stand_height: float | None = None
     """Height of legs or of a plinth."""
     gap: float | None = None
-    """Distance of neighbouring fronts: wide ones show a face frame, lesser ones the boards between inset fronts."""
+    """Distance of neighbouring fronts: wide ones show a face frame, lesser ones the boards between inset
+    fronts."""
     worktop: float | None = None
     """Thickness of a worktop; 0 for none."""
