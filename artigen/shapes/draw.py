@@ -95,9 +95,8 @@ class Wish:
     def choose_stands(self, offered: Mapping["StandKind", float]) -> dict["StandKind", float]:
         """Weights of the kinds of stands to draw from: those of the layout, or all offered."""
         stands = () if self.layout is None else self.layout.stands
-        both = {kind: weight for kind, weight in offered.items() if kind in stands}
-        wished: dict[StandKind, float] = dict.fromkeys(stands, 1.0)
-        return both or wished or dict(offered)
+        weights = {kind: offered.get(kind, 0.0) for kind in stands} or dict(offered)
+        return weights if any(weights.values()) else {kind: 1.0 for kind, _ in weights.items()}
 
 
 @dataclass(frozen=True, eq=False)
