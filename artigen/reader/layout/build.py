@@ -33,6 +33,8 @@ WORKTOP = (0.015, 0.05)
 """Least and greatest thickness (m) of a worktop: thinner ones are the top of the case."""
 MOST_FILES = 6
 """Drawers of a filing cabinet."""
+MOST_CELLS = 40
+"""Cells that an object may have: a drawer has at least six hulls, and engines hold 256."""
 MOST_MERGES = 40
 """Steps in which cells are merged before an object is given up."""
 
@@ -147,6 +149,11 @@ def _wish(reading: Reading, rng: np.random.Generator, view: View) -> Wish:
 def _draw(kind: str, seed: int, layout: Layout, view: View, wish: Wish) -> tuple[Shape, tuple[str, ...]]:
     """The object with this layout, or the nearest one with fewer cells that engines can hold."""
     wanted = Counter(cell.fill for cell in list_cells(layout.node))
+    while len(list_cells(layout.node)) > MOST_CELLS:
+        fewer = simplify(layout, view.size)
+        if fewer is None:
+            break
+        layout = fewer
     for _ in range(MOST_MERGES):
         try:
             shape = draw_shape(kind, seed, replace(wish, layout=layout))

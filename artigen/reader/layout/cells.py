@@ -57,7 +57,15 @@ def make_cells(
         framed: Whether a face frame shows between all fronts, stacked drawers included.
     """
     whole = region[2:] - region[:2]
-    node = _fill(tree, fronts, region, np.maximum(OPEN, OPEN_SHARE * whole))
+    least = np.maximum(OPEN, OPEN_SHARE * whole)
+    hull = np.concatenate(
+        [
+            np.min([front.bounds[:2] for front in fronts], 0),
+            np.max([front.bounds[2:] for front in fronts], 0),
+        ]
+    )
+    wide = (hull - region) * (1, 1, -1, -1) >= np.tile(least, 2)
+    node = _fill(tree, fronts, np.where(wide, region, hull), least)  # the carcass is what remains
     return _board_all(node) if framed else node
 
 

@@ -1,6 +1,7 @@
-"""Laws of building what was read: the same fronts, in the same rows and columns, from every reading of them."""
+"""Laws of building what was read: every reading of fronts gives them in the same rows and columns."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -13,13 +14,16 @@ from artigen.reader.layout.colours import SAME, find_finishes
 from artigen.reader.layout.cutting import SLACK, Tree, cut_rectangles, list_leaves
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.layout.fronts import ASIDE, view_fronts
+from artigen.reader.layout.plane import frame_box
 from artigen.reader.reading import Reading, ReadPart
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.furniture.carcass import fits_engines
+from artigen.shapes.furniture.layouts import Layout
+from artigen.shapes.furniture.splits import Cell
 from artigen.shapes.shape import Shape
 
-DRAWN = [("StorageFurniture", seed) for seed in range(8)] + [("Dresser", seed) for seed in range(4)]
-DRAWN += [("Wardrobe", seed) for seed in range(4)] + [("FilingCabinet", seed) for seed in range(3)]
+DRAWN = [("StorageFurniture", seed) for seed in range(4)] + [("Dresser", seed) for seed in range(3)]
+DRAWN += [("Wardrobe", seed) for seed in range(2)] + [("FilingCabinet", 0)]
 OTHER: dict[str | None, str | None] = {"left": "right", "right": "left"}
 
 
@@ -44,10 +48,7 @@ def make_reading(*parts: ReadPart, kind: str = "StorageFurniture", **known: obje
 
 def stack(*edges: float, left: float = 0.0, right: float = 1.0) -> list[ReadPart]:
     """Drawers between these heights."""
-    return [
-        make_front("drawer", (left, top, right, bottom))
-        for top, bottom in zip(edges[:-1], edges[1:], strict=True)
-    ]
+    return [make_front("drawer", (left, top, right, bottom)) for top, bottom in pairwise(edges)]
 
 
 CUPBOARD = make_reading(
@@ -165,7 +166,8 @@ def test_corners_at_a_slant_are_as_good_as_a_view_from_ahead(aside: float, above
 
 
 def test_boxes_alone_tell_a_slanted_row():
-    """The boxes of the fronts of a view from the side overlap in height; their edges still meet in one point."""
+    """The boxes of the fronts of a view from the side overlap in height; their edges still meet in one
+    point."""
     quads = [
         look_from(np.array([(x, y), (x + 0.3, y), (x + 0.3, y + 0.3), (x, y + 0.3)]), 0.8, 0.0)
         for x in (0.02, 0.35, 0.68)
@@ -242,7 +244,8 @@ def test_an_open_drawer_is_closed_into_the_free_place():
 
 
 def test_fronts_that_overlap_are_parted_and_said():
-    reading = make_reading(*stack(0.0, 0.6), *stack(0.4, 1.0))
+    parts = [*stack(0.0, 0.6), *stack(0.4, 1.0)]
+    reading = make_reading(*(replace(part, corners=frame_box(part.box)) for part in parts))
     built, notes = build_from_reading(reading, 0)
     assert read_shape(built).counts["drawer"] == 2
     assert any("overlap" in note for note in notes)
@@ -258,8 +261,8 @@ def test_a_front_that_was_read_twice_is_built_once():
 def test_more_fronts_than_engines_hold_are_merged_and_said():
     many = [
         part
-        for column in range(9)
-        for part in stack(*np.linspace(0, 1, 10), left=column / 9, right=(column + 1) / 9)
+        for column in range(7)
+        for part in stack(*np.linspace(0, 1, 8), left=column / 7, right=(column + 1) / 7)
     ]
     built, notes = build_from_reading(make_reading(*many, size=(2.0, 0.5, 2.0)), 0)
     assert fits_engines(built.parts)
@@ -270,21 +273,12 @@ def test_more_fronts_than_engines_hold_are_merged_and_said():
 def test_a_kind_without_cells_is_refused(kind: str):
     with pytest.raises(ArtigenError, match=f"{kind}: its fronts cannot be laid out"):
         build_from_reading(make_reading(*stack(0.0, 1.0), kind=kind), 0)
-    layout = Wish(layout=_layout_of(CUPBOARD))
     with pytest.raises(ArtigenError, match="cannot be laid out"):
-        draw_shape(kind, 0, layout)
-
-
-def _layout_of(reading: Reading):
-    from artigen.shapes.furniture.layouts import Layout
-    from artigen.shapes.furniture.splits import Cell
-
-    assert reading.fronts
-    return Layout(node=Cell(fill="drawer"))
+        draw_shape(kind, 0, Wish(layout=Layout(node=Cell(fill="drawer"))))
 
 
 def test_a_width_out_of_bounds_is_refused():
-    with pytest.raises(ArtigenError, match="width 0.001 m"):
+    with pytest.raises(ArtigenError, match=r"width 0\.001 m"):
         build_from_reading(CUPBOARD, 0, 0.001)
 
 
@@ -309,7 +303,7 @@ def test_other_filing_cabinets_are_built_as_cabinets():
 
 
 @pytest.mark.parametrize(("over", "crossed"), [(SLACK - 0.01, False), (SLACK + 0.01, True)])
-def test_slight_overlap_is_no_overlap(over: float, crossed: bool):
+def test_slight_overlap_is_no_overlap(over: float, *, crossed: bool):
     cutting = cut_rectangles(np.array([(0, 0, 1, 1), (0, 1 - over, 1, 2 - over)]), [True, True])
     assert bool(cutting.crossed) == crossed
     assert list_leaves(cutting.tree) == [0, 1]
@@ -323,7 +317,7 @@ def test_a_pinwheel_is_cut_all_the_same():
 
 
 @pytest.mark.parametrize(("step", "same"), [(SAME - 0.02, True), (SAME + 0.02, False)])
-def test_a_body_of_nearly_the_same_colour_has_the_finish_of_its_fronts(step: float, same: bool):
+def test_a_body_of_nearly_the_same_colour_has_the_finish_of_its_fronts(step: float, *, same: bool):
     front = make_front("drawer", (0.0, 0.0, 1.0, 1.0), color=(120, 120, 120), material="wood")
     grey = round(120 + 255 * step)
     found = find_finishes(make_reading(front, color=(grey, grey, grey)), 0)
