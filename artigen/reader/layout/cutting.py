@@ -1,6 +1,6 @@
 """Cutting rectangles into rows and columns, recursively: the nearest tree of cuts."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +28,7 @@ class Branch:
 
 
 Tree = int | Branch
+Crossing = tuple[int, int, float]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +38,7 @@ class Cutting:
     tree: Tree
     cost: float
     """About the sum of overlaps at the cuts, each as a share of the smaller neighbour."""
-    crossed: tuple[tuple[int, int, float], ...] = ()
+    crossed: tuple[Crossing, ...] = ()
     """Neighbours that overlap at a cut beyond `SLACK`, and by which share of the smaller one."""
 
 
@@ -71,28 +72,31 @@ def cut_rectangles(rectangles: Float[np.ndarray, "N 4"], alike: Sequence[bool]) 
         low, high = (1, 3) if along == "rows" else (0, 2)
         order = sorted(held, key=lambda index: (bounds[index][low] + bounds[index][high], index))
         best: Cutting | None = None
-        for at in range(1, len(order)):
-            first, second = order[:at], order[at:]
-            upper = max(first, key=lambda index: bounds[index][high])
-            lower = min(second, key=lambda index: bounds[index][low])
-            small = min(bounds[index][high] - bounds[index][low] for index in (upper, lower))
-            over = max(0.0, bounds[upper][high] - bounds[lower][low]) / max(small, 1e-9)
-            cost = max(0.0, over - SLACK) + (UNCUT if over > 1.0 else 0.0)
+        for cost, at, crossing in sorted(_list_cuts(order, low, high)):  # the cleanest first
             if best is not None and cost >= best.cost:
-                continue
-            cost += RAGGED * _measure_rags(first, second, 1 - low)
+                break
+            first, second = order[:at], order[at:]
             parts = [solve(frozenset(side)) for side in (first, second)]
-            cost += parts[0].cost + parts[1].cost
-            if best is None or cost < best.cost:
-                crossed = ((upper, lower, over),) if over > SLACK else ()
+            whole = cost + RAGGED * _measure_rags(first, second, 1 - low) + parts[0].cost + parts[1].cost
+            if best is None or whole < best.cost:
+                crossed = (crossing,) if crossing[2] > SLACK else ()
                 children = tuple(child for part in parts for child in _unwrap(part.tree, along))
                 best = Cutting(
                     tree=Branch(along=along, children=children),
-                    cost=cost,
+                    cost=whole,
                     crossed=(*crossed, *parts[0].crossed, *parts[1].crossed),
                 )
         assert best is not None
         return best
+
+    def _list_cuts(order: Sequence[int], low: int, high: int) -> Iterator[tuple[float, int, Crossing]]:
+        """Cost of every cut of rectangles in order, its place, and what overlaps most there."""
+        for at in range(1, len(order)):
+            upper = max(order[:at], key=lambda index: bounds[index][high])
+            lower = min(order[at:], key=lambda index: bounds[index][low])
+            small = min(bounds[index][high] - bounds[index][low] for index in (upper, lower))
+            over = max(0.0, bounds[upper][high] - bounds[lower][low]) / max(small, 1e-9)
+            yield max(0.0, over - SLACK) + (UNCUT if over > 1.0 else 0.0), at, (upper, lower, over)
 
     def _measure_rags(first: Sequence[int], second: Sequence[int], low: int) -> float:
         """Distance between the ends of two neighbours across a cut, as a share of their extent."""
