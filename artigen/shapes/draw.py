@@ -94,9 +94,13 @@ class Wish:
 
     def choose_stands(self, offered: Mapping["StandKind", float]) -> dict["StandKind", float]:
         """Weights of the kinds of stands to draw from: those of the layout, or all offered."""
-        stands = () if self.layout is None else self.layout.stands
-        weights = {kind: offered.get(kind, 0.0) for kind in stands} or dict(offered)
-        return weights if any(weights.values()) else {kind: 1.0 for kind, _ in weights.items()}
+        weights = dict(offered)
+        if self.layout is None or not self.layout.stands:
+            return weights
+        both = {kind: weight for kind, weight in weights.items() if kind in self.layout.stands}
+        if not both:
+            both |= dict.fromkeys(self.layout.stands, 1.0)
+        return both
 
 
 @dataclass(frozen=True, eq=False)

@@ -261,10 +261,10 @@ def test_a_front_that_was_read_twice_is_built_once():
 def test_more_fronts_than_engines_hold_are_merged_and_said():
     many = [
         part
-        for column in range(7)
-        for part in stack(*np.linspace(0, 1, 8), left=column / 7, right=(column + 1) / 7)
+        for column in range(4)
+        for part in stack(*np.linspace(0, 1, 12), left=column / 4, right=(column + 1) / 4)
     ]
-    built, notes = build_from_reading(make_reading(*many, size=(2.0, 0.5, 2.0)), 0)
+    built, notes = build_from_reading(make_reading(*many, size=(1.2, 0.4, 1.2)), 0)
     assert fits_engines(built.parts)
     assert any("engines" in note for note in notes)
 
