@@ -94,13 +94,12 @@ class Wish:
 
     def choose_stands(self, offered: Mapping["StandKind", float]) -> dict["StandKind", float]:
         """Weights of the kinds of stands to draw from: those of the layout, or all offered."""
-        weights = dict(offered)
+        weights: dict[StandKind, float] = dict(offered)
         if self.layout is None or not self.layout.stands:
             return weights
-        both = {kind: weight for kind, weight in weights.items() if kind in self.layout.stands}
-        if not both:
-            both |= dict.fromkeys(self.layout.stands, 1.0)
-        return both
+        wished: dict[StandKind, float] = {}
+        wished |= {kind: weights.get(kind, 0.0) for kind in self.layout.stands}
+        return wished if any(wished.values()) else dict.fromkeys(wished, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
