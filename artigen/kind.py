@@ -187,6 +187,8 @@ class Kind(Category):
     """Whether lids stay wherever they are left."""
     colored: tuple[str, ...]
     """Finishes, besides body and front, that take the colour of the whole object."""
+    laid_out: bool
+    """Whether a wish may lay out its fronts."""
     channel: Channel | None
     word: int | None
     """Number of its word in shipped networks; None before one is trained with it."""
@@ -247,6 +249,18 @@ def find_noun(noun: str) -> Kind | None:
     """The kind that a noun names, singular or plural; None for any other word."""
     name = _nouns().get(noun)
     return None if name is None else kinds()[name]
+
+
+def name_kind(noun: str) -> str:
+    """The name of the kind that a noun names.
+
+    Raises:
+        ValueError: If it names none.
+    """
+    kind = find_noun(noun)
+    if kind is None:
+        raise ValueError(f"{noun!r} names no kind, expected one of {', '.join(list_nouns())}")
+    return kind.name
 
 
 def list_nouns() -> tuple[str, ...]:

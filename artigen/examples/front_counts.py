@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from artigen.examples.marked_photos import APPLIANCES, MarkedPhoto, name_kind
+from artigen.examples.marked_photos import APPLIANCES, MarkedPhoto
 from artigen.examples.reader_pictures import LEAST_FRONT, read_views
+from artigen.kind import name_kind
 from artigen.reader.choice import Counts, CountShares
 from artigen.reader.labels import FRONT, KINDS
 

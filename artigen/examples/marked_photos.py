@@ -16,7 +16,7 @@ from jaxtyping import Float, UInt8
 
 from artigen.errors import SourceError
 from artigen.examples.photometry import vary_photometry
-from artigen.kind import find_noun
+from artigen.kind import name_kind
 from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, OBJECT, PULL, THINGS, UNKNOWN
 from artigen.reader.network import STRIDE
 from artigen.reader.targets import MARK, Picture
@@ -111,13 +111,6 @@ def _find_objects(
             out.append((name_kind(main), whole, complete and main != "desk"))
     out += [(name_kind("door"), box, True) for box in room_doors]
     return out
-
-
-def name_kind(noun: str) -> str:
-    """The kind that a noun of the photographs names."""
-    kind = find_noun(noun)
-    assert kind is not None, noun
-    return kind.name
 
 
 def _join_boxes(boxes: Sequence[np.ndarray], reach: float) -> list[np.ndarray]:

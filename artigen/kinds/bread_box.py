@@ -171,6 +171,7 @@ KIND = Kind(
     open_front=None,
     lid_stays=True,
     colored=(),
+    laid_out=False,
     channel=None,
     word=10,
     draw=draw,

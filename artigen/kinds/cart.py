@@ -312,6 +312,7 @@ KIND = Kind(
     open_front=None,
     lid_stays=False,
     colored=(),
+    laid_out=False,
     channel=None,
     word=7,
     draw=draw,

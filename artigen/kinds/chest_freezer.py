@@ -180,6 +180,7 @@ KIND = Kind(
     open_front=0.03,
     lid_stays=True,
     colored=(),
+    laid_out=False,
     channel=None,
     word=11,
     draw=draw,

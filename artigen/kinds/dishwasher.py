@@ -276,6 +276,7 @@ KIND = Kind(
     open_front=0.04,
     lid_stays=False,
     colored=(),
+    laid_out=False,
     channel=Channel(number=3, boards=("top", "side", "back"), round_door=False),
     word=3,
     draw=draw,

@@ -234,6 +234,7 @@ KIND = Kind(
     open_front=None,
     lid_stays=False,
     colored=(),
+    laid_out=False,
     channel=None,
     word=13,
     draw=draw,

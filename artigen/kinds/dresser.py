@@ -13,7 +13,7 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Size, Spans, Wish, choose_lengths
 from artigen.shapes.fittings.feet import LegKind, StandKind
-from artigen.shapes.furniture.carcass import draw_fitting
+from artigen.shapes.furniture.carcass import LAID_LAYOUTS, draw_fitting
 from artigen.shapes.furniture.case import build_case, draw_plan
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
 from artigen.shapes.furniture.furniture_kinds import Mounting
@@ -84,12 +84,17 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     def draw_parts(attempt: int) -> Assembly:
         plan = draw_plan(wish.shared_stream(rng, attempt), mounting, LOOKS[look.fronts], size, wish)
         leg = choose_one(rng, look.legs)
-        frame = plan.looks.carcass.frame if style in ("shaker", "classic") else 0.0
+        framed = style in ("shaker", "classic") or wish.layout is not None
+        frame = plan.looks.carcass.frame if framed else 0.0
         looks = replace(plan.looks, carcass=replace(plan.looks.carcass, frame=frame), lock=False)
         plan = replace(plan, looks=looks, stand=replace(plan.stand, leg=leg))
-        return build_case(plan, _draw_layout(rng, size), size)
+        return build_case(plan, _draw_layout(rng, size) if wish.layout is None else wish.layout.node, size)
 
-    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts), finishes)
+    return Draft(
+        style,
+        draw_fitting(CATEGORY, size, MAX_LAYOUTS if wish.layout is None else LAID_LAYOUTS, draw_parts),
+        finishes,
+    )
 
 
 def _draw_layout(rng: np.random.Generator, size: Size) -> Node:
@@ -144,6 +149,7 @@ KIND = Kind(
     open_front=0.065,
     lid_stays=False,
     colored=(),
+    laid_out=True,
     channel=None,
     word=14,
     draw=draw,

@@ -159,6 +159,7 @@ KIND = Kind(
     open_front=0.03,
     lid_stays=False,
     colored=(),
+    laid_out=False,
     channel=None,
     word=15,
     draw=draw,

@@ -13,14 +13,17 @@ import numpy as np
 from artigen.kind import Kind, Place, by_height, make, plurals
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
-from artigen.shapes.draw import Draft, Wish
+from artigen.shapes.draw import Draft, ShapeError, Wish
 from artigen.shapes.fittings.drawers import BoxDesign, make_drawer
 from artigen.shapes.fittings.feet import StandKind, design_stand, make_stand
 from artigen.shapes.fittings.fronts import FrontDesign, FrontStyle
 from artigen.shapes.fittings.handles import HandleKind, design_handle
 from artigen.shapes.fittings.hardware import GAP, Panel, Space
 from artigen.shapes.fittings.locks import make_lock
+from artigen.shapes.furniture.cabinet import list_cells
 from artigen.shapes.furniture.carcass import CarcassDesign, make_carcass, open_carcass
+from artigen.shapes.furniture.cells import suit_cell
+from artigen.shapes.furniture.splits import Cell, Node, stack_drawers
 from artigen.shapes.primitives import Primitive, block
 from artigen.shapes.ranges import Range, around, margins, narrow, share_down
 from artigen.shapes.shape import ShapePart
@@ -91,24 +94,37 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     width, depth = choose(rng, *kind.width, wish.width), choose(rng, *kind.depth, wish.depth)
     rows, pitch = int(rng.choice(kind.rows)), choose(rng, 0.295, 0.315)
     low = kind.low if rows == 1 else 0
-    stand = design_stand(rng, choose_one(rng, kind.stands), 1.0)
+    stand = design_stand(
+        rng, choose_one(rng, kind.stands if wish.layout is None else wish.layout.stands or kind.stands), 1.0
+    )
     drawn = stand.height + rows * pitch + low * choose(rng, 0.105, 0.14) + 0.06
     height = drawn if wish.height is None else wish.height
     if wish.height is not None:
         rows, low = _fit_rows(wish.height - stand.height - 0.06, pitch, kind.low)
+    stack = stack_drawers((0.4,) * low + (1.0,) * rows) if wish.layout is None else wish.layout.node
+    cells, shares = _read_stack(stack)
     handles = wish.choose_handles(kind.handles)
     handle = design_handle(rng, choose_one(rng, handles), longest=height)
     if style == "lateral" and handle.kind in ("edge", "bar"):
         handle = replace(handle, length=choose(rng, 0.3, 0.8) * width)
     front = FrontDesign(style=choose_one(rng, kind.fronts), frame=0.05, handle=handle)
     outer = Space(x=(handle.reach - depth / 2, depth / 2), y=around(0.0, width / 2), z=(stand.height, height))
-    shares = [0.4] * low + [1.0] * rows
     crown = CROWN if style != "wooden" and rng.random() < 0.6 else 0.0
     if crown:
         outer = replace(outer, x=(max(handle.reach, KEY) - depth / 2, depth / 2))
-    built = _build(rng, outer, front, shares, crown, wooden=style == "wooden")
+    built = _build(rng, outer, front, cells, shares, crown, wooden=style == "wooden")
     built += make_stand(stand, (outer.x[0] + 0.02, outer.x[1]), outer.y)
     return Draft(style, built.close(), _draw_finishes(rng, style))
+
+
+def _read_stack(node: Node) -> tuple[tuple[Cell, ...], tuple[float, ...]]:
+    """The drawers of a stack from top to bottom, and their heights."""
+    cells = tuple(list_cells(node))
+    shares = (1.0,) if isinstance(node, Cell) else node.shares
+    if len(shares) != len(cells) or any(cell.fill != "drawer" for cell in cells):
+        fills = ", ".join(cell.fill for cell in cells)
+        raise ShapeError(f"{CATEGORY}: a layout with {fills}; expected one stack of drawers")
+    return cells, shares
 
 
 def _fit_rows(height: float, pitch: float, low: int) -> tuple[int, int]:
@@ -138,6 +154,7 @@ def _build(
     rng: np.random.Generator,
     outer: Space,
     front: FrontDesign,
+    cells: Sequence[Cell],
     shares: Sequence[float],
     crown: float,
     *,
@@ -163,16 +180,17 @@ def _build(
     fronts = share_down((body.z[0] + 0.003, top), shares, SEAM)
     travel, filled, labelled = (choose(rng, 0.7, 0.85), choose(rng, 0.3, 1.0), rng.random() < 0.85)
     parts: list[ShapePart] = []
-    for index, span in enumerate(fronts):
+    for index, (span, cell) in enumerate(zip(fronts, cells, strict=True)):
+        own = suit_cell(front, cell)
         panel = Panel(x=outer.x[0], thickness=thick, y=narrow(outer.y, edge), z=span)
         space = Space(
             x=(panel.back, body.x[1] - design.back), y=y, z=(max(span[0], z[0]), min(span[1], z[1]))
         )
         solids += _make_runners(space, body.x[0])
         style = BoxDesign(rim=0.62, wall=0.012, side_gap=RUNNER + GAP, finish="drawer")
-        drawer, *handles = make_drawer(panel, space, front, box=style, name=f"drawer_{index}", travel=travel)
+        drawer, *handles = make_drawer(panel, space, own, box=style, name=f"drawer_{index}", travel=travel)
         more = _make_files(rng, space, filled) if space.height > 0.24 else []
-        if labelled and panel.height > 0.2 and front.handle is not None and front.handle.kind != "edge":
+        if labelled and panel.height > 0.2 and own.handle is not None and own.handle.kind != "edge":
             more += _make_label(panel)
         parts += [replace(drawer, primitives=(*drawer.primitives, *more)), *handles]
     if crown:
@@ -245,6 +263,7 @@ KIND = Kind(
     open_front=0.05,
     lid_stays=False,
     colored=(),
+    laid_out=True,
     channel=None,
     word=17,
     draw=draw,

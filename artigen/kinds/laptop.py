@@ -184,6 +184,7 @@ KIND = Kind(
     open_front=None,
     lid_stays=False,
     colored=(),
+    laid_out=False,
     channel=None,
     word=18,
     draw=draw,

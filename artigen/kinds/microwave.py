@@ -275,6 +275,7 @@ KIND = Kind(
     open_front=0.03,
     lid_stays=False,
     colored=(),
+    laid_out=False,
     channel=Channel(number=6, boards=("top", "side", "back"), round_door=False),
     word=6,
     draw=draw,

@@ -330,6 +330,7 @@ KIND = Kind(
     open_front=None,
     lid_stays=False,
     colored=(),
+    laid_out=False,
     channel=Channel(number=4, boards=("side", "back"), round_door=False),
     word=4,
     draw=draw,

@@ -163,6 +163,7 @@ KIND = Kind(
     open_front=0.08,
     lid_stays=False,
     colored=(),
+    laid_out=False,
     channel=None,
     word=8,
     draw=draw,

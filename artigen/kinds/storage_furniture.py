@@ -14,7 +14,7 @@ from artigen.shapes.choices import pick
 from artigen.shapes.draw import Draft, Wish, choose_lengths, pick_nearest
 from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.furniture.cabinet import count_fronts, draw_layout
-from artigen.shapes.furniture.carcass import draw_fitting
+from artigen.shapes.furniture.carcass import LAID_LAYOUTS, draw_fitting
 from artigen.shapes.furniture.case import build_case, draw_plan, place_case
 from artigen.shapes.furniture.furniture_kinds import FORMS, STYLES, Form, Style
 from artigen.shapes.furniture.looks import Looks
@@ -33,21 +33,30 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     It is redrawn while it exceeds the limits of engines and, unless counts are wished for, while nothing
     moves.
     """
-    style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items()})
+    laid = wish.layout is not None
+    style = wish.style or pick(
+        rng, {name: look.weight for name, look in STYLES.items() if not (laid and look.closed)}
+    )
     kind = _choose_form(rng, wish, STYLES[style])
     finishes = draw_palette(rng, "furniture", style)
     size = choose_lengths(rng, wish, kind.spans)
 
     def draw_parts(attempt: int) -> Assembly:
         plan = draw_plan(wish.shared_stream(rng, attempt), kind, STYLES[style], size, wish)
+        if wish.layout is not None:
+            return build_case(plan, wish.layout.node, size)
         node = _draw_wanted(rng, place_case(plan, size), plan.looks, kind, wish)
         return build_case(plan, node, size)
 
     def suits(parts: Sequence[ShapePart]) -> bool:
         shown = not STYLES[style].closed or any(part.label == "door" for part in parts)
-        return shown and (bool(wish.counts) or any(part.motion for part in parts))
+        return shown and (laid or bool(wish.counts) or any(part.motion for part in parts))
 
-    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts, suits), finishes)
+    return Draft(
+        style,
+        draw_fitting(CATEGORY, size, MAX_LAYOUTS if wish.layout is None else LAID_LAYOUTS, draw_parts, suits),
+        finishes,
+    )
 
 
 def _choose_form(rng: np.random.Generator, wish: Wish, style: Style) -> Form:
@@ -170,6 +179,7 @@ KIND = Kind(
     open_front=None,
     lid_stays=False,
     colored=("top",),
+    laid_out=True,
     channel=Channel(number=0, boards=("top", "side", "back"), round_door=False),
     word=0,
     draw=draw,

@@ -17,7 +17,9 @@ from artigen.shapes.draw import Draft, Size, Spans, Wish, choose_lengths, pick_n
 from artigen.shapes.fittings.feet import LEG_KINDS, LegKind, make_castors, make_legs
 from artigen.shapes.fittings.hardware import GAP, Space, lift
 from artigen.shapes.furniture.cabinet import draw_layout, make_cabinet
-from artigen.shapes.furniture.carcass import draw_fitting, open_carcass
+from artigen.shapes.furniture.carcass import LAID_LAYOUTS, draw_fitting, open_carcass
+from artigen.shapes.furniture.laid_tables import Underside, build_under_top
+from artigen.shapes.furniture.layouts import Layout
 from artigen.shapes.furniture.looks import Looks, draw_looks
 from artigen.shapes.furniture.screw_table import build_screw_table
 from artigen.shapes.furniture.sinks import TAP_HEIGHT, make_sink
@@ -86,12 +88,14 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     size = (width, width if kind.round and wish.depth is None else depth, height)
 
     def draw_parts(attempt: int) -> Assembly:
-        return kind.build(rng, _draw_plan(wish.shared_stream(rng, attempt), style, size, wish))
+        plan = _draw_plan(wish.shared_stream(rng, attempt), style, size, wish)
+        return kind.build(rng, plan) if wish.layout is None else _build_laid(plan, wish.layout)
 
     def suits(parts: Sequence[ShapePart]) -> bool:
-        return bool(wish.counts) or any(part.motion for part in parts)
+        return wish.layout is not None or bool(wish.counts) or any(part.motion for part in parts)
 
-    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts, suits), finishes)
+    layouts = MAX_LAYOUTS if wish.layout is None else LAID_LAYOUTS
+    return Draft(style, draw_fitting(CATEGORY, size, layouts, draw_parts, suits), finishes)
 
 
 def _draw_plan(rng: np.random.Generator, style: str, size: Size, wish: Wish) -> _Plan:
@@ -257,6 +261,21 @@ def _build_desk(rng: np.random.Generator, plan: _Plan) -> Assembly:
     return built
 
 
+def _build_laid(plan: _Plan, layout: Layout) -> Assembly:
+    """A top on the columns of a given layout."""
+    width, depth, height = plan.size
+    under = Underside(
+        x=(plan.looks.reach - depth / 2, depth / 2),
+        y=around(0.0, width / 2 - 0.015),
+        height=height - plan.top,
+        looks=plan.looks,
+        leg=plan.leg,
+        width=0.04,
+        lifted=layout.stand_height or 0.0,
+    )
+    return Assembly((_make_top(plan),)) + build_under_top(layout.node, under)
+
+
 def _rename(part: ShapePart, tag: str) -> ShapePart:
     parent = part.parent if part.parent == "body" else f"{tag}_{part.parent}"
     return replace(part, name=f"{tag}_{part.name}", parent=parent)
@@ -383,6 +402,7 @@ KIND = Kind(
     open_front=None,
     lid_stays=False,
     colored=("top", "leg"),
+    laid_out=True,
     channel=Channel(number=1, boards=("top",), round_door=False),
     word=1,
     draw=draw,

@@ -181,6 +181,7 @@ KIND = Kind(
     open_front=None,
     lid_stays=False,
     colored=(),
+    laid_out=False,
     channel=None,
     word=25,
     draw=draw,

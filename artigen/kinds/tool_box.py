@@ -264,6 +264,7 @@ KIND = Kind(
     open_front=None,
     lid_stays=True,
     colored=(),
+    laid_out=False,
     channel=None,
     word=26,
     draw=draw,

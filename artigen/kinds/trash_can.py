@@ -382,6 +382,7 @@ KIND = Kind(
     open_front=None,
     lid_stays=False,
     colored=(),
+    laid_out=False,
     channel=None,
     word=27,
     draw=draw,

@@ -13,7 +13,7 @@ from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_style
 from artigen.shapes.draw import Draft, Size, Wish
 from artigen.shapes.fittings.hardware import ROOM, Space
-from artigen.shapes.furniture.carcass import draw_fitting, open_carcass
+from artigen.shapes.furniture.carcass import LAID_LAYOUTS, draw_fitting, open_carcass
 from artigen.shapes.furniture.case import CasePlan, build_case, draw_plan, place_case
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
 from artigen.shapes.furniture.furniture_kinds import Mounting
@@ -25,6 +25,8 @@ from artigen.shapes.surfaces.palette import draw_palette
 CATEGORY = "Wardrobe"
 STYLES = {"flat": 3.0, "shaker": 2.2, "country": 1.0, "louvre": 0.8, "mirrored": 1.4, "sliding": 2.4}
 """Styles and their weights."""
+PLAIN = {name: weight for name, weight in STYLES.items() if name in ("flat", "shaker", "country")}
+"""Styles of given layouts, whose cells say what slides and what is glazed."""
 MAX_LAYOUTS = 100
 MIRRORED = 10
 """Layouts with mirrored sliding doors that are tried before plain ones; wide mirrors need too many hulls."""
@@ -38,7 +40,7 @@ MIRROR = Finish(kind="glass", color=(0.74, 0.79, 0.81), accent=(0.80, 0.85, 0.87
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a wardrobe that meets the wish."""
-    style = choose_style(rng, STYLES, wish.style)
+    style = choose_style(rng, STYLES if wish.layout is None else PLAIN, wish.style)
     slides = style == "sliding"
     doors = int(
         rng.choice((2, 2, 3, 4) if slides else (1, 2, 2, 3) if style == "louvre" else (1, 2, 2, 3, 4))
@@ -59,11 +61,17 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         carcass = replace(plan.looks.carcass, back=BACKING, recess=0.0)
         doors_look = fronts if mirrored and (not slides or attempt < MIRRORED) else plan.looks.doors
         plan = replace(plan, looks=replace(plan.looks, doors=doors_look, carcass=carcass, lock=False))
-        if slides:
+        if slides and wish.layout is None:
             return _build_sliding(rng, plan, size)
-        return build_case(plan, _draw_hinged(rng, doors, size), size)
+        return build_case(
+            plan, _draw_hinged(rng, doors, size) if wish.layout is None else wish.layout.node, size
+        )
 
-    return Draft(style, draw_fitting(CATEGORY, size, MAX_LAYOUTS, draw_parts), finishes)
+    return Draft(
+        style,
+        draw_fitting(CATEGORY, size, MAX_LAYOUTS if wish.layout is None else LAID_LAYOUTS, draw_parts),
+        finishes,
+    )
 
 
 def _draw_hinged(rng: np.random.Generator, doors: int, size: Size) -> Node:
@@ -142,6 +150,7 @@ KIND = Kind(
     open_front=0.065,
     lid_stays=False,
     colored=(),
+    laid_out=True,
     channel=None,
     word=28,
     draw=draw,

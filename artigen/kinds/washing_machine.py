@@ -194,6 +194,7 @@ KIND = Kind(
     open_front=None,
     lid_stays=False,
     colored=("top",),
+    laid_out=False,
     channel=Channel(number=5, boards=("top", "side", "back", "plate"), round_door=True),
     word=5,
     draw=draw,

@@ -7,6 +7,7 @@ A category is the name of an `artigen.kind.Kind`. Its record has the styles that
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 from zlib import crc32
 
 import numpy as np
@@ -15,9 +16,13 @@ from artigen.errors import ArtigenError
 from artigen.kind import Size, Spans, kinds
 from artigen.shapes.choices import Word, choose, pick
 from artigen.shapes.fittings.handles import HandleKind
+from artigen.shapes.furniture.layouts import Layout
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import PartLabel
+
+if TYPE_CHECKING:
+    from artigen.shapes.fittings.feet import StandKind
 
 MAX_DRAWS = 1000
 FEW_DRAWS = 100
@@ -58,6 +63,8 @@ class Wish:
     """Kinds of handles in order of preference; an object has the first one that its category offers."""
     suite: int | None = None
     """Seed of the choices that objects of one suite share: handles, fitting of fronts, stands, worktops."""
+    layout: Layout | None = None
+    """The front as given, for kinds that can be laid out; handles are then of the first preferred kind."""
 
     def shared_stream(self, rng: np.random.Generator, attempt: int = 0) -> np.random.Generator:
         """The random stream of choices that objects of a suite share; ``rng`` without a suite.
@@ -68,10 +75,21 @@ class Wish:
 
     def choose_handles(self, offered: tuple[HandleKind, ...]) -> tuple[HandleKind, ...]:
         """The kinds of handles to draw from: as many as offered, all equal to the preferred one."""
+        if self.layout is not None and self.handles:  # they were seen
+            return self.handles[:1] * len(offered)
         for kind in self.handles:
             if kind in offered:
                 return (kind,) * len(offered)
         return offered
+
+    def choose_stands(self, offered: Mapping["StandKind", float]) -> dict["StandKind", float]:
+        """Weights of the kinds of stands to draw from: those of the layout, or all offered."""
+        weights: dict[StandKind, float] = dict(offered)
+        if self.layout is None or not self.layout.stands:
+            return weights
+        wished: dict[StandKind, float] = {}
+        wished |= {kind: weights.get(kind, 0.0) for kind in self.layout.stands}
+        return wished if any(wished.values()) else dict.fromkeys(wished, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,6 +216,9 @@ def _draw_draft(category: str, seed: int, wish: Wish) -> tuple[Draft, int]:
     known = kinds()
     if category not in known:
         raise ShapeError(f"category {category!r} is not known, expected one of {', '.join(known)}")
+    if wish.layout is not None and not known[category].laid_out:
+        able = ", ".join(name for name, kind in known.items() if kind.laid_out)
+        raise ShapeError(f"{category}: its fronts cannot be laid out; categories that can: {able}")
     if wish.style is not None and wish.style not in (styles := known[category].styles):
         raise ShapeError(
             f"{category}: style {wish.style!r} is not known, expected one of {', '.join(styles)}"

@@ -34,6 +34,8 @@ class FrontDesign:
     hand: float = 1.05
     """Height (m, object frame) at which a hand takes a tall door."""
     glass: str = "glass"
+    pair: bool | None = None
+    """Whether drawers have two handles side by side; None for the usual."""
 
 
 def design_front(
@@ -148,7 +150,12 @@ def fit_handle(panel: Panel, design: FrontDesign, *, parent: str, edge: Edge | N
             "bottom": (y, panel.z[1] - half),
         }
         y, z = middles[edge]
-    pair = edge is None and handle.kind in ("knob", "cup", "arch") and panel.width > 0.62
+    pair = (
+        handle.kind in ("knob", "cup", "arch") and panel.width > 0.62 if design.pair is None else design.pair
+    )
+    pair = pair and edge is None
+    if pair and design.pair:
+        handle = replace(handle, length=min(handle.length, 0.4 * panel.width))
     places = [(y - 0.25 * panel.width, z), (y + 0.25 * panel.width, z)] if pair else [(y, z)]
     return tuple(
         make_handle(

@@ -22,6 +22,8 @@ HULL_RATIO = 59.0
 MAX_HULLS_ON_LINK = 32
 MAX_HULLS = 256
 MAX_LINKS = 60
+LAID_LAYOUTS = 4
+"""Designs to try for a given layout, which is mostly what exceeds the limits."""
 FRAME_DEPTH = 0.019
 """Thickness (m) of a face frame."""
 RAIL = 0.08

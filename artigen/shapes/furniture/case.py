@@ -7,15 +7,23 @@ import numpy as np
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, pick
 from artigen.shapes.draw import Size, Wish
-from artigen.shapes.fittings.feet import StandDesign, design_stand, make_stand
+from artigen.shapes.fittings.feet import StandDesign, StandKind, design_stand, make_stand
 from artigen.shapes.fittings.hardware import Space
-from artigen.shapes.furniture.cabinet import has_fronts, list_cells, make_cabinet
+from artigen.shapes.furniture.cabinet import FACED, OVERLAY, has_fronts, list_cells, make_cabinet
 from artigen.shapes.furniture.furniture_kinds import Mounting, Style
+from artigen.shapes.furniture.layouts import Layout
 from artigen.shapes.furniture.looks import Looks, draw_looks
 from artigen.shapes.furniture.splits import Node
 from artigen.shapes.primitives import block
 from artigen.shapes.ranges import around
 
+RAISED: tuple[StandKind, ...] = ("plinth", "toe_kick", "legs", "sled")
+"""Stands of any height."""
+INSET, FRAMED = 0.008, 0.025
+"""Distances (m) of neighbouring fronts from which the board between them shows, and from which it is a face
+frame: overlaying fronts are 3 mm apart, and boards are at most 22 mm thick."""
+STILES = (0.03, 0.08)
+"""Range of the width (m) of stiles and rails."""
 RECESSED = 0.6
 """Probability of a back between the sides with a hanging rail behind it."""
 
@@ -48,12 +56,31 @@ def draw_plan(rng: np.random.Generator, mounting: Mounting, style: Style, size: 
         frame=frame if rng.random() < style.frame else 0.0,
         recess=recess if rng.random() < RECESSED else 0.0,
     )
-    return CasePlan(
+    stand = design_stand(rng, pick(rng, wish.choose_stands(dict(mounting.stands))), size[2])
+    plan = CasePlan(
         looks=replace(looks, carcass=carcass),
-        stand=design_stand(rng, pick(rng, dict(mounting.stands)), size[2]),
+        stand=stand,
         worktop=choose(rng, 0.018, 0.04) if covered else 0.0,
         overhang=overhang if covered else (0.0, 0.0),
     )
+    return plan if wish.layout is None else _suit_layout(plan, wish.layout)
+
+
+def _suit_layout(plan: CasePlan, layout: Layout) -> CasePlan:
+    """The plan with the stand, the worktop and the gaps between fronts that a layout states."""
+    looks, stand, worktop = plan.looks, plan.stand, plan.worktop
+    if layout.stand_height is not None and stand.kind in RAISED:
+        stand = replace(stand, height=layout.stand_height)
+    if layout.worktop is not None:
+        worktop = layout.worktop
+        looks = replace(looks, carcass=replace(looks.carcass, lid=worktop == 0.0))
+    if layout.gap is not None:
+        framed = layout.gap >= FRAMED
+        inset = looks.inset if framed else layout.gap >= INSET
+        frame = float(np.clip(layout.gap + (0.0 if inset else 2 * OVERLAY), *STILES)) if framed else 0.0
+        looks = replace(looks, inset=inset, carcass=replace(looks.carcass, frame=frame))
+    overhang = plan.overhang if worktop else (0.0, 0.0)
+    return replace(plan, looks=looks, stand=stand, worktop=worktop, overhang=overhang)
 
 
 def place_case(plan: CasePlan, size: Size) -> Space:
@@ -71,10 +98,12 @@ def build_case(plan: CasePlan, node: Node, size: Size) -> Assembly:
     """An object with the layout ``node``."""
     width, depth, height = size
     box, ahead, looks = place_case(plan, size), plan.overhang[0], plan.looks
-    if any(cell.fill == "slide" for cell in list_cells(node)):  # they run in the carcass
+    cells = list_cells(node)
+    if any(cell.fill == "slide" for cell in cells):  # they run in the carcass
         looks = replace(looks, carcass=replace(looks.carcass, frame=0.0))
     if has_fronts(node):
-        box = replace(box, x=(max(ahead, plan.looks.reach) - depth / 2, depth / 2))
+        held = any(cell.handles != 0 for cell in cells if cell.fill in FACED)
+        box = replace(box, x=(max(ahead, plan.looks.reach if held else 0.0) - depth / 2, depth / 2))
     cabinet = make_cabinet(node, box, looks)
     shell = cabinet.pieces[0].center[0] - cabinet.pieces[0].size[0] / 2  # where the sides begin
     stand = make_stand(plan.stand, (float(shell), box.x[1]), box.y)

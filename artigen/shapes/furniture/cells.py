@@ -9,7 +9,7 @@ from math import radians
 
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.fittings.drawers import make_drawer, make_tray
-from artigen.shapes.fittings.fronts import make_door, make_front
+from artigen.shapes.fittings.fronts import FrontDesign, make_door, make_front
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Space, rotate, slide, sweep_gap
 from artigen.shapes.furniture.looks import Looks
@@ -62,6 +62,22 @@ def furnish_cell(placed: Placed, fitting: Fitting, tag: str) -> Assembly:
     return Assembly(inside.pieces, (*doors, *inside.parts))
 
 
+def suit_cell(design: FrontDesign, cell: Cell) -> FrontDesign:
+    """The design of the fronts of one cell: with its panes and its number of handles."""
+    if cell.pane is not None and cell.pane != (design.style == "framed_glass"):
+        design = replace(
+            design,
+            style="framed_glass"
+            if cell.pane
+            else "shaker"
+            if design.style == "framed_glass"
+            else design.style,
+        )
+    if cell.handles is None:
+        return design
+    return replace(design, handle=design.handle if cell.handles else None, pair=cell.handles > 1)
+
+
 def front_panel(placed: Placed, fitting: Fitting) -> Panel:
     """The front panel of a whole cell."""
     return Panel(x=fitting.front_x, thickness=fitting.thickness, y=placed.front_y, z=placed.front_z)
@@ -81,7 +97,8 @@ def _hang_drawer(placed: Placed, fitting: Fitting, tag: str) -> Assembly:
             for span in ((placed.room_y[0], placed.y[0] + RUNNER), (placed.y[1] - RUNNER, placed.room_y[1]))
         )
     name, travel = f"drawer_{tag}", fitting.travel
-    parts = make_drawer(panel, space, fitting.drawers, box=drawer_box, name=name, travel=travel)
+    front = suit_cell(fitting.drawers, placed.cell)
+    parts = make_drawer(panel, space, front, box=drawer_box, name=name, travel=travel)
     return Assembly(rails, parts)
 
 
@@ -112,7 +129,7 @@ def _hang_doors(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart, 
             low_handle = cell.fill == "drop" and panel.z[0] < 0.07
             upper = radians(74) if low_handle else min(fitting.swing, radians(90))
             edge: Edge = "bottom" if cell.fill == "drop" else "top"
-            return make_door(panel, fitting.doors, name=name, edge=edge, upper=upper)
+            return make_door(panel, suit_cell(fitting.doors, cell), name=name, edge=edge, upper=upper)
         case "fold":
             return _hang_folding(panel, cell, fitting, name)
     return ()
@@ -122,7 +139,7 @@ def _hang_leaf(
     panel: Panel, placed: Placed, edge: Edge, fitting: Fitting, name: str
 ) -> tuple[ShapePart, ...]:
     upper = _choose_swing(placed, edge, fitting)
-    parts = make_door(panel, fitting.doors, name=name, edge=edge, upper=upper)
+    parts = make_door(panel, suit_cell(fitting.doors, placed.cell), name=name, edge=edge, upper=upper)
     if fitting.lock and panel.height > 0.3:
         return (*parts, _make_lock(panel, parts, edge))
     return parts
@@ -176,7 +193,7 @@ def _hang_sliding(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart
     inset = margin + grip.height / 2
     travel = width - overlap - margin - grip.height - 0.012
     names = f"door_{tag}_front", f"door_{tag}_rear"
-    plain = replace(fitting.doors, handle=None)
+    plain = replace(suit_cell(fitting.doors, placed.cell), handle=None)
 
     def hold(panel: Panel, name: str, at_y: float, index: int) -> ShapePart:
         at = (at_y, panel.center[1])

@@ -60,7 +60,8 @@ def draw_looks(
     margin = 0.0 if handle.kind == "edge" else 0.006
     limit = 90.0 + np.degrees(np.arctan2(margin + 0.0025, handle.reach))
     angles = [angle for angle in (95.0, 100.0, 105.0, 110.0) if angle < limit]
-    doors = replace(doors, handle=None) if rng.random() < PUSH_OPEN else doors
+    if rng.random() < PUSH_OPEN and wish.layout is None:
+        doors = replace(doors, handle=None)
     return Looks(
         doors=doors,
         drawers=replace(doors, style=choose_one(rng, style.drawers)),
@@ -76,5 +77,5 @@ def draw_looks(
         wide_swing=radians(float(rng.choice((95.0, 105.0, 110.0, 125.0, 155.0, 165.0)))),
         travel=choose(rng, 0.62, 0.84),
         runners=bool(rng.random() < 0.75),
-        lock=bool(rng.random() < 0.08),
+        lock=bool(rng.random() < 0.08) and wish.layout is None,
     )

@@ -34,6 +34,10 @@ class Cell:
     inside: Inside = "empty"
     count: int = 0
     """Number of shelves or trays."""
+    handles: int | None = None
+    """Number of handles on each front; None for the usual."""
+    pane: bool | None = None
+    """Whether its doors are glazed; None for what the design says."""
 
 
 @dataclass(frozen=True, kw_only=True)

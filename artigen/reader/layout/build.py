@@ -1,0 +1,198 @@
+"""`build_from_reading`: what was read in a photograph becomes that very object."""
+
+from collections import Counter
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.errors import ArtigenError
+from artigen.kind import kinds, name_kind
+from artigen.reader.layout.cells import make_cells
+from artigen.reader.layout.colours import find_finishes
+from artigen.reader.layout.contents import furnish_node, simplify
+from artigen.reader.layout.fronts import View, settle_hinges, view_fronts
+from artigen.reader.reading import Reading
+from artigen.shapes.draw import LENGTHS, CrowdedError, Wish, draw_shape
+from artigen.shapes.fittings.feet import StandKind
+from artigen.shapes.fittings.handles import HandleKind
+from artigen.shapes.furniture.cabinet import list_cells
+from artigen.shapes.furniture.case import FRAMED
+from artigen.shapes.furniture.layouts import Layout
+from artigen.shapes.furniture.splits import Cell, Node
+from artigen.shapes.shape import Shape
+
+FORMS: dict[str, tuple[HandleKind, ...]] = {"bar": ("bar", "pull", "arch"), "knob": ("knob",)}
+"""Kinds of handles by the form that was read."""
+FLOOR = 0.03
+"""Height (m) below the lowest front from which a flat stand is a plinth."""
+PLINTH = 0.12
+"""Greatest height (m) of a plinth."""
+LEGS = (0.05, 0.5)
+"""Least height (m) of legs, and the greatest as a share of the object's."""
+WORKTOP = (0.015, 0.05)
+"""Least and greatest thickness (m) of a worktop: thinner ones are the top of the case."""
+MOST_FILES = 6
+"""Drawers of a filing cabinet."""
+MOST_CELLS = 40
+"""Cells that an object may have: a drawer has at least six hulls, and engines hold 256."""
+MOST_MERGES = 40
+"""Steps in which cells are merged before an object is given up."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Foot:
+    """What an object stands on."""
+
+    kinds: tuple[StandKind, ...]
+    height: float | None
+    """Height (m); None for the usual one."""
+
+
+def can_be_laid_out(kind: str) -> bool:
+    """Whether objects of a kind can be built from the fronts of a reading."""
+    return kind in kinds() and kinds()[kind].laid_out
+
+
+def build_from_reading(
+    reading: Reading, seed: int, width: float | None = None, *, kind: str | None = None
+) -> tuple[Shape, tuple[str, ...]]:
+    """The object of a reading, at the first draw: its fronts in their places, with its colours.
+
+    What cannot be seen, such as shelves behind doors, runners and mouldings, comes from the seed.
+
+    Args:
+        reading: What was read; only its kind must be one that divides its front.
+        seed: Seed of what was not read; the same arguments give the same object.
+        width: Width (m) of the object; default: as read. Its other lengths keep their proportions.
+        kind: Kind of the object, instead of the read one.
+
+    Returns:
+        The object, and in what it differs from the reading.
+
+    Raises:
+        ArtigenError: If the kind does not divide its front, or the width is out of bounds.
+        CrowdedError: If even a much simpler layout exceeds the limits of engines.
+    """
+    kind = kind or reading.kind
+    if not can_be_laid_out(kind):
+        able = ", ".join(name for name, known in kinds().items() if known.laid_out)
+        raise ArtigenError(
+            f"{kind}: its fronts cannot be laid out from a reading; kinds that can: {able}; draw it by its "
+            "counts and size instead"
+        )
+    if width is not None and not LENGTHS[0] <= width <= LENGTHS[1]:
+        raise ArtigenError(f"width {width:g} m: expected from {LENGTHS[0]:g} to {LENGTHS[1]:g} m")
+    rng = np.random.default_rng([seed, 64])
+    view = settle_hinges(view_fronts(reading, width), rng)
+    notes = list(view.notes)
+    foot = find_foot(reading, view, kind)
+    node = _lay_out(view, foot)
+    node = furnish_node(rng, node, (view.size[0], view.size[2] - (foot.height or 0.0)), view.shelves, kind)
+    if kind == name_kind("filing cabinet") and not _is_stack(node):
+        kind = name_kind("cabinet")
+        notes.append(f"a filing cabinet is one stack of up to {MOST_FILES} drawers: built as {kind}")
+    notes += _say_unbuilt(reading)
+    layout = Layout(
+        node=node,
+        stands=foot.kinds,
+        stand_height=foot.height,
+        gap=view.gap,
+        worktop=_find_worktop(view),
+    )
+    shape, merged = _draw(kind, seed, layout, view, _wish(reading, rng, view))
+    worn = dict(shape.finishes)
+    found = find_finishes(reading, seed)
+    legs = {"leg": found["body"]} if worn.get("leg") == worn.get("body") else {}
+    finishes = tuple(
+        sorted((worn | {role: own for role, own in (found | legs).items() if role in worn}).items())
+    )
+    return replace(shape, finishes=finishes), (*notes, *merged)
+
+
+def find_foot(reading: Reading, view: View, kind: str) -> Foot:
+    """What the object stands on, and how high that is by what is below its lowest front."""
+    height = view.size[2]
+    below = height - max((float(front.bounds[3]) for front in view.fronts), default=height)
+    if reading.stand == "wheels":
+        return Foot(kinds=("castors",), height=None)
+    if reading.stand == "legs":
+        known = below >= LEGS[0]
+        return Foot(kinds=("legs",), height=min(below, LEGS[1] * height) if known else None)
+    if below < FLOOR or kind == name_kind("table"):
+        return Foot(kinds=("floor",), height=None)
+    return Foot(kinds=("plinth", "toe_kick"), height=min(below, PLINTH))
+
+
+def _find_worktop(view: View) -> float:
+    """Thickness (m) of a worktop in what is above the fronts; 0 for none."""
+    above = min((float(front.bounds[1]) for front in view.fronts), default=0.0)
+    return min(above, WORKTOP[1]) if above >= WORKTOP[0] else 0.0
+
+
+def _lay_out(view: View, foot: Foot) -> Node:
+    if view.tree is None:
+        return Cell(fill="open")
+    width, _, height = view.size
+    lowest = max(float(front.bounds[3]) for front in view.fronts)
+    bottom = lowest if foot.height is None else height - foot.height
+    region: Float[np.ndarray, "4"] = np.array([0.0, 0.0, width, max(bottom, lowest)])
+    return make_cells(view.tree, view.fronts, region, framed=view.gap is not None and view.gap >= FRAMED)
+
+
+def _wish(reading: Reading, rng: np.random.Generator, view: View) -> Wish:
+    forms = Counter(part.form for part in reading.parts if part.label == "handle" and part.form is not None)
+    form = forms.most_common(1)[0][0] if forms else "bar"
+    kinds = FORMS[form]
+    width, depth, height = (float(np.clip(length, *LENGTHS)) for length in view.size)
+    return Wish(
+        width=width,
+        depth=depth,
+        height=height,
+        handles=(kinds[int(rng.integers(len(kinds)))],),
+    )
+
+
+def _draw(kind: str, seed: int, layout: Layout, view: View, wish: Wish) -> tuple[Shape, tuple[str, ...]]:
+    """The object with this layout, or the nearest one with fewer cells that engines can hold."""
+    wanted = Counter(cell.fill for cell in list_cells(layout.node))
+    while len(list_cells(layout.node)) > MOST_CELLS:
+        fewer = simplify(layout, view.size)
+        if fewer is None:
+            break
+        layout = fewer
+    for _ in range(MOST_MERGES):
+        try:
+            shape = draw_shape(kind, seed, replace(wish, layout=layout))
+        except CrowdedError:
+            simpler = simplify(layout, view.size)
+            if simpler is None:
+                raise
+            layout = simpler
+            continue
+        held = Counter(cell.fill for cell in list_cells(layout.node))
+        lost = [
+            f"{held[fill]} instead of {count} cells with {fill}"
+            for fill, count in wanted.items()
+            if held[fill] != count
+        ]
+        return shape, (f"more than engines hold: {', '.join(lost)}",) if lost else ()
+    raise CrowdedError(f"{kind}: {sum(wanted.values())} cells are far more than engines hold")
+
+
+def _is_stack(node: Node) -> bool:
+    cells = list_cells(node)
+    single = isinstance(node, Cell) or (node.along == "rows" and len(node.children) == len(cells))
+    return single and len(cells) <= MOST_FILES and all(cell.fill == "drawer" for cell in cells)
+
+
+def _say_unbuilt(reading: Reading) -> list[str]:
+    """What was read and is not built."""
+    notes = []
+    glazed = sum(front.label == "drawer" and front.pane for front in reading.fronts)
+    dials = reading.counts["knob"]
+    if glazed:
+        notes.append(f"{glazed} glazed drawer{'s' * (glazed > 1)}: built without glass")
+    if dials:
+        notes.append(f"{dials} dial{'s' * (dials > 1)}: furniture has none, left out")
+    return notes

@@ -1,0 +1,326 @@
+"""Laws of building what was read: every reading of fronts gives them in the same rows and columns."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from jaxtyping import Float
+
+from artigen.errors import ArtigenError
+from artigen.reader.layout.build import FLOOR, build_from_reading, find_foot
+from artigen.reader.layout.cells import OPEN
+from artigen.reader.layout.colours import SAME, find_finishes
+from artigen.reader.layout.cutting import SLACK, Tree, cut_rectangles, list_leaves
+from artigen.reader.layout.frontal import read_shape
+from artigen.reader.layout.fronts import ASIDE, view_fronts
+from artigen.reader.layout.plane import frame_box
+from artigen.reader.reading import Reading, ReadPart
+from artigen.shapes.draw import Wish, draw_shape
+from artigen.shapes.furniture.carcass import fits_engines
+from artigen.shapes.furniture.layouts import Layout
+from artigen.shapes.furniture.splits import Cell
+from artigen.shapes.shape import Shape
+
+DRAWN = [("StorageFurniture", seed) for seed in range(4)] + [("Dresser", seed) for seed in range(3)]
+DRAWN += [("Wardrobe", seed) for seed in range(2)] + [("FilingCabinet", 0)]
+OTHER: dict[str | None, str | None] = {"left": "right", "right": "left"}
+
+
+def make_front(label: str, box: tuple[float, ...], **known: object) -> ReadPart:
+    return ReadPart(label=label, score=1.0, box=np.array(box), **known)  # type: ignore[arg-type]
+
+
+def make_reading(*parts: ReadPart, kind: str = "StorageFurniture", **known: object) -> Reading:
+    plain = Reading(
+        kind=kind,
+        kinds=((kind, 1.0),),
+        box=np.array([0.0, 0.0, 1.0, 1.0]),
+        parts=parts,
+        size=(1.0, 0.5, 1.0),
+        view=(0.0, 0.0, 1e-3),
+        stand="flat",
+        color=(200, 190, 170),
+        extent=(800, 800),
+    )
+    return replace(plain, **known)  # type: ignore[arg-type]
+
+
+def stack(*edges: float, left: float = 0.0, right: float = 1.0) -> list[ReadPart]:
+    """Drawers between these heights."""
+    return [make_front("drawer", (left, top, right, bottom)) for top, bottom in pairwise(edges)]
+
+
+CUPBOARD = make_reading(
+    make_front("door", (0.02, 0.02, 0.38, 0.6), hinge="left"),
+    *stack(0.02, 0.2, 0.4, 0.6, left=0.39, right=0.98),
+    make_front("drawer", (0.02, 0.61, 0.98, 0.97)),
+)
+"""A door beside three drawers, over a wide drawer."""
+
+
+def describe(tree: Tree, fronts: tuple[ReadPart, ...]) -> object:
+    """Labels and hinges in rows and columns."""
+    if isinstance(tree, int):
+        return fronts[tree].label, fronts[tree].hinge
+    return tree.along, *(describe(child, fronts) for child in tree.children)
+
+
+def describe_fronts(reading: Reading) -> object:
+    fronts = reading.fronts
+    boxes = np.stack([front.box for front in fronts])
+    return describe(cut_rectangles(boxes, [front.label == "drawer" for front in fronts]).tree, fronts)
+
+
+def place_fronts(shape: Shape) -> Float[np.ndarray, "N 4"]:
+    """Boxes of the fronts in the order of their cuts, within the hull of all."""
+    fronts = read_shape(shape).fronts
+    boxes = np.stack([front.box for front in fronts])
+    order = list_leaves(cut_rectangles(boxes, [front.label == "drawer" for front in fronts]).tree)
+    low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
+    return (boxes[order] - np.tile(low, 2)) / np.tile(high - low, 2)
+
+
+def mirror_part(part: ReadPart) -> ReadPart:
+    left, top, right, bottom = part.box
+    hinge = OTHER.get(part.hinge, part.hinge)
+    return replace(part, box=np.array([1 - right, top, 1 - left, bottom]), hinge=hinge)
+
+
+def mirror_reading(reading: Reading) -> Reading:
+    return replace(reading, parts=tuple(mirror_part(part) for part in reading.parts))
+
+
+@pytest.mark.parametrize(("kind", "seed"), DRAWN)
+def test_a_shape_that_is_read_is_built_again(kind: str, seed: int):
+    shape = draw_shape(kind, seed)
+    reading = read_shape(shape)
+    if not reading.fronts:
+        pytest.skip("nothing but open cells")
+    built, _ = build_from_reading(reading, seed + 1)
+    again = read_shape(built)
+    assert describe_fronts(again) == describe_fronts(reading)
+    np.testing.assert_allclose(place_fronts(built), place_fronts(shape), atol=0.05)
+    assert again.counts["handle"] == reading.counts["handle"]
+    np.testing.assert_allclose(again.size[0::2], reading.size[0::2], rtol=0.02)
+
+
+@pytest.mark.parametrize("width", [0.5, 1.6])
+def test_a_given_width_overrules_and_keeps_proportions(width: float):
+    free, _ = build_from_reading(CUPBOARD, 3)
+    built, _ = build_from_reading(CUPBOARD, 3, width)
+    depths, widths, heights = np.diff([*free.bounds(), *built.bounds()], axis=0)[::2].T
+    assert widths[1] == pytest.approx(width, abs=1e-6)
+    assert heights[1] / widths[1] == pytest.approx(heights[0] / widths[0])
+    assert depths[1] / widths[1] == pytest.approx(depths[0] / widths[0], rel=0.05)
+    assert describe_fronts(read_shape(built)) == describe_fronts(CUPBOARD)
+
+
+def test_a_mirrored_reading_gives_the_mirrored_object():
+    built, other = (read_shape(build_from_reading(own, 5)[0]) for own in (CUPBOARD, mirror_reading(CUPBOARD)))
+    assert describe_fronts(other) == describe_fronts(mirror_reading(built))
+    ends = [
+        np.sort(np.stack([front.box for front in own.fronts]), axis=0)
+        for own in (other, mirror_reading(built))
+    ]
+    np.testing.assert_allclose(ends[0], ends[1], atol=0.01)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_small_errors_of_boxes_change_no_tree(seed: int):
+    rng = np.random.default_rng(seed)
+    moved = [replace(part, box=part.box + rng.uniform(-0.008, 0.008, 4)) for part in CUPBOARD.parts]
+    built, _ = build_from_reading(replace(CUPBOARD, parts=tuple(moved)), 0)
+    assert describe_fronts(read_shape(built)) == describe_fronts(CUPBOARD)
+
+
+def look_from(points: Float[np.ndarray, "*N 2"], aside: float, above: float) -> Float[np.ndarray, "*N 2"]:
+    """Points of a plane in the picture of a camera that sees it at a slant."""
+    x, y = points[..., 0] - 0.5, points[..., 1] - 0.5
+    near = 1.0 + aside * x - above * y
+    return np.stack([0.5 + 0.6 * x / near, 0.5 + 0.6 * (y + 0.3 * aside * x) / near], axis=-1)
+
+
+@pytest.mark.parametrize(("aside", "above"), [(0.5, 0.0), (-0.5, 0.2), (0.0, -0.3)])
+def test_corners_at_a_slant_are_as_good_as_a_view_from_ahead(aside: float, above: float):
+    parts = []
+    for part in CUPBOARD.parts:
+        left, top, right, bottom = part.box
+        corners = look_from(
+            np.array([(left, top), (right, top), (right, bottom), (left, bottom)]), aside, above
+        )
+        box = np.concatenate([corners.min(axis=0), corners.max(axis=0)])
+        parts.append(replace(part, box=box, corners=corners))
+    boxes = np.stack([part.box for part in parts])
+    hull = np.concatenate([boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)])
+    slanted = view_fronts(replace(CUPBOARD, parts=tuple(parts), box=hull))
+    straight = view_fronts(CUPBOARD)
+
+    def place(view: object) -> Float[np.ndarray, "N 4"]:
+        bounds = np.stack([front.bounds for front in view.fronts])  # type: ignore[attr-defined]
+        low, high = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
+        return (bounds - np.tile(low, 2)) / np.tile(high - low, 2)
+
+    assert slanted.tree == straight.tree
+    np.testing.assert_allclose(place(slanted), place(straight), atol=0.03)
+
+
+def test_boxes_alone_tell_a_slanted_row():
+    """The boxes of the fronts of a view from the side overlap in height; their edges still meet in one
+    point."""
+    quads = [
+        look_from(np.array([(x, y), (x + 0.3, y), (x + 0.3, y + 0.3), (x, y + 0.3)]), 0.8, 0.0)
+        for x in (0.02, 0.35, 0.68)
+        for y in (0.02, 0.34, 0.66)
+    ]
+    parts = [make_front("drawer", (*quad.min(axis=0), *quad.max(axis=0))) for quad in quads]
+    view = view_fronts(make_reading(*parts, box=np.array([0.0, 0.0, 1.0, 1.0])))
+    heights = np.array([front.bounds[[1, 3]] for front in view.fronts]).reshape(3, 3, 2)
+    assert np.ptp(heights, axis=0).max() < 0.08 * np.ptp(heights)
+
+
+def test_seeds_differ_in_what_is_hidden_only():
+    built = [build_from_reading(CUPBOARD, seed)[0] for seed in range(6)]
+    assert len({describe_fronts(read_shape(shape)) for shape in built}) == 1
+    assert len({dict(shape.condition.counts).get("shelf", 0) for shape in built}) > 1
+    assert len({dict(shape.finishes)["body"].color for shape in built}) == 1
+    again, _ = build_from_reading(CUPBOARD, 2)
+    assert repr(again.parts) == repr(built[2].parts)
+
+
+@pytest.mark.parametrize(("size", "opened"), [(OPEN - 0.01, 0), (OPEN + 0.01, 1)])
+def test_what_no_front_covers_is_open_from_the_width_of_a_hand(size: float, opened: int):
+    """Below it, a front fills the place; a metre is one unit of the picture."""
+    reading = make_reading(*stack(0.0, 0.5), *stack(0.5 + size, 1.0))
+    built = read_shape(build_from_reading(reading, 0)[0])
+    upper, lower = sorted((front.box for front in built.fronts), key=lambda box: box[1])
+    assert (lower[1] - upper[3] > 0.08) == bool(opened)
+
+
+@pytest.mark.parametrize(
+    ("below", "kinds"), [(FLOOR - 0.01, ("floor",)), (FLOOR + 0.01, ("plinth", "toe_kick"))]
+)
+def test_a_plinth_shows_below_the_fronts(below: float, kinds: tuple[str, ...]):
+    reading = make_reading(*stack(0.0, 0.5, 1.0 - below))
+    assert find_foot(reading, view_fronts(reading), reading.kind).kinds == kinds
+
+
+def test_legs_are_as_high_as_read():
+    reading = make_reading(*stack(0.0, 0.35, 0.7), stand="legs")
+    built = read_shape(build_from_reading(reading, 1)[0])
+    assert max(front.box[3] for front in built.fronts) == pytest.approx(0.7, abs=0.05)
+
+
+def test_wheels_are_built():
+    built, _ = build_from_reading(make_reading(*stack(0.0, 0.5, 0.9), stand="wheels"), 1)
+    assert dict(built.condition.counts)["wheel"] == 4
+
+
+@pytest.mark.parametrize(("aside", "hinge"), [(ASIDE + 0.02, "left"), (-ASIDE - 0.02, "right")])
+def test_hinges_are_opposite_to_the_handle(aside: float, hinge: str):
+    door = make_front("door", (0.0, 0.0, 1.0, 1.0))
+    at = 0.5 + aside
+    handle = make_front("handle", (at - 0.01, 0.4, at + 0.01, 0.6), form="bar")
+    built = read_shape(build_from_reading(make_reading(door, handle, size=(0.5, 0.5, 0.8)), 0)[0])
+    assert [front.hinge for front in built.fronts] == [hinge]
+    assert built.counts["handle"] == 1
+
+
+def test_handles_and_panes_are_where_they_were_read():
+    glazed = make_front("door", (0.0, 0.0, 0.5, 1.0), hinge="left", pane=True)
+    plain = make_front("door", (0.5, 0.0, 1.0, 1.0), hinge="right")
+    handle = make_front("handle", (0.47, 0.45, 0.49, 0.48), form="knob")
+    built = read_shape(build_from_reading(make_reading(glazed, plain, handle), 4)[0])
+    assert [front.pane for front in built.fronts] == [True, False]
+    assert [part.form for part in built.parts if part.label == "handle"] == ["knob"]
+
+
+def test_an_open_drawer_is_closed_into_the_free_place():
+    opened = make_front("drawer", (-0.1, 0.4, 0.95, 0.9), open=True)
+    built, notes = build_from_reading(make_reading(*stack(0.0, 0.33), opened, *stack(0.66, 1.0)), 0)
+    tops = sorted(float(front.box[1]) for front in read_shape(built).fronts)
+    np.testing.assert_allclose(tops, (0.0, 0.33, 0.66), atol=0.06)
+    assert any("open" in note for note in notes)
+
+
+def test_fronts_that_overlap_are_parted_and_said():
+    parts = [*stack(0.0, 0.6), *stack(0.4, 1.0)]
+    reading = make_reading(*(replace(part, corners=frame_box(part.box)) for part in parts))
+    built, notes = build_from_reading(reading, 0)
+    assert read_shape(built).counts["drawer"] == 2
+    assert any("overlap" in note for note in notes)
+
+
+def test_a_front_that_was_read_twice_is_built_once():
+    twice = [replace(part, box=part.box + 0.01, score=0.5) for part in stack(0.0, 0.5)]
+    built, notes = build_from_reading(make_reading(*stack(0.0, 0.5, 1.0), *twice), 0)
+    assert read_shape(built).counts["drawer"] == 2
+    assert any("left out" in note for note in notes)
+
+
+def test_more_fronts_than_engines_hold_are_merged_and_said():
+    many = [
+        part
+        for column in range(4)
+        for part in stack(*np.linspace(0, 1, 12), left=column / 4, right=(column + 1) / 4)
+    ]
+    built, notes = build_from_reading(make_reading(*many, size=(1.2, 0.4, 1.2)), 0)
+    assert fits_engines(built.parts)
+    assert any("engines" in note for note in notes)
+
+
+@pytest.mark.parametrize("kind", ["Refrigerator", "Faucet"])
+def test_a_kind_without_cells_is_refused(kind: str):
+    with pytest.raises(ArtigenError, match=f"{kind}: its fronts cannot be laid out"):
+        build_from_reading(make_reading(*stack(0.0, 1.0), kind=kind), 0)
+    with pytest.raises(ArtigenError, match="cannot be laid out"):
+        draw_shape(kind, 0, Wish(layout=Layout(node=Cell(fill="drawer"))))
+
+
+def test_a_width_out_of_bounds_is_refused():
+    with pytest.raises(ArtigenError, match=r"width 0\.001 m"):
+        build_from_reading(CUPBOARD, 0, 0.001)
+
+
+def test_a_desk_has_room_for_knees():
+    pedestals = [
+        *stack(0.1, 0.3, 0.6, 0.95, left=0.02, right=0.3),
+        *stack(0.1, 0.5, 0.95, left=0.7, right=0.98),
+    ]
+    built, notes = build_from_reading(make_reading(*pedestals, kind="Table", size=(1.5, 0.6, 0.75)), 0)
+    reading = read_shape(built)
+    assert reading.counts["drawer"] == 5
+    assert not notes
+    lefts = sorted(float(front.box[0]) for front in reading.fronts)
+    assert lefts[3] - max(float(front.box[2]) for front in reading.fronts if front.box[0] < 0.5) > 0.3
+
+
+def test_other_filing_cabinets_are_built_as_cabinets():
+    both = [*stack(0.0, 0.5, 1.0, right=0.5), *stack(0.0, 0.5, 1.0, left=0.5)]
+    built, notes = build_from_reading(make_reading(*both, kind="FilingCabinet"), 0)
+    assert built.category == "StorageFurniture"
+    assert any("stack" in note for note in notes)
+
+
+@pytest.mark.parametrize(("over", "crossed"), [(SLACK - 0.01, False), (SLACK + 0.01, True)])
+def test_slight_overlap_is_no_overlap(over: float, *, crossed: bool):
+    cutting = cut_rectangles(np.array([(0, 0, 1, 1), (0, 1 - over, 1, 2 - over)]), [True, True])
+    assert bool(cutting.crossed) == crossed
+    assert list_leaves(cutting.tree) == [0, 1]
+
+
+def test_a_pinwheel_is_cut_all_the_same():
+    wheel = [(0, 0, 2, 1), (2, 0, 3, 2), (1, 2, 3, 3), (0, 1, 1, 3), (1, 1, 2, 2)]
+    cutting = cut_rectangles(np.array(wheel, dtype=float), [False] * 5)
+    assert sorted(list_leaves(cutting.tree)) == [0, 1, 2, 3, 4]
+    assert cutting.crossed
+
+
+@pytest.mark.parametrize(("step", "same"), [(SAME - 0.02, True), (SAME + 0.02, False)])
+def test_a_body_of_nearly_the_same_colour_has_the_finish_of_its_fronts(step: float, *, same: bool):
+    front = make_front("drawer", (0.0, 0.0, 1.0, 1.0), color=(120, 120, 120), material="wood")
+    grey = round(120 + 255 * step)
+    found = find_finishes(make_reading(front, color=(grey, grey, grey)), 0)
+    assert (found["body"] == found["front"]) == same
+    assert found["front"].kind == "wood"
+    np.testing.assert_allclose(found["front"].color, 120 / 255)
