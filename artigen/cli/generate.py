@@ -23,6 +23,7 @@ from artigen.weights import SHIPPED
 if TYPE_CHECKING:
     from artigen.appearance.draw import AppearanceModel
     from artigen.appearance.paint import PaintedSurface
+    from artigen.reader.reading import Reading
     from artigen.shapes.shape import Shape
     from artigen.sketch.model import Drawn
     from artigen.sketch.request import SketchRequest
@@ -122,30 +123,38 @@ class _Asked:
     request: "SketchRequest"
     picture: np.ndarray | None
     notes: tuple[str, ...]
+    reading: "Reading | None" = None
+    """What was read of a photograph whose fronts can be laid out, where no words or numbers say otherwise."""
 
 
 def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
     """Reads the picture of a request and resolves adjectives such as "tall" to extents."""
     from artigen.conditioning.image import is_cut_out
+    from artigen.reader.layout.build import can_be_laid_out
     from artigen.reader.read import read_photo
     from artigen.sketch.model import draw_header, encode_picture, read_object_picture
     from artigen.sketch.reading_request import follow_reading
+    from artigen.sketch.request import SketchRequest
 
     request = understood.request
     network = load_sketch(job.model)
-    picture, notes = None, understood.notes
+    picture, notes, laid = None, understood.notes, None
     if job.cfg.image is not None:
         shown = read_object_picture(network, job.cfg.image)
         picture, notes = shown.rgba, (*notes, *shown.notes)
         if not is_cut_out(job.cfg.image):  # cut-outs are what the sketch network itself has learned to read
-            request, said = follow_reading(request, read_photo(job.cfg.image), network.part_counts)
+            reading = read_photo(job.cfg.image)
+            free = SketchRequest(category=request.category, width=request.width)
+            if request == free and reading.fronts and can_be_laid_out(request.category or reading.kind):
+                laid = reading
+            request, said = follow_reading(request, reading, network.part_counts)
             notes = (*notes, *said)
     if understood.stretch:
         encoded = None if picture is None else encode_picture(network, picture)
         usual = draw_header(network, request, job.seed, encoded=encoded)
         stretched = {axis: factor * getattr(usual, axis) for axis, factor in understood.stretch}
         request = replace(request, **stretched)
-    return _Asked(request=request, picture=picture, notes=notes)
+    return _Asked(request=request, picture=picture, notes=notes, reading=laid)
 
 
 def check_job(job: GenerateJob) -> None:
@@ -160,12 +169,21 @@ def check_job(job: GenerateJob) -> None:
 
 
 def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
-    """Draws the object of a job, coloured as in its picture if it has one."""
+    """Draws the object of a job, coloured as in its picture if it has one.
+
+    Furniture of a photograph is built with its fronts where they were read; other objects are drawn by the
+    sketch network.
+    """
+    from artigen.reader.layout.build import build_from_reading
     from artigen.sketch.draw import DrawConfig
-    from artigen.sketch.model import SketchConfig, draw_object, draw_pictured
+    from artigen.sketch.model import Drawn, SketchConfig, draw_object, draw_pictured
 
     asked = _ask(job, _understand(job))
     noise = int(np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(1)[0])
+    if asked.reading is not None:
+        kind, width = asked.request.category, asked.request.width
+        shape, notes = build_from_reading(asked.reading, noise, width, kind=kind)
+        return Drawn(shape=shape, faults=(), notes=notes), asked
     cfg = SketchConfig(draw=DrawConfig(temperature=job.cfg.temperature))
     network = load_sketch(job.model)
     if asked.picture is None:

@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float, UInt8
 
 from artigen.conditioning.image import open_picture
 from artigen.errors import ArtigenError, SourceError
+from artigen.models.precision import autocast_type
 from artigen.reader.choice import CountShares, choose_fronts
 from artigen.reader.decode import Found, average_maps, find_things, mirror_maps
 from artigen.reader.hinges import weigh_hinges
@@ -22,7 +23,7 @@ from artigen.weights import READER
 if TYPE_CHECKING:
     from PIL import Image
 
-EDGE = 320
+EDGE = 384
 """Longest edge (pixels) at which photographs are read."""
 KIND_EDGE, AROUND = 320, 1.2
 """Pixels at which kinds are read, and the edge of a crop over the longer side of its object."""
@@ -102,8 +103,10 @@ def read_image(
         return _place_back(part, frame, image.size)
     sheet = _place(image)
     pixels = torch.from_numpy(sheet.pixels).permute(2, 0, 1)[None]
-    network = reader.network
-    maps = average_maps(network(pixels), mirror_maps(network(pixels.flip(3))))
+    number_type = autocast_type(pixels.device)
+    with torch.autocast("cpu", number_type or torch.bfloat16, enabled=number_type is not None):
+        both = reader.network(pixels), reader.network(pixels.flip(3))
+    maps = average_maps(both[0], mirror_maps(both[1]))
     things = find_things(maps)[0]
     chosen = _choose_object(things[OBJECT])
     if chosen is None:
@@ -124,7 +127,10 @@ def _name_kinds(
     """
     crop = _cut(image, sheet, objects.box[chosen])
     pixels = torch.from_numpy(np.stack([_resize(sheet.pixels), crop])).permute(0, 3, 1, 2)
-    seen = reader.kinds(pixels).log_softmax(dim=1).mean(dim=0).numpy()
+    number_type = autocast_type(pixels.device)
+    with torch.autocast("cpu", number_type or torch.bfloat16, enabled=number_type is not None):
+        logits = reader.kinds(pixels).float()
+    seen = logits.log_softmax(dim=1).mean(dim=0).numpy()
     placed = objects.attributes["kind"][chosen]
     nothing = float(np.exp(seen[-1] - np.logaddexp.reduce(seen)))
     return nothing, _rank_kinds(seen[:-1] + placed - np.logaddexp.reduce(placed))

@@ -21,6 +21,7 @@ from torch import Tensor, nn
 from tqdm import tqdm
 
 from artigen.errors import SourceError
+from artigen.models.precision import autocast_type
 from artigen.models.tensors import load_strictly
 
 logger = logging.getLogger(__name__)
@@ -290,11 +291,3 @@ def _save(
     scratch = folder / ".weights.safetensors"
     save_file({name: value.contiguous().cpu() for name, value in average.items()}, scratch)
     scratch.replace(folder / "weights.safetensors")
-
-
-def autocast_type(device: torch.device) -> torch.dtype | None:
-    """bfloat16 if the hardware supports it, else None: emulated convolutions are a hundred times slower."""
-    if device.type == "cuda":
-        return torch.bfloat16 if torch.cuda.is_bf16_supported() else None
-    native = torch.cpu._is_avx512_bf16_supported() or torch.cpu._is_amx_tile_supported()
-    return torch.bfloat16 if native else None
