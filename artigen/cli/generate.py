@@ -182,8 +182,12 @@ def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
     noise = int(np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(1)[0])
     if asked.reading is not None:
         kind, width = asked.request.category, asked.request.width
-        shape, notes = build_from_reading(asked.reading, noise, width, kind=kind)
-        return Drawn(shape=shape, faults=(), notes=notes), asked
+        try:
+            shape, notes = build_from_reading(asked.reading, noise, width, kind=kind)
+            return Drawn(shape=shape, faults=(), notes=notes), asked
+        except ArtigenError as error:
+            said = f"fronts could not be built where they were read ({error}); the sketch network draws them"
+            asked = replace(asked, notes=(*asked.notes, said))
     cfg = SketchConfig(draw=DrawConfig(temperature=job.cfg.temperature))
     network = load_sketch(job.model)
     if asked.picture is None:

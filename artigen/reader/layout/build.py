@@ -164,10 +164,12 @@ def _draw(kind: str, seed: int, layout: Layout, view: View, wish: Wish) -> tuple
     for _ in range(MOST_MERGES):
         try:
             shape = draw_shape(kind, seed, replace(wish, layout=layout))
-        except CrowdedError:
+        except (CrowdedError, ValueError) as error:  # too many solids, or a cell without room for its boards
             simpler = simplify(layout, view.size)
             if simpler is None:
-                raise
+                raise CrowdedError(
+                    f"{kind}: its fronts cannot be built as they were read: {error}"
+                ) from error
             layout = simpler
             continue
         held = Counter(cell.fill for cell in list_cells(layout.node))
@@ -176,7 +178,7 @@ def _draw(kind: str, seed: int, layout: Layout, view: View, wish: Wish) -> tuple
             for fill, count in wanted.items()
             if held[fill] != count
         ]
-        return shape, (f"more than engines hold: {', '.join(lost)}",) if lost else ()
+        return shape, (f"more than can be built: {', '.join(lost)}",) if lost else ()
     raise CrowdedError(f"{kind}: {sum(wanted.values())} cells are far more than engines hold")
 
 
