@@ -224,7 +224,7 @@ def test_a_part_without_painted_surface_is_named(latent: GenerateJob, monkeypatc
         ({"category": "Oven", "cfg": GenerateSettings(strength=float("nan"))}, "strength nan"),
         ({"category": "Oven", "cfg": GenerateSettings(temperature=0.0)}, "temperature above 0"),
         ({"category": "Oven", "cfg": GenerateSettings(style="baroque")}, "style 'baroque'"),
-        ({"cfg": GenerateSettings(text="a green sofa")}, "no word names a category"),
+        ({"cfg": GenerateSettings(text="a green sofa")}, "names no kind of object"),
         ({"cfg": GenerateSettings(text="a table with a drawer", counts=("drawer=2",))}, "number of drawers"),
         ({"cfg": GenerateSettings(image=Path("nothing.png"))}, "no such picture"),
     ],

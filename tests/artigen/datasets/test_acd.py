@@ -33,7 +33,7 @@ def test_the_cabinet_comes_back(folder, cabinet):
     for source in (folder, folder / "object.json"):
         found = read_source(source, folder.parent / "scratch", FAST).asset
         assert_same_parts(found.parts, cabinet.parts)
-        assert (found.name, found.category) == ("oid", "StorageFurniture")
+        assert (found.name, found.category) == ("oid", "Wardrobe")
 
 
 def test_sizes_come_from_the_category_as_lengths_are_normalised(folder):
