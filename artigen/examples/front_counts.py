@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from artigen.examples.marked_photos import APPLIANCES, MarkedPhoto
-from artigen.examples.reader_pictures import LEAST_FRONT, read_views
+from artigen.examples.reader_pictures import LEAST_FRONT
+from artigen.examples.view_shards import read_views
 from artigen.kind import name_kind
 from artigen.reader.choice import Counts, CountShares
 from artigen.reader.labels import FRONT, KINDS

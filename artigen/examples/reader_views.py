@@ -4,34 +4,29 @@ A view is a picture with the number of the part that each pixel shows. Its marks
 its corners are in the picture; `artigen.examples.reader_pictures` turns a view into training pictures.
 """
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
-import torch
-from jaxtyping import Float, Int, UInt8, UInt16
+from jaxtyping import Float, UInt8, UInt16
 
 from artigen.camera import Camera, frame_points, project_points
 from artigen.examples.mesh_pictures import pack_picture
 from artigen.examples.photographs import find_direction
-from artigen.examples.shards import ShardConfig, ShardJob, make_shards, save_shard
+from artigen.examples.reader_rooms import SURROUNDINGS, arrange_shapes, furnish_room, join_shapes
 from artigen.kind import Trade, kinds
 from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, MATERIALS, PULL, SHELF, UNKNOWN, WHEEL
 from artigen.shapes.draw import CrowdedError, draw_shape
 from artigen.shapes.poses import lead_followers, place_posed, pose_parts
-from artigen.shapes.primitives import Primitive, box, cylinder, move, place_vertices
+from artigen.shapes.primitives import place_vertices
 from artigen.shapes.render import RenderConfig, batch_cameras, build_scene, render
-from artigen.shapes.shape import Need, Shape, ShapePart
+from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
 
 EDGE = 384
 """Pixels of a view's edge."""
 NOTHING = 65535
 """Number of a pixel that shows no part."""
-SURROUNDINGS = -1
-"""Object of parts that belong to none: walls, floors and loose things."""
 THING_OF = {
     "door": FRONT, "drawer": FRONT, "handle": PULL, "knob": DIAL, "shelf": SHELF, "tray": SHELF,
     "wheel": WHEEL,
@@ -88,32 +83,6 @@ class View:
     """Rows of `BODY`; the first is the main object."""
 
 
-VIEWS = 16
-"""Views of a shard."""
-TIMEOUT = 900.0
-"""Seconds after which a shard counts as failed."""
-
-
-def make_view_shards(folder: Path, count: int, *, first: int, workers: int) -> list[Path]:
-    """Renders the shards of views that are missing, and returns the paths of all.
-
-    Args:
-        first: Seed of the first shard.
-
-    Raises:
-        SourceError: If a shard could not be made.
-    """
-    cfg = ShardConfig(first_seed=first, objects=VIEWS, timeout=TIMEOUT)
-    return make_shards(folder, count, cfg, _make_view_shard, workers=workers)
-
-
-def _make_view_shard(job: ShardJob[ShardConfig]) -> Path:
-    torch.set_num_threads(1)  # there is one process per core
-    views = take_views(job.cfg.first_seed + job.number, job.cfg.objects)
-    save_shard(job.path, pack_views(views), packed=False)
-    return job.path
-
-
 def take_views(seed: int, count: int) -> list[View]:
     """Renders ``count`` views, a pure function of the seed."""
     rng = np.random.default_rng([seed, 7])
@@ -141,7 +110,7 @@ def _take_view(rng: np.random.Generator) -> View:
         width=EDGE,
         height=EDGE,
     )
-    return _photograph(_arrange(shapes, rng) if room else shapes, poses, camera, rng, room=room)
+    return _photograph(arrange_shapes(shapes, rng) if room else shapes, poses, camera, rng, room=room)
 
 
 def _draw(kind: str, rng: np.random.Generator) -> Shape:
@@ -215,38 +184,6 @@ def _open_parts(shape: Shape, rng: np.random.Generator) -> Float[np.ndarray, "P"
     return lead_followers(shape, qpos)
 
 
-def _arrange(shapes: Sequence[Shape], rng: np.random.Generator) -> list[Shape]:
-    """Objects in a row along a wall, the first where it was."""
-    gap = rng.choice([0.0, 0.003, 0.02, 0.2], p=[0.25, 0.25, 0.25, 0.25])
-    low, high = shapes[0].bounds()
-    left, right, out = high[1], low[1], [shapes[0]]
-    for shape in shapes[1:]:
-        first, last = shape.bounds()
-        if rng.random() < 0.5:
-            y, left = left + gap - first[1], left + gap + last[1] - first[1]
-        else:
-            y, right = right - gap - last[1], right - gap - (last[1] - first[1])
-        out.append(_shift(shape, (float(high[0] - last[0]), float(y), 0.0)))
-    return out
-
-
-def _shift(shape: Shape, offset: tuple[float, float, float]) -> Shape:
-    """The shape elsewhere."""
-    return replace(
-        shape,
-        parts=tuple(
-            replace(
-                part,
-                primitives=tuple(move(solid, offset) for solid in part.primitives),
-                motion=None
-                if part.motion is None
-                else replace(part.motion, origin=tuple((np.array(part.motion.origin) + offset).tolist())),
-            )
-            for part in shape.parts
-        ),
-    )
-
-
 def _photograph(
     shapes: Sequence[Shape],
     poses: Sequence[np.ndarray],
@@ -256,10 +193,10 @@ def _photograph(
     room: bool,
 ) -> View:
     """Renders shapes together, with the marks of their parts."""
-    joined, owners = _join(shapes)
+    joined, owners = join_shapes(shapes)
     qpos = np.concatenate([[0.0], *poses])  # the first part is the world
     if room:
-        extra, finishes = _furnish(shapes, rng)
+        extra, finishes = furnish_room(shapes, rng)
         joined = replace(joined, parts=(*joined.parts, *extra), finishes=(*joined.finishes, *finishes))
         owners = np.concatenate([owners, np.full(len(extra), SURROUNDINGS)])
         qpos = np.concatenate([qpos, np.zeros(len(extra))])
@@ -284,138 +221,6 @@ def _photograph(
     )
     bodies = np.array([_describe(shape, camera) for shape in shapes], dtype=BODY)
     return View(rgba=pack_picture(seen.rgb[0].numpy(), mask), ids=ids, parts=parts, bodies=bodies)
-
-
-def _join(shapes: Sequence[Shape]) -> tuple[Shape, Int[np.ndarray, "P"]]:
-    """One shape of several, and which of them each part comes from."""
-    parts: list[ShapePart] = [
-        ShapePart("world", "base", [box((0, 0, -9.0), (0.01, 0.01, -8.99), "0.none")], parent=None)
-    ]
-    finishes: list[tuple[str, Finish]] = [
-        ("0.none", Finish(kind="lacquer", color=(0.5, 0.5, 0.5), accent=(0.5, 0.5, 0.5)))
-    ]
-    owners = [SURROUNDINGS]
-    for index, shape in enumerate(shapes):
-        own = f"{index}."
-        finishes += [(own + name, finish) for name, finish in shape.finishes]
-        for part in shape.parts:
-            solids = tuple(
-                replace(
-                    solid,
-                    finish=own + solid.finish,
-                    lining=None if solid.lining is None else own + solid.lining,
-                )
-                for solid in part.primitives
-            )
-            motion = part.motion
-            if motion is not None and motion.follows is not None:
-                motion = replace(motion, follows=own + motion.follows)
-            parts.append(
-                replace(
-                    part,
-                    name=own + part.name,
-                    primitives=solids,
-                    motion=motion,
-                    parent="world" if part.parent is None else own + part.parent,
-                    needs=tuple(Need(part=own + need.part, fraction=need.fraction) for need in part.needs),
-                )
-            )
-            owners.append(index)
-    joined = Shape(category="Room", seed=0, style="room", parts=tuple(parts), finishes=tuple(finishes))
-    return joined, np.array(owners)
-
-
-def _furnish(
-    shapes: Sequence[Shape], rng: np.random.Generator
-) -> tuple[list[ShapePart], list[tuple[str, Finish]]]:
-    """A floor, walls and loose things as parts that belong to no object."""
-    bounds = np.stack([shape.bounds() for shape in shapes])
-    low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
-    finishes: list[tuple[str, Finish]] = []
-
-    def finish(kinds: Sequence[FinishKind], light: tuple[float, float]) -> str:
-        value = rng.uniform(*light)
-        color = np.clip(value + rng.normal(0, rng.choice([0.02, 0.08, 0.2], p=[0.5, 0.35, 0.15]), 3), 0.02, 1)
-        finishes.append(
-            (
-                f"room.{len(finishes)}",
-                Finish(
-                    kind=kinds[int(rng.integers(len(kinds)))],
-                    color=tuple(color.tolist()),
-                    accent=tuple(np.clip(color * rng.uniform(0.5, 1.1), 0, 1).tolist()),
-                    grain=(0.0, 1.0, 0.0) if rng.random() < 0.5 else (1.0, 0.0, 0.0),
-                    period=float(np.exp(rng.uniform(np.log(0.01), np.log(0.4)))),
-                    seed=int(rng.integers(2**30)),
-                    gloss=float(rng.uniform(0.0, 0.3)),
-                ),
-            )
-        )
-        return finishes[-1][0]
-
-    floor = float(low[2])
-    wall = high[0] + rng.choice([0.0, 0.01, rng.uniform(0.0, 1.5)], p=[0.4, 0.3, 0.3])
-    solids: list[Primitive] = [
-        box(
-            (low[0] - 8, low[1] - 8, floor - 0.06),
-            (wall + 0.1, high[1] + 8, floor - 0.001),
-            finish(["wood", "stone", "lacquer"], (0.2, 0.9)),
-        ),
-        box(
-            (wall, low[1] - 8, floor - 0.1),
-            (wall + 0.1, high[1] + 8, floor + 4.5),
-            finish(["lacquer", "lacquer", "stone", "wood"], (0.3, 1.0)),
-        ),
-    ]
-    if rng.random() < 0.5:
-        solids.append(
-            box(
-                (wall - 0.015, low[1] - 8, floor),
-                (wall, high[1] + 8, floor + rng.uniform(0.05, 0.14)),
-                finish(["lacquer", "wood"], (0.3, 1.0)),
-            )
-        )
-    if rng.random() < 0.35:
-        side = (
-            high[1] + rng.uniform(0.01, 0.8) if rng.random() < 0.5 else low[1] - rng.uniform(0.01, 0.8) - 0.1
-        )
-        solids.append(
-            box(
-                (low[0] - 8, side, floor - 0.1),
-                (wall, side + 0.1, floor + 4.5),
-                finish(["lacquer", "stone"], (0.3, 1.0)),
-            )
-        )
-    tops = [(float(b[0, 0]), float(b[1, 0]), float(b[0, 1]), float(b[1, 1]), float(b[1, 2])) for b in bounds]
-    for _ in range(int(rng.integers(0, 6))):
-        x0, x1, y0, y1, top = tops[rng.integers(len(tops))]
-        size = np.exp(rng.uniform(np.log(0.05), np.log(0.4), 3))
-        if rng.random() < 0.7:
-            x, y, z = rng.uniform(x0, x1), rng.uniform(y0, y1), top
-        else:
-            x, y, z = x0 - rng.uniform(0.1, 1.2), rng.uniform(y0 - 0.5, y1 + 0.5), floor
-        look = finish(["lacquer", "plastic", "wood", "steel"], (0.05, 1.0))
-        if rng.random() < 0.5:
-            solids.append(cylinder((x, y, z), (x, y, z + size[2]), size[0] / 2, look))
-        else:
-            solids.append(
-                box(
-                    (x - size[0] / 2, y - size[1] / 2, z),
-                    (x + size[0] / 2, y + size[1] / 2, z + size[2]),
-                    look,
-                )
-            )
-    if rng.random() < 0.3:  # a picture or a window on the wall
-        y, z = rng.uniform(low[1] - 0.5, high[1] + 0.5), floor + rng.uniform(1.2, 2.2)
-        solids.append(
-            box(
-                (wall - 0.02, y, z),
-                (wall, y + rng.uniform(0.2, 1.0), z + rng.uniform(0.2, 1.0)),
-                finish(["lacquer", "plastic"], (0.0, 1.0)),
-            )
-        )
-    return [
-        ShapePart(f"room.{k}", "base", [solid], parent="world") for k, solid in enumerate(solids)
-    ], finishes
 
 
 def _mark(
@@ -517,26 +322,3 @@ def _find_stand(shape: Shape) -> int:
             if float(np.prod(np.ptp(points[:, :2], axis=0))) > 0.25 * footprint:
                 wide.append(float(points[:, 2].min()))
     return int(bool(wide) and min(wide) - low[2] > LEG)
-
-
-def pack_views(views: Sequence[View]) -> dict[str, np.ndarray]:
-    """Views as arrays; pictures and numbers of parts as PNG."""
-    from PIL import Image
-
-    def encode(image: np.ndarray) -> np.ndarray:
-        out = io.BytesIO()
-        Image.fromarray(image).save(out, format="PNG", compress_level=1)
-        return np.frombuffer(out.getvalue(), dtype=np.uint8)
-
-    pictures = [encode(view.rgba) for view in views]
-    numbers = [encode(view.ids) for view in views]
-    return {
-        "pictures": np.concatenate(pictures),
-        "picture_bytes": np.array([len(one) for one in pictures]),
-        "ids": np.concatenate(numbers),
-        "id_bytes": np.array([len(one) for one in numbers]),
-        "parts": np.concatenate([view.parts for view in views]),
-        "part_counts": np.array([len(view.parts) for view in views]),
-        "bodies": np.concatenate([view.bodies for view in views]),
-        "body_counts": np.array([len(view.bodies) for view in views]),
-    }

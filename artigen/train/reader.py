@@ -12,9 +12,10 @@ from torch.utils.data import DataLoader, Dataset
 from artigen.errors import ArtigenError, SourceError
 from artigen.examples.front_counts import share_counts
 from artigen.examples.marked_photos import MarkedPhoto, crop_photo, read_marked_photos, sampling_weights
-from artigen.examples.reader_pictures import Stock, gather_stock, make_picture, read_views
-from artigen.examples.reader_views import VIEWS, make_view_shards
+from artigen.examples.picture_stock import Stock, gather_stock
+from artigen.examples.reader_pictures import make_picture
 from artigen.examples.shards import HELD_OUT
+from artigen.examples.view_shards import VIEWS, make_view_shards, read_views
 from artigen.models.description import hash_model
 from artigen.models.tensors import load_strictly
 from artigen.reader.kind_network import KindNetwork

@@ -12,7 +12,9 @@ from torch.nn import functional
 
 from artigen.examples.marked_photos import MarkedPhoto, crop_photo
 from artigen.examples.photometry import vary_photometry
-from artigen.examples.reader_pictures import Stock, make_picture, read_views
+from artigen.examples.picture_stock import Stock
+from artigen.examples.reader_pictures import make_picture
+from artigen.examples.view_shards import read_views
 from artigen.reader.kind_network import DROPPED, KindNetwork
 from artigen.reader.labels import KINDS, OBJECT
 from artigen.reader.targets import Picture

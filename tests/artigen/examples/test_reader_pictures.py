@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from artigen.examples import reader_pictures
-from artigen.examples.reader_pictures import BACKGROUND, CutOut, Stock, gather_stock, make_picture
+from artigen.examples.picture_stock import BACKGROUND, CutOut, Stock, gather_stock
+from artigen.examples.reader_pictures import make_picture
 from artigen.examples.reader_views import BODY, NOTHING, PART, View
 from artigen.reader.labels import FRONT, HINGES, OBJECT, PULL, UNKNOWN
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from artigen.camera import look_at
-from artigen.examples.reader_views import NOTHING, PART, pack_views, project_front, sort_corners, take_views
+from artigen.examples.reader_views import NOTHING, PART, project_front, sort_corners, take_views
+from artigen.examples.view_shards import pack_views
 from artigen.reader.labels import FRONT, HINGES, UNKNOWN
 from artigen.shapes.primitives import box
 from artigen.shapes.shape import Motion, ShapePart
@@ -83,7 +84,7 @@ def test_views_are_a_function_of_their_seed(views):
 
 
 def test_packing_loses_nothing(views, tmp_path):
-    from artigen.examples.reader_pictures import read_views
+    from artigen.examples.view_shards import read_views
 
     np.savez(tmp_path / "shard.npz", **pack_views(views))
     for packed, view in zip(read_views(tmp_path / "shard.npz"), views, strict=True):

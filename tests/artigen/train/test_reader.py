@@ -8,7 +8,8 @@ import pytest
 import torch
 
 from artigen.errors import ArtigenError, SourceError
-from artigen.examples.reader_views import pack_views, take_views
+from artigen.examples.reader_views import take_views
+from artigen.examples.view_shards import pack_views
 from artigen.reader.network import ReaderConfig, ReaderNetwork
 from artigen.reader.trunk import Trunk
 from artigen.train import reader as reader_training
