@@ -3,10 +3,9 @@
 import numpy as np
 import torch
 
-from artigen.examples.marked_photos import make_mark
 from artigen.reader.labels import FRONT, HINGES, OBJECT, PULL, THINGS
 from artigen.reader.network import ATTRIBUTES, STRIDE, Maps
-from artigen.reader.targets import MARK, Picture, ReaderBatch
+from artigen.reader.targets import MARK, Picture, ReaderBatch, make_mark
 
 SIZE = 128
 

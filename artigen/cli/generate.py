@@ -18,7 +18,7 @@ from artigen.cli.shape import read_wish
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
 from artigen.runtime.workers import InProcess, Worker
-from artigen.weights import SHIPPED
+from artigen.weights import READER, SHIPPED
 
 if TYPE_CHECKING:
     from artigen.appearance.draw import AppearanceModel
@@ -129,9 +129,10 @@ class _Asked:
 
 def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
     """Reads the picture of a request and resolves adjectives such as "tall" to extents."""
-    from artigen.conditioning.image import is_cut_out
+    from artigen.conditioning.image import is_cut_out, open_picture
     from artigen.reader.layout.build import can_be_laid_out
-    from artigen.reader.read import read_photo
+    from artigen.reader.model import load_reader
+    from artigen.reader.read import read_image
     from artigen.sketch.model import draw_header, encode_picture, read_object_picture
     from artigen.sketch.reading_request import follow_reading
     from artigen.sketch.request import SketchRequest
@@ -142,8 +143,9 @@ def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
     if job.cfg.image is not None:
         shown = read_object_picture(network, job.cfg.image)
         picture, notes = shown.rgba, (*notes, *shown.notes)
-        if not is_cut_out(job.cfg.image):  # cut-outs are what the sketch network itself has learned to read
-            reading = read_photo(job.cfg.image)
+        image = open_picture(job.cfg.image)
+        if not is_cut_out(image):  # cut-outs are what the sketch network itself has learned to read
+            reading = read_image(image, load_reader(READER), str(job.cfg.image))
             free = SketchRequest(category=request.category, width=request.width)
             if request == free and reading.fronts and can_be_laid_out(request.category or reading.kind):
                 laid = reading

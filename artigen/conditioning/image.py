@@ -98,13 +98,9 @@ def open_picture(path: Path) -> "Image.Image":
         raise SourceError(f"{path}: is damaged ({error})") from error
 
 
-def is_cut_out(path: Path) -> bool:
-    """Whether a picture is transparent somewhere.
-
-    Raises:
-        SourceError: As `open_picture`.
-    """
-    lowest, _ = open_picture(path).getchannel("A").getextrema()
+def is_cut_out(image: "Image.Image") -> bool:
+    """Whether an RGBA picture is transparent somewhere."""
+    lowest, _ = image.getchannel("A").getextrema()
     return int(lowest) < 255  # type: ignore[arg-type]
 
 

@@ -19,7 +19,7 @@ from artigen.examples.photometry import vary_photometry
 from artigen.kind import name_kind
 from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, OBJECT, PULL, THINGS, UNKNOWN
 from artigen.reader.network import STRIDE
-from artigen.reader.targets import MARK, Picture
+from artigen.reader.targets import MARK, Picture, make_mark
 
 UNCHECKED = 0.2
 """Weight of empty ground where marks may be missing."""
@@ -206,17 +206,6 @@ def crop_photo(photo: MarkedPhoto, size: int, rng: np.random.Generator) -> Pictu
         marks=np.array(marks, MARK).reshape(-1),
         weight=weight,
     )
-
-
-def make_mark(thing: int, box: np.ndarray, **known: object) -> np.ndarray:
-    """A row of `MARK` of which only some is known."""
-    row = np.zeros((), MARK)
-    for name in MARK.names or ():
-        row[name] = np.nan if np.issubdtype(MARK[name].base, np.floating) else UNKNOWN
-    row["thing"], row["box"], row["sized"] = thing, box, 1
-    for name, value in known.items():
-        row[name] = value
-    return row
 
 
 def _add_object(marks: list[np.ndarray], kind: str, box: np.ndarray, size: int, whole: bool) -> None:  # noqa: FBT001

@@ -9,13 +9,12 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float, UInt8, UInt16
 
-from artigen.examples.marked_photos import make_mark
 from artigen.examples.photometry import smooth_noise, vary_photometry
 from artigen.examples.picture_stock import BACKGROUND, CutOut, Stock
 from artigen.examples.reader_views import NOTHING, View
 from artigen.reader.labels import DIAL, FRONT, HINGES, OBJECT, PULL, THINGS, UNKNOWN
 from artigen.reader.network import STRIDE
-from artigen.reader.targets import MARK, Picture
+from artigen.reader.targets import MARK, Picture, make_mark
 
 DRESSED, CUT_OUT = 0.45, 0.4
 """Shares of the views with other colours and textures, and of those with fronts of photographs."""

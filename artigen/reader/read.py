@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float, UInt8
 
 from artigen.conditioning.image import open_picture
 from artigen.errors import ArtigenError, SourceError
-from artigen.models.precision import autocast_type
+from artigen.models.precision import native_autocast
 from artigen.reader.choice import CountShares, choose_fronts
 from artigen.reader.decode import Found, average_maps, find_things, mirror_maps
 from artigen.reader.hinges import weigh_hinges
@@ -103,8 +103,7 @@ def read_image(
         return _place_back(part, frame, image.size)
     sheet = _place(image)
     pixels = torch.from_numpy(sheet.pixels).permute(2, 0, 1)[None]
-    number_type = autocast_type(pixels.device)
-    with torch.autocast("cpu", number_type or torch.bfloat16, enabled=number_type is not None):
+    with native_autocast(pixels.device):
         both = reader.network(pixels), reader.network(pixels.flip(3))
     maps = average_maps(both[0], mirror_maps(both[1]))
     things = find_things(maps)[0]
@@ -127,8 +126,7 @@ def _name_kinds(
     """
     crop = _cut(image, sheet, objects.box[chosen])
     pixels = torch.from_numpy(np.stack([_resize(sheet.pixels), crop])).permute(0, 3, 1, 2)
-    number_type = autocast_type(pixels.device)
-    with torch.autocast("cpu", number_type or torch.bfloat16, enabled=number_type is not None):
+    with native_autocast(pixels.device):
         logits = reader.kinds(pixels).float()
     seen = logits.log_softmax(dim=1).mean(dim=0).numpy()
     placed = objects.attributes["kind"][chosen]

@@ -9,7 +9,7 @@ from jaxtyping import Float, Int, UInt8
 from torch import Tensor
 
 from artigen.models.batch import TensorBatch
-from artigen.reader.labels import THINGS
+from artigen.reader.labels import THINGS, UNKNOWN
 from artigen.reader.network import STRIDE
 
 MARK = np.dtype(
@@ -35,7 +35,7 @@ it. Attributes that are not known are -1, numbers NaN."""
 SPREAD, LEAST_SPREAD = 0.1, 0.65
 """Standard deviation of a peak as a share of its box, and the least one in cells."""
 CORE = 0.5
-"""Height of a peak from which a cell learns the box and the attributes."""
+"""Height of a peak from which a cell learns box and attributes, and counts fully whatever its weight."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -74,6 +74,17 @@ class ReaderBatch(TensorBatch):
     view: Float[Tensor, "N 3"]
     size: Float[Tensor, "N 3"]
     """Logarithms of width, depth and height (m)."""
+
+
+def make_mark(thing: int, box: np.ndarray, **known: object) -> np.ndarray:
+    """A row of `MARK` of which only some is known."""
+    row = np.zeros((), MARK)
+    for name in MARK.names or ():
+        row[name] = np.nan if np.issubdtype(MARK[name].base, np.floating) else UNKNOWN
+    row["thing"], row["box"], row["sized"] = thing, box, 1
+    for name, value in known.items():
+        row[name] = value
+    return row
 
 
 def make_targets(

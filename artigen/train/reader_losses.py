@@ -7,7 +7,7 @@ from torch.nn import functional
 
 from artigen.reader.labels import FRONT, OBJECT, THINGS
 from artigen.reader.network import Maps
-from artigen.reader.targets import ReaderBatch
+from artigen.reader.targets import CORE, ReaderBatch
 
 HEAT = (1.0, 0.5, 0.3, 0.2, 0.1, 0.3)
 """Weights of the maps of peaks, by thing."""
@@ -57,10 +57,6 @@ def _focal(
         -((1 - heat) ** NEAR) * p**2 * functional.logsigmoid(-logits) * torch.where(heat > CORE, 1.0, weight)
     )
     return torch.where(peak, found, spared).sum((0, 2, 3)) / peak.sum((0, 2, 3)).clamp(min=1)
-
-
-CORE = 0.5
-"""Height of a peak from which its surroundings count fully, whatever the weight there."""
 
 
 def _box_loss(said: Float[Tensor, "N 4"], true: Float[Tensor, "N 4"], thing: Int[Tensor, "N"]) -> Tensor:

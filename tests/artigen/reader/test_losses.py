@@ -5,10 +5,9 @@ import torch
 from reader_samples import kitchen, make_picture, to_maps
 from torch import nn
 
-from artigen.examples.marked_photos import make_mark
 from artigen.reader.labels import FRONT
 from artigen.reader.network import Maps
-from artigen.reader.targets import make_batch
+from artigen.reader.targets import make_batch, make_mark
 from artigen.train.reader_losses import reader_losses
 
 

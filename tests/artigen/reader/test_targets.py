@@ -4,10 +4,9 @@ import numpy as np
 import torch
 from reader_samples import SIZE, kitchen, make_picture, to_maps
 
-from artigen.examples.marked_photos import make_mark
 from artigen.reader.decode import Found, find_things, mirror_maps
 from artigen.reader.labels import FRONT, HINGES, OBJECT, PULL
-from artigen.reader.targets import Picture, make_batch
+from artigen.reader.targets import Picture, make_batch, make_mark
 
 HALF = 0.51
 """Half a pixel: a thing's sides are at least this far from the middle of its cell."""
