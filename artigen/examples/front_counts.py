@@ -62,6 +62,26 @@ def count_photos(photos: Sequence[MarkedPhoto]) -> dict[str, Counter[Counts]]:
     return out
 
 
+def share_left_hinges(photos: Sequence[MarkedPhoto]) -> dict[str, float]:
+    """Share of the doors with hinges at the left, of those without another front beside them, by kind of
+    appliance."""
+    counted: dict[str, Counter[str]] = {}
+    for photo in photos:
+        for noun in APPLIANCES:
+            fronts = [front for front in photo.fronts if front.get("kind") == noun]
+            boxes = np.array([front["box"] for front in fronts]).reshape(-1, 4)
+            for front, box in zip(fronts, boxes, strict=True):
+                level = np.minimum(boxes[:, 3], box[3]) - np.maximum(boxes[:, 1], box[1])
+                alone = (level > 0.5 * (box[3] - box[1])).sum() == 1
+                if alone and front["label"] == "door" and front.get("hinge") in ("left", "right"):
+                    counted.setdefault(name_kind(noun), Counter())[front["hinge"]] += 1
+    return {
+        kind: round((sides["left"] + 1) / (sides.total() + 2), 3)
+        for kind, sides in counted.items()
+        if sides.total() >= ENOUGH
+    }
+
+
 def _holds(outer: np.ndarray, inner: np.ndarray) -> bool:
     middle = (inner[:2] + inner[2:]) / 2
     return bool((middle > outer[:2]).all() and (middle < outer[2:]).all())

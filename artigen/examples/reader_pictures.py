@@ -284,7 +284,7 @@ def _choose_homography(
         zoom = rng.uniform(1.0, 1.35)
     else:
         x0, y0, x1, y1 = columns.min(), rows.min(), columns.max() + 1, rows.max() + 1
-        zoom = rng.uniform(0.4, 1.0) if rng.random() < 0.75 else rng.uniform(1.0, 1.25)
+        zoom = rng.uniform(0.45, 1.05) if rng.random() < 0.75 else rng.uniform(1.0, 1.25)
     wide, high = x1 - x0, y1 - y0
     scale = size * zoom / max(wide, high)
     stretch = np.exp(rng.normal(0, 0.08))

@@ -62,8 +62,8 @@ BODY = np.dtype(
 """An object of a view: kind, stand, camera (yaw, pitch, and half its diagonal over its distance), and width,
 depth and height (m)."""
 OFTEN: dict[Trade | None, float] = {"furniture": 3.5, "appliance": 2.0}
-"""Weights of kinds by their trade; the others have 0.6."""
-SELDOM = 0.6
+"""Weights of kinds by their trade; the others have 1.2."""
+SELDOM = 1.2
 RICH = 0.55
 """Share of the furniture that is the richest in fronts of three drawn."""
 TALL = 1.0

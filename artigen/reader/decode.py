@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from torch import Tensor
 from torch.nn import functional
 
@@ -17,6 +17,10 @@ MOST = 60
 """Largest number of things of one sort."""
 SAME = 0.45
 """Overlap (intersection over union) from which two boxes of one sort are one thing."""
+
+
+AROUND = 0.05
+"""Reach of the cells whose boxes are averaged, as a share of the box's sides; at least one cell."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -76,17 +80,38 @@ def _find_sort(maps: Maps, peaks: Tensor, picture: int, thing: int, least: float
     score, place = peaks[picture, thing].flatten().topk(min(MOST, peaks[0, 0].numel()))
     place, score = place[score > least], score[score > least]
     at = {name: values[picture].flatten(1)[:, place].T for name, values in maps.attributes.items()}
-    middle = torch.stack([place % width, place // width], dim=1) * STRIDE + STRIDE / 2
-    reach = at.pop("box").unflatten(1, (len(THINGS), 4))[:, thing].clamp(-1, 7).exp()
-    box = torch.cat([middle - reach[:, :2], middle + reach[:, 2:]], dim=1)
-    corners = at.pop("corners").unflatten(1, (4, 2)) * (box[:, 2:] - box[:, :2])[:, None] + box[:, None, :2]
-    kept = _keep_apart(box.numpy())
+    del at["box"]
+    reach = maps.attributes["box"][picture].unflatten(0, (len(THINGS), 4))[thing]
+    box = _average_boxes(
+        torch.stack([place // width, place % width], dim=1).numpy(),
+        reach.clamp(-1, 7).exp().permute(1, 2, 0).numpy(),
+        maps.heat[picture, thing].sigmoid().numpy(),
+    )
+    corners = at.pop("corners").unflatten(1, (4, 2)).numpy() * (box[:, 2:] - box[:, :2])[:, None]
+    kept = _keep_apart(box)
     return Found(
         score=score.numpy()[kept],
-        box=box.numpy()[kept],
-        corners=corners.numpy()[kept],
+        box=box[kept],
+        corners=(corners + box[:, None, :2])[kept],
         attributes={name: values.numpy()[kept] for name, values in at.items() if name in ATTRIBUTES},
     )
+
+
+def _average_boxes(
+    peaks: Int[np.ndarray, "N 2"], reach: Float[np.ndarray, "h w 4"], heat: Float[np.ndarray, "h w"]
+) -> Float[np.ndarray, "N 4"]:
+    """Boxes (pixels) of peaks (row, column): the mean, weighted by heat, of those of the cells around."""
+    rows, columns = np.indices(heat.shape) * STRIDE + STRIDE / 2
+    boxes = np.stack(
+        [columns - reach[..., 0], rows - reach[..., 1], columns + reach[..., 2], rows + reach[..., 3]], axis=2
+    )
+    out = np.zeros((len(peaks), 4), np.float32)
+    for number, (row, column) in enumerate(peaks):
+        x0, y0, x1, y1 = boxes[row, column]
+        wide, high = (max(1, int(AROUND * extent / STRIDE)) for extent in (x1 - x0, y1 - y0))
+        near = (slice(max(0, row - high), row + high + 1), slice(max(0, column - wide), column + wide + 1))
+        out[number] = np.average(boxes[near].reshape(-1, 4), axis=0, weights=heat[near].ravel())
+    return out
 
 
 def _keep_apart(boxes: Float[np.ndarray, "N 4"]) -> list[int]:

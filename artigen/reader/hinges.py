@@ -1,6 +1,7 @@
-"""The side of a door's hinges: what the network says, where its pull is, and what stands beside it."""
+"""The side of a door's hinges: what the network says, where its pull is, what stands beside, above and below
+it, and on which side doors of its kind usually have them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Float
@@ -13,6 +14,9 @@ opposite to hinges, and doors of a pair open away from each other."""
 ALIKE, NEAR, LEVEL = 0.4, 0.25, 0.7
 """Doors are a pair if their widths differ by less than the first share, their gap is less than the second
 one of the width, and they overlap in height by more than the third."""
+STACKED, APART = 0.85, 0.25
+"""Doors are stacked if they share more than the first share of their widths, and their gap in height is less
+than the second one of the width. All 120 such pairs of the marked photographs have hinges on one side."""
 LEFT, RIGHT = HINGES.index("left"), HINGES.index("right")
 
 
@@ -21,6 +25,7 @@ def weigh_hinges(
     doors: Float[np.ndarray, "N 4"],
     pulls: Float[np.ndarray, "P 4"],
     scores: Float[np.ndarray, "P"],
+    left_share: float = 0.5,
 ) -> Float[np.ndarray, "N 4"]:
     """Logits of `HINGES` for each door.
 
@@ -29,13 +34,33 @@ def weigh_hinges(
         doors: Boxes of doors (left, top, right, bottom).
         pulls: Boxes of pulls.
         scores: Scores of pulls from 0 to 1.
+        left_share: Share of the doors of this kind with hinges at the left, where no door is beside them.
     """
     out = logits.astype(np.float64).copy()
+    usual = np.log(left_share / (1.0 - left_share)) / 2.0
     for row, door in zip(out, doors, strict=True):
-        lean = PULL_WEIGHT * _pull_side(door, pulls, scores) + PAIR_WEIGHT * _pair_side(door, doors)
+        beside = _pair_side(door, doors)
+        lean = PULL_WEIGHT * _pull_side(door, pulls, scores) + (PAIR_WEIGHT * beside if beside else usual)
         row[LEFT] += lean
         row[RIGHT] -= lean
+    leans = (out[:, LEFT] - out[:, RIGHT]) / 2.0
+    for number, one in enumerate(doors):
+        others = [k for k, other in enumerate(doors) if k != number and _is_stacked(one, other)]
+        out[number, LEFT] += leans[others].sum()
+        out[number, RIGHT] -= leans[others].sum()
     return out
+
+
+def average_shares(kinds: Sequence[tuple[str, float]], shares: Mapping[str, float]) -> float:
+    """Share of doors with hinges at the left, over kinds with their probabilities; half where unknown."""
+    return sum(probability * shares.get(kind, 0.5) for kind, probability in kinds)
+
+
+def _is_stacked(one: Float[np.ndarray, "4"], other: Float[np.ndarray, "4"]) -> bool:
+    wide = max(one[2] - one[0], other[2] - other[0])
+    shared = min(one[2], other[2]) - max(one[0], other[0])
+    gap = max(one[1], other[1]) - min(one[3], other[3])
+    return bool(shared > STACKED * wide and abs(gap) < APART * wide)
 
 
 def _pull_side(

@@ -1,7 +1,7 @@
 """Stores and loads the reader's weights."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -19,11 +19,13 @@ NAME, KINDS = "reader", "kinds"
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Reader:
-    """Trained networks, and how many fronts objects usually have."""
+    """Trained networks, and what is usual of fronts."""
 
     network: ReaderNetwork
     kinds: KindNetwork
     counts: CountShares
+    left_shares: Mapping[str, float]
+    """Share of the doors with hinges at the left, of those without a door beside them, by kind."""
 
 
 def save_reader(reader: Reader, folder: Path, described: Mapping[str, object]) -> list[Path]:
@@ -33,8 +35,12 @@ def save_reader(reader: Reader, folder: Path, described: Mapping[str, object]) -
         kind: {f"{doors} {drawers}": round(share, 4) for (doors, drawers), share in sorted(shares.items())}
         for kind, shares in sorted(reader.counts.items())
     }
-    sizes = {"variant": cfg.variant, "width": cfg.width, "tuned_from": cfg.tuned_from}
-    said = {**described, "sizes": sizes, "doors_and_drawers": counts}
+    said = {
+        **described,
+        "sizes": asdict(cfg),
+        "doors_and_drawers": counts,
+        "left_hinged": dict(reader.left_shares),
+    }
     return [
         *save_model(reader.network, folder, said, NAME),
         *save_model(reader.kinds, folder, {"variant": cfg.variant}, KINDS, pack_bytes),
@@ -58,6 +64,7 @@ def load_reader(folder: Path) -> Reader:
             kind: {_parse_counts(key): float(share) for key, share in shares.items()}
             for kind, shares in counts.items()  # type: ignore[union-attr]
         }
+        left_shares = {kind: float(share) for kind, share in described["left_hinged"].items()}  # type: ignore[index,union-attr]
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise SourceError(
             f"{folder / DESCRIPTION}: describes no reader ({error}); give the folder of one, such as {READER}"
@@ -68,7 +75,7 @@ def load_reader(folder: Path) -> Reader:
     for one in (network, kinds):
         one.requires_grad_(requires_grad=False)
         one.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
-    return Reader(network=network, kinds=kinds, counts=shares)
+    return Reader(network=network, kinds=kinds, counts=shares, left_shares=left_shares)
 
 
 def _parse_counts(text: str) -> Counts:

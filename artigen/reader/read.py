@@ -12,9 +12,9 @@ from jaxtyping import Bool, Float, UInt8
 from artigen.conditioning.image import open_picture
 from artigen.errors import ArtigenError, SourceError
 from artigen.models.precision import native_autocast
-from artigen.reader.choice import CountShares, choose_fronts
+from artigen.reader.choice import choose_fronts
 from artigen.reader.decode import Found, average_maps, find_things, mirror_maps
-from artigen.reader.hinges import weigh_hinges
+from artigen.reader.hinges import average_shares, weigh_hinges
 from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, MATERIALS, OBJECT, PULL, SHELF, STANDS, WHEEL
 from artigen.reader.model import Reader, load_reader
 from artigen.reader.reading import Label, Reading, ReadPart
@@ -113,7 +113,7 @@ def read_image(
     nothing, kinds = _name_kinds(things[OBJECT], chosen, image, sheet, reader)
     if nothing > NOTHING:
         raise SourceError(_say_nothing(kinds, name))
-    return _assemble(things, chosen, kinds, sheet, image, reader.counts, settings or ReadSettings())
+    return _assemble(things, chosen, kinds, sheet, image, reader, settings or ReadSettings())
 
 
 def _name_kinds(
@@ -235,7 +235,7 @@ def _assemble(
     kinds: list[tuple[str, float]],
     sheet: _Sheet,
     image: "Image.Image",
-    counts: CountShares,
+    reader: Reader,
     settings: ReadSettings,
 ) -> Reading:
     """The reading of one object."""
@@ -250,7 +250,7 @@ def _assemble(
         fronts.score[considered].astype(np.float64),
         doors,
         kinds,
-        counts,
+        reader.counts,
         middle=settings.middle,
         strength=settings.usual,
     )
@@ -260,6 +260,7 @@ def _assemble(
         fronts.box[chosen_fronts],
         things[PULL].box,
         things[PULL].score,
+        average_shares(kinds, reader.left_shares),
     )
     for index, door, sides in zip(chosen_fronts, labels, hinges, strict=True):
         parts.append(_describe_front(fronts, int(index), door, sides, sheet))

@@ -10,7 +10,7 @@ import torch
 from torch.utils.data import DataLoader, Dataset
 
 from artigen.errors import ArtigenError, SourceError
-from artigen.examples.front_counts import share_counts
+from artigen.examples.front_counts import share_counts, share_left_hinges
 from artigen.examples.marked_photos import MarkedPhoto, crop_photo, read_marked_photos, sampling_weights
 from artigen.examples.picture_stock import Stock, gather_stock
 from artigen.examples.reader_pictures import make_picture
@@ -216,7 +216,12 @@ def train_reader(cfg: ReaderRunConfig) -> dict[str, float]:
         load_pretrained(kinds.trunk, find_trunk(cfg))
         fit_kinds(kinds, *gather_features(kinds, shards[:KIND_SHARDS], photos, gather_stock(photos)))
         save_reader(
-            Reader(network=network.cpu(), kinds=kinds, counts=share_counts(shards, photos)),
+            Reader(
+                network=network.cpu(),
+                kinds=kinds,
+                counts=share_counts(shards, photos),
+                left_shares=share_left_hinges(photos),
+            ),
             cfg.folder / "model",
             {
                 "steps": finished_steps(stage),

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from artigen.examples.front_counts import ENOUGH, FEW, count_photos, share_counts
+from artigen.examples.front_counts import ENOUGH, FEW, count_photos, share_counts, share_left_hinges
 from artigen.examples.marked_photos import MarkedPhoto
 from artigen.examples.reader_views import BODY, NOTHING, PART, View
 from artigen.examples.view_shards import pack_views
@@ -65,3 +65,24 @@ def test_only_appliances_that_are_marked_completely_count():
     assert count_photos([photo(["door", "drawer"])])["Refrigerator"] == {(1, 1): 1}
     for other in (photo(["door"], complete=False), photo(["door", "pair"]), photo(["door"], kind="oven")):
         assert not count_photos([other])
+
+
+def test_hinges_count_where_no_front_is_beside():
+    def door(x: float, y: float, side: str) -> dict:
+        return {
+            "label": "door", "box": [x, y, x + 0.2, y + 0.3], "kind": "refrigerator", "hinge": side,
+        }  # fmt: skip
+
+    none = np.zeros((0, 4), np.float32)
+
+    def photo_of(*fronts: dict) -> MarkedPhoto:
+        return MarkedPhoto(
+            path=Path("none.jpg"), fronts=fronts, pulls=none, room_doors=none, complete=True, main=None
+        )
+
+    stacked = photo_of(door(0.1, 0.1, "right"), door(0.1, 0.41, "right"))
+    beside = photo_of(door(0.1, 0.1, "left"), door(0.31, 0.1, "right"))
+    half = ENOUGH // 2
+    shares = share_left_hinges([stacked] * half + [beside] * 9)
+    assert shares == {"Refrigerator": round(1 / (2 * half + 2), 3)}
+    assert share_left_hinges([stacked] * (half - 1) + [beside] * 9) == {}

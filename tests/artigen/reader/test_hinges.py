@@ -1,9 +1,9 @@
-"""Hinges are opposite to pulls, doors of a pair open apart, and mirrored doors have mirrored hinges."""
+"""Hinges are opposite to pulls, doors of a pair open apart, stacked ones alike, mirrored ones mirrored."""
 
 import numpy as np
 import pytest
 
-from artigen.reader.hinges import ALIKE, LEFT, NEAR, RIGHT, weigh_hinges
+from artigen.reader.hinges import ALIKE, APART, LEFT, NEAR, RIGHT, STACKED, average_shares, weigh_hinges
 
 UNDECIDED = np.zeros((1, 4))
 DOOR = np.array([[10.0, 10.0, 50.0, 90.0]])
@@ -64,3 +64,35 @@ def test_mirrored_doors_have_mirrored_hinges():
         np.array([0.5]),
     )
     np.testing.assert_allclose(back[:, [1, 0, 2, 3]], there)
+
+
+@pytest.mark.parametrize(
+    ("gap", "shift", "together"),
+    [
+        (40.0 * APART - 0.1, 0.0, True),
+        (40.0 * APART + 0.1, 0.0, False),
+        (1.0, 40.0 * (1 - STACKED) - 0.1, True),
+        (1.0, 40.0 * (1 - STACKED) + 0.1, False),
+    ],
+)
+def test_stacked_doors_have_their_hinges_at_one_side(gap: float, shift: float, *, together: bool):
+    doors = np.array([DOOR[0], [10.0 + shift, 90.0 + gap, 50.0 + shift, 150.0]])
+    sure, unsure = [0.0, 3.0, 0.0, 0.0], [0.5, 0.0, 0.0, 0.0]
+    found = weigh_hinges(np.array([sure, unsure]), doors, NONE, NO_SCORES)
+    assert [int(row.argmax()) for row in found] == [RIGHT, RIGHT if together else LEFT]
+
+
+@pytest.mark.parametrize(("share", "side"), [(0.3, RIGHT), (0.7, LEFT)])
+def test_the_usual_side_decides_where_nothing_else_does(share: float, side: int):
+    assert weigh_hinges(UNDECIDED, DOOR, NONE, NO_SCORES, share)[0].argmax() == side
+    beside = weigh_hinges(np.zeros((2, 4)), pair(1.0, 40.0), NONE, NO_SCORES, share)
+    assert [int(row.argmax()) for row in beside] == [LEFT, RIGHT]
+
+
+def test_the_usual_side_shifts_the_odds_by_its_own():
+    logits = weigh_hinges(UNDECIDED, DOOR, NONE, NO_SCORES, 0.2)[0]
+    assert np.exp(logits[LEFT] - logits[RIGHT]) == pytest.approx(0.25)
+
+
+def test_shares_are_averaged_over_kinds_with_half_where_unknown():
+    assert average_shares([("Refrigerator", 0.6), ("Box", 0.4)], {"Refrigerator": 0.2}) == pytest.approx(0.32)

@@ -41,9 +41,10 @@ def test_a_stored_reader_reads_alike(tmp_path: Path):
             if parameter.dim() > 1:
                 torch.nn.init.kaiming_normal_(parameter)
     counts = {"Refrigerator": {(2, 0): 0.75, (1, 0): 0.25}}
-    save_reader(Reader(network=network, kinds=kinds, counts=counts), tmp_path, {"steps": 1})
+    stored = Reader(network=network, kinds=kinds, counts=counts, left_shares={"Refrigerator": 0.3})
+    save_reader(stored, tmp_path, {"steps": 1})
     found = load_reader(tmp_path)
-    assert found.counts == counts
+    assert (found.counts, found.left_shares) == (counts, stored.left_shares)
     assert found.network.cfg == network.cfg
     pixels = torch.randint(0, 256, (1, 3, 64, 64), generator=torch.Generator().manual_seed(2))
     with torch.no_grad():
