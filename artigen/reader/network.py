@@ -28,6 +28,8 @@ PRIOR = -4.5
 REACH = (3.3, 1.8, 1.8, 2.8, 2.0, 4.4)
 """Initial logarithm of the distance from the middle to each side (pixels), by thing."""
 GROUPS = 8
+WIDE, INNER = 7, 2
+"""Cells of a wide filter's edge, and channels within a block of them over those of the decoder."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +40,8 @@ class ReaderConfig:
     """Variant of the trunk."""
     width: int = 96
     """Channels of the decoder."""
+    context: int = 3
+    """Blocks with wide filters at stride 32: the ends of a large front are far from its middle."""
     tuned_from: int = 8
     """Stride after which blocks of the trunk are tuned."""
 
@@ -64,6 +68,22 @@ class _Fuse(nn.Module):
         return functional.relu(self.norm(self.conv(x)))
 
 
+class _Wide(nn.Module):
+    """A residual block with a wide filter of each channel (ConvNeXt, Liu et al., 2022); at first the
+    identity."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.depth = nn.Conv2d(width, width, WIDE, padding=WIDE // 2, groups=width)
+        self.norm = nn.GroupNorm(GROUPS, width)
+        self.widen, self.narrow = nn.Conv2d(width, INNER * width, 1), nn.Conv2d(INNER * width, width, 1)
+        nn.init.zeros_(self.narrow.weight)
+        nn.init.zeros_(self.narrow.bias)
+
+    def forward(self, x: Float[Tensor, "B C H W"]) -> Float[Tensor, "B C H W"]:
+        return x + self.narrow(functional.gelu(self.widen(self.norm(self.depth(x)))))
+
+
 class ReaderNetwork(nn.Module):
     """Trunk, a decoder from its deepest features to those at stride 4, and maps."""
 
@@ -80,6 +100,7 @@ class ReaderNetwork(nn.Module):
             # General filters, whose gradients would cost most of a step.
             block.depth.weight.requires_grad = False
         self.sides = nn.ModuleList(nn.Conv2d(channels, cfg.width, 1) for channels in self.trunk.channels)
+        self.context = nn.Sequential(*(_Wide(cfg.width) for _ in range(cfg.context)))
         self.fuse = nn.ModuleList(_Fuse(cfg.width) for _ in self.trunk.channels)
         self.last = _Fuse(cfg.width)
         self.heat = nn.Conv2d(cfg.width, len(THINGS), 1)
@@ -102,7 +123,7 @@ class ReaderNetwork(nn.Module):
             x = self.trunk.blocks[index](x)
             if index in self.trunk.taps:
                 taps.append(x)
-        y = self.fuse[3](self.sides[3](taps[3]))
+        y = self.fuse[3](self.context(self.sides[3](taps[3])))
         for level in (2, 1, 0):
             y = functional.interpolate(y, scale_factor=2.0, mode="nearest")
             y = self.fuse[level](self.sides[level](taps[level]) + y)

@@ -10,6 +10,7 @@ import torch
 from torch.utils.data import DataLoader, Dataset
 
 from artigen.errors import ArtigenError, SourceError
+from artigen.examples.blank_pictures import make_blank
 from artigen.examples.front_counts import share_counts, share_left_hinges
 from artigen.examples.marked_photos import MarkedPhoto, crop_photo, read_marked_photos, sampling_weights
 from artigen.examples.picture_stock import Stock, gather_stock
@@ -30,6 +31,8 @@ from artigen.train.reader_losses import reader_losses
 
 TRUNK_FACTOR = 0.125
 """Factor on the learning rate of the pretrained trunk."""
+BLANK = 0.08
+"""Share of the pictures beside the photographs that show nothing known."""
 VIEW_FILES = 3
 """Shards of views that a batch is made from."""
 KIND_SHARDS = 150
@@ -90,7 +93,12 @@ class _Batches(Dataset):
         used = rng.integers(len(self.shards), size=VIEW_FILES)
         views = [view for index in used for view in read_views(self.shards[int(index)])]
         for index in rng.permutation(len(views))[: cfg.batch - real]:
-            pictures.append(make_picture(views[int(index)].unpack(), self.stock, cfg.size, rng))
+            blank = rng.random() < BLANK
+            pictures.append(
+                make_blank(self.stock, cfg.size, rng)
+                if blank
+                else make_picture(views[int(index)].unpack(), self.stock, cfg.size, rng)
+            )
         return make_batch(pictures)
 
 

@@ -10,8 +10,8 @@ from jaxtyping import Float, Int, UInt8
 from torch import Tensor
 from torch.nn import functional
 
+from artigen.examples.blank_pictures import draw_blank
 from artigen.examples.marked_photos import MarkedPhoto, crop_photo
-from artigen.examples.photometry import vary_photometry
 from artigen.examples.picture_stock import Stock
 from artigen.examples.reader_pictures import make_picture
 from artigen.examples.view_shards import read_views
@@ -31,8 +31,6 @@ NOTHING = len(KINDS)
 """Number of pictures that show nothing known."""
 STEPS, ROWS, RATE, DECAY = 600, 512, 3e-3, 0.3
 """Steps, crops per step, learning rate and weight decay."""
-PHOTOGRAPHED = 0.6
-"""Share of pictures of nothing that are parts of photographs."""
 RARE = 20
 """Crops of a kind below which each counts little more than those of a kind with so many."""
 REAL = 2.0
@@ -60,27 +58,6 @@ def cut_objects(
         )
 
 
-def draw_blank(stock: Stock, rng: np.random.Generator) -> UInt8[np.ndarray, "E E 3"]:
-    """A picture without an object: part of a photograph where no front is, or drawn text, a plan, blobs."""
-    if rng.random() < PHOTOGRAPHED:
-        image = stock.backgrounds[int(rng.integers(len(stock.backgrounds)))]
-        return vary_photometry(cv2.resize(image, (EDGE, EDGE)), rng)
-    paper = np.full((EDGE, EDGE, 3), rng.integers(120, 256, 3) if rng.random() < 0.5 else 255, np.uint8)
-    way = rng.integers(3)
-    for _ in range(int(rng.integers(3, 20))):
-        color = tuple(int(value) for value in rng.integers(0, 256, 3) // (1 if way == 2 else 3))
-        (x, y), (wide, high) = rng.integers(0, EDGE, 2).tolist(), rng.integers(6, EDGE // 2, 2).tolist()
-        if way == 0:
-            text = "".join(chr(int(code)) for code in rng.integers(97, 123, int(rng.integers(5, 40))))
-            cv2.putText(paper, text, (x // 3, y), int(rng.integers(8)), rng.uniform(0.3, 1.0), color, 1)
-        elif way == 1:
-            cv2.rectangle(paper, (x, y), (x + wide, y + high), color, int(rng.integers(1, 8)))
-        else:
-            angle = float(rng.uniform(0, 360))
-            cv2.ellipse(paper, (x, y), (wide, high), angle, 0, int(rng.integers(120, 361)), color, -1)
-    return vary_photometry(paper, rng)
-
-
 def gather_features(
     network: KindNetwork, shards: Sequence[Path], photos: Sequence[MarkedPhoto], stock: Stock, seed: int = 0
 ) -> tuple[Float[Tensor, "N 1280"], Int[Tensor, "N"], Float[Tensor, "N"]]:
@@ -97,7 +74,7 @@ def gather_features(
             found = list(cut_objects(crop_photo(shown[int(index)], SOURCE, rng), rng))
             crops += found
             weights += [REAL] * len(found)
-        blanks = [draw_blank(stock, rng) for _ in range(BLANKS_PER_SHARD)]
+        blanks = [draw_blank(stock, EDGE, rng) for _ in range(BLANKS_PER_SHARD)]
         crops += [(blank, NOTHING) for blank in blanks]
         weights += [1.0] * len(blanks)
         if crops:
