@@ -83,13 +83,13 @@ class View:
     """Rows of `BODY`; the first is the main object."""
 
 
-def take_views(seed: int, count: int) -> list[View]:
-    """Renders ``count`` views, a pure function of the seed."""
+def take_views(seed: int, count: int, device: str = "cpu") -> list[View]:
+    """Renders ``count`` views on a device, a pure function of the seed but for rounding."""
     rng = np.random.default_rng([seed, 7])
-    return [_take_view(rng) for _ in range(count)]
+    return [_take_view(rng, device) for _ in range(count)]
 
 
-def _take_view(rng: np.random.Generator) -> View:
+def _take_view(rng: np.random.Generator, device: str) -> View:
     weights = np.array([OFTEN.get(kinds()[name].trade, SELDOM) for name in KINDS])
     kind = KINDS[int(rng.choice(len(KINDS), p=weights / weights.sum()))]
     beside = [one.name for one in kinds().values() if one.trade in OFTEN and one.sizes[2][1] >= TALL]
@@ -110,7 +110,9 @@ def _take_view(rng: np.random.Generator) -> View:
         width=EDGE,
         height=EDGE,
     )
-    return _photograph(arrange_shapes(shapes, rng) if room else shapes, poses, camera, rng, room=room)
+    return _photograph(
+        arrange_shapes(shapes, rng) if room else shapes, poses, camera, rng, room=room, device=device
+    )
 
 
 def _draw(kind: str, rng: np.random.Generator) -> Shape:
@@ -191,6 +193,7 @@ def _photograph(
     rng: np.random.Generator,
     *,
     room: bool,
+    device: str,
 ) -> View:
     """Renders shapes together, with the marks of their parts."""
     joined, owners = join_shapes(shapes)
@@ -208,9 +211,9 @@ def _photograph(
         shadow_rays=int(not soft),
         openness=bool(rng.random() < 0.8),
     )
-    seen = render(build_scene([joined]), batch_cameras([camera]), [qpos], cfg=light)
-    mask = seen.mask[0].numpy()
-    ids = np.where(mask, seen.part_ids[0].numpy(), NOTHING).astype(np.uint16)
+    seen = render(build_scene([joined], device), batch_cameras([camera], device), [qpos], cfg=light)
+    mask = seen.mask[0].cpu().numpy()
+    ids = np.where(mask, seen.part_ids[0].cpu().numpy(), NOTHING).astype(np.uint16)
     displacements = pose_parts(joined, qpos)
     parts = np.array(
         [
@@ -220,7 +223,7 @@ def _photograph(
         dtype=PART,
     )
     bodies = np.array([_describe(shape, camera) for shape in shapes], dtype=BODY)
-    return View(rgba=pack_picture(seen.rgb[0].numpy(), mask), ids=ids, parts=parts, bodies=bodies)
+    return View(rgba=pack_picture(seen.rgb[0].cpu().numpy(), mask), ids=ids, parts=parts, bodies=bodies)
 
 
 def _mark(

@@ -17,22 +17,32 @@ TIMEOUT = 900.0
 """Seconds after which a shard counts as failed."""
 
 
-def make_view_shards(folder: Path, count: int, *, first: int, workers: int) -> list[Path]:
+@dataclass(frozen=True, kw_only=True)
+class ViewShardConfig(ShardConfig):
+    """As `ShardConfig`, with the device that renders."""
+
+    device: str = "cpu"
+
+
+def make_view_shards(
+    folder: Path, count: int, *, first: int, workers: int, device: str = "cpu"
+) -> list[Path]:
     """Renders the shards of views that are missing, and returns the paths of all.
 
     Args:
         first: Seed of the first shard.
+        device: Name of the torch device that renders; all workers share it.
 
     Raises:
         SourceError: If a shard could not be made.
     """
-    cfg = ShardConfig(first_seed=first, objects=VIEWS, timeout=TIMEOUT)
+    cfg = ViewShardConfig(first_seed=first, objects=VIEWS, timeout=TIMEOUT, device=device)
     return make_shards(folder, count, cfg, _make_view_shard, workers=workers)
 
 
-def _make_view_shard(job: ShardJob[ShardConfig]) -> Path:
+def _make_view_shard(job: ShardJob[ViewShardConfig]) -> Path:
     torch.set_num_threads(1)  # there is one process per core
-    views = take_views(job.cfg.first_seed + job.number, job.cfg.objects)
+    views = take_views(job.cfg.first_seed + job.number, job.cfg.objects, job.cfg.device)
     save_shard(job.path, pack_views(views), packed=False)
     return job.path
 

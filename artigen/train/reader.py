@@ -2,8 +2,10 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import torch
@@ -69,6 +71,8 @@ class ReaderRunConfig:
     """Peak learning rate; it falls over the last seven tenths of the budget."""
     workers: int = 2
     """Processes that render views, and later make pictures."""
+    render_on: Literal["cpu", "cuda"] = "cpu"
+    """Device that renders views."""
     seed: int = 0
 
 
@@ -183,6 +187,8 @@ def train_reader(cfg: ReaderRunConfig) -> dict[str, float]:
             f"{cfg.minutes:g} minutes: expected a multiple of 32, a share from 0 to 1, and more than 0 of "
             "the others"
         )
+    if cfg.render_on == "cuda" and not torch.cuda.is_available():
+        raise ArtigenError("render_on cuda: this machine has no CUDA device; render on cpu")
     state = PartialState()
     if state.is_main_process:
         claim_folder(
@@ -194,8 +200,9 @@ def train_reader(cfg: ReaderRunConfig) -> dict[str, float]:
                 "start": None if cfg.start is None else hash_model(cfg.start),
             },
         )
-        make_view_shards(cfg.folder / "views", cfg.shards, first=HELD_OUT, workers=cfg.workers)
-        make_view_shards(cfg.folder / "held_out", HELD_OUT_SHARDS, first=0, workers=cfg.workers)
+        render = partial(make_view_shards, workers=cfg.workers, device=cfg.render_on)
+        render(cfg.folder / "views", cfg.shards, first=HELD_OUT)
+        render(cfg.folder / "held_out", HELD_OUT_SHARDS, first=0)
     state.wait_for_everyone()
     shards = sorted((cfg.folder / "views").glob("shard_*.npz"))
     torch.manual_seed(cfg.seed)

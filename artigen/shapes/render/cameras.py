@@ -69,8 +69,8 @@ def cast_rays(
     return axes[:, 0] * x[:, None] + axes[:, 1] * y[:, None] + axes[:, 2]
 
 
-def batch_cameras(cameras: Sequence[Camera]) -> Cameras:
-    """Cameras with orthogonal axes as a batch; their pictures must be of one size.
+def batch_cameras(cameras: Sequence[Camera], device: str | torch.device = "cpu") -> Cameras:
+    """Cameras with orthogonal axes as a batch on a device; their pictures must be of one size.
 
     Raises:
         ValueError: If there are none, or sizes differ.
@@ -79,9 +79,9 @@ def batch_cameras(cameras: Sequence[Camera]) -> Cameras:
     if len(sizes) != 1:
         raise ValueError(f"cameras with pictures of {sorted(sizes)} pixels, expected one size")
     return Cameras(
-        position=torch.from_numpy(np.stack([camera.position for camera in cameras])),
-        target=torch.from_numpy(np.stack([camera.target for camera in cameras])),
-        fov=torch.tensor([camera.fov for camera in cameras], dtype=torch.float64),
+        position=torch.from_numpy(np.stack([camera.position for camera in cameras])).to(device),
+        target=torch.from_numpy(np.stack([camera.target for camera in cameras])).to(device),
+        fov=torch.tensor([camera.fov for camera in cameras], dtype=torch.float64, device=device),
         width=cameras[0].width,
         height=cameras[0].height,
     )
