@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from artigen.cli.shape import make_package
+from artigen.api.sample import make_package
 from artigen.kind import kinds
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.primitives import Primitive, Vector, box, cylinder, move, place_vertices, prism
