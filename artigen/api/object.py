@@ -157,8 +157,8 @@ class Object:
         """Writes the object and returns it as it lies there.
 
         Args:
-            folder: Folder of the package, such as ``out/fridge``: URDF, MJCF, meshes, hulls, masses. A report
-                of the same files is written as well.
+            folder: Folder of the package, such as ``out/fridge``: URDF, MJCF, meshes, hulls, masses. A package
+                on disk is copied with its report.
             formats: ``usd`` adds an OpenUSD asset below ``out/fridge_usd``, ``glb`` a file
                 ``out/fridge.glb``.
             existing: Refuse or replace what is already there.
@@ -167,23 +167,23 @@ class Object:
             PackageError: If a file or folder cannot be written or must not be replaced, or ``usd`` is asked
                 for without usd-core.
         """
-        from sim_export.files.write import MANIFEST, write_package
+        from artigen.datasets.packing import read_folder
+        from sim_export.files.write import MANIFEST, check_place, package_files, write_files
         from sim_export.picture.glb import write_glb
         from sim_export.usd.write import require_usd, write_usd
 
-        folder = Path(folder)
+        folder, package = Path(folder), self.package
         if "usd" in formats:
             require_usd()
-            write_usd(self.package, folder.with_name(f"{folder.name}_usd"), existing)
+            write_usd(package, folder.with_name(f"{folder.name}_usd"), existing)
         if "glb" in formats:
             folder.parent.mkdir(parents=True, exist_ok=True)
-            write_glb(self.package, folder.with_name(f"{folder.name}.glb"))
+            write_glb(package, folder.with_name(f"{folder.name}.glb"))
         if "package" not in formats:
             return self
-        package, told = self.package, _read_report(self.folder)
-        write_package(package, folder, existing)
-        if told is not None and told[0] == (folder / MANIFEST).read_bytes():
-            (folder / REPORT).write_bytes(told[1])
+        check_place(folder, existing)
+        lies = self.folder is not None and (self.folder / MANIFEST).is_file()
+        write_files(read_folder(self.folder) if self.folder and lies else package_files(package), folder)
         return replace(self, folder=folder, build=lambda: package)
 
     def render(
@@ -231,25 +231,23 @@ def load(folder: Path | str, *, scratch: "TemporaryDirectory[str] | None" = None
         scratch: Temporary folder that holds it, to be removed with the object.
 
     Raises:
-        PackageError: If something is missing or invalid; the message names the file and the value.
+        PackageError: If there is no package or more than one, or something is missing or invalid; the message
+            names the file and the value.
     """
+    from sim_export.errors import PackageError
+    from sim_export.files.folders import find_packages
     from sim_export.files.read import read_package
 
-    package = read_package(Path(folder))
+    found = find_packages([Path(folder)])
+    if len(found) != 1:
+        names = ", ".join(path.name for path in found[:3])
+        raise PackageError(
+            f"{folder}: {len(found)} packages ({names}, ...), expected one; load them one by one"
+        )
+    package = read_package(found[0])
     return Object(
-        name=package.name, kind=package.category, build=lambda: package, folder=Path(folder), scratch=scratch
+        name=package.name, kind=package.category, build=lambda: package, folder=found[0], scratch=scratch
     )
-
-
-def _read_report(folder: Path | None) -> tuple[bytes, bytes] | None:
-    """Manifest and report of a package on disk, if it has both."""
-    from sim_export.files.write import MANIFEST
-
-    paths = () if folder is None else (folder / MANIFEST, folder / REPORT)
-    if not paths or not all(path.is_file() for path in paths):
-        return None
-    manifest, report = (path.read_bytes() for path in paths)
-    return manifest, report
 
 
 def _driven(shape: "Shape") -> list:
