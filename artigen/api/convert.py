@@ -266,10 +266,18 @@ def convert_packages(
     Raises:
         ArtigenError: If a source is not there, or several have one name.
     """
-    from artigen.datasets.sources import find_sources
-
-    cfg = cfg or ConvertSettings()
-    jobs = [ConvertJob(source=source, out=out, cfg=cfg) for source in find_sources(tuple(sources))]
+    jobs = list_conversions(sources, out, cfg or ConvertSettings())
     return run_with_progress(
         partial(convert_and_validate, timeout=timeout), jobs, out, runner=runner, part=part
     )
+
+
+def list_conversions(sources: Sequence[Path], out: Path, cfg: ConvertSettings) -> list[ConvertJob]:
+    """One job for every object in some files and folders.
+
+    Raises:
+        SourceError: If one of them is not there.
+    """
+    from artigen.datasets.sources import find_sources
+
+    return [ConvertJob(source=source, out=out, cfg=cfg) for source in find_sources(tuple(sources))]

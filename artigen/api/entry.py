@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import Literal, TypedDict, Unpack, overload
 
-from artigen.api.convert import TIMEOUT, ConvertJob, ConvertSettings, Direction, convert_and_validate
+from artigen.api.convert import TIMEOUT, ConvertSettings, Direction, convert_and_validate, list_conversions
 from artigen.api.generate import GenerateSettings, generate_and_validate, list_jobs, understand_job
 from artigen.api.object import Object
 from artigen.api.objects import Objects, list_seeds, make_here
@@ -237,14 +237,12 @@ def convert(
     Raises:
         ArtigenError: If the source cannot be read, or holds several objects where one is expected.
     """
-    from artigen.datasets.sources import find_sources
-
     cfg = ConvertSettings(
         mend=mend, size=size, category=kind, up=up, front=front, visual=visual, splats=gaussians
     )
     one = isinstance(source, str | Path)
     given = (Path(source),) if isinstance(source, str | Path) else tuple(map(Path, source))
-    jobs = tuple(ConvertJob(source=path, out=HERE, cfg=cfg) for path in find_sources(given))
+    jobs = tuple(list_conversions(given, HERE, cfg))
     handle = partial(convert_and_validate, timeout=TIMEOUT)
     make = partial(make_here, handle=handle)
     if not one:

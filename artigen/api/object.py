@@ -7,7 +7,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Literal
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from artigen.types import Joint, PartLabel
+from artigen.types import Asset, Joint, PartLabel
 
 if TYPE_CHECKING:
     from artigen.camera import Camera
@@ -64,17 +64,16 @@ class Object:
     def joints(self) -> Mapping[str, Joint]:
         """The joints that can be moved, by their names in all files; lengths in metres, angles in radians."""
         if self.shape is not None:
-            return _drawn_joints(self.shape)
+            return {name: joint for name, (_, joint) in _drawn_joints(self.shape).items()}
         return _package_joints(self.package)
 
     @cached_property
     def parts(self) -> tuple[ObjectPart, ...]:
         """The rigid parts."""
         if self.shape is not None:
-            drives = dict(zip(_drawn_joints(self.shape), _driven(self.shape), strict=True))
-            by_part = {part.name: joint for joint, part in drives.items()}
+            names = {part: name for name, (part, _) in _drawn_joints(self.shape).items()}
             return tuple(
-                ObjectPart(name=part.name, label=part.label, joint=by_part.get(part.name))
+                ObjectPart(name=part.name, label=part.label, joint=names.get(part.name))
                 for part in self.shape.parts
             )
         return _package_parts(self.package)
@@ -157,8 +156,8 @@ class Object:
         """Writes the object and returns it as it lies there.
 
         Args:
-            folder: Folder of the package, such as ``out/fridge``: URDF, MJCF, meshes, hulls, masses. A package
-                on disk is copied with its report.
+            folder: Folder of the package, such as ``out/fridge``: URDF, MJCF, meshes, hulls, masses. One
+                that is on disk is copied with its report.
             formats: ``usd`` adds an OpenUSD asset below ``out/fridge_usd``, ``glb`` a file
                 ``out/fridge.glb``.
             existing: Refuse or replace what is already there.
@@ -172,7 +171,10 @@ class Object:
         from sim_export.picture.glb import write_glb
         from sim_export.usd.write import require_usd, write_usd
 
-        folder, package = Path(folder), self.package
+        folder = Path(folder)
+        if "package" in formats:
+            check_place(folder, existing)
+        package = self.package
         if "usd" in formats:
             require_usd()
             write_usd(package, folder.with_name(f"{folder.name}_usd"), existing)
@@ -181,7 +183,6 @@ class Object:
             write_glb(package, folder.with_name(f"{folder.name}.glb"))
         if "package" not in formats:
             return self
-        check_place(folder, existing)
         lies = self.folder is not None and (self.folder / MANIFEST).is_file()
         write_files(read_folder(self.folder) if self.folder and lies else package_files(package), folder)
         return replace(self, folder=folder, build=lambda: package)
@@ -250,23 +251,37 @@ def load(folder: Path | str, *, scratch: "TemporaryDirectory[str] | None" = None
     )
 
 
-def _driven(shape: "Shape") -> list:
-    """The parts of a shape with a coordinate of their own."""
-    return [part for part in shape.parts if part.motion is not None and part.motion.follows is None]
+def open_asset(folder: Path | str) -> Object:
+    """The object of an asset folder, as `artigen.io.write_asset` writes it; its package is built when used.
+
+    Raises:
+        ArtigenError: If a file is missing or invalid.
+    """
+    from artigen.io import read_asset
+
+    asset = read_asset(Path(folder))
+    source = Path(folder).resolve().name
+    return Object(name=asset.name, kind=asset.category, build=partial(_build_asset, asset, source))
 
 
-def _drawn_joints(shape: "Shape") -> dict[str, Joint]:
-    """The joints of a shape, named as in its package: by the number of their part among those that move."""
+def _build_asset(asset: Asset, source: str) -> "SimPackage":
+    from artigen import __version__
+    from sim_export.export import export_asset
+
+    provenance = {"generator": f"artigen {__version__} export", "source": source}
+    return export_asset(asset, provenance=provenance).package
+
+
+def _drawn_joints(shape: "Shape") -> dict[str, tuple[str, Joint]]:
+    """Part and joint by the joint's name in the package: the number of the part among those that move."""
     from artigen.shapes.asset import frame_shape
-    from artigen.shapes.poses import make_joint
 
     center, _ = frame_shape(shape)
-    moving = [part for part in shape.parts if part.motion is not None]
-    driven = {part.name for part in _driven(shape)}
+    moving = [(part.name, part.motion) for part in shape.parts if part.motion is not None]
     return {
-        f"joint_{number}": make_joint(part.motion, center)
-        for number, part in enumerate(moving)
-        if part.name in driven
+        f"joint_{number}": (part, replace(motion, origin=motion.origin - center))
+        for number, (part, motion) in enumerate(moving)
+        if motion.follows is None
     }
 
 
@@ -283,6 +298,7 @@ def _package_joints(package: "SimPackage") -> dict[str, Joint]:
             lower=joint.lower,
             upper=joint.upper,
             pitch=pitches.get(joint.name, 0.0),
+            spring=max(joint.spring, 0.0),
         )
         for joint in driven_joints(package.joints)
     }

@@ -1,11 +1,14 @@
-"""One picture of a package: any camera, any pose; its meshes, its collision hulls or its Gaussians."""
+"""One picture of a package: any camera, any pose; its meshes, its collision hulls or its Gaussians.
 
-from collections.abc import Mapping
+Previews, animations, thumbnails and `artigen.Object.render` are made here.
+"""
+
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import UInt8
 
 from artigen.camera import Camera
 from sim_export.errors import PackageError
@@ -13,6 +16,7 @@ from sim_export.motion.kinematics import driven_joints, link_displacements
 from sim_export.package import SimPackage
 from sim_export.picture.draw import hull_surfaces, open_qpos, package_surfaces, pose_surfaces
 from sim_export.picture.lighting import RenderConfig
+from sim_export.picture.raycast import Surface
 from sim_export.picture.render import render_scene, surface_points
 from sim_export.picture.splats import DrawSplats, has_splats, pose_splats
 from sim_export.picture.viewpoint import Viewpoint, place_camera
@@ -67,7 +71,8 @@ def render_package(
     """
     cfg = cfg or RenderConfig()
     T = link_displacements(package.links, package.joints, read_pose(package, q))
-    surfaces = hull_surfaces(package) if layer == "collision" else package_surfaces(package)
+    closed = package_surfaces(package)
+    surfaces = hull_surfaces(package) if layer == "collision" else closed
     posed = pose_surfaces(surfaces, T)
     if not len(surface_points(posed)) or (layer == "gaussians" and not has_splats(package)):
         raise PackageError(f"package {package.name!r} has no {layer} to render")
@@ -77,9 +82,13 @@ def render_package(
         if draw_splats is None:
             raise PackageError(f"package {package.name!r}: Gaussians need a renderer of them, draw_splats")
         return draw_splats(pose_splats(package, T), camera, cfg.background)
-    return render_scene(posed, camera, replace(cfg, ground_height=_floor(surface_points(surfaces), cfg)))
+    return render_standing(posed, closed or surfaces, camera, cfg)
 
 
-def _floor(points: Float[np.ndarray, "N 3"], cfg: RenderConfig) -> float:
-    """Height (m) of the floor: the given one, or that of the lowest of the points at rest."""
-    return float(points[:, 2].min()) if cfg.ground_height is None else cfg.ground_height
+def render_standing(
+    posed: Sequence[Surface], closed: Sequence[Surface], camera: Camera, cfg: RenderConfig
+) -> UInt8[np.ndarray, "H W 3"]:
+    """Renders surfaces of an object in any pose, on the floor that it stands on when closed."""
+    if cfg.ground_height is None:
+        cfg = replace(cfg, ground_height=float(surface_points(closed)[:, 2].min()))
+    return render_scene(posed, camera, cfg)

@@ -17,6 +17,9 @@ from artigen.api.object import Object
 from artigen.camera import look_at
 from artigen.datasets.packing import read_folder
 from artigen.errors import ArtigenError
+from artigen.shapes.asset import frame_shape
+from artigen.shapes.poses import lead_followers, pose_parts
+from artigen.transforms import shift
 from sim_export.errors import PackageError
 from sim_export.picture.viewpoint import Viewpoint
 
@@ -124,6 +127,21 @@ def test_a_joint_moves_its_part_along_or_about_its_axis_and_nothing_at_rest(kind
         moved = T[:3, :3] @ joint.origin + T[:3, 3] - joint.origin
         np.testing.assert_allclose(moved, joint.pitch * q * joint.axis, atol=1e-9)
         assert (np.trace(T[:3, :3]) - 1) / 2 == pytest.approx(np.cos(q))
+
+
+@pytest.mark.parametrize("kind", MOVERS)
+def test_a_package_moves_as_its_solids_do_followers_included(kind: str):
+    obj = drawn(kind)
+    shape = obj.shape
+    assert shape is not None
+    shares = np.random.default_rng(0).uniform(0.1, 0.9, len(obj.joints))
+    q = {name: float(share) * obj.joints[name].upper for name, share in zip(obj.joints, shares, strict=True)}
+    own = {part.name: q[part.joint] for part in obj.parts if part.joint is not None}
+    qpos = lead_followers(shape, np.array([own.get(part.name, 0.0) for part in shape.parts]))
+    center, _ = frame_shape(shape)
+    moved = obj.at(q)
+    for part, T in zip(shape.parts, pose_parts(shape, qpos), strict=True):
+        np.testing.assert_allclose(moved[part.name], shift(-center) @ T @ shift(center), atol=1e-9)
 
 
 def test_a_picture_shows_the_pose_and_the_camera_decides_its_size():

@@ -21,10 +21,11 @@ from artigen.shapes.primitives import (
     rounded_box,
 )
 from artigen.shapes.render import Cameras, Images, RenderConfig, batch_cameras, build_scene, render
-from artigen.shapes.shape import Motion, Shape, ShapePart, make_base
+from artigen.shapes.shape import Shape, ShapePart, make_base
 from artigen.shapes.sheet import draw_sheet
 from artigen.shapes.surfaces.materials import LACQUERS, make_glass, make_lacquer
 from artigen.shapes.surfaces.palette import draw_palette
+from artigen.types import Joint
 
 GEOMETRY = RenderConfig(shadow_rays=0, openness=False)
 
@@ -38,7 +39,7 @@ def make_shape(*parts: ShapePart, glass_opacity: float = 0.2) -> Shape:
 
 
 def one_part(*primitives: Primitive, **motion) -> ShapePart:
-    return ShapePart("body", "base", primitives, Motion(**motion) if motion else None, parent=None)
+    return ShapePart("body", "base", primitives, Joint(**motion) if motion else None, parent=None)
 
 
 def front_camera(size: int = 64, distance: float = 3.0, fov: float = 30.0) -> Cameras:
@@ -234,7 +235,7 @@ def test_a_joint_moves_the_picture_as_moving_the_solids_does(motion: dict):
     )
     fixed = box((-0.15, -0.3, -0.2), (0.2, 0.3, -0.1), "plain")
     body = make_base((fixed,))
-    moving = ShapePart("door", "door", door, Motion(**motion))
+    moving = ShapePart("door", "door", door, Joint(**motion))
     knob = ShapePart("knob", "knob", (box((-0.3, 0, 0.1), (-0.2, 0.1, 0.12), "plain"),), parent="door")
     shape = make_shape(body, moving, knob)
     qpos = open_parts(shape, 0.7)
@@ -409,7 +410,7 @@ def test_the_floor_is_dark_beneath_the_object_and_bright_far_from_it():
 
 def test_a_sheet_has_a_picture_per_shape_and_shows_them_open():
     door = box((-0.2, -0.3, 0.0), (-0.18, 0.3, 0.4), "plain")
-    motion = Motion(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.3)
+    motion = Joint(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.3)
     body = make_base((box((-0.17, -0.3, 0), (0.2, 0.3, 0.5), "body"),))
     moving = ShapePart("door", "drawer", (door,), motion)
     shapes = [make_shape(body, moving), make_shape(body)]
