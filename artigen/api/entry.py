@@ -15,6 +15,7 @@ from artigen.api.sample import (
     build_sampled,
     draw_wished,
     export_and_validate,
+    export_only,
     list_shapes,
 )
 from artigen.errors import ArtigenError
@@ -122,7 +123,9 @@ def sample(
     jobs = list_shapes(kind, HERE, list_seeds(seed, count), cfg)
     if isinstance(seed, int) and count is None:
         return make_sampled(jobs[0])
-    return Objects(jobs=tuple(jobs), make=make_sampled, handle=export_and_validate, workers=workers)
+    return Objects(
+        jobs=tuple(jobs), make=make_sampled, handle=export_and_validate, write=export_only, workers=workers
+    )
 
 
 def make_sampled(job: ShapeJob) -> Object:
@@ -198,7 +201,8 @@ def generate(
     make = partial(make_here, handle=generate_and_validate)
     if isinstance(seed, int) and count is None:
         return make(jobs[0])
-    return Objects(jobs=tuple(jobs), make=make, handle=generate_and_validate, workers=workers)
+    handle = generate_and_validate
+    return Objects(jobs=tuple(jobs), make=make, handle=handle, write=handle, workers=workers)
 
 
 @overload
@@ -246,7 +250,7 @@ def convert(
     handle = partial(convert_and_validate, timeout=TIMEOUT)
     make = partial(make_here, handle=handle)
     if not one:
-        return Objects(jobs=jobs, make=make, handle=handle, workers=workers)
+        return Objects(jobs=jobs, make=make, handle=handle, write=handle, workers=workers)
     if len(jobs) != 1:
         raise ArtigenError(
             f"{source}: {len(jobs)} objects, expected one; for all of them give a list, as in "

@@ -29,6 +29,9 @@ class Objects(Sequence[Object]):
     make: Callable[[Any], Object]
     """Makes the object of a job in this process."""
     handle: Handle
+    """Makes and validates the package of a job."""
+    write: Handle
+    """Makes the package of a job with the checks that ``make`` runs."""
     workers: int = 0
 
     def __len__(self) -> int:
@@ -56,7 +59,7 @@ class Objects(Sequence[Object]):
         jobs = [replace(job, out=Path(scratch.name)) for job in self.jobs]
         done: dict[str, Finished] = {}
         waiting = [job.key for job in jobs]
-        for finished in run_jobs(self.handle, jobs, LocalRunner(workers=self.workers)):
+        for finished in run_jobs(self.write, jobs, LocalRunner(workers=self.workers)):
             done[finished.key] = finished
             while waiting and waiting[0] in done:
                 yield open_made(done.pop(waiting.pop(0)), scratch)

@@ -280,6 +280,11 @@ def export_and_validate(worker: Worker, job: ShapeJob) -> Finished:
     return make_on_grids(worker, jobs, export_shape, timeout=TIMEOUT, validation=full)
 
 
+def export_only(worker: Worker, job: ShapeJob) -> Finished:
+    """Makes one object in a supervised process, without checks."""
+    return make_on_grids(worker, [job], export_shape, timeout=TIMEOUT, validation=False)
+
+
 def sample_packages(
     category: str,
     out: Path,
