@@ -14,7 +14,7 @@ def main(folder: Path) -> None:
     drawn = artigen.sample("StorageFurniture", counts={"drawer": 1, "door": 1}).export(folder / "cabinet")
     converted = artigen.convert(folder / "cabinet" / "mobility.urdf", kind=drawn.kind)
     print(drawn, converted, sep="\n")
-    for note in converted.package.records:
+    for note in converted.notes:
         print(f"   noted: {note}")
     report = converted.export(folder / "converted").report
     assert report is not None

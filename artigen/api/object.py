@@ -95,6 +95,16 @@ class Object:
             depth, width, height = np.ptp(surface_points(package_surfaces(self.package)), axis=0)
         return float(width), float(depth), float(height)
 
+    @property
+    def mass(self) -> float:
+        """Kilograms of all links; links of foreign packages without inertia count nothing."""
+        return sum(link.inertial.mass for link in self.package.links if link.inertial is not None)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was repaired, simplified or left out on the way, one sentence each."""
+        return self.package.records
+
     def __repr__(self) -> str:
         width, depth, height = self.size
         parts, joints = len(self.parts), len(self.joints)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from artigen.shapes.draw import draw_shape
+from artigen.shapes.fittings.hardware import rotate, slide
 from artigen.shapes.primitives import box, cylinder, line, place_vertices, rounded_box
 from artigen.shapes.shape import Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.splats.faces import lay_gaussians
-from artigen.types import Joint
 from sim_export.checks.suite import run_checks
 from sim_export.files.write import package_files, write_package
 from sim_export.geometry.primitives import find_primitive
@@ -51,7 +51,7 @@ def cupboard() -> Shape:
         label="door",
         parent="body",
         primitives=boards(((-0.222, -0.3, 0.0), (-0.202, 0.3, 0.5))),
-        motion=Joint(type="revolute", axis=(0.0, 0.0, -1.0), origin=(-0.222, 0.3, 0.0), upper=1.6),
+        motion=rotate((0.0, 0.0, -1.0), (-0.222, 0.3, 0.0), 1.6),
     )
     grip = ShapePart(
         name="grip",
@@ -71,7 +71,7 @@ def cupboard() -> Shape:
             ((-0.18, -0.25, 0.022), (0.16, 0.25, 0.032)),
             ((-0.18, -0.25, 0.032), (-0.17, 0.25, 0.1)),
         ),
-        motion=Joint(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.25),
+        motion=slide(0.25),
         needs=(Need(part="door"),),
     )
     return Shape(

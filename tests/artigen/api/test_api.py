@@ -106,6 +106,8 @@ def test_an_object_says_the_same_as_drawn_as_built_and_as_loaded(kind: str, tmp_
         assert {*other.parts} == {*obj.parts}
         assert other.size == pytest.approx(obj.size, abs=1e-3)
         assert other.counts == obj.counts
+        assert other.mass == pytest.approx(obj.mass, rel=1e-5)
+        assert other.notes == obj.notes
     assert repr(loaded) == repr(built)
     assert len(repr(obj).splitlines()) == 1
     assert f"{obj.size[0]:.2f} m wide" in repr(obj)
