@@ -125,9 +125,9 @@ class Object:
         """Displacement of every part from rest, by name; it maps points at rest to points in the pose.
 
         Args:
-            q: Coordinates (m, rad) of joints by name, which may exceed limits, the others are closed; or the
-                share of its range, 0 to 1, to which every joint is open, but those that need another one to be
-                open further.
+            q: Coordinates (m, rad) of joints by name, also beyond their limits; the others are closed. Or the
+                share of its range, 0 to 1, to which every joint is open, but those that need another one to
+                be open further.
 
         Raises:
             PackageError: If a name is not that of a joint.
