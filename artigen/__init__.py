@@ -1,3 +1,33 @@
-"""artigen: articulated objects for simulation, from a condition to a proven package."""
+"""artigen: articulated objects for simulation, from a condition to a proven package.
+
+``sample``, ``generate``, ``convert`` and ``load`` give an `Object`; ``kinds()`` lists what can be sampled.
+Everything is imported when it is first used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from artigen.api.entry import convert, generate, sample
+    from artigen.api.object import Object, load
+    from artigen.api.objects import Objects
+    from artigen.kind import kinds
 
 __version__ = "0.1.0"
+__all__ = ["Object", "Objects", "convert", "generate", "kinds", "load", "sample"]
+
+_PLACES = {
+    "Object": "artigen.api.object",
+    "Objects": "artigen.api.objects",
+    "convert": "artigen.api.entry",
+    "generate": "artigen.api.entry",
+    "kinds": "artigen.kind",
+    "load": "artigen.api.object",
+    "sample": "artigen.api.entry",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _PLACES:
+        raise AttributeError(f"module 'artigen' has no attribute {name!r}; it has {', '.join(__all__)}")
+    return getattr(import_module(_PLACES[name]), name)

@@ -19,6 +19,8 @@ from artigen.errors import SourceError
 from artigen.types import JOINT_TYPES, PART_LABELS, Asset, Gaussians, Joint, Part, SurfaceSamples, VoxelGrid
 
 FORMAT = "artigen-asset-1"
+JOINT_KEYS = ("type", "axis", "origin", "lower", "upper", "pitch")
+"""Keys of a joint in ``asset.json``."""
 JSON_NAME = "asset.json"
 ARRAYS_NAME = "asset.npz"
 _HOLDERS = {"voxels": VoxelGrid, "surface": SurfaceSamples, "gaussians": Gaussians}
@@ -154,9 +156,9 @@ def _to_json(asset: Asset) -> dict[str, object]:
                 "parent": part.parent,
                 "box": part.box.tolist(),
                 "joint": {
-                    field.name: value.tolist() if isinstance(value, np.ndarray) else value
-                    for field in fields(Joint)
-                    for value in [getattr(part.joint, field.name)]
+                    name: value.tolist() if isinstance(value, np.ndarray) else value
+                    for name in JOINT_KEYS
+                    for value in [getattr(part.joint, name)]
                 },
             }
             for part in asset.parts
@@ -191,13 +193,15 @@ def _read_part(item: object, index: int) -> Part:
     where = f"part {index}"
     _check_keys(item, {field.name for field in fields(Part)}, where)
     assert isinstance(item, dict)
-    _check_keys(item["joint"], {field.name for field in fields(Joint)}, f"{where} joint")
+    _check_keys(item["joint"], set(JOINT_KEYS), f"{where} joint")
     numbers = {key: float(_typed(item["joint"], key, (int, float))) for key in ("lower", "upper", "pitch")}
     joint = Joint(
         type=_chosen(item["joint"], "type", JOINT_TYPES),
         axis=np.array(item["joint"]["axis"], dtype=np.float64),
         origin=np.array(item["joint"]["origin"], dtype=np.float64),
-        **numbers,
+        lower=numbers["lower"],
+        upper=numbers["upper"],
+        pitch=numbers["pitch"],
     )
     return Part(
         name=_typed(item, "name", str),

@@ -11,18 +11,47 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from artigen.transforms import joint_motion, quat_from_matrix, quat_multiply
-from artigen.types import Asset, Gaussians, Part
+from artigen.types import Asset, Gaussians
 
 
-def topological_order(parts: Sequence[Part]) -> list[int]:
-    """Part indices with every parent before its children."""
+def parents_first(parents: Sequence[int]) -> list[int]:
+    """Indices of a forest with every parent before its children.
+
+    Args:
+        parents: Index of the parent of each; -1 for roots.
+
+    Raises:
+        ValueError: If some are their own ancestors.
+    """
     order: list[int] = []
-    waiting = list(range(len(parts)))
+    placed, waiting = {-1}, list(range(len(parents)))
     while waiting:
-        ready = [index for index in waiting if parts[index].parent == -1 or parts[index].parent in order]
+        ready = [index for index in waiting if parents[index] in placed]
+        if not ready:
+            raise ValueError(f"parents {list(parents)}: {waiting} form a cycle")
         order += ready
-        waiting = [index for index in waiting if index not in ready]
+        placed |= set(ready)
+        waiting = [index for index in waiting if index not in placed]
     return order
+
+
+def compose(parents: Sequence[int], own: Float[np.ndarray, "*B P 4 4"]) -> Float[np.ndarray, "*B P 4 4"]:
+    """Displacement of every part from rest: its parent's displacement times its own motion.
+
+    Motions of assets, shapes and packages are chained here and nowhere else.
+
+    Args:
+        parents: Index of the parent of each; -1 for roots.
+        own: Displacement of each by its own joint, in the object frame at rest.
+
+    Raises:
+        ValueError: If some are their own ancestors.
+    """
+    out = np.array(own, dtype=np.float64)
+    for index in parents_first(parents):
+        if parents[index] != -1:
+            out[..., index, :, :] = out[..., parents[index], :, :] @ own[..., index, :, :]
+    return out
 
 
 def movable_parts(asset: Asset) -> list[int]:
@@ -51,13 +80,12 @@ def displacements(asset: Asset, qpos: Float[np.ndarray, "*B J"]) -> Float[np.nda
             f"asset {asset.name!r}: qpos has {qpos.shape[-1]} entries, {len(movable)} parts move"
         )
     column = {part: index for index, part in enumerate(movable)}
-    out = np.zeros((*qpos.shape[:-1], len(asset.parts), 4, 4))
-    for index in topological_order(asset.parts):
-        part = asset.parts[index]
-        q = qpos[..., column[index]] if index in column else np.zeros(qpos.shape[:-1])
-        own = joint_motion(part.joint, q)
-        out[..., index, :, :] = own if part.parent == -1 else out[..., part.parent, :, :] @ own
-    return out
+    still = np.zeros(qpos.shape[:-1])
+    own = [
+        joint_motion(part.joint, qpos[..., column[index]] if index in column else still)
+        for index, part in enumerate(asset.parts)
+    ]
+    return compose([part.parent for part in asset.parts], np.stack(own, axis=-3))
 
 
 def articulate_points(

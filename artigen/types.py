@@ -6,7 +6,7 @@ conventions of CONVENTIONS.md: z up, front faces -x, unit cube [-0.5, 0.5]^3, ra
 ``Asset.scale`` (metres per unit) is the only place where metres enter.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 import numpy as np
@@ -18,6 +18,8 @@ JointType = Literal["fixed", "revolute", "prismatic", "continuous", "screw"]
 PART_LABELS: tuple[PartLabel, ...] = get_args(PartLabel)
 JOINT_TYPES: tuple[JointType, ...] = get_args(JointType)
 FULL_TURN = 2.0 * np.pi
+ENDLESS: tuple[JointType, ...] = ("continuous", "screw")
+"""Joints without limits in a simulation."""
 
 
 def frozen_array(value: object, dtype: type, shape: tuple[int | None, ...], name: str):
@@ -47,17 +49,27 @@ class Joint:
     """Motion of a part relative to its parent, in the object frame at rest.
 
     The coordinate ``q`` is an angle in radians for revolute, continuous and screw joints and a
-    unit-cube length for prismatic ones. ``q = 0`` is closed and positive ``q`` opens. A continuous
-    joint states ``[0, 2 pi]`` but is not limited by it. A screw rotates by ``q`` and at the same
-    time travels ``pitch * q`` along its axis.
+    length for prismatic ones, in the unit of the object: metres, or those of the unit cube in an
+    `Asset`. ``q = 0`` is closed and positive ``q`` opens. A continuous joint states ``[0, 2 pi]``
+    but is not limited by it. A screw rotates by ``q`` and at the same time travels ``pitch * q``
+    along its axis.
+
+    ``follows`` names a part that drives this one, as a pedal does a lid: both are closed and both
+    are open at the same time, with proportional motion between. ``spring`` is a force (N) or torque
+    (N m) that closes the joint: the stated value when closed, twice that when open, linear between.
+    ``stays`` is for hinges that hold the part wherever it is left, by friction or a counterbalance.
+    Parts of an `Asset` have none of the three.
     """
 
     type: JointType
     axis: Float[np.ndarray, "3"]
-    origin: Float[np.ndarray, "3"]
+    origin: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
     lower: float = 0.0
     upper: float = 0.0
     pitch: float = 0.0
+    follows: str | None = None
+    spring: float = 0.0
+    stays: bool = False
 
     def __post_init__(self) -> None:
         if self.type not in JOINT_TYPES:
@@ -74,6 +86,12 @@ class Joint:
             raise ValueError(f"a fixed joint has limits [{self.lower}, {self.upper}], expected [0, 0]")
         if self.pitch != 0.0 and self.type != "screw":
             raise ValueError(f"a {self.type} joint has pitch {self.pitch}; only screws have one")
+        if self.type in ENDLESS and (self.follows is not None or self.spring != 0.0):
+            raise ValueError(f"a {self.type} joint has no limits: it cannot follow another or have a spring")
+        if self.stays and self.type != "revolute":
+            raise ValueError(f"a {self.type} joint stays; only hinges with limits do")
+        if not self.spring >= 0.0:
+            raise ValueError(f"a spring of {self.spring} N or N m, expected 0 or more: it closes the joint")
 
 
 FIXED = Joint(type="fixed", axis=np.array([0.0, 0.0, 1.0]), origin=np.zeros(3))
@@ -101,6 +119,10 @@ class Part:
         box = freeze_field(self, "box", np.float64, (2, 3), f"part {self.name!r}: box")
         if (box[1] < 0).any():
             raise ValueError(f"part {self.name!r}: box size {box[1].tolist()} is negative")
+        if self.joint.follows is not None or self.joint.spring != 0.0 or self.joint.stays:
+            raise ValueError(
+                f"part {self.name!r}: a joint of an asset follows nothing and has no spring or stay"
+            )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,7 +10,6 @@ import json
 import statistics
 from collections import Counter
 from dataclasses import asdict
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -18,10 +17,12 @@ import tyro
 from likeness import measure_likeness
 from tqdm import tqdm
 
-from artigen.cli.batch import Finished, read_journal
-from artigen.cli.convert import ConvertSettings, convert
-from artigen.cli.validate import validate_folder
+import artigen
+from artigen.api.batch import Finished, read_journal
+from artigen.api.check import validate_packages
+from artigen.runtime.runner import LocalRunner
 from artigen.runtime.workers import Outcome, Worker, run_supervised
+from envs.config import ValidateConfig
 from sim_export.report import Report, report_from_json, report_to_json
 
 Stage = Literal["convert", "originals", "likeness", "table"]
@@ -46,7 +47,7 @@ def main(
     for stage in stages:
         if stage == "convert":
             folders = tuple(sources / key for keys in groups.values() for key in keys)
-            convert(folders, out / "packages", ConvertSettings(visual=visual, mend=mend), workers=workers)
+            artigen.convert(folders, visual=visual, mend=mend).export(out / "packages", workers=workers)
         elif stage == "originals":
             validate_originals(sources, groups, out / "originals", workers)
         elif stage == "likeness":
@@ -62,8 +63,8 @@ def validate_originals(sources: Path, groups: Groups, out: Path, workers: int) -
     out.mkdir(exist_ok=True)
     keys = [key for group in groups.values() for key in group if not (out / f"{key}.json").exists()]
     folders = [sources / key for key in keys]
-    handle = partial(validate_folder, output="none")
-    for report in tqdm(run_supervised(handle, folders, workers=workers), total=len(folders)):
+    cfg, runner = ValidateConfig(output="none"), LocalRunner(workers=workers)
+    for report in tqdm(validate_packages(folders, cfg, runner), total=len(folders)):
         (out / f"{report.package}.json").write_text(report_to_json(report))
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from artigen.cli.validate import choose_engines
+from envs.engines.choose import choose_engines
 from envs.engines.judge import judge
 from envs.engines.plan import make_plan
 from envs.engines.witness import FILES, WITNESSES, run_engine

@@ -17,8 +17,9 @@ from pathlib import Path
 import numpy as np
 import tyro
 
-from artigen.cli.batch import read_journal
-from artigen.cli.generate import GenerateSettings, generate
+import artigen
+from artigen.api.batch import read_journal
+from artigen.api.generate import GenerateSettings
 from artigen.kind import paper_kinds
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.solids import list_solids
@@ -54,7 +55,7 @@ class Row:
 
 def measure_packages(category: str, out: Path, each: int, workers: int) -> tuple[int, int, float]:
     """Packages that pass at once and in the end, and mean seconds of the draw that stayed."""
-    generate(out, category=category, count=each, workers=workers)
+    artigen.generate(kind=category, count=each).export(out, workers=workers)
     lines = [line for key, line in read_journal(out).items() if key.startswith(f"{category}_")]
     origins = [
         json.loads((out / line.key / "provenance.json").read_text()) for line in lines if line.error is None

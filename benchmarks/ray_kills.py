@@ -21,7 +21,7 @@ from pathlib import Path
 import psutil
 import tyro
 
-from artigen.cli.batch import read_journal
+from artigen.api.batch import read_journal
 from sim_export.files.write import manifest_problems
 
 
@@ -45,10 +45,9 @@ class Options:
 
 def start_driver(options: Options, address: str) -> subprocess.Popen:
     """The run, in a process of its own."""
-    code = "from artigen.cli import main; main()"
     command = ["shape", options.category, "-n", str(options.count), "-o", str(options.out)]
     return subprocess.Popen(
-        [sys.executable, "-c", code, *command, "--validation", "none", "--runner", "ray"],
+        [sys.executable, "-m", "artigen", *command, "--validation", "none", "--runner", "ray"],
         env=os.environ | {"RAY_ADDRESS": address},
     )
 

@@ -18,8 +18,8 @@ import tyro
 from jaxtyping import UInt8
 from PIL import Image
 
-from artigen.cli.generate import GenerateSettings, generate
-from artigen.cli.preview import draw_splats
+import artigen
+from artigen.api.splats import draw_splats
 from artigen.examples.photographs import photograph_shape
 from artigen.kind import kinds, paper_kinds
 from artigen.shapes.draw import draw_shape
@@ -52,7 +52,7 @@ def save(image: UInt8[np.ndarray, "H W 3"], path: Path) -> None:
 def draw_categories(out: Path) -> list[Path]:
     """Packages of the first seeds of every category."""
     for category in paper_kinds():
-        generate(out, category=category, count=EACH)
+        artigen.generate(kind=category, count=EACH).export(out, workers=EACH)
     return [out / f"{category}_{seed}" for category in paper_kinds() for seed in range(EACH)]
 
 
@@ -60,7 +60,7 @@ def draw_further_kinds(out: Path) -> list[Path]:
     """Packages of the first seed of every kind beside those of the paper."""
     further = [kind for kind in kinds() if kind not in paper_kinds()]
     for kind in further:
-        generate(out, category=kind, cfg=GenerateSettings(gaussians=False))
+        artigen.generate(kind=kind, count=1, gaussians=False).export(out)
     return [out / f"{kind}_0" for kind in further]
 
 
@@ -69,7 +69,7 @@ def draw_sentences(out: Path) -> list[Path]:
     packages = []
     for number, (text, seed) in enumerate(SENTENCES):
         folder = out / str(number)
-        generate(folder, seed=seed, cfg=GenerateSettings(text=text))
+        artigen.generate(text, seed=seed, count=1).export(folder)
         packages += sorted(path.parent for path in folder.glob("*/mobility.urdf"))
     return packages
 
@@ -82,7 +82,7 @@ def draw_photographs(out: Path) -> list[tuple[UInt8[np.ndarray, "H W 3"], Path]]
         folder.mkdir(parents=True, exist_ok=True)
         rgba = photograph_shape(draw_shape(category, 0), 0, PHOTOGRAPH)
         Image.fromarray(rgba).save(picture)
-        generate(folder, cfg=GenerateSettings(image=picture))
+        artigen.generate(image=picture, count=1).export(folder)
         share = rgba[..., 3:] / 255.0
         shown = share * rgba[..., :3] + (1.0 - share) * SMALL.render.background
         package = next(path.parent for path in sorted(folder.glob("*/mobility.urdf")))

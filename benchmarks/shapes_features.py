@@ -75,7 +75,7 @@ def describe_drawn(category: str, seed: int) -> Features:
 
 def describe_real(folder: Path) -> Features | None:
     """Features of a real object; None if it cannot be read."""
-    from artigen.cli.convert import voxelize_object
+    from artigen.api.convert import voxelize_object
     from artigen.datasets.partnet_mobility import ReaderConfig, read_object
 
     try:

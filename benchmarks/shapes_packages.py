@@ -16,8 +16,8 @@ import numpy as np
 import tyro
 from tqdm import tqdm
 
-from artigen.cli.batch import Finished, run_batch
-from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate
+from artigen.api.batch import Finished, run_batch
+from artigen.api.sample import ShapeJob, ShapeSettings, export_and_validate
 from artigen.kind import kinds
 from artigen.runtime.runner import choose_runner
 

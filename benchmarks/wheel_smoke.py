@@ -18,7 +18,6 @@ import artigen, sim_export, envs
 for package in (artigen, sim_export, envs):
     assert package.__file__.startswith(sys.argv[1]), package.__file__
 """
-CONVERT = "from artigen.cli import main; main()"
 
 
 def main() -> None:
@@ -36,11 +35,11 @@ def main() -> None:
             [python, "-m", "pip", "install", "-q", "--no-deps", "--target", site, wheel], check=True
         )
         environment = os.environ | {"PYTHONPATH": str(site)}
-        for script, arguments in (
-            (CHECK, [str(site)]),
-            (CONVERT, ["convert", "sample_cabinet", "-o", "packages", "--workers", "1"]),
+        for arguments in (
+            ["-c", CHECK, str(site)],
+            ["-m", "artigen", "convert", "sample_cabinet", "-o", "packages", "--workers", "1"],
         ):
-            subprocess.run([python, "-c", script, *arguments], check=True, cwd=work, env=environment)
+            subprocess.run([python, *arguments], check=True, cwd=work, env=environment)
         urdf = work / "packages" / "sample_cabinet" / "mobility.urdf"
         print(f"{wheel.name}: works elsewhere, {urdf.name} of the sample has {urdf.stat().st_size} bytes")
 

@@ -72,10 +72,9 @@ def measure(command: Command, options: Options, workers: int | None) -> tuple[fl
     out = options.out / "run"
     shutil.rmtree(out, ignore_errors=True)
     extra = [] if workers is None else ["--workers", str(workers)]
-    code = "from artigen.cli import main; main()"
     before, started = os.times(), time.monotonic()
     subprocess.run(
-        [sys.executable, "-c", code, *arguments(command, options, out), *extra],
+        [sys.executable, "-m", "artigen", *arguments(command, options, out), *extra],
         check=False,  # an object that fails a check is done all the same
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,

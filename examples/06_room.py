@@ -7,19 +7,18 @@ nothing moves when gravity comes on.
 import tempfile
 from pathlib import Path
 
-from artigen.cli.scene import SceneSettings, scene
-from artigen.shapes.draw import Wish, draw_shape
-from sim_export.files.write import write_package
-from sim_export.reference import build_reference
+import artigen
+from artigen.api.scene import SceneSettings, furnish_room
 
 OBJECTS = (
-    ("StorageFurniture", Wish(width=0.45, depth=0.4, height=0.55)),
-    ("StorageFurniture", Wish(width=1.0, depth=0.58, height=2.0)),
-    ("StorageFurniture", Wish(width=1.0, depth=0.48, height=0.9)),
-    ("StorageFurniture", Wish(width=1.4, depth=0.42, height=0.5)),
-    ("StorageFurniture", Wish(width=0.42, depth=0.5, height=0.6)),
-    ("Table", Wish(width=1.3, depth=0.65, height=0.74)),
+    ("StorageFurniture", 0.45, 0.4, 0.55),
+    ("StorageFurniture", 1.0, 0.58, 2.0),
+    ("StorageFurniture", 1.0, 0.48, 0.9),
+    ("StorageFurniture", 1.4, 0.42, 0.5),
+    ("StorageFurniture", 0.42, 0.5, 0.6),
+    ("Table", 1.3, 0.65, 0.74),
 )
+"""Kind, width, depth and height (m)."""
 
 
 def main(folder: Path) -> None:
@@ -30,14 +29,13 @@ def main(folder: Path) -> None:
     from envs.maniskill.rooms.file import read_room
     from envs.sim.sapien import LoadConfig, load_package
     from envs.sim.scene import create_scene
-    from envs.validate import validate
 
-    for seed, (category, wish) in enumerate(OBJECTS):
-        package = build_reference(draw_shape(category, seed, wish))
-        report = validate(write_package(package, folder / "packages" / package.name))
-        print(f"{package.name:20} {'passed' if report.passed else 'failed'}")
+    for seed, (kind, width, depth, height) in enumerate(OBJECTS):
+        drawn = artigen.sample(kind, seed, width=width, depth=depth, height=height)
+        report = drawn.export(folder / "packages" / drawn.name).validate()
+        print(f"{drawn!r} {'passed' if report.passed else 'failed'}")
     cfg = SceneSettings(width=5.0, depth=4.6, ajar=0.3)
-    assert scene("bedroom", folder / "room", 1, folder / "packages", cfg, pictures="plan") == 0
+    print(furnish_room("bedroom", folder / "room", 1, folder / "packages", cfg, pictures="plan").describe())
 
     room = read_room(folder / "room")
     for placement in room.placements:

@@ -14,8 +14,7 @@ from pathlib import Path
 
 def run_part(command: list[str], number: int, total: int) -> int:
     """One part of a run of artigen; its exit code."""
-    code = "from artigen.cli import main; main()"
-    return subprocess.call([sys.executable, "-c", code, *command, "--shard", f"{number}/{total}"])
+    return subprocess.call([sys.executable, "-m", "artigen", *command, "--shard", f"{number}/{total}"])
 
 
 def main() -> int:

@@ -57,6 +57,20 @@ class Report:
         return tuple(check for check in self.checks if check.verdict == "fail")
 
 
+def describe_report(report: Report) -> str:
+    """Summary line of a package, then one line per failed check and per missing engine."""
+    skipped = [check for check in report.checks if check.message.startswith("skipped: ")]
+    counts = dict.fromkeys(("pass", "fail", "not_applicable"), 0)
+    for check in report.checks:
+        counts[check.verdict] += 1
+    head = (
+        f"{'PASS' if report.passed else 'FAIL'} {report.package}: {counts['pass']} passed, "
+        f"{counts['fail']} failed, {counts['not_applicable']} not applicable"
+    )
+    told = (*report.failures, *skipped)
+    return "\n".join([head, *(f"  {check.id} {check.title}: {check.message}" for check in told)])
+
+
 def report_to_json(report: Report) -> str:
     """The report as indented JSON; equal reports give equal text."""
     value = asdict(report) | {"passed": report.passed, "versions": dict(report.versions)}

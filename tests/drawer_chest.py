@@ -8,9 +8,10 @@ from artigen.appearance.paint import lay_painted
 from artigen.appearance.views import ViewConfig
 from artigen.examples.appearance import AppearanceExample
 from artigen.shapes.asset import shape_to_asset
+from artigen.shapes.fittings.hardware import slide
 from artigen.shapes.primitives import box
 from artigen.shapes.render import RenderConfig
-from artigen.shapes.shape import Motion, Need, Shape, ShapePart
+from artigen.shapes.shape import Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import Asset
 
@@ -56,7 +57,7 @@ def make_chest(*, inside: str = "plain", front: str = "plain") -> Shape:
                 label="drawer",
                 parent="body",
                 primitives=tuple(drawer),
-                motion=Motion(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.7),
+                motion=slide(0.7),
             ),
         ),
         finishes=(("plain", PLAIN), ("inside", INSIDE), ("glass", GLASS)),
@@ -73,7 +74,7 @@ def make_cabinet() -> Shape:
             label="drawer",
             parent="body",
             primitives=(box((-0.5, -0.4, 0.1 + 0.2 * row), (-0.44, 0.4, 0.2 + 0.2 * row), "plain"),),
-            motion=Motion(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.5),
+            motion=slide(0.5),
             needs=(Need(part="door"),) if name == "inner" else (),
         )
         for row, name in enumerate(names)

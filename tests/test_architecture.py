@@ -64,6 +64,7 @@ LAYERS = (
     {"trellis", "examples"},
     {"metrics"},
     {"train"},
+    {"api"},
     {"cli"},
 )
 """Folders and loose modules of artigen, lowest first: a layer imports from itself and from below."""
@@ -81,6 +82,8 @@ EXPORT_LAYERS = (
     {"export", "reference"},
 )
 """The same of sim_export."""
+COMPOSING = ("artigen.api", "artigen.cli")
+"""The only places that join the three packages."""
 HEAVY = (
     "torch",
     "transformers",
@@ -194,7 +197,7 @@ def test_imports_go_from_envs_to_sim_export_to_the_shared_part_of_artigen():
     wrong = []
     for item in all_imports():
         source, target = item.importer.split(".")[0], item.module.split(".")[0]
-        if target not in PACKAGES or source == target or is_within(item.importer, "artigen.cli"):
+        if target not in PACKAGES or source == target or is_within(item.importer, *COMPOSING):
             continue
         if PACKAGES.index(target) > PACKAGES.index(source):
             wrong.append(str(item))
@@ -219,17 +222,25 @@ def test_a_package_is_a_stack_of_layers(package: str, layers: tuple[set[str], ..
     assert wrong == []
 
 
-def test_only_the_command_line_composes_and_only_when_it_runs():
-    composing = [item for item in all_imports() if is_within(item.importer, "artigen.cli")]
+def test_only_the_api_and_the_command_line_compose_and_only_when_they_run():
+    composing = [item for item in all_imports() if is_within(item.importer, *COMPOSING)]
     assert any(is_within(item.module, "sim_export") for item in composing)
     early = [str(item) for item in composing if item.at_load and is_within(item.module, "sim_export", "envs")]
     assert not early
 
 
-def test_nothing_but_the_command_line_imports_the_command_line():
-    users = [item for item in all_imports() if is_within(item.module, "artigen.cli")]
+def test_nothing_but_the_command_line_and_its_tests_import_the_command_line():
+    """Whoever writes Python uses the API."""
+    folders = (ROOT / "tests", ROOT / "benchmarks", ROOT / "examples")
+    own = ROOT / "tests" / "artigen" / "cli"
+    outside = [path for folder in folders for path in sorted(folder.rglob("*.py")) if own not in path.parents]
+    users = [*all_imports(), *(item for path in outside for item in imports_of(path))]
+    assert len(outside) > 200
     assert [
-        str(item) for item in users if not is_within(item.importer, "artigen.cli", "artigen.__main__")
+        str(item)
+        for item in users
+        if is_within(item.module, "artigen.cli") or (item.module == "artigen" and "cli" in item.names)
+        if not is_within(item.importer, "artigen.cli", "artigen.__main__")
     ] == []
 
 
@@ -301,35 +312,6 @@ def test_loading_a_package_loads_no_heavy_module(package: str):
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == []
-
-
-LATE = (*HEAVY, "scipy", "PIL", "matplotlib", "pandas", "sklearn", "lxml", "coal", "manifold3d")
-"""Modules that the process which only hands out work does not need."""
-
-
-@pytest.mark.parametrize("command", ["convert", "shape", "generate"])
-def test_a_command_that_hands_out_work_loads_only_itself(command: str):
-    code = (
-        "import sys\n"
-        "from artigen.cli.main import COMMANDS, load_command\n"
-        f"load_command({command!r})\n"
-        "import envs.config, envs.validate\n"
-        f"print(*({set(LATE)!r} & set(sys.modules)))\n"
-        "print(*(name for name in COMMANDS.values() if f'artigen.cli.{name}' in sys.modules))"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=120, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    heavy, commands = done.stdout.split("\n")[:2]
-    assert heavy.split() == []
-    assert set(commands.split()) - {"shape"} <= {command}  # generate reads counts as shape does
-
-
-def test_every_subcommand_is_there():
-    from artigen.cli.main import COMMANDS, load_command
-
-    assert all(callable(load_command(name)) for name in COMMANDS)
 
 
 @pytest.mark.parametrize("package", PACKAGES)

@@ -1,4 +1,4 @@
-"""The command line: the only package that imports artigen, sim_export and envs together."""
+"""The command line: arguments in, one call of the API, text out."""
 
 from artigen.cli.main import main
 

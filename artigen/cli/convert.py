@@ -1,253 +1,24 @@
 """`artigen convert`: converts URDFs, MJCFs, PartNet-Mobility folders and object.json to packages."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Literal
 
-import numpy as np
 import tyro
 
+from artigen.api.batch import read_shard
+from artigen.api.convert import TIMEOUT, ConvertSettings, convert_packages
 from artigen.cli.arguments import Out, RunnerChoice, Shard, Workers
-from artigen.cli.batch import Finished, Laps, Made, read_shard, run_shown, say_results
-from artigen.cli.grids import GRIDS, make_on_grids
+from artigen.cli.summary import print_summary
 from artigen.runtime.runner import choose_runner
-from artigen.runtime.workers import Worker
 
-Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
-if TYPE_CHECKING:
-    from artigen.datasets.source_object import SourceObject
-    from artigen.types import Asset
-    from sim_export.export import Exported
-    from sim_export.package import SimPackage
-
-
-@dataclass(frozen=True, kw_only=True)
-class ConvertSettings:
-    """How objects are converted; equal settings give equal packages."""
-
-    visual: Literal["source", "voxels"] = "source"
-    """``source`` keeps the object's own textured meshes and adds collision hulls, mass and friction;
-    ``voxels`` rebuilds the object from its 64^3 articulated voxels, as the paper represents it, and from 96^3
-    and 128^3 voxels while its package fails validation."""
-    recipe: Literal["robust", "paper"] = "robust"
-    """Segmentation of the voxels into parts: our robust recipe or that of the paper."""
-    size: float | None = None
-    """Longest edge of the closed object in metres; default: as in the URDF, else usual for its category."""
-    category: str | None = None
-    """Category of the objects; default: from their files and names."""
-    up: Direction | None = None
-    """Up axis of a URDF, MJCF or object.json; default: z, or y in object.json."""
-    front: Direction | None = None
-    """Axis that the front faces; default: -x in a URDF or MJCF, z in object.json."""
-    seed: int = 0
-    """Seed of the surface samples."""
-    splats: bool = False
-    """Add 3D Gaussians to the package: flat discs on the surface, one PLY per link."""
-    mend: bool = False
-    """Mend faults of the source before converting it: hinges off the edge of their door, parts inside each
-    other, ranges that run into the body, handles out of reach, pieces that float or belong to another link,
-    objects that fall over. Every change is in meta.json."""
-    validation: Literal["full", "none"] = "full"
-    """Run checks L0 to L3 on every package right after it is written."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ConvertJob:
-    """Job to convert one source object to a package."""
-
-    source: Path
-    out: Path
-    cfg: ConvertSettings = field(default_factory=ConvertSettings)
-    grid: int = GRIDS[0]
-    """Cells along the longest edge of the object's voxels."""
-
-    @property
-    def key(self) -> str:
-        """Name of the package, that of the source."""
-        from artigen.datasets.sources import name_source
-
-        return name_source(self.source)
-
-    @property
-    def settings(self) -> str:
-        """Content of the source and settings as text; an object whose files change is converted again."""
-        from artigen.datasets.contents import digest_source
-
-        return f"{self.key} {digest_source(self.source)} {self.cfg}"
-
-    def read(self, scratch: Path) -> "SourceObject":
-        """Reads the source and mends it if requested; converted meshes go into ``scratch``."""
-        from artigen.cli.mend import mend_object
-        from artigen.datasets.source_object import ReaderConfig
-        from artigen.datasets.sources import read_source
-
-        cfg = self.cfg
-        reader = ReaderConfig(
-            samples=round(ReaderConfig.samples * (self.grid / GRIDS[0]) ** 2),
-            seed=cfg.seed,
-            size=cfg.size,
-            category=cfg.category,
-            up=cfg.up,
-            front=cfg.front,
-        )
-        source = read_source(self.source, scratch, reader)
-        if not cfg.mend:
-            return source
-        cell = source.asset.scale / self.grid if cfg.visual == "voxels" else 0.0
-        return mend_object(source, scratch, cell)
-
-
-def convert_object(job: ConvertJob) -> Made:
-    """Reads one object, exports it and writes the package; runs in a worker process."""
-    with TemporaryDirectory() as scratch:
-        return _convert(job, Path(scratch))
-
-
-def _convert(job: ConvertJob, scratch: Path) -> Made:
-    from artigen import __version__
-    from artigen.datasets.sources import find_layout
-    from artigen.splats.surface import RANDOM
-    from sim_export.appearance.splats import splat_package
-    from sim_export.export import export_asset
-    from sim_export.files.write import write_package
-    from sim_export.mend.stand import stand_on_side
-    from sim_export.physics.followers import follow_parts
-
-    laps = Laps()
-    source = job.read(scratch)
-    laps.end("read")
-    provenance = {
-        "generator": f"artigen {__version__} convert",
-        "source": f"{job.key} ({source.asset.category}), {find_layout(job.source)} layout",
-        "visual": job.cfg.visual,
-        "seed": str(job.cfg.seed),
-    }
-    asset = voxelize_object(source.asset, job.grid)
-    laps.end("voxelize")
-
-    def finish(package: "SimPackage") -> "SimPackage":
-        package = splat_package(package, asset, RANDOM) if job.cfg.splats else package
-        package = stand_on_side(package) if job.cfg.mend else package
-        return follow_parts(package, dict(source.follows))
-
-    if job.cfg.visual == "voxels":
-        asset = rebuild_from_voxels(asset, job.cfg.recipe)
-        laps.end("segment")
-        exported = export_asset(asset, provenance={**provenance, "grid": str(job.grid)}, finish=finish)
-    else:
-        exported = export_source(source, asset, provenance, finish)
-    laps.end("export", *exported.seconds)
-    write_package(exported.package, job.out / job.key, "replace")
-    laps.end("write")
-    return laps.made(exported.package.records)
-
-
-def voxelize_object(asset: "Asset", grid: int = GRIDS[0]) -> "Asset":
-    """Adds the voxels of the surface; parts below the grid's resolution are merged into their parents."""
-    from artigen.voxels.voxelize import drop_unresolved, voxelize
-
-    if asset.surface is None:
-        raise ValueError(f"asset {asset.name!r} has no surface to voxelize")
-    return drop_unresolved(replace(asset, voxels=voxelize(asset.surface, grid)))
-
-
-def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "robust") -> "Asset":
-    """Encodes the object as a 35-channel field and back; besides that, only surface colours are kept."""
-    from artigen.datasets.relabel import carry_surface, restore_tree
-    from artigen.voxels.fields import decode, encode
-    from artigen.voxels.segmentation.segment import SegmentConfig, segment
-
-    fields = decode(encode(asset))
-    found = segment(
-        fields,
-        SegmentConfig(recipe=recipe, detached="note"),
-        name=asset.name,
-        scale=asset.scale,
-        category=asset.category,
-    )
-    found = carry_surface(asset, replace(found, notes=asset.notes + found.notes))
-    return restore_tree(asset, found)
-
-
-def export_source(
-    source: "SourceObject",
-    asset: "Asset",
-    provenance: dict[str, str],
-    finish: Callable[["SimPackage"], "SimPackage"] = lambda package: package,
-) -> "Exported":
-    """A package with the object's own meshes, and the hulls of these that fail fewest static checks.
-
-    Raises:
-        ExportError: If no attempt can be exported.
-    """
-    from artigen.cli.mend import place_source_meshes, place_source_surfaces
-    from sim_export.attempts import HullWay
-    from sim_export.export import export_best, make_solids
-
-    solids = make_solids(asset, place_source_surfaces(source, asset))
-    meshes = place_source_meshes(source, asset)
-    return export_best(solids, HullWay(), source_meshes=meshes, provenance=provenance, finish=finish)
-
-
-def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Finished:
-    """Converts and validates one object, from voxels on finer grids while it fails."""
-    grids = GRIDS if job.cfg.visual == "voxels" else GRIDS[:1]
-    jobs = [replace(job, grid=grid) for grid in grids]
-    full = job.cfg.validation == "full"
-    finished = make_on_grids(worker, jobs, convert_object, timeout=timeout, validation=full)
-    if finished.passed is not False:
-        return finished
-    failed = tuple(dict.fromkeys(failure.split(" ")[0] for failure in finished.failures))
-    outcome = worker.call(explain_failures, (job, failed), timeout)
-    return replace(finished, as_in_source=outcome.value or ())
-
-
-def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]:
-    """Check and evidence of each failed check that the source fails as well; runs in a worker process."""
-    with TemporaryDirectory() as scratch:
-        return _explain(*job, Path(scratch))
-
-
-def _explain(job: ConvertJob, failed: tuple[str, ...], scratch: Path) -> tuple[str, ...]:
-    from artigen.cli.mend import place_source_meshes, place_source_surfaces
-    from sim_export.attempts import HullWay
-    from sim_export.checks.subject import Subject
-    from sim_export.export import export_solids, make_solids
-    from sim_export.files.read import read_package
-    from sim_export.source_faults import find_source_faults
-
-    if job.cfg.visual == "source":
-        subject = Subject(job.out / job.key)
-        package = read_package(job.out / job.key)
-        shown = {
-            link: np.concatenate([shape.triangles for shape in subject.visuals if shape.link == link])
-            for link in {shape.link for shape in subject.visuals}
-        }
-    else:
-        source = job.read(scratch)
-        asset = voxelize_object(source.asset)
-        meshes = place_source_meshes(source, asset)
-        package = export_solids(make_solids(asset), HullWay(collision="voxels"), source_meshes=meshes).package
-        surfaces = dict(
-            zip((part.name for part in asset.parts), place_source_surfaces(source, asset), strict=True)
-        )
-        shown = {
-            link.name: np.concatenate([surfaces[part] for part in link.parts])
-            for link in package.links
-            if link.parts
-        }
-    return tuple(f"{check} {said}" for check, said in find_source_faults(package, shown, failed).items())
+SETTINGS = ConvertSettings()
 
 
 def convert(
     sources: tyro.conf.Positional[tuple[Path, ...]],
     out: Out,
-    cfg: tyro.conf.OmitArgPrefixes[ConvertSettings] = ConvertSettings(),
+    cfg: tyro.conf.OmitArgPrefixes[ConvertSettings] = SETTINGS,
     workers: Workers = None,
-    timeout: float = 300.0,
+    timeout: float = TIMEOUT,
     runner: RunnerChoice = "local",
     shard: Shard = None,
 ) -> int:
@@ -261,8 +32,6 @@ def convert(
         cfg: How objects are converted.
         timeout: Time limit in seconds for one stage of one object.
     """
-    from artigen.datasets.sources import find_sources
-
-    jobs = [ConvertJob(source=source, out=out, cfg=cfg) for source in find_sources(sources)]
-    handle, chosen = partial(convert_and_validate, timeout=timeout), choose_runner(runner, workers)
-    return say_results(run_shown(handle, jobs, out, runner=chosen, part=read_shard(shard)), out)
+    part, chosen = read_shard(shard), choose_runner(runner, workers)
+    results = convert_packages(sources, out, cfg, runner=chosen, timeout=timeout, part=part)
+    return print_summary(results, out)

@@ -4,8 +4,8 @@ import sys
 from pathlib import Path
 from typing import Literal
 
+from artigen.api.batch import Finished, run_batch
 from artigen.cli.arguments import Out, Workers
-from artigen.cli.batch import Finished, run_batch
 from artigen.runtime.runner import choose_runner
 from artigen.weights import SHIPPED
 
@@ -21,8 +21,8 @@ def demo(out: Out = Path("out/demo"), workers: Workers = None) -> int:
     Args:
         out: Output folder for packages, reports and pictures.
     """
-    from artigen.cli.generate import GenerateJob, generate_and_validate
-    from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate, write_sheet
+    from artigen.api.generate import GenerateJob, generate_and_validate
+    from artigen.api.sample import ShapeJob, ShapeSettings, export_and_validate, write_sheet
     from artigen.shapes.draw import draw_shape
     from sim_export.picture.preview import write_preview
 

@@ -19,14 +19,8 @@ def export(
         out: Package folder to write.
         existing: Refuse or replace a package that is already there.
     """
-    from artigen import __version__
-    from artigen.io import read_asset
-    from sim_export.export import export_asset
-    from sim_export.files.write import check_place, write_package
+    from artigen.api.object import open_asset
 
-    check_place(out, existing)
-    provenance = {"generator": f"artigen {__version__} export", "source": asset.resolve().name}
-    exported = export_asset(read_asset(asset), provenance=provenance)
-    folder = write_package(exported.package, out, existing)
-    sys.stdout.write(f"{folder}\n")
+    exported = open_asset(asset).export(out, existing=existing)
+    sys.stdout.write(f"{exported.folder}\n")
     return 0

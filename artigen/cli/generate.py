@@ -1,332 +1,19 @@
 """`artigen generate`: category, words or a photo to validated packages; failures are redrawn."""
 
-import json
-import math
 import sys
-from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
 
-import numpy as np
 import tyro
 
+from artigen.api.batch import read_shard
+from artigen.api.generate import GenerateSettings, generate_packages, list_jobs, understand_job
 from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
-from artigen.cli.batch import Finished, Laps, Made, make_and_validate, read_shard, run_shown, say_results
-from artigen.cli.models import hash_file, hash_weights, load_drawer, load_sketch, load_structure
-from artigen.cli.names import choose_name, name_request
-from artigen.cli.shape import read_wish
-from artigen.errors import ArtigenError
+from artigen.cli.summary import print_summary
 from artigen.runtime.runner import choose_runner
 from artigen.runtime.workers import InProcess, Worker
-from artigen.weights import READER, SHIPPED
+from artigen.weights import SHIPPED
 
-if TYPE_CHECKING:
-    from artigen.appearance.draw import AppearanceModel
-    from artigen.appearance.paint import PaintedSurface
-    from artigen.reader.reading import Reading
-    from artigen.shapes.shape import Shape
-    from artigen.sketch.model import Drawn
-    from artigen.sketch.request import SketchRequest
-    from artigen.sketch.understand import Request, Understood
-    from artigen.types import Asset
-    from sim_export.package import SimPackage
-
-TIMEOUT = 300.0
-"""Time limit in seconds for drawing and exporting one object."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class GenerateSettings:
-    """The condition and the sampling settings; unset properties are sampled."""
-
-    text: str | None = None
-    """A description in English, such as "a tall cabinet with three drawers and two doors"."""
-    image: Path | None = None
-    """Photo of one object, taken from near its front. Its kind, doors and drawers are read as by ``artigen
-    read``; a cut-out with transparency is read by the sketch network alone."""
-    width: float | None = None
-    """Width in metres, seen from the front."""
-    depth: float | None = None
-    """Depth in metres, including handles."""
-    height: float | None = None
-    """Height in metres."""
-    style: str | None = None
-    """Style of the category, such as shaker or steel; docs/reference/kinds.md lists them."""
-    counts: tuple[str, ...] = ()
-    """Number of parts by label, such as drawer=3 door=0."""
-    structure: Literal["sketch", "latent"] = "sketch"
-    """``sketch`` exports the exact primitives of the sketch network; ``latent`` samples 64^3 voxels from
-    the paper's latents within the boxes of the sketch and exports those in its colours."""
-    temperature: float = 0.6
-    """Sampling temperature of the sketch network; 1 matches the training data, lower is less varied. With a
-    picture, parts are first tried at 0.1."""
-    redraws: int = 3
-    """Maximum number of new draws for an object with a known fault or that fails a check."""
-    steps: int = 6
-    """Sampler steps; only with --structure latent."""
-    strength: float = 0.0
-    """Guidance strength, 0 for none (the paper uses 3); only with --structure latent."""
-    encoders: Path | None = None
-    """Folder with the public weights of DINOv2 and CLIP, for latent models that were trained with them."""
-    textures: Literal["own", "shared"] = "own"
-    """``own`` bakes one texture per part; ``shared`` gives parts of the same finish one common texture (only
-    with --structure sketch)."""
-    gaussians: bool = True
-    """Add 3D Gaussians to the package, one PLY per link."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class GenerateJob:
-    """Generation of one object; ``draws`` records why earlier draws were rejected."""
-
-    model: Path
-    category: str | None
-    seed: int
-    out: Path
-    cfg: GenerateSettings = field(default_factory=GenerateSettings)
-    draws: tuple[str, ...] = ()
-    name: str | None = None
-    """Name of the package; by default made of category, words and seed."""
-
-    @property
-    def key(self) -> str:
-        """Name of the package."""
-        return self.name or name_request(self.category, self.cfg.text, self.cfg.image, self.seed)
-
-    @property
-    def settings(self) -> str:
-        """Object, weights, picture and settings as text; where one of them changes, it is made again."""
-        image = "" if self.cfg.image is None else f" {hash_file(self.cfg.image)}"
-        return f"{self.key} {hash_weights(self.model)}{image} {self.cfg}"
-
-
-def _understand(job: GenerateJob) -> "Understood":
-    """Parses the request of a job in the vocabulary of its model."""
-    from artigen.sketch.request import list_learned
-    from artigen.sketch.understand import understand
-
-    return understand(read_job(job), list_learned(job.model))
-
-
-def read_job(job: GenerateJob) -> "Request":
-    """The request of a job."""
-    from artigen.sketch.understand import Request
-
-    cfg = job.cfg
-    return Request(category=job.category, text=cfg.text, image=cfg.image, wish=read_wish(cfg))
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Asked:
-    """A request completed from its words, and its picture."""
-
-    request: "SketchRequest"
-    picture: np.ndarray | None
-    notes: tuple[str, ...]
-    reading: "Reading | None" = None
-    """What was read of a photograph whose fronts can be laid out, where no words or numbers say otherwise."""
-
-
-def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
-    """Reads the picture of a request and resolves adjectives such as "tall" to extents."""
-    from artigen.conditioning.image import is_cut_out, open_picture
-    from artigen.reader.layout.build import can_be_laid_out
-    from artigen.reader.model import load_reader
-    from artigen.reader.read import read_image
-    from artigen.sketch.model import draw_header, encode_picture, read_object_picture
-    from artigen.sketch.reading_request import follow_reading
-    from artigen.sketch.request import SketchRequest
-
-    request = understood.request
-    network = load_sketch(job.model)
-    picture, notes, laid = None, understood.notes, None
-    if job.cfg.image is not None:
-        shown = read_object_picture(network, job.cfg.image)
-        picture, notes = shown.rgba, (*notes, *shown.notes)
-        image = open_picture(job.cfg.image)
-        if not is_cut_out(image):  # cut-outs are what the sketch network itself has learned to read
-            reading = read_image(image, load_reader(READER), str(job.cfg.image))
-            free = SketchRequest(category=request.category, width=request.width)
-            if request == free and reading.fronts and can_be_laid_out(request.category or reading.kind):
-                laid = reading
-            request, said = follow_reading(request, reading, network.part_counts)
-            notes = (*notes, *said)
-    if understood.stretch:
-        encoded = None if picture is None else encode_picture(network, picture)
-        usual = draw_header(network, request, job.seed, encoded=encoded)
-        stretched = {axis: factor * getattr(usual, axis) for axis, factor in understood.stretch}
-        request = replace(request, **stretched)
-    return _Asked(request=request, picture=picture, notes=notes, reading=laid)
-
-
-def check_job(job: GenerateJob) -> None:
-    """Checks a job: loads its model and picture, and completes its request.
-
-    Raises:
-        ArtigenError: If the model or the picture cannot be read, or the request cannot be met.
-    """
-    from artigen.sketch.request import encode_request
-
-    encode_request(_ask(job, _understand(job)).request)
-
-
-def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
-    """Draws the object of a job, coloured as in its picture if it has one.
-
-    Furniture of a photograph is built with its fronts where they were read; other objects are drawn by the
-    sketch network.
-    """
-    from artigen.reader.layout.build import build_from_reading
-    from artigen.sketch.draw import DrawConfig
-    from artigen.sketch.model import Drawn, SketchConfig, draw_object, draw_pictured
-
-    asked = _ask(job, _understand(job))
-    noise = int(np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(1)[0])
-    if asked.reading is not None:
-        kind, width = asked.request.category, asked.request.width
-        try:
-            shape, notes = build_from_reading(asked.reading, noise, width, kind=kind)
-            return Drawn(shape=shape, faults=(), notes=notes), asked
-        except ArtigenError as error:
-            said = f"fronts could not be built where they were read ({error}); the sketch network draws them"
-            asked = replace(asked, notes=(*asked.notes, said))
-    cfg = SketchConfig(draw=DrawConfig(temperature=job.cfg.temperature))
-    network = load_sketch(job.model)
-    if asked.picture is None:
-        return draw_object(network, asked.request, noise, cfg), asked
-    return draw_pictured(network, asked.request, noise, asked.picture, cfg), asked
-
-
-def generate_object(job: GenerateJob) -> Made:
-    """Draws one object, exports it and writes its package; runs in a worker process.
-
-    Raises:
-        ArtigenError: If the object has faults and may be drawn again.
-    """
-    from artigen import __version__
-    from sim_export.files.write import write_package
-
-    laps = Laps()
-    drawn, asked = draw_generated(job)
-    faults = tuple(f"sketch: {fault.text}" for fault in drawn.faults)
-    if faults and len(job.draws) < job.cfg.redraws:
-        raise ArtigenError("; ".join(faults))
-    shape = drawn.shape
-    laps.end("draw")
-    condition = shape.condition
-    provenance = {
-        "generator": f"artigen {__version__} generate",
-        "model": hash_weights(job.model),
-        "structure": job.cfg.structure,
-        "condition": json.dumps(
-            {
-                "category": condition.category,
-                "counts": dict(condition.counts),
-                "size": (condition.depth, condition.width, condition.height),
-                "text": job.cfg.text,
-                "image": None if job.cfg.image is None else job.cfg.image.name,
-            }
-        ),
-        "seed": str(job.seed),
-        "style": shape.style,
-        "draws": json.dumps([*job.draws, "this one"]),
-    }
-    notes = (*asked.notes, *drawn.notes, *faults)
-    make = _make_exact if job.cfg.structure == "sketch" else _make_latent
-    package = replace(make(job, shape, provenance, notes), name=job.key)
-    laps.end("export")
-    write_package(package, job.out / job.key, "replace")
-    laps.end("write")
-    return laps.made(package.records)
-
-
-def _make_exact(
-    job: GenerateJob, shape: "Shape", provenance: dict[str, str], notes: tuple[str, ...]
-) -> "SimPackage":
-    """Package of the sketch's own primitives."""
-    from sim_export.reference import ReferenceConfig, build_reference
-
-    cfg = ReferenceConfig(textures=job.cfg.textures, gaussians=job.cfg.gaussians)
-    package = build_reference(shape, cfg, provenance=provenance)
-    return replace(package, records=(*notes, *package.records))
-
-
-def _make_latent(
-    job: GenerateJob, shape: "Shape", provenance: dict[str, str], notes: tuple[str, ...]
-) -> "SimPackage":
-    """Package of voxels that the paper's latents generate within the boxes of the sketch.
-
-    Their meshes are painted like the sketch's surface, part by part. The paint colours the textures and
-    conditions the sparse flow.
-
-    Raises:
-        ArtigenError: If the parts differ from those of the sketch, or its surface has no sample of a part.
-    """
-    from artigen.appearance.paint import paint_surface, repaint
-    from artigen.cli.shape import SPACING
-    from artigen.conditioning.image import read_picture
-    from artigen.latent.draw import GenerateConfig, generate_structure
-    from artigen.models.conditions import StructureCondition
-    from artigen.models.rectified_flow import SamplerConfig
-    from artigen.shapes.asset import shape_to_asset
-    from sim_export.export import export_asset
-    from sim_export.geometry.surface import sample_surface
-
-    model, image = load_structure(job.model, job.cfg.encoders), None
-    known = model.preset.conditions
-    if job.cfg.image is not None and known.image_size:
-        image = read_picture(job.cfg.image, known.image_size, margin=known.image_margin).rgba
-    noise = int(np.random.SeedSequence([job.seed, len(job.draws), 1]).generate_state(1)[0])
-    told = shape_to_asset(shape, model.preset.resolution)
-    painted = paint_surface(shape, told, SPACING)
-    asked = StructureCondition(text=job.cfg.text, image=image)
-    cfg = GenerateConfig(sampler=SamplerConfig(steps=job.cfg.steps, strength=job.cfg.strength))
-    asset = generate_structure(model, asked, noise, cfg, boxes=told)
-    names, known_names = ([part.name for part in one.parts] for one in (asset, told))
-    if names != known_names:
-        raise ArtigenError(
-            f"{job.key}: the latent shows the parts {', '.join(names)}, expected those of the sketch, "
-            f"{', '.join(known_names)}, whose colours they take; use a model that draws within outlines"
-        )
-    surface = repaint(sample_surface(asset), painted, names)
-    colored = replace(asset, name=job.key, surface=surface.samples, notes=(*notes, *asset.notes))
-    package = export_asset(colored, provenance=provenance).package
-    drawer = load_drawer(job.model) if job.cfg.gaussians else None
-    return package if drawer is None else _attach_drawn(package, drawer, colored, shape, surface, noise)
-
-
-def _attach_drawn(
-    package: "SimPackage",
-    drawer: "AppearanceModel",
-    asset: "Asset",
-    shape: "Shape",
-    surface: "PaintedSurface",
-    seed: int,
-) -> "SimPackage":
-    """Adds Gaussians that the sparse flow generates on the painted surface of an asset's meshes."""
-    from artigen.appearance.draw import generate_appearance
-    from artigen.models.conditions import describe_shape
-    from sim_export.appearance.splats import attach_splats
-
-    shown = generate_appearance(drawer, asset, describe_shape(shape), seed, surface=surface)
-    assert shown.gaussians is not None
-    said = f"{len(shown.gaussians.means)} Gaussians are drawn on the meshes in the paint of the sketch"
-    records = (*package.records, *shown.notes[len(asset.notes) :], said)
-    return replace(package, links=attach_splats(package.links, shown), records=records)
-
-
-def generate_and_validate(worker: Worker, job: GenerateJob, *, validation: bool = True) -> Finished:
-    """Draws an object until it passes every check, with at most ``redraws`` new draws.
-
-    If all draws fail, the last package is kept with its report. The provenance lists every draw. Where time
-    or memory ran out, nothing is drawn instead: a seed gives the same object on any machine.
-    """
-    finished = make_and_validate(worker, job, generate_object, timeout=TIMEOUT, validation=validation)
-    while not (finished.good or finished.stopped) and len(job.draws) < job.cfg.redraws:
-        reason = finished.error or "; ".join(finished.failures)
-        job = replace(job, draws=(*job.draws, reason))
-        finished = make_and_validate(worker, job, generate_object, timeout=TIMEOUT, validation=validation)
-    return replace(finished, notes=(*finished.notes, f"{len(job.draws) + 1} draws"))
+SETTINGS = GenerateSettings()
 
 
 def generate(
@@ -336,7 +23,7 @@ def generate(
     seed: int = 0,
     count: Count = 1,
     name: str | None = None,
-    cfg: tyro.conf.OmitArgPrefixes[GenerateSettings] = GenerateSettings(),
+    cfg: tyro.conf.OmitArgPrefixes[GenerateSettings] = SETTINGS,
     workers: Workers = None,
     runner: RunnerChoice = "local",
     shard: Shard = None,
@@ -355,46 +42,12 @@ def generate(
             seed.
         cfg: The condition and the sampling settings.
     """
-    from artigen.sketch.request import encode_request
-
-    if count < 1 or seed < 0 or cfg.redraws < 0:
-        raise ArtigenError(
-            f"{count} objects from seed {seed} with {cfg.redraws} redraws: expected at least one object, and "
-            "nothing below 0"
-        )
-    if cfg.textures != "own" and cfg.structure != "sketch":
-        raise ArtigenError(
-            f"textures {cfg.textures} with structure {cfg.structure}: only sketches can share textures"
-        )
+    seeds = range(seed, seed + count)
+    jobs = list_jobs(out, seeds, cfg, category=category, model=model, name=name)
     part, chosen = read_shard(shard), choose_runner(runner, workers)
-    if cfg.steps < 1 or not 0 <= cfg.strength < math.inf or not 0 < cfg.temperature < math.inf:
-        raise ArtigenError(
-            f"{cfg.steps} steps, strength {cfg.strength:g}, temperature {cfg.temperature:g}: expected at "
-            "least one step, no strength below 0, and a temperature above 0"
-        )
-    jobs = [
-        GenerateJob(
-            model=model,
-            category=category,
-            seed=number,
-            out=out,
-            cfg=cfg,
-            name=choose_name(name, number, count),
-        )
-        for number in range(seed, seed + count)
-    ]
-    # Reject bad requests early: sentences and numbers here, models and pictures when they are loaded.
-    understood = _understand(jobs[0])
-    encode_request(understood.request)
+    understood = understand_job(jobs[0])
     if understood.said:
         sys.stdout.write("\n".join((understood.said, *understood.notes)) + "\n")
     worker = InProcess() if workers == 0 else Worker()
-    try:
-        checked = worker.call(check_job, jobs[0], TIMEOUT)
-        if checked.error is not None:
-            raise ArtigenError(checked.error)
-        runs = chosen.begin_with(worker)
-        results = run_shown(generate_and_validate, jobs, out, runner=runs, part=part)
-    finally:
-        worker.close()
-    return say_results(results, out)
+    results = generate_packages(jobs, out, runner=chosen, worker=worker, part=part)
+    return print_summary(results, out)

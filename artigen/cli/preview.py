@@ -1,16 +1,10 @@
 """`artigen preview`: pictures of packages."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from artigen.api.splats import draw_splats
 from artigen.cli.arguments import Out, Packages
 from artigen.errors import ArtigenError
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from artigen.camera import Camera
-    from artigen.types import Gaussians
 
 
 def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
@@ -43,10 +37,3 @@ def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
 
     write_preview(packages, out, draw_splats=draw_splats)
     return 0
-
-
-def draw_splats(gaussians: "Gaussians", camera: "Camera", background: tuple[int, int, int]) -> "np.ndarray":
-    """Renders Gaussians (metres) with a preview camera."""
-    from artigen.splats.render.picture import draw_gaussians
-
-    return draw_gaussians(gaussians, camera, background=[level / 255.0 for level in background])

@@ -1,61 +1,16 @@
 """`artigen scene`: furnishes a room from a kind and a seed."""
 
 import sys
-import time
-from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-import numpy as np
 import tyro
 
+from artigen.api.scene import SceneSettings, furnish_room
 from artigen.cli.arguments import Out, Workers
-from artigen.cli.batch import run_shown
-from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate
-from artigen.errors import ArtigenError
-from artigen.runtime.runner import Runner, choose_runner
+from artigen.runtime.runner import choose_runner
 
-if TYPE_CHECKING:
-    from envs.maniskill.rooms.catalogue import Catalogue
-    from envs.maniskill.rooms.recipes import Recipe, Role
-    from envs.maniskill.rooms.room import Room
-
-PACKAGES = "packages"
-"""Subfolder of the room for objects that are drawn for it."""
-ROUNDS = 3
-"""Maximum number of draws for a role without a valid object."""
-FAMILIES = {
-    "kitchen": ("shaker", "slab", "rustic", "industrial", "midcentury"),
-    "office": ("slab", "industrial", "midcentury", "laboratory"),
-    "bedroom": ("shaker", "slab", "rustic", "midcentury", "nursery"),
-    "bathroom": ("shaker", "slab", "rustic", "laboratory"),
-    "workshop": ("industrial", "laboratory"),
-}
-"""Families that the seed chooses from by default."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class SceneSettings:
-    """Properties of the room; unset properties are sampled from the seed."""
-
-    width: float | None = None
-    """Inner width in metres, along the wall with the entrance."""
-    depth: float | None = None
-    """Inner depth in metres, from that wall to the opposite one."""
-    least: int = 10
-    """Minimum number of objects."""
-    most: int = 30
-    """Maximum number of objects."""
-    sweeps: Literal["free", "any"] = "free"
-    """``free`` keeps the swept volume of doors and drawers clear; ``any`` only avoids overlaps at rest."""
-    standing_radius: float = 0.3
-    """Radius in metres of the disc kept free for a robot in front of every door and drawer; 0 for none."""
-    ajar: float = 0.0
-    """Fraction of the doors and drawers that stand open."""
-    contents: float = 0.0
-    """Fraction of the drawers and compartments behind doors that hold loose things."""
-    family: str | None = None
-    """Look of everything that is drawn, such as shaker, slab or industrial; sampled if unset."""
+SETTINGS = SceneSettings()
 
 
 def scene(
@@ -63,7 +18,7 @@ def scene(
     out: Out,
     seed: int = 0,
     packages: Path | None = None,
-    cfg: tyro.conf.OmitArgPrefixes[SceneSettings] = SceneSettings(),
+    cfg: tyro.conf.OmitArgPrefixes[SceneSettings] = SETTINGS,
     pictures: Literal["both", "plan", "none"] = "both",
     workers: Workers = None,
 ) -> int:
@@ -79,104 +34,7 @@ def scene(
         pictures: Pictures to render: room and plan, the plan only, or none.
         workers: Worker processes that sample objects; default: one per available core.
     """
-    from envs.maniskill.populate import PopulateConfig, populate
-    from envs.maniskill.rooms.ajar import open_some
-    from envs.maniskill.rooms.catalogue import read_catalogue
-    from envs.maniskill.rooms.contents import fill_room
-    from envs.maniskill.rooms.file import write_room
-    from envs.maniskill.rooms.recipes import RECIPES
-
-    if seed < 0 or not (0.0 <= cfg.ajar <= 1.0 and 0.0 <= cfg.contents <= 1.0):
-        raise ArtigenError(
-            f"seed {seed}, ajar {cfg.ajar}, contents {cfg.contents}: expected a seed from 0 and shares from 0"
-            " to 1"
-        )
-    try:
-        settings = PopulateConfig(
-            width=cfg.width, depth=cfg.depth, least=cfg.least, most=cfg.most, sweeps=cfg.sweeps,
-            standing_radius=cfg.standing_radius,
-        )  # fmt: skip
-    except ValueError as error:
-        raise ArtigenError(str(error)) from error
-    if packages is not None and cfg.family is not None:
-        raise ArtigenError(
-            f"family {cfg.family} with packages {packages}: objects of a folder keep their looks; omit one of"
-            " the two"
-        )
-    if packages is None:
-        family = cfg.family or choose_family(kind, seed)
-        catalogue = draw_packages(
-            RECIPES[kind], seed, family, out / PACKAGES, choose_runner("local", workers)
-        )
-    else:
-        catalogue = read_catalogue(packages)
-    started = time.perf_counter()
-    room = populate(kind, seed, catalogue, settings)
-    if cfg.ajar > 0.0:
-        room = open_some(room, cfg.ajar)
-    if cfg.contents > 0.0:
-        room = fill_room(room, cfg.contents)
-    spent = time.perf_counter() - started
-    path = write_room(room, out)
-    _draw(room, out, pictures)
-    kinds = len({placement.package for placement in room.placements})
-    loose = f", with {len(room.contents)} loose things" if room.contents else ""
-    left_out = f", without {len(catalogue.failed)} packages that did not pass" if catalogue.failed else ""
-    sys.stdout.write(
-        f"{kind} of {room.size[0]:.2f} x {room.size[1]:.2f} m: {len(room.placements)} objects from {kinds} "
-        f"packages{loose} in {path}, arranged and checked in {spent:.1f} s{left_out}\n"
-    )
+    runner = choose_runner("local", workers)
+    made = furnish_room(kind, out, seed, packages, cfg, pictures=pictures, runner=runner)
+    sys.stdout.write(made.describe() + "\n")
     return 0
-
-
-def choose_family(kind: str, seed: int) -> str:
-    """The default family of a room."""
-    families = FAMILIES[kind]
-    return families[int(np.random.default_rng(seed).integers(len(families)))]
-
-
-def draw_packages(recipe: "Recipe", seed: int, family: str, out: Path, runner: Runner) -> "Catalogue":
-    """Draws and validates objects for every role of a room, all of one suite of a family.
-
-    Roles without a valid object are drawn again.
-    """
-    from envs.maniskill.rooms.catalogue import read_catalogue
-
-    look = ShapeSettings(family=family, suite=seed)
-    waiting = list(recipe.all_roles)
-    jobs: list[ShapeJob] = []
-    catalogue = None
-    for attempt in range(ROUNDS):
-        added = _jobs(waiting, seed * 1000 + 200 * attempt, look, out)
-        jobs += added
-        run_shown(export_and_validate, added, out, runner=runner)
-        catalogue = read_catalogue(out)
-        drawn = {job.key for job in jobs}
-        # The folder may hold objects of an earlier run; the same seed must give the same room.
-        entries = tuple(entry for entry in catalogue.entries if entry.name in drawn)
-        failed = tuple(text for text in catalogue.failed if text.split()[0] in drawn)
-        catalogue = replace(catalogue, entries=entries, failed=failed)
-        waiting = [role for role in waiting if role.draws and not catalogue.of_role(role)]
-        if not waiting:
-            break
-    assert catalogue is not None
-    return catalogue
-
-
-def _jobs(roles: "list[Role]", first: int, look: ShapeSettings, out: Path) -> list[ShapeJob]:
-    """One job for every draw of the roles, with the sizes of the roles."""
-    jobs = []
-    for role in roles:
-        for category, (depth, width, height) in role.draws:
-            wished = replace(look, depth=depth or None, width=width or None, height=height or None)
-            jobs.append(ShapeJob(category=category, seed=first + len(jobs), out=out, cfg=wished))
-    return jobs
-
-
-def _draw(room: "Room", out: Path, pictures: str) -> None:
-    from envs.maniskill.rooms.picture import write_plan, write_view
-
-    if pictures != "none":
-        write_plan(room, out / "plan.png")
-    if pictures == "both":
-        write_view(room, out / "room.png")

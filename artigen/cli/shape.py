@@ -1,287 +1,17 @@
 """`artigen shape`: samples procedural objects and exports them as validated packages."""
 
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, get_args
 
 import tyro
 
+from artigen.api.batch import read_shard
+from artigen.api.sample import ShapeSettings, choose_like, sample_packages
 from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
-from artigen.cli.batch import (
-    Finished,
-    Laps,
-    Made,
-    read_shard,
-    run_shown,
-    say_results,
-    take_part,
-)
-from artigen.cli.grids import GRIDS, make_on_grids
-from artigen.cli.names import choose_name
-from artigen.errors import ArtigenError
+from artigen.cli.summary import print_summary
 from artigen.runtime.runner import choose_runner
-from artigen.runtime.workers import Worker
-from artigen.types import PartLabel
 
-if TYPE_CHECKING:
-    from artigen.cli.generate import GenerateSettings
-    from artigen.shapes.draw import Wish
-    from artigen.shapes.families import Suite
-    from artigen.shapes.shape import Shape
-    from sim_export.package import SimPackage
-
-TIMEOUT = 300.0
-"""Time limit (seconds) for one stage of one object."""
-SPACING = 1 / 192
-"""Mean distance of the coloured surface samples for textures, relative to the longest edge."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ShapeSettings:
-    """Properties of the objects and how they are exported; unset properties are sampled from the seed."""
-
-    width: float | None = None
-    """Width in metres, seen from the front."""
-    depth: float | None = None
-    """Depth in metres, including fronts; excluding handles where the category separates them."""
-    height: float | None = None
-    """Height in metres."""
-    style: str | None = None
-    """Style of the category, such as shaker; docs/reference/kinds.md lists them."""
-    family: str | None = None
-    """Look across kinds, such as shaker, slab or industrial: style, handles and materials."""
-    suite: int | None = None
-    """Choice of the family's materials and hardware; objects of one suite match. The object's seed if unset,
-    or 0 with ``--like`` or ``--topology``."""
-    counts: tuple[str, ...] = ()
-    """Number of parts by label, such as drawer=3 door=0."""
-    like: int | None = None
-    """Seed of a template object: every object gets its links, joints and kinds of collision shapes, in other
-    sizes and materials, so that one simulation batch can hold them all."""
-    topology: tuple[str, ...] = ()
-    """Number of parts by label, such as drawer=3 door=0: like ``--like``, with the first seed whose
-    object has these counts as its template."""
-    source: Literal["reference", "voxels"] = "reference"
-    """``reference`` exports the exact primitives; ``voxels`` reconstructs the object from its 64^3 voxels,
-    and from 96^3 and 128^3 voxels while its package fails validation."""
-    textures: Literal["own", "shared"] = "own"
-    """``own`` bakes one texture per part; ``shared`` gives parts of the same finish one common texture (only
-    with --source reference)."""
-    splats: bool = False
-    """Add 3D Gaussians to the package: discs on its surface, one PLY per link."""
-    validation: Literal["full", "none"] = "full"
-    """Run checks L0 to L3 on every package right after it is written."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ShapeJob:
-    """Job to make the package of one procedural object."""
-
-    category: str
-    seed: int
-    out: Path
-    cfg: ShapeSettings = field(default_factory=ShapeSettings)
-    name: str | None = None
-    """Name of the package; default: category and seed."""
-    grid: int = GRIDS[0]
-    """Cells along the longest edge, with ``source`` voxels."""
-
-    @property
-    def key(self) -> str:
-        """Name of the package."""
-        return self.name or f"{self.category}_{self.seed}"
-
-    @property
-    def settings(self) -> str:
-        """Object and settings as text."""
-        return f"{self.key} {self.cfg}"
-
-
-def choose_like(category: str, cfg: ShapeSettings) -> ShapeSettings:
-    """Settings in which ``topology`` is replaced by ``like`` with the seed of the first matching object.
-
-    Raises:
-        ArtigenError: If ``like`` or ``counts`` are given, too, or no object has the parts.
-    """
-    if not cfg.topology:
-        return cfg
-    if cfg.like is not None or cfg.counts:
-        raise ArtigenError(
-            f"topology {' '.join(cfg.topology)} beside "
-            + (f"like {cfg.like}" if cfg.like is not None else f"counts {' '.join(cfg.counts)}")
-            + ": topology already selects the template object by its parts; omit the other option"
-        )
-    from artigen.shapes.draw import find_seed
-
-    wish = read_suited_wish(ShapeJob(category=category, seed=0, out=Path(), cfg=cfg))
-    seed = find_seed(category, read_counts(cfg.topology), wish)
-    sys.stdout.write(f"{' '.join(cfg.topology)}: the template is {category} {seed}\n")
-    return replace(cfg, like=seed, topology=())
-
-
-def draw_wished(job: ShapeJob) -> "Shape":
-    """Draws the object of a job, in the finishes of its suite."""
-    from artigen.shapes.draw import draw_shape
-    from artigen.shapes.families import dress_shape
-
-    wish, like, suite = read_suited_wish(job), job.cfg.like, read_suite(job)
-    shape = draw_shape(job.category, job.seed, wish) if like is None else _draw_like(job, like, wish)
-    return shape if suite is None else dress_shape(shape, suite)
-
-
-def read_suite(job: ShapeJob) -> "Suite | None":
-    """The suite of the object; None without a family.
-
-    Raises:
-        ArtigenError: If the family is unknown, or a suite is given without a family.
-    """
-    from artigen.shapes.families import FAMILIES, choose_suite
-
-    if job.cfg.family is None:
-        if job.cfg.suite is not None:
-            raise ArtigenError(
-                f"suite {job.cfg.suite} without a family: a suite is a choice of a family's materials and "
-                f"hardware; families are {', '.join(FAMILIES)}"
-            )
-        return None
-    own = job.seed if job.cfg.like is None and not job.cfg.topology else 0
-    return choose_suite(job.cfg.family, own if job.cfg.suite is None else job.cfg.suite)
-
-
-def read_suited_wish(job: ShapeJob) -> "Wish":
-    """The wish of a job, with the style and hardware of its suite."""
-    from artigen.shapes.families import wish_suite
-
-    wish, suite = read_wish(job.cfg), read_suite(job)
-    return wish if suite is None else wish_suite(job.category, suite, wish)
-
-
-def _draw_like(job: ShapeJob, like: int, wish: "Wish") -> "Shape":
-    """An object with the topology of that of seed ``like``."""
-    from artigen.shapes.draw import draw_variant
-
-    if job.cfg.source != "reference":
-        raise ArtigenError(
-            f"like {like} with source {job.cfg.source}: reconstruction from voxels changes the collision "
-            "shapes; use source reference"
-        )
-    from sim_export.reference import describe_build
-
-    build = _build_of(job.category, like, wish)
-    return draw_variant(job.category, like, job.seed, lambda shape: describe_build(shape) == build, wish)
-
-
-@cache
-def _build_of(category: str, seed: int, wish: "Wish") -> list[object]:
-    """Topology of the object of a seed; drawn once per process."""
-    from artigen.shapes.draw import draw_shape
-    from sim_export.reference import describe_build
-
-    return describe_build(draw_shape(category, seed, wish))
-
-
-def read_wish(cfg: "ShapeSettings | GenerateSettings") -> "Wish":
-    """The wish in the settings, with parsed counts.
-
-    Raises:
-        ArtigenError: If a count is not of the form label=number.
-    """
-    from artigen.shapes.draw import Wish
-
-    return Wish(
-        width=cfg.width,
-        depth=cfg.depth,
-        height=cfg.height,
-        style=cfg.style,
-        counts=read_counts(cfg.counts),
-    )
-
-
-def read_counts(texts: Sequence[str]) -> tuple[tuple[PartLabel, int], ...]:
-    """Parses counts of parts written as ``label=number``; sorted by label.
-
-    Raises:
-        ArtigenError: If a text is not of that form, or two texts contradict each other.
-    """
-    labels: dict[str, PartLabel] = {label: label for label in get_args(PartLabel)}
-    counts: dict[PartLabel, int] = {}
-    for text in texts:
-        label, _, number = text.partition("=")
-        if label not in labels or not number.isdecimal():
-            raise ArtigenError(
-                f"count {text!r} is not of the form label=number; labels are {', '.join(labels)}"
-            )
-        if counts.setdefault(labels[label], int(number)) != int(number):
-            raise ArtigenError(f"counts {label}={counts[labels[label]]} and {text} contradict each other")
-    return tuple(sorted(counts.items()))
-
-
-def export_shape(job: ShapeJob) -> Made:
-    """Draws one object, exports it and writes the package; runs in a worker process."""
-    from sim_export.files.write import write_package
-
-    laps = Laps()
-    drawn = draw_wished(job)
-    laps.end("draw")
-    made = make_package(
-        drawn, job.cfg.source, splats=job.cfg.splats, textures=job.cfg.textures, grid=job.grid
-    )
-    suite = read_suite(job)
-    suited = {} if suite is None else {"family": suite.family, "suite": str(suite.seed)}
-    provenance = tuple(sorted((*made.provenance, *suited.items())))
-    package = replace(made, name=job.name or made.name, provenance=provenance)
-    laps.end("export")
-    write_package(package, job.out / job.key, "replace")
-    laps.end("write")
-    return laps.made(package.records)
-
-
-def make_package(
-    drawn: "Shape",
-    source: Literal["reference", "voxels"],
-    *,
-    splats: bool = False,
-    textures: Literal["own", "shared"] = "own",
-    grid: int = GRIDS[0],
-) -> "SimPackage":
-    """The package of an object: exact, or reconstructed from ``grid`` voxels along its longest edge."""
-    from artigen import __version__
-
-    provenance = {
-        "generator": f"artigen {__version__} shape",
-        "source": f"procedural {drawn.category}, seed {drawn.seed}, style {drawn.style}",
-        "made_from": source,
-        "seed": str(drawn.seed),
-        "style": drawn.style,
-    }
-    if source == "reference":
-        from sim_export.reference import ReferenceConfig, build_reference
-
-        cfg = ReferenceConfig(textures=textures, gaussians=splats)
-        return build_reference(drawn, cfg, provenance=provenance)
-    if textures != "own":
-        raise ArtigenError(
-            f"textures {textures} with source {source}: only source reference can share textures"
-        )
-    from artigen.cli.convert import rebuild_from_voxels
-    from artigen.shapes.asset import frame_shape, shape_to_asset
-    from sim_export.appearance.splats import splat_package
-    from sim_export.export import export_asset
-
-    spacing = SPACING * frame_shape(drawn)[1]
-    asset = rebuild_from_voxels(shape_to_asset(drawn, resolution=grid, spacing=spacing))
-    package = export_asset(asset, provenance=provenance | {"grid": str(grid)}).package
-    return splat_package(package, asset) if splats else package
-
-
-def export_and_validate(worker: Worker, job: ShapeJob) -> Finished:
-    """Makes and validates one object in a supervised process; from voxels, on finer grids while it fails."""
-    jobs = [replace(job, grid=grid) for grid in (GRIDS if job.cfg.source == "voxels" else GRIDS[:1])]
-    full = job.cfg.validation == "full"
-    return make_on_grids(worker, jobs, export_shape, timeout=TIMEOUT, validation=full)
+SETTINGS = ShapeSettings()
 
 
 def shape(
@@ -290,7 +20,7 @@ def shape(
     seed: int = 0,
     count: Count = 1,
     name: str | None = None,
-    cfg: tyro.conf.OmitArgPrefixes[ShapeSettings] = ShapeSettings(),
+    cfg: tyro.conf.OmitArgPrefixes[ShapeSettings] = SETTINGS,
     sheet: Path | None = None,
     workers: Workers = None,
     runner: RunnerChoice = "local",
@@ -309,29 +39,11 @@ def shape(
         cfg: Properties of the objects and how they are exported.
         sheet: Write a PNG contact sheet: all objects closed in the top row, open in the bottom row.
     """
-    if count < 1 or seed < 0:
-        raise ArtigenError(f"{count} objects from seed {seed}: expected at least 1 object and a seed from 0")
-    cfg = choose_like(category, cfg)
-    jobs = [
-        ShapeJob(category=category, seed=number, out=out, cfg=cfg, name=choose_name(name, number, count))
-        for number in range(seed, seed + count)
-    ]
     part, chosen = read_shard(shard), choose_runner(runner, workers)
-    pictured = take_part(jobs, part) if sheet else jobs[:1]
-    drawn = [draw_wished(job) for job in pictured]  # fails before any work starts
-    results = run_shown(export_and_validate, jobs, out, runner=chosen, part=part)
-    if sheet is not None:
-        write_sheet(drawn, sheet)
-    return say_results(results, out)
-
-
-def write_sheet(drawn: "list[Shape]", path: Path) -> None:
-    """Writes a PNG with all objects closed in the top row and open in the bottom row."""
-    import numpy as np
-    from PIL import Image
-
-    from artigen.shapes.sheet import draw_sheet
-
-    rows = [draw_sheet(drawn, opened) for opened in (0.0, 0.8)]
-    path.parent.mkdir(parents=True, exist_ok=True)
-    Image.fromarray(np.concatenate(rows, axis=0)).save(path)
+    seeds, settings = range(seed, seed + count), choose_like(category, cfg)
+    if cfg.topology:
+        sys.stdout.write(f"{' '.join(cfg.topology)}: the template is {category} {settings.like}\n")
+    results = sample_packages(
+        category, out, seeds, settings, runner=chosen, name=name, sheet=sheet, part=part
+    )
+    return print_summary(results, out)

@@ -2,61 +2,17 @@
 
 import logging
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
-from typing import Literal
 
 import tyro
 from tqdm.contrib.logging import logging_redirect_tqdm
 
+from artigen.api.train import AppearanceSettings, ReaderSettings, What, prepare_training
 from artigen.cli.arguments import Workers
-from artigen.errors import ArtigenError
 from artigen.runtime.cores import choose_workers
 from artigen.train.settings import TrainSettings
 
-TRAIN = TrainSettings()
-
-
-@dataclass(frozen=True, kw_only=True)
-class AppearanceSettings:
-    """Settings of appearance only."""
-
-    articulated: bool = True
-    """Render objects in all joint states, or closed only (as many pictures)."""
-    weighting: Literal["seen", "plain"] = "seen"
-    """Views that count for the features of a voxel: those that see it, or all."""
-    features: Literal["pyramid", "dinov2"] = "pyramid"
-    """Image features."""
-    dinov2: Path | None = None
-    """Folder with the weights of DINOv2, for --features dinov2."""
-    structure: Path | None = None
-    """Folder of a structure model whose samples the flow is trained on besides true voxels; without one, true
-    voxels are perturbed instead."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ReaderSettings:
-    """Settings of the reader only."""
-
-    photos: Path | None = None
-    """Folder of marked photographs: labels.json and images. Without one, rendered views alone are used."""
-    trunk: Path | None = None
-    """ImageNet weights of EfficientNet-Lite2; default: those of the package that artigen[reader] installs."""
-
-
-Generator = Literal[
-    "sketch",
-    "structure",
-    "structure-vae",
-    "structure-flow",
-    "structure-decoder",
-    "appearance",
-    "appearance-vae",
-    "appearance-flow",
-]
-What = Literal["reader"] | Generator
+TRAIN, APPEARANCE, READER = TrainSettings(), AppearanceSettings(), ReaderSettings()
 
 
 def train(
@@ -64,8 +20,8 @@ def train(
     run: tyro.conf.Positional[Path],
     cfg: tyro.conf.OmitArgPrefixes[TrainSettings] = TRAIN,
     workers: Workers = None,
-    appearance: tyro.conf.OmitArgPrefixes[AppearanceSettings] = AppearanceSettings(),
-    reader: tyro.conf.OmitArgPrefixes[ReaderSettings] = ReaderSettings(),
+    appearance: tyro.conf.OmitArgPrefixes[AppearanceSettings] = APPEARANCE,
+    reader: tyro.conf.OmitArgPrefixes[ReaderSettings] = READER,
 ) -> int:
     """Generate data, train networks, score held-out objects and store the weights in RUN/model.
 
@@ -79,10 +35,7 @@ def train(
         appearance: Settings of appearance only.
         reader: Settings of the reader only.
     """
-    if what == "reader":
-        begin = _prepare_reader(run, cfg, choose_workers(workers), reader)
-    else:
-        begin = _prepare(what, run, cfg, choose_workers(workers), appearance)
+    begin = prepare_training(what, run, cfg, choose_workers(workers), appearance, reader)
     logging.getLogger("artigen.train").setLevel(logging.INFO)
     with logging_redirect_tqdm():
         scores = begin()
@@ -91,63 +44,3 @@ def train(
         sys.stdout.write(f"held-out objects:\n{rows}\n")
     sys.stdout.write(f"weights are in {run / 'model'}\n")
     return 0
-
-
-def _prepare(
-    what: Generator, run: Path, cfg: TrainSettings, workers: int, appearance: AppearanceSettings
-) -> Callable[[], dict[str, float]]:
-    """Builds the training function for the arguments."""
-    given = {name: value for name, value in vars(cfg).items() if value is not None}
-    if what == "sketch":
-        return _prepare_sketch(run, cfg, workers)
-    if what in ("appearance", "appearance-vae", "appearance-flow"):
-        from artigen.train.appearance.everything import train_appearance
-        from artigen.train.appearance.run import AppearanceRunConfig
-        from sim_export.geometry.surface import sample_surface
-
-        if cfg.partnet is not None:
-            raise ArtigenError("appearance cannot be trained on real objects yet: omit --partnet")
-        if cfg.trellis is not None or cfg.encoders is not None:
-            raise ArtigenError("--trellis and --encoders apply to structure only; appearance has --dinov2")
-        shared = {
-            name: given[name]
-            for name in ("preset", "minutes", "shards", "held_out", "objects", "start")
-            if name in given
-        }
-        return partial(
-            train_appearance,
-            AppearanceRunConfig(folder=run, workers=workers, **shared, **vars(appearance)),
-            what,
-            resurface=sample_surface,
-        )
-    from artigen.train.everything import train_everything
-    from artigen.train.run import RunConfig
-
-    return partial(train_everything, RunConfig(folder=run, workers=workers, **given), what)
-
-
-def _prepare_reader(
-    run: Path, cfg: TrainSettings, workers: int, reader: ReaderSettings
-) -> Callable[[], dict[str, float]]:
-    """Builds the training function of the reader of photographs."""
-    from artigen.train.reader import ReaderRunConfig, train_reader
-
-    for name in ("partnet", "trellis", "encoders", "objects"):
-        if getattr(cfg, name) is not None:
-            raise ArtigenError(
-                f"the reader is trained on views of the grammar and on photographs: omit --{name}"
-            )
-    shared = {name: getattr(cfg, name) for name in ("minutes", "shards", "start")}
-    return partial(train_reader, ReaderRunConfig(folder=run, workers=workers, **shared, **vars(reader)))
-
-
-def _prepare_sketch(run: Path, cfg: TrainSettings, workers: int) -> Callable[[], dict[str, float]]:
-    """Builds the training function of the sketch network, which supports fewer options than the other
-    models."""
-    from artigen.train.sketch import SketchRunConfig, train_sketch
-
-    for name in ("partnet", "trellis", "encoders", "objects"):
-        if getattr(cfg, name) is not None:
-            raise ArtigenError(f"the sketch network is trained on the grammar only: omit --{name}")
-    shared = {name: getattr(cfg, name) for name in ("preset", "minutes", "shards", "start")}
-    return partial(train_sketch, SketchRunConfig(folder=run, workers=workers, **shared))

@@ -3,8 +3,8 @@
 import sys
 from typing import Literal
 
+from artigen.api.names import choose_name
 from artigen.cli.arguments import Out, Packages
-from artigen.cli.names import choose_name
 from artigen.errors import ArtigenError
 
 

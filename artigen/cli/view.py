@@ -1,6 +1,5 @@
 """`artigen view`: shows a package in the browser."""
 
-import sys
 import time
 from pathlib import Path
 
@@ -14,10 +13,9 @@ def view(package: tyro.conf.Positional[Path], port: int = 8080) -> int:
         package: Package folder.
         port: TCP port of the local server.
     """
-    from sim_export.picture.view import view_package
+    from artigen.api.object import load
 
-    page = view_package(package, port=port)
-    sys.stderr.write(f"{package}: http://localhost:{page.server.get_port()} (stop with Ctrl-C)\n")
+    load(package).show(port)
     try:
         while True:
             time.sleep(3600.0)

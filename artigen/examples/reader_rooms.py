@@ -39,7 +39,7 @@ def _shift(shape: Shape, offset: tuple[float, float, float]) -> Shape:
                 primitives=tuple(move(solid, offset) for solid in part.primitives),
                 motion=None
                 if part.motion is None
-                else replace(part.motion, origin=tuple((np.array(part.motion.origin) + offset).tolist())),
+                else replace(part.motion, origin=part.motion.origin + offset),
             )
             for part in shape.parts
         ),

@@ -279,7 +279,7 @@ def project_front(
     corners = sort_corners(seen)
     hinge = UNKNOWN
     if part.motion is not None and part.motion.type == "revolute":
-        axis, origin = np.array(part.motion.axis), np.array(part.motion.origin)
+        axis, origin = part.motion.axis, part.motion.origin
         middle = face.mean(axis=0)
         foot = origin + axis * float((middle - origin) @ axis)
         ends = np.stack([middle, foot])  # the axis does not move with the part, its foot may

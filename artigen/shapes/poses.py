@@ -1,12 +1,13 @@
 """Poses of the parts of a shape for joint coordinates, in metres and radians."""
 
-from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
 
+from artigen.kinematics import compose
 from artigen.shapes.primitives import place_vertices
-from artigen.shapes.shape import Motion, Shape
+from artigen.shapes.shape import Shape
 from artigen.transforms import joint_motion
 from artigen.types import FIXED, Joint
 
@@ -27,19 +28,10 @@ def pose_parts(shape: Shape, qpos: Float[np.ndarray, "*B P"]) -> Float[np.ndarra
         raise ValueError(
             f"{shape.name}: qpos has {qpos.shape[-1]} entries, expected one per part, {len(shape.parts)}"
         )
-    out = np.zeros((*qpos.shape, 4, 4))
     row = {part.name: index for index, part in enumerate(shape.parts)}
-    waiting: Sequence[int] = range(len(shape.parts))
-    placed: set[str | None] = {None}
-    while waiting:
-        ready = [index for index in waiting if shape.parts[index].parent in placed]
-        for index in ready:
-            part = shape.parts[index]
-            own = joint_motion(make_joint(part.motion), qpos[..., index])
-            out[..., index, :, :] = own if part.parent is None else out[..., row[part.parent], :, :] @ own
-            placed.add(part.name)
-        waiting = [index for index in waiting if index not in ready]
-    return out
+    own = [joint_motion(part.motion or FIXED, qpos[..., index]) for index, part in enumerate(shape.parts)]
+    parents = [-1 if part.parent is None else row[part.parent] for part in shape.parts]
+    return compose(parents, np.stack(own, axis=-3))
 
 
 def place_posed(shape: Shape, qpos: Float[np.ndarray, "P"]) -> Float[np.ndarray, "N 3"]:
@@ -86,15 +78,17 @@ def open_parts(shape: Shape, fraction: float) -> Float[np.ndarray, "P"]:
 
 
 def make_joint(
-    motion: Motion | None, center: Float[np.ndarray, "3"] | float = 0.0, scale: float = 1.0
+    motion: Joint | None, center: Float[np.ndarray, "3"] | float = 0.0, scale: float = 1.0
 ) -> Joint:
-    """The joint of a part, relative to ``center`` (m) and in units of ``scale`` metres."""
+    """The joint of a part by itself, relative to ``center`` (m) and in units of ``scale`` metres."""
     if motion is None:
         return FIXED
-    return Joint(
-        type=motion.type,
-        axis=np.array(motion.axis),
-        origin=(np.array(motion.origin) - center) / scale,
+    return replace(
+        motion,
+        origin=(motion.origin - center) / scale,
         upper=motion.upper / scale if motion.type == "prismatic" else motion.upper,
         pitch=motion.pitch / scale,
+        follows=None,
+        spring=0.0,
+        stays=False,
     )

@@ -11,47 +11,9 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 from jaxtyping import Float
 
-from artigen.shapes.primitives import Primitive, Vector, place_vertices
+from artigen.shapes.primitives import Primitive, place_vertices
 from artigen.shapes.surfaces.finishes import Finish
-from artigen.types import JOINT_TYPES, PART_LABELS, JointType, PartLabel, check_tree
-
-ENDLESS: tuple[JointType, ...] = ("continuous", "screw")
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Motion:
-    """A part's joint to its parent, in metres and radians, in the object frame at rest.
-
-    ``follows`` names a part that drives this one, as a pedal does a lid: both are closed and both are open at
-    the same time, with proportional motion between. ``spring`` is a force (N) or torque (N m) that closes the
-    joint: the stated value when closed, twice that when open, linear between. ``stays`` is for hinges that
-    hold the part wherever it is left, by friction or a counterbalance.
-    """
-
-    type: JointType
-    axis: Vector
-    origin: Vector = (0.0, 0.0, 0.0)
-    upper: float = 0.0
-    pitch: float = 0.0
-    follows: str | None = None
-    spring: float = 0.0
-    stays: bool = False
-
-    def __post_init__(self) -> None:
-        if self.type not in JOINT_TYPES or self.type == "fixed":
-            raise ValueError(f"motion {self.type!r}, expected one of {', '.join(JOINT_TYPES[1:])}")
-        if abs(np.linalg.norm(self.axis) - 1) > 1e-9 or not self.upper > 0:
-            raise ValueError(f"motion along {self.axis} up to {self.upper}: a unit axis and a range above 0")
-        if (self.pitch != 0.0) != (self.type == "screw"):
-            raise ValueError(f"a {self.type} motion has pitch {self.pitch}; screws and only screws have one")
-        if self.type in ENDLESS and (self.follows is not None or self.spring != 0.0):
-            raise ValueError(f"a {self.type} motion has no limits: it cannot follow another or have a spring")
-        if self.stays and self.type != "revolute":
-            raise ValueError(f"a {self.type} motion stays; only hinges with limits do")
-        if not self.spring >= 0.0:
-            raise ValueError(
-                f"a spring of {self.spring} N or N m; expected 0 or more; a spring closes the joint"
-            )
+from artigen.types import ENDLESS, PART_LABELS, Joint, PartLabel, check_tree
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,12 +26,16 @@ class Need:
 
 @dataclass(frozen=True, eq=False)
 class ShapePart:
-    """A rigid part with a label, as a union of convex primitives; ``motion`` None is a fixed joint."""
+    """A rigid part with a label, as a union of convex primitives.
+
+    ``motion`` is its joint to its parent, in metres and radians, in the object frame at rest, closed at 0;
+    None is a fixed one.
+    """
 
     name: str
     label: PartLabel
     primitives: Sequence[Primitive]
-    motion: Motion | None = None
+    motion: Joint | None = None
     _: KW_ONLY
     parent: str | None = "body"
     """Name of the part that carries it; None for the base."""
@@ -83,6 +49,14 @@ class ShapePart:
             )
         if not self.primitives:
             raise ValueError(f"part {self.name!r} has no primitives")
+        joint = self.motion
+        if joint is not None and (joint.type == "fixed" or joint.lower != 0.0 or not joint.upper > 0.0):
+            raise ValueError(
+                f"part {self.name!r}: a {joint.type} joint from {joint.lower:g} to {joint.upper:g}, expected "
+                "one that moves, from 0 up"
+            )
+        if joint is not None and joint.type == "screw" and joint.pitch == 0.0:
+            raise ValueError(f"part {self.name!r}: a screw joint without a pitch, which is that of a hinge")
 
     def bounds(self) -> Float[np.ndarray, "2 3"]:
         """Lowest and highest corner at rest (m)."""

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from artigen.shapes.shape import Motion, Shape
+from artigen.shapes.shape import Shape
 from artigen.sketch.contact import Bodies
 from artigen.sketch.tree import Tree
 from artigen.transforms import frame_along
-from artigen.types import PartLabel
+from artigen.types import Joint, PartLabel
 
 SIGHT_LINES = 200
 """Sample points per part; each casts a ray along the motion to measure which direction is free."""
@@ -45,15 +45,15 @@ class Opener:
 
     index: int
     label: PartLabel
-    motion: Motion
+    motion: Joint
     body: Int[np.ndarray, "B"]
     panel: Int[np.ndarray, "Q"]
 
     def velocity(self, points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
         """Velocity of points at rest per unit of joint velocity (m per rad or per m)."""
         if self.motion.type == "prismatic":
-            return np.broadcast_to(np.array(self.motion.axis), points.shape)
-        return np.cross(self.motion.axis, points - np.array(self.motion.origin))
+            return np.broadcast_to(self.motion.axis, points.shape)
+        return np.cross(self.motion.axis, points - self.motion.origin)
 
 
 def list_openers(shape: Shape, bodies: Bodies) -> list[Opener]:
@@ -99,7 +99,7 @@ def leans_back(bodies: Bodies, opener: Opener) -> bool:
 
 def measure_hinge(bodies: Bodies, opener: Opener) -> tuple[float, float]:
     """Distance (m) of a hinge from the nearer edge of its door, and the largest allowed distance."""
-    axis, origin = np.array(opener.motion.axis), np.array(opener.motion.origin)
+    axis, origin = opener.motion.axis, opener.motion.origin
     points = bodies.vertices[opener.panel if len(opener.panel) else opener.body].reshape(-1, 3)
     normal = _thin_direction(points - (points.min(axis=0) + points.max(axis=0)) / 2)
     if abs(normal @ axis) > _PARALLEL:
@@ -114,7 +114,7 @@ def measure_hinge(bodies: Bodies, opener: Opener) -> tuple[float, float]:
 
 def measure_hung(bodies: Bodies, opener: Opener, carrier: Int[np.ndarray, "C"]) -> float:
     """Share of a door's height along its hinge at which its carrier is beside the hinge, behind the door."""
-    axis, origin = np.array(opener.motion.axis), np.array(opener.motion.origin)
+    axis, origin = opener.motion.axis, opener.motion.origin
     points = bodies.vertices[opener.body].reshape(-1, 3)
     out = opener.velocity((points.min(axis=0) + points.max(axis=0))[None] / 2)[0]
     side = int(np.abs(out).argmax())
@@ -129,7 +129,7 @@ def measure_hung(bodies: Bodies, opener: Opener, carrier: Int[np.ndarray, "C"]) 
 
 def measure_held(bodies: Bodies, opener: Opener, carriers: Int[np.ndarray, "C"]) -> float:
     """Share of a fully open slide's depth that overlaps the extent of its carriers."""
-    axis = np.array(opener.motion.axis)
+    axis = opener.motion.axis
     own = bodies.vertices[opener.panel if len(opener.panel) else opener.body] @ axis + opener.motion.upper
     held = bodies.vertices[carriers] @ axis
     inside = min(own.max(), held.max()) - max(own.min(), held.min())

@@ -15,13 +15,13 @@ from jaxtyping import Float, Int
 from artigen.errors import ArtigenError
 from artigen.kind import find_kind
 from artigen.shapes.primitives import LEFT, Primitive
-from artigen.shapes.shape import Motion, Need, Shape, ShapePart
+from artigen.shapes.shape import Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
 from artigen.shapes.surfaces.palette import ROLES
 from artigen.sketch.piece import LINED, Piece, UnknownSolid, across, number_axes
 from artigen.sketch.pieces import build_piece, fit_pieces
 from artigen.sketch.snap import STEP, snap_piece, to_metres
-from artigen.types import FULL_TURN, JointType, PartLabel
+from artigen.types import FULL_TURN, Joint, JointType, PartLabel
 
 HALF_DEGREE = np.pi / 360
 LEVELS = 63
@@ -266,9 +266,11 @@ def _write_joint(
 ) -> SketchJoint:
     motion = part.motion
     assert motion is not None
-    near = np.array(LINED) @ np.array(motion.axis)
+    near = np.array(LINED) @ motion.axis
     if near.max() < 1 - 1e-9:
-        raise SketchError(f"{owner}: {part.name!r} moves along {motion.axis}, expected one of the axes")
+        raise SketchError(
+            f"{owner}: {part.name!r} moves along {motion.axis.tolist()}, expected one of the axes"
+        )
     if len(part.needs) > MAX_NEEDS or len({need.fraction for need in part.needs}) > 1:
         raise SketchError(
             f"{owner}: {part.name!r} needs {len(part.needs)} parts open, expected at most {MAX_NEEDS} alike"
@@ -276,7 +278,7 @@ def _write_joint(
     needs, own = [names.index(need.part) for need in part.needs], names.index(part.name)
     sliding = motion.type == "prismatic"
     fraction = part.needs[0].fraction if part.needs else FRACTIONS[0]
-    origin = (0, 0, 0) if sliding else tuple(round(v / STEP) for v in np.array(motion.origin) + offset)
+    origin = (0, 0, 0) if sliding else tuple(round(v / STEP) for v in motion.origin + offset)
     return SketchJoint(
         type=motion.type,
         axis=int(near.argmax()),
@@ -336,7 +338,8 @@ def _read_part(part: SketchPart, name: str, names: Sequence[str], *, stays: bool
         motion = None if part.joint is None else _read_joint(part.joint)
     except ValueError as error:
         raise ValueError(f"part {name!r}: {error}") from error
-    if motion is not None and stays and (part.label, motion.type, motion.axis) == ("door", "revolute", LEFT):
+    lifts = motion is not None and (motion.type, tuple(motion.axis)) == ("revolute", LEFT)
+    if motion is not None and lifts and stays and part.label == "door":
         motion = replace(motion, stays=True)
     needs = ()
     if part.joint is not None:
@@ -361,15 +364,15 @@ def build_primitives(piece: Piece) -> tuple[Primitive, ...]:
     return build_piece(to_metres(piece))
 
 
-def _read_joint(joint: SketchJoint) -> Motion:
+def _read_joint(joint: SketchJoint) -> Joint:
     x, y, z = (value * STEP for value in joint.origin)
     upper = FULL_TURN if joint.type == "continuous" else joint.upper * HALF_DEGREE
     if joint.type == "prismatic":
         upper = joint.upper * STEP
-    return Motion(
+    return Joint(
         type=joint.type,
-        axis=LINED[joint.axis],
-        origin=(x, y, z),
+        axis=np.array(LINED[joint.axis]),
+        origin=np.array((x, y, z)),
         upper=upper,
         pitch=joint.travel * STEP / upper if joint.type == "screw" else 0.0,
     )

@@ -11,10 +11,10 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from artigen.shapes.poses import lead_followers, pose_parts
-from artigen.shapes.shape import Motion, Shape
+from artigen.shapes.shape import Shape
 from artigen.sketch.contact import Bodies, displace, penetrate, separate
 from artigen.transforms import frame_along, screw_motion, transform_points
-from artigen.types import FULL_TURN
+from artigen.types import FULL_TURN, Joint
 
 TOUCH = 1e-4
 """Penetration (m) below which solids count as disjoint."""
@@ -51,13 +51,13 @@ class Meetings:
     exact: Bool[np.ndarray, "C"]
 
 
-def read_path(motion: Motion, T_parent: Float[np.ndarray, "4 4"]) -> Path:
+def read_path(motion: Joint, T_parent: Float[np.ndarray, "4 4"]) -> Path:
     """Path of a part whose parent is displaced from rest."""
     slides = motion.type == "prismatic"
     upper = FULL_TURN if motion.type == "continuous" else motion.upper
     return Path(
-        axis=T_parent[:3, :3] @ np.array(motion.axis, dtype=float),
-        origin=transform_points(T_parent, np.array([motion.origin], dtype=float))[0],
+        axis=T_parent[:3, :3] @ motion.axis,
+        origin=transform_points(T_parent, motion.origin[None])[0],
         turn=0.0 if slides else upper,
         travel=upper if slides else motion.pitch * upper,
     )

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from artigen.kinematics import compose
 from artigen.transforms import screw_motion
 from sim_export.errors import InvalidKinematics
 from sim_export.package import Link, PackageJoint, Requirement
@@ -59,13 +60,21 @@ def link_displacements(
         raise ValueError(f"qpos names {', '.join(unknown)}; driven joints are {', '.join(sorted(driven))}")
     coordinates = {name: np.asarray(value, dtype=np.float64) for name, value in qpos.items()}
     poses = np.broadcast_shapes(*(value.shape for value in coordinates.values()))
-    out = np.tile(np.eye(4), (*poses, len(links), 1, 1))
+    own = np.tile(np.eye(4), (*poses, len(links), 1, 1))
     slot = {link.name: index for index, link in enumerate(links)}
-    for joint in _parents_first(links, joints):
+    parents = _parents(links, joints)
+    for joint in joints:
         q = coordinates.get(joint.mimic or joint.name, np.zeros(()))
-        own = package_joint_motion(joint, q if joint.mimic is None else joint.follow(q))
-        out[..., slot[joint.child], :, :] = out[..., slot[joint.parent], :, :] @ own
-    return out
+        own[..., slot[joint.child], :, :] = package_joint_motion(
+            joint, q if joint.mimic is None else joint.follow(q)
+        )
+    try:
+        return compose(parents, own)
+    except ValueError as error:
+        roots = {link.name for link in links} - {joint.child for joint in joints}
+        hanging = frozenset[str]().union(*(hanging_links(joints, root) for root in roots))
+        cycle = ", ".join(joint.name for joint in joints if joint.child not in hanging)
+        raise InvalidKinematics(f"joints form a cycle: {cycle}") from error
 
 
 def moved_links(
@@ -96,26 +105,17 @@ def farthest_travel(joint: PackageJoint, moved: Sequence[Float[np.ndarray, "N 3"
     return travel * float(np.linalg.norm(np.cross(joint.axis, arms), axis=1).max())
 
 
-def _parents_first(links: Sequence[Link], joints: Sequence[PackageJoint]) -> list[PackageJoint]:
-    """Joints ordered so that each comes after the joint that moves its parent."""
+def _parents(links: Sequence[Link], joints: Sequence[PackageJoint]) -> list[int]:
+    """Index of the link that carries each link; -1 for those without a joint."""
     children = [joint.child for joint in joints]
-    names = {link.name for link in links}
-    strangers = sorted(({joint.parent for joint in joints} | set(children)) - names)
+    slot = {link.name: index for index, link in enumerate(links)}
+    strangers = sorted(({joint.parent for joint in joints} | set(children)) - slot.keys())
     if strangers or len(set(children)) != len(children):
         raise InvalidKinematics(
             f"joints name links that are not there ({', '.join(strangers) or 'none'}) or move one twice"
         )
-    placed = names - set(children)
-    ordered: list[PackageJoint] = []
-    waiting = list(joints)
-    while waiting:
-        ready = [joint for joint in waiting if joint.parent in placed]
-        if not ready:
-            raise InvalidKinematics(f"joints form a cycle: {', '.join(joint.name for joint in waiting)}")
-        ordered += ready
-        placed |= {joint.child for joint in ready}
-        waiting = [joint for joint in waiting if joint.child not in placed]
-    return ordered
+    carriers = {joint.child: slot[joint.parent] for joint in joints}
+    return [carriers.get(link.name, -1) for link in links]
 
 
 def sweep_coordinates(joint: PackageJoint, poses: int) -> Float[np.ndarray, "P"]:

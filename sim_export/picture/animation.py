@@ -11,11 +11,11 @@ from artigen.camera import Camera
 from sim_export.motion.kinematics import link_displacements
 from sim_export.package import SimPackage
 from sim_export.picture.draw import pose_surfaces, sweep_qpos
+from sim_export.picture.image import render_standing
 from sim_export.picture.preview import (
     PreviewConfig,
     Shapes,
     arrange_grid,
-    draw_standing,
     frame_shapes,
     prepare_shapes,
 )
@@ -119,7 +119,7 @@ def _draw_state(
     """One frame between all closed and all open: meshes, with Gaussians below them."""
     package = shapes.package
     T = link_displacements(package.links, package.joints, sweep_qpos(package, time))
-    picture = draw_standing(shapes, pose_surfaces(shapes.visual, T), camera, cfg)
+    picture = render_standing(pose_surfaces(shapes.visual, T), shapes.visual, camera, cfg.render)
     if draw_splats is None:
         return picture
     below = np.full_like(picture, cfg.render.background)

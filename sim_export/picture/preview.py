@@ -9,7 +9,7 @@ every state.
 
 import io
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -20,9 +20,10 @@ from artigen.camera import Camera
 from sim_export.motion.kinematics import driven_joints
 from sim_export.package import SimPackage
 from sim_export.picture.draw import explode_links, hull_surfaces, open_links, package_surfaces, pose_surfaces
+from sim_export.picture.image import render_standing
 from sim_export.picture.lighting import RenderConfig
 from sim_export.picture.raycast import Surface
-from sim_export.picture.render import render_scene, surface_points
+from sim_export.picture.render import surface_points
 from sim_export.picture.splats import DrawSplats, has_splats, pose_splats
 from sim_export.picture.viewpoint import Viewpoint, place_camera
 
@@ -223,17 +224,7 @@ def draw_panel(
     shapes: Shapes, panel: Panel, camera: Camera, cfg: PreviewConfig
 ) -> UInt8[np.ndarray, "H W 3"]:
     """Renders one state of a package with a camera of `frame_shapes`."""
-    return draw_standing(shapes, _panel_surfaces(shapes, panel), camera, cfg)
-
-
-def draw_standing(
-    shapes: Shapes, surfaces: Sequence[Surface], camera: Camera, cfg: PreviewConfig
-) -> UInt8[np.ndarray, "H W 3"]:
-    """Renders surfaces of a package in any pose, on the floor of the closed object."""
-    floor = cfg.render.ground_height
-    if floor is None:
-        floor = float(surface_points(shapes.visual)[:, 2].min())
-    return render_scene(surfaces, camera, replace(cfg.render, ground_height=floor))
+    return render_standing(_panel_surfaces(shapes, panel), shapes.visual, camera, cfg.render)
 
 
 def _draw_splats(
@@ -278,18 +269,16 @@ def _write(
     return np.asarray(picture)
 
 
-def draw_thumbnail(
-    package: SimPackage, size: int, panels: tuple[Panel, ...] = PANELS
-) -> UInt8[np.ndarray, "H W 3"]:
-    """Panels side by side, each ``size`` x ``size`` pixels, with one camera.
+def draw_thumbnail(package: SimPackage, size: int) -> UInt8[np.ndarray, "H W 3"]:
+    """The closed object beside the open one, each ``size`` x ``size`` pixels, with one camera.
 
     Raises:
         ValueError: If the package has nothing to draw.
     """
-    cfg = PreviewConfig(panels=panels, viewpoint=Viewpoint(width=size, height=size))
+    cfg = PreviewConfig(panels=PANELS, viewpoint=Viewpoint(width=size, height=size))
     shapes = prepare_shapes(package, cfg)
-    camera = frame_shapes(shapes, cfg, panels)
-    return np.concatenate([draw_panel(shapes, panel, camera, cfg) for panel in panels], axis=1)
+    camera = frame_shapes(shapes, cfg, PANELS)
+    return np.concatenate([draw_panel(shapes, panel, camera, cfg) for panel in PANELS], axis=1)
 
 
 def webp_bytes(image: UInt8[np.ndarray, "H W 3"]) -> bytes:

@@ -1,15 +1,14 @@
 """Shows a package in the browser: joint sliders, visual and collision meshes, Gaussians, handle annotations.
 
-`build_view` starts a viser server and returns its handles without blocking; `view_package` does so for a
-folder. Each group that can be shown or hidden is one branch of the scene with one frame per link. A pose is
-set by moving frames, so that no mesh is sent twice. Gaussians, if the package has any, stand to the right of
-the meshes, as seen from the front, and move with them.
+`build_view` starts a viser server and returns its handles without blocking. Each group that can be
+shown or hidden is one branch of the scene with one frame per link. A pose is set by moving frames, so that no
+mesh is sent twice. Gaussians, if the package has any, stand to the right of the meshes, as seen from the
+front, and move with them.
 """
 
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
@@ -60,17 +59,6 @@ class PackageView:
     """Root frame of each group, which controls its visibility."""
     frames: Mapping[tuple[Group, str], "viser.FrameHandle"]
     """The frame of each link, by group and link name; its pose is the link's displacement from rest."""
-
-
-def view_package(folder: Path, *, port: int = 8080) -> PackageView:
-    """Serves the package in ``folder`` at ``http://127.0.0.1:port``; see `build_view`.
-
-    Raises:
-        PackageError: If the folder is not a readable package.
-    """
-    from sim_export.files.read import read_package
-
-    return build_view(read_package(folder), port=port)
 
 
 def build_view(package: SimPackage, *, port: int = 8080) -> PackageView:

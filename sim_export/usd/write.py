@@ -15,7 +15,8 @@ from sim_export.errors import PackageError
 from sim_export.files.obj import png_bytes
 from sim_export.files.write import Overwrite, write_files
 from sim_export.package import SimPackage
-from sim_export.picture.preview import draw_thumbnail
+from sim_export.picture.image import render_package
+from sim_export.picture.viewpoint import Viewpoint
 from sim_export.usd.names import asset_name
 from sim_export.usd.stage import stage_files
 
@@ -60,10 +61,9 @@ def usd_files(package: SimPackage) -> dict[str, bytes]:
             "read the package with its appearance"
         )
     name = asset_name(package.name)
+    thumbnail = render_package(package, Viewpoint(width=THUMBNAIL, height=THUMBNAIL))
     files = {f"{FOLDER}/{path}": content for path, content in stage_files(package).items()}
-    return files | {
-        f"{FOLDER}/.thumbs/256x256/{name}.usd.png": png_bytes(draw_thumbnail(package, THUMBNAIL, ("closed",)))
-    }
+    return files | {f"{FOLDER}/.thumbs/256x256/{name}.usd.png": png_bytes(thumbnail)}
 
 
 def require_usd() -> None:

@@ -10,7 +10,9 @@ import pytest
 
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.poses import lead_followers
-from artigen.shapes.shape import Motion, Shape
+from artigen.shapes.primitives import block
+from artigen.shapes.shape import Shape, ShapePart
+from artigen.types import FIXED, Joint
 from sim_export.errors import InvalidKinematics
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
@@ -21,7 +23,7 @@ from sim_export.physics.followers import follow_parts
 from sim_export.physics.links import check_kinematics
 from sim_export.reference import build_reference
 
-UP = (0.0, 0.0, 1.0)
+UP = np.array([0.0, 0.0, 1.0])
 
 
 @pytest.fixture(scope="module")
@@ -43,11 +45,25 @@ def pedal_and_lid(package: SimPackage) -> tuple[PackageJoint, PackageJoint]:
 def test_motions_without_ends_neither_follow_nor_have_springs():
     for extra in ({"follows": "pedal"}, {"spring": 1.0}):
         with pytest.raises(ValueError, match="has no limits"):
-            Motion(type="continuous", axis=UP, upper=6.0, **extra)
+            Joint(type="continuous", axis=UP, upper=6.0, **extra)
     with pytest.raises(ValueError, match="stays"):
-        Motion(type="prismatic", axis=UP, upper=1.0, stays=True)
+        Joint(type="prismatic", axis=UP, upper=1.0, stays=True)
     with pytest.raises(ValueError, match="0 or more"):
-        Motion(type="revolute", axis=UP, upper=1.0, spring=-0.1)
+        Joint(type="revolute", axis=UP, upper=1.0, spring=-0.1)
+
+
+@pytest.mark.parametrize(
+    ("joint", "says"),
+    [
+        (FIXED, "a fixed joint from 0 to 0"),
+        (Joint(type="revolute", axis=UP, lower=-1.0, upper=1.0), "a revolute joint from -1 to 1"),
+        (Joint(type="prismatic", axis=UP), "a prismatic joint from 0 to 0"),
+        (Joint(type="screw", axis=UP, upper=1.0), "a screw joint without a pitch"),
+    ],
+)
+def test_a_part_moves_from_closed_or_is_fixed(joint: Joint, says: str):
+    with pytest.raises(ValueError, match=says):
+        ShapePart("lid", "door", [block((0.0, 1.0), (0.0, 1.0), (0.0, 1.0), "steel")], joint)
 
 
 def test_joints_that_moved_one_by_one_are_coupled_and_needs_go_to_the_leader(package):

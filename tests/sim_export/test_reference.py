@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from artigen.shapes.draw import draw_shape
+from artigen.shapes.fittings.hardware import rotate, slide
 from artigen.shapes.primitives import box, cylinder, line, place_vertices, rounded_box
-from artigen.shapes.shape import Motion, Need, Shape, ShapePart
+from artigen.shapes.shape import Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.splats.faces import lay_gaussians
 from sim_export.checks.suite import run_checks
@@ -50,7 +51,7 @@ def cupboard() -> Shape:
         label="door",
         parent="body",
         primitives=boards(((-0.222, -0.3, 0.0), (-0.202, 0.3, 0.5))),
-        motion=Motion(type="revolute", axis=(0.0, 0.0, -1.0), origin=(-0.222, 0.3, 0.0), upper=1.6),
+        motion=rotate((0.0, 0.0, -1.0), (-0.222, 0.3, 0.0), 1.6),
     )
     grip = ShapePart(
         name="grip",
@@ -70,7 +71,7 @@ def cupboard() -> Shape:
             ((-0.18, -0.25, 0.022), (0.16, 0.25, 0.032)),
             ((-0.18, -0.25, 0.032), (-0.17, 0.25, 0.1)),
         ),
-        motion=Motion(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.25),
+        motion=slide(0.25),
         needs=(Need(part="door"),),
     )
     return Shape(

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from artigen.cli.main import main
-from artigen.cli.shape import ShapeSettings, choose_like, shape
+from artigen.api.sample import ShapeSettings, choose_like, sample_packages
+from artigen.api.sets import group_packages
 from artigen.errors import ArtigenError
+from artigen.runtime.runner import LocalRunner
 from artigen.shapes.draw import ShapeError, Wish, draw_shape, draw_variant, find_seed
 from artigen.shapes.shape import Shape
 from sim_export.files.folders import find_packages
@@ -18,6 +19,8 @@ from sim_export.geometry.primitives import is_box
 from sim_export.package import SimPackage
 from sim_export.reference import build_reference, describe_build
 from sim_export.topology import find_topology
+
+HERE = LocalRunner(workers=0)
 
 
 def variants(category: str, like: int, count: int, wish: Wish | None = None) -> list[Shape]:
@@ -75,10 +78,10 @@ def test_the_last_seed_that_is_searched_counts():
         find_seed("StorageFurniture", counts, most=seed)
 
 
-def test_parts_can_be_asked_for_in_place_of_a_seed(tmp_path, capsys):
+def test_parts_can_be_asked_for_in_place_of_a_seed(tmp_path):
     settings = ShapeSettings(topology=("drawer=0", "door=1"), width=0.5, validation="none")
-    assert shape("Safe", tmp_path, count=2, cfg=settings, workers=1) == 0
-    assert "the template is Safe 0" in capsys.readouterr().out
+    assert choose_like("Safe", settings).like == 0
+    assert all(one.good for one in sample_packages("Safe", tmp_path, range(2), settings, runner=HERE))
     packages = [read_package(folder) for folder in find_packages([tmp_path])]
     assert len(packages) == 2
     assert len({find_topology(package) for package in packages}) == 1
@@ -138,7 +141,7 @@ def test_numbers_and_materials_do_not_matter():
     )
 
 
-def test_files_say_it_and_sets_are_found_at_any_depth(tmp_path, capsys, monkeypatch):
+def test_files_say_it_and_sets_are_found_at_any_depth(tmp_path):
     for place, drawn in (("a", draw_shape("Safe", 0)), ("b/c", draw_shape("Microwave", 3))):
         write_package(build_reference(drawn), tmp_path / place / "one")
     for index, drawn in enumerate(variants("Microwave", 3, 2)):
@@ -148,13 +151,9 @@ def test_files_say_it_and_sets_are_found_at_any_depth(tmp_path, capsys, monkeypa
     assert find_packages([folders[0], tmp_path / "b"]) == folders
     package = read_package(folders[0])
     assert f'"topology": "{find_topology(package)}"' in (folders[0] / "meta.json").read_text()
-    monkeypatch.setattr("sys.argv", ["artigen", "sets", str(tmp_path), "--least", "2"])
-    with pytest.raises(SystemExit) as done:
-        main()
-    assert done.value.code == 0
-    (line,) = capsys.readouterr().out.splitlines()
-    assert line.split()[1] == "3"
-    assert "Microwave" in line
+    (found,) = (one for one in group_packages([tmp_path]) if len(one.folders) > 1)
+    assert len(found.folders) == 3
+    assert found.what.startswith("Microwave")
     for missing in (tmp_path / "none", tmp_path / "b" / "variant_0" / "visual"):
         with pytest.raises(ArtigenError, match=missing.name):
             find_packages([missing])

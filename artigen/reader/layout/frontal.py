@@ -78,7 +78,7 @@ def _find_hinge(part: ShapePart) -> Literal["left", "right", "top", "bottom"] | 
     if part.motion is None or part.motion.type != "revolute":
         return None
     low, high = part.bounds()
-    middle, at = (low + high) / 2, np.array(part.motion.origin)
+    middle, at = (low + high) / 2, part.motion.origin
     if abs(part.motion.axis[2]) > 0.5:
         return "left" if at[1] > middle[1] else "right"
     return "top" if at[2] > middle[2] else "bottom"

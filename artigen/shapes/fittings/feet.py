@@ -24,7 +24,8 @@ from artigen.shapes.primitives import (
     polytope,
 )
 from artigen.shapes.ranges import Range, around, between, margins, narrow
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.shape import ShapePart
+from artigen.types import Joint
 
 LegKind = Literal["square", "tapered", "round", "splayed"]
 LEG_KINDS: tuple[LegKind, ...] = get_args(LegKind)
@@ -255,8 +256,12 @@ def make_screw_feet(x: Range, y: Range) -> Stand:
             cylinder((at_x, at_y, 0.0), (at_x, at_y, pad), radius, "rubber"),
             cylinder((at_x, at_y, pad), (at_x, at_y, height - room), stem, "steel"),
         )
-        thread = Motion(
-            type="screw", axis=UP, origin=(at_x, at_y, 0.0), upper=turns, pitch=SCREW_TRAVEL / turns
+        thread = Joint(
+            type="screw",
+            axis=np.array(UP),
+            origin=np.array((at_x, at_y, 0.0)),
+            upper=turns,
+            pitch=SCREW_TRAVEL / turns,
         )
         parts.append(ShapePart(f"foot_{index}", "knob", solids, thread))
     return Stand(height=height, pieces=fixed, parts=parts)

@@ -12,7 +12,7 @@ import numpy as np
 
 from artigen.shapes.primitives import DOWN, FRONT, LEFT, RIGHT, UP, Primitive, Vector, block
 from artigen.shapes.ranges import Range, narrow
-from artigen.shapes.shape import Motion
+from artigen.types import Joint
 
 Edge = Literal["left", "right", "top", "bottom"]
 GAP = 0.0025
@@ -98,7 +98,7 @@ def lift(primitives: Iterable[Primitive], height: float) -> tuple[Primitive, ...
     return tuple(replace(primitive, center=primitive.center + up) for primitive in primitives)
 
 
-def hinge(panel: Panel, edge: Edge, upper: float) -> Motion:
+def hinge(panel: Panel, edge: Edge, upper: float) -> Joint:
     """A hinge along ``edge`` that opens by ``upper`` radians towards the viewer."""
     y, z = panel.center
     axis, y, z = {
@@ -110,16 +110,17 @@ def hinge(panel: Panel, edge: Edge, upper: float) -> Motion:
     return rotate(axis, (panel.x, y, z), upper)
 
 
-def rotate(axis: Vector, origin: Vector, upper: float | None = None, *, spring: float = 0.0) -> Motion:
+def rotate(axis: Vector, origin: Vector, upper: float | None = None, *, spring: float = 0.0) -> Joint:
     """A joint that turns by ``upper`` radians about an axis through a point, or without limits (None)."""
+    about, through = np.array(axis), np.array(origin)
     if upper is None:
-        return Motion(type="continuous", axis=axis, origin=origin, upper=2 * np.pi)
-    return Motion(type="revolute", axis=axis, origin=origin, upper=upper, spring=spring)
+        return Joint(type="continuous", axis=about, origin=through, upper=2 * np.pi)
+    return Joint(type="revolute", axis=about, origin=through, upper=upper, spring=spring)
 
 
-def slide(upper: float, axis: Vector = FRONT, *, spring: float = 0.0) -> Motion:
+def slide(upper: float, axis: Vector = FRONT, *, spring: float = 0.0) -> Joint:
     """A runner that travels ``upper`` metres towards the viewer, or along ``axis``."""
-    return Motion(type="prismatic", axis=axis, upper=upper, spring=spring)
+    return Joint(type="prismatic", axis=np.array(axis), upper=upper, spring=spring)
 
 
 def sweep_gap(width: float, thickness: float) -> float:

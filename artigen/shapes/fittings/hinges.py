@@ -7,7 +7,7 @@ from typing import Literal
 from artigen.shapes.fittings.hardware import GAP, Space, rotate, sweep_gap
 from artigen.shapes.primitives import Primitive, block, cylinder
 from artigen.shapes.ranges import Range, between, margins
-from artigen.shapes.shape import Motion
+from artigen.types import Joint
 
 BARREL = 0.0065
 """Radius (m) of the barrel of a door hinge (DIN 18268: 13 to 16 mm diameter)."""
@@ -42,7 +42,7 @@ class Leaf:
         field = (low[1], high[0])
         return (low, field, high) if self.side > 0 else (high, field, low)
 
-    def swing(self, upper: float) -> Motion:
+    def swing(self, upper: float) -> Joint:
         """A hinge axis before the face; the leaf opens by ``upper`` radians towards the viewer."""
         origin = (self.x[0] - AXIS, self.hung, self.z[0])
         return rotate((0.0, 0.0, float(self.side)), origin, upper)

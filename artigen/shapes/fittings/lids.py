@@ -15,13 +15,14 @@ from jaxtyping import Float
 from artigen.shapes.fittings.hardware import Edge, Space, rotate, slide
 from artigen.shapes.primitives import BACK, DOWN, FRONT, LEFT, RIGHT, UP, Primitive, block, line, polytope
 from artigen.shapes.ranges import Range, margins, narrow
-from artigen.shapes.shape import Motion, Need, ShapePart, require
+from artigen.shapes.shape import Need, ShapePart, require
+from artigen.types import Joint
 
 Rectangle = tuple[Range, Range]
 """Ranges of x and y (m)."""
 
 
-def hinge_lid(x: Range, y: Range, z: float, upper: float, edge: Edge | None = None) -> Motion:
+def hinge_lid(x: Range, y: Range, z: float, upper: float, edge: Edge | None = None) -> Joint:
     """A hinge along one lower edge of a lid or flap that lies from ``z`` upwards over the rectangle x by y.
 
     Args:

@@ -3,8 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
-from artigen.shapes.primitives import Vector, move
+from artigen.shapes.primitives import move
 from artigen.shapes.shape import ShapePart
 
 QUARTERS: dict[str, int] = {"front": 0, "right": 1, "back": 2, "left": 3}
@@ -23,8 +24,8 @@ def turn_part(part: ShapePart, side: str) -> ShapePart:
     return replace(part, primitives=solids, motion=motion)
 
 
-def _turn(vector: Vector, quarters: int) -> Vector:
+def _turn(vector: Float[np.ndarray, "3"], quarters: int) -> Float[np.ndarray, "3"]:
     x, y, z = vector
     for _ in range(quarters):
         x, y = -y, x
-    return x, y, z
+    return np.array([x, y, z])

@@ -8,7 +8,8 @@ from artigen.shapes.choices import choose
 from artigen.shapes.draw import Size
 from artigen.shapes.primitives import UP, block, cylinder
 from artigen.shapes.ranges import around
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.shape import ShapePart
+from artigen.types import Joint
 
 
 def build_screw_table(rng: np.random.Generator, size: Size, thickness: float) -> Assembly:
@@ -41,6 +42,6 @@ def build_screw_table(rng: np.random.Generator, size: Size, thickness: float) ->
         cylinder((0.0, 0.0, plate), (0.0, 0.0, under), min(0.09, 0.4 * radius), "steel"),
         cylinder((0.0, 0.0, start + gap), (0.0, 0.0, plate), spindle, "steel"),
     )
-    thread = Motion(type="screw", axis=UP, upper=turns, pitch=rise / turns)
+    thread = Joint(type="screw", axis=np.array(UP), upper=turns, pitch=rise / turns)
     part = ShapePart("top", "shelf", top, thread)
     return Assembly((*base, post, *column), (part,))

@@ -7,9 +7,11 @@ from pathlib import Path
 import pytest
 from sample_partnet import write_sample
 
-from artigen.cli.batch import Finished, read_journal, say_results
-from artigen.cli.convert import ConvertSettings, convert
+from artigen.api.batch import Finished, read_journal
+from artigen.api.convert import ConvertSettings
+from artigen.cli.convert import convert
 from artigen.cli.export import export
+from artigen.cli.summary import print_summary
 from artigen.cli.validate import validate
 from artigen.datasets.sources import find_sources
 from artigen.errors import ArtigenError
@@ -107,7 +109,7 @@ OUTCOMES = {
 def test_the_summary_counts_every_object_once_and_checks_only_where_there_were_some(capsys, numbers):
     results = [one for one, count in zip(OUTCOMES.values(), numbers, strict=True) for _ in range(count)]
     passed, failed, unchecked, lost = numbers
-    assert say_results(results, Path("out")) == (1 if failed or lost else 0)
+    assert print_summary(results, Path("out")) == (1 if failed or lost else 0)
     said = capsys.readouterr().out.strip().split(", ")
     expected = [f"{sum(numbers)} objects: {sum(numbers) - lost} packages in out"]
     expected += [f"{passed} of them passed every check"] if passed + failed else []

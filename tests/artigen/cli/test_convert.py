@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from artigen.cli import convert, mend
+from artigen.api import convert, mend
 from sim_export import attempts as attempts_module
 from sim_export import export
 from sim_export.attempts import HullWay, Judgement, change_hulls

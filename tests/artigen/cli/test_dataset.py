@@ -16,9 +16,9 @@ from project import ROOT
 
 pytest.importorskip("pyarrow")
 
+from artigen.api.dataset_objects import restart_large
+from artigen.api.sample import ShapeJob, ShapeSettings, export_shape
 from artigen.cli.dataset import dataset
-from artigen.cli.dataset_objects import restart_large
-from artigen.cli.shape import ShapeJob, ShapeSettings, export_shape
 from artigen.datasets import open_shards
 from artigen.datasets.packing import read_folder
 from artigen.datasets.verify import verify_dataset
@@ -42,7 +42,7 @@ KILLER = """
 import os, signal, sys
 from pathlib import Path
 
-import artigen.cli.batch, artigen.cli.dataset, artigen.datasets.publish
+import artigen.api.batch, artigen.api.dataset, artigen.cli.dataset, artigen.datasets.publish
 
 def kill_at(owner, name, number):
     own, calls = getattr(owner, name), []
@@ -53,8 +53,8 @@ def kill_at(owner, name, number):
         return own(*args, **kwargs)
     setattr(owner, name, counted)
 
-owners = {"journal": (artigen.cli.batch, "append_line"), "tar": (artigen.datasets.publish, "add_member"),
-          "move": (Path, "replace"), "clean": (artigen.cli.dataset.shutil, "rmtree"),
+owners = {"journal": (artigen.api.batch, "append_line"), "tar": (artigen.datasets.publish, "add_member"),
+          "move": (Path, "replace"), "clean": (artigen.api.dataset.shutil, "rmtree"),
           "card": (artigen.datasets.publish, "card_text")}
 where, number, recipe, out = sys.argv[1:]
 kill_at(*owners[where], int(number))

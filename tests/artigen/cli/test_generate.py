@@ -10,21 +10,21 @@ import pytest
 import torch
 from PIL import Image
 
-import artigen.cli.shape
+import artigen.api.sample
 import artigen.latent.draw
 import artigen.sketch.model
-from artigen.appearance.presets import APPEARANCE_PRESETS
-from artigen.appearance.slat_flow import SlatFlow
-from artigen.appearance.vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
-from artigen.cli.generate import (
+from artigen.api.generate import (
     GenerateJob,
     GenerateSettings,
     check_job,
     draw_generated,
-    generate,
     generate_and_validate,
     generate_object,
 )
+from artigen.appearance.presets import APPEARANCE_PRESETS
+from artigen.appearance.slat_flow import SlatFlow
+from artigen.appearance.vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
+from artigen.cli.generate import generate
 from artigen.errors import ArtigenError
 from artigen.examples.photographs import photograph_shape
 from artigen.latent.draw import build_structure_model
@@ -202,7 +202,7 @@ def test_parts_that_are_not_the_sketchs_are_named(latent: GenerateJob, monkeypat
 
 
 def test_a_part_without_painted_surface_is_named(latent: GenerateJob, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(artigen.cli.shape, "SPACING", 0.5)
+    monkeypatch.setattr(artigen.api.sample, "SPACING", 0.5)
     with pytest.raises(ArtigenError, match=r"handle.*: none of \d+ painted samples"):
         generate_object(latent)
     assert not (latent.out / latent.key).exists()

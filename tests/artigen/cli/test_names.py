@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from artigen.cli.generate import GenerateJob, GenerateSettings
-from artigen.cli.names import VALID, choose_name
+from artigen.api.generate import GenerateJob, GenerateSettings
+from artigen.api.names import VALID, choose_name
 from artigen.cli.usd import usd
 from artigen.errors import ArtigenError
 from artigen.shapes.draw import draw_shape

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from artigen.cli.read import describe, read
+from artigen.cli.read import read
 from artigen.errors import ArtigenError
 from artigen.reader import read as reading_module
+from artigen.reader.describe import describe
 from artigen.reader.reading import Reading, ReadPart
 
 BOX = np.array([0.1, 0.2, 0.5, 0.9])

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from artigen.cli.batch import Made
-from artigen.cli.dataset import _Chosen, _give_up, _Pool
-from artigen.cli.dataset_objects import ObjectJob, make_and_pack
-from artigen.cli.evaluate import ProveJob, _prove
-from artigen.cli.generate import GenerateJob, GenerateSettings, draw_generated, generate_and_validate
-from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate
+from artigen.api.batch import Made
+from artigen.api.dataset import _Chosen, _give_up, _Pool
+from artigen.api.dataset_objects import ObjectJob, make_and_pack
+from artigen.api.evaluate import ProveJob, _prove
+from artigen.api.generate import GenerateJob, GenerateSettings, draw_generated, generate_and_validate
+from artigen.api.sample import ShapeJob, ShapeSettings, export_and_validate
 from artigen.datasets.recipe import Entry, RecipeError
 from artigen.runtime.workers import Outcome, Worker
 from artigen.sketch.model import SketchConfig
@@ -58,7 +58,7 @@ def test_an_object_that_fails_is_drawn_three_times_more():
 
 def test_sketches_are_drawn_at_a_temperature_of_six_tenths(monkeypatch):
     found: list[SketchConfig] = []
-    monkeypatch.setattr("artigen.cli.generate.load_sketch", lambda _: None)
+    monkeypatch.setattr("artigen.api.generate.load_sketch", lambda _: None)
     monkeypatch.setattr("artigen.sketch.model.draw_object", lambda *given: found.append(given[-1]))
     draw_generated(GENERATE_JOB)
     assert found[0].draw.temperature == 0.6

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 from cabinet_files import assert_same_parts, box_visual, cabinet_urdf, joint, link, mesh_visual, urdf
 
-from artigen.cli.convert import ConvertJob, ConvertSettings, convert_object
+from artigen.api.convert import ConvertJob, ConvertSettings, convert_object
 from artigen.datasets.categories import guess_category
 from artigen.datasets.part_labels import JOINT_TABLE, MovingPart, find_word, label_by_joint
 from artigen.datasets.source_object import ReaderConfig

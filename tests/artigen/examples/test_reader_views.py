@@ -7,8 +7,10 @@ from artigen.camera import look_at
 from artigen.examples.reader_views import NOTHING, PART, project_front, sort_corners, take_views
 from artigen.examples.view_shards import pack_views
 from artigen.reader.labels import FRONT, HINGES, UNKNOWN
+from artigen.shapes.fittings.hardware import slide
 from artigen.shapes.primitives import box
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.shape import ShapePart
+from artigen.types import Joint
 
 LEAF = box((-0.02, -0.3, 0.1), (0.0, 0.3, 1.1), "paint")
 CAMERA = look_at(np.array([-4.0, 0.3, 0.9]), np.array([0.0, 0.0, 0.6]), fov=40.0)
@@ -29,14 +31,14 @@ def views():
     ],
 )
 def test_hinges_are_on_the_side_of_the_axis_closed_and_open(axis, origin, side):
-    motion = Motion(type="revolute", axis=axis, origin=origin, upper=1.5)
+    motion = Joint(type="revolute", axis=np.array(axis), origin=np.array(origin), upper=1.5)
     part = ShapePart("leaf", "door", [LEAF], motion)
     _, hinge = project_front(part, np.eye(4), CAMERA)
     assert HINGES[hinge] == side
 
 
 def test_corners_are_those_of_the_face_in_front():
-    part = ShapePart("front", "drawer", [LEAF], Motion(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.3))
+    part = ShapePart("front", "drawer", [LEAF], slide(0.3))
     corners, hinge = project_front(part, np.eye(4), CAMERA)
     assert hinge == UNKNOWN
     # From the front, y points to the left: the upper left corner is that of the largest y and z.

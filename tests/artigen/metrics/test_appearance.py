@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 import torch
 
+from artigen.api.evaluate import evaluate_model
+from artigen.api.train import AppearanceSettings, prepare_training
 from artigen.appearance.curation import CurationConfig
 from artigen.appearance.features import PyramidFeatures
 from artigen.appearance.photographs import NOTHING
 from artigen.appearance.presets import APPEARANCE_PRESETS
 from artigen.appearance.slat_flow import SlatFlow
 from artigen.appearance.views import ViewConfig
-from artigen.cli.evaluate import evaluate
-from artigen.cli.train import AppearanceSettings, train
 from artigen.errors import ArtigenError, SourceError
 from artigen.examples.appearance import draw_appearance, write_appearance_shard
 from artigen.examples.shards import HELD_OUT
@@ -180,7 +180,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
         write_appearance_shard(folder / "appearance" / name / "shard_00000.npz", drawn)
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(APPEARANCE_PRESETS, "tiny", replace(APPEARANCE_PRESETS["tiny"], curation=TINY))
-        assert train("appearance", folder, SETTINGS, workers=1) == 0
+        prepare_training("appearance", folder, SETTINGS, 1)()
     return folder
 
 
@@ -205,10 +205,10 @@ def test_a_run_leaves_weights_scores_and_what_it_was(run: Path):
 
 def test_a_finished_run_stays_and_is_no_other_run(run: Path):
     before = {path: path.read_bytes() for path in (run / "model").iterdir()}
-    assert train("appearance-flow", run, SETTINGS, workers=1) == 0
+    prepare_training("appearance-flow", run, SETTINGS, 1)()
     assert {path: path.read_bytes() for path in (run / "model").iterdir()} == before
     with pytest.raises(SourceError, match="articulated"):
-        train("appearance", run, SETTINGS, 1, AppearanceSettings(articulated=False))
+        prepare_training("appearance", run, SETTINGS, 1, AppearanceSettings(articulated=False))()
 
 
 @pytest.mark.parametrize(
@@ -225,7 +225,7 @@ def test_what_cannot_be_trained_is_said_and_nothing_written(
     tmp_path: Path, what, changes: dict, own: dict, message: str
 ):
     with pytest.raises(ArtigenError, match=message):
-        train(what, tmp_path / "run", replace(SETTINGS, **changes), 1, AppearanceSettings(**own))
+        prepare_training(what, tmp_path / "run", replace(SETTINGS, **changes), 1, AppearanceSettings(**own))()
     assert not (tmp_path / "run").exists()
 
 
@@ -235,7 +235,7 @@ def test_an_evaluation_names_states_features_and_the_model(
     monkeypatch.setitem(APPEARANCE_PRESETS, "tiny", replace(APPEARANCE_PRESETS["tiny"], curation=TINY))
     views = AppearanceViews(states=2, views=2)
     settings = EvaluateSettings(held_out=1, steps=2)
-    assert evaluate("appearance", tmp_path, run / "model", settings, 1, views) == 0
+    evaluate_model("appearance", tmp_path, run / "model", settings, 1, views)
     found = json.loads((tmp_path / "evaluation.json").read_text())
     assert list(found["states"]) == ["0.00", "1.00"]
     assert found["pictures"] == 4
@@ -253,4 +253,4 @@ def test_an_evaluation_names_states_features_and_the_model(
     assert all(0 < error < 1 for error in found["colors"].values())
     (tmp_path / "model.json").write_text("{}")
     with pytest.raises(SourceError, match="holds no appearance-vae"):
-        evaluate("appearance", tmp_path, tmp_path, EvaluateSettings(held_out=1), 1, views)
+        evaluate_model("appearance", tmp_path, tmp_path, EvaluateSettings(held_out=1), 1, views)

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 import torch
 
-import artigen.cli.evaluate
+import artigen.api.evaluate
 import artigen.metrics.draws
-from artigen.cli.batch import Finished
-from artigen.cli.evaluate import prove_assets
+from artigen.api.batch import Finished
+from artigen.api.evaluate import prove_assets
 from artigen.errors import SegmentationError
 from artigen.latent.draw import GenerateConfig, StructureModel, build_structure_model
 from artigen.latent.presets import PRESETS
@@ -111,7 +111,7 @@ def test_a_package_fails_for_its_checks_or_for_what_kept_it_from_being_made(
         assert job.source == tmp_path / job.key
         return Finished(key=job.key, settings="", **said[job.key])
 
-    monkeypatch.setattr(artigen.cli.evaluate, "make_and_validate", from_memory)
+    monkeypatch.setattr(artigen.api.evaluate, "make_and_validate", from_memory)
     proofs = prove_assets([tmp_path / key for key in said], out=tmp_path / "packages", workers=1)
     assert {proof.key: (proof.passed, proof.causes) for proof in proofs} == {
         "good": (True, ()),

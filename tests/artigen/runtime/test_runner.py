@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from artigen.cli.batch import (
+from artigen.api.batch import (
     Finished,
     Part,
     digest_settings,

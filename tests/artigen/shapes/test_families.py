@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from artigen.cli.shape import ShapeJob, ShapeSettings, choose_like, draw_wished, read_suite
+from artigen.api.sample import ShapeJob, ShapeSettings, choose_like, draw_wished, read_suite
 from artigen.errors import ArtigenError
 from artigen.kind import kinds
 from artigen.shapes.draw import ShapeError, Wish, draw_shape

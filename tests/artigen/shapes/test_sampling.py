@@ -8,6 +8,7 @@ from segment_score import score_segmentation
 
 from artigen.kinematics import movable_parts
 from artigen.shapes.asset import frame_shape, shape_to_asset
+from artigen.shapes.fittings.hardware import rotate, slide
 from artigen.shapes.primitives import (
     Primitive,
     box,
@@ -20,7 +21,7 @@ from artigen.shapes.primitives import (
 )
 from artigen.shapes.rasterize import rasterize_shape
 from artigen.shapes.sampling import place_points, sample_shape
-from artigen.shapes.shape import Motion, Shape, ShapePart, make_base
+from artigen.shapes.shape import Shape, ShapePart, make_base
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.voxels.fields import decode, encode
 from artigen.voxels.segmentation.segment import segment
@@ -62,13 +63,13 @@ def small_cabinet() -> Shape:
             ((-0.252, -0.362, 0.445), (0.21, 0.362, 0.46)),
             ((0.195, -0.362, 0.46), (0.21, 0.362, 0.6)),
         ),
-        Motion(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.38),
+        slide(0.38),
     )
     door = ShapePart(
         "door",
         "door",
         boards(((-0.272, -0.4, 0.05), (-0.252, 0.4, 0.429))),
-        Motion(type="revolute", axis=(0.0, 0.0, -1.0), origin=(-0.272, 0.4, 0.0), upper=1.6),
+        rotate((0.0, 0.0, -1.0), (-0.272, 0.4, 0.0), 1.6),
     )
     bars = [("drawer", (0.0, 0.1, 0.0), 0.55), ("door", (0.0, 0.0, 0.1), 0.25)]
     handles = []

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from artigen.shapes.fittings.hardware import rotate, slide
 from artigen.shapes.primitives import box
-from artigen.shapes.shape import Motion, Shape, ShapePart
+from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.sketch.cavity import find_cavities
 from artigen.sketch.contact import gather_bodies
@@ -20,7 +21,7 @@ def test_motions_are_checked_after_at_most_four_faults_at_rest(count: int, moved
     plate = box((-0.3, -0.3, 0.0), (0.3, 0.3, 0.01), "paint")
     gate = box((-0.1, -0.05, 0.01), (-0.05, 0.05, 0.05), "paint")
     lost = [box((0.05 * k, 0.2, 0.2), (0.05 * k + 0.01, 0.21, 0.21), "paint") for k in range(count)]
-    slide = Motion(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.2)
+    travel = slide(0.2)
     key = (box((0.0, -0.05, 0.01), (0.1, 0.05, 0.05), "paint"),)
     shape = Shape(
         category="Box",
@@ -28,7 +29,7 @@ def test_motions_are_checked_after_at_most_four_faults_at_rest(count: int, moved
         style="plain",
         parts=(
             ShapePart(name="body", label="base", parent=None, primitives=(plate, gate, *lost)),
-            ShapePart(name="key", label="knob", parent="body", primitives=key, motion=slide),
+            ShapePart(name="key", label="knob", parent="body", primitives=key, motion=travel),
         ),
         finishes=(("paint", PAINT),),
     )
@@ -57,7 +58,7 @@ def test_a_door_is_seen_to_open_along_its_first_way_for_a_radian(ahead: float, b
     """The end of a door, a metre from its hinge, has a wall before it; the door turns further than that."""
     end = box((-0.005, 0.995, 0.0), (0.005, 1.005, 0.01), "paint")
     wall = box((-ahead - 0.2, 0.5, -0.5), (-ahead, 1.5, 0.5), "paint")
-    hinge = Motion(type="revolute", axis=(0.0, 0.0, 1.0), upper=1.7)
+    hinge = rotate((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1.7)
     own = np.array([0])
     door = Opener(index=1, label="door", motion=hinge, body=own, panel=own)
     assert measure_blocked(gather_bodies((end, wall)), door, np.array([1])) == (blocked, 0.0)

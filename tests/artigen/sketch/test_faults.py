@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from artigen.cli.shape import make_package
+from artigen.api.sample import make_package
 from artigen.kind import kinds
 from artigen.shapes.draw import Wish, draw_shape
+from artigen.shapes.fittings.hardware import rotate, slide
 from artigen.shapes.primitives import Primitive, Vector, box, cylinder, move, place_vertices, prism
-from artigen.shapes.shape import Motion, Need, Shape, ShapePart
+from artigen.shapes.shape import Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.sketch import faults, opening, sweep
 from artigen.sketch.contact import find_overlaps, gather_bodies, list_bodies, measure_pairs, penetrate
@@ -20,7 +21,7 @@ from artigen.sketch.request import SketchRequest
 from artigen.sketch.sweep import deepest, find_meetings, open_needed, place_opened, read_path
 from artigen.sketch.tree import read_tree
 from artigen.sketch.words import CATEGORIES
-from artigen.types import PartLabel
+from artigen.types import Joint, PartLabel
 from envs.limits import LIMIT_FRACTION
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.suite import run_checks
@@ -46,14 +47,14 @@ CHECKS = {
 }
 BETWEEN = (-0.27, 0.27)
 """Between the leaves of a cabinet that are open; they are as thick as they stand out."""
-OUT = Motion(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.2)
+OUT = slide(0.2)
 
 
 def part(
     name: str,
     label: PartLabel,
     *primitives: Primitive,
-    motion: Motion | None = None,
+    motion: Joint | None = None,
     parent: str | None = "body",
     needs: tuple[Need, ...] = (),
 ) -> ShapePart:
@@ -87,7 +88,7 @@ def drawer(
 
 def door(edge: float = 0.3, axis: float = -1.0) -> ShapePart:
     """A leaf in front of the opening, hinged at its left edge."""
-    hinge = Motion(type="revolute", axis=(0.0, 0.0, axis), origin=(-0.023, edge, 0.2), upper=1.5)
+    hinge = rotate((0.0, 0.0, axis), (-0.023, edge, 0.2), 1.5)
     return part("door", "door", block((-0.023, -0.003), (-0.3, 0.3), (0.01, 0.5)), motion=hinge)
 
 
@@ -106,7 +107,8 @@ def shift(piece: ShapePart, offset: Vector) -> ShapePart:
 def swap_motion(**changes: object) -> Callable[[ShapePart], ShapePart]:
     def change(piece: ShapePart) -> ShapePart:
         assert piece.motion is not None
-        return replace(piece, motion=replace(piece.motion, **changes))
+        arrays = {key: np.array(value) for key, value in changes.items() if isinstance(value, tuple)}
+        return replace(piece, motion=replace(piece.motion, **changes | arrays))
 
     return change
 
@@ -172,7 +174,7 @@ def latched(play: float) -> Shape:
     )
     tongue = block((-0.08 + play, -0.03), (-0.301, -0.29), (0.24, 0.26))
     grip = block((-0.05, -0.023), (-0.29, -0.27), (0.24, 0.26))
-    press = Motion(type="revolute", axis=(1.0, 0.0, 0.0), origin=(-0.03, -0.28, 0.25), upper=1.0)
+    press = rotate((1.0, 0.0, 0.0), (-0.03, -0.28, 0.25), 1.0)
     lever = part("lever", "knob", grip, tongue, motion=press, parent="door")
     leaf = replace(door(), needs=(Need(part="lever", fraction=0.9),))
     return make_shape(shelf_body(*keep), leaf, lever)
@@ -191,7 +193,7 @@ def test_what_overlaps_at_rest_is_not_counted_on_the_way():
 
 @pytest.mark.parametrize(("gap", "found"), [(0.0049, set()), (0.0051, {"floating"}), (0.05, {"floating"})])
 def test_what_moves_is_close_to_what_carries_it(gap: float, found: set[str]):
-    spin = Motion(type="continuous", axis=(0.0, 0.0, 1.0), upper=2 * np.pi)
+    spin = rotate((0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
     wheel = part("wheel", "wheel", cylinder((0, 0, 0.1 + gap), (0, 0, 0.2), 0.05, "paint"), motion=spin)
     shape = make_shape(part("body", "base", block((-0.2, 0.2), (-0.2, 0.2), (0, 0.1)), parent=None), wheel)
     assert ids(shape) == found
@@ -266,14 +268,14 @@ def test_a_slide_is_no_longer_than_the_object(factor: float, found: set[str]):
     plate = part("body", "base", block((-0.3, 0.3), (-0.3, 0.3), (0, 0.01)), parent=None)
     button = block((-0.01, 0.01), (-0.01, 0.01), (0.01, 0.05))
     length = float(np.linalg.norm([0.6, 0.6, 0.05]))
-    lift = Motion(type="prismatic", axis=(0.0, 0.0, 1.0), upper=factor * length)
+    lift = slide(factor * length, (0.0, 0.0, 1.0))
     assert ids(make_shape(plate, part("key", "knob", button, motion=lift))) == found
 
 
 @pytest.mark.parametrize(("more", "found"), [(0.0009, set()), (0.0011, {"range"})])
 def test_a_hinge_turns_at_most_once_round(more: float, found: set[str]):
     plate = part("body", "base", block((-0.3, 0.3), (-0.3, 0.3), (0, 0.01)), parent=None)
-    spin = Motion(type="revolute", axis=(0.0, 0.0, 1.0), upper=2 * np.pi + more)
+    spin = rotate((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 2 * np.pi + more)
     dial = part("dial", "knob", cylinder((0, 0, 0.01), (0, 0, 0.05), 0.02, "paint"), motion=spin)
     assert ids(make_shape(plate, dial)) == found
 
@@ -378,7 +380,7 @@ def test_a_long_rod_counts_as_the_pieces_that_it_is_cut_to(length: float, found:
     ("bodies", "extra", "found"), [(8, 0, False), (8, 1, True), (64, -31, False), (65, -31, True)]
 )
 def test_an_object_has_few_hulls_and_links(bodies: int, extra: int, found: bool):  # noqa: FBT001 - a case
-    lift = Motion(type="prismatic", axis=(0.0, 0.0, 1.0), upper=0.1)
+    lift = slide(0.1, (0.0, 0.0, 1.0))
     each = 32 if extra >= 0 else 1
     piles = [pile(each, at=0.2 * k) for k in range(bodies)]
     movers = [part(f"key_{k}", "knob", *boards, motion=lift) for k, boards in enumerate(piles[1:])]
@@ -533,7 +535,7 @@ def test_sweeps_find_what_measuring_every_pair_finds(category: str, seed: int, n
     others = hull_of(*(solids[row] for row in np.flatnonzero(~carried)))
     joint = PackageJoint(
         name="joint", type="prismatic" if motion.type == "prismatic" else "revolute", kind=motion.type,
-        parent="a", child="b", origin=np.array(motion.origin), axis=np.array(motion.axis), upper=motion.upper,
+        parent="a", child="b", origin=motion.origin, axis=motion.axis, upper=motion.upper,
     )  # fmt: skip
     count = int(np.clip(np.ceil(farthest_travel(joint, [ours.vertices]) / sweep.STEP) + 1, *sweep.POSES))
     poses = package_joint_motion(joint, np.linspace(0.0, motion.upper, count))

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import torch
 
+from artigen.api.sample import make_package
 from artigen.camera import look_at
-from artigen.cli.shape import make_package
 from artigen.shapes.draw import draw_shape
 from artigen.splats.colors import linear_from_srgb
 from artigen.splats.render import Cameras, make_splats, rasterize

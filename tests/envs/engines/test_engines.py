@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 
-from artigen.cli.validate import choose_engines, describe
 from artigen.errors import ArtigenError
 from envs.config import EngineChoice
+from envs.engines.choose import choose_engines
 from envs.engines.judge import judge
 from envs.engines.plan import EnginePlan, make_plan, moved_load, travelled
 from envs.engines.runners.harness import bisect, push
 from envs.engines.witness import ask_engines, run_engine
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
-from sim_export.report import CheckResult, Report
+from sim_export.report import CheckResult, Report, describe_report
 
 STEPS = 200
 
@@ -341,7 +341,7 @@ def test_a_missing_engine_is_skipped_with_a_sentence(folder, tmp_path):
     assert "pip install newton" in check.message
     report = Report(package="x", checks=(check,))
     assert report.passed
-    assert "skipped: no module newton" in describe(report)
+    assert "skipped: no module newton" in describe_report(report)
 
 
 def test_a_package_without_mjcf_is_nothing_to_an_engine_that_reads_it(folder, tmp_path):

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from artigen.cli.scene import SceneSettings, scene
+from artigen.api.scene import SceneSettings, furnish_room
 from artigen.errors import ArtigenError
 from artigen.shapes.families import choose_suite
 from envs.maniskill.populate import PopulateConfig, choose_filler_color, populate
@@ -465,16 +465,15 @@ def test_pictures_show_the_room(rooms, monkeypatch):
         assert len(np.unique(plan.reshape(-1, 3), axis=0)) > 20
 
 
-def test_the_command_writes_scene_and_plan(folder, tmp_path, capsys):
+def test_furnishing_writes_scene_and_plan(folder, tmp_path):
     cfg = SceneSettings(ajar=0.3, contents=1.0)
-    assert scene("bedroom", tmp_path / "room", 1, folder, cfg, pictures="plan") == 0
-    room = read_room(tmp_path / "room")
-    said = capsys.readouterr().out
+    made = furnish_room("bedroom", tmp_path / "room", 1, folder, cfg, pictures="plan")
+    room, said = read_room(tmp_path / "room"), made.describe()
     assert f"{len(room.placements)} objects" in said
     assert f"with {len(room.contents)} loose things" in said
     assert {"wardrobe_1"} <= {item.holder for item in room.contents}
     with pytest.raises(ArtigenError, match=r"contents 1\.5: expected .* shares from 0 to 1"):
-        scene("bedroom", tmp_path / "room", 1, folder, SceneSettings(contents=1.5), pictures="none")
+        furnish_room("bedroom", tmp_path / "room", 1, folder, SceneSettings(contents=1.5), pictures="none")
     assert (tmp_path / "room" / "plan.png").stat().st_size > 5000
     assert not (tmp_path / "room" / "room.png").exists()
     assert dict(room.provenance)["packages"].startswith(f"{len(FURNITURE)} proven packages")
@@ -490,7 +489,7 @@ def test_panels_have_the_colour_of_the_suite_that_all_packages_are_of(folder, tm
     assert choose_filler_color(replace(catalogue, entries=(*suited[1:], catalogue.entries[0]))) != front
     assert choose_filler_color(catalogue) != front
     with pytest.raises(ArtigenError, match="family shaker with packages"):
-        scene("kitchen", tmp_path / "room", 0, folder, SceneSettings(family="shaker"), pictures="none")
+        furnish_room("kitchen", tmp_path / "room", 0, folder, SceneSettings(family="shaker"), pictures="none")
 
 
 @pytest.mark.parametrize("legs", [False, True])

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from artigen.shapes.draw import draw_shape
+from artigen.shapes.fittings.hardware import rotate
 from artigen.shapes.primitives import box
-from artigen.shapes.shape import Motion, Shape, ShapePart
+from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from sim_export.motion.kinematics import link_displacements
 from sim_export.package import SimPackage
@@ -80,7 +81,7 @@ def weigh_plate(*, moves: bool) -> float:
         label="handle",
         parent="body",
         primitives=(box((0, 0, 0.05), (0.2, 0.2, 0.058), "plastic"),),
-        motion=Motion(type="revolute", axis=(0.0, 1.0, 0.0), upper=1.0) if moves else None,
+        motion=rotate((0.0, 1.0, 0.0), (0.0, 0.0, 0.0), 1.0) if moves else None,
     )
     lamp, bare = (
         Shape(category="DeskLamp", seed=0, style="led", parts=parts, finishes=(("plastic", PLASTIC),))

@@ -8,6 +8,7 @@ import pytest
 import torch
 
 from artigen.camera import frame_points
+from artigen.shapes.fittings.hardware import rotate, slide
 from artigen.shapes.poses import open_parts, pose_parts
 from artigen.shapes.primitives import (
     Primitive,
@@ -21,10 +22,11 @@ from artigen.shapes.primitives import (
     rounded_box,
 )
 from artigen.shapes.render import Cameras, Images, RenderConfig, batch_cameras, build_scene, render
-from artigen.shapes.shape import Motion, Shape, ShapePart, make_base
+from artigen.shapes.shape import Shape, ShapePart, make_base
 from artigen.shapes.sheet import draw_sheet
 from artigen.shapes.surfaces.materials import LACQUERS, make_glass, make_lacquer
 from artigen.shapes.surfaces.palette import draw_palette
+from artigen.types import Joint
 
 GEOMETRY = RenderConfig(shadow_rays=0, openness=False)
 
@@ -37,8 +39,8 @@ def make_shape(*parts: ShapePart, glass_opacity: float = 0.2) -> Shape:
     return Shape(category="Test", seed=0, style="flat", parts=parts, finishes=tuple(finishes.items()))
 
 
-def one_part(*primitives: Primitive, **motion) -> ShapePart:
-    return ShapePart("body", "base", primitives, Motion(**motion) if motion else None, parent=None)
+def one_part(*primitives: Primitive) -> ShapePart:
+    return ShapePart("body", "base", primitives, parent=None)
 
 
 def front_camera(size: int = 64, distance: float = 3.0, fov: float = 30.0) -> Cameras:
@@ -222,27 +224,33 @@ def test_touching_boxes_have_no_cracks(fov: float):
 @pytest.mark.parametrize(
     "motion",
     [
-        {"type": "prismatic", "axis": (-1.0, 0.0, 0.0), "upper": 0.4},
-        {"type": "revolute", "axis": (0.0, 0.0, 1.0), "origin": (-0.2, 0.3, 0.0), "upper": 1.5},
-        {"type": "screw", "axis": (0.0, 0.0, 1.0), "origin": (0.1, 0.0, 0.0), "upper": 3.0, "pitch": 0.05},
+        slide(0.4),
+        rotate((0.0, 0.0, 1.0), (-0.2, 0.3, 0.0), 1.5),
+        Joint(
+            type="screw",
+            axis=np.array([0.0, 0.0, 1.0]),
+            origin=np.array([0.1, 0.0, 0.0]),
+            upper=3.0,
+            pitch=0.05,
+        ),
     ],
 )
-def test_a_joint_moves_the_picture_as_moving_the_solids_does(motion: dict):
+def test_a_joint_moves_the_picture_as_moving_the_solids_does(motion: Joint):
     door = (
         box((-0.2, -0.3, -0.2), (-0.18, 0.3, 0.2), "plain"),
         cylinder((-0.2, 0, 0), (-0.25, 0, 0), 0.03, "plain"),
     )
     fixed = box((-0.15, -0.3, -0.2), (0.2, 0.3, -0.1), "plain")
     body = make_base((fixed,))
-    moving = ShapePart("door", "door", door, Motion(**motion))
+    moving = ShapePart("door", "door", door, motion)
     knob = ShapePart("knob", "knob", (box((-0.3, 0, 0.1), (-0.2, 0.1, 0.12), "plain"),), parent="door")
     shape = make_shape(body, moving, knob)
     qpos = open_parts(shape, 0.7)
     T = pose_parts(shape, qpos)[1]
-    turn = 0.7 * motion["upper"] if motion["type"] != "prismatic" else 0.0
+    turn = 0.7 * motion.upper if motion.type != "prismatic" else 0.0
 
     def carry(p: Primitive) -> Primitive:
-        return move(p, tuple(float(v) for v in T[:3, 3]), turn=turn, about=motion["axis"])
+        return move(p, tuple(float(v) for v in T[:3, 3]), turn=turn, about=tuple(motion.axis.tolist()))
 
     rest = [
         replace(part, motion=None, primitives=tuple(map(carry, part.primitives))) for part in (moving, knob)
@@ -409,7 +417,7 @@ def test_the_floor_is_dark_beneath_the_object_and_bright_far_from_it():
 
 def test_a_sheet_has_a_picture_per_shape_and_shows_them_open():
     door = box((-0.2, -0.3, 0.0), (-0.18, 0.3, 0.4), "plain")
-    motion = Motion(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.3)
+    motion = slide(0.3)
     body = make_base((box((-0.17, -0.3, 0), (0.2, 0.3, 0.5), "body"),))
     moving = ShapePart("door", "drawer", (door,), motion)
     shapes = [make_shape(body, moving), make_shape(body)]

@@ -9,14 +9,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
-from artigen.cli.batch import Finished, digest_settings
-from artigen.cli.generate import (
+from artigen.api.batch import Finished, digest_settings
+from artigen.api.generate import (
     TIMEOUT,
     GenerateJob,
     GenerateSettings,
     generate_and_validate,
 )
-from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate
+from artigen.api.sample import ShapeJob, ShapeSettings, export_and_validate
 from artigen.datasets.duplicates import Fingerprint
 from artigen.datasets.packing import LISTING, PackedFiles, digest, pack_files, read_folder
 from artigen.datasets.publish import PackedObject

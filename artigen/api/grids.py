@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Protocol, TypeVar
 
-from artigen.cli.batch import Finished, Job, Made, make_and_validate
+from artigen.api.batch import Finished, Job, Made, make_and_validate
 from artigen.runtime.workers import Worker
 
 GRIDS = (64, 96, 128)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from artigen.cli.give_files import find_gifts, give_files
+from artigen.api.give_files import find_gifts, give_files
 from artigen.datasets.partnet_surface import FaceTable
 from artigen.datasets.source_object import SourceObject, SourceVisual, TriangleMesh
 from artigen.types import FIXED, Asset, Joint, Part, SurfaceSamples

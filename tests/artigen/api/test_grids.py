@@ -6,10 +6,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from artigen.cli import convert, grids, shape
-from artigen.cli.batch import Finished
-from artigen.cli.convert import ConvertJob, ConvertSettings
-from artigen.cli.shape import ShapeJob, ShapeSettings
+from artigen.api import convert, grids, sample
+from artigen.api.batch import Finished
+from artigen.api.convert import ConvertJob, ConvertSettings
+from artigen.api.sample import ShapeJob, ShapeSettings
 from artigen.datasets import sources
 from artigen.runtime.workers import Worker
 
@@ -34,7 +34,7 @@ def judge_by(monkeypatch, verdicts: dict[int, bool | None]) -> list[int]:
 
 def shape_voxels():
     job = ShapeJob(category="Cart", seed=0, out=Path("out"), cfg=ShapeSettings(source="voxels"))
-    return shape.export_and_validate(Worker(), job)
+    return sample.export_and_validate(Worker(), job)
 
 
 def convert_voxels():

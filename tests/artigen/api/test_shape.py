@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-from artigen.cli import grids
-from artigen.cli.batch import Finished
-from artigen.cli.grids import GRIDS
-from artigen.cli.shape import ShapeJob, export_and_validate, make_package
+from artigen.api import grids
+from artigen.api.batch import Finished
+from artigen.api.grids import GRIDS
+from artigen.api.sample import ShapeJob, export_and_validate, make_package
 from artigen.runtime.workers import Worker
 from artigen.shapes.draw import draw_shape
 

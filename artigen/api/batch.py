@@ -258,7 +258,7 @@ def remove_leftovers(out: Path, keys: Iterable[str]) -> None:
             shutil.rmtree(path, ignore_errors=True)
 
 
-def run_shown(
+def run_with_progress(
     handle: Callable[[Worker, JobType], Finished],
     jobs: Sequence[JobType],
     out: Path,
@@ -277,16 +277,3 @@ def run_shown(
                 bar.write(f"{finished.key}: {said}", file=sys.stderr)
 
         return run_batch(handle, jobs, out, runner=runner, on_done=on_done, part=part)
-
-
-def say_results(results: Sequence[Finished], out: Path) -> int:
-    """Prints how many packages were written, passed and were not checked; returns the exit code."""
-    passed = sum(finished.passed is True for finished in results)
-    checked = sum(finished.passed is not None for finished in results)
-    lost = sum(finished.error is not None for finished in results)
-    said = [f"{len(results)} objects: {len(results) - lost} packages in {out}"]
-    said += [f"{passed} of them passed every check"] if checked else []
-    said += [f"{len(results) - lost - checked} of them not checked"] if len(results) > lost + checked else []
-    said += [f"{lost} not made"] if lost else []
-    sys.stdout.write(", ".join(said) + "\n")
-    return 0 if all(finished.good for finished in results) else 1

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from artigen.cli import mend
-from artigen.cli.convert import ConvertJob, ConvertSettings
-from artigen.cli.mend import mend_object
+from artigen.api import mend
+from artigen.api.convert import ConvertJob, ConvertSettings
+from artigen.api.mend import mend_object
 from artigen.datasets import sources
 from artigen.datasets.source_object import SourceObject, TriangleMesh
 from artigen.files.wavefront import read_obj

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
-from artigen.cli.give_files import give_files
+from artigen.api.give_files import give_files
 from artigen.datasets.mesh_files import write_obj
 from artigen.datasets.source_object import SourceObject, SourceVisual, TriangleMesh
 from artigen.types import Asset

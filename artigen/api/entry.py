@@ -1,0 +1,264 @@
+"""What ``import artigen`` offers: objects by kind, by words or picture, by file and by folder."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Literal, TypedDict, Unpack, overload
+
+from artigen.api.convert import TIMEOUT, ConvertSettings, Direction, convert_and_validate, list_conversions
+from artigen.api.generate import GenerateSettings, generate_and_validate, list_jobs, understand_job
+from artigen.api.object import Object
+from artigen.api.objects import Objects, list_seeds, make_here
+from artigen.api.sample import (
+    ShapeJob,
+    ShapeSettings,
+    build_sampled,
+    draw_wished,
+    export_and_validate,
+    export_only,
+    list_shapes,
+)
+from artigen.errors import ArtigenError
+from artigen.types import PartLabel
+from artigen.weights import SHIPPED
+
+Counts = Mapping[PartLabel, int]
+"""Number of parts by label, such as ``{"drawer": 3, "door": 0}``; labels that are not named are free."""
+HERE = Path()
+"""Stands for the folder of a job whose object is not written."""
+
+
+class Look(TypedDict, total=False):
+    """Options of drawn objects."""
+
+    width: float | None
+    depth: float | None
+    height: float | None
+    style: str | None
+    counts: Counts | None
+    textures: Literal["own", "shared"]
+    gaussians: bool
+    workers: int
+
+
+class SampleOptions(Look, total=False):
+    """Options of `sample`."""
+
+    family: str | None
+    suite: int | None
+    like: int | None
+
+
+class GenerateOptions(Look, total=False):
+    """Options of `generate`."""
+
+    image: Path | str | None
+    kind: str | None
+    temperature: float
+    redraws: int
+    model: Path
+
+
+class ConvertOptions(TypedDict, total=False):
+    """Options of `convert`."""
+
+    mend: bool
+    size: float | None
+    kind: str | None
+    up: Direction | None
+    front: Direction | None
+    visual: Literal["source", "voxels"]
+    gaussians: bool
+    workers: int
+
+
+@overload
+def sample(kind: str, seed: int = 0, *, count: None = None, **options: Unpack[SampleOptions]) -> Object: ...
+@overload
+def sample(kind: str, seed: int = 0, *, count: int, **options: Unpack[SampleOptions]) -> Objects: ...
+@overload
+def sample(kind: str, seed: Sequence[int], **options: Unpack[SampleOptions]) -> Objects: ...
+def sample(
+    kind: str,
+    seed: int | Sequence[int] = 0,
+    *,
+    count: int | None = None,
+    width: float | None = None,
+    depth: float | None = None,
+    height: float | None = None,
+    style: str | None = None,
+    counts: Counts | None = None,
+    family: str | None = None,
+    suite: int | None = None,
+    like: int | None = None,
+    textures: Literal["own", "shared"] = "own",
+    gaussians: bool = False,
+    workers: int = 0,
+) -> Object | Objects:
+    """Samples an object from the procedural grammar: exact, in milliseconds, without a network.
+
+    Args:
+        kind: Name of a kind, such as ``StorageFurniture``; see `kinds`.
+        seed: Seed of the object, or a sequence of seeds for as many.
+        count: Number of objects with consecutive seeds; a lazy sequence of them is returned.
+        width: Metres, seen from the front; lengths that are not stated are sampled.
+        depth: Metres, with fronts and without handles.
+        height: Metres.
+        style: Style of the kind, such as ``shaker``.
+        counts: Number of parts by label; the others are free.
+        family: Look across kinds, such as ``industrial``.
+        suite: Choice of the family's materials and hardware; objects of one suite match.
+        like: Seed of a template whose links, joints and kinds of collision shapes are kept.
+        textures: One texture per part, or common ones for parts of the same finish.
+        gaussians: Whether the package has 3D Gaussians.
+        workers: Processes for many objects; 0 makes them in this one.
+
+    Raises:
+        ArtigenError: If the kind is unknown, or no object meets the wishes.
+    """
+    cfg = ShapeSettings(
+        width=width, depth=depth, height=height, style=style, counts=_write_counts(counts), family=family,
+        suite=suite, like=like, textures=textures, splats=gaussians,
+    )  # fmt: skip
+    jobs = list_shapes(kind, HERE, list_seeds(seed, count), cfg)
+    if isinstance(seed, int) and count is None:
+        return make_sampled(jobs[0])
+    return Objects(
+        jobs=tuple(jobs), make=make_sampled, handle=export_and_validate, write=export_only, workers=workers
+    )
+
+
+def make_sampled(job: ShapeJob) -> Object:
+    """The object of a job of the grammar; its package is built when it is used."""
+    drawn = draw_wished(job)
+    return Object(name=job.key, kind=job.category, build=partial(build_sampled, job, drawn), shape=drawn)
+
+
+@overload
+def generate(
+    words: str | None = None, *, seed: int = 0, count: None = None, **options: Unpack[GenerateOptions]
+) -> Object: ...
+@overload
+def generate(
+    words: str | None = None, *, seed: int = 0, count: int, **options: Unpack[GenerateOptions]
+) -> Objects: ...
+@overload
+def generate(
+    words: str | None = None, *, seed: Sequence[int], **options: Unpack[GenerateOptions]
+) -> Objects: ...
+def generate(
+    words: str | None = None,
+    *,
+    image: Path | str | None = None,
+    kind: str | None = None,
+    counts: Counts | None = None,
+    seed: int | Sequence[int] = 0,
+    count: int | None = None,
+    width: float | None = None,
+    depth: float | None = None,
+    height: float | None = None,
+    style: str | None = None,
+    temperature: float = GenerateSettings.temperature,
+    redraws: int = GenerateSettings.redraws,
+    textures: Literal["own", "shared"] = "own",
+    gaussians: bool = True,
+    model: Path = SHIPPED,
+    workers: int = 0,
+) -> Object | Objects:
+    """Generates an object from words, a photograph, a kind or counts with the trained model.
+
+    An object that fails a check (L0 to L3) is drawn again, at most ``redraws`` times; `Object.report` of what
+    is returned states the verdict on the last draw.
+
+    Args:
+        words: A description in English, such as ``a white fridge with black handles``.
+        image: Photograph of one object, taken from near its front.
+        kind: Name of a kind; default: as words or picture say.
+        counts: Number of parts by label; the others are free.
+        seed: Seed of the object, or a sequence of seeds for as many.
+        count: Number of objects with consecutive seeds; a lazy sequence of them is returned.
+        width: Metres, seen from the front; lengths that are not stated are sampled.
+        depth: Metres, with handles.
+        height: Metres.
+        style: Style of the kind, such as ``shaker``.
+        temperature: Sampling temperature; 1 matches the training data, lower is less varied.
+        redraws: Most new draws of an object that fails a check.
+        textures: One texture per part, or common ones for parts of the same finish.
+        gaussians: Whether the package has 3D Gaussians.
+        model: Folder of a trained model; default: the shipped one.
+        workers: Processes for many objects; 0 makes them in this one.
+
+    Raises:
+        ArtigenError: If no object can be as asked, the picture cannot be read, or no draw can be exported.
+    """
+    cfg = GenerateSettings(
+        text=words, image=None if image is None else Path(image), width=width, depth=depth, height=height,
+        style=style, counts=_write_counts(counts), temperature=temperature, redraws=redraws,
+        textures=textures, gaussians=gaussians,
+    )  # fmt: skip
+    jobs = list_jobs(HERE, list_seeds(seed, count), cfg, category=kind, model=Path(model))
+    understand_job(jobs[0])
+    make = partial(make_here, handle=generate_and_validate)
+    if isinstance(seed, int) and count is None:
+        return make(jobs[0])
+    handle = generate_and_validate
+    return Objects(jobs=tuple(jobs), make=make, handle=handle, write=handle, workers=workers)
+
+
+@overload
+def convert(source: Path | str, **options: Unpack[ConvertOptions]) -> Object: ...
+@overload
+def convert(source: Sequence[Path | str], **options: Unpack[ConvertOptions]) -> Objects: ...
+def convert(
+    source: Path | str | Sequence[Path | str],
+    *,
+    mend: bool = False,
+    size: float | None = None,
+    kind: str | None = None,
+    up: Direction | None = None,
+    front: Direction | None = None,
+    visual: Literal["source", "voxels"] = "source",
+    gaussians: bool = False,
+    workers: int = 0,
+) -> Object | Objects:
+    """Converts an object of a URDF, an MJCF, a PartNet-Mobility folder or an ``object.json``.
+
+    It keeps its own meshes and gets convex hulls, masses, friction and handles. `Object.report` states the
+    verdict of the checks.
+
+    Args:
+        source: A file or folder of one object; or a list of files and folders, for a lazy sequence of all
+            objects in them.
+        mend: Repair faults of the source, each recorded in ``meta.json``.
+        size: Longest edge of the closed object in metres; default: as in the file, else usual for its kind.
+        kind: Kind of the object; default: from its files and its name.
+        up: Up axis of the source; default: z, or y in ``object.json``.
+        front: Axis that its front faces; default: -x, or z in ``object.json``.
+        visual: Keep the meshes, or rebuild the object from its 64^3 voxels.
+        gaussians: Whether the package has 3D Gaussians.
+        workers: Processes for many objects; 0 makes them in this one.
+
+    Raises:
+        ArtigenError: If the source cannot be read, or holds several objects where one is expected.
+    """
+    cfg = ConvertSettings(
+        mend=mend, size=size, category=kind, up=up, front=front, visual=visual, splats=gaussians
+    )
+    one = isinstance(source, str | Path)
+    given = (Path(source),) if isinstance(source, str | Path) else tuple(map(Path, source))
+    jobs = tuple(list_conversions(given, HERE, cfg))
+    handle = partial(convert_and_validate, timeout=TIMEOUT)
+    make = partial(make_here, handle=handle)
+    if not one:
+        return Objects(jobs=jobs, make=make, handle=handle, write=handle, workers=workers)
+    if len(jobs) != 1:
+        raise ArtigenError(
+            f"{source}: {len(jobs)} objects, expected one; for all of them give a list, as in "
+            f"convert([{str(source)!r}])"
+        )
+    return make(jobs[0])
+
+
+def _write_counts(counts: Counts | None) -> tuple[str, ...]:
+    """Counts of parts as settings hold them."""
+    return tuple(f"{label}={number}" for label, number in (counts or {}).items())

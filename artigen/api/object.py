@@ -1,0 +1,333 @@
+"""`Object`: an articulated object as a value, with everything that users do with one.
+
+Metres, in the object frame at rest: z up, front -x, the centre of the closed object at the origin.
+"""
+
+import sys
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from jaxtyping import Float, UInt8
+
+from artigen.types import Asset, Joint, PartLabel
+
+if TYPE_CHECKING:
+    from artigen.camera import Camera
+    from artigen.shapes.shape import Shape
+    from envs.config import EngineChoice
+    from sim_export.package import SimPackage
+    from sim_export.picture.image import Layer
+    from sim_export.picture.view import PackageView
+    from sim_export.picture.viewpoint import Viewpoint
+    from sim_export.report import Report
+
+Format = Literal["package", "usd", "glb"]
+REPORT = "validation.json"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ObjectPart:
+    """A rigid part of an object: its name, its label, and the joint on which it moves."""
+
+    name: str
+    label: PartLabel
+    joint: str | None
+    """Name in `Object.joints`; None where the part is fixed to its carrier or follows another part."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Object:
+    """An articulated object; its package is built when it is first used."""
+
+    name: str
+    kind: str
+    build: "Callable[[], SimPackage]"
+    shape: "Shape | None" = None
+    """The exact solids that it was drawn as; None for converted and loaded objects."""
+    folder: Path | None = None
+    """Its package on disk, if it has one."""
+    scratch: "TemporaryDirectory[str] | None" = None
+    """Holds files that the object needs, and is removed with it."""
+
+    @cached_property
+    def package(self) -> "SimPackage":
+        """Links, joints, meshes, hulls, masses and handles, as they are exported."""
+        return self.build()
+
+    @cached_property
+    def joints(self) -> Mapping[str, Joint]:
+        """The joints that can be moved, by their names in all files; lengths in metres, angles in radians."""
+        if self.shape is not None:
+            return {name: joint for name, (_, joint) in _drawn_joints(self.shape).items()}
+        return _package_joints(self.package)
+
+    @cached_property
+    def parts(self) -> tuple[ObjectPart, ...]:
+        """The rigid parts."""
+        if self.shape is not None:
+            names = {part: name for name, (part, _) in _drawn_joints(self.shape).items()}
+            return tuple(
+                ObjectPart(name=part.name, label=part.label, joint=names.get(part.name))
+                for part in self.shape.parts
+            )
+        return _package_parts(self.package)
+
+    @property
+    def counts(self) -> Mapping[PartLabel, int]:
+        """Number of parts by label."""
+        return Counter(part.label for part in self.parts)
+
+    @cached_property
+    def size(self) -> tuple[float, float, float]:
+        """Width, depth and height (m) of the closed object."""
+        if self.shape is not None:
+            depth, width, height = np.diff(self.shape.bounds(), axis=0)[0]
+        else:
+            from sim_export.picture.draw import package_surfaces
+            from sim_export.picture.render import surface_points
+
+            depth, width, height = np.ptp(surface_points(package_surfaces(self.package)), axis=0)
+        return float(width), float(depth), float(height)
+
+    @property
+    def mass(self) -> float:
+        """Kilograms of all links; links of foreign packages without inertia count nothing."""
+        return sum(link.inertial.mass for link in self.package.links if link.inertial is not None)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was repaired, simplified or left out on the way, one sentence each."""
+        return self.package.records
+
+    def __repr__(self) -> str:
+        width, depth, height = self.size
+        parts, joints = len(self.parts), len(self.joints)
+        return (
+            f"<{self.kind} {self.name!r}: {parts} part{'s' * (parts != 1)}, {joints} joint"
+            f"{'s' * (joints != 1)}, {width:.2f} m wide, {depth:.2f} m deep, {height:.2f} m high>"
+        )
+
+    @property
+    def report(self) -> "Report | None":
+        """The verdict of every check, where its package on disk has one."""
+        from sim_export.report import report_from_json
+
+        path = None if self.folder is None else self.folder / REPORT
+        return report_from_json(path.read_text()) if path is not None and path.is_file() else None
+
+    def at(self, q: Mapping[str, float] | float) -> Mapping[str, Float[np.ndarray, "4 4"]]:
+        """Displacement of every part from rest, by name; it maps points at rest to points in the pose.
+
+        Args:
+            q: Coordinates (m, rad) of joints by name, also beyond their limits; the others are closed. Or the
+                share of its range, 0 to 1, to which every joint is open, but those that need another one to
+                be open further.
+
+        Raises:
+            PackageError: If a name is not that of a joint.
+        """
+        from sim_export.motion.kinematics import link_displacements
+        from sim_export.picture.image import read_pose
+
+        links, joints = self.package.links, self.package.joints
+        T = link_displacements(links, joints, read_pose(self.package, q))
+        return {part: T[index] for index, link in enumerate(links) for part in link.parts}
+
+    def validate(self, *, tasks: bool = False, engines: "tuple[EngineChoice, ...]" = ()) -> "Report":
+        """Runs checks L0 to L3 in this process; an object that lies in a folder gets its ``validation.json``.
+
+        Args:
+            tasks: Also run checks L4: a robot uses the object in ManiSkill.
+            engines: Also run checks L5 in these engines.
+        """
+        from envs.config import ValidateConfig
+        from envs.validate import validate
+        from sim_export.files.write import write_package
+
+        cfg = ValidateConfig(tasks="run" if tasks else "none", engines=engines)
+        if self.folder is not None:
+            return validate(self.folder, cfg)
+        with TemporaryDirectory() as scratch:
+            return validate(
+                write_package(self.package, Path(scratch) / self.name), replace(cfg, output="none")
+            )
+
+    def export(
+        self,
+        folder: Path | str,
+        formats: tuple[Format, ...] = ("package",),
+        existing: Literal["refuse", "replace"] = "refuse",
+    ) -> "Object":
+        """Writes the object and returns it as it lies there.
+
+        Args:
+            folder: Folder of the package, such as ``out/fridge``: URDF, MJCF, meshes, hulls, masses. One
+                that is on disk is copied with its report.
+            formats: ``usd`` adds an OpenUSD asset below ``out/fridge_usd``, ``glb`` a file
+                ``out/fridge.glb``.
+            existing: Refuse or replace what is already there.
+
+        Raises:
+            PackageError: If a file or folder cannot be written or must not be replaced, or ``usd`` is asked
+                for without usd-core.
+        """
+        from artigen.datasets.packing import read_folder
+        from sim_export.files.write import MANIFEST, check_place, package_files, write_files
+        from sim_export.picture.glb import write_glb
+        from sim_export.usd.write import require_usd, write_usd
+
+        folder = Path(folder)
+        if "package" in formats:
+            check_place(folder, existing)
+        package = self.package
+        if "usd" in formats:
+            require_usd()
+            write_usd(package, folder.with_name(f"{folder.name}_usd"), existing)
+        if "glb" in formats:
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            write_glb(package, folder.with_name(f"{folder.name}.glb"))
+        if "package" not in formats:
+            return self
+        lies = self.folder is not None and (self.folder / MANIFEST).is_file()
+        write_files(read_folder(self.folder) if self.folder and lies else package_files(package), folder)
+        return replace(self, folder=folder, build=lambda: package)
+
+    def render(
+        self,
+        camera: "Camera | Viewpoint | None" = None,
+        q: Mapping[str, float] | float = 0.0,
+        layer: "Layer" = "visual",
+    ) -> UInt8[np.ndarray, "H W 3"]:
+        """A picture of the object, sRGB.
+
+        Args:
+            camera: A camera in the object frame; or a viewpoint, by default in front, to the left and above,
+                from which the posed object fills a picture of 384 x 384 pixels.
+            q: Pose, as in `at`.
+            layer: ``visual`` meshes, ``collision`` hulls or ``gaussians``.
+
+        Raises:
+            PackageError: If there is nothing to draw in that layer, or no joint of that name.
+        """
+        from sim_export.picture.image import render_package
+
+        if layer != "gaussians":
+            return render_package(self.package, camera, q, layer)
+        from artigen.api.splats import draw_splats
+
+        return render_package(self.package, camera, q, layer, draw_splats=draw_splats)
+
+    def show(self, port: int = 8080) -> "PackageView":
+        """Shows the object in the browser, with a slider for every joint, until its server is stopped.
+
+        The address is written to stderr. ``obj.show().server.sleep_forever()`` keeps a script running.
+        """
+        from sim_export.picture.view import build_view
+
+        page = build_view(self.package, port=port)
+        sys.stderr.write(f"{self.name}: http://localhost:{page.server.get_port()} (stop with Ctrl-C)\n")
+        return page
+
+
+def load(folder: Path | str, *, scratch: "TemporaryDirectory[str] | None" = None) -> Object:
+    """The object of a package folder, or of any folder in PartNet-Mobility's layout with a ``mobility.urdf``.
+
+    Args:
+        folder: The folder.
+        scratch: Temporary folder that holds it, to be removed with the object.
+
+    Raises:
+        PackageError: If there is no package or more than one, or something is missing or invalid; the message
+            names the file and the value.
+    """
+    from sim_export.errors import PackageError
+    from sim_export.files.folders import find_packages
+    from sim_export.files.read import read_package
+
+    found = find_packages([Path(folder)])
+    if len(found) != 1:
+        names = ", ".join(path.name for path in found[:3])
+        raise PackageError(
+            f"{folder}: {len(found)} packages ({names}, ...), expected one; load them one by one"
+        )
+    package = read_package(found[0])
+    return Object(
+        name=package.name, kind=package.category, build=lambda: package, folder=found[0], scratch=scratch
+    )
+
+
+def open_asset(folder: Path | str) -> Object:
+    """The object of an asset folder, as `artigen.io.write_asset` writes it; its package is built when used.
+
+    Raises:
+        ArtigenError: If a file is missing or invalid.
+    """
+    from artigen.io import read_asset
+
+    asset = read_asset(Path(folder))
+    source = Path(folder).resolve().name
+    return Object(name=asset.name, kind=asset.category, build=partial(_build_asset, asset, source))
+
+
+def _build_asset(asset: Asset, source: str) -> "SimPackage":
+    from artigen import __version__
+    from sim_export.export import export_asset
+
+    provenance = {"generator": f"artigen {__version__} export", "source": source}
+    return export_asset(asset, provenance=provenance).package
+
+
+def _drawn_joints(shape: "Shape") -> dict[str, tuple[str, Joint]]:
+    """Part and joint by the joint's name in the package: the number of the part among those that move."""
+    from artigen.shapes.asset import frame_shape
+
+    center, _ = frame_shape(shape)
+    moving = [(part.name, part.motion) for part in shape.parts if part.motion is not None]
+    return {
+        f"joint_{number}": (part, replace(motion, origin=motion.origin - center))
+        for number, (part, motion) in enumerate(moving)
+        if motion.follows is None
+    }
+
+
+def _package_joints(package: "SimPackage") -> dict[str, Joint]:
+    """The driven joints of a package; that of a screw has the travel of its second joint."""
+    from sim_export.motion.kinematics import driven_joints
+
+    pitches = {joint.mimic: joint.mimic_multiplier for joint in package.joints if joint.is_travel}
+    return {
+        joint.name: Joint(
+            type=joint.kind,
+            axis=joint.axis,
+            origin=joint.origin,
+            lower=joint.lower,
+            upper=joint.upper,
+            pitch=pitches.get(joint.name, 0.0),
+            spring=max(joint.spring, 0.0),
+        )
+        for joint in driven_joints(package.joints)
+    }
+
+
+def _package_parts(package: "SimPackage") -> tuple[ObjectPart, ...]:
+    """The parts of a package, link by link."""
+    names = set(_package_joints(package))
+    moving = {joint.child: joint for joint in package.joints}
+    labels: dict[str, PartLabel] = {
+        visual.part: visual.label for link in package.links for visual in link.visuals
+    }
+    parts = []
+    for link in package.links:
+        joint = moving.get(link.name)
+        own = None if joint is None else joint.mimic if joint.is_travel else joint.name
+        for index, part in enumerate(link.parts):
+            label: PartLabel = labels.get(part) or link.label or "base"
+            mover = own if index == 0 and own in names else None
+            parts.append(ObjectPart(name=part, label=label, joint=mover))
+    return tuple(parts)

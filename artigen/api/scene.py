@@ -1,0 +1,200 @@
+"""Furnishes a room from a kind and a seed."""
+
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from artigen.api.batch import run_with_progress
+from artigen.api.sample import ShapeJob, ShapeSettings, export_and_validate
+from artigen.errors import ArtigenError
+from artigen.runtime.runner import LocalRunner, Runner
+
+if TYPE_CHECKING:
+    from envs.maniskill.rooms.catalogue import Catalogue
+    from envs.maniskill.rooms.recipes import Recipe, Role
+    from envs.maniskill.rooms.room import Room
+
+PACKAGES = "packages"
+"""Subfolder of the room for objects that are drawn for it."""
+ROUNDS = 3
+"""Maximum number of draws for a role without a valid object."""
+FAMILIES = {
+    "kitchen": ("shaker", "slab", "rustic", "industrial", "midcentury"),
+    "office": ("slab", "industrial", "midcentury", "laboratory"),
+    "bedroom": ("shaker", "slab", "rustic", "midcentury", "nursery"),
+    "bathroom": ("shaker", "slab", "rustic", "laboratory"),
+    "workshop": ("industrial", "laboratory"),
+}
+"""Families that the seed chooses from by default."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneSettings:
+    """Properties of the room; unset properties are sampled from the seed."""
+
+    width: float | None = None
+    """Inner width in metres, along the wall with the entrance."""
+    depth: float | None = None
+    """Inner depth in metres, from that wall to the opposite one."""
+    least: int = 10
+    """Minimum number of objects."""
+    most: int = 30
+    """Maximum number of objects."""
+    sweeps: Literal["free", "any"] = "free"
+    """``free`` keeps the swept volume of doors and drawers clear; ``any`` only avoids overlaps at rest."""
+    standing_radius: float = 0.3
+    """Radius in metres of the disc kept free for a robot in front of every door and drawer; 0 for none."""
+    ajar: float = 0.0
+    """Fraction of the doors and drawers that stand open."""
+    contents: float = 0.0
+    """Fraction of the drawers and compartments behind doors that hold loose things."""
+    family: str | None = None
+    """Look of everything that is drawn, such as shaker, slab or industrial; sampled if unset."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Furnished:
+    """A room, its file, packages that were left out since they did not pass, and the time it took (s)."""
+
+    room: "Room"
+    path: Path
+    failed: tuple[str, ...]
+    seconds: float
+
+    def describe(self) -> str:
+        """Size, objects and file in one line."""
+        room = self.room
+        kinds = len({placement.package for placement in room.placements})
+        loose = f", with {len(room.contents)} loose things" if room.contents else ""
+        left_out = f", without {len(self.failed)} packages that did not pass" if self.failed else ""
+        return (
+            f"{room.kind} of {room.size[0]:.2f} x {room.size[1]:.2f} m: {len(room.placements)} objects from "
+            f"{kinds} packages{loose} in {self.path}, arranged and checked in {self.seconds:.1f} s{left_out}"
+        )
+
+
+def furnish_room(
+    kind: str,
+    out: Path,
+    seed: int = 0,
+    packages: Path | None = None,
+    cfg: SceneSettings | None = None,
+    *,
+    pictures: Literal["both", "plan", "none"] = "both",
+    runner: Runner | None = None,
+) -> Furnished:
+    """Furnishes a room in which every door and drawer opens; writes ``scene.json`` and pictures.
+
+    Args:
+        kind: Kitchen, office, bedroom, bathroom or workshop.
+        out: Folder for ``scene.json``, ``room.png`` and ``plan.png``.
+        seed: Seed of everything that is not set.
+        packages: Folder with packages, at any depth, that passed validation; without it, objects are sampled
+            and validated first, which takes minutes.
+        cfg: Properties of the room.
+        pictures: Pictures to render: room and plan, the plan only, or none.
+        runner: Where objects are sampled; default: one after the other in this process.
+
+    Raises:
+        ArtigenError: If settings are out of range or contradict each other, or no arrangement is found.
+    """
+    from envs.maniskill.populate import PopulateConfig, populate
+    from envs.maniskill.rooms.ajar import open_some
+    from envs.maniskill.rooms.catalogue import read_catalogue
+    from envs.maniskill.rooms.contents import fill_room
+    from envs.maniskill.rooms.file import write_room
+    from envs.maniskill.rooms.recipes import RECIPES
+
+    cfg = cfg or SceneSettings()
+    if kind not in RECIPES:
+        raise ArtigenError(f"room {kind!r} is not known, expected one of {', '.join(RECIPES)}")
+    if seed < 0 or not (0.0 <= cfg.ajar <= 1.0 and 0.0 <= cfg.contents <= 1.0):
+        raise ArtigenError(
+            f"seed {seed}, ajar {cfg.ajar}, contents {cfg.contents}: expected a seed from 0 and shares from 0"
+            " to 1"
+        )
+    try:
+        settings = PopulateConfig(
+            width=cfg.width, depth=cfg.depth, least=cfg.least, most=cfg.most, sweeps=cfg.sweeps,
+            standing_radius=cfg.standing_radius,
+        )  # fmt: skip
+    except ValueError as error:
+        raise ArtigenError(str(error)) from error
+    if packages is not None and cfg.family is not None:
+        raise ArtigenError(
+            f"family {cfg.family} with packages {packages}: objects of a folder keep their looks; omit one of"
+            " the two"
+        )
+    if packages is None:
+        family = cfg.family or choose_family(kind, seed)
+        catalogue = draw_packages(
+            RECIPES[kind], seed, family, out / PACKAGES, runner or LocalRunner(workers=0)
+        )
+    else:
+        catalogue = read_catalogue(packages)
+    started = time.perf_counter()
+    room = populate(kind, seed, catalogue, settings)
+    if cfg.ajar > 0.0:
+        room = open_some(room, cfg.ajar)
+    if cfg.contents > 0.0:
+        room = fill_room(room, cfg.contents)
+    spent = time.perf_counter() - started
+    path = write_room(room, out)
+    _draw(room, out, pictures)
+    return Furnished(room=room, path=path, failed=tuple(catalogue.failed), seconds=spent)
+
+
+def choose_family(kind: str, seed: int) -> str:
+    """The default family of a room."""
+    families = FAMILIES[kind]
+    return families[int(np.random.default_rng(seed).integers(len(families)))]
+
+
+def draw_packages(recipe: "Recipe", seed: int, family: str, out: Path, runner: Runner) -> "Catalogue":
+    """Draws and validates objects for every role of a room, all of one suite of a family.
+
+    Roles without a valid object are drawn again.
+    """
+    from envs.maniskill.rooms.catalogue import read_catalogue
+
+    look = ShapeSettings(family=family, suite=seed)
+    waiting = list(recipe.all_roles)
+    jobs: list[ShapeJob] = []
+    catalogue = None
+    for attempt in range(ROUNDS):
+        added = _jobs(waiting, seed * 1000 + 200 * attempt, look, out)
+        jobs += added
+        run_with_progress(export_and_validate, added, out, runner=runner)
+        catalogue = read_catalogue(out)
+        drawn = {job.key for job in jobs}
+        # The folder may hold objects of an earlier run; the same seed must give the same room.
+        entries = tuple(entry for entry in catalogue.entries if entry.name in drawn)
+        failed = tuple(text for text in catalogue.failed if text.split()[0] in drawn)
+        catalogue = replace(catalogue, entries=entries, failed=failed)
+        waiting = [role for role in waiting if role.draws and not catalogue.of_role(role)]
+        if not waiting:
+            break
+    assert catalogue is not None
+    return catalogue
+
+
+def _jobs(roles: "list[Role]", first: int, look: ShapeSettings, out: Path) -> list[ShapeJob]:
+    """One job for every draw of the roles, with the sizes of the roles."""
+    jobs = []
+    for role in roles:
+        for category, (depth, width, height) in role.draws:
+            wished = replace(look, depth=depth or None, width=width or None, height=height or None)
+            jobs.append(ShapeJob(category=category, seed=first + len(jobs), out=out, cfg=wished))
+    return jobs
+
+
+def _draw(room: "Room", out: Path, pictures: str) -> None:
+    from envs.maniskill.rooms.picture import write_plan, write_view
+
+    if pictures != "none":
+        write_plan(room, out / "plan.png")
+    if pictures == "both":
+        write_view(room, out / "room.png")
