@@ -15,6 +15,7 @@ from artigen.reader.correct import Side, correct_reading
 from artigen.reader.layout.build import build_from_reading
 from artigen.reader.layout.colours import match_finish
 from artigen.reader.layout.fronts import view_fronts
+from artigen.reader.looks import look_closer
 from artigen.reader.model import load_reader
 from artigen.reader.read import read_image
 from artigen.reader.reading import Reading
@@ -80,7 +81,7 @@ def ask(
         asked = _ask_sketch(understood, network, seed, shown.rgba)
         return replace(asked, notes=(*asked.notes, *shown.notes))
     reading = read_image(image, load_reader(READER), str(request.image), box=request.box)
-    return merge_reading(understood, reading)
+    return merge_reading(understood, look_closer(reading, image))
 
 
 def _ask_sketch(

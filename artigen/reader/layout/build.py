@@ -29,7 +29,7 @@ FLOOR = 0.03
 """Height (m) below the lowest front from which a flat stand is a plinth."""
 PLINTH = 0.12
 """Greatest height (m) of a plinth."""
-LEGS = (0.05, 0.5)
+LEGS = (0.05, 0.35)
 """Least height (m) of legs, and the greatest as a share of the object's."""
 WORKTOP = (0.015, 0.05)
 """Least and greatest thickness (m) of a worktop: thinner ones are the top of the case."""
@@ -92,7 +92,7 @@ def _build_laid_out(reading: Reading, view: View, seed: int, wish: Wish) -> tupl
     kind, notes = reading.kind, []
     rng = np.random.default_rng([seed, 65])
     foot = find_foot(reading, view, kind)
-    node = _lay_out(view, foot)
+    node = _lay_out(view, foot, kind)
     node = furnish_node(rng, node, (view.size[0], view.size[2] - (foot.height or 0.0)), view.shelves, kind)
     if kind == name_kind("filing cabinet") and not _is_stack(node):
         kind = name_kind("cabinet")
@@ -113,8 +113,7 @@ def wear_read(shape: Shape, reading: Reading, seed: int) -> Shape:
     """The object in the finishes that were read."""
     worn = dict(shape.finishes)
     found = find_finishes(reading, seed)
-    legs = {"leg": found["body"]} if worn.get("leg") == worn.get("body") else {}
-    read = {role: own for role, own in (found | legs).items() if role in worn}
+    read = {role: own for role, own in (found | {"leg": found["body"]}).items() if role in worn}
     return replace(shape, finishes=tuple(sorted((worn | read).items())))
 
 
@@ -162,14 +161,20 @@ def _find_worktop(view: View) -> float:
     return min(above, WORKTOP[1]) if above >= WORKTOP[0] else 0.0
 
 
-def _lay_out(view: View, foot: Foot) -> Node:
+def _lay_out(view: View, foot: Foot, kind: str) -> Node:
     if view.tree is None:
         return Cell(fill="open")
     width, _, height = view.size
     lowest = max(float(front.bounds[3]) for front in view.fronts)
     bottom = lowest if foot.height is None else height - foot.height
     region: Float[np.ndarray, "4"] = np.array([0.0, 0.0, width, max(bottom, lowest)])
-    return make_cells(view.tree, view.fronts, region, framed=view.gap is not None and view.gap >= FRAMED)
+    return make_cells(
+        view.tree,
+        view.fronts,
+        region,
+        framed=view.gap is not None and view.gap >= FRAMED,
+        aside=kind == name_kind("table") or len(view.shelves) > 0,
+    )
 
 
 def _find_form(reading: Reading) -> str:

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
+from artigen.kind import kinds
 from artigen.reader.layout.cells import OPEN, WIDEST_LEAF, Seen
 from artigen.reader.layout.cutting import Tree, cut_rectangles, list_leaves
 from artigen.reader.layout.plane import Plane, Sight, find_face, fit_face, frame_box, guess_sights
@@ -87,7 +88,7 @@ def view_fronts(reading: Reading, lengths: Lengths = FREE) -> View:
         _find_size(reading, sight.plane.show(frame_box(face)), lengths),
         bounds,
         face,
-        free=lengths[0] is None and lengths[2] is None,
+        free=lengths[0] is None and lengths[2] is None and _is_furniture(reading.kind),
     )
     scale = np.array([size[0], size[2]]) / (face[2:] - face[:2])
     bounds = (bounds - np.tile(face[:2], 2)) * np.tile(scale, 2)
@@ -192,10 +193,19 @@ def _find_size(
     aspect = float(along / across)
     read = float(np.sqrt(wide * high / aspect))
     usual = (read, deep, read * aspect)
+    if not _is_furniture(
+        reading.kind
+    ):  # of one form, whose proportions the reader knows better than its boxes
+        low, high = np.array(kinds()[reading.kind].sizes).T
+        usual = tuple(np.clip(reading.size, low, high).tolist())
     scales = [own / length for own, length in zip(lengths[::2], usual[::2], strict=True) if own is not None]
     scale = float(np.exp(np.mean(np.log(scales)))) if scales else 1.0
     size = [scale * length if own is None else own for own, length in zip(lengths, usual, strict=True)]
     return size[0], size[1], size[2]
+
+
+def _is_furniture(kind: str) -> bool:
+    return kind not in kinds() or kinds()[kind].trade == "furniture"
 
 
 LEAST_FRONT = np.array([0.12, 0.06])

@@ -29,7 +29,7 @@ class LaidRow:
 
 
 def list_rows(node: Node) -> list[LaidRow]:
-    """The rows of a layout from the top down; of each column the first front, and no open cells."""
+    """The rows of a layout from the top down; of each column the first front, and no cells without one."""
     rows: list[tuple[Node, float]] = [(node, 1.0)]
     if isinstance(node, Split) and node.along == "rows":
         rows = list(zip(node.children, node.shares, strict=True))
@@ -41,7 +41,7 @@ def _make_row(node: Node, height: float) -> LaidRow:
     if isinstance(node, Split):
         columns = list(zip(node.children, node.shares, strict=True))
     found = [(list_cells(child)[0], share) for child, share in columns]
-    closed = [(cell, share) for cell, share in found if cell.fill != "open"]
+    closed = [(cell, share) for cell, share in found if cell.fill not in ("open", "blank")]
     return LaidRow(
         height=height,
         cells=tuple(cell for cell, _ in closed),

@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from artigen.errors import ArtigenError
 from artigen.reader.layout.build import FLOOR, build_from_reading, find_foot
-from artigen.reader.layout.cells import OPEN
+from artigen.reader.layout.cells import OPEN, Seen, make_cells
 from artigen.reader.layout.colours import SAME, find_finishes
 from artigen.reader.layout.cutting import SLACK, Tree, cut_rectangles, list_leaves
 from artigen.reader.layout.frontal import read_shape
@@ -20,7 +20,7 @@ from artigen.reader.reading import Reading, ReadPart
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.furniture.carcass import fits_engines
 from artigen.shapes.furniture.layouts import Layout
-from artigen.shapes.furniture.splits import Cell
+from artigen.shapes.furniture.splits import Cell, Split
 from artigen.shapes.shape import Shape
 
 DRAWN = [("StorageFurniture", seed) for seed in range(4)] + [("Dresser", seed) for seed in range(3)]
@@ -404,3 +404,15 @@ def test_differences_are_nothing_for_equal_readings_and_one_for_a_missing_front(
 def test_a_lid_has_its_hinge_at_the_top_as_seen_from_before():
     for kind in ("Toilet", "ChestFreezer"):
         assert {part.hinge for part in read_shape(draw_shape(kind, 0)).fronts} == {"top"}
+
+
+@pytest.mark.parametrize(("kind", "opened"), [("StorageFurniture", False), ("Table", True)])
+def test_what_is_free_beside_the_fronts_is_a_board_but_under_a_desk(kind: str, *, opened: bool):
+    fronts = tuple(
+        Seen(part=part, bounds=part.box, handles=0, hinge=None) for part in stack(0.0, 0.5, 1.0, left=0.5)
+    )
+    tree = cut_rectangles(np.stack([front.bounds for front in fronts]), [True, True]).tree
+    node = make_cells(tree, fronts, np.array([0.0, 0.0, 1.0, 1.0]), aside=kind == "Table")
+    assert isinstance(node, Split)
+    assert node.along == "columns"
+    assert node.children[0] == Cell(fill="open" if opened else "blank")
