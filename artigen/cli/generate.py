@@ -82,6 +82,9 @@ class GenerateSettings:
     with --structure sketch)."""
     gaussians: bool = True
     """Add 3D Gaussians to the package, one PLY per link."""
+    compare: bool = True
+    """With a photo, write NAME.html beside the package: the photo and the object from the same place, with a
+    slider between them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -204,6 +207,13 @@ def generate_object(job: GenerateJob) -> Made:
     laps.end("export")
     write_package(package, job.out / job.key, "replace")
     laps.end("write")
+    if job.cfg.compare and job.cfg.image is not None and asked.reading is not None:
+        from artigen.conditioning.image import open_picture
+        from artigen.reader.comparison import write_comparison
+
+        page = job.out / f"{job.key}.html"
+        write_comparison(page, open_picture(job.cfg.image), asked.reading, shape, notes)
+        laps.end("compare")
     return laps.made(package.records)
 
 

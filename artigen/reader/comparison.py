@@ -15,13 +15,13 @@ from jaxtyping import Float, UInt8
 from artigen.camera import Camera
 from artigen.reader.drawing import draw_reading
 from artigen.reader.layout.overlay import MET, Overlay, lay_over
-from artigen.reader.reading import Reading
+from artigen.reader.reading import Reading, ReadPart
 from artigen.shapes.shape import Shape
 
 if TYPE_CHECKING:
     from PIL import Image
 
-EDGE = 720
+EDGE = 560
 """Longest edge (pixels) of the pictures."""
 LARGEST = 3.0
 """Largest picture to render, relative to the photograph: one whose middle is the camera's axis."""
@@ -49,11 +49,7 @@ def write_comparison(
     overlay = lay_over(reading, shape)
     seen = draw_over(photo, scale_camera(overlay.camera, photo.size), shape)
     marked = draw_reading(photo, reading).resize(photo.size)
-    rows = "".join(
-        f"<tr><td>{part.label}</td><td>{part.hinge or ''}</td><td>{' '.join(f'{value:.2f}' for value in part.box)}"
-        f"</td><td>{part.score:.0%}</td><td class={'good' if met >= MET else 'bad'}>{met:.0%}</td></tr>"
-        for part, met in zip(reading.fronts, overlay.met, strict=True)
-    )
+    rows = "".join(map(_describe_front, reading.fronts, overlay.met))
     said = "".join(f"<li>{html.escape(note)}</li>" for note in notes)
     page = PAGE.format(
         title=html.escape(f"{shape.category}: photograph and object"),
@@ -68,6 +64,14 @@ def write_comparison(
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(page)
     return overlay
+
+
+def _describe_front(part: ReadPart, met: float) -> str:
+    """A row of the table."""
+    box = " ".join(f"{value:.2f}" for value in part.box)
+    cells = (part.label, part.hinge or "", box, f"{part.score:.0%}")
+    well = "good" if met >= MET else "bad"
+    return "<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + f"<td class={well}>{met:.0%}</td></tr>"
 
 
 def scale_camera(camera: Camera, size: tuple[int, int]) -> Camera:
@@ -132,7 +136,8 @@ def _embed(image: "Image.Image") -> str:
 
 
 PAGE = """<!doctype html>
-<html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{title}</title>
+<html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">
+<title>{title}</title>
 <style>
 body {{ font: 15px system-ui, sans-serif; margin: 2em auto; max-width: {width}px; color: #222 }}
 .view {{ position: relative; width: {width}px; max-width: 100%; aspect-ratio: {width} / {height} }}
@@ -143,15 +148,18 @@ table {{ border-collapse: collapse; margin-top: 1em }} td, th {{ padding: .2em .
 .good {{ color: #17722c }} .bad {{ color: #b3261e }}
 </style>
 <h1>{title}</h1>
-<div class="view"><img src="{photo}" alt="the photograph"><img id="marked" src="{marked}" alt="what was read" hidden>
+<div class="view"><img src="{photo}" alt="the photograph">
+<img id="marked" src="{marked}" alt="what was read" hidden>
 <img id="object" src="{object}" alt="the object from the same place"></div>
 <input type="range" min="0" max="100" value="50" aria-label="photograph to object"
  oninput="document.getElementById('object').style.clipPath='inset(0 0 0 ' + this.value + '%)'">
-<label><input type="checkbox" onchange="document.getElementById('marked').hidden = !this.checked"> what was read</label>
-<table><tr><th>front</th><th>hinges</th><th>left top right bottom</th><th>score</th><th>overlap of the object's</th></tr>
+<label><input type="checkbox" onchange="document.getElementById('marked').hidden = !this.checked">
+what was read</label>
+<table><tr><th>front</th><th>hinges</th><th>left top right bottom</th><th>score</th>
+<th>overlap with that of the object</th></tr>
 {rows}</table>
 <ul>{notes}</ul>
-<p>To correct it, say so: <code>--doors</code>, <code>--drawers</code>, <code>--width</code>, <code>--kind</code>,
-<code>--box</code>, or <code>--text "hinges on the left"</code>.</p>
+<p>To correct it, say so: <code>--doors</code>, <code>--drawers</code>, <code>--width</code>,
+<code>--kind</code>, <code>--box</code>, or <code>--text "hinges on the left"</code>.</p>
 </html>
 """

@@ -45,7 +45,7 @@ def read_shape(
     camera, above = (
         place_camera(low, high, (view[0], pitch, view[2])) for pitch in (view[1], max(view[1], ABOVE))
     )
-    corners = [project_points(camera, _list_vertices(part))[:, :2] for part in shape.parts]
+    corners = [project_points(camera, list_outline(part))[:, :2] for part in shape.parts]
     ends = np.stack([(points.min(axis=0), points.max(axis=0)) for points in corners])
     first, last = ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)
     boxes = ((ends - first) / (last - first)).reshape(-1, 4)
@@ -83,8 +83,18 @@ def place_camera(
     return look_at(middle + away, middle)
 
 
-def _list_vertices(part: ShapePart) -> Float[np.ndarray, "N 3"]:
+def list_outline(part: ShapePart) -> Float[np.ndarray, "N 3"]:
+    """Points around what is seen of a closed part: of a drawer the corners of its face, from the upper left
+    clockwise, since its box is hidden."""
+    if part.label == "drawer":
+        return find_face(part)
     return np.concatenate([place_vertices(solid) for solid in part.primitives])
+
+
+def find_face(part: ShapePart) -> Float[np.ndarray, "4 3"]:
+    """Corners of the face of a part that looks forward, from the upper left clockwise as seen."""
+    (x, y0, z0), (_, y1, z1) = part.bounds()
+    return np.array([(x, y1, z1), (x, y0, z1), (x, y0, z0), (x, y1, z0)])
 
 
 def _read_part(

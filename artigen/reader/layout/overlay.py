@@ -9,20 +9,21 @@ from scipy.optimize import least_squares, linear_sum_assignment
 
 from artigen.camera import Camera, project_points
 from artigen.kind import kinds
-from artigen.reader.layout.frontal import place_camera, read_shape
+from artigen.reader.layout.frontal import find_face, list_outline, place_camera, read_shape
 from artigen.reader.layout.nearest import overlap_boxes
 from artigen.reader.reading import Reading
-from artigen.shapes.primitives import place_vertices
-from artigen.shapes.shape import Shape
+from artigen.shapes.shape import Shape, ShapePart
 
 MET = 0.4
 """Overlap (intersection over union) from which a front of the photograph is met by one of the object."""
 BOX, BOX_ALONE = 0.3, 1.0
 """Weight of the object's box against that of a front, for kinds that divide their front and for others, whose
 size was not taken from their fronts."""
-TRUST = np.array([0.1, 0.1, 0.1])
-"""Weight of the yaw and the pitch (radians) that were read, and of the logarithm of the nearness, against edges
-that are off by the object's size."""
+CORNER = 0.5
+"""Weight of the corners of a front against its box."""
+TRUST = np.array([0.3, 0.3, 0.2])
+"""Weight of the yaw and the pitch (radians) that were read, and of the logarithm of the nearness, against
+edges that are off by the object's size."""
 STEEPEST, NEAREST = 1.2, 0.8
 """Largest pitch (radians), and largest half of the object's diagonal over its distance."""
 
@@ -45,8 +46,8 @@ class Overlay:
 
 
 def lay_over(reading: Reading, shape: Shape) -> Overlay:
-    """Fits a camera to the fronts of a reading: that of `Reading.view`, turned, moved and scaled until the boxes of
-    the fronts of an object lie best on those that were read.
+    """Fits a camera to the fronts of a reading: that of `Reading.view`, turned, moved and scaled until the
+    fronts of an object lie best on those that were read.
 
     Args:
         reading: What was read.
@@ -55,22 +56,24 @@ def lay_over(reading: Reading, shape: Shape) -> Overlay:
     low, high = shape.bounds()
     extent = np.array(reading.extent, dtype=np.float64)
     fronts = [part for part in shape.parts if part.label in ("door", "drawer")]
-    clouds = [np.concatenate([place_vertices(solid) for solid in part.primitives]) for part in fronts]
-    labels = [part.label for part in fronts]
-    whole = _corner(np.stack([low, high]))
+    clouds = [list_outline(part) for part in fronts]
+    whole = np.stack(np.meshgrid(*np.stack([low, high]).T, indexing="ij"), axis=-1).reshape(8, 3)
     seen = [(part.label, np.asarray(part.box)) for part in reading.fronts]
-    built = read_shape(shape, view=reading.view)
-    frame = np.tile(reading.box[:2], 2)
-    scale = np.tile(np.maximum(reading.box[2:] - reading.box[:2], 1e-3), 2)
-    guess = [(part.label, np.asarray(part.box) * scale + frame) for part in built.fronts]
-    pairs = match_fronts(seen, guess)
-    targets = [np.asarray(reading.box)] + [seen[i][1] for i, _ in pairs]
-    points = [whole] + [
-        _corner(np.stack([cloud.min(axis=0), cloud.max(axis=0)])) for cloud in (clouds[j] for _, j in pairs)
-    ]
-    weights = np.array(
-        [BOX if kinds()[shape.category].trade == "furniture" else BOX_ALONE] + [1.0] * len(pairs)
+    frame, scale = (
+        np.tile(reading.box[:2], 2),
+        np.tile(np.maximum(reading.box[2:] - reading.box[:2], 1e-3), 2),
     )
+    built = read_shape(shape, view=reading.view)
+    pairs = match_fronts(seen, [(part.label, part.box * scale + frame) for part in built.fronts])
+    targets = [np.asarray(reading.box)] + [seen[i][1] for i, _ in pairs]
+    points = [whole] + [clouds[j] for _, j in pairs]
+    alone = kinds()[shape.category].trade != "furniture"
+    weights = np.array([BOX_ALONE if alone else BOX] + [1.0] * len(pairs))
+    faces = [
+        (find_face(fronts[j]), np.asarray(corners))
+        for i, j in pairs
+        if (corners := reading.fronts[i].corners) is not None and _is_upright(fronts[j])
+    ]
     size = float((scale[:2] * extent).max())
     view = np.array([reading.view[0], reading.view[1], np.log(max(reading.view[2], 0.02))])
 
@@ -99,6 +102,10 @@ def lay_over(reading: Reading, shape: Shape) -> Overlay:
             weight * (_bound(camera, cloud) - target * np.tile(extent, 2)) / size
             for cloud, target, weight in zip(points, targets, weights, strict=True)
         ]
+        errors += [
+            CORNER * (project_points(camera, face)[:, :2] - corners * extent).ravel() / size
+            for face, corners in faces
+        ]
         return np.concatenate([*errors, TRUST * (values[:3] - view)])
 
     start = np.concatenate([view, [0.0, 0.0, 0.0]])
@@ -110,7 +117,7 @@ def lay_over(reading: Reading, shape: Shape) -> Overlay:
         start[4:6] += ((aim[:2] + aim[2:]) - (box[:2] + box[2:])) / 2 / size
     camera = place(least_squares(miss, start, max_nfev=60).x)
     boxes = [_bound(camera, cloud) / np.tile(extent, 2) for cloud in clouds]
-    parts = tuple(zip(labels, boxes, strict=True))
+    parts = tuple((part.label, box) for part, box in zip(fronts, boxes, strict=True))
     met = [0.0] * len(seen)
     for i, j in match_fronts(seen, parts):
         met[i] = float(overlap_boxes(seen[i][1][None], boxes[j][None])[0, 0])
@@ -132,9 +139,9 @@ def match_fronts(
     return pairs
 
 
-def _corner(ends: Float[np.ndarray, "2 3"]) -> Float[np.ndarray, "8 3"]:
-    """The corners of a box."""
-    return np.stack(np.meshgrid(*ends.T, indexing="ij"), axis=-1).reshape(8, 3)
+def _is_upright(part: ShapePart) -> bool:
+    """Whether a front stands, as lids do not."""
+    return int(np.argmin(np.ptp(part.bounds(), axis=0))) != 2
 
 
 def _bound(camera: Camera, points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "4"]:
