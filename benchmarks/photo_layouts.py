@@ -1,10 +1,11 @@
-"""Boxes marked by eye in photographs of furniture to objects: is every front in its place, and how fast?
+"""Boxes marked by eye in photographs to objects: is every front in its place, and how fast?
 
     python benchmarks/photo_layouts.py FOLDER --sheet sheet.png --out packages
 
 The folder holds photographs, ``index.csv`` with a column ``kind``, and ``fronts.json``: by file width and
 height (pixels), and fronts with label, box (shares of width and height, y down), hinge and open; optionally
-``object``, the box of the object. Nothing but boxes, labels and hinges is given to the grammar. A front is in
+``object``, the box of the object; without it, kinds that divide their front end with their fronts, and others
+fill the photograph. Nothing but boxes, labels and hinges is given to the grammar. A front is in
 its place if the object's fronts, projected on its front plane, have the same order in rows and columns, the
 same labels and the same hinges."""
 
@@ -19,15 +20,21 @@ import numpy as np
 import tyro
 from jaxtyping import Float
 
-from artigen.reader.layout.build import build_from_reading, can_be_laid_out
+from artigen.kind import kinds
+from artigen.reader.layout.build import build_from_reading
 from artigen.reader.layout.cutting import Tree, cut_rectangles, list_leaves
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.layout.fronts import view_fronts
 from artigen.reader.reading import Reading, ReadPart
 from artigen.shapes.shape import Shape
 
-HEIGHTS = {"Wardrobe": 2.0, "Table": 0.74, "Dresser": 0.9, "FilingCabinet": 0.7, "StorageFurniture": 0.9}
-"""Usual heights (m), since the marks have none."""
+
+def find_height(kind: str, aspect: float) -> float:
+    """Usual height (m) of an object, since the marks have none, by its height over its width."""
+    rule = next(rule for rule in kinds()[kind].size if aspect <= rule.up_to)
+    return rule.metres * (
+        aspect if rule.extent == "width" or (rule.extent == "longest" and aspect < 1) else 1
+    )
 
 
 def make_reading(marks: dict[str, Any], kind: str, handles: int) -> Reading:
@@ -42,11 +49,11 @@ def make_reading(marks: dict[str, Any], kind: str, handles: int) -> Reading:
         )
         for front in marks["fronts"]
     ]
-    boxes = np.stack([part.box for part in parts if not part.open])
+    boxes = np.stack([part.box for part in parts if not part.open] or [part.box for part in parts])
     hull = np.concatenate([boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)])
-    box = np.array(marks.get("object", hull))
+    box = np.array(marks.get("object", hull if kinds()[kind].laid_out else (0.0, 0.0, 1.0, 1.0)))
     wide, high = (box[2:] - box[:2]) * (marks["width"], marks["height"])
-    height = HEIGHTS[kind]
+    height = find_height(kind, float(high / wide))
     pulls = [
         ReadPart(label="handle", score=1.0, box=np.tile((part.box[:2] + part.box[2:]) / 2, 2), form="bar")
         for part in parts
@@ -129,7 +136,7 @@ def main(
     out: Path | None = None,
     packages: int = 6,
 ) -> None:
-    """Builds an object from the marks of every photograph of furniture, and compares.
+    """Builds an object from the marks of every photograph, and compares.
 
     Args:
         folder: Photographs, index.csv and fronts.json.
@@ -147,8 +154,6 @@ def main(
     print("| photograph | kind | fronts | in place | least IoU | ms | notes |\n|---|---|---|---|---|---|---|")
     for name, own in marks.items():
         kind = index[name]["kind"]
-        if not can_be_laid_out(kind):
-            continue
         reading = make_reading(own, kind, int(index[name]["handles"] or 0))
         start = time.process_time()
         shape, notes = build_from_reading(reading, seed)

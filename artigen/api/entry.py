@@ -53,6 +53,7 @@ class GenerateOptions(Look, total=False):
     """Options of `generate`."""
 
     image: Path | str | None
+    box: tuple[float, float, float, float] | None
     kind: str | None
     temperature: float
     redraws: int
@@ -150,6 +151,7 @@ def generate(
     words: str | None = None,
     *,
     image: Path | str | None = None,
+    box: tuple[float, float, float, float] | None = None,
     kind: str | None = None,
     counts: Counts | None = None,
     seed: int | Sequence[int] = 0,
@@ -173,6 +175,8 @@ def generate(
     Args:
         words: A description in English, such as ``a white fridge with black handles``.
         image: Photograph of one object, taken from near its front.
+        box: Left, top, right and bottom of the object in the photograph, as shares of width and height;
+            default: the largest object.
         kind: Name of a kind; default: as words or picture say.
         counts: Number of parts by label; the others are free.
         seed: Seed of the object, or a sequence of seeds for as many.
@@ -192,9 +196,9 @@ def generate(
         ArtigenError: If no object can be as asked, the picture cannot be read, or no draw can be exported.
     """
     cfg = GenerateSettings(
-        text=words, image=None if image is None else Path(image), width=width, depth=depth, height=height,
-        style=style, counts=_write_counts(counts), temperature=temperature, redraws=redraws,
-        textures=textures, gaussians=gaussians,
+        text=words, image=None if image is None else Path(image), box=box, width=width, depth=depth,
+        height=height, style=style, counts=_write_counts(counts), temperature=temperature, redraws=redraws,
+        textures=textures, gaussians=gaussians, compare=False,
     )  # fmt: skip
     jobs = list_jobs(HERE, list_seeds(seed, count), cfg, category=kind, model=Path(model))
     understand_job(jobs[0])

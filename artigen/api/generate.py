@@ -16,17 +16,16 @@ from artigen.api.sample import read_wish
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import Runner
 from artigen.runtime.workers import Worker
-from artigen.weights import READER, SHIPPED
+from artigen.weights import SHIPPED
 
 if TYPE_CHECKING:
     from artigen.appearance.draw import AppearanceModel
     from artigen.appearance.paint import PaintedSurface
-    from artigen.reader.reading import Reading
     from artigen.shapes.shape import Shape
+    from artigen.sketch.asked import Asked
     from artigen.sketch.model import Drawn
-    from artigen.sketch.request import SketchRequest
     from artigen.sketch.understand import Request, Understood
-    from artigen.types import Asset
+    from artigen.types import Asset, PartLabel
     from sim_export.package import SimPackage
 
 TIMEOUT = 300.0
@@ -40,8 +39,18 @@ class GenerateSettings:
     text: str | None = None
     """A description in English, such as "a tall cabinet with three drawers and two doors"."""
     image: Path | None = None
-    """Photo of one object, taken from near its front. Its kind, doors and drawers are read as by ``artigen
-    read``; a cut-out with transparency is read by the sketch network alone."""
+    """Photo of one object, taken from near its front. It is read as by ``artigen read`` and built with its
+    fronts where they are; words and numbers overrule what was read. A cut-out with transparency is read by
+    the sketch network alone."""
+    box: tuple[float, float, float, float] | None = None
+    """Left, top, right and bottom of the object in the photo, as shares of width and height; default: the
+    largest object."""
+    kind: str | None = None
+    """Kind of the object, as the category."""
+    doors: int | None = None
+    """Number of doors, as ``--counts door=2``."""
+    drawers: int | None = None
+    """Number of drawers, as ``--counts drawer=3``."""
     width: float | None = None
     """Width in metres, seen from the front."""
     depth: float | None = None
@@ -71,6 +80,9 @@ class GenerateSettings:
     with --structure sketch)."""
     gaussians: bool = True
     """Add 3D Gaussians to the package, one PLY per link."""
+    compare: bool = True
+    """With a photo, write NAME.html beside the package: the photo and the object from the same place, with a
+    slider between them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,88 +123,46 @@ def read_job(job: GenerateJob) -> "Request":
     from artigen.sketch.understand import Request
 
     cfg = job.cfg
-    return Request(category=job.category, text=cfg.text, image=cfg.image, wish=read_wish(cfg))
+    counts: list[tuple[PartLabel, int | None]] = [("door", cfg.doors), ("drawer", cfg.drawers)]
+    wish = read_wish(cfg)
+    for label, count in counts:
+        held = dict(wish.counts)
+        if count is not None:
+            if held.get(label, count) != count:
+                raise ArtigenError(
+                    f"{count} parts called {label}, and --counts says {held[label]}; give one number"
+                )
+            wish = replace(wish, counts=tuple(sorted((held | {label: count}).items())))
+    if None not in (job.category, cfg.kind) and job.category != cfg.kind:
+        raise ArtigenError(f"category {job.category} and --kind {cfg.kind}: name one")
+    return Request(category=job.category or cfg.kind, text=cfg.text, image=cfg.image, box=cfg.box, wish=wish)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Asked:
-    """A request completed from its words, and its picture."""
+def _ask(job: GenerateJob) -> "Asked":
+    """Everything that a job asks for."""
+    from artigen.sketch.asked import ask
+    from artigen.sketch.request import list_learned
 
-    request: "SketchRequest"
-    picture: np.ndarray | None
-    notes: tuple[str, ...]
-    reading: "Reading | None" = None
-    """What was read of a photograph whose fronts can be laid out, where no words or numbers say otherwise."""
-
-
-def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
-    """Reads the picture of a request and resolves adjectives such as "tall" to extents."""
-    from artigen.conditioning.image import is_cut_out, open_picture
-    from artigen.reader.layout.build import can_be_laid_out
-    from artigen.reader.model import load_reader
-    from artigen.reader.read import read_image
-    from artigen.sketch.model import draw_header, encode_picture, read_object_picture
-    from artigen.sketch.reading_request import follow_reading
-    from artigen.sketch.request import SketchRequest
-
-    request = understood.request
-    network = load_sketch(job.model)
-    picture, notes, laid = None, understood.notes, None
-    if job.cfg.image is not None:
-        shown = read_object_picture(network, job.cfg.image)
-        picture, notes = shown.rgba, (*notes, *shown.notes)
-        image = open_picture(job.cfg.image)
-        if not is_cut_out(image):  # cut-outs are what the sketch network itself has learned to read
-            reading = read_image(image, load_reader(READER), str(job.cfg.image))
-            free = SketchRequest(category=request.category, width=request.width)
-            if request == free and reading.fronts and can_be_laid_out(request.category or reading.kind):
-                laid = reading
-            request, said = follow_reading(request, reading, network.part_counts)
-            notes = (*notes, *said)
-    if understood.stretch:
-        encoded = None if picture is None else encode_picture(network, picture)
-        usual = draw_header(network, request, job.seed, encoded=encoded)
-        stretched = {axis: factor * getattr(usual, axis) for axis, factor in understood.stretch}
-        request = replace(request, **stretched)
-    return _Asked(request=request, picture=picture, notes=notes, reading=laid)
+    return ask(read_job(job), lambda: load_sketch(job.model), job.seed, list_learned(job.model))
 
 
 def check_job(job: GenerateJob) -> None:
-    """Checks a job: loads its model and picture, and completes its request.
+    """Checks a job: reads its words and its picture, and loads its model where that draws.
 
     Raises:
         ArtigenError: If the model or the picture cannot be read, or the request cannot be met.
     """
-    from artigen.sketch.request import encode_request
+    if _ask(job).reading is None:
+        load_sketch(job.model)
 
-    encode_request(_ask(job, _understand(job)).request)
 
+def draw_generated(job: GenerateJob) -> "tuple[Drawn, Asked]":
+    """Draws the object of a job, and what it was asked for."""
+    from artigen.sketch.asked import draw_asked
 
-def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
-    """Draws the object of a job, coloured as in its picture if it has one.
-
-    Furniture of a photograph is built with its fronts where they were read; other objects are drawn by the
-    sketch network.
-    """
-    from artigen.reader.layout.build import build_from_reading
-    from artigen.sketch.draw import DrawConfig
-    from artigen.sketch.model import Drawn, SketchConfig, draw_object, draw_pictured
-
-    asked = _ask(job, _understand(job))
+    asked = _ask(job)
     noise = int(np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(1)[0])
-    if asked.reading is not None:
-        kind, width = asked.request.category, asked.request.width
-        try:
-            shape, notes = build_from_reading(asked.reading, noise, width, kind=kind)
-            return Drawn(shape=shape, faults=(), notes=notes), asked
-        except ArtigenError as error:
-            said = f"fronts could not be built where they were read ({error}); the sketch network draws them"
-            asked = replace(asked, notes=(*asked.notes, said))
-    cfg = SketchConfig(draw=DrawConfig(temperature=job.cfg.temperature))
-    network = load_sketch(job.model)
-    if asked.picture is None:
-        return draw_object(network, asked.request, noise, cfg), asked
-    return draw_pictured(network, asked.request, noise, asked.picture, cfg), asked
+    return draw_asked(asked, noise, lambda: load_sketch(job.model), job.cfg.temperature), asked
 
 
 def generate_object(job: GenerateJob) -> Made:
@@ -235,6 +205,13 @@ def generate_object(job: GenerateJob) -> Made:
     laps.end("export")
     write_package(package, job.out / job.key, "replace")
     laps.end("write")
+    if job.cfg.compare and job.cfg.image is not None and asked.reading is not None:
+        from artigen.conditioning.image import open_picture
+        from artigen.reader.comparison import write_comparison
+
+        page = job.out / f"{job.key}.html"
+        write_comparison(page, open_picture(job.cfg.image), asked.reading, shape, notes)
+        laps.end("compare")
     return laps.made(package.records)
 
 

@@ -23,8 +23,10 @@ from artigen.shapes.choices import choose
 from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths, pick_nearest
 from artigen.shapes.fittings.handles import HandleDesign
 from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Space, hinge, slide, sweep_gap
+from artigen.shapes.furniture.cabinet import list_cells
+from artigen.shapes.furniture.laid_rows import LaidRow, list_rows
 from artigen.shapes.primitives import Primitive, block
-from artigen.shapes.ranges import Range, around, divide_range, narrow
+from artigen.shapes.ranges import Range, around, divide_range, narrow, share_down
 from artigen.shapes.shape import Need, ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -68,6 +70,10 @@ class _Cell:
     """Ranges of the front, including gaps."""
     space: Space
     """Free space behind the front."""
+    edge: Edge | None = None
+    """Hinged edge of its door; None for that of the whole."""
+    leaves: int | None = None
+    """Number of its glass doors; None for the usual."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +98,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     style = wish.style or str(rng.choice(STYLES, p=(0.42, 0.33, 0.13, 0.12)))
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish)
-    cells = _draw_cells(rng, plan)
+    cells = _draw_cells(rng, plan) if wish.layout is None else _lay_cells(plan, list_rows(wish.layout.node))
     built = Assembly(tuple(_build_housing(plan, cells)))
     bare = rng.random() < 0.45  # nothing that moves behind solid doors
     moulded = bare or rng.random() < 0.12  # shelves that are part of the cabinet
@@ -102,7 +108,11 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
-    kind = pick_nearest(rng, wish, FORMS, SIZES)
+    kind = (
+        pick_nearest(rng, wish, FORMS, SIZES)
+        if wish.layout is None
+        else _name_form(list_rows(wish.layout.node))
+    )
     width, depth, height = choose_lengths(rng, wish, SIZES[kind])
     thickness = choose(rng, *((0.045, 0.055) if kind in ("mini", "display") else (0.052, 0.072)))
     foot = choose(rng, 0.015, 0.028)
@@ -111,7 +121,8 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     longest = max(width, depth, height)
     kinds = ("bar", "bar", "pull", "edge", "arch") if kind != "display" else ("bar", "pull", "edge")
     length = choose(rng, 0.24, 0.62) * min(1.0, height)
-    grip = draw_grip(rng, wish.choose_handles(kinds), length=length, longest=longest)
+    offered = replace(wish, layout=None).choose_handles(kinds)
+    grip = draw_grip(rng, offered, length=length, longest=longest)
     return _Plan(
         kind=kind,
         outer=Space(x=(x + thickness + GAP, depth / 2), y=around(0.0, width / 2), z=(foot, height)),
@@ -122,8 +133,45 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
         longest=longest,
         edge="left" if rng.random() < 0.35 else "right",
         bevel=choose(rng, 0.002, 0.012) if rng.random() < 0.6 else 0.0,
-        grip=grip if rng.random() < 0.76 else None,
+        grip=grip if _has_grips(rng, wish) else None,
     )
+
+
+def _has_grips(rng: np.random.Generator, wish: Wish) -> bool:
+    usual = rng.random() < 0.76
+    return usual if wish.layout is None else any(cell.handles for cell in list_cells(wish.layout.node))
+
+
+def _name_form(rows: list[LaidRow]) -> Form:
+    """The form of a refrigerator with these rows of fronts."""
+    if all(cell.pane for row in rows for cell in row.cells):
+        return "display"
+    if len(rows) == 1:
+        return "side_by_side" if rows[0].paired else "single"
+    if rows[0].paired:
+        return "french"
+    if any(row.drawers for row in rows):
+        return "drawer"
+    return "top_freezer" if rows[0].height < rows[-1].height else "bottom_freezer"
+
+
+def _lay_cells(plan: _Plan, rows: list[LaidRow]) -> list[_Cell]:
+    """Compartments behind rows of fronts; of doors one above the other, all but the highest freeze."""
+    y, z = plan.outer.y, (plan.floor, plan.outer.z[1])
+    if plan.kind == "side_by_side":
+        shares = rows[0].shares if len(rows[0].shares) == 2 else (1.0, 1.0)
+        split = y[1] - shares[0] / sum(shares) * (y[1] - y[0])
+        left = _make_cell(plan, (split, y[1]), z, frozen=True, front="door")
+        return [left, _make_cell(plan, (y[0], split), z, frozen=False, front="door")]
+    cells: list[_Cell] = []
+    tallest = max(row.height for row in rows)
+    for row, span in zip(rows, share_down(z, [row.height for row in rows]), strict=True):
+        front: FrontKind = "drawer" if row.drawers else "pair" if row.paired else "door"
+        front = "glass" if plan.kind == "display" else front
+        made = _make_cell(plan, y, span, frozen=row.drawers or row.height < tallest, front=front)
+        edge: Edge = "right" if row.cells[0].edge == "right" else "left"
+        cells.append(replace(made, edge=edge, leaves=max(len(row.cells), 1 + row.paired)))
+    return cells
 
 
 def _draw_cells(rng: np.random.Generator, plan: _Plan) -> list[_Cell]:
@@ -271,7 +319,7 @@ def _place_doors(plan: _Plan, cell: _Cell, z: Range) -> list[tuple[Panel, Edge]]
         cell.y[0] + (half if cell.y[0] != plan.outer.y[0] else 0.0),
         cell.y[1] - (half if cell.y[1] != plan.outer.y[1] else 0.0),
     )
-    edge = plan.edge
+    edge = cell.edge or plan.edge
     if plan.kind == "side_by_side":
         edge = "left" if cell.frozen else "right"
     return [(replace(panel, y=y), edge)]
@@ -300,7 +348,8 @@ def _make_drawer(plan: _Plan, cell: _Cell, panel: Panel, stem: str) -> list[Shap
 
 def _draw_glass_doors(rng: np.random.Generator, plan: _Plan, cell: _Cell, z: Range) -> list[ShapePart]:
     """Draws one to three glass doors side by side, hinged on the same edge."""
-    count = int(np.clip(round((cell.y[1] - cell.y[0]) / rng.uniform(0.42, 0.65)), 1, 3))
+    usual = int(np.clip(round((cell.y[1] - cell.y[0]) / rng.uniform(0.42, 0.65)), 1, 3))
+    count, edge = cell.leaves or usual, cell.edge or plan.edge
     gap = sweep_gap((cell.y[1] - cell.y[0]) / count, plan.thickness)
     rail = choose(rng, 0.035, 0.06)
     # A door that opens beyond 90 degrees would hit the handle of its neighbour.
@@ -311,8 +360,8 @@ def _draw_glass_doors(rng: np.random.Generator, plan: _Plan, cell: _Cell, z: Ran
         window = (narrow(y, rail), (z[0] + 1.3 * rail, z[1] - rail))
         leaf = build_window_leaf(panel, window, "front", "rubber", glass="clear")
         name = f"door_{k}"
-        parts.append(ShapePart(name, "door", leaf, hinge(panel, plan.edge, upper)))
-        parts += _mount(plan, panel, plan.edge, name)
+        parts.append(ShapePart(name, "door", leaf, hinge(panel, edge, upper)))
+        parts += _mount(plan, panel, edge, name)
     return parts
 
 
@@ -346,7 +395,7 @@ KIND = Kind(
     open_front=0.03,
     lid_stays=False,
     colored=(),
-    laid_out=False,
+    laid_out=True,
     channel=Channel(number=2, boards=("top", "side", "back"), round_door=False),
     word=2,
     draw=draw,

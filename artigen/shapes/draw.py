@@ -212,17 +212,8 @@ def _make_shape(category: str, seed: int, draft: Draft) -> Shape:
 
 def _draw_draft(category: str, seed: int, wish: Wish) -> tuple[Draft, int]:
     """The first draft that has the counts wished for, and how many came before it."""
-    check_wish(wish)
+    check_known(category, wish)
     known = kinds()
-    if category not in known:
-        raise ShapeError(f"category {category!r} is not known, expected one of {', '.join(known)}")
-    if wish.layout is not None and not known[category].laid_out:
-        able = ", ".join(name for name, kind in known.items() if kind.laid_out)
-        raise ShapeError(f"{category}: its fronts cannot be laid out; categories that can: {able}")
-    if wish.style is not None and wish.style not in (styles := known[category].styles):
-        raise ShapeError(
-            f"{category}: style {wish.style!r} is not known, expected one of {', '.join(styles)}"
-        )
     seen: Counter[str] = Counter()
     most: Counter[str] = Counter()
     free = None in (wish.width, wish.depth, wish.height)
@@ -246,6 +237,26 @@ def _draw_draft(category: str, seed: int, wish: Wish) -> tuple[Draft, int]:
     wanted = ", ".join(f"{count} {label}" for label, count in wish.counts)
     near = "; ".join(text for text, _ in seen.most_common(5))
     raise ShapeError(f"{category}: no draw of {seen.total()} has {wanted}; most frequent were {near}")
+
+
+def check_known(category: str, wish: Wish) -> None:
+    """Refuses what no object of a category can be.
+
+    Raises:
+        ShapeError: If the category or its style is unknown, or its fronts cannot be laid out as wished for;
+            and as `check_wish`.
+    """
+    check_wish(wish)
+    known = kinds()
+    if category not in known:
+        raise ShapeError(f"category {category!r} is not known, expected one of {', '.join(known)}")
+    if wish.layout is not None and not known[category].laid_out:
+        able = ", ".join(name for name, kind in known.items() if kind.laid_out)
+        raise ShapeError(f"{category}: its fronts cannot be laid out; categories that can: {able}")
+    if wish.style is not None and wish.style not in (styles := known[category].styles):
+        raise ShapeError(
+            f"{category}: style {wish.style!r} is not known, expected one of {', '.join(styles)}"
+        )
 
 
 def check_wish(wish: Wish) -> None:

@@ -8,7 +8,7 @@ from typing import TypeVar
 from artigen.conditioning.colors import find_color_only, find_stuff
 from artigen.conditioning.read import check_size, read_sentence
 from artigen.conditioning.sentence import OBJECT, Sentence
-from artigen.conditioning.vocabulary import AXES, METALLIC, PARTS, STYLES
+from artigen.conditioning.vocabulary import AXES, METALLIC, PARTS, STYLES, Feature
 from artigen.errors import ArtigenError
 from artigen.kind import find_kind
 from artigen.shapes.draw import Wish, check_wish
@@ -30,6 +30,8 @@ class Request:
     category: str | None = None
     text: str | None = None
     image: Path | None = None
+    box: tuple[float, float, float, float] | None = None
+    """Left, top, right and bottom of the object in a photograph, as shares of width and height."""
     wish: Wish = field(default_factory=Wish)
 
 
@@ -42,8 +44,12 @@ class Understood:
     """Factors relative to usual sizes for extents that are not given: a tall cabinet."""
     said: str = ""
     """What is understood of the words, in one line."""
+    features: tuple[Feature, ...] = ()
+    """Other properties: part, property, value, such as door, hinged, left. A reading takes them."""
     notes: tuple[str, ...] = ()
-    """What is not understood, and what the model cannot be asked for."""
+    """What is not understood."""
+    unmet: tuple[str, ...] = ()
+    """What the sketch network cannot be asked for."""
 
 
 def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Understood:
@@ -92,7 +98,9 @@ def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Underst
         request=sketch_request,
         stretch=open_axes,
         said="" if request.text is None else said.describe(),
-        notes=(*_name_ignored(said), *_name_unmet(said)),
+        features=said.features,
+        notes=_name_ignored(said),
+        unmet=_name_unmet(said),
     )
 
 

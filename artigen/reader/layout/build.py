@@ -6,14 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from artigen.errors import ArtigenError
 from artigen.kind import kinds, name_kind
 from artigen.reader.layout.cells import make_cells
 from artigen.reader.layout.colours import find_finishes
 from artigen.reader.layout.contents import furnish_node, simplify
-from artigen.reader.layout.fronts import View, settle_hinges, view_fronts
+from artigen.reader.layout.frontal import read_shape
+from artigen.reader.layout.fronts import Lengths, View, settle_hinges, view_fronts
+from artigen.reader.layout.nearest import draw_nearest
 from artigen.reader.reading import Reading
-from artigen.shapes.draw import LENGTHS, CrowdedError, Wish, draw_shape
+from artigen.shapes.draw import LENGTHS, CrowdedError, Wish, check_known, draw_shape
 from artigen.shapes.fittings.feet import StandKind
 from artigen.shapes.fittings.handles import HandleKind
 from artigen.shapes.furniture.cabinet import list_cells
@@ -28,7 +29,7 @@ FLOOR = 0.03
 """Height (m) below the lowest front from which a flat stand is a plinth."""
 PLINTH = 0.12
 """Greatest height (m) of a plinth."""
-LEGS = (0.05, 0.5)
+LEGS = (0.05, 0.35)
 """Least height (m) of legs, and the greatest as a share of the object's."""
 WORKTOP = (0.015, 0.05)
 """Least and greatest thickness (m) of a worktop: thinner ones are the top of the case."""
@@ -49,65 +50,95 @@ class Foot:
     """Height (m); None for the usual one."""
 
 
-def can_be_laid_out(kind: str) -> bool:
-    """Whether objects of a kind can be built from the fronts of a reading."""
-    return kind in kinds() and kinds()[kind].laid_out
-
-
 def build_from_reading(
-    reading: Reading, seed: int, width: float | None = None, *, kind: str | None = None
+    reading: Reading, seed: int, wish: Wish | None = None
 ) -> tuple[Shape, tuple[str, ...]]:
-    """The object of a reading, at the first draw: its fronts in their places, with its colours.
+    """The object of a reading: its fronts in their places, with its colours.
 
-    What cannot be seen, such as shelves behind doors, runners and mouldings, comes from the seed.
+    Kinds that divide their front, such as furniture and refrigerators, are built at the first draw; of
+    others, the most alike of several draws is taken. What cannot be seen, such as shelves behind doors,
+    runners and mouldings, comes from the seed.
 
     Args:
-        reading: What was read; only its kind must be one that divides its front.
+        reading: What was read.
         seed: Seed of what was not read; the same arguments give the same object.
-        width: Width (m) of the object; default: as read. Its other lengths keep their proportions.
-        kind: Kind of the object, instead of the read one.
+        wish: Lengths (m), style and handles that overrule the reading; lengths that are not given keep their
+            proportions to one that is.
 
     Returns:
         The object, and in what it differs from the reading.
 
     Raises:
-        ArtigenError: If the kind does not divide its front, or the width is out of bounds.
-        CrowdedError: If even a much simpler layout exceeds the limits of engines.
+        ShapeError: If there is no such kind or style, or no object of the kind has the lengths.
     """
-    kind = kind or reading.kind
-    if not can_be_laid_out(kind):
-        able = ", ".join(name for name, known in kinds().items() if known.laid_out)
-        raise ArtigenError(
-            f"{kind}: its fronts cannot be laid out from a reading; kinds that can: {able}; draw it by its "
-            "counts and size instead"
-        )
-    if width is not None and not LENGTHS[0] <= width <= LENGTHS[1]:
-        raise ArtigenError(f"width {width:g} m: expected from {LENGTHS[0]:g} to {LENGTHS[1]:g} m")
-    rng = np.random.default_rng([seed, 64])
-    view = settle_hinges(view_fronts(reading, width), rng)
-    notes = list(view.notes)
+    wish, kind = wish or Wish(), reading.kind
+    check_known(kind, wish)
+    view = settle_hinges(
+        view_fronts(reading, (wish.width, wish.depth, wish.height)), np.random.default_rng([seed, 64])
+    )
+    notes = (*view.notes, *_say_unbuilt(reading, kind))
+    if kinds()[kind].laid_out and view.fronts:
+        try:
+            shape, more = _build_laid_out(reading, view, seed, wish)
+            return wear_read(shape, reading, seed), (*notes, *more)
+        except CrowdedError as error:
+            notes = (*notes, str(error))
+    size = _clip_size(kind, view)
+    shape, _ = draw_nearest(reading, kind, seed, _prefer(wish, reading), size)
+    return wear_read(shape, reading, seed), (*notes, *_say_difference(reading, shape))
+
+
+def _build_laid_out(reading: Reading, view: View, seed: int, wish: Wish) -> tuple[Shape, tuple[str, ...]]:
+    kind, notes = reading.kind, []
+    rng = np.random.default_rng([seed, 65])
     foot = find_foot(reading, view, kind)
-    node = _lay_out(view, foot)
+    node = _lay_out(view, foot, kind)
     node = furnish_node(rng, node, (view.size[0], view.size[2] - (foot.height or 0.0)), view.shelves, kind)
     if kind == name_kind("filing cabinet") and not _is_stack(node):
         kind = name_kind("cabinet")
         notes.append(f"a filing cabinet is one stack of up to {MOST_FILES} drawers: built as {kind}")
-    notes += _say_unbuilt(reading)
     layout = Layout(
         node=node,
         stands=foot.kinds,
         stand_height=foot.height,
         gap=view.gap,
         worktop=_find_worktop(view),
+        panel="flat" if wish.style is None else None,
     )
-    shape, merged = _draw(kind, seed, layout, view, _wish(reading, rng, view))
+    shape, merged = _draw(kind, seed, layout, view, _wish(reading, rng, view, wish))
+    return shape, (*notes, *merged)
+
+
+def wear_read(shape: Shape, reading: Reading, seed: int) -> Shape:
+    """The object in the finishes that were read."""
     worn = dict(shape.finishes)
     found = find_finishes(reading, seed)
-    legs = {"leg": found["body"]} if worn.get("leg") == worn.get("body") else {}
-    finishes = tuple(
-        sorted((worn | {role: own for role, own in (found | legs).items() if role in worn}).items())
+    read = {role: own for role, own in (found | {"leg": found["body"]}).items() if role in worn}
+    return replace(shape, finishes=tuple(sorted((worn | read).items())))
+
+
+def _clip_size(kind: str, view: View) -> Lengths:
+    """The size that was read, as far as the kind has such sizes."""
+    width, depth, height = (
+        float(np.clip(length, *span)) for length, span in zip(view.size, kinds()[kind].sizes, strict=True)
     )
-    return replace(shape, finishes=finishes), (*notes, *merged)
+    return width, depth, height
+
+
+def _prefer(wish: Wish, reading: Reading) -> Wish:
+    """The wish with the kinds of handles that were read, where it names none."""
+    return replace(wish, handles=wish.handles or FORMS[_find_form(reading)])
+
+
+def _say_difference(reading: Reading, shape: Shape) -> tuple[str, ...]:
+    """Doors and drawers that an object has too many or too few."""
+    held = read_shape(shape).counts
+    differs = [
+        f"{held[label]} instead of {count} {label}s"
+        for label, count in reading.counts.items()
+        if label in ("door", "drawer") and held[label] != count
+    ]
+    return (f"the nearest {shape.category} that can be drawn has {', '.join(differs)}",) if differs else ()
 
 
 def find_foot(reading: Reading, view: View, kind: str) -> Foot:
@@ -130,26 +161,37 @@ def _find_worktop(view: View) -> float:
     return min(above, WORKTOP[1]) if above >= WORKTOP[0] else 0.0
 
 
-def _lay_out(view: View, foot: Foot) -> Node:
+def _lay_out(view: View, foot: Foot, kind: str) -> Node:
     if view.tree is None:
         return Cell(fill="open")
     width, _, height = view.size
     lowest = max(float(front.bounds[3]) for front in view.fronts)
     bottom = lowest if foot.height is None else height - foot.height
     region: Float[np.ndarray, "4"] = np.array([0.0, 0.0, width, max(bottom, lowest)])
-    return make_cells(view.tree, view.fronts, region, framed=view.gap is not None and view.gap >= FRAMED)
+    return make_cells(
+        view.tree,
+        view.fronts,
+        region,
+        framed=view.gap is not None and view.gap >= FRAMED,
+        aside=kind == name_kind("table") or len(view.shelves) > 0,
+    )
 
 
-def _wish(reading: Reading, rng: np.random.Generator, view: View) -> Wish:
+def _find_form(reading: Reading) -> str:
+    """The commonest form of the handles, bars where none was read."""
     forms = Counter(part.form for part in reading.parts if part.label == "handle" and part.form is not None)
-    form = forms.most_common(1)[0][0] if forms else "bar"
-    kinds = FORMS[form]
+    return forms.most_common(1)[0][0] if forms else "bar"
+
+
+def _wish(reading: Reading, rng: np.random.Generator, view: View, wish: Wish) -> Wish:
+    preferred = FORMS[_find_form(reading)]
     width, depth, height = (float(np.clip(length, *LENGTHS)) for length in view.size)
     return Wish(
         width=width,
         depth=depth,
         height=height,
-        handles=(kinds[int(rng.integers(len(kinds)))],),
+        style=wish.style,
+        handles=wish.handles or (preferred[int(rng.integers(len(preferred)))],),
     )
 
 
@@ -188,11 +230,11 @@ def _is_stack(node: Node) -> bool:
     return single and len(cells) <= MOST_FILES and all(cell.fill == "drawer" for cell in cells)
 
 
-def _say_unbuilt(reading: Reading) -> list[str]:
+def _say_unbuilt(reading: Reading, kind: str) -> list[str]:
     """What was read and is not built."""
     notes = []
     glazed = sum(front.label == "drawer" and front.pane for front in reading.fronts)
-    dials = reading.counts["knob"]
+    dials = reading.counts["knob"] if kinds()[kind].trade == "furniture" else 0
     if glazed:
         notes.append(f"{glazed} glazed drawer{'s' * (glazed > 1)}: built without glass")
     if dials:

@@ -14,8 +14,9 @@ from artigen.shapes.furniture.splits import Axis, Cell, Fill, Node, Split
 OPEN = 0.12
 """Width or height (m) from which what no front covers is an open cell; below it is a frame, rail or
 worktop."""
-OPEN_SHARE = 0.1
-"""The same as a share of the object's front, so that a few per cent of error at a large one open nothing."""
+OPEN_SHARE = np.array([0.2, 0.1])
+"""The same as a share of the width and height of the object's front, so that errors of boxes at a large one
+open nothing; boxes of views from the side err more in width."""
 BOARD = 0.016
 """Difference (m) between the front of a cell and its opening between boards."""
 LEAST = 0.05
@@ -46,7 +47,12 @@ class Seen:
 
 
 def make_cells(
-    tree: Tree, fronts: Sequence[Seen], region: Float[np.ndarray, "4"], *, framed: bool = False
+    tree: Tree,
+    fronts: Sequence[Seen],
+    region: Float[np.ndarray, "4"],
+    *,
+    framed: bool = False,
+    aside: bool = True,
 ) -> Node:
     """The layout of a cabinet whose front is a region, with fronts where they were seen.
 
@@ -55,6 +61,8 @@ def make_cells(
         fronts: What the leaves of the tree are.
         region: Left, top, right and bottom (m), y down; it holds all fronts.
         framed: Whether a face frame shows between all fronts, stacked drawers included.
+        aside: Whether what no front covers at the left or right end is open, such as the room for knees under
+            a desk; else it is a board, since a front was missed there.
     """
     whole = region[2:] - region[:2]
     least = np.maximum(OPEN, OPEN_SHARE * whole)
@@ -65,7 +73,13 @@ def make_cells(
         ]
     )
     wide = (hull - region) * (1, 1, -1, -1) >= np.tile(least, 2)
-    node = _fill(tree, fronts, np.where(wide, region, hull), least)  # the carcass is what remains
+    beside = Cell(fill="open" if aside else "blank")
+    inner = np.where(wide & np.array([False, True] * 2), region, hull)
+    node = _fill(tree, fronts, inner, least)  # the carcass is what remains
+    ends: list[tuple[Node, float]] = [(node, inner[2] - inner[0])]
+    ends[:0] = [(beside, hull[0] - region[0])] if wide[0] else []
+    ends += [(beside, region[2] - hull[2])] if wide[2] else []
+    node = join_nodes("columns", ends)
     return _board_all(node) if framed else node
 
 

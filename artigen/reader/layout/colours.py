@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from artigen.kind import kinds
 from artigen.reader.reading import Reading
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import (
@@ -68,6 +69,8 @@ def find_finishes(reading: Reading, seed: int) -> dict[str, Finish]:
     solid = [front for front in reading.fronts if not front.pane]
     materials = [front.material for front in solid if front.material is not None]
     material = max(sorted(set(materials)), key=materials.count) if materials else None
+    if material == "wood" and kinds()[reading.kind].build not in (None, "board"):
+        material = "lacquer"  # sheet metal in the colour of wood
     found: dict[str, Finish] = {}
     colors = [front.color for front in solid if front.color is not None]
     body = _scale(reading.color)

@@ -8,8 +8,9 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
+from artigen.kind import kinds
 from artigen.reader.layout.cells import OPEN, WIDEST_LEAF, Seen
-from artigen.reader.layout.cutting import Cutting, Tree, cut_rectangles, list_leaves
+from artigen.reader.layout.cutting import Tree, cut_rectangles, list_leaves
 from artigen.reader.layout.plane import Plane, Sight, find_face, fit_face, frame_box, guess_sights
 from artigen.reader.reading import Reading, ReadPart
 
@@ -23,6 +24,10 @@ BESIDE = 0.01
 """Distance, as a share of the picture, of what may hide a front."""
 REACH = 0.1
 """Distance of a handle's middle from its front, as a share of the front, up to which it belongs to that."""
+FREE_COST = 1.0
+"""Cost of leaving all of a front free, against an overlap of the whole of a front, between ways to see it."""
+GUESSED = 0.3
+"""Cost of a way to see it other than the plainest."""
 ASIDE = 0.1
 """Distance of a handle from the middle of its front, as a share of it, from which hinges are on the other
 side."""
@@ -44,16 +49,21 @@ class View:
     notes: tuple[str, ...]
 
 
-def view_fronts(reading: Reading, width: float | None = None) -> View:
+Lengths = tuple[float | None, float | None, float | None]
+"""Width, depth and height (m) that are given; None for those that are read."""
+FREE: Lengths = (None, None, None)
+
+
+def view_fronts(reading: Reading, lengths: Lengths = FREE) -> View:
     """The fronts of a reading on the front of the object, and their tree of cuts.
 
     Args:
         reading: What was read; fronts that were read twice are taken once, open ones are closed.
-        width: Width (m) of the object, instead of the read one.
+        lengths: Of the object, instead of the read ones.
     """
     fronts, notes = _sort_out(reading.fronts)
     if not fronts:
-        size = _find_size(reading, find_face(reading), width)
+        size = _find_size(reading, find_face(reading), lengths)
         return View(
             size=size,
             fronts=(),
@@ -64,8 +74,7 @@ def view_fronts(reading: Reading, width: float | None = None) -> View:
         )
     shut = [front for front in fronts if not front.open]
     seen = shut or list(fronts)
-    sight, _ = min(_cut_sights(reading, seen), key=lambda both: both[1].cost)
-    bounds = sight.plane.bound(sight.quads)
+    sight, bounds = _choose_sight(reading, seen)
     hull = np.concatenate([bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)])
     face = fit_face(sight.plane, reading, hull)
     if len(seen) < len(fronts):
@@ -76,7 +85,10 @@ def view_fronts(reading: Reading, width: float | None = None) -> View:
             [np.minimum(face[:2], bounds[:, :2].min(axis=0)), np.maximum(face[2:], bounds[:, 2:].max(axis=0))]
         )
     size, more = _grow(
-        _find_size(reading, sight.plane.show(frame_box(face)), width), bounds, face, free=width is None
+        _find_size(reading, sight.plane.show(frame_box(face)), lengths),
+        bounds,
+        face,
+        free=lengths[0] is None and lengths[2] is None and _is_furniture(reading.kind),
     )
     scale = np.array([size[0], size[2]]) / (face[2:] - face[:2])
     bounds = (bounds - np.tile(face[:2], 2)) * np.tile(scale, 2)
@@ -122,12 +134,23 @@ def _find_gap(tree: Tree, bounds: Float[np.ndarray, "N 4"]) -> float | None:
     return float(np.median(found)) if found else None
 
 
-def _cut_sights(reading: Reading, fronts: Sequence[ReadPart]) -> list[tuple[Sight, Cutting]]:
+def _choose_sight(reading: Reading, fronts: Sequence[ReadPart]) -> tuple[Sight, Float[np.ndarray, "N 4"]]:
+    """The sight in which the fronts overlap least and leave least free, and the fronts on its plane."""
     drawers = [front.label == "drawer" for front in fronts]
-    return [
-        (sight, cut_rectangles(sight.plane.bound(sight.quads), drawers))
-        for sight in guess_sights(reading, fronts)
-    ]
+    found: list[tuple[float, Sight, Float[np.ndarray, "N 4"]]] = []
+    for guess, sight in enumerate(guess_sights(reading, fronts)):
+        bounds = sight.plane.bound(sight.quads)
+        cost = cut_rectangles(bounds, drawers).cost + FREE_COST * _measure_free(bounds)
+        cost += GUESSED * (guess > 0)
+        found.append((cost, sight, bounds))
+    return min(found, key=lambda one: one[0])[1:]
+
+
+def _measure_free(bounds: Float[np.ndarray, "N 4"]) -> float:
+    """Share of the hull of rectangles that they leave free."""
+    low, high = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
+    areas = np.clip(bounds[:, 2:] - bounds[:, :2], 0.0, None).prod(axis=1)
+    return max(0.0, 1.0 - float(areas.sum() / (high - low).prod()))
 
 
 def _sort_out(fronts: Sequence[ReadPart]) -> tuple[tuple[ReadPart, ...], tuple[str, ...]]:
@@ -158,9 +181,10 @@ def _hides(one: ReadPart, other: ReadPart) -> bool:
 
 
 def _find_size(
-    reading: Reading, face: Float[np.ndarray, "4 2"], width: float | None
+    reading: Reading, face: Float[np.ndarray, "4 2"], lengths: Lengths
 ) -> tuple[float, float, float]:
-    """Width, depth and height (m): as read, in the proportions of the object's front in the picture."""
+    """Width, depth and height (m): as given, and else as read, in the proportions of the object's front in
+    the picture."""
     wide, deep, high = reading.size
     yaw, pitch, _ = reading.view
     edges = np.linalg.norm((np.roll(face, -1, axis=0) - face) * reading.extent, axis=1)
@@ -168,8 +192,20 @@ def _find_size(
     along = (edges[1] + edges[3]) / max(float(np.cos(pitch)), 0.3)
     aspect = float(along / across)
     read = float(np.sqrt(wide * high / aspect))
-    chosen = read if width is None else width
-    return chosen, deep * chosen / read, chosen * aspect
+    usual = (read, deep, read * aspect)
+    if not _is_furniture(
+        reading.kind
+    ):  # of one form, whose proportions the reader knows better than its boxes
+        low, high = np.array(kinds()[reading.kind].sizes).T
+        usual = tuple(np.clip(reading.size, low, high).tolist())
+    scales = [own / length for own, length in zip(lengths[::2], usual[::2], strict=True) if own is not None]
+    scale = float(np.exp(np.mean(np.log(scales)))) if scales else 1.0
+    size = [scale * length if own is None else own for own, length in zip(lengths, usual, strict=True)]
+    return size[0], size[1], size[2]
+
+
+def _is_furniture(kind: str) -> bool:
+    return kind not in kinds() or kinds()[kind].trade == "furniture"
 
 
 LEAST_FRONT = np.array([0.12, 0.06])
@@ -189,7 +225,7 @@ def _grow(
     if needed <= 1.0:
         return size, ()
     if not free:
-        return size, (f"at this width the smallest front is {100 / needed:.0f} % of a usual one",)
+        return size, (f"at this size the smallest front is {100 / needed:.0f} % of a usual one",)
     width, depth, height = (length * min(needed, 2.0) for length in size)
     return (width, depth, height), (f"enlarged by {min(needed, 2.0):.2f} for the smallest front",)
 

@@ -72,15 +72,17 @@ def frame_box(box: Float[np.ndarray, "4"]) -> Float[np.ndarray, "4 2"]:
 
 
 def guess_sights(reading: Reading, fronts: Sequence[ReadPart]) -> Iterator[Sight]:
-    """Ways to see the fronts, the plainest first: one where corners are known, else several that fit the
-    boxes."""
+    """Ways to see the fronts: that of the corners where they are known, and several that fit the boxes."""
     extent = np.array(reading.extent, dtype=np.float64)
     if any(front.corners is not None for front in fronts):
         quads = np.stack(
             [frame_box(front.box) if front.corners is None else np.asarray(front.corners) for front in fronts]
         )
-        yield Sight(plane=fit_plane(quads * extent, extent), quads=quads)
-        return
+        pixels = quads * extent
+        whole = float(
+            ((reading.box[2:] - reading.box[:2]) * extent).max() / np.ptp(pixels, axis=(0, 1)).max()
+        )
+        yield Sight(plane=fit_plane(pixels, extent, whole), quads=quads)
     boxes = np.stack([front.box for front in fronts]) * np.tile(extent, 2)
     yield _see_boxes(boxes, (0.0, 0.0), extent)
     yield _see_boxes(boxes, _find_slopes(boxes), extent)
@@ -143,12 +145,19 @@ def _see_boxes(
     return Sight(plane=_map_to_plane(quads, rows, np.array([0.0, 1.0, 0.0]), extent), quads=quads / extent)
 
 
-def fit_plane(quads: Float[np.ndarray, "N 4 2"], extent: Float[np.ndarray, "2"]) -> Plane:
-    """The plane on which quadrangles (pixels) are as upright rectangles as can be."""
+def fit_plane(quads: Float[np.ndarray, "N 4 2"], extent: Float[np.ndarray, "2"], whole: float = 1.0) -> Plane:
+    """The plane on which quadrangles (pixels) are as upright rectangles as can be.
+
+    Args:
+        quads: From the upper left clockwise.
+        extent: Width and height of the picture (pixels).
+        whole: Extent of the object over that of all quadrangles: the smaller they are, the less they tell.
+    """
+    steady = STEADY * max(1.0, whole) ** 2
     middle, size = _measure(quads)
     placed = (quads - middle) / size
-    rows = _find_meeting(placed[:, [0, 3]], placed[:, [1, 2]])
-    columns = _find_meeting(placed[:, [0, 1]], placed[:, [3, 2]])
+    rows = _find_meeting(placed[:, [0, 3]], placed[:, [1, 2]], steady)
+    columns = _find_meeting(placed[:, [0, 1]], placed[:, [3, 2]], steady)
     return _map_to_plane(quads, rows, columns, extent)
 
 
@@ -159,12 +168,12 @@ def _measure(quads: Float[np.ndarray, "N 4 2"]) -> tuple[Float[np.ndarray, "2"],
 
 
 def _find_meeting(
-    starts: Float[np.ndarray, "*N 2"], ends: Float[np.ndarray, "*N 2"]
+    starts: Float[np.ndarray, "*N 2"], ends: Float[np.ndarray, "*N 2"], steady: float
 ) -> Float[np.ndarray, "3"]:
     """The homogeneous point that the lines from starts to ends meet in, long ones with more weight."""
     one = np.ones((starts.size // 2, 1))
     lines = np.cross(np.hstack([starts.reshape(-1, 2), one]), np.hstack([ends.reshape(-1, 2), one]))
-    return np.linalg.svd(np.vstack([lines, (0.0, 0.0, STEADY)]))[2][-1]
+    return np.linalg.svd(np.vstack([lines, (0.0, 0.0, steady)]))[2][-1]
 
 
 def _map_to_plane(

@@ -10,6 +10,7 @@ from artigen.shapes.draw import Size, Wish
 from artigen.shapes.fittings.feet import StandDesign, StandKind, design_stand, make_stand
 from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.furniture.cabinet import FACED, OVERLAY, has_fronts, list_cells, make_cabinet
+from artigen.shapes.furniture.carcass import HULL_RATIO
 from artigen.shapes.furniture.furniture_kinds import Mounting, Style
 from artigen.shapes.furniture.layouts import Layout
 from artigen.shapes.furniture.looks import Looks, draw_looks
@@ -22,6 +23,8 @@ RAISED: tuple[StandKind, ...] = ("plinth", "toe_kick", "legs", "sled")
 INSET, FRAMED = 0.008, 0.025
 """Distances (m) of neighbouring fronts from which the board between them shows, and from which it is a face
 frame: overlaying fronts are 3 mm apart, and boards are at most 22 mm thick."""
+BACK_HULLS = 2
+"""Hulls of a back along its longer edge."""
 STILES = (0.03, 0.08)
 """Range of the width (m) of stiles and rails."""
 RECESSED = 0.6
@@ -63,12 +66,15 @@ def draw_plan(rng: np.random.Generator, mounting: Mounting, style: Style, size: 
         worktop=choose(rng, 0.018, 0.04) if covered else 0.0,
         overhang=overhang if covered else (0.0, 0.0),
     )
-    return plan if wish.layout is None else _suit_layout(plan, wish.layout)
+    return plan if wish.layout is None else _suit_layout(plan, wish.layout, size)
 
 
-def _suit_layout(plan: CasePlan, layout: Layout) -> CasePlan:
-    """The plan with the stand, the worktop and the gaps between fronts that a layout states."""
+def _suit_layout(plan: CasePlan, layout: Layout, size: Size) -> CasePlan:
+    """The plan with the stand, the worktop and the gaps between fronts that a layout states; its back is
+    thick enough to leave hulls of the body for the boards of the layout."""
     looks, stand, worktop = plan.looks, plan.stand, plan.worktop
+    back = max(looks.carcass.back, max(size) / (BACK_HULLS * HULL_RATIO))
+    looks = replace(looks, carcass=replace(looks.carcass, back=back))
     if layout.stand_height is not None and stand.kind in RAISED:
         stand = replace(stand, height=layout.stand_height)
     if layout.worktop is not None:

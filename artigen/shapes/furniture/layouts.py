@@ -7,6 +7,7 @@ from artigen.shapes.furniture.splits import Node
 
 if TYPE_CHECKING:
     from artigen.shapes.fittings.feet import StandKind
+    from artigen.shapes.fittings.fronts import FrontStyle
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,3 +25,5 @@ class Layout:
     fronts."""
     worktop: float | None = None
     """Thickness of a worktop; 0 for none."""
+    panel: "FrontStyle | None" = None
+    """Style of doors and drawers; that of the object's style where it is None."""

@@ -54,7 +54,8 @@ def draw_looks(
     """Draws a design in a style for an object whose longest edge is ``longest`` metres."""
     handles = wish.choose_handles(style.handles)
     handle = design_handle(rng, choose_one(rng, handles), longest=longest)
-    front = choose_one(rng, style.doors)
+    drawn, panel = choose_one(rng, style.doors), None if wish.layout is None else wish.layout.panel
+    front = panel or drawn
     doors = replace(design_front(rng, front, handle=handle), hand=hand)
     # A leaf that opens past 90 degrees sweeps over the edge of its neighbour, where that has its handle.
     margin = 0.0 if handle.kind == "edge" else 0.006
@@ -64,7 +65,7 @@ def draw_looks(
         doors = replace(doors, handle=None)
     return Looks(
         doors=doors,
-        drawers=replace(doors, style=choose_one(rng, style.drawers)),
+        drawers=replace(doors, style=panel or choose_one(rng, style.drawers)),
         carcass=CarcassDesign(
             board=choose(rng, 0.016, 0.022),
             inner=choose(rng, 0.015, 0.019),

@@ -64,11 +64,11 @@ def test_words_that_mean_nothing_are_named():
 
 def test_what_the_model_cannot_be_asked_for_is_named():
     said = understand(Request(text="a fridge with a bottom freezer, hinged on the left"))
-    assert said.notes == (
+    assert said.unmet == (
         "understood, but the model cannot be asked for it: freezer at bottom, door hinged left",
     )
     assert understand(Request(text="a cabinet with glass doors")).request.style == "framed_glass"
-    assert understand(Request(text="a cabinet with glass doors")).notes == ()
+    assert understand(Request(text="a cabinet with glass doors")).unmet == ()
 
 
 def test_a_door_beside_a_category_is_a_part_of_it():

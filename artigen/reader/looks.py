@@ -1,0 +1,84 @@
+"""`look_closer`: what the pixels around an object tell once its parts are known."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.reader.reading import Reading
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+EDGE = 768
+"""Longest edge (pixels) at which a photograph is looked at."""
+LOW = 0.05
+"""Height below the lowest front, as a share of the object's, below which there is no room for legs."""
+STRIP = 0.06
+"""Width of what is looked at on either side of an object, as a share of its width."""
+SAME = 0.05
+"""Mean difference of two colours (sRGB in [0, 1]) up to which they are one."""
+
+
+def look_closer(reading: Reading, image: "Image.Image") -> Reading:
+    """The reading with two corrections: what seems to be legs is a closed base where the body goes on below
+    the fronts, and a body that has the colour of what is beside the object has that of its fronts.
+
+    Args:
+        reading: What was read.
+        image: The photograph, of any size.
+    """
+    small = image.convert("RGB")
+    small.thumbnail((EDGE, EDGE))
+    pixels = np.asarray(small, dtype=np.float64) / 255.0
+    left, _, right, bottom = reading.box
+    beside = _look_beside(pixels, (left, right), (bottom - 0.5 * (bottom - reading.box[1]), bottom))
+    body, color = np.array(reading.color) / 255.0, reading.color
+    solid = [front.color for front in reading.fronts if front.color is not None and not front.pane]
+    if solid and any(_differ(body, one) <= SAME for one in beside):
+        red, green, blue = np.median(np.array(solid), axis=0)
+        color = int(red), int(green), int(blue)
+    return replace(reading, color=color, stand=_find_stand(reading, np.array(color) / 255.0, pixels))
+
+
+def _find_stand(
+    reading: Reading, body: Float[np.ndarray, "3"], pixels: Float[np.ndarray, "H W 3"]
+) -> Literal["flat", "legs", "wheels"]:
+    """Legs only where there is room below the fronts, and what shows there differs from the body more than
+    from what is beside the object."""
+    if reading.stand != "legs" or not reading.fronts:
+        return reading.stand
+    left, top, right, bottom = reading.box
+    below = bottom - max(float(front.box[3]) for front in reading.fronts)
+    if below < LOW * (bottom - top):
+        return "flat"
+    inset, rows = 0.25 * (right - left), (bottom - 0.5 * below, bottom - 0.1 * below)
+    beside = _look_beside(pixels, (left, right), rows)
+    under = _find_median(pixels, (left + inset, right - inset), rows)
+    outside = min((_differ(under, one) for one in beside), default=0.0)
+    return "legs" if outside < _differ(under, body) else "flat"
+
+
+def _look_beside(
+    pixels: Float[np.ndarray, "H W 3"], across: tuple[float, float], rows: tuple[float, float]
+) -> list[Float[np.ndarray, "3"]]:
+    """Median colours to the left and right of an object, as far as the picture goes."""
+    left, right = across
+    wide = STRIP * (right - left)
+    places = [(left - wide, left), (right, right + wide)]
+    return [_find_median(pixels, place, rows) for place in places if place[0] >= 0 and place[1] <= 1]
+
+
+def _find_median(
+    pixels: Float[np.ndarray, "H W 3"], across: tuple[float, float], rows: tuple[float, float]
+) -> Float[np.ndarray, "3"]:
+    """Median colour of a box (shares)."""
+    high, wide = pixels.shape[:2]
+    x0, x1 = np.clip(np.round(np.array(across) * wide).astype(int), 0, wide - 1)
+    y0, y1 = np.clip(np.round(np.array(rows) * high).astype(int), 0, high - 1)
+    return np.asarray(np.median(pixels[y0 : y1 + 1, x0 : x1 + 1].reshape(-1, 3), axis=0))
+
+
+def _differ(one: Float[np.ndarray, "3"], other: Float[np.ndarray, "3"]) -> float:
+    return float(np.abs(one - other).mean())

@@ -1,0 +1,180 @@
+"""`ask` and `draw_asked`: words, numbers and a photograph become one condition, and the condition an object.
+
+What people say overrules what a photograph shows; what neither says comes from the seed.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal, get_args
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.conditioning.image import is_cut_out, open_picture
+from artigen.reader.correct import Side, correct_reading
+from artigen.reader.layout.build import build_from_reading
+from artigen.reader.layout.colours import match_finish
+from artigen.reader.layout.fronts import view_fronts
+from artigen.reader.looks import look_closer
+from artigen.reader.model import load_reader
+from artigen.reader.read import read_image
+from artigen.reader.reading import Reading
+from artigen.shapes.draw import Wish, check_known
+from artigen.shapes.fittings.handles import HANDLE_KINDS, HandleKind
+from artigen.shapes.shape import Shape
+from artigen.sketch import model
+from artigen.sketch.draw import DrawConfig
+from artigen.sketch.model import Drawn, SketchConfig
+from artigen.sketch.network import SketchNetwork
+from artigen.sketch.request import FinishRequest, SketchRequest, encode_request
+from artigen.sketch.understand import Request, Understood, understand
+from artigen.sketch.words import CATEGORIES
+from artigen.weights import READER
+
+STANDS: dict[str, Literal["flat", "legs", "wheels"]] = {
+    "legs": "legs", "feet": "legs", "plinth": "flat", "castor": "wheels", "wheel": "wheels",
+}  # fmt: skip
+"""What an object stands on, by words for it."""
+NAMED = ("door", "drawer", "handle")
+"""Parts whose number a reading takes from words."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Asked:
+    """Everything that is asked for.
+
+    With a reading, the grammar draws: ``reading`` is what was read, corrected by what was said, ``wish`` has
+    lengths, style and handles, and finishes of the request overrule colours. Without, the sketch network
+    draws ``request``, a cut-out ``picture`` beside it.
+    """
+
+    request: SketchRequest
+    notes: tuple[str, ...] = ()
+    reading: Reading | None = None
+    wish: Wish = field(default_factory=Wish)
+    picture: Float[np.ndarray, "4 S S"] | None = None
+
+
+def ask(
+    request: Request,
+    network: Callable[[], SketchNetwork],
+    seed: int = 0,
+    learned: Sequence[str] = CATEGORIES,
+) -> Asked:
+    """Reads words and picture of a request, and merges them.
+
+    Args:
+        request: What a user gave.
+        network: Loads the sketch network, which a photograph does not need.
+        seed: Of the usual sizes that adjectives such as "tall" refer to.
+        learned: Kinds that the sketch network draws.
+
+    Raises:
+        ArtigenError: If the picture cannot be read, or the request cannot be met.
+    """
+    understood = understand(request, learned)
+    if request.image is None:
+        return _ask_sketch(understood, network, seed, None)
+    image = open_picture(request.image)
+    if is_cut_out(image):  # cut-outs are what the sketch network itself has learned to read
+        shown = model.read_object_picture(network(), request.image)
+        asked = _ask_sketch(understood, network, seed, shown.rgba)
+        return replace(asked, notes=(*asked.notes, *shown.notes))
+    reading = read_image(image, load_reader(READER), str(request.image), box=request.box)
+    return merge_reading(understood, look_closer(reading, image))
+
+
+def _ask_sketch(
+    understood: Understood,
+    network: Callable[[], SketchNetwork],
+    seed: int,
+    picture: Float[np.ndarray, "4 S S"] | None,
+) -> Asked:
+    """What the sketch network is asked for: adjectives are resolved to extents."""
+    request = understood.request
+    encode_request(request)
+    if understood.stretch:
+        encoded = None if picture is None else model.encode_picture(network(), picture)
+        usual = model.draw_header(network(), request, seed, encoded=encoded)
+        request = replace(
+            request, **{axis: factor * getattr(usual, axis) for axis, factor in understood.stretch}
+        )
+        encode_request(request)
+    return Asked(request=request, notes=(*understood.notes, *understood.unmet), picture=picture)
+
+
+def merge_reading(understood: Understood, reading: Reading) -> Asked:
+    """What was read of a photograph, corrected by what was said.
+
+    Kind, numbers of doors and drawers, hinges, panes, stand, handles, lengths, style and finishes that are
+    said overrule what was read; all else stays as it was read.
+
+    Raises:
+        ArtigenError: If a number is out of bounds, or the kind has no such style.
+    """
+    request = understood.request
+    shares = ", ".join(f"{kind} {share:.0%}" for kind, share in reading.kinds[:3])
+    seen = " and ".join(_count(reading.counts[label], label) for label in ("door", "drawer"))
+    notes = [*understood.notes, f"the photograph was read as {shares}; {seen} in view"]
+    told = {(part, what): value for part, what, value in understood.features}
+    side, handle = told.get(("door", "hinged")), told.get(("handle", "type"))
+    stand = told.get(("stand", "type"), told.get(("wheel", "type")))
+    corrected = correct_reading(
+        reading,
+        kind=request.category,
+        counts={label: count for label, count in request.counts if label in NAMED},
+        hinge=side if side in get_args(Side) else None,
+        pane=True if told.get(("door", "material")) == "glass" else None,
+        stand=None if stand is None else STANDS.get(stand),
+    )
+    handles: tuple[HandleKind, ...] = tuple(kind for kind in HANDLE_KINDS if kind == handle)
+    lengths = {axis: getattr(request, axis) for axis in ("width", "depth", "height")}
+    if understood.stretch:
+        usual = dict(zip(lengths, view_fronts(corrected, tuple(lengths.values())).size, strict=True))  # type: ignore[arg-type]
+        lengths = usual | {axis: factor * usual[axis] for axis, factor in understood.stretch}
+    wish = Wish(**lengths, style=request.style, handles=handles)
+    check_known(corrected.kind, wish)
+    counts: dict[str, int] = dict(request.counts) | {
+        label: corrected.counts[label] for label in ("door", "drawer")
+    }
+    merged = replace(request, category=corrected.kind, counts=tuple(sorted(counts.items())))  # type: ignore[arg-type]
+    unmet = [f"{label}={count}" for label, count in request.counts if label not in NAMED]
+    notes += [f"asked for beside a photograph, and left to chance: {', '.join(unmet)}"] if unmet else []
+    return Asked(request=merged, notes=tuple(notes), reading=corrected, wish=wish)
+
+
+def _count(count: int, label: str) -> str:
+    return f"{count} {label}{'s' * (count != 1)}"
+
+
+def draw_asked(
+    asked: Asked, seed: int, network: Callable[[], SketchNetwork], temperature: float = 0.6
+) -> Drawn:
+    """Draws an object that meets what is asked for.
+
+    Args:
+        asked: The condition.
+        seed: Of what it leaves open.
+        network: Loads the sketch network, which a photograph does not need.
+        temperature: Of the sketch network.
+
+    Raises:
+        ArtigenError: If no object meets it.
+    """
+    if asked.reading is not None:
+        shape, notes = build_from_reading(asked.reading, seed, asked.wish)
+        return Drawn(shape=wear_requested(shape, asked.request.finishes, seed), faults=(), notes=notes)
+    cfg = SketchConfig(draw=DrawConfig(temperature=temperature))
+    if asked.picture is None:
+        return model.draw_object(network(), asked.request, seed, cfg)
+    return model.draw_pictured(network(), asked.request, seed, asked.picture, cfg)
+
+
+def wear_requested(shape: Shape, finishes: Sequence[FinishRequest], seed: int) -> Shape:
+    """The object with requested colours and materials; what is open in a request stays as it is."""
+    worn = dict(shape.finishes)
+    for finish in finishes:
+        if finish.role in worn:
+            own = worn[finish.role]
+            worn[finish.role] = match_finish(finish.material or own.kind, finish.color or own.color, seed)
+    return replace(shape, finishes=tuple(sorted(worn.items())))

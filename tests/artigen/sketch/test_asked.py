@@ -1,0 +1,110 @@
+"""Words, numbers and a photograph are one condition: what people say overrules pixels, the rest stays."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from artigen.errors import ArtigenError
+from artigen.reader.layout.frontal import read_shape
+from artigen.reader.reading import Reading
+from artigen.shapes.draw import Wish, draw_shape
+from artigen.shapes.sheet import draw_picture
+from artigen.sketch.asked import Asked, ask, draw_asked, merge_reading
+from artigen.sketch.network import SketchNetwork
+from artigen.sketch.understand import Request, understand
+
+READ = read_shape(draw_shape("StorageFurniture", 3), view=(0.2, 0.2, 0.2))
+"""A cabinet as it is read at a slant."""
+
+
+def refuse() -> SketchNetwork:
+    raise AssertionError("a photograph needs no sketch network")
+
+
+def merge(text: str | None = None, category: str | None = None, **wish: object) -> Asked:
+    request = Request(category=category, text=text, image=Path("photo.jpg"), wish=Wish(**wish))  # type: ignore[arg-type]
+    return merge_reading(understand(request), READ)
+
+
+def build(asked: Asked) -> Reading:
+    return read_shape(draw_asked(asked, 5, refuse).shape)
+
+
+def describe(reading: Reading) -> list[tuple[str, str | None]]:
+    return [(part.label, part.hinge) for part in reading.fronts]
+
+
+def test_a_photograph_alone_is_built_as_it_was_read():
+    built = build(merge())
+    assert built.counts["door"] == READ.counts["door"]
+    assert built.counts["drawer"] == READ.counts["drawer"]
+    assert built.kind == READ.kind
+
+
+def test_only_what_is_said_changes():
+    plain, wide = build(merge()), build(merge(width=1.9))
+    assert wide.size[0] == pytest.approx(1.9, abs=1e-6)
+    assert wide.size[2] / plain.size[2] == pytest.approx(wide.size[0] / plain.size[0], rel=1e-6)
+    assert describe(wide) == describe(plain)
+    both = build(merge("30 cm deep", height=0.8))
+    assert both.size[1:] == pytest.approx((0.3, 0.8), abs=0.05)
+    assert describe(both) == describe(plain)
+
+
+def test_words_and_numbers_say_the_same():
+    said, given = merge("with two doors and four drawers"), merge(counts=(("door", 2), ("drawer", 4)))
+    assert said.request.counts == given.request.counts
+    assert said.reading is not None
+    assert given.reading is not None
+    assert said.reading.to_json() == given.reading.to_json()
+    assert build(said).counts["drawer"] == 4
+
+
+def test_words_overrule_hinges_kind_handles_stand_and_colours():
+    asked = merge(
+        "a red wardrobe on wheels with knob handles, hinged on the left", counts=(("door", 3), ("drawer", 0))
+    )
+    shape = draw_asked(asked, 2, refuse).shape
+    built = read_shape(shape)
+    assert shape.category == "Wardrobe"
+    assert describe(built) == [("door", "left")] * 3
+    assert built.counts["handle"] == READ.counts["handle"] or built.counts["handle"] >= 1
+    assert dict(shape.condition.counts)["wheel"] == 4
+    red, green, blue = dict(shape.finishes)["front"].color
+    assert red > 2 * max(green, blue)
+    assert {part.form for part in built.parts if part.label == "handle"} <= {"knob"}
+
+
+def test_a_tall_one_is_taller_than_what_was_read():
+    plain, tall = build(merge()), build(merge("a tall one"))
+    assert tall.size[2] == pytest.approx(1.35 * plain.size[2], rel=0.02)
+    assert tall.size[0] == pytest.approx(plain.size[0], rel=0.02)
+
+
+def test_what_cannot_be_met_is_refused_or_said():
+    with pytest.raises(ArtigenError, match="style 'steel'"):
+        merge(style="steel")
+    with pytest.raises(ArtigenError, match="number of doors"):
+        merge("with two doors", counts=(("door", 3),))
+    assert any("shelf=4" in note for note in merge(counts=(("shelf", 4),)).notes)
+
+
+def test_a_photograph_is_drawn_without_the_sketch_network(tmp_path: Path):
+    shape = draw_shape("Refrigerator", 2)
+    Image.fromarray(draw_picture(shape, np.zeros(len(shape.parts)), 256)).save(tmp_path / "fridge.png")
+    asked = ask(Request(image=tmp_path / "fridge.png", category="Refrigerator"), refuse)
+    drawn = draw_asked(asked, 0, refuse)
+    assert drawn.shape.category == "Refrigerator"
+    assert asked.reading is not None
+    held = read_shape(drawn.shape).counts
+    assert all(held[label] == asked.reading.counts[label] for label in ("door", "drawer"))
+    assert any("was read as" in note for note in asked.notes)
+    left = ask(
+        Request(image=tmp_path / "fridge.png", box=(0.0, 0.0, 0.5, 1.0), category="Refrigerator"), refuse
+    )
+    assert left.reading is not None
+    assert left.reading.box[2] <= 0.56
+    assert replace(asked, notes=()).request == asked.request
