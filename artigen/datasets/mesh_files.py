@@ -53,10 +53,24 @@ def load_shape(shape: UrdfShape, path: Path | None, root: Path, scratch: Path) -
     pieces = _primitive(shape) if path is None else _load(path)
     for piece in pieces:
         piece.apply_transform(np.diag([*shape.scale, 1.0]))
+    return load_pieces(pieces, scratch, (*(shape.color or NO_MATERIAL), shape.opacity))
+
+
+def load_pieces(
+    pieces: Sequence["Trimesh"],
+    scratch: Path,
+    color: tuple[float, float, float, float] = (*NO_MATERIAL, 1.0),
+) -> PlacedMesh | None:
+    """Meshes written as one OBJ into ``scratch``; None if there are none.
+
+    Args:
+        color: RGBA of those that have no colour of their own.
+    """
     if not pieces:
         return None
+    scratch.mkdir(parents=True, exist_ok=True)
     target = scratch / f"mesh_{len(list(scratch.glob('*.obj')))}.obj"
-    write_obj(pieces, (*(shape.color or NO_MATERIAL), shape.opacity), target)
+    write_obj(pieces, color, target)
     return PlacedMesh(path=target, scale=1.0, mesh=read_obj(target, scratch))
 
 

@@ -5,7 +5,8 @@ NaN limits, axes of any length, unknown joint types, cycles and missing files. I
 missing XML, and for missing elements or numbers. Files are untrusted: entities are refused.
 """
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree.ElementTree import Element, ParseError
@@ -132,42 +133,62 @@ def tree_problems(urdf: UrdfFile) -> list[tuple[str, str]]:
     links = [link.name for link in urdf.links]
     joints = [joint.name for joint in urdf.joints]
     for kind, names in (("link", links), ("joint", joints)):
-        for name in sorted({name for name in names if names.count(name) > 1}):
-            problems.append((name, f"{kind} name {name!r} occurs {names.count(name)} times"))
+        for name, count in sorted(Counter(names).items()):
+            if count > 1:
+                problems.append((name, f"{kind} name {name!r} occurs {count} times"))
+    known = set(links)
     for joint in urdf.joints:
         for role, name in (("parent", joint.parent), ("child", joint.child)):
-            if name not in links:
+            if name not in known:
                 problems.append((joint.name, f"joint {joint.name!r} has {role} {name!r}, which is no link"))
-    children = [joint.child for joint in urdf.joints]
-    for name in sorted({name for name in children if children.count(name) > 1}):
-        problems.append((name, f"link {name!r} is the child of {children.count(name)} joints"))
-    roots = sorted(set(links) - set(children))
+    children = Counter(joint.child for joint in urdf.joints)
+    for name, count in sorted(children.items()):
+        if count > 1:
+            problems.append((name, f"link {name!r} is the child of {count} joints"))
+    roots = sorted(known - set(children))
     if len(roots) != 1:
         problems.append(
             (", ".join(roots), f"{len(roots)} root links ({', '.join(roots) or 'none'}), expected one")
         )
     parents = {joint.child: joint.parent for joint in urdf.joints}
+    ends: dict[str, str] = {}
     for name in sorted(parents):
-        at, seen = parents[name], {name}
-        while at in parents and at not in seen:
-            seen.add(at)
+        at, path = name, dict[str, None]()
+        while at in parents and at not in path and at not in ends:
+            path[at] = None
             at = parents[at]
-        if at == name:
-            problems.append((name, f"link {name!r} is its own ancestor"))
+        if at in path:
+            circle = list(path)[list(path).index(at) :]
+            problems += [(link, f"link {link!r} is its own ancestor") for link in sorted(circle)]
+        ends |= dict.fromkeys(path, at)
     return problems
 
 
 def rest_poses(urdf: UrdfFile) -> dict[str, Float[np.ndarray, "4 4"]]:
     """Pose of every link of a tree in the frame of its root, with all joints at 0; parents first."""
-    children = {joint.child for joint in urdf.joints}
-    poses = {link.name: np.eye(4) for link in urdf.links if link.name not in children}
-    waiting = list(urdf.joints)
-    while waiting:
-        for joint in waiting:
-            if joint.parent in poses:
-                poses[joint.child] = poses[joint.parent] @ joint.T_parent_joint
-        waiting = [joint for joint in waiting if joint.child not in poses]
-    return poses
+    return place_links([link.name for link in urdf.links], urdf.joints)
+
+
+def place_links(links: Sequence[str], joints: Sequence[UrdfJoint]) -> dict[str, Float[np.ndarray, "4 4"]]:
+    """The same for links and joints; in file order, but for parents that are named after their children."""
+    above = {joint.child: number for number, joint in enumerate(joints)}
+    below: dict[str, list[UrdfJoint]] = {}
+    for joint in joints:
+        below.setdefault(joint.parent, []).append(joint)
+    poses = {link: np.eye(4) for link in links if link not in above}
+    order: dict[str, tuple[int, int]] = dict.fromkeys(
+        poses, (0, -1)
+    )  # readings of the file that it takes, and the place in it
+    waiting = list(poses)
+    for parent in waiting:
+        for joint in below.get(parent, ()):
+            if joint.child not in poses:
+                rounds, place = order[parent]
+                number = above[joint.child]
+                order[joint.child] = (rounds + (number < place), number)
+                poses[joint.child] = poses[parent] @ joint.T_parent_joint
+                waiting.append(joint.child)
+    return {link: poses[link] for link in sorted(poses, key=order.__getitem__)}
 
 
 def _floats(text: str, count: int, owner: str) -> np.ndarray:

@@ -10,11 +10,11 @@ from cabinet_files import assert_same_parts, box_visual, cabinet_urdf, joint, li
 
 from artigen.cli.convert import ConvertJob, ConvertSettings, convert_object
 from artigen.datasets.categories import guess_category
+from artigen.datasets.mechanism_object import turn_upright
 from artigen.datasets.part_labels import JOINT_TABLE, MovingPart, find_word, label_by_joint
 from artigen.datasets.source_object import ReaderConfig
 from artigen.datasets.sources import find_layout, find_sources, name_source, read_source
 from artigen.datasets.urdf_file import read_urdf
-from artigen.datasets.urdf_object import turn_upright
 from artigen.errors import SourceError
 from artigen.files.urdf import UrdfJoint, parse_urdf
 from artigen.shapes.asset import shape_to_asset

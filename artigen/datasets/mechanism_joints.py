@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from artigen.datasets.mechanism import Mechanism
 from artigen.datasets.partnet_annotation import SourceNode
-from artigen.datasets.urdf_file import SourceUrdf
 from artigen.errors import SourceError
 from artigen.files.urdf import UrdfJoint
 from artigen.types import FULL_TURN
@@ -40,7 +40,7 @@ class _Coupling:
     ratio: float
 
 
-def build_tree(urdf: SourceUrdf, path: Path) -> Tree:
+def build_tree(urdf: Mechanism, path: Path) -> Tree:
     """The nodes of a URDF, in its own frame at zero joint values.
 
     Raises:
@@ -85,7 +85,7 @@ def build_tree(urdf: SourceUrdf, path: Path) -> Tree:
     )
 
 
-def _check(joint: UrdfJoint, urdf: SourceUrdf, path: Path, notes: list[str]) -> UrdfJoint:
+def _check(joint: UrdfJoint, urdf: Mechanism, path: Path, notes: list[str]) -> UrdfJoint:
     """The joint with a type and limits that are valid for a part."""
     where = f"{path}: joint {joint.name!r}"
     shown = {shape.link for shape in (*urdf.visuals, *urdf.collisions)}
@@ -129,7 +129,7 @@ def _check(joint: UrdfJoint, urdf: SourceUrdf, path: Path, notes: list[str]) -> 
     return joint
 
 
-def _find_screws(joints: Mapping[str, UrdfJoint], urdf: SourceUrdf) -> dict[str, str]:
+def _find_screws(joints: Mapping[str, UrdfJoint], urdf: Mechanism) -> dict[str, str]:
     """The sliding joint of every screw, with the turning joint that it mimics."""
     shown = {shape.link for shape in urdf.visuals}
     found = {}
@@ -144,7 +144,7 @@ def _find_screws(joints: Mapping[str, UrdfJoint], urdf: SourceUrdf) -> dict[str,
 
 
 def _simplify_chains(
-    joints: Mapping[str, UrdfJoint], screws: frozenset[str], urdf: SourceUrdf, notes: list[str]
+    joints: Mapping[str, UrdfJoint], screws: frozenset[str], urdf: Mechanism, notes: list[str]
 ) -> dict[str, UrdfJoint]:
     """Fixes all but one of the joints in a row through empty links, because a part has one joint.
 
@@ -210,7 +210,7 @@ def _follow(joint: UrdfJoint, leader: UrdfJoint, coupling: _Coupling, path: Path
     return replace(joint, type=kind, lower=ends[0], upper=ends[1])
 
 
-def _build_node(joint: UrdfJoint, turn: UrdfJoint, number: int, urdf: SourceUrdf, path: Path) -> SourceNode:
+def _build_node(joint: UrdfJoint, turn: UrdfJoint, number: int, urdf: Mechanism, path: Path) -> SourceNode:
     """A node without its parent; ``turn`` is the joint itself or the turning joint of a screw."""
     T = urdf.T_base_link[joint.child]
     direction = T[:3, :3] @ np.array(joint.axis)

@@ -1,7 +1,7 @@
-"""Reads any URDF into a `SourceObject`, without side files: labels from names and joints, lengths in metres.
+"""Turns a mechanism into a `SourceObject`: labels from names and joints, lengths in metres.
 
 Links joined by fixed joints are one body; every moving joint makes a part. Guesses and omissions are notes in
-``asset.notes``; a URDF that is no articulated object is refused. See docs/how-to/convert.md.
+``asset.notes``; a mechanism that is no articulated object is refused. See docs/how-to/convert.md.
 """
 
 import logging
@@ -13,7 +13,9 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.datasets.categories import guess_category
-from artigen.datasets.mesh_files import PlacedMesh, load_shape
+from artigen.datasets.mechanism import Mechanism, Shape, Solid
+from artigen.datasets.mechanism_joints import Tree, build_tree
+from artigen.datasets.mesh_files import PlacedMesh, load_pieces, load_shape
 from artigen.datasets.part_labels import SPLIT_LABELS, SPLIT_WORDS, find_word, guess_label
 from artigen.datasets.partnet_annotation import SourceNode, SourcePiece, read_json
 from artigen.datasets.partnet_joints import RestPose, closed_pose, describe_rest
@@ -28,10 +30,7 @@ from artigen.datasets.source_object import (
     assemble,
     collect_corners,
 )
-from artigen.datasets.urdf_file import SourceUrdf, read_urdf
-from artigen.datasets.urdf_joints import Tree, build_tree
 from artigen.errors import SourceError
-from artigen.files.urdf import UrdfShape
 from artigen.types import PartLabel
 
 logger = logging.getLogger(__name__)
@@ -44,10 +43,10 @@ ANCESTORS = 4
 OTHER = "other"
 
 
-def read_urdf_object(
-    path: Path, scratch: Path, cfg: ReaderConfig | None = None, *, name: str = ""
+def read_mechanism(
+    found: Mechanism, scratch: Path, cfg: ReaderConfig | None = None, *, name: str = ""
 ) -> SourceObject:
-    """Reads one URDF and the meshes that it names.
+    """Reads the meshes of a mechanism and makes parts of its links.
 
     Args:
         scratch: Folder for converted meshes, needed until the package is written.
@@ -56,19 +55,18 @@ def read_urdf_object(
     Raises:
         SourceError: If the object is invalid; names the file, the element, its value and what is allowed.
     """
-    cfg = cfg or ReaderConfig()
-    urdf = read_urdf(path)
-    tree = build_tree(urdf, path)
-    pieces, notes = read_shapes(urdf, tree, path, scratch)
+    cfg, path = cfg or ReaderConfig(), found.path
+    tree = build_tree(found, path)
+    pieces, notes = read_shapes(found, tree, path, scratch)
     tree, empty_notes = _keep_drawn(tree, {piece.node for piece in pieces}, path)
     nodes = tuple(order_nodes(tree.nodes))
     turn = turn_upright(cfg.up or "z", cfg.front or "-x")
     corners = collect_corners(pieces)
-    labels, label_notes = label_links(tree, nodes, urdf, corners, turn)
+    labels, label_notes = label_links(tree, nodes, found, corners, turn)
     poses = rest_nodes(tree, nodes, labels, corners)
-    category, category_note = _find_category(urdf, path, name, cfg)
-    said = f"up is {cfg.up or 'z'} and the front faces {cfg.front or '-x'} in the URDF"
-    found = assemble(
+    category, category_note = _find_category(found, path, name, cfg)
+    said = f"up is {cfg.up or 'z'} and the front faces {cfg.front or '-x'} in the file"
+    made = assemble(
         SourceTree(
             nodes=nodes,
             pieces=pieces,
@@ -83,6 +81,7 @@ def read_urdf_object(
         choose_size=lambda extents: (cfg.size or float(extents.max()), ()),
         notes=(
             *(note for note in (said, category_note) if note),
+            *found.notes,
             *tree.notes,
             *notes,
             *empty_notes,
@@ -90,11 +89,11 @@ def read_urdf_object(
             *(pose.note for pose in poses.values() if pose.note),
         ),
     )
-    logger.info("%s: %d parts, %d shapes", found.asset.name, len(found.asset.parts), len(found.visuals))
-    return found
+    logger.info("%s: %d parts, %d shapes", made.asset.name, len(made.asset.parts), len(made.visuals))
+    return made
 
 
-def _find_category(urdf: SourceUrdf, path: Path, name: str, cfg: ReaderConfig) -> tuple[str, str]:
+def _find_category(urdf: Mechanism, path: Path, name: str, cfg: ReaderConfig) -> tuple[str, str]:
     """The requested category, that of a ``meta.json`` beside the URDF, or a guess by names; and a note."""
     meta = path.parent / "meta.json"
     value = read_json(meta) if meta.is_file() else None
@@ -123,7 +122,7 @@ def _axis(direction: Direction) -> np.ndarray:
 
 
 def read_shapes(
-    urdf: SourceUrdf, tree: Tree, path: Path, scratch: Path
+    urdf: Mechanism, tree: Tree, path: Path, scratch: Path
 ) -> tuple[tuple[PieceMesh, ...], list[str]]:
     """The geometry of every node: its visuals, or its collision shapes if it has none."""
     pieces: list[PieceMesh] = []
@@ -138,7 +137,7 @@ def read_shapes(
         for shape in own:
             placed, why = _load_placed(shape, path, scratch)
             if placed is None:
-                lost.append(f"link {shape.link!r}: mesh {shape.file!r} {why}")
+                lost.append(f"link {shape.link!r}: {why}")
                 continue
             name = _piece_name(shape, leads=shape.link == node.name)
             number = numbers.setdefault((node.id, name), len(numbers))
@@ -151,17 +150,21 @@ def read_shapes(
     return tuple(pieces), notes
 
 
-def _load_placed(shape: UrdfShape, path: Path, scratch: Path) -> tuple[PlacedMesh | None, str]:
+def _load_placed(shape: Shape, path: Path, scratch: Path) -> tuple[PlacedMesh | None, str]:
     """The triangles of a shape, or None and the reason."""
+    if isinstance(shape, Solid):
+        return load_pieces(shape.pieces, scratch), f"shape {shape.name!r} holds no triangles"
     if shape.kind != "mesh":
         return load_shape(shape, None, path.parent, scratch), ""
     file = find_mesh(shape.file, path)
     if not file.is_file():
-        return None, f"is missing, looked for at {file}"
-    return load_shape(shape, file, _common_root(path, file), scratch), "holds no triangles"
+        return None, f"mesh {shape.file!r} is missing, looked for at {file}"
+    return load_shape(
+        shape, file, _common_root(path, file), scratch
+    ), f"mesh {shape.file!r} holds no triangles"
 
 
-def _piece_name(shape: UrdfShape, *, leads: bool) -> str:
+def _piece_name(shape: Shape, *, leads: bool) -> str:
     """``handle``, ``knob`` or ``shelf`` if the visual or its fixed link has that name."""
     for name in (shape.name,) if leads else (shape.name, shape.link):
         label = SPLIT_WORDS.get(find_word(name) or "")
@@ -244,7 +247,7 @@ def _keep_drawn(tree: Tree, drawn: set[int], path: Path) -> tuple[Tree, list[str
 def label_links(
     tree: Tree,
     nodes: Sequence[SourceNode],
-    urdf: SourceUrdf,
+    urdf: Mechanism,
     corners: Mapping[int, np.ndarray],
     T_zup_file: np.ndarray,
 ) -> tuple[dict[int, PartLabel], list[str]]:
