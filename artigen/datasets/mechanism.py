@@ -132,8 +132,8 @@ def shift_zero(joint: UrdfJoint, value: float) -> UrdfJoint:
 
 
 def say_dropped(counts: Mapping[str, int]) -> list[str]:
-    """One sentence on everything in a file that is not used, with its count; none if all is."""
-    found = [f"{count} {what}" for what, count in counts.items() if count]
+    """One sentence on everything in a file that is not used, with its number; none if all is."""
+    found = [f"{what} ({count})" for what, count in counts.items() if count]
     return [f"not used: {', '.join(found)}"] if found else []
 
 

@@ -18,7 +18,7 @@ from artigen.datasets.mechanism_joints import Tree, build_tree
 from artigen.datasets.mesh_files import PlacedMesh, load_pieces, load_shape
 from artigen.datasets.part_labels import SPLIT_LABELS, SPLIT_WORDS, find_word, guess_label
 from artigen.datasets.partnet_annotation import SourceNode, SourcePiece, read_json
-from artigen.datasets.partnet_joints import RestPose, closed_pose, describe_rest
+from artigen.datasets.partnet_joints import RestPose, closed_pose, describe_rest, swings_both_ways
 from artigen.datasets.partnet_meshes import PieceMesh
 from artigen.datasets.partnet_mobility import find_rest_poses
 from artigen.datasets.partnet_parts import order_nodes
@@ -285,7 +285,10 @@ def rest_nodes(
 
 
 def _find_rest(node: SourceNode, label: PartLabel, points: np.ndarray, body: np.ndarray) -> RestPose:
+    """The limit at 0; else 0 if a limit is near and the part does not stand off more than there; else as for
+    PartNet."""
     near, far = sorted((node.a, node.b), key=abs)
     if abs(near) <= CLOSED_SHARE * abs(node.b - node.a):
         return RestPose(rest=near, far=far, note=describe_rest(node, near, far))
-    return closed_pose(node, label, points, body)
+    beyond = node.a * node.b < 0.0 and not swings_both_ways(node) and label not in ("knob", "wheel")
+    return closed_pose(node, label, points, body, first=(0.0,) if beyond else ())

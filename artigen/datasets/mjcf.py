@@ -7,6 +7,7 @@ object stands as the file stands it. What is drawn is decided for each moving li
 # mujoco is a compiled module without stubs.
 # pyright: reportAttributeAccessIssue=false
 
+import re
 import warnings
 from collections import Counter
 from dataclasses import dataclass, replace
@@ -23,10 +24,16 @@ from artigen.datasets.mjcf_scene import choose_object, list_roots, name_root
 from artigen.errors import SourceError
 from artigen.files.urdf import UrdfJoint
 from artigen.transforms import shift
+from artigen.types import FULL_TURN
 
 if TYPE_CHECKING:
     import mujoco
 
+STATED = re.compile(r"""<compiler\b[^>]*\bangle\s*=""")
+"""A compiler element that states the unit of angles."""
+INCLUDED = re.compile(r"""<include\b[^>]*\bfile\s*=\s*["']([^"']+)["']""")
+EULER = re.compile(r"""\beuler\s*=\s*["']([-+.\deE\s]+)["']""")
+ROUND = 1e-3
 LEAST_MASS = 1e-3
 LEAST_INERTIA = 1e-6
 """Mass (kg) and inertia (kg m^2) with which a body without them compiles."""
@@ -67,7 +74,7 @@ def list_mjcf_objects(path: Path) -> tuple[str, ...]:
     Raises:
         SourceError: If MuJoCo cannot compile the file.
     """
-    model = compile_mjcf(path)
+    model, _ = compile_mjcf(path)
     roots = list_roots(model)
     return tuple(name_root(model, root) for root in roots) if len(roots) > 1 else ()
 
@@ -86,7 +93,7 @@ def read_mjcf(path: Path, body: str | None = None) -> Mechanism:
     """
     import mujoco
 
-    model = compile_mjcf(path)
+    model, notes = compile_mjcf(path)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     chosen = choose_object(model, path, body)
@@ -96,7 +103,7 @@ def read_mjcf(path: Path, body: str | None = None) -> Mechanism:
     names = unique_names((model.joint(index).name for index in range(model.njnt)), "joint")
     couplings, coupling_notes = _list_couplings(model, names)
     links = {root: _Link(name=bodies[root], origin=np.array(data.xpos[root]))}
-    made, joints, notes = [bodies[root]], list[UrdfJoint](), list[str]()
+    made, joints = [bodies[root]], list[UrdfJoint]()
     notes += [
         f"joint {names[move]!r} moves the whole object; it is fixed where it stands"
         for move in _joints_of(model, root)
@@ -131,8 +138,8 @@ def read_mjcf(path: Path, body: str | None = None) -> Mechanism:
     )
 
 
-def compile_mjcf(path: Path) -> "mujoco.MjModel":
-    """The model of a file, whatever its masses and the orientation of its meshes.
+def compile_mjcf(path: Path) -> tuple["mujoco.MjModel", list[str]]:
+    """The model of a file, whatever its masses, the orientation of its meshes and missing images; and notes.
 
     Raises:
         SourceError: If MuJoCo cannot compile the file.
@@ -147,12 +154,48 @@ def compile_mjcf(path: Path) -> "mujoco.MjModel":
         spec.compiler.discardvisual = spec.compiler.fusestatic = False
         for mesh in spec.meshes:
             mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
+        notes = [*_replace_images(spec, path), *_guess_angles(spec, path)]
         with warnings.catch_warnings():  # of masses, which are not used
             warnings.simplefilter("ignore", UserWarning)
-            return spec.compile()
+            return spec.compile(), notes
     except (ValueError, mujoco.FatalError) as err:
         said = " ".join(str(err).split())
         raise SourceError(f"{path}: MuJoCo cannot read it: {said}") from err
+
+
+def _replace_images(spec: "mujoco.MjSpec", path: Path) -> list[str]:
+    """Makes textures white whose images are missing, and says so."""
+    import mujoco
+
+    folder = path.parent / (spec.compiler.texturedir or "")
+    missing = []
+    for texture in spec.textures:
+        name = Path(texture.file).name if spec.strippath else texture.file
+        if texture.file and not (folder / name).is_file() and name not in spec.assets:
+            missing.append(texture.file)
+            texture.file, texture.builtin = "", mujoco.mjtBuiltin.mjBUILTIN_FLAT
+            texture.rgb1, texture.width, texture.height = np.ones(3), 1, 1
+    return [f"images that are missing, plain colours instead: {', '.join(missing)}"] if missing else []
+
+
+def _guess_angles(spec: "mujoco.MjSpec", path: Path) -> list[str]:
+    """Takes angles for radians where the file leaves their unit open and no hinge would turn by more than
+    a full turn in radians: files that are parts of a scene rely on its settings."""
+    import mujoco
+
+    hinges = [joint.range for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_HINGE]
+    largest = max((float(np.abs(limits).max()) for limits in hinges), default=0.0)
+    texts = [path.read_text(errors="replace")]
+    if not spec.compiler.degree or not 0.0 < largest <= FULL_TURN + ROUND or STATED.search(texts[0]):
+        return []
+    for name in INCLUDED.findall(texts[0]):
+        file = path.parent / name
+        if file.is_file() and STATED.search(file.read_text(errors="replace")):
+            return []
+    if any(abs(float(word)) > FULL_TURN for text in EULER.findall(texts[0]) for word in text.split()):
+        return []
+    spec.compiler.degree = False
+    return [f"angles are read as radians: in degrees, no hinge would turn by more than {largest:.3g} degrees"]
 
 
 def _joints_of(model: "mujoco.MjModel", body: int) -> range:

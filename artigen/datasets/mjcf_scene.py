@@ -38,25 +38,25 @@ class Choice:
 
 
 def list_roots(model: "mujoco.MjModel") -> list[int]:
-    """Bodies that are the roots of objects; the world (0) is one if something hangs from it directly."""
+    """Bodies that are the roots of objects; the world (0) is one if something drawn is fixed to it from which
+    other things hang."""
+    import mujoco
+
     weld, top = np.asarray(model.body_weldid), np.asarray(model.body_rootid)
-    owners = np.unique(np.asarray(model.geom_bodyid))
+    solid = np.asarray(model.geom_type) != int(mujoco.mjtGeom.mjGEOM_PLANE)
+    owners = np.unique(np.asarray(model.geom_bodyid)[solid])
     tops = [body for body in range(1, model.nbody) if model.body_parentid[body] == 0]
     moved = [body for body in range(1, model.nbody) if _moves(model, body)]
     hinged = [body for body in tops if body in moved]
-    carriers = [
-        body
-        for body in tops
-        if body not in hinged
-        and any(top[other] == body for other in moved)
-        and any(top[other] == body and weld[other] == weld[body] for other in owners)
-    ]
-    if hinged or (moved and not carriers):
+    moving = [body for body in tops if body not in hinged and any(top[other] == body for other in moved)]
+    carriers = [body for body in moving if any(top[o] == body and weld[o] == weld[body] for o in owners)]
+    framed = any(weld[owner] == 0 and int(top[owner]) not in carriers for owner in owners)
+    if framed and len(hinged) + len(moving) > len(carriers):
         return [0, *carriers]
     loose = [body for body in tops if model.body_jntnum[body] and body in owners]
     drawn = [body for body in tops if np.isin(top[owners], body).any()]
     alone = drawn if len(drawn) == 1 and 0 not in owners else [0]
-    return carriers or loose or alone
+    return sorted([*hinged, *moving]) or loose or alone
 
 
 def name_root(model: "mujoco.MjModel", body: int) -> str:
@@ -84,26 +84,23 @@ def choose_object(model: "mujoco.MjModel", path: Path, body: str | None) -> Choi
     for index in range(root + 1, model.nbody):
         if int(model.body_parentid[index]) in below:
             below.add(index)
-    left: list[str] = []
     if root == 0:
-        below, left = _leave_scenery(model, below, roots, names)
-    geoms, hidden = [], []
-    for geom in range(model.ngeom):
-        owner = int(model.geom_bodyid[geom])
-        name = model.geom(geom).name
-        if owner not in below:
-            continue
-        (hidden if root == 0 and owner == 0 and _is_scenery(name) else geoms).append(geom)
-    if root == 0 and not geoms:
-        geoms, hidden = hidden, []
-    left += [model.geom(geom).name for geom in hidden]
-    around = [index for index in range(model.nbody) if index not in below and model.body_parentid[index] == 0]
-    if root != 0:
-        left += [names[index] for index in around]
-        bare = sum(int(owner) == 0 for owner in model.geom_bodyid)
-        left += [f"{bare} geoms of the world"] if bare else []
+        below = _leave_scenery(model, below, roots, names)
+    owners = np.asarray(model.geom_bodyid)
+    geoms = np.flatnonzero(np.isin(owners, sorted(below)))
+    called = np.array(
+        [owners[geom] == 0 and _is_scenery(model.geom(geom).name) for geom in geoms], dtype=bool
+    )
+    if root == 0 and not called.all():
+        geoms = geoms[~called]
+    tops = [index for index in range(1, model.nbody) if model.body_parentid[index] == 0]
+    left = [
+        names[index] for index in tops if index not in below and root in (0, int(model.body_rootid[root]))
+    ]
+    bare = int(np.sum(owners == 0)) - int(np.sum(owners[geoms] == 0))
+    left += [f"geoms of the world ({bare})"] if bare else []
     notes = [f"around {names[root]!r} in the file, left out: {_join(left)}"] if left else []
-    return Choice(bodies=tuple(sorted(below)), geoms=tuple(geoms), notes=tuple(notes))
+    return Choice(bodies=tuple(sorted(below)), geoms=tuple(geoms.tolist()), notes=tuple(notes))
 
 
 def _moves(model: "mujoco.MjModel", body: int) -> bool:
@@ -117,16 +114,16 @@ def _moves(model: "mujoco.MjModel", body: int) -> bool:
 
 def _leave_scenery(
     model: "mujoco.MjModel", below: set[int], roots: Sequence[int], names: Sequence[str]
-) -> tuple[set[int], list[str]]:
-    """The bodies of the world without other objects, loose things and still bodies called like scenery."""
-    top = np.asarray(model.body_rootid)
+) -> set[int]:
+    """The bodies of the world without other objects, loose things, and still ones called like scenery, unless
+    nothing else is still."""
+    top, owners = np.asarray(model.body_rootid), np.asarray(model.geom_bodyid)
     moving = {int(top[index]) for index in below if _moves(model, index)}
-    left = [
-        index
-        for index in sorted({int(top[index]) for index in below} - {0})
-        if index in roots or (index not in moving and (model.body_jntnum[index] or _is_scenery(names[index])))
-    ]
-    return {index for index in below if int(top[index]) not in left}, [names[index] for index in left]
+    still = {int(one) for one in top if int(one) not in (0, *roots, *moving) and not model.body_jntnum[one]}
+    called = {one for one in still if _is_scenery(names[one])}
+    called = called if (still - called) or 0 in owners else set()
+    kept = {0, *moving, *(still - called)} - (set(roots) - {0})
+    return {index for index in below if int(top[index]) in kept}
 
 
 def _is_scenery(name: str) -> bool:

@@ -176,9 +176,8 @@ def place_links(links: Sequence[str], joints: Sequence[UrdfJoint]) -> dict[str, 
     for joint in joints:
         below.setdefault(joint.parent, []).append(joint)
     poses = {link: np.eye(4) for link in links if link not in above}
-    order: dict[str, tuple[int, int]] = dict.fromkeys(
-        poses, (0, -1)
-    )  # readings of the file that it takes, and the place in it
+    # Times that the file is read through until a link is placed, and its line.
+    order: dict[str, tuple[int, int]] = dict.fromkeys(poses, (0, -1))
     waiting = list(poses)
     for parent in waiting:
         for joint in below.get(parent, ()):

@@ -190,7 +190,7 @@ def test_an_object_is_told_from_the_scene_around_it(tmp_path, bodies, body, show
     found = read_mjcf(write(tmp_path, SCENE.format(bodies)), body)
     assert {shape.name for shape in found.visuals} == shown
     assert any("left out" in note and "table" in note and "mug" in note for note in found.notes)
-    assert any("1 cameras" in note and "1 lights" in note for note in found.notes)
+    assert any("cameras (1)" in note and "lights (1)" in note for note in found.notes)
 
 
 def test_a_file_of_several_objects_names_them(tmp_path):

@@ -120,14 +120,16 @@ def test_the_limit_at_zero_is_closed_and_opening_is_positive(tmp_path, limits, a
     np.testing.assert_allclose(part.joint.axis, (0, -1, 0), atol=1e-12)
 
 
-def test_a_range_about_zero_is_shifted_and_the_shift_is_noted(tmp_path):
-    found = read(tmp_path, BODY, FLAP, flap(limits=(-0.2, 1.0))).asset
-    assert found.parts[1].joint.upper == pytest.approx(1.2)
-    assert any("moved by -11.4592" in note and "flap" in note for note in found.notes)
-    # The flap, 0.3 m high, leans into the body where it is closed.
-    drawn = read(tmp_path, BODY, FLAP, flap(limits=(0.0, 1.0))).asset
-    deeper = found.parts[1].box[0][0] * found.scale - drawn.parts[1].box[0][0] * drawn.scale
-    assert deeper > 0.02
+@pytest.mark.parametrize(("ajar", "rest"), [(0.0, 0.0), (0.25, -0.25)])
+def test_travel_below_zero_closes_a_part_only_if_it_was_drawn_ajar(tmp_path, ajar, rest):
+    """A flap that is flush at 0 leans into the body below it; one that is drawn open closes there."""
+    at = joint("revolute", "body", "flap", xyz=(-0.21, 0, -0.4), axis=(0, -1, 0), limits=(-0.25, 1.2))
+    leaf = link("flap", box_visual((0.02, 0.6, 0.6), (0, 0, 0.3)))
+    tilted = at.replace("<origin", f'<origin rpy="0 {-ajar} 0"')
+    found = read(tmp_path, BODY, leaf, tilted)
+    assert found.asset.parts[1].joint.upper == pytest.approx(1.2 - rest)
+    box = found.asset.parts[1].box[1] * found.asset.scale
+    assert box[0] == pytest.approx(0.02, abs=0.01)  # upright
 
 
 @pytest.mark.parametrize(("share", "at_zero"), [(0.0199, True), (0.0201, False)])
