@@ -5,6 +5,7 @@ primitives, OBJ without materials, meshes scaled by unequal factors) are written
 so that everything behind this module knows one format.
 """
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -142,9 +143,7 @@ def write_obj(pieces: Sequence["Trimesh"], color: tuple[float, float, float, flo
             if opacity < 1.0:
                 material += f"\nd {opacity:.5g}"
             if image is not None:
-                name = f"{target.stem}_{len(materials)}.png"
-                image.convert("RGB").save(target.parent / name)
-                material += f"\nmap_Kd {name}"
+                material += f"\nmap_Kd {_write_image(image, target.parent)}"
             materials.append(material)
         for number in range(len(colors)):
             rows.append(f"usemtl m{first + number}")
@@ -155,6 +154,16 @@ def write_obj(pieces: Sequence["Trimesh"], color: tuple[float, float, float, flo
         texture += 0 if uv is None else len(uv)
     target.write_text("\n".join(rows) + "\n", encoding="utf-8")
     target.with_suffix(".mtl").write_text("\n".join(materials) + "\n", encoding="utf-8")
+
+
+def _write_image(image: "Image", folder: Path) -> str:
+    """Name of a PNG of an image, which is there once however often it is used."""
+    pixels = image.convert("RGB")
+    size = f"{pixels.width} {pixels.height} ".encode()
+    name = f"image_{hashlib.sha256(size + pixels.tobytes()).hexdigest()[:16]}.png"
+    if not (folder / name).exists():
+        pixels.save(folder / name, compress_level=1)
+    return name
 
 
 def _find_look(

@@ -101,7 +101,7 @@ def read_mjcf(path: Path, body: str | None = None) -> Mechanism:
     root, *others = chosen.bodies
     bodies = unique_names((model.body(index).name for index in range(model.nbody)), "body")
     names = unique_names((model.joint(index).name for index in range(model.njnt)), "joint")
-    couplings, coupling_notes = _list_couplings(model, names)
+    couplings, unused = _list_couplings(model, names)
     links = {root: _Link(name=bodies[root], origin=np.array(data.xpos[root]))}
     made, joints = [bodies[root]], list[UrdfJoint]()
     notes += [
@@ -134,7 +134,7 @@ def read_mjcf(path: Path, body: str | None = None) -> Mechanism:
         made,
         _keep_leaders(joints),
         visuals=solids,
-        notes=(*chosen.notes, *notes, *coupling_notes, *say_dropped(spare | _count_rest(model))),
+        notes=(*chosen.notes, *notes, *say_dropped({**spare, **unused, **_count_rest(model)})),
     )
 
 
@@ -248,8 +248,8 @@ def _make_joint(
     )
 
 
-def _list_couplings(model: "mujoco.MjModel", names: list[str]) -> tuple[dict[str, _Coupling], list[str]]:
-    """The first active equality in proportion of every joint, and sentences on all other constraints."""
+def _list_couplings(model: "mujoco.MjModel", names: list[str]) -> tuple[dict[str, _Coupling], dict[str, int]]:
+    """The first active equality in proportion of every joint, and the numbers of all other constraints."""
     import mujoco
 
     found: dict[str, _Coupling] = {}
@@ -269,7 +269,7 @@ def _list_couplings(model: "mujoco.MjModel", names: list[str]) -> tuple[dict[str
             found[names[one]] = _Coupling(
                 leader=None if still else names[other], factor=factor, offset=offset
             )
-    return found, say_dropped({**dropped, "inactive equalities": idle})
+    return found, {**dropped, "inactive equalities": idle}
 
 
 def _couple(joint: UrdfJoint, coupling: _Coupling | None, path: Path) -> UrdfJoint:

@@ -35,20 +35,14 @@ def find_drawn(
     link collide is not drawn if geoms of the link in other groups do not collide and are about as large or
     larger: it stands in for them. A link of which nothing is seen shows all of its geoms but planes.
     """
-    import mujoco
-
-    seen_types = [geom for geom in geoms if int(model.geom_type[geom]) != int(mujoco.mjtGeom.mjGEOM_PLANE)]
-    spare = Counter({"planes": len(geoms) - len(seen_types)})
+    solid = [geom for geom in geoms if not _is_plane(model, geom)]
+    spare = Counter({"planes": len(geoms) - len(solid)})
     links: dict[int, list[int]] = {}
-    for geom in seen_types:
+    for geom in solid:
         links.setdefault(int(model.body_weldid[model.geom_bodyid[geom]]), []).append(geom)
     drawn: list[int] = []
     for own in links.values():
-        seen = [
-            geom
-            for geom in own
-            if int(model.geom_group[geom]) < VISIBLE_GROUPS and _read_color(model, geom)[3] > 0.0
-        ]
+        seen = [geom for geom in own if is_seen(model, geom)]
         if not seen:
             drawn += [geom for geom in own if _collides(model, geom)]
             spare["geoms that are not seen"] += sum(not _collides(model, geom) for geom in own)
@@ -58,6 +52,18 @@ def find_drawn(
         spare["collision shapes"] += len(seen) - len(shown)
         drawn += shown
     return sorted(drawn), spare
+
+
+def is_seen(model: "mujoco.MjModel", geom: int) -> bool:
+    """Whether MuJoCo's viewer shows a geom, planes excepted."""
+    shown = int(model.geom_group[geom]) < VISIBLE_GROUPS and _read_color(model, geom)[3] > 0.0
+    return bool(shown and not _is_plane(model, geom))
+
+
+def _is_plane(model: "mujoco.MjModel", geom: int) -> bool:
+    import mujoco
+
+    return int(model.geom_type[geom]) == int(mujoco.mjtGeom.mjGEOM_PLANE)
 
 
 def geom_pose(data: "mujoco.MjData", geom: int) -> Float[np.ndarray, "4 4"]:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from artigen.datasets.mjcf_geoms import is_seen
 from artigen.errors import SourceError
 
 if TYPE_CHECKING:
@@ -40,11 +41,9 @@ class Choice:
 def list_roots(model: "mujoco.MjModel") -> list[int]:
     """Bodies that are the roots of objects; the world (0) is one if something drawn is fixed to it from which
     other things hang."""
-    import mujoco
-
     weld, top = np.asarray(model.body_weldid), np.asarray(model.body_rootid)
-    solid = np.asarray(model.geom_type) != int(mujoco.mjtGeom.mjGEOM_PLANE)
-    owners = np.unique(np.asarray(model.geom_bodyid)[solid])
+    seen = [geom for geom in range(model.ngeom) if is_seen(model, geom)]
+    owners = np.unique(np.asarray(model.geom_bodyid)[seen])
     tops = [body for body in range(1, model.nbody) if model.body_parentid[body] == 0]
     moved = [body for body in range(1, model.nbody) if _moves(model, body)]
     hinged = [body for body in tops if body in moved]
@@ -88,15 +87,11 @@ def choose_object(model: "mujoco.MjModel", path: Path, body: str | None) -> Choi
         below = _leave_scenery(model, below, roots, names)
     owners = np.asarray(model.geom_bodyid)
     geoms = np.flatnonzero(np.isin(owners, sorted(below)))
-    called = np.array(
-        [owners[geom] == 0 and _is_scenery(model.geom(geom).name) for geom in geoms], dtype=bool
-    )
+    called = np.array([not owners[g] and _is_scenery(model.geom(g).name) for g in geoms], dtype=bool)
     if root == 0 and not called.all():
         geoms = geoms[~called]
     tops = [index for index in range(1, model.nbody) if model.body_parentid[index] == 0]
-    left = [
-        names[index] for index in tops if index not in below and root in (0, int(model.body_rootid[root]))
-    ]
+    left = [names[index] for index in tops if index not in below]
     bare = int(np.sum(owners == 0)) - int(np.sum(owners[geoms] == 0))
     left += [f"geoms of the world ({bare})"] if bare else []
     notes = [f"around {names[root]!r} in the file, left out: {_join(left)}"] if left else []
