@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 from xml.etree.ElementTree import Element, ParseError
 
 import numpy as np
@@ -28,7 +29,7 @@ class UrdfShape:
     link: str
     name: str
     kind: str
-    """``mesh``, ``box``, ``cylinder`` or ``sphere``."""
+    """``mesh``, ``box``, ``cylinder``, ``capsule`` or ``sphere``."""
     T_link_shape: Float[np.ndarray, "4 4"]
     file: str = ""
     sizes: tuple[float, ...] = ()
@@ -38,6 +39,8 @@ class UrdfShape:
     """Colour of its material in [0, 1], if one is given."""
     opacity: float = 1.0
     """That of its material: 1 hides what is behind, 0 hides nothing."""
+    texture: str = ""
+    """Image of its material as written."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -114,15 +117,14 @@ def parse_urdf(path: Path, owner: str = "", *, inertials: bool = True) -> UrdfFi
         raise SourceError(f"{owner}: not valid XML ({type(err).__name__}: {err})") from err
     if robot.tag != "robot":
         raise SourceError(f"{owner}: root element <{robot.tag}>, expected <robot>")
-    colors = {
-        material.get("name", ""): color
-        for material in robot.findall("material")
-        if (color := _color(material, owner)) is not None
+    named = [*robot.findall("link//material"), *robot.findall("material")]  # those of the robot count first
+    looks = {
+        material.get("name", ""): look for material in named if (look := _look(material, owner)) != _Look()
     }
     return UrdfFile(
         path=path,
         name=robot.get("name", ""),
-        links=tuple(_link(owner, one, colors, inertials=inertials) for one in robot.findall("link")),
+        links=tuple(_link(owner, one, looks, inertials=inertials) for one in robot.findall("link")),
         joints=tuple(_joint(owner, element) for element in robot.findall("joint")),
     )
 
@@ -220,17 +222,26 @@ def _origin(element: Element, owner: str) -> np.ndarray:
     return T
 
 
-def _color(material: Element | None, owner: str) -> Rgba | None:
-    """The colour and opacity that a ``<material>`` gives itself."""
-    found = None if material is None else material.find("color")
-    if found is None or found.get("rgba") is None:
-        return None
-    rgba = np.clip(_floats(found.get("rgba", ""), 4, f"{owner}: <color rgba>"), 0, 1)
-    red, green, blue, opacity = rgba.tolist()
-    return red, green, blue, opacity
+class _Look(NamedTuple):
+    rgba: Rgba | None = None
+    texture: str = ""
 
 
-def _shape(element: Element, link: str, owner: str, colors: Mapping[str, Rgba]) -> UrdfShape:
+def _look(material: Element | None, owner: str) -> _Look:
+    """The colour with opacity, and the image, that a ``<material>`` gives itself."""
+    if material is None:
+        return _Look()
+    said, image = material.find("color"), material.find("texture")
+    rgba = None
+    if said is not None and said.get("rgba") is not None:
+        red, green, blue, opacity = np.clip(
+            _floats(said.get("rgba", ""), 4, f"{owner}: <color rgba>"), 0, 1
+        ).tolist()
+        rgba = (red, green, blue, opacity)
+    return _Look(rgba=rgba, texture="" if image is None else image.get("filename", ""))
+
+
+def _shape(element: Element, link: str, owner: str, looks: Mapping[str, _Look]) -> UrdfShape:
     shapes = element.findall("geometry/*")
     if len(shapes) != 1:
         raise SourceError(f"{owner}: <{element.tag}> holds {len(shapes)} shapes, expected one")
@@ -244,14 +255,18 @@ def _shape(element: Element, link: str, owner: str, colors: Mapping[str, Rgba]) 
             )
         case "box":
             sizes = tuple(_floats(shape.get("size", ""), 3, f"{owner}: <box size>").tolist())
-        case "cylinder":
+        case "cylinder" | "capsule":
             sizes = (_number(shape, "radius", owner), _number(shape, "length", owner))
         case "sphere":
             sizes = (_number(shape, "radius", owner),)
         case _:
-            raise SourceError(f"{owner}: shape <{shape.tag}>, expected mesh, box, cylinder or sphere")
+            raise SourceError(
+                f"{owner}: shape <{shape.tag}>, expected mesh, box, cylinder, capsule or sphere"
+            )
     material = element.find("material")
-    color = _color(material, owner) or (None if material is None else colors.get(material.get("name", "")))
+    look = _look(material, owner)
+    if material is not None and look == _Look():
+        look = looks.get(material.get("name", ""), look)
     x, y, z = scale.tolist()
     return UrdfShape(
         link=link,
@@ -261,8 +276,9 @@ def _shape(element: Element, link: str, owner: str, colors: Mapping[str, Rgba]) 
         file=shape.get("filename", ""),
         sizes=sizes,
         scale=(x, y, z),
-        color=None if color is None else color[:3],
-        opacity=1.0 if color is None else color[3],
+        color=None if look.rgba is None else look.rgba[:3],
+        opacity=1.0 if look.rgba is None else look.rgba[3],
+        texture=look.texture,
     )
 
 
@@ -281,12 +297,12 @@ def _inertial(element: Element, owner: str) -> UrdfInertial:
     )
 
 
-def _link(file: str, element: Element, colors: Mapping[str, Rgba], *, inertials: bool) -> UrdfLink:
+def _link(file: str, element: Element, looks: Mapping[str, _Look], *, inertials: bool) -> UrdfLink:
     name = element.get("name", "")
     owner = f"{file}: link {name!r}"
     inertial = element.find("inertial") if inertials else None
     visuals, collisions = (
-        tuple(_shape(shape, name, owner, colors) for shape in element.findall(tag))
+        tuple(_shape(shape, name, owner, looks) for shape in element.findall(tag))
         for tag in ("visual", "collision")
     )
     return UrdfLink(

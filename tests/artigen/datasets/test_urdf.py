@@ -371,8 +371,8 @@ BAD = {
         "'flap' is a link between two joints and has no geometry, but carries a, b",
     ),
     "an unknown shape": (
-        (BODY.replace("<box", "<capsule"),),
-        "link 'body': shape <capsule>, expected mesh, box",
+        (BODY.replace("<box", "<torus"),),
+        "link 'body': shape <torus>, expected mesh, box",
     ),
     "a flat box": ((link("body", box_visual((0, 1, 1))),), "has no extent, expected lengths above 0"),
     "an endless leader": (
@@ -545,3 +545,69 @@ def joint_table_markdown() -> str:
 def test_the_documented_joint_table_is_the_one_in_force():
     docs = Path(__file__).resolve().parents[3] / "docs" / "how-to" / "convert.md"
     assert joint_table_markdown() in docs.read_text()
+
+
+@pytest.mark.parametrize("between", ["", "fixed"])
+def test_fixed_joints_and_empty_branches_do_not_break_a_row_of_joints(tmp_path, between):
+    """Two joints through empty links are one joint, and a frame without shapes hangs from one of them."""
+    lift = joint("prismatic", "body", "lift", xyz=(-0.21, 0, -0.4), axis=(0, 0, 1), limits=(0, 0.05))
+    extra = [link("mount"), joint("fixed", "lift", "mount"), link("frame"), joint("fixed", "mount", "frame")]
+    at = "mount" if between else "lift"
+    turn = joint("revolute", at, "flap", axis=(0, -1, 0), limits=(0, 1.2))
+    elements = (BODY, link("lift"), *(extra if between else ()), FLAP, lift, turn)
+    found = read(tmp_path, *elements).asset
+    assert [part.joint.type for part in found.parts] == ["fixed", "revolute"]
+    assert any("'to_flap' (revolute) is kept" in note for note in found.notes)
+
+
+def test_joints_that_move_all_that_is_drawn_are_fixed(tmp_path):
+    stand = joint("floating", "world", "slide")
+    rail = joint("prismatic", "slide", "body", limits=(-1.0, 1.0))
+    found = read(tmp_path, link("world"), link("slide"), BODY, FLAP, stand, rail, flap()).asset
+    assert [part.joint.type for part in found.parts] == ["fixed", "revolute"]
+    assert sum("moves the whole object" in note for note in found.notes) == 2
+
+
+@pytest.mark.parametrize("inside", [True, False])
+def test_a_material_is_known_by_name_wherever_it_is_defined(tmp_path, inside):
+    """In the robot, or in a link that comes later."""
+    named = BODY.replace('<color rgba="0.7 0.7 0.7 1"/>', "").replace('name=""/>', 'name="teal"/>')
+    named = named.replace('<material name=""></material>', '<material name="teal"/>')
+    material = '<material name="teal"><color rgba="0 0.5 0.5 0.25"/></material>'
+    leaf = FLAP.replace(
+        '<material name=""><color rgba="0.7 0.7 0.7 1"/></material>', material if inside else ""
+    )
+    (tmp_path / "thing.urdf").write_text(urdf(named, leaf, *(() if inside else (material,)), flap()))
+    (shape,) = next(one for one in parse_urdf(tmp_path / "thing.urdf").links if one.name == "body").visuals
+    assert (shape.color, shape.opacity) == ((0.0, 0.5, 0.5), 0.25)
+
+
+@pytest.mark.parametrize("joints", [1000.0, 1.0])
+def test_millimetres_are_guessed_and_said(tmp_path, joints):
+    """Of the whole file, or of meshes whose joints are in metres."""
+    for name, size, at in (("body", (400, 600, 800), (0, 0, 0)), ("leaf", (20, 600, 300), (0, 0, 150))):
+        mesh = trimesh.creation.box(size)
+        mesh.apply_translation(at)
+        mesh.export(tmp_path / f"{name}.stl")
+    at = joint(
+        "revolute", "body", "flap", xyz=joints * np.array([-0.21, 0, -0.4]), axis=(0, -1, 0), limits=(0, 1.2)
+    )
+    found = read(
+        tmp_path, link("body", mesh_visual("body.stl")), link("flap", mesh_visual("leaf.stl")), at
+    ).asset
+    assert found.scale == pytest.approx(0.8)
+    np.testing.assert_allclose(found.parts[1].box[1] * found.scale, (0.02, 0.6, 0.3), atol=1e-6)
+    low = (found.parts[1].box[0][0] - found.parts[0].box[0][0]) * found.scale
+    assert low == pytest.approx(-0.21, abs=1e-6)
+    assert any(
+        "read as millimetres: in metres, the object would be 800 m long" in note for note in found.notes
+    )
+
+
+@pytest.mark.parametrize("name", ["../../secret.stl", "package://thing/../../../secret.stl", "/etc/hostname"])
+def test_no_name_leads_out_of_the_package(tmp_path, name):
+    folder = tmp_path / "a" / "thing" / "robots"
+    folder.mkdir(parents=True)
+    trimesh.creation.box((1, 1, 1)).export(tmp_path / "secret.stl")
+    with pytest.raises(SourceError, match=r"inside of|is missing"):
+        read(folder, BODY, link("flap", mesh_visual(name)), flap())
