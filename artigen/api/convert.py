@@ -1,5 +1,6 @@
 """Converts URDFs, MJCFs, PartNet-Mobility folders and object.json to packages."""
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -40,6 +41,8 @@ class ConvertSettings:
     """Up axis of a URDF, MJCF or object.json; default: z, or y in object.json."""
     front: Direction | None = None
     """Axis that the front faces; default: -x in a URDF or MJCF, z in object.json."""
+    body: str | None = None
+    """Body of a scene file that is the object; default: every object in the file becomes a package."""
     seed: int = 0
     """Seed of the surface samples."""
     splats: bool = False
@@ -64,10 +67,11 @@ class ConvertJob:
 
     @property
     def key(self) -> str:
-        """Name of the package, that of the source."""
+        """Name of the package: that of the source, with the chosen body."""
         from artigen.datasets.sources import name_source
 
-        return name_source(self.source)
+        body = "" if self.cfg.body is None else "_" + re.sub(r"\W", "_", self.cfg.body)
+        return name_source(self.source) + body
 
     @property
     def settings(self) -> str:
@@ -90,12 +94,25 @@ class ConvertJob:
             category=cfg.category,
             up=cfg.up,
             front=cfg.front,
+            body=cfg.body,
         )
         source = read_source(self.source, scratch, reader)
         if not cfg.mend:
             return source
         cell = source.asset.scale / self.grid if cfg.visual == "voxels" else 0.0
         return mend_object(source, scratch, cell)
+
+
+def list_jobs(source: Path, out: Path, cfg: ConvertSettings) -> list[ConvertJob]:
+    """A job for every object in a source; one that cannot be read fails when its job runs."""
+    from artigen.datasets.sources import list_objects
+    from artigen.errors import SourceError
+
+    try:
+        bodies = list_objects(source) if cfg.body is None else ()
+    except SourceError:
+        bodies = ()
+    return [ConvertJob(source=source, out=out, cfg=replace(cfg, body=body)) for body in bodies or (cfg.body,)]
 
 
 def convert_object(job: ConvertJob) -> Made:
@@ -280,4 +297,4 @@ def list_conversions(sources: Sequence[Path], out: Path, cfg: ConvertSettings) -
     """
     from artigen.datasets.sources import find_sources
 
-    return [ConvertJob(source=source, out=out, cfg=cfg) for source in find_sources(tuple(sources))]
+    return [job for source in find_sources(tuple(sources)) for job in list_jobs(source, out, cfg)]

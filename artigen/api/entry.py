@@ -68,6 +68,7 @@ class ConvertOptions(TypedDict, total=False):
     kind: str | None
     up: Direction | None
     front: Direction | None
+    body: str | None
     visual: Literal["source", "voxels"]
     gaussians: bool
     workers: int
@@ -221,6 +222,7 @@ def convert(
     kind: str | None = None,
     up: Direction | None = None,
     front: Direction | None = None,
+    body: str | None = None,
     visual: Literal["source", "voxels"] = "source",
     gaussians: bool = False,
     workers: int = 0,
@@ -238,6 +240,7 @@ def convert(
         kind: Kind of the object; default: from its files and its name.
         up: Up axis of the source; default: z, or y in ``object.json``.
         front: Axis that its front faces; default: -x, or z in ``object.json``.
+        body: Body of a scene file that is the object; default: every object in the file.
         visual: Keep the meshes, or rebuild the object from its 64^3 voxels.
         gaussians: Whether the package has 3D Gaussians.
         workers: Processes for many objects; 0 makes them in this one.
@@ -246,7 +249,7 @@ def convert(
         ArtigenError: If the source cannot be read, or holds several objects where one is expected.
     """
     cfg = ConvertSettings(
-        mend=mend, size=size, category=kind, up=up, front=front, visual=visual, splats=gaussians
+        mend=mend, size=size, category=kind, up=up, front=front, body=body, visual=visual, splats=gaussians
     )
     one = isinstance(source, str | Path)
     given = (Path(source),) if isinstance(source, str | Path) else tuple(map(Path, source))

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from artigen.datasets.categories import guess_category
+from artigen.datasets.mechanism_object import OTHER, turn_upright
 from artigen.datasets.mesh_files import load_shape
 from artigen.datasets.part_labels import SHELF_NAMES, SPLIT_LABELS, guess_label
 from artigen.datasets.partnet_annotation import (
@@ -31,7 +32,6 @@ from artigen.datasets.partnet_meshes import PieceMesh
 from artigen.datasets.partnet_mobility import choose_size
 from artigen.datasets.partnet_parts import order_nodes
 from artigen.datasets.source_object import ReaderConfig, SourceObject, SourceTree, assemble, collect_corners
-from artigen.datasets.urdf_object import OTHER, turn_upright
 from artigen.errors import SourceError
 from artigen.files.urdf import UrdfShape
 from artigen.files.wavefront import inside

@@ -1,11 +1,13 @@
 """Meshes of any format and primitives as OBJ files with their materials.
 
 An OBJ that a package can hold as it is stays as it is. All others (STL, GLB, DAE, PLY, what trimesh reads,
-primitives, OBJ without materials, meshes scaled by unequal factors) are written anew into a scratch folder,
-so that everything behind this module knows one format.
+primitives, OBJ without materials or with missing images, meshes scaled by unequal factors) are written anew
+into a scratch folder, so that everything behind this module knows one format.
 """
 
-from collections.abc import Sequence
+import hashlib
+import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,13 +16,25 @@ import numpy as np
 
 from artigen.errors import SourceError
 from artigen.files.urdf import UrdfShape
-from artigen.files.wavefront import NO_MATERIAL, ObjMesh, clean_name, read_obj
+from artigen.files.wavefront import (
+    NO_MATERIAL,
+    MtlMaterial,
+    ObjMesh,
+    clean_name,
+    parse_mtl,
+    parse_obj,
+    read_obj,
+)
 
 if TYPE_CHECKING:
     from PIL.Image import Image
     from trimesh import Trimesh
 
 FORMATS = ("obj", "stl", "glb", "gltf", "dae", "ply", "off")
+UNIT = re.compile(r"([-+.\deE]+) \* meters")
+"""How trimesh states the unit of a DAE file."""
+IMAGES = re.compile(rb"""(?:<init_from>|"uri"\s*:\s*")\s*([^<"]+?\.(?:png|jpe?g|bmp|tga))\s*[<"]""", re.I)
+"""An image in a DAE or glTF file."""
 COLORS = 64
 """Most plain colours that one mesh keeps; more are averaged."""
 
@@ -32,15 +46,20 @@ class PlacedMesh:
     path: Path
     scale: float
     mesh: ObjMesh
+    missing: tuple[str, ...] = ()
+    """Images and material libraries that the file names and that are not there."""
 
 
-def load_shape(shape: UrdfShape, path: Path | None, root: Path, scratch: Path) -> PlacedMesh | None:
+def load_shape(
+    shape: UrdfShape, path: Path | None, root: Path, scratch: Path, texture: Path | None = None
+) -> PlacedMesh | None:
     """The triangles of one visual or collision element; None where its file holds none.
 
     Args:
         path: Its mesh file; None for primitives.
         root: Folder that materials and images must not leave.
         scratch: Where meshes are written that cannot stay as they are.
+        texture: Image of its material, for meshes without materials of their own.
 
     Raises:
         SourceError: names the file and why it cannot be read.
@@ -50,34 +69,123 @@ def load_shape(shape: UrdfShape, path: Path | None, root: Path, scratch: Path) -
         if not len(mesh.faces):
             return None
         return PlacedMesh(path=path, scale=scale, mesh=replace(mesh, vertices=scale * mesh.vertices))
-    pieces = _primitive(shape) if path is None else _load(path)
+    missing: tuple[str, ...] = ()
+    if path is None:
+        pieces = _primitive(shape)
+    elif path.suffix.lower() == ".obj":
+        pieces, missing = read_obj_pieces(path, root)
+    else:
+        pieces, missing = _load(path)
     for piece in pieces:
         piece.apply_transform(np.diag([*shape.scale, 1.0]))
+    color = (*(shape.color or (NO_MATERIAL if texture is None else (1.0, 1.0, 1.0))), shape.opacity)
+    placed = load_pieces(pieces, scratch, color, None if texture is None else _open_image(texture))
+    return None if placed is None else replace(placed, missing=missing)
+
+
+def load_pieces(
+    pieces: Sequence["Trimesh"],
+    scratch: Path,
+    color: tuple[float, float, float, float] = (*NO_MATERIAL, 1.0),
+    image: "Image | None" = None,
+) -> PlacedMesh | None:
+    """Meshes written as one OBJ into ``scratch``; None if there are none.
+
+    Args:
+        color: RGBA of those that have no colour of their own.
+        image: What colours these, times ``color``: by texture coordinates, or by its mean.
+    """
     if not pieces:
         return None
+    scratch.mkdir(parents=True, exist_ok=True)
     target = scratch / f"mesh_{len(list(scratch.glob('*.obj')))}.obj"
-    write_obj(pieces, (*(shape.color or NO_MATERIAL), shape.opacity), target)
+    write_obj(pieces, color, target, image)
     return PlacedMesh(path=target, scale=1.0, mesh=read_obj(target, scratch))
 
 
 def _is_self_contained(path: Path) -> bool:
     """Whether an OBJ has materials, and all their files are there, in its object's folder."""
-    if path.suffix.lower() != ".obj":
+    if path.suffix.lower() != ".obj" or not path.is_file():
         return False
-    libraries = _named_files(path, ("mtllib",))
-    images = [image for library in libraries for image in _named_files(library, ("map_", "bump", "norm"))]
+    said = parse_obj(path)
+    libraries = [path.parent / name for name in said.libraries]
     folder = path.parent.parent.resolve()
-    return bool(libraries) and all(
-        file.is_file() and file.resolve().is_relative_to(folder) for file in (*libraries, *images)
+    if len(libraries) != 1 or not _are_inside(libraries, folder):
+        return False
+    return _are_inside(_list_images(libraries[0]), folder) and not parse_mtl(libraries[0]).keys().isdisjoint(
+        said.names
     )
 
 
-def _named_files(path: Path, keys: Sequence[str]) -> list[Path]:
-    if not path.is_file():
-        return []
-    rows = [line.strip() for line in path.read_text(errors="replace").splitlines()]
-    said = [row.split(maxsplit=1) for row in rows if row.startswith(tuple(keys))]
-    return [path.parent / clean_name(row[1]) for row in said if len(row) == 2]
+def _are_inside(files: Iterable[Path], folder: Path) -> bool:
+    return all(file.is_file() and file.resolve().is_relative_to(folder) for file in files)
+
+
+def _list_images(library: Path) -> list[Path]:
+    rows = [line.strip() for line in library.read_text(errors="replace").splitlines()]
+    said = [row.split(maxsplit=1) for row in rows if row.startswith(("map_", "bump", "norm"))]
+    return [library.parent / clean_name(row[1]) for row in said if len(row) == 2]
+
+
+def read_obj_pieces(path: Path, root: Path) -> "tuple[list[Trimesh], tuple[str, ...]]":
+    """The triangles of an OBJ, one mesh per material, and the names of libraries and images that it lacks.
+
+    Triangles without a known material have the colours of their vertices, or none of their own.
+
+    Args:
+        root: Folder that materials and images must not leave.
+    """
+    from trimesh import Trimesh
+    from trimesh.visual import ColorVisuals, TextureVisuals
+    from trimesh.visual.material import PBRMaterial
+
+    said = parse_obj(path)
+    known: dict[str, tuple[MtlMaterial, Path]] = {}
+    missing = []
+    for name in said.libraries:
+        library = path.parent / name
+        if _are_inside([library], root.resolve()):
+            known |= {key: (material, library.parent) for key, material in parse_mtl(library).items()}
+        else:
+            missing.append(name)
+    names = said.face_materials
+    pieces = []
+    for name in dict.fromkeys(names.tolist()):
+        faces, uv_faces = said.faces[names == name], said.uv_faces[names == name]
+        mesh = Trimesh(said.vertices[faces.ravel()], np.arange(faces.size).reshape(-1, 3), process=False)
+        uv = said.coords[uv_faces.ravel()] if len(said.coords) and (uv_faces >= 0).all() else None
+        if name in known:
+            material, folder = known[name]
+            image = folder / material.image if material.image else None
+            if image is not None and not _are_inside([image], root.resolve()):
+                missing.append(material.image)
+                image = None
+            color = (1.0, 1.0, 1.0) if image is not None and uv is not None else material.color
+            mesh.visual = TextureVisuals(
+                uv=uv,
+                material=PBRMaterial(
+                    baseColorFactor=[*color, material.opacity],
+                    baseColorTexture=None if image is None else _open_image(image),
+                    alphaMode="OPAQUE" if material.opacity == 1.0 else "BLEND",
+                ),
+            )
+        elif said.colors is not None:
+            mesh.visual = ColorVisuals(mesh, face_colors=said.colors[faces].mean(axis=1))
+        elif uv is not None:
+            mesh.visual = TextureVisuals(uv=uv, material=PBRMaterial())
+        pieces.append(mesh)
+    return pieces, tuple(dict.fromkeys(missing))
+
+
+def _open_image(path: Path) -> "Image":
+    from PIL import Image
+
+    try:
+        with Image.open(path) as image:
+            image.load()
+            return image
+    except (OSError, ValueError, Image.DecompressionBombError) as err:
+        raise SourceError(f"{path}: image cannot be decoded: {err}") from err
 
 
 def _primitive(shape: UrdfShape) -> list["Trimesh"]:
@@ -86,15 +194,19 @@ def _primitive(shape: UrdfShape) -> list["Trimesh"]:
     match shape.kind:
         case "box":
             return [creation.box(shape.sizes)]
+        case "capsule":
+            mesh = creation.capsule(radius=shape.sizes[0], height=shape.sizes[1], count=(24, 48))
+            mesh.apply_translation(-mesh.bounds.mean(axis=0))
+            return [mesh]
         case "cylinder":
             return [creation.cylinder(radius=shape.sizes[0], height=shape.sizes[1], sections=48)]
         case _:
             return [creation.icosphere(subdivisions=3, radius=shape.sizes[0])]
 
 
-def _load(path: Path) -> list["Trimesh"]:
+def _load(path: Path) -> "tuple[list[Trimesh], tuple[str, ...]]":
+    """Meshes of a file in metres, as trimesh reads them, and the images that it names and lacks."""
     import trimesh
-    from trimesh.visual import ColorVisuals
 
     if path.suffix.lower().lstrip(".") not in FORMATS:
         raise SourceError(f"{path}: a {path.suffix or 'nameless'} mesh, expected one of {', '.join(FORMATS)}")
@@ -103,23 +215,33 @@ def _load(path: Path) -> list["Trimesh"]:
         pieces = [piece for piece in scene.dump() if isinstance(piece, trimesh.Trimesh) and len(piece.faces)]
     except Exception as err:  # every loader behind trimesh raises errors of its own
         raise SourceError(f"{path}: mesh cannot be read: {type(err).__name__}: {err}") from err
-    unnamed = path.suffix.lower() == ".obj" and not any(
-        file.is_file() for file in _named_files(path, ("mtllib",))
-    )
+    unit = UNIT.fullmatch(str(scene.units or ""))
     for piece in pieces:
         if not np.isfinite(piece.vertices).all():
             raise SourceError(f"{path}: a vertex is not finite")
-        visual: Any = piece.visual
-        if unnamed and visual.kind == "texture":  # trimesh invents a material for texture coordinates
-            piece.visual = ColorVisuals(piece)
-    return pieces
+        if unit is not None:
+            piece.apply_scale(float(unit[1]))
+    named = IMAGES.findall(path.read_bytes()) if path.suffix.lower() in (".dae", ".gltf") else []
+    images = [name.decode(errors="replace").replace("\\", "/").removeprefix("file://") for name in named]
+    gone = [name for name in images if name and not (path.parent / name).is_file() and "data:" not in name]
+    return pieces, tuple(dict.fromkeys(gone))
 
 
-def write_obj(pieces: Sequence["Trimesh"], color: tuple[float, float, float, float], target: Path) -> None:
-    """Writes meshes as one OBJ, with plain colours and images; ``color`` (RGBA) is for those without any."""
+def write_obj(
+    pieces: Sequence["Trimesh"],
+    color: tuple[float, float, float, float],
+    target: Path,
+    default: "Image | None" = None,
+) -> None:
+    """Writes meshes as one OBJ, with plain colours and images.
+
+    Args:
+        color: RGBA of meshes without any.
+        default: Image of these.
+    """
     rows, materials, start, texture = [f"mtllib {target.stem}.mtl"], [], 1, 1
     for piece in pieces:
-        uv, image, colors, numbers = _find_look(piece, color)
+        uv, image, colors, numbers = _find_look(piece, color, default)
         rows += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in piece.vertices.tolist()]
         rows += [f"vt {u:.7g} {v:.7g}" for u, v in ([] if uv is None else uv.tolist())]
         first = len(materials)
@@ -128,9 +250,7 @@ def write_obj(pieces: Sequence["Trimesh"], color: tuple[float, float, float, flo
             if opacity < 1.0:
                 material += f"\nd {opacity:.5g}"
             if image is not None:
-                name = f"{target.stem}_{len(materials)}.png"
-                image.convert("RGB").save(target.parent / name)
-                material += f"\nmap_Kd {name}"
+                material += f"\nmap_Kd {_write_image(image, target.parent)}"
             materials.append(material)
         for number in range(len(colors)):
             rows.append(f"usemtl m{first + number}")
@@ -143,29 +263,55 @@ def write_obj(pieces: Sequence["Trimesh"], color: tuple[float, float, float, flo
     target.with_suffix(".mtl").write_text("\n".join(materials) + "\n", encoding="utf-8")
 
 
+def _write_image(image: "Image", folder: Path) -> str:
+    """Name of a PNG of an image, which is there once however often it is used."""
+    pixels = image.convert("RGB")
+    size = f"{pixels.width} {pixels.height} ".encode()
+    name = f"image_{hashlib.sha256(size + pixels.tobytes()).hexdigest()[:16]}.png"
+    if not (folder / name).exists():
+        pixels.save(folder / name, compress_level=1)
+    return name
+
+
 def _find_look(
-    piece: "Trimesh", color: tuple[float, float, float, float]
+    piece: "Trimesh", color: tuple[float, float, float, float], default: "Image | None"
 ) -> tuple[np.ndarray | None, "Image | None", list[tuple[float, ...]], np.ndarray]:
     """Texture coordinates and image if there is one, plain colours (RGBA), and the colour of each face.
 
-    A material of the mesh is transparent only if it says so: glTF ignores the alpha of others.
+    A material of the mesh is transparent only if it says so: glTF ignores the alpha of others. An image is
+    multiplied by the colour that glTF gives it.
     """
+    from PIL import Image
+    from trimesh.visual.material import empty_material
+
     visual: Any = piece.visual
     one = np.zeros(len(piece.faces), dtype=np.int64)
-    if visual.kind == "texture":
-        material = visual.material
-        image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
-        said = getattr(material, "baseColorFactor", None) is not None or hasattr(material, "diffuse")
-        main = np.asarray(material.main_color) / 255 if said else np.array(color)
-        blends = not said or getattr(material, "alphaMode", None) == "BLEND"
-        opacity = float(main[3]) if blends else 1.0
-        if image is not None and visual.uv is not None:
-            return np.asarray(visual.uv, dtype=np.float64), image, [(1.0, 1.0, 1.0, opacity)], one
+    if visual.kind in ("face", "vertex"):
+        faces = np.asarray(visual.face_colors)[:, :3] / 255
+        plain, numbers = np.unique(faces, axis=0, return_inverse=True)
+        if len(plain) > COLORS:
+            return None, None, [(*faces.mean(axis=0).tolist(), 1.0)], one
+        return None, None, [(*row, 1.0) for row in plain.tolist()], numbers.ravel()
+    material = visual.material if visual.kind == "texture" else None
+    if hash(material) == hash(empty_material()):  # what trimesh has where a file says nothing
+        material = None
+    image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
+    factor = getattr(material, "baseColorFactor", None)
+    said = factor is not None or hasattr(material, "diffuse")
+    textured = visual.kind == "texture" and visual.uv is not None
+    uv = np.asarray(visual.uv, dtype=np.float64) if textured else None
+    main = np.asarray(material.main_color) / 255 if material is not None and said else np.array(color)
+    if image is None and not said:
+        image = default
+    blends = not said or getattr(material, "alphaMode", None) == "BLEND"
+    opacity = float(main[3]) if blends else 1.0
+    times = main[:3] if factor is not None or not said else np.ones(3)
+    if image is None:
         return None, None, [(*main[:3].tolist(), opacity)], one
-    if visual.kind is None:
-        return None, None, [color], one
-    faces = np.asarray(visual.face_colors)[:, :3] / 255
-    plain, numbers = np.unique(faces, axis=0, return_inverse=True)
-    if len(plain) > COLORS:
-        return None, None, [(*faces.mean(axis=0).tolist(), 1.0)], one
-    return None, None, [(*row, 1.0) for row in plain.tolist()], numbers.ravel()
+    pixels = np.asarray(image.convert("RGB"))
+    if uv is None:
+        mean = pixels.reshape(-1, 3).mean(axis=0) / 255.0
+        return None, None, [(*(times * mean).tolist(), opacity)], one
+    if not (times == 1.0).all():
+        image = Image.fromarray(np.round(pixels * times).astype(np.uint8))
+    return uv, image, [(1.0, 1.0, 1.0, opacity)], one

@@ -60,7 +60,12 @@ def motion(node: SourceNode, q: Float[np.ndarray, "*B"]) -> Float[np.ndarray, "*
 
 
 def closed_pose(
-    node: SourceNode, label: PartLabel, points: Float[np.ndarray, "N 3"], body: Float[np.ndarray, "2 3"]
+    node: SourceNode,
+    label: PartLabel,
+    points: Float[np.ndarray, "N 3"],
+    body: Float[np.ndarray, "2 3"],
+    *,
+    first: tuple[float, ...] = (),
 ) -> RestPose:
     """Finds the closed pose of a node.
 
@@ -73,6 +78,7 @@ def closed_pose(
     Args:
         points: Points on the part and all that it carries, as modelled.
         body: Lowest and highest corner of the body.
+        first: Candidates that come before all others.
     """
     candidates = [node.a, node.b]
     tried = np.linspace(node.a, node.b, POSES_TRIED)
@@ -81,7 +87,7 @@ def closed_pose(
         candidates = [node.a]
     elif label == "door" and node.joint == "slider":
         candidates.sort(key=abs)
-    elif label in ("door", "handle") and _swings_both_ways(node):
+    elif label in ("door", "handle") and swings_both_ways(node):
         candidates = [0.0, *candidates]
     if label == "door" and node.joint == "hinge":
         candidates.append(float(tried[values <= values.min() + 1e-4].mean()))
@@ -90,13 +96,14 @@ def closed_pose(
         tolerance = max(HINGE_TOLERANCE * diagonal, OPEN_TOLERANCE * float(values.max()))
     else:
         tolerance = SLIDER_TOLERANCE * abs(node.b - node.a)
+    candidates = [*first, *candidates]
     values = _protrusions(node, np.array(candidates), points, body)
     rest = candidates[int(np.argmax(values <= values.min() + tolerance))]
     far = max(node.a, node.b, key=lambda q: abs(q - rest))
     return RestPose(rest=rest, far=far, note=describe_rest(node, rest, far))
 
 
-def _swings_both_ways(node: SourceNode) -> bool:
+def swings_both_ways(node: SourceNode) -> bool:
     """Whether the modelled pose is well inside the range; near an end, the part was modelled ajar."""
     low, high = sorted((node.a, node.b))
     return low < 0.0 < high and min(-low, high) >= BOTH_WAYS * (high - low)

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from artigen.datasets.mechanism import Mechanism
 from artigen.datasets.partnet_annotation import SourceNode, SourcePiece
-from artigen.datasets.urdf_file import SourceUrdf
 from artigen.errors import SourceError
 from artigen.files.urdf import UrdfShape
 from artigen.files.wavefront import ObjMesh, inside, read_obj
@@ -53,7 +53,7 @@ def read_pieces(
     folder: Path,
     nodes: tuple[SourceNode, ...],
     live: frozenset[int],
-    urdf: SourceUrdf,
+    urdf: Mechanism,
     files: dict[int, tuple[str, ...]],
 ) -> tuple[tuple[PieceMesh, ...], tuple[str, ...]]:
     """Reads every mesh of the live nodes; returns them with notes on missing files.
@@ -98,7 +98,7 @@ def read_pieces(
 
 
 def _collect(
-    folder: Path, nodes: tuple[SourceNode, ...], urdf: SourceUrdf, files: dict[int, tuple[str, ...]]
+    folder: Path, nodes: tuple[SourceNode, ...], urdf: Mechanism, files: dict[int, tuple[str, ...]]
 ) -> tuple[list[_Reference], list[str]]:
     by_id = {piece.id: (node, piece) for node in nodes for piece in node.pieces}
     by_name = {
@@ -108,7 +108,7 @@ def _collect(
     above = {joint.child: joint.parent for joint in urdf.joints}
     found: dict[Path, _Reference] = {}
     notes, homeless = [], []
-    for visual in (visual for visual in urdf.visuals if visual.kind == "mesh"):
+    for visual in (visual for visual in urdf.elements if visual.kind == "mesh"):
         path = inside(folder, folder, visual.file, str(folder / "mobility.urdf"))
         owner = (
             by_name.get(path.stem)
@@ -132,7 +132,7 @@ def _collect(
         )
     if unlisted:
         notes.append(f"{unlisted} mesh files that the URDF leaves out were added from result.json")
-    primitives = [visual.name or visual.link for visual in urdf.visuals if visual.kind != "mesh"]
+    primitives = [visual.name or visual.link for visual in urdf.elements if visual.kind != "mesh"]
     if primitives:
         notes.append(f"{len(primitives)} visuals without a mesh file were dropped: {', '.join(primitives)}")
     return list(found.values()), notes

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from artigen.datasets.mechanism import Mechanism
 from artigen.datasets.part_labels import label_nodes
 from artigen.datasets.partnet_annotation import SourceNode, read_json, read_nodes, read_piece_files
 from artigen.datasets.partnet_joints import RestPose, closed_pose, describe_joint, joint_kind
@@ -18,7 +19,7 @@ from artigen.datasets.partnet_meshes import MESH_FOLDER, PieceMesh, read_pieces
 from artigen.datasets.partnet_parts import order_nodes
 from artigen.datasets.sizes import estimate_size
 from artigen.datasets.source_object import ReaderConfig, SourceObject, SourceTree, assemble, collect_corners
-from artigen.datasets.urdf_file import SourceUrdf, read_urdf
+from artigen.datasets.urdf_file import read_urdf
 from artigen.errors import SourceError
 from artigen.files.urdf import UrdfJoint
 from artigen.transforms import T_ZUP_FROM_PARTNET
@@ -146,7 +147,7 @@ def _closes_like(node: SourceNode, labels: Mapping[int, PartLabel]) -> PartLabel
     return "handle" if lever else labels[node.id]
 
 
-def _find_turn(nodes: tuple[SourceNode, ...], urdf: SourceUrdf) -> tuple[np.ndarray, list[str]]:
+def _find_turn(nodes: tuple[SourceNode, ...], urdf: Mechanism) -> tuple[np.ndarray, list[str]]:
     """Rotation of mesh files to z up: that of the base in the URDF, which is nearly always the same."""
     base = next(node for node in nodes if node.parent == -1)
     placed = urdf.T_base_link.get(f"link_{base.id}")
@@ -167,7 +168,7 @@ def choose_size(category: str, extents: np.ndarray, cfg: ReaderConfig) -> tuple[
     return size, (f"category {category!r} has no known size, longest edge set to {size:g} m",)
 
 
-def compare_urdf(nodes: tuple[SourceNode, ...], urdf: SourceUrdf) -> list[str]:
+def compare_urdf(nodes: tuple[SourceNode, ...], urdf: Mechanism) -> list[str]:
     """The differences of the URDF from mobility_v2.json, which is used."""
     joints = {joint.child: joint for joint in urdf.joints}
     changed = [
@@ -186,7 +187,7 @@ def compare_urdf(nodes: tuple[SourceNode, ...], urdf: SourceUrdf) -> list[str]:
     base = next(node for node in nodes if node.parent == -1)
     expected = urdf.T_base_link.get(f"link_{base.id}")
     if expected is not None:
-        meshes = [visual for visual in urdf.visuals if visual.kind == "mesh"]
+        meshes = [visual for visual in urdf.elements if visual.kind == "mesh"]
         shifted = [v.link for v in meshes if not np.allclose(urdf.place(v), expected, atol=1e-4)]
         if shifted:
             notes.append(
@@ -210,9 +211,9 @@ def _compare_joint(node: SourceNode, joint: UrdfJoint | None) -> str:
     return ""
 
 
-def check_scales(urdf: SourceUrdf, path: Path) -> None:
+def check_scales(urdf: Mechanism, path: Path) -> None:
     """Raises `SourceError` if the URDF scales a mesh, since the annotation has one unit of length."""
-    for visual in urdf.visuals:
+    for visual in urdf.elements:
         if visual.scale != (1.0, 1.0, 1.0):
             scale = " ".join(f"{value:g}" for value in visual.scale)
             raise SourceError(

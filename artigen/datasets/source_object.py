@@ -40,6 +40,8 @@ class ReaderConfig:
     """Up axis of a URDF or object.json; None is z in a URDF, y in object.json."""
     front: Direction | None = None
     """Axis that the front faces; None is -x in a URDF, z in object.json."""
+    body: str | None = None
+    """Body of a scene file that is the object; None where the file holds one object."""
 
     def __post_init__(self) -> None:
         if self.samples < 1:

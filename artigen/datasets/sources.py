@@ -4,11 +4,12 @@ from pathlib import Path
 from typing import Literal
 
 from artigen.datasets.acd import read_acd
-from artigen.datasets.mjcf import is_mjcf, write_urdf
+from artigen.datasets.mechanism_object import read_mechanism
+from artigen.datasets.mjcf import is_mjcf, list_mjcf_objects, read_mjcf
 from artigen.datasets.partnet_annotation import read_json
 from artigen.datasets.partnet_mobility import read_object
 from artigen.datasets.source_object import ReaderConfig, SourceObject
-from artigen.datasets.urdf_object import read_urdf_object
+from artigen.datasets.urdf_file import read_urdf
 from artigen.errors import SourceError
 
 Layout = Literal["PartNet-Mobility", "URDF", "MJCF", "object.json"]
@@ -75,6 +76,19 @@ def name_source(source: Path) -> str:
     return next(told, names[0])
 
 
+def list_objects(source: Path) -> tuple[str, ...]:
+    """Names of the objects in a file that holds several; none where it holds one.
+
+    Raises:
+        SourceError: If the file cannot be read.
+    """
+    if find_layout(source) != "MJCF":
+        return ()
+    file = source if source.is_file() else _find_mjcf(source)
+    assert file is not None
+    return list_mjcf_objects(file)
+
+
 def read_source(source: Path, scratch: Path, cfg: ReaderConfig | None = None) -> SourceObject:
     """Reads one object, whatever its layout.
 
@@ -89,11 +103,11 @@ def read_source(source: Path, scratch: Path, cfg: ReaderConfig | None = None) ->
         case "URDF":
             file = source if source.is_file() else _find_urdf(source)
             assert file is not None
-            return read_urdf_object(file, scratch, cfg, name=name)
+            return read_mechanism(read_urdf(file), scratch, cfg, name=name)
         case "MJCF":
             file = source if source.is_file() else _find_mjcf(source)
             assert file is not None
-            return read_urdf_object(write_urdf(file, scratch), scratch, cfg, name=name)
+            return read_mechanism(read_mjcf(file, cfg.body), scratch, cfg, name=name)
         case "object.json":
             return read_acd(source if source.is_file() else source / TREE, scratch, cfg, name=name)
         case "PartNet-Mobility":

@@ -5,9 +5,11 @@ NaN limits, axes of any length, unknown joint types, cycles and missing files. I
 missing XML, and for missing elements or numbers. Files are untrusted: entities are refused.
 """
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 from xml.etree.ElementTree import Element, ParseError
 
 import numpy as np
@@ -27,7 +29,7 @@ class UrdfShape:
     link: str
     name: str
     kind: str
-    """``mesh``, ``box``, ``cylinder`` or ``sphere``."""
+    """``mesh``, ``box``, ``cylinder``, ``capsule`` or ``sphere``."""
     T_link_shape: Float[np.ndarray, "4 4"]
     file: str = ""
     sizes: tuple[float, ...] = ()
@@ -37,6 +39,8 @@ class UrdfShape:
     """Colour of its material in [0, 1], if one is given."""
     opacity: float = 1.0
     """That of its material: 1 hides what is behind, 0 hides nothing."""
+    texture: str = ""
+    """Image of its material as written."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -113,15 +117,14 @@ def parse_urdf(path: Path, owner: str = "", *, inertials: bool = True) -> UrdfFi
         raise SourceError(f"{owner}: not valid XML ({type(err).__name__}: {err})") from err
     if robot.tag != "robot":
         raise SourceError(f"{owner}: root element <{robot.tag}>, expected <robot>")
-    colors = {
-        material.get("name", ""): color
-        for material in robot.findall("material")
-        if (color := _color(material, owner)) is not None
+    named = [*robot.findall("link//material"), *robot.findall("material")]  # those of the robot count first
+    looks = {
+        material.get("name", ""): look for material in named if (look := _look(material, owner)) != _Look()
     }
     return UrdfFile(
         path=path,
         name=robot.get("name", ""),
-        links=tuple(_link(owner, one, colors, inertials=inertials) for one in robot.findall("link")),
+        links=tuple(_link(owner, one, looks, inertials=inertials) for one in robot.findall("link")),
         joints=tuple(_joint(owner, element) for element in robot.findall("joint")),
     )
 
@@ -132,42 +135,61 @@ def tree_problems(urdf: UrdfFile) -> list[tuple[str, str]]:
     links = [link.name for link in urdf.links]
     joints = [joint.name for joint in urdf.joints]
     for kind, names in (("link", links), ("joint", joints)):
-        for name in sorted({name for name in names if names.count(name) > 1}):
-            problems.append((name, f"{kind} name {name!r} occurs {names.count(name)} times"))
+        for name, count in sorted(Counter(names).items()):
+            if count > 1:
+                problems.append((name, f"{kind} name {name!r} occurs {count} times"))
+    known = set(links)
     for joint in urdf.joints:
         for role, name in (("parent", joint.parent), ("child", joint.child)):
-            if name not in links:
+            if name not in known:
                 problems.append((joint.name, f"joint {joint.name!r} has {role} {name!r}, which is no link"))
-    children = [joint.child for joint in urdf.joints]
-    for name in sorted({name for name in children if children.count(name) > 1}):
-        problems.append((name, f"link {name!r} is the child of {children.count(name)} joints"))
-    roots = sorted(set(links) - set(children))
+    children = Counter(joint.child for joint in urdf.joints)
+    for name, count in sorted(children.items()):
+        if count > 1:
+            problems.append((name, f"link {name!r} is the child of {count} joints"))
+    roots = sorted(known - set(children))
     if len(roots) != 1:
         problems.append(
             (", ".join(roots), f"{len(roots)} root links ({', '.join(roots) or 'none'}), expected one")
         )
     parents = {joint.child: joint.parent for joint in urdf.joints}
+    ends: dict[str, str] = {}
     for name in sorted(parents):
-        at, seen = parents[name], {name}
-        while at in parents and at not in seen:
-            seen.add(at)
+        at, path = name, dict[str, None]()
+        while at in parents and at not in path and at not in ends:
+            path[at] = None
             at = parents[at]
-        if at == name:
-            problems.append((name, f"link {name!r} is its own ancestor"))
+        if at in path:
+            circle = list(path)[list(path).index(at) :]
+            problems += [(link, f"link {link!r} is its own ancestor") for link in sorted(circle)]
+        ends |= dict.fromkeys(path, at)
     return problems
 
 
 def rest_poses(urdf: UrdfFile) -> dict[str, Float[np.ndarray, "4 4"]]:
     """Pose of every link of a tree in the frame of its root, with all joints at 0; parents first."""
-    children = {joint.child for joint in urdf.joints}
-    poses = {link.name: np.eye(4) for link in urdf.links if link.name not in children}
-    waiting = list(urdf.joints)
-    while waiting:
-        for joint in waiting:
-            if joint.parent in poses:
-                poses[joint.child] = poses[joint.parent] @ joint.T_parent_joint
-        waiting = [joint for joint in waiting if joint.child not in poses]
-    return poses
+    return place_links([link.name for link in urdf.links], urdf.joints)
+
+
+def place_links(links: Sequence[str], joints: Sequence[UrdfJoint]) -> dict[str, Float[np.ndarray, "4 4"]]:
+    """The same for links and joints; in file order, but for parents that are named after their children."""
+    above = {joint.child: number for number, joint in enumerate(joints)}
+    below: dict[str, list[UrdfJoint]] = {}
+    for joint in joints:
+        below.setdefault(joint.parent, []).append(joint)
+    poses = {link: np.eye(4) for link in links if link not in above}
+    # Times that the file is read through until a link is placed, and its line.
+    order: dict[str, tuple[int, int]] = dict.fromkeys(poses, (0, -1))
+    waiting = list(poses)
+    for parent in waiting:
+        for joint in below.get(parent, ()):
+            if joint.child not in poses:
+                rounds, place = order[parent]
+                number = above[joint.child]
+                order[joint.child] = (rounds + (number < place), number)
+                poses[joint.child] = poses[parent] @ joint.T_parent_joint
+                waiting.append(joint.child)
+    return {link: poses[link] for link in sorted(poses, key=order.__getitem__)}
 
 
 def _floats(text: str, count: int, owner: str) -> np.ndarray:
@@ -200,17 +222,26 @@ def _origin(element: Element, owner: str) -> np.ndarray:
     return T
 
 
-def _color(material: Element | None, owner: str) -> Rgba | None:
-    """The colour and opacity that a ``<material>`` gives itself."""
-    found = None if material is None else material.find("color")
-    if found is None or found.get("rgba") is None:
-        return None
-    rgba = np.clip(_floats(found.get("rgba", ""), 4, f"{owner}: <color rgba>"), 0, 1)
-    red, green, blue, opacity = rgba.tolist()
-    return red, green, blue, opacity
+class _Look(NamedTuple):
+    rgba: Rgba | None = None
+    texture: str = ""
 
 
-def _shape(element: Element, link: str, owner: str, colors: Mapping[str, Rgba]) -> UrdfShape:
+def _look(material: Element | None, owner: str) -> _Look:
+    """The colour with opacity, and the image, that a ``<material>`` gives itself."""
+    if material is None:
+        return _Look()
+    said, image = material.find("color"), material.find("texture")
+    rgba = None
+    if said is not None and said.get("rgba") is not None:
+        red, green, blue, opacity = np.clip(
+            _floats(said.get("rgba", ""), 4, f"{owner}: <color rgba>"), 0, 1
+        ).tolist()
+        rgba = (red, green, blue, opacity)
+    return _Look(rgba=rgba, texture="" if image is None else image.get("filename", ""))
+
+
+def _shape(element: Element, link: str, owner: str, looks: Mapping[str, _Look]) -> UrdfShape:
     shapes = element.findall("geometry/*")
     if len(shapes) != 1:
         raise SourceError(f"{owner}: <{element.tag}> holds {len(shapes)} shapes, expected one")
@@ -224,14 +255,18 @@ def _shape(element: Element, link: str, owner: str, colors: Mapping[str, Rgba]) 
             )
         case "box":
             sizes = tuple(_floats(shape.get("size", ""), 3, f"{owner}: <box size>").tolist())
-        case "cylinder":
+        case "cylinder" | "capsule":
             sizes = (_number(shape, "radius", owner), _number(shape, "length", owner))
         case "sphere":
             sizes = (_number(shape, "radius", owner),)
         case _:
-            raise SourceError(f"{owner}: shape <{shape.tag}>, expected mesh, box, cylinder or sphere")
+            raise SourceError(
+                f"{owner}: shape <{shape.tag}>, expected mesh, box, cylinder, capsule or sphere"
+            )
     material = element.find("material")
-    color = _color(material, owner) or (None if material is None else colors.get(material.get("name", "")))
+    look = _look(material, owner)
+    if material is not None and look == _Look():
+        look = looks.get(material.get("name", ""), look)
     x, y, z = scale.tolist()
     return UrdfShape(
         link=link,
@@ -241,8 +276,9 @@ def _shape(element: Element, link: str, owner: str, colors: Mapping[str, Rgba]) 
         file=shape.get("filename", ""),
         sizes=sizes,
         scale=(x, y, z),
-        color=None if color is None else color[:3],
-        opacity=1.0 if color is None else color[3],
+        color=None if look.rgba is None else look.rgba[:3],
+        opacity=1.0 if look.rgba is None else look.rgba[3],
+        texture=look.texture,
     )
 
 
@@ -261,12 +297,12 @@ def _inertial(element: Element, owner: str) -> UrdfInertial:
     )
 
 
-def _link(file: str, element: Element, colors: Mapping[str, Rgba], *, inertials: bool) -> UrdfLink:
+def _link(file: str, element: Element, looks: Mapping[str, _Look], *, inertials: bool) -> UrdfLink:
     name = element.get("name", "")
     owner = f"{file}: link {name!r}"
     inertial = element.find("inertial") if inertials else None
     visuals, collisions = (
-        tuple(_shape(shape, name, owner, colors) for shape in element.findall(tag))
+        tuple(_shape(shape, name, owner, looks) for shape in element.findall(tag))
         for tag in ("visual", "collision")
     )
     return UrdfLink(

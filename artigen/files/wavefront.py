@@ -56,6 +56,8 @@ class ObjText:
     names: tuple[str, ...]
     material_ids: Int[np.ndarray, "F"]
     libraries: tuple[str, ...]
+    colors: Float[np.ndarray, "V 3"] | None = None
+    """Colours of the vertices in [0, 1], if every vertex has one."""
 
     @property
     def face_materials(self) -> Shaped[np.ndarray, "F"]:
@@ -140,8 +142,30 @@ def _parse(path: Path, data: bytes) -> ObjText:
         uv_faces=uv_faces,
         names=tuple(names),
         material_ids=material_ids,
-        libraries=tuple(clean_name(_name(line[7:])) for line in lines if line[:7] == b"mtllib "),
+        libraries=_list_libraries([_name(line[7:]) for line in lines if line[:7] == b"mtllib "], path.parent),
+        colors=_parse_colors([line[2:] for line in lines if line[:2] == b"v "]),
     )
+
+
+def _list_libraries(rows: list[str], folder: Path) -> tuple[str, ...]:
+    """Names after ``mtllib``: several in a row, unless the row as a whole is the name of a file."""
+    found = []
+    for row in rows:
+        whole = clean_name(row)
+        several = [clean_name(word) for word in row.split()]
+        found += [whole] if (folder / whole).is_file() or len(several) < 2 else several
+    return tuple(dict.fromkeys(found))
+
+
+def _parse_colors(rows: list[bytes]) -> np.ndarray | None:
+    """Red, green and blue after the positions of all vertices; None if one has none."""
+    if not rows or len(rows[0].split()) < 6:
+        return None
+    try:
+        colors = np.array([row.split()[3:6] for row in rows], dtype=np.float64)
+    except ValueError:  # rows of other lengths, or no numbers
+        return None
+    return colors if colors.shape == (len(rows), 3) and ((colors >= 0) & (colors <= 1)).all() else None
 
 
 def _split_lines(data: bytes) -> list[bytes]:

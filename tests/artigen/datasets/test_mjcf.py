@@ -1,4 +1,4 @@
-"""An MJCF is read as the URDF that moves alike; what is no tree of hinges and slides is refused."""
+"""An MJCF is read as MuJoCo shows and moves it; what is no tree of hinges and slides is refused."""
 
 # mujoco is a compiled module without stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from artigen.datasets.mjcf import is_mjcf, write_urdf
-from artigen.datasets.sources import find_sources, name_source, read_source
-from artigen.datasets.urdf_file import read_urdf
+from artigen.datasets.mjcf import is_mjcf, read_mjcf
+from artigen.datasets.sources import find_sources, list_objects, name_source, read_source
 from artigen.errors import SourceError
 from artigen.files.wavefront import parse_mtl
 from artigen.shapes.draw import draw_shape
@@ -57,38 +56,38 @@ def write(tmp_path: Path, text: str, name: str = "machine.xml") -> Path:
     return path
 
 
-def place_urdf(urdf, q: dict[str, float]) -> dict[str, np.ndarray]:
+def place_shapes(found, q: dict[str, float]) -> dict[str, np.ndarray]:
     """Placements of all visuals at joint values."""
     moved: dict[str, np.ndarray] = {}
-    for joint in urdf.joints:  # parents come first
+    for joint in found.joints:  # parents come first
         T = moved.get(joint.parent, np.eye(4))
-        at, value = urdf.T_base_link[joint.child], q.get(joint.name, 0.0)
+        at, value = found.T_base_link[joint.child], q.get(joint.name, 0.0)
         step = np.eye(4)
         if joint.type == "prismatic":
             step[:3, 3] = value * np.array(joint.axis)
         elif joint.type != "fixed":
             step[:3, :3] = rotation_about(np.array(joint.axis), np.array([value]))[0]
         moved[joint.child] = T @ at @ step @ np.linalg.inv(at)
-    return {s.name: moved.get(s.link, np.eye(4)) @ urdf.place(s) for s in urdf.visuals}
+    return {s.name: moved.get(s.link, np.eye(4)) @ found.place(s) for s in found.visuals}
 
 
-def test_the_urdf_moves_as_mujoco_does(tmp_path):
+def test_a_mechanism_moves_as_mujoco_does(tmp_path):
     """Chains on one body, joints beside the body's frame, coordinates that begin elsewhere, bodies that are
     mere frames: at any joint values, everything is where MuJoCo has it."""
     path = write(tmp_path, MACHINE)
-    urdf = read_urdf(write_urdf(path, tmp_path))
+    found = read_mjcf(path)
     model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
     rng = np.random.default_rng(0)
     names = [model.joint(k).name for k in range(model.njnt)]
-    assert {joint.name for joint in urdf.joints} == set(names)
+    assert {joint.name for joint in found.joints if joint.type != "fixed"} == set(names)
     for _ in range(5):
         q = rng.uniform(-0.5, 0.5, model.njnt)
         data.qpos[:] = model.qpos0 + q
         mujoco.mj_kinematics(model, data)
         values = dict(zip(names, q, strict=True))
         values["lid_hinge"] -= 0.1  # a follower is at 0 where its leader is
-        placed = place_urdf(urdf, values)
+        placed = place_shapes(found, values)
         for geom in range(model.ngeom):
             name = model.geom(geom).name
             if name == "felt":
@@ -101,8 +100,8 @@ def test_the_urdf_moves_as_mujoco_does(tmp_path):
 
 
 def test_ranges_begin_at_the_reference_and_followers_are_mimics(tmp_path):
-    urdf = read_urdf(write_urdf(write(tmp_path, MACHINE), tmp_path))
-    joints = {joint.name: joint for joint in urdf.joints}
+    found = read_mjcf(write(tmp_path, MACHINE))
+    joints = {joint.name: joint for joint in found.joints}
     assert (joints["hinge"].lower, joints["hinge"].upper) == pytest.approx((0.0, np.pi / 2))
     assert (joints["slide"].lower, joints["slide"].upper) == pytest.approx((0.0, 0.02))
     assert joints["twist"].type == "continuous"
@@ -126,20 +125,20 @@ PANEL = '<geom name="panel" type="box" size="0.01 0.2 0.25" pos="0 0.2 0"/>'
 @pytest.mark.parametrize(("active", "followers"), [("true", 1), ("false", 0)])
 def test_only_active_equalities_make_followers(tmp_path, active, followers):
     tied = f'<equality><joint joint1="slide" joint2="hinge" active="{active}"/></equality>'
-    urdf = read_urdf(write_urdf(write(tmp_path, chest(HINGE + PANEL, after=tied)), tmp_path))
-    assert sum(joint.mimic is not None for joint in urdf.joints) == followers
+    found = read_mjcf(write(tmp_path, chest(HINGE + PANEL, after=tied)))
+    assert sum(joint.mimic is not None for joint in found.joints) == followers
 
 
 def test_masses_do_not_decide_whether_a_file_is_read(tmp_path):
-    """They are not used: a file whose bodies have none gives the same URDF."""
+    """They are not used: a file whose bodies have none gives the same mechanism."""
     light = chest(HINGE + PANEL).replace("<compiler", '<compiler inertiagrouprange="4 4"')
     with pytest.raises(ValueError, match="mass and inertia"):
         mujoco.MjModel.from_xml_string(light)
-    texts = []
-    for name, text in (("a", light), ("b", chest(HINGE + PANEL))):
-        (tmp_path / name).mkdir()
-        texts.append(write_urdf(write(tmp_path / name, text), tmp_path / name).read_text())
-    assert texts[0] == texts[1]
+    one, other = (read_mjcf(write(tmp_path, text)) for text in (light, chest(HINGE + PANEL)))
+    assert one.links == other.links
+    for got, want in zip(one.joints, other.joints, strict=True):
+        assert (got.name, got.type, got.lower, got.upper) == (want.name, want.type, want.lower, want.upper)
+        np.testing.assert_array_equal(got.T_parent_joint, want.T_parent_joint)
 
 
 @pytest.mark.parametrize(
@@ -154,14 +153,53 @@ def test_a_group_of_collision_shapes_is_hidden_where_another_group_is_drawn(tmp_
     more = f'<geom name="sticker" type="box" size="0.001 0.03 0.03" pos="-0.011 0.2 0.1" {sticker}/>'
     before = f"<default><geom {box}/></default>"
     more = more if "contype" in sticker else more.replace("/>", ' contype="1" conaffinity="1"/>')
-    urdf = read_urdf(write_urdf(write(tmp_path, chest(HINGE + PANEL + more, before=before)), tmp_path))
-    assert {shape.name for shape in urdf.visuals} == shown
+    found = read_mjcf(write(tmp_path, chest(HINGE + PANEL + more, before=before)))
+    assert {shape.name for shape in found.visuals} == shown
 
 
 def test_a_slide_without_range_is_named_as_in_the_file(tmp_path):
     path = write(tmp_path, chest(HINGE + PANEL, tray=""))
     with pytest.raises(SourceError, match=rf"^{path}: joint 'slide' slides without limits, expected a range"):
-        write_urdf(path, tmp_path)
+        read_mjcf(path)
+
+
+SCENE = """<mujoco><worldbody><light pos="0 0 3"/><camera pos="1 0 1"/>
+  <geom name="floor" type="plane" size="5 5 1"/><geom name="wall" type="box" size="0.1 3 3" pos="3 0 0"/>
+  <body name="table" pos="0 0 -0.4"><geom type="box" size="1 1 0.4"/></body>
+  <body name="mug" pos="0.5 0.5 0"><freejoint/><geom size="0.1"/></body>{}</worldbody></mujoco>"""
+CHEST = chest(HINGE + PANEL).partition("<worldbody>")[2].partition("</worldbody>")[0]
+OTHER = CHEST.replace('name="', 'name="other_')
+FRAMELESS = '<geom name="case" type="box" size="0.2 0.2 0.25"/><body name="door" pos="-0.21 -0.2 0">{}</body>'
+
+
+@pytest.mark.parametrize(
+    ("bodies", "body", "shown"),
+    [
+        (CHEST, None, {"box", "panel", "board"}),
+        (
+            CHEST + OTHER,
+            "other_chest",
+            {"other_box", "other_panel", "other_board"},
+        ),
+        (CHEST, "door", {"panel"}),
+        (FRAMELESS.format(HINGE + PANEL), None, {"case", "panel"}),
+    ],
+)
+def test_an_object_is_told_from_the_scene_around_it(tmp_path, bodies, body, shown):
+    """Wherever the hinge hangs, and said with what was left out."""
+    found = read_mjcf(write(tmp_path, SCENE.format(bodies)), body)
+    assert {shape.name for shape in found.visuals} == shown
+    assert any("left out" in note and "table" in note and "mug" in note for note in found.notes)
+    assert any("cameras (1)" in note and "lights (1)" in note for note in found.notes)
+
+
+def test_a_file_of_several_objects_names_them(tmp_path):
+    path = write(tmp_path, SCENE.format(CHEST + OTHER))
+    assert list_objects(path) == ("chest", "other_chest")
+    assert list_objects(write(tmp_path, SCENE.format(CHEST), "one.xml")) == ()
+    for body, said in ((None, r"holds 2 objects \(chest, other_chest\)"), ("fridge", "no body 'fridge'")):
+        with pytest.raises(SourceError, match=said):
+            read_mjcf(path, body)
 
 
 @pytest.mark.parametrize("turn", ["1 0 0", "0 1 0", "0.3 0.4 0.5"])
@@ -169,11 +207,11 @@ def test_an_object_stands_as_its_root_body_stands(tmp_path, turn):
     """Turning the root and counter-turning the world is nothing: a turned object has turned extents."""
     tilted = chest(HINGE + PANEL).replace('name="chest"', f'name="chest" euler="{turn}"')
     path = write(tmp_path, tilted)
-    urdf = read_urdf(write_urdf(path, tmp_path))
+    found = read_mjcf(path)
     model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    for name, T in place_urdf(urdf, {}).items():
+    for name, T in place_shapes(found, {}).items():
         np.testing.assert_allclose(T[:3, :3], data.geom(name).xmat.reshape(3, 3), atol=1e-6)
 
 
@@ -238,16 +276,11 @@ def test_an_mjcf_of_ours_is_read_as_the_object_that_it_was_written_from(tmp_path
             "</worldbody></mujoco>",
             "body 'b' has a free or ball joint",
         ),
-        (
-            "<mujoco><worldbody><geom size='1'/><body name='b'><geom size='1'/><freejoint/></body>"
-            "</worldbody></mujoco>",
-            "body 'b' has a free or ball joint",
-        ),
     ],
 )
 def test_what_is_no_tree_of_hinges_and_slides_is_refused(tmp_path, text, said):
     with pytest.raises(SourceError, match=said):
-        write_urdf(write(tmp_path, text), tmp_path)
+        read_mjcf(write(tmp_path, text))
 
 
 def test_mjcf_is_told_by_its_root_element(tmp_path):

@@ -10,11 +10,11 @@ from cabinet_files import assert_same_parts, box_visual, cabinet_urdf, joint, li
 
 from artigen.api.convert import ConvertJob, ConvertSettings, convert_object
 from artigen.datasets.categories import guess_category
+from artigen.datasets.mechanism_object import turn_upright
 from artigen.datasets.part_labels import JOINT_TABLE, MovingPart, find_word, label_by_joint
 from artigen.datasets.source_object import ReaderConfig
 from artigen.datasets.sources import find_layout, find_sources, name_source, read_source
 from artigen.datasets.urdf_file import read_urdf
-from artigen.datasets.urdf_object import turn_upright
 from artigen.errors import SourceError
 from artigen.files.urdf import UrdfJoint, parse_urdf
 from artigen.shapes.asset import shape_to_asset
@@ -120,14 +120,16 @@ def test_the_limit_at_zero_is_closed_and_opening_is_positive(tmp_path, limits, a
     np.testing.assert_allclose(part.joint.axis, (0, -1, 0), atol=1e-12)
 
 
-def test_a_range_about_zero_is_shifted_and_the_shift_is_noted(tmp_path):
-    found = read(tmp_path, BODY, FLAP, flap(limits=(-0.2, 1.0))).asset
-    assert found.parts[1].joint.upper == pytest.approx(1.2)
-    assert any("moved by -11.4592" in note and "flap" in note for note in found.notes)
-    # The flap, 0.3 m high, leans into the body where it is closed.
-    drawn = read(tmp_path, BODY, FLAP, flap(limits=(0.0, 1.0))).asset
-    deeper = found.parts[1].box[0][0] * found.scale - drawn.parts[1].box[0][0] * drawn.scale
-    assert deeper > 0.02
+@pytest.mark.parametrize(("ajar", "rest"), [(0.0, 0.0), (0.25, -0.25)])
+def test_travel_below_zero_closes_a_part_only_if_it_was_drawn_ajar(tmp_path, ajar, rest):
+    """A flap that is flush at 0 leans into the body below it; one that is drawn open closes there."""
+    at = joint("revolute", "body", "flap", xyz=(-0.21, 0, -0.4), axis=(0, -1, 0), limits=(-0.25, 1.2))
+    leaf = link("flap", box_visual((0.02, 0.6, 0.6), (0, 0, 0.3)))
+    tilted = at.replace("<origin", f'<origin rpy="0 {-ajar} 0"')
+    found = read(tmp_path, BODY, leaf, tilted)
+    assert found.asset.parts[1].joint.upper == pytest.approx(1.2 - rest)
+    box = found.asset.parts[1].box[1] * found.asset.scale
+    assert box[0] == pytest.approx(0.02, abs=0.01)  # upright
 
 
 @pytest.mark.parametrize(("share", "at_zero"), [(0.0199, True), (0.0201, False)])
@@ -369,8 +371,8 @@ BAD = {
         "'flap' is a link between two joints and has no geometry, but carries a, b",
     ),
     "an unknown shape": (
-        (BODY.replace("<box", "<capsule"),),
-        "link 'body': shape <capsule>, expected mesh, box",
+        (BODY.replace("<box", "<torus"),),
+        "link 'body': shape <torus>, expected mesh, box",
     ),
     "a flat box": ((link("body", box_visual((0, 1, 1))),), "has no extent, expected lengths above 0"),
     "an endless leader": (
@@ -543,3 +545,69 @@ def joint_table_markdown() -> str:
 def test_the_documented_joint_table_is_the_one_in_force():
     docs = Path(__file__).resolve().parents[3] / "docs" / "how-to" / "convert.md"
     assert joint_table_markdown() in docs.read_text()
+
+
+@pytest.mark.parametrize("between", ["", "fixed"])
+def test_fixed_joints_and_empty_branches_do_not_break_a_row_of_joints(tmp_path, between):
+    """Two joints through empty links are one joint, and a frame without shapes hangs from one of them."""
+    lift = joint("prismatic", "body", "lift", xyz=(-0.21, 0, -0.4), axis=(0, 0, 1), limits=(0, 0.05))
+    extra = [link("mount"), joint("fixed", "lift", "mount"), link("frame"), joint("fixed", "mount", "frame")]
+    at = "mount" if between else "lift"
+    turn = joint("revolute", at, "flap", axis=(0, -1, 0), limits=(0, 1.2))
+    elements = (BODY, link("lift"), *(extra if between else ()), FLAP, lift, turn)
+    found = read(tmp_path, *elements).asset
+    assert [part.joint.type for part in found.parts] == ["fixed", "revolute"]
+    assert any("'to_flap' (revolute) is kept" in note for note in found.notes)
+
+
+def test_joints_that_move_all_that_is_drawn_are_fixed(tmp_path):
+    stand = joint("floating", "world", "slide")
+    rail = joint("prismatic", "slide", "body", limits=(-1.0, 1.0))
+    found = read(tmp_path, link("world"), link("slide"), BODY, FLAP, stand, rail, flap()).asset
+    assert [part.joint.type for part in found.parts] == ["fixed", "revolute"]
+    assert sum("moves the whole object" in note for note in found.notes) == 2
+
+
+@pytest.mark.parametrize("inside", [True, False])
+def test_a_material_is_known_by_name_wherever_it_is_defined(tmp_path, inside):
+    """In the robot, or in a link that comes later."""
+    named = BODY.replace('<color rgba="0.7 0.7 0.7 1"/>', "").replace('name=""/>', 'name="teal"/>')
+    named = named.replace('<material name=""></material>', '<material name="teal"/>')
+    material = '<material name="teal"><color rgba="0 0.5 0.5 0.25"/></material>'
+    leaf = FLAP.replace(
+        '<material name=""><color rgba="0.7 0.7 0.7 1"/></material>', material if inside else ""
+    )
+    (tmp_path / "thing.urdf").write_text(urdf(named, leaf, *(() if inside else (material,)), flap()))
+    (shape,) = next(one for one in parse_urdf(tmp_path / "thing.urdf").links if one.name == "body").visuals
+    assert (shape.color, shape.opacity) == ((0.0, 0.5, 0.5), 0.25)
+
+
+@pytest.mark.parametrize("joints", [1000.0, 1.0])
+def test_millimetres_are_guessed_and_said(tmp_path, joints):
+    """Of the whole file, or of meshes whose joints are in metres."""
+    for name, size, at in (("body", (400, 600, 800), (0, 0, 0)), ("leaf", (20, 600, 300), (0, 0, 150))):
+        mesh = trimesh.creation.box(size)
+        mesh.apply_translation(at)
+        mesh.export(tmp_path / f"{name}.stl")
+    at = joint(
+        "revolute", "body", "flap", xyz=joints * np.array([-0.21, 0, -0.4]), axis=(0, -1, 0), limits=(0, 1.2)
+    )
+    found = read(
+        tmp_path, link("body", mesh_visual("body.stl")), link("flap", mesh_visual("leaf.stl")), at
+    ).asset
+    assert found.scale == pytest.approx(0.8)
+    np.testing.assert_allclose(found.parts[1].box[1] * found.scale, (0.02, 0.6, 0.3), atol=1e-6)
+    low = (found.parts[1].box[0][0] - found.parts[0].box[0][0]) * found.scale
+    assert low == pytest.approx(-0.21, abs=1e-6)
+    assert any(
+        "read as millimetres: in metres, the object would be 800 m long" in note for note in found.notes
+    )
+
+
+@pytest.mark.parametrize("name", ["../../secret.stl", "package://thing/../../../secret.stl", "/etc/hostname"])
+def test_no_name_leads_out_of_the_package(tmp_path, name):
+    folder = tmp_path / "a" / "thing" / "robots"
+    folder.mkdir(parents=True)
+    trimesh.creation.box((1, 1, 1)).export(tmp_path / "secret.stl")
+    with pytest.raises(SourceError, match=r"inside of|is missing"):
+        read(folder, BODY, link("flap", mesh_visual(name)), flap())

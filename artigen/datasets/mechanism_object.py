@@ -1,10 +1,11 @@
-"""Reads any URDF into a `SourceObject`, without side files: labels from names and joints, lengths in metres.
+"""Turns a mechanism into a `SourceObject`: labels from names and joints, lengths in metres.
 
 Links joined by fixed joints are one body; every moving joint makes a part. Guesses and omissions are notes in
-``asset.notes``; a URDF that is no articulated object is refused. See docs/how-to/convert.md.
+``asset.notes``; a mechanism that is no articulated object is refused. See docs/how-to/convert.md.
 """
 
 import logging
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,10 +14,12 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.datasets.categories import guess_category
-from artigen.datasets.mesh_files import PlacedMesh, load_shape
+from artigen.datasets.mechanism import Mechanism, Shape, Solid
+from artigen.datasets.mechanism_joints import Tree, build_tree
+from artigen.datasets.mesh_files import PlacedMesh, load_pieces, load_shape
 from artigen.datasets.part_labels import SPLIT_LABELS, SPLIT_WORDS, find_word, guess_label
 from artigen.datasets.partnet_annotation import SourceNode, SourcePiece, read_json
-from artigen.datasets.partnet_joints import RestPose, closed_pose, describe_rest
+from artigen.datasets.partnet_joints import RestPose, closed_pose, describe_rest, swings_both_ways
 from artigen.datasets.partnet_meshes import PieceMesh
 from artigen.datasets.partnet_mobility import find_rest_poses
 from artigen.datasets.partnet_parts import order_nodes
@@ -28,10 +31,8 @@ from artigen.datasets.source_object import (
     assemble,
     collect_corners,
 )
-from artigen.datasets.urdf_file import SourceUrdf, read_urdf
-from artigen.datasets.urdf_joints import Tree, build_tree
+from artigen.datasets.units import SHARE, guess_unit, scale_meshes
 from artigen.errors import SourceError
-from artigen.files.urdf import UrdfShape
 from artigen.types import PartLabel
 
 logger = logging.getLogger(__name__)
@@ -39,15 +40,13 @@ logger = logging.getLogger(__name__)
 CLOSED_SHARE = 0.02
 """A limit within this share of the range from 0 is the closed end, because URDFs are modelled closed."""
 PACKAGE_FILE = "package.xml"
-ANCESTORS = 4
-"""Number of parent folders of a URDF in which ``package://`` paths are looked up, including its own."""
 OTHER = "other"
 
 
-def read_urdf_object(
-    path: Path, scratch: Path, cfg: ReaderConfig | None = None, *, name: str = ""
+def read_mechanism(
+    found: Mechanism, scratch: Path, cfg: ReaderConfig | None = None, *, name: str = ""
 ) -> SourceObject:
-    """Reads one URDF and the meshes that it names.
+    """Reads the meshes of a mechanism and makes parts of its links.
 
     Args:
         scratch: Folder for converted meshes, needed until the package is written.
@@ -56,19 +55,19 @@ def read_urdf_object(
     Raises:
         SourceError: If the object is invalid; names the file, the element, its value and what is allowed.
     """
-    cfg = cfg or ReaderConfig()
-    urdf = read_urdf(path)
-    tree = build_tree(urdf, path)
-    pieces, notes = read_shapes(urdf, tree, path, scratch)
+    cfg, path = cfg or ReaderConfig(), found.path
+    tree = build_tree(found, path)
+    pieces, notes = read_shapes(found, tree, path, scratch)
     tree, empty_notes = _keep_drawn(tree, {piece.node for piece in pieces}, path)
     nodes = tuple(order_nodes(tree.nodes))
     turn = turn_upright(cfg.up or "z", cfg.front or "-x")
+    category, category_note = _find_category(found, path, name, cfg)
+    pieces, unit, unit_note = _fit_unit(found, pieces, category)
     corners = collect_corners(pieces)
-    labels, label_notes = label_links(tree, nodes, urdf, corners, turn)
+    labels, label_notes = label_links(tree, nodes, found, corners, turn)
     poses = rest_nodes(tree, nodes, labels, corners)
-    category, category_note = _find_category(urdf, path, name, cfg)
-    said = f"up is {cfg.up or 'z'} and the front faces {cfg.front or '-x'} in the URDF"
-    found = assemble(
+    said = f"up is {cfg.up or 'z'} and the front faces {cfg.front or '-x'} in the file"
+    made = assemble(
         SourceTree(
             nodes=nodes,
             pieces=pieces,
@@ -80,9 +79,10 @@ def read_urdf_object(
         cfg,
         name=name or path.stem,
         category=category,
-        choose_size=lambda extents: (cfg.size or float(extents.max()), ()),
+        choose_size=lambda extents: (cfg.size or unit * float(extents.max()), ()),
         notes=(
-            *(note for note in (said, category_note) if note),
+            *(note for note in (said, category_note, unit_note) if note),
+            *found.notes,
             *tree.notes,
             *notes,
             *empty_notes,
@@ -90,11 +90,27 @@ def read_urdf_object(
             *(pose.note for pose in poses.values() if pose.note),
         ),
     )
-    logger.info("%s: %d parts, %d shapes", found.asset.name, len(found.asset.parts), len(found.visuals))
-    return found
+    logger.info("%s: %d parts, %d shapes", made.asset.name, len(made.asset.parts), len(made.visuals))
+    return made
 
 
-def _find_category(urdf: SourceUrdf, path: Path, name: str, cfg: ReaderConfig) -> tuple[str, str]:
+def _fit_unit(
+    found: Mechanism, pieces: tuple[PieceMesh, ...], category: str
+) -> tuple[tuple[PieceMesh, ...], float, str]:
+    """The pieces, metres per length of all, and a sentence; meshes may be in another unit than joints."""
+    corners = np.concatenate([piece.mesh.vertices for piece in pieces]) if pieces else np.zeros((1, 3))
+    extents = np.ptp(corners, axis=0)
+    unit, note = guess_unit(extents, category)
+    if not note:
+        return pieces, 1.0, ""
+    offsets = [float(np.linalg.norm(joint.T_parent_joint[:3, 3])) for joint in found.joints]
+    travels = [abs(end or 0.0) for j in found.joints if j.type == "prismatic" for end in (j.lower, j.upper)]
+    if max((*offsets, *travels), default=0.0) > SHARE * float(extents.max()):
+        return pieces, unit, note
+    return scale_meshes(pieces, unit), 1.0, f"{note}; joints are in metres"
+
+
+def _find_category(urdf: Mechanism, path: Path, name: str, cfg: ReaderConfig) -> tuple[str, str]:
     """The requested category, that of a ``meta.json`` beside the URDF, or a guess by names; and a note."""
     meta = path.parent / "meta.json"
     value = read_json(meta) if meta.is_file() else None
@@ -123,45 +139,66 @@ def _axis(direction: Direction) -> np.ndarray:
 
 
 def read_shapes(
-    urdf: SourceUrdf, tree: Tree, path: Path, scratch: Path
+    found: Mechanism, tree: Tree, path: Path, scratch: Path
 ) -> tuple[tuple[PieceMesh, ...], list[str]]:
     """The geometry of every node: its visuals, or its collision shapes if it has none."""
     pieces: list[PieceMesh] = []
-    notes, touched = [], []
+    notes, touched, missing = [], [], []
     numbers: dict[tuple[int, str], int] = {}
+    drawn, solid = (_group_shapes(shapes, tree) for shapes in (found.visuals, found.collisions))
     for node in tree.nodes:
-        own = [shape for shape in urdf.visuals if tree.owners.get(shape.link) == node.id]
-        if not own:
-            own = [shape for shape in urdf.collisions if tree.owners.get(shape.link) == node.id]
-            touched += [node.name] if own else []
+        own = drawn.get(node.id) or solid.get(node.id, [])
+        touched += [node.name] if own and node.id not in drawn else []
         lost = []
         for shape in own:
             placed, why = _load_placed(shape, path, scratch)
             if placed is None:
-                lost.append(f"link {shape.link!r}: mesh {shape.file!r} {why}")
+                lost.append(f"link {shape.link!r}: {why}")
                 continue
+            missing += placed.missing
             name = _piece_name(shape, leads=shape.link == node.name)
             number = numbers.setdefault((node.id, name), len(numbers))
-            pieces.append(_place(urdf.place(shape), placed, node.id, SourcePiece(id=number, name=name)))
+            pieces.append(_place(found.place(shape), placed, node.id, SourcePiece(id=number, name=name)))
         if lost and len(lost) == len(own):
             raise SourceError(f"{path}: {lost[0]}, and node {node.name!r} has no other geometry")
         notes += [f"{sentence}, and is left out" for sentence in lost]
     if touched:
         notes.append(f"links without visuals show their collision shapes: {', '.join(touched)}")
+    if missing:
+        names = ", ".join(dict.fromkeys(missing))
+        notes.append(f"images and materials that are missing, plain colours instead: {names}")
     return tuple(pieces), notes
 
 
-def _load_placed(shape: UrdfShape, path: Path, scratch: Path) -> tuple[PlacedMesh | None, str]:
+def _group_shapes(shapes: Sequence[Shape], tree: Tree) -> dict[int, list[Shape]]:
+    """Shapes by node."""
+    groups: dict[int, list[Shape]] = {}
+    for shape in shapes:
+        if shape.link in tree.owners:
+            groups.setdefault(tree.owners[shape.link], []).append(shape)
+    return groups
+
+
+def _load_placed(shape: Shape, path: Path, scratch: Path) -> tuple[PlacedMesh | None, str]:
     """The triangles of a shape, or None and the reason."""
-    if shape.kind != "mesh":
-        return load_shape(shape, None, path.parent, scratch), ""
-    file = find_mesh(shape.file, path)
-    if not file.is_file():
-        return None, f"is missing, looked for at {file}"
-    return load_shape(shape, file, _common_root(path, file), scratch), "holds no triangles"
+    if isinstance(shape, Solid):
+        return load_pieces(shape.pieces, scratch), f"shape {shape.name!r} holds no triangles"
+    texture = find_mesh(shape.texture, path) if shape.texture else None
+    gone = (shape.texture,) if texture is not None and not texture.is_file() else ()
+    texture = None if gone else texture
+    file, root = None, path.parent
+    if shape.kind == "mesh":
+        file = find_mesh(shape.file, path)
+        if not file.is_file():
+            return None, f"mesh {shape.file!r} is missing, looked for at {file}"
+        root = _common_root(path, file)
+    placed = load_shape(shape, file, root, scratch, texture)
+    if placed is None:
+        return None, f"mesh {shape.file!r} holds no triangles"
+    return replace(placed, missing=(*placed.missing, *gone)), ""
 
 
-def _piece_name(shape: UrdfShape, *, leads: bool) -> str:
+def _piece_name(shape: Shape, *, leads: bool) -> str:
     """``handle``, ``knob`` or ``shelf`` if the visual or its fixed link has that name."""
     for name in (shape.name,) if leads else (shape.name, shape.link):
         label = SPLIT_WORDS.get(find_word(name) or "")
@@ -176,48 +213,57 @@ def _place(T: np.ndarray, placed: PlacedMesh, node: int, piece: SourcePiece) -> 
 
 
 def find_mesh(name: str, urdf: Path) -> Path:
-    """Path of a mesh that a URDF names: the first one that exists, else the first candidate.
+    """Path of a file that a URDF names: the first one that exists, else the first candidate.
 
-    ``package://`` and ``model://`` paths are looked up in the parent folders of the URDF, with and without
-    the package's name. No path may leave the package: the folder with ``package.xml``, else the one above
-    the URDF's folder. Where the URDF is a link, as in the cache of Hugging Face, meshes may be links into the
-    folder that holds its content.
+    ``package://`` and ``model://`` paths are looked up in all folders above the URDF, with and without the
+    package's name; no path may leave the folder in which it is looked up. Other paths may not leave the
+    package: the folder with ``package.xml``, however far up, else the one above the URDF's folder. Where the
+    URDF is a link, as in the cache of Hugging Face, files are looked up beside both.
 
     Raises:
         SourceError: If the path leaves the package.
     """
-    above = _list_above(urdf)
+    name = name.replace("\\", "/")
     scheme, _, rest = name.rpartition("://")
-    if scheme in ("package", "model"):
-        package, _, inner = rest.partition("/")
-        named = [folder / inner for folder in above if folder.name == package]
-        places = [*named, *(folder / rest for folder in above), *(folder / inner for folder in above)]
-        root = above[-1]
-    else:
-        places = [above[0] / rest]
-        nearby = above[min(1, len(above) - 1)]
-        root = next((folder for folder in above if (folder / PACKAGE_FILE).is_file()), nearby)
-    found = next((place for place in places if place.is_file()), places[0])
-    allowed = (root, urdf.resolve().parent) if urdf.is_symlink() else (root,)
-    if scheme not in ("", "file", "package", "model") or not any(
-        found.resolve().is_relative_to(folder) for folder in allowed
-    ):
+    written, target = urdf.parent.absolute(), urdf.resolve().parent
+    chains = [
+        [folder, *folder.parents][:-1] for folder in dict.fromkeys((written, written.resolve(), target))
+    ]
+    places: list[tuple[Path, Path]] = []
+    for above in chains:
+        if scheme in ("package", "model"):
+            package, _, inner = rest.partition("/")
+            places += [(folder, folder / inner) for folder in above if folder.name == package]
+            places += [(folder, folder / rest) for folder in above]
+            places += [(folder, folder / inner) for folder in above]
+        else:
+            nearby = above[min(1, len(above) - 1)]
+            root = next((folder for folder in above if (folder / PACKAGE_FILE).is_file()), nearby)
+            places.append((root, above[0] / rest))
+    stored = [target] if urdf.is_symlink() else []
+    safe = [place for root, place in places if _stays_in(place, (root, *stored))]
+    there = [place for _, place in places if place.is_file()]
+    found = next((place for place in there if place in safe), (there or safe or [None])[0])
+    if scheme not in ("", "file", "package", "model") or found not in safe:
         raise SourceError(
-            f"{urdf}: names mesh {name!r}, expected a path inside of {root}, relative or with package://"
+            f"{urdf}: names file {name!r}, expected a path inside of {places[0][0]}, relative or with package://"
         )
     return found
 
 
-def _list_above(urdf: Path) -> list[Path]:
-    """The folder that a URDF is in and those above it; not those of the file that a link points to."""
-    folder = urdf.parent.resolve()
-    return [folder, *folder.parents][:ANCESTORS]
+def _stays_in(place: Path, folders: Sequence[Path]) -> bool:
+    """Whether a path lies in one of some folders, both as written and with links followed."""
+    written, real = Path(os.path.normpath(place)), place.resolve()
+    return any(real.is_relative_to(folder.resolve()) for folder in folders) and (
+        written.is_relative_to(folders[0]) or real.is_relative_to(folders[0].resolve())
+    )
 
 
 def _common_root(urdf: Path, file: Path) -> Path:
     """The common folder of a URDF and a mesh, in which materials and images are."""
-    mesh = file.resolve()
-    return next(folder for folder in urdf.resolve().parents if mesh.is_relative_to(folder))
+    mesh = file.absolute()
+    shared = (folder for folder in urdf.absolute().parents if mesh.is_relative_to(folder))
+    return next(shared, Path(mesh.anchor))
 
 
 def _keep_drawn(tree: Tree, drawn: set[int], path: Path) -> tuple[Tree, list[str]]:
@@ -244,7 +290,7 @@ def _keep_drawn(tree: Tree, drawn: set[int], path: Path) -> tuple[Tree, list[str
 def label_links(
     tree: Tree,
     nodes: Sequence[SourceNode],
-    urdf: SourceUrdf,
+    urdf: Mechanism,
     corners: Mapping[int, np.ndarray],
     T_zup_file: np.ndarray,
 ) -> tuple[dict[int, PartLabel], list[str]]:
@@ -282,7 +328,10 @@ def rest_nodes(
 
 
 def _find_rest(node: SourceNode, label: PartLabel, points: np.ndarray, body: np.ndarray) -> RestPose:
+    """The limit at 0; else 0 if a limit is near and the part does not stand off more than there; else as for
+    PartNet."""
     near, far = sorted((node.a, node.b), key=abs)
     if abs(near) <= CLOSED_SHARE * abs(node.b - node.a):
         return RestPose(rest=near, far=far, note=describe_rest(node, near, far))
-    return closed_pose(node, label, points, body)
+    beyond = node.a * node.b < 0.0 and not swings_both_ways(node) and label not in ("knob", "wheel")
+    return closed_pose(node, label, points, body, first=(0.0,) if beyond else ())

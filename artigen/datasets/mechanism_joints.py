@@ -4,14 +4,14 @@ Two joints in a row of which the second mimics the first along the same axis are
 followers, which open and close with their leader.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from artigen.datasets.mechanism import Mechanism
 from artigen.datasets.partnet_annotation import SourceNode
-from artigen.datasets.urdf_file import SourceUrdf
 from artigen.errors import SourceError
 from artigen.files.urdf import UrdfJoint
 from artigen.types import FULL_TURN
@@ -40,14 +40,15 @@ class _Coupling:
     ratio: float
 
 
-def build_tree(urdf: SourceUrdf, path: Path) -> Tree:
+def build_tree(urdf: Mechanism, path: Path) -> Tree:
     """The nodes of a URDF, in its own frame at zero joint values.
 
     Raises:
         SourceError: If a joint is invalid; names the joint, its value and what is allowed.
     """
     notes: list[str] = []
-    joints = {joint.name: _check(joint, urdf, path, notes) for joint in urdf.joints}
+    whole = _find_carriers(urdf)
+    joints = {joint.name: _check(joint, whole, path, notes) for joint in urdf.joints}
     screws = _find_screws(joints, urdf)
     joints |= _simplify_chains(joints, frozenset((*screws, *screws.values())), urdf, notes)
     carriers = {joints[turn].child for turn in screws.values()}
@@ -85,12 +86,43 @@ def build_tree(urdf: SourceUrdf, path: Path) -> Tree:
     )
 
 
-def _check(joint: UrdfJoint, urdf: SourceUrdf, path: Path, notes: list[str]) -> UrdfJoint:
+def _find_carriers(urdf: Mechanism) -> set[str]:
+    """Joints between the root and all that has a shape."""
+    shown = {shape.link for shape in (*urdf.visuals, *urdf.collisions)}
+    below = _list_below(urdf.joints)
+    link, found = urdf.root, set[str]()
+    while link not in shown:
+        carrying = [joint for joint in below.get(link, ()) if _reaches(joint.child, shown, below)]
+        if len(carrying) != 1:
+            break
+        found.add(carrying[0].name)
+        link = carrying[0].child
+    return found
+
+
+def _list_below(joints: Iterable[UrdfJoint]) -> dict[str, list[UrdfJoint]]:
+    """Joints by their parents."""
+    below: dict[str, list[UrdfJoint]] = {}
+    for joint in joints:
+        below.setdefault(joint.parent, []).append(joint)
+    return below
+
+
+def _reaches(link: str, shown: Set[str], below: Mapping[str, Sequence[UrdfJoint]]) -> bool:
+    """Whether a link or one below it has a shape."""
+    waiting = [link]
+    while waiting:
+        at = waiting.pop()
+        if at in shown:
+            return True
+        waiting += [joint.child for joint in below.get(at, ())]
+    return False
+
+
+def _check(joint: UrdfJoint, whole: Set[str], path: Path, notes: list[str]) -> UrdfJoint:
     """The joint with a type and limits that are valid for a part."""
     where = f"{path}: joint {joint.name!r}"
-    shown = {shape.link for shape in (*urdf.visuals, *urdf.collisions)}
-    alone = sum(other.parent == urdf.root for other in urdf.joints) == 1
-    if joint.type != "fixed" and joint.parent == urdf.root and joint.parent not in shown and alone:
+    if joint.type != "fixed" and joint.name in whole:
         notes.append(
             f"joint {joint.name!r} ({joint.type}) moves the whole object; it is fixed where it stands"
         )
@@ -129,7 +161,7 @@ def _check(joint: UrdfJoint, urdf: SourceUrdf, path: Path, notes: list[str]) -> 
     return joint
 
 
-def _find_screws(joints: Mapping[str, UrdfJoint], urdf: SourceUrdf) -> dict[str, str]:
+def _find_screws(joints: Mapping[str, UrdfJoint], urdf: Mechanism) -> dict[str, str]:
     """The sliding joint of every screw, with the turning joint that it mimics."""
     shown = {shape.link for shape in urdf.visuals}
     found = {}
@@ -144,21 +176,27 @@ def _find_screws(joints: Mapping[str, UrdfJoint], urdf: SourceUrdf) -> dict[str,
 
 
 def _simplify_chains(
-    joints: Mapping[str, UrdfJoint], screws: frozenset[str], urdf: SourceUrdf, notes: list[str]
+    joints: Mapping[str, UrdfJoint], screws: frozenset[str], urdf: Mechanism, notes: list[str]
 ) -> dict[str, UrdfJoint]:
     """Fixes all but one of the joints in a row through empty links, because a part has one joint.
+
+    Fixed joints and branches without shapes between them do not break the row.
 
     The continuous joint stays, else the one that turns, else any; of several the one with the largest range,
     and of equal ranges the last.
     """
     shown = {shape.link for shape in (*urdf.visuals, *urdf.collisions)}
+    below = _list_below(joints.values())
     following: dict[str, UrdfJoint] = {}
     for first in joints.values():
-        after = [joint for joint in joints.values() if joint.parent == first.child]
-        if first.child in shown or len(after) != 1 or {first.name, after[0].name} & screws:
+        if first.type == "fixed" or first.name in screws:
             continue
-        if "fixed" not in (first.type, after[0].type):
-            following[first.name] = after[0]
+        at = first
+        while at is first or (at is not None and at.type == "fixed"):
+            after = [joint for joint in below.get(at.child, ()) if _reaches(joint.child, shown, below)]
+            at = None if at.child in shown or len(after) != 1 else after[0]
+        if at is not None and at.name not in screws:
+            following[first.name] = at
     found: dict[str, UrdfJoint] = {}
     inner = {joint.name for joint in following.values()}
     for name in (name for name in following if name not in inner):
@@ -172,8 +210,8 @@ def _simplify_chains(
         *others, last = (repr(joint.name) for joint in chain)
         links = ", ".join(repr(joint.child) for joint in chain[:-1])
         notes.append(
-            f"joints {', '.join(others)} and {last} move one part through the empty "
-            f"{'link' if len(chain) == 2 else 'links'} {links}; {kept.name!r} ({kept.type}) is kept"
+            f"joints {', '.join(others)} and {last} move one part through "
+            f"the empty {'link' if len(chain) == 2 else 'links'} {links}; {kept.name!r} ({kept.type}) is kept"
         )
     return found
 
@@ -210,7 +248,7 @@ def _follow(joint: UrdfJoint, leader: UrdfJoint, coupling: _Coupling, path: Path
     return replace(joint, type=kind, lower=ends[0], upper=ends[1])
 
 
-def _build_node(joint: UrdfJoint, turn: UrdfJoint, number: int, urdf: SourceUrdf, path: Path) -> SourceNode:
+def _build_node(joint: UrdfJoint, turn: UrdfJoint, number: int, urdf: Mechanism, path: Path) -> SourceNode:
     """A node without its parent; ``turn`` is the joint itself or the turning joint of a screw."""
     T = urdf.T_base_link[joint.child]
     direction = T[:3, :3] @ np.array(joint.axis)
