@@ -35,6 +35,8 @@ class ReaderSettings:
     """Folder of marked photographs: labels.json and images. Without one, rendered views alone are used."""
     trunk: Path | None = None
     """ImageNet weights of EfficientNet-Lite2; default: those of the package that artigen[reader] installs."""
+    render_on: Literal["cpu", "cuda"] = "cpu"
+    """Device that renders views; the worker processes share it."""
 
 
 Generator = Literal[

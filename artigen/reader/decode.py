@@ -1,6 +1,6 @@
 """What the network's maps say, as things with boxes."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -37,6 +37,22 @@ class Found:
 
     def __len__(self) -> int:
         return len(self.score)
+
+    def take(self, indices: Int[np.ndarray, "M"]) -> "Found":
+        """Some of the things."""
+        return Found(
+            score=self.score[indices],
+            box=self.box[indices],
+            corners=self.corners[indices],
+            attributes={name: values[indices] for name, values in self.attributes.items()},
+        )
+
+    def move(self, boxes: Float[np.ndarray, "N 4"]) -> "Found":
+        """The things in other boxes, with their corners where they were in those."""
+        old, new = (box.reshape(-1, 1, 2, 2) for box in (self.box, boxes))
+        shares = (self.corners - old[:, :, 0]) / np.maximum(old[:, :, 1] - old[:, :, 0], 1e-6)
+        corners = new[:, :, 0] + shares * (new[:, :, 1] - new[:, :, 0])
+        return replace(self, box=boxes, corners=corners)
 
 
 def mirror_maps(maps: Maps) -> Maps:

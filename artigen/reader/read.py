@@ -14,6 +14,7 @@ from artigen.errors import ArtigenError, SourceError
 from artigen.models.precision import native_autocast
 from artigen.reader.choice import choose_fronts
 from artigen.reader.decode import Found, average_maps, find_things, mirror_maps
+from artigen.reader.edges import snap_boxes
 from artigen.reader.hinges import average_shares, weigh_hinges
 from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, MATERIALS, OBJECT, PULL, SHELF, STANDS, WHEEL
 from artigen.reader.model import Reader, load_reader
@@ -254,16 +255,17 @@ def _assemble(
         middle=settings.middle,
         strength=settings.usual,
     )
-    chosen_fronts = considered[believed]
+    fronts = fronts.take(considered[believed])
+    fronts = fronts.move(snap_boxes(sheet.pixels, fronts.box))
     hinges = weigh_hinges(
-        fronts.attributes["hinge"][chosen_fronts],
-        fronts.box[chosen_fronts],
+        fronts.attributes["hinge"],
+        fronts.box,
         things[PULL].box,
         things[PULL].score,
         average_shares(kinds, reader.left_shares),
     )
-    for index, door, sides in zip(chosen_fronts, labels, hinges, strict=True):
-        parts.append(_describe_front(fronts, int(index), door, sides, sheet))
+    for index, (door, sides) in enumerate(zip(labels, hinges, strict=True)):
+        parts.append(_describe_front(fronts, index, door, sides, sheet))
         box = fronts.box[index]
         own = np.concatenate([np.minimum(own[:2], box[:2]), np.maximum(own[2:], box[2:])])
     for thing in (PULL, DIAL, SHELF, WHEEL):
