@@ -1,4 +1,4 @@
-"""`artigen convert`: converts URDFs, MJCFs, PartNet-Mobility folders and object.json to packages."""
+"""`artigen convert`: converts URDFs, MJCFs, USD, PartNet-Mobility folders and object.json to packages."""
 
 import re
 from collections.abc import Callable
@@ -40,9 +40,9 @@ class ConvertSettings:
     category: str | None = None
     """Category of the objects; default: from their files and names."""
     up: Direction | None = None
-    """Up axis of a URDF, MJCF or object.json; default: z, or y in object.json."""
+    """Up axis of a URDF, MJCF, USD or object.json; default: z, or y in object.json."""
     front: Direction | None = None
-    """Axis that the front faces; default: -x in a URDF or MJCF, z in object.json."""
+    """Axis that the front faces; default: -x in a URDF, MJCF or USD, z in object.json."""
     body: str | None = None
     """Body of a scene file that is the object; default: every object in the file becomes a package."""
     seed: int = 0
@@ -268,12 +268,12 @@ def convert(
     runner: RunnerChoice = "local",
     shard: Shard = None,
 ) -> int:
-    """Convert URDFs, MJCFs, PartNet-Mobility folders and object.json (ACD) into validated packages.
+    """Convert URDFs, MJCFs, USD, PartNet-Mobility folders and object.json (ACD) into validated packages.
 
     Running the same command again resumes an interrupted run and retries failed objects.
 
     Args:
-        sources: URDF or MJCF files, object folders, or folders that contain either.
+        sources: URDF, MJCF or USD files, object folders, or folders that contain either.
         out: Output folder for the packages and the journal run.jsonl.
         cfg: How objects are converted.
         timeout: Time limit in seconds for one stage of one object.

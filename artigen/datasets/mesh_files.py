@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -79,7 +79,9 @@ def load_shape(
     for piece in pieces:
         piece.apply_transform(np.diag([*shape.scale, 1.0]))
     color = (*(shape.color or (NO_MATERIAL if texture is None else (1.0, 1.0, 1.0))), shape.opacity)
-    placed = load_pieces(pieces, scratch, color, None if texture is None else _open_image(texture))
+    placed = load_pieces(
+        pieces, scratch, color, None if texture is None else open_image(texture, str(texture))
+    )
     return None if placed is None else replace(placed, missing=missing)
 
 
@@ -165,7 +167,7 @@ def read_obj_pieces(path: Path, root: Path) -> "tuple[list[Trimesh], tuple[str, 
                 uv=uv,
                 material=PBRMaterial(
                     baseColorFactor=[*color, material.opacity],
-                    baseColorTexture=None if image is None else _open_image(image),
+                    baseColorTexture=None if image is None else open_image(image, str(image)),
                     alphaMode="OPAQUE" if material.opacity == 1.0 else "BLEND",
                 ),
             )
@@ -177,15 +179,20 @@ def read_obj_pieces(path: Path, root: Path) -> "tuple[list[Trimesh], tuple[str, 
     return pieces, tuple(dict.fromkeys(missing))
 
 
-def _open_image(path: Path) -> "Image":
+def open_image(file: "Path | IO[bytes]", name: str) -> "Image":
+    """A decoded image; errors call it ``name``.
+
+    Raises:
+        SourceError: If it cannot be decoded.
+    """
     from PIL import Image
 
     try:
-        with Image.open(path) as image:
+        with Image.open(file) as image:
             image.load()
             return image
     except (OSError, ValueError, Image.DecompressionBombError) as err:
-        raise SourceError(f"{path}: image cannot be decoded: {err}") from err
+        raise SourceError(f"{name}: image cannot be decoded: {err}") from err
 
 
 def _primitive(shape: UrdfShape) -> list["Trimesh"]:
