@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.datasets.categories import guess_category
-from artigen.datasets.mechanism import Mechanism, Shape, Solid
+from artigen.datasets.mechanism import MOVING, Mechanism, Shape, Solid
 from artigen.datasets.mechanism_joints import Tree, build_tree
 from artigen.datasets.mesh_files import PlacedMesh, load_pieces, load_shape
 from artigen.datasets.part_labels import SPLIT_LABELS, SPLIT_WORDS, find_word, guess_label
@@ -39,6 +39,9 @@ logger = logging.getLogger(__name__)
 
 CLOSED_SHARE = 0.02
 """A limit within this share of the range from 0 is the closed end, because URDFs are modelled closed."""
+MOST_JOINTS = 300
+MOST_SHAPES = 5_000
+"""An object has no more of them; a scene or a fault of a script has."""
 PACKAGE_FILE = "package.xml"
 OTHER = "other"
 
@@ -56,6 +59,12 @@ def read_mechanism(
         SourceError: If the object is invalid; names the file, the element, its value and what is allowed.
     """
     cfg, path = cfg or ReaderConfig(), found.path
+    moving, shapes = sum(joint.type in MOVING for joint in found.joints), len(found.visuals)
+    if moving > MOST_JOINTS or shapes > MOST_SHAPES:
+        raise SourceError(
+            f"{path}: holds {moving:,} moving joints and {shapes:,} visuals, at most {MOST_JOINTS:,} and "
+            f"{MOST_SHAPES:,} are kept: choose a part of it, or join visuals that move together"
+        )
     tree = build_tree(found, path)
     pieces, notes = read_shapes(found, tree, path, scratch)
     tree, empty_notes = _keep_drawn(tree, {piece.node for piece in pieces}, path)

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from trimesh import Trimesh
 
 FORMATS = ("obj", "stl", "glb", "gltf", "dae", "ply", "off")
+MOST_FACES = 500_000
+"""Most triangles of one mesh file; more are a scan, of which no simulator makes use."""
 UNIT = re.compile(r"([-+.\deE]+) \* meters")
 """How trimesh states the unit of a DAE file."""
 IMAGES = re.compile(rb"""(?:<init_from>|"uri"\s*:\s*")\s*([^<"]+?\.(?:png|jpe?g|bmp|tga))\s*[<"]""", re.I)
@@ -66,6 +68,7 @@ def load_shape(
     """
     if path is not None and min(shape.scale) == max(shape.scale) > 0 and _is_self_contained(path):
         mesh, scale = read_obj(path, root), shape.scale[0]
+        check_size(path, len(mesh.faces))
         if not len(mesh.faces):
             return None
         return PlacedMesh(path=path, scale=scale, mesh=replace(mesh, vertices=scale * mesh.vertices))
@@ -119,6 +122,19 @@ def _is_self_contained(path: Path) -> bool:
     )
 
 
+def check_size(path: Path, faces: int) -> None:
+    """Refuses a mesh that is too large to be converted.
+
+    Raises:
+        SourceError: If it holds more than `MOST_FACES` triangles.
+    """
+    if faces > MOST_FACES:
+        raise SourceError(
+            f"{path}: holds {faces:,} triangles, at most {MOST_FACES:,} are kept: simplify it, in Blender by "
+            "the modifier Decimate"
+        )
+
+
 def _are_inside(files: Iterable[Path], folder: Path) -> bool:
     return all(file.is_file() and file.resolve().is_relative_to(folder) for file in files)
 
@@ -142,6 +158,7 @@ def read_obj_pieces(path: Path, root: Path) -> "tuple[list[Trimesh], tuple[str, 
     from trimesh.visual.material import PBRMaterial
 
     said = parse_obj(path)
+    check_size(path, len(said.faces))
     known: dict[str, tuple[MtlMaterial, Path]] = {}
     missing = []
     for name in said.libraries:
@@ -154,8 +171,11 @@ def read_obj_pieces(path: Path, root: Path) -> "tuple[list[Trimesh], tuple[str, 
     pieces = []
     for name in dict.fromkeys(names.tolist()):
         faces, uv_faces = said.faces[names == name], said.uv_faces[names == name]
-        mesh = Trimesh(said.vertices[faces.ravel()], np.arange(faces.size).reshape(-1, 3), process=False)
-        uv = said.coords[uv_faces.ravel()] if len(said.coords) and (uv_faces >= 0).all() else None
+        mapped = len(said.coords) > 0 and bool((uv_faces >= 0).all())
+        corners = faces * max(len(said.coords), 1) + (uv_faces if mapped else 0)  # a number per corner
+        _, first, numbers = np.unique(corners, return_index=True, return_inverse=True)
+        mesh = Trimesh(said.vertices[faces.ravel()[first]], numbers.reshape(-1, 3), process=False)
+        uv = said.coords[uv_faces.ravel()[first]] if mapped else None
         if name in known:
             material, folder = known[name]
             image = folder / material.image if material.image else None
@@ -222,6 +242,7 @@ def _load(path: Path) -> "tuple[list[Trimesh], tuple[str, ...]]":
         pieces = [piece for piece in scene.dump() if isinstance(piece, trimesh.Trimesh) and len(piece.faces)]
     except Exception as err:  # every loader behind trimesh raises errors of its own
         raise SourceError(f"{path}: mesh cannot be read: {type(err).__name__}: {err}") from err
+    check_size(path, sum(len(piece.faces) for piece in pieces))
     unit = UNIT.fullmatch(str(scene.units or ""))
     for piece in pieces:
         if not np.isfinite(piece.vertices).all():
