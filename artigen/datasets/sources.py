@@ -18,6 +18,14 @@ Layout = Literal["PartNet-Mobility", "URDF", "MJCF", "USD", "object.json"]
 ANNOTATION = "mobility_v2.json"
 TREE = "object.json"
 MAIN = "mobility.urdf"
+OTHERS = {
+    ".xacro": "xacro is read after it is expanded: `xacro FILE > out.urdf`",
+    ".sdf": "SDF is not read, expected URDF, MJCF or USD",
+    ".world": "SDF is not read, expected URDF, MJCF or USD",
+    ".glb": "a GLB has no joints, expected a URDF, MJCF or USD that names it",
+    ".obj": "an OBJ has no joints, expected a URDF, MJCF or USD that names it",
+}
+"""What to do with files that hold no object."""
 COMMON_NAMES = (
     "mobility", "model", "robot", "object", "main", "urdf", "mjcf", "xml", "mobility_annotation_gapartnet",
 )  # fmt: skip
@@ -130,6 +138,8 @@ def read_source(source: Path, scratch: Path, cfg: ReaderConfig | None = None) ->
         case "PartNet-Mobility":
             return read_object(source, cfg)
         case _:
+            if source.suffix.lower() in OTHERS:
+                raise SourceError(f"{source}: {OTHERS[source.suffix.lower()]}")
             raise SourceError(
                 f"{source}: is no object: expected a URDF, MJCF or USD, or a folder with {MAIN} or one "
                 f"other of these, with {ANNOTATION} and its meshes (PartNet-Mobility), or with {TREE} (ACD)"

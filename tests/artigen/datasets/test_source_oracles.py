@@ -13,15 +13,19 @@ from tempfile import TemporaryDirectory
 
 import mujoco
 import numpy as np
+import pytest
 import trimesh
 import yourdfpy
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
+from source_cases import CASES, REFUSED, judge
 
+from artigen.datasets.mesh_files import MOST_FACES, check_size
 from artigen.datasets.mjcf import read_mjcf
 from artigen.datasets.source_object import ReaderConfig, SourceObject
 from artigen.datasets.sources import read_source
 from artigen.datasets.urdf_file import read_urdf
+from artigen.errors import SourceError
 from artigen.kinematics import displacements, movable_parts
 from artigen.transforms import transform_points
 
@@ -198,3 +202,57 @@ def test_generated_urdf_is_where_yourdfpy_has_it(chain: list[Made]):
                 ends = (joint.lower or 0.0, joint.upper or 0.0)
                 want = yourdfpy_extents(path, joint.name, max(ends, key=abs))
                 np.testing.assert_allclose(extents_at(found, part), want, atol=1e-5)
+
+
+@pytest.mark.real
+@pytest.mark.parametrize("case", sorted((*CASES, *REFUSED)))
+def test_files_of_known_faults_have_their_right_values(real_objects: Path, case: str):
+    folder = real_objects / "cases" / case
+    if not folder.is_dir():
+        pytest.skip(f"no case under {folder}")
+    rows = list(judge(folder))
+    assert [(what, got) for what, _, got in rows] == [(what, want) for what, want, _ in rows]
+
+
+def robot(links: int, kind: str) -> str:
+    """A row of boxes, each on the one before."""
+    box = '<visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>'
+    rows = [f'<link name="l{k}">{box}</link>' for k in range(links)]
+    rows += [
+        f'<joint name="j{k}" type="{kind}"><parent link="l{k - 1}"/><child link="l{k}"/>'
+        f'<limit lower="0" upper="1"/></joint>'
+        for k in range(1, links)
+    ]
+    return f"<robot name='row'>{''.join(rows)}</robot>"
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("row.urdf", robot(302, "revolute"), "holds 301 moving joints and 302 visuals, at most 300"),
+        ("row.urdf", robot(5001, "fixed"), "holds 0 moving joints and 5,001 visuals"),
+        ("row.urdf", robot(2, "fixed").replace("0.1 0.1", "${w} 0.1"), r"holds '\$\{w\}', expected no xacro"),
+        ("row.urdf", robot(2, "fixed").replace("box size", "mesh filename"), "is missing, looked for at"),
+        ("row.urdf", robot(2, "fixed").replace('"l0"/>', '"l1"/>'), "is its own ancestor"),
+        ("row.xacro", robot(2, "fixed"), "after it is expanded"),
+        ("row.sdf", "<sdf/>", "SDF is not read"),
+        ("row.xml", "<mujoco>" + "<worldbody>" * 2000, "MuJoCo cannot read it"),
+    ],
+)
+def test_what_cannot_be_kept_is_refused_in_one_sentence(tmp_path: Path, name: str, text: str, said: str):
+    path = tmp_path / name
+    path.write_text(text)
+    with pytest.raises(SourceError, match=said) as error:
+        read_source(path, tmp_path / "scratch", FAST)
+    assert str(error.value).startswith(str(path))
+    assert "\n" not in str(error.value)
+    assert not (tmp_path / "scratch").exists()
+
+
+@pytest.mark.parametrize(("faces", "read"), [(MOST_FACES, True), (MOST_FACES + 1, False)])
+def test_a_mesh_holds_half_a_million_triangles(tmp_path: Path, faces: int, *, read: bool):
+    if read:
+        check_size(tmp_path, faces)
+    else:
+        with pytest.raises(SourceError, match="holds 500,001 triangles"):
+            check_size(tmp_path, faces)
