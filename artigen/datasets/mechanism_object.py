@@ -73,6 +73,7 @@ def read_mechanism(
     category, category_note = _find_category(found, path, name, cfg)
     pieces, unit, unit_note = _fit_unit(found, pieces, category)
     corners = collect_corners(pieces)
+    _check_area(corners, path)
     labels, label_notes = label_links(tree, nodes, found, corners, turn)
     poses = rest_nodes(tree, nodes, labels, corners)
     said = f"up is {cfg.up or 'z'} and the front faces {cfg.front or '-x'} in the file"
@@ -101,6 +102,13 @@ def read_mechanism(
     )
     logger.info("%s: %d parts, %d shapes", made.asset.name, len(made.asset.parts), len(made.visuals))
     return made
+
+
+def _check_area(corners: Mapping[int, np.ndarray], path: Path) -> None:
+    """Refuses an object of which no triangle has an area."""
+    sides = [points.reshape(-1, 3, 3)[:, 1:] - points.reshape(-1, 3, 3)[:, :1] for points in corners.values()]
+    if not any(np.cross(side[:, 0], side[:, 1]).any() for side in sides):
+        raise SourceError(f"{path}: none of its triangles has an area, expected a surface")
 
 
 def _fit_unit(
