@@ -18,39 +18,24 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.datasets.mechanism import Mechanism, Solid, make_mechanism, say_dropped, unique_names
+from artigen.datasets.usd_joints import (
+    WORLD,
+    Edge,
+    body_of,
+    fix_links,
+    make_joint,
+    read_joint,
+    world_pose,
+)
 from artigen.datasets.usd_shapes import read_gprim
 from artigen.errors import SourceError
-from artigen.files.urdf import UrdfJoint
-from artigen.transforms import inverse, shift
+from artigen.transforms import shift
 
 if TYPE_CHECKING:
     from pxr import Usd
 
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
-WORLD = "/"
-"""Path of what belongs to no rigid body."""
 SHAPES = ("Mesh", "Cube", "Sphere", "Cylinder", "Capsule", "Cone")
-KINDS = {
-    "PhysicsFixedJoint": "fixed",
-    "PhysicsRevoluteJoint": "revolute",
-    "PhysicsPrismaticJoint": "prismatic",
-}
-PHYSX_MIMIC = re.compile(r"(physxMimicJoint:\w+):referenceJoint")
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Edge:
-    """A joint between two bodies, by path; the frame of the joint on each of them in the world."""
-
-    path: str
-    type: str
-    bodies: tuple[str, str]
-    T_world_joint: tuple[Float[np.ndarray, "4 4"], Float[np.ndarray, "4 4"]]
-    axis: Float[np.ndarray, "3"]
-    """In the frame of the joint on the first body."""
-    limits: tuple[float, float]
-    mimic: tuple[str, float, float] | None
-    """Path of the leader, factor and offset."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,7 +47,7 @@ class _Stage:
     """Keeps the prims valid."""
     T_zup_stage: Float[np.ndarray, "4 4"]
     shapes: dict[str, list["Usd.Prim"]]
-    edges: tuple[_Edge, ...]
+    edges: tuple[Edge, ...]
     unused: Counter[str]
     notes: list[str] = field(default_factory=list)
 
@@ -130,7 +115,7 @@ def _open(path: Path) -> _Stage:
             unused["disabled joints"] += enabled is False
             joints += [prim] if enabled is not False else []
         elif kind in SHAPES:
-            shapes.setdefault(_body_of(prim), []).append(prim)
+            shapes.setdefault(body_of(prim), []).append(prim)
         elif "Light" in kind or kind in ("Camera", "PointInstancer", "BasisCurves", "Points", "Volume"):
             unused[{"BasisCurves": "curves"}.get(kind, f"{kind} prims")] += 1
     _, _, missing = UsdUtils.ComputeAllDependencies(str(path))
@@ -140,112 +125,10 @@ def _open(path: Path) -> _Stage:
         else [f"no unit is stated: lengths are {metres:g} m"]
     )
     notes += [f"files that are missing: {', '.join(map(str, missing))}"] if missing else []
-    edges = tuple(edge for prim in joints if (edge := _read_joint(prim, T, unused)) is not None)
+    edges = tuple(edge for prim in joints if (edge := read_joint(prim, T, unused)) is not None)
     return _Stage(
         path=path, stage=stage, T_zup_stage=T, shapes=shapes, edges=edges, unused=unused, notes=notes
     )
-
-
-def _body_of(prim: "Usd.Prim") -> str:
-    """Path of the rigid body that a prim belongs to."""
-    from pxr import UsdPhysics
-
-    while prim and not prim.IsPseudoRoot():
-        enabled = prim.GetAttribute("physics:rigidBodyEnabled").Get()
-        if prim.HasAPI(UsdPhysics.RigidBodyAPI) and enabled is not False:
-            return str(prim.GetPath())
-        prim = prim.GetParent()
-    return WORLD
-
-
-def _world_pose(prim: "Usd.Prim") -> Float[np.ndarray, "4 4"]:
-    """The map from a prim's coordinates to those of the stage."""
-    from pxr import Usd, UsdGeom
-
-    return np.array(UsdGeom.XformCache(Usd.TimeCode.Default()).GetLocalToWorldTransform(prim)).T
-
-
-def _read_joint(prim: "Usd.Prim", T_zup_stage: np.ndarray, unused: Counter[str]) -> _Edge | None:
-    """A joint; None and a count for one that binds nothing, or only keeps a distance."""
-    from pxr import UsdPhysics
-
-    joint, stage = UsdPhysics.Joint(prim), prim.GetStage()
-    kind = prim.GetTypeName()
-    if kind == "PhysicsDistanceJoint":
-        unused["distance joints"] += 1
-        return None
-    bodies, frames = [], []
-    for number, said in enumerate((joint.GetBody0Rel(), joint.GetBody1Rel())):
-        targets = said.GetForwardedTargets()
-        target = stage.GetPrimAtPath(targets[0]) if targets else stage.GetPseudoRoot()
-        if not target:
-            unused["joints of bodies that are not there"] += 1
-            return None
-        position = prim.GetAttribute(f"physics:localPos{number}").Get()
-        turn = prim.GetAttribute(f"physics:localRot{number}").Get()
-        w, (x, y, z) = turn.GetReal(), turn.GetImaginary()
-        frames.append(
-            _joint_frame(T_zup_stage @ _world_pose(target), np.array(position), np.array([w, x, y, z]))
-        )
-        bodies.append(_body_of(target))
-    if bodies[0] == bodies[1]:
-        unused["joints within one body"] += 1
-        return None
-    axis = (
-        np.eye(3)["XYZ".index(prim.GetAttribute("physics:axis").Get() or "X")]
-        if kind in KINDS
-        else np.zeros(3)
-    )
-    unit = np.pi / 180.0 if kind == "PhysicsRevoluteJoint" else float(np.linalg.norm(T_zup_stage[:3, 0]))
-    limits = (-np.inf, np.inf)
-    if kind in ("PhysicsRevoluteJoint", "PhysicsPrismaticJoint"):
-        low, high = (unit * prim.GetAttribute(f"physics:{side}Limit").Get() for side in ("lower", "upper"))
-        limits = (float(low), float(high))
-    return _Edge(
-        path=str(prim.GetPath()),
-        type=KINDS.get(kind, kind),
-        bodies=(bodies[0], bodies[1]),
-        T_world_joint=(frames[0], frames[1]),
-        axis=axis,
-        limits=limits,
-        mimic=_read_mimic(prim),
-    )
-
-
-def _joint_frame(T: np.ndarray, position: np.ndarray, quat: np.ndarray) -> Float[np.ndarray, "4 4"]:
-    """Rigid frame of a joint in the world, on a body whose map to the world may scale."""
-    from artigen.transforms import matrix_from_quat
-
-    frame = np.eye(4)
-    lengths = np.linalg.norm(T[:3, :3], axis=0)
-    frame[:3, :3] = (T[:3, :3] / lengths) @ matrix_from_quat(quat[None] / np.linalg.norm(quat))[0]
-    frame[:3, 3] = T[:3, :3] @ position + T[:3, 3]
-    return frame
-
-
-def _read_mimic(prim: "Usd.Prim") -> tuple[str, float, float] | None:
-    """The joint that a joint follows, factor and offset (rad, m), as MuJoCo or PhysX state it."""
-    target = prim.GetRelationship("mjc:target")
-    if target and target.GetTargets():
-        values = [prim.GetAttribute(f"mjc:coef{k}").Get() for k in (0, 1)]
-        return (
-            str(target.GetTargets()[0]),
-            float(1.0 if values[1] is None else values[1]),
-            float(values[0] or 0.0),
-        )
-    for said in prim.GetRelationships():
-        found = PHYSX_MIMIC.fullmatch(said.GetName())
-        if found is None or not said.GetTargets():
-            continue
-        leader = prim.GetStage().GetPrimAtPath(said.GetTargets()[0])
-        own, other = ("Revolute" in (one.GetTypeName() if one else "") for one in (prim, leader))
-        degree = np.pi / 180.0
-        gearing, offset = (
-            prim.GetAttribute(f"{found[1]}:{name}").Get() or 0.0 for name in ("gearing", "offset")
-        )
-        factor = -gearing * (degree if own else 1.0) / (degree if other else 1.0)
-        return str(said.GetTargets()[0]), float(factor), float(-offset * (degree if own else 1.0))
-    return None
 
 
 def _find_objects(stage: _Stage) -> dict[str, set[str]]:
@@ -281,7 +164,7 @@ def _common_name(bodies: Iterable[str]) -> str:
     return shared[-1] if shared else "world"
 
 
-def _span(stage: _Stage, bodies: set[str]) -> list[tuple[_Edge, bool]]:
+def _span(stage: _Stage, bodies: set[str]) -> list[tuple[Edge, bool]]:
     """Joints from the root outwards, parents first, each with whether it is taken backwards.
 
     The root is the world, else a body that is fixed to it, else one that is the root of an articulation, else
@@ -314,7 +197,7 @@ def _is_articulation_root(prim: "Usd.Prim") -> bool:
     return bool(prim) and prim.HasAPI(UsdPhysics.ArticulationRootAPI)
 
 
-def _build(stage: _Stage, name: str, bodies: set[str], edges: list[tuple[_Edge, bool]]) -> Mechanism:
+def _build(stage: _Stage, name: str, bodies: set[str], edges: list[tuple[Edge, bool]]) -> Mechanism:
     reached = [edge.bodies[0] if back else edge.bodies[1] for edge, back in edges]
     root = next(iter(bodies - set(reached))) if edges else min(bodies)
     still = sorted(bodies - {root, *reached})  # no joint leads there
@@ -325,11 +208,11 @@ def _build(stage: _Stage, name: str, bodies: set[str], edges: list[tuple[_Edge, 
     titles = unique_names((edge.path.rpartition("/")[2] for edge, _ in edges), "joint")
     names = dict(zip((edge.path for edge, _ in edges), titles, strict=True))
     origins = {root: np.zeros(3), **dict.fromkeys(still, np.zeros(3))}
-    joints = [_fix(links[root], links[body]) for body in still]
+    joints = [fix_links(links[root], links[body]) for body in still]
     for edge, back in edges:
         parent, child = edge.bodies[::-1] if back else edge.bodies
         origins[child] = edge.T_world_joint[0][:3, 3]
-        joint = _make_joint(edge, names, stage.path, back=back)
+        joint = make_joint(edge, names, stage.path, back=back)
         joints.append(
             replace(
                 joint,
@@ -342,7 +225,7 @@ def _build(stage: _Stage, name: str, bodies: set[str], edges: list[tuple[_Edge, 
     for body in order:
         shown = [prim for prim in stage.shapes.get(body, ()) if _is_drawn(prim)]
         for prim in stage.shapes.get(body, ()):
-            pieces = tuple(read_gprim(prim, stage.T_zup_stage @ _world_pose(prim)))
+            pieces = tuple(read_gprim(prim, stage.T_zup_stage @ world_pose(prim)))
             shape = Solid(
                 link=links[body], name=prim.GetName(), T_link_shape=shift(-origins[body]), pieces=pieces
             )
@@ -375,59 +258,3 @@ def _is_drawn(prim: "Usd.Prim") -> bool:
     image = UsdGeom.Imageable(prim)
     visible = image.ComputeVisibility() != UsdGeom.Tokens.invisible
     return visible and image.ComputePurpose() in (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)
-
-
-def _fix(parent: str, child: str) -> UrdfJoint:
-    return UrdfJoint(
-        name=f"{child}_fixed",
-        type="fixed",
-        parent=parent,
-        child=child,
-        T_parent_joint=np.eye(4),
-        axis=np.array([1.0, 0.0, 0.0]),
-        lower=None,
-        upper=None,
-        mimic=None,
-        mimic_multiplier=1.0,
-        mimic_offset=0.0,
-    )
-
-
-def _make_joint(edge: _Edge, names: dict[str, str], path: Path, *, back: bool) -> UrdfJoint:
-    """The joint with a coordinate that is 0 where the stage has it; parent, child and place are still open.
-
-    Raises:
-        SourceError: If the joint is neither fixed, revolute nor prismatic, or slides without limits.
-    """
-    joint = replace(_fix("", ""), name=names[edge.path], type=edge.type)
-    if edge.type == "fixed":
-        return joint
-    if edge.type not in KINDS.values():
-        allowed = ", ".join(KINDS)
-        raise SourceError(f"{path}: joint {edge.path} is a {edge.type}, expected one of {allowed}")
-    first, second = edge.T_world_joint
-    between, sign = inverse(first) @ second, -1.0 if back else 1.0
-    if edge.type == "prismatic":
-        value = float(between[:3, 3] @ edge.axis)
-    else:
-        k = int(np.argmax(edge.axis))
-        i, j = (k + 1) % 3, (k + 2) % 3
-        value = float(np.arctan2(between[j, i] - between[i, j], between[i, i] + between[j, j]))
-    lower, upper = (end - value for end in edge.limits)
-    endless = not np.isfinite([lower, upper]).all()
-    mimic = edge.mimic if edge.mimic is not None and edge.mimic[0] in names else None
-    if edge.type == "prismatic" and endless and mimic is None:
-        raise SourceError(
-            f"{path}: joint {edge.path} slides without limits, expected physics:lowerLimit and upperLimit"
-        )
-    joint = replace(
-        joint,
-        type="continuous" if endless and edge.type == "revolute" else edge.type,
-        axis=sign * first[:3, :3] @ edge.axis,
-        lower=None if endless else lower,
-        upper=None if endless else upper,
-    )
-    if mimic is None:
-        return joint
-    leader, factor, offset = mimic
-    return replace(joint, mimic=names[leader], mimic_multiplier=factor, mimic_offset=offset)
