@@ -1,4 +1,4 @@
-"""Converts URDFs, MJCFs, PartNet-Mobility folders and object.json to packages."""
+"""Converts URDFs, MJCFs, USD, PartNet-Mobility folders and object.json to packages."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -38,9 +38,9 @@ class ConvertSettings:
     category: str | None = None
     """Category of the objects; default: from their files and names."""
     up: Direction | None = None
-    """Up axis of a URDF, MJCF or object.json; default: z, or y in object.json."""
+    """Up axis of a URDF, MJCF, USD or object.json; default: z, or y in object.json."""
     front: Direction | None = None
-    """Axis that the front faces; default: -x in a URDF or MJCF, z in object.json."""
+    """Axis that the front faces; default: -x in a URDF, MJCF or USD, z in object.json."""
     body: str | None = None
     """Body of a scene file that is the object; default: every object in the file becomes a package."""
     seed: int = 0
@@ -273,7 +273,7 @@ def convert_packages(
     """Converts objects into a folder of packages with a journal; finished ones are kept.
 
     Args:
-        sources: URDF or MJCF files, object folders, or folders that contain either.
+        sources: URDF, MJCF or USD files, object folders, or folders that contain either.
         out: Folder of the packages and the journal.
         cfg: How objects are converted.
         runner: Where objects are converted.

@@ -1,4 +1,4 @@
-"""`artigen convert`: converts URDFs, MJCFs, PartNet-Mobility folders and object.json to packages."""
+"""`artigen convert`: converts URDFs, MJCFs, USD, PartNet-Mobility folders and object.json to packages."""
 
 from pathlib import Path
 
@@ -22,12 +22,12 @@ def convert(
     runner: RunnerChoice = "local",
     shard: Shard = None,
 ) -> int:
-    """Convert URDFs, MJCFs, PartNet-Mobility folders and object.json (ACD) into validated packages.
+    """Convert URDFs, MJCFs, USD, PartNet-Mobility folders and object.json (ACD) into validated packages.
 
     Running the same command again resumes an interrupted run and retries failed objects.
 
     Args:
-        sources: URDF or MJCF files, object folders, or folders that contain either.
+        sources: URDF, MJCF or USD files, object folders, or folders that contain either.
         out: Output folder for the packages and the journal run.jsonl.
         cfg: How objects are converted.
         timeout: Time limit in seconds for one stage of one object.

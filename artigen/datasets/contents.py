@@ -15,8 +15,6 @@ NAMING = {".urdf", ".xml", ".mjcf", ".obj", ".mtl"}
 """Files that may name others."""
 BESIDE = "meta.json"
 """File beside a URDF that may state the category."""
-ANCESTORS = 4
-"""Number of parent folders in which ``package://`` paths are looked up."""
 
 
 def digest_source(source: Path) -> str:
@@ -58,7 +56,7 @@ def _list_named(file: Path) -> Iterator[tuple[str, Path]]:
         folders = [file.parent]
     else:
         names = [*NAMED.findall(text), BESIDE]
-        above = [file.parent, *file.parent.absolute().parents][:ANCESTORS]
+        above = [file.parent, *file.parent.absolute().parents]
         folders = [*above, *(file.parent / folder for folder in FOLDERS.findall(text))]
     for name in dict.fromkeys(names):
         _, _, rest = name.rpartition("://")

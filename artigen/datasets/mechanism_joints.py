@@ -191,8 +191,8 @@ def _simplify_chains(
     for first in joints.values():
         if first.type == "fixed" or first.name in screws:
             continue
-        at = first
-        while at is first or (at is not None and at.type == "fixed"):
+        at: UrdfJoint | None = first
+        while at is not None and (at is first or at.type == "fixed"):
             after = [joint for joint in below.get(at.child, ()) if _reaches(joint.child, shown, below)]
             at = None if at.child in shown or len(after) != 1 else after[0]
         if at is not None and at.name not in screws:

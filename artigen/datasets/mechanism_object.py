@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.datasets.categories import guess_category
-from artigen.datasets.mechanism import Mechanism, Shape, Solid
+from artigen.datasets.mechanism import MOVING, Mechanism, Shape, Solid
 from artigen.datasets.mechanism_joints import Tree, build_tree
 from artigen.datasets.mesh_files import PlacedMesh, load_pieces, load_shape
 from artigen.datasets.part_labels import SPLIT_LABELS, SPLIT_WORDS, find_word, guess_label
@@ -39,6 +39,9 @@ logger = logging.getLogger(__name__)
 
 CLOSED_SHARE = 0.02
 """A limit within this share of the range from 0 is the closed end, because URDFs are modelled closed."""
+MOST_JOINTS = 300
+MOST_SHAPES = 5_000
+"""An object has no more of them; a scene or a fault of a script has."""
 PACKAGE_FILE = "package.xml"
 OTHER = "other"
 
@@ -56,6 +59,12 @@ def read_mechanism(
         SourceError: If the object is invalid; names the file, the element, its value and what is allowed.
     """
     cfg, path = cfg or ReaderConfig(), found.path
+    moving, shapes = sum(joint.type in MOVING for joint in found.joints), len(found.visuals)
+    if moving > MOST_JOINTS or shapes > MOST_SHAPES:
+        raise SourceError(
+            f"{path}: holds {moving:,} moving joints and {shapes:,} visuals, at most {MOST_JOINTS:,} and "
+            f"{MOST_SHAPES:,} are kept: choose a part of it, or join visuals that move together"
+        )
     tree = build_tree(found, path)
     pieces, notes = read_shapes(found, tree, path, scratch)
     tree, empty_notes = _keep_drawn(tree, {piece.node for piece in pieces}, path)
@@ -64,6 +73,7 @@ def read_mechanism(
     category, category_note = _find_category(found, path, name, cfg)
     pieces, unit, unit_note = _fit_unit(found, pieces, category)
     corners = collect_corners(pieces)
+    _check_area(corners, path)
     labels, label_notes = label_links(tree, nodes, found, corners, turn)
     poses = rest_nodes(tree, nodes, labels, corners)
     said = f"up is {cfg.up or 'z'} and the front faces {cfg.front or '-x'} in the file"
@@ -92,6 +102,13 @@ def read_mechanism(
     )
     logger.info("%s: %d parts, %d shapes", made.asset.name, len(made.asset.parts), len(made.visuals))
     return made
+
+
+def _check_area(corners: Mapping[int, np.ndarray], path: Path) -> None:
+    """Refuses an object of which no triangle has an area."""
+    sides = [points.reshape(-1, 3, 3)[:, 1:] - points.reshape(-1, 3, 3)[:, :1] for points in corners.values()]
+    if not any(np.cross(side[:, 0], side[:, 1]).any() for side in sides):
+        raise SourceError(f"{path}: none of its triangles has an area, expected a surface")
 
 
 def _fit_unit(

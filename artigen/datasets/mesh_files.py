@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from trimesh import Trimesh
 
 FORMATS = ("obj", "stl", "glb", "gltf", "dae", "ply", "off")
+MOST_FACES = 500_000
+"""Most triangles of one mesh file; more are a scan, of which no simulator makes use."""
 UNIT = re.compile(r"([-+.\deE]+) \* meters")
 """How trimesh states the unit of a DAE file."""
 IMAGES = re.compile(rb"""(?:<init_from>|"uri"\s*:\s*")\s*([^<"]+?\.(?:png|jpe?g|bmp|tga))\s*[<"]""", re.I)
@@ -66,6 +68,7 @@ def load_shape(
     """
     if path is not None and min(shape.scale) == max(shape.scale) > 0 and _is_self_contained(path):
         mesh, scale = read_obj(path, root), shape.scale[0]
+        check_size(path, len(mesh.faces))
         if not len(mesh.faces):
             return None
         return PlacedMesh(path=path, scale=scale, mesh=replace(mesh, vertices=scale * mesh.vertices))
@@ -79,7 +82,9 @@ def load_shape(
     for piece in pieces:
         piece.apply_transform(np.diag([*shape.scale, 1.0]))
     color = (*(shape.color or (NO_MATERIAL if texture is None else (1.0, 1.0, 1.0))), shape.opacity)
-    placed = load_pieces(pieces, scratch, color, None if texture is None else _open_image(texture))
+    placed = load_pieces(
+        pieces, scratch, color, None if texture is None else open_image(texture, str(texture))
+    )
     return None if placed is None else replace(placed, missing=missing)
 
 
@@ -117,6 +122,19 @@ def _is_self_contained(path: Path) -> bool:
     )
 
 
+def check_size(path: Path, faces: int) -> None:
+    """Refuses a mesh that is too large to be converted.
+
+    Raises:
+        SourceError: If it holds more than `MOST_FACES` triangles.
+    """
+    if faces > MOST_FACES:
+        raise SourceError(
+            f"{path}: holds {faces:,} triangles, at most {MOST_FACES:,} are kept: simplify it, in Blender by "
+            "the modifier Decimate"
+        )
+
+
 def _are_inside(files: Iterable[Path], folder: Path) -> bool:
     return all(file.is_file() and file.resolve().is_relative_to(folder) for file in files)
 
@@ -140,6 +158,7 @@ def read_obj_pieces(path: Path, root: Path) -> "tuple[list[Trimesh], tuple[str, 
     from trimesh.visual.material import PBRMaterial
 
     said = parse_obj(path)
+    check_size(path, len(said.faces))
     known: dict[str, tuple[MtlMaterial, Path]] = {}
     missing = []
     for name in said.libraries:
@@ -152,8 +171,11 @@ def read_obj_pieces(path: Path, root: Path) -> "tuple[list[Trimesh], tuple[str, 
     pieces = []
     for name in dict.fromkeys(names.tolist()):
         faces, uv_faces = said.faces[names == name], said.uv_faces[names == name]
-        mesh = Trimesh(said.vertices[faces.ravel()], np.arange(faces.size).reshape(-1, 3), process=False)
-        uv = said.coords[uv_faces.ravel()] if len(said.coords) and (uv_faces >= 0).all() else None
+        mapped = len(said.coords) > 0 and bool((uv_faces >= 0).all())
+        corners = faces * max(len(said.coords), 1) + (uv_faces if mapped else 0)  # a number per corner
+        _, first, numbers = np.unique(corners, return_index=True, return_inverse=True)
+        mesh = Trimesh(said.vertices[faces.ravel()[first]], numbers.reshape(-1, 3), process=False)
+        uv = said.coords[uv_faces.ravel()[first]] if mapped else None
         if name in known:
             material, folder = known[name]
             image = folder / material.image if material.image else None
@@ -165,7 +187,7 @@ def read_obj_pieces(path: Path, root: Path) -> "tuple[list[Trimesh], tuple[str, 
                 uv=uv,
                 material=PBRMaterial(
                     baseColorFactor=[*color, material.opacity],
-                    baseColorTexture=None if image is None else _open_image(image),
+                    baseColorTexture=None if image is None else open_image(image, str(image)),
                     alphaMode="OPAQUE" if material.opacity == 1.0 else "BLEND",
                 ),
             )
@@ -177,15 +199,20 @@ def read_obj_pieces(path: Path, root: Path) -> "tuple[list[Trimesh], tuple[str, 
     return pieces, tuple(dict.fromkeys(missing))
 
 
-def _open_image(path: Path) -> "Image":
+def open_image(file: "Path | IO[bytes]", name: str) -> "Image":
+    """A decoded image; errors call it ``name``.
+
+    Raises:
+        SourceError: If it cannot be decoded.
+    """
     from PIL import Image
 
     try:
-        with Image.open(path) as image:
+        with Image.open(file) as image:
             image.load()
             return image
     except (OSError, ValueError, Image.DecompressionBombError) as err:
-        raise SourceError(f"{path}: image cannot be decoded: {err}") from err
+        raise SourceError(f"{name}: image cannot be decoded: {err}") from err
 
 
 def _primitive(shape: UrdfShape) -> list["Trimesh"]:
@@ -215,6 +242,7 @@ def _load(path: Path) -> "tuple[list[Trimesh], tuple[str, ...]]":
         pieces = [piece for piece in scene.dump() if isinstance(piece, trimesh.Trimesh) and len(piece.faces)]
     except Exception as err:  # every loader behind trimesh raises errors of its own
         raise SourceError(f"{path}: mesh cannot be read: {type(err).__name__}: {err}") from err
+    check_size(path, sum(len(piece.faces) for piece in pieces))
     unit = UNIT.fullmatch(str(scene.units or ""))
     for piece in pieces:
         if not np.isfinite(piece.vertices).all():

@@ -1,5 +1,6 @@
-"""Finds and reads source objects of any layout: PartNet-Mobility folders, URDFs, MJCFs, object.json."""
+"""Finds and reads source objects of any layout: PartNet-Mobility folders, URDFs, MJCFs, USD, object.json."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Literal
 
@@ -10,12 +11,21 @@ from artigen.datasets.partnet_annotation import read_json
 from artigen.datasets.partnet_mobility import read_object
 from artigen.datasets.source_object import ReaderConfig, SourceObject
 from artigen.datasets.urdf_file import read_urdf
+from artigen.datasets.usd import SUFFIXES, list_usd_objects, read_usd
 from artigen.errors import SourceError
 
-Layout = Literal["PartNet-Mobility", "URDF", "MJCF", "object.json"]
+Layout = Literal["PartNet-Mobility", "URDF", "MJCF", "USD", "object.json"]
 ANNOTATION = "mobility_v2.json"
 TREE = "object.json"
 MAIN = "mobility.urdf"
+OTHERS = {
+    ".xacro": "xacro is read after it is expanded: `xacro FILE > out.urdf`",
+    ".sdf": "SDF is not read, expected URDF, MJCF or USD",
+    ".world": "SDF is not read, expected URDF, MJCF or USD",
+    ".glb": "a GLB has no joints, expected a URDF, MJCF or USD that names it",
+    ".obj": "an OBJ has no joints, expected a URDF, MJCF or USD that names it",
+}
+"""What to do with files that hold no object."""
 COMMON_NAMES = (
     "mobility", "model", "robot", "object", "main", "urdf", "mjcf", "xml", "mobility_annotation_gapartnet",
 )  # fmt: skip
@@ -28,14 +38,16 @@ def find_layout(source: Path) -> Layout | None:
     A package written by artigen has PartNet's annotation without its meshes, so its URDF counts.
     """
     if source.is_file():
-        if source.suffix.lower() == ".urdf":
-            return "URDF"
+        if source.suffix.lower() in (".urdf", *SUFFIXES):
+            return "URDF" if source.suffix.lower() == ".urdf" else "USD"
         return "object.json" if source.name == TREE else "MJCF" if is_mjcf(source) else None
     if (source / ANNOTATION).is_file() and not _is_package(source):
         return "PartNet-Mobility"
     if (source / TREE).is_file():
         return "object.json"
-    return "URDF" if _find_urdf(source) else "MJCF" if _find_mjcf(source) else None
+    if _find_urdf(source):
+        return "URDF"
+    return "MJCF" if _find_mjcf(source) else "USD" if _find_usd(source) else None
 
 
 def _is_package(folder: Path) -> bool:
@@ -53,6 +65,12 @@ def _find_urdf(folder: Path) -> Path | None:
 def _find_mjcf(folder: Path) -> Path | None:
     """The MJCF of a folder that holds one."""
     files = [file for file in sorted(folder.glob("*.xml")) if is_mjcf(file)]
+    return files[0] if len(files) == 1 else None
+
+
+def _find_usd(folder: Path) -> Path | None:
+    """The stage of a folder that holds one."""
+    files = [file for file in sorted(folder.glob("*")) if file.suffix.lower() in SUFFIXES]
     return files[0] if len(files) == 1 else None
 
 
@@ -82,11 +100,20 @@ def list_objects(source: Path) -> tuple[str, ...]:
     Raises:
         SourceError: If the file cannot be read.
     """
-    if find_layout(source) != "MJCF":
-        return ()
-    file = source if source.is_file() else _find_mjcf(source)
+    match find_layout(source):
+        case "MJCF":
+            return list_mjcf_objects(_pick(source, _find_mjcf))
+        case "USD":
+            return list_usd_objects(_pick(source, _find_usd))
+        case _:
+            return ()
+
+
+def _pick(source: Path, find: Callable[[Path], Path | None]) -> Path:
+    """A source that is a file, or the file in it."""
+    file = source if source.is_file() else find(source)
     assert file is not None
-    return list_mjcf_objects(file)
+    return file
 
 
 def read_source(source: Path, scratch: Path, cfg: ReaderConfig | None = None) -> SourceObject:
@@ -101,19 +128,20 @@ def read_source(source: Path, scratch: Path, cfg: ReaderConfig | None = None) ->
     cfg, name = cfg or ReaderConfig(), name_source(source)
     match find_layout(source):
         case "URDF":
-            file = source if source.is_file() else _find_urdf(source)
-            assert file is not None
-            return read_mechanism(read_urdf(file), scratch, cfg, name=name)
+            found = read_urdf(_pick(source, _find_urdf))
         case "MJCF":
-            file = source if source.is_file() else _find_mjcf(source)
-            assert file is not None
-            return read_mechanism(read_mjcf(file, cfg.body), scratch, cfg, name=name)
+            found = read_mjcf(_pick(source, _find_mjcf), cfg.body)
+        case "USD":
+            found = read_usd(_pick(source, _find_usd), cfg.body)
         case "object.json":
             return read_acd(source if source.is_file() else source / TREE, scratch, cfg, name=name)
         case "PartNet-Mobility":
             return read_object(source, cfg)
         case _:
+            if source.suffix.lower() in OTHERS:
+                raise SourceError(f"{source}: {OTHERS[source.suffix.lower()]}")
             raise SourceError(
-                f"{source}: is no object: expected a URDF or MJCF, or a folder with {MAIN} or one other "
-                f"URDF or MJCF, with {ANNOTATION} and its meshes (PartNet-Mobility), or with {TREE} (ACD)"
+                f"{source}: is no object: expected a URDF, MJCF or USD, or a folder with {MAIN} or one "
+                f"other of these, with {ANNOTATION} and its meshes (PartNet-Mobility), or with {TREE} (ACD)"
             )
+    return read_mechanism(found, scratch, cfg, name=name)

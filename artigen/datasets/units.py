@@ -8,7 +8,7 @@ import numpy as np
 from artigen.datasets.partnet_meshes import PieceMesh
 from artigen.datasets.sizes import estimate_size
 
-LONGEST = 30.0
+LONGEST = 40.0
 """No object is longer (m); its unit is another one."""
 UNITS = {"millimetres": 0.001, "centimetres": 0.01, "inches": 0.0254}
 SHARE = 0.01

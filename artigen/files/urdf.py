@@ -5,6 +5,7 @@ NaN limits, axes of any length, unknown joint types, cycles and missing files. I
 missing XML, and for missing elements or numbers. Files are untrusted: entities are refused.
 """
 
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -18,6 +19,8 @@ from jaxtyping import Float
 from artigen.errors import SourceError
 from artigen.transforms import matrix_from_rpy
 
+EXPRESSION = re.compile(rb"""\$(?:\([a-z]+ [^)"]*\)|\{[^}"]+\})""")
+"""An expression that xacro replaces."""
 Rgba = tuple[float, float, float, float]
 """Red, green, blue and opacity in [0, 1]."""
 
@@ -108,13 +111,18 @@ def parse_urdf(path: Path, owner: str = "", *, inertials: bool = True) -> UrdfFi
 
     owner = owner or str(path)
     try:
-        robot = fromstring(path.read_bytes(), forbid_dtd=True)
+        data = path.read_bytes()
+        robot = fromstring(data, forbid_dtd=True)
     except OSError as err:
         raise SourceError(f"{owner}: cannot be read ({err.strerror})") from err
     except DefusedXmlException as err:
         raise SourceError(f"{owner}: declares a DTD or entities, which are refused: {err}") from err
     except (ParseError, ValueError) as err:
         raise SourceError(f"{owner}: not valid XML ({type(err).__name__}: {err})") from err
+    found = EXPRESSION.search(data)
+    if found is not None:
+        said = found[0].decode(errors="replace")
+        raise SourceError(f"{owner}: holds {said!r}, expected no xacro: expand it by `xacro FILE > out.urdf`")
     if robot.tag != "robot":
         raise SourceError(f"{owner}: root element <{robot.tag}>, expected <robot>")
     named = [*robot.findall("link//material"), *robot.findall("material")]  # those of the robot count first
