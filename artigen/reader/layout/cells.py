@@ -17,6 +17,8 @@ worktop."""
 OPEN_SHARE = np.array([0.2, 0.1])
 """The same as a share of the width and height of the object's front, so that errors of boxes at a large one
 open nothing; boxes of views from the side err more in width."""
+NESTED = 1.6
+"""How much larger it must be within a row or column, where boxes that are off leave places free."""
 BOARD = 0.016
 """Difference (m) between the front of a cell and its opening between boards."""
 LEAST = 0.05
@@ -141,7 +143,7 @@ def _place(
             done.append((_pair_up(*pair), extent + end - start))
             pair = None
         else:
-            done.append((_fill(child, fronts, own, least), end - start))
+            done.append((_fill(child, fronts, own, NESTED * least), end - start))
             if tree.along == "columns" and isinstance(child, int) and isinstance(following, int) and not gap:
                 pair = (fronts[child], fronts[following])
                 pair = pair if is_pair(*pair) else None
