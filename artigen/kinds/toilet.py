@@ -30,6 +30,8 @@ SIZES: dict[str, Spans] = {
     "wall_hung": ((0.5, 0.6), (0.73, 0.77), (1.08, 1.18)),
 }
 """Width, depth and height; wall-hung bowls include their piece of wall."""
+WIDEST = {"close_coupled": 0.41, "skirted": 0.4, "wall_hung": 0.37}
+"""Greatest width of a bowl (m)."""
 GLAZES = (*((0.95, 0.95, 0.945),) * 7, (0.93, 0.92, 0.88), (0.2, 0.2, 0.21))
 TANK, WALL = 0.165, 0.23
 """Depth of a cistern and of a piece of wall."""
@@ -46,7 +48,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_size(rng, CATEGORY, wish, SIZES[style])
     hung = style == "wall_hung"
-    half = min(width / 2, 0.185) if hung else width / 2
+    half = min(width / 2, WIDEST[style] / 2)  # of the bowl; cisterns and walls may be wider
     behind = depth / 2 - (WALL if hung else TANK)  # front of the cistern or wall
     hinge = behind - 0.085
     length = hinge + depth / 2

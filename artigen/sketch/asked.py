@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.conditioning.image import is_cut_out, open_picture
+from artigen.conditioning.vocabulary import AXES
 from artigen.reader.correct import Side, correct_reading
 from artigen.reader.layout.build import build_from_reading
 from artigen.reader.layout.colours import match_finish
@@ -35,6 +36,7 @@ STANDS: dict[str, Literal["flat", "legs", "wheels"]] = {
     "legs": "legs", "feet": "legs", "plinth": "flat", "castor": "wheels", "wheel": "wheels",
 }  # fmt: skip
 """What an object stands on, by words for it."""
+EDGES: tuple[Side, ...] = get_args(Side)
 NAMED = ("door", "drawer", "handle")
 """Parts whose number a reading takes from words."""
 
@@ -123,16 +125,19 @@ def merge_reading(understood: Understood, reading: Reading) -> Asked:
         reading,
         kind=request.category,
         counts={label: count for label, count in request.counts if label in NAMED},
-        hinge=side if side in get_args(Side) else None,
+        hinge=next((edge for edge in EDGES if edge == side), None),
         pane=True if told.get(("door", "material")) == "glass" else None,
         stand=None if stand is None else STANDS.get(stand),
     )
     handles: tuple[HandleKind, ...] = tuple(kind for kind in HANDLE_KINDS if kind == handle)
-    lengths = {axis: getattr(request, axis) for axis in ("width", "depth", "height")}
+    width, depth, height = request.width, request.depth, request.height
     if understood.stretch:
-        usual = dict(zip(lengths, view_fronts(corrected, tuple(lengths.values())).size, strict=True))  # type: ignore[arg-type]
-        lengths = usual | {axis: factor * usual[axis] for axis, factor in understood.stretch}
-    wish = Wish(**lengths, style=request.style, handles=handles)
+        factors = dict(understood.stretch)
+        usual = view_fronts(corrected, (width, depth, height)).size
+        width, depth, height = (
+            length * factors.get(axis, 1.0) for axis, length in zip(AXES, usual, strict=True)
+        )
+    wish = Wish(width=width, depth=depth, height=height, style=request.style, handles=handles)
     check_known(corrected.kind, wish)
     counts: dict[str, int] = dict(request.counts) | {
         label: corrected.counts[label] for label in ("door", "drawer")

@@ -10,6 +10,7 @@ import pytest
 import torch
 from PIL import Image
 
+import artigen.api.generate
 import artigen.api.sample
 import artigen.latent.draw
 import artigen.sketch.model
@@ -20,6 +21,7 @@ from artigen.api.generate import (
     draw_generated,
     generate_and_validate,
     generate_object,
+    read_job,
 )
 from artigen.appearance.presets import APPEARANCE_PRESETS
 from artigen.appearance.slat_flow import SlatFlow
@@ -33,6 +35,7 @@ from artigen.models.description import hash_model
 from artigen.models.store import save_model
 from artigen.runtime.workers import Outcome
 from artigen.shapes.draw import draw_shape
+from artigen.shapes.sheet import draw_picture
 from artigen.sketch.fault import Fault
 from artigen.sketch.model import Drawn, save_sketch_network
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
@@ -227,6 +230,8 @@ def test_a_part_without_painted_surface_is_named(latent: GenerateJob, monkeypatc
         ({"cfg": GenerateSettings(text="a green sofa")}, "names no kind of object"),
         ({"cfg": GenerateSettings(text="a table with a drawer", counts=("drawer=2",))}, "number of drawers"),
         ({"cfg": GenerateSettings(image=Path("nothing.png"))}, "no such picture"),
+        ({"category": "Oven", "cfg": GenerateSettings(kind="Safe")}, "name one"),
+        ({"category": "Oven", "cfg": GenerateSettings(doors=1, counts=("door=2",))}, "give one number"),
     ],
 )
 def test_what_cannot_be_is_said_and_nothing_written(model: Path, tmp_path: Path, wrong: dict, message: str):
@@ -303,3 +308,35 @@ def test_a_photo_that_changed_in_place_makes_its_package_again(model: Path, tmp_
         Image.new("L", (4, 4), gray).save(photo)
         found.append(job.settings)
     assert found[0] == found[2] != found[1]
+
+
+def test_counts_have_options_of_their_own(model: Path, tmp_path: Path):
+    given = GenerateSettings(kind="Dresser", doors=1, drawers=3)
+    same = GenerateSettings(counts=("door=1", "drawer=3"))
+    jobs = [
+        GenerateJob(model=model, category=category, seed=0, out=tmp_path, cfg=cfg)
+        for category, cfg in ((None, given), ("Dresser", same))
+    ]
+    assert read_job(jobs[0]) == read_job(jobs[1])
+
+
+def test_a_photograph_is_built_without_the_sketch_network_and_compared(
+    model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def refuse(folder: Path) -> None:
+        raise AssertionError(f"{folder} was loaded")
+
+    monkeypatch.setattr(artigen.api.generate, "load_sketch", refuse)
+    shape = draw_shape("Refrigerator", 2)
+    photo = tmp_path / "fridge.png"
+    Image.fromarray(draw_picture(shape, np.zeros(len(shape.parts)), 160)).save(photo)
+    cfg = GenerateSettings(image=photo, kind="Refrigerator", doors=1, drawers=0, width=0.7, gaussians=False)
+    job = GenerateJob(model=model, category=None, seed=0, out=tmp_path / "out", cfg=cfg)
+    check_job(job)
+    drawn, asked = draw_generated(job)
+    low, high = drawn.shape.bounds()
+    assert high[1] - low[1] == pytest.approx(0.7, abs=1e-6)
+    assert sum(part.label in ("door", "drawer") for part in drawn.shape.parts) == 1
+    assert asked.reading is not None
+    generate_object(job)
+    assert "data:image/jpeg" in (tmp_path / "out" / f"{job.key}.html").read_text()
