@@ -78,7 +78,7 @@ class _Wide(nn.Module):
         self.norm = nn.GroupNorm(GROUPS, width)
         self.widen, self.narrow = nn.Conv2d(width, INNER * width, 1), nn.Conv2d(INNER * width, width, 1)
         nn.init.zeros_(self.narrow.weight)
-        nn.init.zeros_(self.narrow.bias)
+        self.narrow.bias = nn.Parameter(torch.zeros(width))
 
     def forward(self, x: Float[Tensor, "B C H W"]) -> Float[Tensor, "B C H W"]:
         return x + self.narrow(functional.gelu(self.widen(self.norm(self.depth(x)))))
