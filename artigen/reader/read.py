@@ -129,10 +129,11 @@ def _name_kinds(
     pixels = torch.from_numpy(np.stack([_resize(sheet.pixels), crop])).permute(0, 3, 1, 2)
     with native_autocast(pixels.device):
         logits = reader.kinds(pixels).float()
-    seen = logits.log_softmax(dim=1).mean(dim=0).numpy()
+    whole, part = logits.log_softmax(dim=1).numpy()
     placed = objects.attributes["kind"][chosen]
+    seen = (whole + part) / 2
     nothing = float(np.exp(seen[-1] - np.logaddexp.reduce(seen)))
-    return nothing, _rank_kinds(seen[:-1] + placed - np.logaddexp.reduce(placed))
+    return nothing, _rank_kinds((whole + part)[:-1] + placed)
 
 
 def _resize(pixels: UInt8[np.ndarray, "S S 3"]) -> UInt8[np.ndarray, "E E 3"]:
