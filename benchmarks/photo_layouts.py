@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 import tyro
-from jaxtyping import Float
 
 from artigen.kind import kinds
+from artigen.reader.boxes import overlap_boxes
 from artigen.reader.layout.build import build_from_reading
 from artigen.reader.layout.cutting import Tree, cut_rectangles, list_leaves
 from artigen.reader.layout.frontal import read_shape
@@ -105,17 +105,10 @@ def is_like(marked: Reading, shape: Shape) -> tuple[bool, float]:
         if not (first.part.open or second.part.open) and first.part.box[axis + 2] <= second.part.box[axis]
     )
     scale = np.array([view.size[0], view.size[2]] * 2)
-    least = min(float(overlaps(made.box[None], seen.bounds / scale)[0]) for seen, made in pairs)
-    return alike and same and kept, least
-
-
-def overlaps(boxes: Float[np.ndarray, "N 4"], box: Float[np.ndarray, "4"]) -> Float[np.ndarray, "N"]:
-    """Intersection over union."""
-    shared = np.clip(np.minimum(boxes[:, 2:], box[2:]) - np.maximum(boxes[:, :2], box[:2]), 0, None).prod(
-        axis=1
+    least = min(
+        float(overlap_boxes(made.box[None], (seen.bounds / scale)[None])[0, 0]) for seen, made in pairs
     )
-    union = (boxes[:, 2:] - boxes[:, :2]).prod(axis=1) + (box[2:] - box[:2]).prod() - shared
-    return shared / union
+    return alike and same and kept, least
 
 
 def check(shape: Shape, folder: Path) -> str:

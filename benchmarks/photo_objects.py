@@ -18,8 +18,7 @@ from artigen.conditioning.image import open_picture
 from artigen.errors import ArtigenError
 from artigen.reader.comparison import draw_over, scale_camera
 from artigen.reader.layout.build import build_from_reading
-from artigen.reader.layout.nearest import overlap_boxes
-from artigen.reader.layout.overlay import MET, lay_over, match_fronts
+from artigen.reader.layout.overlay import MET, lay_over, rate_fronts
 from artigen.reader.looks import look_closer
 from artigen.reader.model import load_reader
 from artigen.reader.read import read_image
@@ -58,14 +57,12 @@ def main(folder: tyro.conf.Positional[Path], *, seed: int = 0, sheet: Path | Non
         spent.append(time.process_time() - start)
         overlay = lay_over(reading, shape)
         true = [(front["label"], np.array(front["box"])) for front in own["fronts"]]
-        overlaps = [0.0] * len(true)
-        for i, j in match_fronts(true, overlay.parts):
-            overlaps[i] = float(overlap_boxes(true[i][1][None], overlay.parts[j][1][None])[0, 0])
+        overlaps = rate_fronts(true, overlay.parts)
         met = sum(value >= MET for value in overlaps)
         good, met_fronts, total = good + (met == len(true)), met_fronts + met, total + len(true)
-        more += max(0, len(overlay.parts) - len(true))
         said = " ".join(f"{value:.2f}" for value in overlaps)
         extra = max(0, len(overlay.parts) - len(true))
+        more += extra
         print(
             f"| {name} | {shape.category} | {met} of {len(true)} | {said} | {extra} | {spent[-1]:.1f} |",
             flush=True,

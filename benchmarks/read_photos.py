@@ -21,7 +21,7 @@ import tyro
 
 from artigen.conditioning.image import open_picture
 from artigen.errors import SourceError
-from artigen.reader.decode import overlaps
+from artigen.reader.boxes import overlap_boxes
 from artigen.reader.drawing import draw_reading
 from artigen.reader.model import Reader, load_reader
 from artigen.reader.read import ReadSettings, read_image
@@ -71,7 +71,7 @@ def list_photos(folder: Path) -> list[Photo]:
 def match(reading: Reading, fronts: tuple[dict, ...]) -> list[tuple[int, int]]:
     """Pairs of fronts read and true, of one label, by falling overlap."""
     pairs = [
-        (float(overlaps(np.array([true["box"]]), read.box)[0]), i, j)
+        (float(overlap_boxes(np.array([true["box"]]), read.box[None])[0, 0]), i, j)
         for i, read in enumerate(reading.fronts)
         for j, true in enumerate(fronts)
         if read.label == true["label"]
@@ -97,7 +97,7 @@ def average_precision(photos: list[Photo], readings: list[Reading | None]) -> fl
         found = () if reading is None else sorted(reading.fronts, key=lambda part: -part.score)
         for part in found:
             near = [
-                (float(overlaps(np.array([photo.fronts[j]["box"]]), part.box)[0]), j)
+                (float(overlap_boxes(np.array([photo.fronts[j]["box"]]), part.box[None])[0, 0]), j)
                 for j in free
                 if photo.fronts[j]["label"] == part.label
             ]

@@ -8,6 +8,7 @@ from jaxtyping import Float, Int
 from torch import Tensor
 from torch.nn import functional
 
+from artigen.reader.boxes import overlap_boxes
 from artigen.reader.labels import THINGS
 from artigen.reader.network import ATTRIBUTES, STRIDE, Maps
 
@@ -134,14 +135,6 @@ def _keep_apart(boxes: Float[np.ndarray, "N 4"]) -> list[int]:
     """Indices of boxes that overlap no earlier one much."""
     kept: list[int] = []
     for index, box in enumerate(boxes):
-        if not kept or overlaps(boxes[kept], box).max() < SAME:
+        if not kept or overlap_boxes(boxes[kept], box[None]).max() < SAME:
             kept.append(index)
     return kept
-
-
-def overlaps(boxes: Float[np.ndarray, "N 4"], box: Float[np.ndarray, "4"]) -> Float[np.ndarray, "N"]:
-    """Intersection over union of boxes with one box."""
-    sides = np.clip(np.minimum(boxes[:, 2:], box[2:]) - np.maximum(boxes[:, :2], box[:2]), 0, None)
-    shared = sides.prod(axis=1)
-    union = (boxes[:, 2:] - boxes[:, :2]).prod(axis=1) + float((box[2:] - box[:2]).prod()) - shared
-    return shared / np.maximum(union, 1e-9)

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import linear_sum_assignment
 
+from artigen.reader.boxes import overlap_boxes
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.layout.fronts import Lengths
 from artigen.reader.reading import Reading, ReadPart
@@ -102,14 +103,3 @@ def _compare(
             costs[row, column] += HINGE * (own.hinge is not None and own.hinge != other.hinge)
             costs[row, column] += PANE * (own.pane != other.pane)
     return costs
-
-
-def overlap_boxes(
-    first: Float[np.ndarray, "N 4"], last: Float[np.ndarray, "M 4"]
-) -> Float[np.ndarray, "N M"]:
-    """Intersection over union of every pair of boxes."""
-    low = np.maximum(first[:, None, :2], last[None, :, :2])
-    high = np.minimum(first[:, None, 2:], last[None, :, 2:])
-    shared = np.clip(high - low, 0.0, None).prod(axis=-1)
-    areas = [np.clip(boxes[:, 2:] - boxes[:, :2], 0.0, None).prod(axis=-1) for boxes in (first, last)]
-    return shared / np.maximum(areas[0][:, None] + areas[1][None] - shared, 1e-12)

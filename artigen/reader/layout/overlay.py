@@ -9,8 +9,8 @@ from scipy.optimize import least_squares, linear_sum_assignment
 
 from artigen.camera import Camera, project_points
 from artigen.kind import kinds
+from artigen.reader.boxes import overlap_boxes
 from artigen.reader.layout.frontal import find_face, list_outline, place_camera, read_shape
-from artigen.reader.layout.nearest import overlap_boxes
 from artigen.reader.reading import Reading
 from artigen.shapes.shape import Shape, ShapePart
 
@@ -118,10 +118,7 @@ def lay_over(reading: Reading, shape: Shape) -> Overlay:
     camera = place(least_squares(miss, start, max_nfev=60).x)
     boxes = [_bound(camera, cloud) / np.tile(extent, 2) for cloud in clouds]
     parts = tuple((part.label, box) for part, box in zip(fronts, boxes, strict=True))
-    met = [0.0] * len(seen)
-    for i, j in match_fronts(seen, parts):
-        met[i] = float(overlap_boxes(seen[i][1][None], boxes[j][None])[0, 0])
-    return Overlay(camera=camera, parts=parts, met=tuple(met))
+    return Overlay(camera=camera, parts=parts, met=rate_fronts(seen, parts))
 
 
 def match_fronts(
@@ -137,6 +134,16 @@ def match_fronts(
             rows, columns = linear_sum_assignment(apart - overlap_boxes(first, last))
             pairs += [(own[row], other[column]) for row, column in zip(rows, columns, strict=True)]
     return pairs
+
+
+def rate_fronts(
+    seen: Sequence[tuple[str, Float[np.ndarray, "4"]]], built: Sequence[tuple[str, Float[np.ndarray, "4"]]]
+) -> tuple[float, ...]:
+    """Overlap of every seen front with the one that is its pair; 0 for none."""
+    met = [0.0] * len(seen)
+    for i, j in match_fronts(seen, built):
+        met[i] = float(overlap_boxes(seen[i][1][None], built[j][1][None])[0, 0])
+    return tuple(met)
 
 
 def _is_upright(part: ShapePart) -> bool:

@@ -10,7 +10,7 @@ from artigen.camera import Camera, frame_points
 from artigen.errors import ArtigenError, SourceError
 from artigen.examples.photographs import find_direction
 from artigen.examples.reader_views import project_front
-from artigen.reader.decode import overlaps
+from artigen.reader.boxes import overlap_boxes
 from artigen.reader.drawing import draw_reading
 from artigen.reader.model import load_reader
 from artigen.reader.read import read_image, read_photo
@@ -70,7 +70,7 @@ def test_fronts_of_a_dresser_are_where_they_are_drawn(seed: int):
         corners, _ = project_front(part, np.eye(4), camera_of(shape))
         box = np.concatenate([corners.min(axis=0), corners.max(axis=0)]) / EDGE
         same = np.array([front.box for front in found.fronts if front.label == part.label])
-        assert overlaps(same, box).max() > 0.5
+        assert overlap_boxes(same, box[None]).max() > 0.5
 
 
 @pytest.mark.parametrize(
