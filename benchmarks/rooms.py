@@ -19,10 +19,10 @@ from tqdm import tqdm
 
 from artigen.transforms import transform_points
 from envs.hand import link_vertices, pose_matrix
-from envs.maniskill.populate import PopulateConfig, populate
-from envs.maniskill.rooms.catalogue import Catalogue, PopulateError, read_catalogue
-from envs.maniskill.rooms.check import check_room
-from envs.maniskill.rooms.room import Room, RoomKind
+from envs.rooms.catalogue import Catalogue, PopulateError, read_catalogue
+from envs.rooms.check import check_room
+from envs.rooms.populate import PopulateConfig, populate
+from envs.rooms.room import Room, RoomKind
 from envs.sim.loaded import LoadedPackage, qpos_of
 from envs.sim.sapien import LoadConfig, load_package
 from envs.sim.scene import create_scene

@@ -13,9 +13,9 @@ from artigen.errors import ArtigenError
 from artigen.runtime.runner import LocalRunner, Runner
 
 if TYPE_CHECKING:
-    from envs.maniskill.rooms.catalogue import Catalogue
-    from envs.maniskill.rooms.recipes import Recipe, Role
-    from envs.maniskill.rooms.room import Room
+    from envs.rooms.catalogue import Catalogue
+    from envs.rooms.recipes import Recipe, Role
+    from envs.rooms.room import Room
 
 PACKAGES = "packages"
 """Subfolder of the room for objects that are drawn for it."""
@@ -101,12 +101,12 @@ def furnish_room(
     Raises:
         ArtigenError: If settings are out of range or contradict each other, or no arrangement is found.
     """
-    from envs.maniskill.populate import PopulateConfig, populate
-    from envs.maniskill.rooms.ajar import open_some
-    from envs.maniskill.rooms.catalogue import read_catalogue
-    from envs.maniskill.rooms.contents import fill_room
-    from envs.maniskill.rooms.file import write_room
-    from envs.maniskill.rooms.recipes import RECIPES
+    from envs.rooms.ajar import open_some
+    from envs.rooms.catalogue import read_catalogue
+    from envs.rooms.contents import fill_room
+    from envs.rooms.file import write_room
+    from envs.rooms.populate import PopulateConfig, populate
+    from envs.rooms.recipes import RECIPES
 
     cfg = cfg or SceneSettings()
     if kind not in RECIPES:
@@ -158,7 +158,7 @@ def draw_packages(recipe: "Recipe", seed: int, family: str, out: Path, runner: R
 
     Roles without a valid object are drawn again.
     """
-    from envs.maniskill.rooms.catalogue import read_catalogue
+    from envs.rooms.catalogue import read_catalogue
 
     look = ShapeSettings(family=family, suite=seed)
     waiting = list(recipe.all_roles)
@@ -192,7 +192,7 @@ def _jobs(roles: "list[Role]", first: int, look: ShapeSettings, out: Path) -> li
 
 
 def _draw(room: "Room", out: Path, pictures: str) -> None:
-    from envs.maniskill.rooms.picture import write_plan, write_view
+    from envs.rooms.picture import write_plan, write_view
 
     if pictures != "none":
         write_plan(room, out / "plan.png")

@@ -13,9 +13,9 @@ from sample_packages import SAMPLE_PARTS, build_package
 from screw_jar import screw_package
 
 from artigen.shapes.draw import Wish, draw_shape
-from envs.maniskill.rooms.file import write_room
-from envs.maniskill.rooms.footprints import read_footprint
-from envs.maniskill.rooms.room import Opening, Placement, Room, room_shell
+from envs.rooms.file import write_room
+from envs.rooms.footprints import read_footprint
+from envs.rooms.room import Opening, Placement, Room, room_shell
 from envs.sim.friction import CHAIN_ITERATIONS
 from envs.sim.load import load
 from sim_export.files.write import write_package

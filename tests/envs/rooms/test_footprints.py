@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from envs.maniskill.rooms.footprints import measure_footprint
-from envs.maniskill.rooms.pieces import overlap
+from envs.rooms.footprints import measure_footprint
+from envs.rooms.pieces import overlap
 from sim_export.geometry.hulls import box_hull
 from sim_export.package import Link, PackageJoint, SimPackage
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from envs.maniskill.rooms.things import thing_hulls, thing_solids
+from envs.rooms.things import thing_hulls, thing_solids
 
 BOWL = (0.16, 0.16, 0.06)
 

@@ -1,7 +1,7 @@
 """Furnishes rooms: from a room kind, a seed and validated packages to a `Room` in which everything opens.
 
 The planner uses boxes and soft preferences; its result is verified on the actual hulls
-(`envs.maniskill.rooms.check`). An arrangement that fails is rejected and the next one is drawn, so that a
+(`envs.rooms.check`). An arrangement that fails is rejected and the next one is drawn, so that a
 returned room keeps every guarantee.
 """
 
@@ -19,18 +19,18 @@ from artigen.shapes.families import choose_suite
 from artigen.shapes.surfaces.finishes import Color
 from artigen.transforms import transform_points
 
-from .rooms.arrange import Place, Plan
-from .rooms.catalogue import Catalogue, Entry, PopulateError, demand_roles
-from .rooms.check import check_room
-from .rooms.doorway import hang_door
-from .rooms.footprints import standing_places
-from .rooms.furnish import furnish
-from .rooms.openings import find_openings
-from .rooms.pieces import BED_PARTS, Member, move_boxes
-from .rooms.recipes import RECIPES, Recipe
-from .rooms.room import Fixture, Opening, Placement, Room, RoomKind, corner, room_shell, rounded_quat
-from .rooms.runs import Chooser, count_objects, draw_shortlists
-from .rooms.solids import place_solid
+from .arrange import Place, Plan
+from .catalogue import Catalogue, Entry, PopulateError, demand_roles
+from .check import check_room
+from .doorway import hang_door
+from .footprints import standing_places
+from .furnish import furnish
+from .openings import find_openings
+from .pieces import BED_PARTS, Member, move_boxes
+from .recipes import RECIPES, Recipe
+from .room import Fixture, Opening, Placement, Room, RoomKind, corner, room_shell, rounded_quat
+from .runs import Chooser, count_objects, draw_shortlists
+from .solids import place_solid
 
 
 @dataclass(frozen=True, kw_only=True)

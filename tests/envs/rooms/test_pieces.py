@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 
-from envs.maniskill.rooms.catalogue import Entry
-from envs.maniskill.rooms.pieces import Boxes, Piece, conflict, line_up, make_bed, make_piece, overlap
+from envs.rooms.catalogue import Entry
+from envs.rooms.pieces import Boxes, Piece, conflict, line_up, make_bed, make_piece, overlap
 from sim_export.files.write import write_package
 
 NONE = np.zeros((0, 2, 3))

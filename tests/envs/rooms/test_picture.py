@@ -2,7 +2,7 @@
 
 from bare_room import ROOM
 
-from envs.maniskill.rooms.picture import draw_plan, draw_room
+from envs.rooms.picture import draw_plan, draw_room
 
 
 def test_plans_have_120_pixels_per_metre_and_thirty_centimetres_around_the_room():

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from envs.maniskill.rooms.compartments import Compartment
-from envs.maniskill.rooms.contents import fill_compartment
-from envs.maniskill.rooms.room import Item, Placement
-from envs.maniskill.rooms.solids import item_hulls
+from envs.rooms.compartments import Compartment
+from envs.rooms.contents import fill_compartment
+from envs.rooms.room import Item, Placement
+from envs.rooms.solids import item_hulls
 
 SHELF = Compartment(link="body", kind="shelf", low=(0.0, 0.0, 0.1), high=(0.4, 0.8, 0.5))
 HOLDER = Placement(

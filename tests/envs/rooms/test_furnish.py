@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from envs.maniskill.rooms.arrange import Place, Plan
-from envs.maniskill.rooms.furnish import place_group
-from envs.maniskill.rooms.pieces import Boxes, Cluster, Piece
-from envs.maniskill.rooms.recipes import KITCHEN, Group
-from envs.maniskill.rooms.room import Opening
+from envs.rooms.arrange import Place, Plan
+from envs.rooms.furnish import place_group
+from envs.rooms.pieces import Boxes, Cluster, Piece
+from envs.rooms.recipes import KITCHEN, Group
+from envs.rooms.room import Opening
 
 NONE = np.zeros((0, 2, 3))
 CUBE = Piece(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from envs.maniskill.rooms.compartments import find_compartments
+from envs.rooms.compartments import find_compartments
 from sim_export.geometry.hulls import box_hull, convex_hull
 from sim_export.package import Hull, Link, PackageJoint, SimPackage
 

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from envs.maniskill.rooms.arrange import Plan, wall_places
-from envs.maniskill.rooms.catalogue import Entry
-from envs.maniskill.rooms.choose import Offer
-from envs.maniskill.rooms.pieces import Boxes, Cluster, Member, Piece, join_boxes, move_boxes
-from envs.maniskill.rooms.recipes import KITCHEN
-from envs.maniskill.rooms.room import Opening
-from envs.maniskill.rooms.runs import _place_run, close_gaps
+from envs.rooms.arrange import Plan, wall_places
+from envs.rooms.catalogue import Entry
+from envs.rooms.choose import Offer
+from envs.rooms.pieces import Boxes, Cluster, Member, Piece, join_boxes, move_boxes
+from envs.rooms.recipes import KITCHEN
+from envs.rooms.room import Opening
+from envs.rooms.runs import _place_run, close_gaps
 
 PLAN = Plan(size=(4.0, 3.5, 2.6), entrance=Opening(side="front", start=1.5, width=0.9, height=2.0))
 NONE = np.zeros((0, 2, 3))

@@ -7,13 +7,13 @@ import numpy as np
 import sapien
 from mani_skill.utils.structs import Pose
 
+from envs.rooms.footprints import cached_package
+from envs.rooms.room import Item, Placement, Room, pose_matrix_of
+from envs.rooms.solids import item_motion
+from envs.rooms.things import thing_solids
 from sim_export.geometry.primitives import PrimitiveShape
 
-from ..load import SURFACE, load_placed
-from .footprints import cached_package
-from .room import Item, Placement, Room, pose_matrix_of
-from .solids import item_motion
-from .things import thing_solids
+from .load import SURFACE, load_placed
 
 if TYPE_CHECKING:
     from mani_skill.envs.scene import ManiSkillScene

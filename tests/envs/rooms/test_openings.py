@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from envs.maniskill.rooms.openings import find_openings
-from envs.maniskill.rooms.room import along_wall
+from envs.rooms.openings import find_openings
+from envs.rooms.room import along_wall
 
 
 def test_half_a_millimetre_is_around_a_window():

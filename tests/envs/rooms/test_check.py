@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from bare_room import ROOM
 
-from envs.maniskill.rooms import check
-from envs.maniskill.rooms.solids import make_solid
+from envs.rooms import check
+from envs.rooms.solids import make_solid
 from sim_export.geometry.hulls import box_hull
 
 

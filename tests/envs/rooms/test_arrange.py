@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from envs.maniskill.rooms.arrange import (
+from envs.rooms.arrange import (
     Place,
     Plan,
     Taste,
@@ -16,8 +16,8 @@ from envs.maniskill.rooms.arrange import (
     place_cost,
     wall_places,
 )
-from envs.maniskill.rooms.pieces import Boxes, Cluster, join_boxes
-from envs.maniskill.rooms.room import Opening, Side
+from envs.rooms.pieces import Boxes, Cluster, join_boxes
+from envs.rooms.room import Opening, Side
 
 PLAN = Plan(size=(4.0, 3.5, 2.6), entrance=Opening(side="front", start=1.5, width=0.9, height=2.0))
 NONE = np.zeros((0, 2, 3))

@@ -12,27 +12,27 @@ from hypothesis import strategies as st
 from artigen.api.scene import SceneSettings, furnish_room
 from artigen.errors import ArtigenError
 from artigen.shapes.families import choose_suite
-from envs.maniskill.populate import PopulateConfig, choose_filler_color, populate
-from envs.maniskill.rooms import picture
-from envs.maniskill.rooms.ajar import open_some
-from envs.maniskill.rooms.arrange import Plan, fits
-from envs.maniskill.rooms.catalogue import Entry, PopulateError, read_catalogue
-from envs.maniskill.rooms.check import check_room
-from envs.maniskill.rooms.choose import Offer, Wall, choose_units, order_units
-from envs.maniskill.rooms.file import SceneFileError, read_room, write_room
-from envs.maniskill.rooms.footprints import (
+from envs.rooms import picture
+from envs.rooms.ajar import open_some
+from envs.rooms.arrange import Plan, fits
+from envs.rooms.catalogue import Entry, PopulateError, read_catalogue
+from envs.rooms.check import check_room
+from envs.rooms.choose import Offer, Wall, choose_units, order_units
+from envs.rooms.file import SceneFileError, read_room, write_room
+from envs.rooms.footprints import (
     cached_package,
     carries,
     is_level,
     measure_footprint,
     read_footprint,
 )
-from envs.maniskill.rooms.furnish import place_group
-from envs.maniskill.rooms.map import label_regions, start_place, way_to
-from envs.maniskill.rooms.openings import find_openings
-from envs.maniskill.rooms.pieces import Boxes
-from envs.maniskill.rooms.recipes import BASE, KITCHEN, RANGE, RECIPES, WINDOWS, Share
-from envs.maniskill.rooms.room import (
+from envs.rooms.furnish import place_group
+from envs.rooms.map import label_regions, start_place, way_to
+from envs.rooms.openings import find_openings
+from envs.rooms.pieces import Boxes
+from envs.rooms.populate import PopulateConfig, choose_filler_color, populate
+from envs.rooms.recipes import BASE, KITCHEN, RANGE, RECIPES, WINDOWS, Share
+from envs.rooms.room import (
     SIDES,
     THICKNESS,
     Opening,
@@ -44,9 +44,9 @@ from envs.maniskill.rooms.room import (
     room_shell,
     wall_length,
 )
-from envs.maniskill.rooms.runs import Chooser, draw_shortlists
-from envs.maniskill.rooms.solids import place_solid
-from envs.maniskill.rooms.sweeps import opening_joints, sweep_boxes, sweep_joint
+from envs.rooms.runs import Chooser, draw_shortlists
+from envs.rooms.solids import place_solid
+from envs.rooms.sweeps import opening_joints, sweep_boxes, sweep_joint
 from sim_export.files.write import write_package
 from sim_export.geometry.hulls import box_hull
 from sim_export.package import Hull, Inertial, Link, Mesh, PackageJoint, SimPackage, Visual

@@ -19,7 +19,7 @@ from artigen.transforms import inverse
 from sim_export.geometry.contacts import HullSet
 from sim_export.package import Link, SimPackage
 
-from ...folder_stamp import kept_until_written
+from ..folder_stamp import kept_until_written
 from .footprints import bounds_of, cached_package
 from .sweeps import find_sweeps, sweep_boxes
 

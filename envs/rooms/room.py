@@ -82,7 +82,7 @@ class Placement:
 
 @dataclass(frozen=True, kw_only=True)
 class Item:
-    """A loose thing (`envs.maniskill.rooms.things`) in a drawer or cupboard.
+    """A loose thing (`envs.rooms.things`) in a drawer or cupboard.
 
     ``position`` and ``quat`` (wxyz) place it in the frame of the object ``holder`` with all joints at 0; it
     moves with the holder's ``link``. ``size`` are its extents before it is turned, ``mass`` is in kg, and

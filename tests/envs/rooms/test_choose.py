@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from envs.maniskill.rooms.catalogue import Entry
-from envs.maniskill.rooms.choose import Offer, Wall, choose_units, order_units
-from envs.maniskill.rooms.recipes import BASE, Share
+from envs.rooms.catalogue import Entry
+from envs.rooms.choose import Offer, Wall, choose_units, order_units
+from envs.rooms.recipes import BASE, Share
 
 
 class Chance:

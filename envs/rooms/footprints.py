@@ -14,7 +14,7 @@ from sim_export.files.read import read_package
 from sim_export.geometry.contacts import HullSet
 from sim_export.package import SimPackage
 
-from ...folder_stamp import kept_until_written
+from ..folder_stamp import kept_until_written
 from .sweeps import Sweep, find_sweeps
 
 CHUNKS = 8

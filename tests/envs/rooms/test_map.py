@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from envs.maniskill.rooms.map import free_map
-from envs.maniskill.rooms.room import Opening, Room
-from envs.maniskill.rooms.solids import make_solid
+from envs.rooms.map import free_map
+from envs.rooms.room import Opening, Room
+from envs.rooms.solids import make_solid
 from sim_export.geometry.hulls import box_hull
 
 ROOM = Room(

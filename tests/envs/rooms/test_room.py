@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from envs.maniskill.rooms.room import Opening, room_shell
+from envs.rooms.room import Opening, room_shell
 
 
 def test_walls_and_floor_are_ten_centimetres_thick():

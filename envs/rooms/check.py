@@ -15,10 +15,9 @@ from jaxtyping import Float
 
 from artigen.transforms import shift, transform_points
 from sim_export.geometry.contacts import HullSet, signed_distances
-from sim_export.geometry.hulls import convex_hull
+from sim_export.geometry.hulls import convex_hull, move_hull
 from sim_export.package import SimPackage
 
-from ..hulls import move_hull
 from .footprints import bounds_of, cached_package
 from .map import CELL, reachable_map, way_to
 from .room import ROBOT_HEIGHT, THICKNESS, Item, Placement, Room, along_wall, pose_matrix_of, wall_axis

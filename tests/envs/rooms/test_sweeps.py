@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from envs.maniskill.rooms.sweeps import sweep_joint
+from envs.rooms.sweeps import sweep_joint
 from sim_export.geometry.hulls import box_hull
 from sim_export.package import Link, PackageJoint, SimPackage
 

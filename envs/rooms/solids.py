@@ -7,11 +7,10 @@ import numpy as np
 from jaxtyping import Float
 
 from sim_export.geometry.contacts import HullSet
-from sim_export.geometry.hulls import box_hull
+from sim_export.geometry.hulls import box_hull, move_hull
 from sim_export.motion.kinematics import link_displacements
 from sim_export.package import Hull
 
-from ..hulls import move_hull
 from .footprints import cached_package
 from .room import Item, Placement, Room, pose_matrix_of
 from .things import thing_hulls
