@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from envs.rooms.recipes import Recipe, Role
     from envs.rooms.room import Room
 
+SceneFormat = Literal["mjcf", "usd"]
 PACKAGES = "packages"
 """Subfolder of the room for objects that are drawn for it."""
 ROUNDS = 3
@@ -83,6 +84,7 @@ def furnish_room(
     packages: Path | None = None,
     cfg: SceneSettings | None = None,
     *,
+    formats: tuple[SceneFormat, ...] = ("mjcf",),
     pictures: Literal["both", "plan", "none"] = "both",
     runner: Runner | None = None,
 ) -> Furnished:
@@ -95,20 +97,28 @@ def furnish_room(
         packages: Folder with packages, at any depth, that passed validation; without it, objects are sampled
             and validated first, which takes minutes.
         cfg: Properties of the room.
+        formats: Files besides ``scene.json``: ``mjcf`` is ``scene.xml`` for MuJoCo, ``usd`` is ``scene.usda``
+            with an asset per package.
         pictures: Pictures to render: room and plan, the plan only, or none.
         runner: Where objects are sampled; default: one after the other in this process.
 
     Raises:
-        ArtigenError: If settings are out of range or contradict each other, or no arrangement is found.
+        ArtigenError: If settings are out of range or contradict each other, no arrangement is found, or
+            usd-core is missing where it is needed.
     """
     from envs.rooms.ajar import open_some
     from envs.rooms.catalogue import read_catalogue
     from envs.rooms.contents import fill_room
     from envs.rooms.file import write_room
+    from envs.rooms.mjcf import write_room_mjcf
     from envs.rooms.populate import PopulateConfig, populate
     from envs.rooms.recipes import RECIPES
+    from envs.rooms.usd import write_room_usd
+    from sim_export.usd.write import require_usd
 
     cfg = cfg or SceneSettings()
+    if "usd" in formats:
+        require_usd()
     if kind not in RECIPES:
         raise ArtigenError(f"room {kind!r} is not known, expected one of {', '.join(RECIPES)}")
     if seed < 0 or not (0.0 <= cfg.ajar <= 1.0 and 0.0 <= cfg.contents <= 1.0):
@@ -143,6 +153,10 @@ def furnish_room(
         room = fill_room(room, cfg.contents)
     spent = time.perf_counter() - started
     path = write_room(room, out)
+    if "mjcf" in formats:
+        write_room_mjcf(room, out)
+    if "usd" in formats:
+        write_room_usd(room, out)
     _draw(room, out, pictures)
     return Furnished(room=room, path=path, failed=tuple(catalogue.failed), seconds=spent)
 

@@ -11,7 +11,6 @@ from envs.rooms.footprints import cached_package
 from envs.rooms.room import Item, Placement, Room, pose_matrix_of
 from envs.rooms.solids import item_motion
 from envs.rooms.things import thing_solids
-from sim_export.geometry.primitives import PrimitiveShape
 
 from .load import SURFACE, load_placed
 
@@ -35,7 +34,7 @@ def load_item(scene: "ManiSkillScene", room: Room, item: Item, name: str, index:
     builder = scene.create_actor_builder()
     material = sapien.physx.PhysxMaterial(**SURFACE)
     solids = thing_solids(item.thing, item.size)
-    volume = sum(_volume(solid) for solid, _ in solids)
+    volume = sum(solid.volume for solid, _ in solids)
     for solid, color in solids:
         shape: dict[str, Any]
         if solid.kind == "box":
@@ -58,10 +57,3 @@ def load_item(scene: "ManiSkillScene", room: Room, item: Item, name: str, index:
 def item_pose(room: Room, item: Item) -> Pose:
     """Pose of an item in the room, with the joints at the room's coordinates."""
     return Pose.create(sapien.Pose(item_motion(room, item) @ pose_matrix_of(item)))
-
-
-def _volume(solid: PrimitiveShape) -> float:
-    """Volume (m^3) of a box or cylinder."""
-    if solid.kind == "box":
-        return float(np.prod(solid.sizes))
-    return float(np.pi * solid.sizes[0] ** 2 * solid.sizes[1])
