@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from envs.rooms.room import Room
 
 SceneFormat = Literal["mjcf", "usd"]
+Clutter = Literal["none", "tidy", "lived", "messy"]
 PACKAGES = "packages"
 """Subfolder of the room for objects that are drawn for it."""
 ROUNDS = 3
@@ -52,6 +53,8 @@ class SceneSettings:
     """Fraction of the doors and drawers that stand open."""
     contents: float = 0.0
     """Fraction of the drawers and compartments behind doors that hold loose things."""
+    clutter: Clutter = "tidy"
+    """Amount of loose things on furniture."""
     family: str | None = None
     """Look of everything that is drawn, such as shaker, slab or industrial; sampled if unset."""
 
@@ -85,21 +88,21 @@ def furnish_room(
     cfg: SceneSettings | None = None,
     *,
     formats: tuple[SceneFormat, ...] = ("mjcf",),
-    pictures: Literal["both", "plan", "none"] = "both",
+    pictures: Literal["all", "plan", "none"] = "all",
     runner: Runner | None = None,
 ) -> Furnished:
     """Furnishes a room in which every door and drawer opens; writes ``scene.json`` and pictures.
 
     Args:
         kind: Kitchen, office, bedroom, bathroom or workshop.
-        out: Folder for ``scene.json``, ``room.png`` and ``plan.png``.
+        out: Folder for ``scene.json``, ``room.png``, ``entrance.png`` and ``plan.png``.
         seed: Seed of everything that is not set.
         packages: Folder with packages, at any depth, that passed validation; without it, objects are sampled
             and validated first, which takes minutes.
         cfg: Properties of the room.
         formats: Files besides ``scene.json``: ``mjcf`` is ``scene.xml`` for MuJoCo, ``usd`` is ``scene.usda``
             with an asset per package.
-        pictures: Pictures to render: room and plan, the plan only, or none.
+        pictures: Pictures to render: all, the plan only, or none.
         runner: Where objects are sampled; default: one after the other in this process.
 
     Raises:
@@ -108,6 +111,7 @@ def furnish_room(
     """
     from envs.rooms.ajar import open_some
     from envs.rooms.catalogue import read_catalogue
+    from envs.rooms.clutter import clutter_room
     from envs.rooms.contents import fill_room
     from envs.rooms.file import write_room
     from envs.rooms.mjcf import write_room_mjcf
@@ -151,6 +155,8 @@ def furnish_room(
         room = open_some(room, cfg.ajar)
     if cfg.contents > 0.0:
         room = fill_room(room, cfg.contents)
+    if cfg.clutter != "none":
+        room = clutter_room(room, cfg.clutter)
     spent = time.perf_counter() - started
     path = write_room(room, out)
     if "mjcf" in formats:
@@ -206,9 +212,10 @@ def _jobs(roles: "list[Role]", first: int, look: ShapeSettings, out: Path) -> li
 
 
 def _draw(room: "Room", out: Path, pictures: str) -> None:
-    from envs.rooms.picture import write_plan, write_view
+    from envs.rooms.picture import write_entrance, write_plan, write_view
 
     if pictures != "none":
         write_plan(room, out / "plan.png")
-    if pictures == "both":
+    if pictures == "all":
         write_view(room, out / "room.png")
+        write_entrance(room, out / "entrance.png")

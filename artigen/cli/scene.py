@@ -20,21 +20,21 @@ def scene(
     packages: Path | None = None,
     cfg: tyro.conf.OmitArgPrefixes[SceneSettings] = SETTINGS,
     formats: tuple[SceneFormat, ...] = ("mjcf",),
-    pictures: Literal["both", "plan", "none"] = "both",
+    pictures: Literal["all", "plan", "none"] = "all",
     workers: Workers = None,
 ) -> int:
     """Furnish a room in which every door and drawer opens; writes scene.json, scene.xml and pictures.
 
     Args:
         kind: Kind of room.
-        out: Output folder for scene.json, scene.xml, scene.usda, room.png and plan.png.
+        out: Output folder for scene.json, scene.xml, scene.usda, room.png, entrance.png and plan.png.
         seed: Seed of everything that is not set.
         packages: Folder with packages, at any depth, that passed `artigen validate`; without it, objects are
             sampled and validated first, which takes minutes.
         cfg: Properties of the room.
         formats: Files besides scene.json: mjcf is scene.xml for MuJoCo; usd is scene.usda and an asset per
             package.
-        pictures: Pictures to render: room and plan, the plan only, or none.
+        pictures: Pictures to render: all, the plan only, or none.
         workers: Worker processes that sample objects; default: one per available core.
     """
     runner = choose_runner("local", workers)

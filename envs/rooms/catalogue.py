@@ -103,7 +103,7 @@ def demand_roles(catalogue: Catalogue, recipe: Recipe) -> None:
     wanted = "; ".join(describe_role(role) for role in missing)
     more = f", besides {len(catalogue.failed)} that failed validation" if catalogue.failed else ""
     raise PopulateError(
-        f"{catalogue.folder}: nothing in it can be the {wanted} that a {recipe.kind} needs; "
+        f"{catalogue.folder}: nothing in it can be the {wanted} that the {recipe.kind} needs; "
         f"it has {there}{more}"
     )
 

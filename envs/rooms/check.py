@@ -84,12 +84,11 @@ def _check_contents(room: Room, solids: Sequence[Solid]) -> Iterator[Problem]:
     yield from _outside(room, items)
     for placement in room.placements:
         inside = [item for item in room.contents if item.holder == placement.id]
-        if inside:
-            own = {placement.id, *(item.id for item in inside)}
-            yield from _unsupported(placement, inside)
-            yield from _blocked_contents(
-                placement, inside, [solid for solid in (*solids, *items) if solid.id not in own]
-            )
+        own = {item.id for item in inside}
+        strangers = [item for item in items if item.id not in own]
+        around = [solid for solid in solids if solid.id != placement.id]
+        yield from _unsupported(placement, inside)
+        yield from _blocked_contents(placement, inside, strangers, around)
 
 
 def _unsupported(placement: Placement, items: Sequence[Item]) -> Iterator[Problem]:
@@ -104,16 +103,23 @@ def _unsupported(placement: Placement, items: Sequence[Item]) -> Iterator[Proble
 
 
 def _blocked_contents(
-    placement: Placement, items: Sequence[Item], around: Sequence[Solid]
+    placement: Placement, items: Sequence[Item], strangers: Sequence[Solid], around: Sequence[Solid]
 ) -> Iterator[Problem]:
-    """Items in the way of a door or drawer of their holder, and obstacles to those that move with it."""
+    """Items in the way of a door or drawer, and obstacles to those that move with it.
+
+    Args:
+        items: What the object holds.
+        strangers: What others hold.
+        around: All other objects and fixtures.
+    """
     package = cached_package(placement.package)
     T = pose_matrix_of(placement)
     slots = {link.name: index for index, link in enumerate(package.links)}
     for sweep in find_sweeps(package):
         rides = [item for item in items if slots[item.link] in sweep.links]
         stays = [item_solid(item, T @ sweep.T[0, slots[item.link]]) for item in items if item not in rides]
-        found = [(placement.id, *pair) for pair in _obstacles(package, sweep, T, stays).items()]
+        loose = [*stays, *strangers]
+        found = [(placement.id, *pair) for pair in _obstacles(package, sweep, T, loose).items()]
         still = [
             move_hull(hull, T @ sweep.T[0, index])
             for index, link in enumerate(package.links)
@@ -126,7 +132,7 @@ def _blocked_contents(
                 for link in package.links
             )
             alone = replace(package, links=tuple(links))
-            solids = [make_solid(placement.id, still), *stays, *around]
+            solids = [make_solid(placement.id, still), *loose, *around]
             found += [(item.id, *pair) for pair in _obstacles(alone, sweep, T, solids).items()]
         for name, other, depth in found:
             way = f"{name} on {sweep.joint.name} of {placement.id}"

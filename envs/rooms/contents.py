@@ -1,18 +1,18 @@
 """Puts loose things into the drawers and cupboards of a room, selected by its seed."""
 
 from collections import Counter
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from artigen.kind import find_kind
-from artigen.transforms import rotation_about, transform_points
+from artigen.transforms import rotation_about
 
 from .check import check_contents
 from .compartments import Compartment, cached_compartments
 from .room import Item, Placement, Room, RoomKind, corner, rounded_quat
-from .things import THINGS, Thing, thing_hulls
+from .things import THINGS, Color, Size, Thing, thing_hulls
 
 VARIETY = 3
 """Largest number of kinds of things in a compartment."""
@@ -26,6 +26,45 @@ LIFT = 0.0005
 """Distance (m) of things from the floor."""
 SKEW = np.radians(12.0)
 """Largest angle (radians) between a thing and a wall."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Drawn:
+    """A thing of some size (m), rotation and colours, which has no place yet."""
+
+    thing: Thing
+    size: Size
+    R: Float[np.ndarray, "3 3"]
+    colors: tuple[Color, Color]
+
+    @property
+    def points(self) -> Float[np.ndarray, "N 3"]:
+        """Corners of its hulls, turned, with its lowest point at z = 0."""
+        return np.concatenate([hull.vertices for hull in thing_hulls(self.thing.name, self.size)]) @ self.R.T
+
+    def item(self, number: int, holder: str, link: str, at: Float[np.ndarray, "3"]) -> Item:
+        """The thing at a place in the frame of its holder."""
+        return Item(
+            id=f"{self.thing.name}_{number}",
+            thing=self.thing.name,
+            holder=holder,
+            link=link,
+            position=corner(at),
+            quat=rounded_quat(self.R),
+            size=self.size,
+            mass=round(self.thing.density * float(np.prod(self.size)), 4),
+            colors=self.colors,
+        )
+
+
+def draw_thing(thing: Thing, rng: np.random.Generator, skew: float = SKEW) -> Drawn:
+    """A thing turned by quarters and up to ``skew`` (radians); what has a face shows it to -x."""
+    x, y, z = (round(float(value), 4) for value in rng.uniform(thing.low, thing.high))
+    quarters, rest = int(rng.integers(4)), float(rng.uniform(-skew, skew))
+    yaw = rest if thing.faces else quarters * np.pi / 2 + rest
+    palette = thing.colors[int(rng.integers(len(thing.colors)))]
+    R = rotation_about(np.array([0.0, 0.0, 1.0]), np.array(yaw))[:3, :3]
+    return Drawn(thing=thing, size=(x, y, z), R=R, colors=palette)
 
 
 def fill_room(room: Room, share: float) -> Room:
@@ -64,13 +103,8 @@ def fill_compartment(
     boxes = np.zeros((0, 2, 2))
     for _ in range(TRIES if fitting else 0):
         thing = fitting[int(rng.integers(len(fitting)))]
-        x, y, z = (round(float(value), 4) for value in rng.uniform(thing.low, thing.high))
-        yaw = float(rng.integers(4)) * np.pi / 2 + float(rng.uniform(-SKEW, SKEW))
-        palette = thing.colors[int(rng.integers(len(thing.colors)))]
-        T = np.eye(4)
-        T[:3, :3] = rotation_about(np.array([0.0, 0.0, 1.0]), np.array(yaw))
-        points = np.concatenate([hull.vertices for hull in thing_hulls(thing.name, (x, y, z))])
-        turned = transform_points(T, points)
+        drawn = draw_thing(thing, rng)
+        turned = drawn.points
         spare = high - low - np.ptp(turned, axis=0) - np.array([0.0, 0.0, LIFT])
         at = low[:2] + rng.random(2) * spare[:2] - turned[:, :2].min(axis=0)
         box = np.stack([turned[:, :2].min(axis=0), turned[:, :2].max(axis=0)]) + at
@@ -78,19 +112,7 @@ def fill_compartment(
         if (spare < 0.0).any() or not apart.any(axis=1).all():
             continue
         boxes = np.concatenate([boxes, box[None]])
-        items.append(
-            Item(
-                id=f"{thing.name}_{len(items)}",
-                thing=thing.name,
-                holder=holder.id,
-                link=compartment.link,
-                position=corner(np.array([*at, low[2] + LIFT])),
-                quat=rounded_quat(T[:3, :3]),
-                size=(x, y, z),
-                mass=round(thing.density * x * y * z, 4),
-                colors=palette,
-            )
-        )
+        items.append(drawn.item(len(items), holder.id, compartment.link, np.array([*at, low[2] + LIFT])))
         if float(np.prod(boxes[:, 1] - boxes[:, 0], axis=1).sum()) > wanted:
             break
     return items

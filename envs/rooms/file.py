@@ -70,7 +70,7 @@ def read_room(path: Path | str) -> Room:
             value.pop(key)
         placements = tuple(_placement(entry, path.parent) for entry in value.pop("placements"))
         fixtures = tuple(
-            Fixture(name=entry["name"], **{key: tuple(entry[key]) for key in ("low", "high", "color")})
+            Fixture(**{**entry, **{key: tuple(entry[key]) for key in ("low", "high", "color")}})
             for entry in value.pop("fixtures")
         )
         room = Room(

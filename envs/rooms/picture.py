@@ -1,8 +1,8 @@
-"""Renders rooms on the CPU: a dollhouse view, and a plan of the space that stays free.
+"""Renders rooms on the CPU: a dollhouse view, the view of who enters, and a plan of the free space.
 
-The walls towards the camera are removed, with their windows. In the plan bodies are grey, the swept space of
-doors and drawers is orange, the robot's standing places are blue, and contents of drawers and cupboards are
-outlined in green.
+The walls towards the camera are removed, with their door and windows. In the plan bodies are grey, the swept
+space of doors and drawers is orange, the robot's standing places are blue, and contents of drawers and
+cupboards are outlined in green.
 """
 
 from collections.abc import Sequence
@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from artigen.camera import look_at
 from artigen.transforms import transform_points
 from sim_export.files.read import read_package
 from sim_export.geometry.hulls import box_hull
@@ -23,6 +24,7 @@ from sim_export.picture.render import move_surface, render_scene, surface_from_m
 from sim_export.picture.viewpoint import Viewpoint, place_camera
 
 from .footprints import cached_package, outline_of, read_footprint
+from .patterns import paint_pattern
 from .room import Fixture, Item, Placement, Room, Side, from_wall, pose_matrix_of
 from .solids import item_hulls, item_motion, item_solid, place_solid
 from .sweeps import find_sweeps
@@ -32,8 +34,10 @@ AZIMUTH = 62.0
 """Degrees from the left (or right) wall towards the wall with the entrance: 90 looks straight in."""
 ELEVATION = 34.0
 """Degrees above the horizon."""
+EYE_LEVEL, LOOK_AT, EYE_FOV = 1.6, 0.9, 58.0
+"""Height of the eye in the entrance and of what it looks at (m), and its vertical angle of view (degrees)."""
 WIDTH, HEIGHT = 1100, 760
-"""Size of the dollhouse view in pixels."""
+"""Size of the views in pixels."""
 SCALE = 120.0
 """Pixels per metre of the plan."""
 MARGIN = 0.3
@@ -41,23 +45,46 @@ MARGIN = 0.3
 RENDER = RenderConfig(
     ground=False, occlusion_reach=0.12, light_direction=(-0.35, -0.55, 0.9), light_radius=0.25
 )
+EYE_RENDER = RenderConfig(
+    ground=False, occlusion_reach=0.12, light_direction=(0.25, -0.8, 0.35), light_radius=0.5
+)
+"""Light that comes through the wall behind the eye, as the ceiling shuts out any other."""
 
 
 def draw_room(room: Room) -> UInt8[np.ndarray, "H W 3"]:
     """The room seen from above its entrance, without the front walls and the ceiling."""
     side = _emptier_side(room)
-    hidden = tuple(f"wall_{wall}" for wall in ("front", side))
     azimuth = -AZIMUTH if side == "left" else AZIMUTH - 180.0
-    packages = {place.package: read_package(place.package) for place in room.placements}
     shown = [place for place in room.placements if not _hangs_in(room, place, ("front", side))]
-    surfaces = [surface for place in shown for surface in placement_surfaces(place, packages[place.package])]
-    surfaces += [surface for item in room.contents for surface in item_surfaces(room, item)]
-    surfaces += [fixture_surface(fixture) for fixture in room.fixtures if not fixture.name.startswith(hidden)]
+    fixtures = [each for each in room.fixtures if not _belongs_to(each, ("front", side))]
+    surfaces = _room_surfaces(room, shown, fixtures)
     viewpoint = Viewpoint(
         azimuth=azimuth, elevation=ELEVATION, fov=30.0, margin=0.02, width=WIDTH, height=HEIGHT
     )
     camera = place_camera(surface_points(surfaces), viewpoint)
     return render_scene(surfaces, camera, RENDER)
+
+
+def draw_entrance(room: Room) -> UInt8[np.ndarray, "H W 3"]:
+    """The room as somebody sees it who stands in its entrance: at eye level, with walls and ceiling."""
+    (start, stop), (width, depth, height) = (room.entrance.start, room.entrance.stop), room.size
+    eye = np.array([np.clip((start + stop) / 2.0, 0.3, width - 0.3), 0.05, EYE_LEVEL])
+    aim = np.array([width / 2.0, depth, LOOK_AT])
+    shown = [place for place in room.placements if not _hangs_in(room, place, ("front",))]
+    white = (0.95, 0.95, 0.94)
+    ceiling = Fixture(name="ceiling", low=(0.0, 0.0, height), high=(width, depth, height + 0.1), color=white)
+    fixtures = [*(each for each in room.fixtures if not _belongs_to(each, ("front",))), ceiling]
+    surfaces = _room_surfaces(room, shown, fixtures)
+    camera = look_at(eye, aim, fov=EYE_FOV, width=WIDTH, height=HEIGHT)
+    return render_scene(surfaces, camera, EYE_RENDER)
+
+
+def _room_surfaces(room: Room, shown: Sequence[Placement], fixtures: Sequence[Fixture]) -> list[Surface]:
+    """Surfaces of objects, of everything loose, and of fixtures."""
+    packages = {place.package: read_package(place.package) for place in shown}
+    surfaces = [surface for place in shown for surface in placement_surfaces(place, packages[place.package])]
+    surfaces += [surface for item in room.contents for surface in item_surfaces(room, item)]
+    return surfaces + [fixture_surface(fixture) for fixture in fixtures]
 
 
 def _emptier_side(room: Room) -> Side:
@@ -71,11 +98,16 @@ def _emptier_side(room: Room) -> Side:
     return "left" if hidden["left"] <= hidden["right"] else "right"
 
 
+def _belongs_to(fixture: Fixture, sides: Sequence[Side]) -> bool:
+    """Whether a fixture is part of one of the walls, or on it."""
+    parts = ("wall", "skirting", "tiles")
+    return fixture.name.startswith(tuple(f"{part}_{side}" for part in parts for side in sides))
+
+
 def _hangs_in(room: Room, placement: Placement, sides: Sequence[Side]) -> bool:
-    """Whether an object hangs in an opening of one of the walls."""
+    """Whether an object hangs in an opening of one of the walls, into which nothing else reaches."""
     boxes = place_solid(placement).boxes
-    low = [from_wall(side, room.size, boxes)[:, 0, 1].min() for side in sides]
-    return bool(boxes[:, 0, 2].min() > 0.1 and min(low) < -0.01)
+    return min(from_wall(side, room.size, boxes)[:, 0, 1].min() for side in sides) < -0.01
 
 
 def placement_surfaces(placement: Placement, package: SimPackage) -> tuple[Surface, ...]:
@@ -96,9 +128,17 @@ def item_surfaces(room: Room, item: Item) -> tuple[Surface, ...]:
 
 
 def fixture_surface(fixture: Fixture) -> Surface:
-    """A fixture in its colour."""
-    hull = box_hull(np.array(fixture.low), np.array(fixture.high))
-    mesh = Mesh(vertices=hull.vertices, faces=hull.faces, color=fixture.color)
+    """A fixture in its colour or pattern, which runs through it along its thinnest side."""
+    low, high = np.array(fixture.low), np.array(fixture.high)
+    hull = box_hull(low, high)
+    if fixture.pattern == "plain":
+        mesh = Mesh(vertices=hull.vertices, faces=hull.faces, color=fixture.color)
+        return surface_from_mesh(mesh, crease=0.0)
+    sides = high - low
+    across, up = np.delete(np.arange(3), sides.argmin())
+    uv = ((hull.vertices - low) / sides)[:, [across, up]][hull.faces]
+    texture = paint_pattern(fixture.pattern, fixture.color, float(sides[across]), float(sides[up]))
+    mesh = Mesh(vertices=hull.vertices, faces=hull.faces, uv=uv, texture=texture)
     return surface_from_mesh(mesh, crease=0.0)
 
 
@@ -176,6 +216,11 @@ def _sweep_outlines(placement: Placement) -> list[Float[np.ndarray, "V 2"]]:
 def write_view(room: Room, path: Path) -> None:
     """Writes the dollhouse view as a PNG, atomically."""
     _write(draw_room(room), path)
+
+
+def write_entrance(room: Room, path: Path) -> None:
+    """Writes the view of who enters as a PNG, atomically."""
+    _write(draw_entrance(room), path)
 
 
 def write_plan(room: Room, path: Path) -> None:

@@ -31,6 +31,7 @@ from .recipes import RECIPES, Recipe
 from .room import Fixture, Opening, Placement, Room, RoomKind, corner, room_shell, rounded_quat
 from .runs import Chooser, count_objects, draw_shortlists
 from .solids import place_solid
+from .trim import trim_room
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,7 +99,7 @@ def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfi
         if missing or objects < cfg.least:
             reasons[missing or f"only {objects} objects fit"] += 1
             continue
-        room = _room(kind, seed, attempt, plan, catalogue, cfg)
+        room = trim_room(_room(kind, seed, attempt, plan, catalogue, cfg))
         problems = check_room(room)
         if cfg.sweeps == "any":
             problems = tuple(problem for problem in problems if problem.kind in ("overlap", "outside"))
@@ -154,7 +155,7 @@ def _room(
             if place.side is not None:
                 boxes = place_solid(placements[-1]).boxes
                 openings += find_openings(boxes, place.side, plan.size)
-    shell = room_shell(plan.size, (plan.entrance, *openings), RECIPES[kind].wall_color)
+    shell = room_shell(plan.size, (plan.entrance, *openings), RECIPES[kind].wall_color, RECIPES[kind].floor)
     return Room(
         kind=kind,
         seed=seed,

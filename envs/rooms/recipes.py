@@ -5,6 +5,7 @@ from typing import Literal
 
 from artigen.kind import Place, Size, find_kind, kinds, list_words
 
+from .patterns import Pattern
 from .room import THICKNESS, RoomKind, Side
 
 Where = Literal["wall", "middle"]
@@ -92,6 +93,7 @@ class Recipe:
     roles: tuple[Role, ...] = ()
     tops: tuple[Share, ...] = ()
     wall_color: tuple[float, float, float] = (0.90, 0.89, 0.86)
+    floor: Pattern = "planks"
 
     @property
     def all_roles(self) -> tuple[Role, ...]:
@@ -153,6 +155,7 @@ WINDOWS = Group(name="windows", roles=("window",), count=(0, 2), like="middle", 
 
 KITCHEN = Recipe(
     kind="kitchen",
+    floor="tiles",
     width=(3.9, 5.2),
     depth=(3.6, 4.8),
     needed=(BASE, FRIDGE, RANGE),
@@ -241,6 +244,7 @@ BEDROOM = Recipe(
 
 BATHROOM = Recipe(
     kind="bathroom",
+    floor="tiles",
     width=(3.6, 4.8),
     depth=(3.2, 4.4),
     needed=(TOILET, WASHER),
@@ -260,6 +264,7 @@ BATHROOM = Recipe(
 
 WORKSHOP = Recipe(
     kind="workshop",
+    floor="plain",
     width=(5.0, 6.6),
     depth=(4.4, 5.8),
     needed=(DESK, FILING),

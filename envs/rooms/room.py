@@ -16,6 +16,8 @@ from jaxtyping import Float
 
 from artigen.transforms import matrix_from_quat, quat_from_matrix
 
+from .patterns import Pattern
+
 RoomKind = Literal["kitchen", "office", "bedroom", "bathroom", "workshop"]
 Side = Literal["front", "back", "left", "right"]
 SIDES: tuple[Side, ...] = ("front", "back", "left", "right")
@@ -23,18 +25,23 @@ YAWS: dict[Side, float] = {"front": -np.pi / 2, "back": np.pi / 2, "left": np.pi
 """Rotation about z (radians) that places an object's back against the wall."""
 ROBOT_HEIGHT = 1.1
 """Height (m) of the space in which a robot stands."""
+FLOOR_COLORS: dict[Pattern, tuple[float, float, float]] = {
+    "plain": (0.63, 0.53, 0.43), "planks": (0.70, 0.55, 0.40), "tiles": (0.74, 0.72, 0.69),
+}  # fmt: skip
+"""Colours of floors by what they are laid with."""
 THICKNESS = 0.1
 """Thickness of walls and floor, metres."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fixture:
-    """A static box: wall, floor, bed or filler. ``color`` is sRGB in [0, 1]."""
+    """A static box: wall, floor, bed or trim. ``color`` is sRGB in [0, 1], ``pattern`` says its cover."""
 
     name: str
     low: tuple[float, float, float]
     high: tuple[float, float, float]
     color: tuple[float, float, float]
+    pattern: Pattern = "plain"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,7 +184,10 @@ def from_wall(side: Side, size: Sequence[float], boxes: Float[np.ndarray, "N 2 3
 
 
 def room_shell(
-    size: tuple[float, float, float], openings: Sequence[Opening], color: tuple[float, float, float]
+    size: tuple[float, float, float],
+    openings: Sequence[Opening],
+    color: tuple[float, float, float],
+    floor: Pattern = "plain",
 ) -> tuple[Fixture, ...]:
     """Floor and walls of the room; walls with openings are in pieces."""
     width, depth, height = size
@@ -186,7 +196,8 @@ def room_shell(
             name="floor",
             low=(-THICKNESS, -THICKNESS, -THICKNESS),
             high=corner(np.array([width + THICKNESS, depth + THICKNESS, 0.0])),
-            color=(0.63, 0.53, 0.43),
+            color=FLOOR_COLORS[floor],
+            pattern=floor,
         )
     ]
     for side in SIDES:

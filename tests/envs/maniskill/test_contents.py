@@ -242,9 +242,9 @@ def test_a_thing_stands_in_its_box(thing):
         assert all(color < 2 for _, color in thing_solids(thing.name, size))
 
 
-def test_every_kind_of_room_has_things_for_drawers_and_shelves():
+def test_every_kind_of_room_has_things_for_drawers_shelves_and_tops():
     places = {place for thing in THINGS for place in thing.where}
-    wanted = {f"{kind} {place}" for kind in get_args(RoomKind) for place in ("drawer", "shelf")}
+    wanted = {f"{kind} {place}" for kind in get_args(RoomKind) for place in ("drawer", "shelf", "top")}
     assert places == wanted | {"fridge"}
     with pytest.raises(ValueError, match="expected one of cup"):
         thing_solids("unicorn", (0.1, 0.1, 0.1))

@@ -440,7 +440,7 @@ def test_errors_name_what_was_found_and_what_was_needed(folder, tmp_path):
     with pytest.raises(PopulateError, match=r"1 packages and none .* base_a \(failed V203\)"):
         read_catalogue(tmp_path / "failed")
     write_proven(FURNITURE[1], tmp_path / "few")
-    with pytest.raises(PopulateError, match=r"fridge .*; range .* that a kitchen needs; it has 1 Storage"):
+    with pytest.raises(PopulateError, match=r"fridge .*; range .* that the kitchen needs; it has 1 Storage"):
         populate("kitchen", 0, read_catalogue(tmp_path / "few"))
     small = PopulateConfig(width=2.0, depth=1.8, attempts=2)
     with pytest.raises(PopulateError, match=r"no kitchen of 2 x 1.8 m .* needed are 10"):

@@ -132,10 +132,10 @@ def test_a_lid_stays_exactly_where_its_friction_reaches_its_weight(angle: float,
     inertial = Inertial(mass=2.0, com=np.array([0.3, 0.0, 0.5]), inertia=np.eye(3))
     links = (
         Link(name="body", label="base", parts=(), visuals=(), hulls=(), inertial=None),
-        Link(name="lid", label="lid", parts=(), visuals=(), hulls=(), inertial=inertial),
+        Link(name="lid", label="door", parts=(), visuals=(), hulls=(), inertial=inertial),
     )
     hinge = PackageJoint(
-        name="hinge", type="revolute", kind="hinge", parent="body", child="lid",
+        name="hinge", type="revolute", kind="revolute", parent="body", child="lid",
         origin=np.array([0.0, 0.0, 0.5]), axis=np.array([0.0, -1.0, 0.0]), upper=1.5,
         friction=share * 2.0 * 9.81 * 0.3 * np.cos(angle),
     )  # fmt: skip
