@@ -7,6 +7,9 @@ stand for two seconds in MuJoCo, and simulates a room with 20 objects for five s
 ``rooms.md``.
 """
 
+# mujoco is a compiled module with empty stubs.
+# pyright: reportAttributeAccessIssue=false
+
 import json
 import time
 from collections import Counter
