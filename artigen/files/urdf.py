@@ -106,15 +106,21 @@ def parse_urdf(path: Path, owner: str = "", *, inertials: bool = True) -> UrdfFi
     Raises:
         SourceError: If the file cannot be read, is not safe XML, or lacks an element or number.
     """
-    from defusedxml.common import DefusedXmlException
-    from defusedxml.ElementTree import fromstring
-
     owner = owner or str(path)
     try:
         data = path.read_bytes()
-        robot = fromstring(data, forbid_dtd=True)
     except OSError as err:
         raise SourceError(f"{owner}: cannot be read ({err.strerror})") from err
+    return read_urdf(data, path, owner, inertials=inertials)
+
+
+def read_urdf(data: bytes, path: Path, owner: str, *, inertials: bool = True) -> UrdfFile:
+    """The same for what a file holds, which need not be on disk."""
+    from defusedxml.common import DefusedXmlException
+    from defusedxml.ElementTree import fromstring
+
+    try:
+        robot = fromstring(data, forbid_dtd=True)
     except DefusedXmlException as err:
         raise SourceError(f"{owner}: declares a DTD or entities, which are refused: {err}") from err
     except (ParseError, ValueError) as err:
