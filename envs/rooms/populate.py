@@ -26,9 +26,10 @@ from .doorway import hang_door
 from .footprints import standing_places
 from .furnish import furnish
 from .openings import find_openings
+from .order import demand_order, place_order, read_order
 from .pieces import BED_PARTS, Member, move_boxes
 from .recipes import RECIPES, Recipe
-from .room import Fixture, Opening, Placement, Room, RoomKind, corner, room_shell, rounded_quat
+from .room import Fixture, Opening, Placement, Room, RoomKind, Side, corner, room_shell, rounded_quat
 from .runs import Chooser, count_objects, draw_shortlists
 from .solids import place_solid
 from .trim import trim_room
@@ -56,6 +57,11 @@ class PopulateConfig:
     """Number of packages per role; fewer make a room more uniform."""
     attempts: int = 12
     """Arrangements tried before giving up."""
+    place: tuple[str, ...] = ()
+    """Units along one wall, from left to right (`envs.rooms.order`); the room then holds nothing else but its
+    door."""
+    wall: Side = "back"
+    """Wall of the ordered units."""
 
     def __post_init__(self) -> None:
         if not 1 <= self.least <= self.most:
@@ -80,7 +86,11 @@ def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfi
     """
     cfg = cfg or PopulateConfig()
     recipe = RECIPES[kind]
-    demand_roles(catalogue, recipe)
+    order = read_order(cfg.place, kind)
+    if order:
+        demand_order(catalogue, order)
+    else:
+        demand_roles(catalogue, recipe)
     reasons: Counter[str] = Counter()
     best = 0
     for attempt in range(cfg.attempts):
@@ -93,11 +103,17 @@ def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfi
             sweeps=cfg.sweeps,
             most=cfg.most,
         )
-        plan, missing = furnish(hang_door(Plan(size=size, entrance=entrance), chooser), recipe, chooser)
+        plan = hang_door(Plan(size=size, entrance=entrance), chooser)
+        if order:
+            plan, missing = place_order(plan, order, cfg.wall, catalogue, chooser)
+        else:
+            plan, missing = furnish(plan, recipe, chooser)
         objects = count_objects(plan)
         best = max(best, objects)
-        if missing or objects < cfg.least:
-            reasons[missing or f"only {objects} objects fit"] += 1
+        if not order and not missing and not cfg.least <= objects <= cfg.most:
+            missing = f"{objects} objects, {cfg.least} to {cfg.most} are wanted"
+        if missing:
+            reasons[missing] += 1
             continue
         room = trim_room(_room(kind, seed, attempt, plan, catalogue, cfg))
         problems = check_room(room)
@@ -110,7 +126,7 @@ def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfi
     raise PopulateError(
         f"no {kind} of {_text(cfg.width, recipe.width)} x {_text(cfg.depth, recipe.depth)} m could be "
         f"furnished in {cfg.attempts} attempts: {said}; at best {best} objects found room, needed are "
-        f"{cfg.least}; give it more room or other packages"
+        f"{len(order) or cfg.least}; give it more room or other packages"
     )
 
 
