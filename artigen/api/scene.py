@@ -13,10 +13,12 @@ from artigen.errors import ArtigenError
 from artigen.runtime.runner import LocalRunner, Runner
 
 if TYPE_CHECKING:
-    from envs.maniskill.rooms.catalogue import Catalogue
-    from envs.maniskill.rooms.recipes import Recipe, Role
-    from envs.maniskill.rooms.room import Room
+    from envs.rooms.catalogue import Catalogue
+    from envs.rooms.recipes import Recipe, Role
+    from envs.rooms.room import Room
 
+SceneFormat = Literal["mjcf", "usd"]
+Clutter = Literal["none", "tidy", "lived", "messy"]
 PACKAGES = "packages"
 """Subfolder of the room for objects that are drawn for it."""
 ROUNDS = 3
@@ -51,6 +53,8 @@ class SceneSettings:
     """Fraction of the doors and drawers that stand open."""
     contents: float = 0.0
     """Fraction of the drawers and compartments behind doors that hold loose things."""
+    clutter: Clutter = "tidy"
+    """Amount of loose things on furniture."""
     family: str | None = None
     """Look of everything that is drawn, such as shaker, slab or industrial; sampled if unset."""
 
@@ -83,32 +87,42 @@ def furnish_room(
     packages: Path | None = None,
     cfg: SceneSettings | None = None,
     *,
-    pictures: Literal["both", "plan", "none"] = "both",
+    formats: tuple[SceneFormat, ...] = ("mjcf",),
+    pictures: Literal["all", "plan", "none"] = "all",
     runner: Runner | None = None,
 ) -> Furnished:
     """Furnishes a room in which every door and drawer opens; writes ``scene.json`` and pictures.
 
     Args:
         kind: Kitchen, office, bedroom, bathroom or workshop.
-        out: Folder for ``scene.json``, ``room.png`` and ``plan.png``.
+        out: Folder for ``scene.json``, ``room.png``, ``entrance.png`` and ``plan.png``.
         seed: Seed of everything that is not set.
         packages: Folder with packages, at any depth, that passed validation; without it, objects are sampled
             and validated first, which takes minutes.
         cfg: Properties of the room.
-        pictures: Pictures to render: room and plan, the plan only, or none.
+        formats: Files besides ``scene.json``: ``mjcf`` is ``scene.xml`` for MuJoCo, ``usd`` is ``scene.usda``
+            with an asset per package.
+        pictures: Pictures to render: all, the plan only, or none.
         runner: Where objects are sampled; default: one after the other in this process.
 
     Raises:
-        ArtigenError: If settings are out of range or contradict each other, or no arrangement is found.
+        ArtigenError: If settings are out of range or contradict each other, no arrangement is found, or
+            usd-core is missing where it is needed.
     """
-    from envs.maniskill.populate import PopulateConfig, populate
-    from envs.maniskill.rooms.ajar import open_some
-    from envs.maniskill.rooms.catalogue import read_catalogue
-    from envs.maniskill.rooms.contents import fill_room
-    from envs.maniskill.rooms.file import write_room
-    from envs.maniskill.rooms.recipes import RECIPES
+    from envs.rooms.ajar import open_some
+    from envs.rooms.catalogue import read_catalogue
+    from envs.rooms.clutter import clutter_room
+    from envs.rooms.contents import fill_room
+    from envs.rooms.file import write_room
+    from envs.rooms.mjcf import write_room_mjcf
+    from envs.rooms.populate import PopulateConfig, populate
+    from envs.rooms.recipes import RECIPES
+    from envs.rooms.usd import write_room_usd
+    from sim_export.usd.write import require_usd
 
     cfg = cfg or SceneSettings()
+    if "usd" in formats:
+        require_usd()
     if kind not in RECIPES:
         raise ArtigenError(f"room {kind!r} is not known, expected one of {', '.join(RECIPES)}")
     if seed < 0 or not (0.0 <= cfg.ajar <= 1.0 and 0.0 <= cfg.contents <= 1.0):
@@ -141,8 +155,14 @@ def furnish_room(
         room = open_some(room, cfg.ajar)
     if cfg.contents > 0.0:
         room = fill_room(room, cfg.contents)
+    if cfg.clutter != "none":
+        room = clutter_room(room, cfg.clutter)
     spent = time.perf_counter() - started
     path = write_room(room, out)
+    if "mjcf" in formats:
+        write_room_mjcf(room, out)
+    if "usd" in formats:
+        write_room_usd(room, out)
     _draw(room, out, pictures)
     return Furnished(room=room, path=path, failed=tuple(catalogue.failed), seconds=spent)
 
@@ -158,7 +178,7 @@ def draw_packages(recipe: "Recipe", seed: int, family: str, out: Path, runner: R
 
     Roles without a valid object are drawn again.
     """
-    from envs.maniskill.rooms.catalogue import read_catalogue
+    from envs.rooms.catalogue import read_catalogue
 
     look = ShapeSettings(family=family, suite=seed)
     waiting = list(recipe.all_roles)
@@ -192,9 +212,10 @@ def _jobs(roles: "list[Role]", first: int, look: ShapeSettings, out: Path) -> li
 
 
 def _draw(room: "Room", out: Path, pictures: str) -> None:
-    from envs.maniskill.rooms.picture import write_plan, write_view
+    from envs.rooms.picture import write_entrance, write_plan, write_view
 
     if pictures != "none":
         write_plan(room, out / "plan.png")
-    if pictures == "both":
+    if pictures == "all":
         write_view(room, out / "room.png")
+        write_entrance(room, out / "entrance.png")

@@ -11,12 +11,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
-from xml.etree.ElementTree import Element, ParseError
+from xml.etree.ElementTree import Element
 
 import numpy as np
 from jaxtyping import Float
 
 from artigen.errors import SourceError
+from artigen.files.safe_xml import parse_xml, read_xml
 from artigen.transforms import matrix_from_rpy
 
 EXPRESSION = re.compile(rb"""\$(?:\([a-z]+ [^)"]*\)|\{[^}"]+\})""")
@@ -106,19 +107,16 @@ def parse_urdf(path: Path, owner: str = "", *, inertials: bool = True) -> UrdfFi
     Raises:
         SourceError: If the file cannot be read, is not safe XML, or lacks an element or number.
     """
-    from defusedxml.common import DefusedXmlException
-    from defusedxml.ElementTree import fromstring
-
     owner = owner or str(path)
-    try:
-        data = path.read_bytes()
-        robot = fromstring(data, forbid_dtd=True)
-    except OSError as err:
-        raise SourceError(f"{owner}: cannot be read ({err.strerror})") from err
-    except DefusedXmlException as err:
-        raise SourceError(f"{owner}: declares a DTD or entities, which are refused: {err}") from err
-    except (ParseError, ValueError) as err:
-        raise SourceError(f"{owner}: not valid XML ({type(err).__name__}: {err})") from err
+    return _read_robot(*read_xml(path, owner), path, owner, inertials=inertials)
+
+
+def read_urdf(data: bytes, path: Path, owner: str, *, inertials: bool = True) -> UrdfFile:
+    """The same for what a file holds, which need not be on disk."""
+    return _read_robot(parse_xml(data, owner), data, path, owner, inertials=inertials)
+
+
+def _read_robot(robot: Element, data: bytes, path: Path, owner: str, *, inertials: bool) -> UrdfFile:
     found = EXPRESSION.search(data)
     if found is not None:
         said = found[0].decode(errors="replace")

@@ -75,7 +75,8 @@ def check_handles(subject: Subject, cfg: CheckConfig) -> Finding:
             ratios[name] = min(judge_grip(grip, name, cfg) for grip in grips)
     where = max(ratios, key=lambda name: ratios[name][0])
     ratio, message = ratios[where]
-    return at_most(float(min(ratio, 1e3)), 1.0, "of the allowed", where=where, message=message)
+    hard = [name for name, (ratio, _) in ratios.items() if ratio > 1.0]
+    return at_most(float(min(ratio, 1e3)), 1.0, "of the allowed", where=where, message=message, links=hard)
 
 
 def judge_grip(grip: Grip, name: str, cfg: CheckConfig) -> tuple[float, str]:

@@ -56,18 +56,15 @@ def velocity_at(joint: Joint, points: Float[np.ndarray, "N 3"]) -> Float[np.ndar
 
 def check_opening(subject: Subject, cfg: CheckConfig) -> Finding:
     """V203: opening leads out of the body, and a hinge lies at the edge of its door."""
-    problems = []
+    problems, links = [], []
     for joint in panel_joints(subject):
-        problems += [
-            (joint.name, f"joint {joint.name!r} {fault}") for fault in _direction_faults(subject, joint, cfg)
-        ]
+        faults = _direction_faults(subject, joint, cfg)
         if joint.type == "revolute":
-            problems += [
-                (joint.name, f"joint {joint.name!r} {fault}") for fault in _hinge_faults(subject, joint, cfg)
-            ]
-    return count_problems(
-        problems, f"{len(panel_joints(subject))} doors and drawers open outwards from their edges"
-    )
+            faults += _hinge_faults(subject, joint, cfg)
+        problems += [(joint.name, f"joint {joint.name!r} {fault}") for fault in faults]
+        links += [joint.child] if faults else []
+    fine = f"{len(panel_joints(subject))} doors and drawers open outwards from their edges"
+    return count_problems(problems, fine, links)
 
 
 def _direction_faults(subject: Subject, joint: Joint, cfg: CheckConfig) -> list[str]:
@@ -233,7 +230,7 @@ def has_pairs(subject: Subject) -> str:
 
 def check_pairs(subject: Subject, cfg: CheckConfig) -> Finding:
     """V205: the two leaves of a double door open as mirror images."""
-    angles = {}
+    angles, leaves = {}, {}
     for first, second in door_pairs(subject):
         normal = _mirror_normal(subject, first, second)
         assert normal is not None
@@ -246,9 +243,9 @@ def check_pairs(subject: Subject, cfg: CheckConfig) -> Finding:
             way = velocity_at(joint, beside[None])[0]
             ways.append(way / max(float(np.linalg.norm(way)), 1e-12))
         mirrored = ways[0] - 2.0 * (ways[0] @ normal) * normal
-        angles[f"{first.name} and {second.name}"] = float(
-            np.degrees(np.arccos(np.clip(mirrored @ ways[1], -1, 1)))
-        )
+        pair = f"{first.name} and {second.name}"
+        angles[pair] = float(np.degrees(np.arccos(np.clip(mirrored @ ways[1], -1, 1))))
+        leaves[pair] = first.child, second.child
     where = max(angles, key=lambda name: angles[name])
     return Finding(
         passed=angles[where] < 90.0,  # hinges are parallel: they agree, or are opposite
@@ -257,6 +254,7 @@ def check_pairs(subject: Subject, cfg: CheckConfig) -> Finding:
         unit="degrees",
         where=where,
         message=f"{where} open {angles[where]:.3g} degrees from mirrored directions",
+        links=tuple(sorted({link for pair in angles if angles[pair] >= 90.0 for link in leaves[pair]})),
     )
 
 
@@ -280,7 +278,10 @@ def check_retained(subject: Subject, cfg: CheckConfig) -> Finding:
         f"joint {where!r} leaves {100 * shares[where]:.3g} % of its drawer's depth inside when open, "
         f"at least {100 * cfg.min_retained:g} % must stay"
     )
-    return at_least(shares[where], cfg.min_retained, "of the depth", where=where, message=message)
+    loose = [joint.child for joint in subject.driven if shares.get(joint.name, 1.0) < cfg.min_retained]
+    return at_least(
+        shares[where], cfg.min_retained, "of the depth", where=where, message=message, links=loose
+    )
 
 
 OPENING_CHECKS = (

@@ -26,7 +26,7 @@ from sim_export.files.urdf import (
     visual_placement,
     xml_text,
 )
-from sim_export.geometry.primitives import find_primitive
+from sim_export.geometry.primitives import PrimitiveShape, find_primitive
 from sim_export.package import Hull, Link, SimPackage, SourceMesh, Visual
 
 HULL_FRICTION = "0.8 0.005 0.0001"
@@ -109,16 +109,21 @@ def _add_hull(
         ET.SubElement(asset, "mesh", name=f"hull_{name}", file=file)
         geom = {"type": "mesh", "mesh": f"hull_{name}", "pos": format_vector(-origin)}
     else:
-        T = shape.T_object_shape
-        halved = [0.5, 0.5, 0.5] if shape.kind == "box" else [1.0, 0.5]
-        geom = {
-            "type": shape.kind,
-            "size": format_vector(np.array(shape.sizes) * halved),
-            "pos": format_vector(T[:3, 3] - origin),
-            "quat": format_vector(quat_from_matrix(T[:3, :3]), 12),
-        }
+        geom = primitive_geom(shape, origin)
     style = {"group": "3", "friction": HULL_FRICTION, "mass": "0", "rgba": "0.6 0.6 0.6 0.5"}
     ET.SubElement(body, "geom", {"name": f"collision_{name}"} | geom | style)
+
+
+def primitive_geom(shape: PrimitiveShape, origin: Float[np.ndarray, "3"]) -> dict[str, str]:
+    """Attributes of a geom for a box or cylinder, in a frame with that origin."""
+    T = shape.T_object_shape
+    halved = [0.5, 0.5, 0.5] if shape.kind == "box" else [1.0, 0.5]
+    return {
+        "type": shape.kind,
+        "size": format_vector(np.array(shape.sizes) * halved),
+        "pos": format_vector(T[:3, 3] - origin),
+        "quat": format_vector(quat_from_matrix(T[:3, :3]), 12),
+    }
 
 
 def _add_joint(body: ET.Element, joint: Joint) -> None:

@@ -20,7 +20,7 @@ from artigen.kind import MaterialName
 from artigen.transforms import quat_from_matrix
 from artigen.types import Joint
 from sim_export.files.mjcf import HARD_IMPEDANCE, HARD_REFERENCE
-from sim_export.geometry.primitives import find_primitive
+from sim_export.geometry.primitives import PrimitiveShape, find_primitive
 from sim_export.geometry.triangles import area_normals
 from sim_export.package import Hull, Inertial
 from sim_export.physics.materials import MATERIALS
@@ -82,7 +82,10 @@ def add_collider(
     """Adds a hull as an invisible collider: a cube or cylinder if it is exactly one, else a convex mesh."""
     from pxr import UsdGeom, UsdPhysics, UsdShade
 
-    shape = _add_primitive(stage, path, hull, origin) or _add_hull(stage, path, hull, origin)
+    found = find_primitive(hull)
+    shape = (
+        _add_hull(stage, path, hull, origin) if found is None else add_primitive(stage, path, found, origin)
+    )
     shape.CreatePurposeAttr().Set(UsdGeom.Tokens.guide)
     prim = shape.GetPrim()
     UsdPhysics.CollisionAPI.Apply(prim)
@@ -96,14 +99,12 @@ def add_collider(
     binding.Bind(material, UsdShade.Tokens.weakerThanDescendants, "physics")
 
 
-def _add_primitive(
-    stage: "Usd.Stage", path: "Sdf.Path", hull: Hull, origin: Float[np.ndarray, "3"]
-) -> "UsdGeom.Gprim | None":
+def add_primitive(
+    stage: "Usd.Stage", path: "Sdf.Path", found: PrimitiveShape, origin: Float[np.ndarray, "3"]
+) -> "UsdGeom.Gprim":
+    """Adds a cube or cylinder, in a frame with that origin."""
     from pxr import Gf, UsdGeom
 
-    found = find_primitive(hull)
-    if found is None:
-        return None
     if found.kind == "box":
         shape = UsdGeom.Cube.Define(stage, path)
         shape.CreateSizeAttr().Set(1.0)

@@ -7,17 +7,20 @@ from pathlib import Path
 from typing import Any
 
 import gymnasium as gym
+import mujoco
 import numpy as np
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 from screw_jar import screw_package
 
 from artigen.shapes.draw import Wish, draw_shape
-from envs.maniskill.rooms.file import write_room
-from envs.maniskill.rooms.footprints import read_footprint
-from envs.maniskill.rooms.room import Opening, Placement, Room, room_shell
+from envs.rooms.file import read_room, write_room
+from envs.rooms.footprints import read_footprint
+from envs.rooms.mjcf import write_room_mjcf
+from envs.rooms.room import Opening, Placement, Room, room_shell
 from envs.sim.friction import CHAIN_ITERATIONS
 from envs.sim.load import load
+from envs.sim.mujoco import compile_model
 from sim_export.files.write import write_package
 from sim_export.geometry.hulls import box_hull
 from sim_export.package import SimPackage
@@ -124,6 +127,23 @@ def way_of_engine(engine: Any, package: Path) -> Way:
     return Way(pose=led_by_joint_0(simulation.reset), step=step, positions=simulation.positions)
 
 
+def way_of_mujoco_room(package: Path, at: Path) -> Way:
+    room = read_room(furnish(package, at))
+    model = compile_model(write_room_mjcf(room, at))
+    data = mujoco.MjData(model)
+    names = [model.joint(index).name.removeprefix("cabinet_0/") for index in range(model.njnt)]
+
+    def pose(coordinates: dict[str, float]) -> None:
+        mujoco.mj_resetData(model, data)
+        data.qpos[:] = [coordinates.get(name, 0.0) for name in names]
+
+    return Way(
+        pose=pose,
+        step=lambda: mujoco.mj_step(model, data, round(0.05 / model.opt.timestep)),
+        positions=lambda: dict(zip(names, data.qpos.tolist(), strict=True)),
+    )
+
+
 def way_of_actuate(package: Path) -> Way:
     env = gym.make("ArtiGen/Actuate-v0", package=package)
     env.reset(seed=0)
@@ -151,7 +171,7 @@ def way_of_maniskill(env: gym.Env) -> Way:
 
 
 TASKS = ("ArtiGen-OpenPart-v1", "ArtiGen-OpenCabinetDrawer-v1", "ArtiGen-Room-v1")
-WAYS = ("sapien", "mujoco", "ArtiGen/Actuate-v0", *TASKS)
+WAYS = ("sapien", "mujoco", "scene.xml", "ArtiGen/Actuate-v0", *TASKS)
 
 
 @pytest.fixture
@@ -161,6 +181,8 @@ def way(request: pytest.FixtureRequest, folder: Path, tmp_path: Path) -> Iterato
         env = make(name, folder, tmp_path, **({"part": "drawer"} if "OpenPart" in name else {}))
         yield way_of_maniskill(env)
         env.close()
+    elif name == "scene.xml":
+        yield way_of_mujoco_room(folder, tmp_path)
     elif "/" in name:
         yield way_of_actuate(folder)
     else:
