@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from artigen.types import Joint
 from sim_export.geometry.contacts import HullSet
 from sim_export.motion.kinematics import driven_joints, link_displacements, moved_links, required_openings
-from sim_export.package import PackageJoint, SimPackage
+from sim_export.package import SimPackage
 
 STILL_LABELS = ("knob", "wheel", "handle")
 """Parts that turn or are pressed in place, for which no space is kept free."""
@@ -25,17 +26,17 @@ class Sweep:
     ``slack`` metres of the straight line between its two positions.
     """
 
-    joint: PackageJoint
+    joint: Joint
     label: str | None
     links: tuple[int, ...]
     T: Float[np.ndarray, "P L 4 4"]
     slack: float
 
 
-def opening_joints(package: SimPackage) -> tuple[PackageJoint, ...]:
+def opening_joints(package: SimPackage) -> tuple[Joint, ...]:
     """Driven joints of parts that need space to move: not knobs, buttons and wheels."""
     labels = {link.name: link.label for link in package.links}
-    carried = {joint.mimic: labels.get(joint.child) for joint in package.joints if joint.is_travel}
+    carried = {joint.follows: labels.get(joint.child) for joint in package.joints if joint.is_travel}
     return tuple(
         joint
         for joint in driven_joints(package.joints)
@@ -49,7 +50,7 @@ def find_sweeps(package: SimPackage) -> Iterator[Sweep]:
     return (sweep_joint(package, joint) for joint in opening_joints(package))
 
 
-def sweep_joint(package: SimPackage, joint: PackageJoint) -> Sweep:
+def sweep_joint(package: SimPackage, joint: Joint) -> Sweep:
     """The sweep of one joint, with its required joints open and all others closed."""
     links = moved_links(package.links, package.joints, joint)
     turn = 0.0 if joint.type == "prismatic" else joint.upper - joint.lower

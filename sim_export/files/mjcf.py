@@ -15,6 +15,7 @@ from jaxtyping import Float
 
 from artigen.files.wavefront import NO_MATERIAL, MtlMaterial
 from artigen.transforms import quat_from_matrix
+from artigen.types import Joint
 from sim_export.files.obj import parse_mtl, parse_obj, read_image
 from sim_export.files.urdf import (
     format_number,
@@ -26,7 +27,7 @@ from sim_export.files.urdf import (
     xml_text,
 )
 from sim_export.geometry.primitives import PrimitiveShape, find_primitive
-from sim_export.package import Hull, Link, PackageJoint, SimPackage, SourceMesh, Visual
+from sim_export.package import Hull, Link, SimPackage, SourceMesh, Visual
 
 HULL_FRICTION = "0.8 0.005 0.0001"
 MIN_MESH_VERTICES = 4
@@ -75,7 +76,7 @@ def _add_body(
     holder: ET.Element,
     asset: ET.Element,
     link: Link,
-    joint: PackageJoint | None,
+    joint: Joint | None,
     at: Float[np.ndarray, "3"],
     origin: Float[np.ndarray, "3"],
 ) -> ET.Element:
@@ -125,7 +126,7 @@ def primitive_geom(shape: PrimitiveShape, origin: Float[np.ndarray, "3"]) -> dic
     }
 
 
-def _add_joint(body: ET.Element, joint: PackageJoint) -> None:
+def _add_joint(body: ET.Element, joint: Joint) -> None:
     attributes = {
         "name": joint.name,
         "type": "slide" if joint.type == "prismatic" else "hinge",
@@ -191,17 +192,17 @@ def _add_pairs(root: ET.Element, package: SimPackage, apart: tuple[tuple[str, st
     for first, second in [*joined, *apart]:
         if first in hulls and second in hulls:
             ET.SubElement(contact, "exclude", body1=first, body2=second)
-    mimics = [joint for joint in package.joints if joint.mimic is not None]
+    mimics = [joint for joint in package.joints if joint.follows is not None]
     if mimics:
         equality = ET.SubElement(root, "equality")
         for joint in mimics:
-            assert joint.mimic is not None
+            assert joint.follows is not None
             ET.SubElement(
                 equality,
                 "joint",
                 joint1=joint.name,
-                joint2=joint.mimic,
-                polycoef=f"{joint.mimic_offset:.12g} {joint.mimic_multiplier:.12g} 0 0 0",
+                joint2=joint.follows,
+                polycoef=f"{joint.offset:.12g} {joint.ratio:.12g} 0 0 0",
                 solref=HARD_REFERENCE,
                 solimp=HARD_IMPEDANCE,
             )

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package, double_door_parts
 
+from artigen.types import Joint
 from envs.rooms.check import check_contents, check_room
 from envs.rooms.compartments import (
     CLEARANCE,
@@ -28,7 +29,7 @@ from envs.rooms.things import THINGS, thing_hulls, thing_solids
 from sim_export.files.write import write_package
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import Link, PackageJoint, SimPackage
+from sim_export.package import Link, SimPackage
 from sim_export.picture.render import surface_points
 
 SIZE = (4.0, 3.5, 2.6)
@@ -186,8 +187,8 @@ def drawer(*, depth: float = 0.3, rim: float = 0.06, room: float = 0.1) -> SimPa
         )
         for name, label, boxes in (("slide", "drawer", [floor, *walls]), ("body", "base", [roof]))
     ]  # fmt: skip
-    joint = PackageJoint(
-        name="joint", type="prismatic", kind="prismatic", parent="body", child="slide", origin=np.zeros(3),
+    joint = Joint(
+        name="joint", type="prismatic", parent="body", child="slide", origin=np.zeros(3),
         axis=np.array([-1.0, 0.0, 0.0]), upper=0.25,
     )  # fmt: skip
     return SimPackage(name="drawer", category="Box", visual="voxels", links=tuple(links), joints=(joint,))

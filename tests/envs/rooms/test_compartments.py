@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from envs.rooms.compartments import find_compartments
 from sim_export.geometry.hulls import box_hull, convex_hull
-from sim_export.package import Hull, Link, PackageJoint, SimPackage
+from sim_export.package import Hull, Link, SimPackage
 
 
 def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> Hull:
@@ -31,8 +32,8 @@ def drawer(depth: float, *, dividers: int = 0, slope: float = 0.0) -> SimPackage
             ("body", "base", (box((-0.02, -0.02, 0.11), (depth + 0.02, 0.32, 0.13)),)),
         )
     )
-    joint = PackageJoint(
-        name="joint", type="prismatic", kind="prismatic", parent="body", child="slide", origin=np.zeros(3),
+    joint = Joint(
+        name="joint", type="prismatic", parent="body", child="slide", origin=np.zeros(3),
         axis=np.array([-1.0, 0.0, 0.0]), upper=0.25,
     )  # fmt: skip
     return SimPackage(name="drawer", category="Box", visual="voxels", links=links, joints=(joint,))

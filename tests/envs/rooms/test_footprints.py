@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from envs.rooms.footprints import measure_footprint
 from envs.rooms.pieces import overlap
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import Link, PackageJoint, SimPackage
+from sim_export.package import Link, SimPackage
 
 
 @pytest.mark.parametrize(("lower", "tops"), [(0.0039, 2), (0.0041, 1)])
@@ -30,8 +31,8 @@ def test_at_its_hinge_a_door_takes_as_much_room_as_a_sixth_of_it(away: float, fr
             ("body", "base", box_hull(np.zeros(3), np.array([0.5, 0.6, 0.5]))),
         )
     )
-    joint = PackageJoint(
-        name="hinge", type="revolute", kind="revolute", parent="body", child="leaf", origin=np.zeros(3),
+    joint = Joint(
+        name="hinge", type="revolute", parent="body", child="leaf", origin=np.zeros(3),
         axis=np.array([0.0, 0.0, 1.0]), upper=np.pi / 4,
     )  # fmt: skip
     package = SimPackage(name="cabinet", category="Table", visual="voxels", links=links, joints=(joint,))

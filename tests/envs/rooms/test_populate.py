@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from artigen.api.scene import SceneSettings, furnish_room
 from artigen.errors import ArtigenError
 from artigen.shapes.families import choose_suite
+from artigen.types import Joint
 from envs.rooms import picture
 from envs.rooms.ajar import open_some
 from envs.rooms.arrange import Plan, fits
@@ -49,7 +50,7 @@ from envs.rooms.solids import place_solid
 from envs.rooms.sweeps import opening_joints, sweep_boxes, sweep_joint
 from sim_export.files.write import write_package
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import Hull, Inertial, Link, Mesh, PackageJoint, SimPackage, Visual
+from sim_export.package import Hull, Inertial, Link, Mesh, SimPackage, Visual
 from sim_export.report import CheckResult, Report, write_report
 
 WALL = 0.018
@@ -130,8 +131,8 @@ def build_furniture(kind: Furniture) -> SimPackage:
         low = index % 2 == 0
         links.append(solid_link(f"link_{index}", "door", [panel]))
         joints.append(
-            PackageJoint(
-                name=f"joint_{index}", type="revolute", kind="revolute", parent="body", child=f"link_{index}",
+            Joint(
+                name=f"joint_{index}", type="revolute", parent="body", child=f"link_{index}",
                 origin=np.array([x0 - 0.02, left if low else right, 0.0]),
                 axis=np.array([0.0, 0.0, 1.0 if low else -1.0]), lower=0.0, upper=kind.swing, friction=0.5,
                 damping=0.5,
@@ -143,15 +144,15 @@ def build_furniture(kind: Furniture) -> SimPackage:
         tray = ((x0 - 0.002, y0 + 0.04, low), (x1 - 0.05, y1 - 0.04, low + 0.02))
         links.append(solid_link(f"link_{index}", "drawer", [front, tray]))
         joints.append(
-            PackageJoint(
-                name=f"joint_{index}", type="prismatic", kind="prismatic", parent="body",
+            Joint(
+                name=f"joint_{index}", type="prismatic", parent="body",
                 child=f"link_{index}", origin=np.zeros(3), axis=np.array([-1.0, 0.0, 0.0]), lower=0.0,
                 upper=0.3, friction=3.0, damping=5.0,
             )
         )  # fmt: skip
     base = Link(name="base", label=None, parts=(), visuals=(), hulls=(), inertial=None)
-    fixed = PackageJoint(
-        name=f"joint_{len(links)}", type="fixed", kind="fixed", parent="base", child="body",
+    fixed = Joint(
+        name=f"joint_{len(links)}", type="fixed", parent="base", child="body",
         origin=np.zeros(3), axis=np.array([1.0, 0.0, 0.0]),
     )  # fmt: skip
     return SimPackage(

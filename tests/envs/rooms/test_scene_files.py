@@ -10,6 +10,7 @@ from bare_room import ROOM
 from sample_packages import SAMPLE_PARTS, build_package, double_door_parts
 
 from artigen.transforms import shift
+from artigen.types import Joint
 from envs.rooms.ajar import stays
 from envs.rooms.contents import fill_room
 from envs.rooms.footprints import cached_package, read_footprint
@@ -20,7 +21,7 @@ from envs.rooms.usd import write_room_usd
 from sim_export.files.urdf import link_origins
 from sim_export.files.write import write_package
 from sim_export.motion.kinematics import driven_joints, link_displacements
-from sim_export.package import Inertial, Link, PackageJoint, SimPackage
+from sim_export.package import Inertial, Link, SimPackage
 
 OPENED = 0.2
 MICROMETRE, MILLIMETRE = 1e-6, 1e-3
@@ -134,8 +135,8 @@ def test_a_lid_stays_exactly_where_its_friction_reaches_its_weight(angle: float,
         Link(name="body", label="base", parts=(), visuals=(), hulls=(), inertial=None),
         Link(name="lid", label="door", parts=(), visuals=(), hulls=(), inertial=inertial),
     )
-    hinge = PackageJoint(
-        name="hinge", type="revolute", kind="revolute", parent="body", child="lid",
+    hinge = Joint(
+        name="hinge", type="revolute", parent="body", child="lid",
         origin=np.array([0.0, 0.0, 0.5]), axis=np.array([0.0, -1.0, 0.0]), upper=1.5,
         friction=share * 2.0 * 9.81 * 0.3 * np.cos(angle),
     )  # fmt: skip

@@ -59,7 +59,7 @@ def linked_package() -> SimPackage:
     drawer, door, *others = package.joints
     drawer = replace(drawer, spring=2.0 * drawer.friction)
     door = replace(
-        door, mimic=drawer.name, mimic_multiplier=RATIO, upper=RATIO * drawer.upper, friction=0.0, damping=0.0
+        door, follows=drawer.name, ratio=RATIO, upper=RATIO * drawer.upper, friction=0.0, damping=0.0
     )
     return replace(package, links=links, joints=(drawer, door, *others), requires_open=())
 
@@ -214,7 +214,7 @@ def test_a_reset_puts_followers_where_their_leader_is(name: str, tmp_path: Path)
     """Also one that moves against its leader, and so has its leader's rest at its upper limit."""
     package = linked_package()
     drawer, door, *others = package.joints
-    door = replace(door, axis=-door.axis, mimic_multiplier=-RATIO, lower=-RATIO * drawer.upper, upper=0.0)
+    door = replace(door, axis=-door.axis, ratio=-RATIO, lower=-RATIO * drawer.upper, upper=0.0)
     against = write_package(replace(package, joints=(drawer, door, *others)), tmp_path / "against")
     extra = {"OpenPart": {"part": "drawer", "initial_open": 0.5}, "Room": {"joint_0": OPENED}}
     given = next((value for key, value in extra.items() if key in name), {})
@@ -239,8 +239,8 @@ def test_an_object_stands_on_the_floor_or_its_plinth(name: str, folder: Path, tm
 def test_a_latch_that_stands_open_is_held_against_its_spring(tmp_path: Path):
     """A pedal bin, whose bucket is lifted while the pedal is down and the lid open."""
     package = build_reference(draw_shape("TrashCan", 0, Wish(style="pedal")))
-    lid = next(joint for joint in package.joints if joint.mimic is not None)
-    pedal = next(joint for joint in package.joints if joint.name == lid.mimic)
+    lid = next(joint for joint in package.joints if joint.follows is not None)
+    pedal = next(joint for joint in package.joints if joint.name == lid.follows)
     bin_folder = write_package(package, tmp_path / "bin")
     env = make("ArtiGen-LiftPart-v1", bin_folder, tmp_path, part="any", latches="open")
     thing = object_in(env)
@@ -248,7 +248,7 @@ def test_a_latch_that_stands_open_is_held_against_its_spring(tmp_path: Path):
     for _ in range(10):
         now = dict(zip(names, thing.get_qpos()[0].tolist(), strict=True))
         assert now[pedal.name] == pytest.approx(pedal.upper, rel=0.02)
-        assert now[lid.name] == pytest.approx(lid.mimic_multiplier * now[pedal.name], abs=0.01)
+        assert now[lid.name] == pytest.approx(lid.ratio * now[pedal.name], abs=0.01)
         assert float(thing.get_qvel().abs().max()) < 0.1
         env.step(torch.zeros(env.unwrapped.single_action_space.shape))  # type: ignore[attr-defined]
     env.close()
