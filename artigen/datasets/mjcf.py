@@ -145,7 +145,7 @@ def compile_mjcf(path: Path, *, outline: bool = False) -> tuple["mujoco.MjModel"
     """The model of a file, whatever its masses, the orientation of its meshes and missing images; and notes.
 
     Args:
-        outline: Compile balls in place of meshes, without images: the same bodies, joints and colours at once.
+        outline: Compile balls in place of meshes, without images: bodies, joints and colours stay.
 
     Raises:
         SourceError: If MuJoCo cannot compile the file.

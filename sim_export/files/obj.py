@@ -154,9 +154,7 @@ def parse_mtl(path: Path) -> dict[str, wavefront.MtlMaterial]:
 def parse_urdf(path: Path, text: str | None = None) -> urdf.UrdfFile:
     """Reads a URDF without validating it: the file, or a ``text`` that stands for it."""
     with _as_package():
-        if text is not None:
-            return urdf.read_urdf(text.encode(), path, path.name)
-        return urdf.parse_urdf(path, path.name)
+        return urdf.parse_urdf(path, path.name, text=text)
 
 
 @contextmanager
