@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from envs.rooms.room import Room
 
 SceneFormat = Literal["mjcf", "usd"]
+SceneKind = Literal["kitchen", "office", "bedroom", "bathroom", "workshop", "living_room", "hall", "laundry"]
 Clutter = Literal["none", "tidy", "lived", "messy"]
 PACKAGES = "packages"
 """Subfolder of the room for objects that are drawn for it."""
@@ -31,6 +32,9 @@ FAMILIES = {
     "bedroom": ("shaker", "slab", "rustic", "midcentury", "nursery"),
     "bathroom": ("shaker", "slab", "rustic", "laboratory"),
     "workshop": ("industrial", "laboratory"),
+    "living_room": ("shaker", "slab", "rustic", "midcentury"),
+    "hall": ("shaker", "slab", "rustic", "midcentury"),
+    "laundry": ("shaker", "slab", "laboratory"),
 }
 """Families that the seed chooses from by default."""
 
@@ -43,8 +47,8 @@ class SceneSettings:
     """Inner width in metres, along the wall with the entrance."""
     depth: float | None = None
     """Inner depth in metres, from that wall to the opposite one."""
-    least: int = 10
-    """Minimum number of objects."""
+    least: int | None = None
+    """Minimum number of objects; by default that of the kind of room."""
     most: int = 30
     """Maximum number of objects."""
     sweeps: Literal["free", "any"] = "free"
@@ -81,7 +85,7 @@ class Furnished:
         loose = f", with {len(room.contents)} loose things" if room.contents else ""
         left_out = f", without {len(self.failed)} packages that did not pass" if self.failed else ""
         return (
-            f"{room.kind} of {room.size[0]:.2f} x {room.size[1]:.2f} m: {len(room.placements)} objects from "
+            f"{room.kind.replace('_', ' ')} of {room.size[0]:.2f} x {room.size[1]:.2f} m: {len(room.placements)} objects from "
             f"{kinds} packages{loose} in {self.path}, arranged and checked in {self.seconds:.1f} s{left_out}"
         )
 
@@ -100,7 +104,7 @@ def furnish_room(
     """Furnishes a room in which every door and drawer opens; writes ``scene.json`` and pictures.
 
     Args:
-        kind: Kitchen, office, bedroom, bathroom or workshop.
+        kind: Kitchen, office, bedroom, bathroom, workshop, living_room, hall or laundry.
         out: Folder for ``scene.json``, ``room.png``, ``entrance.png`` and ``plan.png``.
         seed: Seed of everything that is not set.
         packages: Folder with packages, at any depth, that passed validation; without it, objects are sampled

@@ -119,7 +119,8 @@ def _in(rooms: str, *places: str) -> tuple[str, ...]:
 
 
 THINGS = (
-    Thing("cup", _in("kitchen", "shelf", "drawer", "top") + _in("office", "shelf", "top"),
+    Thing("cup", _in("living_room", "shelf", "top") + _in("kitchen", "shelf", "drawer", "top") +
+          _in("office", "shelf", "top"),
           (0.105, 0.075, 0.08),
           (0.125, 0.09, 0.1), 350, CERAMIC, foot=0.85),
     Thing("bowl", _in("kitchen", "shelf", "drawer", "top"), (0.13, 0.13, 0.05),
@@ -127,14 +128,16 @@ THINGS = (
           foot=0.5),
     Thing("plate", _in("kitchen", "shelf", "drawer"), (0.19, 0.19, 0.02), (0.26, 0.26, 0.028), 350, CERAMIC,
           foot=0.65),
-    Thing("bottle", (*_in("kitchen bathroom", "shelf", "top"), "fridge"), (0.06, 0.06, 0.17),
+    Thing("bottle", (*_in("laundry", "shelf", "top"), *_in("kitchen bathroom", "shelf", "top"), "fridge"),
+          (0.06, 0.06, 0.17),
           (0.085, 0.085, 0.28),
           550, ((GREEN, YELLOW), (BROWN, CREAM)), round=True,
           rows=((0, 1, 1, 0, 0.6, 0), (0, 1, 0.75, 0.6, 0.7, 0),
                 (0, 1, 0.4, 0.7, 0.92, 0), (0, 1, 0.46, 0.92, 1, 1))),
     Thing("jar", (*_in("kitchen bathroom workshop", "shelf", "top"), *_in("workshop", "drawer"), "fridge"),
           (0.06, 0.06, 0.06), (0.1, 0.1, 0.13), 700, PRINT, rows=BAND, round=True),
-    Thing("carton", (*_in("kitchen office bedroom bathroom workshop", "shelf"), "fridge"), (0.05, 0.09, 0.09),
+    Thing("carton", (*_in("living_room hall laundry", "shelf", "drawer"),
+          *_in("kitchen office bedroom bathroom workshop", "shelf"), "fridge"), (0.05, 0.09, 0.09),
           (0.11, 0.18, 0.24), 250, PRINT, rows=BAND),
     Thing("case", (*_in("kitchen office bedroom bathroom workshop", "drawer"), "fridge"), (0.07, 0.05, 0.025),
           (0.15, 0.1, 0.055), 300, PRINT, rows=((0.01, 0.99, 0.98, 0, 0.7, 0), (0, 1, 1, 0.7, 1, 1))),
@@ -145,10 +148,12 @@ THINGS = (
     Thing("pen", _in("office bedroom", "drawer") + _in("office", "top"), (0.13, 0.009, 0.008),
           (0.15, 0.012, 0.011), 800, PRINT,
           rows=((0, 0.06, 0.4, 0, 0.5, 1), (0.06, 0.7, 0.9, 0, 0.9, 0), (0.7, 1, 1, 0, 1, 1))),
-    Thing("book", _in("office bedroom", "shelf", "drawer", "top"), (0.18, 0.12, 0.018),
+    Thing("book", _in("living_room hall", "shelf", "drawer") +
+          _in("office bedroom", "shelf", "drawer", "top"), (0.18, 0.12, 0.018),
           (0.26, 0.19, 0.04), 700,
           PRINT, rows=((0, 1, 1, 0, 0.12, 0), (0.02, 0.98, 0.95, 0.12, 0.88, 1), (0, 1, 1, 0.88, 1, 0))),
-    Thing("towel", _in("bathroom bedroom", "shelf", "drawer") + _in("bathroom", "top"), (0.2, 0.16, 0.04),
+    Thing("towel", _in("laundry", "shelf", "drawer", "top") +
+          _in("bathroom bedroom", "shelf", "drawer") + _in("bathroom", "top"), (0.2, 0.16, 0.04),
           (0.32, 0.24, 0.075), 180,
           CLOTH, rows=((0, 1, 1, 0, 0.48, 0), (0.02, 0.98, 0.96, 0.48, 0.52, 1), (0, 1, 0.98, 0.52, 1, 0))),
     Thing("screwdriver", _in("workshop", "drawer", "shelf", "top"), (0.17, 0.024, 0.02),
@@ -157,11 +162,13 @@ THINGS = (
     Thing("hammer", _in("workshop", "drawer", "shelf", "top"), (0.26, 0.1, 0.024),
           (0.32, 0.13, 0.032), 900, TOOLS,
           rows=((0, 0.1, 1, 0, 1, 0), (0.1, 0.55, 0.18, 0, 0.7, 1), (0.55, 1, 0.26, 0, 0.9, 1))),
-    Thing("plant", _in("kitchen office bedroom bathroom", "top"), (0.14, 0.14, 0.22), (0.22, 0.22, 0.38), 250,
+    Thing("plant", _in("living_room hall", "top") +
+          _in("kitchen office bedroom bathroom", "top"), (0.14, 0.14, 0.22), (0.22, 0.22, 0.38), 250,
           ((CREAM, GREEN), (RED, GREEN), (DARK, GREEN)), round=True,
           rows=((0, 1, 0.6, 0, 0.36, 0), (0, 1, 0.12, 0.36, 0.44, 1), (0, 1, 0.85, 0.44, 0.6, 1),
                 (0, 1, 1, 0.6, 0.84, 1), (0, 1, 0.65, 0.84, 1, 1))),
-    Thing("lamp", _in("office bedroom", "top"), (0.2, 0.2, 0.34), (0.28, 0.28, 0.46), 60,
+    Thing("lamp", _in("living_room", "top") +
+          _in("office bedroom", "top"), (0.2, 0.2, 0.34), (0.28, 0.28, 0.46), 60,
           ((DARK, CREAM), (GREY, WHITE), (YELLOW, WHITE)), round=True,
           rows=((0, 1, 0.55, 0, 0.05, 0), (0, 1, 0.07, 0.05, 0.6, 0), (0, 1, 1, 0.6, 1, 1))),
     Thing("monitor", _in("office", "top"), (0.17, 0.48, 0.38), (0.2, 0.6, 0.46), 90, ((DARK, DARK),),

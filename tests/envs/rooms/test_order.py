@@ -71,9 +71,7 @@ def test_what_cannot_be_is_said_before_anything_is_made(words: tuple[str, ...], 
 
 
 def test_a_width_that_no_package_has_is_refused(catalogue: Catalogue):
-    with pytest.raises(
-        ArtigenError, match=r"fridge 0\.9 m wide; widths of what can be one are 0\.60"
-    ):
+    with pytest.raises(ArtigenError, match=r"fridge 0\.9 m wide; widths of what can be one are 0\.60"):
         populate("kitchen", 0, catalogue, PopulateConfig(place=("fridge:0.9",)))
 
 
