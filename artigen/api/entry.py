@@ -71,6 +71,7 @@ class ConvertOptions(TypedDict, total=False):
     body: str | None
     visual: Literal["source", "voxels"]
     gaussians: bool
+    budget: float
     workers: int
 
 
@@ -225,6 +226,7 @@ def convert(
     body: str | None = None,
     visual: Literal["source", "voxels"] = "source",
     gaussians: bool = False,
+    budget: float = 30.0,
     workers: int = 0,
 ) -> Object | Objects:
     """Converts an object of a URDF, an MJCF, a PartNet-Mobility folder or an ``object.json``.
@@ -243,13 +245,22 @@ def convert(
         body: Body of a scene file that is the object; default: every object in the file.
         visual: Keep the meshes, or rebuild the object from its 64^3 voxels.
         gaussians: Whether the package has 3D Gaussians.
+        budget: Seconds of one core per object; the best package found in them is made.
         workers: Processes for many objects; 0 makes them in this one.
 
     Raises:
         ArtigenError: If the source cannot be read, or holds several objects where one is expected.
     """
     cfg = ConvertSettings(
-        mend=mend, size=size, category=kind, up=up, front=front, body=body, visual=visual, splats=gaussians
+        mend=mend,
+        size=size,
+        category=kind,
+        up=up,
+        front=front,
+        body=body,
+        visual=visual,
+        splats=gaussians,
+        budget=budget,
     )
     one = isinstance(source, str | Path)
     given = (Path(source),) if isinstance(source, str | Path) else tuple(map(Path, source))
