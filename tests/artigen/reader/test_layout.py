@@ -345,7 +345,8 @@ def test_fronts_of_appliances_are_no_glass_and_red_ones_no_wood():
     assert find_finishes(make_reading(red), 0)["front"].kind == "lacquer"
     dark = make_front("door", (0.0, 0.0, 1.0, 1.0), color=(20, 20, 20), material="glass", pane=True)
     found = find_finishes(make_reading(dark, kind="Dishwasher"), 0)["front"]
-    assert found.kind == "lacquer" and max(found.color) < 0.1
+    assert found.kind == "lacquer"
+    assert max(found.color) < 0.1
 
 
 @pytest.mark.parametrize(("step", "same"), [(SAME - 0.02, True), (SAME + 0.02, False)])
