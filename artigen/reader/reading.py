@@ -81,12 +81,13 @@ class Reading:
         return tuple(part for part in self.parts if part.label in ("door", "drawer"))
 
     def to_json(self) -> dict[str, object]:
-        """The reading as plain values."""
+        """The reading as plain values, which `open_reading` reads back."""
         shown = {kind: round(share, 3) for kind, share in self.kinds if share >= 0.005}
         width, depth, height = self.size
         yaw, pitch, near = self.view
         return {
             "kind": self.kind,
+            "extent": list(self.extent),
             "sure": self.sure,
             "kinds": shown,
             "counts": self.counts,
@@ -95,6 +96,7 @@ class Reading:
             "parts": [
                 {"label": part.label, "score": round(part.score, 3), "box": _round(part.box)}
                 | ({} if part.form is None else {"form": part.form})
+                | ({} if part.color is None else {"color": to_hex(part.color)})
                 for part in self.parts
                 if part.label not in ("door", "drawer")
             ],
