@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 Label = Literal["door", "drawer", "handle", "knob", "shelf", "wheel"]
 """What a part is; handles include every fixed pull, knobs are dials and buttons that move, shelves include
@@ -63,6 +63,9 @@ class Reading:
     extent: tuple[int, int]
     """Width and height of the photograph (pixels)."""
     notes: tuple[str, ...] = ()
+    surface: Bool[np.ndarray, "R C"] | None = None
+    """Where the photograph, in equal cells, has the colour of the nearest front; None where nobody has
+    looked. Files of readings leave it out."""
 
     @property
     def sure(self) -> bool:
