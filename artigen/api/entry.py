@@ -54,6 +54,7 @@ class GenerateOptions(Look, total=False):
 
     image: Path | str | None
     box: tuple[float, float, float, float] | None
+    reading: Path | str | None
     kind: str | None
     temperature: float
     redraws: int
@@ -154,6 +155,7 @@ def generate(
     *,
     image: Path | str | None = None,
     box: tuple[float, float, float, float] | None = None,
+    reading: Path | str | None = None,
     kind: str | None = None,
     counts: Counts | None = None,
     seed: int | Sequence[int] = 0,
@@ -179,6 +181,7 @@ def generate(
         image: Photograph of one object, taken from near its front.
         box: Left, top, right and bottom of the object in the photograph, as shares of width and height;
             default: the largest object.
+        reading: File that ``artigen read --json`` wrote, edited or not, instead of a photograph.
         kind: Name of a kind; default: as words or picture say.
         counts: Number of parts by label; the others are free.
         seed: Seed of the object, or a sequence of seeds for as many.
@@ -198,8 +201,9 @@ def generate(
         ArtigenError: If no object can be as asked, the picture cannot be read, or no draw can be exported.
     """
     cfg = GenerateSettings(
-        text=words, image=None if image is None else Path(image), box=box, width=width, depth=depth,
-        height=height, style=style, counts=_write_counts(counts), temperature=temperature, redraws=redraws,
+        text=words, image=None if image is None else Path(image), box=box,
+        reading=None if reading is None else Path(reading), width=width, depth=depth, height=height,
+        style=style, counts=_write_counts(counts), temperature=temperature, redraws=redraws,
         textures=textures, gaussians=gaussians, compare=False,
     )  # fmt: skip
     jobs = list_jobs(HERE, list_seeds(seed, count), cfg, category=kind, model=Path(model))

@@ -96,7 +96,7 @@ def _build_laid_out(reading: Reading, view: View, seed: int, wish: Wish) -> tupl
     rng = np.random.default_rng([seed, 65])
     foot = find_foot(reading, view, kind)
     node = _lay_out(view, foot, kind)
-    node = furnish_node(rng, node, (view.size[0], view.size[2] - (foot.height or 0.0)), view.shelves, kind)
+    node = furnish_node(rng, node, (view.size[0], view.size[2] - (foot.height or 0.0)), view, kind)
     if kind == name_kind("filing cabinet") and not _is_stack(node):
         kind = name_kind("cabinet")
         notes.append(f"a filing cabinet is one stack of up to {MOST_FILES} drawers: built as {kind}")
