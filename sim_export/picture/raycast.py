@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
 
+from artigen.shapes.surfaces.physical import PLAIN, Material
 from artigen.splats.colors import linear_from_srgb
 from artigen.types import freeze_field
 from sim_export.geometry.triangles import bounds_of, triangle_normals
@@ -39,6 +40,7 @@ class Surface:
     uv: Float[np.ndarray, "F 3 2"] | None = None
     texture: UInt8[np.ndarray, "H W C"] | None = None
     color: tuple[float, float, float] = (0.7, 0.7, 0.7)
+    material: Material = PLAIN
 
     def __post_init__(self) -> None:
         count = len(freeze_field(self, "triangles", np.float64, (None, 3, 3), "surface triangles"))
