@@ -1,10 +1,9 @@
 """How the hulls of an object are made anew while its package fails checks of collision."""
 
-import re
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from sim_export.checks.draft import open_draft
+from sim_export.checks.draft import read_draft
 from sim_export.checks.suite import run_checks
 from sim_export.package import SimPackage
 
@@ -64,14 +63,10 @@ def change_hulls(way: HullWay, judged: Judgement | None) -> HullWay | None:
 
 def judge_package(package: SimPackage) -> Judgement:
     """Checks the collision of a package."""
-    with open_draft(package) as subject:
-        results = run_checks(subject, only=COLLISION_CHECKS)
+    results = run_checks(read_draft(package), only=COLLISION_CHECKS)
     unlike = [check.value for check in results if check.id == "V103" and check.value is not None]
     failed = [check for check in results if check.verdict == "fail"]
-    words = {word for check in failed for word in re.findall(r"\w+", check.where)}
-    named = {link.name for link in package.links if link.name in words} or {
-        link.name for link in package.links
-    }
+    named = {link for check in failed for link in check.links} or {link.name for link in package.links}
     between = {link.name for link in package.links if not link.parts}  # of screws
     links = named
     for _ in range(2):

@@ -7,13 +7,13 @@ whose axes are the object's.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from artigen.shapes.surfaces.physical import PLAIN, Material
-from artigen.types import Gaussians, JointType, PartLabel, freeze_field
+from artigen.types import Gaussians, Joint, PartLabel, freeze_field
 
 UrdfJointType = Literal["fixed", "revolute", "prismatic", "continuous"]
 VisualSource = Literal["exact", "voxels", "source"]
@@ -127,61 +127,6 @@ class Link:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PackageJoint:
-    """A URDF joint, in the object frame at rest.
-
-    ``friction`` is a force (N) or torque (N m), ``damping`` is in N s/m or N m s/rad. ``kind`` is the asset's
-    joint type. A screw consists of two joints in a row: the second one is prismatic and mimics the first with
-    ``mimic_multiplier`` (metres per radian). A part that follows another one (a lid and its pedal) mimics
-    that part's joint in the same way; ``mimic_offset`` (m or rad) is its coordinate where the other's is 0.
-    ``spring`` is a force (N) or torque (N m) that closes the joint, twice
-    as large at the upper limit as at 0; a negative one, as in the hinges of heavy lids, opens it, a third as
-    large at the upper limit as at 0.
-    """
-
-    name: str
-    type: UrdfJointType
-    kind: JointType
-    parent: str
-    child: str
-    origin: Float[np.ndarray, "3"]
-    axis: Float[np.ndarray, "3"]
-    lower: float = 0.0
-    upper: float = 0.0
-    effort: float = 100.0
-    velocity: float = 1.0
-    friction: float = 0.0
-    damping: float = 0.0
-    mimic: str | None = None
-    mimic_multiplier: float = 0.0
-    mimic_offset: float = 0.0
-    spring: float = 0.0
-
-    @property
-    def is_travel(self) -> bool:
-        """Whether this is the second joint of a screw."""
-        return self.mimic is not None and self.kind == "screw"
-
-    def follow(self, q: Any) -> Any:
-        """Coordinate of a follower (m or rad) where that of its leader is ``q``, a number or an array."""
-        return self.mimic_multiplier * q + self.mimic_offset
-
-    def pull(self, q: Any) -> Any:
-        """Effort of the spring (N or N m) at the coordinate ``q``, a number or an array; > 0 opens."""
-        return -(self.spring + self.stiffness * q)
-
-    @property
-    def stiffness(self) -> float:
-        """Stiffness of the spring, N/m or N m/rad."""
-        return -self.spring / self.relaxed if self.spring != 0.0 else 0.0
-
-    @property
-    def relaxed(self) -> float:
-        """Coordinate (m or rad) at which the spring is relaxed."""
-        return -self.upper if self.spring >= 0.0 else 1.5 * self.upper
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class HandleAnnotation:
     """Grasp of a link for a hand or gripper; object frame at rest, metres.
 
@@ -223,7 +168,7 @@ class SimPackage:
     category: str
     visual: VisualSource
     links: tuple[Link, ...]
-    joints: tuple[PackageJoint, ...]
+    joints: tuple[Joint, ...]
     handles: tuple[HandleAnnotation, ...] = ()
     requires_open: tuple[Requirement, ...] = ()
     materials: tuple[tuple[str, str], ...] = ()

@@ -65,6 +65,9 @@ class ObjText:
     libraries: tuple[str, ...]
     colors: Float[np.ndarray, "V 3"] | None = None
     """Colours of the vertices in [0, 1], if every vertex has one."""
+    groups: tuple[tuple[str, ...], ...] = ((),)
+    """Names of the group (``g``) and object (``o``) of faces, as ``group_ids`` index them."""
+    group_ids: Int[np.ndarray, "F"] | None = None
 
     @property
     def face_materials(self) -> Shaped[np.ndarray, "F"]:
@@ -139,8 +142,9 @@ def _parse(path: Path, data: bytes) -> ObjText:
     lines = _split_lines(data)
     vertices = _parse_numbers([line[2:] for line in lines if line[:2] == b"v "], 3, path, "v")
     coords = _parse_numbers([line[3:] for line in lines if line[:3] == b"vt "], 2, path, "vt")
-    faces, uv_faces, names, material_ids = _parse_faces(lines, len(vertices), len(coords), path)
-    for array in (vertices, coords, faces, uv_faces, material_ids):
+    faces, uv_faces, names, material_ids, owners = _parse_faces(lines, len(vertices), len(coords), path)
+    groups, group_ids = _parse_groups(lines, owners)
+    for array in (vertices, coords, faces, uv_faces, material_ids, group_ids):
         array.flags.writeable = False
     return ObjText(
         vertices=vertices,
@@ -151,7 +155,23 @@ def _parse(path: Path, data: bytes) -> ObjText:
         material_ids=material_ids,
         libraries=_list_libraries([_name(line[7:]) for line in lines if line[:7] == b"mtllib "], path.parent),
         colors=_parse_colors([line[2:] for line in lines if line[:2] == b"v "]),
+        groups=groups,
+        group_ids=group_ids,
     )
+
+
+def _parse_groups(lines: list[bytes], owners: np.ndarray) -> tuple[tuple[tuple[str, ...], ...], np.ndarray]:
+    """Names (group, object) of all groups, and the group of every triangle by the row that it came from."""
+    names: list[tuple[str, ...]] = [()]
+    starts, rows, inner, outer = [0], 0, "", ""
+    for line in lines:
+        if line[:2] == b"f ":
+            rows += 1
+        elif line[:2] in (b"o ", b"g "):
+            inner, outer = (_name(line[2:]), outer) if line[:1] == b"g" else ("", _name(line[2:]))
+            names.append(tuple(name for name in (inner, outer) if name))
+            starts.append(rows)
+    return tuple(names), np.searchsorted(np.array(starts), owners, side="right") - 1
 
 
 def _list_libraries(rows: list[str], folder: Path) -> tuple[str, ...]:
@@ -227,8 +247,8 @@ def _parse_flat(rows: list[bytes], path: Path, tag: str) -> np.ndarray:
 
 def _parse_faces(
     lines: list[bytes], num_vertices: int, num_coords: int, path: Path
-) -> tuple[np.ndarray, np.ndarray, list[str], np.ndarray]:
-    """Faces, texture indices (-1: none), material names and the material of every face."""
+) -> tuple[np.ndarray, np.ndarray, list[str], np.ndarray, np.ndarray]:
+    """Faces, texture indices (-1: none), material names, and the material and row of every face."""
     rows: list[bytes] = []
     names: list[str] = []
     starts: list[int] = []
@@ -253,7 +273,7 @@ def _parse_faces(
         names.insert(0, "")
     else:
         per_row = per_row - 1
-    return corners[..., 0], corners[..., 1], names, per_row[owners]
+    return corners[..., 0], corners[..., 1], names, per_row[owners], owners
 
 
 def _count_seen(lines: list[bytes]) -> np.ndarray:

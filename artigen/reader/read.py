@@ -17,6 +17,7 @@ from artigen.reader.decode import Found, average_maps, find_things, mirror_maps
 from artigen.reader.edges import snap_boxes
 from artigen.reader.hinges import average_shares, weigh_hinges
 from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, MATERIALS, OBJECT, PULL, SHELF, STANDS, WHEEL
+from artigen.reader.layout.frontal import LONG
 from artigen.reader.model import Reader, load_reader
 from artigen.reader.reading import Label, Reading, ReadPart
 from artigen.weights import READER
@@ -41,8 +42,6 @@ REACH = 0.75
 boxes of objects that fill a picture are read too small."""
 MARGIN = 0.03
 """Margin around an object within which its other parts are, as a share of its longer side."""
-LONG = 1.8
-"""Ratio of a handle's sides from which it is a bar."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -326,6 +325,8 @@ def _describe_front(
     sheet: _Sheet,
 ) -> ReadPart:
     said = {name: values[index] for name, values in found.attributes.items()}
+    pane = bool(said["pane"][0] > 0)
+    solid = [material for material in MATERIALS if pane or material != "glass"]
     return ReadPart(
         label="door" if door else "drawer",
         score=float(found.score[index]),
@@ -333,8 +334,8 @@ def _describe_front(
         corners=sheet.to_shares(found.corners[index]),
         hinge=HINGES[int(sides.argmax())] if door else None,  # type: ignore[arg-type]
         open=bool(said["open"][0] > 0),
-        pane=bool(said["pane"][0] > 0),
-        material=MATERIALS[int(said["material"].argmax())],
+        pane=pane,
+        material=max(solid, key=lambda material: float(said["material"][MATERIALS.index(material)])),
         color=_median_color(sheet.pixels, found.box[index]),
     )
 

@@ -10,6 +10,10 @@ from jaxtyping import Float
 Label = Literal["door", "drawer", "handle", "knob", "shelf", "wheel"]
 """What a part is; handles include every fixed pull, knobs are dials and buttons that move, shelves include
 trays and racks."""
+Stand = Literal["flat", "legs", "wheels"]
+"""What an object stands on: its base or a plinth, legs, or wheels."""
+Field = Literal["flat", "framed", "slats", "planks"]
+"""Of a front: a slab, a field in a frame, level slats, or upright planks and flutes."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -28,6 +32,8 @@ class ReadPart:
     open: bool = False
     pane: bool = False
     """Whether a front is glazed."""
+    field: Field | None = None
+    """Of a front that is not glazed; None where nobody has looked."""
     material: str | None = None
     """Of a front: wood, lacquer, steel, plastic, glass, rubber or stone."""
     form: Literal["bar", "knob"] | None = None
@@ -51,7 +57,7 @@ class Reading:
     """Width, depth and height (m), as usual for what is seen."""
     view: tuple[float, float, float]
     """Yaw and pitch of the camera (radians), and half the object's diagonal over its distance."""
-    stand: Literal["flat", "legs", "wheels"]
+    stand: Stand
     color: tuple[int, int, int]
     """sRGB of the body as seen."""
     extent: tuple[int, int]
@@ -117,6 +123,7 @@ def _describe_front(part: ReadPart) -> dict[str, object]:
         "hinge": part.hinge,
         "open": part.open,
         "pane": part.pane,
+        "field": part.field,
         "material": part.material,
         "color": None if part.color is None else to_hex(part.color),
     }

@@ -32,13 +32,14 @@ def own_visuals(subject: Subject) -> str:
 
 def check_visuals(subject: Subject, cfg: CheckConfig) -> Finding:
     """V101: visual meshes are closed, oriented outwards, free of slivers and of moderate size."""
-    problems = []
+    problems, links = [], []
     for shape, joined in whole_visuals(subject):
         faults = mesh_faults(shape, cfg, joined=joined)
         problems += [(shape.file, f"{shape.file}: {fault}") for fault in faults]
+        links += [shape.link] if faults else []
     if not subject.visuals:
         problems.append(("", "no link has a visual mesh"))
-    return count_problems(problems, f"{len(subject.visuals)} visual meshes are closed and well shaped")
+    return count_problems(problems, f"{len(subject.visuals)} visual meshes are closed and well shaped", links)
 
 
 def whole_visuals(subject: Subject) -> list[tuple[Shape, bool]]:
@@ -134,14 +135,16 @@ def has_collision(subject: Subject) -> str:
 
 def check_hulls(subject: Subject, cfg: CheckConfig) -> Finding:
     """V102: every collision shape is one convex hull that PhysX accepts unchanged, also on a GPU."""
-    problems = []
+    problems, links = [], []
     for shape, hull in zip(subject.collisions, subject.hulls, strict=True):
-        where = f"{shape.link}: {shape.file}"
-        problems += [(where, f"{where} {fault}") for fault in hull_faults(shape, hull, cfg)]
+        where, faults = f"{shape.link}: {shape.file}", hull_faults(shape, hull, cfg)
+        problems += [(where, f"{where} {fault}") for fault in faults]
+        links += [shape.link] if faults else []
     for name, link in subject.links.items():
         if link.visuals and not link.collisions:
             problems.append((name, f"link {name!r} is visible but has no collision geometry"))
-    return count_problems(problems, f"{len(subject.hulls)} hulls are convex, compact and thick enough")
+            links.append(name)
+    return count_problems(problems, f"{len(subject.hulls)} hulls are convex, compact and thick enough", links)
 
 
 def hull_faults(shape: Shape, hull: Hull | None, cfg: CheckConfig) -> list[str]:
@@ -193,14 +196,16 @@ def check_attached(subject: Subject, cfg: CheckConfig) -> Finding:
         if hulls.hulls and parent is not None:
             gaps[name] = rest_gap(hulls, subject.hull_sets[parent], cfg.max_gap, subject.diagonal)
     where = max(gaps, key=lambda name: gaps[name])
+    apart = [name for name, gap in gaps.items() if gap > cfg.max_gap + _FILE_PRECISION]
     return Finding(
-        passed=gaps[where] <= cfg.max_gap + _FILE_PRECISION,
+        passed=not apart,
         value=gaps[where],
         threshold=cfg.max_gap,
         unit="m",
         where=where,
         message=f"link {where!r} is {1e3 * max(gaps[where], 0.0):.3g} mm from {carrier(subject, where)!r}, "
         f"allowed is {1e3 * cfg.max_gap:g} mm",
+        links=tuple(sorted(apart)),
     )
 
 
@@ -225,7 +230,7 @@ def check_floor(subject: Subject, cfg: CheckConfig) -> Finding:
         f"the lowest collision point is {1e3 * (felt - seen[0]):+.3g} mm from the lowest visual one, "
         f"allowed is {1e3 * cfg.max_floor_gap:g} mm"
     )
-    return at_most(gap, cfg.max_floor_gap, "m", where=seen[1], message=message)
+    return at_most(gap, cfg.max_floor_gap, "m", where=seen[1], message=message, links=seen[1:])
 
 
 def check_islands(subject: Subject, cfg: CheckConfig) -> Finding:
@@ -242,7 +247,8 @@ def check_islands(subject: Subject, cfg: CheckConfig) -> Finding:
             gaps.append((gap, link, said))
     gap, where, said = max(gaps)
     message = f"{said}, allowed is {1e3 * cfg.max_island:g} mm"
-    return at_most(gap, cfg.max_island, "m", where=where, message=message)
+    apart = [link for far, link, _ in gaps if far > cfg.max_island]
+    return at_most(gap, cfg.max_island, "m", where=where, message=message, links=apart)
 
 
 def has_texture(subject: Subject) -> str:
@@ -269,7 +275,10 @@ def check_texture(subject: Subject, cfg: CheckConfig) -> Finding:
         f"{where}: {100 * shares[where]:.4g} % of the area shows a color of the texture, "
         f"at least {100 * cfg.min_texture_coverage:g} % must"
     )
-    return at_least(shares[where], cfg.min_texture_coverage, "of the area", where=where, message=message)
+    low = [shape.link for shape in subject.visuals if shares.get(shape.file, 1.0) < cfg.min_texture_coverage]
+    return at_least(
+        shares[where], cfg.min_texture_coverage, "of the area", where=where, message=message, links=low
+    )
 
 
 def _image_of(subject: Subject, shape: Shape) -> str:

@@ -16,6 +16,7 @@ from jaxtyping import Float
 from artigen.files.wavefront import NO_MATERIAL, MtlMaterial
 from artigen.shapes.surfaces.physical import mirrored_head_on
 from artigen.transforms import quat_from_matrix
+from artigen.types import Joint
 from sim_export.files.obj import parse_mtl, parse_obj, read_image, shininess
 from sim_export.files.urdf import (
     format_number,
@@ -27,8 +28,8 @@ from sim_export.files.urdf import (
     visual_placement,
     xml_text,
 )
-from sim_export.geometry.primitives import find_primitive
-from sim_export.package import Hull, Link, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
+from sim_export.geometry.primitives import PrimitiveShape, find_primitive
+from sim_export.package import Hull, Link, Mesh, SimPackage, SourceMesh, Visual
 
 HULL_FRICTION = "0.8 0.005 0.0001"
 MIN_MESH_VERTICES = 4
@@ -77,7 +78,7 @@ def _add_body(
     holder: ET.Element,
     asset: ET.Element,
     link: Link,
-    joint: PackageJoint | None,
+    joint: Joint | None,
     at: Float[np.ndarray, "3"],
     origin: Float[np.ndarray, "3"],
 ) -> ET.Element:
@@ -110,19 +111,24 @@ def _add_hull(
         ET.SubElement(asset, "mesh", name=f"hull_{name}", file=file)
         geom = {"type": "mesh", "mesh": f"hull_{name}", "pos": format_vector(-origin)}
     else:
-        T = shape.T_object_shape
-        halved = [0.5, 0.5, 0.5] if shape.kind == "box" else [1.0, 0.5]
-        geom = {
-            "type": shape.kind,
-            "size": format_vector(np.array(shape.sizes) * halved),
-            "pos": format_vector(T[:3, 3] - origin),
-            "quat": format_vector(quat_from_matrix(T[:3, :3]), 12),
-        }
+        geom = primitive_geom(shape, origin)
     style = {"group": "3", "friction": HULL_FRICTION, "mass": "0", "rgba": "0.6 0.6 0.6 0.5"}
     ET.SubElement(body, "geom", {"name": f"collision_{name}"} | geom | style)
 
 
-def _add_joint(body: ET.Element, joint: PackageJoint) -> None:
+def primitive_geom(shape: PrimitiveShape, origin: Float[np.ndarray, "3"]) -> dict[str, str]:
+    """Attributes of a geom for a box or cylinder, in a frame with that origin."""
+    T = shape.T_object_shape
+    halved = [0.5, 0.5, 0.5] if shape.kind == "box" else [1.0, 0.5]
+    return {
+        "type": shape.kind,
+        "size": format_vector(np.array(shape.sizes) * halved),
+        "pos": format_vector(T[:3, 3] - origin),
+        "quat": format_vector(quat_from_matrix(T[:3, :3]), 12),
+    }
+
+
+def _add_joint(body: ET.Element, joint: Joint) -> None:
     attributes = {
         "name": joint.name,
         "type": "slide" if joint.type == "prismatic" else "hinge",
@@ -202,17 +208,17 @@ def _add_pairs(root: ET.Element, package: SimPackage, apart: tuple[tuple[str, st
     for first, second in [*joined, *apart]:
         if first in hulls and second in hulls:
             ET.SubElement(contact, "exclude", body1=first, body2=second)
-    mimics = [joint for joint in package.joints if joint.mimic is not None]
+    mimics = [joint for joint in package.joints if joint.follows is not None]
     if mimics:
         equality = ET.SubElement(root, "equality")
         for joint in mimics:
-            assert joint.mimic is not None
+            assert joint.follows is not None
             ET.SubElement(
                 equality,
                 "joint",
                 joint1=joint.name,
-                joint2=joint.mimic,
-                polycoef=f"{joint.mimic_offset:.12g} {joint.mimic_multiplier:.12g} 0 0 0",
+                joint2=joint.follows,
+                polycoef=f"{joint.offset:.12g} {joint.ratio:.12g} 0 0 0",
                 solref=HARD_REFERENCE,
                 solimp=HARD_IMPEDANCE,
             )

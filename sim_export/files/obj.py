@@ -65,11 +65,8 @@ def obj_text(mesh: Mesh, name: str, material: str | None = None) -> str:
 
 
 def hull_obj_text(hull: Hull, name: str) -> str:
-    """A collision hull as OBJ with one normal per face and no material.
-
-    Its faces are those of the rounded corners' hull: of hulls of a few millimetres, rounding dents some.
-    """
-    hull = convex_hull(np.round(hull.vertices, DECIMALS))
+    """A collision hull as OBJ with one normal per face and no material."""
+    hull = round_hull(hull)
     vertices = hull.vertices
     weighted = area_normals(vertices[hull.faces])
     lengths = np.linalg.norm(weighted, axis=1, keepdims=True)
@@ -79,6 +76,14 @@ def hull_obj_text(hull: Hull, name: str) -> str:
     return "".join(
         [f"o {name}\n", format_rows("v", vertices, DECIMALS), format_rows("vn", normals, 4), faces]
     )
+
+
+def round_hull(hull: Hull) -> Hull:
+    """A hull as files hold it.
+
+    Its faces are those of the rounded corners' hull: of hulls of a few millimetres, rounding dents some.
+    """
+    return convex_hull(np.round(hull.vertices, DECIMALS))
 
 
 def mtl_text(name: str, mesh: Mesh, image: str) -> str:
@@ -179,10 +184,10 @@ def parse_mtl(path: Path) -> dict[str, wavefront.MtlMaterial]:
         return wavefront.parse_mtl(path)
 
 
-def parse_urdf(path: Path) -> urdf.UrdfFile:
-    """Reads a URDF without validating it."""
+def parse_urdf(path: Path, text: str | None = None) -> urdf.UrdfFile:
+    """Reads a URDF without validating it: the file, or a ``text`` that stands for it."""
     with _as_package():
-        return urdf.parse_urdf(path, path.name)
+        return urdf.parse_urdf(path, path.name, text=text)
 
 
 @contextmanager

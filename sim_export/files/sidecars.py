@@ -10,9 +10,10 @@ import json
 import numpy as np
 
 from artigen.kind import find_kind
+from artigen.types import Joint
 from sim_export.errors import PackageError
 from sim_export.files.urdf import image_path
-from sim_export.package import HandleAnnotation, Link, Mesh, PackageJoint, Requirement, SimPackage, SourceMesh
+from sim_export.package import HandleAnnotation, Link, Mesh, Requirement, SimPackage, SourceMesh
 from sim_export.physics.inertia import subtree_inertial
 from sim_export.physics.materials import MATERIALS, physx_friction_coefficient
 from sim_export.topology import find_topology
@@ -36,14 +37,14 @@ def _number(value: float, decimals: int = 9) -> float:
     return round(float(value), decimals) + 0.0
 
 
-def child_joint(package: SimPackage, link: Link) -> PackageJoint | None:
+def child_joint(package: SimPackage, link: Link) -> Joint | None:
     """The joint whose child is the link; for a screw its turning joint."""
     by_child = {joint.child: joint for joint in package.joints}
     joint = by_child.get(link.name)
     return by_child[joint.parent] if joint is not None and joint.is_travel else joint
 
 
-def _semantic_kind(joint: PackageJoint | None) -> str:
+def _semantic_kind(joint: Joint | None) -> str:
     """PartNet-Mobility's word for the motion of a link."""
     if joint is None or joint.type == "fixed":
         return "heavy"
@@ -52,7 +53,7 @@ def _semantic_kind(joint: PackageJoint | None) -> str:
     return "slider" if joint.type == "prismatic" else "hinge"
 
 
-def _semantic_name(package: SimPackage, link: Link, joint: PackageJoint | None) -> str:
+def _semantic_name(package: SimPackage, link: Link, joint: Joint | None) -> str:
     if joint is None or joint.type == "fixed":
         kind = find_kind(package.category)
         return f"{package.category.lower()}_body" if kind is None else kind.body
@@ -61,7 +62,7 @@ def _semantic_name(package: SimPackage, link: Link, joint: PackageJoint | None) 
     return "part" if link.label in (None, "base") else link.label
 
 
-def _named_links(package: SimPackage) -> list[tuple[Link, PackageJoint | None]]:
+def _named_links(package: SimPackage) -> list[tuple[Link, Joint | None]]:
     """Links that represent parts, with the joint that moves them; the root has none."""
     return [(link, child_joint(package, link)) for link in package.links if link.parts]
 
@@ -109,7 +110,7 @@ def _part_link(package: SimPackage, name: str) -> str:
     return name
 
 
-def _joint_data(package: SimPackage, link: Link, joint: PackageJoint) -> dict:
+def _joint_data(package: SimPackage, link: Link, joint: Joint) -> dict:
     """Axis and limits; as in the original, a screw has limits in metres for its slide and turns freely."""
     turning = joint.type != "prismatic"
     to_file = 180.0 / np.pi if turning else 1.0
@@ -277,7 +278,7 @@ def physics_json(package: SimPackage) -> str:
     )
 
 
-def _coefficient(package: SimPackage, joint: PackageJoint) -> float | None:
+def _coefficient(package: SimPackage, joint: Joint) -> float | None:
     """Argument for SAPIEN's ``joint.set_friction``; ``None`` if masses are unknown."""
     by_name = {link.name: link for link in package.links}
     if by_name[joint.child].inertial is None:

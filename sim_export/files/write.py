@@ -43,12 +43,8 @@ UNHASHED = frozenset({MANIFEST, "validation.json"})
 """Files that are in no manifest; the second is what validation writes."""
 
 
-def package_files(package: SimPackage, *, engines: bool = True, visuals: bool = True) -> dict[str, bytes]:
+def package_files(package: SimPackage) -> dict[str, bytes]:
     """All files of a package by their path in it, including the manifest.
-
-    Args:
-        engines: Whether files are included that only engines read: MJCF, SRDF and the URDF for ManiSkill.
-        visuals: Whether the meshes, materials and images of visuals are included.
 
     Raises:
         InvalidKinematics: If links and joints are not a tree that URDF can express.
@@ -58,7 +54,7 @@ def package_files(package: SimPackage, *, engines: bool = True, visuals: bool = 
     files: dict[str, bytes] = {}
     origins = link_origins(package)
     for link in package.links:
-        for visual in link.visuals if visuals else ():
+        for visual in link.visuals:
             if isinstance(visual.mesh, SourceMesh):
                 files |= _source_files(visual.mesh, visual_path(visual).removesuffix(".obj"))
                 continue
@@ -71,6 +67,20 @@ def package_files(package: SimPackage, *, engines: bool = True, visuals: bool = 
         if link.splats is not None:
             own = transform_gaussians(link.splats, shift(-origins[link.name]))
             files[splats_path(link.name)] = encode_ply(own)
+    files |= {path: text.encode() for path, text in package_texts(package).items()}
+    return files | {MANIFEST: manifest_text(files).encode()}
+
+
+def package_texts(package: SimPackage, *, engines: bool = True) -> dict[str, str]:
+    """The files of a package that describe it, without those of meshes, by their path in it.
+
+    Args:
+        engines: Whether files are included that only engines read: MJCF, SRDF and the URDF for ManiSkill.
+
+    Raises:
+        InvalidKinematics: If links and joints are not a tree that URDF can express.
+    """
+    check_kinematics(package)
     texts = {
         "mobility.urdf": urdf_text(package),
         "semantics.txt": semantics_text(package),
@@ -87,8 +97,7 @@ def package_files(package: SimPackage, *, engines: bool = True, visuals: bool = 
         texts["mobility_cvx.urdf"] = urdf_text(package, "maniskill")
         texts["mobility.srdf"] = srdf_text(package.name, pairs)
         texts["mobility.mjcf.xml"] = mjcf_text(package, pairs)
-    files |= {path: text.encode() for path, text in texts.items()}
-    return files | {MANIFEST: manifest_text(files).encode()}
+    return texts
 
 
 def manifest_text(files: dict[str, bytes]) -> str:
@@ -212,12 +221,6 @@ def check_place(folder: Path, overwrite: Overwrite) -> None:
         and (not folder.is_dir() or any(folder.iterdir()))
     ):
         raise PackageError(f"{folder}: is no package (it has no {MANIFEST}), so it is not replaced")
-
-
-def write_draft(package: SimPackage, folder: Path, *, visuals: bool = True) -> Path:
-    """Writes what checks of geometry and motion read of a package to a new folder, and returns the folder."""
-    write_files(package_files(package, engines=False, visuals=visuals), folder)
-    return folder
 
 
 def write_files(files: Mapping[str, bytes], folder: Path) -> None:

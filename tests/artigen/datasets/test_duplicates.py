@@ -7,8 +7,9 @@ import pytest
 
 from artigen.datasets.duplicates import EXTENTS, LEVELS, Duplicates, Fingerprint
 from artigen.shapes.draw import draw_shape
+from artigen.types import Joint
 from sim_export.fingerprint import CELLS, describe_surface, hash_geometry, quantise
-from sim_export.package import Link, Mesh, PackageJoint, SimPackage, Visual
+from sim_export.package import Link, Mesh, SimPackage, Visual
 from sim_export.reference import build_reference
 
 
@@ -164,10 +165,9 @@ def test_what_moves_counts_apart_from_what_is_fixed():
         )
         for name, mesh in (("lid", lid), ("body", body))
     )
-    hinge = PackageJoint(
+    hinge = Joint(
         name="hinge",
         type="revolute",
-        kind="revolute",
         parent="body",
         child="lid",
         origin=np.zeros(3),

@@ -13,19 +13,10 @@ from PIL import Image
 from sample_cabinet import SAMPLE_PARTS, SamplePart, sample_box_arrays
 
 from artigen.camera import Camera, look_at, project_points
-from artigen.types import Gaussians
+from artigen.types import Gaussians, Joint
 from sim_export.errors import PackageError
 from sim_export.files.write import write_package
-from sim_export.package import (
-    Hull,
-    Link,
-    Mesh,
-    PackageJoint,
-    Requirement,
-    SimPackage,
-    SourceMesh,
-    Visual,
-)
+from sim_export.package import Hull, Link, Mesh, Requirement, SimPackage, SourceMesh, Visual
 from sim_export.picture.animation import AnimationConfig, animate_packages, write_animation
 from sim_export.picture.draw import (
     distinct_color,
@@ -98,10 +89,9 @@ def boxes_package() -> SimPackage:
             parent = f"link_{movers.index(_mover(by_name[part.parent], by_name))}"
         assert part.joint != "screw"
         joints.append(
-            PackageJoint(
+            Joint(
                 name=f"joint_{index}",
                 type=part.joint,
-                kind=part.joint,
                 parent=parent,
                 child=f"link_{index}",
                 origin=np.array(part.origin),
