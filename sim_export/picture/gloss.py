@@ -15,7 +15,7 @@ BOXES = (
     ((0.75, 0.10, 0.65), 0.12, 0.5),
 )
 """Soft boxes: direction towards each, its size (1 - cosine), and its light over that of the walls."""
-FLOOR, HORIZON, SKY = 0.72, 0.34, 0.78
+FLOOR, HORIZON, SKY = 0.75, 0.46, 0.9
 """Light from straight below, from the horizon, and from straight above."""
 LEAST = 0.12
 """Least roughness of the key light's reflection, as wide as the light."""
