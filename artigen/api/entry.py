@@ -36,7 +36,6 @@ class Look(TypedDict, total=False):
     height: float | None
     style: str | None
     counts: Counts | None
-    textures: Literal["own", "shared"]
     gaussians: bool
     workers: int
 
@@ -95,7 +94,6 @@ def sample(
     family: str | None = None,
     suite: int | None = None,
     like: int | None = None,
-    textures: Literal["own", "shared"] = "own",
     gaussians: bool = False,
     workers: int = 0,
 ) -> Object | Objects:
@@ -113,7 +111,6 @@ def sample(
         family: Look across kinds, such as ``industrial``.
         suite: Choice of the family's materials and hardware; objects of one suite match.
         like: Seed of a template whose links, joints and kinds of collision shapes are kept.
-        textures: One texture per part, or common ones for parts of the same finish.
         gaussians: Whether the package has 3D Gaussians.
         workers: Processes for many objects; 0 makes them in this one.
 
@@ -122,7 +119,7 @@ def sample(
     """
     cfg = ShapeSettings(
         width=width, depth=depth, height=height, style=style, counts=_write_counts(counts), family=family,
-        suite=suite, like=like, textures=textures, splats=gaussians,
+        suite=suite, like=like, splats=gaussians,
     )  # fmt: skip
     jobs = list_shapes(kind, HERE, list_seeds(seed, count), cfg)
     if isinstance(seed, int) and count is None:
@@ -166,7 +163,6 @@ def generate(
     style: str | None = None,
     temperature: float = GenerateSettings.temperature,
     redraws: int = GenerateSettings.redraws,
-    textures: Literal["own", "shared"] = "own",
     gaussians: bool = True,
     model: Path = SHIPPED,
     workers: int = 0,
@@ -192,7 +188,6 @@ def generate(
         style: Style of the kind, such as ``shaker``.
         temperature: Sampling temperature; 1 matches the training data, lower is less varied.
         redraws: Most new draws of an object that fails a check.
-        textures: One texture per part, or common ones for parts of the same finish.
         gaussians: Whether the package has 3D Gaussians.
         model: Folder of a trained model; default: the shipped one.
         workers: Processes for many objects; 0 makes them in this one.
@@ -204,7 +199,7 @@ def generate(
         text=words, image=None if image is None else Path(image), box=box,
         reading=None if reading is None else Path(reading), width=width, depth=depth, height=height,
         style=style, counts=_write_counts(counts), temperature=temperature, redraws=redraws,
-        textures=textures, gaussians=gaussians, compare=False,
+        gaussians=gaussians, compare=False,
     )  # fmt: skip
     jobs = list_jobs(HERE, list_seeds(seed, count), cfg, category=kind, model=Path(model))
     understand_job(jobs[0])
