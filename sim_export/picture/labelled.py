@@ -29,7 +29,7 @@ class ShownPart:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ShownJoint:
-    """A moving joint at its coordinate ``q`` (m or rad); ``origin`` (m) and ``axis`` are in the camera's frame,
+    """A moving joint at its coordinate ``q`` (m or rad). Origin (m) and axis are in the camera's frame,
     with x to the right, y down and z forward."""
 
     name: str
