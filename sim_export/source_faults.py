@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
+from artigen.types import Joint
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.draft import read_draft
 from sim_export.checks.suite import run_checks
@@ -33,7 +34,7 @@ from sim_export.motion.kinematics import (
     sweep_coordinates,
 )
 from sim_export.motion.requirements import POSES
-from sim_export.package import PackageJoint, SimPackage
+from sim_export.package import SimPackage
 
 SAMPLES = 4000
 """Number of points on the surface of each link."""
@@ -178,7 +179,7 @@ def overlaps_on_the_way(package: SimPackage, shown: Mapping[str, Shown]) -> Iter
 def overlap_along(
     package: SimPackage,
     shown: Mapping[str, Shown],
-    joint: PackageJoint,
+    joint: Joint,
     pair: tuple[str, str],
     opened: Mapping[str, float],
 ) -> Float[np.ndarray, "P"]:

@@ -1,4 +1,4 @@
-"""Converts URDFs, MJCFs, USD, PartNet-Mobility folders and object.json to packages."""
+"""Converts URDFs, MJCFs, USD, SDFs, meshes, PartNet-Mobility folders and object.json to packages."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -47,6 +47,8 @@ class ConvertSettings:
     """Axis that the front faces; default: -x in a URDF, MJCF or USD, z in object.json."""
     body: str | None = None
     """Body of a scene file that is the object; default: every object in the file becomes a package."""
+    arguments: tuple[str, ...] = ()
+    """Arguments of a xacro, name:=value each."""
     seed: int = 0
     """Seed of the surface samples."""
     splats: bool = False
@@ -107,6 +109,7 @@ class ConvertJob:
             up=cfg.up,
             front=cfg.front,
             body=cfg.body,
+            arguments=cfg.arguments,
         )
         source = read_source(self.source, scratch, reader)
         if not cfg.mend:
@@ -311,7 +314,7 @@ def convert_packages(
     """Converts objects into a folder of packages with a journal; finished ones are kept.
 
     Args:
-        sources: URDF, MJCF or USD files, object folders, or folders that contain either.
+        sources: URDF, xacro, MJCF, USD, SDF or mesh files, object folders, or folders that contain either.
         out: Folder of the packages and the journal.
         cfg: How objects are converted.
         runner: Where objects are converted.

@@ -7,6 +7,7 @@ object stands as the file stands it. What is drawn is decided for each moving li
 # mujoco is a compiled module without stubs.
 # pyright: reportAttributeAccessIssue=false
 
+import math
 import re
 import warnings
 from collections import Counter
@@ -20,8 +21,10 @@ from jaxtyping import Float
 
 from artigen.datasets.mechanism import Mechanism, Solid, make_mechanism, say_dropped, shift_zero, unique_names
 from artigen.datasets.mjcf_geoms import find_drawn, geom_pose, read_geom
+from artigen.datasets.mjcf_repair import repair
 from artigen.datasets.mjcf_scene import choose_object, list_roots, name_root
 from artigen.errors import SourceError
+from artigen.files.safe_xml import read_xml
 from artigen.files.urdf import UrdfJoint
 from artigen.transforms import shift
 from artigen.types import FULL_TURN
@@ -34,6 +37,11 @@ STATED = re.compile(r"""<compiler\b[^>]*\bangle\s*=""")
 INCLUDED = re.compile(r"""<include\b[^>]*\bfile\s*=\s*["']([^"']+)["']""")
 EULER = re.compile(r"""\beuler\s*=\s*["']([-+.\deE\s]+)["']""")
 ROUND = 1e-3
+COPIES = re.compile(r"""<(?:replicate|composite|flexcomp)\b[^>]*?\bcount\s*=\s*["']([\d\s]+)["']""")
+MOST_COPIES = 1_000_000
+MOST_REPAIRS = 50
+MOST = 5_000
+"""A file with more bodies or geoms is a fault of a script."""
 LEAST_MASS = 1e-3
 LEAST_INERTIA = 1e-6
 """Mass (kg) and inertia (kg m^2) with which a body without them compiles."""
@@ -74,7 +82,7 @@ def list_mjcf_objects(path: Path) -> tuple[str, ...]:
     Raises:
         SourceError: If MuJoCo cannot compile the file.
     """
-    model, _ = compile_mjcf(path)
+    model, _ = compile_mjcf(path, outline=True)
     roots = list_roots(model)
     return tuple(name_root(model, root) for root in roots) if len(roots) > 1 else ()
 
@@ -138,29 +146,96 @@ def read_mjcf(path: Path, body: str | None = None) -> Mechanism:
     )
 
 
-def compile_mjcf(path: Path) -> tuple["mujoco.MjModel", list[str]]:
+def compile_mjcf(path: Path, *, outline: bool = False) -> tuple["mujoco.MjModel", list[str]]:
     """The model of a file, whatever its masses, the orientation of its meshes and missing images; and notes.
+
+    Args:
+        outline: Compile balls in place of meshes, without images: bodies, joints and colours stay.
 
     Raises:
         SourceError: If MuJoCo cannot compile the file.
     """
     import mujoco
 
+    _check_text(path)
     try:
-        spec = mujoco.MjSpec.from_file(str(path))
-        spec.compiler.boundmass = max(spec.compiler.boundmass, LEAST_MASS)
-        spec.compiler.boundinertia = max(spec.compiler.boundinertia, LEAST_INERTIA)
-        spec.compiler.balanceinertia = True
-        spec.compiler.discardvisual = spec.compiler.fusestatic = False
-        for mesh in spec.meshes:
-            mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
-        notes = [*_replace_images(spec, path), *_guess_angles(spec, path)]
-        with warnings.catch_warnings():  # of masses, which are not used
-            warnings.simplefilter("ignore", UserWarning)
-            return spec.compile(), notes
+        return _compile(mujoco.MjSpec.from_file(str(path)), path, outline=outline)
     except (ValueError, mujoco.FatalError) as err:
-        said = " ".join(str(err).split())
-        raise SourceError(f"{path}: MuJoCo cannot read it: {said}") from err
+        error = err
+    root, notes = read_xml(path)[0], list[str]()
+    while len(notes) < MOST_REPAIRS and (said := repair(root, " ".join(str(error).split()))):
+        notes.append(said)
+        try:
+            spec = mujoco.MjSpec.from_string(ET.tostring(root, "unicode"), include=_read_includes(path))
+            spec.modelfiledir = str(path.parent.absolute())
+            model, more = _compile(spec, path, outline=outline)
+        except (ValueError, mujoco.FatalError) as err:
+            error = err
+        else:
+            return model, [*notes, *more]
+    said = " ".join(str(error).split())
+    raise SourceError(f"{path}: MuJoCo cannot read it: {said}") from error
+
+
+def _check_count(bodies: int, geoms: int, path: Path) -> None:
+    if max(bodies, geoms) > MOST:
+        raise SourceError(
+            f"{path}: holds {bodies:,} bodies and {geoms:,} geoms, at most {MOST:,} of each are read"
+        )
+
+
+def _check_text(path: Path) -> None:
+    """Refuses what would take MuJoCo minutes to parse, or to multiply."""
+    text = path.read_text(errors="replace")
+    _check_count(text.count("<body"), text.count("<geom"), path)
+    copies = math.prod(int(number) for counts in COPIES.findall(text) for number in counts.split())
+    if copies > MOST_COPIES:
+        raise SourceError(f"{path}: asks for {copies:,} copies of elements, at most {MOST_COPIES:,} are made")
+
+
+def _read_includes(path: Path) -> dict[str, bytes]:
+    """Files that a file includes, directly or through others, by name."""
+    found: dict[str, bytes] = {}
+    waiting = [path]
+    while waiting:
+        for name in INCLUDED.findall(waiting.pop().read_text(errors="replace")):
+            file = path.parent / name
+            if name not in found and file.is_file():
+                found[name] = file.read_bytes()
+                waiting.append(file)
+    return found
+
+
+def _compile(spec: "mujoco.MjSpec", path: Path, *, outline: bool) -> tuple["mujoco.MjModel", list[str]]:
+    import mujoco
+
+    _check_count(len(spec.bodies), len(spec.geoms), path)
+    spec.compiler.boundmass = max(spec.compiler.boundmass, LEAST_MASS)
+    spec.compiler.boundinertia = max(spec.compiler.boundinertia, LEAST_INERTIA)
+    spec.compiler.balanceinertia = True
+    spec.compiler.discardvisual = spec.compiler.fusestatic = False
+    for mesh in spec.meshes:
+        mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
+    notes = [*_replace_images(spec, path), *_guess_angles(spec, path)]
+    if outline:
+        _outline(spec)
+    with warnings.catch_warnings():  # of masses, which are not used
+        warnings.simplefilter("ignore", UserWarning)
+        return spec.compile(), notes
+
+
+def _outline(spec: "mujoco.MjSpec") -> None:
+    """Puts balls in the place of meshes and plain colours in that of images."""
+    import mujoco
+
+    for geom in spec.geoms:
+        if geom.meshname:
+            geom.type, geom.meshname, geom.size = mujoco.mjtGeom.mjGEOM_SPHERE, "", np.full(3, 0.01)
+    for material in spec.materials:
+        material.textures = [""] * len(material.textures)
+    spare = (*spec.sensors, *spec.actuators, *spec.tendons, *spec.equalities, *spec.keys, *spec.sites)
+    for element in (*spare, *spec.skins, *spec.meshes, *spec.textures):
+        spec.delete(element)
 
 
 def _replace_images(spec: "mujoco.MjSpec", path: Path) -> list[str]:

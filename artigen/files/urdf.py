@@ -11,12 +11,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
-from xml.etree.ElementTree import Element, ParseError
+from xml.etree.ElementTree import Element
 
 import numpy as np
 from jaxtyping import Float
 
 from artigen.errors import SourceError
+from artigen.files.safe_xml import parse_xml, read_xml
 from artigen.transforms import matrix_from_rpy
 
 EXPRESSION = re.compile(rb"""\$(?:\([a-z]+ [^)"]*\)|\{[^}"]+\})""")
@@ -96,39 +97,27 @@ class UrdfFile:
     joints: tuple[UrdfJoint, ...]
 
 
-def parse_urdf(path: Path, owner: str = "", *, inertials: bool = True) -> UrdfFile:
+def is_xacro(path: Path) -> bool:
+    """Whether a file holds expressions that xacro replaces."""
+    try:
+        return EXPRESSION.search(path.read_bytes()) is not None
+    except OSError:
+        return False
+
+
+def parse_urdf(path: Path, owner: str = "", *, inertials: bool = True, text: str | None = None) -> UrdfFile:
     """Parses a URDF without validating it.
 
     Args:
         owner: How errors name the file; by default by its path.
         inertials: Whether mass properties are read.
+        text: What the file stands for, if it is not what it holds.
 
     Raises:
         SourceError: If the file cannot be read, is not safe XML, or lacks an element or number.
     """
     owner = owner or str(path)
-    try:
-        data = path.read_bytes()
-    except OSError as err:
-        raise SourceError(f"{owner}: cannot be read ({err.strerror})") from err
-    return read_urdf(data, path, owner, inertials=inertials)
-
-
-def read_urdf(data: bytes, path: Path, owner: str, *, inertials: bool = True) -> UrdfFile:
-    """The same for what a file holds, which need not be on disk."""
-    from defusedxml.common import DefusedXmlException
-    from defusedxml.ElementTree import fromstring
-
-    try:
-        robot = fromstring(data, forbid_dtd=True)
-    except DefusedXmlException as err:
-        raise SourceError(f"{owner}: declares a DTD or entities, which are refused: {err}") from err
-    except (ParseError, ValueError) as err:
-        raise SourceError(f"{owner}: not valid XML ({type(err).__name__}: {err})") from err
-    found = EXPRESSION.search(data)
-    if found is not None:
-        said = found[0].decode(errors="replace")
-        raise SourceError(f"{owner}: holds {said!r}, expected no xacro: expand it by `xacro FILE > out.urdf`")
+    robot = read_xml(path, owner)[0] if text is None else parse_xml(text, owner)
     if robot.tag != "robot":
         raise SourceError(f"{owner}: root element <{robot.tag}>, expected <robot>")
     named = [*robot.findall("link//material"), *robot.findall("material")]  # those of the robot count first

@@ -6,13 +6,14 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from artigen.transforms import line_distance
+from artigen.types import Joint
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, at_least, count_problems
 from sim_export.checks.subject import Subject
 from sim_export.geometry.hulls import hull_planes, hull_triangles
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.motion.held_drawers import held_length
-from sim_export.package import Hull, PackageJoint
+from sim_export.package import Hull
 
 _SIGHT_LINES = 400
 _FIRST_TURN = 1.0
@@ -23,7 +24,7 @@ _TWIN_SIZE = 0.05
 _TWIN_AXIS_DEGREES = 5.0
 
 
-def opening_joints(subject: Subject, labels: tuple[str, ...], types: tuple[str, ...]) -> list[PackageJoint]:
+def opening_joints(subject: Subject, labels: tuple[str, ...], types: tuple[str, ...]) -> list[Joint]:
     """Joints of given types whose child link has one of the labels and collision geometry."""
     return [
         joint
@@ -34,7 +35,7 @@ def opening_joints(subject: Subject, labels: tuple[str, ...], types: tuple[str, 
     ]
 
 
-def panel_joints(subject: Subject) -> list[PackageJoint]:
+def panel_joints(subject: Subject) -> list[Joint]:
     """Sliding drawers and hinged doors with limits; sliding doors and spinning caps are excluded."""
     return opening_joints(subject, ("drawer",), ("prismatic",)) + opening_joints(
         subject, ("door",), ("revolute",)
@@ -46,7 +47,7 @@ def has_panels(subject: Subject) -> str:
     return "" if panel_joints(subject) else "no drawer slides and no door turns between limits"
 
 
-def velocity_at(joint: PackageJoint, points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
+def velocity_at(joint: Joint, points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
     """Velocity of points at rest for one unit of joint velocity (m per rad or per m)."""
     if joint.type == "prismatic":
         return np.broadcast_to(joint.axis, points.shape)
@@ -66,7 +67,7 @@ def check_opening(subject: Subject, cfg: CheckConfig) -> Finding:
     return count_problems(problems, fine, links)
 
 
-def _direction_faults(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> list[str]:
+def _direction_faults(subject: Subject, joint: Joint, cfg: CheckConfig) -> list[str]:
     """Compares the shares of sight lines that the body blocks in the opening and in the opposite direction.
 
     If the shares are equal (an empty frame), the handle must lead the motion.
@@ -139,7 +140,7 @@ class Panel:
     hinge: float
 
 
-def door_panel(subject: Subject, joint: PackageJoint) -> Panel | None:
+def door_panel(subject: Subject, joint: Joint) -> Panel | None:
     """The door's extent across its hinge axis; None if the axis is perpendicular to the panel."""
     points = panel_points(subject, joint.child)
     centered = points - (points.min(axis=0) + points.max(axis=0)) / 2.0
@@ -173,7 +174,7 @@ def hinge_offset(panel: Panel, cfg: CheckConfig) -> tuple[float, float]:
     return off, max(cfg.max_edge_ratio * (panel.high - panel.low), panel.thickness / 2.0)
 
 
-def _hinge_faults(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> list[str]:
+def _hinge_faults(subject: Subject, joint: Joint, cfg: CheckConfig) -> list[str]:
     panel = door_panel(subject, joint)
     if panel is None:
         return []
@@ -186,7 +187,7 @@ def _hinge_faults(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> li
     ]
 
 
-def door_pairs(subject: Subject) -> list[tuple[PackageJoint, PackageJoint]]:
+def door_pairs(subject: Subject) -> list[tuple[Joint, Joint]]:
     """Pairs of doors with one parent and equal size, side by side, hinged on opposite sides about parallel
     axes."""
     doors = opening_joints(subject, ("door",), ("revolute",))
@@ -198,7 +199,7 @@ def door_pairs(subject: Subject) -> list[tuple[PackageJoint, PackageJoint]]:
     ]
 
 
-def _mirror_normal(subject: Subject, first: PackageJoint, second: PackageJoint) -> np.ndarray | None:
+def _mirror_normal(subject: Subject, first: Joint, second: Joint) -> np.ndarray | None:
     """Normal of the mirror plane between two doors; None if they are not a pair."""
     boxes = [subject.hull_sets[joint.child].vertices for joint in (first, second)]
     low, high = (np.stack([f(points, axis=0) for points in boxes]) for f in (np.min, np.max))

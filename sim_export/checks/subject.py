@@ -17,7 +17,7 @@ from jaxtyping import Float, Int
 from artigen.files.urdf import UrdfFile, UrdfLink, UrdfShape, rest_poses, tree_problems
 from artigen.files.wavefront import ObjText
 from artigen.transforms import transform_points
-from artigen.types import PartLabel
+from artigen.types import Joint, PartLabel
 from sim_export.errors import DegeneratePart, PackageError
 from sim_export.files.foreign import parse_semantics, read_semantics
 from sim_export.files.joints import place_joint
@@ -27,7 +27,7 @@ from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.primitives import primitive_mesh
 from sim_export.geometry.triangles import bounds_of
 from sim_export.motion.kinematics import driven_joints, link_displacements
-from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
+from sim_export.package import Hull, Link, Mesh, Requirement
 
 MAIN_URDF = "mobility.urdf"
 OWN_SIDECARS = ("annotations.json", "manifest.json", "physics.json", "provenance.json")
@@ -145,7 +145,7 @@ class Subject:
         return rest_poses(self.urdf) if self.links else {}
 
     @cached_property
-    def joints(self) -> tuple[PackageJoint, ...]:
+    def joints(self) -> tuple[Joint, ...]:
         """Joints in the object frame at rest, parents first; raises for a joint that cannot move."""
         order = list(self.poses)
         return tuple(
@@ -154,7 +154,7 @@ class Subject:
         )
 
     @cached_property
-    def driven(self) -> tuple[PackageJoint, ...]:
+    def driven(self) -> tuple[Joint, ...]:
         """The joints with a coordinate of their own."""
         return driven_joints(self.joints)
 
@@ -175,9 +175,9 @@ class Subject:
         """``link`` and its descendants, sorted."""
         return tuple(sorted(name for name in self.links if name == link or link in self.ancestors(name)))
 
-    def moved(self, joint: PackageJoint) -> tuple[str, ...]:
+    def moved(self, joint: Joint) -> tuple[str, ...]:
         """Links that a driven joint moves, its followers' included, sorted."""
-        moving = [joint.child, *(other.child for other in self.joints if other.mimic == joint.name)]
+        moving = [joint.child, *(other.child for other in self.joints if other.follows == joint.name)]
         return tuple(sorted({name for link in moving for name in self.carried(link)}))
 
     @cached_property

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from artigen.types import Joint
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, at_most
 from sim_export.checks.subject import Subject
@@ -15,7 +16,6 @@ from sim_export.errors import PackageError
 from sim_export.geometry.contacts import penetration_depths, signed_distances
 from sim_export.geometry.overlap import TOUCH, swept_overlap
 from sim_export.motion.kinematics import needed_fractions, required_openings, sample_range
-from sim_export.package import PackageJoint
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,7 +72,7 @@ def check_sweep(subject: Subject, cfg: CheckConfig) -> Finding:
     return at_most(value, threshold, unit, where=where, message=message, links=meeting)
 
 
-def open_positions(subject: Subject, joint: PackageJoint) -> dict[str, float]:
+def open_positions(subject: Subject, joint: Joint) -> dict[str, float]:
     """Coordinates of the joints that must be open before ``joint`` can move, recursively."""
     known = {other.name for other in subject.driven}
     lost = [name for name in needed_fractions(joint.name, subject.requires_open) if name not in known]
@@ -83,7 +83,7 @@ def open_positions(subject: Subject, joint: PackageJoint) -> dict[str, float]:
     return required_openings(joint, subject.driven, subject.requires_open)
 
 
-def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Motion:
+def joint_motion(subject: Subject, joint: Joint, cfg: CheckConfig) -> Motion:
     """One joint through its range, the others closed or as far open as `requires_open` demands.
 
     In a folder without such requirements, a link is tested against ancestors and static links only, because

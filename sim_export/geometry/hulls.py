@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.spatial import ConvexHull, QhullError
 
+from artigen.transforms import transform_points
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.rows import all_three, number_rows
 from sim_export.geometry.triangles import area_normals, cross_rows, face_edges
@@ -111,6 +112,11 @@ def box_hull(low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]) -> Hull:
     """An axis-aligned box as a hull of 8 vertices and 12 faces."""
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     return Hull(vertices=np.where(corners == 0, low, high), faces=_BOX_FACES)
+
+
+def move_hull(hull: Hull, T: Float[np.ndarray, "4 4"]) -> Hull:
+    """Applies a rigid motion to a hull."""
+    return Hull(vertices=transform_points(T, hull.vertices), faces=hull.faces)
 
 
 def box_bounds(hull: Hull) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]] | None:

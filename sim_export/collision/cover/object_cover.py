@@ -7,6 +7,7 @@ from jaxtyping import Float
 
 from artigen.runtime.budget import Budget
 from artigen.transforms import inverse, transform_points
+from artigen.types import Joint
 from sim_export.collision.cover.free_space import find_free_space
 from sim_export.collision.cover.surface_hulls import (
     LEVELS,
@@ -26,7 +27,7 @@ from sim_export.motion.kinematics import (
     sweep_coordinates,
 )
 from sim_export.motion.requirements import POSES
-from sim_export.package import Hull, Link, PackageJoint
+from sim_export.package import Hull, Link
 
 COARSER = 1.5
 """Factor by which the bulge grows while there are too many hulls."""
@@ -110,7 +111,7 @@ class ObjectCover:
 
 def find_passing(
     links: Sequence[Link],
-    joints: Sequence[PackageJoint],
+    joints: Sequence[Joint],
     surfaces: Mapping[str, Float[np.ndarray, "F 3 3"]],
     *,
     solid: bool = False,

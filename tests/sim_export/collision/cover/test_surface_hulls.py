@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from sim_export.collision.cover import object_cover
 from sim_export.collision.cover.free_space import FreeSpace, find_free_space, find_inside, look_up
 from sim_export.collision.cover.object_cover import ObjectCover, find_passing
@@ -32,7 +33,7 @@ from sim_export.geometry.hulls import (
 )
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.geometry.triangles import triangle_areas
-from sim_export.package import Link, PackageJoint
+from sim_export.package import Link
 
 WALL = 0.018
 
@@ -209,8 +210,8 @@ def test_passing_points_are_where_a_drawer_goes_as_its_body_sees_it():
         Link(name="drawer", label="drawer", parts=("d",), visuals=(), hulls=(), inertial=None),
         Link(name="body", label="base", parts=("b",), visuals=(), hulls=(), inertial=None),
     ]
-    joint = PackageJoint(
-        name="slide", type="prismatic", kind="prismatic", parent="body", child="drawer",
+    joint = Joint(
+        name="slide", type="prismatic", parent="body", child="drawer",
         origin=np.zeros(3), axis=np.array([-1.0, 0, 0]), lower=0.0, upper=0.5,
     )  # fmt: skip
     surfaces = {"drawer": box((0, 0, 0), (0.4, 0.4, 0.1)), "body": box((0, 0, 0.2), (0.4, 0.4, 0.5))}
