@@ -7,7 +7,7 @@ any sort; the files of known faults and the objects at hand are read beside them
 # mujoco is a compiled module without stubs.
 # pyright: reportAttributeAccessIssue=false
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,6 +20,7 @@ import yourdfpy
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from source_cases import CASES, REFUSED, judge
+from source_oracles import compare_read, load_yourdfpy
 
 from artigen.datasets.mesh_files import MOST_FACES, check_size
 from artigen.datasets.mjcf import read_mjcf
@@ -28,7 +29,7 @@ from artigen.datasets.sources import read_source
 from artigen.datasets.urdf_file import read_urdf
 from artigen.errors import SourceError
 from artigen.kinematics import displacements, movable_parts
-from artigen.transforms import matrix_from_rpy, quat_from_matrix, transform_points
+from artigen.transforms import frame_along, matrix_from_rpy, quat_from_matrix, transform_points
 
 FAST = ReaderConfig(samples=2000)
 NAMES = ("door", "a b", "Tür_1", "x-1", "link.2", "drawer<1>", "body_3", "part/4")
@@ -258,6 +259,83 @@ def test_generated_sdf_is_the_urdf_of_the_same_chain(chain: list[Made]):
             assert part.joint.upper == pytest.approx(twin.joint.upper, abs=1e-6)
         colors = [found.asset.surface.colors.mean(axis=0) for found in (one, other)]
         np.testing.assert_allclose(colors[0], colors[1], atol=1)
+
+
+def write_stage(folder: Path, chain: list[Made], metres: float, up: str) -> Path:
+    """The same as `write_urdf` as a stage: bodies in a frame that turns and scales, axes along z of joints."""
+    from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics
+
+    path = folder / "made.usda"
+    stage = Usd.Stage.CreateNew(str(path))
+    UsdGeom.SetStageMetersPerUnit(stage, metres)
+    UsdGeom.SetStageUpAxis(stage, up)
+    to_stage = np.diag([1 / metres, 1 / metres, 1 / metres, 1.0])
+    if up == "Y":
+        to_stage = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]]) @ to_stage
+    frame = np.diag([2.0, 2.0, 2.0, 1.0])
+    frame[:3, :3] = matrix_from_rpy(np.array([0.1, 0.2, 0.3])) @ frame[:3, :3]
+    frame[:3, 3] = (3.0, -1.0, 0.5)
+
+    def place(prim: object, T: np.ndarray) -> None:
+        UsdGeom.Xformable(prim).AddTransformOp().Set(Gf.Matrix4d(*T.T.ravel().tolist()))
+
+    place(UsdGeom.Xform.Define(stage, "/object"), frame)
+    poses, paths = [np.eye(4)], ["/object/base"]
+    for one in chain:
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = matrix_from_rpy(np.array(one.rpy)), one.xyz
+        poses.append(poses[one.parent] @ T)
+    for number, T in enumerate(poses):
+        one = chain[number - 1] if number else None
+        paths[number:] = [paths[0] if one is None else "/object/" + Tf.MakeValidIdentifier(NAMES[number - 1])]
+        body = UsdGeom.Xform.Define(stage, paths[number])
+        place(body, np.linalg.inv(frame) @ to_stage @ T)
+        UsdPhysics.RigidBodyAPI.Apply(body.GetPrim())
+        cube = UsdGeom.Cube.Define(stage, paths[number] + "/cube")
+        cube.GetSizeAttr().Set(1.0)
+        own = np.diag([0.5, 0.6, 0.7, 1.0])
+        if one is not None:
+            own = np.eye(4)
+            own[:3, :3] = matrix_from_rpy(np.array([0.3, 0.0, 0.2])) @ np.diag(
+                np.multiply(one.scale, one.size)
+            )
+            own[0, 3] = 0.1
+            linear = ((np.array(one.color) + 0.055) / 1.055) ** 2.4
+            cube.GetDisplayColorAttr().Set([tuple(np.where(linear < 0.0031308, 0.0, linear).tolist())])
+        place(cube, own)
+    for number, one in enumerate(chain):
+        kinds = {"fixed": "Fixed", "prismatic": "Prismatic"}
+        joint = getattr(UsdPhysics, f"{kinds.get(one.kind, 'Revolute')}Joint").Define(
+            stage, f"/object/j{number}"
+        )
+        joint.GetBody0Rel().SetTargets([Sdf.Path(paths[one.parent])])
+        joint.GetBody1Rel().SetTargets([Sdf.Path(paths[number + 1])])
+        turn = np.eye(4)
+        turn[:3, :3] = frame_along(np.array(one.axis) / np.linalg.norm(one.axis)).T
+        local = np.linalg.inv(poses[one.parent]) @ poses[number + 1] @ turn
+        for side, T in ((0, local), (1, turn)):
+            w, x, y, z = quat_from_matrix(T[None, :3, :3])[0].tolist()
+            getattr(joint, f"GetLocalPos{side}Attr")().Set(Gf.Vec3f(*T[:3, 3].tolist()))
+            getattr(joint, f"GetLocalRot{side}Attr")().Set(Gf.Quatf(w, x, y, z))
+        if one.kind != "fixed":
+            joint.GetAxisAttr().Set("Z")
+            unit = 1 / metres if one.kind == "prismatic" else 180 / np.pi
+            if one.kind != "continuous":
+                joint.GetLowerLimitAttr().Set(unit * one.limits[0])
+                joint.GetUpperLimitAttr().Set(unit * one.limits[1])
+    stage.Save()
+    return path
+
+
+@settings(max_examples=15, deadline=None, phases=(Phase.explicit, Phase.generate))
+@given(chain=chains(), metres=st.sampled_from((1.0, 0.01, 0.0254)), up=st.sampled_from(("Y", "Z")))
+def test_a_generated_stage_is_what_yourdfpy_has_of_the_same_chain(chain: list[Made], metres: float, up: str):
+    pytest.importorskip("pxr")
+    with TemporaryDirectory() as folder:
+        stage = write_stage(Path(folder), chain, metres, up)
+        found = read_source(stage, Path(folder) / "scratch", FAST)
+        twin = replace(load_yourdfpy(write_urdf(Path(folder), chain)), color=np.full(3, np.nan))
+        assert compare_read(found, twin) == []
 
 
 @pytest.mark.real
