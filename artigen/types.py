@@ -7,7 +7,7 @@ conventions of CONVENTIONS.md: z up, front faces -x, unit cube [-0.5, 0.5]^3, ra
 """
 
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
@@ -46,19 +46,23 @@ def freeze_field(owner: object, name: str, dtype: type, shape: tuple[int | None,
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Joint:
-    """Motion of a part relative to its parent, in the object frame at rest.
+    """Motion of a part or link relative to the one that carries it, in the object frame at rest.
 
     The coordinate ``q`` is an angle in radians for revolute, continuous and screw joints and a
     length for prismatic ones, in the unit of the object: metres, or those of the unit cube in an
     `Asset`. ``q = 0`` is closed and positive ``q`` opens. A continuous joint states ``[0, 2 pi]``
     but is not limited by it. A screw rotates by ``q`` and at the same time travels ``pitch * q``
-    along its axis.
+    along its axis; in a package it consists of two joints in a row (``of_screw``), of which the
+    second one is prismatic and follows the first.
 
-    ``follows`` names a part that drives this one, as a pedal does a lid: both are closed and both
-    are open at the same time, with proportional motion between. ``spring`` is a force (N) or torque
-    (N m) that closes the joint: the stated value when closed, twice that when open, linear between.
-    ``stays`` is for hinges that hold the part wherever it is left, by friction or a counterbalance.
-    Parts of an `Asset` have none of the three.
+    ``follows`` names what drives this joint, as a pedal does a lid: a part of a shape, a joint of a
+    package. The coordinate is ``ratio`` times that of the leader, plus ``offset`` (m or rad).
+    ``spring`` is a force (N) or torque (N m) that closes the joint, twice as large at the upper limit
+    as at 0; a negative one, as in the hinges of heavy lids, opens it, a third as large at the upper
+    limit as at 0. ``stays`` is for hinges that hold the part wherever it is left, by friction or a
+    counterbalance. ``friction`` is a force (N) or torque (N m), ``damping`` is in N s/m or N m s/rad.
+    Parts of an `Asset` have none of these. ``name``, ``parent`` and ``child`` are those of a package:
+    the joint and its links.
     """
 
     type: JointType
@@ -68,8 +72,18 @@ class Joint:
     upper: float = 0.0
     pitch: float = 0.0
     follows: str | None = None
+    ratio: float = 0.0
+    offset: float = 0.0
     spring: float = 0.0
     stays: bool = False
+    friction: float = 0.0
+    damping: float = 0.0
+    effort: float = 100.0
+    velocity: float = 1.0
+    of_screw: bool = False
+    name: str = ""
+    parent: str = ""
+    child: str = ""
 
     def __post_init__(self) -> None:
         if self.type not in JOINT_TYPES:
@@ -80,18 +94,58 @@ class Joint:
         freeze_field(self, "origin", np.float64, (3,), "joint origin")
         if not np.isfinite([self.lower, self.upper, self.pitch]).all():
             raise ValueError(f"joint limits [{self.lower}, {self.upper}], pitch {self.pitch}: must be finite")
+        if not np.isfinite([self.friction, self.damping, self.spring, self.ratio, self.offset]).all():
+            raise ValueError(
+                f"joint friction {self.friction}, damping {self.damping}, spring {self.spring}, ratio "
+                f"{self.ratio}, offset {self.offset}: must be finite"
+            )
         if self.lower > self.upper:
             raise ValueError(f"joint limits: lower {self.lower} is above upper {self.upper}")
         if self.type == "fixed" and (self.lower, self.upper) != (0.0, 0.0):
             raise ValueError(f"a fixed joint has limits [{self.lower}, {self.upper}], expected [0, 0]")
         if self.pitch != 0.0 and self.type != "screw":
             raise ValueError(f"a {self.type} joint has pitch {self.pitch}; only screws have one")
-        if self.type in ENDLESS and (self.follows is not None or self.spring != 0.0):
-            raise ValueError(f"a {self.type} joint has no limits: it cannot follow another or have a spring")
         if self.stays and self.type != "revolute":
             raise ValueError(f"a {self.type} joint stays; only hinges with limits do")
-        if not self.spring >= 0.0:
-            raise ValueError(f"a spring of {self.spring} N or N m, expected 0 or more: it closes the joint")
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all values are equal."""
+        return isinstance(other, Joint) and _list_values(self) == _list_values(other)
+
+    def __hash__(self) -> int:
+        return hash(_list_values(self))
+
+    @property
+    def kind(self) -> JointType:
+        """Type of the object's joint: ``screw`` for both joints of a package's screw."""
+        return "screw" if self.of_screw else self.type
+
+    @property
+    def is_travel(self) -> bool:
+        """Whether this is the second joint of a package's screw."""
+        return self.of_screw and self.follows is not None
+
+    def follow(self, q: Any) -> Any:
+        """Coordinate of a follower (m or rad) where that of its leader is ``q``, a number or an array."""
+        return self.ratio * q + self.offset
+
+    def pull(self, q: Any) -> Any:
+        """Effort of the spring (N or N m) at the coordinate ``q``, a number or an array; > 0 opens."""
+        return -(self.spring + self.stiffness * q)
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness of the spring, N/m or N m/rad."""
+        return -self.spring / self.relaxed if self.spring != 0.0 else 0.0
+
+    @property
+    def relaxed(self) -> float:
+        """Coordinate (m or rad) at which the spring is relaxed."""
+        return -self.upper if self.spring >= 0.0 else 1.5 * self.upper
+
+
+def _list_values(joint: Joint) -> tuple[object, ...]:
+    return tuple(tuple(v.tolist()) if isinstance(v, np.ndarray) else v for v in vars(joint).values())
 
 
 FIXED = Joint(type="fixed", axis=np.array([0.0, 0.0, 1.0]), origin=np.zeros(3))

@@ -20,11 +20,11 @@ import tyro
 from jaxtyping import Float
 
 from artigen.files.urdf import UrdfJoint, tree_problems
+from artigen.types import Joint
 from sim_export.checks.subject import Subject
 from sim_export.checks.sweep import open_positions
 from sim_export.files.folders import find_packages
 from sim_export.geometry.contacts import penetration_depths
-from sim_export.package import PackageJoint
 
 STATES = 21
 """States of each joint."""
@@ -157,7 +157,7 @@ def _kinematics(subject: Subject) -> str:
             moved = np.broadcast_to(moved, (STATES, 4, 4))
             rigid = np.abs(np.linalg.det(moved[:, :3, :3]) - 1.0).max() < 1e-9
             travel = float(np.abs(moved - np.eye(4)).max())
-            followers = any(other.mimic == joint.name for other in subject.joints)
+            followers = any(other.follows == joint.name for other in subject.joints)
             if not rigid or not np.isfinite(moved).all():
                 return f"joint {joint.name}: link {name} is moved to no pose"
             if name not in inside and not followers and travel > 0:
@@ -168,12 +168,12 @@ def _kinematics(subject: Subject) -> str:
     return ""
 
 
-def _states(subject: Subject, joint: PackageJoint) -> Float[np.ndarray, "S"]:
+def _states(subject: Subject, joint: Joint) -> Float[np.ndarray, "S"]:
     if joint.type != "continuous":
         return np.linspace(joint.lower, joint.upper, STATES)
     for follower in subject.joints:
-        if follower.mimic == joint.name and follower.mimic_multiplier:
-            return np.linspace(follower.lower, follower.upper, STATES) / follower.mimic_multiplier
+        if follower.follows == joint.name and follower.ratio:
+            return np.linspace(follower.lower, follower.upper, STATES) / follower.ratio
     return np.linspace(-np.pi, np.pi, STATES)
 
 

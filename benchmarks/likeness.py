@@ -13,12 +13,12 @@ from scipy.spatial import ConvexHull, KDTree
 
 from artigen.datasets.partnet_mobility import read_object
 from artigen.kinematics import displacements, movable_parts
-from artigen.types import Asset
+from artigen.types import Asset, Joint
 from artigen.voxels.voxelize import voxelize
 from sim_export.files.read import read_package
 from sim_export.geometry.hulls import hull_planes
 from sim_export.motion.kinematics import driven_joints, link_displacements
-from sim_export.package import Mesh, PackageJoint, SimPackage
+from sim_export.package import Mesh, SimPackage
 
 STATES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 SOURCE_POINTS = 400_000
@@ -78,14 +78,14 @@ def measure_likeness(source_folder: Path, package_folder: Path) -> Likeness:
     )
 
 
-def match_joints(asset: Asset, package: SimPackage) -> tuple[list[tuple[int, PackageJoint]], int]:
+def match_joints(asset: Asset, package: SimPackage) -> tuple[list[tuple[int, Joint]], int]:
     """Movable parts and package joints that mean the same: same kind, nearest in place."""
     movable = movable_parts(asset)
     joints = list(driven_joints(package.joints))
     if not movable or not joints:
         return [], len(movable)
     centers = {link.name: link_center(package, link.name) for link in package.links}
-    followers = {joint.mimic: joint.child for joint in package.joints if joint.mimic is not None}
+    followers = {joint.follows: joint.child for joint in package.joints if joint.follows is not None}
     cost = np.full((len(movable), len(joints)), 1e3)
     for row, index in enumerate(movable):
         part = asset.parts[index]

@@ -1,10 +1,14 @@
-"""Furnishes rooms, checks them, and simulates one of them in SAPIEN.
+"""Furnishes rooms, checks them, and simulates them in MuJoCo and one of them in SAPIEN.
 
     python benchmarks/rooms.py --packages out/shapes_packages/voxels --count 200 --out out/rooms
 
-Counts violated conditions of every room on its hulls, measures the time per room, and simulates a room with
-20 objects for five seconds. Writes ``rooms.md``.
+Counts violated conditions of every room on its hulls, measures the time per room, lets rooms full of things
+stand for two seconds in MuJoCo, and simulates a room with 20 objects for five seconds in SAPIEN. Writes
+``rooms.md``.
 """
+
+# mujoco is a compiled module with empty stubs.
+# pyright: reportAttributeAccessIssue=false
 
 import json
 import time
@@ -19,11 +23,15 @@ from tqdm import tqdm
 
 from artigen.transforms import transform_points
 from envs.hand import link_vertices, pose_matrix
-from envs.maniskill.populate import PopulateConfig, populate
-from envs.maniskill.rooms.catalogue import Catalogue, PopulateError, read_catalogue
-from envs.maniskill.rooms.check import check_room
-from envs.maniskill.rooms.room import Room, RoomKind
+from envs.rooms.ajar import open_some
+from envs.rooms.catalogue import Catalogue, PopulateError, read_catalogue
+from envs.rooms.check import check_room
+from envs.rooms.contents import fill_room
+from envs.rooms.mjcf import HOME, write_room_mjcf
+from envs.rooms.populate import PopulateConfig, populate
+from envs.rooms.room import Room, RoomKind
 from envs.sim.loaded import LoadedPackage, qpos_of
+from envs.sim.mujoco import compile_model
 from envs.sim.sapien import LoadConfig, load_package
 from envs.sim.scene import create_scene
 
@@ -42,6 +50,8 @@ class Options:
     """Number of rooms, of the three kinds in turn."""
     objects: int = 20
     """Minimum number of objects of the simulated room."""
+    mujoco: int = 50
+    """Number of rooms that stand in MuJoCo, with some joints open and all compartments full."""
     seconds: float = 5.0
     """Simulated duration (s)."""
     timestep: float = 0.01
@@ -150,6 +160,39 @@ def stand(room: Room, options: Options, base: str) -> Stood:
     )
 
 
+def stand_in_mujoco(room: Room, folder: Path) -> Stood:
+    """Simulates a room for two seconds in MuJoCo and measures the motion of its bodies."""
+    import mujoco
+
+    model = compile_model(write_room_mjcf(room, folder))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(HOME).id)
+    mujoco.mj_forward(model, data)
+    before, clock = data.xpos.copy(), time.perf_counter()
+    steps = round(2.0 / model.opt.timestep)
+    for _ in range(steps):
+        mujoco.mj_step(model, data)
+    spent = time.perf_counter() - clock
+    moved = np.linalg.norm(data.xpos - before, axis=1)
+    return Stood(
+        room=f"{room.kind} {room.seed}",
+        objects=len(room.placements) + len(room.contents),
+        moved=float(moved.max()),
+        by=model.body(int(moved.argmax())).name,
+        finite=bool(np.isfinite(data.qpos).all()),
+        steps_per_second=steps / spent,
+    )
+
+
+def stand_all(catalogue: Catalogue, options: Options) -> list[Stood]:
+    """The first rooms of all kinds in MuJoCo, with things in them and three in ten joints open."""
+    stood = []
+    for index in tqdm(range(options.mujoco)):
+        room = populate(KINDS[index % len(KINDS)], index // len(KINDS), catalogue)
+        stood.append(stand_in_mujoco(fill_room(open_some(room, 0.3), 1.0), options.out / f"room_{index}"))
+    return stood
+
+
 def corners(entry: LoadedPackage) -> np.ndarray:
     """All hull corners of an object in the world, including those of turning wheels and knobs."""
     parts = [
@@ -157,6 +200,19 @@ def corners(entry: LoadedPackage) -> np.ndarray:
         for link in entry.articulation.links
     ]
     return np.concatenate(parts)
+
+
+def describe_mujoco(stood: list[Stood]) -> str:
+    """How far things moved in MuJoCo, as Markdown."""
+    moved = np.array([result.moved for result in stood])
+    rates = np.array([result.steps_per_second for result in stood])
+    objects = np.array([result.objects for result in stood])
+    worst = stood[int(moved.argmax())]
+    return (
+        f"{len(stood)} rooms for 2 s in MuJoCo: {int((moved < 0.005).sum())} in which nothing moves by 5 mm "
+        f"(farthest {1e3 * worst.moved:.1f} mm, {worst.by} in {worst.room}), "
+        f"{np.median(objects):.0f} objects and things, {np.median(rates):.0f} steps per second (medians)\n"
+    )
 
 
 def describe(results: list[Measured], stood: dict[str, Stood], catalogue: Catalogue, seconds: float) -> str:
@@ -171,6 +227,8 @@ def describe(results: list[Measured], stood: dict[str, Stood], catalogue: Catalo
     ]
     for kind in (*KINDS, "all"):
         own = [result for result in results if kind in (result.kind, "all")]
+        if not own:
+            continue
         made = [result for result in own if not result.error]
         counts = Counter(problem for result in made for problem in result.problems)
         objects = [result.objects for result in made] or [0]
@@ -211,6 +269,8 @@ def main(options: Options) -> int:
         room = find_full_room(catalogue, options.objects)
         stood = {base: stand(room, options, base) for base in ("fixed", "free")}
     text = describe(results, stood, catalogue, options.seconds)
+    if options.mujoco:
+        text += describe_mujoco(stand_all(catalogue, options))
     options.out.mkdir(parents=True, exist_ok=True)
     (options.out / "rooms.md").write_text(text)
     rows = [result.__dict__ for result in results]

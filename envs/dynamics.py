@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from artigen.types import Joint
 from sim_export.errors import PackageError
-from sim_export.package import PackageJoint, SimPackage
+from sim_export.package import SimPackage
 from sim_export.physics.standing import must_stand
 from sim_export.report import CheckResult
 
@@ -275,7 +276,7 @@ def check_timesteps(folder: Path, package: SimPackage) -> CheckResult:
     )  # fmt: skip
 
 
-def _unit(joint: PackageJoint) -> str:
+def _unit(joint: Joint) -> str:
     return "m" if joint.type == "prismatic" else "rad"
 
 

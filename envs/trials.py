@@ -15,7 +15,8 @@ from jaxtyping import Float
 
 from artigen.shapes.support import measure_overhang
 from artigen.transforms import transform_points
-from sim_export.package import PackageJoint, SimPackage
+from artigen.types import Joint
+from sim_export.package import SimPackage
 
 from .hand import link_vertices, pose_matrix, push_wrench
 from .limits import limit_tolerance
@@ -69,7 +70,7 @@ class StandResult:
 class TrialResults:
     """All measurements at one time step. Arrays follow ``LoadedPackage.joints``."""
 
-    joints: tuple[PackageJoint, ...]
+    joints: tuple[Joint, ...]
     loads: tuple[LinkLoad, ...]
     plan: TrialPlan
     rest_drift: Float[np.ndarray, "J"]

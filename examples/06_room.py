@@ -25,8 +25,8 @@ def main(folder: Path) -> None:
     """Draws objects, furnishes a bedroom with them inside ``folder``, and lets it stand for a second."""
     import sapien
 
-    from envs.maniskill.rooms.check import check_room
-    from envs.maniskill.rooms.file import read_room
+    from envs.rooms.check import check_room
+    from envs.rooms.file import read_room
     from envs.sim.sapien import LoadConfig, load_package
     from envs.sim.scene import create_scene
 

@@ -41,10 +41,10 @@ def hash_geometry(package: SimPackage) -> str:
             text.update(np.unique(_round(hull.vertices), axis=0).tobytes())
     place = {link.name: index for index, link in enumerate(package.links)}
     for joint in package.joints:
-        numbers = [*joint.origin, *joint.axis, joint.lower, joint.upper, joint.mimic_multiplier]
+        numbers = [*joint.origin, *joint.axis, joint.lower, joint.upper, joint.ratio]
         text.update(f"joint {joint.kind} {place[joint.parent]} {place[joint.child]}\n".encode())
         numbers += [joint.spring] if joint.spring > 0.0 else []
-        numbers += [joint.mimic_offset] if joint.mimic_offset != 0.0 else []
+        numbers += [joint.offset] if joint.offset != 0.0 else []
         text.update(_round(np.array(numbers)).tobytes())
     return text.hexdigest()
 

@@ -7,12 +7,13 @@ whose axes are the object's.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen.types import Gaussians, JointType, PartLabel, freeze_field
+from artigen.shapes.surfaces.physical import PLAIN, Material
+from artigen.types import Gaussians, Joint, PartLabel, freeze_field
 
 UrdfJointType = Literal["fixed", "revolute", "prismatic", "continuous"]
 VisualSource = Literal["exact", "voxels", "source"]
@@ -25,7 +26,8 @@ class Mesh:
     """Triangles with shared vertices, optionally textured by per-corner coordinates.
 
     ``uv`` has its origin at the lower left of ``texture``, whose rows run top to bottom; an optional fourth
-    channel is the opacity. ``color`` is the RGB in [0, 1] of a mesh without a texture.
+    channel is the opacity. Coordinates outside [0, 1] repeat the texture. ``color`` is the RGB in [0, 1] of a
+    mesh without a texture. Meshes of one ``material`` with a name have the same texture or colour.
     """
 
     vertices: Float[np.ndarray, "V 3"]
@@ -33,6 +35,7 @@ class Mesh:
     uv: Float[np.ndarray, "F 3 2"] | None = None
     texture: UInt8[np.ndarray, "H W C"] | None = None
     color: tuple[float, float, float] = (0.7, 0.7, 0.7)
+    material: Material = PLAIN
 
     def __post_init__(self) -> None:
         vertices = freeze_field(self, "vertices", np.float64, (None, 3), "mesh vertices")
@@ -41,10 +44,11 @@ class Mesh:
             raise ValueError(
                 f"mesh faces index {faces.min()}..{faces.max()}, vertices are 0..{len(vertices) - 1}"
             )
-        if (self.uv is None) != (self.texture is None):
-            raise ValueError("a mesh needs both texture coordinates and a texture, or neither")
+        if self.uv is None and self.texture is not None:
+            raise ValueError("a mesh with a texture needs texture coordinates")
         if self.uv is not None:
             freeze_field(self, "uv", np.float64, (len(faces), 3, 2), "mesh uv")
+        if self.texture is not None:
             texture = freeze_field(self, "texture", np.uint8, (None, None, None), "texture")
             if texture.shape[2] not in (3, 4):
                 raise ValueError(f"a texture with {texture.shape[2]} channels, expected RGB or RGBA")
@@ -64,12 +68,23 @@ class SourceMesh:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Visual:
-    """One visual element of a link, with the part it belongs to."""
+    """One visual element of a link, with the part it belongs to.
+
+    ``finish`` is the role of its surface in the object (front, handle), as in
+    `artigen.shapes.surfaces.palette`; "" where that is unknown. The visuals of a part are closed together.
+    """
 
     name: str
     part: str
     label: PartLabel
     mesh: Mesh | SourceMesh
+    finish: str = ""
+
+    @property
+    def look(self) -> str:
+        """Name of its material: what it is, or the visual's own where that is unknown."""
+        named = isinstance(self.mesh, Mesh) and self.mesh.material.name
+        return named or self.name
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -109,61 +124,6 @@ class Link:
     hulls: tuple[Hull, ...]
     inertial: Inertial | None
     splats: Gaussians | None = None
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PackageJoint:
-    """A URDF joint, in the object frame at rest.
-
-    ``friction`` is a force (N) or torque (N m), ``damping`` is in N s/m or N m s/rad. ``kind`` is the asset's
-    joint type. A screw consists of two joints in a row: the second one is prismatic and mimics the first with
-    ``mimic_multiplier`` (metres per radian). A part that follows another one (a lid and its pedal) mimics
-    that part's joint in the same way; ``mimic_offset`` (m or rad) is its coordinate where the other's is 0.
-    ``spring`` is a force (N) or torque (N m) that closes the joint, twice
-    as large at the upper limit as at 0; a negative one, as in the hinges of heavy lids, opens it, a third as
-    large at the upper limit as at 0.
-    """
-
-    name: str
-    type: UrdfJointType
-    kind: JointType
-    parent: str
-    child: str
-    origin: Float[np.ndarray, "3"]
-    axis: Float[np.ndarray, "3"]
-    lower: float = 0.0
-    upper: float = 0.0
-    effort: float = 100.0
-    velocity: float = 1.0
-    friction: float = 0.0
-    damping: float = 0.0
-    mimic: str | None = None
-    mimic_multiplier: float = 0.0
-    mimic_offset: float = 0.0
-    spring: float = 0.0
-
-    @property
-    def is_travel(self) -> bool:
-        """Whether this is the second joint of a screw."""
-        return self.mimic is not None and self.kind == "screw"
-
-    def follow(self, q: Any) -> Any:
-        """Coordinate of a follower (m or rad) where that of its leader is ``q``, a number or an array."""
-        return self.mimic_multiplier * q + self.mimic_offset
-
-    def pull(self, q: Any) -> Any:
-        """Effort of the spring (N or N m) at the coordinate ``q``, a number or an array; > 0 opens."""
-        return -(self.spring + self.stiffness * q)
-
-    @property
-    def stiffness(self) -> float:
-        """Stiffness of the spring, N/m or N m/rad."""
-        return -self.spring / self.relaxed if self.spring != 0.0 else 0.0
-
-    @property
-    def relaxed(self) -> float:
-        """Coordinate (m or rad) at which the spring is relaxed."""
-        return -self.upper if self.spring >= 0.0 else 1.5 * self.upper
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -208,7 +168,7 @@ class SimPackage:
     category: str
     visual: VisualSource
     links: tuple[Link, ...]
-    joints: tuple[PackageJoint, ...]
+    joints: tuple[Joint, ...]
     handles: tuple[HandleAnnotation, ...] = ()
     requires_open: tuple[Requirement, ...] = ()
     materials: tuple[tuple[str, str], ...] = ()

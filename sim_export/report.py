@@ -15,7 +15,8 @@ Level = Literal["L0", "L1", "L2", "L3", "L4", "L5"]
 @dataclass(frozen=True, kw_only=True)
 class CheckResult:
     """Result of one check. ``value`` and ``threshold`` share ``unit``; ``where`` names the worst link, joint
-    or file; ``message`` is one sentence, also if the check does not apply."""
+    or file; ``links`` are all links that fail it; ``message`` is one sentence, also if the check does not
+    apply."""
 
     id: str
     level: Level
@@ -27,6 +28,7 @@ class CheckResult:
     where: str = ""
     message: str = ""
     seconds: float = 0.0
+    links: tuple[str, ...] = ()
 
 
 def round_measured(value: float | None) -> float | None:
@@ -84,7 +86,9 @@ def report_from_json(text: str) -> Report:
     value = json.loads(text)
     return Report(
         package=value["package"],
-        checks=tuple(CheckResult(**check) for check in value["checks"]),
+        checks=tuple(
+            CheckResult(**check | {"links": tuple(check.get("links", ()))}) for check in value["checks"]
+        ),
         versions=tuple(value["versions"].items()),
         stopped=value.get("stopped", False),
     )

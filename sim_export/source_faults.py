@@ -10,17 +10,16 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
+from artigen.types import Joint
 from sim_export.checks.config import CheckConfig
+from sim_export.checks.draft import read_draft
 from sim_export.checks.suite import run_checks
 from sim_export.collision.cover.free_space import FreeSpace, find_free_space, find_inside
-from sim_export.files.write import write_draft
 from sim_export.geometry.hulls import wrap_surface
 from sim_export.geometry.islands import visual_islands
 from sim_export.geometry.piercing import PiercedSurface, find_edges, piercing_depth
@@ -35,7 +34,7 @@ from sim_export.motion.kinematics import (
     sweep_coordinates,
 )
 from sim_export.motion.requirements import POSES
-from sim_export.package import PackageJoint, SimPackage
+from sim_export.package import SimPackage
 
 SAMPLES = 4000
 """Number of points on the surface of each link."""
@@ -56,9 +55,8 @@ def find_source_faults(package: SimPackage, surfaces: Surfaces, failed: Collecti
         around = tuple(
             replace(link, hulls=wrap_surface(surfaces.get(link.name, NOTHING))) for link in package.links
         )
-        with TemporaryDirectory() as scratch:
-            folder = write_draft(replace(package, links=around), Path(scratch) / package.name)
-            found = {check.id: check for check in run_checks(folder, ("L2",), cfg)}
+        draft = read_draft(replace(package, links=around))
+        found = {check.id: check for check in run_checks(draft, cfg=cfg, only=("V203", "V204"))}
         for name in ("V203", "V204"):
             if name in failed and found[name].verdict == "fail":
                 out[name] = f"as in the source, by its own meshes: {found[name].message}"
@@ -181,7 +179,7 @@ def overlaps_on_the_way(package: SimPackage, shown: Mapping[str, Shown]) -> Iter
 def overlap_along(
     package: SimPackage,
     shown: Mapping[str, Shown],
-    joint: PackageJoint,
+    joint: Joint,
     pair: tuple[str, str],
     opened: Mapping[str, float],
 ) -> Float[np.ndarray, "P"]:

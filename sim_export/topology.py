@@ -18,7 +18,7 @@ DIGITS = 16
 def find_topology(package: SimPackage) -> str:
     """Hash of a package's links, joints and kinds of hulls; equal for packages that fit into one batch."""
     links = [(link.name, link.label, hull_kinds(link.hulls)) for link in package.links]
-    joints = [(joint.name, joint.type, joint.parent, joint.child, joint.mimic) for joint in package.joints]
+    joints = [(joint.name, joint.type, joint.parent, joint.child, joint.follows) for joint in package.joints]
     text = json.dumps({"links": links, "joints": joints}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:DIGITS]
 

@@ -1,6 +1,6 @@
 """A kitchen with its walls, floor and entrance, and nothing in it."""
 
-from envs.maniskill.rooms.room import Opening, Room, room_shell
+from envs.rooms.room import Opening, Room, room_shell
 
 ENTRANCE = Opening(side="front", start=1.5, width=0.9, height=2.0)
 SIZE = (4.0, 3.5, 2.6)

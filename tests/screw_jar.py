@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from artigen.types import Joint
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import Inertial, Link, PackageJoint, SimPackage
+from sim_export.package import Inertial, Link, SimPackage
 from sim_export.physics.inertia import mesh_inertial
 
 
@@ -23,10 +24,10 @@ def screw_package() -> SimPackage:
         plain_link("link_0", "knob", (cap,), mesh_inertial(cap, 1000.0)),
         plain_link("link_1", "base", (plate,), mesh_inertial(plate, 1000.0)),
     )
-    turn = PackageJoint(
+    turn = Joint(
         name="joint_0",
         type="continuous",
-        kind="screw",
+        of_screw=True,
         parent="link_1",
         child="carrier",
         origin=np.zeros(3),
@@ -42,12 +43,10 @@ def screw_package() -> SimPackage:
         child="link_0",
         upper=0.05,
         friction=0.0,
-        mimic="joint_0",
-        mimic_multiplier=0.01 / (2 * np.pi),
+        follows="joint_0",
+        ratio=0.01 / (2 * np.pi),
     )
-    bolt = replace(
-        turn, name="joint_1", type="fixed", kind="fixed", parent="base", child="link_1", friction=0.0
-    )
+    bolt = replace(turn, name="joint_1", type="fixed", parent="base", child="link_1", friction=0.0)
     return SimPackage(
         name="jar", category="Bottle", visual="voxels", links=links, joints=(turn, travel, bolt)
     )

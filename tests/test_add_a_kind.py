@@ -15,8 +15,8 @@ from artigen.kind import Kind, find_kind, forget, kinds, list_words, paper_kinds
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.families import choose_suite, dress_shape, wish_suite
 from artigen.sketch.understand import Request, understand
-from envs.maniskill.rooms.catalogue import read_catalogue
-from envs.maniskill.rooms.recipes import RECIPES, Role
+from envs.rooms.catalogue import read_catalogue
+from envs.rooms.recipes import RECIPES, Role
 from sim_export.files.write import write_package
 from sim_export.reference import build_reference
 from sim_export.report import Report, write_report

@@ -23,9 +23,9 @@ from artigen.datasets.publish import PackedObject
 from artigen.datasets.recipe import Entry, Options
 from artigen.datasets.samples import (
     Count,
+    DrivenJoint,
     Sample,
     SampleHandle,
-    SampleJoint,
     Vector,
     sample_from_json,
     sample_json,
@@ -78,7 +78,7 @@ def make_job(entry: Entry, options: Options, work: Path, seed: int, *, by_model:
     if by_model:
         drawn = GenerateSettings(
             width=wish.width, depth=wish.depth, height=wish.height, style=wish.style, counts=counts,
-            redraws=options.redraws, gaussians=options.gaussians, textures=options.textures,
+            redraws=options.redraws, gaussians=options.gaussians,
         )  # fmt: skip
         name = f"{entry.name}-g{seed}"
         inner = GenerateJob(
@@ -87,7 +87,7 @@ def make_job(entry: Entry, options: Options, work: Path, seed: int, *, by_model:
     else:
         made = ShapeSettings(
             width=wish.width, depth=wish.depth, height=wish.height, style=wish.style, counts=counts,
-            like=entry.like, splats=options.gaussians, textures=options.textures,
+            like=entry.like, splats=options.gaussians,
             validation=options.validation,
         )  # fmt: skip
         inner = ShapeJob(
@@ -180,7 +180,7 @@ def read_fingerprint(work: Path, name: str) -> tuple[Sample, Fingerprint]:
     return sample, Fingerprint(
         id=sample.id,
         category=sample.category,
-        joints=tuple(joint.kind for joint in sample.joints),
+        joints=tuple(one.joint.type for one in sample.joints),
         extents=sample.extents,
         geometry=sample.geometry,
         descriptor=(work / name / DESCRIPTOR).read_bytes(),
@@ -251,27 +251,27 @@ def describe_object(
     )
 
 
-def _joints(package: "SimPackage") -> tuple[SampleJoint, ...]:
+def _joints(package: "SimPackage") -> tuple[DrivenJoint, ...]:
+    import numpy as np
+
+    from sim_export.motion.kinematics import object_joints
+
     label = {link.name: link.label for link in package.links}
     needs = {need.joint: need for need in package.requires_open}
+    numbers = ("lower", "upper", "pitch", "friction", "damping")
     return tuple(
-        SampleJoint(
-            name=joint.name,
-            kind=joint.kind,
-            parent=joint.parent,
-            child=joint.child,
+        DrivenJoint(
+            joint=replace(
+                joint,
+                origin=np.array(_vector(joint.origin)),
+                axis=np.array(_vector(joint.axis)),
+                **{name: round(float(getattr(joint, name)), 6) for name in numbers},
+            ),
             label=label[joint.child] or "",
-            origin=_vector(joint.origin),
-            axis=_vector(joint.axis),
-            lower=round(float(joint.lower), 6),
-            upper=round(float(joint.upper), 6),
-            friction=round(float(joint.friction), 6),
-            damping=round(float(joint.damping), 6),
             needs=needs[joint.name].needs if joint.name in needs else "",
             needs_fraction=float(needs[joint.name].fraction) if joint.name in needs else 0.0,
         )
-        for joint in package.joints
-        if joint.type != "fixed" and joint.mimic is None
+        for joint in object_joints(package.joints)
     )
 
 

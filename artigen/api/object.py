@@ -297,22 +297,10 @@ def _drawn_joints(shape: "Shape") -> dict[str, tuple[str, Joint]]:
 
 
 def _package_joints(package: "SimPackage") -> dict[str, Joint]:
-    """The driven joints of a package; that of a screw has the travel of its second joint."""
-    from sim_export.motion.kinematics import driven_joints
+    """The driven joints of a package, by name."""
+    from sim_export.motion.kinematics import object_joints
 
-    pitches = {joint.mimic: joint.mimic_multiplier for joint in package.joints if joint.is_travel}
-    return {
-        joint.name: Joint(
-            type=joint.kind,
-            axis=joint.axis,
-            origin=joint.origin,
-            lower=joint.lower,
-            upper=joint.upper,
-            pitch=pitches.get(joint.name, 0.0),
-            spring=max(joint.spring, 0.0),
-        )
-        for joint in driven_joints(package.joints)
-    }
+    return {joint.name: joint for joint in object_joints(package.joints)}
 
 
 def _package_parts(package: "SimPackage") -> tuple[ObjectPart, ...]:
@@ -325,7 +313,7 @@ def _package_parts(package: "SimPackage") -> tuple[ObjectPart, ...]:
     parts = []
     for link in package.links:
         joint = moving.get(link.name)
-        own = None if joint is None else joint.mimic if joint.is_travel else joint.name
+        own = None if joint is None else joint.follows if joint.is_travel else joint.name
         for index, part in enumerate(link.parts):
             label: PartLabel = labels.get(part) or link.label or "base"
             mover = own if index == 0 and own in names else None

@@ -1,6 +1,7 @@
 """Furnishes a room from a kind and a seed."""
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -13,10 +14,14 @@ from artigen.errors import ArtigenError
 from artigen.runtime.runner import LocalRunner, Runner
 
 if TYPE_CHECKING:
-    from envs.maniskill.rooms.catalogue import Catalogue
-    from envs.maniskill.rooms.recipes import Recipe, Role
-    from envs.maniskill.rooms.room import Room
+    from envs.rooms.catalogue import Catalogue
+    from envs.rooms.order import Unit
+    from envs.rooms.recipes import Role
+    from envs.rooms.room import Room
 
+SceneFormat = Literal["mjcf", "usd"]
+SceneKind = Literal["kitchen", "office", "bedroom", "bathroom", "workshop", "living_room", "hall", "laundry"]
+Clutter = Literal["none", "tidy", "lived", "messy"]
 PACKAGES = "packages"
 """Subfolder of the room for objects that are drawn for it."""
 ROUNDS = 3
@@ -27,6 +32,9 @@ FAMILIES = {
     "bedroom": ("shaker", "slab", "rustic", "midcentury", "nursery"),
     "bathroom": ("shaker", "slab", "rustic", "laboratory"),
     "workshop": ("industrial", "laboratory"),
+    "living_room": ("shaker", "slab", "rustic", "midcentury"),
+    "hall": ("shaker", "slab", "rustic", "midcentury"),
+    "laundry": ("shaker", "slab", "laboratory"),
 }
 """Families that the seed chooses from by default."""
 
@@ -39,8 +47,8 @@ class SceneSettings:
     """Inner width in metres, along the wall with the entrance."""
     depth: float | None = None
     """Inner depth in metres, from that wall to the opposite one."""
-    least: int = 10
-    """Minimum number of objects."""
+    least: int | None = None
+    """Minimum number of objects; by default that of the kind of room."""
     most: int = 30
     """Maximum number of objects."""
     sweeps: Literal["free", "any"] = "free"
@@ -51,6 +59,12 @@ class SceneSettings:
     """Fraction of the doors and drawers that stand open."""
     contents: float = 0.0
     """Fraction of the drawers and compartments behind doors that hold loose things."""
+    clutter: Clutter = "tidy"
+    """Amount of loose things on furniture."""
+    place: tuple[str, ...] = ()
+    """Units along one wall from left to right, such as ``fridge sink:0.8 oven``, and nothing else."""
+    wall: Literal["front", "back", "left", "right"] = "back"
+    """Wall of these units."""
     family: str | None = None
     """Look of everything that is drawn, such as shaker, slab or industrial; sampled if unset."""
 
@@ -71,7 +85,7 @@ class Furnished:
         loose = f", with {len(room.contents)} loose things" if room.contents else ""
         left_out = f", without {len(self.failed)} packages that did not pass" if self.failed else ""
         return (
-            f"{room.kind} of {room.size[0]:.2f} x {room.size[1]:.2f} m: {len(room.placements)} objects from "
+            f"{room.kind.replace('_', ' ')} of {room.size[0]:.2f} x {room.size[1]:.2f} m: {len(room.placements)} objects from "
             f"{kinds} packages{loose} in {self.path}, arranged and checked in {self.seconds:.1f} s{left_out}"
         )
 
@@ -83,32 +97,43 @@ def furnish_room(
     packages: Path | None = None,
     cfg: SceneSettings | None = None,
     *,
-    pictures: Literal["both", "plan", "none"] = "both",
+    formats: tuple[SceneFormat, ...] = ("mjcf",),
+    pictures: Literal["all", "plan", "none"] = "all",
     runner: Runner | None = None,
 ) -> Furnished:
     """Furnishes a room in which every door and drawer opens; writes ``scene.json`` and pictures.
 
     Args:
-        kind: Kitchen, office, bedroom, bathroom or workshop.
-        out: Folder for ``scene.json``, ``room.png`` and ``plan.png``.
+        kind: Kitchen, office, bedroom, bathroom, workshop, living_room, hall or laundry.
+        out: Folder for ``scene.json``, ``room.png``, ``entrance.png`` and ``plan.png``.
         seed: Seed of everything that is not set.
         packages: Folder with packages, at any depth, that passed validation; without it, objects are sampled
             and validated first, which takes minutes.
         cfg: Properties of the room.
-        pictures: Pictures to render: room and plan, the plan only, or none.
+        formats: Files besides ``scene.json``: ``mjcf`` is ``scene.xml`` for MuJoCo, ``usd`` is ``scene.usda``
+            with an asset per package.
+        pictures: Pictures to render: all, the plan only, or none.
         runner: Where objects are sampled; default: one after the other in this process.
 
     Raises:
-        ArtigenError: If settings are out of range or contradict each other, or no arrangement is found.
+        ArtigenError: If settings are out of range or contradict each other, no arrangement is found, or
+            usd-core is missing where it is needed.
     """
-    from envs.maniskill.populate import PopulateConfig, populate
-    from envs.maniskill.rooms.ajar import open_some
-    from envs.maniskill.rooms.catalogue import read_catalogue
-    from envs.maniskill.rooms.contents import fill_room
-    from envs.maniskill.rooms.file import write_room
-    from envs.maniskill.rooms.recipes import RECIPES
+    from envs.rooms.ajar import open_some
+    from envs.rooms.catalogue import read_catalogue
+    from envs.rooms.clutter import clutter_room
+    from envs.rooms.contents import fill_room
+    from envs.rooms.file import write_room
+    from envs.rooms.mjcf import write_room_mjcf
+    from envs.rooms.order import read_order
+    from envs.rooms.populate import PopulateConfig, populate
+    from envs.rooms.recipes import DOOR, RECIPES
+    from envs.rooms.usd import write_room_usd
+    from sim_export.usd.write import require_usd
 
     cfg = cfg or SceneSettings()
+    if "usd" in formats:
+        require_usd()
     if kind not in RECIPES:
         raise ArtigenError(f"room {kind!r} is not known, expected one of {', '.join(RECIPES)}")
     if seed < 0 or not (0.0 <= cfg.ajar <= 1.0 and 0.0 <= cfg.contents <= 1.0):
@@ -119,10 +144,12 @@ def furnish_room(
     try:
         settings = PopulateConfig(
             width=cfg.width, depth=cfg.depth, least=cfg.least, most=cfg.most, sweeps=cfg.sweeps,
-            standing_radius=cfg.standing_radius,
+            standing_radius=cfg.standing_radius, place=cfg.place, wall=cfg.wall,
         )  # fmt: skip
     except ValueError as error:
         raise ArtigenError(str(error)) from error
+    order = read_order(cfg.place, kind)
+    _demand_length(order, kind, cfg)
     if packages is not None and cfg.family is not None:
         raise ArtigenError(
             f"family {cfg.family} with packages {packages}: objects of a folder keep their looks; omit one of"
@@ -130,9 +157,8 @@ def furnish_room(
         )
     if packages is None:
         family = cfg.family or choose_family(kind, seed)
-        catalogue = draw_packages(
-            RECIPES[kind], seed, family, out / PACKAGES, runner or LocalRunner(workers=0)
-        )
+        waiting = [*dict.fromkeys(order), DOOR] if order else RECIPES[kind].all_roles
+        catalogue = draw_packages(waiting, seed, family, out / PACKAGES, runner or LocalRunner(workers=0))
     else:
         catalogue = read_catalogue(packages)
     started = time.perf_counter()
@@ -141,8 +167,14 @@ def furnish_room(
         room = open_some(room, cfg.ajar)
     if cfg.contents > 0.0:
         room = fill_room(room, cfg.contents)
+    if cfg.clutter != "none":
+        room = clutter_room(room, cfg.clutter)
     spent = time.perf_counter() - started
     path = write_room(room, out)
+    if "mjcf" in formats:
+        write_room_mjcf(room, out)
+    if "usd" in formats:
+        write_room_usd(room, out)
     _draw(room, out, pictures)
     return Furnished(room=room, path=path, failed=tuple(catalogue.failed), seconds=spent)
 
@@ -153,15 +185,31 @@ def choose_family(kind: str, seed: int) -> str:
     return families[int(np.random.default_rng(seed).integers(len(families)))]
 
 
-def draw_packages(recipe: "Recipe", seed: int, family: str, out: Path, runner: Runner) -> "Catalogue":
-    """Draws and validates objects for every role of a room, all of one suite of a family.
+def _demand_length(order: "Sequence[Unit]", kind: str, cfg: SceneSettings) -> None:
+    """Raises `ArtigenError` if the wall is too short for an order whatever is drawn."""
+    from envs.rooms.order import least_length
+    from envs.rooms.recipes import RECIPES
 
-    Roles without a valid object are drawn again.
+    recipe, across = RECIPES[kind], cfg.wall in ("front", "back")
+    length = (cfg.width or recipe.width[1]) if across else (cfg.depth or recipe.depth[1])
+    if order and least_length(order) > length:
+        raise ArtigenError(
+            f"{len(order)} units take at least {least_length(order):.2f} m, and the {cfg.wall} wall of a "
+            f"{kind} is at most {length:g} m long; order less, or give --width or --depth"
+        )
+
+
+def draw_packages(
+    wanted: "Sequence[Role | Unit]", seed: int, family: str, out: Path, runner: Runner
+) -> "Catalogue":
+    """Draws and validates objects for every role or ordered unit, all of one suite of a family.
+
+    Those without a valid object are drawn again.
     """
-    from envs.maniskill.rooms.catalogue import read_catalogue
+    from envs.rooms.catalogue import read_catalogue
 
     look = ShapeSettings(family=family, suite=seed)
-    waiting = list(recipe.all_roles)
+    waiting = list(wanted)
     jobs: list[ShapeJob] = []
     catalogue = None
     for attempt in range(ROUNDS):
@@ -174,14 +222,22 @@ def draw_packages(recipe: "Recipe", seed: int, family: str, out: Path, runner: R
         entries = tuple(entry for entry in catalogue.entries if entry.name in drawn)
         failed = tuple(text for text in catalogue.failed if text.split()[0] in drawn)
         catalogue = replace(catalogue, entries=entries, failed=failed)
-        waiting = [role for role in waiting if role.draws and not catalogue.of_role(role)]
+        waiting = [each for each in waiting if each.draws and not _is_there(catalogue, each)]
         if not waiting:
             break
     assert catalogue is not None
     return catalogue
 
 
-def _jobs(roles: "list[Role]", first: int, look: ShapeSettings, out: Path) -> list[ShapeJob]:
+def _is_there(catalogue: "Catalogue", wanted: "Role | Unit") -> bool:
+    from envs.rooms.order import Unit
+
+    if isinstance(wanted, Unit):
+        return any(wanted.accepts(entry) for entry in catalogue.of_role(wanted.role))
+    return bool(catalogue.of_role(wanted))
+
+
+def _jobs(roles: "Sequence[Role | Unit]", first: int, look: ShapeSettings, out: Path) -> list[ShapeJob]:
     """One job for every draw of the roles, with the sizes of the roles."""
     jobs = []
     for role in roles:
@@ -192,9 +248,10 @@ def _jobs(roles: "list[Role]", first: int, look: ShapeSettings, out: Path) -> li
 
 
 def _draw(room: "Room", out: Path, pictures: str) -> None:
-    from envs.maniskill.rooms.picture import write_plan, write_view
+    from envs.rooms.picture import write_entrance, write_plan, write_view
 
     if pictures != "none":
         write_plan(room, out / "plan.png")
-    if pictures == "both":
+    if pictures == "all":
         write_view(room, out / "room.png")
+        write_entrance(room, out / "entrance.png")

@@ -6,7 +6,7 @@ from typing import Literal
 
 import tyro
 
-from artigen.api.scene import SceneSettings, furnish_room
+from artigen.api.scene import SceneFormat, SceneKind, SceneSettings, furnish_room
 from artigen.cli.arguments import Out, Workers
 from artigen.runtime.runner import choose_runner
 
@@ -14,27 +14,30 @@ SETTINGS = SceneSettings()
 
 
 def scene(
-    kind: tyro.conf.Positional[Literal["kitchen", "office", "bedroom", "bathroom", "workshop"]],
+    kind: tyro.conf.Positional[SceneKind],
     out: Out,
     seed: int = 0,
     packages: Path | None = None,
     cfg: tyro.conf.OmitArgPrefixes[SceneSettings] = SETTINGS,
-    pictures: Literal["both", "plan", "none"] = "both",
+    formats: tuple[SceneFormat, ...] = ("mjcf",),
+    pictures: Literal["all", "plan", "none"] = "all",
     workers: Workers = None,
 ) -> int:
-    """Furnish a room in which every door and drawer opens; writes scene.json and pictures.
+    """Furnish a room in which every door and drawer opens; writes scene.json, scene.xml and pictures.
 
     Args:
         kind: Kind of room.
-        out: Output folder for scene.json, room.png and plan.png.
+        out: Output folder for scene.json, scene.xml, scene.usda, room.png, entrance.png and plan.png.
         seed: Seed of everything that is not set.
         packages: Folder with packages, at any depth, that passed `artigen validate`; without it, objects are
             sampled and validated first, which takes minutes.
         cfg: Properties of the room.
-        pictures: Pictures to render: room and plan, the plan only, or none.
+        formats: Files besides scene.json: mjcf is scene.xml for MuJoCo; usd is scene.usda and an asset per
+            package.
+        pictures: Pictures to render: all, the plan only, or none.
         workers: Worker processes that sample objects; default: one per available core.
     """
     runner = choose_runner("local", workers)
-    made = furnish_room(kind, out, seed, packages, cfg, pictures=pictures, runner=runner)
+    made = furnish_room(kind, out, seed, packages, cfg, formats=formats, pictures=pictures, runner=runner)
     sys.stdout.write(made.describe() + "\n")
     return 0

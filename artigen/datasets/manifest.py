@@ -105,7 +105,7 @@ def sample_row(sample: Sample, **place: object) -> dict[str, Any]:
         "depth": depth,
         "width": width,
         "height": height,
-        "joint_kinds": [joint.kind for joint in sample.joints],
+        "joint_kinds": [one.joint.type for one in sample.joints],
         "handle_annotations": len(sample.handles),
         "shared": sorted({one.sha256 for one in sample.shared}),
     }  # fmt: skip

@@ -4,7 +4,10 @@ import json
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+
 from artigen.datasets.packing import PackingError, SharedFile
+from artigen.types import Joint, JointType
 
 FORMAT = "artigen-sample"
 VERSION = 1
@@ -20,21 +23,13 @@ class Count:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SampleJoint:
-    """A joint that can be driven; SI units, object frame at rest."""
+class DrivenJoint:
+    """A joint that can be driven, and what must be open before it."""
 
-    name: str
-    kind: str
-    parent: str
-    child: str
+    joint: Joint
+    """SI units, object frame at rest."""
     label: str
     """Label of the part that it moves."""
-    origin: Vector
-    axis: Vector
-    lower: float
-    upper: float
-    friction: float
-    damping: float
     needs: str
     """Joint that must be open first; empty if there is none."""
     needs_fraction: float
@@ -80,7 +75,7 @@ class Sample:
     mass: float
     """Kilograms."""
     counts: tuple[Count, ...]
-    joints: tuple[SampleJoint, ...]
+    joints: tuple[DrivenJoint, ...]
     handles: tuple[SampleHandle, ...]
     links: int
     hulls: int
@@ -108,6 +103,7 @@ class Sample:
 def sample_json(sample: Sample) -> bytes:
     """A sample as compact JSON."""
     value = {"format": FORMAT, "version": VERSION} | asdict(sample)
+    value["joints"] = [_list_joint(one) for one in sample.joints]
     return json.dumps(value, separators=(",", ":"), allow_nan=False).encode()
 
 
@@ -124,13 +120,37 @@ def sample_from_json(data: bytes) -> Sample:
             raise PackingError(f"a sample of format {form} {version}, this reads {FORMAT} {VERSION}")
         lists = {
             "counts": tuple(Count(**one) for one in value["counts"]),
-            "joints": tuple(SampleJoint(**_tuples(one)) for one in value["joints"]),
+            "joints": tuple(_read_joint(**one) for one in value["joints"]),
             "handles": tuple(SampleHandle(**_tuples(one)) for one in value["handles"]),
             "shared": tuple(SharedFile(**one) for one in value["shared"]),
         }
         return Sample(**(_tuples(value) | lists))
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise PackingError(f"a sample's JSON is not as written by artigen ({error!r})") from error
+
+
+def _list_joint(driven: DrivenJoint) -> dict[str, Any]:
+    joint = driven.joint
+    return {
+        "name": joint.name, "kind": joint.type, "parent": joint.parent, "child": joint.child,
+        "label": driven.label, "origin": joint.origin.tolist(), "axis": joint.axis.tolist(),
+        "lower": joint.lower, "upper": joint.upper, "friction": joint.friction, "damping": joint.damping,
+        "needs": driven.needs, "needs_fraction": driven.needs_fraction,
+    } | ({"pitch": joint.pitch} if joint.pitch != 0.0 else {})  # fmt: skip
+
+
+def _read_joint(
+    *,
+    kind: JointType,
+    origin: list[float],
+    axis: list[float],
+    label: str,
+    needs: str,
+    needs_fraction: float,
+    **own: Any,
+) -> DrivenJoint:
+    joint = Joint(type=kind, origin=np.array(origin), axis=np.array(axis), **own)
+    return DrivenJoint(joint=joint, label=label, needs=needs, needs_fraction=needs_fraction)
 
 
 def _tuples(value: dict[str, Any]) -> dict[str, Any]:

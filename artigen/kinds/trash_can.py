@@ -140,11 +140,11 @@ def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, heigh
         *_build_plinth(narrow(x, 0.006), narrow(y, 0.006), 0.4 * half + 0.005, under, is_round=is_round),
     ]
     tab = block((x[1] - 0.02, pivot), around(0.0, 0.25 * width), (low, low + 0.012), "front")
-    swing = replace(hinge_lid((x[0], pivot), y, low, opened), follows="pedal")
-    parts = [
-        ShapePart("lid", "door", (*cover, tab), swing),
-        _make_pedal(x[0] - PEDAL, x[0] + 0.05, half, under),
-    ]
+    pedal = _make_pedal(x[0] - PEDAL, x[0] + 0.05, half, under)
+    assert pedal.motion is not None
+    swing = hinge_lid((x[0], pivot), y, low, opened)
+    swing = replace(swing, follows=pedal.name, ratio=swing.upper / pedal.motion.upper)
+    parts = [ShapePart("lid", "door", (*cover, tab), swing), pedal]
     if rng.random() < 0.8:
         parts.append(_make_bucket("bucket", pail, 0.75 * (rim - foot), "pedal"))
     return Assembly(pieces, parts)

@@ -3,14 +3,15 @@
 import base64
 import html
 import io
+import json
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Bool, Float, Int, UInt8
 
 from artigen.camera import Camera
 from artigen.reader.drawing import draw_reading
@@ -20,6 +21,8 @@ from artigen.shapes.shape import Shape
 
 if TYPE_CHECKING:
     from PIL import Image
+
+    from artigen.shapes.render import RenderConfig
 
 EDGE = 560
 """Longest edge (pixels) of the pictures."""
@@ -60,6 +63,7 @@ def write_comparison(
         object=_embed(seen),
         rows=rows,
         notes=said,
+        reading=html.escape(json.dumps(reading.to_json(), indent=1)),
     )
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(page)
@@ -80,6 +84,36 @@ def scale_camera(camera: Camera, size: tuple[int, int]) -> Camera:
     return replace(camera, pixel=camera.pixel * camera.width / width, width=width, height=height)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Seen:
+    """An object in the pixels of a photograph."""
+
+    rgb: Float[np.ndarray, "H W 3"]
+    """sRGB in [0, 1]."""
+    mask: Bool[np.ndarray, "H W"]
+    part_ids: Int[np.ndarray, "H W"]
+    """Index into the shape's parts, -1 where there is none."""
+
+
+def render_over(camera: Camera, shape: Shape, cfg: "RenderConfig | None" = None) -> Seen:
+    """The closed object in a photograph.
+
+    Args:
+        camera: Its axes may be sheared, as those of `Overlay.camera`.
+        shape: The object.
+        cfg: Light; default: that of a room.
+    """
+    from artigen.shapes.render import batch_cameras, build_scene, render
+
+    straight, (left, top) = straighten(camera)
+    seen = render(build_scene([shape]), batch_cameras([straight]), [np.zeros(len(shape.parts))], cfg=cfg)
+    rgb, mask, part_ids = (
+        held[0].numpy()[top : top + camera.height, left : left + camera.width]
+        for held in (seen.rgb, seen.mask, seen.part_ids)
+    )
+    return Seen(rgb=rgb.astype(np.float64), mask=mask, part_ids=part_ids)
+
+
 def draw_over(photo: "Image.Image", camera: Camera, shape: Shape) -> "Image.Image":
     """The closed object before a pale photograph of the camera's size.
 
@@ -90,23 +124,12 @@ def draw_over(photo: "Image.Image", camera: Camera, shape: Shape) -> "Image.Imag
     """
     from PIL import Image
 
-    from artigen.shapes.render import RenderConfig, batch_cameras, build_scene, render
-
-    straight, origin = straighten(camera)
-    seen = render(
-        build_scene([shape]),
-        batch_cameras([straight]),
-        [np.zeros(len(shape.parts))],
-        cfg=RenderConfig(supersampling=1),
-    )
-    rgb, mask = seen.rgb[0].numpy(), seen.mask[0].numpy()
-    left, top = origin
+    seen = render_over(camera, shape)
     paper = Image.new("RGB", photo.size, (255, 255, 255))
     paper.paste(photo.convert("RGB"), (0, 0), photo.getchannel("A"))
     ground = np.asarray(paper, dtype=np.float64) / 255.0
     out = ground + PALE * (1.0 - ground)
-    inside = mask[top : top + camera.height, left : left + camera.width]
-    out[inside] = rgb[top : top + camera.height, left : left + camera.width][inside]
+    out[seen.mask] = seen.rgb[seen.mask]
     pixels: UInt8[np.ndarray, "H W 3"] = np.round(255.0 * out).astype(np.uint8)
     return Image.fromarray(pixels)
 
@@ -160,6 +183,16 @@ what was read</label>
 {rows}</table>
 <ul>{notes}</ul>
 <p>To correct it, say so: <code>--doors</code>, <code>--drawers</code>, <code>--width</code>,
-<code>--kind</code>, <code>--box</code>, or <code>--text "hinges on the left"</code>.</p>
+<code>--kind</code>, <code>--box</code>, or <code>--text "hinges on the left"</code>. Or edit what was read,
+<a id="save" download="reading.json" href="#">save it</a>, and draw it again with
+<code>artigen generate --reading reading.json -o out/edited</code>:</p>
+<textarea id="reading" rows="24" style="width: 100%" spellcheck="false"
+ aria-label="what was read">{reading}</textarea>
+<script>
+document.getElementById('save').addEventListener('click', event => {{
+  const text = document.getElementById('reading').value;
+  event.target.href = 'data:application/json;charset=utf-8,' + encodeURIComponent(text);
+}});
+</script>
 </html>
 """

@@ -55,6 +55,11 @@ class ShapePart:
                 f"part {self.name!r}: a {joint.type} joint from {joint.lower:g} to {joint.upper:g}, expected "
                 "one that moves, from 0 up"
             )
+        if joint is not None and (joint.spring < 0.0 or (joint.type in ENDLESS and joint.spring != 0.0)):
+            raise ValueError(
+                f"part {self.name!r}: a spring of {joint.spring:g} at a {joint.type} joint, expected 0 or "
+                "more, and 0 at one without limits"
+            )
         if joint is not None and joint.type == "screw" and joint.pitch == 0.0:
             raise ValueError(f"part {self.name!r}: a screw joint without a pitch, which is that of a hinge")
 
@@ -93,15 +98,21 @@ def _check_followers(name: str, parts: tuple[ShapePart, ...]) -> None:
         if part.motion is None or part.motion.follows is None:
             continue
         leader = motions[part.motion.follows]
-        if leader is None or leader.type in ENDLESS or leader.follows is not None:
+        if leader is None or {leader.type, part.motion.type} & set(ENDLESS) or leader.follows is not None:
             raise ValueError(
-                f"{name}: part {part.name!r} follows {part.motion.follows!r}, which must have two limits "
-                f"and follow nothing itself"
+                f"{name}: part {part.name!r} follows {part.motion.follows!r}; both must have two limits, and "
+                f"the second must follow nothing itself"
             )
         if any(need.part == part.name for other in parts for need in other.needs):
             raise ValueError(
                 f"{name}: a part needs {part.name!r}, which follows {part.motion.follows!r}, to be open; "
                 f"let it need {part.motion.follows!r}"
+            )
+        if part.motion.offset != 0.0 or not np.isclose(part.motion.ratio * leader.upper, part.motion.upper):
+            raise ValueError(
+                f"{name}: part {part.name!r} follows {part.motion.follows!r} times "
+                f"{part.motion.ratio:g} plus {part.motion.offset:g}, expected "
+                f"{part.motion.upper / leader.upper:g} and 0: both close and open at the same time"
             )
 
 

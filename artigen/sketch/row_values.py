@@ -6,17 +6,16 @@ from typing import get_args
 
 from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.shapes.surfaces.palette import ROLES
+from artigen.sketch.joints import build_joint, number_joint
 from artigen.sketch.piece import NUMBERS, Piece, PieceKind
 from artigen.sketch.sketch import (
     MAX_NEEDS,
-    ROUND_TURN,
     Sketch,
     SketchError,
     SketchFinish,
-    SketchJoint,
     SketchPart,
 )
-from artigen.types import JOINT_TYPES
+from artigen.types import Joint
 
 MATERIALS: tuple[FinishKind, ...] = get_args(FinishKind)
 
@@ -68,26 +67,21 @@ def list_joint(sketch: Sketch, index: int) -> list[int]:
     Raises:
         SketchError: If more than one earlier part requires it to be open.
     """
-    joint = sketch.parts[index].joint
-    if joint is None:
+    own = sketch.parts[index]
+    if own.joint is None:
         return []
-    early = [need + 1 for need in joint.needs if need < index]
-    held = [k for k, part in enumerate(sketch.parts[:index]) if part.joint and index in part.joint.needs]
+    early = [need + 1 for need in own.needs if need < index]
+    held = [k for k, part in enumerate(sketch.parts[:index]) if index in part.needs]
     if len(held) > 1:
         raise SketchError(f"a {sketch.category}: part {index} holds parts {held}, expected at most one")
-    fractions = [part.joint.fraction for part in sketch.parts if part.joint and index in part.joint.needs]
-    needs = [*early, 0, 0]
-    endless = joint.type == "continuous"
+    kind, axis, *rest = number_joint(own.joint)
     return [
-        JOINT_TYPES.index(joint.type),
-        joint.axis,
-        needs[0],
-        needs[1],
-        joint.fraction if early else 0,
-        *joint.origin,
-        0 if endless else joint.upper,
-        joint.travel,
-        *((held[0] + 1, fractions[0]) if held else (0, 0)),
+        kind,
+        axis,
+        *[*early, 0, 0][:2],
+        own.fraction if early else 0,
+        *rest,
+        *((held[0] + 1, sketch.parts[held[0]].fraction) if held else (0, 0)),
     ]
 
 
@@ -97,9 +91,9 @@ def hold_part(part: SketchPart, holder: int, fraction: int) -> SketchPart:
     Raises:
         SketchError: If the part does not move, or already has `MAX_NEEDS` requirements.
     """
-    if part.joint is None or len(part.joint.needs) >= MAX_NEEDS:
+    if part.joint is None or len(part.needs) >= MAX_NEEDS:
         raise SketchError(f"part {holder} holds a {part.label} that does not move or is held by {MAX_NEEDS}")
-    return replace(part, joint=replace(part.joint, needs=(*part.joint.needs, holder), fraction=fraction))
+    return replace(part, needs=(*part.needs, holder), fraction=fraction)
 
 
 def read_finish(row: Sequence[int]) -> SketchFinish:
@@ -132,17 +126,6 @@ def read_piece(kind: PieceKind, fields: Sequence[str], row: Sequence[int]) -> Pi
     )
 
 
-def read_joint(row: Sequence[int]) -> SketchJoint | None:
-    """Decodes a joint; its ``holds`` field is not part of it."""
-    if row[0] == 0:
-        return None
-    kind = JOINT_TYPES[row[0]]
-    return SketchJoint(
-        type=kind,
-        axis=row[1],
-        origin=(0, 0, 0) if kind == "prismatic" else (row[5], row[6], row[7]),
-        upper=ROUND_TURN if kind == "continuous" else row[8],
-        travel=row[9],
-        needs=tuple(need - 1 for need in row[2:4] if need),
-        fraction=row[4],
-    )
+def read_joint(row: Sequence[int]) -> Joint | None:
+    """Decodes a joint; its needs and its ``holds`` field are not part of it."""
+    return build_joint((*row[:2], *row[5:10])) if row[0] else None

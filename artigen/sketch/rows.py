@@ -153,9 +153,15 @@ def rows_to_sketch(rows: Int[np.ndarray, "T W"]) -> Sketch:
             held, fraction = (row[column("joint", name) - 1] for name in ("holds", "released"))
             if held:
                 holds.append((held - 1, len(parts), fraction))
+            needs = tuple(need - 1 for need in row[2:4] if need and row[0])
             parts.append(
                 SketchPart(
-                    label=PART_LABELS[label], parent=parent, pieces=tuple(pieces), joint=read_joint(row)
+                    label=PART_LABELS[label],
+                    parent=parent,
+                    pieces=tuple(pieces),
+                    joint=read_joint(row),
+                    needs=needs,
+                    fraction=row[4],
                 )
             )
             pieces, opened = [], None

@@ -18,12 +18,12 @@ from artigen.shapes.primitives import LEFT, Primitive
 from artigen.shapes.shape import Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
 from artigen.shapes.surfaces.palette import ROLES
-from artigen.sketch.piece import LINED, Piece, UnknownSolid, across, number_axes
+from artigen.sketch.joints import build_joint, number_joint
+from artigen.sketch.piece import Piece, UnknownSolid, across, number_axes
 from artigen.sketch.pieces import build_piece, fit_pieces
 from artigen.sketch.snap import STEP, snap_piece, to_metres
-from artigen.types import FULL_TURN, Joint, JointType, PartLabel
+from artigen.types import Joint, PartLabel
 
-HALF_DEGREE = np.pi / 360
 LEVELS = 63
 """Highest level of a colour or gloss."""
 OPACITIES = (1.0, 0.45, 0.22)
@@ -32,8 +32,6 @@ PERIODS = (0.4, 0.045, 0.012, 0.3, 0.05, 0.5, 0.006, 0.016)
 FRACTIONS = (0.95, 1.0, 0.9, 0.5)
 """Shares of its range by which a required part must be open."""
 MAX_NEEDS = 2
-ROUND_TURN = 720
-"""A full turn, in half degrees."""
 
 
 class SketchError(ArtigenError):
@@ -56,32 +54,18 @@ class SketchFinish:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SketchJoint:
-    """Joint of a part; ``upper`` in steps for a prismatic joint, else in half degrees."""
-
-    type: JointType
-    axis: int
-    """Index into `artigen.sketch.piece.LINED`, which lists the six directions."""
-    origin: tuple[int, int, int]
-    """0 for a prismatic joint."""
-    upper: int
-    """`ROUND_TURN` for a continuous joint."""
-    travel: int
-    """Steps that a screw advances over its whole range."""
-    needs: tuple[int, ...]
-    """Indices of the parts that must be open first."""
-    fraction: int
-    """Index into `FRACTIONS`."""
-
-
-@dataclass(frozen=True, kw_only=True)
 class SketchPart:
     """A rigid part with a label; ``parent`` is an index, -1 for the base."""
 
     label: PartLabel
     parent: int
     pieces: tuple[Piece, ...]
-    joint: SketchJoint | None = None
+    joint: Joint | None = None
+    """In metres and radians, rounded to steps and half degrees."""
+    needs: tuple[int, ...] = ()
+    """Indices of the parts that must be open first."""
+    fraction: int = 0
+    """Index into `FRACTIONS`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -253,38 +237,24 @@ def _write_part(
     parent = -1 if part.parent is None else names.index(part.parent)
     if parent >= names.index(part.name):
         raise SketchError(f"{owner}: part {part.name!r} comes before its parent {part.parent!r}")
-    return SketchPart(
-        label=part.label,
-        parent=parent,
-        pieces=pieces,
-        joint=None if part.motion is None else _write_joint(part, names, offset, owner),
-    )
-
-
-def _write_joint(
-    part: ShapePart, names: Sequence[str], offset: Float[np.ndarray, "3"], owner: str
-) -> SketchJoint:
-    motion = part.motion
-    assert motion is not None
-    near = np.array(LINED) @ motion.axis
-    if near.max() < 1 - 1e-9:
-        raise SketchError(
-            f"{owner}: {part.name!r} moves along {motion.axis.tolist()}, expected one of the axes"
-        )
     if len(part.needs) > MAX_NEEDS or len({need.fraction for need in part.needs}) > 1:
         raise SketchError(
             f"{owner}: {part.name!r} needs {len(part.needs)} parts open, expected at most {MAX_NEEDS} alike"
         )
+    joint = part.motion
+    if joint is None:
+        return SketchPart(label=part.label, parent=parent, pieces=pieces)
+    try:
+        snapped = build_joint(number_joint(replace(joint, origin=joint.origin + offset)))
+    except ValueError as error:
+        raise SketchError(f"{owner}: {part.name!r} {error}") from error
     needs, own = [names.index(need.part) for need in part.needs], names.index(part.name)
-    sliding = motion.type == "prismatic"
     fraction = part.needs[0].fraction if part.needs else FRACTIONS[0]
-    origin = (0, 0, 0) if sliding else tuple(round(v / STEP) for v in motion.origin + offset)
-    return SketchJoint(
-        type=motion.type,
-        axis=int(near.argmax()),
-        origin=origin,
-        upper=max(round(motion.upper / (STEP if sliding else HALF_DEGREE)), 1),
-        travel=max(round(motion.pitch * motion.upper / STEP), 1) if motion.type == "screw" else 0,
+    return SketchPart(
+        label=part.label,
+        parent=parent,
+        pieces=pieces,
+        joint=snapped,
         needs=(*(need for need in needs if need < own), *sorted(need for need in needs if need > own)),
         fraction=int(np.abs(np.array(FRACTIONS) - fraction).argmin()),
     )
@@ -335,23 +305,19 @@ def _read_part(part: SketchPart, name: str, names: Sequence[str], *, stays: bool
     """The part; with ``stays``, a lid (a door that opens upwards and back) stays wherever it is left."""
     try:
         primitives = tuple(primitive for piece in part.pieces for primitive in build_primitives(piece))
-        motion = None if part.joint is None else _read_joint(part.joint)
     except ValueError as error:
         raise ValueError(f"part {name!r}: {error}") from error
+    motion = part.joint
     lifts = motion is not None and (motion.type, tuple(motion.axis)) == ("revolute", LEFT)
     if motion is not None and lifts and stays and part.label == "door":
         motion = replace(motion, stays=True)
-    needs = ()
-    if part.joint is not None:
-        fraction = FRACTIONS[part.joint.fraction]
-        needs = tuple(Need(part=names[index], fraction=fraction) for index in part.joint.needs)
     return ShapePart(
         name=name,
         label=part.label,
         parent=None if part.parent < 0 else names[part.parent],
         primitives=primitives,
         motion=motion,
-        needs=needs,
+        needs=tuple(Need(part=names[index], fraction=FRACTIONS[part.fraction]) for index in part.needs),
     )
 
 
@@ -362,17 +328,3 @@ def build_primitives(piece: Piece) -> tuple[Primitive, ...]:
         ValueError: If the numbers describe no solid.
     """
     return build_piece(to_metres(piece))
-
-
-def _read_joint(joint: SketchJoint) -> Joint:
-    x, y, z = (value * STEP for value in joint.origin)
-    upper = FULL_TURN if joint.type == "continuous" else joint.upper * HALF_DEGREE
-    if joint.type == "prismatic":
-        upper = joint.upper * STEP
-    return Joint(
-        type=joint.type,
-        axis=np.array(LINED[joint.axis]),
-        origin=np.array((x, y, z)),
-        upper=upper,
-        pitch=joint.travel * STEP / upper if joint.type == "screw" else 0.0,
-    )

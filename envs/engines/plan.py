@@ -9,8 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
+from artigen.types import Joint
 from sim_export.motion.kinematics import moved_links, required_openings
-from sim_export.package import PackageJoint, SimPackage
+from sim_export.package import SimPackage
 from sim_export.physics.inertia import combine, inertia_about
 
 from ..limits import joint_ends, limit_tolerance
@@ -114,7 +115,7 @@ def make_plan(folder: Path, package: SimPackage, steps: int = STEPS) -> EnginePl
     )
 
 
-def _task(package: SimPackage, joint: PackageJoint) -> JointTask:
+def _task(package: SimPackage, joint: Joint) -> JointTask:
     lower, upper = joint_ends(joint)
     span = upper - lower
     load = moved_load(package, joint)
@@ -126,9 +127,9 @@ def _task(package: SimPackage, joint: PackageJoint) -> JointTask:
         upper=upper,
         friction=joint.friction,
         damping=joint.damping,
-        mimic=joint.mimic,
-        multiplier=joint.mimic_multiplier,
-        offset=joint.mimic_offset,
+        mimic=joint.follows,
+        multiplier=joint.ratio,
+        offset=joint.offset,
         open=open_coordinates(package, joint),
         effort=PUSH_RATIO * joint.friction + joint.damping * speed + 2.0 * load * span / TRAVEL_SECONDS**2,
         speed=speed,
@@ -137,7 +138,7 @@ def _task(package: SimPackage, joint: PackageJoint) -> JointTask:
     )
 
 
-def open_coordinates(package: SimPackage, joint: PackageJoint) -> dict[str, float]:
+def open_coordinates(package: SimPackage, joint: Joint) -> dict[str, float]:
     """Coordinates of the joints that must be open before ``joint`` moves; requirements of unknown joints are
     ignored."""
     joints = []
@@ -148,7 +149,7 @@ def open_coordinates(package: SimPackage, joint: PackageJoint) -> dict[str, floa
     return required_openings(joint, joints, [need for need in package.requires_open if need.needs in names])
 
 
-def moved_load(package: SimPackage, joint: PackageJoint) -> float:
+def moved_load(package: SimPackage, joint: Joint) -> float:
     """Mass (kg) that a sliding joint moves, or inertia (kg m^2) about the axis of a turning one, at rest."""
     carried = [package.links[slot] for slot in moved_links(package.links, package.joints, joint)]
     known = [link.inertial for link in carried if link.inertial is not None]
@@ -160,10 +161,10 @@ def moved_load(package: SimPackage, joint: PackageJoint) -> float:
     return float(joint.axis @ inertia_about(moved, joint.origin) @ joint.axis)
 
 
-def _trial(joint: PackageJoint, load: float) -> FrictionTrial | None:
+def _trial(joint: Joint, load: float) -> FrictionTrial | None:
     """A trial in the middle of the range, for the time in which the joint crosses `TRIAL_SHARE`, at most a
     second."""
-    if joint.friction <= 0.0 or load <= 0.0 or joint.mimic is not None:
+    if joint.friction <= 0.0 or load <= 0.0 or joint.follows is not None:
         return None
     lower, upper = joint_ends(joint)
     net = (SLIP - 1.0) * joint.friction

@@ -3,10 +3,9 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from jaxtyping import Float
 
 from artigen.transforms import transform_points
-from sim_export.geometry.hulls import box_hull
+from sim_export.geometry.hulls import box_hull, move_hull
 from sim_export.motion.kinematics import driven_joints, hanging_links, link_displacements
 from sim_export.package import Hull
 
@@ -77,8 +76,3 @@ def plinth_under(entry: TaskObject) -> Hull:
     """The plinth of a raised object, in the object frame."""
     low, high = entry.bounds
     return box_hull(np.array([*low[:2], entry.floor]), np.array([*high[:2], low[2]]))
-
-
-def move_hull(hull: Hull, T: Float[np.ndarray, "4 4"]) -> Hull:
-    """Applies a rigid motion to a hull."""
-    return Hull(vertices=transform_points(T, hull.vertices), faces=hull.faces)

@@ -147,7 +147,7 @@ def _parse(scene: "ManiSkillScene", folder: Path) -> "ArticulationBuilder":
 def _hold_endless(builder: "ArticulationBuilder", package: SimPackage) -> None:
     """Replaces joints without limits, and what follows them, with fixed ones at rest."""
     held = {joint.name for joint in package.joints if joint.type == "continuous"}
-    held |= {joint.name for joint in package.joints if joint.mimic in held}
+    held |= {joint.name for joint in package.joints if joint.follows in held}
     for link in builder.link_builders:
         if link.joint_record.name in held:
             link.joint_record.joint_type = "fixed"

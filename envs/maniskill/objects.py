@@ -13,12 +13,12 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.errors import ArtigenError
-from artigen.types import PartLabel
+from artigen.types import Joint, PartLabel
 from sim_export.errors import PackageError
 from sim_export.files.folders import find_packages as package_folders
 from sim_export.files.read import read_package
 from sim_export.motion.kinematics import hanging_links, needed_fractions
-from sim_export.package import HandleAnnotation, Hull, PackageJoint, SimPackage
+from sim_export.package import HandleAnnotation, Hull, SimPackage
 from sim_export.report import report_from_json
 
 from ..folder_stamp import kept_until_written
@@ -53,7 +53,7 @@ class TaskPart:
 
     kind: PartLabel
     verb: Verb
-    joint: PackageJoint
+    joint: Joint
     handle: HandleAnnotation | None
     grip: Float[np.ndarray, "3"]
     moved: Float[np.ndarray, "V 3"]
@@ -198,12 +198,12 @@ def _describe(entry: TaskObject) -> str:
     return ", ".join(f"{name} {reason}" for name, reason in entry.left_out) or "no joint moves"
 
 
-def _unusable(joint: PackageJoint, label: PartLabel) -> str:
+def _unusable(joint: Joint, label: PartLabel) -> str:
     """Reason why a joint cannot be used, "" if it can."""
     if joint.kind == "screw":
         return "is part of a screw"
-    if joint.mimic is not None:
-        return f"follows {joint.mimic}"
+    if joint.follows is not None:
+        return f"follows {joint.follows}"
     if joint.type == "continuous":
         return "" if label in LATCH_LABELS else "turns without limits"
     if not joint.upper - joint.lower > 0.0:
@@ -233,7 +233,7 @@ def _handle_of(package: SimPackage, link: str, held: dict[str, HandleAnnotation]
     return None
 
 
-def _read_part(package: SimPackage, joint: PackageJoint, label: PartLabel) -> TaskPart:
+def _read_part(package: SimPackage, joint: Joint, label: PartLabel) -> TaskPart:
     links = {link.name: link for link in package.links}
     names = hanging_links(package.joints, joint.child)
     hulls = [hull.vertices for link in package.links if link.name in names for hull in link.hulls]
@@ -282,7 +282,7 @@ def _hulls_of_handle(hulls: tuple[Hull, ...], handle: HandleAnnotation) -> tuple
     return tuple(x for x in hulls if (x.vertices >= low).all() and (x.vertices <= high).all())
 
 
-def _edge_point(joint: PackageJoint, moved: np.ndarray) -> np.ndarray:
+def _edge_point(joint: Joint, moved: np.ndarray) -> np.ndarray:
     """Middle of a sliding part's leading face, or of a turning part's edge farthest from its axis."""
     if joint.type == "prismatic":
         reach = moved @ joint.axis

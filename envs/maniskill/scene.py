@@ -19,13 +19,14 @@ from mani_skill.utils.scene_builder.registration import register_scene_builder
 from mani_skill.utils.structs import Actor, Articulation
 from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
 
+from envs.rooms.file import read_room
+from envs.rooms.footprints import cached_package
+from envs.rooms.map import start_place
+from envs.rooms.room import Fixture, Room
+
 from .load import build_box, load_robot, place_robot
 from .mechanisms import mechanism_of
-from .rooms.file import read_room
-from .rooms.footprints import cached_package
-from .rooms.load import item_pose, load_item, load_placement
-from .rooms.map import start_place
-from .rooms.room import Fixture, Room
+from .room_objects import item_pose, load_item, load_placement
 
 Rooms = str | Path | Sequence[str | Path]
 AWAY = sapien.Pose(p=[0.0, -4.0, 0.0])

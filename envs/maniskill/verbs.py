@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.package import PackageJoint
+from artigen.types import Joint
 
 Verb = Literal["open", "turn", "press", "lift", "slide"]
 VERBS: tuple[Verb, ...] = ("open", "turn", "press", "lift", "slide")
@@ -16,7 +16,7 @@ MIDDLE = 0.25
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def grip_direction(joint: PackageJoint, grip: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+def grip_direction(joint: Joint, grip: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
     """Unit direction in which a point starts to move as the joint opens; zero on the axis itself."""
     if joint.type == "prismatic":
         return np.asarray(joint.axis)
@@ -25,7 +25,7 @@ def grip_direction(joint: PackageJoint, grip: Float[np.ndarray, "3"]) -> Float[n
 
 
 def verb_of(
-    joint: PackageJoint,
+    joint: Joint,
     label: str,
     grip: Float[np.ndarray, "3"],
     normal: Float[np.ndarray, "3"],

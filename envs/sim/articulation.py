@@ -9,7 +9,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
-from sim_export.package import PackageJoint, SimPackage
+from artigen.types import Joint
+from sim_export.package import SimPackage
 
 from .friction import apply_resistance, drive_follower, hold_chains, pull_spring
 from .mechanism import Mechanism
@@ -29,7 +30,7 @@ def prepare(builder: Any, package: SimPackage, own: int) -> SimPackage:
     """
     package = limit_screws(package)
     builder.mimic_joint_records.clear()
-    leaders = {joint.mimic for joint in package.joints if joint.mimic is not None}
+    leaders = {joint.follows for joint in package.joints if joint.follows is not None}
     limits = {joint.name: [[joint.lower, joint.upper]] for joint in package.joints if joint.name in leaders}
     for link in builder.link_builders:
         record = link.joint_record
@@ -56,7 +57,7 @@ def equip(
     specs = {prefix + joint.name: joint for joint in package.joints}
     for joint in articulation.active_joints:
         spec = specs[joint.name]
-        if spec.mimic is not None:
+        if spec.follows is not None:
             drive_follower(joint, spec, package)
         elif resistance == "package":
             apply_resistance(articulation, joint, spec)
@@ -98,14 +99,14 @@ def act_before_steps(scene: Any, act: Callable[[Any], None]) -> None:
 
 def limit_screws(package: SimPackage) -> SimPackage:
     """Limits every screw's turn to the ends of its thread."""
-    followers = {joint.mimic: joint for joint in package.joints if joint.mimic is not None}
+    followers = {joint.follows: joint for joint in package.joints if joint.follows is not None}
 
-    def limit(joint: PackageJoint) -> PackageJoint:
+    def limit(joint: Joint) -> Joint:
         follower = followers.get(joint.name)
-        if follower is None or joint.type != "continuous" or follower.mimic_multiplier == 0.0:
+        if follower is None or joint.type != "continuous" or follower.ratio == 0.0:
             return joint
-        travel = (follower.lower - follower.mimic_offset, follower.upper - follower.mimic_offset)
-        ends = sorted(end / follower.mimic_multiplier for end in travel)
+        travel = (follower.lower - follower.offset, follower.upper - follower.offset)
+        ends = sorted(end / follower.ratio for end in travel)
         return replace(joint, type="revolute", lower=ends[0], upper=ends[1])
 
     return replace(package, joints=tuple(limit(joint) for joint in package.joints))

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim_export.package import PackageJoint, SimPackage
+from artigen.types import Joint
+from sim_export.package import SimPackage
 from sim_export.physics.inertia import inertia_about, subtree_inertial
 
 if TYPE_CHECKING:
@@ -33,9 +34,7 @@ FREQUENCY = 1000.0
 frequency^2 at most, a hundredth of a millimetre."""
 
 
-def apply_resistance(
-    articulation: "PhysxArticulation", joint: "PhysxArticulationJoint", spec: PackageJoint
-) -> None:
+def apply_resistance(articulation: "PhysxArticulation", joint: "PhysxArticulationJoint", spec: Joint) -> None:
     """Applies a package's friction, damping and maximum speed to one of its joints; a joint with neither
     friction nor damping is left to the engine."""
     if spec.friction == 0.0 and spec.damping == 0.0:
@@ -91,7 +90,7 @@ def hold_chains(articulation: "PhysxArticulation", package: SimPackage) -> None:
         articulation.set_solver_position_iterations(CHAIN_ITERATIONS)
 
 
-def drive_follower(engine: "PhysxArticulationJoint", joint: PackageJoint, package: SimPackage) -> None:
+def drive_follower(engine: "PhysxArticulationJoint", joint: Joint, package: SimPackage) -> None:
     """Gives a follower a critically damped position drive; its target is set at every step."""
     moved = subtree_inertial(package.links, package.joints, joint.child)
     turning = float(joint.axis @ inertia_about(moved, joint.origin) @ joint.axis)
@@ -100,7 +99,7 @@ def drive_follower(engine: "PhysxArticulationJoint", joint: PackageJoint, packag
     engine.set_drive_properties(moment * FREQUENCY**2, 2.0 * moment * FREQUENCY)
 
 
-def pull_spring(engine: "PhysxArticulationJoint", joint: PackageJoint, q: float) -> None:
+def pull_spring(engine: "PhysxArticulationJoint", joint: Joint, q: float) -> None:
     """Applies the spring force of a joint at the coordinate ``q`` (rad or m) to both links for one step."""
     effort = joint.pull(q)
     pose = engine.global_pose

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
+from artigen.types import Joint
+from sim_export.package import HandleAnnotation, SimPackage
 
 from ..limits import joint_ends, rest_coordinate
 from .mechanism import Mechanism
@@ -33,7 +34,7 @@ class LinkLoad:
 class LoadedJoint:
     """A joint with its engine counterpart; ``index`` is its position in the articulation's ``qpos``."""
 
-    spec: PackageJoint
+    spec: Joint
     index: int
     label: str | None
     handle: HandleAnnotation | None

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from artigen.types import Joint
 from sim_export.errors import PackageError
-from sim_export.package import PackageJoint, SimPackage
+from sim_export.package import SimPackage
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +34,7 @@ class Spring:
     """A joint with a spring, and its column of the joint vector."""
 
     column: int
-    spec: PackageJoint
+    spec: Joint
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,26 +70,26 @@ def find_mechanism(package: SimPackage, names: Sequence[str], held: Collection[s
     specs = {joint.name: joint for joint in package.joints}
     moving = [specs[name] for name in names]
     return Mechanism(
-        followers=tuple(_trace(spec, specs, columns) for spec in moving if spec.mimic is not None),
+        followers=tuple(_trace(spec, specs, columns) for spec in moving if spec.follows is not None),
         springs=tuple(
             Spring(column=columns[spec.name], spec=spec)
             for spec in moving
-            if spec.mimic is None and spec.spring != 0.0 and spec.name not in held
+            if spec.follows is None and spec.spring != 0.0 and spec.name not in held
         ),
     )
 
 
-def _trace(spec: PackageJoint, specs: dict[str, PackageJoint], columns: dict[str, int]) -> Follower:
+def _trace(spec: Joint, specs: dict[str, Joint], columns: dict[str, int]) -> Follower:
     """A follower and the joint that leads it, over any number of followers between them."""
     multiplier, offset, at, seen = 1.0, 0.0, spec, {spec.name}
-    while at.mimic is not None:
-        offset += multiplier * at.mimic_offset
-        multiplier *= at.mimic_multiplier
-        if at.mimic in seen or at.mimic not in columns:
-            why = "which follows it" if at.mimic in seen else "which does not move"
+    while at.follows is not None:
+        offset += multiplier * at.offset
+        multiplier *= at.ratio
+        if at.follows in seen or at.follows not in columns:
+            why = "which follows it" if at.follows in seen else "which does not move"
             raise PackageError(
-                f"joint {spec.name!r} follows {at.mimic!r}, {why}; let it follow a joint that moves by itself"
+                f"joint {spec.name!r} follows {at.follows!r}, {why}; let it follow one that moves by itself"
             )
-        seen.add(at.mimic)
-        at = specs[at.mimic]
+        seen.add(at.follows)
+        at = specs[at.follows]
     return Follower(column=columns[spec.name], leader=columns[at.name], multiplier=multiplier, offset=offset)

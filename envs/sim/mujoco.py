@@ -43,7 +43,7 @@ class MujocoPackage:
         import mujoco
 
         specs = {joint.name: joint for joint in self.package.joints}
-        free = [name for name in self.names if specs[name].mimic is None]
+        free = [name for name in self.names if specs[name].follows is None]
         for name in coordinates or {}:
             if name not in free:
                 known = ", ".join(free) or "none"

@@ -78,7 +78,7 @@ def load_package(
     if mechanism:
         act_before_steps(scene, partial(_act, articulation, mechanism))
     order = [joint.name for joint in package.joints]
-    moving = [joint for joint in joints if joint.spec.mimic is None]
+    moving = [joint for joint in joints if joint.spec.follows is None]
     moving.sort(key=lambda joint: order.index(joint.spec.name))
     return LoadedPackage(
         package=package,
@@ -156,7 +156,9 @@ def _match_joints(articulation: "PhysxArticulation", package: SimPackage) -> tup
         handles.setdefault(handle.link, handle)
     # A screw's turning joint moves the intermediate link; the labelled part with its handle follows.
     held = {spec.name: spec.child for spec in package.joints}
-    held |= {spec.mimic: spec.child for spec in package.joints if spec.mimic is not None and spec.is_travel}
+    held |= {
+        spec.follows: spec.child for spec in package.joints if spec.follows is not None and spec.is_travel
+    }
     strangers = [joint.name for joint in articulation.active_joints if joint.name not in specs]
     if strangers:
         raise PackageError(f"package {package.name!r}: SAPIEN has joints {strangers} that the package lacks")

@@ -24,6 +24,7 @@ SIDECARS = (
     "meta.json",
     "mobility_v2.json",
     "physics.json",
+    "materials.json",
     "provenance.json",
     "semantics.txt",
 )
@@ -151,15 +152,11 @@ def _mjcf_files(subject: Subject, name: str, problems: Problems) -> set[str]:
 
 def check_joint_types(subject: Subject, cfg: CheckConfig) -> Finding:
     """V004: only joint types that every engine supports."""
-    problems = [
-        (
-            joint.name,
-            f"joint {joint.name!r} has type {joint.type!r}, allowed are {', '.join(URDF_JOINT_TYPES)}",
-        )
-        for joint in subject.urdf.joints
-        if joint.type not in URDF_JOINT_TYPES
-    ]
-    return count_problems(problems, f"{len(subject.urdf.joints)} joints of known types")
+    unknown = [joint for joint in subject.urdf.joints if joint.type not in URDF_JOINT_TYPES]
+    allowed = ", ".join(URDF_JOINT_TYPES)
+    problems = [(j.name, f"joint {j.name!r} has type {j.type!r}, allowed are {allowed}") for j in unknown]
+    fine = f"{len(subject.urdf.joints)} joints of known types"
+    return count_problems(problems, fine, [joint.child for joint in unknown])
 
 
 def _moving(subject: Subject) -> list[UrdfJoint]:
@@ -174,17 +171,16 @@ def has_moving_joints(subject: Subject) -> str:
 def check_limits(subject: Subject, cfg: CheckConfig) -> Finding:
     """V005: finite limits with lower limit 0, unit axes, and ranges that fit the object."""
     problems: Problems = []
+    links = []
     for joint in _moving(subject):
-        length = float(np.linalg.norm(joint.axis))
+        length, faults = float(np.linalg.norm(joint.axis)), []
         if not abs(length - 1.0) <= cfg.axis_tolerance:
-            problems.append(
-                (joint.name, f"joint {joint.name!r} has an axis of length {length:.9g}, expected 1")
-            )
+            faults.append(f"has an axis of length {length:.9g}, expected 1")
         if joint.type in ("revolute", "prismatic"):
-            problems += [
-                (joint.name, f"joint {joint.name!r} {text}") for text in _range_faults(subject, joint, cfg)
-            ]
-    return count_problems(problems, f"limits and axes of {len(_moving(subject))} joints are sound")
+            faults += _range_faults(subject, joint, cfg)
+        problems += [(joint.name, f"joint {joint.name!r} {text}") for text in faults]
+        links += [joint.child] if faults else []
+    return count_problems(problems, f"limits and axes of {len(_moving(subject))} joints are sound", links)
 
 
 def _range_faults(subject: Subject, joint: UrdfJoint, cfg: CheckConfig) -> list[str]:
@@ -219,7 +215,8 @@ def check_counts(subject: Subject, cfg: CheckConfig) -> Finding:
     ]
     count, limit, what, where = max(counts, key=lambda entry: entry[0] / entry[1])
     message = ", ".join(f"{n} of at most {most} {name}" for n, most, name, _ in counts)
-    return at_most(count, limit, what.split()[0], where=where, message=message)
+    many = [link.name for link in links if len(link.collisions) > cfg.max_hulls_per_link] or [worst.name]
+    return at_most(count, limit, what.split()[0], where=where, message=message, links=many)
 
 
 def is_package(subject: Subject) -> str:
@@ -265,6 +262,7 @@ def check_mass(subject: Subject, cfg: CheckConfig) -> Finding:
         unit="kg",
         where=where,
         message=message,
+        links=tuple(sorted(name for name in masses if not distance[name] <= 1.0)),
     )
 
 
@@ -282,7 +280,8 @@ def check_inertia(subject: Subject, cfg: CheckConfig) -> Finding:
         if not outside <= cfg.com_tolerance:
             faults.append(f"has its centre of mass {1e3 * outside:.3g} mm outside its convex hull")
         problems += [(link.name, f"link {link.name!r} {fault}") for fault in faults]
-    return count_problems(problems, f"inertia of {len(_solid_links(subject))} links is physical")
+    fine = f"inertia of {len(_solid_links(subject))} links is physical"
+    return count_problems(problems, fine, [name for name, _ in problems])
 
 
 def _inertia_faults(inertial: UrdfInertial, cfg: CheckConfig) -> list[str]:

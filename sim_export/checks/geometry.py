@@ -1,5 +1,6 @@
 """L1, the shapes: closed and textured visuals, convex hulls, nothing detached (V101, V102, V104 to V107)."""
 
+from dataclasses import replace
 from pathlib import PurePosixPath
 
 import numpy as np
@@ -31,16 +32,35 @@ def own_visuals(subject: Subject) -> str:
 
 def check_visuals(subject: Subject, cfg: CheckConfig) -> Finding:
     """V101: visual meshes are closed, oriented outwards, free of slivers and of moderate size."""
-    problems = []
-    for shape in subject.visuals:
-        problems += [(shape.file, f"{shape.file}: {fault}") for fault in mesh_faults(shape, cfg)]
+    problems, links = [], []
+    for shape, joined in whole_visuals(subject):
+        faults = mesh_faults(shape, cfg, joined=joined)
+        problems += [(shape.file, f"{shape.file}: {fault}") for fault in faults]
+        links += [shape.link] if faults else []
     if not subject.visuals:
         problems.append(("", "no link has a visual mesh"))
-    return count_problems(problems, f"{len(subject.visuals)} visual meshes are closed and well shaped")
+    return count_problems(problems, f"{len(subject.visuals)} visual meshes are closed and well shaped", links)
 
 
-def mesh_faults(shape: Shape, cfg: CheckConfig) -> list[str]:
-    """Faults of one visual mesh, one sentence each."""
+def whole_visuals(subject: Subject) -> list[tuple[Shape, bool]]:
+    """The visual meshes, and whether they are joined of several: those of one part that show it by its
+    finishes (``NAME``, ``NAME-1``, ...)."""
+    groups: dict[str, list[Shape]] = {}
+    for shape in subject.visuals:
+        groups.setdefault(shape.file.removesuffix(".obj").partition("-")[0], []).append(shape)
+    whole = []
+    for shapes in groups.values():
+        starts = np.cumsum([0, *(len(shape.vertices) for shape in shapes)])
+        faces = [shape.faces + start for shape, start in zip(shapes, starts, strict=False)]
+        vertices = [shape.vertices for shape in shapes]
+        joined = replace(shapes[0], vertices=np.concatenate(vertices), faces=np.concatenate(faces))
+        whole.append((joined, True) if len(shapes) > 1 else (shapes[0], False))
+    return whole
+
+
+def mesh_faults(shape: Shape, cfg: CheckConfig, *, joined: bool = False) -> list[str]:
+    """Faults of one visual mesh, one sentence each. Where ``joined`` of several, bodies that touch in a point
+    share it, so their Euler numbers say nothing."""
     faces = shape.faces
     if not len(faces):
         return ["has no faces"]
@@ -54,7 +74,8 @@ def mesh_faults(shape: Shape, cfg: CheckConfig) -> list[str]:
     if open_edges:
         faults.append(f"is open or wound inconsistently along {open_edges} edges")
     else:
-        faults += _topology_faults(shape, faces)
+        faults += [] if joined else _euler_faults(faces)
+        faults += _volume_faults(shape, faces)
     slivers = int(find_slivers(shape.triangles, cfg.sliver_ratio).sum())
     allowed = int(np.ceil(cfg.max_sliver_share * len(shape.faces)))
     if slivers > allowed:
@@ -62,15 +83,18 @@ def mesh_faults(shape: Shape, cfg: CheckConfig) -> list[str]:
     return faults
 
 
-def _topology_faults(shape: Shape, faces: np.ndarray) -> list[str]:
+def _euler_faults(faces: np.ndarray) -> list[str]:
     euler = euler_numbers(faces)
     bad = euler[(euler > 2) | (euler % 2 != 0)]
-    faults = [f"has a piece with Euler number {int(bad[0])}, which no closed surface has"] if len(bad) else []
+    return [f"has a piece with Euler number {int(bad[0])}, which no closed surface has"] if len(bad) else []
+
+
+def _volume_faults(shape: Shape, faces: np.ndarray) -> list[str]:
     corners = shape.vertices[faces]
     volume = float(np.einsum("fi,fi->", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2]) / 6.0)
     if volume <= 0.0:
-        faults.append(f"encloses {1e3 * volume:.3g} litres: it is wound inwards or flat")
-    return faults
+        return [f"encloses {1e3 * volume:.3g} litres: it is wound inwards or flat"]
+    return []
 
 
 def count_open_edges(faces: np.ndarray) -> int:
@@ -111,14 +135,16 @@ def has_collision(subject: Subject) -> str:
 
 def check_hulls(subject: Subject, cfg: CheckConfig) -> Finding:
     """V102: every collision shape is one convex hull that PhysX accepts unchanged, also on a GPU."""
-    problems = []
+    problems, links = [], []
     for shape, hull in zip(subject.collisions, subject.hulls, strict=True):
-        where = f"{shape.link}: {shape.file}"
-        problems += [(where, f"{where} {fault}") for fault in hull_faults(shape, hull, cfg)]
+        where, faults = f"{shape.link}: {shape.file}", hull_faults(shape, hull, cfg)
+        problems += [(where, f"{where} {fault}") for fault in faults]
+        links += [shape.link] if faults else []
     for name, link in subject.links.items():
         if link.visuals and not link.collisions:
             problems.append((name, f"link {name!r} is visible but has no collision geometry"))
-    return count_problems(problems, f"{len(subject.hulls)} hulls are convex, compact and thick enough")
+            links.append(name)
+    return count_problems(problems, f"{len(subject.hulls)} hulls are convex, compact and thick enough", links)
 
 
 def hull_faults(shape: Shape, hull: Hull | None, cfg: CheckConfig) -> list[str]:
@@ -170,14 +196,16 @@ def check_attached(subject: Subject, cfg: CheckConfig) -> Finding:
         if hulls.hulls and parent is not None:
             gaps[name] = rest_gap(hulls, subject.hull_sets[parent], cfg.max_gap, subject.diagonal)
     where = max(gaps, key=lambda name: gaps[name])
+    apart = [name for name, gap in gaps.items() if gap > cfg.max_gap + _FILE_PRECISION]
     return Finding(
-        passed=gaps[where] <= cfg.max_gap + _FILE_PRECISION,
+        passed=not apart,
         value=gaps[where],
         threshold=cfg.max_gap,
         unit="m",
         where=where,
         message=f"link {where!r} is {1e3 * max(gaps[where], 0.0):.3g} mm from {carrier(subject, where)!r}, "
         f"allowed is {1e3 * cfg.max_gap:g} mm",
+        links=tuple(sorted(apart)),
     )
 
 
@@ -202,7 +230,7 @@ def check_floor(subject: Subject, cfg: CheckConfig) -> Finding:
         f"the lowest collision point is {1e3 * (felt - seen[0]):+.3g} mm from the lowest visual one, "
         f"allowed is {1e3 * cfg.max_floor_gap:g} mm"
     )
-    return at_most(gap, cfg.max_floor_gap, "m", where=seen[1], message=message)
+    return at_most(gap, cfg.max_floor_gap, "m", where=seen[1], message=message, links=seen[1:])
 
 
 def check_islands(subject: Subject, cfg: CheckConfig) -> Finding:
@@ -219,7 +247,8 @@ def check_islands(subject: Subject, cfg: CheckConfig) -> Finding:
             gaps.append((gap, link, said))
     gap, where, said = max(gaps)
     message = f"{said}, allowed is {1e3 * cfg.max_island:g} mm"
-    return at_most(gap, cfg.max_island, "m", where=where, message=message)
+    apart = [link for far, link, _ in gaps if far > cfg.max_island]
+    return at_most(gap, cfg.max_island, "m", where=where, message=message, links=apart)
 
 
 def has_texture(subject: Subject) -> str:
@@ -246,7 +275,10 @@ def check_texture(subject: Subject, cfg: CheckConfig) -> Finding:
         f"{where}: {100 * shares[where]:.4g} % of the area shows a color of the texture, "
         f"at least {100 * cfg.min_texture_coverage:g} % must"
     )
-    return at_least(shares[where], cfg.min_texture_coverage, "of the area", where=where, message=message)
+    low = [shape.link for shape in subject.visuals if shares.get(shape.file, 1.0) < cfg.min_texture_coverage]
+    return at_least(
+        shares[where], cfg.min_texture_coverage, "of the area", where=where, message=message, links=low
+    )
 
 
 def _image_of(subject: Subject, shape: Shape) -> str:
@@ -266,13 +298,12 @@ def _shown(shape: Shape, image: np.ndarray) -> float:
     placed = (faces >= 0).all(axis=1)
     uv = np.zeros((len(faces), 3, 2))
     uv[placed] = shape.obj.coords[faces[placed]]
-    placed &= (uv >= -1e-6).all(axis=(1, 2)) & (uv <= 1.0 + 1e-6).all(axis=(1, 2))
     a, b = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
     placed &= np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) > 1e-12
     height, width = image.shape[:2]
     at = np.einsum("sc,fcd->fsd", _SPOTS, uv)
-    column = np.clip((at[..., 0] * width).astype(np.int64), 0, width - 1)
-    row = np.clip(((1.0 - at[..., 1]) * height).astype(np.int64), 0, height - 1)
+    column = np.floor(at[..., 0] * width).astype(np.int64) % width
+    row = np.floor((1.0 - at[..., 1]) * height).astype(np.int64) % height
     lit = (image[row, column, :3] > 0).any(axis=2).mean(axis=1)
     return float((area * placed * lit).sum() / max(area.sum(), 1e-12))
 

@@ -11,12 +11,12 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import frame_along
+from artigen.types import Joint
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.opening import PARALLEL, opening_joints, panel_points, thin_direction, velocity_at
 from sim_export.checks.registry import CheckSpec, Finding, at_most
 from sim_export.checks.subject import Shape, Subject
 from sim_export.geometry.grid import Grid, column_crossings
-from sim_export.package import PackageJoint
 
 _COLUMNS = 48
 _DIRECTIONS = np.radians(np.arange(0.0, 180.0, 5.0))
@@ -32,7 +32,7 @@ class Grip:
     protrusion: float
 
 
-def handle_joints(subject: Subject) -> list[PackageJoint]:
+def handle_joints(subject: Subject) -> list[Joint]:
     """Joints of doors and drawers; wheels, knobs and buttons are themselves grasped, and trays are lifted."""
     return opening_joints(subject, ("drawer", "door"), ("prismatic", "revolute"))
 
@@ -75,7 +75,8 @@ def check_handles(subject: Subject, cfg: CheckConfig) -> Finding:
             ratios[name] = min(judge_grip(grip, name, cfg) for grip in grips)
     where = max(ratios, key=lambda name: ratios[name][0])
     ratio, message = ratios[where]
-    return at_most(float(min(ratio, 1e3)), 1.0, "of the allowed", where=where, message=message)
+    hard = [name for name, (ratio, _) in ratios.items() if ratio > 1.0]
+    return at_most(float(min(ratio, 1e3)), 1.0, "of the allowed", where=where, message=message, links=hard)
 
 
 def judge_grip(grip: Grip, name: str, cfg: CheckConfig) -> tuple[float, str]:
@@ -94,7 +95,7 @@ def judge_grip(grip: Grip, name: str, cfg: CheckConfig) -> tuple[float, str]:
     return min(hook, pinch), text
 
 
-def measure_grip(subject: Subject, joint: PackageJoint, handle: Shape) -> Grip:
+def measure_grip(subject: Subject, joint: Joint, handle: Shape) -> Grip:
     """Measures a handle against the rest of its link, along the approach direction of the hand."""
     center = (handle.vertices.min(axis=0) + handle.vertices.max(axis=0)) / 2.0
     out = way_out(subject, joint, center)
@@ -110,7 +111,7 @@ def measure_grip(subject: Subject, joint: PackageJoint, handle: Shape) -> Grip:
     return Grip(front=front, clearance=clearance, width=width, protrusion=protrusion)
 
 
-def way_out(subject: Subject, joint: PackageJoint, center: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+def way_out(subject: Subject, joint: Joint, center: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
     """Outward direction at a handle: its first motion, or the panel normal for a door that slides in its
     plane."""
     way = velocity_at(joint, center[None])[0]

@@ -37,10 +37,11 @@ _LEAST_CUBE = 3
 
 @dataclass(frozen=True, kw_only=True)
 class Measure:
-    """One of the four quantities of V103, as a share of what is allowed (above 1 fails)."""
+    """One of the four quantities of V103, as a share of what is allowed (above 1 fails), and the links that
+    make it so."""
 
     ratio: float
-    where: str
+    links: tuple[str, ...]
     text: str
 
 
@@ -70,11 +71,12 @@ def check_likeness(subject: Subject, cfg: CheckConfig) -> Finding:
         if subject.labels.get(name) != "wheel"  # one cylinder, so that it rolls
         for measure in _kept_cavity(cfg, grid, name, volume)
     ]
+    beyond = {link for one in (*measures, *cavities) if one.ratio > 1.0 for link in one.links}
     if cavities:
         measures.append(max(cavities, key=lambda measure: measure.ratio))
     worst = max(measures, key=lambda measure: measure.ratio)
-    message = "; ".join(measure.text for measure in measures)
-    return at_most(worst.ratio, 1.0, "of the allowed", where=worst.where, message=message)
+    message, where = "; ".join(measure.text for measure in measures), ", ".join(worst.links)
+    return at_most(worst.ratio, 1.0, "of the allowed", where=where, message=message, links=beyond)
 
 
 def _distances(
@@ -119,13 +121,13 @@ def _distances(
     return [
         Measure(
             ratio=farthest / (cfg.max_hausdorff * size),
-            where=", ".join(far),
+            links=tuple(far),
             text=f"surfaces differ by at most {100 * farthest / size:.2g} % of the diagonal "
             f"(allowed {100 * cfg.max_hausdorff:g} %)",
         ),
         Measure(
             ratio=p99 / (cfg.max_p99 * size),
-            where=", ".join(many),
+            links=tuple(many),
             text=f"99 % of them by less than {100 * p99 / size:.2g} % (allowed {100 * cfg.max_p99:g} %)",
         ),
     ]
@@ -172,7 +174,7 @@ def _volume_overlap(cfg: CheckConfig, grid: Grid, volumes: list[Volumes]) -> Mea
     iou = np.count_nonzero(visual & solid) / union if union else 0.0
     return Measure(
         ratio=(1.0 - iou) / (1.0 - cfg.min_iou),
-        where="",
+        links=(),
         text=f"volumes overlap by {iou:.3f} of their union (at least {cfg.min_iou:g})",
     )
 
@@ -190,7 +192,7 @@ def _kept_cavity(cfg: CheckConfig, grid: Grid, name: str, volume: Volumes) -> li
     return [
         Measure(
             ratio=(1.0 - kept) / (1.0 - cfg.min_free_kept),
-            where=name,
+            links=(name,),
             text=f"{100 * kept:.3g} % of the {litres:.3g} litres inside {name!r} stay free "
             f"(at least {100 * cfg.min_free_kept:g} %)",
         )

@@ -6,13 +6,14 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from artigen.transforms import line_distance
+from artigen.types import Joint
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, at_least, count_problems
 from sim_export.checks.subject import Subject
 from sim_export.geometry.hulls import hull_planes, hull_triangles
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.motion.held_drawers import held_length
-from sim_export.package import Hull, PackageJoint
+from sim_export.package import Hull
 
 _SIGHT_LINES = 400
 _FIRST_TURN = 1.0
@@ -23,7 +24,7 @@ _TWIN_SIZE = 0.05
 _TWIN_AXIS_DEGREES = 5.0
 
 
-def opening_joints(subject: Subject, labels: tuple[str, ...], types: tuple[str, ...]) -> list[PackageJoint]:
+def opening_joints(subject: Subject, labels: tuple[str, ...], types: tuple[str, ...]) -> list[Joint]:
     """Joints of given types whose child link has one of the labels and collision geometry."""
     return [
         joint
@@ -34,7 +35,7 @@ def opening_joints(subject: Subject, labels: tuple[str, ...], types: tuple[str, 
     ]
 
 
-def panel_joints(subject: Subject) -> list[PackageJoint]:
+def panel_joints(subject: Subject) -> list[Joint]:
     """Sliding drawers and hinged doors with limits; sliding doors and spinning caps are excluded."""
     return opening_joints(subject, ("drawer",), ("prismatic",)) + opening_joints(
         subject, ("door",), ("revolute",)
@@ -46,7 +47,7 @@ def has_panels(subject: Subject) -> str:
     return "" if panel_joints(subject) else "no drawer slides and no door turns between limits"
 
 
-def velocity_at(joint: PackageJoint, points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
+def velocity_at(joint: Joint, points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
     """Velocity of points at rest for one unit of joint velocity (m per rad or per m)."""
     if joint.type == "prismatic":
         return np.broadcast_to(joint.axis, points.shape)
@@ -55,21 +56,18 @@ def velocity_at(joint: PackageJoint, points: Float[np.ndarray, "N 3"]) -> Float[
 
 def check_opening(subject: Subject, cfg: CheckConfig) -> Finding:
     """V203: opening leads out of the body, and a hinge lies at the edge of its door."""
-    problems = []
+    problems, links = [], []
     for joint in panel_joints(subject):
-        problems += [
-            (joint.name, f"joint {joint.name!r} {fault}") for fault in _direction_faults(subject, joint, cfg)
-        ]
+        faults = _direction_faults(subject, joint, cfg)
         if joint.type == "revolute":
-            problems += [
-                (joint.name, f"joint {joint.name!r} {fault}") for fault in _hinge_faults(subject, joint, cfg)
-            ]
-    return count_problems(
-        problems, f"{len(panel_joints(subject))} doors and drawers open outwards from their edges"
-    )
+            faults += _hinge_faults(subject, joint, cfg)
+        problems += [(joint.name, f"joint {joint.name!r} {fault}") for fault in faults]
+        links += [joint.child] if faults else []
+    fine = f"{len(panel_joints(subject))} doors and drawers open outwards from their edges"
+    return count_problems(problems, fine, links)
 
 
-def _direction_faults(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> list[str]:
+def _direction_faults(subject: Subject, joint: Joint, cfg: CheckConfig) -> list[str]:
     """Compares the shares of sight lines that the body blocks in the opening and in the opposite direction.
 
     If the shares are equal (an empty frame), the handle must lead the motion.
@@ -142,7 +140,7 @@ class Panel:
     hinge: float
 
 
-def door_panel(subject: Subject, joint: PackageJoint) -> Panel | None:
+def door_panel(subject: Subject, joint: Joint) -> Panel | None:
     """The door's extent across its hinge axis; None if the axis is perpendicular to the panel."""
     points = panel_points(subject, joint.child)
     centered = points - (points.min(axis=0) + points.max(axis=0)) / 2.0
@@ -176,7 +174,7 @@ def hinge_offset(panel: Panel, cfg: CheckConfig) -> tuple[float, float]:
     return off, max(cfg.max_edge_ratio * (panel.high - panel.low), panel.thickness / 2.0)
 
 
-def _hinge_faults(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> list[str]:
+def _hinge_faults(subject: Subject, joint: Joint, cfg: CheckConfig) -> list[str]:
     panel = door_panel(subject, joint)
     if panel is None:
         return []
@@ -189,7 +187,7 @@ def _hinge_faults(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> li
     ]
 
 
-def door_pairs(subject: Subject) -> list[tuple[PackageJoint, PackageJoint]]:
+def door_pairs(subject: Subject) -> list[tuple[Joint, Joint]]:
     """Pairs of doors with one parent and equal size, side by side, hinged on opposite sides about parallel
     axes."""
     doors = opening_joints(subject, ("door",), ("revolute",))
@@ -201,7 +199,7 @@ def door_pairs(subject: Subject) -> list[tuple[PackageJoint, PackageJoint]]:
     ]
 
 
-def _mirror_normal(subject: Subject, first: PackageJoint, second: PackageJoint) -> np.ndarray | None:
+def _mirror_normal(subject: Subject, first: Joint, second: Joint) -> np.ndarray | None:
     """Normal of the mirror plane between two doors; None if they are not a pair."""
     boxes = [subject.hull_sets[joint.child].vertices for joint in (first, second)]
     low, high = (np.stack([f(points, axis=0) for points in boxes]) for f in (np.min, np.max))
@@ -232,7 +230,7 @@ def has_pairs(subject: Subject) -> str:
 
 def check_pairs(subject: Subject, cfg: CheckConfig) -> Finding:
     """V205: the two leaves of a double door open as mirror images."""
-    angles = {}
+    angles, leaves = {}, {}
     for first, second in door_pairs(subject):
         normal = _mirror_normal(subject, first, second)
         assert normal is not None
@@ -245,9 +243,9 @@ def check_pairs(subject: Subject, cfg: CheckConfig) -> Finding:
             way = velocity_at(joint, beside[None])[0]
             ways.append(way / max(float(np.linalg.norm(way)), 1e-12))
         mirrored = ways[0] - 2.0 * (ways[0] @ normal) * normal
-        angles[f"{first.name} and {second.name}"] = float(
-            np.degrees(np.arccos(np.clip(mirrored @ ways[1], -1, 1)))
-        )
+        pair = f"{first.name} and {second.name}"
+        angles[pair] = float(np.degrees(np.arccos(np.clip(mirrored @ ways[1], -1, 1))))
+        leaves[pair] = first.child, second.child
     where = max(angles, key=lambda name: angles[name])
     return Finding(
         passed=angles[where] < 90.0,  # hinges are parallel: they agree, or are opposite
@@ -256,6 +254,7 @@ def check_pairs(subject: Subject, cfg: CheckConfig) -> Finding:
         unit="degrees",
         where=where,
         message=f"{where} open {angles[where]:.3g} degrees from mirrored directions",
+        links=tuple(sorted({link for pair in angles if angles[pair] >= 90.0 for link in leaves[pair]})),
     )
 
 
@@ -279,7 +278,10 @@ def check_retained(subject: Subject, cfg: CheckConfig) -> Finding:
         f"joint {where!r} leaves {100 * shares[where]:.3g} % of its drawer's depth inside when open, "
         f"at least {100 * cfg.min_retained:g} % must stay"
     )
-    return at_least(shares[where], cfg.min_retained, "of the depth", where=where, message=message)
+    loose = [joint.child for joint in subject.driven if shares.get(joint.name, 1.0) < cfg.min_retained]
+    return at_least(
+        shares[where], cfg.min_retained, "of the depth", where=where, message=message, links=loose
+    )
 
 
 OPENING_CHECKS = (

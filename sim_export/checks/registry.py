@@ -1,8 +1,8 @@
 """Registry and runner of checks: each returns a verdict, and none can abort the suite."""
 
 import logging
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 from artigen.errors import ArtigenError
@@ -15,7 +15,7 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """Measurement and verdict of a check."""
+    """Measurement and verdict of a check; ``links`` are those that fail it."""
 
     passed: bool
     value: float | None
@@ -23,6 +23,7 @@ class Finding:
     unit: str
     where: str
     message: str
+    links: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,22 +42,32 @@ def always(subject: Subject) -> str:
     return ""
 
 
-def at_most(value: float, limit: float, unit: str, *, where: str, message: str) -> Finding:
-    """A finding that passes up to a limit."""
+def at_most(
+    value: float, limit: float, unit: str, *, where: str, message: str, links: Iterable[str] = ()
+) -> Finding:
+    """A finding that passes up to a limit; ``links`` are those beyond it."""
     return Finding(
-        passed=value <= limit, value=value, threshold=limit, unit=unit, where=where, message=message
+        passed=value <= limit,
+        value=value,
+        threshold=limit,
+        unit=unit,
+        where=where,
+        message=message,
+        links=() if value <= limit else tuple(sorted(set(links))),
     )
 
 
-def at_least(value: float, limit: float, unit: str, *, where: str, message: str) -> Finding:
-    """A finding that passes from a limit on."""
-    return Finding(
-        passed=value >= limit, value=value, threshold=limit, unit=unit, where=where, message=message
+def at_least(
+    value: float, limit: float, unit: str, *, where: str, message: str, links: Iterable[str] = ()
+) -> Finding:
+    """A finding that passes from a limit on; ``links`` are those below it."""
+    return replace(
+        at_most(-value, -limit, unit, where=where, message=message, links=links), value=value, threshold=limit
     )
 
 
-def count_problems(problems: Sequence[tuple[str, str]], fine: str) -> Finding:
-    """A finding that counts (location, sentence) pairs; none are allowed."""
+def count_problems(problems: Sequence[tuple[str, str]], fine: str, links: Iterable[str] = ()) -> Finding:
+    """A finding that counts (location, sentence) pairs, which ``links`` have; none are allowed."""
     if not problems:
         return Finding(passed=True, value=0.0, threshold=0.0, unit="problems", where="", message=fine)
     where, sentence = problems[0]
@@ -68,6 +79,7 @@ def count_problems(problems: Sequence[tuple[str, str]], fine: str) -> Finding:
         unit="problems",
         where=where,
         message=sentence + more,
+        links=tuple(sorted(set(links))),
     )
 
 
@@ -100,6 +112,7 @@ def run_check(spec: CheckSpec, subject: Subject, cfg: CheckConfig) -> CheckResul
         where="" if finding is None else finding.where,
         message=message,
         seconds=perf_counter() - begin,
+        links=() if finding is None else finding.links,
     )
 
 

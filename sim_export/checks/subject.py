@@ -17,9 +17,9 @@ from jaxtyping import Float, Int
 from artigen.files.urdf import UrdfFile, UrdfLink, UrdfShape, rest_poses, tree_problems
 from artigen.files.wavefront import ObjText
 from artigen.transforms import transform_points
-from artigen.types import PartLabel
+from artigen.types import Joint, PartLabel
 from sim_export.errors import DegeneratePart, PackageError
-from sim_export.files.foreign import read_semantics
+from sim_export.files.foreign import parse_semantics, read_semantics
 from sim_export.files.joints import place_joint
 from sim_export.files.obj import parse_obj, parse_urdf
 from sim_export.geometry.contacts import HullSet
@@ -27,7 +27,7 @@ from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.primitives import primitive_mesh
 from sim_export.geometry.triangles import bounds_of
 from sim_export.motion.kinematics import driven_joints, link_displacements
-from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
+from sim_export.package import Hull, Link, Mesh, Requirement
 
 MAIN_URDF = "mobility.urdf"
 OWN_SIDECARS = ("annotations.json", "manifest.json", "physics.json", "provenance.json")
@@ -56,17 +56,27 @@ class Shape:
 class Subject:
     """A folder and the data read from it; read data never changes."""
 
-    def __init__(self, folder: Path, meshes: Mapping[Path, ObjText] | None = None) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        meshes: Mapping[Path, ObjText] | None = None,
+        texts: Mapping[str, str] | None = None,
+    ) -> None:
         """
         Args:
+            folder: The folder; where ``texts`` are given it need not exist.
             meshes: Meshes by path that need not be read.
+            texts: The text files of the folder by name, which are not read then.
         """
         self.folder = Path(folder)
         self._meshes: dict[Path, ObjText] = dict(meshes or {})
+        self._texts = texts
 
     @cached_property
     def files(self) -> tuple[str, ...]:
         """All files below the folder, relative, sorted."""
+        if self._texts is not None:
+            return tuple(sorted(self._texts))
         return tuple(
             sorted(p.relative_to(self.folder).as_posix() for p in self.folder.rglob("*") if p.is_file())
         )
@@ -75,12 +85,16 @@ class Subject:
     def is_package(self) -> bool:
         """Whether the folder is one of our packages, even an incomplete one, and not a foreign URDF
         folder."""
-        return any((self.folder / name).exists() for name in OWN_SIDECARS) or "format" in self.meta
+        return any(self.has_file(name) for name in OWN_SIDECARS) or "format" in self.meta
+
+    def has_file(self, name: str) -> bool:
+        """Whether a file lies in the folder."""
+        return (self.folder / name).is_file() if self._texts is None else name in self._texts
 
     @cached_property
     def meta(self) -> dict:
         """``meta.json``; empty if missing."""
-        return self.read_json("meta.json") if (self.folder / "meta.json").is_file() else {}
+        return self.read_json("meta.json") if self.has_file("meta.json") else {}
 
     @cached_property
     def has_own_visuals(self) -> bool:
@@ -90,7 +104,8 @@ class Subject:
     def read_json(self, name: str) -> dict:
         """A JSON object beside the URDF; raises `PackageError` for anything else."""
         try:
-            value = json.loads((self.folder / name).read_text())
+            known = None if self._texts is None else self._texts.get(name)
+            value = json.loads((self.folder / name).read_text() if known is None else known)
         except OSError as err:
             raise PackageError(f"{name}: cannot be read ({err.strerror})") from err
         except ValueError as err:
@@ -102,7 +117,7 @@ class Subject:
     @cached_property
     def urdf(self) -> UrdfFile:
         """``mobility.urdf`` as written."""
-        return parse_urdf(self.folder / MAIN_URDF)
+        return parse_urdf(self.folder / MAIN_URDF, None if self._texts is None else self._texts[MAIN_URDF])
 
     @cached_property
     def urdfs(self) -> dict[str, UrdfFile | PackageError]:
@@ -130,7 +145,7 @@ class Subject:
         return rest_poses(self.urdf) if self.links else {}
 
     @cached_property
-    def joints(self) -> tuple[PackageJoint, ...]:
+    def joints(self) -> tuple[Joint, ...]:
         """Joints in the object frame at rest, parents first; raises for a joint that cannot move."""
         order = list(self.poses)
         return tuple(
@@ -139,7 +154,7 @@ class Subject:
         )
 
     @cached_property
-    def driven(self) -> tuple[PackageJoint, ...]:
+    def driven(self) -> tuple[Joint, ...]:
         """The joints with a coordinate of their own."""
         return driven_joints(self.joints)
 
@@ -160,9 +175,9 @@ class Subject:
         """``link`` and its descendants, sorted."""
         return tuple(sorted(name for name in self.links if name == link or link in self.ancestors(name)))
 
-    def moved(self, joint: PackageJoint) -> tuple[str, ...]:
+    def moved(self, joint: Joint) -> tuple[str, ...]:
         """Links that a driven joint moves, its followers' included, sorted."""
-        moving = [joint.child, *(other.child for other in self.joints if other.mimic == joint.name)]
+        moving = [joint.child, *(other.child for other in self.joints if other.follows == joint.name)]
         return tuple(sorted({name for link in moving for name in self.carried(link)}))
 
     @cached_property
@@ -264,6 +279,8 @@ class Subject:
     @cached_property
     def labels(self) -> dict[str, PartLabel]:
         """Label of each link from ``semantics.txt``; links with unknown labels are missing."""
+        if self._texts is not None:
+            return parse_semantics(self._texts["semantics.txt"])
         return read_semantics(self.folder / "semantics.txt")
 
     @cached_property

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from artigen.types import Joint
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, at_most
 from sim_export.checks.subject import Subject
@@ -15,7 +16,6 @@ from sim_export.errors import PackageError
 from sim_export.geometry.contacts import penetration_depths, signed_distances
 from sim_export.geometry.overlap import TOUCH, swept_overlap
 from sim_export.motion.kinematics import needed_fractions, required_openings, sample_range
-from sim_export.package import PackageJoint
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,6 +43,7 @@ def check_sweep(subject: Subject, cfg: CheckConfig) -> Finding:
     motions.append(joint_poses(subject, cfg))
     depth, depth_where = 0.0, ""
     overlap, overlap_where = 0.0, ""
+    meeting: list[str] = []
     for motion in motions:
         for mover, other in motion.pairs:
             first, second = subject.hull_sets[mover], subject.hull_sets[other]
@@ -57,6 +58,8 @@ def check_sweep(subject: Subject, cfg: CheckConfig) -> Finding:
                 share = swept_overlap(first, second, motion.T[mover], motion.T[other], found)
                 if share > overlap:
                     overlap, overlap_where = share, where
+                if excess > cfg.max_penetration or share > cfg.max_swept_overlap:
+                    meeting += [mover, other]
     if depth / cfg.max_penetration >= overlap / cfg.max_swept_overlap:
         value, threshold, unit, where = depth, cfg.max_penetration, "m", depth_where
     else:
@@ -66,10 +69,10 @@ def check_sweep(subject: Subject, cfg: CheckConfig) -> Finding:
         f"({depth_where or 'nowhere'}; allowed {1e3 * cfg.max_penetration:g} mm), "
         f"{100 * overlap:.2g} % of a link's volume (allowed {100 * cfg.max_swept_overlap:g} %)"
     )
-    return at_most(value, threshold, unit, where=where, message=message)
+    return at_most(value, threshold, unit, where=where, message=message, links=meeting)
 
 
-def open_positions(subject: Subject, joint: PackageJoint) -> dict[str, float]:
+def open_positions(subject: Subject, joint: Joint) -> dict[str, float]:
     """Coordinates of the joints that must be open before ``joint`` can move, recursively."""
     known = {other.name for other in subject.driven}
     lost = [name for name in needed_fractions(joint.name, subject.requires_open) if name not in known]
@@ -80,7 +83,7 @@ def open_positions(subject: Subject, joint: PackageJoint) -> dict[str, float]:
     return required_openings(joint, subject.driven, subject.requires_open)
 
 
-def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Motion:
+def joint_motion(subject: Subject, joint: Joint, cfg: CheckConfig) -> Motion:
     """One joint through its range, the others closed or as far open as `requires_open` demands.
 
     In a folder without such requirements, a link is tested against ancestors and static links only, because
@@ -152,22 +155,19 @@ def check_rest(subject: Subject, cfg: CheckConfig) -> Finding:
     motions."""
     names = [name for name, hulls in subject.hull_sets.items() if hulls.hulls]
     worst = (0.0, 0.0, cfg.max_rest_overlap, "")
+    meeting: list[str] = []
     for index, first in enumerate(names):
         for second in names[:index]:
             related = first in subject.ancestors(second) or second in subject.ancestors(first)
             allowed = cfg.max_rest_overlap_parent if related else cfg.max_rest_overlap
             depth = _rest_depth(subject, first, second)
             worst = max(worst, (depth / allowed, depth, allowed, f"{second} and {first}"))
-    ratio, depth, allowed, where = worst
-    return Finding(
-        passed=ratio <= 1.0,
-        value=depth,
-        threshold=allowed,
-        unit="m",
-        where=where,
-        message=f"{where or 'no two links'} overlap by {1e3 * depth:.3g} mm at rest, "
-        f"allowed is {1e3 * allowed:g} mm",
+            meeting += [first, second] if depth > allowed else []
+    _, depth, allowed, where = worst
+    message = (
+        f"{where or 'no two links'} overlap by {1e3 * depth:.3g} mm at rest, allowed is {1e3 * allowed:g} mm"
     )
+    return at_most(depth, allowed, "m", where=where, message=message, links=meeting)
 
 
 SWEEP_CHECKS = (

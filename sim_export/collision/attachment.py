@@ -12,12 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from artigen.types import Joint
 from sim_export.collision.hull_limits import MAX_ASPECT, MAX_VERTICES, MOST_OF_LINK, hull_aspect
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import box_hull, convex_hull, hull_planes, replace_hulls
 from sim_export.geometry.rays import plane_axes
 from sim_export.motion.kinematics import Sweep, read_sweeps
-from sim_export.package import Hull, Link, PackageJoint, Requirement
+from sim_export.package import Hull, Link, Requirement
 
 GAP = 2e-4
 """What stays free (m) around an added hull; engines push apart what touches, however little."""
@@ -146,7 +147,7 @@ class _Spot:
 
 
 def attach_links(
-    links: Sequence[Link], joints: Sequence[PackageJoint], requirements: Sequence[Requirement] = ()
+    links: Sequence[Link], joints: Sequence[Joint], requirements: Sequence[Requirement] = ()
 ) -> Attachment:
     """Adds pegs where a link's hulls are too far from those of the link that carries it, at rest.
 
@@ -179,9 +180,7 @@ def attach_links(
     )
 
 
-def _carried_links(
-    links: Sequence[Link], joints: Sequence[PackageJoint]
-) -> Iterator[tuple[int, int, PackageJoint]]:
+def _carried_links(links: Sequence[Link], joints: Sequence[Joint]) -> Iterator[tuple[int, int, Joint]]:
     """Links with hulls, the nearest link with hulls that carries each, and the joint that moves it."""
     slot = {link.name: index for index, link in enumerate(links)}
     above = {joint.child: joint for joint in joints}
@@ -220,7 +219,7 @@ def _fit_peg(
     sweeps: Sequence[Sweep],
     pair: tuple[int, int],
     facing: Sequence[_Facing],
-    joint: PackageJoint,
+    joint: Joint,
     peers: np.ndarray,
 ) -> tuple[int, HullSet, float] | None:
     """The first peg that is free along every sweep: its link, that link's hulls with it, and its width.
@@ -238,7 +237,7 @@ def _fit_peg(
     return None
 
 
-def _straight_spots(facing: Sequence[_Facing], joint: PackageJoint, room: float) -> Iterator[_Spot]:
+def _straight_spots(facing: Sequence[_Facing], joint: Joint, room: float) -> Iterator[_Spot]:
     """Pegs straight across the gap, on the child and on the parent."""
     for pair in facing:
         n, gap = pair.normal, pair.gap
@@ -247,7 +246,7 @@ def _straight_spots(facing: Sequence[_Facing], joint: PackageJoint, room: float)
             yield _Spot(on_child=False, stand=pair.parent, start=at + (gap + ROOT) * n, end=at + room * n)
 
 
-def _places(pair: _Facing, joint: PackageJoint) -> list[np.ndarray]:
+def _places(pair: _Facing, joint: Joint) -> list[np.ndarray]:
     """Points on the child's side of the gap: beside the joint's axis, amid the facing patch, the nearest."""
     import manifold3d
 
@@ -266,7 +265,7 @@ def _places(pair: _Facing, joint: PackageJoint) -> list[np.ndarray]:
 
 
 def _side_spots(
-    facing: Sequence[_Facing], joint: PackageJoint, peers: np.ndarray, room: float, width: float
+    facing: Sequence[_Facing], joint: Joint, peers: np.ndarray, room: float, width: float
 ) -> Iterator[_Spot]:
     """Pegs that stand on the parent beside a button, which itself moves across the gap; bars first."""
     if joint.type != "prismatic":

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
+from artigen.types import Joint
 from sim_export.collision.cut_hulls import CutHulls, LinkRelief
 from sim_export.collision.relief import MARGIN, OverlappingPair, Relief, cut_along_faces, relieve_pair
 from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
@@ -23,7 +24,7 @@ from sim_export.motion.kinematics import (
     required_openings,
     sample_sweep,
 )
-from sim_export.package import Link, PackageJoint, Requirement
+from sim_export.package import Link, Requirement
 
 _FRONTS = {"door", "drawer"}
 GAP = 1e-3
@@ -74,7 +75,7 @@ class Clearance:
     """Links with relieved hulls, joints with final limits, and everything that was done or is left."""
 
     links: tuple[Link, ...]
-    joints: tuple[PackageJoint, ...]
+    joints: tuple[Joint, ...]
     reliefs: tuple[LinkRelief, ...] = ()
     limits: tuple[LimitChange, ...] = ()
     residuals: tuple[Residual, ...] = ()
@@ -102,7 +103,7 @@ class Clearance:
 
 def clear_joints(
     links: Sequence[Link],
-    joints: Sequence[PackageJoint],
+    joints: Sequence[Joint],
     requirements: Sequence[Requirement] = (),
     *,
     sheets: bool = False,
@@ -134,7 +135,7 @@ def clear_joints(
     return Clearance(links=cleared, joints=final, reliefs=work.reliefs(), limits=limits, residuals=residuals)
 
 
-def _poses(work: CutHulls, joint: PackageJoint, joints: Sequence[PackageJoint],
+def _poses(work: CutHulls, joint: Joint, joints: Sequence[Joint],
            requirements: Sequence[Requirement], q: Float[np.ndarray, "P"],
            opened: Mapping[str, float] | None = None) -> np.ndarray:  # fmt: skip
     """Displacements ``P L 4 4`` along a joint's sweep, with what it requires open, and others ``opened``."""
@@ -146,8 +147,8 @@ def _poses(work: CutHulls, joint: PackageJoint, joints: Sequence[PackageJoint],
 
 def _clear_joint(
     work: CutHulls,
-    joint: PackageJoint,
-    joints: Sequence[PackageJoint],
+    joint: Joint,
+    joints: Sequence[Joint],
     requirements: Sequence[Requirement],
     stuck: dict[tuple[int, int, int, int], str],
 ) -> int:
@@ -164,7 +165,7 @@ def _clear_joint(
     for share in CARRIED if carried else ():
         opened = {other.name: other.lower + share * (other.upper - other.lower) for other in carried}
         T = np.concatenate([T, _poses(work, joint, joints, requirements, q, opened)])
-    turned = {other.child for other in joints if other.is_travel and other.mimic == joint.name}
+    turned = {other.child for other in joints if other.is_travel and other.follows == joint.name}
     changes = 0
     for a in moving:
         for b in (index for index in range(len(work.links)) if index not in moving):
@@ -221,10 +222,10 @@ def _apply(work: CutHulls, places: tuple[tuple[int, int], tuple[int, int]], done
 
 def _settle_limits(
     work: CutHulls,
-    joints: Sequence[PackageJoint],
+    joints: Sequence[Joint],
     requirements: Sequence[Requirement],
     stuck: dict[tuple[int, int, int, int], str],
-) -> tuple[tuple[PackageJoint, ...], tuple[LimitChange, ...], tuple[Residual, ...]]:
+) -> tuple[tuple[Joint, ...], tuple[LimitChange, ...], tuple[Residual, ...]]:
     """Lowers limits where most of the range is free; reports what is left."""
     limits, residuals = [], []
     final = list(joints)
@@ -263,8 +264,8 @@ def _settle_limits(
 def _depths(
     work: CutHulls,
     sets: Sequence[HullSet],
-    joint: PackageJoint,
-    joints: Sequence[PackageJoint],
+    joint: Joint,
+    joints: Sequence[Joint],
     requirements: Sequence[Requirement],
     q: Float[np.ndarray, "P"],
 ) -> tuple[Float[np.ndarray, "P"], list[tuple[int, int]]]:

@@ -17,6 +17,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.kind import find_kind
+from artigen.types import Joint
 from sim_export.collision.attachment import NEAR, add_hull
 from sim_export.collision.cover.surface_hulls import split_components
 from sim_export.collision.cover.surface_pieces import cut_triangles
@@ -35,7 +36,7 @@ from sim_export.geometry.hulls import (
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.geometry.solids import make_manifold, solid_arrays
 from sim_export.motion.kinematics import Sweep, read_sweeps
-from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement, Visual
+from sim_export.package import Hull, Link, Mesh, Requirement, Visual
 from sim_export.physics.standing import MARGIN, center_of_mass, depth_of_mass
 
 # Lengths in metres.
@@ -78,7 +79,7 @@ COLOR = (0.12, 0.12, 0.12)
 
 def add_feet(
     links: Sequence[Link],
-    joints: Sequence[PackageJoint],
+    joints: Sequence[Joint],
     requirements: Sequence[Requirement],
     meshes: Mapping[str, Mesh],
     find: Callable[[Sequence[Mesh], float, float], list[Hull]] | None = None,
@@ -193,7 +194,7 @@ class Levelled:
 
 def level_object(
     links: Sequence[Link],
-    joints: Sequence[PackageJoint],
+    joints: Sequence[Joint],
     requirements: Sequence[Requirement],
     category: str,
     shown: Float[np.ndarray, "F 3 3"],

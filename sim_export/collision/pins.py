@@ -7,15 +7,16 @@ engines let no link collide with those it is joined to, so nothing ever meets it
 from collections.abc import Sequence
 from dataclasses import replace
 
+from artigen.types import Joint
 from sim_export.geometry.primitives import PrimitiveShape, place_along, primitive_hull
-from sim_export.package import Link, PackageJoint
+from sim_export.package import Link
 
 RADIUS = 0.002
 LENGTH = 0.004
 """Metres."""
 
 
-def pin_carriers(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple[Link, ...]:
+def pin_carriers(links: Sequence[Link], joints: Sequence[Joint]) -> tuple[Link, ...]:
     """Links with a pin on every screw's carrier, whose centre of mass moves there.
 
     The pin's middle is the point on the axis beside the centre of mass of what the screw moves.
@@ -24,7 +25,7 @@ def pin_carriers(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple
     pinned = {}
     for joint in joints:
         moved, carrier = by_name[joint.child].inertial, by_name[joint.parent]
-        if joint.mimic is None or carrier.hulls or moved is None or carrier.inertial is None:
+        if joint.follows is None or carrier.hulls or moved is None or carrier.inertial is None:
             continue
         middle = joint.origin + joint.axis * float(joint.axis @ (moved.com - joint.origin))
         shape = PrimitiveShape(

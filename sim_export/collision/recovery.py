@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
+from artigen.types import Joint
 from sim_export.collision.attachment import GAP, add_hull, relative_poses
 from sim_export.collision.hull_limits import MIN_WIDTH, MOST_OF_LINK, trim_hull
 from sim_export.collision.relief import MARGIN
@@ -30,7 +31,7 @@ from sim_export.geometry.sampling import sample_triangles
 from sim_export.geometry.solids import as_solid, solid_hull, solid_triangles, unite
 from sim_export.geometry.triangles import diagonal_of, meet_box, triangle_areas
 from sim_export.motion.kinematics import Sweep, read_sweeps
-from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
+from sim_export.package import Hull, Link, Mesh, Requirement
 
 _DENSER = 4
 """The surface measured to has this many times the samples of the points measured from."""
@@ -119,7 +120,7 @@ class _Scene:
 
 def recover_surface(
     links: Sequence[Link],
-    joints: Sequence[PackageJoint],
+    joints: Sequence[Joint],
     requirements: Sequence[Requirement],
     meshes: Mapping[str, Mesh],
 ) -> tuple[tuple[Link, ...], tuple[str, ...]]:

@@ -14,6 +14,7 @@ from collections.abc import Mapping, Sequence
 import manifold3d
 import numpy as np
 
+from artigen.types import Joint
 from sim_export.collision.attachment import is_free
 from sim_export.collision.recovery import LEAST_SAMPLES, SAMPLES, cut_out, find_lost, group_points
 from sim_export.geometry.contacts import HullSet
@@ -22,7 +23,7 @@ from sim_export.geometry.solids import as_solid, inside_grid, solid_arrays, soli
 from sim_export.geometry.tidy import tidy_mesh
 from sim_export.geometry.triangles import diagonal_of, triangle_areas
 from sim_export.motion.kinematics import read_sweeps
-from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
+from sim_export.package import Hull, Link, Mesh, Requirement
 
 FILLED_DEPTH = 1.6
 """Voxels; a hull that stands out of the mesh by more anywhere is not taken in."""
@@ -142,7 +143,7 @@ def _depth(rest: manifold3d.Manifold, surface: SampledSurface) -> float:
 
 def trim_meshes(
     links: Sequence[Link],
-    joints: Sequence[PackageJoint],
+    joints: Sequence[Joint],
     requirements: Sequence[Requirement],
     meshes: Mapping[str, Mesh],
 ) -> tuple[dict[str, Mesh], tuple[str, ...]]:

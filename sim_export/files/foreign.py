@@ -35,11 +35,14 @@ def label_of(text: str) -> PartLabel | None:
 
 
 def read_semantics(path: Path) -> dict[str, PartLabel]:
-    """Label of every link with known semantics; links that do not move are the base."""
+    """Label of every link with known semantics; none where there is no file."""
+    return parse_semantics(path.read_text(errors="replace")) if path.is_file() else {}
+
+
+def parse_semantics(text: str) -> dict[str, PartLabel]:
+    """The same for what the file holds; links that do not move are the base."""
     labels: dict[str, PartLabel] = {}
-    if not path.is_file():
-        return labels
-    for line in path.read_text(errors="replace").splitlines():
+    for line in text.splitlines():
         fields = line.split()
         if len(fields) < 3:
             continue

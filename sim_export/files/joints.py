@@ -7,12 +7,12 @@ from jaxtyping import Float
 
 from artigen.files.urdf import UrdfJoint
 from artigen.transforms import transform_vectors
-from artigen.types import FULL_TURN
+from artigen.types import FULL_TURN, Joint
 from sim_export.errors import PackageError
-from sim_export.package import URDF_JOINT_TYPES, PackageJoint
+from sim_export.package import URDF_JOINT_TYPES
 
 
-def place_joint(joint: UrdfJoint, poses: Mapping[str, Float[np.ndarray, "4 4"]], file: str) -> PackageJoint:
+def place_joint(joint: UrdfJoint, poses: Mapping[str, Float[np.ndarray, "4 4"]], file: str) -> Joint:
     """A URDF joint in the object frame.
 
     Args:
@@ -57,18 +57,17 @@ def place_joint(joint: UrdfJoint, poses: Mapping[str, Float[np.ndarray, "4 4"]],
     if length < 1e-9 and joint.type != "fixed":
         raise PackageError(f"{owner}: axis {joint.axis.tolist()} has no direction")
     axis = joint.axis / length if length >= 1e-9 else np.array([1.0, 0.0, 0.0])
-    return PackageJoint(
+    return Joint(
         name=joint.name,
         type=joint.type,
-        kind=joint.type,
         parent=joint.parent,
         child=joint.child,
         origin=T[:3, 3],
         axis=transform_vectors(T, axis[None])[0],
         lower=lower,
         upper=upper,
-        mimic=joint.mimic,
-        mimic_multiplier=joint.mimic_multiplier if joint.mimic is not None else 0.0,
-        mimic_offset=joint.mimic_offset,
+        follows=joint.mimic,
+        ratio=joint.mimic_multiplier if joint.mimic is not None else 0.0,
+        offset=joint.mimic_offset,
         **optional,
     )

@@ -14,19 +14,22 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.files.wavefront import NO_MATERIAL, MtlMaterial
+from artigen.shapes.surfaces.physical import mirrored_head_on
 from artigen.transforms import quat_from_matrix
-from sim_export.files.obj import parse_mtl, parse_obj, read_image
+from artigen.types import Joint
+from sim_export.files.obj import parse_mtl, parse_obj, read_image, shininess
 from sim_export.files.urdf import (
     format_number,
     format_vector,
     hull_path,
+    image_path,
     link_origins,
     visual_path,
     visual_placement,
     xml_text,
 )
-from sim_export.geometry.primitives import find_primitive
-from sim_export.package import Hull, Link, PackageJoint, SimPackage, SourceMesh, Visual
+from sim_export.geometry.primitives import PrimitiveShape, find_primitive
+from sim_export.package import Hull, Link, Mesh, SimPackage, SourceMesh, Visual
 
 HULL_FRICTION = "0.8 0.005 0.0001"
 MIN_MESH_VERTICES = 4
@@ -75,7 +78,7 @@ def _add_body(
     holder: ET.Element,
     asset: ET.Element,
     link: Link,
-    joint: PackageJoint | None,
+    joint: Joint | None,
     at: Float[np.ndarray, "3"],
     origin: Float[np.ndarray, "3"],
 ) -> ET.Element:
@@ -108,19 +111,24 @@ def _add_hull(
         ET.SubElement(asset, "mesh", name=f"hull_{name}", file=file)
         geom = {"type": "mesh", "mesh": f"hull_{name}", "pos": format_vector(-origin)}
     else:
-        T = shape.T_object_shape
-        halved = [0.5, 0.5, 0.5] if shape.kind == "box" else [1.0, 0.5]
-        geom = {
-            "type": shape.kind,
-            "size": format_vector(np.array(shape.sizes) * halved),
-            "pos": format_vector(T[:3, 3] - origin),
-            "quat": format_vector(quat_from_matrix(T[:3, :3]), 12),
-        }
+        geom = primitive_geom(shape, origin)
     style = {"group": "3", "friction": HULL_FRICTION, "mass": "0", "rgba": "0.6 0.6 0.6 0.5"}
     ET.SubElement(body, "geom", {"name": f"collision_{name}"} | geom | style)
 
 
-def _add_joint(body: ET.Element, joint: PackageJoint) -> None:
+def primitive_geom(shape: PrimitiveShape, origin: Float[np.ndarray, "3"]) -> dict[str, str]:
+    """Attributes of a geom for a box or cylinder, in a frame with that origin."""
+    T = shape.T_object_shape
+    halved = [0.5, 0.5, 0.5] if shape.kind == "box" else [1.0, 0.5]
+    return {
+        "type": shape.kind,
+        "size": format_vector(np.array(shape.sizes) * halved),
+        "pos": format_vector(T[:3, 3] - origin),
+        "quat": format_vector(quat_from_matrix(T[:3, :3]), 12),
+    }
+
+
+def _add_joint(body: ET.Element, joint: Joint) -> None:
     attributes = {
         "name": joint.name,
         "type": "slide" if joint.type == "prismatic" else "hinge",
@@ -143,24 +151,38 @@ def _add_visual(body: ET.Element, asset: ET.Element, visual: Visual, origin: Flo
     xyz, _, scale = visual_placement(visual, origin)
     geom = {"name": visual.name, "type": "mesh", "mesh": visual.name, "pos": format_vector(xyz)}
     mesh = {"name": visual.name, "file": visual_path(visual), "inertia": "shell"}
-    color = "1 1 1 1"
     if isinstance(visual.mesh, SourceMesh):
         data = parse_obj(visual.mesh.path)
         if len(data.vertices) < MIN_MESH_VERTICES:
             return
         mesh["scale"] = format_vector(np.full(3, scale), 12)
         geom["quat"] = format_vector(quat_from_matrix(visual.mesh.T_object_file[:3, :3]), 12)
-        color = format_vector(np.array([*source_color(visual.mesh), 1.0]), 6)
-    elif visual.mesh.texture is None:
-        color = format_vector(np.array([*visual.mesh.color, 1.0]), 6)
+        geom["rgba"] = format_vector(np.array([*source_color(visual.mesh), 1.0]), 6)
     else:
-        texture = visual_path(visual).removesuffix(".obj") + ".png"
-        ET.SubElement(asset, "texture", name=visual.name, type="2d", file=texture)
-        ET.SubElement(asset, "material", name=visual.name, texture=visual.name, specular="0.1")
-        geom["material"] = visual.name
+        geom["material"] = visual.look
+        if all(known.get("name") != visual.look for known in asset.findall("material")):
+            _add_material(asset, visual.look, visual.mesh)
     ET.SubElement(asset, "mesh", mesh)
-    style = {"group": "2", "contype": "0", "conaffinity": "0", "mass": "0", "rgba": color}
-    ET.SubElement(body, "geom", geom | style)
+    ET.SubElement(body, "geom", geom | {"group": "2", "contype": "0", "conaffinity": "0", "mass": "0"})
+
+
+def _add_material(asset: ET.Element, look: str, mesh: Mesh) -> None:
+    """A material with its image or colour. MuJoCo's own renderer uses specular and shininess, others metallic
+    and roughness."""
+    said = mesh.material
+    color = np.ones(3) if mesh.texture is not None else np.array(mesh.color)
+    values = {
+        "rgba": np.array([*color, said.opacity]),
+        "specular": np.array([max(mirrored_head_on(said), said.metallic)]),
+        "shininess": np.array([min(shininess(said) / 128.0, 1.0)]),
+        "metallic": np.array([said.metallic]),
+        "roughness": np.array([said.roughness]),
+    }
+    material = {"name": look} | {key: format_vector(value, 6) for key, value in values.items()}
+    if mesh.texture is not None:
+        ET.SubElement(asset, "texture", name=look, type="2d", file=image_path(look))
+        material["texture"] = look
+    ET.SubElement(asset, "material", material)
 
 
 def source_color(source: SourceMesh) -> tuple[float, float, float]:
@@ -170,10 +192,10 @@ def source_color(source: SourceMesh) -> tuple[float, float, float]:
         return NO_MATERIAL
     ((main, _),) = Counter(data.face_materials.tolist()).most_common(1)
     library = source.path.parent / data.libraries[-1]
-    color, image, _ = parse_mtl(library).get(main, MtlMaterial())
-    if not image:
-        return color
-    red, green, blue = read_image(library.parent / image)[..., :3].mean(axis=(0, 1)) / 255.0
+    said = parse_mtl(library).get(main, MtlMaterial())
+    if not said.image:
+        return said.color
+    red, green, blue = read_image(library.parent / said.image)[..., :3].mean(axis=(0, 1)) / 255.0
     return float(red), float(green), float(blue)
 
 
@@ -186,17 +208,17 @@ def _add_pairs(root: ET.Element, package: SimPackage, apart: tuple[tuple[str, st
     for first, second in [*joined, *apart]:
         if first in hulls and second in hulls:
             ET.SubElement(contact, "exclude", body1=first, body2=second)
-    mimics = [joint for joint in package.joints if joint.mimic is not None]
+    mimics = [joint for joint in package.joints if joint.follows is not None]
     if mimics:
         equality = ET.SubElement(root, "equality")
         for joint in mimics:
-            assert joint.mimic is not None
+            assert joint.follows is not None
             ET.SubElement(
                 equality,
                 "joint",
                 joint1=joint.name,
-                joint2=joint.mimic,
-                polycoef=f"{joint.mimic_offset:.12g} {joint.mimic_multiplier:.12g} 0 0 0",
+                joint2=joint.follows,
+                polycoef=f"{joint.offset:.12g} {joint.ratio:.12g} 0 0 0",
                 solref=HARD_REFERENCE,
                 solimp=HARD_IMPEDANCE,
             )

@@ -17,7 +17,7 @@ from artigen.files.urdf import UrdfFile, UrdfInertial, UrdfLink, UrdfShape, rest
 from artigen.splats.motion import transform_gaussians
 from artigen.splats.ply import read_ply
 from artigen.transforms import transform_points
-from artigen.types import JOINT_TYPES, Gaussians, PartLabel
+from artigen.types import JOINT_TYPES, Gaussians, Joint, PartLabel
 from sim_export.errors import DegeneratePart, PackageError
 from sim_export.files.foreign import label_of, read_semantics, thicken
 from sim_export.files.joints import place_joint
@@ -26,7 +26,7 @@ from sim_export.files.sidecars import FORMAT, VERSION, handles_from_json
 from sim_export.files.urdf import splats_path
 from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.primitives import primitive_mesh
-from sim_export.package import Hull, Inertial, Link, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
+from sim_export.package import Hull, Inertial, Link, Mesh, SimPackage, SourceMesh, Visual
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -146,13 +146,13 @@ def _read_own(
             provenance=tuple(provenance.items()),
             records=tuple(meta["records"]),
         )
-    except (KeyError, TypeError, AttributeError) as err:
+    except (KeyError, TypeError, ValueError, AttributeError) as err:
         raise PackageError(
             f"{folder}: meta.json or physics.json does not have the expected structure ({err!r})"
         ) from err
 
 
-def _own_joint(joint: PackageJoint, motion: dict | None) -> PackageJoint:
+def _own_joint(joint: Joint, motion: dict | None) -> Joint:
     """Adds the joint kind, and the range of continuous joints, which a URDF cannot express."""
     if motion is None:
         return joint
@@ -160,7 +160,7 @@ def _own_joint(joint: PackageJoint, motion: dict | None) -> PackageJoint:
         raise PackageError(f"physics.json: joint {joint.name!r} has kind {motion['kind']!r}")
     if joint.type == "continuous":
         joint = replace(joint, lower=float(motion["lower"]), upper=float(motion["upper"]))
-    return replace(joint, kind=motion["kind"], spring=float(motion.get("spring", 0.0)))
+    return replace(joint, of_screw=motion["kind"] == "screw", spring=float(motion.get("spring", 0.0)))
 
 
 def _own_link(
@@ -175,7 +175,15 @@ def _own_link(
         entry = visual_facts[shape.name]
         path = package_file(folder, shape.file, owner)
         mesh = _source_mesh(path, shape, T, owner) if entry["source"] else read_mesh(path)
-        visuals.append(Visual(name=shape.name, part=entry["part"], label=entry["label"], mesh=mesh))
+        visuals.append(
+            Visual(
+                name=shape.name,
+                part=entry["part"],
+                label=entry["label"],
+                mesh=mesh,
+                finish=entry.get("finish", ""),
+            )
+        )
     hulls = tuple(_own_hull(folder, shape, T, owner) for shape in link.collisions)
     return Link(
         name=link.name,

@@ -10,10 +10,13 @@ import json
 import numpy as np
 
 from artigen.kind import find_kind
+from artigen.types import Joint
 from sim_export.errors import PackageError
-from sim_export.package import HandleAnnotation, Link, PackageJoint, Requirement, SimPackage, SourceMesh
+from sim_export.files.urdf import image_path
+from sim_export.package import HandleAnnotation, Link, Mesh, Requirement, SimPackage, SourceMesh
 from sim_export.physics.inertia import subtree_inertial
 from sim_export.physics.materials import MATERIALS, physx_friction_coefficient
+from sim_export.physics.phrases import name_parts
 from sim_export.topology import find_topology
 
 FORMAT = "artigen-package"
@@ -35,14 +38,14 @@ def _number(value: float, decimals: int = 9) -> float:
     return round(float(value), decimals) + 0.0
 
 
-def child_joint(package: SimPackage, link: Link) -> PackageJoint | None:
+def child_joint(package: SimPackage, link: Link) -> Joint | None:
     """The joint whose child is the link; for a screw its turning joint."""
     by_child = {joint.child: joint for joint in package.joints}
     joint = by_child.get(link.name)
     return by_child[joint.parent] if joint is not None and joint.is_travel else joint
 
 
-def _semantic_kind(joint: PackageJoint | None) -> str:
+def _semantic_kind(joint: Joint | None) -> str:
     """PartNet-Mobility's word for the motion of a link."""
     if joint is None or joint.type == "fixed":
         return "heavy"
@@ -51,7 +54,7 @@ def _semantic_kind(joint: PackageJoint | None) -> str:
     return "slider" if joint.type == "prismatic" else "hinge"
 
 
-def _semantic_name(package: SimPackage, link: Link, joint: PackageJoint | None) -> str:
+def _semantic_name(package: SimPackage, link: Link, joint: Joint | None) -> str:
     if joint is None or joint.type == "fixed":
         kind = find_kind(package.category)
         return f"{package.category.lower()}_body" if kind is None else kind.body
@@ -60,7 +63,7 @@ def _semantic_name(package: SimPackage, link: Link, joint: PackageJoint | None) 
     return "part" if link.label in (None, "base") else link.label
 
 
-def _named_links(package: SimPackage) -> list[tuple[Link, PackageJoint | None]]:
+def _named_links(package: SimPackage) -> list[tuple[Link, Joint | None]]:
     """Links that represent parts, with the joint that moves them; the root has none."""
     return [(link, child_joint(package, link)) for link in package.links if link.parts]
 
@@ -108,7 +111,7 @@ def _part_link(package: SimPackage, name: str) -> str:
     return name
 
 
-def _joint_data(package: SimPackage, link: Link, joint: PackageJoint) -> dict:
+def _joint_data(package: SimPackage, link: Link, joint: Joint) -> dict:
     """Axis and limits; as in the original, a screw has limits in metres for its slide and turns freely."""
     turning = joint.type != "prismatic"
     to_file = 180.0 / np.pi if turning else 1.0
@@ -146,6 +149,40 @@ def bounding_box_json(package: SimPackage) -> str:
     return json_text({"min": _rounded(stacked.min(axis=0), 6), "max": _rounded(stacked.max(axis=0), 6)})
 
 
+def materials_json(package: SimPackage) -> str:
+    """Every material that we made, and the material and finish of every visual.
+
+    Colours are sRGB. A finish is what may be varied: its visuals change together (`artigen.api.restyle`). A
+    source's meshes keep their own materials, and have null.
+    """
+    own = [(visual, visual.mesh) for link in package.links for visual in link.visuals]
+    made = {visual.look: mesh for visual, mesh in own if isinstance(mesh, Mesh)}
+    materials = {
+        look: {
+            "color": _rounded(_mean_color(mesh), 6),
+            "image": None if mesh.texture is None else image_path(look),
+            **{key: value for key, value in vars(mesh.material).items() if key != "name"},
+        }
+        for look, mesh in sorted(made.items())
+    }
+    visuals = [
+        {
+            "link": link.name,
+            "visual": visual.name,
+            "part": visual.part,
+            "finish": visual.finish,
+            "material": visual.look if isinstance(visual.mesh, Mesh) else None,
+        }
+        for link in package.links
+        for visual in link.visuals
+    ]
+    return json_text({"materials": materials, "visuals": visuals})
+
+
+def _mean_color(mesh: Mesh) -> object:
+    return mesh.color if mesh.texture is None else mesh.texture[..., :3].mean(axis=(0, 1)) / 255.0
+
+
 def meta_json(package: SimPackage) -> str:
     """Name and category of the package, and the parts of each link and visual."""
     links = [
@@ -158,6 +195,7 @@ def meta_json(package: SimPackage) -> str:
                     "name": visual.name,
                     "part": visual.part,
                     "label": visual.label,
+                    "finish": visual.finish,
                     "source": isinstance(visual.mesh, SourceMesh),
                 }
                 for visual in link.visuals
@@ -181,7 +219,7 @@ def meta_json(package: SimPackage) -> str:
 
 
 def annotations_json(package: SimPackage) -> str:
-    """Handles, and joints that must be open before others can move."""
+    """Handles, joints that must be open before others can move, and phrases that refer to moving parts."""
     handles = [
         {
             "link": handle.link,
@@ -201,7 +239,14 @@ def annotations_json(package: SimPackage) -> str:
         {"joint": need.joint, "needs": need.needs, "fraction": _number(need.fraction)}
         for need in package.requires_open
     ]
-    return json_text({"frame": "object at rest, metres", "handles": handles, "requires_open": needs})
+    kind = find_kind(package.category)
+    noun = package.category.lower() if kind is None else next(iter(kind.nouns))
+    said = [
+        {"link": part.link, "noun": part.noun, "phrases": list(part.phrases)}
+        for part in name_parts(package, noun or "object")
+    ]
+    frame = {"frame": "object at rest, metres"}
+    return json_text(frame | {"handles": handles, "requires_open": needs, "parts": said})
 
 
 def physics_json(package: SimPackage) -> str:
@@ -241,7 +286,7 @@ def physics_json(package: SimPackage) -> str:
     )
 
 
-def _coefficient(package: SimPackage, joint: PackageJoint) -> float | None:
+def _coefficient(package: SimPackage, joint: Joint) -> float | None:
     """Argument for SAPIEN's ``joint.set_friction``; ``None`` if masses are unknown."""
     by_name = {link.name: link for link in package.links}
     if by_name[joint.child].inertial is None:

@@ -14,10 +14,10 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import rpy_from_matrix
-from artigen.types import FULL_TURN
+from artigen.types import FULL_TURN, Joint
 from sim_export.geometry.primitives import find_primitive
 from sim_export.geometry.triangles import diagonal_of
-from sim_export.package import Link, PackageJoint, SimPackage, SourceMesh, Visual
+from sim_export.package import Link, SimPackage, SourceMesh, Visual
 
 UrdfVariant = Literal["standard", "maniskill"]
 DECIMALS = 9
@@ -26,6 +26,11 @@ DECIMALS = 9
 def visual_path(visual: Visual) -> str:
     """Path of a visual's mesh in the package."""
     return f"visual/{visual.name}.obj"
+
+
+def image_path(look: str) -> str:
+    """Path of the image of a material in the package."""
+    return f"visual/{look}.png"
 
 
 def hull_path(link: Link, index: int) -> str:
@@ -136,7 +141,7 @@ def visual_placement(
     return T[:3, 3] - origin, rpy_from_matrix(T[:3, :3]), visual.mesh.scale
 
 
-def _add_joint(robot: ET.Element, joint: PackageJoint, parent_origin: Float[np.ndarray, "3"]) -> None:
+def _add_joint(robot: ET.Element, joint: Joint, parent_origin: Float[np.ndarray, "3"]) -> None:
     element = ET.SubElement(robot, "joint", name=joint.name, type=joint.type)
     ET.SubElement(element, "origin", xyz=format_vector(joint.origin - parent_origin), rpy="0 0 0")
     ET.SubElement(element, "parent", link=joint.parent)
@@ -151,9 +156,9 @@ def _add_joint(robot: ET.Element, joint: PackageJoint, parent_origin: Float[np.n
     ET.SubElement(
         element, "dynamics", damping=format_number(joint.damping), friction=format_number(joint.friction)
     )
-    if joint.mimic is not None:
-        multiplier, offset = f"{joint.mimic_multiplier:.12g}", f"{joint.mimic_offset:.12g}"
-        ET.SubElement(element, "mimic", joint=joint.mimic, multiplier=multiplier, offset=offset)
+    if joint.follows is not None:
+        multiplier, offset = f"{joint.ratio:.12g}", f"{joint.offset:.12g}"
+        ET.SubElement(element, "mimic", joint=joint.follows, multiplier=multiplier, offset=offset)
 
 
 def _for_maniskill(package: SimPackage) -> SimPackage:
@@ -173,7 +178,7 @@ def turn_screws(package: SimPackage) -> SimPackage:
 
     For engines in which a sliding joint cannot mimic a turning one.
     """
-    travels = {joint.mimic: joint for joint in package.joints if joint.is_travel}
+    travels = {joint.follows: joint for joint in package.joints if joint.is_travel}
     joints = []
     for joint in package.joints:
         if joint.is_travel:

@@ -24,16 +24,17 @@ from sim_export.files.sidecars import (
     annotations_json,
     bounding_box_json,
     json_text,
+    materials_json,
     meta_json,
     mobility_json,
     physics_json,
     provenance_json,
     semantics_text,
 )
-from sim_export.files.urdf import hull_path, link_origins, splats_path, urdf_text, visual_path
+from sim_export.files.urdf import hull_path, image_path, link_origins, splats_path, urdf_text, visual_path
 from sim_export.geometry.primitives import find_primitive
 from sim_export.motion.ignored_pairs import ignored_pairs
-from sim_export.package import SimPackage, SourceMesh, Visual
+from sim_export.package import Mesh, SimPackage, SourceMesh
 from sim_export.physics.links import check_kinematics
 
 Overwrite = Literal["refuse", "replace"]
@@ -42,12 +43,8 @@ UNHASHED = frozenset({MANIFEST, "validation.json"})
 """Files that are in no manifest; the second is what validation writes."""
 
 
-def package_files(package: SimPackage, *, engines: bool = True, visuals: bool = True) -> dict[str, bytes]:
+def package_files(package: SimPackage) -> dict[str, bytes]:
     """All files of a package by their path in it, including the manifest.
-
-    Args:
-        engines: Whether files are included that only engines read: MJCF, SRDF and the URDF for ManiSkill.
-        visuals: Whether the meshes, materials and images of visuals are included.
 
     Raises:
         InvalidKinematics: If links and joints are not a tree that URDF can express.
@@ -57,14 +54,33 @@ def package_files(package: SimPackage, *, engines: bool = True, visuals: bool = 
     files: dict[str, bytes] = {}
     origins = link_origins(package)
     for link in package.links:
-        for visual in link.visuals if visuals else ():
-            files |= _visual_files(visual)
+        for visual in link.visuals:
+            if isinstance(visual.mesh, SourceMesh):
+                files |= _source_files(visual.mesh, visual_path(visual).removesuffix(".obj"))
+                continue
+            files[visual_path(visual)] = obj_text(visual.mesh, visual.name, visual.look).encode()
+            if f"visual/{visual.look}.mtl" not in files:
+                files |= material_files(visual.look, visual.mesh)
         for index, hull in enumerate(link.hulls):
             if find_primitive(hull) is None:
                 files[hull_path(link, index)] = hull_obj_text(hull, f"{link.name}_{index}").encode()
         if link.splats is not None:
             own = transform_gaussians(link.splats, shift(-origins[link.name]))
             files[splats_path(link.name)] = encode_ply(own)
+    files |= {path: text.encode() for path, text in package_texts(package).items()}
+    return files | {MANIFEST: manifest_text(files).encode()}
+
+
+def package_texts(package: SimPackage, *, engines: bool = True) -> dict[str, str]:
+    """The files of a package that describe it, without those of meshes, by their path in it.
+
+    Args:
+        engines: Whether files are included that only engines read: MJCF, SRDF and the URDF for ManiSkill.
+
+    Raises:
+        InvalidKinematics: If links and joints are not a tree that URDF can express.
+    """
+    check_kinematics(package)
     texts = {
         "mobility.urdf": urdf_text(package),
         "semantics.txt": semantics_text(package),
@@ -73,6 +89,7 @@ def package_files(package: SimPackage, *, engines: bool = True, visuals: bool = 
         "bounding_box.json": bounding_box_json(package),
         "annotations.json": annotations_json(package),
         "physics.json": physics_json(package),
+        "materials.json": materials_json(package),
         "provenance.json": provenance_json(package),
     }
     if engines:
@@ -80,8 +97,7 @@ def package_files(package: SimPackage, *, engines: bool = True, visuals: bool = 
         texts["mobility_cvx.urdf"] = urdf_text(package, "maniskill")
         texts["mobility.srdf"] = srdf_text(package.name, pairs)
         texts["mobility.mjcf.xml"] = mjcf_text(package, pairs)
-    files |= {path: text.encode() for path, text in texts.items()}
-    return files | {MANIFEST: manifest_text(files).encode()}
+    return texts
 
 
 def manifest_text(files: dict[str, bytes]) -> str:
@@ -112,20 +128,12 @@ def manifest_problems(folder: Path) -> tuple[str, ...]:
     return tuple(problems)
 
 
-def _visual_files(visual: Visual) -> dict[str, bytes]:
-    """OBJ, MTL and images of one visual."""
-    path = visual_path(visual)
-    stem = path.removesuffix(".obj")
-    if isinstance(visual.mesh, SourceMesh):
-        return _source_files(visual.mesh, stem)
-    name = visual.name
-    files = {path: obj_text(visual.mesh, name, f"{name}.mtl").encode()}
-    image = ""
-    if visual.mesh.texture is not None:
-        image = f"{name}.png"
-        files[f"{stem}.png"] = png_bytes(visual.mesh.texture)
-    files[f"{stem}.mtl"] = mtl_text(name, visual.mesh.color, image).encode()
-    return files
+def material_files(look: str, mesh: Mesh) -> dict[str, bytes]:
+    """MTL and image of a material, which all visuals of its name share."""
+    image = image_path(look)
+    files = {} if mesh.texture is None else {image: png_bytes(mesh.texture)}
+    named = "" if mesh.texture is None else image.removeprefix("visual/")
+    return files | {f"visual/{look}.mtl": mtl_text(look, mesh, named).encode()}
 
 
 def _source_files(source: SourceMesh, stem: str) -> dict[str, bytes]:
@@ -213,12 +221,6 @@ def check_place(folder: Path, overwrite: Overwrite) -> None:
         and (not folder.is_dir() or any(folder.iterdir()))
     ):
         raise PackageError(f"{folder}: is no package (it has no {MANIFEST}), so it is not replaced")
-
-
-def write_draft(package: SimPackage, folder: Path, *, visuals: bool = True) -> Path:
-    """Writes what checks of geometry and motion read of a package to a new folder, and returns the folder."""
-    write_files(package_files(package, engines=False, visuals=visuals), folder)
-    return folder
 
 
 def write_files(files: Mapping[str, bytes], folder: Path) -> None:

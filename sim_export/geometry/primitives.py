@@ -32,6 +32,13 @@ class PrimitiveShape:
     sizes: tuple[float, ...]
     T_object_shape: Float[np.ndarray, "4 4"]
 
+    @property
+    def volume(self) -> float:
+        """Volume in cubic metres; of a cylinder, not of its prism."""
+        if self.kind == "box":
+            return float(np.prod(self.sizes))
+        return float(np.pi * self.sizes[0] ** 2 * self.sizes[1])
+
 
 def primitive_mesh(kind: str, sizes: tuple[float, ...]) -> Mesh:
     """A box (three edges), cylinder (radius, length along z) or sphere (radius) in metres, centred.

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
+from artigen.types import Joint
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.handles import handle_joints, handle_shapes, judge_grip, measure_grip, way_out
 from sim_export.checks.subject import Shape, Subject
 from sim_export.mend.source import Source, move_part, source_package
-from sim_export.package import PackageJoint
 
 FARTHEST = 0.05
 """Longest way out (m)."""
@@ -48,7 +48,7 @@ def _find_moves(
 
 
 def _find_shift(
-    subject: Subject, joint: PackageJoint, shape: Shape, cfg: CheckConfig
+    subject: Subject, joint: Joint, shape: Shape, cfg: CheckConfig
 ) -> Float[np.ndarray, "3"] | None:
     """The shortest shift (m) after which a handle can be grasped, or None."""
     center = (shape.vertices.min(axis=0) + shape.vertices.max(axis=0)) / 2.0
@@ -61,5 +61,5 @@ def _find_shift(
     return None
 
 
-def _can_grasp(subject: Subject, joint: PackageJoint, shape: Shape, cfg: CheckConfig) -> bool:
+def _can_grasp(subject: Subject, joint: Joint, shape: Shape, cfg: CheckConfig) -> bool:
     return judge_grip(measure_grip(subject, joint, shape), joint.child, cfg)[0] <= 1.0

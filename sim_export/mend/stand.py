@@ -14,9 +14,10 @@ from scipy.spatial import ConvexHull
 
 from artigen.splats.motion import transform_gaussians
 from artigen.transforms import transform_points
+from artigen.types import Joint
 from sim_export.collision.feet import add_feet, find_tips
 from sim_export.mend.source import as_mesh
-from sim_export.package import HandleAnnotation, Hull, Link, Mesh, PackageJoint, SimPackage, Visual
+from sim_export.package import HandleAnnotation, Hull, Link, Mesh, SimPackage, Visual
 from sim_export.physics.resistance import resist_joints
 from sim_export.physics.standing import DOWN, MARGIN, center_of_mass, depth_of_mass, must_stand
 from sim_export.picture.draw import visual_meshes
@@ -140,7 +141,7 @@ def _turn_visual(visual: Visual, T: Float[np.ndarray, "4 4"]) -> Visual:
     return replace(visual, mesh=replace(mesh, T_object_file=T @ mesh.T_object_file))
 
 
-def _turn_joint(joint: PackageJoint, T: Float[np.ndarray, "4 4"]) -> PackageJoint:
+def _turn_joint(joint: Joint, T: Float[np.ndarray, "4 4"]) -> Joint:
     axis = T[:3, :3] @ joint.axis
     return replace(joint, origin=transform_points(T, joint.origin[None])[0], axis=axis / np.linalg.norm(axis))
 

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.package import Link, PackageJoint
+from artigen.types import Joint
+from sim_export.package import Link
 
 HELD_LABELS = ("drawer", "tray")
 HELD_SHARE = 0.12
@@ -24,8 +25,8 @@ def held_length(own: Float[np.ndarray, "N"], carrier: Float[np.ndarray, "M"], tr
 
 
 def keep_drawers_held(
-    links: Sequence[Link], joints: Sequence[PackageJoint], panels: Mapping[str, Float[np.ndarray, "N 3"]]
-) -> tuple[tuple[PackageJoint, ...], tuple[str, ...]]:
+    links: Sequence[Link], joints: Sequence[Joint], panels: Mapping[str, Float[np.ndarray, "N 3"]]
+) -> tuple[tuple[Joint, ...], tuple[str, ...]]:
     """Lowers the limits of drawers that would leave their carrier; one sentence per change.
 
     Args:
@@ -36,7 +37,7 @@ def keep_drawers_held(
     parent = {joint.child: joint.parent for joint in joints}
     out, records = [], []
     for joint in joints:
-        slides = joint.type == "prismatic" and joint.mimic is None and joint.child in panels
+        slides = joint.type == "prismatic" and joint.follows is None and joint.child in panels
         if not slides or by_name[joint.child].label not in HELD_LABELS:
             out.append(joint)
             continue

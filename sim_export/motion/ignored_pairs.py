@@ -14,10 +14,11 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial import ConvexHull
 
+from artigen.types import Joint
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import convex_hull
 from sim_export.motion.kinematics import link_displacements
-from sim_export.package import Link, PackageJoint, SimPackage
+from sim_export.package import Link, SimPackage
 
 TOUCH_DISTANCE = 1e-4
 """Hulls nearer than this (m) touch."""
@@ -59,7 +60,7 @@ def ignored_pairs(package: SimPackage) -> tuple[tuple[str, str], ...]:
 
 
 def kept_distance(
-    links: Sequence[Link], joints: Sequence[PackageJoint], pair: tuple[str, str], sets: dict[str, HullSet]
+    links: Sequence[Link], joints: Sequence[Joint], pair: tuple[str, str], sets: dict[str, HullSet]
 ) -> float | None:
     """A distance (m) that two links keep at all positions of the joints; None if they may meet.
 
@@ -99,11 +100,11 @@ def kept_distance(
     return least
 
 
-def _turns_freely(joint: PackageJoint | None) -> bool:
-    return joint is not None and joint.type == "continuous" and joint.mimic is None
+def _turns_freely(joint: Joint | None) -> bool:
+    return joint is not None and joint.type == "continuous" and joint.follows is None
 
 
-def _swept_solid(hulls: HullSet, joint: PackageJoint | None) -> HullSet:
+def _swept_solid(hulls: HullSet, joint: Joint | None) -> HullSet:
     """Hulls that hold all positions of a link that turns without limits; those of other links as they are."""
     if joint is None or not _turns_freely(joint):
         return hulls
@@ -158,11 +159,11 @@ class _Move:
 
 
 def _relative_moves(
-    joints: Sequence[PackageJoint], pair: tuple[str, str], sets: dict[str, HullSet]
+    joints: Sequence[Joint], pair: tuple[str, str], sets: dict[str, HullSet]
 ) -> tuple[_Move, ...]:
     """Every coordinate that moves one link of a pair against the other."""
     by_child, by_name = {joint.child: joint for joint in joints}, {joint.name: joint for joint in joints}
-    paths: list[list[PackageJoint]] = []
+    paths: list[list[Joint]] = []
     for link in pair:
         paths.append([])
         while link in by_child:
@@ -178,7 +179,7 @@ def _relative_moves(
         for joint in path:
             if joint.name in shared or joint.type == "fixed":
                 continue
-            driver, ratio = (joint.mimic, joint.mimic_multiplier) if joint.mimic else (joint.name, 1.0)
+            driver, ratio = (joint.follows, joint.ratio) if joint.follows else (joint.name, 1.0)
             arms = np.linalg.norm(np.cross(joint.axis, hulls.vertices - joint.origin), axis=1)
             radius = np.maximum.reduceat(arms, hulls.starts) + carried
             per_unit = abs(ratio) * (np.ones_like(radius) if joint.type == "prismatic" else radius)

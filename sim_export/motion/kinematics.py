@@ -5,15 +5,16 @@ displacement times its own joint's motion, as in `artigen.kinematics`.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from artigen.kinematics import compose
-from artigen.transforms import screw_motion
+from artigen.transforms import joint_motion
+from artigen.types import Joint
 from sim_export.errors import InvalidKinematics
-from sim_export.package import Link, PackageJoint, Requirement
+from sim_export.package import Link, Requirement
 
 MOVING_TYPES = ("revolute", "prismatic", "continuous")
 STEP = 4e-3
@@ -23,9 +24,23 @@ SWEEP_POSES = (41, 401)
 """Fewest and most poses of such a sweep."""
 
 
-def driven_joints(joints: Sequence[PackageJoint]) -> tuple[PackageJoint, ...]:
+def driven_joints(joints: Sequence[Joint]) -> tuple[Joint, ...]:
     """The joints with a coordinate of their own: those that move and mimic no other."""
-    return tuple(joint for joint in joints if joint.type in MOVING_TYPES and joint.mimic is None)
+    return tuple(joint for joint in joints if joint.type in MOVING_TYPES and joint.follows is None)
+
+
+def object_joints(joints: Sequence[Joint]) -> tuple[Joint, ...]:
+    """The driven joints as those of the object: the two joints of a screw as one with a pitch."""
+    travels = {joint.follows: joint for joint in joints if joint.is_travel}
+    found = []
+    for joint in driven_joints(joints):
+        travel = travels.get(joint.name)
+        joint = replace(joint, type=joint.kind, of_screw=False)
+        if travel is not None:
+            pitch = travel.ratio * float(np.sign(joint.axis @ travel.axis))
+            joint = replace(joint, pitch=pitch, child=travel.child)
+        found.append(joint)
+    return tuple(found)
 
 
 def box_sides(links: Sequence[Link]) -> Float[np.ndarray, "3"]:
@@ -34,15 +49,8 @@ def box_sides(links: Sequence[Link]) -> Float[np.ndarray, "3"]:
     return np.ptp(np.concatenate(chunks), axis=0) if chunks else np.zeros(3)
 
 
-def package_joint_motion(joint: PackageJoint, q: Float[np.ndarray, "*B"]) -> Float[np.ndarray, "*B 4 4"]:
-    """Displacement by one joint at its own coordinate ``q`` (rad or m)."""
-    turns, slides = joint.type in ("revolute", "continuous"), joint.type == "prismatic"
-    still = np.zeros_like(np.asarray(q, dtype=np.float64))
-    return screw_motion(joint.axis, joint.origin, q if turns else still, q if slides else still)
-
-
 def link_displacements(
-    links: Sequence[Link], joints: Sequence[PackageJoint], qpos: Mapping[str, object]
+    links: Sequence[Link], joints: Sequence[Joint], qpos: Mapping[str, object]
 ) -> Float[np.ndarray, "*B L 4 4"]:
     """Displacement of every link from rest, in the order of ``links`` and in the object frame.
 
@@ -64,9 +72,9 @@ def link_displacements(
     slot = {link.name: index for index, link in enumerate(links)}
     parents = _parents(links, joints)
     for joint in joints:
-        q = coordinates.get(joint.mimic or joint.name, np.zeros(()))
-        own[..., slot[joint.child], :, :] = package_joint_motion(
-            joint, q if joint.mimic is None else joint.follow(q)
+        q = coordinates.get(joint.follows or joint.name, np.zeros(()))
+        own[..., slot[joint.child], :, :] = joint_motion(
+            joint, q if joint.follows is None else joint.follow(q)
         )
     try:
         return compose(parents, own)
@@ -77,16 +85,14 @@ def link_displacements(
         raise InvalidKinematics(f"joints form a cycle: {cycle}") from error
 
 
-def moved_links(
-    links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint
-) -> tuple[int, ...]:
+def moved_links(links: Sequence[Link], joints: Sequence[Joint], joint: Joint) -> tuple[int, ...]:
     """Indices of the links that ``joint`` moves: its child, what follows it, and all that hangs from them."""
-    moving = [joint.child, *(other.child for other in joints if other.mimic == joint.name)]
+    moving = [joint.child, *(other.child for other in joints if other.follows == joint.name)]
     moved = frozenset().union(*(hanging_links(joints, link) for link in moving))
     return tuple(index for index, link in enumerate(links) if link.name in moved)
 
 
-def hanging_links(joints: Sequence[PackageJoint], link: str) -> frozenset[str]:
+def hanging_links(joints: Sequence[Joint], link: str) -> frozenset[str]:
     """Names of a link and all its descendants."""
     found: set[str] = set()
     front = {link}
@@ -96,7 +102,7 @@ def hanging_links(joints: Sequence[PackageJoint], link: str) -> frozenset[str]:
     return frozenset(found)
 
 
-def farthest_travel(joint: PackageJoint, moved: Sequence[Float[np.ndarray, "N 3"]]) -> float:
+def farthest_travel(joint: Joint, moved: Sequence[Float[np.ndarray, "N 3"]]) -> float:
     """Length (m) of the way that the farthest of the points that a joint moves goes over its whole range."""
     travel = joint.upper - joint.lower
     if joint.type == "prismatic" or not moved:
@@ -105,7 +111,7 @@ def farthest_travel(joint: PackageJoint, moved: Sequence[Float[np.ndarray, "N 3"
     return travel * float(np.linalg.norm(np.cross(joint.axis, arms), axis=1).max())
 
 
-def _parents(links: Sequence[Link], joints: Sequence[PackageJoint]) -> list[int]:
+def _parents(links: Sequence[Link], joints: Sequence[Joint]) -> list[int]:
     """Index of the link that carries each link; -1 for those without a joint."""
     children = [joint.child for joint in joints]
     slot = {link.name: index for index, link in enumerate(links)}
@@ -118,7 +124,7 @@ def _parents(links: Sequence[Link], joints: Sequence[PackageJoint]) -> list[int]
     return [carriers.get(link.name, -1) for link in links]
 
 
-def sweep_coordinates(joint: PackageJoint, poses: int) -> Float[np.ndarray, "P"]:
+def sweep_coordinates(joint: Joint, poses: int) -> Float[np.ndarray, "P"]:
     """Evenly spaced coordinates from closed to fully open."""
     return np.linspace(joint.lower, joint.upper, poses)
 
@@ -141,7 +147,7 @@ def needed_fractions(joint: str, requirements: Sequence[Requirement]) -> dict[st
 
 
 def required_openings(
-    joint: PackageJoint, joints: Sequence[PackageJoint], requirements: Sequence[Requirement]
+    joint: Joint, joints: Sequence[Joint], requirements: Sequence[Requirement]
 ) -> dict[str, float]:
     """Coordinates of the joints that must be open for ``joint`` to move, requirements of theirs included."""
     by_name = {other.name: other for other in joints}
@@ -159,16 +165,14 @@ class Sweep:
     moved: frozenset[int]
 
 
-def sample_sweep(
-    links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint
-) -> Float[np.ndarray, "P"]:
+def sample_sweep(links: Sequence[Link], joints: Sequence[Joint], joint: Joint) -> Float[np.ndarray, "P"]:
     """Coordinates of a joint from closed to fully open, close enough for all hulls that it moves."""
     moved = [hull.vertices for slot in moved_links(links, joints, joint) for hull in links[slot].hulls]
     return sample_range(joint, moved, STEP, SWEEP_POSES)
 
 
 def sample_range(
-    joint: PackageJoint, moved: Sequence[Float[np.ndarray, "N 3"]], step: float, poses: tuple[int, int]
+    joint: Joint, moved: Sequence[Float[np.ndarray, "N 3"]], step: float, poses: tuple[int, int]
 ) -> Float[np.ndarray, "P"]:
     """Coordinates of a joint from closed to fully open between which no point that it moves goes farther than
     ``step`` (m); ``poses`` are the fewest and the most."""
@@ -177,7 +181,7 @@ def sample_range(
 
 
 def read_sweeps(
-    links: Sequence[Link], joints: Sequence[PackageJoint], requirements: Sequence[Requirement]
+    links: Sequence[Link], joints: Sequence[Joint], requirements: Sequence[Requirement]
 ) -> tuple[Sweep, ...]:
     """Every driven joint's sweep, with what it requires open."""
     sweeps = []

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 from jaxtyping import Float
 
+from artigen.types import Joint
 from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.geometry.overlap import swept_overlap
 from sim_export.motion.kinematics import (
@@ -22,7 +23,7 @@ from sim_export.motion.kinematics import (
     needed_fractions,
     sweep_coordinates,
 )
-from sim_export.package import Link, PackageJoint, Requirement
+from sim_export.package import Link, Requirement
 
 POSES = 21
 """Samples of each joint's range."""
@@ -41,13 +42,13 @@ MAX_LEFT = 0.02
 class _Ways:
     """Hulls and moving joints of an object, and the pairs of hulls that may meet while one joint moves."""
 
-    def __init__(self, links: Sequence[Link], joints: Sequence[PackageJoint]) -> None:
+    def __init__(self, links: Sequence[Link], joints: Sequence[Joint]) -> None:
         self.links, self.joints, self.driven = links, joints, driven_joints(joints)
         self.sets = [HullSet(hulls=link.hulls) for link in links]
         self.moved = {joint.name: set(moved_links(links, joints, joint)) for joint in self.driven}
 
     def meet(
-        self, joint: PackageJoint, other: PackageJoint, opening: float
+        self, joint: Joint, other: Joint, opening: float
     ) -> Iterator[tuple[HullSet, HullSet, Float[np.ndarray, "B 4 4"], Float[np.ndarray, "B 4 4"]]]:
         """Hulls of each link that ``joint`` moves, and of each that only ``other`` moves, with the places of
         both over the range of ``joint`` while ``other`` is at ``opening``."""
@@ -59,11 +60,11 @@ class _Ways:
                     yield self.sets[first], self.sets[second], T[:, first], T[:, second]
 
 
-def find_requirements(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple[Requirement, ...]:
+def find_requirements(links: Sequence[Link], joints: Sequence[Joint]) -> tuple[Requirement, ...]:
     """Which joints need which others open (`require_openings`), by how deep links get into each other."""
     ways, size = _Ways(links, joints), float(box_sides(links).max())
 
-    def depth(joint: PackageJoint, other: PackageJoint, opening: float) -> float:
+    def depth(joint: Joint, other: Joint, opening: float) -> float:
         """Deepest penetration of links moved by ``joint`` and those that only ``other`` moves, less that at
         rest."""
         deepest = 0.0
@@ -84,9 +85,9 @@ def find_requirements(links: Sequence[Link], joints: Sequence[PackageJoint]) -> 
 
 
 def require_openings(
-    blocked: Sequence[tuple[float, PackageJoint, PackageJoint]],
-    joints: Sequence[PackageJoint],
-    is_free: Callable[[PackageJoint, PackageJoint, float], bool],
+    blocked: Sequence[tuple[float, Joint, Joint]],
+    joints: Sequence[Joint],
+    is_free: Callable[[Joint, Joint, float], bool],
     known: Sequence[Requirement] = (),
 ) -> tuple[Requirement, ...]:
     """Requirements for blocked joints, with the least of `FRACTIONS` that frees each, and the known ones.
@@ -112,12 +113,12 @@ def require_openings(
 
 
 def find_crossings(
-    links: Sequence[Link], joints: Sequence[PackageJoint], known: Sequence[Requirement]
+    links: Sequence[Link], joints: Sequence[Joint], known: Sequence[Requirement]
 ) -> tuple[Requirement, ...]:
     """The known requirements and those of joints whose links pass through links of other closed joints."""
     ways = _Ways(links, joints)
 
-    def crossed(joint: PackageJoint, other: PackageJoint, opening: float) -> float:
+    def crossed(joint: Joint, other: Joint, opening: float) -> float:
         """Largest share of a link moved by ``joint`` that gets into a link that only ``other`` moves."""
         most = 0.0
         for first, second, T_first, T_second in ways.meet(joint, other, opening):

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from artigen.types import Asset, Part
+from artigen.types import Asset, Joint, Part
 from sim_export.geometry.rays import bar_depths, first_hits, free_depths, hit_cosines, plane_axes
 from sim_export.geometry.triangles import meet_box
-from sim_export.package import HandleAnnotation, Mesh, PackageJoint
+from sim_export.package import HandleAnnotation, Mesh
 from sim_export.physics.links import LinkTree, link_names, link_owners
 
 SNAP_DEGREES = 5.0
@@ -72,8 +72,8 @@ def annotate_handles(asset: Asset, meshes: Sequence[Mesh], tree: LinkTree) -> tu
 def _annotate(
     part: Part,
     link: str,
-    joint: PackageJoint,
-    leaf: PackageJoint | None,
+    joint: Joint,
+    leaf: Joint | None,
     triangles: Float[np.ndarray, "F 3 3"],
     carrier: Float[np.ndarray, "G 3 3"],
     others: Float[np.ndarray, "H 3 3"],
@@ -114,9 +114,9 @@ def _annotate(
     )
 
 
-def joint_velocity(joint: PackageJoint, point: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+def joint_velocity(joint: Joint, point: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
     """Velocity of a point per unit of joint speed, at rest; the small travel of a screw is ignored."""
-    if joint.type == "prismatic" and joint.mimic is None:
+    if joint.type == "prismatic" and joint.follows is None:
         return np.array(joint.axis)
     axis = np.asarray(joint.axis)
     return np.cross(axis, point - joint.origin)

@@ -3,12 +3,13 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from sim_export.package import Link, PackageJoint, Requirement, SimPackage
+from artigen.types import Joint
+from sim_export.package import Link, Requirement, SimPackage
 
 
 def couple_followers(
-    links: Sequence[Link], joints: Sequence[PackageJoint], follows: Mapping[str, str]
-) -> tuple[tuple[PackageJoint, ...], tuple[str, ...]]:
+    links: Sequence[Link], joints: Sequence[Joint], follows: Mapping[str, str]
+) -> tuple[tuple[Joint, ...], tuple[str, ...]]:
     """Makes some joints follow others; returns the joints and one record per follower.
 
     Follower and leader close and open together. A follower has no resistance; its leader has.
@@ -24,9 +25,7 @@ def couple_followers(
         leader = by_part.get(follows.get(leading.get(joint.child, ""), ""))
         if leader is not None:
             ratio = joint.upper / leader.upper
-            joint = replace(
-                joint, mimic=leader.name, mimic_multiplier=ratio, friction=0.0, damping=0.0, spring=0.0
-            )
+            joint = replace(joint, follows=leader.name, ratio=ratio, friction=0.0, damping=0.0, spring=0.0)
             records.append(
                 f"{joint.name} follows {leader.name} times {ratio:.6g}; engines without <mimic> leave it free"
             )
@@ -41,7 +40,9 @@ def follow_parts(package: SimPackage, follows: Mapping[str, str]) -> SimPackage:
     its leader instead.
     """
     joints, records = couple_followers(package.links, package.joints, follows)
-    leaders = {joint.name: joint.mimic for joint in joints if joint.mimic is not None and not joint.is_travel}
+    leaders = {
+        joint.name: joint.follows for joint in joints if joint.follows is not None and not joint.is_travel
+    }
     needs: dict[tuple[str, str], float] = {}
     for need in package.requires_open:
         key = leaders.get(need.joint, need.joint), leaders.get(need.needs, need.needs)

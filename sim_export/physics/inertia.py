@@ -10,9 +10,10 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float, Int
 
+from artigen.types import Joint
 from sim_export.errors import DegeneratePart, InvalidInertia, OpenMesh
 from sim_export.motion.kinematics import hanging_links
-from sim_export.package import Hull, Inertial, Link, Mesh, PackageJoint
+from sim_export.package import Hull, Inertial, Link, Mesh
 
 MIN_LINK_MASS = 0.01
 TRIANGLE_TOLERANCE = 1e-6
@@ -117,7 +118,7 @@ def raise_light_mass(inertial: Inertial, owner: str) -> tuple[Inertial, str | No
     return heavier, f"{owner}: mass raised from {inertial.mass:.3g} to {MIN_LINK_MASS:g} kg"
 
 
-def subtree_inertial(links: Sequence[Link], joints: Sequence[PackageJoint], name: str) -> Inertial:
+def subtree_inertial(links: Sequence[Link], joints: Sequence[Joint], name: str) -> Inertial:
     """Mass properties, at rest, of a link and all its descendants."""
     inside = hanging_links(joints, name)
     return combine([link.inertial for link in links if link.name in inside and link.inertial is not None])

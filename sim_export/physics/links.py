@@ -21,7 +21,6 @@ from sim_export.package import (
     Inertial,
     Link,
     Mesh,
-    PackageJoint,
     SimPackage,
     SourceMesh,
     UrdfJointType,
@@ -51,9 +50,13 @@ CARRIER_RADIUS = 0.02
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PartGeometry:
-    """Geometry of one part from earlier stages; metres, object frame at rest."""
+    """Geometry of one part from earlier stages; metres, object frame at rest.
+
+    ``finishes`` are the roles of the visuals, if these show a part by its surfaces.
+    """
 
     visuals: tuple[Mesh | SourceMesh, ...] = ()
+    finishes: tuple[str, ...] = ()
     hulls: tuple[Hull, ...] = ()
     inertial: Inertial | None = None
 
@@ -63,7 +66,7 @@ class LinkTree:
     """The links and joints of a package, with one sentence per adjustment."""
 
     links: tuple[Link, ...]
-    joints: tuple[PackageJoint, ...]
+    joints: tuple[Joint, ...]
     records: tuple[str, ...] = ()
 
 
@@ -127,7 +130,7 @@ def build_links(
         )
     owners, names = link_owners(asset), link_names(asset)
     links: list[Link] = []
-    joints: list[PackageJoint] = []
+    joints: list[Joint] = []
     records: list[str] = []
     for leader, name in names.items():
         members = [leader, *(k for k, owner in enumerate(owners) if owner == leader and k != leader)]
@@ -163,10 +166,20 @@ def _weld(
     visuals, count = [], {}
     for index in members:
         part = asset.parts[index]
-        for mesh in geometry[index].visuals:
-            k = count[part.label] = count.get(part.label, -1) + 1
+        own = geometry[index]
+        for number, mesh in enumerate(own.visuals):
+            if not (own.finishes and number):
+                count[part.label] = count.get(part.label, -1) + 1
+            finish = own.finishes[number] if own.finishes else ""
+            stem = f"{part.label}_{name}_{count[part.label]}"
             visuals.append(
-                Visual(name=f"{part.label}_{name}_{k}", part=part.name, label=part.label, mesh=mesh)
+                Visual(
+                    name=f"{stem}-{number}" if finish and number else stem,
+                    part=part.name,
+                    label=part.label,
+                    mesh=mesh,
+                    finish=finish,
+                )
             )
     leader = asset.parts[members[0]]
     masses = [geometry[index].inertial for index in members]
@@ -188,12 +201,11 @@ def _weld(
     return link, [] if record is None else [record]
 
 
-def _fix(child: str) -> PackageJoint:
+def _fix(child: str) -> Joint:
     """The fixed joint of an object without moving parts."""
-    return PackageJoint(
+    return Joint(
         name=child.replace("link", "joint"),
         type="fixed",
-        kind="fixed",
         parent=BASE,
         child=child,
         origin=np.zeros(3),
@@ -201,14 +213,14 @@ def _fix(child: str) -> PackageJoint:
     )
 
 
-def _chain(asset: Asset, part: Part, parent: str, link: Link) -> tuple[list[Link], list[PackageJoint]]:
+def _chain(asset: Asset, part: Part, parent: str, link: Link) -> tuple[list[Link], list[Joint]]:
     """The joint of a movable part; for a screw with a pitch also its intermediate link and second joint."""
     joint, scale = part.joint, asset.scale
     per_unit = scale if joint.type == "prismatic" else 1.0
-    single = PackageJoint(
+    single = Joint(
         name=link.name.replace("link", "joint"),
         type=_urdf_type(joint),
-        kind=joint.type,
+        of_screw=joint.type == "screw",
         parent=parent,
         child=link.name,
         origin=np.round(joint.origin * scale, 9),
@@ -229,7 +241,7 @@ def _urdf_type(joint: Joint) -> UrdfJointType:
     return "revolute" if joint.upper - joint.lower <= FULL_TURN + 1e-6 else "continuous"
 
 
-def _screw(turn: PackageJoint, link: Link, per_radian: float) -> tuple[list[Link], list[PackageJoint]]:
+def _screw(turn: Joint, link: Link, per_radian: float) -> tuple[list[Link], list[Joint]]:
     """Turning joint, then sliding joint with its axis oriented so that the multiplier is positive."""
     inertial = Inertial(
         mass=CARRIER_MASS, com=turn.origin, inertia=0.4 * CARRIER_MASS * CARRIER_RADIUS**2 * np.eye(3)
@@ -243,13 +255,13 @@ def _screw(turn: PackageJoint, link: Link, per_radian: float) -> tuple[list[Link
         axis=turn.axis * np.sign(per_radian),
         lower=turn.lower * abs(per_radian),
         upper=turn.upper * abs(per_radian),
-        mimic=turn.name,
-        mimic_multiplier=abs(per_radian),
+        follows=turn.name,
+        ratio=abs(per_radian),
     )
     return [carrier], [replace(turn, child=carrier.name), travel]
 
 
-def _with_shafts(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple[list[Link], list[str]]:
+def _with_shafts(links: Sequence[Link], joints: Sequence[Joint]) -> tuple[list[Link], list[str]]:
     """Raises the inertia of links about their own joint to at least `LEAST_TURNING`; one sentence per
     change."""
     out, records = list(links), []
@@ -275,8 +287,7 @@ def _with_shafts(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple
 def check_kinematics(package: SimPackage) -> None:
     """Raises `InvalidKinematics` unless links and joints form a tree that URDF can express.
 
-    Requires one root, unique names, known types, joints between known links, finite numbers, unit axes, lower
-    <= upper, and at most 64 links.
+    Requires one root, unique names, known types, joints between known links, and at most 64 links.
     """
     owner = f"package {package.name!r}"
     names = [link.name for link in package.links]
@@ -301,26 +312,16 @@ def check_kinematics(package: SimPackage) -> None:
     for joint in package.joints:
         where = f"{owner}, joint {joint.name!r}"
         unknown = {joint.parent, joint.child} - set(names)
-        if joint.mimic is not None:
-            unknown |= {joint.mimic} - set(joints)
+        if joint.follows is not None:
+            unknown |= {joint.follows} - set(joints)
         if unknown:
             raise InvalidKinematics(f"{where}: names {', '.join(sorted(unknown))}, which is not there")
         if joint.type not in URDF_JOINT_TYPES:
             raise InvalidKinematics(f"{where}: type {joint.type!r}, allowed: {', '.join(URDF_JOINT_TYPES)}")
-        numbers = [*joint.origin, *joint.axis, joint.lower, joint.upper]
-        numbers += [joint.friction, joint.damping, joint.spring, joint.mimic_offset]
-        if not np.isfinite(numbers).all():
-            raise InvalidKinematics(
-                f"{where}: origin, axis, limits or resistance hold NaN or infinite values"
-            )
-        if abs(np.linalg.norm(joint.axis) - 1.0) > 1e-6:
-            raise InvalidKinematics(f"{where}: axis of length {np.linalg.norm(joint.axis):.9g}, expected 1")
         if joint.spring != 0.0 and not joint.upper > 0.0:
             raise InvalidKinematics(
                 f"{where}: a spring of {joint.spring} up to {joint.upper}, expected above 0"
             )
-        if joint.lower > joint.upper:
-            raise InvalidKinematics(f"{where}: lower {joint.lower} is above upper {joint.upper}")
     lost = set(names) - hanging_links(package.joints, roots[0])
     if lost:
         raise InvalidKinematics(f"{owner}: links {', '.join(sorted(lost))} do not hang from {roots[0]!r}")

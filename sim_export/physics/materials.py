@@ -11,8 +11,7 @@ import numpy as np
 
 from artigen.kind import MaterialName, find_category
 from artigen.shapes.surfaces.finishes import FinishKind
-from artigen.types import JointType, PartLabel
-from sim_export.package import PackageJoint
+from artigen.types import Joint, JointType, PartLabel
 
 GRAVITY = 9.81
 ROLLING = 0.02
@@ -173,7 +172,7 @@ def rolling_resistance(mass: float, radius: float) -> float:
     return ROLLING * mass * GRAVITY * radius
 
 
-def joint_load(joint: PackageJoint, mass: float, lever: float) -> float:
+def joint_load(joint: Joint, mass: float, lever: float) -> float:
     """Gravity load of a joint: the moved weight (N), or the moment of that weight (N m).
 
     Args:
@@ -184,7 +183,7 @@ def joint_load(joint: PackageJoint, mass: float, lever: float) -> float:
     return weight if joint.type == "prismatic" else weight * max(lever, 0.01)
 
 
-def physx_friction_coefficient(joint: PackageJoint, mass: float, lever: float) -> float:
+def physx_friction_coefficient(joint: Joint, mass: float, lever: float) -> float:
     """PhysX joint friction coefficient that approximates ``joint.friction``, for loaders that set nothing
     else.
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from artigen.types import PartLabel
+from artigen.types import Joint, PartLabel
 from sim_export.geometry.wheels import STEEPEST_AXLE
 from sim_export.motion.kinematics import driven_joints, hanging_links, link_displacements
-from sim_export.package import Inertial, Link, PackageJoint
+from sim_export.package import Inertial, Link
 from sim_export.physics.inertia import inertia_about, subtree_inertial
 from sim_export.physics.materials import GRAVITY, joint_resistance, rolling_resistance
 
@@ -27,7 +27,7 @@ SHORTEST_DECAY = 0.1
 steps of 1/60 s."""
 
 
-def opening_pull(joint: PackageJoint, moved: Inertial) -> float:
+def opening_pull(joint: Joint, moved: Inertial) -> float:
     """Largest force (N) or torque (N m) with which gravity opens a closed joint on a sloping floor; 0 if it
     closes it.
 
@@ -43,7 +43,7 @@ def opening_pull(joint: PackageJoint, moved: Inertial) -> float:
     return max(0.0, level + HOLD_SLOPE * weight * float(np.hypot(moving[0], moving[1])))
 
 
-def greatest_moment(links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint) -> float:
+def greatest_moment(links: Sequence[Link], joints: Sequence[Joint], joint: Joint) -> float:
     """Greatest gravity moment (N m) about a turning joint, over all its positions and those of the joints
     that hang from it.
 
@@ -69,10 +69,10 @@ def greatest_moment(links: Sequence[Link], joints: Sequence[PackageJoint], joint
 
 def resist_joints(
     links: Sequence[Link],
-    joints: Sequence[PackageJoint],
+    joints: Sequence[Joint],
     latched: frozenset[str] = frozenset(),
     stays: frozenset[str] = frozenset(),
-) -> tuple[PackageJoint, ...]:
+) -> tuple[Joint, ...]:
     """Friction, damping, effort and velocity of every movable joint.
 
     ``latched`` are parts held shut by a latch, ``stays`` parts whose hinges hold them wherever they are left.
@@ -80,7 +80,7 @@ def resist_joints(
     held = {link.name for link in links if latched & set(link.parts[:1])}
     stayed = {link.name for link in links if stays & set(link.parts[:1])}
     labels: dict[str, PartLabel | None] = {link.name: link.label for link in links}
-    leads = {joint.mimic: joint for joint in joints if joint.mimic is not None}
+    leads = {joint.follows: joint for joint in joints if joint.follows is not None}
     by_name = {link.name: link for link in links}
     rolling = _rolling_loads(links, joints)
     out = []
@@ -90,7 +90,7 @@ def resist_joints(
         if joint.type == "fixed" or label is None:
             out.append(joint)
             continue
-        if joint.mimic is not None:  # the turning joint has the resistance of both
+        if joint.follows is not None:  # the turning joint has the resistance of both
             out.append(replace(joint, friction=0.0, damping=0.0, effort=100.0, velocity=1.0))
             continue
         moved = subtree_inertial(links, joints, joint.child)
@@ -108,7 +108,7 @@ def resist_joints(
         if joint.parent in held:  # a latch, loaded by its leaf
             hold *= LATCH_HOLD
         if follower is not None:  # an upright screw is self-locking
-            climb = abs(float(follower.axis[2])) * follower.mimic_multiplier
+            climb = abs(float(follower.axis[2])) * follower.ratio
             hold += (1.0 + HOLD_SLOPE) * moved.mass * GRAVITY * climb
         hold = max(hold, rolling.get(joint.name, 0.0))
         resist = joint_resistance(label, joint.kind, moved.mass, hold)
@@ -126,7 +126,7 @@ def resist_joints(
     return tuple(out)
 
 
-def _rolling_loads(links: Sequence[Link], joints: Sequence[PackageJoint]) -> dict[str, float]:
+def _rolling_loads(links: Sequence[Link], joints: Sequence[Joint]) -> dict[str, float]:
     """Torque (N m) by joint that turns each wheel of an object which stands on all of them."""
     by_name = {link.name: link for link in links}
     wheels = [
@@ -143,7 +143,7 @@ def _rolling_loads(links: Sequence[Link], joints: Sequence[PackageJoint]) -> dic
     return out
 
 
-def _reach(link: Link, joint: PackageJoint) -> float:
+def _reach(link: Link, joint: Joint) -> float:
     """Largest distance (m) of a link's hulls from the axis of its joint."""
     points = np.concatenate([np.zeros((0, 3)), *(hull.vertices for hull in link.hulls)]) - joint.origin
     return float(np.linalg.norm(np.cross(joint.axis, points), axis=1).max(initial=0.0))

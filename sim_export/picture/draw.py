@@ -9,15 +9,16 @@ import colorsys
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Float
 
 from artigen.files.wavefront import MtlMaterial
 from artigen.transforms import transform_points
+from artigen.types import Joint
 from sim_export.errors import PackageError
-from sim_export.files.obj import parse_mtl, parse_obj, read_image
+from sim_export.files.obj import material_of, parse_mtl, parse_obj, read_image
 from sim_export.geometry.triangles import area_normals, diagonal_of
-from sim_export.motion.kinematics import driven_joints, link_displacements, package_joint_motion
-from sim_export.package import Hull, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
+from sim_export.motion.kinematics import driven_joints, joint_motion, link_displacements
+from sim_export.package import Hull, Mesh, SimPackage, SourceMesh, Visual
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import move_surface, surface_from_mesh, surface_points
 
@@ -52,24 +53,23 @@ def load_source_meshes(source: SourceMesh) -> tuple[Mesh, ...]:
                 f"{source.path}: material {name!r} is not in {data.libraries[-1]}, which has "
                 f"{', '.join(sorted(materials)) or 'none'}"
             )
-        color, image, opacity = materials.get(name, MtlMaterial())
+        said = materials.get(name, MtlMaterial())
+        image = said.image
         own = data.face_materials == name
         faces, uv_faces = data.faces[own], data.uv_faces[own]
         uv, texture = None, None
         if image and len(data.coords) and (uv_faces >= 0).all():
             uv, texture = data.coords[uv_faces], read_image(source.path.parent / image)
-        if opacity < 1.0:
-            uv = np.full((len(faces), 3, 2), 0.5) if uv is None else uv
-            pixel = np.rint(255.0 * np.array([[color]])).astype(np.uint8)
-            texture = _make_clear(pixel if texture is None else texture, opacity)
-        meshes.append(Mesh(vertices=vertices, faces=faces, uv=uv, texture=texture, color=color))
+        mesh = Mesh(
+            vertices=vertices,
+            faces=faces,
+            uv=uv,
+            texture=texture,
+            color=said.color,
+            material=material_of(said),
+        )
+        meshes.append(mesh)
     return tuple(meshes)
-
-
-def _make_clear(texture: UInt8[np.ndarray, "H W C"], opacity: float) -> UInt8[np.ndarray, "H W 4"]:
-    """A texture whose opacity is multiplied by that of its material."""
-    alpha = texture[..., 3:] if texture.shape[2] == 4 else np.full((*texture.shape[:2], 1), 255)
-    return np.concatenate([texture[..., :3], np.rint(opacity * alpha).astype(np.uint8)], axis=2)
 
 
 def visual_meshes(visual: Visual) -> tuple[Mesh, ...]:
@@ -128,7 +128,7 @@ def pose_surfaces(surfaces: Sequence[Surface], T: Float[np.ndarray, "L 4 4"]) ->
     return tuple(move_surface(surface, T[surface.id]) for surface in surfaces)
 
 
-def open_end(joint: PackageJoint) -> float:
+def open_end(joint: Joint) -> float:
     """Coordinate of an open joint: the limit farther from rest, or a quarter turn."""
     if joint.type == "continuous":
         return CONTINUOUS_OPEN
@@ -206,11 +206,11 @@ def _link_centers(count: int, surfaces: Sequence[Surface]) -> np.ndarray:
     return centers
 
 
-def _way_out(joint: PackageJoint, center: np.ndarray, parent: np.ndarray) -> np.ndarray:
-    if joint.type == "fixed" or joint.mimic is not None:
+def _way_out(joint: Joint, center: np.ndarray, parent: np.ndarray) -> np.ndarray:
+    if joint.type == "fixed" or joint.follows is not None:
         return np.zeros(3)
     start = np.array(0.02 * np.sign(open_end(joint)))
-    moved = transform_points(package_joint_motion(joint, start), center[None])[0] - center
+    moved = transform_points(joint_motion(joint, start), center[None])[0] - center
     arm = np.linalg.norm(np.cross(center - joint.origin, joint.axis))
     extent = max(float(np.linalg.norm(center - parent)), 1e-9)
     if joint.type != "prismatic" and arm < 0.05 * extent:

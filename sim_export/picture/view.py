@@ -16,9 +16,10 @@ from jaxtyping import Float
 
 from artigen.splats.colors import srgb_from_linear
 from artigen.transforms import matrix_from_quat, quat_from_matrix
+from artigen.types import Joint
 from sim_export.geometry.triangles import diagonal_of
 from sim_export.motion.kinematics import driven_joints, link_displacements
-from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
+from sim_export.package import HandleAnnotation, SimPackage
 from sim_export.picture.draw import hull_surfaces, open_end, package_surfaces
 from sim_export.picture.glb import textured_trimesh
 from sim_export.picture.raycast import Surface
@@ -85,7 +86,7 @@ def build_view(package: SimPackage, *, port: int = 8080) -> PackageView:
     return view
 
 
-def slider_scale(joint: PackageJoint) -> float:
+def slider_scale(joint: Joint) -> float:
     """Joint units (rad, m) per slider unit (degrees, m)."""
     return 1.0 if joint.type == "prismatic" else float(np.pi / 180.0)
 
@@ -184,14 +185,14 @@ def _add_controls(
     )  # fmt: skip
 
 
-def _slider_range(joint: PackageJoint) -> tuple[float, float]:
+def _slider_range(joint: Joint) -> tuple[float, float]:
     """Limits in slider units; a joint without limits gets a full turn in either direction."""
     if joint.type == "continuous":
         return -360.0, 360.0
     return joint.lower / slider_scale(joint), joint.upper / slider_scale(joint)
 
 
-def _add_slider(server: "viser.ViserServer", joint: PackageJoint) -> "viser.GuiSliderHandle[float]":
+def _add_slider(server: "viser.ViserServer", joint: Joint) -> "viser.GuiSliderHandle[float]":
     low, high = _slider_range(joint)
     unit = "m" if joint.type == "prismatic" else "deg"
     # A joint with an empty range has a slider that cannot move.
@@ -201,7 +202,7 @@ def _add_slider(server: "viser.ViserServer", joint: PackageJoint) -> "viser.GuiS
     )
 
 
-def _rest(joint: PackageJoint) -> float:
+def _rest(joint: Joint) -> float:
     low, high = _slider_range(joint)
     return float(np.clip(0.0, low, high))
 

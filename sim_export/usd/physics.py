@@ -18,10 +18,11 @@ from jaxtyping import Float
 
 from artigen.kind import MaterialName
 from artigen.transforms import quat_from_matrix
+from artigen.types import Joint
 from sim_export.files.mjcf import HARD_IMPEDANCE, HARD_REFERENCE
-from sim_export.geometry.primitives import find_primitive
+from sim_export.geometry.primitives import PrimitiveShape, find_primitive
 from sim_export.geometry.triangles import area_normals
-from sim_export.package import Hull, Inertial, PackageJoint
+from sim_export.package import Hull, Inertial
 from sim_export.physics.materials import MATERIALS
 from sim_export.usd.labels import MATERIAL_WORDS, add_label
 from sim_export.usd.looks import define_mesh
@@ -81,7 +82,10 @@ def add_collider(
     """Adds a hull as an invisible collider: a cube or cylinder if it is exactly one, else a convex mesh."""
     from pxr import UsdGeom, UsdPhysics, UsdShade
 
-    shape = _add_primitive(stage, path, hull, origin) or _add_hull(stage, path, hull, origin)
+    found = find_primitive(hull)
+    shape = (
+        _add_hull(stage, path, hull, origin) if found is None else add_primitive(stage, path, found, origin)
+    )
     shape.CreatePurposeAttr().Set(UsdGeom.Tokens.guide)
     prim = shape.GetPrim()
     UsdPhysics.CollisionAPI.Apply(prim)
@@ -95,14 +99,12 @@ def add_collider(
     binding.Bind(material, UsdShade.Tokens.weakerThanDescendants, "physics")
 
 
-def _add_primitive(
-    stage: "Usd.Stage", path: "Sdf.Path", hull: Hull, origin: Float[np.ndarray, "3"]
-) -> "UsdGeom.Gprim | None":
+def add_primitive(
+    stage: "Usd.Stage", path: "Sdf.Path", found: PrimitiveShape, origin: Float[np.ndarray, "3"]
+) -> "UsdGeom.Gprim":
+    """Adds a cube or cylinder, in a frame with that origin."""
     from pxr import Gf, UsdGeom
 
-    found = find_primitive(hull)
-    if found is None:
-        return None
     if found.kind == "box":
         shape = UsdGeom.Cube.Define(stage, path)
         shape.CreateSizeAttr().Set(1.0)
@@ -160,7 +162,7 @@ def fix_to_world(stage: "Usd.Stage", path: "Sdf.Path", root: "Sdf.Path", body: "
     fixed.CreateBody1Rel().SetTargets([body])
 
 
-def add_joint(stage: "Usd.Stage", path: "Sdf.Path", joint: PackageJoint, frames: Frames) -> None:
+def add_joint(stage: "Usd.Stage", path: "Sdf.Path", joint: Joint, frames: Frames) -> None:
     """Adds a joint with its frame in both bodies; the frame's z is the joint's axis."""
     from pxr import UsdPhysics
 
@@ -188,7 +190,7 @@ def add_joint(stage: "Usd.Stage", path: "Sdf.Path", joint: PackageJoint, frames:
     _add_resistance(made.GetPrim(), joint)
 
 
-def follow_joint(prim: "Usd.Prim", joint: PackageJoint, leader: "Usd.Prim") -> None:
+def follow_joint(prim: "Usd.Prim", joint: Joint, leader: "Usd.Prim") -> None:
     """Couples a joint to another one, as on a screw or a pedal bin, for Newton, MuJoCo and PhysX.
 
     ``newton:mimicCoef1`` is omitted: Newton 1.8 reads it per radian and PhysX (ovphysx 0.7) per degree. PhysX
@@ -202,18 +204,18 @@ def follow_joint(prim: "Usd.Prim", joint: PackageJoint, leader: "Usd.Prim") -> N
             (turn.CreateLowerLimitAttr(), joint.lower),
             (turn.CreateUpperLimitAttr(), joint.upper),
         ):
-            attribute.Set(float(np.degrees((end - joint.mimic_offset) / joint.mimic_multiplier)))
+            attribute.Set(float(np.degrees((end - joint.offset) / joint.ratio)))
     prim.AddAppliedSchema("MjcEqualityJointAPI")
     prim.CreateRelationship("mjc:target", custom=False).SetTargets([leader.GetPath()])
     for name, kind, value in (
-        ("mjc:coef1", Sdf.ValueTypeNames.Double, joint.mimic_multiplier),
+        ("mjc:coef1", Sdf.ValueTypeNames.Double, joint.ratio),
         ("mjc:solref", Sdf.ValueTypeNames.DoubleArray, Vt.DoubleArray(_REFERENCE)),
         ("mjc:solimp", Sdf.ValueTypeNames.DoubleArray, Vt.DoubleArray(_IMPEDANCE)),
     ):
         prim.CreateAttribute(name, kind, custom=False, variability=Sdf.VariabilityUniform).Set(value)
-    if joint.mimic_offset != 0.0:
+    if joint.offset != 0.0:
         rest = prim.CreateAttribute("mjc:coef0", Sdf.ValueTypeNames.Double, custom=False)
-        rest.Set(joint.mimic_offset)
+        rest.Set(joint.offset)
     prim.AddAppliedSchema("PhysxMimicJointAPI:rotZ")
     own = "physxMimicJoint:rotZ:"
     prim.CreateRelationship(f"{own}referenceJoint", custom=False).SetTargets([leader.GetPath()])
@@ -223,10 +225,10 @@ def follow_joint(prim: "Usd.Prim", joint: PackageJoint, leader: "Usd.Prim") -> N
     # PhysX uses degrees for the leader and for turning followers.
     own_unit = 1.0 if joint.type == "prismatic" else 180.0 / np.pi
     scale = (np.pi / 180.0 if turn else 1.0) * own_unit
-    gearing.Set(-joint.mimic_multiplier * scale)
-    if joint.mimic_offset != 0.0:
+    gearing.Set(-joint.ratio * scale)
+    if joint.offset != 0.0:
         offset = prim.CreateAttribute(f"{own}offset", Sdf.ValueTypeNames.Float, custom=False)
-        offset.Set(-joint.mimic_offset * own_unit)
+        offset.Set(-joint.offset * own_unit)
 
 
 def _from_z(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
@@ -239,7 +241,7 @@ def _from_z(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
     return np.eye(3) + K + K @ K / (1.0 + axis[2])
 
 
-def _add_resistance(prim: "Usd.Prim", joint: PackageJoint) -> None:
+def _add_resistance(prim: "Usd.Prim", joint: Joint) -> None:
     """Friction, damping and velocity in each engine's schema, and an inactive drive."""
     from pxr import Sdf, UsdPhysics
 

@@ -224,8 +224,8 @@ def _add_joints(stage: "Usd.Stage", root: "Sdf.Path", package: SimPackage, frame
     for joint in package.joints:
         add_joint(stage, places[joint.name], joint, frames)
     for joint in package.joints:
-        if joint.mimic is not None:
-            follower, leader = (stage.GetPrimAtPath(places[name]) for name in (joint.name, joint.mimic))
+        if joint.follows is not None:
+            follower, leader = (stage.GetPrimAtPath(places[name]) for name in (joint.name, joint.follows))
             follow_joint(follower, joint, leader)
     for first, second in ignored_pairs(package):
         apart = UsdPhysics.FilteredPairsAPI.Apply(stage.GetPrimAtPath(frames.paths[first]))

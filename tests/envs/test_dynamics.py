@@ -264,7 +264,7 @@ def test_joints_that_could_meet_are_tried_apart(package, tmp_path):
                         inertial=inertial)
             )  # fmt: skip
             joints.append(
-                replace(turning, name=f"joint_{k}", type="continuous", kind="continuous", parent=body.name,
+                replace(turning, name=f"joint_{k}", type="continuous", parent=body.name,
                         child=f"link_{k}", origin=at, axis=np.array([-1.0, 0.0, 0.0]), upper=2 * np.pi,
                         velocity=6.0, friction=0.04, damping=1e-4)
             )  # fmt: skip
@@ -319,9 +319,7 @@ def test_a_folding_door_closes_once_its_second_leaf_has_come_to_rest(tmp_path):
 def test_what_does_not_move_has_nothing_to_open(package, tmp_path):
     body = next(link for link in package.links if link.name == "link_4")
     base = Link(name="base", label=None, parts=(), visuals=(), hulls=(), inertial=None)
-    fixed = replace(
-        package.joints[0], type="fixed", kind="fixed", parent="base", child="link_4", origin=np.zeros(3)
-    )
+    fixed = replace(package.joints[0], type="fixed", parent="base", child="link_4", origin=np.zeros(3))
     block = replace(package, links=(base, body), joints=(fixed,), handles=(), requires_open=())
     folder = write_package(block, tmp_path / "block")
     verdicts = {result.id: result.verdict for result in check_dynamics(folder, block)}

@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from sim_export.files.write import write_package
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import Inertial, Link, PackageJoint, SimPackage
+from sim_export.package import Inertial, Link, SimPackage
 
 sapien = pytest.importorskip("sapien")
 from envs.sim.loaded import LoadedPackage, set_open_fraction  # noqa: E402
@@ -27,15 +28,15 @@ def block(name: str, label: str, low: object, high: object, mass: float) -> Link
     )  # fmt: skip
 
 
-def joint(number: int, kind: str, parent: str, at: object, axis: object, **given: object) -> PackageJoint:
+def joint(number: int, kind: str, parent: str, at: object, axis: object, **given: object) -> Joint:
     """A joint that moves the link of the same number."""
-    return PackageJoint(
-        name=f"joint_{number}", type=kind, kind=kind, parent=parent, child=f"link_{number}", upper=1.0,
+    return Joint(
+        name=f"joint_{number}", type=kind, parent=parent, child=f"link_{number}", upper=1.0,
         origin=np.array(at, dtype=float), axis=np.array(axis, dtype=float), velocity=10.0, **given,
     )  # fmt: skip
 
 
-def load(folder: Path, links: tuple[Link, ...], joints: tuple[PackageJoint, ...]) -> LoadedPackage:
+def load(folder: Path, links: tuple[Link, ...], joints: tuple[Joint, ...]) -> LoadedPackage:
     """The links, of which the last one stands fast, in a scene with steps of a hundredth of a second."""
     package = SimPackage(name="a", category="Table", visual="voxels", links=links, joints=joints)
     write_package(package, folder / "a")
@@ -88,7 +89,7 @@ def test_a_follower_sags_by_a_hundredth_of_a_millimetre(tmp_path):
     """By gravity over the square of its frequency of 1000 rad/s; with longer steps it sags by less."""
     joints = (
         joint(0, "prismatic", "link_2", (0, 0, 0), (-1, 0, 0), friction=5.0),
-        joint(1, "prismatic", "link_2", (0, 0, 0), (0, 0, -1), mimic="joint_0", mimic_multiplier=1.0),
+        joint(1, "prismatic", "link_2", (0, 0, 0), (0, 0, -1), follows="joint_0", ratio=1.0),
     )
     blocks = (
         block("link_0", "drawer", (0.1, -0.4, 0.0), (0.2, -0.2, 0.2), 1.0),

@@ -12,10 +12,11 @@ from screw_jar import screw_package
 
 from artigen.shapes.draw import draw_shape
 from artigen.transforms import inverse
+from artigen.types import Joint
 from sim_export.errors import PackageError
 from sim_export.files.write import write_package
 from sim_export.motion.kinematics import link_displacements
-from sim_export.package import PackageJoint, SimPackage
+from sim_export.package import SimPackage
 from sim_export.physics.materials import physx_friction_coefficient
 from sim_export.reference import build_reference
 
@@ -131,8 +132,8 @@ def test_the_coefficient_for_other_loaders_holds_about_the_friction(tmp_path, fr
     mass = 5.0
     path = tmp_path / "s.urdf"
     path.write_text(slider(mass))
-    spec = PackageJoint(
-        name="joint_0", type="prismatic", kind="prismatic", parent="base", child="link_0",
+    spec = Joint(
+        name="joint_0", type="prismatic", parent="base", child="link_0",
         origin=np.zeros(3), axis=np.array([1.0, 0.0, 0.0]), upper=1.0, friction=friction,
     )  # fmt: skip
     for effort, low, high in ((0.7 * friction, 0.0, 1e-3), (1.4 * friction, 1.2e-3, 10.0)):

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from artigen.transforms import rotation_about
+from artigen.types import Joint
 from sim_export.files.write import write_package
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import Inertial, Link, PackageJoint, SimPackage
+from sim_export.package import Inertial, Link, SimPackage
 
 pytest.importorskip("sapien")
 from envs.hand import hand_effort, measure_moved
@@ -37,8 +38,8 @@ def carried_of_lid(folder: Path, twelfths: float) -> float:
         hulls=(box_hull(np.array([-1.0, -0.5, 0.0]), np.array([-0.5, 0.5, 1.0])),),
         inertial=Inertial(mass=50.0, com=np.zeros(3), inertia=np.eye(3)),
     )  # fmt: skip
-    joint = PackageJoint(
-        name="joint_0", type="revolute", kind="revolute", parent="link_1", child="link_0", origin=hinge,
+    joint = Joint(
+        name="joint_0", type="revolute", parent="link_1", child="link_0", origin=hinge,
         axis=ACROSS, upper=2.4,
     )  # fmt: skip
     package = SimPackage(name="box", category="Box", visual="voxels", links=(lid, body), joints=(joint,))

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 
+from artigen.types import Joint
 from sim_export.files.write import write_package
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import Inertial, Link, PackageJoint, SimPackage
+from sim_export.package import Inertial, Link, SimPackage
 from sim_export.report import CheckResult
 
 pytest.importorskip("sapien")
@@ -33,15 +34,15 @@ G = 9.81
 FOLDER = Path()
 
 
-def joint_of(kind: str = "prismatic", upper: float = 0.5, **given: object) -> PackageJoint:
+def joint_of(kind: str = "prismatic", upper: float = 0.5, **given: object) -> Joint:
     """A joint from the body to the only part that moves."""
     given = {"origin": np.zeros(3), "axis": np.array([-1.0, 0.0, 0.0]), "velocity": 10.0, **given}
-    return PackageJoint(
-        name="joint_0", type=kind, kind=kind, parent="link_1", child="link_0", upper=upper, **given
+    return Joint(
+        name="joint_0", type=kind, parent="link_1", child="link_0", upper=upper, **given
     )  # fmt: skip
 
 
-def results(joint: PackageJoint | None = None, **changes: object) -> TrialResults:
+def results(joint: Joint | None = None, **changes: object) -> TrialResults:
     """Measurements of an object whose only joint does all that it should."""
     plan = JointPlan(
         opening=30.0, closing=30.0, needs=(), speed_limit=2.0, lean=np.zeros(3), axis=np.zeros(3),
@@ -61,7 +62,7 @@ def results(joint: PackageJoint | None = None, **changes: object) -> TrialResult
     return replace(sound, **changes)
 
 
-def pulled(joint: PackageJoint | None = None, **changes: float) -> TrialResults:
+def pulled(joint: Joint | None = None, **changes: float) -> TrialResults:
     sound = results(joint)
     return replace(sound, pulls=(replace(sound.pulls[0], **changes),))
 

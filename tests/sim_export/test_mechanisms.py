@@ -18,7 +18,7 @@ from sim_export.files.read import read_package
 from sim_export.files.write import write_package
 from sim_export.fingerprint import hash_geometry
 from sim_export.motion.kinematics import link_displacements, moved_links
-from sim_export.package import PackageJoint, Requirement, SimPackage
+from sim_export.package import Requirement, SimPackage
 from sim_export.physics.followers import follow_parts
 from sim_export.physics.links import check_kinematics
 from sim_export.reference import build_reference
@@ -37,19 +37,16 @@ def folder(package: SimPackage, tmp_path_factory: pytest.TempPathFactory) -> Pat
     return write_package(package, tmp_path_factory.mktemp("mechanisms") / "bin")
 
 
-def pedal_and_lid(package: SimPackage) -> tuple[PackageJoint, PackageJoint]:
-    lid = next(joint for joint in package.joints if joint.mimic is not None)
-    return next(joint for joint in package.joints if joint.name == lid.mimic), lid
+def pedal_and_lid(package: SimPackage) -> tuple[Joint, Joint]:
+    lid = next(joint for joint in package.joints if joint.follows is not None)
+    return next(joint for joint in package.joints if joint.name == lid.follows), lid
 
 
 def test_motions_without_ends_neither_follow_nor_have_springs():
-    for extra in ({"follows": "pedal"}, {"spring": 1.0}):
-        with pytest.raises(ValueError, match="has no limits"):
-            Joint(type="continuous", axis=UP, upper=6.0, **extra)
+    with pytest.raises(ValueError, match="both must have two limits"):
+        with_motion(draw_shape("TrashCan", 0, Wish(style="pedal")), "lid", type="continuous")
     with pytest.raises(ValueError, match="stays"):
         Joint(type="prismatic", axis=UP, upper=1.0, stays=True)
-    with pytest.raises(ValueError, match="0 or more"):
-        Joint(type="revolute", axis=UP, upper=1.0, spring=-0.1)
 
 
 @pytest.mark.parametrize(
@@ -59,6 +56,8 @@ def test_motions_without_ends_neither_follow_nor_have_springs():
         (Joint(type="revolute", axis=UP, lower=-1.0, upper=1.0), "a revolute joint from -1 to 1"),
         (Joint(type="prismatic", axis=UP), "a prismatic joint from 0 to 0"),
         (Joint(type="screw", axis=UP, upper=1.0), "a screw joint without a pitch"),
+        (Joint(type="continuous", axis=UP, upper=6.0, spring=1.0), "a spring of 1 at a continuous joint"),
+        (Joint(type="revolute", axis=UP, upper=1.0, spring=-0.1), "a spring of -0.1"),
     ],
 )
 def test_a_part_moves_from_closed_or_is_fixed(joint: Joint, says: str):
@@ -71,7 +70,7 @@ def test_joints_that_moved_one_by_one_are_coupled_and_needs_go_to_the_leader(pac
     leading = {link.name: link.parts[0] for link in package.links if link.parts}
     loose = replace(
         package,
-        joints=tuple(replace(joint, mimic=None, mimic_multiplier=0.0) for joint in package.joints),
+        joints=tuple(replace(joint, follows=None, ratio=0.0) for joint in package.joints),
         requires_open=(
             Requirement(joint=lid.name, needs=pedal.name, fraction=0.5),
             Requirement(joint="other", needs=lid.name, fraction=0.4),
@@ -79,8 +78,8 @@ def test_joints_that_moved_one_by_one_are_coupled_and_needs_go_to_the_leader(pac
         ),
     )
     coupled = follow_parts(loose, {leading[lid.child]: leading[pedal.child], "lost": "nobody"})
-    assert [(j.name, j.mimic, j.mimic_multiplier) for j in coupled.joints] == [
-        (j.name, j.mimic, j.mimic_multiplier) for j in package.joints
+    assert [(j.name, j.follows, j.ratio) for j in coupled.joints] == [
+        (j.name, j.follows, j.ratio) for j in package.joints
     ]
     (need,) = coupled.requires_open
     assert (need.joint, need.needs, need.fraction) == ("other", pedal.name, 0.4)
@@ -106,11 +105,14 @@ def test_a_leader_exists_moves_and_follows_nothing():
     needing = next(part for part in shape.parts if part.needs)
     with pytest.raises(ValueError, match="let it need"):
         with_motion(with_motion(shape, "lid", follows=None), needing.needs[0].part, follows=needing.name)
+    for change in ({"ratio": 1.0}, {"offset": 0.01}):
+        with pytest.raises(ValueError, match="close and open at the same time"):
+            with_motion(shape, "lid", **change)
 
 
 def test_both_are_open_at_the_same_time(package):
     pedal, lid = pedal_and_lid(package)
-    assert lid.mimic_multiplier * pedal.upper == pytest.approx(lid.upper)
+    assert lid.ratio * pedal.upper == pytest.approx(lid.upper)
     shares = np.linspace(0.0, 1.0, 5)
     T = link_displacements(package.links, package.joints, {pedal.name: shares * pedal.upper})
     names = [link.name for link in package.links]
@@ -126,8 +128,8 @@ def test_files_say_it_and_are_read_again(package, folder):
     pedal, lid = pedal_and_lid(package)
     found = {joint.name: joint for joint in read_package(folder).joints}
     assert found[pedal.name].spring == pytest.approx(pedal.spring)
-    assert (found[lid.name].mimic, found[lid.name].kind) == (pedal.name, "revolute")
-    assert found[lid.name].mimic_multiplier == pytest.approx(lid.mimic_multiplier)
+    assert (found[lid.name].follows, found[lid.name].kind) == (pedal.name, "revolute")
+    assert found[lid.name].ratio == pytest.approx(lid.ratio)
     urdf = ET.parse(folder / "mobility.urdf").getroot()
     mimic = [(x.get("name"), x.find("mimic")) for x in urdf.findall("joint") if x.find("mimic") is not None]
     assert [(name, tag.get("joint")) for name, tag in mimic if tag is not None] == [(lid.name, pedal.name)]
@@ -164,13 +166,13 @@ def test_mujoco_pulls_as_stated_and_couples(package, folder):
         mujoco.mj_forward(model, data)
         assert data.qfrc_spring[at] == pytest.approx(-(1.0 + share) * pedal.spring, rel=1e-6)
     assert model.neq == 1
-    assert model.eq_data[0, 1] == pytest.approx(lid.mimic_multiplier)
+    assert model.eq_data[0, 1] == pytest.approx(lid.ratio)
 
 
 def with_offset(package: SimPackage, offset: float) -> SimPackage:
     """The lid is open by ``offset`` (rad) while the pedal is up."""
     _, lid = pedal_and_lid(package)
-    ajar = replace(lid, mimic_offset=offset, upper=lid.upper + offset)
+    ajar = replace(lid, offset=offset, upper=lid.upper + offset)
     return replace(package, joints=tuple(ajar if x is lid else x for x in package.joints))
 
 
@@ -180,13 +182,13 @@ def test_an_offset_is_kept_in_files_and_in_motion(package, tmp_path):
     ajar = with_offset(package, 0.1)
     folder = write_package(ajar, tmp_path / "ajar")
     pedal, lid = pedal_and_lid(read_package(folder))
-    assert lid.mimic_offset == pytest.approx(0.1)
+    assert lid.offset == pytest.approx(0.1)
     T = link_displacements(ajar.links, ajar.joints, {pedal.name: np.array([0.0, 0.5 * pedal.upper])})
     turned = T[:, [link.name for link in ajar.links].index(lid.child)]
     angle = np.arccos((np.trace(turned[:, :3, :3], axis1=1, axis2=2) - 1.0) / 2.0)
-    np.testing.assert_allclose(angle, [0.1, 0.1 + 0.5 * lid.mimic_multiplier * pedal.upper], atol=1e-6)
+    np.testing.assert_allclose(angle, [0.1, 0.1 + 0.5 * lid.ratio * pedal.upper], atol=1e-6)
     model = mujoco.MjModel.from_xml_path(str(folder / "mobility.mjcf.xml"))
-    np.testing.assert_allclose(model.eq_data[0, :2], [0.1, lid.mimic_multiplier], atol=1e-9)
+    np.testing.assert_allclose(model.eq_data[0, :2], [0.1, lid.ratio], atol=1e-9)
     assert hash_geometry(ajar) != hash_geometry(package)
 
 
@@ -203,7 +205,7 @@ def test_usd_has_the_spring_in_degrees(package, tmp_path):
     stiffness, target = drive.GetStiffnessAttr().Get(), drive.GetTargetPositionAttr().Get()
     assert -stiffness * target == pytest.approx(pedal.spring, rel=1e-5)
     gearing = prims[lid.name].GetAttribute("physxMimicJoint:rotZ:gearing").Get()
-    assert gearing == pytest.approx(-lid.mimic_multiplier, rel=1e-5)
+    assert gearing == pytest.approx(-lid.ratio, rel=1e-5)
 
 
 @pytest.mark.sim

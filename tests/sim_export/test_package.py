@@ -5,18 +5,19 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from sim_export.files.urdf import urdf_text
-from sim_export.package import Link, PackageJoint, SimPackage
+from sim_export.package import Link, SimPackage
 
 
-def plain_joint(**given) -> PackageJoint:
-    return PackageJoint(
-        name="joint_0", type="prismatic", kind="prismatic", parent="link_1", child="link_0",
+def plain_joint(**given) -> Joint:
+    return Joint(
+        name="joint_0", type="prismatic", parent="link_1", child="link_0",
         origin=np.zeros(3), axis=np.array([1.0, 0.0, 0.0]), **given,
     )  # fmt: skip
 
 
-def written(joint: PackageJoint) -> ET.Element:
+def written(joint: Joint) -> ET.Element:
     """The joint in a URDF file."""
     links = tuple(
         Link(name=name, label=None, parts=(), visuals=(), hulls=(), inertial=None)
@@ -42,7 +43,7 @@ def test_a_joint_stays_closed_is_free_and_moves_by_100_newtons_at_a_metre_per_se
 
 
 def test_a_joint_that_follows_another_by_no_ratio_does_not_move():
-    found = written(plain_joint(mimic="joint_1")).find("mimic")
+    found = written(plain_joint(follows="joint_1")).find("mimic")
     assert found is not None
     assert float(found.attrib["multiplier"]) == 0.0
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import Link, PackageJoint, SimPackage
+from sim_export.package import Link, SimPackage
 from sim_export.source_faults import find_source_faults
 
 
@@ -18,8 +19,8 @@ def make_package(upper=0.3):
         Link(name=name, label=label, parts=(name,), visuals=(), hulls=(), inertial=None)
         for name, label in (("drawer", "drawer"), ("body", "base"))
     )
-    joint = PackageJoint(
-        name="slide", type="prismatic", kind="prismatic", parent="body", child="drawer",
+    joint = Joint(
+        name="slide", type="prismatic", parent="body", child="drawer",
         origin=np.zeros(3), axis=np.array([-1.0, 0, 0]), lower=0.0, upper=upper,
     )  # fmt: skip
     return SimPackage(

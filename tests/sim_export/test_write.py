@@ -112,9 +112,9 @@ def assert_same(first: SimPackage, second: SimPackage) -> None:
                 np.testing.assert_allclose(visual.mesh.uv, other.mesh.uv, atol=1e-6)
                 np.testing.assert_array_equal(visual.mesh.texture, other.mesh.texture)
     for a, b in zip(first.joints, second.joints, strict=True):
-        for name in ("name", "type", "kind", "parent", "child", "mimic"):
+        for name in ("name", "type", "kind", "parent", "child", "follows"):
             assert getattr(a, name) == getattr(b, name)
-        numbers = ("lower", "upper", "effort", "velocity", "friction", "damping", "mimic_multiplier")
+        numbers = ("lower", "upper", "effort", "velocity", "friction", "damping", "ratio")
         for name in ("origin", "axis", *numbers):
             np.testing.assert_allclose(getattr(a, name), getattr(b, name), atol=1e-8)
     for a, b in zip(first.handles, second.handles, strict=True):
@@ -158,7 +158,7 @@ def test_every_file_is_used_and_every_name_is_there(folder):
     assert {name for name in names if "/" not in name} == {
         *("mobility.urdf", "mobility_cvx.urdf", "mobility.mjcf.xml", "mobility.srdf", "semantics.txt"),
         *("mobility_v2.json", "meta.json", "bounding_box.json", "annotations.json", "physics.json"),
-        *("provenance.json", "manifest.json"),
+        *("provenance.json", "materials.json", "manifest.json"),
     }
 
 

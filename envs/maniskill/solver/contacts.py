@@ -11,8 +11,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from artigen.transforms import inverse, rotation_about, transform_points
+from artigen.types import Joint
 from sim_export.geometry.hulls import hull_planes
-from sim_export.package import Hull, PackageJoint
+from sim_export.package import Hull
 
 from ..placement import part_motion
 from .body import HAND_GAP, Body, first_of_each, triangle_points
@@ -216,7 +217,7 @@ def is_inside(hull: Hull, points: Float[np.ndarray, "*N 3"]) -> Bool[np.ndarray,
     return np.asarray((points @ planes[:, :3].T <= planes[:, 3] + 1e-6).all(axis=-1))
 
 
-def _velocity(joint: PackageJoint, points: Float[np.ndarray, "P 3"]) -> Float[np.ndarray, "P 3"]:
+def _velocity(joint: Joint, points: Float[np.ndarray, "P 3"]) -> Float[np.ndarray, "P 3"]:
     """Velocities of points per unit of joint speed, at rest."""
     if joint.type == "prismatic":
         return np.repeat(np.asarray(joint.axis)[None], len(points), axis=0)

@@ -14,9 +14,9 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
-from sim_export.geometry.hulls import box_hull
+from sim_export.geometry.hulls import box_hull, move_hull
 
-from ..hulls import move_hull, object_field, plinth_under
+from ..hulls import object_field, plinth_under
 from ..objects import TaskPart
 from ..placement import part_motion
 from .body import Obstacle

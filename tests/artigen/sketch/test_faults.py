@@ -29,8 +29,7 @@ from sim_export.collision.hull_limits import MAX_ASPECT
 from sim_export.files.write import write_package
 from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.geometry.hulls import convex_hull
-from sim_export.motion.kinematics import farthest_travel, package_joint_motion
-from sim_export.package import PackageJoint
+from sim_export.motion.kinematics import farthest_travel, joint_motion
 
 FINISH = Finish(kind="plastic", color=(0.5, 0.5, 0.5), accent=(0.4, 0.4, 0.4))
 CHECKS = {
@@ -533,12 +532,12 @@ def test_sweeps_find_what_measuring_every_pair_finds(category: str, seed: int, n
     solids = [primitive for piece in shape.parts for primitive in piece.primitives]
     ours = hull_of(*(solids[row] for row in np.flatnonzero(carried)))
     others = hull_of(*(solids[row] for row in np.flatnonzero(~carried)))
-    joint = PackageJoint(
+    joint = Joint(
         name="joint", type="prismatic" if motion.type == "prismatic" else "revolute", kind=motion.type,
         parent="a", child="b", origin=motion.origin, axis=motion.axis, upper=motion.upper,
     )  # fmt: skip
     count = int(np.clip(np.ceil(farthest_travel(joint, [ours.vertices]) / sweep.STEP) + 1, *sweep.POSES))
-    poses = package_joint_motion(joint, np.linspace(0.0, motion.upper, count))
+    poses = joint_motion(joint, np.linspace(0.0, motion.upper, count))
     true = float(penetration_depths(ours, others, poses, np.eye(4)).max())
     assert true > 0.01
     assert depth == pytest.approx(true, abs=sweep.STEP if motion.type == "prismatic" else 2e-5)

@@ -193,8 +193,8 @@ def test_a_latch_that_comes_after_what_it_holds_says_so(category: str):
         for holder, held in enumerate(holds):
             if held:
                 assert held - 1 < holder
-                assert holder in sketch.parts[held - 1].joint.needs
-                assert FRACTIONS[sketch.parts[held - 1].joint.fraction] in (0.9, 0.95)
+                assert holder in sketch.parts[held - 1].needs
+                assert FRACTIONS[sketch.parts[held - 1].fraction] in (0.9, 0.95)
                 found += 1
         assert rows_to_sketch(table) == sketch
         # A table that ends before the latch can be read: what it holds is free.
@@ -210,7 +210,7 @@ def test_no_part_may_hold_what_it_waits_for():
     for needs, allowed in (((moving,), False), ((), True)):
         last = next(k for k, part in enumerate(sketch.parts) if part.joint is not None and k > moving)
         parts = list(sketch.parts)
-        parts[last] = replace(parts[last], joint=replace(parts[last].joint, needs=needs))
+        parts[last] = replace(parts[last], needs=needs)
         table = sketch_to_rows(replace(sketch, parts=tuple(parts)))
         writer, joints = Writer(request=empty_request()), 0
         for row in table.tolist():

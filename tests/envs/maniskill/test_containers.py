@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from artigen.types import PartLabel
+from artigen.types import Joint, PartLabel
 from envs.maniskill import containers
 from envs.maniskill.containers import Container, find_container, room_when_open
 from envs.maniskill.hulls import open_above_ground
 from envs.maniskill.objects import TaskObject, TaskPart
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import Hull, Link, PackageJoint, SimPackage
+from sim_export.package import Hull, Link, SimPackage
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 FLOOR = 0.04
@@ -34,7 +34,7 @@ def entry_of(
         Link(name=name, label=None, parts=(name,), visuals=(), hulls=value, inertial=None)
         for name, value in hulls.items()
     )
-    joint = PackageJoint(
+    joint = Joint(
         name="j", type=motion, kind=motion, parent="body", child="part", origin=np.zeros(3),
         axis=np.array(axis), upper=0.5,
     )  # fmt: skip

@@ -10,25 +10,26 @@ import numpy as np
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package, double_door_parts
 
-from envs.maniskill.rooms.check import check_contents, check_room
-from envs.maniskill.rooms.compartments import (
+from artigen.types import Joint
+from envs.rooms.check import check_contents, check_room
+from envs.rooms.compartments import (
     CLEARANCE,
     SIDE,
     cached_compartments,
     find_compartments,
     largest_free,
 )
-from envs.maniskill.rooms.contents import LIFT, SPACING, fill_room
-from envs.maniskill.rooms.file import SceneFileError, read_room, room_json, write_room
-from envs.maniskill.rooms.footprints import cached_package
-from envs.maniskill.rooms.picture import item_surfaces
-from envs.maniskill.rooms.room import Item, Opening, Placement, Room, RoomKind, room_shell
-from envs.maniskill.rooms.solids import item_hulls, item_motion, item_solid
-from envs.maniskill.rooms.things import THINGS, thing_hulls, thing_solids
+from envs.rooms.contents import LIFT, SPACING, fill_room
+from envs.rooms.file import SceneFileError, read_room, room_json, write_room
+from envs.rooms.footprints import cached_package
+from envs.rooms.picture import item_surfaces
+from envs.rooms.room import Item, Opening, Placement, Room, RoomKind, room_shell
+from envs.rooms.solids import item_hulls, item_motion, item_solid
+from envs.rooms.things import THINGS, thing_hulls, thing_solids
 from sim_export.files.write import write_package
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import Link, PackageJoint, SimPackage
+from sim_export.package import Link, SimPackage
 from sim_export.picture.render import surface_points
 
 SIZE = (4.0, 3.5, 2.6)
@@ -186,8 +187,8 @@ def drawer(*, depth: float = 0.3, rim: float = 0.06, room: float = 0.1) -> SimPa
         )
         for name, label, boxes in (("slide", "drawer", [floor, *walls]), ("body", "base", [roof]))
     ]  # fmt: skip
-    joint = PackageJoint(
-        name="joint", type="prismatic", kind="prismatic", parent="body", child="slide", origin=np.zeros(3),
+    joint = Joint(
+        name="joint", type="prismatic", parent="body", child="slide", origin=np.zeros(3),
         axis=np.array([-1.0, 0.0, 0.0]), upper=0.25,
     )  # fmt: skip
     return SimPackage(name="drawer", category="Box", visual="voxels", links=tuple(links), joints=(joint,))
@@ -242,9 +243,9 @@ def test_a_thing_stands_in_its_box(thing):
         assert all(color < 2 for _, color in thing_solids(thing.name, size))
 
 
-def test_every_kind_of_room_has_things_for_drawers_and_shelves():
+def test_every_kind_of_room_has_things_for_drawers_shelves_and_tops():
     places = {place for thing in THINGS for place in thing.where}
-    wanted = {f"{kind} {place}" for kind in get_args(RoomKind) for place in ("drawer", "shelf")}
+    wanted = {f"{kind} {place}" for kind in get_args(RoomKind) for place in ("drawer", "shelf", "top")}
     assert places == wanted | {"fridge"}
     with pytest.raises(ValueError, match="expected one of cup"):
         thing_solids("unicorn", (0.1, 0.1, 0.1))

@@ -50,7 +50,12 @@ def test_a_part_is_used_or_left_out_by_name(cabinet):
 
 def test_endless_and_screwing_joints_are_left_out(package, tmp_path):
     joints = tuple(
-        replace(joint, type="continuous", kind="continuous") if joint.type == "revolute" else joint
+        replace(
+            joint,
+            type="continuous",
+        )
+        if joint.type == "revolute"
+        else joint
         for joint in package.joints
     )
     entry = read_object(write_package(replace(package, joints=joints), tmp_path / "endless"), "any")

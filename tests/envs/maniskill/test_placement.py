@@ -5,10 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from envs.maniskill.objects import TaskObject, TaskPart
 from envs.maniskill.placement import Stand, find_stand, outward
 from envs.maniskill.robots import ROBOTS
-from sim_export.package import PackageJoint, SimPackage
+from sim_export.package import SimPackage
 
 PANDA, FETCH = ROBOTS["panda"], ROBOTS["fetch"]
 FRONT, UP = np.array([-1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
@@ -24,8 +25,8 @@ def block(low: list[float], high: list[float]) -> TaskObject:
 
 
 def drawer(axis: np.ndarray = FRONT, moved: np.ndarray = FAR) -> TaskPart:
-    joint = PackageJoint(
-        name="j", type="prismatic", kind="prismatic", parent="a", child="b", origin=np.zeros(3), axis=axis,
+    joint = Joint(
+        name="j", type="prismatic", parent="a", child="b", origin=np.zeros(3), axis=axis,
         upper=0.1,
     )  # fmt: skip
     return TaskPart(

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from envs.maniskill.objects import TaskObject, TaskPart
 from envs.maniskill.placement import Stand
 from envs.maniskill.postures import Goal, Postures, find_putting_stand, sample_postures
@@ -13,7 +14,7 @@ from envs.maniskill.robots import ROBOTS
 from envs.maniskill.solver.body import Body
 from envs.maniskill.solver.chain import Chain
 from envs.maniskill.solver.field import Field
-from sim_export.package import PackageJoint, SimPackage
+from sim_export.package import SimPackage
 
 FETCH, PANDA = ROBOTS["fetch"], ROBOTS["panda"]
 ALONG_X, ALONG_Y, ALONG_Z = np.eye(3), np.eye(3)[:, [1, 2, 0]], np.eye(3)[:, [2, 0, 1]]
@@ -86,8 +87,8 @@ def place(
         folder=Path(), package=package, parts=(), left_out=(),
         bounds=np.array([[9.0, -9.0, 0.0], [9.1, 9.0, 9.0]]),
     )  # fmt: skip
-    joint = PackageJoint(
-        name="j", type="prismatic", kind="prismatic", parent="a", child="b", origin=np.zeros(3),
+    joint = Joint(
+        name="j", type="prismatic", parent="a", child="b", origin=np.zeros(3),
         axis=np.array([-1.0, 0.0, 0.0]), upper=0.1,
     )  # fmt: skip
     part = TaskPart(

@@ -13,9 +13,9 @@ from project import ROOT
 from sample_packages import SAMPLE_PARTS, build_package
 
 import envs
-from envs.maniskill.rooms.file import write_room
-from envs.maniskill.rooms.footprints import read_footprint
-from envs.maniskill.rooms.room import Opening, Placement, Room, room_shell
+from envs.rooms.file import write_room
+from envs.rooms.footprints import read_footprint
+from envs.rooms.room import Opening, Placement, Room, room_shell
 from sim_export.files.write import write_package
 
 pytest.importorskip("mani_skill")
@@ -66,7 +66,7 @@ def test_registering_loads_no_simulator():
     assert "ArtiGen-Room-v1" in gym.registry
     assert envs.__doc__
     heavy = {"mani_skill", "sapien", "torch"}
-    code = f"import sys, envs.maniskill.populate; print(*({heavy} & set(sys.modules)))"
+    code = f"import sys, envs.rooms.populate; print(*({heavy} & set(sys.modules)))"
     root = ROOT
     done = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True, check=True)
     assert done.stdout.split() == []

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from bare_room import ENTRANCE, ROOM
 
-from envs.maniskill.rooms import check
-from envs.maniskill.rooms.arrange import Plan
-from envs.maniskill.rooms.doorway import hang_door
-from envs.maniskill.rooms.pieces import GAP, Boxes, Piece
-from envs.maniskill.rooms.recipes import DOOR
-from envs.maniskill.rooms.solids import make_solid
+from envs.rooms import check
+from envs.rooms.arrange import Plan
+from envs.rooms.doorway import hang_door
+from envs.rooms.pieces import GAP, Boxes, Piece
+from envs.rooms.recipes import DOOR
+from envs.rooms.solids import make_solid
 from sim_export.geometry.hulls import box_hull
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 
+from artigen.types import Joint
 from envs.maniskill.hulls import hulls_at, plinth_under
 from envs.maniskill.objects import (
     TaskError,
@@ -22,7 +23,7 @@ from envs.maniskill.solver.field import build_field, distances
 from envs.maniskill.verbs import verb_of
 from sim_export.files.write import write_package
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import PackageJoint, Requirement, SimPackage
+from sim_export.package import Requirement, SimPackage
 
 FRONT, UP, SIDE = np.array([-1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
 
@@ -43,9 +44,9 @@ def latched(package: SimPackage, tmp_path_factory: pytest.TempPathFactory) -> Pa
     return write_package(changed, tmp_path_factory.mktemp("latched") / "cabinet")
 
 
-def joint(kind: str, axis: np.ndarray, origin: np.ndarray) -> PackageJoint:
-    return PackageJoint(
-        name="j", type=kind, kind=kind, parent="a", child="b", origin=origin, axis=axis, upper=0.5,
+def joint(kind: str, axis: np.ndarray, origin: np.ndarray) -> Joint:
+    return Joint(
+        name="j", type=kind, parent="a", child="b", origin=origin, axis=axis, upper=0.5,
     )  # type: ignore[arg-type]  # fmt: skip
 
 
@@ -122,7 +123,12 @@ def test_verbs_share_out_all_that_moves(package, tmp_path):
 def test_a_knob_without_limits_is_turned_by_a_quarter(package, tmp_path):
     labels = {link.name: link.label for link in package.links}
     joints = tuple(
-        replace(x, type="continuous", kind="continuous") if labels[x.child] == "knob" else x
+        replace(
+            x,
+            type="continuous",
+        )
+        if labels[x.child] == "knob"
+        else x
         for x in package.joints
     )
     folder = write_package(replace(package, joints=joints), tmp_path / "endless")
@@ -210,9 +216,7 @@ def test_hulls_of_followers_are_where_their_leader_takes_them(package, tmp_path)
     labels = {link.name: link.label for link in package.links}
     first, second = [x for x in package.joints if labels[x.child] in ("door", "drawer")][:2]
     ratio = second.upper / first.upper
-    joints = tuple(
-        replace(x, mimic=first.name, mimic_multiplier=ratio) if x is second else x for x in package.joints
-    )
+    joints = tuple(replace(x, follows=first.name, ratio=ratio) if x is second else x for x in package.joints)
     entry = read_object(write_package(replace(package, joints=joints), tmp_path / "pair"), "any")
     assert dict(entry.left_out)[second.name] == f"follows {first.name}"
     part = next(x for x in entry.parts if x.joint.name == first.name)

@@ -6,26 +6,27 @@ import numpy as np
 import pytest
 import torch
 
+from artigen.types import Joint
 from envs.sim.mechanism import find_mechanism
 from sim_export.errors import PackageError
-from sim_export.package import PackageJoint, SimPackage
+from sim_export.package import SimPackage
 
 
-def joint(name: str, **given: Any) -> PackageJoint:
-    return PackageJoint(
-        name=name, type="prismatic", kind="prismatic", parent="body", child=f"link of {name}",
+def joint(name: str, **given: Any) -> Joint:
+    return Joint(
+        name=name, type="prismatic", parent="body", child=f"link of {name}",
         origin=np.zeros(3), axis=np.array([1.0, 0.0, 0.0]), upper=1.0, **given,
     )  # fmt: skip
 
 
-def package_of(*joints: PackageJoint) -> SimPackage:
+def package_of(*joints: Joint) -> SimPackage:
     return SimPackage(name="a", category="Table", visual="voxels", links=(), joints=joints)
 
 
 CHAIN = package_of(
-    joint("last", mimic="middle", mimic_multiplier=3.0, mimic_offset=0.1),
+    joint("last", follows="middle", ratio=3.0, offset=0.1),
     joint("first"),
-    joint("middle", mimic="first", mimic_multiplier=-2.0, mimic_offset=0.5),
+    joint("middle", follows="first", ratio=-2.0, offset=0.5),
 )
 
 
@@ -45,9 +46,9 @@ def test_followers_of_followers_are_where_the_first_leader_puts_them(names: tupl
 
 def test_a_follower_needs_a_leader_that_moves_by_itself():
     with pytest.raises(PackageError, match="'lid' follows 'pedal', which does not move"):
-        find_mechanism(package_of(joint("lid", mimic="pedal"), joint("pedal")), ["lid"])
+        find_mechanism(package_of(joint("lid", follows="pedal"), joint("pedal")), ["lid"])
     with pytest.raises(PackageError, match="which follows it"):
-        find_mechanism(package_of(joint("a", mimic="b"), joint("b", mimic="a")), ["a", "b"])
+        find_mechanism(package_of(joint("a", follows="b"), joint("b", follows="a")), ["a", "b"])
 
 
 def test_only_joints_with_springs_pull_and_held_ones_do_not():

@@ -7,17 +7,20 @@ from pathlib import Path
 from typing import Any
 
 import gymnasium as gym
+import mujoco
 import numpy as np
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 from screw_jar import screw_package
 
 from artigen.shapes.draw import Wish, draw_shape
-from envs.maniskill.rooms.file import write_room
-from envs.maniskill.rooms.footprints import read_footprint
-from envs.maniskill.rooms.room import Opening, Placement, Room, room_shell
+from envs.rooms.file import read_room, write_room
+from envs.rooms.footprints import read_footprint
+from envs.rooms.mjcf import write_room_mjcf
+from envs.rooms.room import Opening, Placement, Room, room_shell
 from envs.sim.friction import CHAIN_ITERATIONS
 from envs.sim.load import load
+from envs.sim.mujoco import compile_model
 from sim_export.files.write import write_package
 from sim_export.geometry.hulls import box_hull
 from sim_export.package import SimPackage
@@ -56,7 +59,7 @@ def linked_package() -> SimPackage:
     drawer, door, *others = package.joints
     drawer = replace(drawer, spring=2.0 * drawer.friction)
     door = replace(
-        door, mimic=drawer.name, mimic_multiplier=RATIO, upper=RATIO * drawer.upper, friction=0.0, damping=0.0
+        door, follows=drawer.name, ratio=RATIO, upper=RATIO * drawer.upper, friction=0.0, damping=0.0
     )
     return replace(package, links=links, joints=(drawer, door, *others), requires_open=())
 
@@ -124,6 +127,23 @@ def way_of_engine(engine: Any, package: Path) -> Way:
     return Way(pose=led_by_joint_0(simulation.reset), step=step, positions=simulation.positions)
 
 
+def way_of_mujoco_room(package: Path, at: Path) -> Way:
+    room = read_room(furnish(package, at))
+    model = compile_model(write_room_mjcf(room, at))
+    data = mujoco.MjData(model)
+    names = [model.joint(index).name.removeprefix("cabinet_0/") for index in range(model.njnt)]
+
+    def pose(coordinates: dict[str, float]) -> None:
+        mujoco.mj_resetData(model, data)
+        data.qpos[:] = [coordinates.get(name, 0.0) for name in names]
+
+    return Way(
+        pose=pose,
+        step=lambda: mujoco.mj_step(model, data, round(0.05 / model.opt.timestep)),
+        positions=lambda: dict(zip(names, data.qpos.tolist(), strict=True)),
+    )
+
+
 def way_of_actuate(package: Path) -> Way:
     env = gym.make("ArtiGen/Actuate-v0", package=package)
     env.reset(seed=0)
@@ -151,7 +171,7 @@ def way_of_maniskill(env: gym.Env) -> Way:
 
 
 TASKS = ("ArtiGen-OpenPart-v1", "ArtiGen-OpenCabinetDrawer-v1", "ArtiGen-Room-v1")
-WAYS = ("sapien", "mujoco", "ArtiGen/Actuate-v0", *TASKS)
+WAYS = ("sapien", "mujoco", "scene.xml", "ArtiGen/Actuate-v0", *TASKS)
 
 
 @pytest.fixture
@@ -161,6 +181,8 @@ def way(request: pytest.FixtureRequest, folder: Path, tmp_path: Path) -> Iterato
         env = make(name, folder, tmp_path, **({"part": "drawer"} if "OpenPart" in name else {}))
         yield way_of_maniskill(env)
         env.close()
+    elif name == "scene.xml":
+        yield way_of_mujoco_room(folder, tmp_path)
     elif "/" in name:
         yield way_of_actuate(folder)
     else:
@@ -192,7 +214,7 @@ def test_a_reset_puts_followers_where_their_leader_is(name: str, tmp_path: Path)
     """Also one that moves against its leader, and so has its leader's rest at its upper limit."""
     package = linked_package()
     drawer, door, *others = package.joints
-    door = replace(door, axis=-door.axis, mimic_multiplier=-RATIO, lower=-RATIO * drawer.upper, upper=0.0)
+    door = replace(door, axis=-door.axis, ratio=-RATIO, lower=-RATIO * drawer.upper, upper=0.0)
     against = write_package(replace(package, joints=(drawer, door, *others)), tmp_path / "against")
     extra = {"OpenPart": {"part": "drawer", "initial_open": 0.5}, "Room": {"joint_0": OPENED}}
     given = next((value for key, value in extra.items() if key in name), {})
@@ -217,8 +239,8 @@ def test_an_object_stands_on_the_floor_or_its_plinth(name: str, folder: Path, tm
 def test_a_latch_that_stands_open_is_held_against_its_spring(tmp_path: Path):
     """A pedal bin, whose bucket is lifted while the pedal is down and the lid open."""
     package = build_reference(draw_shape("TrashCan", 0, Wish(style="pedal")))
-    lid = next(joint for joint in package.joints if joint.mimic is not None)
-    pedal = next(joint for joint in package.joints if joint.name == lid.mimic)
+    lid = next(joint for joint in package.joints if joint.follows is not None)
+    pedal = next(joint for joint in package.joints if joint.name == lid.follows)
     bin_folder = write_package(package, tmp_path / "bin")
     env = make("ArtiGen-LiftPart-v1", bin_folder, tmp_path, part="any", latches="open")
     thing = object_in(env)
@@ -226,7 +248,7 @@ def test_a_latch_that_stands_open_is_held_against_its_spring(tmp_path: Path):
     for _ in range(10):
         now = dict(zip(names, thing.get_qpos()[0].tolist(), strict=True))
         assert now[pedal.name] == pytest.approx(pedal.upper, rel=0.02)
-        assert now[lid.name] == pytest.approx(lid.mimic_multiplier * now[pedal.name], abs=0.01)
+        assert now[lid.name] == pytest.approx(lid.ratio * now[pedal.name], abs=0.01)
         assert float(thing.get_qvel().abs().max()) < 0.1
         env.step(torch.zeros(env.unwrapped.single_action_space.shape))  # type: ignore[attr-defined]
     env.close()

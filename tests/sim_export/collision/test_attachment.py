@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from sim_export.collision import attachment
 from sim_export.collision.attachment import NEAR, add_hull, attach_links
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import box_hull
 from sim_export.motion.kinematics import link_displacements, read_sweeps
-from sim_export.package import Hull, Link, PackageJoint
+from sim_export.package import Hull, Link
 
 
 def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> Hull:
@@ -21,11 +22,10 @@ def link(name: str, *hulls: Hull) -> Link:
     return Link(name=name, label=None, parts=(), visuals=(), hulls=hulls, inertial=None)
 
 
-def joint(kind: str, axis: tuple[float, float, float], upper: float, origin=(0.0, 0.0, 0.0)) -> PackageJoint:
-    return PackageJoint(
+def joint(kind: str, axis: tuple[float, float, float], upper: float, origin=(0.0, 0.0, 0.0)) -> Joint:
+    return Joint(
         name="joint_0",
         type=kind,
-        kind=kind,
         parent="body",
         child="part",
         axis=np.array(axis),
@@ -47,7 +47,7 @@ def gap(links, pose: np.ndarray | None = None) -> float:
     return float(signed_distances(part, body, T, still, 1.0).distance.min())
 
 
-def sweep_gap(links, moving: PackageJoint) -> float:
+def sweep_gap(links, moving: Joint) -> float:
     T = link_displacements(links, [moving], {moving.name: np.linspace(0.0, moving.upper, 101)})
     return gap(links, T[:, 1])
 
@@ -200,5 +200,5 @@ def test_a_peg_is_tried_at_the_four_nearest_places(blocked, pegs):
     ]
     links = (link("body", BODY), link("part", *feet), link("other", *blocks))
     slide = joint("prismatic", (0.0, 1.0, 0.0), 1e-4)
-    still = replace(slide, name="joint_1", type="fixed", kind="fixed", child="other", upper=0.0)
+    still = replace(slide, name="joint_1", type="fixed", child="other", upper=0.0)
     assert len(attach_links(links, [slide, still]).pegs) == pegs

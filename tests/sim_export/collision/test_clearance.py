@@ -7,6 +7,7 @@ import pytest
 from sample_cabinet import SAMPLE_PARTS, SamplePart, sample_box_arrays
 
 from artigen.kinematics import displacements, movable_parts
+from artigen.types import Joint
 from sim_export.collision.clearance import Clearance, clear_joints
 from sim_export.collision.cut_hulls import CutHulls
 from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect
@@ -23,7 +24,7 @@ from sim_export.motion.kinematics import (
     sweep_coordinates,
 )
 from sim_export.motion.requirements import find_requirements
-from sim_export.package import Hull, Link, PackageJoint, Requirement
+from sim_export.package import Hull, Link, Requirement
 
 BY_NAME = {part.name: part for part in SAMPLE_PARTS}
 
@@ -38,9 +39,9 @@ def make_link(name: str, *hulls: Hull) -> Link:
     return Link(name=name, label=None, parts=(name,), visuals=(), hulls=hulls, inertial=None)
 
 
-def make_joint(child: str, joint_type, axis, origin, upper, parent="body") -> PackageJoint:
-    return PackageJoint(
-        name=f"joint_{child}", type=joint_type, kind=joint_type, parent=parent, child=child,
+def make_joint(child: str, joint_type, axis, origin, upper, parent="body") -> Joint:
+    return Joint(
+        name=f"joint_{child}", type=joint_type, parent=parent, child=child,
         origin=np.array(origin, float), axis=np.array(axis, float), upper=upper,
     )  # fmt: skip
 
@@ -49,7 +50,7 @@ def box(low, high) -> Hull:
     return box_hull(np.array(low, float), np.array(high, float))
 
 
-def sample_package(grow: float = 0.0) -> tuple[list[Link], list[PackageJoint]]:
+def sample_package(grow: float = 0.0) -> tuple[list[Link], list[Joint]]:
     """The sample cabinet's exact boxes as links; ``grow`` (m) swells everything that moves."""
     links, joints = [make_link("base")], []
     for part in SAMPLE_PARTS:
@@ -88,7 +89,7 @@ def total_volume(links) -> float:
 
 
 @pytest.fixture(scope="module")
-def swollen() -> tuple[list[Link], list[PackageJoint], tuple[Requirement, ...], Clearance]:
+def swollen() -> tuple[list[Link], list[Joint], tuple[Requirement, ...], Clearance]:
     links, joints = sample_package(grow=0.004)
     requirements = find_requirements(links, joints)
     return links, joints, requirements, clear_joints(links, joints, requirements)
@@ -119,7 +120,7 @@ def test_mimicking_joints_follow_and_unknown_names_are_refused():
         make_joint("carrier", "revolute", (0, 0, 1), (0.1, 0, 0), 3.0),
         replace(
             make_joint("screw", "prismatic", (0, 0, 1), (0.1, 0, 0), 0.3, parent="carrier"),
-            mimic="joint_carrier", mimic_multiplier=0.1,
+            follows="joint_carrier", ratio=0.1,
         ),
     ]  # fmt: skip
     T = link_displacements(links, joints, {"joint_carrier": np.array([0.0, 2.0])})
@@ -217,7 +218,7 @@ def test_a_free_package_is_left_alone():
     assert cleared.records == ()
 
 
-def hinge(corner: float) -> tuple[list[Link], list[PackageJoint]]:
+def hinge(corner: float) -> tuple[list[Link], list[Joint]]:
     """A door between two posts, hinged at the middle of its edge: its corners sweep into the post."""
     links = [
         make_link("base"),
@@ -274,7 +275,7 @@ def test_a_deep_overlap_is_reported_not_hidden():
     assert any("penetrates" in record for record in cleared.records)
 
 
-def stopper() -> tuple[list[Link], list[PackageJoint]]:
+def stopper() -> tuple[list[Link], list[Joint]]:
     """A slider that runs into a wall after 20 of 30 cm."""
     links = [
         make_link("base"), make_link("body", box((0, 0, -0.02), (1, 1, 0)), box((0.5, 0, 0), (0.9, 1, 0.5))),
@@ -415,8 +416,8 @@ def capped(gap: float, *, screwed: bool):
     turn = make_joint("carrier", "revolute", (1, 0, 0), (0, 0, 0), 1e-6)
     travel = make_joint("cap", "prismatic", (1, 0, 0), (0, 0, 0), 1e-9, parent="carrier")
     if not screwed:
-        return links, [turn, replace(travel, type="fixed", kind="fixed")]
-    return links, [turn, replace(travel, kind="screw", mimic=turn.name, mimic_multiplier=1e-3)]
+        return links, [turn, replace(travel, type="fixed", upper=0.0)]
+    return links, [turn, replace(travel, of_screw=True, follows=turn.name, ratio=1e-3)]
 
 
 @pytest.mark.parametrize(

@@ -6,10 +6,11 @@ import manifold3d
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from sim_export.collision import attachment, feet
 from sim_export.collision.feet import Levelled, add_feet, level_object
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import Hull, Inertial, Link, Mesh, PackageJoint
+from sim_export.package import Hull, Inertial, Link, Mesh
 
 
 def solid(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]]) -> Mesh:
@@ -77,8 +78,8 @@ def test_a_frame_stands_on_its_corners():
 
 def test_feet_keep_out_of_the_way_of_what_moves(monkeypatch):
     tray = box_hull(np.array([-0.3, -0.4, -0.011]), np.array([-0.2, 0.4, -0.002]))
-    slide = PackageJoint(
-        name="joint_0", type="prismatic", kind="prismatic", parent="body", child="tray",
+    slide = Joint(
+        name="joint_0", type="prismatic", parent="body", child="tray",
         axis=np.array([-1.0, 0.0, 0.0]), origin=np.zeros(3), lower=0.0, upper=0.3,
     )  # fmt: skip
     links = (link("body", BODY), link("tray", tray))
@@ -92,8 +93,8 @@ def test_feet_keep_out_of_the_way_of_what_moves(monkeypatch):
 def test_a_foot_stays_short_where_something_passes_just_above_it():
     """The front of a drawer ends a little below the body, and slides out over two feet."""
     front = box_hull(np.array([-0.3, -0.4, -0.0015]), np.array([-0.2, 0.4, 0.3]))
-    slide = PackageJoint(
-        name="joint_0", type="prismatic", kind="prismatic", parent="body", child="front",
+    slide = Joint(
+        name="joint_0", type="prismatic", parent="body", child="front",
         axis=np.array([-1.0, 0.0, 0.0]), origin=np.zeros(3), lower=0.0, upper=0.3,
     )  # fmt: skip
     body = box_hull(np.array([-0.19, -0.4, 0.0]), np.array([0.3, 0.4, 0.8]))
@@ -130,8 +131,8 @@ def test_feet_stay_four_millimetres_below_the_lowest_hull_where_something_passes
     """A front that slides 20 mm out over two feet, and falls on its way by so much (m): 0.2 mm are left."""
     way = np.array([-0.02, 0.0, -fall])
     sides = np.array([-0.3, -0.4, 0.0]), np.array([-0.2, 0.4, 0.3])
-    slide = PackageJoint(
-        name="joint_0", type="prismatic", kind="prismatic", parent="body", child="front",
+    slide = Joint(
+        name="joint_0", type="prismatic", parent="body", child="front",
         axis=way / np.linalg.norm(way), origin=np.zeros(3), lower=0.0, upper=float(np.linalg.norm(way)),
     )  # fmt: skip
     body = box_hull(np.array([-0.19, -0.4, 0.0]), np.array([0.3, 0.4, 0.8]))

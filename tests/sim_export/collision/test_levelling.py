@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from sim_export.collision.feet import level_object
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import Inertial, Link, PackageJoint
+from sim_export.package import Inertial, Link
 
 BODY = ((-0.3, -0.4, 0.02), (0.3, 0.4, 0.8))
 TRIM = ((-0.3, -0.4, 0.0), (-0.28, 0.4, 0.03))
@@ -60,8 +61,8 @@ def test_what_hangs_on_a_wall_gets_no_feet():
 
 def test_a_body_that_only_its_door_carries_gets_feet_beside_the_door():
     door = link("link_0", ((-0.33, -0.4, 0.0), (-0.31, 0.4, 0.7)), label="door")
-    hinge = PackageJoint(
-        name="joint_0", type="revolute", kind="revolute", parent="body", child="link_0",
+    hinge = Joint(
+        name="joint_0", type="revolute", parent="body", child="link_0",
         origin=np.array([-0.31, 0.4, 0.0]), axis=np.array([0.0, 0.0, -1.0]), lower=0.0, upper=1.5,
     )  # fmt: skip
     done = level((door, link("body", BODY)), [hinge], [], "StorageFurniture")

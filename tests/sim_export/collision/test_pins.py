@@ -24,13 +24,13 @@ def package() -> SimPackage:
 
 
 def test_every_link_has_mass_and_collision(package):
-    assert any(joint.mimic is not None for joint in package.joints)
+    assert any(joint.follows is not None for joint in package.joints)
     assert all(link.hulls and link.inertial is not None for link in package.links)
 
 
 def test_the_pin_stands_on_the_axis_beside_what_the_screw_moves(package):
     links = {link.name: link for link in package.links}
-    (travel,) = (joint for joint in package.joints if joint.mimic is not None)
+    (travel,) = (joint for joint in package.joints if joint.follows is not None)
     carrier, moved = links[travel.parent], links[travel.child]
     (hull,) = carrier.hulls
     shape = find_primitive(hull)
@@ -46,10 +46,10 @@ def test_the_pin_stands_on_the_axis_beside_what_the_screw_moves(package):
 
 def test_the_screw_carries_its_load(package):
     """The thread turns a weight into a moment; friction is more than that, so that it stays where it is."""
-    (turn,) = (joint for joint in package.joints if joint.kind == "screw" and joint.mimic is None)
-    (travel,) = (joint for joint in package.joints if joint.mimic is not None)
+    (turn,) = (joint for joint in package.joints if joint.kind == "screw" and joint.follows is None)
+    (travel,) = (joint for joint in package.joints if joint.follows is not None)
     moved = subtree_inertial(package.links, package.joints, turn.child)
-    assert turn.friction > moved.mass * GRAVITY * travel.mimic_multiplier
+    assert turn.friction > moved.mass * GRAVITY * travel.ratio
 
 
 def test_checks_pass_and_see_the_pin_as_no_obstacle(package, tmp_path):

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from artigen.transforms import rotation_about
+from artigen.types import Joint
 from sim_export.collision.clearance import clear_joints
 from sim_export.collision.relief import OverlappingPair, relieve_pair
 from sim_export.geometry.hulls import box_bounds, box_hull, convex_hull, hull_volume
-from sim_export.package import Hull, Link, PackageJoint
+from sim_export.package import Hull, Link
 
 BOARD = box_hull(np.zeros(3), np.array([1.0, 1.0, 0.02]))
 TAB = box_hull(np.array([0.4, 0.4, 0.01]), np.array([0.45, 0.45, 0.03]))
@@ -158,8 +159,8 @@ def is_cleared(hulls: tuple[Hull, ...], wheel: Hull, *, sheets: bool = False) ->
         Link(name=name, label=name, parts=(name,), visuals=(), hulls=own, inertial=None)
         for name, own in (("drawer", hulls), ("wheel", (wheel,)))
     ]
-    joint = PackageJoint(
-        name="slide", type="prismatic", kind="prismatic", parent="wheel", child="drawer",
+    joint = Joint(
+        name="slide", type="prismatic", parent="wheel", child="drawer",
         origin=np.zeros(3), axis=np.array([1.0, 0.0, 0.0]), lower=0.0, upper=0.004,
     )  # fmt: skip
     return clear_joints(links, [joint], sheets=sheets).residuals == ()

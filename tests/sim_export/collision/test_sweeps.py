@@ -5,24 +5,25 @@ from typing import Literal
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from sim_export.collision.attachment import add_hull
 from sim_export.geometry.contacts import HullSet
 from sim_export.geometry.hulls import box_hull, convex_hull
 from sim_export.motion.kinematics import farthest_travel, link_displacements, read_sweeps, sample_range
-from sim_export.package import Hull, Link, PackageJoint
+from sim_export.package import Hull, Link
 
 LEAF = box_hull(np.array([0.0, 0.0, 0.0]), np.array([0.02, 0.8, 1.0]))
 """A door of 0.8 m that turns about its edge, or slides."""
 
 
-def package(kind: Literal["revolute", "prismatic"], upper: float) -> tuple[list[Link], list[PackageJoint]]:
+def package(kind: Literal["revolute", "prismatic"], upper: float) -> tuple[list[Link], list[Joint]]:
     links = [
         Link(name=name, label=None, parts=(name,), visuals=(), hulls=hulls, inertial=None)
         for name, hulls in (("base", ()), ("door", (LEAF,)))
     ]
     axis = np.array([0.0, 0.0, 1.0]) if kind == "revolute" else np.array([-1.0, 0.0, 0.0])
-    joint = PackageJoint(
-        name="joint", type=kind, kind=kind, parent="base", child="door",
+    joint = Joint(
+        name="joint", type=kind, parent="base", child="door",
         origin=np.zeros(3), axis=axis, upper=upper,
     )  # fmt: skip
     return links, [joint]

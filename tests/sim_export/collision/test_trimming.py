@@ -6,10 +6,11 @@ import manifold3d
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from sim_export.collision.trimming import fill_meshes, trim_meshes
 from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.solids import as_solid
-from sim_export.package import Link, Mesh, PackageJoint
+from sim_export.package import Link, Mesh
 
 BODY = ((-0.3, -0.4, 0.0), (0.3, 0.4, 0.8))
 LEDGE = ((-0.3, 0.4, 0.5), (0.3, 0.5, 0.52))
@@ -52,8 +53,8 @@ def test_a_ledge_in_free_space_is_shown_whatever_is_felt():
 
 def test_a_ledge_in_the_way_of_a_door_is_left_out():
     meshes = {"body": solid(BODY, LEDGE), "other": solid(AWAY)}
-    slide = PackageJoint(
-        name="joint_0", type="prismatic", kind="prismatic", parent="link_body", child="link_other",
+    slide = Joint(
+        name="joint_0", type="prismatic", parent="link_body", child="link_other",
         origin=np.zeros(3), axis=np.array([0.0, -1.0, 0.0]), lower=0.0, upper=0.25,
     )  # fmt: skip
     new, records = trim_meshes((link("body", BODY), link("other", AWAY)), [slide], [], meshes)

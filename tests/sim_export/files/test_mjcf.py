@@ -74,7 +74,7 @@ def test_mujoco_agrees_on_poses(case, file):
     data = mujoco.MjData(model)
     index = {part.name: k for k, part in enumerate(asset.parts)}
     low, high = qlimits(asset).T
-    movers = [joint for joint in package.joints if joint.type != "fixed" and joint.mimic is None]
+    movers = [joint for joint in package.joints if joint.type != "fixed" and joint.follows is None]
     for seed in range(4):
         qpos = np.random.default_rng(seed).uniform(low, high)
         values = {
@@ -82,8 +82,8 @@ def test_mujoco_agrees_on_poses(case, file):
             for joint, q in zip(movers, qpos, strict=True)
         }
         for joint in package.joints:
-            if joint.mimic is not None:
-                values[joint.name] = joint.mimic_multiplier * values[joint.mimic]
+            if joint.follows is not None:
+                values[joint.name] = joint.ratio * values[joint.follows]
         for name, value in values.items():
             data.qpos[model.joint(name).qposadr[0]] = value
         mujoco.mj_forward(model, data)
@@ -106,19 +106,17 @@ def test_mujoco_rests_quietly_and_keeps_screws_coupled(case):
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     assert np.abs(data.qfrc_constraint).sum() < 1e-3
-    travels = [joint for joint in package.joints if joint.mimic is not None]
+    travels = [joint for joint in package.joints if joint.follows is not None]
     for joint in travels:
-        data.qfrc_applied[model.joint(joint.mimic).dofadr[0]] = 0.045
+        data.qfrc_applied[model.joint(joint.follows).dofadr[0]] = 0.045
     for _ in range(200):
         mujoco.mj_step(model, data)
     assert np.isfinite(data.qpos).all()
     assert int(sum(warning.number for warning in data.warning)) == 0
     for joint in travels:
-        turned = data.qpos[model.joint(joint.mimic).qposadr[0]]
+        turned = data.qpos[model.joint(joint.follows).qposadr[0]]
         assert turned > 0.1
-        assert data.qpos[model.joint(joint.name).qposadr[0]] == pytest.approx(
-            joint.mimic_multiplier * turned, abs=2e-4
-        )
+        assert data.qpos[model.joint(joint.name).qposadr[0]] == pytest.approx(joint.ratio * turned, abs=2e-4)
 
 
 def test_joined_bodies_do_not_collide(case):

@@ -37,7 +37,7 @@ def without_pitch(asset: Asset) -> Asset:
 
 def joint_values(asset: Asset, package: SimPackage, qpos: np.ndarray) -> dict[str, float]:
     """Package joint coordinates for an asset's qpos: metres for slides, followers left out."""
-    movers = [joint for joint in package.joints if joint.type != "fixed" and joint.mimic is None]
+    movers = [joint for joint in package.joints if joint.type != "fixed" and joint.follows is None]
     values = {}
     for joint, q in zip(movers, qpos, strict=True):
         values[joint.name] = float(q * asset.scale if joint.type == "prismatic" else q)
@@ -100,7 +100,7 @@ def test_sapien_loads_everything(case, file):
         assert len(link.collision_shapes) == len(authored.hulls)
         if authored.inertial is not None:
             assert link.mass == pytest.approx(authored.inertial.mass, rel=1e-6)
-    screw = any(joint.mimic for joint in package.joints)
+    screw = any(joint.follows for joint in package.joints)
     assert robot.dof == 4 + (screw and file == "mobility.urdf")
     asset = asset if file == "mobility.urdf" else without_pitch(asset)
     specs = {joint.name: joint for joint in package.joints}
@@ -110,9 +110,7 @@ def test_sapien_loads_everything(case, file):
         full = []
         for joint in robot.active_joints:
             spec = specs[joint.name]
-            full.append(
-                values[joint.name] if spec.mimic is None else spec.mimic_multiplier * values[spec.mimic]
-            )
+            full.append(values[joint.name] if spec.follows is None else spec.ratio * values[spec.follows])
             if spec.type != "continuous" or file == "mobility_cvx.urdf":
                 np.testing.assert_allclose(joint.limits[0], [spec.lower, spec.upper], atol=1e-6)
         robot.set_qpos(np.array(full, dtype=np.float32))
@@ -198,9 +196,9 @@ def test_fixed_parts_weld_to_the_nearest_movable_ancestor(case):
 def test_a_screw_becomes_two_coupled_joints(cabinet):
     package = as_package(with_screw(scaled(cabinet)), box_geometry())
     turn, travel = (joint for joint in package.joints if joint.kind == "screw")
-    assert (turn.type, travel.type, travel.mimic) == ("revolute", "prismatic", turn.name)
+    assert (turn.type, travel.type, travel.follows) == ("revolute", "prismatic", turn.name)
     assert turn.child == travel.parent
-    assert travel.mimic_multiplier * 2 * np.pi == pytest.approx(0.012)
+    assert travel.ratio * 2 * np.pi == pytest.approx(0.012)
     assert travel.upper == pytest.approx(0.012)
     np.testing.assert_allclose(travel.axis, -turn.axis)  # negative pitch: it travels against its axis
 
@@ -234,9 +232,6 @@ def test_what_cannot_be_linked_is_refused(cabinet):
 @pytest.mark.parametrize(
     ("change", "what"),
     [
-        ({"axis": np.array([0.0, 0.0, 2.0])}, "axis"),
-        ({"lower": 1.0, "upper": 0.5}, "above"),
-        ({"upper": float("nan")}, "NaN"),
         ({"parent": "nowhere"}, "nowhere"),
         ({"child": "link_1"}, "tree"),
         ({"parent": "link_0"}, "hang"),

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from artigen.shapes.primitives import SEGMENTS, cylinder, place_vertices, rounded_box
 from artigen.transforms import transform_points
+from artigen.types import Joint
 from envs.hand import link_vertices
 from sim_export.files.write import write_package
 from sim_export.geometry.hulls import box_hull, clip_hull, convex_hull
@@ -19,7 +20,7 @@ from sim_export.geometry.primitives import (
     is_box,
     primitive_hull,
 )
-from sim_export.package import Hull, Link, PackageJoint, SimPackage
+from sim_export.package import Hull, Link, SimPackage
 from sim_export.physics.inertia import mesh_inertial
 
 LENGTHS = st.floats(0.0015, 2.5)
@@ -145,8 +146,8 @@ def placed(tmp_path_factory):
         inertial=mesh_inertial(hulls[0], 500.0),
     )
     mover = replace(body, name="link_0", label="door", hulls=hulls)
-    joint = PackageJoint(
-        name="joint_0", type="revolute", kind="revolute", parent="link_1", child="link_0",
+    joint = Joint(
+        name="joint_0", type="revolute", parent="link_1", child="link_0",
         origin=np.array([0.3, -0.2, 0.1]), axis=np.array([0.0, 0.0, 1.0]), upper=1.0,
     )  # fmt: skip
     package = SimPackage(
@@ -228,8 +229,8 @@ def test_wheels_stand_on_a_facet_in_sapien(tmp_path):
         name="link_0", label="base", parts=(), visuals=(), hulls=(hull,), inertial=mesh_inertial(hull, 500.0)
     )
     side = Link(name="link_1", label="base", parts=(), visuals=(), hulls=(), inertial=body.inertial)
-    fixed = PackageJoint(
-        name="joint_0", type="fixed", kind="fixed", parent="link_1", child="link_0", origin=np.zeros(3),
+    fixed = Joint(
+        name="joint_0", type="fixed", parent="link_1", child="link_0", origin=np.zeros(3),
         axis=np.array([1.0, 0.0, 0.0]),
     )  # fmt: skip
     package = SimPackage(name="roll", category="Thing", visual="source", links=(body, side), joints=(fixed,))

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from artigen.transforms import rotation_about
+from artigen.types import Joint
 from sim_export.geometry.hulls import box_hull, convex_hull
 from sim_export.mend.stand import MARGIN, stand_on_side
-from sim_export.package import Inertial, Link, Mesh, PackageJoint, SimPackage, Visual
+from sim_export.package import Inertial, Link, Mesh, SimPackage, Visual
 
 TILT_AXIS = np.array([0.0, 1.0, 0.0])
 
@@ -29,8 +30,8 @@ def tilted(degrees: float, *, com=(0.0, 0.0, 0.0), category: str = "Cart") -> Si
         name="link_0", label="wheel", parts=("wheel",), visuals=(), hulls=(),
         inertial=Inertial(mass=1e-6, com=hub, inertia=1e-6 * np.eye(3)),
     )  # fmt: skip
-    joint = PackageJoint(
-        name="joint_0", type="continuous", kind="continuous", parent="link_1", child="link_0",
+    joint = Joint(
+        name="joint_0", type="continuous", parent="link_1", child="link_0",
         origin=hub, axis=R @ np.array([0.0, 0.0, 1.0]),
     )  # fmt: skip
     return SimPackage(name="a", category=category, visual="source", links=(wheel, body), joints=(joint,))
@@ -85,7 +86,7 @@ def test_a_door_on_a_turned_object_stays_where_it_is_left(turn):
         inertial=Inertial(mass=2.0, com=np.array([0.1, 0.5, 0.0]), inertia=np.eye(3)),
     )
     joint = replace(
-        package.joints[0], type="revolute", kind="revolute", upper=1.0, friction=0.3,
+        package.joints[0], type="revolute", upper=1.0, friction=0.3,
         origin=np.zeros(3), axis=np.array([0.0, 0.0, 1.0]),
     )  # fmt: skip
     done = stand_on_side(replace(package, links=(door, package.links[1]), joints=(joint,)))

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from sim_export.geometry.hulls import box_hull
 from sim_export.motion.held_drawers import held_length, keep_drawers_held
-from sim_export.package import Link, PackageJoint
+from sim_export.package import Link
 
 
-def chest(upper: float) -> tuple[tuple[Link, ...], tuple[PackageJoint, ...], dict]:
+def chest(upper: float) -> tuple[tuple[Link, ...], tuple[Joint, ...], dict]:
     """A carcass from x = 0 to 1 and a drawer of depth 0.8 that comes out along -x."""
     carcass = box_hull(np.zeros(3), np.ones(3))
     drawer = box_hull(np.array([0.0, 0.1, 0.1]), np.array([0.8, 0.9, 0.4]))
@@ -18,12 +19,12 @@ def chest(upper: float) -> tuple[tuple[Link, ...], tuple[PackageJoint, ...], dic
         Link(name="link_1", label="base", parts=("body",), visuals=(), hulls=(carcass,), inertial=None),
     )
     joints = (
-        PackageJoint(
-            name="joint_0", type="prismatic", kind="prismatic", parent="link_1", child="link_0",
+        Joint(
+            name="joint_0", type="prismatic", parent="link_1", child="link_0",
             origin=np.zeros(3), axis=np.array([-1.0, 0.0, 0.0]), upper=upper,
         ),
-        PackageJoint(
-            name="joint_1", type="fixed", kind="fixed", parent="base", child="link_1",
+        Joint(
+            name="joint_1", type="fixed", parent="base", child="link_1",
             origin=np.zeros(3), axis=np.array([1.0, 0.0, 0.0]),
         ),
     )  # fmt: skip

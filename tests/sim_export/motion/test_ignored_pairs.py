@@ -8,11 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from artigen.types import Joint
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import convex_hull
 from sim_export.motion.ignored_pairs import ignored_pairs, kept_distance
 from sim_export.motion.kinematics import link_displacements
-from sim_export.package import Hull, Link, PackageJoint, SimPackage
+from sim_export.package import Hull, Link, SimPackage
 
 
 def box(low, high) -> Hull:
@@ -28,11 +29,10 @@ def joint(
     kind: Literal["fixed", "prismatic", "revolute", "continuous"] = "prismatic",
     parent: str = "link_9",
     child: str | None = None,
-) -> PackageJoint:
-    return PackageJoint(
+) -> Joint:
+    return Joint(
         name=f"joint_{number}",
         type=kind,
-        kind=kind,
         parent=parent,
         child=child or f"link_{number}",
         origin=np.asarray(origin, dtype=float),
@@ -106,7 +106,7 @@ def test_pairs_are_measured_at_128_poses_at_most(end, listed):
 def test_what_a_screw_connects_is_listed_and_comes_first():
     cap = joint(1, [0, 0, 1], parent="link_0", child="link_1", kind="prismatic")
     turn = joint(0, [0, 0, 1], kind="continuous", upper=2.0 * np.pi)
-    travel = replace(cap, kind="screw", mimic="joint_0", mimic_multiplier=0.001)
+    travel = replace(cap, of_screw=True, follows="joint_0", ratio=0.001)
     inside = {
         "link_0": box([-0.002, -0.002, 0.0], [0.002, 0.002, 0.004]),
         "link_1": box([-0.02, -0.02, 0.0], [0.005, 0.02, 0.02]),

@@ -1,18 +1,28 @@
 """What hangs from a link and what must be open first, followed to the end of any chain."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from screw_jar import screw_package
 
+from artigen.transforms import joint_motion
+from artigen.types import Joint
 from sim_export.geometry.hulls import box_hull
-from sim_export.motion.kinematics import hanging_links, needed_fractions, sample_sweep
-from sim_export.package import Link, PackageJoint, Requirement
+from sim_export.motion.kinematics import (
+    hanging_links,
+    link_displacements,
+    needed_fractions,
+    object_joints,
+    sample_sweep,
+)
+from sim_export.package import Link, Requirement
 
 
-def joint(parent: str, child: str) -> PackageJoint:
-    return PackageJoint(
+def joint(parent: str, child: str) -> Joint:
+    return Joint(
         name=f"to_{child}",
         type="revolute",
-        kind="revolute",
         parent=parent,
         child=child,
         origin=np.zeros(3),
@@ -60,3 +70,22 @@ def test_no_point_moves_farther_than_four_millimetres_from_pose_to_pose(reach: f
     ]
     door = joint("body", "door")
     assert len(sample_sweep(links, [door], door)) == poses
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_the_joint_of_a_screw_moves_its_part_as_the_two_joints_of_the_package_do(way: float):
+    package = screw_package()
+    joints = [replace(one, axis=way * one.axis) if one.is_travel else one for one in package.joints]
+    (screw,) = object_joints(joints)
+    q = np.linspace(-1.0, 7.0, 9)
+    T = link_displacements(package.links, joints, {screw.name: q})
+    child = [link.name for link in package.links].index(screw.child)
+    np.testing.assert_allclose(joint_motion(screw, q), T[:, child], atol=1e-12)
+
+
+def test_joints_are_equal_where_all_their_values_are():
+    one = joint("a", "b")
+    assert one == replace(one)
+    assert hash(one) == hash(replace(one))
+    for change in ({"upper": 2.0}, {"origin": np.ones(3)}, {"axis": -one.axis}, {"ratio": 1.0}):
+        assert replace(one, **change) != one

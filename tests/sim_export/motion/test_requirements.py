@@ -5,9 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from sim_export.geometry.hulls import box_hull
 from sim_export.motion.requirements import find_crossings, find_requirements
-from sim_export.package import Link, PackageJoint, Requirement
+from sim_export.package import Link, Requirement
 
 
 def make_link(name: str, *boxes) -> Link:
@@ -15,9 +16,9 @@ def make_link(name: str, *boxes) -> Link:
     return Link(name=name, label=None, parts=(name,), visuals=(), hulls=hulls, inertial=None)
 
 
-def make_joint(child: str, joint_type, axis, origin, upper) -> PackageJoint:
-    return PackageJoint(
-        name=f"joint_{child}", type=joint_type, kind=joint_type, parent="body", child=child,
+def make_joint(child: str, joint_type, axis, origin, upper) -> Joint:
+    return Joint(
+        name=f"joint_{child}", type=joint_type, parent="body", child=child,
         origin=np.array(origin, float), axis=np.array(axis, float), upper=upper,
     )  # fmt: skip
 
@@ -26,7 +27,7 @@ def as_rows(found: Sequence[Requirement]) -> list[tuple[str, str, float]]:
     return [(item.joint, item.needs, item.fraction) for item in found]
 
 
-def toilet() -> tuple[list[Link], list[PackageJoint]]:
+def toilet() -> tuple[list[Link], list[Joint]]:
     """A seat of slats, 2 cm thick, below a lid of 2 cm, beside a wall of 1.2 m, hinged at the rear edge."""
     slats = [((x, -0.2, 0.405), (x + 0.03, 0.2, 0.425)) for x in np.arange(-0.5, -0.03, 0.03)]
     links = [
@@ -87,7 +88,7 @@ def test_a_way_is_free_where_two_percent_of_a_link_are_left_in_it(left: float, f
     assert as_rows(find_crossings(links, joints, ())) == [("joint_bar", "joint_flap", fraction)]
 
 
-def ram(travel: float, gap: float, lift: float) -> tuple[list[Link], list[PackageJoint]]:
+def ram(travel: float, gap: float, lift: float) -> tuple[list[Link], list[Joint]]:
     """A block of 0.1 m that slides towards a gate of the same height, in an object that is 1 m high."""
     links = [
         make_link("body", ((0.0, 0.0, -0.9), (0.1, 0.1, -0.1))),

@@ -13,7 +13,7 @@ from artigen.transforms import rotation_about
 from artigen.types import JOINT_TYPES, PART_LABELS, Asset, Joint, Part
 from sim_export.errors import DegeneratePart, InvalidInertia, OpenMesh
 from sim_export.geometry.hulls import box_hull, convex_hull
-from sim_export.package import Inertial, Mesh, PackageJoint
+from sim_export.package import Inertial, Mesh
 from sim_export.physics.inertia import (
     check_inertial,
     combine,
@@ -254,9 +254,9 @@ def test_every_part_has_a_material_and_every_joint_resists():
     assert 0.02 <= joint_resistance("knob", "continuous", 0.1, 0.0).friction <= 0.1
 
 
-def closed_joint(kind: str, axis: list[float]) -> PackageJoint:
-    return PackageJoint(
-        name="joint_0", type=kind, kind=kind, parent="link_1", child="link_0",
+def closed_joint(kind: str, axis: list[float]) -> Joint:
+    return Joint(
+        name="joint_0", type=kind, parent="link_1", child="link_0",
         origin=np.zeros(3), axis=np.array(axis), upper=1.0,
     )  # fmt: skip
 
@@ -285,14 +285,15 @@ def test_a_lid_that_lies_on_its_rim_needs_no_friction():
 
 
 def test_the_physx_coefficient_grows_with_friction_and_shrinks_with_load():
-    door = PackageJoint(
-        name="joint_0", type="revolute", kind="revolute", parent="a", child="b",
+    door = Joint(
+        name="joint_0", type="revolute", parent="a", child="b",
         origin=np.zeros(3), axis=np.array([0.0, 0.0, 1.0]), upper=1.5, friction=0.6,
     )  # fmt: skip
-    drawer = replace(door, type="prismatic", kind="prismatic", friction=4.0)
+    drawer = replace(door, type="prismatic", friction=4.0)
     for joint in (door, drawer):
         rising = [
-            physx_friction_coefficient(replace(joint, friction=f), 8.0, 0.3) for f in (0, 0.1, 1, 9, 30)
+            physx_friction_coefficient(replace(joint, friction=f), 8.0, 0.3)
+            for f in (0.0, 0.1, 1.0, 9.0, 30.0)
         ]
         assert rising[0] == 0.0
         assert (np.diff(rising) > 0.0).all()
@@ -316,8 +317,8 @@ def test_a_hand_opens_the_heaviest_drawer_that_friction_holds_on_a_slope_in_time
 def test_a_turntable_resists_what_gravity_can_do_about_its_axle(degrees):
     """A level one, about an upright axle, only feels the slope of the floor."""
     axis = rotation_about(np.array([1.0, 0.0, 0.0]), np.array(np.radians(degrees))) @ [0.0, 0.0, 1.0]
-    joint = PackageJoint(
-        name="joint_0", type="continuous", kind="continuous", parent="link_1", child="link_0",
+    joint = Joint(
+        name="joint_0", type="continuous", parent="link_1", child="link_0",
         origin=np.zeros(3), axis=axis,
     )  # fmt: skip
     plate = Inertial(mass=10.0, com=np.array([0.1, 0.0, 0.0]), inertia=np.eye(3))

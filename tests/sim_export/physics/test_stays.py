@@ -14,9 +14,10 @@ from artigen.shapes.primitives import box, place_vertices
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.transforms import rotation_about
+from artigen.types import Joint
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
-from sim_export.package import PackageJoint, SimPackage
+from sim_export.package import SimPackage
 from sim_export.physics.inertia import subtree_inertial
 from sim_export.physics.materials import GRAVITY
 from sim_export.physics.resistance import HOLD_SLOPE, STAY_FORCE
@@ -38,16 +39,16 @@ def make_box(thick: float, *, stays: bool = True, low: float = 0.1) -> Shape:
     return Shape(category="Vessel", seed=0, style="plain", parts=(body, lid, grip), finishes=finishes)
 
 
-def hinge_of(package: SimPackage) -> PackageJoint:
+def hinge_of(package: SimPackage) -> Joint:
     return next(joint for joint in package.joints if joint.type == "revolute")
 
 
-def find_lid(package: SimPackage) -> PackageJoint:
+def find_lid(package: SimPackage) -> Joint:
     owner = next(link.name for link in package.links if link.parts[:1] == ("lid",))
     return next(joint for joint in package.joints if joint.child == owner)
 
 
-def weigh(package: SimPackage, joint: PackageJoint, q: np.ndarray) -> np.ndarray:
+def weigh(package: SimPackage, joint: Joint, q: np.ndarray) -> np.ndarray:
     """Torque of the weight (N m) about a hinge at its coordinates; above 0 it opens."""
     moved = subtree_inertial(package.links, package.joints, joint.child)
     arms = rotation_about(np.asarray(joint.axis), q) @ (np.asarray(moved.com) - joint.origin)

@@ -10,7 +10,7 @@ from artigen.types import FIXED, Asset, Joint, Part, PartLabel
 from sim_export.errors import InvalidInertia, InvalidKinematics
 from sim_export.geometry.hulls import box_hull, convex_hull
 from sim_export.mend.stand import stand_on_side
-from sim_export.package import Hull, Inertial, Link, PackageJoint, SimPackage
+from sim_export.package import Hull, Inertial, Link, SimPackage
 from sim_export.physics import annotations
 from sim_export.physics.annotations import gapart_class
 from sim_export.physics.inertia import check_inertial, raise_light_mass
@@ -147,8 +147,8 @@ def test_what_is_within_is_one_thing_and_what_is_beyond_another(name):
 
 
 def test_weight_is_that_on_earth_and_friction_holds_on_a_slope_of_nine_hundredths():
-    slide = PackageJoint(
-        name="joint_0", type="prismatic", kind="prismatic", parent="a", child="b",
+    slide = Joint(
+        name="joint_0", type="prismatic", parent="a", child="b",
         origin=np.zeros(3), axis=np.array([-1.0, 0.0, 0.0]), upper=1.0,
     )  # fmt: skip
     assert joint_load(slide, 2.0, 0.0) == pytest.approx(19.62)
@@ -200,7 +200,7 @@ def test_stays_resist_a_hand_at_the_far_edge_of_a_lid_with_15_newtons():
     leaf = box_hull(np.array([-0.6, -0.4, 0.0]), np.array([0.0, 0.4, 0.0001]))
     half = np.array([-0.3, 0.0, 0.0])
 
-    def held(mass: float) -> PackageJoint:
+    def held(mass: float) -> Joint:
         inertial = Inertial(mass=mass, com=half, inertia=mass * np.eye(3))
         geometry = [PartGeometry(inertial=body_of(50.0)), PartGeometry(hulls=(leaf,), inertial=inertial)]
         return build_links(asset, geometry, stays=("lid",)).joints[0]
@@ -225,8 +225,8 @@ def test_the_greatest_moment_of_a_chain_is_sought_at_every_eighth_of_its_ranges(
         )
     ]
     joints = [
-        PackageJoint(
-            name=f"joint_{child}", type="revolute", kind="revolute", parent=parent, child=child,
+        Joint(
+            name=f"joint_{child}", type="revolute", parent=parent, child=child,
             origin=origin, axis=axis, upper=upper,
         )
         for parent, child, origin in (("base", "upper", np.zeros(3)), ("upper", "lower", elbow))

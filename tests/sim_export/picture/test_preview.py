@@ -13,19 +13,10 @@ from PIL import Image
 from sample_cabinet import SAMPLE_PARTS, SamplePart, sample_box_arrays
 
 from artigen.camera import Camera, look_at, project_points
-from artigen.types import Gaussians
+from artigen.types import Gaussians, Joint
 from sim_export.errors import PackageError
 from sim_export.files.write import write_package
-from sim_export.package import (
-    Hull,
-    Link,
-    Mesh,
-    PackageJoint,
-    Requirement,
-    SimPackage,
-    SourceMesh,
-    Visual,
-)
+from sim_export.package import Hull, Link, Mesh, Requirement, SimPackage, SourceMesh, Visual
 from sim_export.picture.animation import AnimationConfig, animate_packages, write_animation
 from sim_export.picture.draw import (
     distinct_color,
@@ -48,7 +39,7 @@ from sim_export.picture.preview import (
     preview_package,
     write_preview,
 )
-from sim_export.picture.render import surface_points
+from sim_export.picture.render import surface_from_mesh, surface_points
 from sim_export.picture.viewpoint import Viewpoint
 
 SMALL = PreviewConfig(
@@ -98,10 +89,9 @@ def boxes_package() -> SimPackage:
             parent = f"link_{movers.index(_mover(by_name[part.parent], by_name))}"
         assert part.joint != "screw"
         joints.append(
-            PackageJoint(
+            Joint(
                 name=f"joint_{index}",
                 type=part.joint,
-                kind=part.joint,
                 parent=parent,
                 child=f"link_{index}",
                 origin=np.array(part.origin),
@@ -309,12 +299,14 @@ def test_a_pane_of_a_source_shows_what_is_behind_it(tmp_path: Path, image: str |
     materials.write_text(materials.read_text().replace("Kd 1 1 1", "Kd 0 1 0\nd 0.2"))
     (pane,) = load_source_meshes(source)
     assert (opaque.texture is None) == (image is None)
-    assert pane.texture is not None
-    assert set(pane.texture[..., 3].ravel().tolist()) == {51}
+    assert pane.material.opacity == 0.2
+    shown = surface_from_mesh(pane).texture
+    assert shown is not None
+    assert set(shown[..., 3].ravel().tolist()) == {51}
     if opaque.texture is None:
-        assert pane.texture.tolist() == [[[0, 255, 0, 51]]]
+        assert shown.tolist() == [[[0, 255, 0, 51]]]
     else:
-        np.testing.assert_array_equal(pane.texture[..., :3], opaque.texture)
+        np.testing.assert_array_equal(shown[..., :3], opaque.texture)
 
 
 def test_a_source_mesh_without_its_image_is_an_error(tmp_path: Path):

@@ -11,9 +11,9 @@ import pytest
 import trimesh
 
 from artigen.transforms import matrix_from_quat
-from artigen.types import Gaussians
+from artigen.types import Gaussians, Joint
 from sim_export.motion.kinematics import link_displacements
-from sim_export.package import HandleAnnotation, Hull, Link, Mesh, PackageJoint, SimPackage, Visual
+from sim_export.package import HandleAnnotation, Hull, Link, Mesh, SimPackage, Visual
 from sim_export.picture.view import GROUPS, PackageView, build_view, slider_scale, view_qpos
 
 
@@ -35,8 +35,8 @@ def _link(name: str, center: tuple[float, float, float]) -> Link:
 @pytest.fixture(scope="module")
 def package() -> SimPackage:
     """A chain: a hinged door with a knob that turns without limit, and a drawer."""
-    joint = PackageJoint(
-        name="hinge", type="revolute", kind="revolute", parent="body", child="link_0",
+    joint = Joint(
+        name="hinge", type="revolute", parent="body", child="link_0",
         origin=np.array([0.1, 0.4, 0.0]), axis=np.array([0.0, 0.0, -1.0]), upper=np.pi / 2,
     )  # fmt: skip
     handle = HandleAnnotation(
@@ -58,11 +58,11 @@ def package() -> SimPackage:
         joints=(
             joint,
             replace(
-                joint, name="knob", type="continuous", kind="continuous", parent="link_0", child="link_1",
+                joint, name="knob", type="continuous", parent="link_0", child="link_1",
                 origin=np.array([-0.2, 0.1, 0.05]), axis=np.array([-1.0, 0.0, 0.0]), upper=2.0 * np.pi,
             ),
             replace(
-                joint, name="slide", type="prismatic", kind="prismatic", child="link_2",
+                joint, name="slide", type="prismatic", child="link_2",
                 axis=np.array([-1.0, 0.0, 0.0]), upper=0.35,
             ),
         ),

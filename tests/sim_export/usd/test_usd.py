@@ -13,7 +13,10 @@ import pytest
 from PIL import Image
 
 from artigen.shapes.draw import Wish, draw_shape
+from artigen.shapes.surfaces.physical import Material
+from artigen.splats.colors import linear_from_srgb
 from artigen.transforms import inverse, matrix_from_quat, shift, transform_points
+from artigen.types import Joint
 from sim_export.errors import PackageError
 from sim_export.files.read import read_package
 from sim_export.files.urdf import link_origins
@@ -22,7 +25,7 @@ from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.primitives import find_primitive
 from sim_export.motion.ignored_pairs import ignored_pairs
 from sim_export.motion.kinematics import link_displacements
-from sim_export.package import Link, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
+from sim_export.package import Link, Mesh, SimPackage, SourceMesh, Visual
 from sim_export.physics.inertia import mesh_inertial
 from sim_export.physics.materials import MATERIALS
 from sim_export.reference import build_reference
@@ -247,11 +250,16 @@ def test_visuals_show_the_packages_triangles_in_its_colours(package, stage, main
     cache = pxr.UsdGeom.XformCache()
     for link, prim in zip(package.links, link_prims(package, stage).values(), strict=True):
         for visual in link.visuals:
-            mesh = pxr.UsdGeom.Mesh(prim.GetChild(visual.name))
+            mesh = pxr.UsdGeom.Mesh(prim.GetChild(visual.name.replace("-", "_")))
             T = np.array(cache.GetLocalToWorldTransform(mesh.GetPrim())).T
             points = transform_points(T, np.array(mesh.GetPointsAttr().Get()))
             np.testing.assert_allclose(points, visual.mesh.vertices, atol=1e-6)
             material, _ = pxr.UsdShade.MaterialBindingAPI(mesh).ComputeBoundMaterial()
+            if visual.mesh.texture is None:
+                surface = pxr.UsdShade.Shader(material.GetPrim().GetChild("surface"))
+                color = linear_from_srgb(np.array(visual.mesh.color))
+                np.testing.assert_allclose(surface.GetInput("diffuseColor").Get(), color, atol=1e-6)
+                continue
             image = pxr.UsdShade.Shader(material.GetPrim().GetChild("image"))
             assert image.GetInput("sourceColorSpace").Get() == "sRGB"
             file = main.parent / image.GetInput("file").Get().path
@@ -325,10 +333,10 @@ def test_clear_images_make_clear_materials(plain: SimPackage, pxr, tmp_path: Pat
     clear = np.dstack([np.full((4, 4, 3), 200, np.uint8), np.full((4, 4), 90, np.uint8)])
     *others, last = plain.links
     visual = last.visuals[0]
-    visual = replace(visual, mesh=replace(visual.mesh, texture=clear))
+    visual = replace(visual, mesh=replace(visual.mesh, texture=clear, material=Material(name="net")))
     shown = replace(plain, links=(*others, replace(last, visuals=(visual,))))
     stage = pxr.Usd.Stage.Open(str(write_usd(shown, tmp_path)))
-    material = stage.GetDefaultPrim().GetChild("materials").GetChild(visual.name)
+    material = stage.GetDefaultPrim().GetChild("materials").GetChild("net")
     surface = pxr.UsdShade.Shader(material.GetChild("surface"))
     source, name, _ = surface.GetInput("opacity").GetConnectedSource()
     alpha = pxr.UsdShade.Shader(source.GetPrim())
@@ -338,7 +346,7 @@ def test_clear_images_make_clear_materials(plain: SimPackage, pxr, tmp_path: Pat
     )
 
 
-def small(links: tuple[Link, ...], joints: tuple[PackageJoint, ...] = ()) -> SimPackage:
+def small(links: tuple[Link, ...], joints: tuple[Joint, ...] = ()) -> SimPackage:
     return SimPackage(name="small", category="Bottle", visual="source", links=links, joints=joints)
 
 
@@ -360,12 +368,12 @@ def test_what_a_screw_moves_follows_its_turn(pxr, tmp_path: Path):
     """Per radian for MuJoCo and Newton; per degree, with the other sign and a limited leader, for PhysX."""
     up, origin = np.array([0.0, 0.0, 1.0]), np.array([0.05, 0.05, 0.1])
     carrier = replace(cube("carrier", 0.1), visuals=(), hulls=())
-    turn = PackageJoint(
-        name="turn", type="continuous", kind="screw", parent="body", child="carrier", origin=origin, axis=up
+    turn = Joint(
+        name="turn", type="continuous", of_screw=True, parent="body", child="carrier", origin=origin, axis=up
     )
     travel = replace(
-        turn, name="travel", type="prismatic", parent="carrier", child="cap", mimic="turn", upper=0.02,
-        mimic_multiplier=0.003,
+        turn, name="travel", type="prismatic", parent="carrier", child="cap", follows="turn", upper=0.02,
+        ratio=0.003,
     )  # fmt: skip
     package = small((cube("cap", 0.1), carrier, cube("body", 0.0)), (turn, travel))
     stage = pxr.Usd.Stage.Open(str(write_usd(package, tmp_path)))

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from one_joint import ground as ground_field
 
+from artigen.types import Joint
 from envs.maniskill.robots import ROBOTS
 from envs.maniskill.solver.body import HAND_GAP, Body
 from envs.maniskill.solver.chain import Chain, tool_pose
@@ -19,17 +20,17 @@ from envs.maniskill.solver.plan_open import NoPlan
 from envs.maniskill.solver.plan_touch import push_places
 from envs.maniskill.solver.reach import BACK, drawn_back, reach
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import Hull, PackageJoint
+from sim_export.package import Hull
 
 PANDA = ROBOTS["panda"]
 LEAF = box_hull(np.zeros(3), np.array([0.02, 0.4, 0.4]))
 CUPBOARD = box_hull(np.array([0.021, 0.0, 0.0]), np.array([0.4, 0.4, 0.4]))
 GRIP = np.array([0.0, 0.35, 0.2])
-SWING = PackageJoint(
-    name="hinge", type="revolute", kind="revolute", parent="base", child="leaf",
+SWING = Joint(
+    name="hinge", type="revolute", parent="base", child="leaf",
     origin=np.zeros(3), axis=np.array([0.0, 0.0, 1.0]), upper=1.5,
 )  # fmt: skip
-SLIDE = replace(SWING, type="prismatic", kind="prismatic", axis=np.array([-1.0, 0.0, 0.0]))
+SLIDE = replace(SWING, type="prismatic", axis=np.array([-1.0, 0.0, 0.0]))
 
 
 def leaf_part(**changes) -> Any:

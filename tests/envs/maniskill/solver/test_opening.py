@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from one_joint import crank, ground, lifted, swinging
 
+from artigen.types import Joint
 from envs.maniskill.robots import ROBOTS
 from envs.maniskill.solver import opening
 from envs.maniskill.solver.body import Body
 from envs.maniskill.solver.field import Field
 from envs.maniskill.solver.opening import Opening, least_pressing, path_fractions, way_around
-from sim_export.package import PackageJoint
 
 UP = np.array([0.0, 0.0, 1.0])
 FLOOR = -0.5
@@ -24,8 +24,8 @@ FLOOR = -0.5
 def part(span: float, lever: float | None = None, **changes) -> Any:
     """A drawer, or a part that turns about z with its grip at a distance from the axis."""
     kind = "prismatic" if lever is None else "revolute"
-    joint = PackageJoint(
-        name="j", type=kind, kind=kind, parent="a", child="b", origin=np.zeros(3), axis=UP, upper=span,
+    joint = Joint(
+        name="j", type=kind, parent="a", child="b", origin=np.zeros(3), axis=UP, upper=span,
     )  # fmt: skip
     grip = np.array([lever or 0.0, 0.0, 0.3])
     return SimpleNamespace(joint=joint, span=span, grip=grip, **{"grip_latch": None} | changes)

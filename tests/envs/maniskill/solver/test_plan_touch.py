@@ -8,20 +8,20 @@ import numpy as np
 import pytest
 from one_joint import crank, swinging
 
+from artigen.types import Joint
 from envs.maniskill.robots import ROBOTS
 from envs.maniskill.solver import plan_touch as module
 from envs.maniskill.solver.contacts import Contacts
 from envs.maniskill.solver.plan_open import NoPlan
 from envs.maniskill.solver.plan_touch import plan_touch
-from sim_export.package import PackageJoint
 
 PANDA = ROBOTS["panda"]
 STILL = np.tile(np.eye(4), (2, 1, 1))
 
 
-def joint(kind: Any = "prismatic", spring: float = 0.0, lever: float = 0.0) -> PackageJoint:
-    return PackageJoint(
-        name="j", type=kind, kind=kind, parent="a", child="b", origin=np.array([0.0, lever, 0.0]),
+def joint(kind: Any = "prismatic", spring: float = 0.0, lever: float = 0.0) -> Joint:
+    return Joint(
+        name="j", type=kind, parent="a", child="b", origin=np.array([0.0, lever, 0.0]),
         axis=np.array([1.0, 0.0, 0.0]), upper=0.1, spring=spring,
     )  # fmt: skip
 

@@ -6,13 +6,13 @@ from unittest.mock import MagicMock
 import numpy as np
 import pytest
 
+from artigen.types import Joint
 from envs.maniskill.robots import ROBOTS
 from envs.maniskill.solver import solve as module
 from envs.maniskill.solver.plan_open import NoPlan, OpenPlan
 from envs.maniskill.solver.plan_put import PutPlan
 from envs.maniskill.solver.solve import solve_open_part, solve_put_inside
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import PackageJoint
 
 ONE = box_hull(np.zeros(3), np.ones(3))
 GRIP = np.array([0.1, 0.2, 0.3])
@@ -20,8 +20,8 @@ GRIP = np.array([0.1, 0.2, 0.3])
 
 def door(name: str = "door", latches: tuple = ()) -> SimpleNamespace:
     """A door with a range of one radian about an axis through its grip."""
-    joint = PackageJoint(
-        name=name, type="revolute", kind="revolute", parent="a", child="b", origin=GRIP,
+    joint = Joint(
+        name=name, type="revolute", parent="a", child="b", origin=GRIP,
         axis=np.array([0.0, 0.0, 1.0]), upper=1.0,
     )  # fmt: skip
     return SimpleNamespace(

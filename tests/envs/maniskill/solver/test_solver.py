@@ -9,7 +9,7 @@ import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 
 from artigen.transforms import rotation_about
-from envs.maniskill.hulls import ground_under, hulls_at, move_hull, open_above_ground, opened_qpos
+from envs.maniskill.hulls import ground_under, hulls_at, open_above_ground, opened_qpos
 from envs.maniskill.objects import TaskObject, read_object
 from envs.maniskill.robots import ROBOTS
 from envs.maniskill.solver import opening
@@ -20,7 +20,7 @@ from envs.maniskill.solver.drive import finger_action
 from envs.maniskill.solver.field import AROUND, build_field, distances
 from envs.maniskill.solver.grasp import find_grasps
 from sim_export.files.write import write_package
-from sim_export.geometry.hulls import box_hull
+from sim_export.geometry.hulls import box_hull, move_hull
 from sim_export.package import HandleAnnotation
 
 

@@ -1,0 +1,152 @@
+"""A room as one MJCF: packages attached at their places, walls as boxes, loose things as free bodies.
+
+Packages are referred to, not copied (MuJoCo's ``attach``): their bodies, joints and geoms get the id of the
+placement as a prefix, ``fridge_1/joint_0``. MuJoCo starts with all joints at 0; the coordinates of the room,
+in which doors may stand ajar, are the keyframe ``home``.
+"""
+
+# mujoco is a compiled module with empty stubs.
+# pyright: reportAttributeAccessIssue=false
+
+import os
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.io import write_whole
+from artigen.transforms import quat_from_matrix
+from sim_export.errors import PackageError
+from sim_export.files.mjcf import HULL_FRICTION, primitive_geom
+from sim_export.files.urdf import format_vector, xml_text
+
+from ..sim.mechanism import find_mechanism
+from ..sim.mujoco import compile_model
+from .footprints import cached_package
+from .room import Fixture, Item, Placement, Room, pose_matrix_of
+from .solids import item_motion
+from .things import thing_solids
+
+if TYPE_CHECKING:
+    from mujoco import MjModel
+
+MJCF_FILE = "scene.xml"
+HOME = "home"
+"""Name of the keyframe with the coordinates of the room."""
+EYE_LEVEL = 1.6
+"""Height (m) of the camera in the entrance."""
+
+
+def write_room_mjcf(room: Room, folder: Path) -> Path:
+    """Writes ``scene.xml``, which names the packages relative to ``folder``, and returns its path.
+
+    Raises:
+        PackageError: If a package cannot be read, or MuJoCo cannot compile the room.
+    """
+    root = _room_element(room, folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    draft = write_whole(folder / f"draft_{MJCF_FILE}", xml_text(root))
+    try:
+        model = compile_model(draft)
+    except ValueError as error:
+        text = " ".join(str(error).split())
+        raise PackageError(f"{folder}: MuJoCo cannot compile the {room.kind}: {text}") from error
+    finally:
+        draft.unlink()
+    frames = ET.SubElement(root, "keyframe")
+    ET.SubElement(frames, "key", name=HOME, qpos=format_vector(home_position(room, model)))
+    return write_whole(folder / MJCF_FILE, xml_text(root))
+
+
+def home_position(room: Room, model: "MjModel") -> Float[np.ndarray, "Q"]:
+    """Joint vector of the compiled room with every joint at its coordinate; followers follow, things rest."""
+    qpos = model.qpos0.copy()
+    for placement in room.placements:
+        package = cached_package(placement.package)
+        names = [joint.name for joint in package.joints if joint.type != "fixed"]
+        coordinates = dict(placement.joints)
+        start = np.array([coordinates.get(name, 0.0) for name in names])
+        for name, q in zip(names, find_mechanism(package, names).complete(start), strict=True):
+            qpos[model.joint(f"{placement.id}/{name}").qposadr[0]] = q
+    return qpos
+
+
+def _room_element(room: Room, folder: Path) -> ET.Element:
+    root = ET.Element("mujoco", model=f"{room.kind}_{room.seed}")
+    ET.SubElement(root, "compiler", angle="radian", autolimits="true")
+    ET.SubElement(root, "option", integrator="implicitfast")
+    asset = ET.SubElement(root, "asset")
+    models: dict[Path, str] = {}
+    for placement in room.placements:
+        if placement.package not in models:
+            models[placement.package] = f"package_{len(models)}"
+            file = os.path.relpath(placement.package.resolve() / "mobility.mjcf.xml", folder.resolve())
+            ET.SubElement(asset, "model", name=models[placement.package], file=Path(file).as_posix())
+    world = ET.SubElement(root, "worldbody")
+    _add_light_and_camera(world, room)
+    for fixture in room.fixtures:
+        _add_fixture(world, fixture)
+    for placement in room.placements:
+        _add_placement(world, placement, models[placement.package])
+    for item in room.contents:
+        _add_item(world, room, item)
+    return root
+
+
+def _add_light_and_camera(world: ET.Element, room: Room) -> None:
+    """A lamp below the ceiling, and a camera in the entrance that looks to the opposite wall."""
+    width, depth, height = room.size
+    at = np.array([width / 2.0, depth / 2.0, height - 0.1])
+    ET.SubElement(world, "light", name="ceiling", pos=format_vector(at), dir="0 0 -1", diffuse="0.7 0.7 0.7")
+    eye = np.array([(room.entrance.start + room.entrance.stop) / 2.0, 0.1, EYE_LEVEL])
+    ET.SubElement(
+        world, "camera", name="entrance", pos=format_vector(eye), xyaxes="1 0 0 0 0.25 1", fovy="75"
+    )  # fmt: skip
+
+
+def _add_fixture(world: ET.Element, fixture: Fixture) -> None:
+    low, high = np.array(fixture.low), np.array(fixture.high)
+    ET.SubElement(
+        world,
+        "geom",
+        name=fixture.name,
+        type="box",
+        pos=format_vector((low + high) / 2.0),
+        size=format_vector((high - low) / 2.0),
+        rgba=format_vector(np.array([*fixture.color, 1.0]), 6),
+        friction=HULL_FRICTION,
+    )
+
+
+def _add_placement(world: ET.Element, placement: Placement, model: str) -> None:
+    frame = ET.SubElement(
+        world,
+        "frame",
+        pos=format_vector(np.array(placement.position)),
+        quat=format_vector(np.array(placement.quat)),
+    )
+    ET.SubElement(frame, "attach", model=model, prefix=f"{placement.id}/")
+
+
+def _add_item(world: ET.Element, room: Room, item: Item) -> None:
+    """A loose thing, with its mass spread over its primitives by volume."""
+    T = item_motion(room, item) @ pose_matrix_of(item)
+    body = ET.SubElement(
+        world,
+        "body",
+        name=item.id,
+        pos=format_vector(T[:3, 3]),
+        quat=format_vector(quat_from_matrix(T[:3, :3])),
+    )
+    ET.SubElement(body, "freejoint", name=item.id)
+    solids = thing_solids(item.thing, item.size)
+    density = item.mass / sum(solid.volume for solid, _ in solids)
+    for solid, color in solids:
+        style = {
+            "mass": f"{density * solid.volume:.9g}",
+            "rgba": format_vector(np.array([*item.colors[color], 1.0]), 6),
+            "friction": HULL_FRICTION,
+        }
+        ET.SubElement(body, "geom", primitive_geom(solid, np.zeros(3)) | style)

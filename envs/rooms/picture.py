@@ -1,0 +1,237 @@
+"""Renders rooms on the CPU: a dollhouse view, the view of who enters, and a plan of the free space.
+
+The walls towards the camera are removed, with their door and windows. In the plan bodies are grey, the swept
+space of doors and drawers is orange, the robot's standing places are blue, and contents of drawers and
+cupboards are outlined in green.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, UInt8
+
+from artigen.camera import look_at
+from artigen.transforms import transform_points
+from sim_export.files.read import read_package
+from sim_export.geometry.hulls import box_hull
+from sim_export.motion.kinematics import link_displacements
+from sim_export.package import Mesh, SimPackage
+from sim_export.picture.draw import package_surfaces
+from sim_export.picture.lighting import RenderConfig
+from sim_export.picture.raycast import Surface
+from sim_export.picture.render import move_surface, render_scene, surface_from_mesh, surface_points
+from sim_export.picture.viewpoint import Viewpoint, place_camera
+
+from .footprints import cached_package, outline_of, read_footprint
+from .patterns import paint_pattern
+from .room import Fixture, Item, Placement, Room, Side, from_wall, pose_matrix_of
+from .solids import item_hulls, item_motion, item_solid, place_solid
+from .sweeps import find_sweeps
+from .things import thing_solids
+
+AZIMUTH = 62.0
+"""Degrees from the left (or right) wall towards the wall with the entrance: 90 looks straight in."""
+ELEVATION = 34.0
+"""Degrees above the horizon."""
+EYE_LEVEL, LOOK_AT, EYE_FOV = 1.6, 0.9, 58.0
+"""Height of the eye in the entrance and of what it looks at (m), and its vertical angle of view (degrees)."""
+WIDTH, HEIGHT = 1100, 760
+"""Size of the views in pixels."""
+SCALE = 120.0
+"""Pixels per metre of the plan."""
+MARGIN = 0.3
+"""Distance (m) around the room in the plan."""
+RENDER = RenderConfig(
+    ground=False, occlusion_reach=0.12, light_direction=(-0.35, -0.55, 0.9), light_radius=0.25
+)
+EYE_RENDER = RenderConfig(
+    ground=False, occlusion_reach=0.12, light_direction=(0.25, -0.8, 0.35), light_radius=0.5
+)
+"""Light that comes through the wall behind the eye, as the ceiling shuts out any other."""
+
+
+def draw_room(room: Room) -> UInt8[np.ndarray, "H W 3"]:
+    """The room seen from above its entrance, without the front walls and the ceiling."""
+    side = _emptier_side(room)
+    azimuth = -AZIMUTH if side == "left" else AZIMUTH - 180.0
+    shown = [place for place in room.placements if not _hangs_in(room, place, ("front", side))]
+    fixtures = [each for each in room.fixtures if not _belongs_to(each, ("front", side))]
+    surfaces = _room_surfaces(room, shown, fixtures)
+    viewpoint = Viewpoint(
+        azimuth=azimuth, elevation=ELEVATION, fov=30.0, margin=0.02, width=WIDTH, height=HEIGHT
+    )
+    camera = place_camera(surface_points(surfaces), viewpoint)
+    return render_scene(surfaces, camera, RENDER)
+
+
+def draw_entrance(room: Room) -> UInt8[np.ndarray, "H W 3"]:
+    """The room as somebody sees it who stands in its entrance: at eye level, with walls and ceiling."""
+    (start, stop), (width, depth, height) = (room.entrance.start, room.entrance.stop), room.size
+    eye = np.array([np.clip((start + stop) / 2.0, 0.3, width - 0.3), 0.05, EYE_LEVEL])
+    aim = np.array([width / 2.0, depth, LOOK_AT])
+    shown = [place for place in room.placements if not _hangs_in(room, place, ("front",))]
+    white = (0.95, 0.95, 0.94)
+    ceiling = Fixture(name="ceiling", low=(0.0, 0.0, height), high=(width, depth, height + 0.1), color=white)
+    fixtures = [*(each for each in room.fixtures if not _belongs_to(each, ("front",))), ceiling]
+    surfaces = _room_surfaces(room, shown, fixtures)
+    camera = look_at(eye, aim, fov=EYE_FOV, width=WIDTH, height=HEIGHT)
+    return render_scene(surfaces, camera, EYE_RENDER)
+
+
+def _room_surfaces(room: Room, shown: Sequence[Placement], fixtures: Sequence[Fixture]) -> list[Surface]:
+    """Surfaces of objects, of everything loose, and of fixtures."""
+    packages = {place.package: read_package(place.package) for place in shown}
+    surfaces = [surface for place in shown for surface in placement_surfaces(place, packages[place.package])]
+    surfaces += [surface for item in room.contents for surface in item_surfaces(room, item)]
+    return surfaces + [fixture_surface(fixture) for fixture in fixtures]
+
+
+def _emptier_side(room: Room) -> Side:
+    """The side wall whose removal shows more: tall objects count most."""
+    hidden = {"left": 0.0, "right": 0.0}
+    for placement in room.placements:
+        side = "left" if placement.position[0] < room.size[0] / 2.0 else "right"
+        from_wall = min(placement.position[0], room.size[0] - placement.position[0])
+        top = placement.position[2] + placement.size[2] / 2.0
+        hidden[side] += placement.size[1] * top**3 if from_wall < 0.8 else 0.0
+    return "left" if hidden["left"] <= hidden["right"] else "right"
+
+
+def _belongs_to(fixture: Fixture, sides: Sequence[Side]) -> bool:
+    """Whether a fixture is part of one of the walls, or on it."""
+    parts = ("wall", "skirting", "tiles")
+    return fixture.name.startswith(tuple(f"{part}_{side}" for part in parts for side in sides))
+
+
+def _hangs_in(room: Room, placement: Placement, sides: Sequence[Side]) -> bool:
+    """Whether an object hangs in an opening of one of the walls, into which nothing else reaches."""
+    boxes = place_solid(placement).boxes
+    return min(from_wall(side, room.size, boxes)[:, 0, 1].min() for side in sides) < -0.01
+
+
+def placement_surfaces(placement: Placement, package: SimPackage) -> tuple[Surface, ...]:
+    """An object's visuals in the room, with the joints at the room's coordinates."""
+    T = pose_matrix_of(placement) @ link_displacements(package.links, package.joints, dict(placement.joints))
+    return tuple(move_surface(surface, T[surface.id]) for surface in package_surfaces(package))
+
+
+def item_surfaces(room: Room, item: Item) -> tuple[Surface, ...]:
+    """A loose thing in its colours, where the joints of its holder put it."""
+    T = item_motion(room, item)
+    return tuple(
+        surface_from_mesh(
+            Mesh(vertices=transform_points(T, hull.vertices), faces=hull.faces, color=item.colors[color])
+        )
+        for hull, (_, color) in zip(item_hulls(item), thing_solids(item.thing, item.size), strict=True)
+    )
+
+
+def fixture_surface(fixture: Fixture) -> Surface:
+    """A fixture in its colour or pattern, which runs through it along its thinnest side."""
+    low, high = np.array(fixture.low), np.array(fixture.high)
+    hull = box_hull(low, high)
+    if fixture.pattern == "plain":
+        mesh = Mesh(vertices=hull.vertices, faces=hull.faces, color=fixture.color)
+        return surface_from_mesh(mesh, crease=0.0)
+    sides = high - low
+    across, up = np.delete(np.arange(3), sides.argmin())
+    uv = ((hull.vertices - low) / sides)[:, [across, up]][hull.faces]
+    texture = paint_pattern(fixture.pattern, fixture.color, float(sides[across]), float(sides[up]))
+    mesh = Mesh(vertices=hull.vertices, faces=hull.faces, uv=uv, texture=texture)
+    return surface_from_mesh(mesh, crease=0.0)
+
+
+def draw_plan(room: Room) -> UInt8[np.ndarray, "H W 3"]:
+    """The floor plan: outlines of all hulls from above, sweeps, standing places and ids."""
+    from PIL import Image, ImageDraw, ImageFont
+
+    width, depth = (int((side + 2 * MARGIN) * SCALE) for side in room.size[:2])
+    picture = Image.new("RGB", (width, depth), (250, 250, 248))
+    draw = ImageDraw.Draw(picture, "RGBA")
+
+    def pixel(points: Float[np.ndarray, "N 2"]) -> list[tuple[float, float]]:
+        x, y = (points[:, 0] + MARGIN) * SCALE, depth - (points[:, 1] + MARGIN) * SCALE
+        return list(zip(x.tolist(), y.tolist(), strict=True))
+
+    for fixture in room.fixtures:
+        if fixture.name == "floor" or (fixture.name.startswith("wall") and fixture.low[2] > 0.0):
+            continue
+        shade = (90, 92, 98, 255) if fixture.name.startswith("wall") else (214, 205, 192, 255)
+        draw.polygon(pixel(_rectangle(fixture.low, fixture.high)), fill=shade)
+    order = sorted(room.placements, key=lambda placement: placement.position[2])
+    for placement in order:
+        for outline in _sweep_outlines(placement):
+            draw.polygon(pixel(outline), fill=(240, 150, 60, 26))
+    for placement in order:
+        for x, y in placement.standing:
+            ends = pixel(np.array([[x, y], [x, y]]) + np.array([[-1, 1], [1, -1]]) * room.standing_radius)
+            draw.ellipse([ends[0], ends[1]], outline=(60, 110, 190, 200), width=2)
+    font = ImageFont.load_default(11)
+    for placement in order:
+        corners = _body_rectangle(placement)
+        fill = (196, 214, 196, 255) if placement.support else (208, 210, 214, 255)
+        lifted = placement.position[2] > 1.4 and placement.size[2] < 1.2
+        draw.polygon(
+            pixel(corners), fill=(0, 0, 0, 0) if lifted else fill, outline=(70, 74, 82, 255),
+            width=1 if lifted else 2,
+        )  # fmt: skip
+        if not lifted:  # objects above others would cover their names
+            name = placement.id.replace("_", " ")
+            draw.text(pixel(corners.mean(axis=0)[None])[0], name, fill=(30, 32, 38), font=font, anchor="mm")
+    for item in room.contents:
+        outline = outline_of(item_solid(item, item_motion(room, item)).hulls.vertices[:, :2])
+        draw.polygon(pixel(outline), outline=(50, 120, 70, 160))
+    return np.asarray(picture)
+
+
+def _rectangle(low: Sequence[float], high: Sequence[float]) -> Float[np.ndarray, "4 2"]:
+    return np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
+
+
+def _body_rectangle(placement: Placement) -> Float[np.ndarray, "4 2"]:
+    body = read_footprint(placement.package).body
+    points = _rectangle(body[0], body[1])
+    T = pose_matrix_of(placement)
+    return transform_points(T, np.column_stack([points, np.zeros(4)]))[:, :2]
+
+
+def _sweep_outlines(placement: Placement) -> list[Float[np.ndarray, "V 2"]]:
+    """Outlines from above of everything that opens, at several poses."""
+    package = cached_package(placement.package)
+    T = pose_matrix_of(placement)
+    outlines = []
+    for sweep in find_sweeps(package):
+        for step in np.linspace(0, len(sweep.T) - 1, 7).astype(int):
+            points = [
+                transform_points(T @ sweep.T[step, index], hull.vertices)
+                for index in sweep.links
+                for hull in package.links[index].hulls
+            ]
+            if points:
+                outlines.append(outline_of(np.concatenate(points)[:, :2]))
+    return outlines
+
+
+def write_view(room: Room, path: Path) -> None:
+    """Writes the dollhouse view as a PNG, atomically."""
+    _write(draw_room(room), path)
+
+
+def write_entrance(room: Room, path: Path) -> None:
+    """Writes the view of who enters as a PNG, atomically."""
+    _write(draw_entrance(room), path)
+
+
+def write_plan(room: Room, path: Path) -> None:
+    """Writes the floor plan as a PNG, atomically."""
+    _write(draw_plan(room), path)
+
+
+def _write(image: UInt8[np.ndarray, "H W 3"], path: Path) -> None:
+    from PIL import Image
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    scratch = path.with_name(f".{path.name}.partial")
+    Image.fromarray(image).save(scratch, format="png", optimize=True)
+    scratch.replace(path)

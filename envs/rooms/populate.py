@@ -1,0 +1,238 @@
+"""Furnishes rooms: from a room kind, a seed and validated packages to a `Room` in which everything opens.
+
+The planner uses boxes and soft preferences; its result is verified on the actual hulls
+(`envs.rooms.check`). An arrangement that fails is rejected and the next one is drawn, so that a
+returned room keeps every guarantee.
+"""
+
+import hashlib
+import json
+from collections import Counter
+from dataclasses import asdict, dataclass
+from typing import Literal
+from zlib import crc32
+
+import numpy as np
+
+from artigen import __version__
+from artigen.shapes.families import choose_suite
+from artigen.shapes.surfaces.finishes import Color
+from artigen.transforms import transform_points
+
+from .arrange import Place, Plan
+from .catalogue import Catalogue, Entry, PopulateError, demand_roles
+from .check import check_room
+from .doorway import hang_door
+from .fittings import FITTINGS
+from .footprints import standing_places
+from .furnish import furnish
+from .openings import find_openings
+from .order import demand_order, place_order, read_order
+from .pieces import Member, move_boxes
+from .recipes import RECIPES, Recipe
+from .room import Fixture, Opening, Placement, Room, RoomKind, Side, corner, room_shell, rounded_quat
+from .runs import Chooser, count_objects, draw_shortlists
+from .solids import place_solid
+from .trim import trim_room
+
+
+@dataclass(frozen=True, kw_only=True)
+class PopulateConfig:
+    """Room parameters; lengths in metres, None samples a value from the seed."""
+
+    width: float | None = None
+    """Inner length of the wall with the entrance."""
+    depth: float | None = None
+    """Inner distance from that wall to the opposite one."""
+    height: float = 2.6
+    """Height from floor to ceiling."""
+    least: int | None = None
+    """Smallest number of objects in a room; fewer is an error. By default that of its kind."""
+    most: int = 30
+    """Largest number of objects in a room."""
+    sweeps: Literal["free", "any"] = "free"
+    """``free`` keeps the swept space of doors and drawers free; ``any`` only avoids overlaps at rest."""
+    standing_radius: float = 0.3
+    """Radius of the robot's disc that stays free in front of every door and drawer; 0 disables it."""
+    variety: int = 5
+    """Number of packages per role; fewer make a room more uniform."""
+    attempts: int = 12
+    """Arrangements tried before giving up."""
+    place: tuple[str, ...] = ()
+    """Units along one wall, from left to right (`envs.rooms.order`); the room then holds nothing else but its
+    door."""
+    wall: Side = "back"
+    """Wall of the ordered units."""
+
+    def __post_init__(self) -> None:
+        if not 1 <= (self.least or 1) <= self.most or self.least == 0:
+            raise ValueError(f"{self.least} to {self.most} objects: at least 1, and no more than at most")
+        if self.standing_radius < 0.0 or self.attempts < 1 or self.variety < 1:
+            raise ValueError(
+                f"standing_radius {self.standing_radius}, attempts {self.attempts}, variety {self.variety}: "
+                "allowed is 0, 1 and 1 and above"
+            )
+        for name in ("width", "depth", "height"):
+            value = getattr(self, name)
+            if value is not None and not 0.5 <= value <= 20.0:
+                raise ValueError(f"{name} {value} m, expected 0.5 to 20")
+
+
+def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfig | None = None) -> Room:
+    """Furnishes a room; deterministic.
+
+    Raises:
+        PopulateError: If a required role has no package, or the room cannot be furnished in the available
+            space.
+    """
+    cfg = cfg or PopulateConfig()
+    recipe = RECIPES[kind]
+    least = min(recipe.least, cfg.most) if cfg.least is None else cfg.least
+    order = read_order(cfg.place, kind)
+    if order:
+        demand_order(catalogue, order)
+    else:
+        demand_roles(catalogue, recipe)
+    reasons: Counter[str] = Counter()
+    best = 0
+    for attempt in range(cfg.attempts):
+        rng = np.random.default_rng([crc32(kind.encode()), seed, attempt])
+        size, entrance = _draw_room(recipe, rng, cfg)
+        chooser = Chooser(
+            shortlists=draw_shortlists(recipe, catalogue, rng, cfg.variety),
+            rng=rng,
+            radius=cfg.standing_radius if cfg.sweeps == "free" else 0.0,
+            sweeps=cfg.sweeps,
+            most=cfg.most,
+        )
+        plan = hang_door(Plan(size=size, entrance=entrance), chooser)
+        if order:
+            plan, missing = place_order(plan, order, cfg.wall, catalogue, chooser)
+        else:
+            plan, missing = furnish(plan, recipe, chooser)
+        objects = count_objects(plan)
+        best = max(best, objects)
+        if not order and not missing and not least <= objects <= cfg.most:
+            missing = f"{objects} objects, {least} to {cfg.most} are wanted"
+        if missing:
+            reasons[missing] += 1
+            continue
+        room = trim_room(_room(kind, seed, attempt, plan, catalogue, cfg))
+        problems = check_room(room)
+        if cfg.sweeps == "any":
+            problems = tuple(problem for problem in problems if problem.kind in ("overlap", "outside"))
+        if not problems:
+            return room
+        reasons[problems[0].message] += 1
+    said = "; ".join(f"{reason} ({count} times)" for reason, count in reasons.most_common(2))
+    raise PopulateError(
+        f"no {kind} of {_text(cfg.width, recipe.width)} x {_text(cfg.depth, recipe.depth)} m could be "
+        f"furnished in {cfg.attempts} attempts: {said}; at best {best} objects found room, needed are "
+        f"{len(order) or least}; give it more room or other packages"
+    )
+
+
+def _text(asked: float | None, drawn: tuple[float, float]) -> str:
+    return f"{asked:g}" if asked is not None else f"{drawn[0]:g} to {drawn[1]:g}"
+
+
+def _draw_room(
+    recipe: Recipe, rng: np.random.Generator, cfg: PopulateConfig
+) -> tuple[tuple[float, float, float], Opening]:
+    """Size of the room, and its entrance in the front wall."""
+    width, depth = round(float(rng.uniform(*recipe.width)), 2), round(float(rng.uniform(*recipe.depth)), 2)
+    size = (cfg.width or width, cfg.depth or depth, cfg.height)
+    opening = min(0.95, size[0] - 0.2)
+    start = float(rng.uniform(0.08, max(size[0] - opening - 0.08, 0.09)))
+    entrance = Opening(
+        side="front", start=round(start, 2), width=round(opening, 2), height=min(2.05, size[2] - 0.1)
+    )
+    return size, entrance
+
+
+def _room(
+    kind: RoomKind, seed: int, attempt: int, plan: Plan, catalogue: Catalogue, cfg: PopulateConfig
+) -> Room:
+    """Converts a plan to a room with stable ids: a role and a number, in the order of placement."""
+    radius = cfg.standing_radius if cfg.sweeps == "free" else 0.0
+    counts: Counter[str] = Counter()
+    placements: list[Placement] = []
+    fixtures: list[Fixture] = []
+    openings: list[Opening] = []
+    names: dict[int, str] = {}
+    color = choose_filler_color(catalogue)
+    for place in plan.places:
+        for member in place.cluster.members:
+            if member.piece.entry is None:
+                counts[member.piece.role] += 1
+                fixtures += _fixtures(place, member, color, counts[member.piece.role])
+                continue
+            slug = member.piece.role.replace(" ", "_")
+            counts[slug] += 1
+            names[id(member.piece)] = f"{slug}_{counts[slug]}"
+            placements.append(_placement(place, member, member.piece.entry, names, radius))
+            if place.side is not None:
+                boxes = place_solid(placements[-1]).boxes
+                openings += find_openings(boxes, place.side, plan.size)
+    shell = room_shell(plan.size, (plan.entrance, *openings), RECIPES[kind].wall_color, RECIPES[kind].floor)
+    return Room(
+        kind=kind,
+        seed=seed,
+        attempt=attempt,
+        size=plan.size,
+        entrance=plan.entrance,
+        standing_radius=radius,
+        openings=tuple(openings),
+        fixtures=(*shell, *fixtures),
+        placements=tuple(placements),
+        provenance=(
+            ("generator", f"artigen {__version__} scene"),
+            ("packages", f"{len(catalogue.entries)} proven packages in {catalogue.folder.name}"),
+            ("settings", json.dumps(asdict(cfg), sort_keys=True)),
+        ),
+    )
+
+
+def _placement(place: Place, member: Member, entry: Entry, names: dict[int, str], radius: float) -> Placement:
+    T = place.T @ member.T
+    footprint = member.piece.footprint
+    assert footprint is not None
+    middles = standing_places(footprint, radius, member.piece.front)
+    points = transform_points(T, np.column_stack([middles, np.zeros(len(middles))]))
+    manifest = (entry.folder / "manifest.json").read_bytes()
+    support = place.support
+    return Placement(
+        id=names[id(member.piece)],
+        role=member.piece.role,
+        category=entry.category,
+        package=entry.folder,
+        position=corner(T[:3, 3]),
+        quat=rounded_quat(T[:3, :3]),
+        size=corner(footprint.size),
+        standing=tuple((round(float(x), 4), round(float(y), 4)) for x, y, _ in points),
+        support=None if support is None else names[id(support)],
+        provenance=(*entry.provenance, ("manifest_sha256", hashlib.sha256(manifest).hexdigest())),
+    )
+
+
+def _fixtures(place: Place, member: Member, color: Color, number: int) -> list[Fixture]:
+    """The boxes of a fitting, or the cabinet front that closes the corner between two runs."""
+    looks = [(f"filler_{place.cluster.name}", color)]
+    if member.piece.role in FITTINGS:
+        parts = FITTINGS[member.piece.role].parts
+        looks = [(f"{member.piece.role}_{number}_{name}", paint) for name, _, _, paint in parts]
+    bodies = move_boxes(member.piece.boxes, place.T @ member.T).bodies
+    return [
+        Fixture(name=name, low=corner(low), high=corner(high), color=paint)
+        for (name, paint), (low, high) in zip(looks, bodies, strict=True)
+    ]
+
+
+def choose_filler_color(catalogue: Catalogue) -> Color:
+    """That of the fronts, where all packages are of one suite; else a light grey."""
+    sources = [dict(entry.provenance) for entry in catalogue.entries]
+    suites = {(source.get("family"), source.get("suite")) for source in sources}
+    if len(suites) != 1 or None in (suite := suites.pop()):
+        return (0.80, 0.79, 0.76)
+    family, seed = suite
+    return choose_suite(str(family), int(str(seed))).finishes["furniture"]["front"].color

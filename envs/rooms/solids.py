@@ -1,0 +1,74 @@
+"""The objects and fixtures of a room as placed collision hulls."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from sim_export.geometry.contacts import HullSet
+from sim_export.geometry.hulls import box_hull, move_hull
+from sim_export.motion.kinematics import link_displacements
+from sim_export.package import Hull
+
+from .footprints import cached_package
+from .room import Item, Placement, Room, pose_matrix_of
+from .things import thing_hulls
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Solid:
+    """Hulls of an object, or a box, in the room."""
+
+    id: str
+    hulls: HullSet
+
+    @property
+    def boxes(self) -> Float[np.ndarray, "H 2 3"]:
+        """Bounds of each hull."""
+        return self.hulls.rest_bounds
+
+
+def object_solids(room: Room) -> list[Solid]:
+    """All objects."""
+    return [place_solid(placement) for placement in room.placements]
+
+
+def fixture_solids(room: Room) -> list[Solid]:
+    """Walls, floor and all other static boxes."""
+    return [
+        make_solid(fixture.name, [box_hull(np.array(fixture.low), np.array(fixture.high))])
+        for fixture in room.fixtures
+    ]
+
+
+def place_solid(placement: Placement) -> Solid:
+    """An object's hulls in the room, with the joints at the room's coordinates."""
+    package = cached_package(placement.package)
+    T = pose_matrix_of(placement) @ link_displacements(package.links, package.joints, dict(placement.joints))
+    hulls = [move_hull(hull, T[index]) for index, link in enumerate(package.links) for hull in link.hulls]
+    return make_solid(placement.id, hulls)
+
+
+def item_hulls(item: Item) -> tuple[Hull, ...]:
+    """An item's hulls in its holder's frame with all joints at 0."""
+    T = pose_matrix_of(item)
+    return tuple(move_hull(hull, T) for hull in thing_hulls(item.thing, item.size))
+
+
+def item_motion(room: Room, item: Item) -> Float[np.ndarray, "4 4"]:
+    """Maps the holder's frame with all joints at 0 to the room, as the item moves with its link."""
+    holder = room.placement(item.holder)
+    package = cached_package(holder.package)
+    T = link_displacements(package.links, package.joints, dict(holder.joints))
+    return pose_matrix_of(holder) @ T[[link.name for link in package.links].index(item.link)]
+
+
+def item_solid(item: Item, T: Float[np.ndarray, "4 4"]) -> Solid:
+    """An item's hulls after a motion from its holder's frame."""
+    return make_solid(item.id, [move_hull(hull, T) for hull in item_hulls(item)])
+
+
+def make_solid(name: str, hulls: Sequence[Hull]) -> Solid:
+    """Combines hulls in room coordinates to one solid."""
+    return Solid(id=name, hulls=HullSet(hulls=tuple(hulls)))

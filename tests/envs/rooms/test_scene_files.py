@@ -1,0 +1,144 @@
+"""Rooms as MJCF and OpenUSD: MuJoCo and usd-core find every body where the room's kinematics put it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from bare_room import ROOM
+from sample_packages import SAMPLE_PARTS, build_package, double_door_parts
+
+from artigen.transforms import shift
+from artigen.types import Joint
+from envs.rooms.ajar import stays
+from envs.rooms.contents import fill_room
+from envs.rooms.footprints import cached_package, read_footprint
+from envs.rooms.mjcf import HOME, write_room_mjcf
+from envs.rooms.room import Placement, Room, pose_matrix_of
+from envs.rooms.solids import item_motion
+from envs.rooms.usd import write_room_usd
+from sim_export.files.urdf import link_origins
+from sim_export.files.write import write_package
+from sim_export.motion.kinematics import driven_joints, link_displacements
+from sim_export.package import Inertial, Link, SimPackage
+
+OPENED = 0.2
+MICROMETRE, MILLIMETRE = 1e-6, 1e-3
+
+
+@pytest.fixture(scope="module")
+def room(tmp_path_factory: pytest.TempPathFactory) -> Room:
+    """Two cabinets of one package and one of another, turned differently, a drawer open, things in all."""
+    base = tmp_path_factory.mktemp("packages").resolve()
+    packages = (build_package(SAMPLE_PARTS), build_package(double_door_parts()))
+    folders = [write_package(package, base / f"cabinet_{index}") for index, package in enumerate(packages)]
+    placements = tuple(
+        Placement(
+            id=f"cabinet_{index}", role="base cabinet", category="StorageFurniture", package=folders[which],
+            position=(0.6 + 1.3 * index, 2.0, 0.002 - float(read_footprint(folders[which]).body[0, 2])),
+            quat=(0.5**0.5, 0.0, 0.0, sign * 0.5**0.5), size=(0.5, 0.8, 0.7),
+            joints=(("joint_0", OPENED),) if index == 1 else (),
+        )
+        for index, (which, sign) in enumerate(((0, 1.0), (0, -1.0), (1, 1.0)))
+    )  # fmt: skip
+    return fill_room(replace(ROOM, placements=placements), 1.0)
+
+
+def expected_poses(room: Room) -> dict[str, np.ndarray]:
+    """Pose of every link and loose thing in the room, by ``cabinet_0/link_1`` and ``cup_1``."""
+    poses = {item.id: item_motion(room, item) @ pose_matrix_of(item) for item in room.contents}
+    for placement in room.placements:
+        package = cached_package(placement.package)
+        origins = link_origins(package)
+        moved = link_displacements(package.links, package.joints, dict(placement.joints))
+        for link, T in zip(package.links, moved, strict=True):
+            poses[f"{placement.id}/{link.name}"] = pose_matrix_of(placement) @ T @ shift(origins[link.name])
+    return poses
+
+
+def start(room: Room, folder: Path) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """The room in MuJoCo, at its own coordinates."""
+    model = mujoco.MjModel.from_xml_path(str(write_room_mjcf(room, folder)))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(HOME).id)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def test_mujoco_finds_every_body_and_joint_of_the_room(room: Room, tmp_path: Path):
+    model, data = start(room, tmp_path)
+    expected = expected_poses(room)
+    assert {model.body(index).name for index in range(1, model.nbody)} == set(expected)
+    for name, T in expected.items():
+        found = data.body(name)
+        np.testing.assert_allclose(found.xpos, T[:3, 3], atol=MICROMETRE, err_msg=name)
+        np.testing.assert_allclose(found.xmat.reshape(3, 3), T[:3, :3], atol=MICROMETRE, err_msg=name)
+    for placement in room.placements:
+        for joint in driven_joints(cached_package(placement.package).joints):
+            found = model.joint(f"{placement.id}/{joint.name}")
+            if joint.type != "continuous":
+                np.testing.assert_allclose(found.range, (joint.lower, joint.upper), atol=MICROMETRE)
+    for item in room.contents:
+        assert model.body(item.id).mass[0] == pytest.approx(item.mass)
+
+
+def test_in_mujoco_nothing_moves_in_two_seconds(room: Room, tmp_path: Path):
+    model, data = start(room, tmp_path)
+    before = data.xpos.copy()
+    for _ in range(round(2.0 / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+    assert np.linalg.norm(data.xpos - before, axis=1).max() < MILLIMETRE
+
+
+def test_in_mujoco_a_drawer_takes_along_what_it_holds(room: Room, tmp_path: Path):
+    model, data = start(room, tmp_path)
+    drawer = next(
+        joint for joint in cached_package(room.placements[0].package).joints if joint.name == "joint_0"
+    )
+    held = [item.id for item in room.contents if (item.holder, item.link) == ("cabinet_0", drawer.child)]
+    before = {name: data.body(name).xpos.copy() for name in held}
+    joint = data.joint("cabinet_0/joint_0")
+    while joint.qpos[0] < OPENED:
+        joint.qfrc_applied[:] = 3.0 * drawer.friction
+        mujoco.mj_step(model, data)
+    pull = pose_matrix_of(room.placements[0])[:3, :3] @ drawer.axis
+    assert len(held) >= 2
+    for name in held:
+        assert pull @ (data.body(name).xpos - before[name]) == pytest.approx(OPENED, abs=0.05), name
+
+
+def test_usd_puts_every_body_where_the_room_has_it(room: Room, tmp_path: Path):
+    pytest.importorskip("pxr")
+    from pxr import Usd, UsdGeom, UsdPhysics
+
+    stage = Usd.Stage.Open(str(write_room_usd(room, tmp_path)))
+    assert not stage.GetCompositionErrors()
+    bodies = [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
+    expected = expected_poses(room)
+    assert {str(prim.GetPath()).removeprefix("/World/") for prim in bodies} == set(expected)
+    cache = UsdGeom.XformCache()
+    for prim in bodies:
+        name = str(prim.GetPath()).removeprefix("/World/")
+        found = np.array(cache.GetLocalToWorldTransform(prim)).T
+        np.testing.assert_allclose(found, expected[name], atol=MICROMETRE, err_msg=name)
+    assert len({str(prim.GetPath()) for prim in stage.Traverse() if prim.IsA(UsdPhysics.Scene)}) == 1
+    assert len(list((tmp_path / "usd").iterdir())) == 2
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, 1.2])
+@pytest.mark.parametrize("share", [0.98, 1.02])
+def test_a_lid_stays_exactly_where_its_friction_reaches_its_weight(angle: float, share: float):
+    """A lid of 2 kg, its centre 0.3 m from its hinge along x: the moment is m g r cos(angle)."""
+    inertial = Inertial(mass=2.0, com=np.array([0.3, 0.0, 0.5]), inertia=np.eye(3))
+    links = (
+        Link(name="body", label="base", parts=(), visuals=(), hulls=(), inertial=None),
+        Link(name="lid", label="door", parts=(), visuals=(), hulls=(), inertial=inertial),
+    )
+    hinge = Joint(
+        name="hinge", type="revolute", parent="body", child="lid",
+        origin=np.array([0.0, 0.0, 0.5]), axis=np.array([0.0, -1.0, 0.0]), upper=1.5,
+        friction=share * 2.0 * 9.81 * 0.3 * np.cos(angle),
+    )  # fmt: skip
+    package = SimPackage(name="chest", category="Box", visual="exact", links=links, joints=(hinge,))
+    assert stays(package, {"hinge": angle}, "hinge") == (share > 1.0)
