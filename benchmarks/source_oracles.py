@@ -379,7 +379,9 @@ def compare(
         kind = next(part.joint.type for part in found.asset.parts if part.name == motion.part)
         if motion.part in followers or kind in ("continuous", "screw"):
             continue
-        name = joints[motion.part]
+        name, limits = joints[motion.part], np.array(source.ranges[motion.joint])
+        if not np.isclose(limits, motion.open, rtol=1e-3, atol=1e-5).any():
+            yield f"range of {motion.joint!r}: open at {motion.open:.4g}, expected one of {limits.round(4)}"
         sign, travel = np.sign(motion.open - motion.closed), abs(motion.open - motion.closed)
         upper = made.ranges[name][1]
         if not np.isclose(upper, travel, rtol=1e-3) and motion.part not in shortened:

@@ -140,6 +140,35 @@ def test_generated_mjcf_is_what_mujoco_has(chain: list[Made]):
         assert compare_read(read_source(path, Path(folder) / "scratch", FAST), load_source(path, None)) == []
 
 
+HINGED = Made(
+    parent=0,
+    xyz=(0.3, 0.1, 0.0),
+    rpy=(0.0, 0.0, 0.5),
+    size=(0.1, 0.2, 0.3),
+    kind="revolute",
+    axis=(0, 0, 1),
+    limits=(0.0, 0.5),
+    scale=(1, 1, 1),
+    color=(1.0, 0.0, 0.0),
+)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"axis": (0, 0, -1)}, "axis of"),
+        ({"limits": (0.0, 0.6)}, "range of"),
+        ({"xyz": (0.32, 0.1, 0.0)}, "closed extents"),
+        ({"rpy": (0.0, 0.0, 0.6)}, "closed extents"),
+        ({"color": (0.0, 1.0, 0.0)}, "mean colour"),
+    ],
+)
+def test_oracles_notice_a_wrong_reading(tmp_path: Path, change: dict, said: str):
+    found = read_source(write_mjcf(tmp_path, [HINGED]), tmp_path / "scratch", FAST)
+    other = load_source(write_mjcf(tmp_path, [replace(HINGED, **change)]), None)
+    assert any(sentence.startswith(said) for sentence in compare_read(found, other))
+
+
 @settings(max_examples=15, deadline=None, phases=(Phase.explicit, Phase.generate))
 @given(chain=chains())
 def test_generated_urdf_is_what_yourdfpy_has(chain: list[Made]):
