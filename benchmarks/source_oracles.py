@@ -31,8 +31,9 @@ from artigen.datasets.sources import find_layout
 from artigen.errors import ArtigenError
 from artigen.kinematics import displacements, movable_parts
 from artigen.transforms import rotation_about, transform_points
+from artigen.types import Joint
 from sim_export.files.read import read_package
-from sim_export.package import PackageJoint, SimPackage
+from sim_export.package import SimPackage
 
 Pose = Mapping[str, float]
 LENGTH = 1e-3
@@ -434,7 +435,7 @@ def compare_package(found: SourceObject, source: Loaded, folder: Path) -> list[s
     )
 
 
-def _joint_of(package: SimPackage, link: str) -> PackageJoint:
+def _joint_of(package: SimPackage, link: str) -> Joint:
     return next(joint for joint in package.joints if joint.child == link)
 
 
