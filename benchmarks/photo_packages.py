@@ -2,8 +2,8 @@
 
     python benchmarks/photo_packages.py FOLDER OUT --sheet sheet.png
 
-Every picture of the folder is taken through ``artigen.generate(image=...)`` with one seed; packages with their
-reports are kept below OUT. Seconds are those of one core, from the picture to the validated package."""
+Every picture of the folder is taken through ``artigen.generate(image=...)`` with one seed; packages with
+their reports are kept below OUT. Seconds are those of one core, from picture to validated package."""
 
 import json
 import time

@@ -2,10 +2,10 @@
 
     python benchmarks/photo_style.py FOLDER --sheet sheet.png
 
-The folder holds photographs and ``fronts.json`` as of `photo_layouts.py`. `photo_looks.csv` beside this file says
-what each photograph shows, judged by eye: what the object stands on (furniture only), the fields of its doors and
-of its drawers, its pulls and the material of its fronts; ``a/b`` where both are fair, ``-`` where nothing can be
-told. Doors or drawers that are missing in the object are wrong.
+The folder holds photographs and ``fronts.json`` as of `photo_layouts.py`. `photo_looks.csv` beside this file
+says what each photograph shows, judged by eye: what the object stands on (furniture only), the fields of its
+doors and of its drawers, its pulls and the material of its fronts; ``a/b`` where both are fair, ``-`` where
+nothing can be told. Doors or drawers that are missing in the object are wrong.
 
 Colours are compared where the object covers the photograph as it is seen from the camera that was read: the
 medians of the pixels of every marked front and of the body, without the marked fronts and the outer
@@ -23,8 +23,8 @@ from jaxtyping import Float
 
 from artigen.conditioning.image import open_picture
 from artigen.errors import ArtigenError
-from artigen.metrics.color_difference import convert_to_lab, rate_difference
 from artigen.reader.comparison import draw_over, render_over, scale_camera
+from artigen.reader.ground import find_outline
 from artigen.reader.layout.build import build_from_reading
 from artigen.reader.layout.overlay import Overlay, lay_over, match_fronts
 from artigen.reader.looks import look_closer
@@ -32,6 +32,7 @@ from artigen.reader.model import load_reader
 from artigen.reader.read import read_image
 from artigen.shapes.render.shading import EVEN_LIGHT
 from artigen.shapes.shape import Shape, ShapePart
+from artigen.shapes.surfaces.color_difference import ciede2000, convert_to_lab
 from artigen.weights import READER
 
 if TYPE_CHECKING:
@@ -39,13 +40,19 @@ if TYPE_CHECKING:
 
 TILE, COLUMNS = 260, 8
 """Edge of a picture of the sheet (pixels), and pictures in a row."""
+LOOKS = Path(__file__).with_name("photo_looks.csv")
 EDGE = 0.15
 """Share of a region at each side that may belong to something else."""
 LOOKED = ("stand", "doors", "drawers", "pull", "finish")
-RAISED = 0.03
-"""Height (m) below the lowest front from which a closed base is a plinth."""
+RAISED = 0.06
+"""Height (m) below the lowest front from which a closed base is a plinth: the board that carries the lowest
+front, and the least plinth of the grammar."""
 CLOSED = 0.7
 """Share of an object's width that its base covers just above the floor from which it stands on no legs."""
+PULLED = 0.3
+"""Share of fronts with pulls below which these are strays."""
+SLAB = 0.75
+"""Share of a front that one solid covers from which it is a slab."""
 PULLS = {2: "knob", 4: "cup", 3: "bar", 1: "edge"}
 """Pulls by their number of solids; those of five are bows or recessed grips."""
 
@@ -80,21 +87,25 @@ def name_panel(part: ShapePart, shape: Shape) -> str:
     """The field of a front by its solids: flat, framed, slats or glass."""
     front = part.bounds()[0, 0]
     solids = [one for one in part.primitives if one.center[0] - one.size[0] / 2 < front + 0.03]
-    solids = [one for one in solids if one.finish in ("front", "glass")]
     if any(one.finish == "glass" for one in solids):
         return "glass"
-    if len(solids) in (5, 6):
-        return "framed"
-    return "slats" if len(solids) > 1 else "flat"
+    solids = [one for one in solids if one.finish == "front"]
+    area = float(np.ptp(part.bounds(), axis=0)[1:].prod())
+    outer = [one for one in solids if one.center[0] - one.size[0] / 2 < front + 0.012]
+    if max((float(one.size[1] * one.size[2]) for one in outer), default=area) > SLAB * area:
+        return "flat"
+    return "framed" if len(solids) in (5, 6) else "slats"
 
 
 def name_pull(shape: Shape) -> str:
-    """The commonest pulls of an object's doors and drawers."""
-    fronts = {part.name for part in list_fronts(shape)}
-    found = Counter(
-        _name_handle(part) for part in shape.parts if part.label == "handle" and part.parent in fronts
-    )
-    return found.most_common(1)[0][0] if found else "none"
+    """The commonest pulls of an object's doors and drawers; none where fewer than `PULLED` have any."""
+    found = Counter[str]()
+    for front in list_fronts(shape):
+        own = [part for part in shape.parts if part.label == "handle" and part.parent == front.name]
+        found[_name_handle(own[0]) if own else "none"] += 1
+    if found.total() - found["none"] < PULLED * found.total() or not found:
+        return "none"
+    return max((name for name in found if name != "none"), key=lambda name: found[name])
 
 
 def _name_handle(part: ShapePart) -> str:
@@ -133,6 +144,9 @@ def compare_colors(
             inside = _mask(boxes[i][1], pixels.shape)
             differences[f"front {i}"] = _differ(pixels[inside], own)
     body = (seen.part_ids == 0) & seen.mask
+    outline = find_outline(image)
+    if outline is not None and outline.shape == body.shape:
+        body &= outline
     for _, box in boxes:
         body &= ~_mask(box, pixels.shape, edge=-0.02)
     if body.sum() > 50:
@@ -152,13 +166,13 @@ def _mask(box: Float[np.ndarray, "4"], shape: tuple[int, ...], edge: float = EDG
 
 def _differ(one: np.ndarray, other: np.ndarray) -> float:
     first, last = (convert_to_lab(np.median(pixels, axis=0)) for pixels in (one, other))
-    return float(rate_difference(first, last))
+    return float(ciede2000(first, last))
 
 
 def main(
     folder: tyro.conf.Positional[Path],
     *,
-    looks: Path = Path(__file__).with_name("photo_looks.csv"),
+    looks: Path = LOOKS,
     seed: int = 0,
     sheet: Path | None = None,
 ) -> None:

@@ -1,4 +1,4 @@
-"""Converts URDFs, MJCFs, USD, PartNet-Mobility folders and object.json to packages."""
+"""Converts URDFs, MJCFs, USD, SDFs, meshes, PartNet-Mobility folders and object.json to packages."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -18,6 +18,7 @@ from artigen.runtime.workers import Worker
 Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
 if TYPE_CHECKING:
     from artigen.datasets.source_object import SourceObject
+    from artigen.runtime.budget import Budget
     from artigen.types import Asset
     from sim_export.export import Exported
     from sim_export.package import SimPackage
@@ -43,6 +44,8 @@ class ConvertSettings:
     """Axis that the front faces; default: -x in a URDF, MJCF or USD, z in object.json."""
     body: str | None = None
     """Body of a scene file that is the object; default: every object in the file becomes a package."""
+    arguments: tuple[str, ...] = ()
+    """Arguments of a xacro, name:=value each."""
     seed: int = 0
     """Seed of the surface samples."""
     splats: bool = False
@@ -53,6 +56,9 @@ class ConvertSettings:
     objects that fall over. Every change is in meta.json."""
     validation: Literal["full", "none"] = "full"
     """Run checks L0 to L3 on every package right after it is written."""
+    budget: float = 30.0
+    """Seconds of one core in which an object is read and its hulls are searched for. The best package found
+    is always written; meta.json says where the budget ended the search."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,6 +101,7 @@ class ConvertJob:
             up=cfg.up,
             front=cfg.front,
             body=cfg.body,
+            arguments=cfg.arguments,
         )
         source = read_source(self.source, scratch, reader)
         if not cfg.mend:
@@ -124,6 +131,7 @@ def convert_object(job: ConvertJob) -> Made:
 def _convert(job: ConvertJob, scratch: Path) -> Made:
     from artigen import __version__
     from artigen.datasets.sources import find_layout
+    from artigen.runtime.budget import Budget
     from artigen.splats.surface import RANDOM
     from sim_export.appearance.splats import splat_package
     from sim_export.export import export_asset
@@ -131,7 +139,7 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     from sim_export.mend.stand import stand_on_side
     from sim_export.physics.followers import follow_parts
 
-    laps = Laps()
+    laps, budget = Laps(), Budget(job.cfg.budget)
     source = job.read(scratch)
     laps.end("read")
     provenance = {
@@ -151,9 +159,10 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     if job.cfg.visual == "voxels":
         asset = rebuild_from_voxels(asset, job.cfg.recipe)
         laps.end("segment")
-        exported = export_asset(asset, provenance={**provenance, "grid": str(job.grid)}, finish=finish)
+        provenance |= {"grid": str(job.grid)}
+        exported = export_asset(asset, provenance=provenance, finish=finish, budget=budget)
     else:
-        exported = export_source(source, asset, provenance, finish)
+        exported = export_source(source, asset, provenance, finish, budget)
     laps.end("export", *exported.seconds)
     write_package(exported.package, job.out / job.key, "replace")
     laps.end("write")
@@ -192,19 +201,22 @@ def export_source(
     asset: "Asset",
     provenance: dict[str, str],
     finish: Callable[["SimPackage"], "SimPackage"] = lambda package: package,
+    budget: "Budget | None" = None,
 ) -> "Exported":
     """A package with the object's own meshes, and the hulls of these that fail fewest static checks.
 
     Raises:
-        ExportError: If no attempt can be exported.
+        ExportError: If no hulls can be made.
     """
     from artigen.api.mend import place_source_meshes, place_source_surfaces
-    from sim_export.attempts import HullWay
     from sim_export.export import export_best, make_solids
+    from sim_export.search import HullPlan
 
     solids = make_solids(asset, place_source_surfaces(source, asset))
     meshes = place_source_meshes(source, asset)
-    return export_best(solids, HullWay(), source_meshes=meshes, provenance=provenance, finish=finish)
+    return export_best(
+        solids, HullPlan(), source_meshes=meshes, provenance=provenance, finish=finish, budget=budget
+    )
 
 
 def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Finished:
@@ -228,10 +240,10 @@ def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]
 
 def _explain(job: ConvertJob, failed: tuple[str, ...], scratch: Path) -> tuple[str, ...]:
     from artigen.api.mend import place_source_meshes, place_source_surfaces
-    from sim_export.attempts import HullWay
     from sim_export.checks.subject import Subject
     from sim_export.export import export_solids, make_solids
     from sim_export.files.read import read_package
+    from sim_export.search import HullPlan
     from sim_export.source_faults import find_source_faults
 
     if job.cfg.visual == "source":
@@ -245,7 +257,7 @@ def _explain(job: ConvertJob, failed: tuple[str, ...], scratch: Path) -> tuple[s
         source = job.read(scratch)
         asset = voxelize_object(source.asset)
         meshes = place_source_meshes(source, asset)
-        package = export_solids(make_solids(asset), HullWay(collision="voxels"), source_meshes=meshes).package
+        package = export_solids(make_solids(asset), HullPlan(target="voxels"), source_meshes=meshes).package
         surfaces = dict(
             zip((part.name for part in asset.parts), place_source_surfaces(source, asset), strict=True)
         )
@@ -273,7 +285,7 @@ def convert_packages(
     """Converts objects into a folder of packages with a journal; finished ones are kept.
 
     Args:
-        sources: URDF, MJCF or USD files, object folders, or folders that contain either.
+        sources: URDF, xacro, MJCF, USD, SDF or mesh files, object folders, or folders that contain either.
         out: Folder of the packages and the journal.
         cfg: How objects are converted.
         runner: Where objects are converted.

@@ -36,7 +36,6 @@ class Look(TypedDict, total=False):
     height: float | None
     style: str | None
     counts: Counts | None
-    textures: Literal["own", "shared"]
     gaussians: bool
     workers: int
 
@@ -54,6 +53,7 @@ class GenerateOptions(Look, total=False):
 
     image: Path | str | None
     box: tuple[float, float, float, float] | None
+    reading: Path | str | None
     kind: str | None
     structure: Literal["sketch", "latent"]
     temperature: float
@@ -72,6 +72,7 @@ class ConvertOptions(TypedDict, total=False):
     body: str | None
     visual: Literal["source", "voxels"]
     gaussians: bool
+    budget: float
     workers: int
 
 
@@ -94,7 +95,6 @@ def sample(
     family: str | None = None,
     suite: int | None = None,
     like: int | None = None,
-    textures: Literal["own", "shared"] = "own",
     gaussians: bool = False,
     workers: int = 0,
 ) -> Object | Objects:
@@ -112,7 +112,6 @@ def sample(
         family: Look across kinds, such as ``industrial``.
         suite: Choice of the family's materials and hardware; objects of one suite match.
         like: Seed of a template whose links, joints and kinds of collision shapes are kept.
-        textures: One texture per part, or common ones for parts of the same finish.
         gaussians: Whether the package has 3D Gaussians.
         workers: Processes for many objects; 0 makes them in this one.
 
@@ -121,7 +120,7 @@ def sample(
     """
     cfg = ShapeSettings(
         width=width, depth=depth, height=height, style=style, counts=_write_counts(counts), family=family,
-        suite=suite, like=like, textures=textures, splats=gaussians,
+        suite=suite, like=like, splats=gaussians,
     )  # fmt: skip
     jobs = list_shapes(kind, HERE, list_seeds(seed, count), cfg)
     if isinstance(seed, int) and count is None:
@@ -154,6 +153,7 @@ def generate(
     *,
     image: Path | str | None = None,
     box: tuple[float, float, float, float] | None = None,
+    reading: Path | str | None = None,
     kind: str | None = None,
     counts: Counts | None = None,
     seed: int | Sequence[int] = 0,
@@ -165,7 +165,6 @@ def generate(
     structure: Literal["sketch", "latent"] = "sketch",
     temperature: float = GenerateSettings.temperature,
     redraws: int = GenerateSettings.redraws,
-    textures: Literal["own", "shared"] = "own",
     gaussians: bool = True,
     model: Path = SHIPPED,
     workers: int = 0,
@@ -180,6 +179,7 @@ def generate(
         image: Photograph of one object, taken from near its front.
         box: Left, top, right and bottom of the object in the photograph, as shares of width and height;
             default: the largest object.
+        reading: File that ``artigen read --json`` wrote, edited or not, instead of a photograph.
         kind: Name of a kind, or a noun for it; default: as words or picture say.
         counts: Number of parts by label; the others are free.
         seed: Seed of the object, or a sequence of seeds for as many.
@@ -192,7 +192,6 @@ def generate(
             boxes of the sketch.
         temperature: Sampling temperature; 1 matches the training data, lower is less varied.
         redraws: Most new draws of an object that fails a check.
-        textures: One texture per part, or common ones for parts of the same finish.
         gaussians: Whether the package has 3D Gaussians.
         model: Folder of a trained model; default: the shipped one.
         workers: Processes for many objects; 0 makes them in this one.
@@ -201,9 +200,10 @@ def generate(
         ArtigenError: If no object can be as asked, the picture cannot be read, or no draw can be exported.
     """
     cfg = GenerateSettings(
-        text=words, image=None if image is None else Path(image), box=box, width=width, depth=depth,
-        height=height, style=style, counts=_write_counts(counts), structure=structure,
-        temperature=temperature, redraws=redraws, textures=textures, gaussians=gaussians, compare=False,
+        text=words, image=None if image is None else Path(image), box=box,
+        reading=None if reading is None else Path(reading), width=width, depth=depth, height=height,
+        style=style, counts=_write_counts(counts), structure=structure, temperature=temperature,
+        redraws=redraws, gaussians=gaussians, compare=False,
     )  # fmt: skip
     jobs = list_jobs(HERE, list_seeds(seed, count), cfg, category=kind, model=Path(model))
     understand_job(jobs[0])
@@ -229,6 +229,7 @@ def convert(
     body: str | None = None,
     visual: Literal["source", "voxels"] = "source",
     gaussians: bool = False,
+    budget: float = 30.0,
     workers: int = 0,
 ) -> Object | Objects:
     """Converts an object of a URDF, an MJCF, a PartNet-Mobility folder or an ``object.json``.
@@ -247,13 +248,22 @@ def convert(
         body: Body of a scene file that is the object; default: every object in the file.
         visual: Keep the meshes, or rebuild the object from its 64^3 voxels.
         gaussians: Whether the package has 3D Gaussians.
+        budget: Seconds of one core per object; the best package found in them is made.
         workers: Processes for many objects; 0 makes them in this one.
 
     Raises:
         ArtigenError: If the source cannot be read, or holds several objects where one is expected.
     """
     cfg = ConvertSettings(
-        mend=mend, size=size, category=kind, up=up, front=front, body=body, visual=visual, splats=gaussians
+        mend=mend,
+        size=size,
+        category=kind,
+        up=up,
+        front=front,
+        body=body,
+        visual=visual,
+        splats=gaussians,
+        budget=budget,
     )
     one = isinstance(source, str | Path)
     given = (Path(source),) if isinstance(source, str | Path) else tuple(map(Path, source))

@@ -46,6 +46,9 @@ class GenerateSettings:
     box: tuple[float, float, float, float] | None = None
     """Left, top, right and bottom of the object in the photo, as shares of width and height; default: the
     largest object."""
+    reading: Path | None = None
+    """File that ``artigen read --json`` wrote, edited or not: it is built instead of reading the photo, which
+    is then only shown beside the object."""
     kind: str | None = None
     """Kind of the object, as the category."""
     doors: int | None = None
@@ -76,9 +79,9 @@ class GenerateSettings:
     """Guidance strength, 0 for none (the paper uses 3); only with --structure latent."""
     encoders: Path | None = None
     """Folder with the public weights of DINOv2 and CLIP, for latent models that were trained with them."""
-    textures: Literal["own", "shared"] = "own"
-    """``own`` bakes one texture per part; ``shared`` gives parts of the same finish one common texture (only
-    with --structure sketch)."""
+    detail: Literal["low", "high"] = "high"
+    """``high``: visuals have smooth rounds and broken edges; ``low``: a third of the triangles (only with
+    --structure sketch)."""
     gaussians: bool = True
     """Add 3D Gaussians to the package, one PLY per link."""
     compare: bool = True
@@ -102,13 +105,15 @@ class GenerateJob:
     @property
     def key(self) -> str:
         """Name of the package."""
-        return self.name or name_request(self.category, self.cfg.text, self.cfg.image, self.seed)
+        return self.name or name_request(
+            self.category, self.cfg.text, self.cfg.image or self.cfg.reading, self.seed
+        )
 
     @property
     def settings(self) -> str:
         """Object, weights, picture and settings as text; where one of them changes, it is made again."""
-        image = "" if self.cfg.image is None else f" {hash_file(self.cfg.image)}"
-        return f"{self.key} {hash_weights(self.model)}{image} {self.cfg}"
+        given = [path for path in (self.cfg.image, self.cfg.reading) if path is not None]
+        return " ".join([self.key, hash_weights(self.model), *map(hash_file, given), str(self.cfg)])
 
 
 def _understand(job: GenerateJob) -> "Understood":
@@ -136,7 +141,14 @@ def read_job(job: GenerateJob) -> "Request":
             wish = replace(wish, counts=tuple(sorted((held | {label: count}).items())))
     if None not in (job.category, cfg.kind) and job.category != cfg.kind:
         raise ArtigenError(f"category {job.category} and --kind {cfg.kind}: name one")
-    return Request(category=job.category or cfg.kind, text=cfg.text, image=cfg.image, box=cfg.box, wish=wish)
+    return Request(
+        category=job.category or cfg.kind,
+        text=cfg.text,
+        image=cfg.image,
+        box=cfg.box,
+        reading=cfg.reading,
+        wish=wish,
+    )
 
 
 def _ask(job: GenerateJob) -> "Asked":
@@ -222,7 +234,7 @@ def _make_exact(
     """Package of the sketch's own primitives."""
     from sim_export.reference import ReferenceConfig, build_reference
 
-    cfg = ReferenceConfig(textures=job.cfg.textures, gaussians=job.cfg.gaussians)
+    cfg = ReferenceConfig(detail=job.cfg.detail, gaussians=job.cfg.gaussians)
     package = build_reference(shape, cfg, provenance=provenance)
     return replace(package, records=(*notes, *package.records))
 
@@ -348,10 +360,6 @@ def list_jobs(
         raise ArtigenError(
             f"{len(seeds)} objects from seed {min(seeds, default=0)} with {cfg.redraws} redraws: expected at "
             "least one object, and nothing below 0"
-        )
-    if cfg.textures != "own" and cfg.structure != "sketch":
-        raise ArtigenError(
-            f"textures {cfg.textures} with structure {cfg.structure}: only sketches can share textures"
         )
     if cfg.steps < 1 or not 0 <= cfg.strength < math.inf or not 0 < cfg.temperature < math.inf:
         raise ArtigenError(

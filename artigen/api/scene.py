@@ -1,6 +1,7 @@
 """Furnishes a room from a kind and a seed."""
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -14,10 +15,12 @@ from artigen.runtime.runner import LocalRunner, Runner
 
 if TYPE_CHECKING:
     from envs.rooms.catalogue import Catalogue
-    from envs.rooms.recipes import Recipe, Role
+    from envs.rooms.order import Unit
+    from envs.rooms.recipes import Role
     from envs.rooms.room import Room
 
 SceneFormat = Literal["mjcf", "usd"]
+SceneKind = Literal["kitchen", "office", "bedroom", "bathroom", "workshop", "living_room", "hall", "laundry"]
 Clutter = Literal["none", "tidy", "lived", "messy"]
 PACKAGES = "packages"
 """Subfolder of the room for objects that are drawn for it."""
@@ -29,6 +32,9 @@ FAMILIES = {
     "bedroom": ("shaker", "slab", "rustic", "midcentury", "nursery"),
     "bathroom": ("shaker", "slab", "rustic", "laboratory"),
     "workshop": ("industrial", "laboratory"),
+    "living_room": ("shaker", "slab", "rustic", "midcentury"),
+    "hall": ("shaker", "slab", "rustic", "midcentury"),
+    "laundry": ("shaker", "slab", "laboratory"),
 }
 """Families that the seed chooses from by default."""
 
@@ -41,8 +47,8 @@ class SceneSettings:
     """Inner width in metres, along the wall with the entrance."""
     depth: float | None = None
     """Inner depth in metres, from that wall to the opposite one."""
-    least: int = 10
-    """Minimum number of objects."""
+    least: int | None = None
+    """Minimum number of objects; by default that of the kind of room."""
     most: int = 30
     """Maximum number of objects."""
     sweeps: Literal["free", "any"] = "free"
@@ -55,6 +61,10 @@ class SceneSettings:
     """Fraction of the drawers and compartments behind doors that hold loose things."""
     clutter: Clutter = "tidy"
     """Amount of loose things on furniture."""
+    place: tuple[str, ...] = ()
+    """Units along one wall from left to right, such as ``fridge sink:0.8 oven``, and nothing else."""
+    wall: Literal["front", "back", "left", "right"] = "back"
+    """Wall of these units."""
     family: str | None = None
     """Look of everything that is drawn, such as shaker, slab or industrial; sampled if unset."""
 
@@ -75,7 +85,7 @@ class Furnished:
         loose = f", with {len(room.contents)} loose things" if room.contents else ""
         left_out = f", without {len(self.failed)} packages that did not pass" if self.failed else ""
         return (
-            f"{room.kind} of {room.size[0]:.2f} x {room.size[1]:.2f} m: {len(room.placements)} objects from "
+            f"{room.kind.replace('_', ' ')} of {room.size[0]:.2f} x {room.size[1]:.2f} m: {len(room.placements)} objects from "
             f"{kinds} packages{loose} in {self.path}, arranged and checked in {self.seconds:.1f} s{left_out}"
         )
 
@@ -94,7 +104,7 @@ def furnish_room(
     """Furnishes a room in which every door and drawer opens; writes ``scene.json`` and pictures.
 
     Args:
-        kind: Kitchen, office, bedroom, bathroom or workshop.
+        kind: Kitchen, office, bedroom, bathroom, workshop, living_room, hall or laundry.
         out: Folder for ``scene.json``, ``room.png``, ``entrance.png`` and ``plan.png``.
         seed: Seed of everything that is not set.
         packages: Folder with packages, at any depth, that passed validation; without it, objects are sampled
@@ -115,8 +125,9 @@ def furnish_room(
     from envs.rooms.contents import fill_room
     from envs.rooms.file import write_room
     from envs.rooms.mjcf import write_room_mjcf
+    from envs.rooms.order import read_order
     from envs.rooms.populate import PopulateConfig, populate
-    from envs.rooms.recipes import RECIPES
+    from envs.rooms.recipes import DOOR, RECIPES
     from envs.rooms.usd import write_room_usd
     from sim_export.usd.write import require_usd
 
@@ -133,10 +144,12 @@ def furnish_room(
     try:
         settings = PopulateConfig(
             width=cfg.width, depth=cfg.depth, least=cfg.least, most=cfg.most, sweeps=cfg.sweeps,
-            standing_radius=cfg.standing_radius,
+            standing_radius=cfg.standing_radius, place=cfg.place, wall=cfg.wall,
         )  # fmt: skip
     except ValueError as error:
         raise ArtigenError(str(error)) from error
+    order = read_order(cfg.place, kind)
+    _demand_length(order, kind, cfg)
     if packages is not None and cfg.family is not None:
         raise ArtigenError(
             f"family {cfg.family} with packages {packages}: objects of a folder keep their looks; omit one of"
@@ -144,9 +157,8 @@ def furnish_room(
         )
     if packages is None:
         family = cfg.family or choose_family(kind, seed)
-        catalogue = draw_packages(
-            RECIPES[kind], seed, family, out / PACKAGES, runner or LocalRunner(workers=0)
-        )
+        waiting = [*dict.fromkeys(order), DOOR] if order else RECIPES[kind].all_roles
+        catalogue = draw_packages(waiting, seed, family, out / PACKAGES, runner or LocalRunner(workers=0))
     else:
         catalogue = read_catalogue(packages)
     started = time.perf_counter()
@@ -173,15 +185,31 @@ def choose_family(kind: str, seed: int) -> str:
     return families[int(np.random.default_rng(seed).integers(len(families)))]
 
 
-def draw_packages(recipe: "Recipe", seed: int, family: str, out: Path, runner: Runner) -> "Catalogue":
-    """Draws and validates objects for every role of a room, all of one suite of a family.
+def _demand_length(order: "Sequence[Unit]", kind: str, cfg: SceneSettings) -> None:
+    """Raises `ArtigenError` if the wall is too short for an order whatever is drawn."""
+    from envs.rooms.order import least_length
+    from envs.rooms.recipes import RECIPES
 
-    Roles without a valid object are drawn again.
+    recipe, across = RECIPES[kind], cfg.wall in ("front", "back")
+    length = (cfg.width or recipe.width[1]) if across else (cfg.depth or recipe.depth[1])
+    if order and least_length(order) > length:
+        raise ArtigenError(
+            f"{len(order)} units take at least {least_length(order):.2f} m, and the {cfg.wall} wall of a "
+            f"{kind} is at most {length:g} m long; order less, or give --width or --depth"
+        )
+
+
+def draw_packages(
+    wanted: "Sequence[Role | Unit]", seed: int, family: str, out: Path, runner: Runner
+) -> "Catalogue":
+    """Draws and validates objects for every role or ordered unit, all of one suite of a family.
+
+    Those without a valid object are drawn again.
     """
     from envs.rooms.catalogue import read_catalogue
 
     look = ShapeSettings(family=family, suite=seed)
-    waiting = list(recipe.all_roles)
+    waiting = list(wanted)
     jobs: list[ShapeJob] = []
     catalogue = None
     for attempt in range(ROUNDS):
@@ -194,14 +222,22 @@ def draw_packages(recipe: "Recipe", seed: int, family: str, out: Path, runner: R
         entries = tuple(entry for entry in catalogue.entries if entry.name in drawn)
         failed = tuple(text for text in catalogue.failed if text.split()[0] in drawn)
         catalogue = replace(catalogue, entries=entries, failed=failed)
-        waiting = [role for role in waiting if role.draws and not catalogue.of_role(role)]
+        waiting = [each for each in waiting if each.draws and not _is_there(catalogue, each)]
         if not waiting:
             break
     assert catalogue is not None
     return catalogue
 
 
-def _jobs(roles: "list[Role]", first: int, look: ShapeSettings, out: Path) -> list[ShapeJob]:
+def _is_there(catalogue: "Catalogue", wanted: "Role | Unit") -> bool:
+    from envs.rooms.order import Unit
+
+    if isinstance(wanted, Unit):
+        return any(wanted.accepts(entry) for entry in catalogue.of_role(wanted.role))
+    return bool(catalogue.of_role(wanted))
+
+
+def _jobs(roles: "Sequence[Role | Unit]", first: int, look: ShapeSettings, out: Path) -> list[ShapeJob]:
     """One job for every draw of the roles, with the sizes of the roles."""
     jobs = []
     for role in roles:

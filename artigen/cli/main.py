@@ -18,6 +18,7 @@ COMMANDS = {
     "preview": "preview",
     "view": "view",
     "export": "export",
+    "restyle": "restyle",
     "usd": "usd",
     "sets": "sets",
     "scene": "scene",

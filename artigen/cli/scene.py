@@ -6,7 +6,7 @@ from typing import Literal
 
 import tyro
 
-from artigen.api.scene import SceneFormat, SceneSettings, furnish_room
+from artigen.api.scene import SceneFormat, SceneKind, SceneSettings, furnish_room
 from artigen.cli.arguments import Out, Workers
 from artigen.runtime.runner import choose_runner
 
@@ -14,7 +14,7 @@ SETTINGS = SceneSettings()
 
 
 def scene(
-    kind: tyro.conf.Positional[Literal["kitchen", "office", "bedroom", "bathroom", "workshop"]],
+    kind: tyro.conf.Positional[SceneKind],
     out: Out,
     seed: int = 0,
     packages: Path | None = None,

@@ -5,13 +5,17 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from artigen.datasets.joints_file import joints_path
+from artigen.datasets.mesh_scene import SUFFIXES
 from artigen.files.wavefront import clean_name
 
-NAMED = re.compile(r"""\b(?:filename|file|url)\s*=\s*["']([^"']+)["']""")
-"""Attributes of URDF and MJCF that name files."""
+NAMED = re.compile(
+    r"""\b(?:filename|file|url)\s*=\s*["']([^"']+)["']|<uri>\s*([^<]+?)\s*<|"uri"\s*:\s*"([^"]{1,200})\""""
+)
+"""Attributes of URDF and MJCF, elements of SDF and keys of glTF that name files."""
 FOLDERS = re.compile(r"""\b(?:meshdir|texturedir|assetdir)\s*=\s*["']([^"']+)["']""")
 """Attributes of MJCF that name the folders of such files."""
-NAMING = {".urdf", ".xml", ".mjcf", ".obj", ".mtl"}
+NAMING = {".urdf", ".xacro", ".xml", ".mjcf", ".sdf", ".world", ".gltf", ".dae", ".glb", ".obj", ".mtl"}
 """Files that may name others."""
 BESIDE = "meta.json"
 """File beside a URDF that may state the category."""
@@ -55,9 +59,10 @@ def _list_named(file: Path) -> Iterator[tuple[str, Path]]:
         names = [clean_name(value) for key, _, value in rows if key.startswith(keys)]
         folders = [file.parent]
     else:
-        names = [*NAMED.findall(text), BESIDE]
+        names = ["".join(found) for found in NAMED.findall(text)] + [BESIDE]
         above = [file.parent, *file.parent.absolute().parents]
         folders = [*above, *(file.parent / folder for folder in FOLDERS.findall(text))]
+    names += [joints_path(file).name] if file.suffix.lower() in SUFFIXES else []
     for name in dict.fromkeys(names):
         _, _, rest = name.rpartition("://")
         inner = rest.partition("/")[2] if "://" in name else ""

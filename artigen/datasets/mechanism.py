@@ -5,19 +5,21 @@ Readers of formats make one; `artigen.datasets.mechanism_object` turns it into a
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from jaxtyping import Float
 
 from artigen.files.urdf import UrdfJoint, UrdfShape, place_links
 from artigen.transforms import rotation_about
+from artigen.types import PartLabel
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
 
+Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
 JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "floating", "planar")
 MOVING = ("revolute", "continuous", "prismatic")
 
@@ -52,6 +54,10 @@ class Mechanism:
     """Pose of every link in the root link, with all joints at 0."""
     notes: tuple[str, ...] = ()
     """What the file holds and the mechanism does not, a sentence each."""
+    labels: Mapping[str, PartLabel] = field(default_factory=dict)
+    """Labels of links that the file states."""
+    frame: tuple[Direction, Direction] = ("z", "-x")
+    """Up axis, and the axis that the front faces."""
 
     @property
     def root(self) -> str:
@@ -77,6 +83,8 @@ def make_mechanism(
     visuals: Iterable[Shape],
     collisions: Iterable[Shape] = (),
     notes: Iterable[str] = (),
+    labels: Mapping[str, PartLabel] | None = None,
+    frame: tuple[Direction, Direction] = ("z", "-x"),
 ) -> Mechanism:
     """The mechanism of links that are one tree, without offsets of mimics."""
     links, joints = tuple(links), fold_offsets(tuple(joints))
@@ -89,6 +97,8 @@ def make_mechanism(
         collisions=tuple(collisions),
         T_base_link=place_links(links, joints),
         notes=tuple(notes),
+        labels=labels or {},
+        frame=frame,
     )
 
 

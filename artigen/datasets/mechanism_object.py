@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.datasets.categories import guess_category
-from artigen.datasets.mechanism import MOVING, Mechanism, Shape, Solid
+from artigen.datasets.mechanism import MOVING, Direction, Mechanism, Shape, Solid
 from artigen.datasets.mechanism_joints import Tree, build_tree
 from artigen.datasets.mesh_files import PlacedMesh, load_pieces, load_shape
 from artigen.datasets.part_labels import SPLIT_LABELS, SPLIT_WORDS, find_word, guess_label
@@ -24,7 +24,6 @@ from artigen.datasets.partnet_meshes import PieceMesh
 from artigen.datasets.partnet_mobility import find_rest_poses
 from artigen.datasets.partnet_parts import order_nodes
 from artigen.datasets.source_object import (
-    Direction,
     ReaderConfig,
     SourceObject,
     SourceTree,
@@ -69,14 +68,15 @@ def read_mechanism(
     pieces, notes = read_shapes(found, tree, path, scratch)
     tree, empty_notes = _keep_drawn(tree, {piece.node for piece in pieces}, path)
     nodes = tuple(order_nodes(tree.nodes))
-    turn = turn_upright(cfg.up or "z", cfg.front or "-x")
+    up, front = cfg.up or found.frame[0], cfg.front or found.frame[1]
+    turn = turn_upright(up, front)
     category, category_note = _find_category(found, path, name, cfg)
     pieces, unit, unit_note = _fit_unit(found, pieces, category)
     corners = collect_corners(pieces)
     _check_area(corners, path)
     labels, label_notes = label_links(tree, nodes, found, corners, turn)
     poses = rest_nodes(tree, nodes, labels, corners)
-    said = f"up is {cfg.up or 'z'} and the front faces {cfg.front or '-x'} in the file"
+    said = f"up is {up} and the front faces {front} in the file"
     made = assemble(
         SourceTree(
             nodes=nodes,
@@ -85,6 +85,7 @@ def read_mechanism(
             poses=poses,
             T_zup_file=turn,
             follows=tuple((one, other) for one, other in tree.follows.items()),
+            joint_names=tree.joint_names,
         ),
         cfg,
         name=name or path.stem,
@@ -317,6 +318,9 @@ def label_links(
     for node in nodes:
         if node.parent == -1:
             labels[node.id] = "base"
+            continue
+        if node.name in urdf.labels:
+            labels[node.id] = urdf.labels[node.name]
             continue
         visuals = [shape for shape in urdf.visuals if tree.owners.get(shape.link) == node.id]
         plain = [shape.name for shape in visuals if _piece_name(shape, leads=True) not in SPLIT_LABELS]

@@ -7,7 +7,7 @@ into a scratch folder, so that everything behind this module knows one format.
 
 import hashlib
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -33,6 +33,15 @@ if TYPE_CHECKING:
 FORMATS = ("obj", "stl", "glb", "gltf", "dae", "ply", "off")
 MOST_FACES = 500_000
 """Most triangles of one mesh file; more are a scan, of which no simulator makes use."""
+LEAST_FACE_BYTES = 6
+"""Least bytes that a text file needs for a polygon."""
+MOST_BYTES = 400_000_000
+"""No mesh file with so few triangles is larger."""
+FACES = {
+    ".obj": re.compile(rb"^f ", re.M),
+    ".dae": re.compile(rb"<(?:triangles|polylist|polygons)\b[^>]*?\bcount\s*=\s*\"(\d{1,12})\""),
+}
+"""What counts the polygons of a text file: a line each, or attributes."""
 UNIT = re.compile(r"([-+.\deE]+) \* meters")
 """How trimesh states the unit of a DAE file."""
 IMAGES = re.compile(rb"""(?:<init_from>|"uri"\s*:\s*")\s*([^<"]+?\.(?:png|jpe?g|bmp|tga))\s*[<"]""", re.I)
@@ -66,6 +75,8 @@ def load_shape(
     Raises:
         SourceError: names the file and why it cannot be read.
     """
+    if path is not None:
+        check_file(path)
     if path is not None and min(shape.scale) == max(shape.scale) > 0 and _is_self_contained(path):
         mesh, scale = read_obj(path, root), shape.scale[0]
         check_size(path, len(mesh.faces))
@@ -78,7 +89,8 @@ def load_shape(
     elif path.suffix.lower() == ".obj":
         pieces, missing = read_obj_pieces(path, root)
     else:
-        pieces, missing = _load(path)
+        named, missing = _load(path)
+        pieces = [piece for _, piece in named]
     for piece in pieces:
         piece.apply_transform(np.diag([*shape.scale, 1.0]))
     color = (*(shape.color or (NO_MATERIAL if texture is None else (1.0, 1.0, 1.0))), shape.opacity)
@@ -135,6 +147,21 @@ def check_size(path: Path, faces: int) -> None:
         )
 
 
+def check_file(path: Path) -> None:
+    """Refuses a text file with too many polygons before it is parsed, and any file that is too large.
+
+    Raises:
+        SourceError: As `check_size`.
+    """
+    size = path.stat().st_size if path.is_file() else 0
+    if size > MOST_BYTES:
+        raise SourceError(f"{path}: holds {size:,} bytes, at most {MOST_BYTES:,} are read: simplify the mesh")
+    pattern = FACES.get(path.suffix.lower())
+    if pattern is not None and size > LEAST_FACE_BYTES * MOST_FACES:
+        found = pattern.findall(path.read_bytes())
+        check_size(path, sum(int(count) for count in found) if pattern.groups else len(found))
+
+
 def _are_inside(files: Iterable[Path], folder: Path) -> bool:
     return all(file.is_file() and file.resolve().is_relative_to(folder) for file in files)
 
@@ -145,13 +172,42 @@ def _list_images(library: Path) -> list[Path]:
     return [library.parent / clean_name(row[1]) for row in said if len(row) == 2]
 
 
-def read_obj_pieces(path: Path, root: Path) -> "tuple[list[Trimesh], tuple[str, ...]]":
+Named = tuple[tuple[str, ...], "Trimesh"]
+"""A mesh with the names of its node and of those above it, inner ones first."""
+
+
+def read_named(path: Path, root: Path) -> tuple[list[Named], tuple[str, ...]]:
+    """The meshes of a file by its nodes (GLB, DAE) or its groups and objects (OBJ), and what it lacks.
+
+    Args:
+        root: Folder that materials and images must not leave.
+
+    Raises:
+        SourceError: names the file and why it cannot be read.
+    """
+    check_file(path)
+    if path.suffix.lower() != ".obj":
+        return _load(path)
+    said = parse_obj(path)
+    assert said.group_ids is not None
+    named, missing = list[Named](), dict[str, None]()
+    for number in np.unique(said.group_ids).tolist():
+        pieces, gone = read_obj_pieces(path, root, group=number)
+        named += [(said.groups[number], piece) for piece in pieces]
+        missing |= dict.fromkeys(gone)
+    return named, tuple(missing)
+
+
+def read_obj_pieces(
+    path: Path, root: Path, *, group: int | None = None
+) -> "tuple[list[Trimesh], tuple[str, ...]]":
     """The triangles of an OBJ, one mesh per material, and the names of libraries and images that it lacks.
 
     Triangles without a known material have the colours of their vertices, or none of their own.
 
     Args:
         root: Folder that materials and images must not leave.
+        group: The only group that is read; None for all.
     """
     from trimesh import Trimesh
     from trimesh.visual import ColorVisuals, TextureVisuals
@@ -168,9 +224,11 @@ def read_obj_pieces(path: Path, root: Path) -> "tuple[list[Trimesh], tuple[str, 
         else:
             missing.append(name)
     names = said.face_materials
+    chosen = np.ones(len(names), dtype=bool) if group is None else said.group_ids == group
     pieces = []
-    for name in dict.fromkeys(names.tolist()):
-        faces, uv_faces = said.faces[names == name], said.uv_faces[names == name]
+    for name in dict.fromkeys(names[chosen].tolist()):
+        own = (names == name) & chosen
+        faces, uv_faces = said.faces[own], said.uv_faces[own]
         mapped = len(said.coords) > 0 and bool((uv_faces >= 0).all())
         corners = faces * max(len(said.coords), 1) + (uv_faces if mapped else 0)  # a number per corner
         _, first, numbers = np.unique(corners, return_index=True, return_inverse=True)
@@ -231,7 +289,7 @@ def _primitive(shape: UrdfShape) -> list["Trimesh"]:
             return [creation.icosphere(subdivisions=3, radius=shape.sizes[0])]
 
 
-def _load(path: Path) -> "tuple[list[Trimesh], tuple[str, ...]]":
+def _load(path: Path) -> tuple[list[Named], tuple[str, ...]]:
     """Meshes of a file in metres, as trimesh reads them, and the images that it names and lacks."""
     import trimesh
 
@@ -239,20 +297,36 @@ def _load(path: Path) -> "tuple[list[Trimesh], tuple[str, ...]]":
         raise SourceError(f"{path}: a {path.suffix or 'nameless'} mesh, expected one of {', '.join(FORMATS)}")
     try:
         scene = trimesh.load_scene(path, process=False)
-        pieces = [piece for piece in scene.dump() if isinstance(piece, trimesh.Trimesh) and len(piece.faces)]
+        named = list(_list_meshes(scene))
     except Exception as err:  # every loader behind trimesh raises errors of its own
         raise SourceError(f"{path}: mesh cannot be read: {type(err).__name__}: {err}") from err
-    check_size(path, sum(len(piece.faces) for piece in pieces))
+    check_size(path, sum(len(piece.faces) for _, piece in named))
     unit = UNIT.fullmatch(str(scene.units or ""))
-    for piece in pieces:
+    for _, piece in named:
         if not np.isfinite(piece.vertices).all():
             raise SourceError(f"{path}: a vertex is not finite")
         if unit is not None:
             piece.apply_scale(float(unit[1]))
-    named = IMAGES.findall(path.read_bytes()) if path.suffix.lower() in (".dae", ".gltf") else []
-    images = [name.decode(errors="replace").replace("\\", "/").removeprefix("file://") for name in named]
+    said = IMAGES.findall(path.read_bytes()) if path.suffix.lower() in (".dae", ".gltf") else []
+    images = [name.decode(errors="replace").replace("\\", "/").removeprefix("file://") for name in said]
     gone = [name for name in images if name and not (path.parent / name).is_file() and "data:" not in name]
-    return pieces, tuple(dict.fromkeys(gone))
+    return named, tuple(dict.fromkeys(gone))
+
+
+def _list_meshes(scene: Any) -> Iterator[Named]:
+    """Meshes of a scene of trimesh, placed, with the names of their nodes from the inside out."""
+    import trimesh
+
+    above = scene.graph.transforms.parents
+    for node in scene.graph.nodes_geometry:
+        T, geometry = scene.graph[node]
+        mesh = scene.geometry[geometry]
+        if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
+            names, at = list[str](), node
+            while at is not None and at != scene.graph.base_frame:
+                names.append(str(at))
+                at = above.get(at)
+            yield tuple(names), mesh.copy().apply_transform(T)
 
 
 def write_obj(

@@ -1,8 +1,8 @@
 """Repairs of MJCF files that MuJoCo refuses although the program that they were written for reads them.
 
 Such files name things of the scene that they are put into, define an asset twice (the first counts, as where
-robosuite merges files), or hold elements of other programs. Only what no package needs is taken away, and each
-repair is said.
+robosuite merges files), or hold elements of other programs. Only what no package needs is taken away, and
+each repair is said.
 """
 
 import re

@@ -4,21 +4,20 @@ Readers of every layout find nodes, joints and meshes; `assemble` turns these in
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from artigen.datasets.partnet_annotation import SourceNode
+from artigen.datasets.mechanism import Direction
+from artigen.datasets.partnet_annotation import MOVING_JOINTS, SourceNode
 from artigen.datasets.partnet_joints import RestPose
 from artigen.datasets.partnet_meshes import PieceMesh
 from artigen.datasets.partnet_parts import build_parts, place_nodes
 from artigen.datasets.partnet_surface import FaceTable, join_tables, make_face_table, sample_surface
 from artigen.types import Asset, Part, PartLabel, SurfaceSamples, freeze_field
 
-Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
 PIECE_GAP = 0.04
 """Handles of one name that are farther apart become separate parts (unit-cube lengths)."""
 
@@ -37,11 +36,13 @@ class ReaderConfig:
     category: str | None = None
     """Category of the object; None takes it from its files or name."""
     up: Direction | None = None
-    """Up axis of a URDF or object.json; None is z in a URDF, y in object.json."""
+    """Up axis of the file; None is z, y in object.json and what a joints file says of its meshes."""
     front: Direction | None = None
-    """Axis that the front faces; None is -x in a URDF, z in object.json."""
+    """Axis that the front faces; None is -x, z in object.json and what a joints file says of its meshes."""
     body: str | None = None
     """Body of a scene file that is the object; None where the file holds one object."""
+    arguments: tuple[str, ...] = ()
+    """Arguments of a xacro, ``name:=value`` each."""
 
     def __post_init__(self) -> None:
         if self.samples < 1:
@@ -75,6 +76,17 @@ class TriangleMesh:
         freeze_field(self, "part_ids", np.int64, (count,), "triangle part ids")
 
 
+@dataclass(frozen=True, kw_only=True)
+class SourceMotion:
+    """The joint of the source that moves a part, and its coordinate there (rad, or lengths of the file, from
+    where the file has it) with the part closed and open."""
+
+    part: str
+    joint: str
+    closed: float
+    open: float
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SourceObject:
     """An object as read: the asset, its exact triangles, and the source's mesh files."""
@@ -86,6 +98,8 @@ class SourceObject:
     """The same triangles by file, with texture coordinates and materials."""
     follows: tuple[tuple[str, str], ...] = ()
     """Parts that follow another part, with that part; both close and open together."""
+    motions: tuple[SourceMotion, ...] = ()
+    """How the source moves its parts, where it names its joints."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,6 +113,8 @@ class SourceTree:
     T_zup_file: Float[np.ndarray, "4 4"]
     follows: tuple[tuple[int, int], ...] = ()
     """Nodes that follow another node."""
+    joint_names: Mapping[int, str] = field(default_factory=dict)
+    """Names of the joints of nodes."""
 
 
 def assemble(
@@ -118,12 +134,12 @@ def assemble(
     Raises:
         SourceError: If the surface has no area, or an image cannot be decoded.
     """
-    nodes, pieces = tree.nodes, tree.pieces
-    placement = place_nodes(nodes, tree.poses, pieces, tree.T_zup_file)
+    nodes, pieces, poses = tree.nodes, tree.pieces, tree.poses
+    placement = place_nodes(nodes, poses, pieces, tree.T_zup_file)
     tables = tuple(
         make_face_table(piece.mesh, placement.T_unit[piece.node], placement.scale) for piece in pieces
     )
-    parts, owners = build_parts(nodes, tree.labels, tree.poses, pieces, tables, placement, PIECE_GAP)
+    parts, owners = build_parts(nodes, tree.labels, poses, pieces, tables, placement, PIECE_GAP)
     size, size_notes = choose_size(placement.extents)
     surface = sample_surface(tables, owners, cfg.samples, np.random.default_rng(cfg.seed))
     main: dict[int, int] = {}  # split parts come after the part that they are split from
@@ -148,12 +164,24 @@ def assemble(
         for piece, owner in zip(pieces, owners, strict=True)
     )
     vertices, faces = join_tables(tables)
+    motions = tuple(
+        SourceMotion(
+            part=parts[main[node.id]].name,
+            joint=tree.joint_names[node.id],
+            closed=poses[node.id].rest * unit,
+            open=poses[node.id].far * unit,
+        )
+        for node in nodes
+        if node.id in tree.joint_names and node.id in main and node.joint in MOVING_JOINTS
+        for unit in [np.pi / 180.0 if node.joint == "hinge" else 1.0]
+    )
     return SourceObject(
         asset=asset,
         visuals=visuals,
         triangles=TriangleMesh(vertices=vertices, faces=faces, part_ids=np.concatenate(owners)),
         tables=tables,
         follows=tuple((parts[main[one]].name, parts[main[other]].name) for one, other in tree.follows),
+        motions=motions,
     )
 
 

@@ -1,10 +1,12 @@
-"""Finds and reads source objects of any layout: PartNet-Mobility folders, URDFs, MJCFs, USD, object.json."""
+"""Finds and reads source objects of any layout: PartNet-Mobility folders, URDFs, xacros, MJCFs, USD, SDFs,
+mesh files with their joints, object.json."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Literal
 
+from artigen.datasets import mesh_scene, sdf
 from artigen.datasets.acd import read_acd
+from artigen.datasets.joints_file import joints_path
 from artigen.datasets.mechanism_object import read_mechanism
 from artigen.datasets.mjcf import is_mjcf, list_mjcf_objects, read_mjcf
 from artigen.datasets.partnet_annotation import read_json
@@ -14,18 +16,16 @@ from artigen.datasets.urdf_file import read_urdf
 from artigen.datasets.usd import SUFFIXES, list_usd_objects, read_usd
 from artigen.errors import SourceError
 
-Layout = Literal["PartNet-Mobility", "URDF", "MJCF", "USD", "object.json"]
+Layout = Literal["PartNet-Mobility", "URDF", "MJCF", "USD", "SDF", "mesh with joints", "object.json"]
 ANNOTATION = "mobility_v2.json"
 TREE = "object.json"
 MAIN = "mobility.urdf"
-OTHERS = {
-    ".xacro": "xacro is read after it is expanded: `xacro FILE > out.urdf`",
-    ".sdf": "SDF is not read, expected URDF, MJCF or USD",
-    ".world": "SDF is not read, expected URDF, MJCF or USD",
-    ".glb": "a GLB has no joints, expected a URDF, MJCF or USD that names it",
-    ".obj": "an OBJ has no joints, expected a URDF, MJCF or USD that names it",
+BY_SUFFIX: dict[str, Layout] = {
+    ".urdf": "URDF",
+    ".xacro": "URDF",
+    **dict.fromkeys(SUFFIXES, "USD"),
+    **dict.fromkeys(sdf.SUFFIXES, "SDF"),
 }
-"""What to do with files that hold no object."""
 COMMON_NAMES = (
     "mobility", "model", "robot", "object", "main", "urdf", "mjcf", "xml", "mobility_annotation_gapartnet",
 )  # fmt: skip
@@ -38,8 +38,11 @@ def find_layout(source: Path) -> Layout | None:
     A package written by artigen has PartNet's annotation without its meshes, so its URDF counts.
     """
     if source.is_file():
-        if source.suffix.lower() in (".urdf", *SUFFIXES):
-            return "URDF" if source.suffix.lower() == ".urdf" else "USD"
+        kind = source.suffix.lower()
+        if kind in mesh_scene.SUFFIXES:
+            return "mesh with joints" if joints_path(source).is_file() else None
+        if kind in BY_SUFFIX:
+            return BY_SUFFIX[kind]
         return "object.json" if source.name == TREE else "MJCF" if is_mjcf(source) else None
     if (source / ANNOTATION).is_file() and not _is_package(source):
         return "PartNet-Mobility"
@@ -47,7 +50,12 @@ def find_layout(source: Path) -> Layout | None:
         return "object.json"
     if _find_urdf(source):
         return "URDF"
-    return "MJCF" if _find_mjcf(source) else "USD" if _find_usd(source) else None
+    found = (
+        _find_mjcf(source),
+        *(_find_one(source, layout) for layout in ("USD", "SDF", "mesh with joints")),
+    )
+    file = next((file for file in found if file is not None), None)
+    return None if file is None else find_layout(file)
 
 
 def _is_package(folder: Path) -> bool:
@@ -57,8 +65,11 @@ def _is_package(folder: Path) -> bool:
 
 
 def _find_urdf(folder: Path) -> Path | None:
-    """The URDF of a folder with one object: the main one, or the only one."""
-    files = sorted((*folder.glob("*.urdf"), *folder.glob("urdf/*.urdf")))
+    """The URDF of a folder with one object: the main one, or the only one; else the only xacro."""
+    for ends in (".urdf", ".urdf.xacro"):
+        files = sorted((*folder.glob(f"*{ends}"), *folder.glob(f"urdf/*{ends}")))
+        if files:
+            break
     return folder / MAIN if (folder / MAIN).is_file() else files[0] if len(files) == 1 else None
 
 
@@ -68,9 +79,9 @@ def _find_mjcf(folder: Path) -> Path | None:
     return files[0] if len(files) == 1 else None
 
 
-def _find_usd(folder: Path) -> Path | None:
-    """The stage of a folder that holds one."""
-    files = [file for file in sorted(folder.glob("*")) if file.suffix.lower() in SUFFIXES]
+def _find_one(folder: Path, layout: Layout) -> Path | None:
+    """The file of a layout in a folder that holds one."""
+    files = [file for file in sorted(folder.glob("*")) if file.is_file() and find_layout(file) == layout]
     return files[0] if len(files) == 1 else None
 
 
@@ -89,7 +100,8 @@ def name_source(source: Path) -> str:
     """Name of an object's package: that of its file or folder, or of the first folder above with a name that
     is not generic."""
     path = source.parent.resolve() / source.name if source.is_symlink() else source.resolve()
-    names = [path.stem if source.is_file() else path.name, *(folder.name for folder in path.parents)]
+    stem = path.name.removesuffix(".xacro").rpartition(".")[0] or path.stem
+    names = [stem if source.is_file() else path.name, *(folder.name for folder in path.parents)]
     told = (name for name in names if name and name.lower() not in COMMON_NAMES)
     return next(told, names[0])
 
@@ -102,16 +114,26 @@ def list_objects(source: Path) -> tuple[str, ...]:
     """
     match find_layout(source):
         case "MJCF":
-            return list_mjcf_objects(_pick(source, _find_mjcf))
+            return list_mjcf_objects(_pick(source, "MJCF"))
         case "USD":
-            return list_usd_objects(_pick(source, _find_usd))
+            return list_usd_objects(_pick(source, "USD"))
+        case "SDF":
+            return sdf.list_sdf_objects(_pick(source, "SDF"))
         case _:
             return ()
 
 
-def _pick(source: Path, find: Callable[[Path], Path | None]) -> Path:
+def _pick(source: Path, layout: Layout) -> Path:
     """A source that is a file, or the file in it."""
-    file = source if source.is_file() else find(source)
+    if source.is_file():
+        return source
+    match layout:
+        case "URDF":
+            file = _find_urdf(source)
+        case "MJCF":
+            file = _find_mjcf(source)
+        case _:
+            file = _find_one(source, layout)
     assert file is not None
     return file
 
@@ -128,20 +150,25 @@ def read_source(source: Path, scratch: Path, cfg: ReaderConfig | None = None) ->
     cfg, name = cfg or ReaderConfig(), name_source(source)
     match find_layout(source):
         case "URDF":
-            found = read_urdf(_pick(source, _find_urdf))
+            found = read_urdf(_pick(source, "URDF"), cfg.arguments)
         case "MJCF":
-            found = read_mjcf(_pick(source, _find_mjcf), cfg.body)
+            found = read_mjcf(_pick(source, "MJCF"), cfg.body)
         case "USD":
-            found = read_usd(_pick(source, _find_usd), cfg.body)
+            found = read_usd(_pick(source, "USD"), cfg.body)
+        case "SDF":
+            found = sdf.read_sdf(_pick(source, "SDF"), cfg.body)
+        case "mesh with joints":
+            found = mesh_scene.read_mesh_scene(_pick(source, "mesh with joints"))
         case "object.json":
             return read_acd(source if source.is_file() else source / TREE, scratch, cfg, name=name)
         case "PartNet-Mobility":
             return read_object(source, cfg)
         case _:
-            if source.suffix.lower() in OTHERS:
-                raise SourceError(f"{source}: {OTHERS[source.suffix.lower()]}")
+            if source.is_file() and source.suffix.lower() in mesh_scene.SUFFIXES:
+                mesh_scene.read_mesh_scene(source)  # says what is missing
             raise SourceError(
-                f"{source}: is no object: expected a URDF, MJCF or USD, or a folder with {MAIN} or one "
-                f"other of these, with {ANNOTATION} and its meshes (PartNet-Mobility), or with {TREE} (ACD)"
+                f"{source}: is no object: expected a URDF, MJCF, USD, SDF or mesh file, or a folder with "
+                f"{MAIN} or one other of these, with {ANNOTATION} and its meshes (PartNet-Mobility), or with "
+                f"{TREE} (ACD)"
             )
     return read_mechanism(found, scratch, cfg, name=name)

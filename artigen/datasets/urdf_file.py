@@ -1,22 +1,27 @@
 """URDFs of sources: a file that is one tree of known joints and shapes with finite numbers, or an error."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from artigen.datasets.mechanism import JOINT_TYPES, Mechanism, make_mechanism
+from artigen.datasets.xacro_file import SUFFIX, expand_xacro
 from artigen.errors import SourceError
-from artigen.files.urdf import UrdfFile, parse_urdf, tree_problems
+from artigen.files.urdf import UrdfFile, is_xacro, parse_urdf, tree_problems
 
 
-def read_urdf(path: Path) -> Mechanism:
-    """Reads links, joints and shapes of one URDF.
+def read_urdf(path: Path, arguments: Sequence[str] = ()) -> Mechanism:
+    """Reads links, joints and shapes of one URDF, or of the URDF that a xacro stands for.
+
+    Args:
+        arguments: ``name:=value`` for each argument of a xacro.
 
     Raises:
         SourceError: If the file is invalid; names the element and its value.
     """
-    urdf = parse_urdf(path, inertials=False)
+    text = expand_xacro(path, arguments) if path.suffix.lower() == SUFFIX or is_xacro(path) else None
+    urdf = parse_urdf(path, inertials=False, text=text)
     problem = next(_find_problems(urdf), None)
     if problem is not None:
         raise SourceError(f"{path}: {problem}")

@@ -97,30 +97,27 @@ class UrdfFile:
     joints: tuple[UrdfJoint, ...]
 
 
-def parse_urdf(path: Path, owner: str = "", *, inertials: bool = True) -> UrdfFile:
+def is_xacro(path: Path) -> bool:
+    """Whether a file holds expressions that xacro replaces."""
+    try:
+        return EXPRESSION.search(path.read_bytes()) is not None
+    except OSError:
+        return False
+
+
+def parse_urdf(path: Path, owner: str = "", *, inertials: bool = True, text: str | None = None) -> UrdfFile:
     """Parses a URDF without validating it.
 
     Args:
         owner: How errors name the file; by default by its path.
         inertials: Whether mass properties are read.
+        text: What the file stands for, if it is not what it holds.
 
     Raises:
         SourceError: If the file cannot be read, is not safe XML, or lacks an element or number.
     """
     owner = owner or str(path)
-    return _read_robot(*read_xml(path, owner), path, owner, inertials=inertials)
-
-
-def read_urdf(data: bytes, path: Path, owner: str, *, inertials: bool = True) -> UrdfFile:
-    """The same for what a file holds, which need not be on disk."""
-    return _read_robot(parse_xml(data, owner), data, path, owner, inertials=inertials)
-
-
-def _read_robot(robot: Element, data: bytes, path: Path, owner: str, *, inertials: bool) -> UrdfFile:
-    found = EXPRESSION.search(data)
-    if found is not None:
-        said = found[0].decode(errors="replace")
-        raise SourceError(f"{owner}: holds {said!r}, expected no xacro: expand it by `xacro FILE > out.urdf`")
+    robot = read_xml(path, owner)[0] if text is None else parse_xml(text, owner)
     if robot.tag != "robot":
         raise SourceError(f"{owner}: root element <{robot.tag}>, expected <robot>")
     named = [*robot.findall("link//material"), *robot.findall("material")]  # those of the robot count first

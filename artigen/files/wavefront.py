@@ -18,6 +18,8 @@ from jaxtyping import Float, Int, Shaped
 from artigen.errors import SourceError
 
 NO_MATERIAL = (0.7, 0.7, 0.7)
+_PHYSICAL = {"Pr": "roughness", "Pm": "metallic", "Pc": "coat", "Pcr": "coat_roughness"}
+"""Words of the extension of MTL for physically based rendering."""
 _NUMBERS = {1: "a number", 3: "three numbers"}
 
 
@@ -28,6 +30,11 @@ class MtlMaterial(NamedTuple):
     image: str = ""
     opacity: float = 1.0
     """1 hides what is behind, 0 hides nothing."""
+    roughness: float = 0.8
+    metallic: float = 0.0
+    ior: float = 1.5
+    coat: float = 0.0
+    coat_roughness: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,6 +65,9 @@ class ObjText:
     libraries: tuple[str, ...]
     colors: Float[np.ndarray, "V 3"] | None = None
     """Colours of the vertices in [0, 1], if every vertex has one."""
+    groups: tuple[tuple[str, ...], ...] = ((),)
+    """Names of the group (``g``) and object (``o``) of faces, as ``group_ids`` index them."""
+    group_ids: Int[np.ndarray, "F"] | None = None
 
     @property
     def face_materials(self) -> Shaped[np.ndarray, "F"]:
@@ -132,8 +142,9 @@ def _parse(path: Path, data: bytes) -> ObjText:
     lines = _split_lines(data)
     vertices = _parse_numbers([line[2:] for line in lines if line[:2] == b"v "], 3, path, "v")
     coords = _parse_numbers([line[3:] for line in lines if line[:3] == b"vt "], 2, path, "vt")
-    faces, uv_faces, names, material_ids = _parse_faces(lines, len(vertices), len(coords), path)
-    for array in (vertices, coords, faces, uv_faces, material_ids):
+    faces, uv_faces, names, material_ids, owners = _parse_faces(lines, len(vertices), len(coords), path)
+    groups, group_ids = _parse_groups(lines, owners)
+    for array in (vertices, coords, faces, uv_faces, material_ids, group_ids):
         array.flags.writeable = False
     return ObjText(
         vertices=vertices,
@@ -144,7 +155,23 @@ def _parse(path: Path, data: bytes) -> ObjText:
         material_ids=material_ids,
         libraries=_list_libraries([_name(line[7:]) for line in lines if line[:7] == b"mtllib "], path.parent),
         colors=_parse_colors([line[2:] for line in lines if line[:2] == b"v "]),
+        groups=groups,
+        group_ids=group_ids,
     )
+
+
+def _parse_groups(lines: list[bytes], owners: np.ndarray) -> tuple[tuple[tuple[str, ...], ...], np.ndarray]:
+    """Names (group, object) of all groups, and the group of every triangle by the row that it came from."""
+    names: list[tuple[str, ...]] = [()]
+    starts, rows, inner, outer = [0], 0, "", ""
+    for line in lines:
+        if line[:2] == b"f ":
+            rows += 1
+        elif line[:2] in (b"o ", b"g "):
+            inner, outer = (_name(line[2:]), outer) if line[:1] == b"g" else ("", _name(line[2:]))
+            names.append(tuple(name for name in (inner, outer) if name))
+            starts.append(rows)
+    return tuple(names), np.searchsorted(np.array(starts), owners, side="right") - 1
 
 
 def _list_libraries(rows: list[str], folder: Path) -> tuple[str, ...]:
@@ -220,8 +247,8 @@ def _parse_flat(rows: list[bytes], path: Path, tag: str) -> np.ndarray:
 
 def _parse_faces(
     lines: list[bytes], num_vertices: int, num_coords: int, path: Path
-) -> tuple[np.ndarray, np.ndarray, list[str], np.ndarray]:
-    """Faces, texture indices (-1: none), material names and the material of every face."""
+) -> tuple[np.ndarray, np.ndarray, list[str], np.ndarray, np.ndarray]:
+    """Faces, texture indices (-1: none), material names, and the material and row of every face."""
     rows: list[bytes] = []
     names: list[str] = []
     starts: list[int] = []
@@ -246,7 +273,7 @@ def _parse_faces(
         names.insert(0, "")
     else:
         per_row = per_row - 1
-    return corners[..., 0], corners[..., 1], names, per_row[owners]
+    return corners[..., 0], corners[..., 1], names, per_row[owners], owners
 
 
 def _count_seen(lines: list[bytes]) -> np.ndarray:
@@ -313,7 +340,8 @@ def read_mtl(path: Path, root: Path) -> dict[str, Material]:
         SourceError: If a colour is not three numbers.
     """
     known = {}
-    for name, (color, image, _) in parse_mtl(path).items():
+    for name, said in parse_mtl(path).items():
+        color, image = said.color, said.image
         found = path.parent / image if image and _lies_inside(root, path.parent, image) else None
         found = found if found is not None and found.is_file() else None
         known[name] = Material(color=color, image=found, missing="" if found else image)
@@ -321,7 +349,7 @@ def read_mtl(path: Path, root: Path) -> dict[str, Material]:
 
 
 def parse_mtl(path: Path) -> dict[str, MtlMaterial]:
-    """The materials of one file: diffuse colour, image, and opacity.
+    """The materials of one file: colour, image, opacity, and what the physically based extension says.
 
     The opacity is ``d``, or else one minus ``Tr``, which some programs write the other way round.
 
@@ -346,6 +374,12 @@ def parse_mtl(path: Path) -> dict[str, MtlMaterial]:
             known[name] = material._replace(color=(red, green, blue))
         elif tag == "map_Kd" and value:
             known[name] = material._replace(image=clean_name(value))
+        elif tag in _PHYSICAL:
+            (share,) = _parse_shares(value, 1, f"{path}: material {name!r} has {tag}")
+            known[name] = material._replace(**{_PHYSICAL[tag]: share})
+        elif tag == "Ni":
+            (ior,) = _parse_numbers([value.encode()], 1, path, "Ni")[0]
+            known[name] = material._replace(ior=float(ior))
         elif tag in ("d", "Tr"):
             (share,) = _parse_shares(value.removeprefix("-halo"), 1, f"{path}: material {name!r} has {tag}")
             if tag == "d":

@@ -17,6 +17,8 @@ from artigen.reader.decode import Found, average_maps, find_things, mirror_maps
 from artigen.reader.edges import snap_boxes
 from artigen.reader.hinges import average_shares, weigh_hinges
 from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, MATERIALS, OBJECT, PULL, SHELF, STANDS, WHEEL
+from artigen.reader.layout.frontal import LONG
+from artigen.reader.looks import look_closer
 from artigen.reader.model import Reader, load_reader
 from artigen.reader.reading import Label, Reading, ReadPart
 from artigen.weights import READER
@@ -41,8 +43,6 @@ REACH = 0.75
 boxes of objects that fill a picture are read too small."""
 MARGIN = 0.03
 """Margin around an object within which its other parts are, as a share of its longer side."""
-LONG = 1.8
-"""Ratio of a handle's sides from which it is a bar."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +73,7 @@ class _Sheet:
 
 
 def read_photo(photo: Path, *, box: Sequence[float] | None = None, folder: Path = READER) -> Reading:
-    """Reads the largest object of a photograph, or the one in a box.
+    """Reads the largest object of a photograph, or the one in a box, and looks closer at what was found.
 
     Args:
         photo: Any picture that `artigen.conditioning.image.open_picture` opens.
@@ -84,7 +84,8 @@ def read_photo(photo: Path, *, box: Sequence[float] | None = None, folder: Path 
         SourceError: If the picture cannot be opened, or shows no object of a known kind.
         ArtigenError: If the box is none.
     """
-    return read_image(open_picture(photo), load_reader(folder), str(photo), box=box)
+    image = open_picture(photo)
+    return look_closer(read_image(image, load_reader(folder), str(photo), box=box), image)
 
 
 @torch.no_grad()
@@ -96,7 +97,8 @@ def read_image(
     box: Sequence[float] | None = None,
     settings: ReadSettings | None = None,
 ) -> Reading:
-    """As `read_photo`, of an opened picture; ``name`` is for messages."""
+    """What the networks say of an opened picture; as `read_photo` but for the closer look. ``name`` is for
+    messages."""
     if box is not None:
         _check_box(box)
         frame = _frame_box(image, box)
@@ -326,6 +328,8 @@ def _describe_front(
     sheet: _Sheet,
 ) -> ReadPart:
     said = {name: values[index] for name, values in found.attributes.items()}
+    pane = bool(said["pane"][0] > 0)
+    solid = [material for material in MATERIALS if pane or material != "glass"]
     return ReadPart(
         label="door" if door else "drawer",
         score=float(found.score[index]),
@@ -333,8 +337,8 @@ def _describe_front(
         corners=sheet.to_shares(found.corners[index]),
         hinge=HINGES[int(sides.argmax())] if door else None,  # type: ignore[arg-type]
         open=bool(said["open"][0] > 0),
-        pane=bool(said["pane"][0] > 0),
-        material=MATERIALS[int(said["material"].argmax())],
+        pane=pane,
+        material=max(solid, key=lambda material: float(said["material"][MATERIALS.index(material)])),
         color=_median_color(sheet.pixels, found.box[index]),
     )
 

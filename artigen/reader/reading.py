@@ -5,11 +5,15 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 Label = Literal["door", "drawer", "handle", "knob", "shelf", "wheel"]
 """What a part is; handles include every fixed pull, knobs are dials and buttons that move, shelves include
 trays and racks."""
+Stand = Literal["flat", "legs", "wheels"]
+"""What an object stands on: its base or a plinth, legs, or wheels."""
+Field = Literal["flat", "framed", "slats", "planks"]
+"""Of a front: a slab, a field in a frame, level slats, or upright planks and flutes."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -28,6 +32,8 @@ class ReadPart:
     open: bool = False
     pane: bool = False
     """Whether a front is glazed."""
+    field: Field | None = None
+    """Of a front that is not glazed; None where nobody has looked."""
     material: str | None = None
     """Of a front: wood, lacquer, steel, plastic, glass, rubber or stone."""
     form: Literal["bar", "knob"] | None = None
@@ -51,12 +57,15 @@ class Reading:
     """Width, depth and height (m), as usual for what is seen."""
     view: tuple[float, float, float]
     """Yaw and pitch of the camera (radians), and half the object's diagonal over its distance."""
-    stand: Literal["flat", "legs", "wheels"]
+    stand: Stand
     color: tuple[int, int, int]
     """sRGB of the body as seen."""
     extent: tuple[int, int]
     """Width and height of the photograph (pixels)."""
     notes: tuple[str, ...] = ()
+    surface: Bool[np.ndarray, "R C"] | None = None
+    """Where the photograph, in equal cells, has the colour of the nearest front; None where nobody has
+    looked. Files of readings leave it out."""
 
     @property
     def sure(self) -> bool:
@@ -75,12 +84,13 @@ class Reading:
         return tuple(part for part in self.parts if part.label in ("door", "drawer"))
 
     def to_json(self) -> dict[str, object]:
-        """The reading as plain values."""
+        """The reading as plain values, which `open_reading` reads back."""
         shown = {kind: round(share, 3) for kind, share in self.kinds if share >= 0.005}
         width, depth, height = self.size
         yaw, pitch, near = self.view
         return {
             "kind": self.kind,
+            "extent": list(self.extent),
             "sure": self.sure,
             "kinds": shown,
             "counts": self.counts,
@@ -89,6 +99,7 @@ class Reading:
             "parts": [
                 {"label": part.label, "score": round(part.score, 3), "box": _round(part.box)}
                 | ({} if part.form is None else {"form": part.form})
+                | ({} if part.color is None else {"color": to_hex(part.color)})
                 for part in self.parts
                 if part.label not in ("door", "drawer")
             ],
@@ -117,6 +128,7 @@ def _describe_front(part: ReadPart) -> dict[str, object]:
         "hinge": part.hinge,
         "open": part.open,
         "pane": part.pane,
+        "field": part.field,
         "material": part.material,
         "color": None if part.color is None else to_hex(part.color),
     }

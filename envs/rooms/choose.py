@@ -73,6 +73,7 @@ def choose_units(
     shares: Sequence[Share],
     walls: Sequence[Wall],
     rng: np.random.Generator,
+    most: float = np.inf,
 ) -> list[list[Offer]] | None:
     """Units for every wall, or None if the smallest numbers of the shares do not fit.
 
@@ -80,6 +81,7 @@ def choose_units(
         shares: Number of each role over all walls.
         walls: Usable length of each wall, and whether other runs meet it at both ends.
         rng: Breaks ties.
+        most: Largest number of units.
     """
     if not offers:
         return None if any(share.least for share in shares) else [[] for _ in walls]
@@ -98,7 +100,7 @@ def choose_units(
     integrality[: shape.counts] = 1
     solved = milp(
         costs,
-        constraints=_constraints(shape, offers, shares, [wall.length for wall in walls]),
+        constraints=_constraints(shape, offers, shares, [wall.length for wall in walls], most),
         bounds=(np.zeros(shape.total), high),
         integrality=integrality,
         options={"mip_rel_gap": 0.1, "node_limit": 200},
@@ -125,7 +127,11 @@ def _misfits(offers: Sequence[Offer], rng: np.random.Generator) -> Float[np.ndar
 
 
 def _constraints(
-    shape: _Programme, offers: Sequence[Offer], shares: Sequence[Share], lengths: Sequence[float]
+    shape: _Programme,
+    offers: Sequence[Offer],
+    shares: Sequence[Share],
+    lengths: Sequence[float],
+    most: float,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Constraint rows over the variables, with lower and upper bounds of their sums."""
     widths = np.array([offer.entry.size[1] + GAP for offer in offers])
@@ -137,6 +143,9 @@ def _constraints(
         upper.append(high)
 
     counts = np.arange(shape.counts).reshape(shape.offers, shape.walls)
+    every = np.zeros(shape.total)
+    every[counts.ravel()] = 1.0
+    add(every, 0.0, most)
     for wall, length in enumerate(lengths):
         row = np.zeros(shape.total)
         row[counts[:, wall]] = widths

@@ -7,9 +7,10 @@ import numpy as np
 
 from .arrange import Place, Plan, Taste, best_place, fits, middle_places, wall_places
 from .catalogue import Entry
+from .fittings import FITTINGS, make_fitting
 from .footprints import carries, read_footprint
 from .hung import hang_cabinets
-from .pieces import GAP, Cluster, Member, Piece, back_to_back, line_up, make_bed, move_boxes
+from .pieces import GAP, Cluster, Member, Piece, back_to_back, line_up, move_boxes
 from .recipes import WINDOWS, Group, Recipe, Share
 from .room import SIDES, turn_matrix
 from .runs import Chooser, close_corners, close_gaps, count_objects, place_runs
@@ -67,7 +68,7 @@ def place_group(plan: Plan, recipe: Recipe, group: Group, chooser: Chooser, *, w
 
     With ``whole``, a member of every role that the room needs is required.
     """
-    needed = {role.name for role in recipe.needed} | {"bed"}
+    needed = {role.name for role in recipe.needed} | set(FITTINGS)
     chosen: dict[str, int] = {}
     roles = list(group.roles)
     while roles:
@@ -89,8 +90,8 @@ def _draw_pieces(roles: list[str], chooser: Chooser, chosen: dict[str, int], gro
     """A piece for every role that has packages; equal roles get the same package."""
     pieces = []
     for role in roles:
-        if role == "bed":
-            pieces.append(make_bed())
+        if role in FITTINGS:
+            pieces.append(make_fitting(role))
             continue
         entries = chooser.shortlists[role]
         if not entries:

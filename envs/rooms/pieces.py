@@ -24,16 +24,6 @@ TOUCH = 2e-4
 """Smallest overlap (m) along every axis at which boxes count as overlapping."""
 ALIGN = 0.15
 """Largest distance (m) of a piece from the wall for aligning its front."""
-BED_PARTS = (
-    ("bed", (-2.05, 0.0, 0.06), (-0.07, 1.0, 0.28), (0.62, 0.47, 0.33)),
-    ("mattress", (-2.02, 0.02, 0.28), (-0.07, 0.98, 0.50), (0.93, 0.92, 0.89)),
-    ("blanket", (-2.03, 0.005, 0.36), (-0.75, 0.995, 0.52), (0.47, 0.55, 0.66)),
-    ("pillow_a", (-0.58, 0.08, 0.50), (-0.12, 0.46, 0.62), (0.97, 0.97, 0.95)),
-    ("pillow_b", (-0.58, 0.54, 0.50), (-0.12, 0.92, 0.62), (0.97, 0.97, 0.95)),
-    ("headboard", (-0.07, -0.01, 0.0), (-0.01, 1.01, 1.02), (0.55, 0.41, 0.29)),
-)
-"""Name, lowest and highest corner (y in widths of the bed), colour."""
-BED_WIDTH = 1.6
 
 
 def _none() -> Float[np.ndarray, "0 2 3"]:
@@ -60,7 +50,7 @@ class Boxes:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Piece:
-    """A package in a role (or, without an entry, the bed), with the space that it takes."""
+    """A package in a role (or, without an entry, a fitting), with the space that it takes."""
 
     role: str
     entry: Entry | None
@@ -115,13 +105,6 @@ def make_piece(
         footprint=footprint,
         front=front,
     )
-
-
-def make_bed() -> Piece:
-    """A double bed of boxes, its head at x = 0."""
-    scale = np.array([1.0, BED_WIDTH, 1.0])
-    bodies = np.array([[low, high] for _, low, high, _ in BED_PARTS]) * scale
-    return Piece(role="bed", entry=None, boxes=Boxes(bodies=bodies), face=-0.07)
 
 
 def move_boxes(boxes: Boxes, T: Float[np.ndarray, "4 4"]) -> Boxes:

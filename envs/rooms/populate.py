@@ -23,12 +23,14 @@ from .arrange import Place, Plan
 from .catalogue import Catalogue, Entry, PopulateError, demand_roles
 from .check import check_room
 from .doorway import hang_door
+from .fittings import FITTINGS
 from .footprints import standing_places
 from .furnish import furnish
 from .openings import find_openings
-from .pieces import BED_PARTS, Member, move_boxes
+from .order import demand_order, place_order, read_order
+from .pieces import Member, move_boxes
 from .recipes import RECIPES, Recipe
-from .room import Fixture, Opening, Placement, Room, RoomKind, corner, room_shell, rounded_quat
+from .room import Fixture, Opening, Placement, Room, RoomKind, Side, corner, room_shell, rounded_quat
 from .runs import Chooser, count_objects, draw_shortlists
 from .solids import place_solid
 from .trim import trim_room
@@ -44,8 +46,8 @@ class PopulateConfig:
     """Inner distance from that wall to the opposite one."""
     height: float = 2.6
     """Height from floor to ceiling."""
-    least: int = 10
-    """Smallest number of objects in a room; fewer is an error."""
+    least: int | None = None
+    """Smallest number of objects in a room; fewer is an error. By default that of its kind."""
     most: int = 30
     """Largest number of objects in a room."""
     sweeps: Literal["free", "any"] = "free"
@@ -56,9 +58,14 @@ class PopulateConfig:
     """Number of packages per role; fewer make a room more uniform."""
     attempts: int = 12
     """Arrangements tried before giving up."""
+    place: tuple[str, ...] = ()
+    """Units along one wall, from left to right (`envs.rooms.order`); the room then holds nothing else but its
+    door."""
+    wall: Side = "back"
+    """Wall of the ordered units."""
 
     def __post_init__(self) -> None:
-        if not 1 <= self.least <= self.most:
+        if not 1 <= (self.least or 1) <= self.most or self.least == 0:
             raise ValueError(f"{self.least} to {self.most} objects: at least 1, and no more than at most")
         if self.standing_radius < 0.0 or self.attempts < 1 or self.variety < 1:
             raise ValueError(
@@ -80,7 +87,12 @@ def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfi
     """
     cfg = cfg or PopulateConfig()
     recipe = RECIPES[kind]
-    demand_roles(catalogue, recipe)
+    least = min(recipe.least, cfg.most) if cfg.least is None else cfg.least
+    order = read_order(cfg.place, kind)
+    if order:
+        demand_order(catalogue, order)
+    else:
+        demand_roles(catalogue, recipe)
     reasons: Counter[str] = Counter()
     best = 0
     for attempt in range(cfg.attempts):
@@ -93,11 +105,17 @@ def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfi
             sweeps=cfg.sweeps,
             most=cfg.most,
         )
-        plan, missing = furnish(hang_door(Plan(size=size, entrance=entrance), chooser), recipe, chooser)
+        plan = hang_door(Plan(size=size, entrance=entrance), chooser)
+        if order:
+            plan, missing = place_order(plan, order, cfg.wall, catalogue, chooser)
+        else:
+            plan, missing = furnish(plan, recipe, chooser)
         objects = count_objects(plan)
         best = max(best, objects)
-        if missing or objects < cfg.least:
-            reasons[missing or f"only {objects} objects fit"] += 1
+        if not order and not missing and not least <= objects <= cfg.most:
+            missing = f"{objects} objects, {least} to {cfg.most} are wanted"
+        if missing:
+            reasons[missing] += 1
             continue
         room = trim_room(_room(kind, seed, attempt, plan, catalogue, cfg))
         problems = check_room(room)
@@ -110,7 +128,7 @@ def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfi
     raise PopulateError(
         f"no {kind} of {_text(cfg.width, recipe.width)} x {_text(cfg.depth, recipe.depth)} m could be "
         f"furnished in {cfg.attempts} attempts: {said}; at best {best} objects found room, needed are "
-        f"{cfg.least}; give it more room or other packages"
+        f"{len(order) or least}; give it more room or other packages"
     )
 
 
@@ -146,7 +164,8 @@ def _room(
     for place in plan.places:
         for member in place.cluster.members:
             if member.piece.entry is None:
-                fixtures += _fixtures(place, member, color)
+                counts[member.piece.role] += 1
+                fixtures += _fixtures(place, member, color, counts[member.piece.role])
                 continue
             slug = member.piece.role.replace(" ", "_")
             counts[slug] += 1
@@ -196,11 +215,12 @@ def _placement(place: Place, member: Member, entry: Entry, names: dict[int, str]
     )
 
 
-def _fixtures(place: Place, member: Member, color: Color) -> list[Fixture]:
-    """The boxes of a bed, or the cabinet front that closes the corner between two runs."""
+def _fixtures(place: Place, member: Member, color: Color, number: int) -> list[Fixture]:
+    """The boxes of a fitting, or the cabinet front that closes the corner between two runs."""
     looks = [(f"filler_{place.cluster.name}", color)]
-    if member.piece.role == "bed":
-        looks = [(name, paint) for name, _, _, paint in BED_PARTS]
+    if member.piece.role in FITTINGS:
+        parts = FITTINGS[member.piece.role].parts
+        looks = [(f"{member.piece.role}_{number}_{name}", paint) for name, _, _, paint in parts]
     bodies = move_boxes(member.piece.boxes, place.T @ member.T).bodies
     return [
         Fixture(name=name, low=corner(low), high=corner(high), color=paint)

@@ -92,6 +92,8 @@ class Recipe:
     groups: tuple[Group, ...] = ()
     roles: tuple[Role, ...] = ()
     tops: tuple[Share, ...] = ()
+    least: int = 10
+    """Smallest number of objects by default."""
     wall_color: tuple[float, float, float] = (0.90, 0.89, 0.86)
     floor: Pattern = "planks"
 
@@ -287,6 +289,72 @@ WORKSHOP = Recipe(
     wall_color=(0.85, 0.85, 0.83),
 )
 
+LIVING_ROOM = Recipe(
+    kind="living_room",
+    width=(4.6, 6.2),
+    depth=(4.2, 5.6),
+    needed=(LOWBOARD, LOW_TABLE),
+    least=6,
+    groups=(
+        Group(name="sofa", roles=("nightstand", "sofa"), count=(1, 1), like="middle"),
+        Group(name="low table", roles=("low table",), count=(1, 1), where="middle", near="sofa"),
+        Group(name="lowboard", roles=("lowboard",), count=(1, 1), like="middle"),
+        Group(name="bookcases", roles=("bookcase", "bookcase"), count=(1, 2), like="corner"),
+        Group(name="armchairs", roles=("armchair",), count=(0, 2), near="sofa"),
+        Group(name="sideboard", roles=("sideboard",), count=(0, 1)),
+        Group(name="dresser", roles=("dresser",), count=(0, 1)),
+        Group(name="desk", roles=("desk",), count=(0, 1), like="corner"),
+        Group(name="bin", roles=("bin",), count=(0, 1), like="corner", near="desk"),
+    ),
+    roles=(NIGHTSTAND, LOW_TABLE, LOWBOARD, BOOKCASE, SIDEBOARD, DRESSER, DESK, BIN, DOOR, WINDOW),
+    tops=(
+        Share(role=LAMP, wanted=2, most=2, on=("sideboard", "desk", "dresser")),
+        Share(role=LAPTOP, wanted=1, most=1, on=("desk", "low table")),
+    ),
+    wall_color=(0.92, 0.90, 0.86),
+)
+
+HALL = Recipe(
+    kind="hall",
+    width=(2.8, 4.2),
+    depth=(3.0, 4.6),
+    needed=(WARDROBE,),
+    least=4,
+    groups=(
+        Group(name="wardrobes", roles=("wardrobe",), count=(1, 2), like="corner"),
+        Group(name="bench", roles=("bench",), count=(1, 1)),
+        Group(name="dresser", roles=("dresser",), count=(0, 1), like="middle"),
+        Group(name="cupboard", roles=("nightstand",), count=(0, 1)),
+        Group(name="luggage", roles=("suitcase",), count=(0, 2), like="corner"),
+        Group(name="crate", roles=("crate",), count=(0, 1), like="corner"),
+        Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
+    ),
+    roles=(WARDROBE, DRESSER, NIGHTSTAND, LUGGAGE, CRATE, BIN, DOOR, WINDOW),
+    tops=(Share(role=LAMP, wanted=1, most=1, on=("dresser",)),),
+    wall_color=(0.92, 0.91, 0.88),
+)
+
+LAUNDRY = Recipe(
+    kind="laundry",
+    floor="tiles",
+    width=(3.0, 4.2),
+    depth=(2.8, 4.0),
+    needed=(WASHER, BASE),
+    least=5,
+    groups=(
+        Group(name="machines", roles=("washing machine", "dryer"), count=(1, 2), like="middle"),
+        Group(name="cupboards", roles=("base cabinet", "base cabinet"), count=(1, 1)),
+        Group(name="sink", roles=("sink",), count=(0, 1)),
+        Group(name="linen", roles=("bookcase",), count=(0, 1), like="corner"),
+        Group(name="crates", roles=("crate",), count=(0, 2), like="corner"),
+        Group(name="cart", roles=("cart",), count=(0, 1)),
+        Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
+    ),
+    roles=(WASHER, DRYER, BASE, SINK, BOOKCASE, CRATE, CART, BIN, DOOR, WINDOW),
+    wall_color=(0.90, 0.92, 0.92),
+)
+
 RECIPES: dict[RoomKind, Recipe] = {
     "kitchen": KITCHEN, "office": OFFICE, "bedroom": BEDROOM, "bathroom": BATHROOM, "workshop": WORKSHOP,
+    "living_room": LIVING_ROOM, "hall": HALL, "laundry": LAUNDRY,
 }  # fmt: skip

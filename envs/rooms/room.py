@@ -18,7 +18,7 @@ from artigen.transforms import matrix_from_quat, quat_from_matrix
 
 from .patterns import Pattern
 
-RoomKind = Literal["kitchen", "office", "bedroom", "bathroom", "workshop"]
+RoomKind = Literal["kitchen", "office", "bedroom", "bathroom", "workshop", "living_room", "hall", "laundry"]
 Side = Literal["front", "back", "left", "right"]
 SIDES: tuple[Side, ...] = ("front", "back", "left", "right")
 YAWS: dict[Side, float] = {"front": -np.pi / 2, "back": np.pi / 2, "left": np.pi, "right": 0.0}

@@ -88,11 +88,11 @@ def place_runs(plan: Plan, recipe: Recipe, chooser: Chooser) -> tuple[Plan, str]
         )
         for side, ends in zip(sides, meets, strict=True)
     ]
-    chosen = choose_units(offers, recipe.shares, walls, chooser.rng)
+    chosen = choose_units(offers, recipe.shares, walls, chooser.rng, most=chooser.most - count_objects(plan))
     if chosen is None:
         return plan, (
             f"walls with {' + '.join(f'{wall.length:.2f}' for wall in walls)} m free of corners hold less "
-            f"than the least a {recipe.kind} needs"
+            f"than the least a {recipe.kind} needs, or {chooser.most} objects are fewer"
         )
     for side, ends, units in zip(sides, meets, chosen, strict=True):
         # Clusters run in the other direction along back and left walls.

@@ -39,7 +39,7 @@ class Thing:
     mass per volume of its box (kg/m^3). ``rows`` are its boxes: start and end along x, width, bottom and top
     as shares of the size, and index of the colour. If it is ``round``, they are cylinders with that diameter.
     A vessel has no rows but a flat bottom with ``foot`` times its diameter. What ``faces`` somewhere has its
-    face towards -x.
+    face towards -x. ``across`` turns the rows to run along y.
     """
 
     name: str
@@ -52,6 +52,7 @@ class Thing:
     round: bool = False
     foot: float | None = None
     faces: bool = False
+    across: bool = False
 
 
 @lru_cache(maxsize=4096)
@@ -64,12 +65,15 @@ def thing_solids(name: str, size: Size) -> Solids:
         return _vessel(size, thing.foot)
     solids = []
     for start, end, width, bottom, top, color in thing.rows:
-        low, high, span = bottom * size[2], top * size[2], width * size[1]
+        low, high, span = bottom * size[2], top * size[2], width * size[0 if thing.across else 1]
         if thing.round:
             solids.append((_rod(span / 2, low, high), color))
         else:
-            x = (start - 0.5) * size[0], (end - 0.5) * size[0]
-            solids.append((_box((x[0], -span / 2, low), (x[1], span / 2, high)), color))
+            first, last = ((share - 0.5) * size[1 if thing.across else 0] for share in (start, end))
+            corners = ((first, -span / 2, low), (last, span / 2, high))
+            if thing.across:
+                corners = ((-span / 2, first, low), (span / 2, last, high))
+            solids.append((_box(*corners), color))
     return tuple(solids)
 
 
@@ -119,7 +123,8 @@ def _in(rooms: str, *places: str) -> tuple[str, ...]:
 
 
 THINGS = (
-    Thing("cup", _in("kitchen", "shelf", "drawer", "top") + _in("office", "shelf", "top"),
+    Thing("cup", _in("living_room", "shelf", "top") + _in("kitchen", "shelf", "drawer", "top") +
+          _in("office", "shelf", "top"),
           (0.105, 0.075, 0.08),
           (0.125, 0.09, 0.1), 350, CERAMIC, foot=0.85),
     Thing("bowl", _in("kitchen", "shelf", "drawer", "top"), (0.13, 0.13, 0.05),
@@ -127,14 +132,16 @@ THINGS = (
           foot=0.5),
     Thing("plate", _in("kitchen", "shelf", "drawer"), (0.19, 0.19, 0.02), (0.26, 0.26, 0.028), 350, CERAMIC,
           foot=0.65),
-    Thing("bottle", (*_in("kitchen bathroom", "shelf", "top"), "fridge"), (0.06, 0.06, 0.17),
+    Thing("bottle", (*_in("laundry", "shelf", "top"), *_in("kitchen bathroom", "shelf", "top"), "fridge"),
+          (0.06, 0.06, 0.17),
           (0.085, 0.085, 0.28),
           550, ((GREEN, YELLOW), (BROWN, CREAM)), round=True,
           rows=((0, 1, 1, 0, 0.6, 0), (0, 1, 0.75, 0.6, 0.7, 0),
                 (0, 1, 0.4, 0.7, 0.92, 0), (0, 1, 0.46, 0.92, 1, 1))),
     Thing("jar", (*_in("kitchen bathroom workshop", "shelf", "top"), *_in("workshop", "drawer"), "fridge"),
           (0.06, 0.06, 0.06), (0.1, 0.1, 0.13), 700, PRINT, rows=BAND, round=True),
-    Thing("carton", (*_in("kitchen office bedroom bathroom workshop", "shelf"), "fridge"), (0.05, 0.09, 0.09),
+    Thing("carton", (*_in("living_room hall laundry", "shelf", "drawer"),
+          *_in("kitchen office bedroom bathroom workshop", "shelf"), "fridge"), (0.05, 0.09, 0.09),
           (0.11, 0.18, 0.24), 250, PRINT, rows=BAND),
     Thing("case", (*_in("kitchen office bedroom bathroom workshop", "drawer"), "fridge"), (0.07, 0.05, 0.025),
           (0.15, 0.1, 0.055), 300, PRINT, rows=((0.01, 0.99, 0.98, 0, 0.7, 0), (0, 1, 1, 0.7, 1, 1))),
@@ -145,10 +152,17 @@ THINGS = (
     Thing("pen", _in("office bedroom", "drawer") + _in("office", "top"), (0.13, 0.009, 0.008),
           (0.15, 0.012, 0.011), 800, PRINT,
           rows=((0, 0.06, 0.4, 0, 0.5, 1), (0.06, 0.7, 0.9, 0, 0.9, 0), (0.7, 1, 1, 0, 1, 1))),
-    Thing("book", _in("office bedroom", "shelf", "drawer", "top"), (0.18, 0.12, 0.018),
+    Thing("book", _in("living_room hall", "shelf", "drawer") +
+          _in("office bedroom", "shelf", "drawer", "top"), (0.18, 0.12, 0.018),
           (0.26, 0.19, 0.04), 700,
           PRINT, rows=((0, 1, 1, 0, 0.12, 0), (0.02, 0.98, 0.95, 0.12, 0.88, 1), (0, 1, 1, 0.88, 1, 0))),
-    Thing("towel", _in("bathroom bedroom", "shelf", "drawer") + _in("bathroom", "top"), (0.2, 0.16, 0.04),
+    Thing("books", _in("office bedroom living_room", "shelf"), (0.13, 0.16, 0.19), (0.17, 0.36, 0.24), 550,
+          ((RED, BLUE), (GREEN, CREAM), (BLUE, YELLOW), (BROWN, CREAM)), faces=True, across=True,
+          rows=((0, 0.14, 1, 0, 1, 0), (0.14, 0.3, 0.9, 0, 0.9, 1), (0.3, 0.42, 0.95, 0, 0.95, 0),
+                (0.42, 0.6, 0.85, 0, 0.84, 1), (0.6, 0.72, 1, 0, 0.97, 0), (0.72, 0.9, 0.9, 0, 0.9, 1),
+                (0.9, 1, 0.92, 0, 0.8, 0))),
+    Thing("towel", _in("laundry", "shelf", "drawer", "top") +
+          _in("bathroom bedroom", "shelf", "drawer") + _in("bathroom", "top"), (0.2, 0.16, 0.04),
           (0.32, 0.24, 0.075), 180,
           CLOTH, rows=((0, 1, 1, 0, 0.48, 0), (0.02, 0.98, 0.96, 0.48, 0.52, 1), (0, 1, 0.98, 0.52, 1, 0))),
     Thing("screwdriver", _in("workshop", "drawer", "shelf", "top"), (0.17, 0.024, 0.02),
@@ -157,11 +171,13 @@ THINGS = (
     Thing("hammer", _in("workshop", "drawer", "shelf", "top"), (0.26, 0.1, 0.024),
           (0.32, 0.13, 0.032), 900, TOOLS,
           rows=((0, 0.1, 1, 0, 1, 0), (0.1, 0.55, 0.18, 0, 0.7, 1), (0.55, 1, 0.26, 0, 0.9, 1))),
-    Thing("plant", _in("kitchen office bedroom bathroom", "top"), (0.14, 0.14, 0.22), (0.22, 0.22, 0.38), 250,
+    Thing("plant", _in("living_room hall", "top") +
+          _in("kitchen office bedroom bathroom", "top"), (0.14, 0.14, 0.22), (0.22, 0.22, 0.38), 250,
           ((CREAM, GREEN), (RED, GREEN), (DARK, GREEN)), round=True,
           rows=((0, 1, 0.6, 0, 0.36, 0), (0, 1, 0.12, 0.36, 0.44, 1), (0, 1, 0.85, 0.44, 0.6, 1),
                 (0, 1, 1, 0.6, 0.84, 1), (0, 1, 0.65, 0.84, 1, 1))),
-    Thing("lamp", _in("office bedroom", "top"), (0.2, 0.2, 0.34), (0.28, 0.28, 0.46), 60,
+    Thing("lamp", _in("living_room", "top") +
+          _in("office bedroom", "top"), (0.2, 0.2, 0.34), (0.28, 0.28, 0.46), 60,
           ((DARK, CREAM), (GREY, WHITE), (YELLOW, WHITE)), round=True,
           rows=((0, 1, 0.55, 0, 0.05, 0), (0, 1, 0.07, 0.05, 0.6, 0), (0, 1, 1, 0.6, 1, 1))),
     Thing("monitor", _in("office", "top"), (0.17, 0.48, 0.38), (0.2, 0.6, 0.46), 90, ((DARK, DARK),),

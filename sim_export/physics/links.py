@@ -50,9 +50,13 @@ CARRIER_RADIUS = 0.02
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PartGeometry:
-    """Geometry of one part from earlier stages; metres, object frame at rest."""
+    """Geometry of one part from earlier stages; metres, object frame at rest.
+
+    ``finishes`` are the roles of the visuals, if these show a part by its surfaces.
+    """
 
     visuals: tuple[Mesh | SourceMesh, ...] = ()
+    finishes: tuple[str, ...] = ()
     hulls: tuple[Hull, ...] = ()
     inertial: Inertial | None = None
 
@@ -162,10 +166,20 @@ def _weld(
     visuals, count = [], {}
     for index in members:
         part = asset.parts[index]
-        for mesh in geometry[index].visuals:
-            k = count[part.label] = count.get(part.label, -1) + 1
+        own = geometry[index]
+        for number, mesh in enumerate(own.visuals):
+            if not (own.finishes and number):
+                count[part.label] = count.get(part.label, -1) + 1
+            finish = own.finishes[number] if own.finishes else ""
+            stem = f"{part.label}_{name}_{count[part.label]}"
             visuals.append(
-                Visual(name=f"{part.label}_{name}_{k}", part=part.name, label=part.label, mesh=mesh)
+                Visual(
+                    name=f"{stem}-{number}" if finish and number else stem,
+                    part=part.name,
+                    label=part.label,
+                    mesh=mesh,
+                    finish=finish,
+                )
             )
     leader = asset.parts[members[0]]
     masses = [geometry[index].inertial for index in members]

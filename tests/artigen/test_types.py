@@ -176,8 +176,10 @@ def test_arrays_are_copied_and_read_only(holder):
             setattr(holder, name, source)
 
 
-def test_every_value_compares_by_identity():
-    holders = [HINGE, DOOR, VOXELS, SURFACE, GAUSSIANS, ASSET]
+def test_joints_compare_by_value_and_all_others_by_identity():
+    assert replace(HINGE) == HINGE
+    assert replace(HINGE, upper=HINGE.upper + 0.1) != HINGE
+    holders = [DOOR, VOXELS, SURFACE, GAUSSIANS, ASSET]
     assert all(is_dataclass(holder) for holder in holders)
     assert all(replace(holder) != holder for holder in holders)
 

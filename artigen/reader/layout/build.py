@@ -13,9 +13,10 @@ from artigen.reader.layout.contents import furnish_node, simplify
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.layout.fronts import Lengths, View, settle_hinges, view_fronts
 from artigen.reader.layout.nearest import draw_nearest
-from artigen.reader.reading import Reading
+from artigen.reader.reading import Field, Reading
 from artigen.shapes.draw import LENGTHS, CrowdedError, Wish, check_known, draw_shape
 from artigen.shapes.fittings.feet import StandKind
+from artigen.shapes.fittings.fronts import FrontStyle
 from artigen.shapes.fittings.handles import HandleKind
 from artigen.shapes.furniture.cabinet import list_cells
 from artigen.shapes.furniture.case import FRAMED
@@ -25,6 +26,8 @@ from artigen.shapes.shape import Shape
 
 FORMS: dict[str, tuple[HandleKind, ...]] = {"bar": ("bar", "pull", "arch"), "knob": ("knob",)}
 """Kinds of handles by the form that was read."""
+PANELS: dict[Field, FrontStyle] = {"flat": "flat", "framed": "shaker", "slats": "louvre", "planks": "plank"}
+"""Style of fronts by the field that was read."""
 FLOOR = 0.03
 """Height (m) below the lowest front from which a flat stand is a plinth."""
 PLINTH = 0.12
@@ -93,7 +96,7 @@ def _build_laid_out(reading: Reading, view: View, seed: int, wish: Wish) -> tupl
     rng = np.random.default_rng([seed, 65])
     foot = find_foot(reading, view, kind)
     node = _lay_out(view, foot, kind)
-    node = furnish_node(rng, node, (view.size[0], view.size[2] - (foot.height or 0.0)), view.shelves, kind)
+    node = furnish_node(rng, node, (view.size[0], view.size[2] - (foot.height or 0.0)), view, kind)
     if kind == name_kind("filing cabinet") and not _is_stack(node):
         kind = name_kind("cabinet")
         notes.append(f"a filing cabinet is one stack of up to {MOST_FILES} drawers: built as {kind}")
@@ -103,7 +106,8 @@ def _build_laid_out(reading: Reading, view: View, seed: int, wish: Wish) -> tupl
         stand_height=foot.height,
         gap=view.gap,
         worktop=_find_worktop(view),
-        panel="flat" if wish.style is None else None,
+        doors=_find_panel(reading, "door") if wish.style is None else None,
+        drawers=_find_panel(reading, "drawer") if wish.style is None else None,
     )
     shape, merged = _draw(kind, seed, layout, view, _wish(reading, rng, view, wish))
     return shape, (*notes, *merged)
@@ -175,6 +179,14 @@ def _lay_out(view: View, foot: Foot, kind: str) -> Node:
         framed=view.gap is not None and view.gap >= FRAMED,
         aside=kind == name_kind("table") or len(view.shelves) > 0,
     )
+
+
+def _find_panel(reading: Reading, label: str) -> FrontStyle:
+    """The commonest style of the doors or the drawers, slabs where nobody has looked."""
+    fields = Counter(
+        front.field for front in reading.fronts if front.label == label and front.field is not None
+    )
+    return PANELS[fields.most_common(1)[0][0]] if fields else "flat"
 
 
 def _find_form(reading: Reading) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 
 from artigen.kind import kinds
 from artigen.reader.reading import Reading
+from artigen.shapes.surfaces.color_difference import convert_to_lab
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import (
     METALS,
@@ -25,6 +26,21 @@ SAME = 0.06
 light from a window changes between two faces."""
 DARKEST, BRIGHTEST = 0.04, 0.95
 """Range of the channels of a surface; pictures of lamps and of shadows go beyond."""
+
+
+WARM = (44.0, 110.0)
+"""Hue of woods (degrees, CIELAB): `WOODS` have 54 to 84, and light from windows shifts it towards green."""
+PALE = 6.0
+"""Chroma (CIELAB) below which a surface is grey, as no wood brighter than `BLACK` is; grey oak has 11."""
+BLACK = 16.0
+"""Lightness (CIELAB) of black ash, below which chroma and hue tell nothing."""
+
+
+def is_wooden(color: Color) -> bool:
+    """Whether a colour, sRGB in [0, 1], may be that of a wood."""
+    light, a, b = convert_to_lab(np.array(color))
+    hue = float(np.degrees(np.arctan2(b, a)))
+    return bool(light <= BLACK or (np.hypot(a, b) >= PALE and WARM[0] <= hue <= WARM[1]))
 
 
 def match_finish(material: str | None, color: Color, seed: int) -> Finish:
@@ -66,16 +82,19 @@ def _find_nearest(named: Mapping[str, tuple[Color, Color]], color: Color) -> str
 
 def find_finishes(reading: Reading, seed: int) -> dict[str, Finish]:
     """Finishes of body, top, fronts and handles as far as they were read, by role."""
-    solid = [front for front in reading.fronts if not front.pane]
-    materials = [front.material for front in solid if front.material is not None]
+    furniture = kinds()[reading.kind].trade == "furniture"
+    solid = [front for front in reading.fronts if not front.pane] or ([] if furniture else reading.fronts)
+    materials = [front.material for front in solid if front.material not in (None, "glass")]
     material = max(sorted(set(materials)), key=materials.count) if materials else None
-    if material == "wood" and kinds()[reading.kind].build not in (None, "board"):
-        material = "lacquer"  # sheet metal in the colour of wood
     found: dict[str, Finish] = {}
     colors = [front.color for front in solid if front.color is not None]
     body = _scale(reading.color)
+    seen = _scale(np.median(np.array(colors, dtype=np.float64), axis=0)) if colors else body
+    metal = kinds()[reading.kind].build not in (None, "board")
+    if material == "wood" and (metal or not is_wooden(seen)):
+        material = "lacquer"
     if colors:
-        front = _scale(np.median(np.array(colors, dtype=np.float64), axis=0))
+        front = seen
         if float(np.abs(np.subtract(front, body)).mean()) < SAME:
             body = front
         found["front"] = match_finish(material, front, seed)

@@ -15,8 +15,9 @@ READ: dict[str, Label] = {
     "door": "door", "drawer": "drawer", "handle": "handle", "knob": "knob", "shelf": "shelf", "tray": "shelf",
     "wheel": "wheel",
 }  # fmt: skip
-LONG = 1.8
-"""Ratio of a handle's sides from which it is a bar."""
+LONG = 1.55
+"""Ratio of a handle's sides from which it is a bar: the geometric mean of those of a knob and of a cup, which
+is the shortest of the others."""
 FAR = 1e-3
 """Half the object's diagonal over its distance."""
 ABOVE = 0.2

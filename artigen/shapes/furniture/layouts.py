@@ -25,5 +25,7 @@ class Layout:
     fronts."""
     worktop: float | None = None
     """Thickness of a worktop; 0 for none."""
-    panel: "FrontStyle | None" = None
-    """Style of doors and drawers; that of the object's style where it is None."""
+    doors: "FrontStyle | None" = None
+    """Style of doors; that of the object's style where it is None."""
+    drawers: "FrontStyle | None" = None
+    """The same of drawers."""

@@ -54,18 +54,18 @@ def draw_looks(
     """Draws a design in a style for an object whose longest edge is ``longest`` metres."""
     handles = wish.choose_handles(style.handles)
     handle = design_handle(rng, choose_one(rng, handles), longest=longest)
-    drawn, panel = choose_one(rng, style.doors), None if wish.layout is None else wish.layout.panel
-    front = panel or drawn
+    drawn, layout = choose_one(rng, style.doors), wish.layout
+    front = (layout and layout.doors) or drawn
     doors = replace(design_front(rng, front, handle=handle), hand=hand)
     # A leaf that opens past 90 degrees sweeps over the edge of its neighbour, where that has its handle.
     margin = 0.0 if handle.kind == "edge" else 0.006
     limit = 90.0 + np.degrees(np.arctan2(margin + 0.0025, handle.reach))
     angles = [angle for angle in (95.0, 100.0, 105.0, 110.0) if angle < limit]
-    if rng.random() < PUSH_OPEN and wish.layout is None:
+    if rng.random() < PUSH_OPEN and layout is None:
         doors = replace(doors, handle=None)
     return Looks(
         doors=doors,
-        drawers=replace(doors, style=panel or choose_one(rng, style.drawers)),
+        drawers=replace(doors, style=(layout and layout.drawers) or choose_one(rng, style.drawers)),
         carcass=CarcassDesign(
             board=choose(rng, 0.016, 0.022),
             inner=choose(rng, 0.015, 0.019),
@@ -78,5 +78,5 @@ def draw_looks(
         wide_swing=radians(float(rng.choice((95.0, 105.0, 110.0, 125.0, 155.0, 165.0)))),
         travel=choose(rng, 0.62, 0.84),
         runners=bool(rng.random() < 0.75),
-        lock=bool(rng.random() < 0.08) and wish.layout is None,
+        lock=bool(rng.random() < 0.08) and layout is None,
     )

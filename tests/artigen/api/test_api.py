@@ -201,11 +201,10 @@ def test_a_kind_is_called_by_its_name_or_any_of_its_nouns():
     assert {job.category for job in artigen.generate(kind="fridges", count=2).jobs} == {"Refrigerator"}
 
 
-def test_the_latent_structure_is_generated_with_its_own_textures_only():
-    jobs = artigen.generate("a fridge", structure="latent", count=2).jobs
-    assert {job.cfg.structure for job in jobs} == {"latent"}
-    with pytest.raises(ArtigenError, match="only sketches can share textures"):
-        artigen.generate("a fridge", structure="latent", textures="shared")
+def test_the_structure_decides_what_is_made_and_is_one_of_two():
+    exact, latent = (artigen.generate("a fridge", structure=s, count=2).jobs for s in ("sketch", "latent"))
+    assert {job.cfg.structure for job in latent} == {"latent"}
+    assert exact[0].settings != latent[0].settings
 
 
 def test_processes_make_the_same_objects_in_the_same_order(tmp_path: Path):

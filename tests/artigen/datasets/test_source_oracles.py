@@ -8,6 +8,7 @@ any sort; the files of known faults and the objects at hand are read beside them
 # pyright: reportAttributeAccessIssue=false
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -27,7 +28,7 @@ from artigen.datasets.sources import read_source
 from artigen.datasets.urdf_file import read_urdf
 from artigen.errors import SourceError
 from artigen.kinematics import displacements, movable_parts
-from artigen.transforms import transform_points
+from artigen.transforms import matrix_from_rpy, quat_from_matrix, transform_points
 
 FAST = ReaderConfig(samples=2000)
 NAMES = ("door", "a b", "Tür_1", "x-1", "link.2", "drawer<1>", "body_3", "part/4")
@@ -204,6 +205,61 @@ def test_generated_urdf_is_where_yourdfpy_has_it(chain: list[Made]):
                 np.testing.assert_allclose(extents_at(found, part), want, atol=1e-5)
 
 
+def write_sdf(folder: Path, chain: list[Made]) -> Path:
+    """The same as `write_urdf`, with poses relative to parents, frames and the model."""
+    rows = [
+        "<link name='base'><visual name='v'><geometry><box><size>0.5 0.6 0.7</size></box></geometry></visual>"
+        "</link>"
+    ]
+    poses = [np.eye(4)]
+    for number, one in enumerate(chain):
+        name, above = quote(NAMES[number]), "base" if one.parent == 0 else quote(NAMES[one.parent - 1])
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = matrix_from_rpy(np.array(one.rpy)), one.xyz
+        poses.append(poses[one.parent] @ T)
+        pose = f"<pose relative_to='{above}'>{numbers([*one.xyz, *one.rpy])}</pose>"
+        axis = f"<xyz>{numbers(one.axis)}</xyz>"
+        if number == 1:
+            pose = f"<pose relative_to='near'>{numbers([0, 0, 0, *one.rpy])}</pose>"
+            rows.append(
+                f"<frame name='near' attached_to='{above}'>"
+                f"<pose>{numbers([*one.xyz, 0, 0, 0])}</pose></frame>"
+            )
+        elif number == 2:
+            w, x, y, z = quat_from_matrix(poses[-1][None, :3, :3])[0]
+            pose = f"<pose rotation_format='quat_xyzw'>{numbers([*poses[-1][:3, 3], x, y, z, w])}</pose>"
+            axis = f"<xyz expressed_in='__model__'>{numbers(poses[-1][:3, :3] @ one.axis)}</xyz>"
+        rows.append(
+            f"<link name='{name}'>{pose}<visual name='v'><pose degrees='true'>"
+            f"{numbers([0.1, 0, 0, np.degrees(0.3), 0, np.degrees(0.2)])}</pose>"
+            "<geometry><mesh><uri>cube.stl</uri>"
+            f"<scale>{numbers(np.multiply(one.scale, one.size))}</scale></mesh></geometry>"
+            f"<material><diffuse>{numbers(one.color)} 1</diffuse></material></visual></link>"
+            f"<joint name='j{number}' type='{one.kind}'><parent>{above}</parent><child>{name}</child>"
+            f"<axis>{axis}"
+            f"<limit><lower>{one.limits[0]}</lower><upper>{one.limits[1]}</upper></limit></axis></joint>"
+        )
+    path = folder / "made.sdf"
+    path.write_text(f"<sdf version='1.9'><model name='made'>{''.join(rows)}</model></sdf>", encoding="utf-8")
+    return path
+
+
+@settings(max_examples=15, deadline=None, phases=(Phase.explicit, Phase.generate))
+@given(chain=chains())
+def test_generated_sdf_is_the_urdf_of_the_same_chain(chain: list[Made]):
+    with TemporaryDirectory() as folder:
+        one = read_source(write_urdf(Path(folder), chain), Path(folder) / "scratch", FAST)
+        other = read_source(write_sdf(Path(folder), chain), Path(folder) / "scratch", FAST)
+        for part, twin in zip(other.asset.parts, one.asset.parts, strict=True):
+            assert (part.label, part.parent, part.joint.type) == (twin.label, twin.parent, twin.joint.type)
+            np.testing.assert_allclose(part.box, twin.box, atol=1e-6)
+            np.testing.assert_allclose(part.joint.axis, twin.joint.axis, atol=1e-6)
+            np.testing.assert_allclose(part.joint.origin, twin.joint.origin, atol=1e-6)
+            assert part.joint.upper == pytest.approx(twin.joint.upper, abs=1e-6)
+        colors = [found.asset.surface.colors.mean(axis=0) for found in (one, other)]
+        np.testing.assert_allclose(colors[0], colors[1], atol=1)
+
+
 @pytest.mark.real
 @pytest.mark.parametrize("case", sorted((*CASES, *REFUSED)))
 def test_files_of_known_faults_have_their_right_values(real_objects: Path, case: str):
@@ -226,12 +282,23 @@ def robot(links: int, kind: str) -> str:
     return f"<robot name='row'>{''.join(rows)}</robot>"
 
 
+def sdf(links: int, ends: tuple[str, ...]) -> str:
+    """Boxes, of which joints lead from each of some to the next."""
+    box = "<visual name='v'><geometry><box><size>1 1 1</size></box></geometry></visual>"
+    rows = [f"<link name='l{k}'><pose>0 0 0 0 0 0</pose>{box}</link>" for k in range(links)]
+    rows += [
+        f"<joint name='j{child}' type='fixed'><parent>{parent}</parent><child>{child}</child></joint>"
+        for parent, child in pairwise(ends)
+    ]
+    return f"<sdf version='1.9'><model name='row'>{''.join(rows)}</model></sdf>"
+
+
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
         ("row.urdf", robot(302, "revolute"), "holds 301 moving joints and 302 visuals, at most 300"),
         ("row.urdf", robot(5001, "fixed"), "holds 0 moving joints and 5,001 visuals"),
-        ("row.urdf", robot(2, "fixed").replace("0.1 0.1", "${w} 0.1"), r"holds '\$\{w\}', expected no xacro"),
+        ("row.urdf", robot(2, "fixed").replace("0.1 0.1", "${w} 0.1"), "xacro (needs|cannot)"),
         ("row.urdf", robot(2, "fixed").replace("box size", "mesh filename"), "is missing, looked for at"),
         ("row.urdf", robot(2, "fixed").replace('"l0"/>', '"l1"/>'), "is its own ancestor"),
         (
@@ -239,9 +306,17 @@ def robot(links: int, kind: str) -> str:
             robot(1, "").replace('size="0.1 0.1 0.1"', 'size="1e-200 1e-200 1e-200"'),
             "has an area",
         ),
-        ("row.xacro", robot(2, "fixed"), "after it is expanded"),
-        ("row.sdf", "<sdf/>", "SDF is not read"),
-        ("row.xml", "<mujoco>" + "<worldbody>" * 2000, "MuJoCo cannot read it"),
+        ("row.sdf", "<sdf/>", "holds no <model>"),
+        ("row.sdf", sdf(3, ("l1", "l2", "l1")), "form a circle"),
+        ("row.sdf", sdf(2, ("l0", "gone")), "names link 'gone', expected one of l0, l1"),
+        ("row.sdf", sdf(2, ("l0", "l1")).replace("0 0 0 0 0 0", "0 nan 0 0 0 0"), "<pose> is '0 nan"),
+        ("row.sdf", sdf(2, ("l0", "l1")).replace("<box>", '<box a="&x;">'), "not valid XML"),
+        (
+            "row.sdf",
+            sdf(2, ("l0", "l1")).replace("<pose>", '<pose relative_to="l1">'),
+            r"the pose of 'l[01]' depends on itself",
+        ),
+        ("row.xml", "<mujoco>" + "<worldbody>" * 2000, "not valid XML"),
     ],
 )
 def test_what_cannot_be_kept_is_refused_in_one_sentence(tmp_path: Path, name: str, text: str, said: str):

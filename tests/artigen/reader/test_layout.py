@@ -6,11 +6,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from jaxtyping import Float
+from scipy.optimize import least_squares
 
 from artigen.errors import ArtigenError
 from artigen.reader.layout.build import FLOOR, build_from_reading, find_foot
 from artigen.reader.layout.cells import OPEN, Seen, make_cells
-from artigen.reader.layout.colours import SAME, find_finishes
+from artigen.reader.layout.colours import BLACK, PALE, SAME, WARM, find_finishes, is_wooden
+from artigen.reader.layout.contents import CLOSED, furnish_node
 from artigen.reader.layout.cutting import SLACK, Tree, cut_rectangles, list_leaves
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.layout.fronts import ASIDE, view_fronts
@@ -18,10 +20,13 @@ from artigen.reader.layout.nearest import HINGE, rate_difference
 from artigen.reader.layout.plane import frame_box
 from artigen.reader.reading import Reading, ReadPart
 from artigen.shapes.draw import Wish, draw_shape
+from artigen.shapes.furniture.cabinet import list_cells
 from artigen.shapes.furniture.carcass import fits_engines
 from artigen.shapes.furniture.layouts import Layout
-from artigen.shapes.furniture.splits import Cell, Split
+from artigen.shapes.furniture.splits import Cell, Node, Split
 from artigen.shapes.shape import Shape
+from artigen.shapes.surfaces.color_difference import convert_to_lab
+from artigen.shapes.surfaces.materials import WOODS
 
 DRAWN = [("StorageFurniture", seed) for seed in range(4)] + [("Dresser", seed) for seed in range(3)]
 DRAWN += [("Wardrobe", seed) for seed in range(2)] + [("FilingCabinet", 0)]
@@ -315,14 +320,45 @@ def test_a_pinwheel_is_cut_all_the_same():
     assert cutting.crossed
 
 
+@pytest.mark.parametrize(("hue", "chroma", "light"), [(WARM[0], 30, 50), (WARM[1], 30, 50), (70, PALE, 50)])
+@pytest.mark.parametrize("inwards", [False, True])
+def test_boundaries_of_the_colours_of_woods(hue: float, chroma: float, light: float, *, inwards: bool):
+    """Woods of the grammar are within them, and dark ones may be grey."""
+    step = 1.5 if inwards else -1.5
+    turned = hue + step * ((hue == WARM[0]) - (hue == WARM[1]))
+    at = light, chroma + step * (chroma == PALE), np.radians(turned)
+    found = least_squares(
+        lambda color: convert_to_lab(color) - (at[0], at[1] * np.cos(at[2]), at[1] * np.sin(at[2])),
+        np.full(3, 0.5),
+    )
+    red, green, blue = found.x.tolist()
+    assert is_wooden((red, green, blue)) == inwards
+    assert all(is_wooden(color) for color, _ in WOODS.values())
+
+
+@pytest.mark.parametrize(("more", "wooden"), [(-1.0, True), (1.0, False)])
+def test_black_may_be_wood_and_grey_is_none(more: float, *, wooden: bool):
+    value = least_squares(lambda grey: convert_to_lab(np.repeat(grey, 3))[0] - BLACK - more, 0.1).x[0]
+    assert is_wooden((float(value),) * 3) == wooden
+
+
+def test_fronts_of_appliances_are_no_glass_and_red_ones_no_wood():
+    red = make_front("drawer", (0.0, 0.0, 1.0, 1.0), color=(190, 30, 20), material="wood")
+    assert find_finishes(make_reading(red), 0)["front"].kind == "lacquer"
+    dark = make_front("door", (0.0, 0.0, 1.0, 1.0), color=(20, 20, 20), material="glass", pane=True)
+    found = find_finishes(make_reading(dark, kind="Dishwasher"), 0)["front"]
+    assert found.kind == "lacquer"
+    assert max(found.color) < 0.1
+
+
 @pytest.mark.parametrize(("step", "same"), [(SAME - 0.02, True), (SAME + 0.02, False)])
 def test_a_body_of_nearly_the_same_colour_has_the_finish_of_its_fronts(step: float, *, same: bool):
-    front = make_front("drawer", (0.0, 0.0, 1.0, 1.0), color=(120, 120, 120), material="wood")
-    grey = round(120 + 255 * step)
-    found = find_finishes(make_reading(front, color=(grey, grey, grey)), 0)
+    front = make_front("drawer", (0.0, 0.0, 1.0, 1.0), color=(150, 110, 70), material="wood")
+    red, green, blue = (value + round(255 * step) for value in (150, 110, 70))
+    found = find_finishes(make_reading(front, color=(red, green, blue)), 0)
     assert (found["body"] == found["front"]) == same
     assert found["front"].kind == "wood"
-    np.testing.assert_allclose(found["front"].color, 120 / 255)
+    np.testing.assert_allclose(found["front"].color, np.array((150, 110, 70)) / 255)
 
 
 FRIDGES = {
@@ -416,3 +452,22 @@ def test_what_is_free_beside_the_fronts_is_a_board_but_under_a_desk(kind: str, *
     assert isinstance(node, Split)
     assert node.along == "columns"
     assert node.children[0] == Cell(fill="open" if opened else "blank")
+
+
+@pytest.mark.parametrize(("more", "fill"), [(-0.05, "open"), (0.05, "blank")])
+def test_a_place_in_the_colour_of_its_fronts_is_closed(more: float, fill: str):
+    """The lower half of the object has no front; a share of it has their colour."""
+    reading = make_reading(*stack(0.02, 0.25, 0.5))
+    surface = np.zeros((20, 100), bool)
+    surface[:, : round(100 * (CLOSED + more))] = True
+    node = furnish(replace(reading, surface=surface))
+    assert [cell.fill for cell in list_cells(node)] == ["drawer", "drawer", fill]
+    assert [cell.fill for cell in list_cells(furnish(reading))][-1] == "open"
+
+
+def furnish(reading: Reading) -> Node:
+    view = view_fronts(reading)
+    assert view.tree is not None
+    region = np.array([0.0, 0.0, view.size[0], view.size[2]])
+    node = make_cells(view.tree, view.fronts, region)
+    return furnish_node(np.random.default_rng(0), node, (view.size[0], view.size[2]), view, reading.kind)

@@ -5,6 +5,7 @@ from math import pi, radians
 
 import numpy as np
 import pytest
+from shape_sweeps import find_overlaps
 
 from artigen.kind import kinds
 from artigen.shapes.draw import Wish, draw_shape
@@ -138,3 +139,9 @@ def test_wished_lengths_are_met_with_what_stands_out_excepted(category: str):
         assert found.width == pytest.approx(1.03 * plain.width, abs=0.02)
         assert found.height == pytest.approx(1.03 * plain.height, abs=0.02)
         assert found.style == plain.style
+
+
+@pytest.mark.parametrize("depth", [0.585, 0.606, 0.74])
+def test_shallow_wall_hung_toilets_have_bowls_that_their_hinges_leave_free(depth: float):
+    shape = draw_shape("Toilet", 0, Wish(style="wall_hung", depth=depth))
+    assert find_overlaps(shape, 3) == []

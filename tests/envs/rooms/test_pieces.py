@@ -5,7 +5,8 @@ import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 
 from envs.rooms.catalogue import Entry
-from envs.rooms.pieces import Boxes, Piece, conflict, line_up, make_bed, make_piece, overlap
+from envs.rooms.fittings import make_fitting
+from envs.rooms.pieces import Boxes, Piece, conflict, line_up, make_piece, overlap
 from sim_export.files.write import write_package
 
 NONE = np.zeros((0, 2, 3))
@@ -38,7 +39,7 @@ def test_boxes_overlap_from_a_fifth_of_a_millimetre_on(deep: float, found: objec
 
 
 def test_a_double_bed_is_a_metre_and_sixty_wide():
-    low, high = make_bed().boxes.bodies[0]
+    low, high = make_fitting("bed").boxes.bodies[0]
     assert high[1] - low[1] == pytest.approx(1.6)
 
 

@@ -32,6 +32,22 @@ def test_every_joint_sweeps_its_range_without_touching_anything(shapes: list[Sha
     assert sum(part.joint is not None for shape in shapes for part in shape.parts) > len(SEEDS)
 
 
+def test_racks_of_a_dishwasher_slide_out_below_its_control_strip():
+    """Also below a strip that is fixed to the housing, before the open front of the tub."""
+    passed = 0
+    for seed in range(60):
+        shape = draw_shape("Dishwasher", seed)
+        strips = [
+            float(solid.center[2] - solid.size[2] / 2)
+            for solid in shape.parts[0].primitives
+            if solid.finish in ("panel", "front") and solid.size[1] > 0.3 and solid.center[2] > 0.3
+        ]
+        racks = [float(part.bounds()[1, 2]) for part in shape.parts if part.label == "tray"]
+        assert all(rack < strip for rack in racks for strip in strips), seed
+        passed += bool(racks) and bool(strips)
+    assert passed > 10
+
+
 def test_links_are_few_and_stout_enough_for_engines(shapes: list[Shape]) -> None:
     for shape in shapes:
         owners = links_of(shape)

@@ -20,9 +20,7 @@ def convert_to_lab(color: Float[np.ndarray, "*N 3"]) -> Float[np.ndarray, "*N 3"
     return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
 
 
-def rate_difference(
-    one: Float[np.ndarray, "*N 3"], other: Float[np.ndarray, "*N 3"]
-) -> Float[np.ndarray, "*N"]:
+def ciede2000(one: Float[np.ndarray, "*N 3"], other: Float[np.ndarray, "*N 3"]) -> Float[np.ndarray, "*N"]:
     """CIEDE2000 of CIELAB colours (Sharma, Wu, Dalal 2005); about 1 is just visible."""
     (l1, a1, b1), (l2, a2, b2) = np.moveaxis(one, -1, 0), np.moveaxis(other, -1, 0)
     mean = (np.hypot(a1, b1) + np.hypot(a2, b2)) / 2

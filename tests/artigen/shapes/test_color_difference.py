@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from artigen.metrics.color_difference import convert_to_lab, rate_difference
+from artigen.shapes.surfaces.color_difference import ciede2000, convert_to_lab
 
 SHARMA = [
     ((50, 2.6772, -79.7751), (50, 0, -82.7485), 2.0425),
@@ -25,8 +25,8 @@ SHARMA = [
 @pytest.mark.parametrize(("one", "other", "difference"), SHARMA)
 def test_published_pairs(one: tuple[float, ...], other: tuple[float, ...], difference: float):
     first, last = np.array(one, dtype=np.float64), np.array(other, dtype=np.float64)
-    assert rate_difference(first, last) == pytest.approx(difference, abs=1e-4)
-    assert rate_difference(last, first) == pytest.approx(difference, abs=1e-4)
+    assert ciede2000(first, last) == pytest.approx(difference, abs=1e-4)
+    assert ciede2000(last, first) == pytest.approx(difference, abs=1e-4)
 
 
 def test_colours_of_srgb():

@@ -1,0 +1,80 @@
+"""Rooms on order hold the ordered units from left to right and nothing else, or say why they cannot."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sample_packages import SAMPLE_PARTS, build_package
+
+from artigen.api.scene import SceneSettings, furnish_room
+from artigen.errors import ArtigenError
+from envs.rooms.catalogue import Catalogue, Entry
+from envs.rooms.check import check_room
+from envs.rooms.order import least_length, read_order
+from envs.rooms.populate import PopulateConfig, populate
+from envs.rooms.room import SIDES, YAWS, pose_matrix_of
+from sim_export.files.write import write_package
+
+ROLES = {"fridge": "Refrigerator", "range": "Oven", "base cabinet": "StorageFurniture"}
+SIZES = {"Refrigerator": (0.6, 0.6, 1.7), "Oven": (0.6, 0.6, 0.9), "StorageFurniture": (0.6, 0.81, 0.88)}
+
+
+@pytest.fixture(scope="module")
+def catalogue(tmp_path_factory: pytest.TempPathFactory) -> Catalogue:
+    """The sample cabinet under the name and size of each kind."""
+    base = tmp_path_factory.mktemp("order").resolve()
+    entries = []
+    for kind, size in SIZES.items():
+        folder = write_package(replace(build_package(SAMPLE_PARTS), category=kind), base / kind)
+        entries.append(
+            Entry(folder=folder, name=kind, category=kind, size=size, kinds=("revolute",), provenance=())
+        )
+    return Catalogue(folder=base, entries=tuple(entries), failed=())
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_units_stand_from_left_to_right_as_ordered_and_open(catalogue: Catalogue, side):
+    words = ("oven", "cupboard:0.8", "fridge", "cupboard")
+    cfg = PopulateConfig(width=5.0, depth=5.0, place=words, wall=side)
+    room = populate("kitchen", 3, catalogue, cfg)
+    assert [p.role for p in room.placements] == ["base cabinet", "fridge", "base cabinet", "range"]
+    facing = np.array([np.cos(YAWS[side]), np.sin(YAWS[side])])  # into the wall
+    left = np.array([-facing[1], facing[0]])
+    along = {p.id: float(left @ pose_matrix_of(p)[:2, 3]) for p in room.placements}
+    seen = [room.placement(name).role for name in sorted(along, key=lambda name: -along[name])]
+    assert seen == ["range", "base cabinet", "fridge", "base cabinet"]
+    assert not check_room(room)
+
+
+def test_synonyms_and_nouns_mean_one_role():
+    words = ("fridge", "refrigerator", "pantry", "oven", "stove", "dishwasher", "sink:0.8", "base_cabinet")
+    roles = [unit.role.name for unit in read_order(words, "kitchen")]
+    assert roles == ["fridge", "fridge", "larder", "range", "range", "dishwasher", "sink", "base cabinet"]
+    assert read_order(("sink:0.8",), "kitchen")[0].width == 0.8
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("unicorn",), "has no 'unicorn', expected one of cart, bin, fridge"),
+        (("fridge:9",), "0.45 to 1.4 m wide"),
+        (("fridge:wide",), "width 'wide' m"),
+        (("fridge:nan",), "width 'nan' m"),
+        (("fridge",) * 20, "20 units take at least"),
+    ],
+)
+def test_what_cannot_be_is_said_before_anything_is_made(words: tuple[str, ...], said: str, tmp_path: Path):
+    with pytest.raises(ArtigenError, match=said):
+        furnish_room("kitchen", tmp_path / "room", 0, None, SceneSettings(place=words))
+    assert not (tmp_path / "room").exists()
+
+
+def test_a_width_that_no_package_has_is_refused(catalogue: Catalogue):
+    with pytest.raises(ArtigenError, match=r"fridge 0\.9 m wide; widths of what can be one are 0\.60"):
+        populate("kitchen", 0, catalogue, PopulateConfig(place=("fridge:0.9",)))
+
+
+def test_the_least_length_is_that_of_the_widths():
+    order = read_order(("fridge:0.6", "sink:0.8"), "kitchen")
+    assert least_length(order) == pytest.approx(1.4, abs=0.02)
