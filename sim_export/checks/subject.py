@@ -189,8 +189,7 @@ class Subject:
 
     @cached_property
     def _skeleton(self) -> tuple[Link, ...]:
-        bare = {"label": None, "parts": (), "visuals": (), "hulls": (), "inertial": None}
-        return tuple(Link(name=name, **bare) for name in self.links)
+        return tuple(Link(name=name) for name in self.links)
 
     def displacements(self, qpos: dict[str, ArrayLike]) -> dict[str, np.ndarray]:
         """Displacement from rest of every link at joint coordinates, each ``4 4`` or ``P 4 4``."""
