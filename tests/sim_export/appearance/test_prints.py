@@ -9,7 +9,7 @@ from artigen.shapes.fittings.hardware import rotate
 from artigen.shapes.primitives import FRONT, UP, Vector, box
 from artigen.shapes.shape import Shape, make_base
 from artigen.shapes.surfaces.finishes import Finish
-from sim_export.appearance.prints import DEEP, FINISHES, PROUD, STEPS, find_prints
+from sim_export.appearance.prints import DEEP, PROUD, STEPS, find_prints
 from sim_export.geometry.rows import connect_rows
 from sim_export.geometry.solids import make_manifold
 from sim_export.reference import ReferenceConfig, build_reference
