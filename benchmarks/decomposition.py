@@ -4,8 +4,8 @@
     python benchmarks/decomposition.py OBJECTS 7304 46490    # parts of PartNet-Mobility objects as well
 
 ``OBJECTS`` is a folder of PartNet-Mobility objects. Volume error is the symmetric difference of hulls
-and mesh over the mesh's volume. CoACD runs with its default parameters and 32 hulls at most, in a
-process of its own whose start is taken off its time; V-HACD likewise, with the same limit on hulls.
+and mesh over the mesh's volume. CoACD and V-HACD run with their default parameters and 32 hulls at most, in
+processes of their own whose start is taken off their time.
 Prints a markdown table.
 """
 
@@ -13,32 +13,27 @@ import logging
 import statistics
 import time
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 from pathlib import Path
 
 import manifold3d
-import numpy as np
 import tyro
-from coacd_process import CoacdConfig, DecompositionFailed, run_coacd
 from sample_cabinet import sample_asset
 
 from artigen.datasets.partnet_mobility import read_object
 from artigen.types import Asset
 from artigen.voxels.voxelize import voxelize
 from sim_export.collision.cover.object_cover import ObjectCover
-from sim_export.errors import DegeneratePart
+from sim_export.collision.tools import DecompositionFailed, decompose
 from sim_export.geometry.boards import fill_boards
-from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.meshing import mesh_parts
 from sim_export.geometry.solids import as_solid, solid_arrays
 from sim_export.package import Hull, Mesh
 
 Solid = manifold3d.Manifold
 METHODS = ("auto", "CoACD", "V-HACD")
+MOST = 32
+"""Hulls of a part, at most."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,57 +84,20 @@ def try_method(method: str, mesh: Mesh, timeout: float, start_up: float) -> Tria
     except DecompositionFailed as err:
         logging.getLogger(__name__).warning("%s: %s", method, err)
         return Trial(seconds=time.perf_counter() - begin, hulls=0, error=float("nan"))
-    seconds = time.perf_counter() - begin - (start_up if method == "CoACD" else 0.0)
+    seconds = time.perf_counter() - begin - (start_up if method != "auto" else 0.0)
     solid, union = as_solid(mesh), Solid.batch_boolean(list(map(as_solid, hulls)), manifold3d.OpType.Add)
     error = ((union - solid).volume() + (solid - union).volume()) / solid.volume()
     return Trial(seconds=max(seconds, 0.01), hulls=len(hulls), error=error)
 
 
 def _decompose(method: str, mesh: Mesh, timeout: float) -> tuple[Hull, ...]:
+    triangles = mesh.vertices[mesh.faces]
     if method == "auto":
-        return ObjectCover({"part": mesh.vertices[mesh.faces]}, {}, solid=True).make_hulls()["part"]
+        return ObjectCover({"part": triangles}, {}, solid=True).make_hulls()["part"]
     if method == "CoACD":
-        return run_coacd(mesh, CoacdConfig(timeout=timeout))
-    return _run_vhacd(mesh, timeout)
-
-
-def _run_vhacd(mesh: Mesh, timeout: float) -> tuple[Hull, ...]:
-    """V-HACD in a process of its own, because it may crash or run for minutes as well."""
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        pool.submit(int).result()  # starts the process, which is not V-HACD's time
-        begin = time.perf_counter()
-        future = pool.submit(_vhacd, np.array(mesh.vertices), np.array(mesh.faces))
-        try:
-            clouds = future.result(timeout)
-        except (TimeoutError, BrokenProcessPool) as err:
-            for process in list((pool._processes or {}).values()):
-                process.kill()
-            raise DecompositionFailed(
-                f"{type(err).__name__} after {time.perf_counter() - begin:.0f} s"
-            ) from err
-    hulls = []
-    for cloud in clouds:
-        with suppress(DegeneratePart):  # some of its hulls are flat
-            hulls.append(convex_hull(cloud))
-    return tuple(hulls)
-
-
-def _vhacd(vertices: np.ndarray, faces: np.ndarray) -> list[np.ndarray]:
-    import vhacdx
-
-    found = vhacdx.compute_vhacd(vertices, faces.astype("uint32"), maxConvexHulls=32)
-    return [np.array(cloud) for cloud, _ in found]
-
-
-def measure_start_up() -> float:
-    """Seconds that starting CoACD's process costs: a cube, which it leaves as it is; the least of three."""
-    cube = Solid.cube((1.0, 1.0, 1.0))
-    vertices, faces = solid_arrays(cube)
-    begin = time.perf_counter()
-    run_coacd(
-        Mesh(vertices=vertices, faces=faces), CoacdConfig(mcts_iterations=1, mcts_nodes=2, resolution=100)
-    )
-    return time.perf_counter() - begin
+        options = {"max_convex_hull": MOST, "decimate": True, "max_ch_vertex": 64}
+        return decompose("coacd", triangles, options, timeout, "part")
+    return decompose("vhacd", triangles, {"maxConvexHulls": MOST}, timeout, "part")
 
 
 def main(
@@ -153,7 +111,8 @@ def main(
     for name in ids:
         assert objects is not None
         parts |= dict(hollow_parts(read_object(objects / name).asset, parts_per_object))
-    start_up = measure_start_up()
+    corners, faces = solid_arrays(Solid.cube((1.0, 1.0, 1.0)))
+    start_up = try_method("CoACD", Mesh(vertices=corners, faces=faces), timeout, 0.0).seconds
     rows: list[tuple[Trial, ...]] = []
     print(
         f"CoACD's process takes {start_up:.1f} s to start; a dash is a failure or more than {timeout:g} s.\n"
