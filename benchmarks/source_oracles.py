@@ -16,6 +16,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Set
 from dataclasses import dataclass, field
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,9 @@ from artigen.datasets.mjcf_geoms import find_drawn
 from artigen.datasets.mjcf_scene import choose_object
 from artigen.datasets.source_object import SourceObject
 from artigen.datasets.sources import find_layout
+from artigen.datasets.xacro_file import expand_xacro
 from artigen.errors import ArtigenError
+from artigen.files.urdf import is_xacro
 from artigen.kinematics import displacements, movable_parts
 from artigen.transforms import rotation_about, transform_points
 from artigen.types import Joint
@@ -205,7 +208,8 @@ def _geom_colors(model: object, geom: int, count: int) -> np.ndarray:
 def load_yourdfpy(path: Path) -> Loaded:
     import yourdfpy
 
-    robot = yourdfpy.URDF.load(str(path), filename_handler=lambda fname: str(find_mesh(fname, path)))
+    said = BytesIO(expand_xacro(path).encode()) if is_xacro(path) else str(path)
+    robot = yourdfpy.URDF.load(said, filename_handler=lambda fname: str(find_mesh(fname, path)))
 
     def move(pose: Pose) -> None:
         robot.update_cfg(dict.fromkeys(robot.actuated_joint_names, 0.0) | dict(pose))
@@ -254,6 +258,8 @@ def _mesh_colors(mesh: Any) -> np.ndarray:
     if visual.kind != "texture":
         return np.asarray(visual.face_colors)[:, :3] / 255.0
     image = getattr(visual.material, "image", None) or getattr(visual.material, "baseColorTexture", None)
+    if image is None and visual.uv is not None:  # trimesh opens no image in a folder beside the mesh's
+        return np.full((count, 3), np.nan)
     if image is None or visual.uv is None:
         return np.tile(np.asarray(visual.material.main_color)[:3] / 255.0, (count, 1))
     pixels = np.asarray(image.convert("RGB")) / 255.0

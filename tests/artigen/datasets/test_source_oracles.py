@@ -311,6 +311,13 @@ def test_a_generated_stage_is_what_yourdfpy_has_of_the_same_chain(chain: list[Ma
 
 
 @pytest.mark.real
+@pytest.mark.parametrize("number", ["100671", "101909", "102060", "11178"])
+def test_the_urdf_of_a_real_object_is_what_yourdfpy_has(real_objects: Path, tmp_path: Path, number: str):
+    path = real_objects / "partnet_mobility" / number / "mobility.urdf"
+    assert compare_read(read_source(path, tmp_path, FAST), load_source(path, None)) == []
+
+
+@pytest.mark.real
 @pytest.mark.parametrize("case", sorted((*CASES, *REFUSED)))
 def test_files_of_known_faults_have_their_right_values(real_objects: Path, case: str):
     folder = real_objects / "cases" / case
