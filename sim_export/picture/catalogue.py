@@ -1,7 +1,7 @@
 """Pictures in catalogue light: path tracing by Mitsuba 3 in a white studio with soft boxes.
 
 Materials are those of all other formats: base colour or image, roughness, metallic, index of refraction,
-opacity and clear coat. Deterministic on one platform.
+opacity and clear coat. Threads add up light in any order, so levels of equal pictures may differ by one.
 """
 
 # mitsuba has incomplete type stubs, and is optional.

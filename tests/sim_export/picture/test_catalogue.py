@@ -1,4 +1,4 @@
-"""Catalogue light: the same objects in the same places as in quick pictures, and the same bytes again."""
+"""Catalogue light: the same objects in the same places as in quick pictures, and the same picture again."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def test_a_red_cube_is_red_in_the_middle_and_its_surroundings_are_grey():
     seen = picture(cube())
     assert (seen[20:28, 20:28, 0] > 2 * seen[20:28, 20:28, 1]).all()
     assert np.ptp(seen[:2], axis=2).max() < 25
-    np.testing.assert_array_equal(seen, picture(cube()))
+    np.testing.assert_allclose(seen, picture(cube()), atol=2)
 
 
 def test_a_texture_stands_upright_and_a_clear_cube_shows_what_is_behind():
@@ -49,7 +49,6 @@ def test_a_texture_stands_upright_and_a_clear_cube_shows_what_is_behind():
 
 
 def test_metal_mirrors_the_studio():
-    smooth, matt = (
-        picture(cube((0.9, 0.9, 0.9), metallic=metal), 30.0)[10:40, 16:32] for metal in (1.0, 0.0)
-    )
-    assert smooth.std() != pytest.approx(matt.std(), rel=0.1)
+    white = (0.9, 0.9, 0.9)
+    metal, plaster = (picture(cube(white, metallic=share), 30.0)[10:40, 16:32] for share in (1.0, 0.0))
+    assert np.abs(metal - plaster).mean() > 5
