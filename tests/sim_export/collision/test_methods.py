@@ -23,7 +23,7 @@ def test_boxes_and_cylinders_are_found_exactly():
     assert [shape.kind for shape in shapes if shape is not None] == ["box", "cylinder"]
     assert hull_volume(box) == pytest.approx(0.006, rel=1e-5)
     assert shapes[1] is not None
-    assert shapes[1].sizes == pytest.approx((0.05, 0.4))
+    assert shapes[1].sizes == pytest.approx((0.05, 0.4), rel=1e-5)
 
 
 @pytest.mark.parametrize("solid", [ELL, Solid.sphere(0.1, 24), BLOCK.hull() + ROD.translate((-1, 0, 0))])
