@@ -21,6 +21,7 @@ from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.shapes.surfaces.textures import PaintTable, find_rows, make_paint
 from sim_export.appearance.dress import Look, find_looks
 from sim_export.appearance.pieces import Piece, draw_pieces, find_pieces
+from sim_export.appearance.prints import FINISHES, find_prints
 from sim_export.appearance.splats import attach_splats
 from sim_export.appearance.tiles import lay_coordinates
 from sim_export.collision.hull_limits import trim_hull
@@ -80,11 +81,13 @@ def build_reference(
     center, _ = frame_shape(shape)
     asset = shape_to_asset(shape, resolution=None)
     finishes = dict(shape.finishes)
-    table, looks = make_paint(shape), find_looks(finishes)
-    first = np.cumsum([0, *(len(part.primitives) for part in shape.parts)])
-    make = find_make(shape.category, shape.style)
     kind = find_kind(shape.category)
     boards = kind is not None and kind.trade == "furniture"
+    printed = kind is not None and kind.trade == "appliance" and cfg.detail == "high"
+    prints = find_prints(shape) if printed else {}
+    table, looks = make_paint(shape), find_looks(finishes | (dict(FINISHES) if prints else {}))
+    first = np.cumsum([0, *(len(part.primitives) for part in shape.parts)])
+    make = find_make(shape.category, shape.style)
     geometry, meshes, records = [], [], []
     materials: list[tuple[str, str]] = []
     for part, start, solids, simple in zip(shape.parts, first, *_collide(shape, center), strict=False):
@@ -94,6 +97,8 @@ def build_reference(
             union = _show(find_pieces(part.primitives, finishes, center, boards=boards))
         meshes.append(union.mesh)
         dressed = _dress(union, part, table, int(start), center, looks)
+        for finish, mesh in prints.get(part.name, {}).items():
+            dressed[finish] = looks[finish].put_on(replace(mesh, vertices=mesh.vertices - center))
         apart = [far for far in measure_simplified(solids, simple) if far > EXACT]
         if apart:
             most = np.ceil(1e4 * max(apart)) / 10
@@ -149,7 +154,7 @@ def describe_build(shape: Shape) -> list[object]:
             part.name,
             part.label,
             part.parent,
-            None if part.motion is None else part.motion.type,
+            None if part.joint is None else part.joint.type,
             hull_kinds(_trim(simple)),
         )
         for part, simple in zip(shape.parts, _collide(shape, np.zeros(3))[1], strict=True)
@@ -284,7 +289,7 @@ def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialNa
 
     Hardware has the density of its material, other parts that of the category's `Make`.
     """
-    hardware = is_hardware(part.label, moves=part.motion is not None)
+    hardware = is_hardware(part.label, moves=part.joint is not None)
     names = sorted(set(made_of))
     inertials: list[Inertial] = []
     before: Mesh | None = None
@@ -311,7 +316,7 @@ def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialNa
 
 def _couple(shape: Shape, tree: LinkTree) -> LinkTree:
     """Adds followers, which mimic their leaders, and springs to the tree; one record for each."""
-    motions = {part.name: part.motion for part in shape.parts if part.motion is not None}
+    motions = {part.name: part.joint for part in shape.parts if part.joint is not None}
     leading = {link.name: link.parts[0] for link in tree.links if link.parts}
     joints, records = [], list(tree.records)
     for joint in tree.joints:
@@ -349,7 +354,7 @@ def find_latched(shape: Shape) -> frozenset[str]:
 
 def find_stays(shape: Shape) -> frozenset[str]:
     """Parts whose hinges hold them wherever they are left."""
-    return frozenset(part.name for part in shape.parts if part.motion is not None and part.motion.stays)
+    return frozenset(part.name for part in shape.parts if part.joint is not None and part.joint.stays)
 
 
 def _requirements(shape: Shape, tree: LinkTree) -> tuple[Requirement, ...]:
@@ -359,5 +364,5 @@ def _requirements(shape: Shape, tree: LinkTree) -> tuple[Requirement, ...]:
         Requirement(joint=driving[part.name], needs=driving[need.part], fraction=need.fraction)
         for part in shape.parts
         for need in part.needs
-        if part.motion is not None
+        if part.joint is not None
     )

@@ -62,6 +62,7 @@ class GenerateOptions(Look, total=False):
     box: tuple[float, float, float, float] | None
     reading: Path | str | None
     kind: str | None
+    structure: Literal["sketch", "latent"]
     temperature: float
     redraws: int
     model: Path
@@ -109,7 +110,7 @@ def sample(
     """Samples an object from the procedural grammar: exact, in milliseconds, without a network.
 
     Args:
-        kind: Name of a kind, such as ``StorageFurniture``; see `kinds`.
+        kind: Name of a kind, or a noun for it, such as ``StorageFurniture`` or ``cabinet``; see `kinds`.
         seed: Seed of the object, or a sequence of seeds for as many.
         count: Number of objects with consecutive seeds; a lazy sequence of them is returned.
         width: Metres, seen from the front; lengths that are not stated are sampled.
@@ -170,6 +171,7 @@ def generate(
     depth: float | None = None,
     height: float | None = None,
     style: str | None = None,
+    structure: Literal["sketch", "latent"] = "sketch",
     temperature: float = GenerateSettings.temperature,
     redraws: int = GenerateSettings.redraws,
     gaussians: bool = True,
@@ -187,7 +189,7 @@ def generate(
         box: Left, top, right and bottom of the object in the photograph, as shares of width and height;
             default: the largest object.
         reading: File that ``artigen read --json`` wrote, edited or not, instead of a photograph.
-        kind: Name of a kind; default: as words or picture say.
+        kind: Name of a kind, or a noun for it; default: as words or picture say.
         counts: Number of parts by label; the others are free.
         seed: Seed of the object, or a sequence of seeds for as many.
         count: Number of objects with consecutive seeds; a lazy sequence of them is returned.
@@ -195,6 +197,8 @@ def generate(
         depth: Metres, with handles.
         height: Metres.
         style: Style of the kind, such as ``shaker``.
+        structure: ``sketch`` for exact solids; ``latent`` for voxels that the paper's latents give within the
+            boxes of the sketch.
         temperature: Sampling temperature; 1 matches the training data, lower is less varied.
         redraws: Most new draws of an object that fails a check.
         gaussians: Whether the package has 3D Gaussians.
@@ -207,8 +211,8 @@ def generate(
     cfg = GenerateSettings(
         text=words, image=None if image is None else Path(image), box=box,
         reading=None if reading is None else Path(reading), width=width, depth=depth, height=height,
-        style=style, counts=_write_counts(counts), temperature=temperature, redraws=redraws,
-        gaussians=gaussians, compare=False,
+        style=style, counts=_write_counts(counts), structure=structure, temperature=temperature,
+        redraws=redraws, gaussians=gaussians, compare=False,
     )  # fmt: skip
     jobs = list_jobs(HERE, list_seeds(seed, count), cfg, category=kind, model=Path(model))
     understand_job(jobs[0])

@@ -14,6 +14,7 @@ from artigen.api.models import hash_file, hash_weights, load_drawer, load_sketch
 from artigen.api.names import choose_name, name_request
 from artigen.api.sample import read_wish
 from artigen.errors import ArtigenError
+from artigen.kind import spell_kind
 from artigen.runtime.runner import Runner
 from artigen.runtime.workers import Worker
 from artigen.weights import SHIPPED
@@ -368,7 +369,7 @@ def list_jobs(
     return [
         GenerateJob(
             model=model,
-            category=category,
+            category=category and spell_kind(category),
             seed=seed,
             out=out,
             cfg=cfg,
