@@ -26,6 +26,14 @@ def test_boxes_and_cylinders_are_found_exactly():
     assert shapes[1].sizes == pytest.approx((0.05, 0.4), rel=1e-5)
 
 
+def test_boxes_that_share_edges_are_two():
+    cube = Solid.cube((0.1, 0.1, 0.1))
+    stairs = [solid_triangles(cube), solid_triangles(cube.translate((0.1, 0.0, 0.1)))]
+    assert [hull_volume(hull) for hull in find_solids(np.concatenate(stairs), "stairs")] == pytest.approx(
+        [1e-3, 1e-3]
+    )
+
+
 @pytest.mark.parametrize("solid", [ELL, Solid.sphere(0.1, 24), BLOCK.hull() + ROD.translate((-1, 0, 0))])
 def test_what_is_no_primitive_is_named(solid):
     with pytest.raises(ExportError, match=r"door: its piece 1 of 1, of .* neither a box nor a cylinder"):
