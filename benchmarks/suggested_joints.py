@@ -3,7 +3,7 @@
     python benchmarks/suggested_joints.py --count 3
 
 Each object is written as an OBJ with an object per part, once with the names of its parts and once with
-numbers. A part is right if its joint has the right type, its axis points the right way within 5 degrees, and a
+numbers. A part is right if its joint has the right type, its axis the right direction within 5 degrees, and a
 hinge is within 5 % of the object's longest edge from the right one. What is fixed must not move by itself.
 """
 
