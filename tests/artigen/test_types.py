@@ -66,6 +66,8 @@ DEFECTS = {
     ),
     "limit NaN": (lambda: replace(HINGE, upper=NAN), ("nan", "finite")),
     "limit infinite": (lambda: replace(HINGE, lower=-np.inf), ("-inf", "finite")),
+    "friction NaN": (lambda: replace(HINGE, friction=NAN), ("friction nan", "finite")),
+    "ratio infinite": (lambda: replace(HINGE, ratio=np.inf), ("ratio inf", "finite")),
     "pitch NaN": (lambda: replace(HINGE, type="screw", pitch=NAN), ("pitch nan", "finite")),
     "limits crossed": (lambda: replace(HINGE, lower=2.0), ("lower 2.0", "upper 1.5")),
     "fixed with range": (lambda: replace(HINGE, type="fixed"), ("fixed", "[0.0, 1.5]", "expected [0, 0]")),
