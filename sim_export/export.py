@@ -18,10 +18,12 @@ from sim_export.appearance.texture import bake_parts
 from sim_export.collision.attachment import attach_links
 from sim_export.collision.clearance import clear_joints
 from sim_export.collision.cover.object_cover import ObjectCover, find_passing
+from sim_export.collision.exact import find_solids
 from sim_export.collision.feet import add_feet, level_object
-from sim_export.collision.hull_limits import flatten_links
+from sim_export.collision.hull_limits import THICKEST, compact_hull, flatten_links
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.recovery import recover_surface
+from sim_export.collision.tools import decompose
 from sim_export.collision.trimming import fill_meshes, trim_meshes
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.lone_cells import give_lone_cells
@@ -33,7 +35,7 @@ from sim_export.geometry.triangles import diagonal_of
 from sim_export.geometry.wheels import fit_width, is_open, round_wheels
 from sim_export.motion.held_drawers import keep_drawers_held
 from sim_export.motion.requirements import find_crossings, find_requirements
-from sim_export.package import Inertial, Link, Mesh, SimPackage, SourceMesh, Visual
+from sim_export.package import Hull, Inertial, Link, Mesh, SimPackage, SourceMesh, Visual
 from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.links import (
     LinkTree,
@@ -121,6 +123,7 @@ def export_asset(
     provenance: Mapping[str, str] | None = None,
     finish: Callable[[SimPackage], SimPackage] = lambda package: package,
     budget: Budget | None = None,
+    first: HullPlan | None = None,
 ) -> Exported:
     """Converts an articulated object to a simulation package.
 
@@ -132,13 +135,14 @@ def export_asset(
         provenance: Origin of the object, for ``provenance.json``.
         finish: Completes each package before its hulls are judged (`export_best`).
         budget: As in `export_best`.
+        first: How hulls are made first; by default by us, of the parts' meshes.
 
     Raises:
         ExportError: If a stage fails; the message names the part, the measured and the allowed value.
     """
     return export_best(
         make_solids(asset),
-        HullPlan(target="voxels"),
+        first or HullPlan(target="voxels"),
         source_meshes=source_meshes,
         provenance=provenance,
         finish=finish,
@@ -176,7 +180,7 @@ def export_best(
     read: dict[Path, ObjText] = {}
 
     def make(plan: HullPlan) -> tuple[Exported, SimPackage]:
-        covering = budget.share(COVERING)
+        covering = budget.share(COVERING) if plan.method == "auto" else budget
         made = export_solids(
             solids, plan, source_meshes=source_meshes, provenance=provenance, budget=covering
         )
@@ -271,7 +275,10 @@ def export_solids(
     watch = _Stopwatch()
     asset, meshes, sheets = solids.asset, solids.meshes, plan.target == "surfaces"
     names, levels = link_names(asset), dict(plan.levels)
-    if sheets:
+    if plan.method != "auto":
+        made = _decompose(solids, plan, budget or Budget())
+        hulls = [made.get(names.get(index, ""), ()) for index in range(len(meshes))]
+    elif sheets:
         made = solids.source_cover.make_hulls(levels, fewer=plan.fewer, budget=budget)
         hulls = [made.get(names.get(index, ""), ()) for index in range(len(meshes))]
     else:
@@ -353,6 +360,22 @@ def export_solids(
         records=records,
     )
     return Exported(package=package, seconds=tuple(watch.laps), unpainted=unpainted)
+
+
+def _decompose(solids: Solids, plan: HullPlan, budget: Budget) -> dict[str, tuple[Hull, ...]]:
+    """Hulls of every link by a method that is not ours, within the limits of engines."""
+    surfaces = solids.surfaces or [mesh.vertices[mesh.faces] for mesh in solids.meshes]
+    shown = link_surfaces(solids.asset, surfaces)
+    thickest = THICKEST * diagonal_of(np.concatenate(list(shown.values())).reshape(-1, 3))
+    out = {}
+    for name, triangles in shown.items():
+        if plan.method == "exact":
+            found = find_solids(triangles, name)
+        else:
+            assert plan.method != "auto"
+            found = decompose(plan.method, triangles, dict(plan.options), budget.left, name)
+        out[name] = tuple(part for hull in found for part in compact_hull(hull, thickest))
+    return out
 
 
 def _round_surfaces(

@@ -21,6 +21,7 @@ from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.shapes.surfaces.textures import PaintTable, find_rows, make_paint
 from sim_export.appearance.dress import Look, find_looks
 from sim_export.appearance.pieces import Piece, draw_pieces, find_pieces
+from sim_export.appearance.prints import FINISHES, find_prints
 from sim_export.appearance.splats import attach_splats
 from sim_export.appearance.tiles import lay_coordinates
 from sim_export.collision.hull_limits import trim_hull
@@ -80,11 +81,13 @@ def build_reference(
     center, _ = frame_shape(shape)
     asset = shape_to_asset(shape, resolution=None)
     finishes = dict(shape.finishes)
-    table, looks = make_paint(shape), find_looks(finishes)
-    first = np.cumsum([0, *(len(part.primitives) for part in shape.parts)])
-    make = find_make(shape.category, shape.style)
     kind = find_kind(shape.category)
     boards = kind is not None and kind.trade == "furniture"
+    printed = kind is not None and kind.trade == "appliance" and cfg.detail == "high"
+    prints = find_prints(shape) if printed else {}
+    table, looks = make_paint(shape), find_looks(finishes | (dict(FINISHES) if prints else {}))
+    first = np.cumsum([0, *(len(part.primitives) for part in shape.parts)])
+    make = find_make(shape.category, shape.style)
     geometry, meshes, records = [], [], []
     materials: list[tuple[str, str]] = []
     for part, start, solids, simple in zip(shape.parts, first, *_collide(shape, center), strict=False):
@@ -94,6 +97,8 @@ def build_reference(
             union = _show(find_pieces(part.primitives, finishes, center, boards=boards))
         meshes.append(union.mesh)
         dressed = _dress(union, part, table, int(start), center, looks)
+        for finish, mesh in prints.get(part.name, {}).items():
+            dressed[finish] = looks[finish].put_on(replace(mesh, vertices=mesh.vertices - center))
         apart = [far for far in measure_simplified(solids, simple) if far > EXACT]
         if apart:
             most = np.ceil(1e4 * max(apart)) / 10

@@ -26,6 +26,8 @@ COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V107", "V201", "V20
 MEETING = {"V201", "V202"}
 """Those that fail where links meet."""
 
+Collision = Literal["auto", "exact", "coacd", "vhacd"]
+"""Who makes hulls: our search; the boxes and cylinders that a source consists of; CoACD; V-HACD."""
 Made = TypeVar("Made")
 
 
@@ -34,11 +36,14 @@ class HullPlan:
     """How hulls are made.
 
     ``target`` is what they cover: the triangles of a source, or the meshes of voxels, which are closed where
-    these are open. ``levels`` tells which of `LEVELS` a link has if not the usual one. ``fewer``: in all.
-    ``shares``: clearance cuts the hull that loses the smaller share, which spares thin leaves.
+    these are open. A ``method`` other than ``auto`` makes them of the triangles, with ``options`` if it is
+    CoACD, and is not refined. ``levels`` tells which of `LEVELS` a link has if not the usual one. ``fewer``:
+    in all. ``shares``: clearance cuts the hull that loses the smaller share, which spares thin leaves.
     """
 
     target: Literal["surfaces", "voxels"] = "surfaces"
+    method: Collision = "auto"
+    options: tuple[tuple[str, float | int | bool | str], ...] = ()
     levels: frozenset[tuple[str, int]] = frozenset()
     fewer: bool = False
     shares: bool = False
@@ -120,6 +125,8 @@ def refine_plan(plan: HullPlan, judged: Judgement | None) -> Iterator[HullPlan]:
     smaller hulls; links that fail get smaller hulls, and then those that a joint connects to them do: what is
     coarse takes more off its neighbours. Beside the triangles of a source come its voxels.
     """
+    if plan.method != "auto":
+        return
     closed = [HullPlan(target="voxels")] if plan.target == "surfaces" else []
     if judged is None:
         yield from closed

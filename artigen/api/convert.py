@@ -12,9 +12,11 @@ import numpy as np
 
 from artigen.api.batch import Finished, Laps, Made, Part, run_with_progress
 from artigen.api.grids import GRIDS, make_on_grids
+from artigen.errors import ArtigenError
 from artigen.runtime.runner import Runner
 from artigen.runtime.workers import Worker
 
+Collision = Literal["auto", "exact", "coacd", "vhacd"]
 Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
 if TYPE_CHECKING:
     from artigen.datasets.source_object import SourceObject
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from artigen.types import Asset
     from sim_export.export import Exported
     from sim_export.package import SimPackage
+    from sim_export.search import HullPlan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,6 +62,11 @@ class ConvertSettings:
     budget: float = 30.0
     """Seconds of one core in which an object is read and its hulls are searched for. The best package found
     is always written; meta.json says where the budget ended the search."""
+    collision: Collision = "auto"
+    """Who makes the collision hulls: our search, the exact boxes and cylinders of a source that consists of
+    such, CoACD or V-HACD. The last two must end within the budget and are not refined."""
+    coacd: str = ""
+    """Parameters of CoACD, such as threshold=0.03,max_convex_hull=32; others have its defaults."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,9 +168,10 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
         asset = rebuild_from_voxels(asset, job.cfg.recipe)
         laps.end("segment")
         provenance |= {"grid": str(job.grid)}
-        exported = export_asset(asset, provenance=provenance, finish=finish, budget=budget)
+        first = replace(plan_hulls(job.cfg), target="voxels")
+        exported = export_asset(asset, provenance=provenance, finish=finish, budget=budget, first=first)
     else:
-        exported = export_source(source, asset, provenance, finish, budget)
+        exported = export_source(source, asset, provenance, finish, budget, first=plan_hulls(job.cfg))
     laps.end("export", *exported.seconds)
     write_package(exported.package, job.out / job.key, "replace")
     laps.end("write")
@@ -196,12 +205,27 @@ def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "ro
     return restore_tree(asset, found)
 
 
+def plan_hulls(cfg: ConvertSettings) -> "HullPlan":
+    """How hulls are made first by some settings.
+
+    Raises:
+        ArtigenError: If CoACD has parameters that cannot be read, or is not who makes the hulls.
+    """
+    from sim_export.collision.tools import read_options
+    from sim_export.search import HullPlan
+
+    if cfg.coacd and cfg.collision != "coacd":
+        raise ArtigenError(f"coacd={cfg.coacd!r}: hulls are made by {cfg.collision}; add --collision coacd")
+    return HullPlan(method=cfg.collision, options=tuple(read_options(cfg.coacd).items()))
+
+
 def export_source(
     source: "SourceObject",
     asset: "Asset",
     provenance: dict[str, str],
     finish: Callable[["SimPackage"], "SimPackage"] = lambda package: package,
     budget: "Budget | None" = None,
+    first: "HullPlan | None" = None,
 ) -> "Exported":
     """A package with the object's own meshes, and the hulls of these that fail fewest static checks.
 
@@ -215,7 +239,12 @@ def export_source(
     solids = make_solids(asset, place_source_surfaces(source, asset))
     meshes = place_source_meshes(source, asset)
     return export_best(
-        solids, HullPlan(), source_meshes=meshes, provenance=provenance, finish=finish, budget=budget
+        solids,
+        first or HullPlan(),
+        source_meshes=meshes,
+        provenance=provenance,
+        finish=finish,
+        budget=budget,
     )
 
 

@@ -5,7 +5,14 @@ from functools import partial
 from pathlib import Path
 from typing import Literal, TypedDict, Unpack, overload
 
-from artigen.api.convert import TIMEOUT, ConvertSettings, Direction, convert_and_validate, list_conversions
+from artigen.api.convert import (
+    TIMEOUT,
+    Collision,
+    ConvertSettings,
+    Direction,
+    convert_and_validate,
+    list_conversions,
+)
 from artigen.api.generate import GenerateSettings, generate_and_validate, list_jobs, understand_job
 from artigen.api.object import Object
 from artigen.api.objects import Objects, list_seeds, make_here
@@ -73,6 +80,8 @@ class ConvertOptions(TypedDict, total=False):
     visual: Literal["source", "voxels"]
     gaussians: bool
     budget: float
+    collision: Collision
+    coacd: str
     workers: int
 
 
@@ -230,6 +239,8 @@ def convert(
     visual: Literal["source", "voxels"] = "source",
     gaussians: bool = False,
     budget: float = 30.0,
+    collision: Collision = "auto",
+    coacd: str = "",
     workers: int = 0,
 ) -> Object | Objects:
     """Converts an object of a URDF, an MJCF, a PartNet-Mobility folder or an ``object.json``.
@@ -249,6 +260,8 @@ def convert(
         visual: Keep the meshes, or rebuild the object from its 64^3 voxels.
         gaussians: Whether the package has 3D Gaussians.
         budget: Seconds of one core per object; the best package found in them is made.
+        collision: Who makes the hulls: our search, exact boxes and cylinders, CoACD or V-HACD.
+        coacd: Parameters of CoACD, such as ``threshold=0.03,max_convex_hull=32``.
         workers: Processes for many objects; 0 makes them in this one.
 
     Raises:
@@ -264,6 +277,8 @@ def convert(
         visual=visual,
         splats=gaussians,
         budget=budget,
+        collision=collision,
+        coacd=coacd,
     )
     one = isinstance(source, str | Path)
     given = (Path(source),) if isinstance(source, str | Path) else tuple(map(Path, source))

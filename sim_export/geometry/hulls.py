@@ -287,12 +287,11 @@ def _farthest_first(points: Float[np.ndarray, "N 3"], count: int) -> Int[np.ndar
         middle = points[kept].mean(axis=0)
         across = np.linalg.svd(points[kept] - middle)[2][2]  # of the plane in which they lie
         kept.append(int(np.abs((points - middle) @ across).argmax()))
-    solved = ConvexHull(points[kept], incremental=True)
     while len(kept) < count:
-        outside = (points @ solved.equations[:, :3].T + solved.equations[:, 3]).max(axis=1)
+        # Facets that rounding has made wide do to look for the next point.
+        planes = ConvexHull(points[kept], qhull_options="Qt Q12").equations
+        outside = (points @ planes[:, :3].T + planes[:, 3]).max(axis=1)
         if outside.max() <= FLAT:
             break
         kept.append(int(outside.argmax()))
-        solved.add_points(points[kept[-1:]])
-    solved.close()
     return np.array(kept)

@@ -35,6 +35,8 @@ COARSEST = 0.012
 """It grows no further than this, over the object's diagonal."""
 FEWER = 0.75
 """Share of the hulls otherwise allowed that an object gets whose hulls became too many when they were cut."""
+LINK_SHARE = 0.25
+"""Share of the time that is left which one link of several may take."""
 SAMPLES = 6000
 """Points on the surface of each link that are followed along its ways."""
 
@@ -69,12 +71,12 @@ class ObjectCover:
     ) -> dict[str, tuple[Hull, ...]]:
         """Hulls of every link: ``levels`` are those of `LEVELS` by link, if not the first; ``fewer`` in all.
 
-        Each link gets an equal share of what is left of the budget when its turn comes.
+        Each link may take `LINK_SHARE` of what is left of the budget when its turn comes, the last one all.
         """
         levels, budget = levels or {}, budget or Budget()
         fineness = {name: LEVELS[levels.get(name, 0)] for name in self._surfaces}
         covers = {
-            name: self._cover(name, each, budget.share(1.0 / (len(fineness) - place)))
+            name: self._cover(name, each, budget.share(max(LINK_SHARE, 1.0 / (len(fineness) - place))))
             for place, (name, each) in enumerate(fineness.items())
         }
         most = max(each.most_of_object for each in fineness.values()) * (FEWER if fewer else 1.0)

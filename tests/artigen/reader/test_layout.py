@@ -9,7 +9,7 @@ from jaxtyping import Float
 from scipy.optimize import least_squares
 
 from artigen.errors import ArtigenError
-from artigen.reader.layout.build import FLOOR, build_from_reading, find_foot
+from artigen.reader.layout.build import FLOOR, build_from_reading, find_foot, wear_read
 from artigen.reader.layout.cells import OPEN, Seen, make_cells
 from artigen.reader.layout.colours import BLACK, PALE, SAME, WARM, find_finishes, is_wooden
 from artigen.reader.layout.contents import CLOSED, furnish_node
@@ -471,3 +471,15 @@ def furnish(reading: Reading) -> Node:
     region = np.array([0.0, 0.0, view.size[0], view.size[2]])
     node = make_cells(view.tree, view.fronts, region)
     return furnish_node(np.random.default_rng(0), node, (view.size[0], view.size[2]), view, reading.kind)
+
+
+def test_things_keep_what_they_are_made_of_in_the_colour_that_was_read():
+    """A toilet that is read as plastic is ceramic, and as heavy."""
+    shape = draw_shape("Toilet", 0)
+    lid = make_front("door", (0.0, 0.0, 1.0, 1.0), color=(30, 60, 120), material="plastic")
+    worn = dict(wear_read(shape, make_reading(lid, kind="Toilet", color=(30, 60, 120)), 0).finishes)
+    own = dict(shape.finishes)
+    assert {role: finish.kind for role, finish in worn.items()} == {
+        r: finish.kind for r, finish in own.items()
+    }
+    np.testing.assert_allclose(worn["body"].color, np.array((30, 60, 120)) / 255)

@@ -8,7 +8,8 @@ import pytest
 from shape_sweeps import find_overlaps
 
 from artigen.kind import kinds
-from artigen.shapes.draw import Wish, draw_shape
+from artigen.kinds.toilet import SHALLOWEST
+from artigen.shapes.draw import ShapeError, Wish, draw_shape
 from artigen.shapes.fittings.bowls import build_bowl
 from artigen.shapes.fittings.hardware import GAP, Edge, Space
 from artigen.shapes.fittings.lids import (
@@ -141,7 +142,8 @@ def test_wished_lengths_are_met_with_what_stands_out_excepted(category: str):
         assert found.style == plain.style
 
 
-@pytest.mark.parametrize("depth", [0.585, 0.606, 0.74])
-def test_shallow_wall_hung_toilets_have_bowls_that_their_hinges_leave_free(depth: float):
-    shape = draw_shape("Toilet", 0, Wish(style="wall_hung", depth=depth))
+def test_wall_hung_toilets_have_bowls_that_their_hinges_leave_free():
+    shape = draw_shape("Toilet", 0, Wish(style="wall_hung", depth=SHALLOWEST))
     assert find_overlaps(shape, 3) == []
+    with pytest.raises(ShapeError, match=r"depth 0.61 m with a piece of wall, expected at least 0.62 m"):
+        draw_shape("Toilet", 0, Wish(style="wall_hung", depth=SHALLOWEST - 0.01))
