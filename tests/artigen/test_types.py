@@ -56,6 +56,7 @@ NAN = float("nan")
 DEFECTS = {
     "joint type": (lambda: replace(HINGE, type="hinge"), ("'hinge'", *JOINT_TYPES)),
     "axis length": (lambda: replace(HINGE, axis=np.array([0.0, 0.0, 2.0])), ("length 2", "expected 1")),
+    "axis just too long": (lambda: replace(HINGE, axis=np.array([0.0, 0.0, 1.000002])), ("expected 1",)),
     "axis zero": (lambda: replace(HINGE, axis=np.zeros(3)), ("length 0", "expected 1")),
     "axis shape": (lambda: replace(HINGE, axis=np.array([0.0, 1.0])), ("joint axis", "(2,)", "3")),
     "axis NaN": (lambda: replace(HINGE, axis=np.array([NAN, 0.0, 1.0])), ("joint axis", "NaN")),
