@@ -186,7 +186,7 @@ def _lay_out(view: View, foot: Foot, kind: str) -> Node:
 
 def _find_panel(reading: Reading, label: str) -> FrontStyle:
     """The commonest style of the doors or the drawers, slabs where nobody has looked."""
-    fields = Counter(
+    fields: Counter[Field] = Counter(
         front.field for front in reading.fronts if front.label == label and front.field is not None
     )
     return PANELS[fields.most_common(1)[0][0]] if fields else "flat"
