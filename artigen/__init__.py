@@ -11,10 +11,11 @@ if TYPE_CHECKING:
     from artigen.api.entry import convert, generate, sample
     from artigen.api.object import Object, load
     from artigen.api.objects import Objects
+    from artigen.api.restyle import restyle
     from artigen.kind import kinds
 
 __version__ = "0.1.0"
-__all__ = ["Object", "Objects", "convert", "generate", "kinds", "load", "sample"]
+__all__ = ["Object", "Objects", "convert", "generate", "kinds", "load", "restyle", "sample"]
 
 _PLACES = {
     "Object": "artigen.api.object",
@@ -23,6 +24,7 @@ _PLACES = {
     "generate": "artigen.api.entry",
     "kinds": "artigen.kind",
     "load": "artigen.api.object",
+    "restyle": "artigen.api.restyle",
     "sample": "artigen.api.entry",
 }
 

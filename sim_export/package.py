@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
+from artigen.shapes.surfaces.physical import PLAIN, Material
 from artigen.types import Gaussians, Joint, PartLabel, freeze_field
 
 UrdfJointType = Literal["fixed", "revolute", "prismatic", "continuous"]
@@ -25,7 +26,8 @@ class Mesh:
     """Triangles with shared vertices, optionally textured by per-corner coordinates.
 
     ``uv`` has its origin at the lower left of ``texture``, whose rows run top to bottom; an optional fourth
-    channel is the opacity. ``color`` is the RGB in [0, 1] of a mesh without a texture.
+    channel is the opacity. Coordinates outside [0, 1] repeat the texture. ``color`` is the RGB in [0, 1] of a
+    mesh without a texture. Meshes of one ``material`` with a name have the same texture or colour.
     """
 
     vertices: Float[np.ndarray, "V 3"]
@@ -33,6 +35,7 @@ class Mesh:
     uv: Float[np.ndarray, "F 3 2"] | None = None
     texture: UInt8[np.ndarray, "H W C"] | None = None
     color: tuple[float, float, float] = (0.7, 0.7, 0.7)
+    material: Material = PLAIN
 
     def __post_init__(self) -> None:
         vertices = freeze_field(self, "vertices", np.float64, (None, 3), "mesh vertices")
@@ -41,10 +44,11 @@ class Mesh:
             raise ValueError(
                 f"mesh faces index {faces.min()}..{faces.max()}, vertices are 0..{len(vertices) - 1}"
             )
-        if (self.uv is None) != (self.texture is None):
-            raise ValueError("a mesh needs both texture coordinates and a texture, or neither")
+        if self.uv is None and self.texture is not None:
+            raise ValueError("a mesh with a texture needs texture coordinates")
         if self.uv is not None:
             freeze_field(self, "uv", np.float64, (len(faces), 3, 2), "mesh uv")
+        if self.texture is not None:
             texture = freeze_field(self, "texture", np.uint8, (None, None, None), "texture")
             if texture.shape[2] not in (3, 4):
                 raise ValueError(f"a texture with {texture.shape[2]} channels, expected RGB or RGBA")
@@ -64,12 +68,23 @@ class SourceMesh:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Visual:
-    """One visual element of a link, with the part it belongs to."""
+    """One visual element of a link, with the part it belongs to.
+
+    ``finish`` is the role of its surface in the object (front, handle), as in
+    `artigen.shapes.surfaces.palette`; "" where that is unknown. The visuals of a part are closed together.
+    """
 
     name: str
     part: str
     label: PartLabel
     mesh: Mesh | SourceMesh
+    finish: str = ""
+
+    @property
+    def look(self) -> str:
+        """Name of its material: what it is, or the visual's own where that is unknown."""
+        named = isinstance(self.mesh, Mesh) and self.mesh.material.name
+        return named or self.name
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -103,11 +118,11 @@ class Link:
     """
 
     name: str
-    label: PartLabel | None
-    parts: tuple[str, ...]
-    visuals: tuple[Visual, ...]
-    hulls: tuple[Hull, ...]
-    inertial: Inertial | None
+    label: PartLabel | None = None
+    parts: tuple[str, ...] = ()
+    visuals: tuple[Visual, ...] = ()
+    hulls: tuple[Hull, ...] = ()
+    inertial: Inertial | None = None
     splats: Gaussians | None = None
 
 

@@ -1,8 +1,8 @@
 """`build_reference`: the exact package of a `Shape`.
 
 Collision consists of the object's convex primitives, simplified to boxes and cylinders within a tolerance.
-Visuals are the exact unions of each part's primitives, with textures evaluated at every texel. Joints and
-opening order are those of the object.
+Visuals are the exact unions of each part's primitives, one mesh per finish, with tiles of the finish in
+metres. Joints and opening order are those of the object.
 """
 
 from collections import Counter
@@ -13,20 +13,22 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int
 
-from artigen.kind import Make, MaterialName
+from artigen.kind import Make, MaterialName, find_kind
 from artigen.shapes.asset import frame_shape, shape_to_asset
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import FinishKind
-from artigen.shapes.surfaces.textures import PaintTable, apply_paint, find_rows, make_paint
-from sim_export.appearance.atlas import make_atlas
-from sim_export.appearance.shared_textures import lay_shared
+from artigen.shapes.surfaces.textures import PaintTable, find_rows, make_paint
+from sim_export.appearance.dress import Look, find_looks
+from sim_export.appearance.pieces import Piece, draw_pieces, find_pieces
+from sim_export.appearance.prints import FINISHES, find_prints
 from sim_export.appearance.splats import attach_splats
-from sim_export.appearance.texture import color_atlas
+from sim_export.appearance.tiles import lay_coordinates
 from sim_export.collision.hull_limits import trim_hull
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.simplification import EXACT, measure_simplified, simplify_links
-from sim_export.geometry.solids import as_solid, unite
+from sim_export.geometry.broken_edges import is_box
+from sim_export.geometry.solids import as_solid, solid_arrays, unite
 from sim_export.geometry.triangles import bounds_of, find_slivers, triangle_normals
 from sim_export.package import Hull, Inertial, Mesh, Requirement, SimPackage
 from sim_export.physics.annotations import annotate_handles
@@ -38,21 +40,18 @@ from sim_export.physics.masses import mean_thickness, subtract
 from sim_export.physics.materials import MATERIALS, finish_material
 from sim_export.topology import hull_kinds
 
+SQUARE = 0.9
+"""Cosine to the sides of a box below which a face is a broken edge."""
 SLIVERS = 0.01
 """Share of triangles that may be slivers in a union, as V101 allows; one always may."""
-MAX_SIZE = 1024
-"""Longest side of a part's image (texels); larger parts get larger texels."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReferenceConfig:
-    """Textures and Gaussians of a reference package."""
+    """What a reference package contains."""
 
-    texel: float = 0.005
-    """Edge of a texel (m)."""
-    textures: Literal["own", "shared"] = "own"
-    """``own``: every part has its own image, exact at every texel. ``shared``: parts with the same finishes
-    share an image across objects, so their boards differ from the object's."""
+    detail: Literal["low", "high"] = "high"
+    """``high``: rounds are smooth and edges broken; ``low``: visuals are the primitives as they collide."""
     gaussians: bool = False
     """Whether links have 3D Gaussians, discs on their exact faces (`artigen.splats.faces`)."""
 
@@ -72,7 +71,7 @@ def build_reference(
 
     Args:
         shape: The object.
-        cfg: Textures and Gaussians.
+        cfg: What is in it.
         provenance: Origin of the object, for ``provenance.json``.
 
     Raises:
@@ -81,14 +80,25 @@ def build_reference(
     cfg = cfg or ReferenceConfig()
     center, _ = frame_shape(shape)
     asset = shape_to_asset(shape, resolution=None)
-    table = make_paint(shape)
+    finishes = dict(shape.finishes)
+    kind = find_kind(shape.category)
+    boards = kind is not None and kind.trade == "furniture"
+    printed = kind is not None and kind.trade == "appliance" and cfg.detail == "high"
+    prints = find_prints(shape) if printed else {}
+    table, looks = make_paint(shape), find_looks(finishes | (dict(FINISHES) if prints else {}))
     first = np.cumsum([0, *(len(part.primitives) for part in shape.parts)])
     make = find_make(shape.category, shape.style)
     geometry, meshes, records = [], [], []
     materials: list[tuple[str, str]] = []
     for part, start, solids, simple in zip(shape.parts, first, *_collide(shape, center), strict=False):
-        union = _show(solids, [primitive.kind == "cylinder" for primitive in part.primitives])
-        meshes.append(_paint_part(union, table, int(start), center, cfg))
+        if cfg.detail == "low":
+            union = _show(draw_pieces(part.primitives, center))
+        else:
+            union = _show(find_pieces(part.primitives, finishes, center, boards=boards))
+        meshes.append(union.mesh)
+        dressed = _dress(union, part, table, int(start), center, looks)
+        for finish, mesh in prints.get(part.name, {}).items():
+            dressed[finish] = looks[finish].put_on(replace(mesh, vertices=mesh.vertices - center))
         apart = [far for far in measure_simplified(solids, simple) if far > EXACT]
         if apart:
             most = np.ceil(1e4 * max(apart)) / 10
@@ -102,7 +112,11 @@ def build_reference(
         made_of = _materials(shape, part)
         materials.append((part.name, Counter(sorted(made_of)).most_common(1)[0][0]))
         inertial = _weigh(part, solids, made_of, make)
-        geometry.append(PartGeometry(visuals=(meshes[-1],), hulls=hulls, inertial=inertial))
+        geometry.append(
+            PartGeometry(
+                visuals=tuple(dressed.values()), finishes=tuple(dressed), hulls=hulls, inertial=inertial
+            )
+        )
     tree = _couple(shape, build_links(asset, geometry, find_latched(shape), find_stays(shape)))
     links = pin_carriers(tree.links, tree.joints)
     if cfg.gaussians:
@@ -140,7 +154,7 @@ def describe_build(shape: Shape) -> list[object]:
             part.name,
             part.label,
             part.parent,
-            None if part.motion is None else part.motion.type,
+            None if part.joint is None else part.joint.type,
             hull_kinds(_trim(simple)),
         )
         for part, simple in zip(shape.parts, _collide(shape, np.zeros(3))[1], strict=True)
@@ -164,48 +178,52 @@ def _trim(solids: Sequence[Hull]) -> tuple[Hull, ...]:
     return tuple(piece for solid in solids for piece in trim_hull(solid))
 
 
-def _show(solids: Sequence[Hull], round_ones: Sequence[bool]) -> _Union:
-    """The surface of a part: its exact union if that is a clean mesh, else overlapping closed pieces.
+def _show(pieces: Sequence[Piece]) -> _Union:
+    """The surface of a part: the exact union of its pieces if that is a clean mesh, else overlapping closed
+    pieces.
 
     Unions of crossing wires and of nearly aligned boards have slivers and vertices closer than the precision
     of files. Then round pieces stay separate and, if necessary, all pieces do.
     """
-    level = [Hull(vertices=np.round(solid.vertices, 6), faces=solid.faces) for solid in solids]
-    boards = [index for index, is_round in enumerate(round_ones) if not is_round]
-    alone = [[index] for index, is_round in enumerate(round_ones) if is_round]
-    every = [[index] for index in range(len(solids))]
-    for groups in ([list(range(len(solids)))], [boards, *alone], every):
-        union = _join([(_unite([level[k] for k in group]), group) for group in groups if group])
+    boards = [piece for piece in pieces if not piece.is_round]
+    alone = [[piece] for piece in pieces if piece.is_round]
+    every = [[piece] for piece in pieces]
+    for groups in ([list(pieces)], [boards, *alone], every):
+        union = _join([_unite_pieces(group) for group in groups if group])
         if _is_clean(union.mesh):
             break
     return union
 
 
-def _unite(solids: Sequence[Hull]) -> _Union:
-    """The union of convex solids as one closed mesh."""
-    parts = [as_solid(solid).as_original() for solid in solids]
-    number = {part.original_id(): index for index, part in enumerate(parts)}
+def _unite_pieces(pieces: Sequence[Piece]) -> _Union:
+    """The union of pieces as one closed mesh, and the primitive of each face."""
+    number = {piece.solid.original_id(): piece for piece in pieces}
     # No simplify(): it loses volume where bevelled boards meet.
-    mesh = unite(parts).to_mesh64()
+    mesh = unite([piece.solid for piece in pieces]).to_mesh64()
     runs = np.diff(np.asarray(mesh.run_index).astype(np.int64)) // 3
-    owners = np.repeat([number[int(original)] for original in mesh.run_original_id], runs)
     vertices = np.asarray(mesh.vert_properties)[:, :3]
     faces = np.asarray(mesh.tri_verts).astype(np.int64)
-    return _Union(mesh=Mesh(vertices=vertices, faces=faces), owners=owners)
+    middles, starts = vertices[faces].mean(axis=1), np.cumsum([0, *runs])
+    owners = [
+        number[int(original)].owners(middles[start : start + run])
+        for original, start, run in zip(mesh.run_original_id, starts, runs, strict=False)
+    ]
+    return _Union(mesh=Mesh(vertices=vertices, faces=faces), owners=np.concatenate(owners))
 
 
-def _join(pieces: Sequence[tuple[_Union, list[int]]]) -> _Union:
-    """Joins several surfaces; the ``owners`` of each become the numbers given with it."""
-    starts = np.cumsum([0, *(len(union.mesh.vertices) for union, _ in pieces)])
-    return _Union(
-        mesh=Mesh(
-            vertices=np.concatenate([union.mesh.vertices for union, _ in pieces]),
-            faces=np.concatenate(
-                [union.mesh.faces + start for (union, _), start in zip(pieces, starts, strict=False)]
-            ),
-        ),
-        owners=np.concatenate([np.array(group)[union.owners] for union, group in pieces]),
-    )
+def _unite(solids: Sequence[Hull]) -> Mesh:
+    """The union of convex solids as one closed mesh."""
+    vertices, faces = solid_arrays(unite([as_solid(solid) for solid in solids]))
+    return Mesh(vertices=vertices, faces=faces)
+
+
+def _join(unions: Sequence[_Union]) -> _Union:
+    """Several surfaces as one."""
+    starts = np.cumsum([0, *(len(union.mesh.vertices) for union in unions)])
+    vertices = np.concatenate([union.mesh.vertices for union in unions])
+    faces = [union.mesh.faces + start for union, start in zip(unions, starts, strict=False)]
+    owners = np.concatenate([union.owners for union in unions])
+    return _Union(mesh=Mesh(vertices=vertices, faces=np.concatenate(faces)), owners=owners)
 
 
 def _is_clean(mesh: Mesh) -> bool:
@@ -216,19 +234,45 @@ def _is_clean(mesh: Mesh) -> bool:
     return bool(shortest > 2e-6 and slivers <= np.ceil(SLIVERS * len(triangles)))
 
 
-def _paint_part(
-    union: _Union, table: PaintTable, start: int, center: Float[np.ndarray, "3"], cfg: ReferenceConfig
-) -> Mesh:
-    """The mesh with an image whose texels have the colour of the object at their place."""
-    mesh = union.mesh
-    normals = triangle_normals(mesh.vertices[mesh.faces])
-    if cfg.textures == "shared":
-        return lay_shared(mesh, find_rows(table, start + union.owners, normals), table, center)
-    atlas = make_atlas(mesh, cfg.texel, MAX_SIZE)
-    facing = normals[atlas.faces]
-    rows = find_rows(table, start + union.owners[atlas.faces], facing)
-    colors = apply_paint(table, rows, atlas.points + center, facing, footprint=cfg.texel)
-    return color_atlas(mesh, atlas, np.rint(255 * np.asarray(colors)).astype(np.uint8))
+def _dress(
+    union: _Union,
+    part: ShapePart,
+    table: PaintTable,
+    start: int,
+    center: Float[np.ndarray, "3"],
+    looks: Mapping[str, Look],
+) -> dict[str, Mesh]:
+    """The surface of a part by finish, with texture coordinates in metres; together the meshes are closed."""
+    triangles = union.mesh.vertices[union.mesh.faces]
+    rows = find_rows(table, start + union.owners, _square_normals(part, union, triangle_normals(triangles)))
+    names = [
+        name
+        for primitive in part.primitives
+        for name in (primitive.finish, primitive.lining or primitive.finish)
+    ]
+    shown = np.array(names)[rows - 2 * start]
+    uv = lay_coordinates(triangles + center, rows, table)
+    dressed: dict[str, Mesh] = {}
+    for name in dict.fromkeys(names):
+        own = shown == name
+        if own.any():
+            used, faces = np.unique(union.mesh.faces[own], return_inverse=True)
+            bare = Mesh(vertices=union.mesh.vertices[used], faces=faces.reshape(-1, 3), uv=uv[own])
+            dressed[name] = looks[name].put_on(bare)
+    return dressed
+
+
+def _square_normals(
+    part: ShapePart, union: _Union, normals: Float[np.ndarray, "F 3"]
+) -> Float[np.ndarray, "F 3"]:
+    """Normals by which a lining is found: broken edges of boxes belong to the side without it."""
+    squared = normals.copy()
+    for index, primitive in enumerate(part.primitives):
+        if primitive.lined_side is not None and is_box(primitive):
+            own = union.owners == index
+            bevel = np.abs(normals[own] @ primitive.rotation).max(axis=1) < SQUARE
+            squared[np.flatnonzero(own)[bevel]] = 0.0
+    return squared
 
 
 def _materials(shape: Shape, part: ShapePart) -> list[MaterialName]:
@@ -245,17 +289,17 @@ def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialNa
 
     Hardware has the density of its material, other parts that of the category's `Make`.
     """
-    hardware = is_hardware(part.label, moves=part.motion is not None)
+    hardware = is_hardware(part.label, moves=part.joint is not None)
     names = sorted(set(made_of))
     inertials: list[Inertial] = []
     before: Mesh | None = None
     for count, name in enumerate(names, start=1):
         chosen = [solid for solid, made in zip(solids, made_of, strict=True) if made in names[:count]]
-        mesh = _unite(chosen).mesh
+        mesh = _unite(chosen)
         density = MATERIALS[name].bulk if hardware else wall_density(make, name)
         if name in make.wall and not hardware:
             own = [solid for solid, made in zip(solids, made_of, strict=True) if made == name]
-            density = wall_density(make, name, mean_thickness(_unite(own).mesh))
+            density = wall_density(make, name, mean_thickness(_unite(own)))
         added = mesh_inertial(mesh, density)
         known = None if before is None else mesh_inertial(before, density)
         before = mesh
@@ -272,7 +316,7 @@ def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialNa
 
 def _couple(shape: Shape, tree: LinkTree) -> LinkTree:
     """Adds followers, which mimic their leaders, and springs to the tree; one record for each."""
-    motions = {part.name: part.motion for part in shape.parts if part.motion is not None}
+    motions = {part.name: part.joint for part in shape.parts if part.joint is not None}
     leading = {link.name: link.parts[0] for link in tree.links if link.parts}
     joints, records = [], list(tree.records)
     for joint in tree.joints:
@@ -310,7 +354,7 @@ def find_latched(shape: Shape) -> frozenset[str]:
 
 def find_stays(shape: Shape) -> frozenset[str]:
     """Parts whose hinges hold them wherever they are left."""
-    return frozenset(part.name for part in shape.parts if part.motion is not None and part.motion.stays)
+    return frozenset(part.name for part in shape.parts if part.joint is not None and part.joint.stays)
 
 
 def _requirements(shape: Shape, tree: LinkTree) -> tuple[Requirement, ...]:
@@ -320,5 +364,5 @@ def _requirements(shape: Shape, tree: LinkTree) -> tuple[Requirement, ...]:
         Requirement(joint=driving[part.name], needs=driving[need.part], fraction=need.fraction)
         for part in shape.parts
         for need in part.needs
-        if part.motion is not None
+        if part.joint is not None
     )

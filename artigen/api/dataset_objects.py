@@ -78,7 +78,7 @@ def make_job(entry: Entry, options: Options, work: Path, seed: int, *, by_model:
     if by_model:
         drawn = GenerateSettings(
             width=wish.width, depth=wish.depth, height=wish.height, style=wish.style, counts=counts,
-            redraws=options.redraws, gaussians=options.gaussians, textures=options.textures,
+            redraws=options.redraws, gaussians=options.gaussians,
         )  # fmt: skip
         name = f"{entry.name}-g{seed}"
         inner = GenerateJob(
@@ -87,7 +87,7 @@ def make_job(entry: Entry, options: Options, work: Path, seed: int, *, by_model:
     else:
         made = ShapeSettings(
             width=wish.width, depth=wish.depth, height=wish.height, style=wish.style, counts=counts,
-            like=entry.like, splats=options.gaussians, textures=options.textures,
+            like=entry.like, splats=options.gaussians,
             validation=options.validation,
         )  # fmt: skip
         inner = ShapeJob(

@@ -5,7 +5,14 @@ from functools import partial
 from pathlib import Path
 from typing import Literal, TypedDict, Unpack, overload
 
-from artigen.api.convert import TIMEOUT, ConvertSettings, Direction, convert_and_validate, list_conversions
+from artigen.api.convert import (
+    TIMEOUT,
+    Collision,
+    ConvertSettings,
+    Direction,
+    convert_and_validate,
+    list_conversions,
+)
 from artigen.api.generate import GenerateSettings, generate_and_validate, list_jobs, understand_job
 from artigen.api.object import Object
 from artigen.api.objects import Objects, list_seeds, make_here
@@ -36,7 +43,6 @@ class Look(TypedDict, total=False):
     height: float | None
     style: str | None
     counts: Counts | None
-    textures: Literal["own", "shared"]
     gaussians: bool
     workers: int
 
@@ -56,6 +62,7 @@ class GenerateOptions(Look, total=False):
     box: tuple[float, float, float, float] | None
     reading: Path | str | None
     kind: str | None
+    structure: Literal["sketch", "latent"]
     temperature: float
     redraws: int
     model: Path
@@ -72,6 +79,9 @@ class ConvertOptions(TypedDict, total=False):
     body: str | None
     visual: Literal["source", "voxels"]
     gaussians: bool
+    budget: float
+    collision: Collision
+    coacd: str
     workers: int
 
 
@@ -94,14 +104,13 @@ def sample(
     family: str | None = None,
     suite: int | None = None,
     like: int | None = None,
-    textures: Literal["own", "shared"] = "own",
     gaussians: bool = False,
     workers: int = 0,
 ) -> Object | Objects:
     """Samples an object from the procedural grammar: exact, in milliseconds, without a network.
 
     Args:
-        kind: Name of a kind, such as ``StorageFurniture``; see `kinds`.
+        kind: Name of a kind, or a noun for it, such as ``StorageFurniture`` or ``cabinet``; see `kinds`.
         seed: Seed of the object, or a sequence of seeds for as many.
         count: Number of objects with consecutive seeds; a lazy sequence of them is returned.
         width: Metres, seen from the front; lengths that are not stated are sampled.
@@ -112,7 +121,6 @@ def sample(
         family: Look across kinds, such as ``industrial``.
         suite: Choice of the family's materials and hardware; objects of one suite match.
         like: Seed of a template whose links, joints and kinds of collision shapes are kept.
-        textures: One texture per part, or common ones for parts of the same finish.
         gaussians: Whether the package has 3D Gaussians.
         workers: Processes for many objects; 0 makes them in this one.
 
@@ -121,7 +129,7 @@ def sample(
     """
     cfg = ShapeSettings(
         width=width, depth=depth, height=height, style=style, counts=_write_counts(counts), family=family,
-        suite=suite, like=like, textures=textures, splats=gaussians,
+        suite=suite, like=like, splats=gaussians,
     )  # fmt: skip
     jobs = list_shapes(kind, HERE, list_seeds(seed, count), cfg)
     if isinstance(seed, int) and count is None:
@@ -163,9 +171,9 @@ def generate(
     depth: float | None = None,
     height: float | None = None,
     style: str | None = None,
+    structure: Literal["sketch", "latent"] = "sketch",
     temperature: float = GenerateSettings.temperature,
     redraws: int = GenerateSettings.redraws,
-    textures: Literal["own", "shared"] = "own",
     gaussians: bool = True,
     model: Path = SHIPPED,
     workers: int = 0,
@@ -181,7 +189,7 @@ def generate(
         box: Left, top, right and bottom of the object in the photograph, as shares of width and height;
             default: the largest object.
         reading: File that ``artigen read --json`` wrote, edited or not, instead of a photograph.
-        kind: Name of a kind; default: as words or picture say.
+        kind: Name of a kind, or a noun for it; default: as words or picture say.
         counts: Number of parts by label; the others are free.
         seed: Seed of the object, or a sequence of seeds for as many.
         count: Number of objects with consecutive seeds; a lazy sequence of them is returned.
@@ -189,9 +197,10 @@ def generate(
         depth: Metres, with handles.
         height: Metres.
         style: Style of the kind, such as ``shaker``.
+        structure: ``sketch`` for exact solids; ``latent`` for voxels that the paper's latents give within the
+            boxes of the sketch.
         temperature: Sampling temperature; 1 matches the training data, lower is less varied.
         redraws: Most new draws of an object that fails a check.
-        textures: One texture per part, or common ones for parts of the same finish.
         gaussians: Whether the package has 3D Gaussians.
         model: Folder of a trained model; default: the shipped one.
         workers: Processes for many objects; 0 makes them in this one.
@@ -202,8 +211,8 @@ def generate(
     cfg = GenerateSettings(
         text=words, image=None if image is None else Path(image), box=box,
         reading=None if reading is None else Path(reading), width=width, depth=depth, height=height,
-        style=style, counts=_write_counts(counts), temperature=temperature, redraws=redraws,
-        textures=textures, gaussians=gaussians, compare=False,
+        style=style, counts=_write_counts(counts), structure=structure, temperature=temperature,
+        redraws=redraws, gaussians=gaussians, compare=False,
     )  # fmt: skip
     jobs = list_jobs(HERE, list_seeds(seed, count), cfg, category=kind, model=Path(model))
     understand_job(jobs[0])
@@ -229,6 +238,9 @@ def convert(
     body: str | None = None,
     visual: Literal["source", "voxels"] = "source",
     gaussians: bool = False,
+    budget: float = 30.0,
+    collision: Collision = "auto",
+    coacd: str = "",
     workers: int = 0,
 ) -> Object | Objects:
     """Converts an object of a URDF, an MJCF, a PartNet-Mobility folder or an ``object.json``.
@@ -247,13 +259,26 @@ def convert(
         body: Body of a scene file that is the object; default: every object in the file.
         visual: Keep the meshes, or rebuild the object from its 64^3 voxels.
         gaussians: Whether the package has 3D Gaussians.
+        budget: Seconds of one core per object; the best package found in them is made.
+        collision: Who makes the hulls: our search, exact boxes and cylinders, CoACD or V-HACD.
+        coacd: Parameters of CoACD, such as ``threshold=0.03,max_convex_hull=32``.
         workers: Processes for many objects; 0 makes them in this one.
 
     Raises:
         ArtigenError: If the source cannot be read, or holds several objects where one is expected.
     """
     cfg = ConvertSettings(
-        mend=mend, size=size, category=kind, up=up, front=front, body=body, visual=visual, splats=gaussians
+        mend=mend,
+        size=size,
+        category=kind,
+        up=up,
+        front=front,
+        body=body,
+        visual=visual,
+        splats=gaussians,
+        budget=budget,
+        collision=collision,
+        coacd=coacd,
     )
     one = isinstance(source, str | Path)
     given = (Path(source),) if isinstance(source, str | Path) else tuple(map(Path, source))

@@ -14,6 +14,7 @@ from artigen.api.models import hash_file, hash_weights, load_drawer, load_sketch
 from artigen.api.names import choose_name, name_request
 from artigen.api.sample import read_wish
 from artigen.errors import ArtigenError
+from artigen.kind import spell_kind
 from artigen.runtime.runner import Runner
 from artigen.runtime.workers import Worker
 from artigen.weights import SHIPPED
@@ -78,9 +79,9 @@ class GenerateSettings:
     """Guidance strength, 0 for none (the paper uses 3); only with --structure latent."""
     encoders: Path | None = None
     """Folder with the public weights of DINOv2 and CLIP, for latent models that were trained with them."""
-    textures: Literal["own", "shared"] = "own"
-    """``own`` bakes one texture per part; ``shared`` gives parts of the same finish one common texture (only
-    with --structure sketch)."""
+    detail: Literal["low", "high"] = "high"
+    """``high``: visuals have smooth rounds and broken edges; ``low``: a third of the triangles (only with
+    --structure sketch)."""
     gaussians: bool = True
     """Add 3D Gaussians to the package, one PLY per link."""
     compare: bool = True
@@ -233,7 +234,7 @@ def _make_exact(
     """Package of the sketch's own primitives."""
     from sim_export.reference import ReferenceConfig, build_reference
 
-    cfg = ReferenceConfig(textures=job.cfg.textures, gaussians=job.cfg.gaussians)
+    cfg = ReferenceConfig(detail=job.cfg.detail, gaussians=job.cfg.gaussians)
     package = build_reference(shape, cfg, provenance=provenance)
     return replace(package, records=(*notes, *package.records))
 
@@ -360,10 +361,6 @@ def list_jobs(
             f"{len(seeds)} objects from seed {min(seeds, default=0)} with {cfg.redraws} redraws: expected at "
             "least one object, and nothing below 0"
         )
-    if cfg.textures != "own" and cfg.structure != "sketch":
-        raise ArtigenError(
-            f"textures {cfg.textures} with structure {cfg.structure}: only sketches can share textures"
-        )
     if cfg.steps < 1 or not 0 <= cfg.strength < math.inf or not 0 < cfg.temperature < math.inf:
         raise ArtigenError(
             f"{cfg.steps} steps, strength {cfg.strength:g}, temperature {cfg.temperature:g}: expected at "
@@ -372,7 +369,7 @@ def list_jobs(
     return [
         GenerateJob(
             model=model,
-            category=category,
+            category=category and spell_kind(category),
             seed=seed,
             out=out,
             cfg=cfg,

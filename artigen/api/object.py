@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from artigen.shapes.shape import Shape
     from envs.config import EngineChoice
     from sim_export.package import SimPackage
-    from sim_export.picture.image import Layer
+    from sim_export.picture.image import Layer, Lighting
     from sim_export.picture.view import PackageView
     from sim_export.picture.viewpoint import Viewpoint
     from sim_export.report import Report
@@ -203,6 +203,7 @@ class Object:
         camera: "Camera | Viewpoint | None" = None,
         q: Mapping[str, float] | float = 0.0,
         layer: "Layer" = "visual",
+        light: "Lighting" = "quick",
     ) -> UInt8[np.ndarray, "H W 3"]:
         """A picture of the object, sRGB.
 
@@ -211,6 +212,8 @@ class Object:
                 from which the posed object fills a picture of 384 x 384 pixels.
             q: Pose, as in `at`.
             layer: ``visual`` meshes, ``collision`` hulls or ``gaussians``.
+            light: ``quick``, or ``catalogue`` for a studio by Mitsuba 3 (``pip install "artigen[mitsuba]"``),
+                which takes seconds to minutes.
 
         Raises:
             PackageError: If there is nothing to draw in that layer, or no joint of that name.
@@ -218,7 +221,7 @@ class Object:
         from sim_export.picture.image import render_package
 
         if layer != "gaussians":
-            return render_package(self.package, camera, q, layer)
+            return render_package(self.package, camera, q, layer, light=light)
         from artigen.api.splats import draw_splats
 
         return render_package(self.package, camera, q, layer, draw_splats=draw_splats)
@@ -288,7 +291,7 @@ def _drawn_joints(shape: "Shape") -> dict[str, tuple[str, Joint]]:
     from artigen.shapes.asset import frame_shape
 
     center, _ = frame_shape(shape)
-    moving = [(part.name, part.motion) for part in shape.parts if part.motion is not None]
+    moving = [(part.name, part.joint) for part in shape.parts if part.joint is not None]
     return {
         f"joint_{number}": (part, replace(motion, origin=motion.origin - center))
         for number, (part, motion) in enumerate(moving)

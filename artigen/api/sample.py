@@ -10,6 +10,7 @@ from artigen.api.batch import Finished, Laps, Made, Part, run_with_progress, tak
 from artigen.api.grids import GRIDS, make_on_grids
 from artigen.api.names import choose_name
 from artigen.errors import ArtigenError
+from artigen.kind import spell_kind
 from artigen.runtime.runner import Runner
 from artigen.runtime.workers import Worker
 from artigen.types import PartLabel
@@ -55,9 +56,9 @@ class ShapeSettings:
     source: Literal["reference", "voxels"] = "reference"
     """``reference`` exports the exact primitives; ``voxels`` reconstructs the object from its 64^3 voxels,
     and from 96^3 and 128^3 voxels while its package fails validation."""
-    textures: Literal["own", "shared"] = "own"
-    """``own`` bakes one texture per part; ``shared`` gives parts of the same finish one common texture (only
-    with --source reference)."""
+    detail: Literal["low", "high"] = "high"
+    """``high``: visuals have smooth rounds and broken edges; ``low``: a third of the triangles (only with
+    --source reference)."""
     splats: bool = False
     """Add 3D Gaussians to the package: discs on its surface, one PLY per link."""
     validation: Literal["full", "none"] = "full"
@@ -212,7 +213,7 @@ def build_sampled(job: ShapeJob, drawn: "Shape | None" = None) -> "SimPackage":
         drawn or draw_wished(job),
         job.cfg.source,
         splats=job.cfg.splats,
-        textures=job.cfg.textures,
+        detail=job.cfg.detail,
         grid=job.grid,
     )
     suite = read_suite(job)
@@ -240,7 +241,7 @@ def make_package(
     source: Literal["reference", "voxels"],
     *,
     splats: bool = False,
-    textures: Literal["own", "shared"] = "own",
+    detail: Literal["low", "high"] = "high",
     grid: int = GRIDS[0],
 ) -> "SimPackage":
     """The package of an object: exact, or reconstructed from ``grid`` voxels along its longest edge."""
@@ -256,12 +257,8 @@ def make_package(
     if source == "reference":
         from sim_export.reference import ReferenceConfig, build_reference
 
-        cfg = ReferenceConfig(textures=textures, gaussians=splats)
+        cfg = ReferenceConfig(detail=detail, gaussians=splats)
         return build_reference(drawn, cfg, provenance=provenance)
-    if textures != "own":
-        raise ArtigenError(
-            f"textures {textures} with source {source}: only source reference can share textures"
-        )
     from artigen.api.convert import rebuild_from_voxels
     from artigen.shapes.asset import frame_shape, shape_to_asset
     from sim_export.appearance.splats import splat_package
@@ -333,6 +330,7 @@ def list_shapes(
             f"{len(seeds)} objects from seed {min(seeds, default=0)}: expected at least 1 object and a seed "
             "from 0"
         )
+    category = spell_kind(category)
     cfg = choose_like(category, cfg)
     return [
         ShapeJob(category=category, seed=seed, out=out, cfg=cfg, name=choose_name(name, seed, len(seeds)))

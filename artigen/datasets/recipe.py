@@ -17,7 +17,6 @@ from artigen.kind import kinds
 from artigen.shapes.draw import Wish
 from artigen.types import PartLabel
 
-Textures = Literal["shared", "own"]
 Validation = Literal["full", "none"]
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 """Pattern of names: they become keys of samples, which end at the first dot, and file names."""
@@ -57,8 +56,6 @@ class Entry:
 class Options:
     """Settings of the making and storing of objects."""
 
-    textures: Textures = "shared"
-    """``shared``: parts with the same finishes have the same image; ``own``: every part has its own."""
     gaussians: bool = False
     """Whether packages also hold Gaussians."""
     validation: Validation = "full"
@@ -306,7 +303,6 @@ def _read_options(value: _Value) -> Options:
     return Options(
         **value.fields(
             {
-                "textures": lambda child: child.choice(get_args(Textures)),
                 "gaussians": _Value.flag,
                 "validation": lambda child: child.choice(get_args(Validation)),
                 "redraws": lambda child: child.whole(0, 100),

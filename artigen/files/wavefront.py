@@ -18,6 +18,8 @@ from jaxtyping import Float, Int, Shaped
 from artigen.errors import SourceError
 
 NO_MATERIAL = (0.7, 0.7, 0.7)
+_PHYSICAL = {"Pr": "roughness", "Pm": "metallic", "Pc": "coat", "Pcr": "coat_roughness"}
+"""Words of the extension of MTL for physically based rendering."""
 _NUMBERS = {1: "a number", 3: "three numbers"}
 
 
@@ -28,6 +30,11 @@ class MtlMaterial(NamedTuple):
     image: str = ""
     opacity: float = 1.0
     """1 hides what is behind, 0 hides nothing."""
+    roughness: float = 0.8
+    metallic: float = 0.0
+    ior: float = 1.5
+    coat: float = 0.0
+    coat_roughness: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -151,6 +158,11 @@ def _parse(path: Path, data: bytes) -> ObjText:
         groups=groups,
         group_ids=group_ids,
     )
+
+
+def forget_files() -> None:
+    """Drops what is kept of files that were read."""
+    _parse.cache_clear()
 
 
 def _parse_groups(lines: list[bytes], owners: np.ndarray) -> tuple[tuple[tuple[str, ...], ...], np.ndarray]:
@@ -333,7 +345,8 @@ def read_mtl(path: Path, root: Path) -> dict[str, Material]:
         SourceError: If a colour is not three numbers.
     """
     known = {}
-    for name, (color, image, _) in parse_mtl(path).items():
+    for name, said in parse_mtl(path).items():
+        color, image = said.color, said.image
         found = path.parent / image if image and _lies_inside(root, path.parent, image) else None
         found = found if found is not None and found.is_file() else None
         known[name] = Material(color=color, image=found, missing="" if found else image)
@@ -341,7 +354,7 @@ def read_mtl(path: Path, root: Path) -> dict[str, Material]:
 
 
 def parse_mtl(path: Path) -> dict[str, MtlMaterial]:
-    """The materials of one file: diffuse colour, image, and opacity.
+    """The materials of one file: colour, image, opacity, and what the physically based extension says.
 
     The opacity is ``d``, or else one minus ``Tr``, which some programs write the other way round.
 
@@ -366,6 +379,12 @@ def parse_mtl(path: Path) -> dict[str, MtlMaterial]:
             known[name] = material._replace(color=(red, green, blue))
         elif tag == "map_Kd" and value:
             known[name] = material._replace(image=clean_name(value))
+        elif tag in _PHYSICAL:
+            (share,) = _parse_shares(value, 1, f"{path}: material {name!r} has {tag}")
+            known[name] = material._replace(**{_PHYSICAL[tag]: share})
+        elif tag == "Ni":
+            (ior,) = _parse_numbers([value.encode()], 1, path, "Ni")[0]
+            known[name] = material._replace(ior=float(ior))
         elif tag in ("d", "Tr"):
             (share,) = _parse_shares(value.removeprefix("-halo"), 1, f"{path}: material {name!r} has {tag}")
             if tag == "d":

@@ -145,7 +145,7 @@ def draw_variant(
             draft = kinds()[category].draw(rng, wish)
         except CrowdedError:
             continue
-        worn = {role: _wear(own, looks.get(role) or own) for role, own in draft.finishes.items()}
+        worn = {role: wear(own, looks.get(role) or own) for role, own in draft.finishes.items()}
         shape = _make_shape(category, seed, replace(draft, finishes=worn))
         if fits(shape):
             return shape
@@ -200,7 +200,7 @@ class _Varied(np.random.Generator):
         return own + self._spread * (self._lengths.dirichlet(*args, **kwargs) - own)
 
 
-def _wear(own: Finish, other: Finish) -> Finish:
+def wear(own: Finish, other: Finish) -> Finish:
     """The other finish, unless only one of the two can be seen through."""
     return other if (own.opacity < 1.0) == (other.opacity < 1.0) else own
 

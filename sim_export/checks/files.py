@@ -24,6 +24,7 @@ SIDECARS = (
     "meta.json",
     "mobility_v2.json",
     "physics.json",
+    "materials.json",
     "provenance.json",
     "semantics.txt",
 )

@@ -1,5 +1,6 @@
 """L1, the shapes: closed and textured visuals, convex hulls, nothing detached (V101, V102, V104 to V107)."""
 
+from dataclasses import replace
 from pathlib import PurePosixPath
 
 import numpy as np
@@ -32,8 +33,8 @@ def own_visuals(subject: Subject) -> str:
 def check_visuals(subject: Subject, cfg: CheckConfig) -> Finding:
     """V101: visual meshes are closed, oriented outwards, free of slivers and of moderate size."""
     problems, links = [], []
-    for shape in subject.visuals:
-        faults = mesh_faults(shape, cfg)
+    for shape, joined in whole_visuals(subject):
+        faults = mesh_faults(shape, cfg, joined=joined)
         problems += [(shape.file, f"{shape.file}: {fault}") for fault in faults]
         links += [shape.link] if faults else []
     if not subject.visuals:
@@ -41,8 +42,25 @@ def check_visuals(subject: Subject, cfg: CheckConfig) -> Finding:
     return count_problems(problems, f"{len(subject.visuals)} visual meshes are closed and well shaped", links)
 
 
-def mesh_faults(shape: Shape, cfg: CheckConfig) -> list[str]:
-    """Faults of one visual mesh, one sentence each."""
+def whole_visuals(subject: Subject) -> list[tuple[Shape, bool]]:
+    """The visual meshes, and whether they are joined of several: those of one part that show it by its
+    finishes (``NAME``, ``NAME-1``, ...)."""
+    groups: dict[str, list[Shape]] = {}
+    for shape in subject.visuals:
+        groups.setdefault(shape.file.removesuffix(".obj").partition("-")[0], []).append(shape)
+    whole = []
+    for shapes in groups.values():
+        starts = np.cumsum([0, *(len(shape.vertices) for shape in shapes)])
+        faces = [shape.faces + start for shape, start in zip(shapes, starts, strict=False)]
+        vertices = [shape.vertices for shape in shapes]
+        joined = replace(shapes[0], vertices=np.concatenate(vertices), faces=np.concatenate(faces))
+        whole.append((joined, True) if len(shapes) > 1 else (shapes[0], False))
+    return whole
+
+
+def mesh_faults(shape: Shape, cfg: CheckConfig, *, joined: bool = False) -> list[str]:
+    """Faults of one visual mesh, one sentence each. Where ``joined`` of several, bodies that touch in a point
+    share it, so their Euler numbers say nothing."""
     faces = shape.faces
     if not len(faces):
         return ["has no faces"]
@@ -56,7 +74,8 @@ def mesh_faults(shape: Shape, cfg: CheckConfig) -> list[str]:
     if open_edges:
         faults.append(f"is open or wound inconsistently along {open_edges} edges")
     else:
-        faults += _topology_faults(shape, faces)
+        faults += [] if joined else _euler_faults(faces)
+        faults += _volume_faults(shape, faces)
     slivers = int(find_slivers(shape.triangles, cfg.sliver_ratio).sum())
     allowed = int(np.ceil(cfg.max_sliver_share * len(shape.faces)))
     if slivers > allowed:
@@ -64,15 +83,18 @@ def mesh_faults(shape: Shape, cfg: CheckConfig) -> list[str]:
     return faults
 
 
-def _topology_faults(shape: Shape, faces: np.ndarray) -> list[str]:
+def _euler_faults(faces: np.ndarray) -> list[str]:
     euler = euler_numbers(faces)
     bad = euler[(euler > 2) | (euler % 2 != 0)]
-    faults = [f"has a piece with Euler number {int(bad[0])}, which no closed surface has"] if len(bad) else []
+    return [f"has a piece with Euler number {int(bad[0])}, which no closed surface has"] if len(bad) else []
+
+
+def _volume_faults(shape: Shape, faces: np.ndarray) -> list[str]:
     corners = shape.vertices[faces]
     volume = float(np.einsum("fi,fi->", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2]) / 6.0)
     if volume <= 0.0:
-        faults.append(f"encloses {1e3 * volume:.3g} litres: it is wound inwards or flat")
-    return faults
+        return [f"encloses {1e3 * volume:.3g} litres: it is wound inwards or flat"]
+    return []
 
 
 def count_open_edges(faces: np.ndarray) -> int:
@@ -276,13 +298,12 @@ def _shown(shape: Shape, image: np.ndarray) -> float:
     placed = (faces >= 0).all(axis=1)
     uv = np.zeros((len(faces), 3, 2))
     uv[placed] = shape.obj.coords[faces[placed]]
-    placed &= (uv >= -1e-6).all(axis=(1, 2)) & (uv <= 1.0 + 1e-6).all(axis=(1, 2))
     a, b = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
     placed &= np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) > 1e-12
     height, width = image.shape[:2]
     at = np.einsum("sc,fcd->fsd", _SPOTS, uv)
-    column = np.clip((at[..., 0] * width).astype(np.int64), 0, width - 1)
-    row = np.clip(((1.0 - at[..., 1]) * height).astype(np.int64), 0, height - 1)
+    column = np.floor(at[..., 0] * width).astype(np.int64) % width
+    row = np.floor((1.0 - at[..., 1]) * height).astype(np.int64) % height
     lit = (image[row, column, :3] > 0).any(axis=2).mean(axis=1)
     return float((area * placed * lit).sum() / max(area.sum(), 1e-12))
 

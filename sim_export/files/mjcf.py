@@ -14,20 +14,22 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.files.wavefront import NO_MATERIAL, MtlMaterial
+from artigen.shapes.surfaces.physical import mirrored_head_on
 from artigen.transforms import quat_from_matrix
 from artigen.types import Joint
-from sim_export.files.obj import parse_mtl, parse_obj, read_image
+from sim_export.files.obj import parse_mtl, parse_obj, read_image, shininess
 from sim_export.files.urdf import (
     format_number,
     format_vector,
     hull_path,
+    image_path,
     link_origins,
     visual_path,
     visual_placement,
     xml_text,
 )
 from sim_export.geometry.primitives import PrimitiveShape, find_primitive
-from sim_export.package import Hull, Link, SimPackage, SourceMesh, Visual
+from sim_export.package import Hull, Link, Mesh, SimPackage, SourceMesh, Visual
 
 HULL_FRICTION = "0.8 0.005 0.0001"
 MIN_MESH_VERTICES = 4
@@ -149,24 +151,38 @@ def _add_visual(body: ET.Element, asset: ET.Element, visual: Visual, origin: Flo
     xyz, _, scale = visual_placement(visual, origin)
     geom = {"name": visual.name, "type": "mesh", "mesh": visual.name, "pos": format_vector(xyz)}
     mesh = {"name": visual.name, "file": visual_path(visual), "inertia": "shell"}
-    color = "1 1 1 1"
     if isinstance(visual.mesh, SourceMesh):
         data = parse_obj(visual.mesh.path)
         if len(data.vertices) < MIN_MESH_VERTICES:
             return
         mesh["scale"] = format_vector(np.full(3, scale), 12)
         geom["quat"] = format_vector(quat_from_matrix(visual.mesh.T_object_file[:3, :3]), 12)
-        color = format_vector(np.array([*source_color(visual.mesh), 1.0]), 6)
-    elif visual.mesh.texture is None:
-        color = format_vector(np.array([*visual.mesh.color, 1.0]), 6)
+        geom["rgba"] = format_vector(np.array([*source_color(visual.mesh), 1.0]), 6)
     else:
-        texture = visual_path(visual).removesuffix(".obj") + ".png"
-        ET.SubElement(asset, "texture", name=visual.name, type="2d", file=texture)
-        ET.SubElement(asset, "material", name=visual.name, texture=visual.name, specular="0.1")
-        geom["material"] = visual.name
+        geom["material"] = visual.look
+        if all(known.get("name") != visual.look for known in asset.findall("material")):
+            _add_material(asset, visual.look, visual.mesh)
     ET.SubElement(asset, "mesh", mesh)
-    style = {"group": "2", "contype": "0", "conaffinity": "0", "mass": "0", "rgba": color}
-    ET.SubElement(body, "geom", geom | style)
+    ET.SubElement(body, "geom", geom | {"group": "2", "contype": "0", "conaffinity": "0", "mass": "0"})
+
+
+def _add_material(asset: ET.Element, look: str, mesh: Mesh) -> None:
+    """A material with its image or colour. MuJoCo's own renderer uses specular and shininess, others metallic
+    and roughness."""
+    said = mesh.material
+    color = np.ones(3) if mesh.texture is not None else np.array(mesh.color)
+    values = {
+        "rgba": np.array([*color, said.opacity]),
+        "specular": np.array([max(mirrored_head_on(said), said.metallic)]),
+        "shininess": np.array([min(shininess(said) / 128.0, 1.0)]),
+        "metallic": np.array([said.metallic]),
+        "roughness": np.array([said.roughness]),
+    }
+    material = {"name": look} | {key: format_vector(value, 6) for key, value in values.items()}
+    if mesh.texture is not None:
+        ET.SubElement(asset, "texture", name=look, type="2d", file=image_path(look))
+        material["texture"] = look
+    ET.SubElement(asset, "material", material)
 
 
 def source_color(source: SourceMesh) -> tuple[float, float, float]:
@@ -176,10 +192,10 @@ def source_color(source: SourceMesh) -> tuple[float, float, float]:
         return NO_MATERIAL
     ((main, _),) = Counter(data.face_materials.tolist()).most_common(1)
     library = source.path.parent / data.libraries[-1]
-    color, image, _ = parse_mtl(library).get(main, MtlMaterial())
-    if not image:
-        return color
-    red, green, blue = read_image(library.parent / image)[..., :3].mean(axis=(0, 1)) / 255.0
+    said = parse_mtl(library).get(main, MtlMaterial())
+    if not said.image:
+        return said.color
+    red, green, blue = read_image(library.parent / said.image)[..., :3].mean(axis=(0, 1)) / 255.0
     return float(red), float(green), float(blue)
 
 

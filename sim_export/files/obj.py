@@ -8,6 +8,7 @@ import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,8 @@ from jaxtyping import UInt8
 
 from artigen.errors import SourceError
 from artigen.files import urdf, wavefront
-from artigen.files.wavefront import ObjText
+from artigen.files.wavefront import MtlMaterial, ObjText
+from artigen.shapes.surfaces.physical import Material, mirrored_head_on
 from sim_export.errors import PackageError
 from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.normals import corner_normals
@@ -40,11 +42,11 @@ def _unique_rows(values: np.ndarray, decimals: int) -> tuple[np.ndarray, np.ndar
     return values[first], where
 
 
-def obj_text(mesh: Mesh, name: str, mtllib: str | None = None) -> str:
-    """A mesh as OBJ: one object ``name``, one material of the same name where there is an MTL."""
+def obj_text(mesh: Mesh, name: str, material: str | None = None) -> str:
+    """A mesh as OBJ: one object ``name`` of one material, which is in an MTL file of its name."""
     vertices = np.round(mesh.vertices, DECIMALS)
     normals, normal_of = _unique_rows(corner_normals(vertices[mesh.faces]).reshape(-1, 3), 4)
-    head = f"mtllib {mtllib}\n" if mtllib else ""
+    head = f"mtllib {material}.mtl\n" if material else ""
     chunks = [head, f"o {name}\n", format_rows("v", vertices, DECIMALS)]
     columns = [mesh.faces.ravel() + 1]
     corner = "%d//%d"
@@ -55,8 +57,8 @@ def obj_text(mesh: Mesh, name: str, mtllib: str | None = None) -> str:
         corner = "%d/%d/%d"
     columns.append(normal_of + 1)
     chunks.append(format_rows("vn", normals, 4))
-    if mtllib:
-        chunks.append(f"usemtl {name}\n")
+    if material:
+        chunks.append(f"usemtl {material}\n")
     line = f"f {corner} {corner} {corner}\n"
     chunks.append((line * len(mesh.faces)) % tuple(np.stack(columns, axis=1).ravel().tolist()))
     return "".join(chunks)
@@ -84,11 +86,36 @@ def round_hull(hull: Hull) -> Hull:
     return convex_hull(np.round(hull.vertices, DECIMALS))
 
 
-def mtl_text(name: str, color: tuple[float, float, float], image: str) -> str:
-    """One material: its image (over white) if it has one, else its colour."""
-    red, green, blue = (1.0, 1.0, 1.0) if image else color
-    text = f"newmtl {name}\nKa 0 0 0\nKd {red:.6f} {green:.6f} {blue:.6f}\nKs 0 0 0\nNs 10\nd 1\nillum 1\n"
-    return text + (f"map_Kd {image}\n" if image else "")
+def mtl_text(name: str, mesh: Mesh, image: str) -> str:
+    """The material of a mesh: its image (over white) if it has one, else its colour.
+
+    Besides the words of the physically based extension (``Pr``, ``Pm``, ``Pc``, ``Pcr``) there are those of
+    the first MTL: what is mirrored head-on, and the exponent of Blinn and Phong that is as wide as the
+    roughness.
+    """
+    look = mesh.material
+    color = np.ones(3) if image else np.array(mesh.color)
+    mirrored = color if look.metallic else np.full(3, mirrored_head_on(look))
+    values = {
+        "Ka": "0 0 0",
+        "Kd": format_rows("", color[None], 6).strip(),
+        "Ks": format_rows("", mirrored[None], 6).strip(),
+        "Ns": f"{shininess(look):.6g}",
+        "Ni": f"{look.ior:.6g}",
+        "d": f"{look.opacity:.6g}",
+        "illum": "2",
+        "Pr": f"{look.roughness:.6g}",
+        "Pm": f"{look.metallic:.6g}",
+        "Pc": f"{look.coat:.6g}",
+        "Pcr": f"{look.coat_roughness:.6g}",
+    }
+    lines = [f"newmtl {name}", *(f"{key} {value}" for key, value in values.items())]
+    return "\n".join([*lines, *([f"map_Kd {image}"] if image else [])]) + "\n"
+
+
+def shininess(look: Material) -> float:
+    """Exponent of Blinn and Phong whose lobe is as wide as that of the roughness, at most 1,000."""
+    return min(2.0 / max(look.roughness, 0.01) ** 4 - 2.0, 1000.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -114,15 +141,21 @@ def _few_colors(texture: UInt8[np.ndarray, "H W 3"]) -> _Palette | None:
 def png_bytes(texture: UInt8[np.ndarray, "H W C"]) -> bytes:
     """Encodes RGB or RGBA as PNG without metadata; uses a palette for opaque images of at most 256
     colours."""
+    return _encode_png(texture.shape, texture.tobytes())
+
+
+@lru_cache(maxsize=16)
+def _encode_png(shape: tuple[int, ...], texels: bytes) -> bytes:
+    """Kept, because objects share tiles."""
     from PIL import Image
 
-    stream = io.BytesIO()
+    stream, texture = io.BytesIO(), np.frombuffer(texels, np.uint8).reshape(shape)
     if texture.shape[2] == 3 and (few := _few_colors(texture)) is not None:
         image = Image.fromarray(few.index, "P")
         image.putpalette(few.colors.tobytes())
         image.save(stream, "PNG", compress_level=9)
         return stream.getvalue()
-    Image.fromarray(np.ascontiguousarray(texture)).save(stream, "PNG", compress_level=1)
+    Image.fromarray(texture).save(stream, "PNG", compress_level=1)
     return stream.getvalue()
 
 
@@ -169,15 +202,29 @@ def _as_package() -> Iterator[None]:
 def read_mesh(path: Path) -> Mesh:
     """Reads an OBJ with one material into a `Mesh`, with its texture or colour."""
     data = parse_obj(path)
-    material = wavefront.MtlMaterial()
+    name, said = "", MtlMaterial()
     if data.libraries and len(data.faces):
-        material = parse_mtl(path.parent / data.libraries[-1]).get(data.face_materials[0], material)
-    if not material.image or not len(data.coords) or (data.uv_faces < 0).any():
-        return Mesh(vertices=data.vertices, faces=data.faces, color=material.color)
+        name = str(data.face_materials[0])
+        said = parse_mtl(path.parent / data.libraries[-1]).get(name, said)
+    placed = len(data.coords) > 0 and not (data.uv_faces < 0).any()
     return Mesh(
         vertices=data.vertices,
         faces=data.faces,
-        uv=data.coords[data.uv_faces],
-        texture=read_image(path.parent / material.image),
-        color=material.color,
+        uv=data.coords[data.uv_faces] if placed else None,
+        texture=read_image(path.parent / said.image) if placed and said.image else None,
+        color=said.color,
+        material=material_of(said, "" if name == path.stem else name),
+    )
+
+
+def material_of(said: MtlMaterial, name: str = "") -> Material:
+    """What an MTL file says about a material, besides its colour and image."""
+    return Material(
+        name=name,
+        roughness=said.roughness,
+        metallic=said.metallic,
+        ior=said.ior,
+        opacity=said.opacity,
+        coat=said.coat,
+        coat_roughness=said.coat_roughness,
     )

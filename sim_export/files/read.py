@@ -175,7 +175,15 @@ def _own_link(
         entry = visual_facts[shape.name]
         path = package_file(folder, shape.file, owner)
         mesh = _source_mesh(path, shape, T, owner) if entry["source"] else read_mesh(path)
-        visuals.append(Visual(name=shape.name, part=entry["part"], label=entry["label"], mesh=mesh))
+        visuals.append(
+            Visual(
+                name=shape.name,
+                part=entry["part"],
+                label=entry["label"],
+                mesh=mesh,
+                finish=entry.get("finish", ""),
+            )
+        )
     hulls = tuple(_own_hull(folder, shape, T, owner) for shape in link.collisions)
     return Link(
         name=link.name,

@@ -12,9 +12,11 @@ import numpy as np
 from artigen.kind import find_kind
 from artigen.types import Joint
 from sim_export.errors import PackageError
-from sim_export.package import HandleAnnotation, Link, Requirement, SimPackage, SourceMesh
+from sim_export.files.urdf import image_path
+from sim_export.package import HandleAnnotation, Link, Mesh, Requirement, SimPackage, SourceMesh
 from sim_export.physics.inertia import subtree_inertial
 from sim_export.physics.materials import MATERIALS, physx_friction_coefficient
+from sim_export.physics.phrases import name_parts
 from sim_export.topology import find_topology
 
 FORMAT = "artigen-package"
@@ -147,6 +149,40 @@ def bounding_box_json(package: SimPackage) -> str:
     return json_text({"min": _rounded(stacked.min(axis=0), 6), "max": _rounded(stacked.max(axis=0), 6)})
 
 
+def materials_json(package: SimPackage) -> str:
+    """Every material that we made, and the material and finish of every visual.
+
+    Colours are sRGB. A finish is what may be varied: its visuals change together (`artigen.api.restyle`). A
+    source's meshes keep their own materials, and have null.
+    """
+    own = [(visual, visual.mesh) for link in package.links for visual in link.visuals]
+    made = {visual.look: mesh for visual, mesh in own if isinstance(mesh, Mesh)}
+    materials = {
+        look: {
+            "color": _rounded(_mean_color(mesh), 6),
+            "image": None if mesh.texture is None else image_path(look),
+            **{key: value for key, value in vars(mesh.material).items() if key != "name"},
+        }
+        for look, mesh in sorted(made.items())
+    }
+    visuals = [
+        {
+            "link": link.name,
+            "visual": visual.name,
+            "part": visual.part,
+            "finish": visual.finish,
+            "material": visual.look if isinstance(visual.mesh, Mesh) else None,
+        }
+        for link in package.links
+        for visual in link.visuals
+    ]
+    return json_text({"materials": materials, "visuals": visuals})
+
+
+def _mean_color(mesh: Mesh) -> object:
+    return mesh.color if mesh.texture is None else mesh.texture[..., :3].mean(axis=(0, 1)) / 255.0
+
+
 def meta_json(package: SimPackage) -> str:
     """Name and category of the package, and the parts of each link and visual."""
     links = [
@@ -159,6 +195,7 @@ def meta_json(package: SimPackage) -> str:
                     "name": visual.name,
                     "part": visual.part,
                     "label": visual.label,
+                    "finish": visual.finish,
                     "source": isinstance(visual.mesh, SourceMesh),
                 }
                 for visual in link.visuals
@@ -182,7 +219,7 @@ def meta_json(package: SimPackage) -> str:
 
 
 def annotations_json(package: SimPackage) -> str:
-    """Handles, and joints that must be open before others can move."""
+    """Handles, joints that must be open before others can move, and phrases that refer to moving parts."""
     handles = [
         {
             "link": handle.link,
@@ -202,7 +239,14 @@ def annotations_json(package: SimPackage) -> str:
         {"joint": need.joint, "needs": need.needs, "fraction": _number(need.fraction)}
         for need in package.requires_open
     ]
-    return json_text({"frame": "object at rest, metres", "handles": handles, "requires_open": needs})
+    kind = find_kind(package.category)
+    noun = package.category.lower() if kind is None else next(iter(kind.nouns))
+    said = [
+        {"link": part.link, "noun": part.noun, "phrases": list(part.phrases)}
+        for part in name_parts(package, noun or "object")
+    ]
+    frame = {"frame": "object at rest, metres"}
+    return json_text(frame | {"handles": handles, "requires_open": needs, "parts": said})
 
 
 def physics_json(package: SimPackage) -> str:

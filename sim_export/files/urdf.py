@@ -28,6 +28,11 @@ def visual_path(visual: Visual) -> str:
     return f"visual/{visual.name}.obj"
 
 
+def image_path(look: str) -> str:
+    """Path of the image of a material in the package."""
+    return f"visual/{look}.png"
+
+
 def hull_path(link: Link, index: int) -> str:
     """Path of a collision hull in the package."""
     return f"collision/{link.name}_{index}.obj"

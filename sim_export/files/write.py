@@ -24,16 +24,17 @@ from sim_export.files.sidecars import (
     annotations_json,
     bounding_box_json,
     json_text,
+    materials_json,
     meta_json,
     mobility_json,
     physics_json,
     provenance_json,
     semantics_text,
 )
-from sim_export.files.urdf import hull_path, link_origins, splats_path, urdf_text, visual_path
+from sim_export.files.urdf import hull_path, image_path, link_origins, splats_path, urdf_text, visual_path
 from sim_export.geometry.primitives import find_primitive
 from sim_export.motion.ignored_pairs import ignored_pairs
-from sim_export.package import SimPackage, SourceMesh, Visual
+from sim_export.package import Mesh, SimPackage, SourceMesh
 from sim_export.physics.links import check_kinematics
 
 Overwrite = Literal["refuse", "replace"]
@@ -54,7 +55,12 @@ def package_files(package: SimPackage) -> dict[str, bytes]:
     origins = link_origins(package)
     for link in package.links:
         for visual in link.visuals:
-            files |= _visual_files(visual)
+            if isinstance(visual.mesh, SourceMesh):
+                files |= _source_files(visual.mesh, visual_path(visual).removesuffix(".obj"))
+                continue
+            files[visual_path(visual)] = obj_text(visual.mesh, visual.name, visual.look).encode()
+            if f"visual/{visual.look}.mtl" not in files:
+                files |= material_files(visual.look, visual.mesh)
         for index, hull in enumerate(link.hulls):
             if find_primitive(hull) is None:
                 files[hull_path(link, index)] = hull_obj_text(hull, f"{link.name}_{index}").encode()
@@ -83,6 +89,7 @@ def package_texts(package: SimPackage, *, engines: bool = True) -> dict[str, str
         "bounding_box.json": bounding_box_json(package),
         "annotations.json": annotations_json(package),
         "physics.json": physics_json(package),
+        "materials.json": materials_json(package),
         "provenance.json": provenance_json(package),
     }
     if engines:
@@ -121,20 +128,12 @@ def manifest_problems(folder: Path) -> tuple[str, ...]:
     return tuple(problems)
 
 
-def _visual_files(visual: Visual) -> dict[str, bytes]:
-    """OBJ, MTL and images of one visual."""
-    path = visual_path(visual)
-    stem = path.removesuffix(".obj")
-    if isinstance(visual.mesh, SourceMesh):
-        return _source_files(visual.mesh, stem)
-    name = visual.name
-    files = {path: obj_text(visual.mesh, name, f"{name}.mtl").encode()}
-    image = ""
-    if visual.mesh.texture is not None:
-        image = f"{name}.png"
-        files[f"{stem}.png"] = png_bytes(visual.mesh.texture)
-    files[f"{stem}.mtl"] = mtl_text(name, visual.mesh.color, image).encode()
-    return files
+def material_files(look: str, mesh: Mesh) -> dict[str, bytes]:
+    """MTL and image of a material, which all visuals of its name share."""
+    image = image_path(look)
+    files = {} if mesh.texture is None else {image: png_bytes(mesh.texture)}
+    named = "" if mesh.texture is None else image.removeprefix("visual/")
+    return files | {f"visual/{look}.mtl": mtl_text(look, mesh, named).encode()}
 
 
 def _source_files(source: SourceMesh, stem: str) -> dict[str, bytes]:

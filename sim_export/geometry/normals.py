@@ -7,7 +7,7 @@ from scipy import sparse
 from sim_export.geometry.rows import number_rows
 from sim_export.geometry.triangles import area_normals
 
-CREASE = 35.0
+CREASE = 50.0
 """Angle (degrees) between two faces up to which the edge between them is smooth."""
 
 

@@ -50,9 +50,13 @@ CARRIER_RADIUS = 0.02
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PartGeometry:
-    """Geometry of one part from earlier stages; metres, object frame at rest."""
+    """Geometry of one part from earlier stages; metres, object frame at rest.
+
+    ``finishes`` are the roles of the visuals, if these show a part by its surfaces.
+    """
 
     visuals: tuple[Mesh | SourceMesh, ...] = ()
+    finishes: tuple[str, ...] = ()
     hulls: tuple[Hull, ...] = ()
     inertial: Inertial | None = None
 
@@ -146,7 +150,7 @@ def build_links(
         )
     links, raised = _with_shafts(links, joints)
     if not joints:
-        links.insert(0, Link(name=BASE, label=None, parts=(), visuals=(), hulls=(), inertial=None))
+        links.insert(0, Link(name=BASE))
         joints.append(_fix(links[-1].name))
     return LinkTree(
         links=tuple(links),
@@ -162,10 +166,20 @@ def _weld(
     visuals, count = [], {}
     for index in members:
         part = asset.parts[index]
-        for mesh in geometry[index].visuals:
-            k = count[part.label] = count.get(part.label, -1) + 1
+        own = geometry[index]
+        for number, mesh in enumerate(own.visuals):
+            if not (own.finishes and number):
+                count[part.label] = count.get(part.label, -1) + 1
+            finish = own.finishes[number] if own.finishes else ""
+            stem = f"{part.label}_{name}_{count[part.label]}"
             visuals.append(
-                Visual(name=f"{part.label}_{name}_{k}", part=part.name, label=part.label, mesh=mesh)
+                Visual(
+                    name=f"{stem}-{number}" if finish and number else stem,
+                    part=part.name,
+                    label=part.label,
+                    mesh=mesh,
+                    finish=finish,
+                )
             )
     leader = asset.parts[members[0]]
     masses = [geometry[index].inertial for index in members]
@@ -194,7 +208,6 @@ def _fix(child: str) -> Joint:
         type="fixed",
         parent=BASE,
         child=child,
-        origin=np.zeros(3),
         axis=np.array([1.0, 0.0, 0.0]),
     )
 
@@ -232,7 +245,7 @@ def _screw(turn: Joint, link: Link, per_radian: float) -> tuple[list[Link], list
     inertial = Inertial(
         mass=CARRIER_MASS, com=turn.origin, inertia=0.4 * CARRIER_MASS * CARRIER_RADIUS**2 * np.eye(3)
     )
-    carrier = Link(name=f"{link.name}_carrier", label=None, parts=(), visuals=(), hulls=(), inertial=inertial)
+    carrier = Link(name=f"{link.name}_carrier", inertial=inertial)
     travel = replace(
         turn,
         name=f"{turn.name}_travel",

@@ -9,15 +9,15 @@ import colorsys
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Float
 
 from artigen.files.wavefront import MtlMaterial
-from artigen.transforms import transform_points
+from artigen.transforms import joint_motion, transform_points
 from artigen.types import Joint
 from sim_export.errors import PackageError
-from sim_export.files.obj import parse_mtl, parse_obj, read_image
+from sim_export.files.obj import material_of, parse_mtl, parse_obj, read_image
 from sim_export.geometry.triangles import area_normals, diagonal_of
-from sim_export.motion.kinematics import driven_joints, joint_motion, link_displacements
+from sim_export.motion.kinematics import driven_joints, link_displacements
 from sim_export.package import Hull, Mesh, SimPackage, SourceMesh, Visual
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import move_surface, surface_from_mesh, surface_points
@@ -53,24 +53,23 @@ def load_source_meshes(source: SourceMesh) -> tuple[Mesh, ...]:
                 f"{source.path}: material {name!r} is not in {data.libraries[-1]}, which has "
                 f"{', '.join(sorted(materials)) or 'none'}"
             )
-        color, image, opacity = materials.get(name, MtlMaterial())
+        said = materials.get(name, MtlMaterial())
+        image = said.image
         own = data.face_materials == name
         faces, uv_faces = data.faces[own], data.uv_faces[own]
         uv, texture = None, None
         if image and len(data.coords) and (uv_faces >= 0).all():
             uv, texture = data.coords[uv_faces], read_image(source.path.parent / image)
-        if opacity < 1.0:
-            uv = np.full((len(faces), 3, 2), 0.5) if uv is None else uv
-            pixel = np.rint(255.0 * np.array([[color]])).astype(np.uint8)
-            texture = _make_clear(pixel if texture is None else texture, opacity)
-        meshes.append(Mesh(vertices=vertices, faces=faces, uv=uv, texture=texture, color=color))
+        mesh = Mesh(
+            vertices=vertices,
+            faces=faces,
+            uv=uv,
+            texture=texture,
+            color=said.color,
+            material=material_of(said),
+        )
+        meshes.append(mesh)
     return tuple(meshes)
-
-
-def _make_clear(texture: UInt8[np.ndarray, "H W C"], opacity: float) -> UInt8[np.ndarray, "H W 4"]:
-    """A texture whose opacity is multiplied by that of its material."""
-    alpha = texture[..., 3:] if texture.shape[2] == 4 else np.full((*texture.shape[:2], 1), 255)
-    return np.concatenate([texture[..., :3], np.rint(opacity * alpha).astype(np.uint8)], axis=2)
 
 
 def visual_meshes(visual: Visual) -> tuple[Mesh, ...]:

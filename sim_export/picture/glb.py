@@ -70,14 +70,18 @@ def textured_trimesh(
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
 
-    material = PBRMaterial(metallicFactor=0.0, roughnessFactor=0.8)
+    said = look.material
+    material = PBRMaterial(
+        name=said.name or None, metallicFactor=said.metallic, roughnessFactor=said.roughness
+    )
     uv = np.zeros((3 * len(corners), 2))
     if look.uv is not None and look.texture is not None:
         material.baseColorTexture = Image.fromarray(look.texture)
-        material.alphaMode = "OPAQUE" if look.texture.shape[2] == 3 else "BLEND"
         uv = look.uv.reshape(-1, 2)
-    else:
-        material.baseColorFactor = np.array([*np.rint(255.0 * np.array(look.color)), 255], dtype=np.uint8)
+    color = (1.0, 1.0, 1.0) if look.texture is not None else look.color
+    material.baseColorFactor = np.rint(255.0 * np.array([*color, said.opacity])).astype(np.uint8)
+    clear = said.opacity < 1.0 or (look.texture is not None and look.texture.shape[2] == 4)
+    material.alphaMode = "BLEND" if clear else "OPAQUE"
     return trimesh.Trimesh(
         vertices=corners.reshape(-1, 3),
         faces=np.arange(3 * len(corners)).reshape(-1, 3),

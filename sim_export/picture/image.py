@@ -22,6 +22,8 @@ from sim_export.picture.splats import DrawSplats, has_splats, pose_splats
 from sim_export.picture.viewpoint import Viewpoint, place_camera
 
 Layer = Literal["visual", "collision", "gaussians"]
+Lighting = Literal["quick", "catalogue"]
+"""Light of pictures of meshes: that of previews, or a studio (`sim_export.picture.catalogue`)."""
 
 
 def read_pose(package: SimPackage, q: Mapping[str, float] | float) -> Mapping[str, float]:
@@ -52,6 +54,7 @@ def render_package(
     q: Mapping[str, float] | float = 0.0,
     layer: Layer = "visual",
     *,
+    light: Lighting = "quick",
     cfg: RenderConfig | None = None,
     draw_splats: DrawSplats | None = None,
 ) -> UInt8[np.ndarray, "H W 3"]:
@@ -63,11 +66,13 @@ def render_package(
             which the posed object fills the picture.
         q: Pose, see `read_pose`.
         layer: The meshes, the collision hulls in colours of their own, or the Gaussians.
-        cfg: Light and sampling.
+        light: ``catalogue`` for a studio, which needs Mitsuba 3 and takes seconds to minutes.
+        cfg: Light and sampling of quick pictures.
         draw_splats: Renderer of Gaussians, for these only.
 
     Raises:
-        PackageError: If the package has nothing to draw in that layer, or lacks a joint of ``q``.
+        PackageError: If the package has nothing to draw in that layer, or lacks a joint of ``q``; or if
+            Mitsuba is not installed.
     """
     cfg = cfg or RenderConfig()
     T = link_displacements(package.links, package.joints, read_pose(package, q))
@@ -82,6 +87,11 @@ def render_package(
         if draw_splats is None:
             raise PackageError(f"package {package.name!r}: Gaussians need a renderer of them, draw_splats")
         return draw_splats(pose_splats(package, T), camera, cfg.background)
+    if light == "catalogue":
+        from sim_export.picture.catalogue import render_catalogue
+
+        ground = float(surface_points(closed or surfaces)[:, 2].min())
+        return render_catalogue(posed, camera, ground)
     return render_standing(posed, closed or surfaces, camera, cfg)
 
 

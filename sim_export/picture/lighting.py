@@ -9,6 +9,7 @@ from jaxtyping import Float, Int
 
 from artigen.camera import Camera, project_points
 from artigen.splats.colors import linear_from_srgb
+from sim_export.picture.gloss import mirror_light
 from sim_export.picture.raycast import (
     OPAQUE,
     Hits,
@@ -17,6 +18,7 @@ from sim_export.picture.raycast import (
     are_occluded,
     cast_layers,
     corner_normals_at,
+    gloss_at,
     surface_ids_at,
 )
 from sim_export.picture.shading import (
@@ -83,6 +85,8 @@ class Samples:
     normals: Float[np.ndarray, "N 3"]
     geometric: Float[np.ndarray, "N 3"]
     albedo: Float[np.ndarray, "N 3"]
+    gloss: Float[np.ndarray, "N 3"]
+    """Roughness, metallic, and the share mirrored head-on."""
     cover: Float[np.ndarray, "N"]
     """Opacity of each hit."""
 
@@ -147,7 +151,7 @@ def _find_samples(
     place, seen = hits.place, rays[hits.place]
     normals, geometric = orient_to_viewer(corner_normals_at(scene, hits), scene.normals[hits.triangle], seen)
     points = camera.position.astype(np.float32) + seen * hits.depth[:, None]
-    label, albedo = surface_ids_at(scene, hits), albedo_at(scene, hits)
+    label, albedo, gloss = surface_ids_at(scene, hits), albedo_at(scene, hits), gloss_at(scene, hits)
     if cfg.ground:
         floor, floor_points = _find_floor(scene, camera, rays, free, cfg)
         up = np.tile(np.array([0.0, 0.0, 1.0], dtype=np.float32), (len(floor), 1))
@@ -155,10 +159,11 @@ def _find_samples(
         normals, geometric = np.concatenate([normals, up]), np.concatenate([geometric, up])
         label = np.concatenate([label, np.full(len(floor), GROUND)])
         albedo = np.concatenate([albedo, np.ones_like(up)])
+        gloss = np.concatenate([gloss, np.ones_like(up)])  # is never seen
         cover = np.concatenate([cover, np.ones(len(floor), dtype=np.float32)])
     return Samples(
         place=place, label=label, points=points, rays=rays[place],
-        normals=normals, geometric=geometric, albedo=albedo, cover=cover,
+        normals=normals, geometric=geometric, albedo=albedo, gloss=gloss, cover=cover,
     )  # fmt: skip
 
 
@@ -219,7 +224,11 @@ def shade_samples(
     The floor shows only the shadow of the object, so that it has no horizon, and fades out towards the border
     of the picture.
     """
-    colors = shade(samples.albedo, samples.normals, -samples.rays, light.direction, visible)
+    metal = samples.gloss[:, 1:2]
+    matte = samples.albedo * (1.0 - metal)
+    colors = shade(matte, samples.normals, -samples.rays, light.direction, visible)
+    eye = -samples.rays / np.sqrt(dot_rows(samples.rays, samples.rays))[:, None]
+    colors += mirror_light(samples.albedo, samples.gloss, samples.normals, eye, light.direction, visible)
     floor = np.flatnonzero(samples.label == GROUND)
     seen = project_points(camera, samples.points[floor].astype(np.float64))[:, :2]
     size = np.array([camera.width, camera.height])

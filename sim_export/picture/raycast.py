@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
 
+from artigen.shapes.surfaces.physical import PLAIN, Material, mirrored_head_on
 from artigen.splats.colors import linear_from_srgb
 from artigen.types import freeze_field
 from sim_export.geometry.triangles import bounds_of, triangle_normals
@@ -39,6 +40,7 @@ class Surface:
     uv: Float[np.ndarray, "F 3 2"] | None = None
     texture: UInt8[np.ndarray, "H W C"] | None = None
     color: tuple[float, float, float] = (0.7, 0.7, 0.7)
+    material: Material = PLAIN
 
     def __post_init__(self) -> None:
         count = len(freeze_field(self, "triangles", np.float64, (None, 3, 3), "surface triangles"))
@@ -185,6 +187,13 @@ def albedo_at(scene: Scene, hits: Hits) -> Float[np.ndarray, "N 3"]:
     for surface, texture, seen, uv in _find_texels(scene, hits):
         albedo[seen] = sample_texture(texture[..., :3], uv, repeat=surface.repeats)
     return albedo
+
+
+def gloss_at(scene: Scene, hits: Hits) -> Float[np.ndarray, "N 3"]:
+    """Roughness, metallic and the share mirrored head-on of the surface at hits."""
+    looks = [surface.material for surface in scene.surfaces]
+    table = np.array([(look.roughness, look.metallic, mirrored_head_on(look)) for look in looks])
+    return table.reshape(-1, 3).astype(np.float32)[scene.owner[hits.triangle]]
 
 
 def cover_at(scene: Scene, hits: Hits) -> Float[np.ndarray, "N"]:

@@ -34,14 +34,26 @@ GOLDEN = 0.618033988749895
 def surface_from_mesh(mesh: Mesh, *, surface_id: int = 0, crease: float = CREASE) -> Surface:
     """A mesh as a surface; edges flatter than ``crease`` (degrees) are shaded smoothly."""
     triangles = mesh.vertices[mesh.faces]
+    uv, texture = mesh.uv, mesh.texture
+    if mesh.material.opacity < 1.0:
+        uv = np.full((len(mesh.faces), 3, 2), 0.5) if uv is None else uv
+        pixel = np.rint(255.0 * np.array([[mesh.color]])).astype(np.uint8)
+        texture = _make_clear(pixel if texture is None else texture, mesh.material.opacity)
     return Surface(
         triangles=triangles,
         normals=corner_normals(triangles, crease),
         id=surface_id,
-        uv=mesh.uv,
-        texture=mesh.texture,
+        uv=None if texture is None else uv,
+        texture=texture,
         color=mesh.color,
+        material=mesh.material,
     )
+
+
+def _make_clear(texture: UInt8[np.ndarray, "H W C"], opacity: float) -> UInt8[np.ndarray, "H W 4"]:
+    """A texture whose opacity is multiplied by that of its material."""
+    alpha = texture[..., 3:] if texture.shape[2] == 4 else np.full((*texture.shape[:2], 1), 255)
+    return np.concatenate([texture[..., :3], np.rint(opacity * alpha).astype(np.uint8)], axis=2)
 
 
 def move_surface(surface: Surface, T: Float[np.ndarray, "4 4"]) -> Surface:

@@ -1,4 +1,7 @@
-"""Visual meshes and their materials: UsdPreviewSurface with an image or a plain colour."""
+"""Visual meshes and their materials, with an image or a plain colour.
+
+Every material says the same twice: as a UsdPreviewSurface, and as an OpenPBR surface of MaterialX.
+"""
 
 # usd-core has no type stubs, and is optional.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
@@ -21,7 +24,6 @@ from sim_export.usd.labels import MATERIAL_WORDS, NONVISUAL_BASES, add_label, la
 if TYPE_CHECKING:
     from pxr import Sdf, Usd, UsdGeom, UsdShade
 
-ROUGHNESS = 0.8
 TEXTURES = "textures"
 
 
@@ -32,12 +34,14 @@ class Looks:
     stage: "Usd.Stage"
     scope: "Sdf.Path"
     files: dict[str, bytes] = field(default_factory=dict)
+    made: "dict[tuple[str, MaterialName], UsdShade.Material]" = field(default_factory=dict)
+    """Materials by what they are and what they are made of, which visuals share."""
 
 
 def add_visual(
     looks: Looks, path: "Sdf.Path", visual: Visual, mesh: Mesh, made_of: MaterialName, offset: np.ndarray
 ) -> None:
-    """Adds one mesh of a visual with its material of the same name.
+    """Adds one mesh of a visual with its material, of the same name where it is unknown what it is.
 
     Args:
         path: Path of the new prim, below its link's.
@@ -50,16 +54,22 @@ def add_visual(
     shape.CreateNormalsAttr().Set(Vt.Vec3fArray.FromNumpy(normals.astype(np.float32)))
     shape.SetNormalsInterpolation(UsdGeom.Tokens.faceVarying)
     color = np.array(mesh.color)
-    if mesh.uv is not None and mesh.texture is not None:
+    if mesh.uv is not None:
         st = UsdGeom.PrimvarsAPI(shape).CreatePrimvar(
             "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
         )
         st.Set(Vt.Vec2fArray.FromNumpy(mesh.uv.reshape(-1, 2).astype(np.float32)))
+    if mesh.texture is not None:
         color = mesh.texture[::8, ::8, :3].mean(axis=(0, 1)) / 255.0
     linear = np.clip(linear_from_srgb(color), 0.0, 1.0).tolist()
     shape.CreateDisplayColorAttr().Set([Gf.Vec3f(*linear)])
     label_part(shape.GetPrim(), visual.label)
-    material = _add_material(looks, path.name, mesh, linear, made_of)
+    key = mesh.material.name or path.name, made_of
+    if key not in looks.made:
+        taken = {material.GetPath().name for material in looks.made.values()}
+        name = next(name for name in (key[0], f"{key[0]}_{made_of}") if name not in taken)
+        looks.made[key] = _add_material(looks, name, mesh, linear, made_of)
+    material = looks.made[key]
     UsdShade.MaterialBindingAPI.Apply(shape.GetPrim()).Bind(material)
 
 
@@ -82,18 +92,28 @@ def define_mesh(
 def _add_material(
     looks: Looks, name: str, mesh: Mesh, color: list[float], made_of: MaterialName
 ) -> "UsdShade.Material":
-    """A preview surface with an image and its alpha, or with one linear colour."""
+    """A material of two surfaces with an image and its alpha, or with one linear colour."""
     from pxr import Gf, Sdf, UsdShade
+
+    said = mesh.material
 
     types = Sdf.ValueTypeNames
     path = looks.scope.AppendChild(name)
     material = UsdShade.Material.Define(looks.stage, path)
     surface = UsdShade.Shader.Define(looks.stage, path.AppendChild("surface"))
     surface.CreateIdAttr("UsdPreviewSurface")
-    surface.CreateInput("roughness", types.Float).Set(ROUGHNESS)
-    surface.CreateInput("metallic", types.Float).Set(0.0)
+    for key, value in (
+        ("roughness", said.roughness),
+        ("metallic", said.metallic),
+        ("ior", said.ior),
+        ("clearcoat", said.coat),
+        ("clearcoatRoughness", said.coat_roughness),
+        *((("opacity", said.opacity),) if said.opacity < 1.0 else ()),
+    ):
+        surface.CreateInput(key, types.Float).Set(value)
     diffuse = surface.CreateInput("diffuseColor", types.Color3f)
-    transparent = mesh.texture is not None and mesh.texture.shape[2] == 4
+    masked = mesh.texture is not None and mesh.texture.shape[2] == 4
+    transparent = masked or said.opacity < 1.0
     if mesh.texture is None:
         diffuse.Set(Gf.Vec3f(*color))
     else:
@@ -104,12 +124,13 @@ def _add_material(
         file = Sdf.AssetPath(f"./{_keep_image(looks, mesh.texture)}")
         image = _add_sampler(looks, path.AppendChild("image"), file, "sRGB", coordinates)
         diffuse.ConnectToSource(image.CreateOutput("rgb", types.Float3))
-        if transparent:
+        if masked:
             # Alpha is not a colour: a second sampler reads the same image as raw data.
             alpha = _add_sampler(looks, path.AppendChild("alpha"), file, "raw", coordinates)
             opacity = surface.CreateInput("opacity", types.Float)
             opacity.ConnectToSource(alpha.CreateOutput("a", types.Float))
     material.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", types.Token))
+    _add_open_pbr(looks, material, mesh, color)
     prim = material.GetPrim()
     add_label(prim, "material", MATERIAL_WORDS[made_of])
     # The coating is unknown, so that attribute has no value.
@@ -119,6 +140,39 @@ def _add_material(
         ["visually_transparent" if transparent else "none"]
     )
     return material
+
+
+def _add_open_pbr(looks: Looks, material: "UsdShade.Material", mesh: Mesh, color: list[float]) -> None:
+    """The same material as a network of MaterialX."""
+    from pxr import Gf, Sdf, UsdShade
+
+    types, said, path = Sdf.ValueTypeNames, mesh.material, material.GetPath()
+    surface = UsdShade.Shader.Define(looks.stage, path.AppendChild("open_pbr"))
+    surface.CreateIdAttr("ND_open_pbr_surface_surfaceshader")
+    for key, value in (
+        ("base_metalness", said.metallic),
+        ("specular_roughness", said.roughness),
+        ("specular_ior", said.ior),
+        ("coat_weight", said.coat),
+        ("coat_roughness", said.coat_roughness),
+        ("geometry_opacity", said.opacity),
+    ):
+        surface.CreateInput(key, types.Float).Set(value)
+    base = surface.CreateInput("base_color", types.Color3f)
+    if mesh.texture is None:
+        base.Set(Gf.Vec3f(*color))
+    else:
+        place = UsdShade.Shader.Define(looks.stage, path.AppendChild("mtlx_coordinates"))
+        place.CreateIdAttr("ND_geompropvalue_vector2")
+        place.CreateInput("geomprop", types.String).Set("st")
+        image = UsdShade.Shader.Define(looks.stage, path.AppendChild("mtlx_image"))
+        image.CreateIdAttr("ND_image_color3")
+        file = image.CreateInput("file", types.Asset)
+        file.Set(Sdf.AssetPath(f"./{_keep_image(looks, mesh.texture)}"))
+        file.GetAttr().SetColorSpace("srgb_texture")
+        image.CreateInput("texcoord", types.Float2).ConnectToSource(place.CreateOutput("out", types.Float2))
+        base.ConnectToSource(image.CreateOutput("out", types.Color3f))
+    material.CreateSurfaceOutput("mtlx").ConnectToSource(surface.CreateOutput("out", types.Token))
 
 
 def _add_sampler(

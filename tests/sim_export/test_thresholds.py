@@ -12,21 +12,13 @@ from sim_export.topology import find_topology
 GREY = Finish(kind="lacquer", color=(0.5, 0.5, 0.5), accent=(0.5, 0.5, 0.5))
 
 
-def show(*ends: tuple, cfg: ReferenceConfig | None = None) -> Mesh:
+def show(*ends: tuple) -> Mesh:
     """The mesh of an object of boxes."""
     body = make_base([box(low, high, "grey") for low, high in ends])
     shape = Shape(category="Thing", seed=0, style="plain", parts=(body,), finishes=(("grey", GREY),))
-    (visual,) = build_reference(shape, cfg).links[-1].visuals
+    (visual,) = build_reference(shape, ReferenceConfig(detail="low")).links[-1].visuals
     assert isinstance(visual.mesh, Mesh)
     return visual.mesh
-
-
-@pytest.mark.parametrize(("length", "width"), [(0.995, 202), (5.105, 1024), (5.11, 977)])
-def test_texels_are_five_millimetres_or_larger_where_an_image_exceeds_1024(length, width):
-    """Those of a bar, with a border of one texel."""
-    texture = show(((0.0, 0.0, 0.0), (length, 0.02, 0.02))).texture
-    assert texture is not None
-    assert texture.shape[1] == width
 
 
 def test_hashes_of_topologies_have_16_digits():
@@ -40,6 +32,5 @@ def test_pieces_stay_apart_if_more_than_a_hundredth_of_their_union_are_slivers(o
     """
     pair = ((0.0, 0.0, 0.0), (1.0, 0.25, 0.25)), ((0.0, 0.0625, 0.125), (1.0, 0.1875, 0.25005))
     places = [0.5 * place for place in range(23 - others, 23)]
-    plain = ReferenceConfig(textures="shared")
     beside = [((0.0, place, 0.0), (0.25, place + 0.25, 0.5)) for place in places]
-    assert len(show(*pair, *beside, cfg=plain).faces) == faces
+    assert len(show(*pair, *beside).faces) == faces

@@ -158,7 +158,7 @@ def test_every_file_is_used_and_every_name_is_there(folder):
     assert {name for name in names if "/" not in name} == {
         *("mobility.urdf", "mobility_cvx.urdf", "mobility.mjcf.xml", "mobility.srdf", "semantics.txt"),
         *("mobility_v2.json", "meta.json", "bounding_box.json", "annotations.json", "physics.json"),
-        *("provenance.json", "manifest.json"),
+        *("provenance.json", "materials.json", "manifest.json"),
     }
 
 

@@ -28,7 +28,7 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.choices import choose_one
+from artigen.shapes.choices import choose_one, pick
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import (
     LACQUERS,
@@ -77,6 +77,15 @@ WOODS_WITH_LACQUER = {
     "terracotta": ("oak", "birch"),
     "black": ("oak", "walnut"),
 }
+BOUGHT_LACQUERS = {
+    "white": 0.34, "light_grey": 0.13, "anthracite": 0.1, "grey": 0.09, "black": 0.09, "cream": 0.08,
+    "sage": 0.05, "navy": 0.05, "forest": 0.03, "blue": 0.02, "terracotta": 0.02,
+}  # fmt: skip
+BOUGHT_WOODS = {
+    "oak": 0.34, "walnut": 0.22, "white_oak": 0.15, "pine": 0.07, "birch": 0.07, "grey_oak": 0.06,
+    "black_ash": 0.04, "cherry": 0.03, "teak": 0.02,
+}  # fmt: skip
+"""How often each is bought, judged by what shops show first: white, greys and black; oak and walnut."""
 WARM = frozenset({"navy", "forest", "sage", "cream", "terracotta", "walnut", "cherry", "teak"})
 """Fronts that are combined with brass."""
 PASTELS = ((0.90, 0.86, 0.76), (0.62, 0.74, 0.70), (0.62, 0.73, 0.80), (0.68, 0.20, 0.18), (0.88, 0.70, 0.66))
@@ -156,9 +165,9 @@ def _draw_scheme(rng: np.random.Generator, style: str) -> tuple[str, str, str]:
         chances = {"wood": 0.2} | dict(zip(painted, (0.35, 0.25, 0.2), strict=True))
     scheme = str(rng.choice(list(chances), p=list(chances.values())))
     if scheme.startswith("painted"):
-        lacquer = str(rng.choice(list(LACQUERS), p=_frequencies(len(LACQUERS))))
+        lacquer = pick(rng, BOUGHT_LACQUERS)
         return choose_one(rng, WOODS_WITH_LACQUER[lacquer]), lacquer, scheme
-    wood = str(rng.choice(list(WOODS), p=_frequencies(len(WOODS))))
+    wood = pick(rng, BOUGHT_WOODS)
     return wood, choose_one(rng, FRONTS_ON_WOOD[wood]), scheme
 
 
@@ -234,9 +243,3 @@ def _common(seed: int) -> dict[str, Finish]:
         "plastic": Finish(kind="plastic", color=(0.83, 0.83, 0.82), accent=(0.79, 0.79, 0.78), gloss=0.25),
         "cavity": make_lacquer((0.20, 0.21, 0.23), gloss=0.3),
     }
-
-
-def _frequencies(count: int) -> list[float]:
-    """Decreasing probabilities, for lists in order of popularity."""
-    weights = 1.0 / (np.arange(count) + 3.0)
-    return [float(v) for v in weights / weights.sum()]

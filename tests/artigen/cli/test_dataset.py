@@ -102,7 +102,7 @@ def test_a_data_set_is_whole_and_its_objects_are_those_asked_for(made):
 
 
 def test_an_unpacked_object_is_its_package_byte_for_byte(made, tmp_path):
-    cfg = ShapeSettings(textures="shared")
+    cfg = ShapeSettings()
     export_shape(ShapeJob(category="Microwave", seed=5, out=tmp_path, cfg=cfg, name="Microwave-5"))
     package = read_folder(tmp_path / "Microwave-5")
     item = open_shards(made)["Microwave-5"]

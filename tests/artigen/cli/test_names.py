@@ -55,7 +55,7 @@ def test_a_name_that_no_folder_should_have_is_refused(name: str):
 @pytest.mark.parametrize("existing", ["refuse", "replace"])
 def test_packages_of_one_name_become_several_assets(tmp_path: Path, capsys, existing):
     pytest.importorskip("pxr")
-    made = build_reference(draw_shape("Switch", 0), ReferenceConfig(textures="shared", gaussians=False))
+    made = build_reference(draw_shape("Switch", 0), ReferenceConfig())
     names = ("object_0", "Object_0", "object_0_2", "other")
     folders = [write_package(replace(made, name=name), tmp_path / f"in_{k}") for k, name in enumerate(names)]
     assert usd(tuple(folders), tmp_path / "usd", existing) == 0

@@ -10,7 +10,7 @@ from artigen.shapes.draw import draw_shape
 from artigen.types import Joint
 from sim_export.fingerprint import CELLS, describe_surface, hash_geometry, quantise
 from sim_export.package import Link, Mesh, SimPackage, Visual
-from sim_export.reference import ReferenceConfig, build_reference
+from sim_export.reference import build_reference
 
 
 def fingerprint(name: str, shares: np.ndarray, **other) -> Fingerprint:
@@ -135,7 +135,7 @@ def change(package: SimPackage, edit) -> SimPackage:
 
 def test_equal_geometry_is_found_under_other_colours_and_orders_and_not_a_hair_off():
     shape = draw_shape("Safe", 3)
-    package = build_reference(shape, ReferenceConfig(textures="shared"))
+    package = build_reference(shape)
     own = hash_geometry(package)
 
     def reorder(mesh: Mesh) -> Mesh:

@@ -18,7 +18,7 @@ from artigen.shapes.draw import draw_shape
 from artigen.transforms import rotation_about, shift
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
-from sim_export.reference import ReferenceConfig, build_reference
+from sim_export.reference import build_reference
 
 MACHINE = """
 <mujoco>
@@ -252,7 +252,7 @@ def test_of_any_number_of_joints_of_one_body_the_furthest_turn_is_kept(tmp_path,
 
 @pytest.mark.parametrize("category", ["Microwave", "StorageFurniture", "TrashCan"])
 def test_an_mjcf_of_ours_is_read_as_the_object_that_it_was_written_from(tmp_path, category):
-    package = build_reference(draw_shape(category, 3), ReferenceConfig(textures="shared"))
+    package = build_reference(draw_shape(category, 3))
     written = read_package(write_package(package, tmp_path / "package"))
     source = read_source(tmp_path / "package" / "mobility.mjcf.xml", tmp_path / "scratch")
     moving = [part for part in source.asset.parts if part.joint.type != "fixed"]

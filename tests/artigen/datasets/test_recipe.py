@@ -27,7 +27,7 @@ objects:
     generated: 0.031
     wish: {width: 0.6, style: shaker, counts: {drawer: 3, door: 0}}
   - {category: Oven, count: 2, name: built-in, like: 3}
-options: {textures: own, gaussians: true, validation: none, objects_per_shard: 10, near: 0}
+options: {gaussians: true, validation: none, objects_per_shard: 10, near: 0}
 """
 
 
@@ -48,9 +48,7 @@ def test_a_recipe_is_read_as_it_says():
     )
     assert cabinets.drawn_by_model == 31
     assert (ovens.name, ovens.like, ovens.line) == ("built-in", 3, 12)
-    assert recipe.options == Options(
-        textures="own", gaussians=True, validation="none", objects_per_shard=10, near=0.0
-    )
+    assert recipe.options == Options(gaussians=True, validation="none", objects_per_shard=10, near=0.0)
     assert recipe.count == 1002
 
 
@@ -79,7 +77,6 @@ def test_what_is_not_said_is_the_default():
         ("name: built-in", "name: StorageFurniture", 12, ["line 7", "another name"]),
         ("count: 2, ", "", 12, ["objects[1]", "count missing"]),
         ("like: 3", "like: 3, generated: 0.5", 12, ["like and generated"]),
-        ("textures: own", "textures: none", 13, ["options.textures", "shared, own"]),
         ("gaussians: true", "gaussians: 1", 13, ["options.gaussians", "true or false"]),
         ("2026-11-25", "yesterday", 5, ["date", "YYYY-MM-DD"]),
         ("name: kitchen-1", "", 3, ["name missing"]),

@@ -14,7 +14,7 @@ from artigen.datasets.usd import read_usd
 from artigen.errors import SourceError
 from artigen.shapes.draw import draw_shape
 from sim_export.files.write import write_package
-from sim_export.reference import ReferenceConfig, build_reference
+from sim_export.reference import build_reference
 from sim_export.usd.write import write_usd
 
 pytest.importorskip("pxr")
@@ -76,7 +76,7 @@ def read(path: Path, body: str | None = None):
 
 @pytest.mark.parametrize("category", ["Microwave", "StorageFurniture", "TrashCan", "Toilet"])
 def test_our_stages_are_read_as_our_urdfs(tmp_path, category):
-    package = build_reference(draw_shape(category, 3), ReferenceConfig(textures="shared"))
+    package = build_reference(draw_shape(category, 3))
     urdf = write_package(package, tmp_path / "package") / "mobility.urdf"
     stage = write_usd(package, tmp_path / "usd")
     one, other = read(urdf), read(stage)

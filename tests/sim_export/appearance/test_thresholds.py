@@ -3,13 +3,8 @@
 import numpy as np
 import pytest
 
-from artigen.shapes.primitives import box
-from artigen.shapes.shape import Shape, make_base
-from artigen.shapes.surfaces.finishes import Finish
-from artigen.shapes.surfaces.textures import make_paint
 from artigen.types import Gaussians
 from sim_export.appearance.atlas import make_atlas
-from sim_export.appearance.shared_textures import Look, lay_shared, make_sheet
 from sim_export.appearance.texture import bake_mesh, color_atlas
 from sim_export.package import Mesh
 
@@ -84,34 +79,3 @@ def test_a_texel_is_a_speck_if_it_differs_by_more_than_24_levels(level, kept):
 def test_a_part_of_one_colour_has_no_texels():
     baked = bake_mesh(plate(1.0, 0.5), dots(np.zeros((1, 3)), np.array([90.0]), 0.1), voxel=0.1)
     assert (baked.mesh.texture, baked.texels, baked.covered) == (None, 0, 0)
-
-
-def even(level: float) -> Look:
-    color = (level, level, level)
-    return Look(pattern=0, color=color, accent=color, period=0.05)
-
-
-@pytest.mark.parametrize(("length", "share"), [(1.0, 1.0 / 2.56), (2.5, 2.5 / 2.56), (2.55, 254 / 256)])
-def test_the_width_of_a_sheet_is_256_centimetres_with_a_margin_of_one_of_256_texels(length, share):
-    finish = Finish(kind="wood", color=(0.6, 0.4, 0.2), accent=(0.4, 0.2, 0.1), grain=(1.0, 0.0, 0.0))
-    body = make_base([box((0.0, 0.0, 0.0), (length, 0.1, 0.1), "wood")])
-    shape = Shape(category="Thing", seed=0, style="plain", parts=(body,), finishes=(("wood", finish),))
-    mesh = lay_shared(plate(length, 0.1), np.zeros(2, dtype=np.int64), make_paint(shape), np.zeros(3))
-    assert mesh.uv is not None
-    assert mesh.texture is not None
-    assert mesh.texture.shape[1] == 256
-    assert np.ptp(mesh.uv[..., 0]) == pytest.approx(share)
-
-
-def test_a_band_of_one_colour_has_four_rows_and_no_level_of_zero():
-    sheet = make_sheet((even(0.0), even(1.0)))
-    assert (sheet.starts, sheet.image.shape) == ((0, 4), (8, 256, 3))
-    assert np.unique(sheet.image).tolist() == [1, 255]
-
-
-def test_a_sheet_has_256_colours():
-    tones = np.linspace(0.2, 0.8, 16).tolist()
-    looks = [
-        Look(pattern=0, color=(a, b, 0.5), accent=(a, b, 0.5), period=0.05) for a in tones for b in tones
-    ]
-    assert len(np.unique(make_sheet(tuple(looks)).image @ [1 << 16, 1 << 8, 1])) == 256

@@ -13,7 +13,7 @@ from sim_export.files.write import write_package
 from sim_export.geometry.contacts import HullSet
 from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.islands import hull_islands, visual_islands
-from sim_export.reference import ReferenceConfig, build_reference
+from sim_export.reference import build_reference
 
 REACH = 0.005
 TURN = matrix_from_rpy(np.array([0.3, -0.8, 1.9]))
@@ -111,7 +111,7 @@ def cut_legs(shape, gap: float):
 def test_a_table_with_legs_cut_in_two_fails_this_check_alone(tmp_path):
     table = draw_shape("Table", 0)
     for name, shape in (("whole", table), ("cut", cut_legs(table, 0.03))):
-        package = build_reference(shape, ReferenceConfig(textures="shared"))
+        package = build_reference(shape)
         results = run_checks(write_package(package, tmp_path / name), ("L1", "L2"))
         failed = [result.id for result in results if result.verdict == "fail"]
         assert failed == ([] if name == "whole" else ["V107"])

@@ -239,7 +239,7 @@ def halves(gap: float) -> Scene:
 
 def textured(bare: int) -> Scene:
     """A thousand triangles, some of which have no place on the texture."""
-    corners_of = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.2 0.2\nvt 0.8 0.2\nvt 0.2 0.8\nvt 1.2 0.2\n"
+    corners_of = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.2 0.2\nvt 0.8 0.2\nvt 0.2 0.8\nvt 0.2 0.2\n"
     faces = ["f 1/1 2/2 3/3"] * (1000 - bare) + ["f 1/1 2/4 3/3"] * bare
     text = "mtllib a.mtl\n" + corners_of + "usemtl a\n" + "\n".join(faces) + "\n"
     content = shown(text)

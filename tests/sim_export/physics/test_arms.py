@@ -11,7 +11,7 @@ from artigen.shapes.surfaces.finishes import Finish
 from sim_export.motion.kinematics import link_displacements
 from sim_export.package import SimPackage
 from sim_export.physics.materials import GRAVITY
-from sim_export.reference import ReferenceConfig, build_reference
+from sim_export.reference import build_reference
 
 PLASTIC = Finish(kind="plastic", color=(0.5, 0.5, 0.5), accent=(0.5, 0.5, 0.5))
 ARMS = ("joint_0", "joint_1", "joint_2")
@@ -19,7 +19,7 @@ ARMS = ("joint_0", "joint_1", "joint_2")
 
 @pytest.fixture(scope="module", params=[9, 100])
 def lamp(request) -> SimPackage:
-    return build_reference(draw_shape("DeskLamp", request.param), ReferenceConfig(texel=0.1))
+    return build_reference(draw_shape("DeskLamp", request.param))
 
 
 def energy(lamp: SimPackage, qpos: dict[str, object], down: np.ndarray) -> np.ndarray:
@@ -63,7 +63,7 @@ def test_the_first_hinge_resists_no_more_than_its_load_demands(lamp):
 
 def test_the_handle_of_a_window_stays_turned_while_the_window_is_open():
     """It points down at rest, where gravity has no moment; if it falls back, its tongue stops the leaf."""
-    window = build_reference(draw_shape("Window", 1015), ReferenceConfig(texel=0.1))
+    window = build_reference(draw_shape("Window", 1015))
     handle = next(joint for joint in window.joints if joint.name == "joint_1")
     own = next(link.inertial for link in window.links if link.name == handle.child)
     assert own is not None
@@ -81,7 +81,7 @@ def weigh_plate(*, moves: bool) -> float:
         label="handle",
         parent="body",
         primitives=(box((0, 0, 0.05), (0.2, 0.2, 0.058), "plastic"),),
-        motion=rotate((0.0, 1.0, 0.0), (0.0, 0.0, 0.0), 1.0) if moves else None,
+        joint=rotate((0.0, 1.0, 0.0), (0.0, 0.0, 0.0), 1.0) if moves else None,
     )
     lamp, bare = (
         Shape(category="DeskLamp", seed=0, style="led", parts=parts, finishes=(("plastic", PLASTIC),))

@@ -39,7 +39,7 @@ from sim_export.picture.preview import (
     preview_package,
     write_preview,
 )
-from sim_export.picture.render import surface_points
+from sim_export.picture.render import surface_from_mesh, surface_points
 from sim_export.picture.viewpoint import Viewpoint
 
 SMALL = PreviewConfig(
@@ -299,12 +299,14 @@ def test_a_pane_of_a_source_shows_what_is_behind_it(tmp_path: Path, image: str |
     materials.write_text(materials.read_text().replace("Kd 1 1 1", "Kd 0 1 0\nd 0.2"))
     (pane,) = load_source_meshes(source)
     assert (opaque.texture is None) == (image is None)
-    assert pane.texture is not None
-    assert set(pane.texture[..., 3].ravel().tolist()) == {51}
+    assert pane.material.opacity == 0.2
+    shown = surface_from_mesh(pane).texture
+    assert shown is not None
+    assert set(shown[..., 3].ravel().tolist()) == {51}
     if opaque.texture is None:
-        assert pane.texture.tolist() == [[[0, 255, 0, 51]]]
+        assert shown.tolist() == [[[0, 255, 0, 51]]]
     else:
-        np.testing.assert_array_equal(pane.texture[..., :3], opaque.texture)
+        np.testing.assert_array_equal(shown[..., :3], opaque.texture)
 
 
 def test_a_source_mesh_without_its_image_is_an_error(tmp_path: Path):

@@ -13,6 +13,8 @@ import pytest
 from PIL import Image
 
 from artigen.shapes.draw import Wish, draw_shape
+from artigen.shapes.surfaces.physical import Material
+from artigen.splats.colors import linear_from_srgb
 from artigen.transforms import inverse, matrix_from_quat, shift, transform_points
 from artigen.types import Joint
 from sim_export.errors import PackageError
@@ -248,11 +250,16 @@ def test_visuals_show_the_packages_triangles_in_its_colours(package, stage, main
     cache = pxr.UsdGeom.XformCache()
     for link, prim in zip(package.links, link_prims(package, stage).values(), strict=True):
         for visual in link.visuals:
-            mesh = pxr.UsdGeom.Mesh(prim.GetChild(visual.name))
+            mesh = pxr.UsdGeom.Mesh(prim.GetChild(visual.name.replace("-", "_")))
             T = np.array(cache.GetLocalToWorldTransform(mesh.GetPrim())).T
             points = transform_points(T, np.array(mesh.GetPointsAttr().Get()))
             np.testing.assert_allclose(points, visual.mesh.vertices, atol=1e-6)
             material, _ = pxr.UsdShade.MaterialBindingAPI(mesh).ComputeBoundMaterial()
+            if visual.mesh.texture is None:
+                surface = pxr.UsdShade.Shader(material.GetPrim().GetChild("surface"))
+                color = linear_from_srgb(np.array(visual.mesh.color))
+                np.testing.assert_allclose(surface.GetInput("diffuseColor").Get(), color, atol=1e-6)
+                continue
             image = pxr.UsdShade.Shader(material.GetPrim().GetChild("image"))
             assert image.GetInput("sourceColorSpace").Get() == "sRGB"
             file = main.parent / image.GetInput("file").Get().path
@@ -326,10 +333,10 @@ def test_clear_images_make_clear_materials(plain: SimPackage, pxr, tmp_path: Pat
     clear = np.dstack([np.full((4, 4, 3), 200, np.uint8), np.full((4, 4), 90, np.uint8)])
     *others, last = plain.links
     visual = last.visuals[0]
-    visual = replace(visual, mesh=replace(visual.mesh, texture=clear))
+    visual = replace(visual, mesh=replace(visual.mesh, texture=clear, material=Material(name="net")))
     shown = replace(plain, links=(*others, replace(last, visuals=(visual,))))
     stage = pxr.Usd.Stage.Open(str(write_usd(shown, tmp_path)))
-    material = stage.GetDefaultPrim().GetChild("materials").GetChild(visual.name)
+    material = stage.GetDefaultPrim().GetChild("materials").GetChild("net")
     surface = pxr.UsdShade.Shader(material.GetChild("surface"))
     source, name, _ = surface.GetInput("opacity").GetConnectedSource()
     alpha = pxr.UsdShade.Shader(source.GetPrim())

@@ -1,0 +1,104 @@
+"""Pieces: rounds of unseen facets, seams only between boards, broken edges, never far from the primitives."""
+
+import numpy as np
+import pytest
+
+from artigen.shapes.appliances.rings import build_pierced_plate, build_ring
+from artigen.shapes.primitives import Primitive, box, cylinder, move, polygon, prism
+from artigen.shapes.surfaces.finishes import Finish, FinishKind
+from sim_export.appearance.pieces import find_pieces
+from sim_export.geometry.broken_edges import THIN, WIDTHS
+from sim_export.geometry.rounds import SAGITTA, count_sides
+from sim_export.geometry.solids import solid_arrays, solid_triangles, unite
+from sim_export.package import Mesh
+from sim_export.physics.inertia import mesh_inertial
+
+
+def finish(kind: FinishKind) -> dict[str, Finish]:
+    return {"body": Finish(kind=kind, color=(0.5, 0.5, 0.5), accent=(0.5, 0.5, 0.5))}
+
+
+def show(primitives: list[Primitive], kind: FinishKind = "steel", *, boards: bool = False):
+    return find_pieces(primitives, finish(kind), np.zeros(3), boards=boards)
+
+
+def volume(pieces) -> float:
+    vertices, faces = solid_arrays(unite([piece.solid for piece in pieces]))
+    return mesh_inertial(Mesh(vertices=vertices, faces=faces), 1.0).mass
+
+
+@pytest.mark.parametrize("kind", ["wood", "steel", "plastic"])
+def test_a_box_loses_a_prism_along_each_edge(kind):
+    size, width = np.array([0.3, 0.2, 0.1]), WIDTHS[kind]
+    (piece,) = show([box((0.0, 0.0, 0.0), tuple(size), "body")], kind)
+    lost = 4 * size.sum() * width**2 / 2
+    assert size.prod() - volume([piece]) == pytest.approx(lost, rel=0.03)
+    corners = solid_triangles(piece.solid).reshape(-1, 3)
+    np.testing.assert_allclose([corners.min(axis=0), corners.max(axis=0)], [np.zeros(3), size], atol=1e-9)
+
+
+def test_the_edges_of_a_thin_plate_are_broken_by_a_share_of_it():
+    size = np.array([0.3, 0.2, 0.004])
+    (piece,) = show([box((0.0, 0.0, 0.0), tuple(size), "body")])
+    lost = 4 * size.sum() * (THIN * 0.004) ** 2 / 2
+    assert size.prod() - volume([piece]) == pytest.approx(lost, rel=0.03)
+
+
+def test_flush_neighbours_show_a_seam_only_if_they_are_boards():
+    pair = [box((x, 0.0, 0.0), (x + 0.1, 0.1, 0.1), "body") for x in (0.0, 0.1)]
+    whole = show([box((0.0, 0.0, 0.0), (0.2, 0.1, 0.1), "body")])
+    assert volume(show(pair)) == pytest.approx(volume(whole), rel=1e-6)
+    assert volume(show(pair, "wood", boards=False)) > volume(show(pair, "wood", boards=True))
+
+
+def test_a_rim_on_a_plate_stays_sharp_there():
+    plate = box((-0.1, -0.1, -0.02), (0.1, 0.1, 0.0), "body")
+    rod, free = (
+        cylinder((0, 0, 0), (0, 0, 0.1), 0.01, "body"),
+        cylinder((0, 0, 1.0), (0, 0, 1.1), 0.01, "body"),
+    )
+    standing = volume([show([plate, rod])[1]])
+    assert standing > volume([show([plate, free])[1]])
+
+
+@pytest.mark.parametrize("radius", [0.004, 0.02, 0.15])
+def test_a_cylinder_is_as_round_as_one_can_see(radius):
+    (piece,) = show([cylinder((0, 0, 0), (0, 0, 0.5), radius, "body")], "glass")
+    sides = count_sides(radius)
+    exact = np.pi * radius**2 * 0.5
+    inscribed = sides / 2 * radius**2 * np.sin(2 * np.pi / sides) * 0.5
+    assert volume([piece]) == pytest.approx(inscribed, rel=2e-2 if radius < 0.01 else 2e-3)
+    assert volume([piece]) < exact
+    assert radius * (1 - np.cos(np.pi / sides)) <= SAGITTA
+
+
+def test_a_cone_of_many_corners_is_round_and_one_of_few_is_not():
+    round_one, square = (
+        show([prism(0.1 * polygon(sides), (0, 0, 0), (0, 0, 0.2), "body", taper=0.5)])[0].solid.num_tri()
+        for sides in (10, 8)
+    )
+    assert round_one > 4 * count_sides(0.1) > square
+
+
+def test_wedges_of_a_ring_become_one_smooth_ring():
+    wedges = build_ring((0.3, 0.2, 0.1), "x", (0.0, 0.04), ((0.1, 0.15), (0.12, 0.15)), "body", sides=16)
+    turned = [move(one, turn=0.3, about=(0.0, 1.0, 1.0)) for one in wedges]
+    for given in (list(wedges), turned):
+        (piece,) = show(given)
+        assert piece.primitives == tuple(range(16))
+        inner = np.pi * 0.04 / 3 * (0.1**2 + 0.1 * 0.12 + 0.12**2)
+        assert piece.solid.volume() == pytest.approx(np.pi * 0.15**2 * 0.04 - inner, rel=5e-3)
+    middles = np.array([one.center for one in turned])
+    assert piece.owners(middles).tolist() == list(range(16))
+
+
+def test_a_plate_around_a_polygon_becomes_one_with_a_round_hole():
+    wedges = build_pierced_plate((0.0, 0.02), ((-0.3, 0.3), (0.1, 0.8)), (0.05, 0.4, 0.2), "body")
+    (piece,) = show(list(wedges))
+    assert piece.solid.volume() == pytest.approx((0.6 * 0.7 - np.pi * 0.2**2) * 0.02, rel=2e-3)
+    assert piece.solid.genus() == 1
+
+
+def test_an_incomplete_ring_keeps_its_wedges():
+    wedges = build_ring((0.0, 0.0, 0.0), "z", (0.0, 0.1), ((0.1, 0.2), (0.1, 0.2)), "body", sides=16)
+    assert len(show(list(wedges[:-1]))) == 15

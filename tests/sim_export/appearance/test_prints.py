@@ -1,0 +1,80 @@
+"""Prints lie flat on faces of appliances, are read against them, and are nowhere else."""
+
+import numpy as np
+import pytest
+
+from artigen.shapes.appliances.control_panel import DialDesign, build_display, make_dial
+from artigen.shapes.draw import draw_shape
+from artigen.shapes.fittings.hardware import rotate
+from artigen.shapes.primitives import FRONT, UP, Vector, box
+from artigen.shapes.shape import Shape, make_base
+from artigen.shapes.surfaces.finishes import Finish
+from sim_export.appearance.prints import DEEP, PROUD, STEPS, find_prints
+from sim_export.geometry.rows import connect_rows
+from sim_export.geometry.solids import make_manifold
+from sim_export.reference import ReferenceConfig, build_reference
+
+DIAL = DialDesign(kind="round", radius=0.02, length=0.02, finish="handle", mark="accent", upper=4.0)
+
+
+def panel(brightness: float, *, out: Vector = FRONT, half: float = 0.1, upper: float | None = 4.0) -> Shape:
+    """A board with a dial in its middle."""
+    face = np.array(out, dtype=float) * 0.05
+    low, high = np.full(3, -half), np.full(3, half)
+    axis = int(np.abs(face).argmax())
+    low[axis], high[axis] = -0.05, 0.05
+    grey = (brightness,) * 3
+    plain = Finish(kind="lacquer", color=grey, accent=grey)
+    dial = make_dial(DIAL, tuple(face), name="dial", out=out)
+    dial = type(dial)("dial", "knob", dial.primitives, rotate(out, tuple(face), upper))
+    body = make_base([box(tuple(low), tuple(high), "body")])
+    finishes = tuple((role, plain) for role in ("accent", "body", "handle", "panel"))
+    return Shape(category="Oven", seed=0, style="plain", parts=(body, dial), finishes=finishes)
+
+
+@pytest.mark.parametrize(("brightness", "finish"), [(0.9, "print_dark"), (0.1, "print_light")])
+@pytest.mark.parametrize("out", [FRONT, UP])
+def test_a_dial_has_a_scale_on_the_face_behind_it(out, brightness, finish):
+    ((carrier, by_finish),) = find_prints(panel(brightness, out=out)).items()
+    ((role, mesh),) = by_finish.items()
+    assert (carrier, role) == ("body", finish)
+    heights = mesh.vertices @ np.array(out)
+    assert set(np.round(heights, 7)) == {round(0.05 + PROUD, 7), round(0.05 - DEEP, 7)}
+    across = mesh.vertices - np.outer(heights, out)
+    reach = np.linalg.norm(across, axis=1)
+    assert reach.min() > 0.02
+    assert reach.max() < 1.25 * 0.02 + 0.0005
+    assert make_manifold(mesh.vertices, mesh.faces).volume() > 0
+    assert int(connect_rows(mesh.faces[:, [0, 1, 1, 2]].reshape(-1, 2).T, len(mesh.vertices)).max()) == STEPS
+
+
+def test_a_dial_without_limits_has_twelve_marks_and_marks_beside_the_face_are_left_out():
+    whole = find_prints(panel(0.9, upper=None))["body"]["print_dark"]
+    assert len(whole.vertices) == 8 * 12
+    assert find_prints(panel(0.9, half=0.015)) == {}
+
+
+def test_a_display_shows_the_time_in_its_middle():
+    window = build_display(0.0, (-0.06, 0.06), (0.5, 0.532))
+    for brightness, finish in ((0.05, "digits"), (0.8, "print_dark")):
+        grey = (brightness,) * 3
+        plain = Finish(kind="glass", color=grey, accent=grey)
+        body = make_base([window])
+        shape = Shape(category="Oven", seed=0, style="a", parts=(body,), finishes=(("panel", plain),))
+        mesh = find_prints(shape)["body"][finish]
+        low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+        np.testing.assert_allclose((low + high)[1:] / 2, [0.0, 0.516], atol=0.004)
+        assert high[2] - low[2] < 0.032
+        assert low[0] == pytest.approx(-0.003 - PROUD)
+
+
+def test_only_appliances_in_full_detail_have_prints():
+    def printed(category: str, seed: int, **cfg: str) -> bool:
+        package = build_reference(draw_shape(category, seed), ReferenceConfig(**cfg))
+        return any(
+            "print" in v.finish or v.finish == "digits" for link in package.links for v in link.visuals
+        )
+
+    assert printed("Dishwasher", 1)
+    assert not printed("Dishwasher", 1, detail="low")
+    assert not printed("Dresser", 0)
