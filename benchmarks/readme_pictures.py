@@ -3,7 +3,7 @@
     python benchmarks/readme_pictures.py --out out/readme
 
 generates the first seeds of every category, one object of every further kind, four sentences, and one object
-for each of eight views into rooms that no network has seen; nothing is picked. Packages stay in ``out``,
+for a picture of a held-out procedural object of every category; nothing is picked. Packages stay in ``out``,
 so a run that was stopped goes on. Prints which of them pass every check.
 """
 
@@ -20,10 +20,8 @@ from PIL import Image
 
 import artigen
 from artigen.api.splats import draw_splats
-from artigen.errors import ArtigenError
-from artigen.examples.reader_views import take_views
+from artigen.examples.photographs import photograph_shape
 from artigen.kind import kinds, paper_kinds
-from artigen.reader.labels import KINDS
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.sheet import draw_sheet
 from sim_export.files.read import read_package
@@ -42,8 +40,6 @@ EACH = 2
 """Objects of each category on the sheet."""
 PHOTOGRAPH = 220
 """Edge of a photograph in pixels."""
-ROOMS, HELD_OUT = 8, 50_000
-"""Views into rooms, and the seed of the first; no network learned from it."""
 SMALL = PreviewConfig(viewpoint=Viewpoint(width=220, height=220))
 """How the objects of sheets are seen."""
 
@@ -79,26 +75,18 @@ def draw_sentences(out: Path) -> list[Path]:
 
 
 def draw_photographs(out: Path) -> list[tuple[UInt8[np.ndarray, "H W 3"], Path]]:
-    """The first views into rooms with furniture or an appliance, and the packages that are made of them."""
-    pairs: list[tuple[UInt8[np.ndarray, "H W 3"], Path]] = []
-    seed = HELD_OUT
-    while len(pairs) < ROOMS:
-        (view,) = take_views(seed, 1)
-        seed += 1
-        trade = kinds()[KINDS[int(view.bodies["kind"][0])]].trade
-        if trade is None or not (view.rgba[..., 3] == 255).all():
-            continue
-        folder, picture = out / str(seed - 1), out / f"{seed - 1}.png"
+    """Photographs of held-out procedural objects, and the packages that are made of them."""
+    pairs = []
+    for category in paper_kinds():
+        folder, picture = out / category, out / f"{category}.png"
         folder.mkdir(parents=True, exist_ok=True)
-        image = Image.fromarray(view.rgba[..., :3])
-        image.save(picture)
-        try:
-            artigen.generate(image=picture, count=1).export(folder)
-        except ArtigenError as error:
-            print(f"{picture}: {error}")
-        package = next((path.parent for path in sorted(folder.glob("*/mobility.urdf"))), None)
-        if package is not None:
-            pairs.append((np.asarray(image.resize((PHOTOGRAPH, PHOTOGRAPH))), package))
+        rgba = photograph_shape(draw_shape(category, 0), 0, PHOTOGRAPH)
+        Image.fromarray(rgba).save(picture)
+        artigen.generate(image=picture, count=1).export(folder)
+        share = rgba[..., 3:] / 255.0
+        shown = share * rgba[..., :3] + (1.0 - share) * SMALL.render.background
+        package = next(path.parent for path in sorted(folder.glob("*/mobility.urdf")))
+        pairs.append((np.rint(shown).astype(np.uint8), package))
     return pairs
 
 

@@ -481,9 +481,12 @@ def test_things_keep_what_they_are_made_of_in_the_colour_that_was_read():
     lid = make_front("door", (0.0, 0.0, 1.0, 1.0), color=(30, 60, 120), material="plastic")
     worn = dict(wear_read(shape, make_reading(lid, kind="Toilet", color=(30, 60, 120)), 0).finishes)
     own = dict(shape.finishes)
-    assert {role: finish.kind for role, finish in worn.items()} == {
-        r: finish.kind for r, finish in own.items()
-    }
+    for role, finish in worn.items():
+        assert (finish.kind, finish.period, finish.gloss) == (
+            own[role].kind,
+            own[role].period,
+            own[role].gloss,
+        )
     np.testing.assert_allclose(worn["body"].color, np.array((30, 60, 120)) / 255)
 
 
