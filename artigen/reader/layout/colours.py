@@ -68,7 +68,9 @@ def match_finish(material: str | None, color: Color, seed: int) -> Finish:
 
 
 def tint_finish(finish: Finish, color: Color) -> Finish:
-    """A finish in another colour, its pattern as strong as before."""
+    """A finish in another colour, its pattern as strong as before; what no wood looks like is painted."""
+    if finish.kind == "wood" and not is_wooden(color):
+        return make_lacquer(color)
     red, green, blue = (
         min(1.0, own * to / max(was, 1e-3))
         for own, was, to in zip(finish.accent, finish.color, color, strict=True)

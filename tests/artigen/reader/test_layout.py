@@ -12,7 +12,7 @@ from artigen.errors import ArtigenError
 from artigen.reader.layout import fronts
 from artigen.reader.layout.build import FLOOR, build_from_reading, find_foot, wear_read
 from artigen.reader.layout.cells import OPEN, Seen, make_cells
-from artigen.reader.layout.colours import BLACK, PALE, SAME, WARM, find_finishes, is_wooden
+from artigen.reader.layout.colours import BLACK, PALE, SAME, WARM, find_finishes, is_wooden, tint_finish
 from artigen.reader.layout.contents import CLOSED, furnish_node
 from artigen.reader.layout.cutting import RAGGED, SLACK, Tree, cut_rectangles, list_leaves
 from artigen.reader.layout.frontal import read_shape
@@ -28,7 +28,7 @@ from artigen.shapes.furniture.layouts import Layout
 from artigen.shapes.furniture.splits import Cell, Node, Split
 from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.color_difference import convert_to_lab
-from artigen.shapes.surfaces.materials import WOODS
+from artigen.shapes.surfaces.materials import WOODS, make_wood
 
 DRAWN = [("StorageFurniture", seed) for seed in range(4)] + [("Dresser", seed) for seed in range(3)]
 DRAWN += [("Wardrobe", seed) for seed in range(2)] + [("FilingCabinet", 0)]
@@ -488,6 +488,8 @@ def test_things_keep_what_they_are_made_of_in_the_colour_that_was_read():
             own[role].gloss,
         )
     np.testing.assert_allclose(worn["body"].color, np.array((30, 60, 120)) / 255)
+    assert tint_finish(make_wood("oak", 0), (0.8, 0.1, 0.1)).kind == "lacquer"
+    assert tint_finish(make_wood("oak", 0), (0.6, 0.45, 0.3)).kind == "wood"
 
 
 @pytest.mark.parametrize(("more", "guessed"), [(-0.02, False), (0.02, True)])
