@@ -263,6 +263,12 @@ def name_kind(noun: str) -> str:
     return kind.name
 
 
+def spell_kind(word: str) -> str:
+    """The name of the kind that a word says, a name or a noun in any case; unknown words are unchanged."""
+    kind = find_kind(word) or find_noun(" ".join(word.lower().split()))
+    return word if kind is None else kind.name
+
+
 def list_nouns() -> tuple[str, ...]:
     """All nouns of kinds, singular and plural."""
     return tuple(_nouns())

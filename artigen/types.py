@@ -148,7 +148,7 @@ def _list_values(joint: Joint) -> tuple[object, ...]:
     return tuple(tuple(v.tolist()) if isinstance(v, np.ndarray) else v for v in vars(joint).values())
 
 
-FIXED = Joint(type="fixed", axis=np.array([0.0, 0.0, 1.0]), origin=np.zeros(3))
+FIXED = Joint(type="fixed", axis=np.array([0.0, 0.0, 1.0]))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 import tyro
 from jaxtyping import Float
+from numpy.typing import ArrayLike
 
 from artigen.files.urdf import UrdfJoint, tree_problems
 from artigen.types import Joint
@@ -202,11 +203,11 @@ def _deepest(subject: Subject, *, opened: bool) -> tuple[float, str]:
     return worst, where
 
 
-def _all_states(subject: Subject, *, opened: bool) -> list[tuple[str, dict[str, object]]]:
+def _all_states(subject: Subject, *, opened: bool) -> list[tuple[str, dict[str, ArrayLike]]]:
     """Rest, every joint alone, all joints together; ``opened``: with what must be open first open enough."""
     from scipy.stats.qmc import Sobol
 
-    states: list[tuple[str, dict[str, object]]] = [("rest", {})]
+    states: list[tuple[str, dict[str, ArrayLike]]] = [("rest", {})]
     for joint in subject.driven:
         needs = open_positions(subject, joint) if opened else {}
         states.append((joint.name, {**needs, joint.name: _states(subject, joint)}))

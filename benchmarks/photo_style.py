@@ -49,6 +49,8 @@ RAISED = 0.06
 front, and the least plinth of the grammar."""
 CLOSED = 0.7
 """Share of an object's width that its base covers just above the floor from which it stands on no legs."""
+PULLED = 0.3
+"""Share of fronts with pulls below which these are strays."""
 SLAB = 0.75
 """Share of a front that one solid covers from which it is a slab."""
 PULLS = {2: "knob", 4: "cup", 3: "bar", 1: "edge"}
@@ -96,12 +98,12 @@ def name_panel(part: ShapePart, shape: Shape) -> str:
 
 
 def name_pull(shape: Shape) -> str:
-    """The commonest pulls of an object's doors and drawers; none where most have none."""
+    """The commonest pulls of an object's doors and drawers; none where fewer than `PULLED` have any."""
     found = Counter[str]()
     for front in list_fronts(shape):
         own = [part for part in shape.parts if part.label == "handle" and part.parent == front.name]
         found[_name_handle(own[0]) if own else "none"] += 1
-    if found["none"] > found.total() / 2 or not found:
+    if found.total() - found["none"] < PULLED * found.total() or not found:
         return "none"
     return max((name for name in found if name != "none"), key=lambda name: found[name])
 

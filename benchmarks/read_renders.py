@@ -18,14 +18,26 @@ from artigen.reader.labels import KINDS
 from artigen.reader.model import load_reader
 from artigen.reader.read import read_image
 from artigen.shapes.draw import draw_shape
+from artigen.sketch.model import draw_header, encode_picture, load_sketch_network
+from artigen.sketch.request import SketchRequest
 from artigen.types import PART_LABELS
 from artigen.weights import READER
 
+PARTS = ("sketch_kind", "sketch_fronts", "sketch_both")
 
-def main(count: int = 10, first: int = 5000, model: Path = READER, kinds: tuple[str, ...] = KINDS) -> None:
-    """Reads ``count`` objects of each kind, from seed ``first`` on."""
+
+def main(
+    count: int = 10,
+    first: int = 5000,
+    model: Path = READER,
+    kinds: tuple[str, ...] = KINDS,
+    sketch: Path | None = None,
+) -> None:
+    """Reads ``count`` objects of each kind, from seed ``first`` on; ``sketch`` is the folder of a network
+    whose picture encoder reads them, too."""
     torch.set_num_threads(1)
     reader, right, total = load_reader(model), Counter[str](), 0
+    encoder = None if sketch is None else load_sketch_network(sketch)
     wrong: Counter[str] = Counter()
     for kind in kinds:
         for seed in range(first, first + count):
@@ -35,6 +47,13 @@ def main(count: int = 10, first: int = 5000, model: Path = READER, kinds: tuple[
             straight = np.clip(photo.rgba[..., :3] * (255.0 / alpha), 0, 255).astype(np.uint8)
             image = Image.fromarray(np.concatenate([straight, photo.rgba[..., 3:]], axis=2))
             total += 1
+            if encoder is not None:
+                picture = np.moveaxis(photo.rgba.astype(np.float32) / 255.0, -1, 0)
+                header = draw_header(encoder, SketchRequest(), 0, encoded=encode_picture(encoder, picture))
+                held = dict(header.counts)
+                named = SAME.get(str(header.category), header.category) == SAME.get(kind, kind)
+                counted = all(held.get(label, 0) == seen[label] for label in ("door", "drawer"))
+                right.update(sketch_kind=named, sketch_fronts=counted, sketch_both=named and counted)
             try:
                 reading = read_image(image, reader, f"{kind} {seed}")
             except SourceError:
@@ -45,6 +64,8 @@ def main(count: int = 10, first: int = 5000, model: Path = READER, kinds: tuple[
             right.update(kind=named, fronts=counted, both=named and counted)
             if not named:
                 wrong[f"{kind}: {reading.kind}"] += 1
+    if encoder is not None:
+        print("encoder of the sketch:", "  ".join(f"{k[7:]} {100 * right[k] / total:.0f} %" for k in PARTS))
     print(
         f"{total} renderings:",
         "  ".join(f"{k} {100 * right[k] / total:.0f} %" for k in ("kind", "fronts", "both")),

@@ -120,7 +120,7 @@ class Scene:
                     waiting.append(other)
         uppers = [part.joint.upper for part in self.asset.parts]
         for index, led in enumerate(self.shape.parts):
-            leader = None if led.motion is None else led.motion.follows
+            leader = None if led.joint is None else led.joint.follows
             if leader is not None and (at := self.names.index(leader)) in found:
                 found[index] = found[at] / uppers[at] * uppers[index]
         return found
@@ -280,7 +280,7 @@ def judge_seed(category: str, seed: int) -> Verdict:
         problems=problems,
         seconds=time.process_time() - start,
         labels=tuple(part.label for part in shape.parts),
-        joints=tuple(part.motion.type for part in shape.parts if part.motion is not None),
+        joints=tuple(part.joint.type for part in shape.parts if part.joint is not None),
     )
 
 

@@ -39,14 +39,14 @@ def remove_parts(shape: Shape, names: set[str]) -> Shape:
     while more := {part.name for part in shape.parts if part.parent in gone} - gone:
         gone |= more
     kept = [part for part in shape.parts if part.name not in gone]
-    if all(part.motion is None for part in kept):
+    if all(part.joint is None for part in kept):
         return shape
     return replace(shape, parts=tuple(_release(part, gone) for part in kept))
 
 
 def _release(part: ShapePart, gone: set[str]) -> ShapePart:
     """The part without references to parts that are gone."""
-    motion = part.motion
+    motion = part.joint
     if motion is not None and motion.follows in gone:
         motion = replace(motion, follows=None)
-    return replace(part, motion=motion, needs=tuple(need for need in part.needs if need.part not in gone))
+    return replace(part, joint=motion, needs=tuple(need for need in part.needs if need.part not in gone))

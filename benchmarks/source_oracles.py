@@ -1,10 +1,10 @@
-"""Compares objects as MuJoCo, yourdfpy and usd-core load them with the packages made of them.
+"""Compares sources as MuJoCo, yourdfpy and usd-core load them with what is read and with packages.
 
     python benchmarks/source_oracles.py FILES [--packages FOLDER]
 
-Each package is loaded by MuJoCo and yourdfpy, in the closed pose and with each joint at its open end, in the
-coordinates of the source's own joints. Which geoms of an MJCF are drawn is taken from the reader, their poses
-are MuJoCo's.
+What is read, and each package as MuJoCo and yourdfpy load it, is compared in the closed pose and with each
+joint at its open end, in the coordinates of the source's own joints. Which geoms of an MJCF are drawn is the
+reader's choice; their poses are MuJoCo's.
 """
 
 # mujoco is a compiled module without stubs; usd-core has none and is optional.
@@ -14,21 +14,27 @@ import argparse
 import tempfile
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Set
 from dataclasses import dataclass, field
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from artigen.api.convert import ConvertJob, ConvertSettings, convert_object, list_jobs
+from artigen.datasets.mechanism_object import find_mesh
 from artigen.datasets.mjcf import compile_mjcf
 from artigen.datasets.mjcf_geoms import find_drawn
 from artigen.datasets.mjcf_scene import choose_object
 from artigen.datasets.source_object import SourceObject
 from artigen.datasets.sources import find_layout
+from artigen.datasets.xacro_file import expand_xacro
 from artigen.errors import ArtigenError
+from artigen.files.urdf import is_xacro
+from artigen.kinematics import displacements, movable_parts
 from artigen.transforms import rotation_about, transform_points
+from artigen.types import Joint
 from sim_export.files.read import read_package
 from sim_export.package import SimPackage
 
@@ -46,17 +52,50 @@ class Loaded:
     triangles: Callable[[Pose], np.ndarray]
     axis: Callable[[str, Pose], np.ndarray]
     ranges: dict[str, tuple[float, float]]
-    colors: np.ndarray
-    """RGB in [0, 1] of every triangle."""
+    color: np.ndarray
+    """Mean RGB in [0, 1] of the surface; NaN where the library leaves a part of it without colour."""
     masses: dict[str, float] = field(default_factory=dict)
 
     def extents(self, pose: Pose) -> np.ndarray:
         return np.ptp(self.triangles(pose).reshape(-1, 3), axis=0)
 
-    def mean_color(self) -> np.ndarray:
-        sides = np.diff(self.triangles({}), axis=1)
-        areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=-1)
-        return (areas[:, None] * self.colors).sum(axis=0) / areas.sum()
+
+def mean_color(triangles: np.ndarray, colors: np.ndarray) -> np.ndarray:
+    """Colour of a surface [3] by that of its triangles, weighted by area."""
+    sides = np.diff(triangles, axis=1)
+    areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=-1)
+    return (areas[:, None] * colors).sum(axis=0) / areas.sum()
+
+
+def load_read(found: SourceObject) -> Loaded:
+    """The object as it was read; joints have the names of their parts."""
+    asset = found.asset
+    order = list(movable_parts(asset))
+    parts = {asset.parts[k].name: k for k in order}
+    corners = asset.scale * found.triangles.vertices[found.triangles.faces]
+
+    def triangles(pose: Pose) -> np.ndarray:
+        unit = {k: 1.0 if asset.parts[k].joint.type != "prismatic" else asset.scale for k in order}
+        q = np.array([pose.get(asset.parts[k].name, 0.0) / unit[k] for k in order])
+        moved = np.array(corners)
+        for k, T in enumerate(displacements(asset, q)):
+            own = found.triangles.part_ids == k
+            T = np.array(T)
+            T[:3, 3] *= asset.scale
+            moved[own] = transform_points(T, corners[own].reshape(-1, 3)).reshape(-1, 3, 3)
+        return moved
+
+    assert asset.surface is not None
+    slides = {name: asset.parts[k].joint.type == "prismatic" for name, k in parts.items()}
+    return Loaded(
+        triangles=triangles,
+        axis=lambda name, pose: np.array(asset.parts[parts[name]].joint.axis),
+        ranges={
+            name: (0.0, asset.parts[k].joint.upper * (asset.scale if slides[name] else 1.0))
+            for name, k in parts.items()
+        },
+        color=asset.surface.colors.mean(axis=0) / 255.0,
+    )
 
 
 def load_mujoco(path: Path, body: str | None = None, *, package: bool = False) -> Loaded:
@@ -105,8 +144,11 @@ def load_mujoco(path: Path, body: str | None = None, *, package: bool = False) -
         ranges={
             name: tuple(model.jnt_range[j] - model.qpos0[model.jnt_qposadr[j]]) for name, j in names.items()
         },
-        colors=np.concatenate(
-            [_geom_colors(model, geom, len(corners)) for geom, corners in zip(geoms, own, strict=True)]
+        color=mean_color(
+            triangles({}),
+            np.concatenate(
+                [_geom_colors(model, g, len(corners)) for g, corners in zip(geoms, own, strict=True)]
+            ),
         ),
         masses={model.body(b).name: float(model.body_mass[b]) for b in range(1, model.nbody)},
     )
@@ -166,7 +208,8 @@ def _geom_colors(model: object, geom: int, count: int) -> np.ndarray:
 def load_yourdfpy(path: Path) -> Loaded:
     import yourdfpy
 
-    robot = yourdfpy.URDF.load(str(path))
+    said = BytesIO(expand_xacro(path).encode()) if is_xacro(path) else str(path)
+    robot = yourdfpy.URDF.load(said, filename_handler=lambda fname: str(find_mesh(fname, path)))
 
     def move(pose: Pose) -> None:
         robot.update_cfg(dict.fromkeys(robot.actuated_joint_names, 0.0) | dict(pose))
@@ -198,7 +241,7 @@ def load_yourdfpy(path: Path) -> Loaded:
             for joint in robot.robot.joints
             if joint.limit is not None
         },
-        colors=np.concatenate([_mesh_colors(mesh) for mesh in meshes]),
+        color=mean_color(triangles({}), np.concatenate([_mesh_colors(mesh) for mesh in meshes])),
         masses={
             link.name: float(link.inertial.mass or 0.0)
             for link in robot.robot.links
@@ -210,9 +253,13 @@ def load_yourdfpy(path: Path) -> Loaded:
 def _mesh_colors(mesh: Any) -> np.ndarray:
     """Colour of every triangle of a mesh of trimesh: of its image at the middle, else plain."""
     visual, count = mesh.visual, len(mesh.faces)
+    if visual.kind is None:  # also where it does not find a material by its name
+        return np.full((count, 3), np.nan)
     if visual.kind != "texture":
         return np.asarray(visual.face_colors)[:, :3] / 255.0
     image = getattr(visual.material, "image", None) or getattr(visual.material, "baseColorTexture", None)
+    if image is None and visual.uv is not None:  # trimesh opens no image in a folder beside the mesh's
+        return np.full((count, 3), np.nan)
     if image is None or visual.uv is None:
         return np.tile(np.asarray(visual.material.main_color)[:3] / 255.0, (count, 1))
     pixels = np.asarray(image.convert("RGB")) / 255.0
@@ -222,8 +269,9 @@ def _mesh_colors(mesh: Any) -> np.ndarray:
 
 
 def load_usd(path: Path) -> Loaded:
-    """The stage as usd-core has it; a joint moves its second body and all that joints hang on it."""
+    """A stage of cubes as usd-core has it; a joint moves its second body and all that joints hang on it."""
     from pxr import Usd, UsdGeom, UsdPhysics
+    from trimesh import creation
 
     stage = Usd.Stage.Open(str(path))
     cache = UsdGeom.XformCache(Usd.TimeCode.Default())
@@ -261,11 +309,11 @@ def load_usd(path: Path) -> Loaded:
 
     own = []
     for prim in stage.Traverse():
-        if prim.IsA(UsdGeom.Mesh) and UsdGeom.Imageable(prim).ComputePurpose() != "guide":
-            mesh = UsdGeom.Mesh(prim)
-            points = np.array(mesh.GetPointsAttr().Get())
-            faces = np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 3)
-            color = np.array(mesh.GetDisplayColorAttr().Get()[0])
+        if prim.IsA(UsdGeom.Cube) and UsdGeom.Imageable(prim).ComputePurpose() != "guide":
+            box = creation.box(np.full(3, UsdGeom.Cube(prim).GetSizeAttr().Get()))
+            points, faces = np.asarray(box.vertices), np.asarray(box.faces)
+            said = UsdGeom.Gprim(prim).GetDisplayColorAttr().Get()
+            color = np.array(said[0] if said else (np.nan, np.nan, np.nan))
             srgb = np.where(color <= 0.0031308, 12.92 * color, 1.055 * color ** (1 / 2.4) - 0.055)
             own.append(
                 (
@@ -298,7 +346,7 @@ def load_usd(path: Path) -> Loaded:
         triangles=triangles,
         axis=lambda name, pose: frame(name)[1],
         ranges={name: limits(name) for name in moving},
-        colors=np.concatenate([color for _, _, color in own]),
+        color=mean_color(triangles({}), np.concatenate([color for _, _, color in own])),
     )
 
 
@@ -315,88 +363,118 @@ def load_source(path: Path, body: str | None) -> Loaded:
             raise ValueError(f"{path}: no library loads {other}")
 
 
-def compare(found: SourceObject, source: Loaded, folder: Path) -> Iterator[str]:
-    """Differences between a source and its package, a sentence each; none if they agree."""
-    package = read_package(folder, appearance=False)
-    closed = {motion.joint: motion.closed for motion in found.motions}
+def compare(
+    found: SourceObject,
+    source: Loaded,
+    made: Loaded,
+    joints: Mapping[str, str],
+    shortened: Set[str] = frozenset(),
+) -> Iterator[str]:
+    """Differences between a source and what was made of it, a sentence each; none if they agree.
+
+    Args:
+        joints: Joint in ``made`` of every part.
+        shortened: Parts of which a package says that their range is not that of the source.
+    """
     followers = {one for one, _ in found.follows}
     leaders = {m.joint: m.closed for m in found.motions if m.part not in followers}
-    for name, made in (
-        ("MuJoCo", load_mujoco(folder / "mobility.mjcf.xml", package=True)),
-        ("yourdfpy", load_yourdfpy(folder / "mobility.urdf")),
-    ):
-        size = float(source.extents(leaders).max())
+    closed = source.extents(leaders)
+    size = LENGTH * float(closed.max())
+    yield from _differ("closed extents", closed, made.extents({}), size)
+    yield from _differ("mean colour", source.color, made.color, COLOR)
+    for motion in found.motions:
+        kind = next(part.joint.type for part in found.asset.parts if part.name == motion.part)
+        if motion.part in followers or kind in ("continuous", "screw"):
+            continue
+        name, limits = joints[motion.part], np.array(source.ranges[motion.joint])
+        if not np.isclose(limits, motion.open, rtol=1e-3, atol=1e-5).any():
+            yield f"range of {motion.joint!r}: open at {motion.open:.4g}, expected one of {limits.round(4)}"
+        sign, travel = np.sign(motion.open - motion.closed), abs(motion.open - motion.closed)
+        upper = made.ranges[name][1]
+        if not np.isclose(upper, travel, rtol=1e-3) and motion.part not in shortened:
+            yield f"range of {motion.joint!r}: {upper:.4g}, expected {travel:.4g}"
+        opened = leaders | {motion.joint: motion.closed + sign * upper}
+        follow = {
+            joints[one]: made.ranges[joints[one]][1] for one, other in found.follows if other == motion.part
+        }
+        pose = {name: upper} | (
+            follow if joints.get(motion.part) == motion.part else {}
+        )  # packages follow by themselves
         yield from _differ(
-            f"closed extents in {name}", source.extents(leaders), made.extents({}), LENGTH * size
+            f"extents with {motion.joint!r} open", source.extents(opened), made.extents(pose), size
         )
-        yield from _differ(f"mean colour in {name}", source.mean_color(), made.mean_color(), COLOR)
-        for motion in found.motions:
-            joint = _joint_of(package, motion.part)
-            if motion.part in followers or joint.kind in ("continuous", "screw"):
-                continue
-            sign, travel = np.sign(motion.open - motion.closed), abs(motion.open - motion.closed)
-            if not np.isclose(joint.upper, travel, rtol=1e-3) and not _is_said(package, motion.part):
-                yield f"range of {motion.joint!r} in {name}: {joint.upper:.4g}, expected {travel:.4g}"
-            opened = (
-                source.extents(leaders | {motion.joint: motion.closed + sign * joint.upper}),
-                made.extents({joint.name: joint.upper}),
-            )
-            yield from _differ(f"extents with {motion.joint!r} open in {name}", *opened, LENGTH * size)
-            axes = sign * source.axis(motion.joint, leaders), made.axis(joint.name, {})
-            yield from _differ(f"axis of {motion.joint!r} in {name}", *axes, 1e-3)
-    moving = [joint for joint in package.joints if joint.type != "fixed" and joint.mimic is None]
-    if len(moving) != len(closed) - len(followers & {m.part for m in found.motions}):
-        yield f"{len(moving)} joints move in the package, {len(closed)} in the source"
+        axes = sign * source.axis(motion.joint, leaders), made.axis(name, {})
+        yield from _differ(f"axis of {motion.joint!r}", *axes, 1e-3)
 
 
-def _is_said(package: SimPackage, part: str) -> bool:
-    """Whether the package says that the range of a part is not that of the source."""
-    return any(part in record and ("range" in record or "travel" in record) for record in package.records)
+def compare_read(found: SourceObject, source: Loaded) -> list[str]:
+    """Differences between a source and the object as it was read."""
+    moving = len(movable_parts(found.asset))
+    wrong = (
+        [] if moving == len(found.motions) else [f"{moving} parts move, {len(found.motions)} in the source"]
+    )
+    names = {motion.part: motion.part for motion in found.motions}
+    return [*wrong, *compare(found, source, load_read(found), names)]
 
 
-def _joint_of(package: SimPackage, part: str):
-    link = next(link.name for link in package.links if part in link.parts)
+def compare_package(found: SourceObject, source: Loaded, folder: Path) -> list[str]:
+    """Differences between a source and its package, as MuJoCo and yourdfpy load it."""
+    package = read_package(folder, appearance=False)
+    owners = {part: link.name for link in package.links for part in link.parts}
+    joints = {motion.part: _joint_of(package, owners[motion.part]).name for motion in found.motions}
+    said = {record.partition(":")[0] for record in package.records if ": upper limit " in record}
+    shortened = {part for part, joint in joints.items() if joint in said}
+    loaded = {
+        "MuJoCo": load_mujoco(folder / "mobility.mjcf.xml", package=True),
+        "yourdfpy": load_yourdfpy(folder / "mobility.urdf"),
+    }
+    wrong = [
+        f"{sentence} (package in {name})"
+        for name, made in loaded.items()
+        for sentence in compare(found, source, made, joints, shortened)
+    ]
+    masses = [[made.masses.get(link.name, 0.0) for link in package.links] for made in loaded.values()]
+    return (
+        wrong
+        if np.allclose(*masses, rtol=1e-4, atol=1e-6)
+        else [*wrong, "MuJoCo and yourdfpy weigh it differently"]
+    )
+
+
+def _joint_of(package: SimPackage, link: str) -> Joint:
     return next(joint for joint in package.joints if joint.child == link)
 
 
-def _differ(what: str, want: np.ndarray, got: np.ndarray | float, within: float) -> Iterator[str]:
-    if np.abs(want - np.asarray(got)).max() > within:
+def _differ(what: str, want: np.ndarray, got: np.ndarray, within: float) -> Iterator[str]:
+    if np.abs(want - got).max() > within:
         yield f"{what}: {np.round(got, 4)}, expected {np.round(want, 4)}"
-
-
-def order_of_masses(source: Mapping[str, float], made: Mapping[str, float]) -> float:
-    """Share of pairs of links of which the heavier one is the same in both, of those that differ by half."""
-    names = [name for name in source if name in made]
-    pairs = [(a, b) for a in names for b in names if source[a] > 1.5 * source[b]]
-    return float(np.mean([made[a] > made[b] for a, b in pairs])) if pairs else 1.0
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("files", type=Path, nargs="+")
-    parser.add_argument("--packages", type=Path, help="folder of the packages; default: a temporary one")
+    parser.add_argument("--packages", type=Path, help="convert into this folder and compare the packages too")
     args = parser.parse_args()
     warnings.simplefilter("ignore")
-    right = count = 0
-    with tempfile.TemporaryDirectory() as scratch:
-        out = args.packages or Path(scratch)
-        for file in args.files:
-            for job in list_jobs(file, out, ConvertSettings()):
-                count += 1
-                right += report(job)
-    print(f"{right} of {count} agree")
+    jobs = [job for file in args.files for job in list_jobs(file, args.packages or Path(), ConvertSettings())]
+    right = sum(report(job, packages=args.packages is not None) for job in jobs)
+    print(f"{right} of {len(jobs)} agree")
 
 
-def report(job: ConvertJob) -> bool:
+def report(job: ConvertJob, *, packages: bool) -> bool:
     start = time.perf_counter()
     try:
-        convert_object(job)
         with tempfile.TemporaryDirectory() as scratch:
             found = job.read(Path(scratch))
-        wrong = list(compare(found, load_source(job.source, job.cfg.body), job.out / job.key))
+            source = load_source(job.source, job.cfg.body)
+            wrong = compare_read(found, source)
+        if packages:
+            convert_object(job)
+            wrong += compare_package(found, source, job.out / job.key)
     except ArtigenError as error:
         wrong = [str(error)]
-    print(f"{job.key}: {'right' if not wrong else 'WRONG'} ({time.perf_counter() - start:.0f} s)", flush=True)
+    seconds = time.perf_counter() - start
+    print(f"{job.key}: {'right' if not wrong else 'WRONG'} ({seconds:.0f} s)", flush=True)
     for sentence in wrong:
         print(f"    {sentence}", flush=True)
     return not wrong

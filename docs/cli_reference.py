@@ -45,6 +45,7 @@ artigen convert MY_OBJECT.urdf -o out/packages --front=-y --category Microwave""
 artigen validate out/packages/45261 --task --engines mujoco,pybullet""",
     "preview": """artigen preview out/packages/45261 -o detail.png
 artigen preview out/packages/* -o sheet.gif""",
+    "render": "artigen render out/packages --states 5 --views 2 -o out/labelled",
     "view": "artigen view out/packages/45261",
     "export": "artigen export ASSET_FOLDER -o out/mine",
     "restyle": "artigen restyle out/cabinet -n 8 -o out/looks",

@@ -13,9 +13,16 @@ from sim_export.report import CheckResult
 
 
 def run_static(folder: Path) -> tuple[CheckResult, ...]:
-    """Checks L0 to L2, in this process."""
-    from sim_export.checks.suite import run_checks
+    """Checks L0 to L2, in this process.
 
+    What was kept of other packages is dropped first: memory does not grow with their number.
+    """
+    from artigen.files.wavefront import forget_files
+    from sim_export.checks.suite import run_checks
+    from sim_export.geometry.primitives import forget_hulls
+
+    forget_files()
+    forget_hulls()
     with quiet_libraries():
         return run_checks(folder)
 

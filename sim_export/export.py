@@ -5,23 +5,26 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
 
+from artigen.files.wavefront import ObjText
+from artigen.runtime.budget import Budget
 from artigen.types import Asset
 from sim_export.appearance.splats import attach_splats
 from sim_export.appearance.texture import bake_parts
-from sim_export.attempts import HullWay, Judgement, change_hulls, judge_package
 from sim_export.collision.attachment import attach_links
 from sim_export.collision.clearance import clear_joints
 from sim_export.collision.cover.object_cover import ObjectCover, find_passing
+from sim_export.collision.exact import find_solids
 from sim_export.collision.feet import add_feet, level_object
-from sim_export.collision.hull_limits import flatten_links
+from sim_export.collision.hull_limits import THICKEST, compact_hull, flatten_links
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.recovery import recover_surface
+from sim_export.collision.tools import decompose
 from sim_export.collision.trimming import fill_meshes, trim_meshes
-from sim_export.errors import ExportError
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.lone_cells import give_lone_cells
 from sim_export.geometry.meshing import mesh_parts, solid_parts
@@ -32,7 +35,7 @@ from sim_export.geometry.triangles import diagonal_of
 from sim_export.geometry.wheels import fit_width, is_open, round_wheels
 from sim_export.motion.held_drawers import keep_drawers_held
 from sim_export.motion.requirements import find_crossings, find_requirements
-from sim_export.package import Inertial, Link, Mesh, SimPackage, SourceMesh, Visual
+from sim_export.package import Hull, Inertial, Link, Mesh, SimPackage, SourceMesh, Visual
 from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.links import (
     LinkTree,
@@ -44,6 +47,10 @@ from sim_export.physics.links import (
 )
 from sim_export.physics.masses import hold_centers, weigh_part
 from sim_export.physics.materials import part_material
+from sim_export.search import HullPlan, judge_package, search_hulls
+
+COVERING = 0.5
+"""Share of the budget that is left in which surfaces are covered; the rest is for clearance and checks."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -115,6 +122,8 @@ def export_asset(
     source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
     provenance: Mapping[str, str] | None = None,
     finish: Callable[[SimPackage], SimPackage] = lambda package: package,
+    budget: Budget | None = None,
+    first: HullPlan | None = None,
 ) -> Exported:
     """Converts an articulated object to a simulation package.
 
@@ -125,70 +134,76 @@ def export_asset(
             is invisible. Collision, mass and annotations still come from the voxels.
         provenance: Origin of the object, for ``provenance.json``.
         finish: Completes each package before its hulls are judged (`export_best`).
+        budget: As in `export_best`.
+        first: How hulls are made first; by default by us, of the parts' meshes.
 
     Raises:
         ExportError: If a stage fails; the message names the part, the measured and the allowed value.
     """
     return export_best(
         make_solids(asset),
-        HullWay(collision="voxels"),
+        first or HullPlan(target="voxels"),
         source_meshes=source_meshes,
         provenance=provenance,
         finish=finish,
+        budget=budget,
     )
 
 
 def export_best(
     solids: Solids,
-    way: HullWay | None,
+    first: HullPlan,
     *,
     source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
     provenance: Mapping[str, str] | None = None,
     finish: Callable[[SimPackage], SimPackage] = lambda package: package,
+    budget: Budget | None = None,
 ) -> Exported:
     """The package of an object, with the hulls that fail fewest static checks.
 
-    Hulls are made in one way, and while they fail checks in another (`change_hulls`). Each package is judged
-    as ``finish`` leaves it, and the best is painted. Attempts that cannot be exported are recorded.
+    Hulls are made by one plan, and while they fail checks by others (`search_hulls`). Each package is judged
+    as ``finish`` leaves it, and the best is painted. Plans that cannot be carried out are recorded, and so is
+    a budget that ended the search.
 
     Args:
         solids: The parts.
-        way: How hulls are made first.
+        first: How hulls are made first.
         source_meshes: As in `export_asset`.
         provenance: As in `export_asset`.
         finish: Completes each package.
+        budget: Time for the search; one package is made in any case.
 
     Raises:
-        ExportError: If no attempt can be exported.
+        ExportError: If no plan can be carried out.
     """
-    tried: list[tuple[Judgement, Exported, SimPackage]] = []
-    errors: list[ExportError] = []
-    while way is not None:
-        judged = None
-        try:
-            made = export_solids(solids, way, source_meshes=source_meshes, provenance=provenance)
-        except ExportError as error:
-            errors.append(error)
-        else:
-            finished = finish(made.package)
-            judged = judge_package(finished)
-            tried.append((judged, made, finished))
-        way = change_hulls(way, judged)
-    if not tried:
-        raise errors[0]
-    seconds: Counter[str] = Counter(dict(solids.seconds))
-    for _, made, _ in tried:
-        seconds.update(dict(made.seconds))
+    budget, spent = budget or Budget(), Counter[str](dict(solids.seconds))
+    read: dict[Path, ObjText] = {}
+
+    def make(plan: HullPlan) -> tuple[Exported, SimPackage]:
+        covering = budget.share(COVERING) if plan.method == "auto" else budget
+        made = export_solids(
+            solids, plan, source_meshes=source_meshes, provenance=provenance, budget=covering
+        )
+        spent.update(dict(made.seconds))
+        return made, finish(made.package)
+
+    found = search_hulls(first, make, lambda made: judge_package(made[1], read), budget)
     watch = _Stopwatch()
-    _, best, package = min(tried, key=lambda one: (len(one[0].failed), one[0].unlike))
+    best, package = found.best
     painted = paint_package(best.package, solids.asset, best.unpainted)
     if painted is not best.package:
         package = finish(painted)
     watch.lap("texture")
-    seconds.update(dict(watch.laps))
-    failed = tuple(f"hulls could not be made in one of several ways: {error}" for error in errors)
+    spent.update(dict(watch.laps))
+    records = [f"hulls could not be made in one of several ways: {error}" for error in found.errors]
+    if budget.cut_short:
+        fails = f"fail {', '.join(found.judged.failed)}" if found.judged.failed else "pass their checks"
+        records.append(
+            f"the budget of {budget.seconds:g} s ended the search for hulls after {found.made} packages; the "
+            f"best ones {fails}, and more time may give others (--budget)"
+        )
     return Exported(
-        package=replace(package, records=(*package.records, *failed)), seconds=tuple(seconds.items())
+        package=replace(package, records=(*package.records, *records)), seconds=tuple(spent.items())
     )
 
 
@@ -242,29 +257,34 @@ def make_solids(asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | N
 
 def export_solids(
     solids: Solids,
-    way: HullWay,
+    plan: HullPlan,
     *,
     source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
     provenance: Mapping[str, str] | None = None,
+    budget: Budget | None = None,
 ) -> Exported:
     """The package of an object whose parts are solids already; meshes made from voxels are not painted.
 
     Args:
         solids: The parts.
-        way: How hulls are made.
+        plan: How hulls are made.
         source_meshes: As in `export_asset`.
         provenance: As in `export_asset`.
+        budget: Time for covering the parts with hulls.
     """
     watch = _Stopwatch()
-    asset, meshes, sheets = solids.asset, solids.meshes, way.collision == "surfaces"
-    names = link_names(asset)
-    if sheets:
-        made = solids.source_cover.make_hulls(way.finer, divided=way.divided, fewer=way.fewer)
+    asset, meshes, sheets = solids.asset, solids.meshes, plan.target == "surfaces"
+    names, levels = link_names(asset), dict(plan.levels)
+    if plan.method != "auto":
+        made = _decompose(solids, plan, budget or Budget())
+        hulls = [made.get(names.get(index, ""), ()) for index in range(len(meshes))]
+    elif sheets:
+        made = solids.source_cover.make_hulls(levels, fewer=plan.fewer, budget=budget)
         hulls = [made.get(names.get(index, ""), ()) for index in range(len(meshes))]
     else:
         owners = zip(asset.parts, link_owners(asset), strict=True)
-        finer = {part.name for part, at in owners if names[at] in way.finer}
-        made = solids.voxel_cover.make_hulls(finer, divided=way.divided, fewer=way.fewer)
+        of_parts = {part.name: levels.get(names[at], 0) for part, at in owners}
+        made = solids.voxel_cover.make_hulls(of_parts, fewer=plan.fewer, budget=budget)
         hulls = [made[part.name] for part in asset.parts]
     watch.lap("decompose")
     shown: list[tuple[Mesh | SourceMesh, ...]] = [(mesh,) for mesh in meshes]
@@ -281,7 +301,7 @@ def export_solids(
     joints, held = keep_drawers_held(tree.links, tree.joints, panels)
     needs = find_crossings(tree.links, joints, find_requirements(tree.links, joints))
     watch.lap("requirements")
-    cleared = clear_joints(tree.links, joints, needs, sheets=sheets, shares=way.shares)
+    cleared = clear_joints(tree.links, joints, needs, sheets=sheets, shares=plan.shares)
     watch.lap("clearance")
     solid = {part.name: mesh for part, mesh in zip(asset.parts, meshes, strict=True)}
     links, recovered = cleared.links, ()
@@ -340,6 +360,22 @@ def export_solids(
         records=records,
     )
     return Exported(package=package, seconds=tuple(watch.laps), unpainted=unpainted)
+
+
+def _decompose(solids: Solids, plan: HullPlan, budget: Budget) -> dict[str, tuple[Hull, ...]]:
+    """Hulls of every link by a method that is not ours, within the limits of engines."""
+    surfaces = solids.surfaces or [mesh.vertices[mesh.faces] for mesh in solids.meshes]
+    shown = link_surfaces(solids.asset, surfaces)
+    thickest = THICKEST * diagonal_of(np.concatenate(list(shown.values())).reshape(-1, 3))
+    out = {}
+    for name, triangles in shown.items():
+        if plan.method == "exact":
+            found = find_solids(triangles, name)
+        else:
+            assert plan.method != "auto"
+            found = decompose(plan.method, triangles, dict(plan.options), budget.left, name)
+        out[name] = tuple(part for hull in found for part in compact_hull(hull, thickest))
+    return out
 
 
 def _round_surfaces(

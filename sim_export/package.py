@@ -118,11 +118,11 @@ class Link:
     """
 
     name: str
-    label: PartLabel | None
-    parts: tuple[str, ...]
-    visuals: tuple[Visual, ...]
-    hulls: tuple[Hull, ...]
-    inertial: Inertial | None
+    label: PartLabel | None = None
+    parts: tuple[str, ...] = ()
+    visuals: tuple[Visual, ...] = ()
+    hulls: tuple[Hull, ...] = ()
+    inertial: Inertial | None = None
     splats: Gaussians | None = None
 
 

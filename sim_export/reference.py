@@ -154,7 +154,7 @@ def describe_build(shape: Shape) -> list[object]:
             part.name,
             part.label,
             part.parent,
-            None if part.motion is None else part.motion.type,
+            None if part.joint is None else part.joint.type,
             hull_kinds(_trim(simple)),
         )
         for part, simple in zip(shape.parts, _collide(shape, np.zeros(3))[1], strict=True)
@@ -289,7 +289,7 @@ def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialNa
 
     Hardware has the density of its material, other parts that of the category's `Make`.
     """
-    hardware = is_hardware(part.label, moves=part.motion is not None)
+    hardware = is_hardware(part.label, moves=part.joint is not None)
     names = sorted(set(made_of))
     inertials: list[Inertial] = []
     before: Mesh | None = None
@@ -316,7 +316,7 @@ def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialNa
 
 def _couple(shape: Shape, tree: LinkTree) -> LinkTree:
     """Adds followers, which mimic their leaders, and springs to the tree; one record for each."""
-    motions = {part.name: part.motion for part in shape.parts if part.motion is not None}
+    motions = {part.name: part.joint for part in shape.parts if part.joint is not None}
     leading = {link.name: link.parts[0] for link in tree.links if link.parts}
     joints, records = [], list(tree.records)
     for joint in tree.joints:
@@ -354,7 +354,7 @@ def find_latched(shape: Shape) -> frozenset[str]:
 
 def find_stays(shape: Shape) -> frozenset[str]:
     """Parts whose hinges hold them wherever they are left."""
-    return frozenset(part.name for part in shape.parts if part.motion is not None and part.motion.stays)
+    return frozenset(part.name for part in shape.parts if part.joint is not None and part.joint.stays)
 
 
 def _requirements(shape: Shape, tree: LinkTree) -> tuple[Requirement, ...]:
@@ -364,5 +364,5 @@ def _requirements(shape: Shape, tree: LinkTree) -> tuple[Requirement, ...]:
         Requirement(joint=driving[part.name], needs=driving[need.part], fraction=need.fraction)
         for part in shape.parts
         for need in part.needs
-        if part.motion is not None
+        if part.joint is not None
     )

@@ -57,7 +57,7 @@ def make_chest(*, inside: str = "plain", front: str = "plain") -> Shape:
                 label="drawer",
                 parent="body",
                 primitives=tuple(drawer),
-                motion=slide(0.7),
+                joint=slide(0.7),
             ),
         ),
         finishes=(("plain", PLAIN), ("inside", INSIDE), ("glass", GLASS)),
@@ -74,7 +74,7 @@ def make_cabinet() -> Shape:
             label="drawer",
             parent="body",
             primitives=(box((-0.5, -0.4, 0.1 + 0.2 * row), (-0.44, 0.4, 0.2 + 0.2 * row), "plain"),),
-            motion=slide(0.5),
+            joint=slide(0.5),
             needs=(Need(part="door"),) if name == "inner" else (),
         )
         for row, name in enumerate(names)

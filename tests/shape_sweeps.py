@@ -1,6 +1,7 @@
 """Solids of procedural objects as hulls, and joints that run into something on their way."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -31,7 +32,7 @@ def links_of(shape: Shape) -> list[int]:
     names = [part.name for part in shape.parts]
     owners: list[int] = []
     for index, part in enumerate(shape.parts):
-        fixed = part.motion is None and part.parent is not None
+        fixed = part.joint is None and part.parent is not None
         owners.append(owners[names.index(str(part.parent))] if fixed else index)
     return owners
 
@@ -39,17 +40,19 @@ def links_of(shape: Shape) -> list[int]:
 def find_overlaps(shape: Shape, poses: int) -> list[str]:
     """Joints that run into something while what they need is open and all else is closed."""
     names = [part.name for part in shape.parts]
+    alone = [replace(part, joint=part.joint and replace(part.joint, follows=None)) for part in shape.parts]
+    shape = replace(shape, parts=tuple(alone))
     found = []
     for leader, part in enumerate(shape.parts):
-        if part.motion is None:
+        if part.joint is None:
             continue
         qpos = np.zeros((poses, len(names)))
         for need in part.needs:
             other = names.index(need.part)
-            motion = shape.parts[other].motion
+            motion = shape.parts[other].joint
             assert motion is not None
             qpos[:, other] = need.fraction * motion.upper
-        qpos[:, leader] = np.linspace(0.0, part.motion.upper, poses)
+        qpos[:, leader] = np.linspace(0.0, part.joint.upper, poses)
         T = pose_parts(shape, qpos)
         moved = {leader}
         for index, child in enumerate(shape.parts):

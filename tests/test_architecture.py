@@ -77,7 +77,7 @@ EXPORT_LAYERS = (
     {"files", "fingerprint"},
     {"picture"},
     {"checks"},
-    {"attempts", "source_faults", "usd"},
+    {"search", "source_faults", "usd"},
     {"mend"},
     {"export", "reference"},
 )

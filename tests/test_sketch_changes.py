@@ -22,8 +22,8 @@ def test_parts_go_with_what_they_carry(cabinet: Shape):
     left = remove_parts(cabinet, {handle.parent})
     assert {handle.name, handle.parent}.isdisjoint(part.name for part in left.parts)
     names = {part.name for part in left.parts}
-    kept = [(part.name, part.primitives, part.motion) for part in cabinet.parts if part.name in names]
-    assert kept == [(part.name, part.primitives, part.motion) for part in left.parts]
+    kept = [(part.name, part.primitives, part.joint) for part in cabinet.parts if part.name in names]
+    assert kept == [(part.name, part.primitives, part.joint) for part in left.parts]
 
 
 def test_something_still_moves(cabinet: Shape):
@@ -33,8 +33,8 @@ def test_something_still_moves(cabinet: Shape):
 def test_nothing_refers_to_removed_parts():
     """A pedal drives the lid of a bin; a shape with a reference to a missing part cannot be built."""
     drawn = [draw_shape("TrashCan", seed) for seed in range(20)]
-    bin_ = next(one for one in drawn if any(part.motion and part.motion.follows for part in one.parts))
-    leader = next(part.motion.follows for part in bin_.parts if part.motion and part.motion.follows)
+    bin_ = next(one for one in drawn if any(part.joint and part.joint.follows for part in one.parts))
+    leader = next(part.joint.follows for part in bin_.parts if part.joint and part.joint.follows)
     left = remove_parts(bin_, {str(leader)})
     assert all(part.name != leader for part in left.parts)
 

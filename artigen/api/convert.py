@@ -12,15 +12,19 @@ import numpy as np
 
 from artigen.api.batch import Finished, Laps, Made, Part, run_with_progress
 from artigen.api.grids import GRIDS, make_on_grids
+from artigen.errors import ArtigenError
 from artigen.runtime.runner import Runner
 from artigen.runtime.workers import Worker
 
+Collision = Literal["auto", "exact", "coacd", "vhacd"]
 Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
 if TYPE_CHECKING:
     from artigen.datasets.source_object import SourceObject
+    from artigen.runtime.budget import Budget
     from artigen.types import Asset
     from sim_export.export import Exported
     from sim_export.package import SimPackage
+    from sim_export.search import HullPlan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,6 +59,14 @@ class ConvertSettings:
     objects that fall over. Every change is in meta.json."""
     validation: Literal["full", "none"] = "full"
     """Run checks L0 to L3 on every package right after it is written."""
+    budget: float = 30.0
+    """Seconds of one core in which an object is read and its hulls are searched for. The best package found
+    is always written; meta.json says where the budget ended the search."""
+    collision: Collision = "auto"
+    """Who makes the collision hulls: our search, the exact boxes and cylinders of a source that consists of
+    such, CoACD or V-HACD. The last two must end within the budget and are not refined."""
+    coacd: str = ""
+    """Parameters of CoACD, such as threshold=0.03,max_convex_hull=32; others have its defaults."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,6 +139,7 @@ def convert_object(job: ConvertJob) -> Made:
 def _convert(job: ConvertJob, scratch: Path) -> Made:
     from artigen import __version__
     from artigen.datasets.sources import find_layout
+    from artigen.runtime.budget import Budget
     from artigen.splats.surface import RANDOM
     from sim_export.appearance.splats import splat_package
     from sim_export.export import export_asset
@@ -134,7 +147,7 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     from sim_export.mend.stand import stand_on_side
     from sim_export.physics.followers import follow_parts
 
-    laps = Laps()
+    laps, budget = Laps(), Budget(job.cfg.budget)
     source = job.read(scratch)
     laps.end("read")
     provenance = {
@@ -154,9 +167,11 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     if job.cfg.visual == "voxels":
         asset = rebuild_from_voxels(asset, job.cfg.recipe)
         laps.end("segment")
-        exported = export_asset(asset, provenance={**provenance, "grid": str(job.grid)}, finish=finish)
+        provenance |= {"grid": str(job.grid)}
+        first = replace(plan_hulls(job.cfg), target="voxels")
+        exported = export_asset(asset, provenance=provenance, finish=finish, budget=budget, first=first)
     else:
-        exported = export_source(source, asset, provenance, finish)
+        exported = export_source(source, asset, provenance, finish, budget, first=plan_hulls(job.cfg))
     laps.end("export", *exported.seconds)
     write_package(exported.package, job.out / job.key, "replace")
     laps.end("write")
@@ -190,24 +205,47 @@ def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "ro
     return restore_tree(asset, found)
 
 
+def plan_hulls(cfg: ConvertSettings) -> "HullPlan":
+    """How hulls are made first by some settings.
+
+    Raises:
+        ArtigenError: If CoACD has parameters that cannot be read, or is not who makes the hulls.
+    """
+    from sim_export.collision.tools import read_options
+    from sim_export.search import HullPlan
+
+    if cfg.coacd and cfg.collision != "coacd":
+        raise ArtigenError(f"coacd={cfg.coacd!r}: hulls are made by {cfg.collision}; add --collision coacd")
+    return HullPlan(method=cfg.collision, options=tuple(read_options(cfg.coacd).items()))
+
+
 def export_source(
     source: "SourceObject",
     asset: "Asset",
     provenance: dict[str, str],
     finish: Callable[["SimPackage"], "SimPackage"] = lambda package: package,
+    budget: "Budget | None" = None,
+    first: "HullPlan | None" = None,
 ) -> "Exported":
     """A package with the object's own meshes, and the hulls of these that fail fewest static checks.
 
     Raises:
-        ExportError: If no attempt can be exported.
+        ExportError: If no hulls can be made.
     """
     from artigen.api.mend import place_source_meshes, place_source_surfaces
-    from sim_export.attempts import HullWay
     from sim_export.export import export_best, make_solids
+    from sim_export.search import HullPlan
 
     solids = make_solids(asset, place_source_surfaces(source, asset))
     meshes = place_source_meshes(source, asset)
-    return export_best(solids, HullWay(), source_meshes=meshes, provenance=provenance, finish=finish)
+    return export_best(
+        solids,
+        first or HullPlan(),
+        source_meshes=meshes,
+        provenance=provenance,
+        finish=finish,
+        budget=budget,
+    )
 
 
 def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Finished:
@@ -231,10 +269,10 @@ def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]
 
 def _explain(job: ConvertJob, failed: tuple[str, ...], scratch: Path) -> tuple[str, ...]:
     from artigen.api.mend import place_source_meshes, place_source_surfaces
-    from sim_export.attempts import HullWay
     from sim_export.checks.subject import Subject
     from sim_export.export import export_solids, make_solids
     from sim_export.files.read import read_package
+    from sim_export.search import HullPlan
     from sim_export.source_faults import find_source_faults
 
     if job.cfg.visual == "source":
@@ -248,7 +286,7 @@ def _explain(job: ConvertJob, failed: tuple[str, ...], scratch: Path) -> tuple[s
         source = job.read(scratch)
         asset = voxelize_object(source.asset)
         meshes = place_source_meshes(source, asset)
-        package = export_solids(make_solids(asset), HullWay(collision="voxels"), source_meshes=meshes).package
+        package = export_solids(make_solids(asset), HullPlan(target="voxels"), source_meshes=meshes).package
         surfaces = dict(
             zip((part.name for part in asset.parts), place_source_surfaces(source, asset), strict=True)
         )

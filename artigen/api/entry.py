@@ -5,7 +5,14 @@ from functools import partial
 from pathlib import Path
 from typing import Literal, TypedDict, Unpack, overload
 
-from artigen.api.convert import TIMEOUT, ConvertSettings, Direction, convert_and_validate, list_conversions
+from artigen.api.convert import (
+    TIMEOUT,
+    Collision,
+    ConvertSettings,
+    Direction,
+    convert_and_validate,
+    list_conversions,
+)
 from artigen.api.generate import GenerateSettings, generate_and_validate, list_jobs, understand_job
 from artigen.api.object import Object
 from artigen.api.objects import Objects, list_seeds, make_here
@@ -53,7 +60,9 @@ class GenerateOptions(Look, total=False):
 
     image: Path | str | None
     box: tuple[float, float, float, float] | None
+    reading: Path | str | None
     kind: str | None
+    structure: Literal["sketch", "latent"]
     temperature: float
     redraws: int
     model: Path
@@ -70,6 +79,9 @@ class ConvertOptions(TypedDict, total=False):
     body: str | None
     visual: Literal["source", "voxels"]
     gaussians: bool
+    budget: float
+    collision: Collision
+    coacd: str
     workers: int
 
 
@@ -98,7 +110,7 @@ def sample(
     """Samples an object from the procedural grammar: exact, in milliseconds, without a network.
 
     Args:
-        kind: Name of a kind, such as ``StorageFurniture``; see `kinds`.
+        kind: Name of a kind, or a noun for it, such as ``StorageFurniture`` or ``cabinet``; see `kinds`.
         seed: Seed of the object, or a sequence of seeds for as many.
         count: Number of objects with consecutive seeds; a lazy sequence of them is returned.
         width: Metres, seen from the front; lengths that are not stated are sampled.
@@ -150,6 +162,7 @@ def generate(
     *,
     image: Path | str | None = None,
     box: tuple[float, float, float, float] | None = None,
+    reading: Path | str | None = None,
     kind: str | None = None,
     counts: Counts | None = None,
     seed: int | Sequence[int] = 0,
@@ -158,6 +171,7 @@ def generate(
     depth: float | None = None,
     height: float | None = None,
     style: str | None = None,
+    structure: Literal["sketch", "latent"] = "sketch",
     temperature: float = GenerateSettings.temperature,
     redraws: int = GenerateSettings.redraws,
     gaussians: bool = True,
@@ -174,7 +188,8 @@ def generate(
         image: Photograph of one object, taken from near its front.
         box: Left, top, right and bottom of the object in the photograph, as shares of width and height;
             default: the largest object.
-        kind: Name of a kind; default: as words or picture say.
+        reading: File that ``artigen read --json`` wrote, edited or not, instead of a photograph.
+        kind: Name of a kind, or a noun for it; default: as words or picture say.
         counts: Number of parts by label; the others are free.
         seed: Seed of the object, or a sequence of seeds for as many.
         count: Number of objects with consecutive seeds; a lazy sequence of them is returned.
@@ -182,6 +197,8 @@ def generate(
         depth: Metres, with handles.
         height: Metres.
         style: Style of the kind, such as ``shaker``.
+        structure: ``sketch`` for exact solids; ``latent`` for voxels that the paper's latents give within the
+            boxes of the sketch.
         temperature: Sampling temperature; 1 matches the training data, lower is less varied.
         redraws: Most new draws of an object that fails a check.
         gaussians: Whether the package has 3D Gaussians.
@@ -192,9 +209,10 @@ def generate(
         ArtigenError: If no object can be as asked, the picture cannot be read, or no draw can be exported.
     """
     cfg = GenerateSettings(
-        text=words, image=None if image is None else Path(image), box=box, width=width, depth=depth,
-        height=height, style=style, counts=_write_counts(counts), temperature=temperature, redraws=redraws,
-        gaussians=gaussians, compare=False,
+        text=words, image=None if image is None else Path(image), box=box,
+        reading=None if reading is None else Path(reading), width=width, depth=depth, height=height,
+        style=style, counts=_write_counts(counts), structure=structure, temperature=temperature,
+        redraws=redraws, gaussians=gaussians, compare=False,
     )  # fmt: skip
     jobs = list_jobs(HERE, list_seeds(seed, count), cfg, category=kind, model=Path(model))
     understand_job(jobs[0])
@@ -220,6 +238,9 @@ def convert(
     body: str | None = None,
     visual: Literal["source", "voxels"] = "source",
     gaussians: bool = False,
+    budget: float = 30.0,
+    collision: Collision = "auto",
+    coacd: str = "",
     workers: int = 0,
 ) -> Object | Objects:
     """Converts an object of a URDF, an MJCF, a PartNet-Mobility folder or an ``object.json``.
@@ -238,13 +259,26 @@ def convert(
         body: Body of a scene file that is the object; default: every object in the file.
         visual: Keep the meshes, or rebuild the object from its 64^3 voxels.
         gaussians: Whether the package has 3D Gaussians.
+        budget: Seconds of one core per object; the best package found in them is made.
+        collision: Who makes the hulls: our search, exact boxes and cylinders, CoACD or V-HACD.
+        coacd: Parameters of CoACD, such as ``threshold=0.03,max_convex_hull=32``.
         workers: Processes for many objects; 0 makes them in this one.
 
     Raises:
         ArtigenError: If the source cannot be read, or holds several objects where one is expected.
     """
     cfg = ConvertSettings(
-        mend=mend, size=size, category=kind, up=up, front=front, body=body, visual=visual, splats=gaussians
+        mend=mend,
+        size=size,
+        category=kind,
+        up=up,
+        front=front,
+        body=body,
+        visual=visual,
+        splats=gaussians,
+        budget=budget,
+        collision=collision,
+        coacd=coacd,
     )
     one = isinstance(source, str | Path)
     given = (Path(source),) if isinstance(source, str | Path) else tuple(map(Path, source))

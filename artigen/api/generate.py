@@ -14,6 +14,7 @@ from artigen.api.models import hash_file, hash_weights, load_drawer, load_sketch
 from artigen.api.names import choose_name, name_request
 from artigen.api.sample import read_wish
 from artigen.errors import ArtigenError
+from artigen.kind import spell_kind
 from artigen.runtime.runner import Runner
 from artigen.runtime.workers import Worker
 from artigen.weights import SHIPPED
@@ -45,6 +46,9 @@ class GenerateSettings:
     box: tuple[float, float, float, float] | None = None
     """Left, top, right and bottom of the object in the photo, as shares of width and height; default: the
     largest object."""
+    reading: Path | None = None
+    """File that ``artigen read --json`` wrote, edited or not: it is built instead of reading the photo, which
+    is then only shown beside the object."""
     kind: str | None = None
     """Kind of the object, as the category."""
     doors: int | None = None
@@ -101,13 +105,15 @@ class GenerateJob:
     @property
     def key(self) -> str:
         """Name of the package."""
-        return self.name or name_request(self.category, self.cfg.text, self.cfg.image, self.seed)
+        return self.name or name_request(
+            self.category, self.cfg.text, self.cfg.image or self.cfg.reading, self.seed
+        )
 
     @property
     def settings(self) -> str:
         """Object, weights, picture and settings as text; where one of them changes, it is made again."""
-        image = "" if self.cfg.image is None else f" {hash_file(self.cfg.image)}"
-        return f"{self.key} {hash_weights(self.model)}{image} {self.cfg}"
+        given = [path for path in (self.cfg.image, self.cfg.reading) if path is not None]
+        return " ".join([self.key, hash_weights(self.model), *map(hash_file, given), str(self.cfg)])
 
 
 def _understand(job: GenerateJob) -> "Understood":
@@ -135,7 +141,14 @@ def read_job(job: GenerateJob) -> "Request":
             wish = replace(wish, counts=tuple(sorted((held | {label: count}).items())))
     if None not in (job.category, cfg.kind) and job.category != cfg.kind:
         raise ArtigenError(f"category {job.category} and --kind {cfg.kind}: name one")
-    return Request(category=job.category or cfg.kind, text=cfg.text, image=cfg.image, box=cfg.box, wish=wish)
+    return Request(
+        category=job.category or cfg.kind,
+        text=cfg.text,
+        image=cfg.image,
+        box=cfg.box,
+        reading=cfg.reading,
+        wish=wish,
+    )
 
 
 def _ask(job: GenerateJob) -> "Asked":
@@ -356,7 +369,7 @@ def list_jobs(
     return [
         GenerateJob(
             model=model,
-            category=category,
+            category=category and spell_kind(category),
             seed=seed,
             out=out,
             cfg=cfg,

@@ -291,7 +291,7 @@ def _drawn_joints(shape: "Shape") -> dict[str, tuple[str, Joint]]:
     from artigen.shapes.asset import frame_shape
 
     center, _ = frame_shape(shape)
-    moving = [(part.name, part.motion) for part in shape.parts if part.motion is not None]
+    moving = [(part.name, part.joint) for part in shape.parts if part.joint is not None]
     return {
         f"joint_{number}": (part, replace(motion, origin=motion.origin - center))
         for number, (part, motion) in enumerate(moving)

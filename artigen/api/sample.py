@@ -10,6 +10,7 @@ from artigen.api.batch import Finished, Laps, Made, Part, run_with_progress, tak
 from artigen.api.grids import GRIDS, make_on_grids
 from artigen.api.names import choose_name
 from artigen.errors import ArtigenError
+from artigen.kind import spell_kind
 from artigen.runtime.runner import Runner
 from artigen.runtime.workers import Worker
 from artigen.types import PartLabel
@@ -329,6 +330,7 @@ def list_shapes(
             f"{len(seeds)} objects from seed {min(seeds, default=0)}: expected at least 1 object and a seed "
             "from 0"
         )
+    category = spell_kind(category)
     cfg = choose_like(category, cfg)
     return [
         ShapeJob(category=category, seed=seed, out=out, cfg=cfg, name=choose_name(name, seed, len(seeds)))

@@ -84,8 +84,9 @@ class Furnished:
         kinds = len({placement.package for placement in room.placements})
         loose = f", with {len(room.contents)} loose things" if room.contents else ""
         left_out = f", without {len(self.failed)} packages that did not pass" if self.failed else ""
+        kind = room.kind.replace("_", " ")
         return (
-            f"{room.kind.replace('_', ' ')} of {room.size[0]:.2f} x {room.size[1]:.2f} m: {len(room.placements)} objects from "
+            f"{kind} of {room.size[0]:.2f} x {room.size[1]:.2f} m: {len(room.placements)} objects from "
             f"{kinds} packages{loose} in {self.path}, arranged and checked in {self.seconds:.1f} s{left_out}"
         )
 

@@ -28,7 +28,7 @@ def plan_fractions(shape: Shape, count: int, *, staggered: bool) -> Float[np.nda
     out = np.tile(shares[:, None], (1, len(shape.parts)))
     row = {part.name: index for index, part in enumerate(shape.parts)}
     if staggered and count > 2:
-        moving = [index for index, part in enumerate(shape.parts) if part.motion is not None]
+        moving = [index for index, part in enumerate(shape.parts) if part.joint is not None]
         for rank, index in enumerate(moving):
             leader, needs = rank, shape.parts[index].needs
             while needs and row[needs[0].part] in moving:

@@ -16,6 +16,7 @@ COMMANDS = {
     "convert": "convert",
     "validate": "validate",
     "preview": "preview",
+    "render": "render",
     "view": "view",
     "export": "export",
     "restyle": "restyle",

@@ -33,6 +33,15 @@ if TYPE_CHECKING:
 FORMATS = ("obj", "stl", "glb", "gltf", "dae", "ply", "off")
 MOST_FACES = 500_000
 """Most triangles of one mesh file; more are a scan, of which no simulator makes use."""
+LEAST_FACE_BYTES = 6
+"""Least bytes that a text file needs for a polygon."""
+MOST_BYTES = 400_000_000
+"""No mesh file with so few triangles is larger."""
+FACES = {
+    ".obj": re.compile(rb"^f ", re.M),
+    ".dae": re.compile(rb"<(?:triangles|polylist|polygons)\b[^>]*?\bcount\s*=\s*\"(\d{1,12})\""),
+}
+"""What counts the polygons of a text file: a line each, or attributes."""
 UNIT = re.compile(r"([-+.\deE]+) \* meters")
 """How trimesh states the unit of a DAE file."""
 IMAGES = re.compile(rb"""(?:<init_from>|"uri"\s*:\s*")\s*([^<"]+?\.(?:png|jpe?g|bmp|tga))\s*[<"]""", re.I)
@@ -66,6 +75,8 @@ def load_shape(
     Raises:
         SourceError: names the file and why it cannot be read.
     """
+    if path is not None:
+        check_file(path)
     if path is not None and min(shape.scale) == max(shape.scale) > 0 and _is_self_contained(path):
         mesh, scale = read_obj(path, root), shape.scale[0]
         check_size(path, len(mesh.faces))
@@ -136,6 +147,21 @@ def check_size(path: Path, faces: int) -> None:
         )
 
 
+def check_file(path: Path) -> None:
+    """Refuses a text file with too many polygons before it is parsed, and any file that is too large.
+
+    Raises:
+        SourceError: As `check_size`.
+    """
+    size = path.stat().st_size if path.is_file() else 0
+    if size > MOST_BYTES:
+        raise SourceError(f"{path}: holds {size:,} bytes, at most {MOST_BYTES:,} are read: simplify the mesh")
+    pattern = FACES.get(path.suffix.lower())
+    if pattern is not None and size > LEAST_FACE_BYTES * MOST_FACES:
+        found = pattern.findall(path.read_bytes())
+        check_size(path, sum(int(count) for count in found) if pattern.groups else len(found))
+
+
 def _are_inside(files: Iterable[Path], folder: Path) -> bool:
     return all(file.is_file() and file.resolve().is_relative_to(folder) for file in files)
 
@@ -159,6 +185,7 @@ def read_named(path: Path, root: Path) -> tuple[list[Named], tuple[str, ...]]:
     Raises:
         SourceError: names the file and why it cannot be read.
     """
+    check_file(path)
     if path.suffix.lower() != ".obj":
         return _load(path)
     said = parse_obj(path)

@@ -7,6 +7,7 @@ object stands as the file stands it. What is drawn is decided for each moving li
 # mujoco is a compiled module without stubs.
 # pyright: reportAttributeAccessIssue=false
 
+import math
 import re
 import warnings
 from collections import Counter
@@ -36,7 +37,11 @@ STATED = re.compile(r"""<compiler\b[^>]*\bangle\s*=""")
 INCLUDED = re.compile(r"""<include\b[^>]*\bfile\s*=\s*["']([^"']+)["']""")
 EULER = re.compile(r"""\beuler\s*=\s*["']([-+.\deE\s]+)["']""")
 ROUND = 1e-3
+COPIES = re.compile(r"""<(?:replicate|composite|flexcomp)\b[^>]*?\bcount\s*=\s*["']([\d\s]+)["']""")
+MOST_COPIES = 1_000_000
 MOST_REPAIRS = 50
+MOST = 5_000
+"""A file with more bodies or geoms is a fault of a script."""
 LEAST_MASS = 1e-3
 LEAST_INERTIA = 1e-6
 """Mass (kg) and inertia (kg m^2) with which a body without them compiles."""
@@ -152,6 +157,7 @@ def compile_mjcf(path: Path, *, outline: bool = False) -> tuple["mujoco.MjModel"
     """
     import mujoco
 
+    _check_text(path)
     try:
         return _compile(mujoco.MjSpec.from_file(str(path)), path, outline=outline)
     except (ValueError, mujoco.FatalError) as err:
@@ -171,6 +177,22 @@ def compile_mjcf(path: Path, *, outline: bool = False) -> tuple["mujoco.MjModel"
     raise SourceError(f"{path}: MuJoCo cannot read it: {said}") from error
 
 
+def _check_count(bodies: int, geoms: int, path: Path) -> None:
+    if max(bodies, geoms) > MOST:
+        raise SourceError(
+            f"{path}: holds {bodies:,} bodies and {geoms:,} geoms, at most {MOST:,} of each are read"
+        )
+
+
+def _check_text(path: Path) -> None:
+    """Refuses what would take MuJoCo minutes to parse, or to multiply."""
+    text = path.read_text(errors="replace")
+    _check_count(text.count("<body"), text.count("<geom"), path)
+    copies = math.prod(int(number) for counts in COPIES.findall(text) for number in counts.split())
+    if copies > MOST_COPIES:
+        raise SourceError(f"{path}: asks for {copies:,} copies of elements, at most {MOST_COPIES:,} are made")
+
+
 def _read_includes(path: Path) -> dict[str, bytes]:
     """Files that a file includes, directly or through others, by name."""
     found: dict[str, bytes] = {}
@@ -187,6 +209,7 @@ def _read_includes(path: Path) -> dict[str, bytes]:
 def _compile(spec: "mujoco.MjSpec", path: Path, *, outline: bool) -> tuple["mujoco.MjModel", list[str]]:
     import mujoco
 
+    _check_count(len(spec.bodies), len(spec.geoms), path)
     spec.compiler.boundmass = max(spec.compiler.boundmass, LEAST_MASS)
     spec.compiler.boundinertia = max(spec.compiler.boundinertia, LEAST_INERTIA)
     spec.compiler.balanceinertia = True

@@ -45,15 +45,18 @@ def list_roots(model: "mujoco.MjModel") -> list[int]:
     seen = [geom for geom in range(model.ngeom) if is_seen(model, geom)]
     owners = np.unique(np.asarray(model.geom_bodyid)[seen])
     tops = [body for body in range(1, model.nbody) if model.body_parentid[body] == 0]
-    moved = [body for body in range(1, model.nbody) if _moves(model, body)]
+    moved = {body for body in range(1, model.nbody) if _moves(model, body)}
     hinged = [body for body in tops if body in moved]
-    moving = [body for body in tops if body not in hinged and any(top[other] == body for other in moved)]
-    carriers = [body for body in moving if any(top[o] == body and weld[o] == weld[body] for o in owners)]
+    stirred = {int(top[body]) for body in moved}
+    moving = [body for body in tops if body not in moved and body in stirred]
+    bearing = {int(top[owner]) for owner in owners if weld[owner] == weld[top[owner]]}
+    carriers = {body for body in moving if body in bearing}
     framed = any(weld[owner] == 0 and int(top[owner]) not in carriers for owner in owners)
     if framed and len(hinged) + len(moving) > len(carriers):
-        return [0, *carriers]
-    loose = [body for body in tops if model.body_jntnum[body] and body in owners]
-    drawn = [body for body in tops if np.isin(top[owners], body).any()]
+        return [0, *sorted(carriers)]
+    seen_on, shown = set(owners.tolist()), set(top[owners].tolist())
+    loose = [body for body in tops if model.body_jntnum[body] and body in seen_on]
+    drawn = [body for body in tops if body in shown]
     alone = drawn if len(drawn) == 1 and 0 not in owners else [0]
     return sorted([*hinged, *moving]) or loose or alone
 

@@ -5,7 +5,7 @@ Links get the axes of the model as it stands in the file, and their origins at t
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -41,6 +41,8 @@ class _Model:
     name: str
     element: Element
     version: tuple[int, ...]
+    frames: dict[str, Element]
+    """Links, joints and frames by name; a link's pose counts before that of a joint of the same name."""
     poses: dict[str, Float[np.ndarray, "4 4"]] = field(default_factory=dict)
 
     @property
@@ -88,10 +90,14 @@ def _list_models(path: Path) -> dict[str, _Model]:
     if not found:
         raise SourceError(f"{path}: holds no <model>; models that it includes are files of their own")
     return {
-        name: _Model(path=path, name=name, element=element, version=version)
+        name: _Model(path=path, name=name, element=element, version=version, frames=_list_frames(element))
         for number, element in enumerate(found)
         for name in [element.get("name") or f"model_{number}"]
     }
+
+
+def _list_frames(model: Element) -> dict[str, Element]:
+    return {one.get("name", ""): one for tag in ("frame", "joint", "link") for one in model.findall(tag)}
 
 
 def _build(model: _Model) -> Mechanism:
@@ -102,7 +108,7 @@ def _build(model: _Model) -> Mechanism:
             f"{model.owner}: holds {len(element.findall('link'))} links, expected names of their own"
         )
     for name in links:
-        _find_frame(name, model, ())
+        _find_frame(name, model)
     dropped = Counter({UNUSED[tag]: len(element.findall(tag)) for tag in UNUSED})
     said = element.findall("joint")
     parents = {_text(joint, "child", model): _text(joint, "parent", model) for joint in said}
@@ -118,7 +124,7 @@ def _build(model: _Model) -> Mechanism:
         for name in (*links, WORLD)
         if name not in parents and (name in links or name in parents.values())
     ]
-    if not roots or any(_leads_round(name, parents) for name in parents):
+    if not roots or _has_circle(parents):
         raise SourceError(f"{model.owner}: its joints form a circle, expected a tree")
     root = WORLD if WORLD in roots else roots[0]
     origins = {name: np.zeros(3) for name in roots}
@@ -136,7 +142,7 @@ def _build(model: _Model) -> Mechanism:
             shape
             for name, link in links.items()
             for one in link.findall(tag)
-            for T in [shift(-origins[name]) @ T_file_model @ _find_frame(name, model, ())]
+            for T in [shift(-origins[name]) @ T_file_model @ _find_frame(name, model)]
             for shape in _shape(one, name, T @ _pose(one, model), model, dropped)
         ]
         for tag in ("visual", "collision")
@@ -154,16 +160,20 @@ def _build(model: _Model) -> Mechanism:
     )
 
 
-def _leads_round(name: str, parents: Mapping[str, str]) -> bool:
-    at, steps = name, 0
-    while at in parents and steps <= len(parents):
-        at, steps = parents[at], steps + 1
-    return steps > len(parents)
+def _has_circle(parents: Mapping[str, str]) -> bool:
+    done = set[str]()
+    for name in parents:
+        at, path = name, set[str]()
+        while at in parents and at not in done and at not in path:
+            path.add(at)
+            at = parents[at]
+        if at in path:
+            return True
+        done |= path
+    return False
 
 
 def _place(joint: UrdfJoint, parent: str, child: str, origins: Mapping[str, np.ndarray]) -> UrdfJoint:
-    from dataclasses import replace
-
     return replace(joint, parent=parent, child=child, T_parent_joint=shift(origins[child] - origins[parent]))
 
 
@@ -204,33 +214,28 @@ def _pose(element: Element, model: _Model) -> Float[np.ndarray, "4 4"]:
     return T
 
 
-def _find_frame(name: str, model: _Model, asking: tuple[str, ...]) -> Float[np.ndarray, "4 4"]:
+def _find_frame(name: str, model: _Model) -> Float[np.ndarray, "4 4"]:
     """Pose of a link, joint or frame in the model."""
-    if name in ("", MODEL):
-        return np.eye(4)
-    if name in model.poses:
-        return model.poses[name]
-    if name in asking:
-        raise SourceError(f"{model.owner}: the pose of {name!r} depends on itself ({', '.join(asking)})")
-    held = [
-        one
-        for tag in ("link", "joint", "frame")
-        for one in model.element.findall(tag)
-        if one.get("name") == name
-    ]
-    if not held:
-        raise SourceError(
-            f"{model.owner}: a pose is relative to {name!r}, expected a link, joint or frame of it"
-        )
-    element, pose = held[0], held[0].find("pose")
-    default = {"joint": "child", "frame": "attached_to"}.get(element.tag)
-    base = "" if pose is None else pose.get("relative_to", "")
-    if not base and default == "child":
-        base = _text(element, "child", model)
-    elif not base and default:
-        base = element.get(default, "")
-    T = _find_frame(base, model, (*asking, name)) @ _pose(element, model)
-    model.poses[name] = T
+    chain: list[tuple[str, Element]] = []
+    at = name
+    while at not in ("", MODEL) and at not in model.poses:
+        element = model.frames.get(at)
+        if element is None:
+            raise SourceError(
+                f"{model.owner}: a pose is relative to {at!r}, expected a link, joint or frame of it"
+            )
+        if len(chain) > len(model.frames):
+            raise SourceError(f"{model.owner}: the pose of {at!r} depends on itself")
+        chain.append((at, element))
+        pose = element.find("pose")
+        at = "" if pose is None else pose.get("relative_to", "")
+        if not at and element.tag == "joint":
+            at = _text(element, "child", model)
+        elif not at and element.tag == "frame":
+            at = element.get("attached_to", "")
+    T = model.poses.get(at, np.eye(4))
+    for one, element in reversed(chain):
+        T = model.poses[one] = T @ _pose(element, model)
     return T
 
 
@@ -238,7 +243,7 @@ def _joint_frame(joint: Element, child: str, model: _Model) -> Float[np.ndarray,
     """Pose of a joint in the model; its own pose counts in its child's frame unless it says otherwise."""
     pose = joint.find("pose")
     base = (pose.get("relative_to", "") if pose is not None else "") or child
-    return _find_frame(base, model, ()) @ _pose(joint, model)
+    return _find_frame(base, model) @ _pose(joint, model)
 
 
 def _fixed(name: str) -> UrdfJoint:
@@ -263,8 +268,6 @@ def _make_joint(joint: Element, turn: np.ndarray, T_file_model: np.ndarray, mode
     Args:
         turn: Rotation of the joint's frame in the file.
     """
-    from dataclasses import replace
-
     name, kind = joint.get("name", ""), joint.get("type", "")
     where = f"{model.owner}: joint {name!r}"
     if kind == "fixed":
@@ -279,7 +282,7 @@ def _make_joint(joint: Element, turn: np.ndarray, T_file_model: np.ndarray, mode
     frame = "" if said is None else said.get("expressed_in", "")
     old = axis.findtext("use_parent_model_frame", "true" if model.version < (1, 5) else "false")
     if frame or old.strip() in ("true", "1"):
-        turn = (T_file_model @ _find_frame(frame or MODEL, model, ()))[:3, :3]
+        turn = (T_file_model @ _find_frame(frame or MODEL, model))[:3, :3]
     limits = [
         float(_numbers(axis.findtext(f"limit/{side}", far), 1, side, model)[0])
         for side, far in (("lower", "-inf"), ("upper", "inf"))

@@ -29,7 +29,15 @@ TRAVEL = 0.75
 """Share of its depth by which a drawer comes out."""
 TURN = 1.5708
 KNOB_TURN = 4.7124
-DROPS = ("oven", "dishwasher", "flap", "drop", "stove", "mailbox")
+FRONT = 0.2
+"""What closes the front begins at most this far behind the foremost handle, as a share of the depth."""
+LID = 0.6
+"""A door is a lid if it is on top and covers at least this share of the width and of the depth."""
+BUTTONS = ("button", "btn", "key", "switch")
+"""Words for what is pressed; other knobs are turned."""
+PRESS = 0.3
+"""Share of its height by which a button goes in."""
+DROPS = ("oven", "dishwasher", "flap", "drop", "stove")
 """Words for doors that turn about their lower edge."""
 SPINS = ("turntable", "platter")
 
@@ -126,8 +134,9 @@ def _label_by_place(node: _Node, whole: np.ndarray, count: int) -> _Node:
     size = whole[1] - whole[0]
     if node.label is not None or find_word(node.name) or count < 2:
         return node
-    in_front = node.box[0, 0] <= whole[0, 0] + NEAR * size[0]
-    if not in_front or node.size[0] > TRAVEL * size[0] or node.size[1:].min() < 2 * NEAR * size.max():
+    in_front = node.box[0, 0] <= whole[0, 0] + FRONT * size[0]
+    large = float(np.prod(node.size)) > 0.5 * float(np.prod(size))
+    if not in_front or large or node.size[1:].min() < 2 * NEAR * size.max():
         return node
     label: PartLabel = (
         "drawer" if node.size[0] > THIN * size[0] or node.size[2] < 0.5 * node.size[1] else "door"
@@ -155,6 +164,8 @@ def _find_holder(
         and not (one.label == "drawer" and node.label == "drawer")
     ]
     near = [one for one in panels if _gap(node.box, one.box) <= NEAR * longest] or inside
+    if node.label == "knob":
+        near = [one for one in near if _offset(node, one) == 0.0]
     if node.label == "handle" or (node.label == "knob" and near):
         return min(near, key=lambda one: _gap(node.box, one.box) + _offset(node, one), default=None)
     if node.label in ("wheel", "knob", "tray") or not inside:
@@ -187,6 +198,8 @@ def _propose(
         kind, axis = "continuous", np.eye(3)[int(node.size.argmin())]
     elif label == "knob":
         kind, axis, upper = "revolute", _outward(node, whole), KNOB_TURN
+        if any(word in node.name.lower() for word in BUTTONS):
+            kind, axis, upper = "prismatic", -axis, PRESS * float(node.size.min())
     else:
         kind, upper = "revolute", TURN
         origin, axis = _hinge(node, on, whole, drops=drops)
@@ -219,7 +232,9 @@ def _hinge(
 ) -> tuple[np.ndarray, np.ndarray]:
     """A point and the direction of the hinge of a door or lid: at the outer face, which turns
     into nothing beside it."""
-    out = _outward(node, whole)
+    cover = node.size / (whole[1] - whole[0])
+    on_top = node.box[1, 2] >= whole[1, 2] - NEAR * float(np.ptp(whole, axis=0).max())
+    out = np.array([0.0, 0.0, 1.0]) if on_top and cover[:2].min() >= LID else _outward(node, whole)
     thin = int(np.abs(out).argmax())
     point = node.middle.copy()
     point[thin] = node.box[1 if out[thin] > 0 else 0, thin]

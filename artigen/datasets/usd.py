@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from pxr import Usd
 
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
+MOST = 5_000
+"""A stage with more joints or shapes is a fault of a script."""
 SHAPES = ("Mesh", "Cube", "Sphere", "Cylinder", "Capsule", "Cone")
 
 
@@ -83,6 +85,8 @@ def read_usd(path: Path, body: str | None = None) -> Mechanism:
     if chosen is None:
         raise SourceError(f"{path}: has no object {body!r}, expected one of {', '.join(objects)}")
     bodies = objects[chosen]
+    if not bodies:
+        raise SourceError(f"{path}: holds neither shapes nor joints, expected an object")
     edges = _span(stage, bodies)
     try:
         return _build(stage, chosen, bodies, edges)
@@ -118,6 +122,11 @@ def _open(path: Path) -> _Stage:
             shapes.setdefault(body_of(prim), []).append(prim)
         elif "Light" in kind or kind in ("Camera", "PointInstancer", "BasisCurves", "Points", "Volume"):
             unused[{"BasisCurves": "curves"}.get(kind, f"{kind} prims")] += 1
+    count = sum(map(len, shapes.values()))
+    if max(count, len(joints)) > MOST:
+        raise SourceError(
+            f"{path}: holds {len(joints):,} joints and {count:,} shapes, at most {MOST:,} of each are read"
+        )
     _, _, missing = UsdUtils.ComputeAllDependencies(str(path))
     notes = (
         []

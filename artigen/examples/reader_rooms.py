@@ -37,9 +37,7 @@ def _shift(shape: Shape, offset: tuple[float, float, float]) -> Shape:
             replace(
                 part,
                 primitives=tuple(move(solid, offset) for solid in part.primitives),
-                motion=None
-                if part.motion is None
-                else replace(part.motion, origin=part.motion.origin + offset),
+                joint=None if part.joint is None else replace(part.joint, origin=part.joint.origin + offset),
             )
             for part in shape.parts
         ),
@@ -67,7 +65,7 @@ def join_shapes(shapes: Sequence[Shape]) -> tuple[Shape, Int[np.ndarray, "P"]]:
                 )
                 for solid in part.primitives
             )
-            motion = part.motion
+            motion = part.joint
             if motion is not None and motion.follows is not None:
                 motion = replace(motion, follows=own + motion.follows)
             parts.append(
@@ -75,7 +73,7 @@ def join_shapes(shapes: Sequence[Shape]) -> tuple[Shape, Int[np.ndarray, "P"]]:
                     part,
                     name=own + part.name,
                     primitives=solids,
-                    motion=motion,
+                    joint=motion,
                     parent="world" if part.parent is None else own + part.parent,
                     needs=tuple(Need(part=own + need.part, fraction=need.fraction) for need in part.needs),
                 )

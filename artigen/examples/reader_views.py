@@ -15,13 +15,15 @@ from artigen.examples.mesh_pictures import pack_picture
 from artigen.examples.photographs import find_direction
 from artigen.examples.reader_rooms import SURROUNDINGS, arrange_shapes, furnish_room, join_shapes
 from artigen.kind import Trade, kinds
+from artigen.kinematics import joint_coordinates
 from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, MATERIALS, PULL, SHELF, UNKNOWN, WHEEL
 from artigen.shapes.draw import CrowdedError, draw_shape
-from artigen.shapes.poses import lead_followers, place_posed, pose_parts
+from artigen.shapes.poses import place_posed, pose_parts
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.render import RenderConfig, batch_cameras, build_scene, render
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
+from artigen.types import FIXED
 
 EDGE = 384
 """Pixels of a view's edge."""
@@ -134,7 +136,7 @@ def _draw(kind: str, rng: np.random.Generator) -> Shape:
 
 def _carries(shape: Shape, part: ShapePart) -> bool:
     """Whether anything depends on a part."""
-    return part.motion is not None or any(
+    return part.joint is not None or any(
         part.name in (other.parent, *(need.part for need in other.needs)) for other in shape.parts
     )
 
@@ -177,13 +179,15 @@ def _restyle(shape: Shape, rng: np.random.Generator) -> Shape:
 def _open_parts(shape: Shape, rng: np.random.Generator) -> Float[np.ndarray, "P"]:
     """Joint coordinates: mostly closed, or one to three parts open by any amount."""
     qpos = np.zeros(len(shape.parts))
-    free = [k for k, part in enumerate(shape.parts) if part.motion is not None and not part.needs]
+    free = [k for k, part in enumerate(shape.parts) if part.joint is not None and not part.needs]
     if free and rng.random() < OPEN:
         for k in rng.choice(free, size=min(len(free), int(rng.integers(1, 4))), replace=False):
-            motion = shape.parts[int(k)].motion
+            motion = shape.parts[int(k)].joint
             assert motion is not None
             qpos[k] = rng.random() * min(motion.upper, 2.0)
-    return lead_followers(shape, qpos)
+    names = [part.name for part in shape.parts]
+    own = [part.joint or FIXED for part in shape.parts]
+    return np.array(joint_coordinates(names, own, dict(zip(names, qpos, strict=True))))
 
 
 def _photograph(
@@ -244,7 +248,7 @@ def _mark(
         finishes[solid.finish].kind == "glass" and float(np.prod(np.sort(solid.size)[1:])) > 0.12 * area
         for solid in part.primitives
     )
-    motion = part.motion
+    motion = part.joint
     swings = motion is not None and motion.type == "revolute" and part.label == "door"
     opened = motion is not None and q > AJAR * min(motion.upper, 2.0)
     return (
@@ -278,8 +282,8 @@ def project_front(
     seen = project_points(camera, face @ T_world_part[:3, :3].T + T_world_part[:3, 3])[:, :2]
     corners = sort_corners(seen)
     hinge = UNKNOWN
-    if part.motion is not None and part.motion.type == "revolute":
-        axis, origin = part.motion.axis, part.motion.origin
+    if part.joint is not None and part.joint.type == "revolute":
+        axis, origin = part.joint.axis, part.joint.origin
         middle = face.mean(axis=0)
         foot = origin + axis * float((middle - origin) @ axis)
         ends = np.stack([middle, foot])  # the axis does not move with the part, its foot may

@@ -88,10 +88,10 @@ def take_photos(shapes: Sequence[Shape], rng: np.random.Generator) -> list[Photo
 def _open_part(shape: Shape, rng: np.random.Generator) -> Float[np.ndarray, "Q"]:
     """Joint coordinates: closed, or one part open by any amount."""
     qpos = np.zeros(len(shape.parts))
-    free = [k for k, part in enumerate(shape.parts) if part.motion is not None and not part.needs]
+    free = [k for k, part in enumerate(shape.parts) if part.joint is not None and not part.needs]
     if free and rng.random() < OPEN:
         part = int(rng.choice(free))
-        motion = shape.parts[part].motion
+        motion = shape.parts[part].joint
         assert motion is not None
         qpos[part] = rng.random() * min(motion.upper, 2.0)
     return qpos

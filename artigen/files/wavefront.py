@@ -160,6 +160,11 @@ def _parse(path: Path, data: bytes) -> ObjText:
     )
 
 
+def forget_files() -> None:
+    """Drops what is kept of files that were read."""
+    _parse.cache_clear()
+
+
 def _parse_groups(lines: list[bytes], owners: np.ndarray) -> tuple[tuple[tuple[str, ...], ...], np.ndarray]:
     """Names (group, object) of all groups, and the group of every triangle by the row that it came from."""
     names: list[tuple[str, ...]] = [()]

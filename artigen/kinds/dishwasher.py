@@ -107,7 +107,10 @@ def _draw_door_and_racks(rng: np.random.Generator, plan: _Plan) -> Assembly:
     )
     shell = build_shell(outer, tub, "body", "steel")
     built = Assembly((*shell, *_build_spray_arm(tub)))
-    return built + _draw_door(rng, plan, sill, tub) + _draw_racks(rng, tub)
+    strip, fixed = choose(rng, 0.07, 0.12), bool(rng.random() < 0.4)
+    ceiling = min(tub.z[1] - 0.05, plan.top - strip - ROOM if fixed else plan.top)  # racks pass below
+    door = _draw_door(rng, plan, sill, tub, strip, fixed=fixed)
+    return built + door + _draw_racks(rng, tub, ceiling)
 
 
 def _build_spray_arm(tub: Space) -> tuple[Primitive, ...]:
@@ -119,9 +122,10 @@ def _build_spray_arm(tub: Space) -> tuple[Primitive, ...]:
     )
 
 
-def _draw_door(rng: np.random.Generator, plan: _Plan, sill: float, tub: Space) -> Assembly:
-    """The door with controls on its upper edge, or below a control strip of the housing."""
-    strip, fixed = choose(rng, 0.07, 0.12), rng.random() < 0.4
+def _draw_door(
+    rng: np.random.Generator, plan: _Plan, sill: float, tub: Space, strip: float, *, fixed: bool
+) -> Assembly:
+    """The door with controls on its upper edge, or below a fixed control strip of the housing."""
     low, top = plan.top - strip, plan.top - 0.003
     if fixed:
         top = low - sweep_gap(low - sill, plan.thickness + BULGE)
@@ -177,15 +181,15 @@ def _mount(plan: _Plan, panel: Panel, parent: str) -> list[ShapePart]:
     ]
 
 
-def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
-    """Draws baskets from the bottom up on rails of the tub; the topmost may be a flat cutlery tray."""
+def _draw_racks(rng: np.random.Generator, tub: Space, ceiling: float) -> Assembly:
+    """Draws baskets from the bottom up on rails of the tub, below a ceiling; the topmost may be a flat
+    cutlery tray."""
     most = 3 if tub.height > 0.6 else (2 if tub.height > 0.42 else 1)
     count = min(most, int(rng.choice((0, 1, 2, 3), p=(0.12, 0.14, 0.52, 0.22))))
     rails: list[Primitive] = []
     parts: list[ShapePart] = []
     y = narrow(tub.y, ROOM)
     x = (tub.x[0] + 0.035, tub.x[1] - ROOM)
-    ceiling = tub.z[1] - 0.05
     for k in range(count):
         if k == 0:
             start = tub.z[0] + ROOM

@@ -50,7 +50,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
     def suits(parts: Sequence[ShapePart]) -> bool:
         shown = not STYLES[style].closed or any(part.label == "door" for part in parts)
-        return shown and (laid or bool(wish.counts) or any(part.motion for part in parts))
+        return shown and (laid or bool(wish.counts) or any(part.joint for part in parts))
 
     return Draft(
         style,

@@ -92,7 +92,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         return kind.build(rng, plan) if wish.layout is None else _build_laid(plan, wish.layout)
 
     def suits(parts: Sequence[ShapePart]) -> bool:
-        return wish.layout is not None or bool(wish.counts) or any(part.motion for part in parts)
+        return wish.layout is not None or bool(wish.counts) or any(part.joint for part in parts)
 
     layouts = MAX_LAYOUTS if wish.layout is None else LAID_LAYOUTS
     return Draft(style, draw_fitting(CATEGORY, size, layouts, draw_parts, suits), finishes)

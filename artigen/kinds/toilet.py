@@ -13,7 +13,7 @@ from artigen.shapes.appliances.cavity import build_tub
 from artigen.shapes.appliances.control_panel import PRESS, make_button
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
-from artigen.shapes.draw import Draft, Spans, Wish, choose_size
+from artigen.shapes.draw import Draft, ShapeError, Spans, Wish, choose_size
 from artigen.shapes.fittings.hardware import Space, rotate
 from artigen.shapes.fittings.outlines import Outline, build_loft, draw_egg
 from artigen.shapes.fittings.taps import make_cross_handle
@@ -35,6 +35,8 @@ WIDEST = {"close_coupled": 0.41, "skirted": 0.4, "wall_hung": 0.37}
 GLAZES = (*((0.95, 0.95, 0.945),) * 7, (0.93, 0.92, 0.88), (0.2, 0.2, 0.21))
 TANK, WALL = 0.165, 0.23
 """Depth of a cistern and of a piece of wall."""
+SHALLOWEST = 0.62
+"""Least depth (m) with a piece of wall: in shorter bowls the hinges meet the seat."""
 RIM, SEAT, LID = 0.4, 0.02, 0.018
 """Height of the bowl's rim; thickness of seat and lid."""
 BUFFER, SLIT = 0.0035, 0.003
@@ -48,6 +50,11 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_size(rng, CATEGORY, wish, SIZES[style])
     hung = style == "wall_hung"
+    if hung and depth < SHALLOWEST:
+        raise ShapeError(
+            f"{CATEGORY}: depth {depth:g} m with a piece of wall, expected at least {SHALLOWEST:g} m; give "
+            "more, or another style"
+        )
     half = min(width / 2, WIDEST[style] / 2)  # of the bowl; cisterns and walls may be wider
     behind = depth / 2 - (WALL if hung else TANK)  # front of the cistern or wall
     hinge = behind - 0.085

@@ -141,9 +141,9 @@ def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, heigh
     ]
     tab = block((x[1] - 0.02, pivot), around(0.0, 0.25 * width), (low, low + 0.012), "front")
     pedal = _make_pedal(x[0] - PEDAL, x[0] + 0.05, half, under)
-    assert pedal.motion is not None
+    assert pedal.joint is not None
     swing = hinge_lid((x[0], pivot), y, low, opened)
-    swing = replace(swing, follows=pedal.name, ratio=swing.upper / pedal.motion.upper)
+    swing = replace(swing, follows=pedal.name, ratio=swing.upper / pedal.joint.upper)
     parts = [ShapePart("lid", "door", (*cover, tab), swing), pedal]
     if rng.random() < 0.8:
         parts.append(_make_bucket("bucket", pail, 0.75 * (rim - foot), "pedal"))

@@ -3,6 +3,7 @@
 import base64
 import html
 import io
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import ceil
@@ -62,6 +63,7 @@ def write_comparison(
         object=_embed(seen),
         rows=rows,
         notes=said,
+        reading=html.escape(json.dumps(reading.to_json(), indent=1)),
     )
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(page)
@@ -181,6 +183,16 @@ what was read</label>
 {rows}</table>
 <ul>{notes}</ul>
 <p>To correct it, say so: <code>--doors</code>, <code>--drawers</code>, <code>--width</code>,
-<code>--kind</code>, <code>--box</code>, or <code>--text "hinges on the left"</code>.</p>
+<code>--kind</code>, <code>--box</code>, or <code>--text "hinges on the left"</code>. Or edit what was read,
+<a id="save" download="reading.json" href="#">save it</a>, and draw it again with
+<code>artigen generate --reading reading.json -o out/edited</code>:</p>
+<textarea id="reading" rows="24" style="width: 100%" spellcheck="false"
+ aria-label="what was read">{reading}</textarea>
+<script>
+document.getElementById('save').addEventListener('click', event => {{
+  const text = document.getElementById('reading').value;
+  event.target.href = 'data:application/json;charset=utf-8,' + encodeURIComponent(text);
+}});
+</script>
 </html>
 """

@@ -23,6 +23,10 @@ STRIP = 0.06
 """Width of what is looked at on either side of an object, as a share of its width."""
 SAME = 0.05
 """Mean difference of two colours (sRGB in [0, 1]) up to which they are one."""
+ALIKE = 0.12
+"""The same of two places of one surface, one of them in shadow; a cabinet's inside is darker."""
+CELLS = 64
+"""Cells in which a photograph's colours are compared with those of fronts, along either edge."""
 OWN = 0.6
 """Overlap (intersection over union) of an outline's box with the one that was read from which it is the
 object's: a photograph of a whole kitchen before white paper is outlined as well."""
@@ -41,6 +45,7 @@ def look_closer(reading: Reading, image: "Image.Image") -> Reading:
     - Elsewhere it stands on legs where `find_legs` finds them; what seems to be legs is a closed base where
       the body goes on below the fronts.
     - A body that has the colour of what is beside the object has that of its fronts.
+    - Places in the colour of the nearest front are closed (`Reading.surface`).
     - Fronts have fields (`look_at_panels`).
 
     Args:
@@ -67,7 +72,26 @@ def look_closer(reading: Reading, image: "Image.Image") -> Reading:
         reading = replace(reading, stand="legs", box=np.array([left, top, right, max(bottom, end)]))
     else:
         reading = replace(reading, stand=_find_stand(reading, np.array(color) / 255.0, pixels))
-    return look_at_panels(replace(reading, color=color), image)
+    reading = replace(reading, color=color, surface=_find_surface(reading, image))
+    return look_at_panels(reading, image)
+
+
+def _find_surface(reading: Reading, image: "Image.Image") -> Bool[np.ndarray, "R C"] | None:
+    """Where the picture has the colour of the nearest closed front."""
+    from PIL import Image as PillowImage
+
+    fronts = [front for front in reading.fronts if front.color is not None and not (front.open or front.pane)]
+    if not fronts:
+        return None
+    cells = image.convert("RGB").resize((CELLS, CELLS), PillowImage.Resampling.BOX)
+    pixels = np.asarray(cells, dtype=np.float64) / 255.0
+    middles = (np.arange(CELLS) + 0.5) / CELLS
+    at = np.stack(np.meshgrid(middles, middles), axis=-1)[:, :, None]
+    boxes = np.stack([front.box for front in fronts])
+    away = np.maximum(np.maximum(boxes[:, :2] - at, at - boxes[:, 2:]), 0.0)
+    nearest = np.linalg.norm(away, axis=-1).argmin(axis=-1)
+    colors = np.array([front.color for front in fronts], dtype=np.float64) / 255.0
+    return np.asarray(np.abs(pixels - colors[nearest]).mean(axis=-1) <= ALIKE)
 
 
 def _overlap(one: Float[np.ndarray, "4"], other: Float[np.ndarray, "4"]) -> float:

@@ -18,6 +18,7 @@ from artigen.reader.edges import snap_boxes
 from artigen.reader.hinges import average_shares, weigh_hinges
 from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, MATERIALS, OBJECT, PULL, SHELF, STANDS, WHEEL
 from artigen.reader.layout.frontal import LONG
+from artigen.reader.looks import look_closer
 from artigen.reader.model import Reader, load_reader
 from artigen.reader.reading import Label, Reading, ReadPart
 from artigen.weights import READER
@@ -72,7 +73,7 @@ class _Sheet:
 
 
 def read_photo(photo: Path, *, box: Sequence[float] | None = None, folder: Path = READER) -> Reading:
-    """Reads the largest object of a photograph, or the one in a box.
+    """Reads the largest object of a photograph, or the one in a box, and looks closer at what was found.
 
     Args:
         photo: Any picture that `artigen.conditioning.image.open_picture` opens.
@@ -83,7 +84,8 @@ def read_photo(photo: Path, *, box: Sequence[float] | None = None, folder: Path 
         SourceError: If the picture cannot be opened, or shows no object of a known kind.
         ArtigenError: If the box is none.
     """
-    return read_image(open_picture(photo), load_reader(folder), str(photo), box=box)
+    image = open_picture(photo)
+    return look_closer(read_image(image, load_reader(folder), str(photo), box=box), image)
 
 
 @torch.no_grad()
@@ -95,7 +97,8 @@ def read_image(
     box: Sequence[float] | None = None,
     settings: ReadSettings | None = None,
 ) -> Reading:
-    """As `read_photo`, of an opened picture; ``name`` is for messages."""
+    """What the networks say of an opened picture; as `read_photo` but for the closer look. ``name`` is for
+    messages."""
     if box is not None:
         _check_box(box)
         frame = _frame_box(image, box)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 Label = Literal["door", "drawer", "handle", "knob", "shelf", "wheel"]
 """What a part is; handles include every fixed pull, knobs are dials and buttons that move, shelves include
@@ -63,6 +63,9 @@ class Reading:
     extent: tuple[int, int]
     """Width and height of the photograph (pixels)."""
     notes: tuple[str, ...] = ()
+    surface: Bool[np.ndarray, "R C"] | None = None
+    """Where the photograph, in equal cells, has the colour of the nearest front; None where nobody has
+    looked. Files of readings leave it out."""
 
     @property
     def sure(self) -> bool:
@@ -81,12 +84,13 @@ class Reading:
         return tuple(part for part in self.parts if part.label in ("door", "drawer"))
 
     def to_json(self) -> dict[str, object]:
-        """The reading as plain values."""
+        """The reading as plain values, which `open_reading` reads back."""
         shown = {kind: round(share, 3) for kind, share in self.kinds if share >= 0.005}
         width, depth, height = self.size
         yaw, pitch, near = self.view
         return {
             "kind": self.kind,
+            "extent": list(self.extent),
             "sure": self.sure,
             "kinds": shown,
             "counts": self.counts,
@@ -95,6 +99,7 @@ class Reading:
             "parts": [
                 {"label": part.label, "score": round(part.score, 3), "box": _round(part.box)}
                 | ({} if part.form is None else {"form": part.form})
+                | ({} if part.color is None else {"color": to_hex(part.color)})
                 for part in self.parts
                 if part.label not in ("door", "drawer")
             ],

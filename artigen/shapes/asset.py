@@ -24,7 +24,7 @@ def shape_parts(shape: Shape, center: Float[np.ndarray, "3"], scale: float) -> t
                 name=part.name,
                 label=part.label,
                 parent=-1 if part.parent is None else names.index(part.parent),
-                joint=make_joint(part.motion, center, scale),
+                joint=make_joint(part.joint, center, scale),
                 box=np.stack([((low + high) / 2 - center) / scale, (high - low) / scale]),
             )
         )

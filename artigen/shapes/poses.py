@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from artigen.kinematics import compose
+from artigen.kinematics import displace
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
-from artigen.transforms import joint_motion
 from artigen.types import FIXED, Joint
 
 
@@ -18,7 +17,7 @@ def pose_parts(shape: Shape, qpos: Float[np.ndarray, "*B P"]) -> Float[np.ndarra
     Args:
         shape: The object.
         qpos: One coordinate per part, in metres for prismatic joints, else in radians; those of fixed parts
-            are ignored.
+            and followers are ignored.
 
     Raises:
         ValueError: If the number of coordinates differs from the number of parts.
@@ -28,10 +27,10 @@ def pose_parts(shape: Shape, qpos: Float[np.ndarray, "*B P"]) -> Float[np.ndarra
         raise ValueError(
             f"{shape.name}: qpos has {qpos.shape[-1]} entries, expected one per part, {len(shape.parts)}"
         )
-    row = {part.name: index for index, part in enumerate(shape.parts)}
-    own = [joint_motion(part.motion or FIXED, qpos[..., index]) for index, part in enumerate(shape.parts)]
-    parents = [-1 if part.parent is None else row[part.parent] for part in shape.parts]
-    return compose(parents, np.stack(own, axis=-3))
+    names = [part.name for part in shape.parts]
+    parents = [-1 if part.parent is None else names.index(part.parent) for part in shape.parts]
+    q = {name: qpos[..., index] for index, name in enumerate(names)}
+    return displace(names, parents, [part.joint or FIXED for part in shape.parts], q)
 
 
 def place_posed(shape: Shape, qpos: Float[np.ndarray, "P"]) -> Float[np.ndarray, "N 3"]:
@@ -45,33 +44,16 @@ def place_posed(shape: Shape, qpos: Float[np.ndarray, "P"]) -> Float[np.ndarray,
     )
 
 
-def lead_followers(shape: Shape, qpos: Float[np.ndarray, "P"]) -> Float[np.ndarray, "P"]:
-    """Coordinates with every follower open in proportion to its leader."""
-    share = {
-        part.name: q / part.motion.upper
-        for part, q in zip(shape.parts, qpos, strict=True)
-        if part.motion is not None and part.motion.upper > 0.0
-    }
-    return np.array(
-        [
-            q
-            if part.motion is None or part.motion.follows is None
-            else share[part.motion.follows] * part.motion.upper
-            for part, q in zip(shape.parts, qpos, strict=True)
-        ]
-    )
-
-
 def joint_ranges(shape: Shape) -> Float[np.ndarray, "P"]:
     """Upper end of the range of every part's joint (m, rad); zero for fixed parts."""
-    return np.array([0.0 if part.motion is None else part.motion.upper for part in shape.parts])
+    return np.array([0.0 if part.joint is None else part.joint.upper for part in shape.parts])
 
 
 def open_parts(shape: Shape, fraction: float) -> Float[np.ndarray, "P"]:
     """Coordinates with every limited joint at the same share of its range and the others closed."""
     return np.array(
         [
-            0.0 if part.motion is None or part.motion.type == "continuous" else fraction * part.motion.upper
+            0.0 if part.joint is None or part.joint.type == "continuous" else fraction * part.joint.upper
             for part in shape.parts
         ]
     )

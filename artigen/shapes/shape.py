@@ -28,14 +28,14 @@ class Need:
 class ShapePart:
     """A rigid part with a label, as a union of convex primitives.
 
-    ``motion`` is its joint to its parent, in metres and radians, in the object frame at rest, closed at 0;
+    ``joint`` is that to its parent, in metres and radians, in the object frame at rest, closed at 0;
     None is a fixed one.
     """
 
     name: str
     label: PartLabel
     primitives: Sequence[Primitive]
-    motion: Joint | None = None
+    joint: Joint | None = None
     _: KW_ONLY
     parent: str | None = "body"
     """Name of the part that carries it; None for the base."""
@@ -49,7 +49,7 @@ class ShapePart:
             )
         if not self.primitives:
             raise ValueError(f"part {self.name!r} has no primitives")
-        joint = self.motion
+        joint = self.joint
         if joint is not None and (joint.type == "fixed" or joint.lower != 0.0 or not joint.upper > 0.0):
             raise ValueError(
                 f"part {self.name!r}: a {joint.type} joint from {joint.lower:g} to {joint.upper:g}, expected "
@@ -93,26 +93,26 @@ class Condition:
 
 def _check_followers(name: str, parts: tuple[ShapePart, ...]) -> None:
     """Raises `ValueError` unless every leader has limits and follows nothing itself."""
-    motions = {part.name: part.motion for part in parts}
+    motions = {part.name: part.joint for part in parts}
     for part in parts:
-        if part.motion is None or part.motion.follows is None:
+        if part.joint is None or part.joint.follows is None:
             continue
-        leader = motions[part.motion.follows]
-        if leader is None or {leader.type, part.motion.type} & set(ENDLESS) or leader.follows is not None:
+        leader = motions[part.joint.follows]
+        if leader is None or {leader.type, part.joint.type} & set(ENDLESS) or leader.follows is not None:
             raise ValueError(
-                f"{name}: part {part.name!r} follows {part.motion.follows!r}; both must have two limits, and "
+                f"{name}: part {part.name!r} follows {part.joint.follows!r}; both must have two limits, and "
                 f"the second must follow nothing itself"
             )
         if any(need.part == part.name for other in parts for need in other.needs):
             raise ValueError(
-                f"{name}: a part needs {part.name!r}, which follows {part.motion.follows!r}, to be open; "
-                f"let it need {part.motion.follows!r}"
+                f"{name}: a part needs {part.name!r}, which follows {part.joint.follows!r}, to be open; "
+                f"let it need {part.joint.follows!r}"
             )
-        if part.motion.offset != 0.0 or not np.isclose(part.motion.ratio * leader.upper, part.motion.upper):
+        if part.joint.offset != 0.0 or not np.isclose(part.joint.ratio * leader.upper, part.joint.upper):
             raise ValueError(
-                f"{name}: part {part.name!r} follows {part.motion.follows!r} times "
-                f"{part.motion.ratio:g} plus {part.motion.offset:g}, expected "
-                f"{part.motion.upper / leader.upper:g} and 0: both close and open at the same time"
+                f"{name}: part {part.name!r} follows {part.joint.follows!r} times "
+                f"{part.joint.ratio:g} plus {part.joint.offset:g}, expected "
+                f"{part.joint.upper / leader.upper:g} and 0: both close and open at the same time"
             )
 
 
@@ -130,7 +130,7 @@ class Shape:
         names = [part.name for part in self.parts]
         unknown = {part.parent for part in self.parts} - {None, *names}
         unknown |= {need.part for part in self.parts for need in part.needs} - set(names)
-        unknown |= {part.motion.follows for part in self.parts if part.motion is not None} - {None, *names}
+        unknown |= {part.joint.follows for part in self.parts if part.joint is not None} - {None, *names}
         if unknown:
             raise ValueError(f"{self.name}: parts {sorted(map(str, unknown))} are referenced but missing")
         parents = [-1 if part.parent is None else names.index(part.parent) for part in self.parts]

@@ -5,6 +5,8 @@ What people say overrules what a photograph shows; what neither says comes from 
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
 from typing import Literal, get_args
 
 import numpy as np
@@ -16,9 +18,8 @@ from artigen.reader.correct import Side, correct_reading
 from artigen.reader.layout.build import build_from_reading
 from artigen.reader.layout.colours import match_finish
 from artigen.reader.layout.fronts import view_fronts
-from artigen.reader.looks import look_closer
-from artigen.reader.model import load_reader
-from artigen.reader.read import read_image
+from artigen.reader.open_reading import open_reading
+from artigen.reader.read import read_photo
 from artigen.reader.reading import Reading
 from artigen.shapes.draw import Wish, check_known
 from artigen.shapes.fittings.handles import HANDLE_KINDS, HandleKind
@@ -30,7 +31,6 @@ from artigen.sketch.network import SketchNetwork
 from artigen.sketch.request import FinishRequest, SketchRequest, encode_request
 from artigen.sketch.understand import Request, Understood, understand
 from artigen.sketch.words import CATEGORIES
-from artigen.weights import READER
 
 STANDS: dict[str, Literal["flat", "legs", "wheels"]] = {
     "legs": "legs", "feet": "legs", "plinth": "flat", "castor": "wheels", "wheel": "wheels",
@@ -75,6 +75,12 @@ def ask(
         ArtigenError: If the picture cannot be read, or the request cannot be met.
     """
     understood = understand(request, learned)
+    if request.reading is not None:
+        if request.box is not None:
+            raise ArtigenError(
+                f"{request.reading} and a box: the reading is of one object already; give one of them"
+            )
+        return merge_reading(understood, open_reading(request.reading))
     if request.image is None:
         return _ask_sketch(understood, network, seed, None)
     image = open_picture(request.image)
@@ -82,8 +88,26 @@ def ask(
         shown = model.read_object_picture(network(), request.image)
         asked = _ask_sketch(understood, network, seed, shown.rgba)
         return replace(asked, notes=(*asked.notes, *shown.notes))
-    reading = read_image(image, load_reader(READER), str(request.image), box=request.box)
-    return merge_reading(understood, look_closer(reading, image))
+    return merge_reading(understood, _read_once(request.image, _stamp(request.image), request.box))
+
+
+def _stamp(path: Path) -> tuple[int, int] | None:
+    """When a file was written, and its size; None where there is none, which its reader reports."""
+    try:
+        held = path.stat()
+    except OSError:
+        return None
+    return held.st_mtime_ns, held.st_size
+
+
+@lru_cache(maxsize=4)
+def _read_once(
+    image: Path,
+    stamp: tuple[int, int] | None,
+    box: tuple[float, float, float, float] | None,
+) -> Reading:
+    """A photograph is read once for all checks and draws of a process, until the file changes."""
+    return read_photo(image, box=box)
 
 
 def _ask_sketch(

@@ -144,12 +144,12 @@ def search_faults(shape: Shape) -> Iterator[Fault]:
 
 def _follow_parts(shape: Shape, tree: Tree, bodies: Bodies) -> Iterator[_Course]:
     for index, part in enumerate(shape.parts):
-        if part.motion is None:
+        if part.joint is None:
             continue
         T = open_needed(shape, index)
         placed = place_opened(bodies, T)
         chain = tree.ancestors[index]
-        path = read_path(part.motion, T[chain[0]] if chain else np.eye(4))
+        path = read_path(part.joint, T[chain[0]] if chain else np.eye(4))
         found = find_meetings(placed, path, np.isin(placed.links, tree.carried(index)))
         yield _Course(index=index, placed=placed, path=path, found=found)
 
@@ -194,9 +194,9 @@ def _latches(subject: _Subject) -> Iterator[Fault]:
     numbers = {part.name: index for index, part in enumerate(subject.shape.parts)}
     for index, part in enumerate(subject.shape.parts):
         keys = [need.part for need in part.needs if index in tree.ancestors[numbers[need.part]]]
-        if part.motion is None or not keys:
+        if part.joint is None or not keys:
             continue
-        play = replace(part.motion, upper=MAX_PLAY * part.motion.upper)
+        play = replace(part.joint, upper=MAX_PLAY * part.joint.upper)
         carried = np.isin(bodies.links, tree.carried(index))
         if not len(find_meetings(bodies, read_path(play, np.eye(4)), carried).first):
             yield Fault(id="unheld", part=part.name, other=keys[0], value=1.0, allowed=MAX_PLAY)
@@ -250,7 +250,7 @@ def _inward(subject: _Subject) -> Iterator[Fault]:
     met = {course.index for course in subject.courses if len(course.found.first)}
     for opener in subject.openers:
         label = subject.shape.parts[opener.index].label
-        if label == "tray" or (label, opener.motion.type) == ("door", "prismatic"):
+        if label == "tray" or (label, opener.joint.type) == ("door", "prismatic"):
             continue
         backward = leans_back(subject.bodies, opener)
         if opener.index not in met and not backward:
@@ -269,7 +269,7 @@ def _openings(subject: _Subject) -> Iterator[Fault]:
     shape, bodies = subject.shape, subject.bodies
     for opener in subject.openers:
         part = shape.parts[opener.index]
-        if part.label == "door" and opener.motion.type == "revolute":
+        if part.label == "door" and opener.joint.type == "revolute":
             off, allowed = measure_hinge(bodies, opener)
             if off > allowed:
                 yield Fault(id="hinge", part=part.name, value=off, allowed=allowed)
@@ -278,7 +278,7 @@ def _openings(subject: _Subject) -> Iterator[Fault]:
             if hung < MIN_HUNG:
                 name = shape.parts[carrier].name
                 yield Fault(id="unhung", part=part.name, other=name, value=hung, allowed=MIN_HUNG)
-        if part.label != "door" and opener.motion.type == "prismatic":
+        if part.label != "door" and opener.joint.type == "prismatic":
             carriers = find_obstacles(bodies, subject.tree, opener.index)
             held = measure_held(bodies, opener, carriers)
             if held < MIN_HELD:
@@ -308,21 +308,21 @@ def _ranges(subject: _Subject) -> Iterator[Fault]:
     bodies = subject.bodies
     diagonal = float(np.linalg.norm(bodies.high.max(axis=0) - bodies.low.min(axis=0)))
     for part in subject.shape.parts:
-        if part.motion is None or part.motion.type not in ("prismatic", "revolute"):
+        if part.joint is None or part.joint.type not in ("prismatic", "revolute"):
             continue
-        most = diagonal if part.motion.type == "prismatic" else FULL_TURN + TURN_TOLERANCE
-        if part.motion.upper > most:
-            yield Fault(id="range", part=part.name, value=part.motion.upper, allowed=most)
+        most = diagonal if part.joint.type == "prismatic" else FULL_TURN + TURN_TOLERANCE
+        if part.joint.upper > most:
+            yield Fault(id="range", part=part.name, value=part.joint.upper, allowed=most)
 
 
 def _trees(subject: _Subject) -> Iterator[Fault]:
     """Faults of the tree: a root with a joint, or a part that requires a static part to be open."""
-    moving = {part.name for part in subject.shape.parts if part.motion is not None}
+    moving = {part.name for part in subject.shape.parts if part.joint is not None}
     for part in subject.shape.parts:
-        if part.parent is None and part.motion is not None:
-            yield Fault(id="adrift", part=part.name, value=part.motion.upper, allowed=0.0)
+        if part.parent is None and part.joint is not None:
+            yield Fault(id="adrift", part=part.name, value=part.joint.upper, allowed=0.0)
         for need in part.needs:
-            if part.motion is not None and need.part not in moving:
+            if part.joint is not None and need.part not in moving:
                 yield Fault(id="unmet", part=part.name, other=need.part, value=0.0, allowed=0.0)
 
 

@@ -45,15 +45,15 @@ class Opener:
 
     index: int
     label: PartLabel
-    motion: Joint
+    joint: Joint
     body: Int[np.ndarray, "B"]
     panel: Int[np.ndarray, "Q"]
 
     def velocity(self, points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
         """Velocity of points at rest per unit of joint velocity (m per rad or per m)."""
-        if self.motion.type == "prismatic":
-            return np.broadcast_to(self.motion.axis, points.shape)
-        return np.cross(self.motion.axis, points - self.motion.origin)
+        if self.joint.type == "prismatic":
+            return np.broadcast_to(self.joint.axis, points.shape)
+        return np.cross(self.joint.axis, points - self.joint.origin)
 
 
 def list_openers(shape: Shape, bodies: Bodies) -> list[Opener]:
@@ -61,15 +61,15 @@ def list_openers(shape: Shape, bodies: Bodies) -> list[Opener]:
     handles = np.array([part.label == "handle" for part in shape.parts])[bodies.parts]
     openers = []
     for index, part in enumerate(shape.parts):
-        if part.motion is None or part.parent is None or part.label not in ("drawer", "door", "tray"):
+        if part.joint is None or part.parent is None or part.label not in ("drawer", "door", "tray"):
             continue
-        if part.motion.type in ("prismatic", "revolute"):
+        if part.joint.type in ("prismatic", "revolute"):
             own = bodies.links == index
             openers.append(
                 Opener(
                     index=index,
                     label=part.label,
-                    motion=part.motion,
+                    joint=part.joint,
                     body=np.flatnonzero(own),
                     panel=np.flatnonzero(own & ~handles),
                 )
@@ -80,8 +80,8 @@ def list_openers(shape: Shape, bodies: Bodies) -> list[Opener]:
 def measure_blocked(bodies: Bodies, opener: Opener, obstacles: Int[np.ndarray, "O"]) -> tuple[float, float]:
     """Shares of sight lines that hit an obstacle: ahead and behind."""
     points = _spread_points(bodies, opener.body, SIGHT_LINES)
-    upper = opener.motion.upper
-    reach = upper if opener.motion.type == "prismatic" else min(upper, FIRST_TURN)
+    upper = opener.joint.upper
+    reach = upper if opener.joint.type == "prismatic" else min(upper, FIRST_TURN)
     ways = opener.velocity(points) * reach
     hits = [_hit(bodies, points, way, obstacles) for way in (ways, -ways)]
     return float(hits[0].mean()), float(hits[1].mean())
@@ -99,7 +99,7 @@ def leans_back(bodies: Bodies, opener: Opener) -> bool:
 
 def measure_hinge(bodies: Bodies, opener: Opener) -> tuple[float, float]:
     """Distance (m) of a hinge from the nearer edge of its door, and the largest allowed distance."""
-    axis, origin = opener.motion.axis, opener.motion.origin
+    axis, origin = opener.joint.axis, opener.joint.origin
     points = bodies.vertices[opener.panel if len(opener.panel) else opener.body].reshape(-1, 3)
     normal = _thin_direction(points - (points.min(axis=0) + points.max(axis=0)) / 2)
     if abs(normal @ axis) > _PARALLEL:
@@ -114,7 +114,7 @@ def measure_hinge(bodies: Bodies, opener: Opener) -> tuple[float, float]:
 
 def measure_hung(bodies: Bodies, opener: Opener, carrier: Int[np.ndarray, "C"]) -> float:
     """Share of a door's height along its hinge at which its carrier is beside the hinge, behind the door."""
-    axis, origin = opener.motion.axis, opener.motion.origin
+    axis, origin = opener.joint.axis, opener.joint.origin
     points = bodies.vertices[opener.body].reshape(-1, 3)
     out = opener.velocity((points.min(axis=0) + points.max(axis=0))[None] / 2)[0]
     side = int(np.abs(out).argmax())
@@ -129,8 +129,8 @@ def measure_hung(bodies: Bodies, opener: Opener, carrier: Int[np.ndarray, "C"]) 
 
 def measure_held(bodies: Bodies, opener: Opener, carriers: Int[np.ndarray, "C"]) -> float:
     """Share of a fully open slide's depth that overlaps the extent of its carriers."""
-    axis = opener.motion.axis
-    own = bodies.vertices[opener.panel if len(opener.panel) else opener.body] @ axis + opener.motion.upper
+    axis = opener.joint.axis
+    own = bodies.vertices[opener.panel if len(opener.panel) else opener.body] @ axis + opener.joint.upper
     held = bodies.vertices[carriers] @ axis
     inside = min(own.max(), held.max()) - max(own.min(), held.min())
     return max(0.0, float(inside / np.ptp(own)))
@@ -166,7 +166,7 @@ def _way_out(bodies: Bodies, opener: Opener, grip: Float[np.ndarray, "3"]) -> Fl
     """Outward direction at a handle: its first motion, or the panel normal for a door that slides in its
     plane."""
     way = opener.velocity(grip[None])[0]
-    if opener.motion.type != "prismatic" or opener.label != "door" or not len(opener.panel):
+    if opener.joint.type != "prismatic" or opener.label != "door" or not len(opener.panel):
         return way
     points = bodies.vertices[opener.panel].reshape(-1, 3)
     middle = (points.min(axis=0) + points.max(axis=0)) / 2

@@ -133,13 +133,13 @@ def write_sketch(shape: Shape) -> Sketch:
 def _free_followers(shape: Shape) -> Shape:
     """Removes what sketches cannot express: springs, and followers, which become independent joints. A part
     that requires the leader to be open requires its follower instead."""
-    followers = {part.motion.follows: part.name for part in shape.parts if part.motion is not None}
+    followers = {part.joint.follows: part.name for part in shape.parts if part.joint is not None}
     return replace(
         shape,
         parts=tuple(
             replace(
                 part,
-                motion=part.motion and replace(part.motion, follows=None, spring=0.0),
+                joint=part.joint and replace(part.joint, follows=None, spring=0.0),
                 needs=tuple(replace(need, part=followers.get(need.part, need.part)) for need in part.needs),
             )
             for part in shape.parts
@@ -241,7 +241,7 @@ def _write_part(
         raise SketchError(
             f"{owner}: {part.name!r} needs {len(part.needs)} parts open, expected at most {MAX_NEEDS} alike"
         )
-    joint = part.motion
+    joint = part.joint
     if joint is None:
         return SketchPart(label=part.label, parent=parent, pieces=pieces)
     try:
@@ -316,7 +316,7 @@ def _read_part(part: SketchPart, name: str, names: Sequence[str], *, stays: bool
         label=part.label,
         parent=None if part.parent < 0 else names[part.parent],
         primitives=primitives,
-        motion=motion,
+        joint=motion,
         needs=tuple(Need(part=names[index], fraction=FRACTIONS[part.fraction]) for index in part.needs),
     )
 

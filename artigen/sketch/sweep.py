@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from artigen.shapes.poses import lead_followers, pose_parts
+from artigen.shapes.poses import pose_parts
 from artigen.shapes.shape import Shape
 from artigen.sketch.contact import Bodies, displace, penetrate, separate
 from artigen.transforms import frame_along, screw_motion, transform_points
@@ -70,13 +70,13 @@ def open_needed(shape: Shape, index: int) -> Float[np.ndarray, "P 4 4"]:
     while waiting:
         for need in shape.parts[waiting.pop()].needs:
             row = rows[need.part]
-            motion = shape.parts[row].motion
+            motion = shape.parts[row].joint
             if row not in seen and motion is not None:
                 upper = FULL_TURN if motion.type == "continuous" else motion.upper
                 qpos[row] = need.fraction * upper
                 seen.add(row)
                 waiting.append(row)
-    return pose_parts(shape, lead_followers(shape, qpos)) if seen else np.tile(np.eye(4), (len(qpos), 1, 1))
+    return pose_parts(shape, qpos) if seen else np.tile(np.eye(4), (len(qpos), 1, 1))
 
 
 def place_opened(bodies: Bodies, T: Float[np.ndarray, "P 4 4"]) -> Bodies:

@@ -47,7 +47,7 @@ def read_tree(shape: Shape) -> Tree:
 def _lead(shape: Shape, parents: list[int | None], row: int) -> int:
     at = row
     parent = parents[at]
-    while shape.parts[at].motion is None and parent is not None:
+    while shape.parts[at].joint is None and parent is not None:
         at = parent
         parent = parents[at]
     return at

@@ -25,13 +25,15 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """A user's request; at least one of category, text and picture is needed. Lengths in metres."""
+    """A user's request; at least one of category, text, picture and reading is needed. Lengths in metres."""
 
     category: str | None = None
     text: str | None = None
     image: Path | None = None
     box: tuple[float, float, float, float] | None = None
     """Left, top, right and bottom of the object in a photograph, as shares of width and height."""
+    reading: Path | None = None
+    """A file with what is read of the photograph, instead of reading it."""
     wish: Wish = field(default_factory=Wish)
 
 
@@ -59,10 +61,11 @@ def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Underst
         ArtigenError: If the request is empty, names an unknown category or contradicts itself, no object of
             the kind has the size, or its text cannot be read.
     """
-    beside = request.category is not None or request.image is not None
+    shown = request.image is not None or request.reading is not None
+    beside = request.category is not None or shown
     said = Sentence() if request.text is None else read_sentence(request.text, whole=not beside)
     category = _agree("category", request.category, said.kind)
-    if category is None and request.image is None:
+    if category is None and not shown:
         raise ArtigenError("no category is given: name one, describe the object in words, or give a picture")
     if category is not None:
         check_category(category, learned)

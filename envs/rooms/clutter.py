@@ -10,7 +10,8 @@ from jaxtyping import Float
 from artigen.transforms import transform_points
 
 from .check import check_contents
-from .contents import LIFT, SKEW, SPACING, draw_thing
+from .compartments import cached_compartments
+from .contents import LIFT, SKEW, SPACING, draw_thing, fill_compartment
 from .footprints import cached_package, carries, read_footprint
 from .furnish import BARE_ROLES
 from .room import Item, Placement, Room, pose_matrix_of
@@ -20,6 +21,8 @@ from .things import THINGS
 Clutter = Literal["none", "tidy", "lived", "messy"]
 PER_AREA: dict[Clutter, float] = {"none": 0.0, "tidy": 3.0, "lived": 9.0, "messy": 18.0}
 """Things per square metre of tops."""
+SHELVES: dict[Clutter, float] = {"none": 0.0, "tidy": 0.5, "lived": 0.9, "messy": 1.0}
+"""Share of the open shelves that hold things."""
 HEIGHTS = (0.35, 1.15)
 """Range of heights (m) of tops that carry things."""
 CARRYING = frozenset({"nightstand", "cart"})
@@ -33,7 +36,7 @@ TRIES = 12
 
 
 def clutter_room(room: Room, clutter: Clutter) -> Room:
-    """The room with things on its furniture besides what it holds already.
+    """The room with things on its furniture and its open shelves, besides what it holds already.
 
     Things stand near the back and square to it, in a messy room anyhow. Those that fail the check of the room
     are left out: nothing overlaps, hangs over or is in the way of a door or drawer.
@@ -42,8 +45,10 @@ def clutter_room(room: Room, clutter: Clutter) -> Room:
     items: list[Item] = []
     for index, placement in enumerate(room.placements):
         rng = np.random.default_rng([room.seed, room.attempt, 3, index])
-        added = _clutter_top(room, placement, clutter, taken, rng)
-        items += added
+        items += _clutter_top(room, placement, clutter, taken, rng)
+        for compartment in cached_compartments(placement.package):
+            if compartment.open and rng.random() < SHELVES[clutter]:
+                items += fill_compartment(compartment, room.kind, placement, rng)
     numbers = Counter(item.thing for item in room.contents)
     for index, item in enumerate(items):
         numbers[item.thing] += 1
@@ -80,7 +85,10 @@ def _clutter_top(
     boxes = taken
     for _ in range(count):
         for _ in range(TRIES):
-            thing = fitting[int(rng.integers(len(fitting)))]
+            fresh = [
+                thing for thing in fitting if thing.name not in {item.thing for item in items}
+            ] or fitting
+            thing = fresh[int(rng.integers(len(fresh)))]
             drawn = draw_thing(thing, rng, np.pi / 4 if clutter == "messy" else SKEW)
             points = drawn.points
             u = rng.random(2)

@@ -44,6 +44,8 @@ class Compartment:
 
     link: str
     kind: CupboardKind
+    open: bool = False
+    """Whether it is a shelf without a door before it."""
     low: tuple[float, float, float]
     high: tuple[float, float, float]
 
@@ -72,22 +74,33 @@ def find_compartments(package: SimPackage) -> tuple[Compartment, ...]:
             found += _on_floors(package, index, "drawer", [])
         elif index not in moved and cupboard and fronts:
             found += _on_floors(package, index, "shelf", fronts)
+        if index not in moved and cupboard:
+            found += _on_floors(package, index, "shelf", fronts, bare=True)
     return tuple(found)
 
 
 def _on_floors(
-    package: SimPackage, index: int, kind: CupboardKind, fronts: list[Float[np.ndarray, "2 3"]]
+    package: SimPackage,
+    index: int,
+    kind: CupboardKind,
+    fronts: list[Float[np.ndarray, "2 3"]],
+    *,
+    bare: bool = False,
 ) -> Iterator[Compartment]:
+    """Compartments on the floors of a link: those of a drawer, behind doors, or ``bare`` of any."""
     link, solid = package.links[index], _obstacles(package, index)
     still = np.concatenate([_bounds(other) for other in package.links if other.hulls])
     for level, floor in _floors(link):
-        starts = [floor]
+        starts, behind = [floor], []
         if kind == "shelf":
             behind = [front for front in fronts if front[0, 2] - 0.05 < level < front[1, 2] - HEIGHT[kind]]
-            starts = [_within(floor, front) for front in behind]
+            starts = [floor] if bare else [_within(floor, front) for front in behind]
         above = solid[solid[:, 1, 2] > level + LEVEL]
         wide = above[:, :, :2] + np.array([[-CLEARANCE], [CLEARANCE]])
         taken = wide[above[:, 0, 2] < level + HEIGHT[kind] + CLEARANCE]
+        if bare:
+            hidden = [_within(np.array([[-9.0, -9.0], [9.0, 9.0]]), front) for front in behind]
+            taken = np.concatenate([taken, *(area[None] for area in hidden)])
         for start in starts:
             for _ in range(PER_FLOOR):
                 free = largest_free(start, taken)
@@ -99,7 +112,11 @@ def _on_floors(
                 if _roofed(still, free, level) and (kind == "shelf" or _walled(_bounds(link), free, level)):
                     low, high = ((float(x), float(y)) for x, y in free)
                     yield Compartment(
-                        link=link.name, kind=kind, low=(*low, level), high=(*high, roof - CLEARANCE)
+                        link=link.name,
+                        kind=kind,
+                        open=bare,
+                        low=(*low, level),
+                        high=(*high, roof - CLEARANCE),
                     )
 
 

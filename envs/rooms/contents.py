@@ -77,7 +77,7 @@ def fill_room(room: Room, share: float) -> Room:
     for index, placement in enumerate(room.placements):
         for place, compartment in enumerate(cached_compartments(placement.package)):
             rng = np.random.default_rng([room.seed, room.attempt, 2, index, place])
-            if rng.random() < share:
+            if not compartment.open and rng.random() < share:
                 items += fill_compartment(compartment, room.kind, placement, rng)
     numbers: Counter[str] = Counter()
     for index, item in enumerate(items):

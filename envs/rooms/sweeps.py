@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
+from numpy.typing import ArrayLike
 
 from artigen.types import Joint
 from sim_export.geometry.contacts import HullSet
@@ -55,7 +56,7 @@ def sweep_joint(package: SimPackage, joint: Joint) -> Sweep:
     links = moved_links(package.links, package.joints, joint)
     turn = 0.0 if joint.type == "prismatic" else joint.upper - joint.lower
     poses = min(int(np.ceil(turn / STEP)) + 1, MAX_POSES) if turn else 2
-    opened: dict[str, object] = {joint.name: np.linspace(joint.lower, joint.upper, poses)}
+    opened: dict[str, ArrayLike] = {joint.name: np.linspace(joint.lower, joint.upper, poses)}
     opened |= required_openings(joint, package.joints, package.requires_open)
     arms = [hull.vertices - joint.origin for index in links for hull in package.links[index].hulls]
     radius = np.linalg.norm(np.cross(np.concatenate([np.zeros((0, 3)), *arms]), joint.axis), axis=1)

@@ -39,7 +39,7 @@ class Thing:
     mass per volume of its box (kg/m^3). ``rows`` are its boxes: start and end along x, width, bottom and top
     as shares of the size, and index of the colour. If it is ``round``, they are cylinders with that diameter.
     A vessel has no rows but a flat bottom with ``foot`` times its diameter. What ``faces`` somewhere has its
-    face towards -x.
+    face towards -x. ``across`` turns the rows to run along y.
     """
 
     name: str
@@ -52,6 +52,7 @@ class Thing:
     round: bool = False
     foot: float | None = None
     faces: bool = False
+    across: bool = False
 
 
 @lru_cache(maxsize=4096)
@@ -64,12 +65,15 @@ def thing_solids(name: str, size: Size) -> Solids:
         return _vessel(size, thing.foot)
     solids = []
     for start, end, width, bottom, top, color in thing.rows:
-        low, high, span = bottom * size[2], top * size[2], width * size[1]
+        low, high, span = bottom * size[2], top * size[2], width * size[0 if thing.across else 1]
         if thing.round:
             solids.append((_rod(span / 2, low, high), color))
         else:
-            x = (start - 0.5) * size[0], (end - 0.5) * size[0]
-            solids.append((_box((x[0], -span / 2, low), (x[1], span / 2, high)), color))
+            first, last = ((share - 0.5) * size[1 if thing.across else 0] for share in (start, end))
+            corners = ((first, -span / 2, low), (last, span / 2, high))
+            if thing.across:
+                corners = ((-span / 2, first, low), (span / 2, last, high))
+            solids.append((_box(*corners), color))
     return tuple(solids)
 
 
@@ -152,6 +156,11 @@ THINGS = (
           _in("office bedroom", "shelf", "drawer", "top"), (0.18, 0.12, 0.018),
           (0.26, 0.19, 0.04), 700,
           PRINT, rows=((0, 1, 1, 0, 0.12, 0), (0.02, 0.98, 0.95, 0.12, 0.88, 1), (0, 1, 1, 0.88, 1, 0))),
+    Thing("books", _in("office bedroom living_room", "shelf"), (0.13, 0.16, 0.19), (0.17, 0.36, 0.24), 550,
+          ((RED, BLUE), (GREEN, CREAM), (BLUE, YELLOW), (BROWN, CREAM)), faces=True, across=True,
+          rows=((0, 0.14, 1, 0, 1, 0), (0.14, 0.3, 0.9, 0, 0.9, 1), (0.3, 0.42, 0.95, 0, 0.95, 0),
+                (0.42, 0.6, 0.85, 0, 0.84, 1), (0.6, 0.72, 1, 0, 0.97, 0), (0.72, 0.9, 0.9, 0, 0.9, 1),
+                (0.9, 1, 0.92, 0, 0.8, 0))),
     Thing("towel", _in("laundry", "shelf", "drawer", "top") +
           _in("bathroom bedroom", "shelf", "drawer") + _in("bathroom", "top"), (0.2, 0.16, 0.04),
           (0.32, 0.24, 0.075), 180,

@@ -53,7 +53,7 @@ def find_prints(shape: Shape) -> dict[str, dict[str, Mesh]]:
     finishes, parts = dict(shape.finishes), {part.name: part for part in shape.parts}
     out: dict[str, dict[str, list[np.ndarray]]] = {}
     for part in shape.parts:
-        if part.label == "knob" and part.motion is not None and part.parent is not None:
+        if part.label == "knob" and part.joint is not None and part.parent is not None:
             carrier = parts[part.parent]
             for finish, bar in _scale(part, carrier, finishes):
                 out.setdefault(carrier.name, {}).setdefault(finish, []).append(bar)
@@ -70,7 +70,7 @@ def _scale(
     dial: ShapePart, carrier: ShapePart, finishes: Mapping[str, Finish]
 ) -> list[tuple[str, Float[np.ndarray, "8 3"]]]:
     """Marks around a dial on the face of its carrier, each with its finish; those off it are left out."""
-    joint = dial.motion
+    joint = dial.joint
     assert joint is not None
     rods = [one for one in dial.primitives if one.kind == "cylinder" or len(one.planes) == 12]
     if joint.type not in ("revolute", "continuous") or not rods:

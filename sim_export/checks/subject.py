@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int
+from numpy.typing import ArrayLike
 
 from artigen.files.urdf import UrdfFile, UrdfLink, UrdfShape, rest_poses, tree_problems
 from artigen.files.wavefront import ObjText
@@ -26,7 +27,7 @@ from sim_export.geometry.contacts import HullSet
 from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.primitives import primitive_mesh
 from sim_export.geometry.triangles import bounds_of
-from sim_export.motion.kinematics import driven_joints, link_displacements
+from sim_export.motion.kinematics import driven_joints, led_joints, link_displacements
 from sim_export.package import Hull, Link, Mesh, Requirement
 
 MAIN_URDF = "mobility.urdf"
@@ -177,8 +178,8 @@ class Subject:
 
     def moved(self, joint: Joint) -> tuple[str, ...]:
         """Links that a driven joint moves, its followers' included, sorted."""
-        moving = [joint.child, *(other.child for other in self.joints if other.follows == joint.name)]
-        return tuple(sorted({name for link in moving for name in self.carried(link)}))
+        led = led_joints(self.joints, joint)
+        return tuple(sorted({name for one in led for name in self.carried(one.child)}))
 
     @cached_property
     def static_links(self) -> frozenset[str]:
@@ -188,10 +189,9 @@ class Subject:
 
     @cached_property
     def _skeleton(self) -> tuple[Link, ...]:
-        bare = {"label": None, "parts": (), "visuals": (), "hulls": (), "inertial": None}
-        return tuple(Link(name=name, **bare) for name in self.links)
+        return tuple(Link(name=name) for name in self.links)
 
-    def displacements(self, qpos: dict[str, object]) -> dict[str, np.ndarray]:
+    def displacements(self, qpos: dict[str, ArrayLike]) -> dict[str, np.ndarray]:
         """Displacement from rest of every link at joint coordinates, each ``4 4`` or ``P 4 4``."""
         T = link_displacements(self._skeleton, self.joints, qpos)
         return {link.name: T[..., index, :, :] for index, link in enumerate(self._skeleton)}

@@ -7,6 +7,7 @@ counts, measured by exact hull distances.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from artigen.types import Joint
 from sim_export.checks.config import CheckConfig
@@ -92,7 +93,7 @@ def joint_motion(subject: Subject, joint: Joint, cfg: CheckConfig) -> Motion:
     movers = subject.moved(joint)
     poses = cfg.sweep_samples, cfg.max_sweep_samples
     moved = [subject.hull_sets[name].vertices for name in movers if subject.hull_sets[name].hulls]
-    qpos: dict[str, object] = {
+    qpos: dict[str, ArrayLike] = {
         **open_positions(subject, joint),
         joint.name: sample_range(joint, moved, cfg.sweep_step, poses),
     }

@@ -16,6 +16,7 @@ from sim_export.files.urdf import image_path
 from sim_export.package import HandleAnnotation, Link, Mesh, Requirement, SimPackage, SourceMesh
 from sim_export.physics.inertia import subtree_inertial
 from sim_export.physics.materials import MATERIALS, physx_friction_coefficient
+from sim_export.physics.phrases import name_parts
 from sim_export.topology import find_topology
 
 FORMAT = "artigen-package"
@@ -218,7 +219,7 @@ def meta_json(package: SimPackage) -> str:
 
 
 def annotations_json(package: SimPackage) -> str:
-    """Handles, and joints that must be open before others can move."""
+    """Handles, joints that must be open before others can move, and phrases that refer to moving parts."""
     handles = [
         {
             "link": handle.link,
@@ -238,7 +239,14 @@ def annotations_json(package: SimPackage) -> str:
         {"joint": need.joint, "needs": need.needs, "fraction": _number(need.fraction)}
         for need in package.requires_open
     ]
-    return json_text({"frame": "object at rest, metres", "handles": handles, "requires_open": needs})
+    kind = find_kind(package.category)
+    noun = package.category.lower() if kind is None else next(iter(kind.nouns))
+    said = [
+        {"link": part.link, "noun": part.noun, "phrases": list(part.phrases)}
+        for part in name_parts(package, noun or "object")
+    ]
+    frame = {"frame": "object at rest, metres"}
+    return json_text(frame | {"handles": handles, "requires_open": needs, "parts": said})
 
 
 def physics_json(package: SimPackage) -> str:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from scipy.spatial import ConvexHull, QhullError
 
 from artigen.transforms import transform_points
@@ -266,27 +266,32 @@ def count_polygons(hull: Hull) -> int:
 def reduce_hull(hull: Hull, max_vertices: int, max_polygons: int) -> Hull:
     """A hull inside the given one within limits, such as those that PhysX sets for its GPU solver.
 
-    Keeps the farthest vertices in evenly spread directions, as many as the limits allow, and of a slanted
-    plate one on either face.
+    Keeps the vertices that lie farthest outside of the hull of those kept before, as many as limits allow.
     """
-    budget = max_vertices
-    reduced = hull
+    reduced, order = hull, None
     while len(reduced.vertices) > max_vertices or (
         len(reduced.faces) > max_polygons and count_polygons(reduced) > max_polygons
     ):
-        directions = _spread_directions(budget) / np.maximum(np.ptp(hull.vertices, axis=0), 1e-9)
-        kept = np.unique((hull.vertices @ directions.T).argmax(axis=0))
-        if _measure_thickness(hull.vertices[kept]) < FLAT:
-            across = hull.vertices @ hull_width(hull)[1]
-            kept = np.union1d(kept, [across.argmin(), across.argmax()])
-        reduced = convex_hull(hull.vertices[kept])
-        budget -= 2
+        order = _farthest_first(hull.vertices, max_vertices) if order is None else order[:-2]
+        reduced = convex_hull(hull.vertices[order])
     return reduced
 
 
-def _spread_directions(count: int) -> np.ndarray:
-    """Nearly even unit directions (Fibonacci lattice)."""
-    turn = np.arange(count) * np.pi * (3.0 - np.sqrt(5.0))
-    z = 1.0 - (2.0 * np.arange(count) + 1.0) / count
-    ring = np.sqrt(1.0 - z * z)
-    return np.stack([ring * np.cos(turn), ring * np.sin(turn), z], axis=1)
+def _farthest_first(points: Float[np.ndarray, "N 3"], count: int) -> Int[np.ndarray, "K"]:
+    """Up to ``count`` points, each the farthest from the hull of those before it; at first those at the ends
+    of the principal axes."""
+    along = points @ np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2].T
+    first = np.concatenate([along.argmax(axis=0), along.argmin(axis=0)])
+    kept = list(dict.fromkeys(first.tolist()))
+    while len(kept) < 4 or _measure_thickness(points[kept]) < FLAT:
+        middle = points[kept].mean(axis=0)
+        across = np.linalg.svd(points[kept] - middle)[2][2]  # of the plane in which they lie
+        kept.append(int(np.abs((points - middle) @ across).argmax()))
+    while len(kept) < count:
+        # Facets that rounding has made wide do to look for the next point.
+        planes = ConvexHull(points[kept], qhull_options="Qt Q12").equations
+        outside = (points @ planes[:, :3].T + planes[:, 3]).max(axis=1)
+        if outside.max() <= FLAT:
+            break
+        kept.append(int(outside.argmax()))
+    return np.array(kept)

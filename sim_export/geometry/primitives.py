@@ -10,6 +10,7 @@ from jaxtyping import Float
 from artigen.shapes.primitives import SEGMENTS, box, cylinder, move, place_vertices
 from artigen.transforms import transform_points
 from sim_export.errors import PackageError
+from sim_export.geometry.hulls import face_planes, hull_length, hull_planes, hull_volume, hull_width
 from sim_export.geometry.triangles import area_normals
 from sim_export.package import Hull, Mesh
 
@@ -178,3 +179,9 @@ def place_along(axis: Float[np.ndarray, "3"], center: Float[np.ndarray, "3"]) ->
     x = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
     x /= np.linalg.norm(x)
     return place_axes(np.stack([x, np.cross(axis, x), axis]), center)
+
+
+def forget_hulls() -> None:
+    """Drops what was found out about hulls, which are kept with it."""
+    for measure in (find_primitive, hull_volume, hull_planes, face_planes, hull_width, hull_length):
+        measure.cache_clear()

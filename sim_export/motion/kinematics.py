@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
+from numpy.typing import ArrayLike
 
-from artigen.kinematics import compose
-from artigen.transforms import joint_motion
-from artigen.types import Joint
+from artigen.kinematics import displace
+from artigen.types import FIXED, Joint
 from sim_export.errors import InvalidKinematics
 from sim_export.package import Link, Requirement
 
@@ -50,7 +50,7 @@ def box_sides(links: Sequence[Link]) -> Float[np.ndarray, "3"]:
 
 
 def link_displacements(
-    links: Sequence[Link], joints: Sequence[Joint], qpos: Mapping[str, object]
+    links: Sequence[Link], joints: Sequence[Joint], qpos: Mapping[str, ArrayLike]
 ) -> Float[np.ndarray, "*B L 4 4"]:
     """Displacement of every link from rest, in the order of ``links`` and in the object frame.
 
@@ -66,30 +66,29 @@ def link_displacements(
     unknown = sorted(set(qpos) - driven)
     if unknown:
         raise ValueError(f"qpos names {', '.join(unknown)}; driven joints are {', '.join(sorted(driven))}")
-    coordinates = {name: np.asarray(value, dtype=np.float64) for name, value in qpos.items()}
-    poses = np.broadcast_shapes(*(value.shape for value in coordinates.values()))
-    own = np.tile(np.eye(4), (*poses, len(links), 1, 1))
-    slot = {link.name: index for index, link in enumerate(links)}
-    parents = _parents(links, joints)
-    for joint in joints:
-        q = coordinates.get(joint.follows or joint.name, np.zeros(()))
-        own[..., slot[joint.child], :, :] = joint_motion(
-            joint, q if joint.follows is None else joint.follow(q)
-        )
+    movers = {joint.child: joint for joint in joints}
+    own = [movers.get(link.name, FIXED) for link in links]
     try:
-        return compose(parents, own)
+        return displace([joint.name for joint in own], _parents(links, joints), own, qpos)
     except ValueError as error:
         roots = {link.name for link in links} - {joint.child for joint in joints}
         hanging = frozenset[str]().union(*(hanging_links(joints, root) for root in roots))
         cycle = ", ".join(joint.name for joint in joints if joint.child not in hanging)
-        raise InvalidKinematics(f"joints form a cycle: {cycle}") from error
+        raise InvalidKinematics(f"joints form a cycle: {cycle}" if cycle else str(error)) from error
 
 
 def moved_links(links: Sequence[Link], joints: Sequence[Joint], joint: Joint) -> tuple[int, ...]:
     """Indices of the links that ``joint`` moves: its child, what follows it, and all that hangs from them."""
-    moving = [joint.child, *(other.child for other in joints if other.follows == joint.name)]
-    moved = frozenset().union(*(hanging_links(joints, link) for link in moving))
+    moved = frozenset().union(*(hanging_links(joints, one.child) for one in led_joints(joints, joint)))
     return tuple(index for index, link in enumerate(links) if link.name in moved)
+
+
+def led_joints(joints: Sequence[Joint], joint: Joint) -> list[Joint]:
+    """A joint, those that follow it, and those that follow these."""
+    found = [joint]
+    for leader in found:
+        found += [one for one in joints if one.follows == leader.name and one not in found]
+    return found
 
 
 def hanging_links(joints: Sequence[Joint], link: str) -> frozenset[str]:

@@ -150,7 +150,7 @@ def build_links(
         )
     links, raised = _with_shafts(links, joints)
     if not joints:
-        links.insert(0, Link(name=BASE, label=None, parts=(), visuals=(), hulls=(), inertial=None))
+        links.insert(0, Link(name=BASE))
         joints.append(_fix(links[-1].name))
     return LinkTree(
         links=tuple(links),
@@ -208,7 +208,6 @@ def _fix(child: str) -> Joint:
         type="fixed",
         parent=BASE,
         child=child,
-        origin=np.zeros(3),
         axis=np.array([1.0, 0.0, 0.0]),
     )
 
@@ -246,7 +245,7 @@ def _screw(turn: Joint, link: Link, per_radian: float) -> tuple[list[Link], list
     inertial = Inertial(
         mass=CARRIER_MASS, com=turn.origin, inertia=0.4 * CARRIER_MASS * CARRIER_RADIUS**2 * np.eye(3)
     )
-    carrier = Link(name=f"{link.name}_carrier", label=None, parts=(), visuals=(), hulls=(), inertial=inertial)
+    carrier = Link(name=f"{link.name}_carrier", inertial=inertial)
     travel = replace(
         turn,
         name=f"{turn.name}_travel",

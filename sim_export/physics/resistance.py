@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
+from numpy.typing import ArrayLike
 
 from artigen.types import Joint, PartLabel
 from sim_export.geometry.wheels import STEEPEST_AXLE
@@ -53,7 +54,7 @@ def greatest_moment(links: Sequence[Link], joints: Sequence[Joint], joint: Joint
     inside = hanging_links(joints, joint.child)
     held = [(k, link.inertial) for k, link in enumerate(links) if link.name in inside and link.inertial]
     hanging = [other for other in driven_joints(joints) if other.parent in inside]
-    qpos: dict[str, object] = {}
+    qpos: dict[str, ArrayLike] = {}
 
     def moment() -> Float[np.ndarray, "*B"]:
         T = link_displacements(links, joints, qpos)

@@ -12,12 +12,12 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.files.wavefront import MtlMaterial
-from artigen.transforms import transform_points
+from artigen.transforms import joint_motion, transform_points
 from artigen.types import Joint
 from sim_export.errors import PackageError
 from sim_export.files.obj import material_of, parse_mtl, parse_obj, read_image
 from sim_export.geometry.triangles import area_normals, diagonal_of
-from sim_export.motion.kinematics import driven_joints, joint_motion, link_displacements
+from sim_export.motion.kinematics import driven_joints, link_displacements
 from sim_export.package import Hull, Mesh, SimPackage, SourceMesh, Visual
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import move_surface, surface_from_mesh, surface_points

@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -17,6 +18,7 @@ TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
 def test_a_tutorial_runs_from_top_to_bottom(page: Path, tmp_path: Path):
     blocks = re.findall(r"```(bash|python)\n(.*?)```", page.read_text(), re.DOTALL)
     assert blocks
+    shutil.copytree(ROOT / "examples" / "sources", tmp_path / "examples" / "sources")
     environ = os.environ | {"PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
     for kind, block in blocks:
         command = [sys.executable] if kind == "python" else ["bash", "-euo", "pipefail"]

@@ -1,12 +1,15 @@
 """Validation: one report, the same bytes every time, and engines that die cost their own checks only."""
 
+import gc
 import os
+import shutil
 import signal
 from pathlib import Path
 
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 
+from artigen.files.wavefront import ObjText
 from artigen.runtime.workers import Outcome, Worker
 from envs.config import ValidateConfig
 from envs.titles import TITLES
@@ -14,6 +17,7 @@ from envs.validate import REPORT_FILE, list_titles, validate, without_seconds
 from envs.worker import run_dynamics, run_static
 from sim_export.errors import PackageError
 from sim_export.files.write import manifest_problems, write_package
+from sim_export.package import Hull
 from sim_export.report import report_from_json, report_to_json
 
 pytest.importorskip("sapien")
@@ -86,6 +90,15 @@ def test_checks_that_were_not_done_say_why(folder, doomed, action, argument, tim
         assert above == {f"not run: checks L0 to L2 were not done ({reason})"}
     again = report_from_json(report_to_json(report))
     assert (again.stopped, again.checks) == (stopped, report.checks)
+
+
+def test_memory_does_not_grow_with_the_number_of_packages(folder: Path, tmp_path: Path):
+    def kept(number: int) -> int:
+        run_static(shutil.copytree(folder, tmp_path / str(number)))
+        gc.collect()
+        return sum(type(one) in (ObjText, Hull) for one in gc.get_objects())
+
+    assert kept(0) == kept(1) == kept(2) > 0
 
 
 def test_by_default_no_process_is_started(folder, monkeypatch):

@@ -9,11 +9,11 @@ from drawer_chest import make_chest
 from artigen.shapes.asset import shape_to_asset
 from artigen.types import Asset
 from sim_export import export
-from sim_export.attempts import HullWay
 from sim_export.collision.feet import Levelled
 from sim_export.export import export_asset, export_solids, make_solids, paint_package
 from sim_export.geometry.hulls import box_hull
 from sim_export.package import Mesh, SimPackage, Visual
+from sim_export.search import HullPlan
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def triangles(package: SimPackage) -> dict[str, np.ndarray]:
 
 
 def test_painting_keeps_shapes_and_what_is_not_of_a_part(chest: Asset):
-    made = export_solids(make_solids(chest), HullWay(collision="voxels"))
+    made = export_solids(make_solids(chest), HullPlan(target="voxels"))
     corner = box_hull(np.zeros(3), np.full(3, 0.01))
     foot = Visual(
         name="foot_0", part="body", label="base", mesh=Mesh(vertices=corner.vertices, faces=corner.faces)
@@ -65,12 +65,12 @@ def test_feet_reach_up_to_the_surface_of_a_source_with_any_hulls(chest, monkeypa
         return Levelled(links=tuple(links))
 
     monkeypatch.setattr(export, "level_object", level)
-    export_solids(make_solids(chest, surfaces), HullWay(collision=collision), source_meshes={})
+    export_solids(make_solids(chest, surfaces), HullPlan(target=collision), source_meshes={})
     np.testing.assert_array_equal(seen[0], surfaces[chest.root])
 
 
 def test_what_has_no_colours_stays_as_it_is(chest: Asset):
-    made = export_solids(make_solids(chest), HullWay(collision="voxels"))
+    made = export_solids(make_solids(chest), HullPlan(target="voxels"))
     assert paint_package(made.package, replace(chest, surface=None), made.unpainted) is made.package
     assert paint_package(made.package, chest, {}) is made.package
 

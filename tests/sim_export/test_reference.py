@@ -52,7 +52,7 @@ def cupboard() -> Shape:
         label="door",
         parent="body",
         primitives=boards(((-0.222, -0.3, 0.0), (-0.202, 0.3, 0.5))),
-        motion=rotate((0.0, 0.0, -1.0), (-0.222, 0.3, 0.0), 1.6),
+        joint=rotate((0.0, 0.0, -1.0), (-0.222, 0.3, 0.0), 1.6),
     )
     grip = ShapePart(
         name="grip",
@@ -72,7 +72,7 @@ def cupboard() -> Shape:
             ((-0.18, -0.25, 0.022), (0.16, 0.25, 0.032)),
             ((-0.18, -0.25, 0.032), (-0.17, 0.25, 0.1)),
         ),
-        motion=slide(0.25),
+        joint=slide(0.25),
         needs=(Need(part="door"),),
     )
     return Shape(

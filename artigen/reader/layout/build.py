@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from artigen.kind import kinds, name_kind
 from artigen.reader.layout.cells import make_cells
-from artigen.reader.layout.colours import find_finishes
+from artigen.reader.layout.colours import find_finishes, match_finish
 from artigen.reader.layout.contents import furnish_node, simplify
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.layout.fronts import Lengths, View, settle_hinges, view_fronts
@@ -96,7 +96,7 @@ def _build_laid_out(reading: Reading, view: View, seed: int, wish: Wish) -> tupl
     rng = np.random.default_rng([seed, 65])
     foot = find_foot(reading, view, kind)
     node = _lay_out(view, foot, kind)
-    node = furnish_node(rng, node, (view.size[0], view.size[2] - (foot.height or 0.0)), view.shelves, kind)
+    node = furnish_node(rng, node, (view.size[0], view.size[2] - (foot.height or 0.0)), view, kind)
     if kind == name_kind("filing cabinet") and not _is_stack(node):
         kind = name_kind("cabinet")
         notes.append(f"a filing cabinet is one stack of up to {MOST_FILES} drawers: built as {kind}")
@@ -114,10 +114,13 @@ def _build_laid_out(reading: Reading, view: View, seed: int, wish: Wish) -> tupl
 
 
 def wear_read(shape: Shape, reading: Reading, seed: int) -> Shape:
-    """The object in the finishes that were read."""
+    """The object in the finishes that were read; things that are neither furniture nor appliances are of what
+    their kind is made of, in the colours that were read."""
     worn = dict(shape.finishes)
     found = find_finishes(reading, seed)
     read = {role: own for role, own in (found | {"leg": found["body"]}).items() if role in worn}
+    if kinds()[shape.category].trade not in ("furniture", "appliance"):
+        read = {role: match_finish(worn[role].kind, own.color, seed) for role, own in read.items()}
     return replace(shape, finishes=tuple(sorted((worn | read).items())))
 
 

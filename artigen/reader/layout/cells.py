@@ -17,9 +17,6 @@ worktop."""
 OPEN_SHARE = np.array([0.2, 0.1])
 """The same as a share of the width and height of the object's front, so that errors of boxes at a large one
 open nothing; boxes of views from the side err more in width."""
-NESTED = 1.6
-"""How much larger it must be within a row or column, where boxes that are off leave places free; smaller ones
-are boards."""
 BOARD = 0.016
 """Difference (m) between the front of a cell and its opening between boards."""
 LEAST = 0.05
@@ -97,7 +94,6 @@ def _fill(
     fronts: Sequence[Seen],
     region: Float[np.ndarray, "4"],
     least: Float[np.ndarray, "2"],
-    more: float = 1.0,
 ) -> Node:
     """The node of a tree in its region, with open cells or boards around it where there is room."""
     held = [fronts[leaf] for leaf in list_leaves(tree)]
@@ -111,12 +107,9 @@ def _fill(
     axes: tuple[tuple[Axis, int], ...] = (("columns", 0), ("rows", 1))
     for along, low in axes:
         before, after = inner[low] - region[low], region[low + 2] - inner[low + 2]
-        free: list[Cell] = [
-            Cell(fill="open" if end >= more * least[low] else "blank") for end in (before, after)
-        ]
-        sides: list[tuple[Node, float]] = [(free[0], before)] if wide[low] else []
+        sides: list[tuple[Node, float]] = [(Cell(fill="open"), before)] if wide[low] else []
         sides.append((node, inner[low + 2] - inner[low]))
-        sides += [(free[1], after)] if wide[low + 2] else []
+        sides += [(Cell(fill="open"), after)] if wide[low + 2] else []
         node = join_nodes(along, sides)
     return node
 
@@ -151,7 +144,7 @@ def _place(
             done.append((_pair_up(*pair), extent + end - start))
             pair = None
         else:
-            done.append((_fill(child, fronts, own, least, NESTED), end - start))
+            done.append((_fill(child, fronts, own, least), end - start))
             if tree.along == "columns" and isinstance(child, int) and isinstance(following, int) and not gap:
                 pair = (fronts[child], fronts[following])
                 pair = pair if is_pair(*pair) else None

@@ -124,10 +124,10 @@ def _read_part(
 
 def _find_hinge(part: ShapePart, above: Camera) -> Literal["left", "right", "top", "bottom"] | None:
     """The side of a door that its axis is at; None for a door that slides."""
-    if part.motion is None or part.motion.type != "revolute":
+    if part.joint is None or part.joint.type != "revolute":
         return None
-    middle, axis = part.bounds().mean(axis=0), np.array(part.motion.axis)
-    origin = np.array(part.motion.origin)
+    middle, axis = part.bounds().mean(axis=0), np.array(part.joint.axis)
+    origin = np.array(part.joint.origin)
     ends = np.stack([middle, origin + axis * float((middle - origin) @ axis)])
     right, down = np.diff(project_points(above, ends)[:, :2], axis=0)[0]
     if abs(right) > abs(down):

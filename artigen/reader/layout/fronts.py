@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from artigen.kind import kinds
 from artigen.reader.layout.cells import OPEN, WIDEST_LEAF, Seen
@@ -46,6 +46,10 @@ class View:
     """Usual distance (m) of neighbouring fronts; None for fewer than two."""
     shelves: Float[np.ndarray, "N 2"]
     """Middles of shelves on the plane (m), y down from the top."""
+    looked: Float[np.ndarray, "M 2"]
+    """Places on the plane (m) that were looked at, y down from the top."""
+    closed: Bool[np.ndarray, "M"]
+    """Whether each has the colour of the nearest front."""
     notes: tuple[str, ...]
 
 
@@ -70,6 +74,8 @@ def view_fronts(reading: Reading, lengths: Lengths = FREE) -> View:
             tree=None,
             gap=None,
             shelves=np.zeros((0, 2)),
+            looked=np.zeros((0, 2)),
+            closed=np.zeros(0, bool),
             notes=(*notes, "no front was read"),
         )
     shut = [front for front in fronts if not front.open]
@@ -102,6 +108,9 @@ def view_fronts(reading: Reading, lengths: Lengths = FREE) -> View:
     shelves = [part.box for part in reading.parts if part.label == "shelf"]
     middles = [(box[:2] + box[2:]) / 2 for box in shelves]
     at = (sight.plane.locate(np.array(middles)) - face[:2]) * scale if middles else np.zeros((0, 2))
+    surface = np.zeros((0, 0), bool) if reading.surface is None else reading.surface
+    rows, columns = np.indices(surface.shape).reshape(2, -1)
+    places = (np.stack([columns, rows], axis=1) + 0.5) / np.maximum(surface.shape[::-1], 1)
     crossed = tuple(_say_crossing(held, *crossing) for crossing in cutting.crossed if crossing[2] > CROSSED)
     said = (f"{lost} handle{'s' * (lost > 1)} on no front: left out",) if lost else ()
     return View(
@@ -110,6 +119,8 @@ def view_fronts(reading: Reading, lengths: Lengths = FREE) -> View:
         tree=cutting.tree,
         gap=_find_gap(cutting.tree, bounds),
         shelves=at,
+        looked=(sight.plane.locate(places) - face[:2]) * scale,
+        closed=surface.ravel(),
         notes=(*notes, *more, *crossed, *said),
     )
 

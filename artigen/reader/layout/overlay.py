@@ -16,14 +16,8 @@ from artigen.shapes.shape import Shape, ShapePart
 
 MET = 0.4
 """Overlap (intersection over union) from which a front of the photograph is met by one of the object."""
-BOX, BOX_ALONE = 0.3, 1.0
-"""Weight of the object's box against that of a front, for kinds that divide their front and for others, whose
-size was not taken from their fronts."""
 CORNER = 0.5
 """Weight of the corners of a front against its box."""
-TRUST = np.array([0.3, 0.3, 0.2])
-"""Weight of the yaw and the pitch (radians) that were read, and of the logarithm of the nearness, against
-edges that are off by the object's size."""
 STEEPEST, NEAREST = 1.2, 0.8
 """Largest pitch (radians), and largest half of the object's diagonal over its distance."""
 
@@ -67,8 +61,9 @@ def lay_over(reading: Reading, shape: Shape) -> Overlay:
     pairs = match_fronts(seen, [(part.label, part.box * scale + frame) for part in built.fronts])
     targets = [np.asarray(reading.box)] + [seen[i][1] for i, _ in pairs]
     points = [whole] + [clouds[j] for _, j in pairs]
-    alone = kinds()[shape.category].trade != "furniture"
-    weights = np.array([BOX_ALONE if alone else BOX] + [1.0] * len(pairs))
+    # furniture has its size from its fronts, which are read better than its own box
+    sized = bool(pairs) and kinds()[shape.category].trade == "furniture"
+    weights = np.array([0.0 if sized else 1.0] + [1.0] * len(pairs))
     faces = [
         (find_face(fronts[j]), np.asarray(corners))
         for i, j in pairs
@@ -106,7 +101,7 @@ def lay_over(reading: Reading, shape: Shape) -> Overlay:
             CORNER * (project_points(camera, face)[:, :2] - corners * extent).ravel() / size
             for face, corners in faces
         ]
-        return np.concatenate([*errors, TRUST * (values[:3] - view)])
+        return np.concatenate(errors)
 
     start = np.concatenate([view, [0.0, 0.0, 0.0]])
     for _ in range(2):  # to the size, then to the place of the object's box

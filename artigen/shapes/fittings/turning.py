@@ -16,12 +16,12 @@ def turn_part(part: ShapePart, side: str) -> ShapePart:
     """A part designed for a front at -x, rotated about the z axis to another side; "right" is -y."""
     quarters = QUARTERS[side]
     solids = tuple(move(solid, turn=quarters * np.pi / 2) for solid in part.primitives)
-    if part.motion is None:
+    if part.joint is None:
         return replace(part, primitives=solids)
     motion = replace(
-        part.motion, axis=_turn(part.motion.axis, quarters), origin=_turn(part.motion.origin, quarters)
+        part.joint, axis=_turn(part.joint.axis, quarters), origin=_turn(part.joint.origin, quarters)
     )
-    return replace(part, primitives=solids, motion=motion)
+    return replace(part, primitives=solids, joint=motion)
 
 
 def _turn(vector: Float[np.ndarray, "3"], quarters: int) -> Float[np.ndarray, "3"]:

@@ -156,7 +156,7 @@ def fits_engines(parts: Sequence[ShapePart]) -> bool:
     owner: dict[str, str] = {}
     hulls: dict[str, int] = {}
     for part in parts:  # parents come first
-        fixed = part.motion is None and part.parent is not None
+        fixed = part.joint is None and part.parent is not None
         owner[part.name] = owner[str(part.parent)] if fixed else part.name
         hulls[owner[part.name]] = hulls.get(owner[part.name], 0) + count_hulls(part.primitives)
     counts = list(hulls.values())

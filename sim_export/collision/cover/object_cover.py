@@ -1,17 +1,16 @@
 """Hulls of all links of an object from their own triangles, kept out of the space that other links sweep."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Float
 
+from artigen.runtime.budget import Budget
 from artigen.transforms import inverse, transform_points
 from artigen.types import Joint
 from sim_export.collision.cover.free_space import find_free_space
 from sim_export.collision.cover.surface_hulls import (
-    DIVIDED,
-    FINER,
-    USUAL,
+    LEVELS,
     Cover,
     Fineness,
     cover_surface,
@@ -36,6 +35,8 @@ COARSEST = 0.012
 """It grows no further than this, over the object's diagonal."""
 FEWER = 0.75
 """Share of the hulls otherwise allowed that an object gets whose hulls became too many when they were cut."""
+LINK_SHARE = 0.25
+"""Share of the time that is left which one link of several may take."""
 SAMPLES = 6000
 """Points on the surface of each link that are followed along its ways."""
 
@@ -62,13 +63,22 @@ class ObjectCover:
         self._covers: dict[tuple[str, Fineness], Cover] = {}
 
     def make_hulls(
-        self, finer: Collection[str] = (), *, divided: bool = False, fewer: bool = False
+        self,
+        levels: Mapping[str, int] | None = None,
+        *,
+        fewer: bool = False,
+        budget: Budget | None = None,
     ) -> dict[str, tuple[Hull, ...]]:
-        """Hulls of every link: smaller ones of those in ``finer``, which may be the usual ones ``divided``;
-        ``fewer`` in all."""
-        fine = DIVIDED if divided else FINER
-        fineness = {name: fine if name in finer else USUAL for name in self._surfaces}
-        covers = {name: self._cover(name, each) for name, each in fineness.items()}
+        """Hulls of every link: ``levels`` are those of `LEVELS` by link, if not the first; ``fewer`` in all.
+
+        Each link may take `LINK_SHARE` of what is left of the budget when its turn comes, the last one all.
+        """
+        levels, budget = levels or {}, budget or Budget()
+        fineness = {name: LEVELS[levels.get(name, 0)] for name in self._surfaces}
+        covers = {
+            name: self._cover(name, each, budget.share(max(LINK_SHARE, 1.0 / (len(fineness) - place))))
+            for place, (name, each) in enumerate(fineness.items())
+        }
         most = max(each.most_of_object for each in fineness.values()) * (FEWER if fewer else 1.0)
         while True:
             everywhere = sum(len(cover.hulls) for cover in covers.values()) > most
@@ -84,16 +94,17 @@ class ObjectCover:
             name = max(able, key=lambda name: len(covers[name].pieces))
             covers[name] = join_again(covers[name], COARSER * covers[name].least, self._diagonal)
 
-    def _cover(self, name: str, fineness: Fineness) -> Cover:
+    def _cover(self, name: str, fineness: Fineness, budget: Budget) -> Cover:
         """The cover of a link before coarsening."""
         if (name, fineness) not in self._covers:
             triangles = self._surfaces[name]
-            if fineness is USUAL:
+            if fineness is LEVELS[0]:
                 others = self._passing.get(name)
                 space = find_free_space(triangles, self._diagonal, others, solid=self._solid)
-                cover = cover_surface(triangles, space, self._diagonal)
+                cover = cover_surface(triangles, space, self._diagonal, budget=budget)
             else:
-                cover = refine_cover(self._cover(name, USUAL), triangles, self._diagonal, fineness)
+                usual = self._cover(name, LEVELS[0], budget)
+                cover = refine_cover(usual, triangles, self._diagonal, fineness, budget)
             self._covers[name, fineness] = cover
         return self._covers[name, fineness]
 

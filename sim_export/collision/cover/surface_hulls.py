@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
+from artigen.runtime.budget import Budget
 from sim_export.collision.cover.cuboids import fill_with_boxes
 from sim_export.collision.cover.free_space import (
     SHEET,
@@ -89,6 +90,8 @@ FINER = Fineness(bulge=0.002, most_pieces=160, most=90, most_of_object=240, slac
 need; slower to make and to simulate."""
 DIVIDED = replace(FINER, slack=0.006)
 """The usual hulls in smaller pieces."""
+LEVELS = (USUAL, FINER, DIVIDED)
+"""In the order in which they are tried."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -106,9 +109,17 @@ class Cover:
 
 
 def cover_surface(
-    triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, diagonal: float, fineness: Fineness = USUAL
+    triangles: Float[np.ndarray, "F 3 3"],
+    space: FreeSpace,
+    diagonal: float,
+    fineness: Fineness = USUAL,
+    budget: Budget | None = None,
 ) -> Cover:
-    """Hulls that together cover what can be reached of a link's triangles (m)."""
+    """Hulls that together cover what can be reached of a link's triangles (m).
+
+    When the budget ends, pieces stay as they are, so that their hulls take more free space.
+    """
+    budget = budget or Budget()
     least = fineness.bulge * diagonal
     whole = make_piece(triangles, space, least)
     if _fits(whole, least, TAKEN):
@@ -116,13 +127,13 @@ def cover_surface(
     exposed = find_exposed(triangles, space)
     axis = find_axis(exposed)
     if axis is not None:
-        return _cover_round(triangles, exposed, axis, space, diagonal, fineness)
+        return _cover_round(triangles, exposed, axis, space, diagonal, fineness, budget)
     if space.solid:
         boxes = fill_with_boxes(triangles)
     else:
         large = np.ptp(triangles.reshape(-1, 3), axis=0).max() >= LEAST_CELLS * space.grid.cell
         boxes = cover_with_boxes(exposed, space) if large else ()
-    return _cover_rest(exposed, boxes, space, diagonal, fineness)
+    return _cover_rest(exposed, boxes, space, diagonal, fineness, budget)
 
 
 def _cover_rest(
@@ -131,12 +142,13 @@ def _cover_rest(
     space: FreeSpace,
     diagonal: float,
     fineness: Fineness,
+    budget: Budget,
 ) -> Cover:
     """A cover of boxes and of pieces of the surface that these leave."""
     left = find_uncovered(exposed, boxes, fineness.slack * diagonal)
     groups = split_components(left) if len(left) else []
     pieces = [make_piece(group, space, fineness.bulge * diagonal) for group in groups]
-    return _cut_and_join(boxes, pieces, space, diagonal, fineness)
+    return _cut_and_join(boxes, pieces, space, diagonal, fineness, budget)
 
 
 def _cover_round(
@@ -146,6 +158,7 @@ def _cover_round(
     space: FreeSpace,
     diagonal: float,
     fineness: Fineness,
+    budget: Budget,
 ) -> Cover:
     """A cover of a surface of revolution by sectors, whose arcs are shallow against the wall of a solid."""
     depth = SAGITTA * diagonal
@@ -154,7 +167,7 @@ def _cover_round(
         fineness = replace(fineness, bulge=min(fineness.bulge, depth / diagonal / 2.0))
     groups = cut_sectors(exposed, axis, count_sectors(axis.radius, depth))
     pieces = [make_piece(group, space, fineness.bulge * diagonal) for group in groups]
-    return _cut_and_join((), pieces, space, diagonal, fineness, TAKEN_OF_ROUND)
+    return _cut_and_join((), pieces, space, diagonal, fineness, budget, TAKEN_OF_ROUND)
 
 
 def _mean_thickness(triangles: Float[np.ndarray, "F 3 3"]) -> float:
@@ -165,18 +178,23 @@ def _mean_thickness(triangles: Float[np.ndarray, "F 3 3"]) -> float:
 
 
 def refine_cover(
-    cover: Cover, triangles: Float[np.ndarray, "F 3 3"], diagonal: float, fineness: Fineness
+    cover: Cover,
+    triangles: Float[np.ndarray, "F 3 3"],
+    diagonal: float,
+    fineness: Fineness,
+    budget: Budget | None = None,
 ) -> Cover:
     """A cover of the same triangles (m) with smaller hulls: its pieces are cut further, or more surface is
     covered beside its boxes."""
+    budget = budget or Budget()
     if not cover.cut:  # one hull was enough
-        return cover_surface(triangles, cover.space, diagonal, fineness)
+        return cover_surface(triangles, cover.space, diagonal, fineness, budget)
     if cover.boxes and fineness.slack < USUAL.slack:
         exposed = find_exposed(triangles, cover.space)
-        return _cover_rest(exposed, cover.boxes, cover.space, diagonal, fineness)
+        return _cover_rest(exposed, cover.boxes, cover.space, diagonal, fineness, budget)
     fineness = replace(fineness, bulge=min(fineness.bulge, cover.least / diagonal))
     pieces = [measure_again(piece, cover.space, fineness.bulge * diagonal) for piece in cover.cut]
-    return _cut_and_join(cover.boxes, pieces, cover.space, diagonal, fineness, cover.taken)
+    return _cut_and_join(cover.boxes, pieces, cover.space, diagonal, fineness, budget, cover.taken)
 
 
 def _cut_and_join(
@@ -185,11 +203,12 @@ def _cut_and_join(
     space: FreeSpace,
     diagonal: float,
     fineness: Fineness,
+    budget: Budget,
     taken: float = TAKEN,
 ) -> Cover:
     """A cover of boxes and of pieces, which are cut until their hulls fit, and joined."""
     least = fineness.bulge * diagonal
-    cut = tuple(_cut(_uncovered(pieces, least), space, least, taken, fineness.most_pieces))
+    cut = tuple(_cut(_uncovered(pieces, least), space, least, taken, fineness.most_pieces, budget))
     cover = Cover(space=space, boxes=boxes, pieces=cut, least=least, taken=taken, cut=cut)
     return join_again(cover, least, diagonal)
 
@@ -311,9 +330,9 @@ def _is_covered(points: Float[np.ndarray, "N 3"], pieces: Sequence[Piece], slack
 
 
 def _cut(
-    pieces: Sequence[Piece], space: FreeSpace, least: float, taken: float, most_pieces: int
+    pieces: Sequence[Piece], space: FreeSpace, least: float, taken: float, most_pieces: int, budget: Budget
 ) -> list[Piece]:
-    """Cuts the pieces that take most free space, until all fit or there are many."""
+    """Cuts the pieces that take most free space, until all fit, there are many, or the budget ends."""
     done = [piece for piece in pieces if _fits(piece, least, taken)]
     queue = [
         (-piece.intrusion.volume, n, piece)
@@ -323,7 +342,7 @@ def _cut(
     heapq.heapify(queue)
     serial = len(pieces)
     most = max(most_pieces, len(pieces) + most_pieces // 2)
-    while queue and len(queue) + len(done) < most:
+    while queue and len(queue) + len(done) < most and not budget.is_over():
         _, _, piece = heapq.heappop(queue)
         halves = split_piece(piece, space, least)
         if halves is None:
@@ -358,7 +377,7 @@ def piece_hull(piece: Piece, space: FreeSpace) -> Hull | None:
     """The hull of a piece; a sheet gets its thickness on the side that is enclosed, or on both."""
     if len(piece.planes):
         try:
-            return convex_hull(piece.corners)
+            return convex_hull(piece.triangles.reshape(-1, 3))
         except DegeneratePart:
             pass
     middle = piece.corners.mean(axis=0)

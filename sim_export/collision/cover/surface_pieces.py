@@ -41,6 +41,18 @@ SAMPLES = 48
 """Points on the surface of a piece."""
 SKIN = 240
 """Points on the hull of a piece."""
+
+
+def spread_ways(count: int) -> Float[np.ndarray, "D 3"]:
+    """Unit vectors spread evenly over half of a sphere."""
+    turn = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(count)
+    height = (np.arange(count) + 0.5) / count
+    radius = np.sqrt(1.0 - height**2)
+    return np.column_stack([radius * np.cos(turn), radius * np.sin(turn), height])
+
+
+WAYS, FEW_WAYS = spread_ways(96), spread_ways(24)
+"""Directions, each both ways, in which corners are looked for: of pieces, and while cuts are judged."""
 _MIX = np.array([1.0, 7.389, 54.598, 403.43])
 """Weights under which only coplanar faces have equal sums."""
 
@@ -78,13 +90,22 @@ class Around:
     faces: Float[np.ndarray, "F 3 3"]
 
 
-def wrap(points: Float[np.ndarray, "N 3"]) -> Around:
-    """The convex hull of points; no planes where they are thinner than `THIN`."""
+def wrap(points: Float[np.ndarray, "N 3"], ways: Float[np.ndarray, "D 3"] = WAYS) -> Around:
+    """The convex hull of points; no planes where they are thinner than `THIN`.
+
+    Of many points, those count that lie farthest along some direction, ``ways`` as seen where the points
+    spread evenly: hulls of engines have few corners anyway, and Qhull's time grows with them.
+    """
     middle = points.mean(axis=0)
     spread = points - middle
     axes = np.linalg.eigh(spread.T @ spread)[1].T[::-1]
     across = spread @ axes[2]
     sheet = bool(across.max() - across.min() < THIN) or len(points) < 4
+    if len(points) > 2 * len(ways):
+        along = spread @ axes.T
+        heights = along / np.maximum(np.ptp(along, axis=0), 1e-9) @ ways.T
+        chosen = np.unique(np.concatenate([heights.argmax(axis=0), heights.argmin(axis=0)]))
+        points, spread = points[chosen], spread[chosen]
     if not sheet:
         try:
             solved = ConvexHull(spread)
@@ -243,7 +264,7 @@ def split_piece(piece: Piece, space: FreeSpace, least: float) -> tuple[Piece, Pi
             bound = taken + piece.intrusion.volume * (uneven - DONE * done)
             if bound >= best_score:  # whatever this side takes
                 break
-            own = _measure(wrap(_points_below(net, side * heights)), space, least, SAMPLES).volume
+            own = _measure(wrap(_points_below(net, side * heights), FEW_WAYS), space, least, SAMPLES).volume
             taken, done = taken + own, done - (part if own > 0.0 else 0.0)
             bound = taken + piece.intrusion.volume * (uneven - DONE * done)
         if bound < best_score:

@@ -17,8 +17,9 @@ from artigen.api.object import Object
 from artigen.camera import look_at
 from artigen.datasets.packing import read_folder
 from artigen.errors import ArtigenError
+from artigen.kind import spell_kind
 from artigen.shapes.asset import frame_shape
-from artigen.shapes.poses import lead_followers, pose_parts
+from artigen.shapes.poses import pose_parts
 from artigen.transforms import shift
 from sim_export.errors import PackageError
 from sim_export.picture.viewpoint import Viewpoint
@@ -139,7 +140,7 @@ def test_a_package_moves_as_its_solids_do_followers_included(kind: str):
     shares = np.random.default_rng(0).uniform(0.1, 0.9, len(obj.joints))
     q = {name: float(share) * obj.joints[name].upper for name, share in zip(obj.joints, shares, strict=True)}
     own = {part.name: q[part.joint] for part in obj.parts if part.joint is not None}
-    qpos = lead_followers(shape, np.array([own.get(part.name, 0.0) for part in shape.parts]))
+    qpos = np.array([own.get(part.name, 0.0) for part in shape.parts])
     center, _ = frame_shape(shape)
     moved = obj.at(q)
     for part, T in zip(shape.parts, pose_parts(shape, qpos), strict=True):
@@ -193,6 +194,19 @@ def test_many_objects_are_made_one_by_one_when_they_are_asked_for():
     assert many[1:3][0].size == artigen.sample("Switch", 6).size == many[1].size
 
 
+def test_a_kind_is_called_by_its_name_or_any_of_its_nouns():
+    for name, kind in artigen.kinds().items():
+        assert {spell_kind(word) for noun in kind.nouns for word in (noun, noun.title(), name)} == {name}
+    assert artigen.sample("washing  machine").size == artigen.sample("WashingMachine").size
+    assert {job.category for job in artigen.generate(kind="fridges", count=2).jobs} == {"Refrigerator"}
+
+
+def test_the_structure_decides_what_is_made_and_is_one_of_two():
+    exact, latent = (artigen.generate("a fridge", structure=s, count=2).jobs for s in ("sketch", "latent"))
+    assert {job.cfg.structure for job in latent} == {"latent"}
+    assert exact[0].settings != latent[0].settings
+
+
 def test_processes_make_the_same_objects_in_the_same_order(tmp_path: Path):
     own, others = (artigen.sample("Switch", 2, count=2, workers=workers) for workers in (0, 1))
     done = own.export(tmp_path)
@@ -227,7 +241,7 @@ def test_words_become_an_object_that_passed_as_it_was_drawn_or_drawn_again():
 
 
 WRONG = {
-    "kind": (lambda: artigen.sample("Cupboard"), ["shape", "Cupboard", "-o", "out"]),
+    "kind": (lambda: artigen.sample("Spoon"), ["shape", "Spoon", "-o", "out"]),
     "length": (lambda: artigen.sample("Oven", width=90.0), ["shape", "Oven", "--width", "90", "-o", "out"]),
     "count": (
         lambda: artigen.sample("Safe", counts={"drawer": 40}),

@@ -7,28 +7,24 @@ any sort; the files of known faults and the objects at hand are read beside them
 # mujoco is a compiled module without stubs.
 # pyright: reportAttributeAccessIssue=false
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import mujoco
 import numpy as np
 import pytest
 import trimesh
-import yourdfpy
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from source_cases import CASES, REFUSED, judge
+from source_oracles import compare_read, load_source
 
 from artigen.datasets.mesh_files import MOST_FACES, check_size
-from artigen.datasets.mjcf import read_mjcf
-from artigen.datasets.source_object import ReaderConfig, SourceObject
+from artigen.datasets.source_object import ReaderConfig
 from artigen.datasets.sources import read_source
-from artigen.datasets.urdf_file import read_urdf
 from artigen.errors import SourceError
-from artigen.kinematics import displacements, movable_parts
-from artigen.transforms import matrix_from_rpy, quat_from_matrix, transform_points
+from artigen.transforms import frame_along, matrix_from_rpy, quat_from_matrix
 
 FAST = ReaderConfig(samples=2000)
 NAMES = ("door", "a b", "Tür_1", "x-1", "link.2", "drawer<1>", "body_3", "part/4")
@@ -136,73 +132,50 @@ def write_mjcf(folder: Path, chain: list[Made]) -> Path:
     return path
 
 
-def extents_at(found: SourceObject, part: int | None) -> np.ndarray:
-    """Extents (m) with one part at its open end and its followers nowhere but closed; None: all closed."""
-    asset = found.asset
-    q = [asset.parts[k].joint.upper if k == part else 0.0 for k in movable_parts(asset)]
-    corners = found.triangles.vertices[found.triangles.faces]
-    moved = [
-        transform_points(T, corners[found.triangles.part_ids == k].reshape(-1, 3))
-        for k, T in enumerate(displacements(asset, np.array(q)))
-    ]
-    return np.ptp(np.concatenate(moved), axis=0) * asset.scale
-
-
-def mujoco_extents(path: Path, joint: int | None) -> np.ndarray:
-    model = mujoco.MjModel.from_xml_path(str(path))
-    data = mujoco.MjData(model)
-    if joint is not None:
-        limited = bool(model.jnt_limited[joint])
-        data.qpos[joint] = max(model.jnt_range[joint], key=abs) if limited else 0.0
-    mujoco.mj_kinematics(model, data)
-    points = []
-    for geom in range(model.ngeom):
-        if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
-            mesh = int(model.geom_dataid[geom])
-            start, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
-            own = model.mesh_vert[start : start + count]
-        else:
-            own = trimesh.creation.box(2 * model.geom_size[geom]).vertices
-        points.append(own @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom])
-    return np.ptp(np.concatenate(points), axis=0)
-
-
-def yourdfpy_extents(path: Path, joint: str | None, value: float) -> np.ndarray:
-    robot = yourdfpy.URDF.load(str(path))
-    robot.update_cfg({} if joint is None else {joint: value})
-    return robot.scene.extents
-
-
 @settings(max_examples=15, deadline=None, phases=(Phase.explicit, Phase.generate))
 @given(chain=chains())
-def test_generated_mjcf_is_where_mujoco_has_it(chain: list[Made]):
+def test_generated_mjcf_is_what_mujoco_has(chain: list[Made]):
     with TemporaryDirectory() as folder:
         path = write_mjcf(Path(folder), chain)
-        found = read_source(path, Path(folder) / "scratch", FAST)
-        model = mujoco.MjModel.from_xml_path(str(path))
-        assert len(movable_parts(found.asset)) == model.njnt
-        np.testing.assert_allclose(extents_at(found, None), mujoco_extents(path, None), atol=1e-5)
-        order = [joint.name for joint in read_mjcf(path).joints if joint.type != "fixed"]
-        for part, name in zip(movable_parts(found.asset), order, strict=True):
-            if found.asset.parts[part].joint.type != "continuous":
-                want = mujoco_extents(path, model.joint(name).id)
-                np.testing.assert_allclose(extents_at(found, part), want, atol=1e-5)
+        assert compare_read(read_source(path, Path(folder) / "scratch", FAST), load_source(path, None)) == []
+
+
+HINGED = Made(
+    parent=0,
+    xyz=(0.3, 0.1, 0.0),
+    rpy=(0.0, 0.0, 0.5),
+    size=(0.1, 0.2, 0.3),
+    kind="revolute",
+    axis=(0, 0, 1),
+    limits=(0.0, 0.5),
+    scale=(1, 1, 1),
+    color=(1.0, 0.0, 0.0),
+)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"axis": (0, 0, -1)}, "axis of"),
+        ({"limits": (0.0, 0.6)}, "range of"),
+        ({"xyz": (0.32, 0.1, 0.0)}, "closed extents"),
+        ({"rpy": (0.0, 0.0, 0.6)}, "closed extents"),
+        ({"color": (0.0, 1.0, 0.0)}, "mean colour"),
+    ],
+)
+def test_oracles_notice_a_wrong_reading(tmp_path: Path, change: dict, said: str):
+    found = read_source(write_mjcf(tmp_path, [HINGED]), tmp_path / "scratch", FAST)
+    other = load_source(write_mjcf(tmp_path, [replace(HINGED, **change)]), None)
+    assert any(sentence.startswith(said) for sentence in compare_read(found, other))
 
 
 @settings(max_examples=15, deadline=None, phases=(Phase.explicit, Phase.generate))
 @given(chain=chains())
-def test_generated_urdf_is_where_yourdfpy_has_it(chain: list[Made]):
+def test_generated_urdf_is_what_yourdfpy_has(chain: list[Made]):
     with TemporaryDirectory() as folder:
         path = write_urdf(Path(folder), chain)
         found = read_source(path, Path(folder) / "scratch", FAST)
-        joints = [joint for joint in read_urdf(path).joints if joint.type != "fixed"]
-        assert len(movable_parts(found.asset)) == len(joints)
-        np.testing.assert_allclose(extents_at(found, None), yourdfpy_extents(path, None, 0.0), atol=1e-5)
-        for part, joint in zip(movable_parts(found.asset), joints, strict=True):
-            if joint.type != "continuous":
-                ends = (joint.lower or 0.0, joint.upper or 0.0)
-                want = yourdfpy_extents(path, joint.name, max(ends, key=abs))
-                np.testing.assert_allclose(extents_at(found, part), want, atol=1e-5)
+        assert compare_read(found, replace(load_source(path, None), color=np.full(3, np.nan))) == []
 
 
 def write_sdf(folder: Path, chain: list[Made]) -> Path:
@@ -258,6 +231,90 @@ def test_generated_sdf_is_the_urdf_of_the_same_chain(chain: list[Made]):
             assert part.joint.upper == pytest.approx(twin.joint.upper, abs=1e-6)
         colors = [found.asset.surface.colors.mean(axis=0) for found in (one, other)]
         np.testing.assert_allclose(colors[0], colors[1], atol=1)
+
+
+def write_stage(folder: Path, chain: list[Made], metres: float, up: str) -> Path:
+    """The same as `write_urdf` as a stage: bodies in a frame that turns and scales, axes along z."""
+    from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdPhysics
+
+    path = folder / "made.usda"
+    stage = Usd.Stage.CreateNew(str(path))
+    UsdGeom.SetStageMetersPerUnit(stage, metres)
+    UsdGeom.SetStageUpAxis(stage, up)
+    to_stage = np.diag([1 / metres, 1 / metres, 1 / metres, 1.0])
+    if up == "Y":
+        to_stage = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]]) @ to_stage
+    frame = np.diag([2.0, 2.0, 2.0, 1.0])
+    frame[:3, :3] = matrix_from_rpy(np.array([0.1, 0.2, 0.3])) @ frame[:3, :3]
+    frame[:3, 3] = (3.0, -1.0, 0.5)
+
+    def place(prim: object, T: np.ndarray) -> None:
+        UsdGeom.Xformable(prim).AddTransformOp().Set(Gf.Matrix4d(*T.T.ravel().tolist()))
+
+    place(UsdGeom.Xform.Define(stage, "/object"), frame)
+    poses, paths = [np.eye(4)], ["/object/base"]
+    for one in chain:
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = matrix_from_rpy(np.array(one.rpy)), one.xyz
+        poses.append(poses[one.parent] @ T)
+    for number, T in enumerate(poses):
+        one = chain[number - 1] if number else None
+        paths[number:] = [paths[0] if one is None else "/object/" + Tf.MakeValidIdentifier(NAMES[number - 1])]
+        body = UsdGeom.Xform.Define(stage, paths[number])
+        place(body, np.linalg.inv(frame) @ to_stage @ T)
+        UsdPhysics.RigidBodyAPI.Apply(body.GetPrim())
+        cube = UsdGeom.Cube.Define(stage, paths[number] + "/cube")
+        cube.GetSizeAttr().Set(1.0)
+        own = np.diag([0.5, 0.6, 0.7, 1.0])
+        if one is not None:
+            own = np.eye(4)
+            own[:3, :3] = matrix_from_rpy(np.array([0.3, 0.0, 0.2])) @ np.diag(
+                np.multiply(one.scale, one.size)
+            )
+            own[0, 3] = 0.1
+            linear = ((np.array(one.color) + 0.055) / 1.055) ** 2.4
+            cube.GetDisplayColorAttr().Set([tuple(np.where(linear < 0.0031308, 0.0, linear).tolist())])
+        place(cube, own)
+    for number, one in enumerate(chain):
+        kinds = {"fixed": "Fixed", "prismatic": "Prismatic"}
+        joint = getattr(UsdPhysics, f"{kinds.get(one.kind, 'Revolute')}Joint").Define(
+            stage, f"/object/j{number}"
+        )
+        joint.GetBody0Rel().SetTargets([Sdf.Path(paths[one.parent])])
+        joint.GetBody1Rel().SetTargets([Sdf.Path(paths[number + 1])])
+        turn = np.eye(4)
+        turn[:3, :3] = frame_along(np.array(one.axis) / np.linalg.norm(one.axis)).T
+        local = np.linalg.inv(poses[one.parent]) @ poses[number + 1] @ turn
+        for side, T in ((0, local), (1, turn)):
+            w, x, y, z = quat_from_matrix(T[None, :3, :3])[0].tolist()
+            getattr(joint, f"GetLocalPos{side}Attr")().Set(Gf.Vec3f(*T[:3, 3].tolist()))
+            getattr(joint, f"GetLocalRot{side}Attr")().Set(Gf.Quatf(w, x, y, z))
+        if one.kind != "fixed":
+            joint.GetAxisAttr().Set("Z")
+            unit = 1 / metres if one.kind == "prismatic" else 180 / np.pi
+            if one.kind != "continuous":
+                joint.GetLowerLimitAttr().Set(unit * one.limits[0])
+                joint.GetUpperLimitAttr().Set(unit * one.limits[1])
+    stage.Save()
+    return path
+
+
+@settings(max_examples=15, deadline=None, phases=(Phase.explicit, Phase.generate))
+@given(chain=chains(), metres=st.sampled_from((1.0, 0.01, 0.0254)), up=st.sampled_from(("Y", "Z")))
+def test_a_generated_stage_is_what_yourdfpy_has_of_the_same_chain(chain: list[Made], metres: float, up: str):
+    pytest.importorskip("pxr")
+    with TemporaryDirectory() as folder:
+        stage = write_stage(Path(folder), chain, metres, up)
+        found = read_source(stage, Path(folder) / "scratch", FAST)
+        twin = replace(load_source(write_urdf(Path(folder), chain), None), color=np.full(3, np.nan))
+        assert compare_read(found, twin) == []
+
+
+@pytest.mark.real
+@pytest.mark.parametrize("number", ["100671", "101909", "102060", "11178"])
+def test_the_urdf_of_a_real_object_is_what_yourdfpy_has(real_objects: Path, tmp_path: Path, number: str):
+    path = real_objects / "partnet_mobility" / number / "mobility.urdf"
+    assert compare_read(read_source(path, tmp_path, FAST), load_source(path, None)) == []
 
 
 @pytest.mark.real

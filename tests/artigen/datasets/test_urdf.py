@@ -89,7 +89,7 @@ def test_a_package_comes_back_with_its_joints_followers_and_size(tmp_path):
         have = sorted((p.joint.type, p.joint.upper * found.asset.scale) for p in found.asset.parts)
         assert [kind for kind, _ in have] == [kind for kind, _ in want]
         assert [upper for _, upper in have] == pytest.approx([upper for _, upper in want], rel=1e-3)
-        followers = sum(part.motion is not None and part.motion.follows is not None for part in shape.parts)
+        followers = sum(part.joint is not None and part.joint.follows is not None for part in shape.parts)
         assert len(found.follows) == followers == (1 if category == "TrashCan" else 0)
 
 

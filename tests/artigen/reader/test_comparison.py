@@ -1,5 +1,7 @@
 """An object lies over the photograph it was built from, and the page shows both."""
 
+import html
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +13,7 @@ from artigen.camera import project_points
 from artigen.reader.comparison import draw_over, scale_camera, straighten, write_comparison
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.layout.overlay import MET, lay_over, match_fronts
+from artigen.reader.open_reading import parse_reading
 from artigen.reader.reading import Reading
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
@@ -75,6 +78,8 @@ def test_the_page_shows_the_object_within_its_box(tmp_path: Path):
     assert page.count("data:image/jpeg;base64,") == 3
     assert page.count("<tr><td>") == len(reading.fronts)
     assert "a &lt;note&gt;" in page
+    held = html.unescape(page.split("<textarea")[1].split(">", 1)[1].split("</textarea>")[0])
+    assert parse_reading(json.loads(held)).to_json() == reading.to_json()
     shown = np.asarray(draw_over(photo, overlay.camera, shape), dtype=float)
     pale = np.abs(shown - shown[0, 0]).max(axis=2) < 2
     rows, columns = np.nonzero(~pale)

@@ -9,9 +9,10 @@ from jaxtyping import Float
 from scipy.optimize import least_squares
 
 from artigen.errors import ArtigenError
-from artigen.reader.layout.build import FLOOR, build_from_reading, find_foot
+from artigen.reader.layout.build import FLOOR, build_from_reading, find_foot, wear_read
 from artigen.reader.layout.cells import OPEN, Seen, make_cells
 from artigen.reader.layout.colours import BLACK, PALE, SAME, WARM, find_finishes, is_wooden
+from artigen.reader.layout.contents import CLOSED, furnish_node
 from artigen.reader.layout.cutting import SLACK, Tree, cut_rectangles, list_leaves
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.layout.fronts import ASIDE, view_fronts
@@ -19,9 +20,10 @@ from artigen.reader.layout.nearest import HINGE, rate_difference
 from artigen.reader.layout.plane import frame_box
 from artigen.reader.reading import Reading, ReadPart
 from artigen.shapes.draw import Wish, draw_shape
+from artigen.shapes.furniture.cabinet import list_cells
 from artigen.shapes.furniture.carcass import fits_engines
 from artigen.shapes.furniture.layouts import Layout
-from artigen.shapes.furniture.splits import Cell, Split
+from artigen.shapes.furniture.splits import Cell, Node, Split
 from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.color_difference import convert_to_lab
 from artigen.shapes.surfaces.materials import WOODS
@@ -345,7 +347,8 @@ def test_fronts_of_appliances_are_no_glass_and_red_ones_no_wood():
     assert find_finishes(make_reading(red), 0)["front"].kind == "lacquer"
     dark = make_front("door", (0.0, 0.0, 1.0, 1.0), color=(20, 20, 20), material="glass", pane=True)
     found = find_finishes(make_reading(dark, kind="Dishwasher"), 0)["front"]
-    assert found.kind == "lacquer" and max(found.color) < 0.1
+    assert found.kind == "lacquer"
+    assert max(found.color) < 0.1
 
 
 @pytest.mark.parametrize(("step", "same"), [(SAME - 0.02, True), (SAME + 0.02, False)])
@@ -449,3 +452,34 @@ def test_what_is_free_beside_the_fronts_is_a_board_but_under_a_desk(kind: str, *
     assert isinstance(node, Split)
     assert node.along == "columns"
     assert node.children[0] == Cell(fill="open" if opened else "blank")
+
+
+@pytest.mark.parametrize(("more", "fill"), [(-0.05, "open"), (0.05, "blank")])
+def test_a_place_in_the_colour_of_its_fronts_is_closed(more: float, fill: str):
+    """The lower half of the object has no front; a share of it has their colour."""
+    reading = make_reading(*stack(0.02, 0.25, 0.5))
+    surface = np.zeros((20, 100), bool)
+    surface[:, : round(100 * (CLOSED + more))] = True
+    node = furnish(replace(reading, surface=surface))
+    assert [cell.fill for cell in list_cells(node)] == ["drawer", "drawer", fill]
+    assert [cell.fill for cell in list_cells(furnish(reading))][-1] == "open"
+
+
+def furnish(reading: Reading) -> Node:
+    view = view_fronts(reading)
+    assert view.tree is not None
+    region = np.array([0.0, 0.0, view.size[0], view.size[2]])
+    node = make_cells(view.tree, view.fronts, region)
+    return furnish_node(np.random.default_rng(0), node, (view.size[0], view.size[2]), view, reading.kind)
+
+
+def test_things_keep_what_they_are_made_of_in_the_colour_that_was_read():
+    """A toilet that is read as plastic is ceramic, and as heavy."""
+    shape = draw_shape("Toilet", 0)
+    lid = make_front("door", (0.0, 0.0, 1.0, 1.0), color=(30, 60, 120), material="plastic")
+    worn = dict(wear_read(shape, make_reading(lid, kind="Toilet", color=(30, 60, 120)), 0).finishes)
+    own = dict(shape.finishes)
+    assert {role: finish.kind for role, finish in worn.items()} == {
+        r: finish.kind for r, finish in own.items()
+    }
+    np.testing.assert_allclose(worn["body"].color, np.array((30, 60, 120)) / 255)

@@ -35,7 +35,8 @@ def test_legs_end_where_they_stand():
     end = find_legs(*photograph())
     assert end == pytest.approx(0.75 + 0.5 * 0.25, abs=0.01)
     looked = look_closer(*photograph())
-    assert looked.stand == "legs" and looked.box[3] == pytest.approx(end)
+    assert looked.stand == "legs"
+    assert looked.box[3] == pytest.approx(end)
 
 
 @pytest.mark.parametrize("change", [{"high": 0.0}, {"wide": 0.3}, {"middle": 0.25}, {"ground": WOOD}])

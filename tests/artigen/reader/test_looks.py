@@ -1,10 +1,12 @@
 """What pixels around an object tell: legs where the room shows below it, and colours of the object itself."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PIL import Image
 
-from artigen.reader.looks import LOW, SAME, look_closer
+from artigen.reader.looks import ALIKE, LOW, SAME, look_closer
 from artigen.reader.reading import Reading, ReadPart
 
 BODY, WALL = (150, 90, 50), (210, 220, 225)
@@ -40,3 +42,23 @@ def test_a_body_in_the_colour_of_the_wall_has_that_of_its_fronts(off: float, *, 
     red, green, blue = (round(value - 255 * off) for value in WALL)
     color = (red, green, blue)
     assert look_closer(*photograph(BODY, body=color)).color == (BODY if same else color)
+
+
+@pytest.mark.parametrize(("off", "closed"), [(ALIKE - 0.03, True), (ALIKE + 0.03, False)])
+def test_a_surface_is_closed_where_it_has_the_colour_of_the_nearest_front(off: float, *, closed: bool):
+    """The upper right quarter is darker than its front, which is at the upper left; another is below."""
+    pixels = np.full((128, 128, 3), BODY, np.uint8)
+    pixels[64:] = WALL
+    pixels[:64, 64:] -= np.uint8(round(255 * off))
+    reading, _ = photograph(BODY)
+    front = reading.parts[0]
+    parts = (
+        replace(front, box=np.array([0.0, 0.0, 0.5, 0.5])),
+        replace(front, box=np.array([0.0, 0.5, 0.5, 1.0]), color=WALL),
+    )
+    surface = look_closer(replace(reading, parts=parts), Image.fromarray(pixels).convert("RGBA")).surface
+    assert surface is not None
+    high, wide = (size // 2 for size in surface.shape)
+    assert surface[:high, :wide].all()
+    assert surface[high:].all()
+    assert surface[: high - 2, wide + 2 :].mean() == closed

@@ -45,7 +45,7 @@ def test_a_grip_stands_off_its_rods_by_as_much_as_was_asked(out):
 def test_wheels_of_carts_roll_away_from_their_handles(style, seed):
     shape = draw_shape("Cart", seed, Wish(style=style))
     wheels = [part for part in shape.parts if part.name.startswith("wheel")]
-    assert {tuple(map(abs, part.motion.axis)) for part in wheels} == {(1.0, 0.0, 0.0)}
+    assert {tuple(map(abs, part.joint.axis)) for part in wheels} == {(1.0, 0.0, 0.0)}
     for wheel in wheels:
         low, high = wheel.bounds()
         assert high[1] - low[1] == pytest.approx(high[2] - low[2], rel=0.03)  # a disc across the way
@@ -60,7 +60,7 @@ def test_a_wheelbarrow_stands_on_its_wheel_and_two_legs_and_tips_about_the_axle(
     legs = [piece for piece in map(place_vertices, body.primitives) if piece[:, 2].min() < 1e-6]
     assert sorted(np.sign(leg[:, 0].mean()) for leg in legs) == [-1.0, 1.0]
     assert wheel.bounds()[0, 2] == pytest.approx(0.0, abs=1e-9)
-    axle = np.array(wheel.motion.origin)
+    axle = np.array(wheel.joint.origin)
     T = np.eye(4)
     turn = np.radians(20.0)  # handles raised
     T[1:3, 1:3] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]

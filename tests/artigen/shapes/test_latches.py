@@ -196,7 +196,7 @@ def test_both_panes_of_a_sliding_window_open_without_meeting(seed: int):
         assert "bolt" in names
         return
     assert find_faults(window) == ()
-    T = pose_parts(window, np.array([part.motion.upper if part.motion else 0.0 for part in window.parts]))
+    T = pose_parts(window, np.array([part.joint.upper if part.joint else 0.0 for part in window.parts]))
     (front, pull) = (
         transform_points(T[k], window.parts[k].bounds())[:, 1]
         for k in (names.index("front"), names.index("rear_pull"))

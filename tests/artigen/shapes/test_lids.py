@@ -5,9 +5,11 @@ from math import pi, radians
 
 import numpy as np
 import pytest
+from shape_sweeps import find_overlaps
 
 from artigen.kind import kinds
-from artigen.shapes.draw import Wish, draw_shape
+from artigen.kinds.toilet import SHALLOWEST
+from artigen.shapes.draw import ShapeError, Wish, draw_shape
 from artigen.shapes.fittings.bowls import build_bowl
 from artigen.shapes.fittings.hardware import GAP, Edge, Space
 from artigen.shapes.fittings.lids import (
@@ -138,3 +140,10 @@ def test_wished_lengths_are_met_with_what_stands_out_excepted(category: str):
         assert found.width == pytest.approx(1.03 * plain.width, abs=0.02)
         assert found.height == pytest.approx(1.03 * plain.height, abs=0.02)
         assert found.style == plain.style
+
+
+def test_wall_hung_toilets_have_bowls_that_their_hinges_leave_free():
+    shape = draw_shape("Toilet", 0, Wish(style="wall_hung", depth=SHALLOWEST))
+    assert find_overlaps(shape, 3) == []
+    with pytest.raises(ShapeError, match=r"depth 0.61 m with a piece of wall, expected at least 0.62 m"):
+        draw_shape("Toilet", 0, Wish(style="wall_hung", depth=SHALLOWEST - 0.01))

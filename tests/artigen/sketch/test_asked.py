@@ -92,6 +92,25 @@ def test_what_cannot_be_met_is_refused_or_said():
     assert any("shelf=4" in note for note in merge(counts=(("shelf", 4),)).notes)
 
 
+def test_a_photograph_is_read_once_until_it_changes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    read: list[object] = []
+
+    def count(_: Path, *, box: object) -> Reading:
+        read.append(box)
+        return READ
+
+    monkeypatch.setattr("artigen.sketch.asked.read_photo", count)
+    photo = tmp_path / "photo.png"
+    Image.new("RGB", (20, 20)).save(photo)
+    for seed in range(3):
+        ask(Request(image=photo), refuse, seed)
+    assert len(read) == 1
+    ask(Request(image=photo, box=(0, 0, 0.5, 1)), refuse)
+    Image.new("RGB", (21, 20)).save(photo)
+    ask(Request(image=photo), refuse)
+    assert len(read) == 3
+
+
 def test_a_photograph_is_drawn_without_the_sketch_network(tmp_path: Path):
     shape = draw_shape("Refrigerator", 2)
     Image.fromarray(draw_picture(shape, np.zeros(len(shape.parts)), 256)).save(tmp_path / "fridge.png")

@@ -29,7 +29,7 @@ def test_motions_are_checked_after_at_most_four_faults_at_rest(count: int, moved
         style="plain",
         parts=(
             ShapePart(name="body", label="base", parent=None, primitives=(plate, gate, *lost)),
-            ShapePart(name="key", label="knob", parent="body", primitives=key, motion=travel),
+            ShapePart(name="key", label="knob", parent="body", primitives=key, joint=travel),
         ),
         finishes=(("paint", PAINT),),
     )
@@ -60,5 +60,5 @@ def test_a_door_is_seen_to_open_along_its_first_way_for_a_radian(ahead: float, b
     wall = box((-ahead - 0.2, 0.5, -0.5), (-ahead, 1.5, 0.5), "paint")
     hinge = rotate((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1.7)
     own = np.array([0])
-    door = Opener(index=1, label="door", motion=hinge, body=own, panel=own)
+    door = Opener(index=1, label="door", joint=hinge, body=own, panel=own)
     assert measure_blocked(gather_bodies((end, wall)), door, np.array([1])) == (blocked, 0.0)

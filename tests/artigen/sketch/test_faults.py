@@ -21,6 +21,7 @@ from artigen.sketch.request import SketchRequest
 from artigen.sketch.sweep import deepest, find_meetings, open_needed, place_opened, read_path
 from artigen.sketch.tree import read_tree
 from artigen.sketch.words import CATEGORIES
+from artigen.transforms import joint_motion
 from artigen.types import Joint, PartLabel
 from envs.limits import LIMIT_FRACTION
 from sim_export.checks.config import CheckConfig
@@ -29,7 +30,7 @@ from sim_export.collision.hull_limits import MAX_ASPECT
 from sim_export.files.write import write_package
 from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.geometry.hulls import convex_hull
-from sim_export.motion.kinematics import farthest_travel, joint_motion
+from sim_export.motion.kinematics import farthest_travel
 
 FINISH = Finish(kind="plastic", color=(0.5, 0.5, 0.5), accent=(0.4, 0.4, 0.4))
 CHECKS = {
@@ -53,11 +54,11 @@ def part(
     name: str,
     label: PartLabel,
     *primitives: Primitive,
-    motion: Joint | None = None,
+    joint: Joint | None = None,
     parent: str | None = "body",
     needs: tuple[Need, ...] = (),
 ) -> ShapePart:
-    return ShapePart(name=name, label=label, parent=parent, primitives=primitives, motion=motion, needs=needs)
+    return ShapePart(name=name, label=label, parent=parent, primitives=primitives, joint=joint, needs=needs)
 
 
 def block(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Primitive:
@@ -82,13 +83,13 @@ def shelf_body(*more: Primitive) -> ShapePart:
 def drawer(
     name: str = "drawer", y: tuple[float, float] = (-0.297, 0.297), z: tuple[float, float] = (0.023, 0.2)
 ) -> ShapePart:
-    return part(name, "drawer", block((0, 0.36), y, z), motion=OUT)
+    return part(name, "drawer", block((0, 0.36), y, z), joint=OUT)
 
 
 def door(edge: float = 0.3, axis: float = -1.0) -> ShapePart:
     """A leaf in front of the opening, hinged at its left edge."""
     hinge = rotate((0.0, 0.0, axis), (-0.023, edge, 0.2), 1.5)
-    return part("door", "door", block((-0.023, -0.003), (-0.3, 0.3), (0.01, 0.5)), motion=hinge)
+    return part("door", "door", block((-0.023, -0.003), (-0.3, 0.3), (0.01, 0.5)), joint=hinge)
 
 
 def ids(shape: Shape) -> set[str]:
@@ -105,9 +106,9 @@ def shift(piece: ShapePart, offset: Vector) -> ShapePart:
 
 def swap_motion(**changes: object) -> Callable[[ShapePart], ShapePart]:
     def change(piece: ShapePart) -> ShapePart:
-        assert piece.motion is not None
+        assert piece.joint is not None
         arrays = {key: np.array(value) for key, value in changes.items() if isinstance(value, tuple)}
-        return replace(piece, motion=replace(piece.motion, **changes | arrays))
+        return replace(piece, joint=replace(piece.joint, **changes | arrays))
 
     return change
 
@@ -174,7 +175,7 @@ def latched(play: float) -> Shape:
     tongue = block((-0.08 + play, -0.03), (-0.301, -0.29), (0.24, 0.26))
     grip = block((-0.05, -0.023), (-0.29, -0.27), (0.24, 0.26))
     press = rotate((1.0, 0.0, 0.0), (-0.03, -0.28, 0.25), 1.0)
-    lever = part("lever", "knob", grip, tongue, motion=press, parent="door")
+    lever = part("lever", "knob", grip, tongue, joint=press, parent="door")
     leaf = replace(door(), needs=(Need(part="lever", fraction=0.9),))
     return make_shape(shelf_body(*keep), leaf, lever)
 
@@ -193,7 +194,7 @@ def test_what_overlaps_at_rest_is_not_counted_on_the_way():
 @pytest.mark.parametrize(("gap", "found"), [(0.0049, set()), (0.0051, {"floating"}), (0.05, {"floating"})])
 def test_what_moves_is_close_to_what_carries_it(gap: float, found: set[str]):
     spin = rotate((0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
-    wheel = part("wheel", "wheel", cylinder((0, 0, 0.1 + gap), (0, 0, 0.2), 0.05, "paint"), motion=spin)
+    wheel = part("wheel", "wheel", cylinder((0, 0, 0.1 + gap), (0, 0, 0.2), 0.05, "paint"), joint=spin)
     shape = make_shape(part("body", "base", block((-0.2, 0.2), (-0.2, 0.2), (0, 0.1)), parent=None), wheel)
     assert ids(shape) == found
     assert all(fault.value == pytest.approx(gap) for fault in find_faults(shape))
@@ -229,14 +230,14 @@ def test_hardly_more_is_in_the_way_ahead_than_behind(share: float, found: bool):
     side = 0.1 * share**0.5  # that share of the front, a sixth of all surface, runs into the gate
     plate = block((-0.3, 0.2), (-0.1, 0.1), (0, 0.01))
     gate = block((-0.2, -0.15), (-side / 2, side / 2), (0.06 - side / 2, 0.06 + side / 2))
-    cube = part("drawer", "drawer", block((0, 0.1), (-0.05, 0.05), (0.01, 0.11)), motion=OUT)
+    cube = part("drawer", "drawer", block((0, 0.1), (-0.05, 0.05), (0.01, 0.11)), joint=OUT)
     shape = make_shape(part("body", "base", plate, gate, parent=None), cube)
     assert ("inward" in ids(shape)) == found
 
 
 def test_where_nothing_is_in_the_way_the_handle_goes_first():
     plate = part("body", "base", block((-0.3, 0.3), (-0.1, 0.1), (0, 0.01)), parent=None)
-    cube = part("drawer", "drawer", block((0, 0.1), (-0.05, 0.05), (0.01, 0.11)), motion=OUT)
+    cube = part("drawer", "drawer", block((0, 0.1), (-0.05, 0.05), (0.01, 0.11)), joint=OUT)
     knob = part("grip", "handle", block((-0.02, 0), (-0.01, 0.01), (0.05, 0.07)), parent="drawer")
     shape = make_shape(plate, cube, knob)
     assert ids(shape) == set()
@@ -268,14 +269,14 @@ def test_a_slide_is_no_longer_than_the_object(factor: float, found: set[str]):
     button = block((-0.01, 0.01), (-0.01, 0.01), (0.01, 0.05))
     length = float(np.linalg.norm([0.6, 0.6, 0.05]))
     lift = slide(factor * length, (0.0, 0.0, 1.0))
-    assert ids(make_shape(plate, part("key", "knob", button, motion=lift))) == found
+    assert ids(make_shape(plate, part("key", "knob", button, joint=lift))) == found
 
 
 @pytest.mark.parametrize(("more", "found"), [(0.0009, set()), (0.0011, {"range"})])
 def test_a_hinge_turns_at_most_once_round(more: float, found: set[str]):
     plate = part("body", "base", block((-0.3, 0.3), (-0.3, 0.3), (0, 0.01)), parent=None)
     spin = rotate((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 2 * np.pi + more)
-    dial = part("dial", "knob", cylinder((0, 0, 0.01), (0, 0, 0.05), 0.02, "paint"), motion=spin)
+    dial = part("dial", "knob", cylinder((0, 0, 0.01), (0, 0, 0.05), 0.02, "paint"), joint=spin)
     assert ids(make_shape(plate, dial)) == found
 
 
@@ -382,8 +383,8 @@ def test_an_object_has_few_hulls_and_links(bodies: int, extra: int, found: bool)
     lift = slide(0.1, (0.0, 0.0, 1.0))
     each = 32 if extra >= 0 else 1
     piles = [pile(each, at=0.2 * k) for k in range(bodies)]
-    movers = [part(f"key_{k}", "knob", *boards, motion=lift) for k, boards in enumerate(piles[1:])]
-    movers += [part("more", "knob", *pile(1, at=-1.0), motion=lift)] * max(extra, 0)
+    movers = [part(f"key_{k}", "knob", *boards, joint=lift) for k, boards in enumerate(piles[1:])]
+    movers += [part("more", "knob", *pile(1, at=-1.0), joint=lift)] * max(extra, 0)
     shape = make_shape(part("body", "base", *piles[0], parent=None), *movers)
     assert ("crowded" in ids(shape)) == found
 
@@ -436,7 +437,7 @@ def test_a_part_cannot_wait_for_one_that_does_not_move():
 
 
 def test_the_root_does_not_move():
-    shape = edit(make_shape(shelf_body(), drawer()), "body", lambda piece: replace(piece, motion=OUT))
+    shape = edit(make_shape(shelf_body(), drawer()), "body", lambda piece: replace(piece, joint=OUT))
     assert "adrift" in ids(shape)
 
 
@@ -521,7 +522,7 @@ def test_sweeps_find_what_measuring_every_pair_finds(category: str, seed: int, n
     shape = edit_axis(draw_shape(category, seed), name)
     tree = read_tree(shape)
     index = [piece.name for piece in shape.parts].index(name)
-    motion = shape.parts[index].motion
+    motion = shape.parts[index].joint
     assert motion is not None
     T = open_needed(shape, index)
     bodies = place_opened(list_bodies(shape, tree.leaders), T)
@@ -532,10 +533,8 @@ def test_sweeps_find_what_measuring_every_pair_finds(category: str, seed: int, n
     solids = [primitive for piece in shape.parts for primitive in piece.primitives]
     ours = hull_of(*(solids[row] for row in np.flatnonzero(carried)))
     others = hull_of(*(solids[row] for row in np.flatnonzero(~carried)))
-    joint = Joint(
-        name="joint", type="prismatic" if motion.type == "prismatic" else "revolute", kind=motion.type,
-        parent="a", child="b", origin=motion.origin, axis=motion.axis, upper=motion.upper,
-    )  # fmt: skip
+    kind = "prismatic" if motion.type == "prismatic" else "revolute"
+    joint = replace(motion, type=kind, pitch=0.0, follows=None)
     count = int(np.clip(np.ceil(farthest_travel(joint, [ours.vertices]) / sweep.STEP) + 1, *sweep.POSES))
     poses = joint_motion(joint, np.linspace(0.0, motion.upper, count))
     true = float(penetration_depths(ours, others, poses, np.eye(4)).max())
@@ -546,8 +545,8 @@ def test_sweeps_find_what_measuring_every_pair_finds(category: str, seed: int, n
 
 def edit_axis(shape: Shape, name: str) -> Shape:
     piece = next(piece for piece in shape.parts if piece.name == name)
-    assert piece.motion is not None
-    x, y, z = piece.motion.axis
+    assert piece.joint is not None
+    x, y, z = piece.joint.axis
     return edit(shape, name, swap_motion(axis=(-x, -y, -z)))
 
 
@@ -568,7 +567,7 @@ def widened(shape: Shape, name: str, more: float) -> Shape:
 
 
 def first_of(shape: Shape, label: PartLabel) -> str:
-    return next(piece.name for piece in shape.parts if piece.label == label and piece.motion is not None)
+    return next(piece.name for piece in shape.parts if piece.label == label and piece.joint is not None)
 
 
 def without_needs(shape: Shape) -> Shape:

@@ -91,12 +91,12 @@ def test_a_sketch_is_its_shape_to_half_a_step_and_writing_it_again_changes_nothi
         part.needs and [need.fraction for need in part.needs] for part in shape.parts
     ]
     for have, want in zip(again.parts, shape.parts, strict=True):
-        assert (have.motion is None) == (want.motion is None)
-        if have.motion and want.motion:
-            assert have.motion.axis == pytest.approx(want.motion.axis)
-            assert have.motion.stays == want.motion.stays
-            assert have.motion.upper == pytest.approx(want.motion.upper, abs=0.005)
-            assert have.motion.pitch == pytest.approx(want.motion.pitch, abs=1e-3)
+        assert (have.joint is None) == (want.joint is None)
+        if have.joint and want.joint:
+            assert have.joint.axis == pytest.approx(want.joint.axis)
+            assert have.joint.stays == want.joint.stays
+            assert have.joint.upper == pytest.approx(want.joint.upper, abs=0.005)
+            assert have.joint.pitch == pytest.approx(want.joint.pitch, abs=1e-3)
 
 
 @pytest.mark.parametrize("category", CATEGORIES)

@@ -160,7 +160,7 @@ def is_kind(kind: PieceKind, sides: int, *more: float, axis: int = 2, noise: flo
 def needing(count: int) -> Shape:
     """A drawer that needs so many others."""
     shape = draw_shape("StorageFurniture", 1)
-    moving = [part.name for part in shape.parts if part.motion is not None]
+    moving = [part.name for part in shape.parts if part.joint is not None]
     last = shape.parts[-1]
     assert len(moving) > count
     needs = tuple(Need(part=name) for name in moving[:count] if name != last.name)

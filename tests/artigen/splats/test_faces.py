@@ -27,7 +27,7 @@ def of(*primitives: Primitive, opacity: float = 1.0) -> Shape:
         kind="glass" if opacity < 1 else "plastic", color=(0.5, 0.5, 0.5), accent=(0.5, 0.5, 0.5),
         period=1.0, gloss=0.0, opacity=opacity,
     )  # fmt: skip
-    part = ShapePart(name="body", label="base", parent=None, primitives=primitives, motion=None)
+    part = ShapePart(name="body", label="base", parent=None, primitives=primitives, joint=None)
     return Shape(category="Thing", seed=0, style="plain", parts=(part,), finishes=(("grey", finish),))
 
 

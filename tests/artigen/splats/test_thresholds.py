@@ -28,7 +28,7 @@ def slab(lean: float) -> Shape:
     grey = (0.5, 0.5, 0.5)
     finish = Finish(kind="plastic", color=grey, accent=grey, period=1.0, gloss=0.0, opacity=1.0)
     solid = prism(corners, (-0.1, 0.0, 0.0), (0.1, 0.0, 0.0), "grey")
-    part = ShapePart(name="body", label="base", parent=None, primitives=(solid,), motion=None)
+    part = ShapePart(name="body", label="base", parent=None, primitives=(solid,), joint=None)
     return Shape(category="Thing", seed=0, style="plain", parts=(part,), finishes=(("grey", finish),))
 
 

@@ -35,8 +35,8 @@ def entry_of(
         for name, value in hulls.items()
     )
     joint = Joint(
-        name="j", type=motion, kind=motion, parent="body", child="part", origin=np.zeros(3),
-        axis=np.array(axis), upper=0.5,
+        name="j", type=motion, parent="body", child="part", origin=np.zeros(3),
+        axis=np.array(axis, dtype=float), upper=0.5,
     )  # fmt: skip
     package = SimPackage(name="a", category="Table", visual="voxels", links=links, joints=(joint,))
     moved = np.concatenate([hull.vertices for hull in hulls["part"]])

@@ -9,6 +9,7 @@ from sim_export.errors import DegeneratePart
 from sim_export.geometry.hulls import (
     clip_hull,
     convex_hull,
+    hull_planes,
     hull_volume,
     hull_width,
     reduce_hull,
@@ -70,6 +71,21 @@ def test_a_slanted_plate_stays_one_when_it_loses_corners():
         reduced = reduce_hull(convex_hull(slanted), max_vertices=16, max_polygons=20)
         assert len(reduced.vertices) <= 16
         assert 0.0 < hull_volume(reduced) < hull_volume(convex_hull(slanted))
+
+
+def test_a_reduced_sector_of_a_pipe_keeps_its_arc_to_the_sagitta_of_fewer_segments():
+    """Of 40 points on each of eight arcs of radius r and angle a, 32 corners leave four segments on an arc at
+    least, whose sagitta is r (1 - cos(a / 8))."""
+    angle, (low, high) = np.linspace(0.0, 0.5, 40), (0.95, 1.0)
+    arcs = [
+        np.c_[r * np.cos(angle), r * np.sin(angle), np.full(40, z)]
+        for r in (low, high)
+        for z in (0, 0.1, 0.2, 0.3)
+    ]
+    sector = convex_hull(np.concatenate(arcs))
+    planes = hull_planes(reduce_hull(sector, 32, 54))
+    outside = (sector.vertices @ planes[:, :3].T - planes[:, 3]).max()
+    assert 0.0 < outside < high * (1.0 - np.cos(0.5 / 8.0))
 
 
 @pytest.mark.parametrize("sides", [(0.587, 0.615), (0.61, 0.61), (0.3, 1.8), (1.2, 1.7)])

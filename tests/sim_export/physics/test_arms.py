@@ -81,7 +81,7 @@ def weigh_plate(*, moves: bool) -> float:
         label="handle",
         parent="body",
         primitives=(box((0, 0, 0.05), (0.2, 0.2, 0.058), "plastic"),),
-        motion=rotate((0.0, 1.0, 0.0), (0.0, 0.0, 0.0), 1.0) if moves else None,
+        joint=rotate((0.0, 1.0, 0.0), (0.0, 0.0, 0.0), 1.0) if moves else None,
     )
     lamp, bare = (
         Shape(category="DeskLamp", seed=0, style="led", parts=parts, finishes=(("plastic", PLASTIC),))

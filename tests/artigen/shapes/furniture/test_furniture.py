@@ -88,11 +88,11 @@ def test_moving_parts_are_close_to_what_carries_them_and_clear_of_it(shapes: lis
                 continue
             carrier = owners[names.index(part.parent)]
             around = [k for k, owner in enumerate(owners) if owner == carrier]
-            if part.motion is None:
+            if part.joint is None:
                 around = [names.index(part.parent)]
             pair = make_hulls(shape, [index]), make_hulls(shape, around)
             gap = float(signed_distances(*pair, np.eye(4), np.eye(4), 4e-3).distance.min())
-            if part.motion is None:
+            if part.joint is None:
                 assert -OVERLAP <= gap <= TOUCH, f"{shape.name}: {part.name} is {gap} m from {part.parent}"
             else:
                 assert 0.9e-3 <= gap <= 4e-3, f"{shape.name}: {part.name} is {gap} m from {part.parent}"
@@ -108,13 +108,13 @@ def test_engines_can_hold_every_object(shapes: list[Shape]) -> None:
 def test_drawers_stay_held_and_doors_open_as_hardware_does(shapes: list[Shape]) -> None:
     for shape in shapes:
         for part in shape.parts:
-            if part.motion is None:
+            if part.joint is None:
                 continue
-            depth = float(np.ptp(part.bounds(), axis=0) @ np.abs(part.motion.axis))
-            if part.motion.type == "prismatic":
-                assert 0.3 * depth < part.motion.upper < 0.9 * depth, f"{shape.name}: {part.name}"
-            if part.label == "door" and part.motion.type == "revolute":
-                assert np.radians(70) < part.motion.upper < np.radians(171), f"{shape.name}: {part.name}"
+            depth = float(np.ptp(part.bounds(), axis=0) @ np.abs(part.joint.axis))
+            if part.joint.type == "prismatic":
+                assert 0.3 * depth < part.joint.upper < 0.9 * depth, f"{shape.name}: {part.name}"
+            if part.label == "door" and part.joint.type == "revolute":
+                assert np.radians(70) < part.joint.upper < np.radians(171), f"{shape.name}: {part.name}"
 
 
 def test_wishes_are_met(shapes: list[Shape]) -> None:
@@ -187,7 +187,7 @@ def test_doors_open_towards_the_viewer_within_their_outline(edge: str) -> None:
     motion = hinge(PANEL, edge, np.pi / 2)
     solid = make_front(PANEL, FrontDesign(style="flat", frame=0.0, handle=None))[0]
     shape = draw_shape("Safe", 0)
-    door = replace(shape.parts[1], primitives=(solid,), motion=motion)
+    door = replace(shape.parts[1], primitives=(solid,), joint=motion)
     opened = replace(shape, parts=(shape.parts[0], door))
     for share in np.linspace(0.0, 1.0, 11):
         T = pose_parts(opened, np.array([0.0, share * np.pi / 2]))[1]
@@ -234,7 +234,7 @@ def test_every_fill_and_inside_occurs() -> None:
 
 
 def test_every_joint_type_occurs(shapes: list[Shape]) -> None:
-    joints = {part.motion.type for shape in shapes for part in shape.parts if part.motion}
+    joints = {part.joint.type for shape in shapes for part in shape.parts if part.joint}
     assert (
         joints
         >= {
@@ -257,12 +257,12 @@ def test_locks_of_safes_stay_clear_of_the_body_when_the_door_folds_back():
         shape = draw_shape("Safe", seed)
         names = [part.name for part in shape.parts]
         body, door = shape.parts[names.index("body")], shape.parts[names.index("door")]
-        if door.motion.upper < np.radians(100.0):
+        if door.joint.upper < np.radians(100.0):
             continue
         walls = np.concatenate([place_vertices(solid) for solid in body.primitives])
         low, high = walls.min(axis=0), walls.max(axis=0)
         q = np.zeros(len(shape.parts))
-        q[names.index("door")] = door.motion.upper
+        q[names.index("door")] = door.joint.upper
         T = pose_parts(shape, q)
         for index, part in enumerate(shape.parts):
             if part.parent != "door":

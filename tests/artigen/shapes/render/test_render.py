@@ -253,7 +253,7 @@ def test_a_joint_moves_the_picture_as_moving_the_solids_does(motion: Joint):
         return move(p, tuple(float(v) for v in T[:3, 3]), turn=turn, about=tuple(motion.axis.tolist()))
 
     rest = [
-        replace(part, motion=None, primitives=tuple(map(carry, part.primitives))) for part in (moving, knob)
+        replace(part, joint=None, primitives=tuple(map(carry, part.primitives))) for part in (moving, knob)
     ]
     there = make_shape(body, *rest)
     cfg = RenderConfig()

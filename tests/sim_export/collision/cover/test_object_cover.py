@@ -7,6 +7,7 @@ import pytest
 
 from sim_export.collision.cover import object_cover
 from sim_export.collision.cover.object_cover import ObjectCover, find_passing
+from sim_export.collision.cover.surface_hulls import USUAL
 from sim_export.geometry.hulls import box_hull
 from sim_export.package import Link
 
@@ -32,7 +33,7 @@ def test_hulls_reach_half_as_far_again_into_free_space_until_that_is_0_012_of_th
         return join(cover, least, size)
 
     monkeypatch.setattr(object_cover, "join_again", follow)
-    monkeypatch.setattr(object_cover, "USUAL", replace(object_cover.USUAL, most=1))
+    monkeypatch.setattr(object_cover, "LEVELS", (replace(USUAL, most=1),))
     ObjectCover({"door": triangles}, {}).make_hulls()
     assert reaches == pytest.approx([0.006, 0.009, 0.0135])
 
@@ -51,7 +52,7 @@ def test_a_link_is_followed_at_6000_points():
 def test_there_are_three_quarters_of_the_hulls_where_there_shall_be_fewer(pieces, coarser, monkeypatch):
     """Of twelve hulls of an object at most; tetrahedra that are apart are never one hull."""
     solids = [TETRAHEDRON + np.array([k, 0.0, 0.0]) for k in range(pieces)]
-    monkeypatch.setattr(object_cover, "USUAL", replace(object_cover.USUAL, most_of_object=12))
+    monkeypatch.setattr(object_cover, "LEVELS", (replace(USUAL, most_of_object=12),))
     joined = []
 
     def follow(cover, least, size):
