@@ -88,7 +88,7 @@ class Cover:
         near = (self.bounds[:, 0] <= high).all(axis=1) & (self.bounds[:, 1] >= low).all(axis=1)
         near[list(own)] = False
         free = np.ones(len(points), dtype=bool)
-        for index in np.flatnonzero(near):
+        for index in np.flatnonzero(near).tolist():
             free &= ~contains(self.primitives[index], points)
         return free
 
