@@ -56,7 +56,7 @@ def find_materials(links: "Iterable[PhysxArticulationLinkComponent]") -> "list[t
 
     found = []
     for link in links:
-        body = link.entity.find_component_by_type(sapien.render.RenderBodyComponent)
+        body: Any = link.entity.find_component_by_type(sapien.render.RenderBodyComponent)
         shapes: list[Any] = [] if body is None else body.render_shapes
         found += [(Path(shape.filename).stem, part.material) for shape in shapes for part in shape.parts]
     return found
@@ -72,7 +72,8 @@ def _read(folder: Path) -> dict[str, dict]:
         raise PackageError(f"{path}: cannot be read ({error}); export the object again") from error
 
 
-def _wear(material: "RenderMaterial", look: "Look") -> None:
+def _wear(material: Any, look: "Look") -> None:
+    """SAPIEN takes None for no texture, which its stubs do not say."""
     color = (1.0, 1.0, 1.0) if look.tile is not None else look.color
     material.base_color = [*color, look.material.opacity]
     material.roughness, material.metallic = look.material.roughness, look.material.metallic

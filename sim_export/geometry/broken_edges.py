@@ -14,6 +14,7 @@ from jaxtyping import Bool, Float
 from artigen.shapes.primitives import Primitive, contains, place_vertices, polytope
 from artigen.shapes.solids import primitive_bounds
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
+from sim_export.geometry.triangles import find_slivers
 
 WIDTHS: Mapping[FinishKind, float] = {
     "wood": 0.0008, "lacquer": 0.001, "steel": 0.0012, "plastic": 0.002, "glass": 0.001, "rubber": 0.0015,
@@ -32,6 +33,8 @@ SPOTS = (0.08, 0.29, 0.5, 0.71, 0.92)
 """Places along an edge where it is judged."""
 SEEN = 0.6
 """Share of these that must be free."""
+SLIVER = 1e-3
+"""Ratio of height to length of a triangle below which a solid is better left sharp."""
 BOARDS: frozenset[FinishKind] = frozenset({"wood", "lacquer", "stone"})
 
 
@@ -88,7 +91,7 @@ class Cover:
         near = (self.bounds[:, 0] <= high).all(axis=1) & (self.bounds[:, 1] >= low).all(axis=1)
         near[list(own)] = False
         free = np.ones(len(points), dtype=bool)
-        for index in np.flatnonzero(near):
+        for index in np.flatnonzero(near).tolist():
             free &= ~contains(self.primitives[index], points)
         return free
 
@@ -150,6 +153,8 @@ def _cut(primitive: Primitive, pairs: np.ndarray, width: float) -> Primitive:
     reach = (between * primitive.vertices[pairs[:, 2]]).sum(axis=1)
     planes = np.concatenate([primitive.planes, np.column_stack([between, depth - reach])])
     made = polytope(_corners(planes, primitive.vertices.mean(axis=0)), primitive.finish)
+    if find_slivers(made.vertices[made.faces], SLIVER).any():
+        return primitive
     turned = primitive.rotation @ made.center + primitive.center
     return replace(
         made,

@@ -118,7 +118,8 @@ def find_ring(primitives: Sequence[Primitive]) -> int:
 
 
 def build_ring(wedges: Sequence[Primitive]) -> Mesh | None:
-    """The smooth ring of equal wedges; None if it has no hole or the wedges do not face its axis."""
+    """The smooth ring of equal wedges and of their volume; None if it has no hole or the wedges do not face
+    its axis."""
     turn = wedges[1].rotation @ wedges[0].rotation.T
     shift = wedges[1].center - turn @ wedges[0].center
     values, vectors = np.linalg.eigh((turn + turn.T) / 2)
@@ -129,13 +130,13 @@ def build_ring(wedges: Sequence[Primitive]) -> Mesh | None:
     flat = arms - heights[:, None] * axis
     radii = np.linalg.norm(flat, axis=1)
     low, high = float(heights.min()), float(heights.max())
-    profile = []
+    profile, same = [], _same_area(len(wedges))
     for level in (low, high):
         here = np.abs(heights - level) < EQUAL
         if here.sum() != 4 or radii[here].min() < 1e-4:
             return None
-        inner = np.sort(radii[here])[:2].mean() * np.cos(np.pi / len(wedges))
-        profile.append((float(inner), float(radii[here].max()), level))
+        inner, outer = np.sort(radii[here])[:2].mean(), radii[here].max()
+        profile.append((float(inner) * same, float(outer) * same, level))
     (inner0, outer0, _), (inner1, outer1, _) = profile
     sides = count_sides(max(outer0, outer1))
     angles = np.arange(sides) * 2 * np.pi / sides
@@ -179,7 +180,7 @@ def find_plate(primitives: Sequence[Primitive]) -> tuple[int, Mesh, Mesh] | None
     size = high - low
     if abs(volume - size[thick] * (size[across].prod() - area)) > 1e-3 * size.prod():
         return None
-    radius = float(rim.mean() * np.cos(np.pi / count))
+    radius = float(rim.mean()) * _same_area(count)
     ends, arm = np.zeros((2, 3)), np.zeros((2, 2, 3))
     ends[:, across] = center
     ends[:, thick] = low[thick] - 0.01, high[thick] + 0.01
@@ -187,6 +188,11 @@ def find_plate(primitives: Sequence[Primitive]) -> tuple[int, Mesh, Mesh] | None
     arm[1, :, across[1]] = radius
     tube = Tube(centers=ends, first=arm[0], second=arm[1])
     return count, _box(low, high), build_tube(tube)
+
+
+def _same_area(sides: int) -> float:
+    """Radius of the circle that has the area of a regular polygon, relative to its corners."""
+    return float(np.sqrt(np.sin(2 * np.pi / sides) / (2 * np.pi / sides)))
 
 
 def _box(low: np.ndarray, high: np.ndarray) -> Mesh:

@@ -1,7 +1,7 @@
 """Pictures in catalogue light: path tracing by Mitsuba 3 in a white studio with soft boxes.
 
 Materials are those of all other formats: base colour or image, roughness, metallic, index of refraction,
-opacity and clear coat. Threads add up light in any order, so levels of equal pictures may differ by one.
+opacity and clear coat. Noise differs from run to run.
 """
 
 # mitsuba has incomplete type stubs, and is optional.
@@ -45,7 +45,6 @@ class CatalogueConfig:
     """Paths per pixel."""
     depth: int = 8
     """Longest path; panes need two each."""
-    seed: int = 0
 
 
 def require_mitsuba() -> Any:
@@ -86,7 +85,7 @@ def render_catalogue(
                 path.write_bytes(_ply(surface))
                 look = _look(mitsuba, surface)
                 scene[f"surface_{number}"] = {"type": "ply", "filename": str(path), "look": look}
-        image = mitsuba.render(mitsuba.load_dict(scene), spp=cfg.samples, seed=cfg.seed)
+        image = mitsuba.render(mitsuba.load_dict(scene), spp=cfg.samples)
     seen = np.clip(srgb_from_linear(np.minimum(np.array(image)[..., :3], 1.0)), 0.0, 1.0)
     return np.rint(255.0 * seen).astype(np.uint8)
 
