@@ -16,7 +16,7 @@ from artigen.runtime.runner import LocalRunner, Runner
 if TYPE_CHECKING:
     from envs.rooms.catalogue import Catalogue
     from envs.rooms.order import Unit
-    from envs.rooms.recipes import Role
+    from envs.rooms.recipes import Recipe, Role
     from envs.rooms.room import Room
 
 SceneFormat = Literal["mjcf", "usd"]
@@ -150,7 +150,7 @@ def furnish_room(
     except ValueError as error:
         raise ArtigenError(str(error)) from error
     order = read_order(cfg.place, kind)
-    _demand_length(order, kind, cfg)
+    _demand_length(order, RECIPES[kind], cfg)
     if packages is not None and cfg.family is not None:
         raise ArtigenError(
             f"family {cfg.family} with packages {packages}: objects of a folder keep their looks; omit one of"
@@ -186,17 +186,16 @@ def choose_family(kind: str, seed: int) -> str:
     return families[int(np.random.default_rng(seed).integers(len(families)))]
 
 
-def _demand_length(order: "Sequence[Unit]", kind: str, cfg: SceneSettings) -> None:
+def _demand_length(order: "Sequence[Unit]", recipe: "Recipe", cfg: SceneSettings) -> None:
     """Raises `ArtigenError` if the wall is too short for an order whatever is drawn."""
     from envs.rooms.order import least_length
-    from envs.rooms.recipes import RECIPES
 
-    recipe, across = RECIPES[kind], cfg.wall in ("front", "back")
+    across = cfg.wall in ("front", "back")
     length = (cfg.width or recipe.width[1]) if across else (cfg.depth or recipe.depth[1])
     if order and least_length(order) > length:
         raise ArtigenError(
             f"{len(order)} units take at least {least_length(order):.2f} m, and the {cfg.wall} wall of a "
-            f"{kind} is at most {length:g} m long; order less, or give --width or --depth"
+            f"{recipe.kind} is at most {length:g} m long; order less, or give --width or --depth"
         )
 
 
