@@ -89,3 +89,11 @@ def test_joints_are_equal_where_all_their_values_are():
     assert hash(one) == hash(replace(one))
     for change in ({"upper": 2.0}, {"origin": np.ones(3)}, {"axis": -one.axis}, {"ratio": 1.0}):
         assert replace(one, **change) != one
+
+
+@pytest.mark.parametrize(("spring", "far"), [(3.0, -6.0), (-3.0, 1.0), (0.0, 0.0)])
+def test_a_spring_closes_twice_as_hard_when_open_and_a_counterbalance_carries_a_third(
+    spring: float, far: float
+):
+    sprung = replace(joint("a", "b"), upper=2.0, spring=spring)
+    np.testing.assert_allclose(sprung.pull(np.array([0.0, 1.0, 2.0])), [-spring, (far - spring) / 2, far])
