@@ -39,7 +39,7 @@ class Shells:
 
 def turned(profile: Sequence[tuple[float, float]]) -> Solid:
     """What a closed outline of (radius, height) sweeps in a turn about z."""
-    return manifold3d.CrossSection([list(profile)]).revolve(ROUND)
+    return manifold3d.CrossSection([np.array(profile)]).revolve(ROUND)
 
 
 def shell(outer: Sequence[tuple[float, float]], wall: float, floor: float) -> Solid:

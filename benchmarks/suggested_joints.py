@@ -3,7 +3,7 @@
     python benchmarks/suggested_joints.py --count 3
 
 Each object is written as an OBJ with an object per part, once with the names of its parts and once with
-numbers. A part is right if its joint has the right type, its axis points the right way within 5 degrees, and a
+numbers. A part is right if its joint has the right type, its axis the right direction within 5 degrees, and a
 hinge is within 5 % of the object's longest edge from the right one. What is fixed must not move by itself.
 """
 
@@ -43,7 +43,7 @@ def write_nodes(shape: Shape, path: Path, *, named: bool) -> dict[str, str]:
 
 def judge(part: ShapePart, said: NodeJoint | None, longest: float) -> str:
     """What is wrong with the joint proposed for a part; "" if nothing is."""
-    joint = part.motion
+    joint = part.joint
     if joint is None or said is None:
         return "" if joint is None and said is None else "moves" if joint is None else "still"
     if {said.type, joint.type} not in ({joint.type}, {"revolute", "continuous"}):
@@ -72,7 +72,7 @@ def judge_shape(shape: Shape, *, named: bool) -> Counter[str]:
     found = Counter[str]()
     for part in shape.parts:
         wrong = judge(part, own.get(nodes[part.name]), longest)
-        if part.motion is not None or wrong:
+        if part.joint is not None or wrong:
             found[wrong] += 1
     return found
 

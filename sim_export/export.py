@@ -51,6 +51,8 @@ from sim_export.search import HullPlan, judge_package, search_hulls
 
 COVERING = 0.5
 """Share of the budget that is left in which surfaces are covered; the rest is for clearance and checks."""
+LEAST_COVERING = 0.1
+"""Share of the whole budget that covering gets, however long reading and mending the object took."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -180,7 +182,8 @@ def export_best(
     read: dict[Path, ObjText] = {}
 
     def make(plan: HullPlan) -> tuple[Exported, SimPackage]:
-        covering = budget.share(COVERING) if plan.method == "auto" else budget
+        least = LEAST_COVERING * budget.seconds
+        covering = budget.share(COVERING, least) if plan.method == "auto" else budget
         made = export_solids(
             solids, plan, source_meshes=source_meshes, provenance=provenance, budget=covering
         )

@@ -137,8 +137,8 @@ def refine_plan(plan: HullPlan, judged: Judgement | None) -> Iterator[HullPlan]:
     other = replace(plan, shares=not plan.shares)
     if set(judged.failed) <= MEETING:
         yield other
-    yield _refine(plan, judged.links)
-    yield from closed
+    smaller = _refine(plan, judged.links)
+    yield from (*closed, smaller) if "V006" in judged.failed else (smaller, *closed)
     yield _refine(plan, judged.around)
     yield other
 

@@ -77,6 +77,7 @@ class ConvertOptions(TypedDict, total=False):
     up: Direction | None
     front: Direction | None
     body: str | None
+    arguments: Mapping[str, object] | None
     visual: Literal["source", "voxels"]
     gaussians: bool
     budget: float
@@ -236,6 +237,7 @@ def convert(
     up: Direction | None = None,
     front: Direction | None = None,
     body: str | None = None,
+    arguments: Mapping[str, object] | None = None,
     visual: Literal["source", "voxels"] = "source",
     gaussians: bool = False,
     budget: float = 30.0,
@@ -243,7 +245,7 @@ def convert(
     coacd: str = "",
     workers: int = 0,
 ) -> Object | Objects:
-    """Converts an object of a URDF, an MJCF, a PartNet-Mobility folder or an ``object.json``.
+    """Converts an object of a URDF, xacro, MJCF, USD, SDF or mesh with joints, or of a data set.
 
     It keeps its own meshes and gets convex hulls, masses, friction and handles. `Object.report` states the
     verdict of the checks.
@@ -257,6 +259,7 @@ def convert(
         up: Up axis of the source; default: z, or y in ``object.json``.
         front: Axis that its front faces; default: -x, or z in ``object.json``.
         body: Body of a scene file that is the object; default: every object in the file.
+        arguments: Arguments of a xacro.
         visual: Keep the meshes, or rebuild the object from its 64^3 voxels.
         gaussians: Whether the package has 3D Gaussians.
         budget: Seconds of one core per object; the best package found in them is made.
@@ -274,6 +277,7 @@ def convert(
         up=up,
         front=front,
         body=body,
+        arguments=tuple(f"{name}:={value}" for name, value in (arguments or {}).items()),
         visual=visual,
         splats=gaussians,
         budget=budget,

@@ -17,6 +17,8 @@ FOLDERS = re.compile(r"""\b(?:meshdir|texturedir|assetdir)\s*=\s*["']([^"']+)["'
 """Attributes of MJCF that name the folders of such files."""
 NAMING = {".urdf", ".xacro", ".xml", ".mjcf", ".sdf", ".world", ".gltf", ".dae", ".glb", ".obj", ".mtl"}
 """Files that may name others."""
+MOST_BYTES = 400_000_000
+"""Longer files are not searched for names; readers refuse them."""
 BESIDE = "meta.json"
 """File beside a URDF that may state the category."""
 
@@ -34,7 +36,7 @@ def digest_source(source: Path) -> str:
     digest = hashlib.sha256()
     for name in sorted(found):
         digest.update(name.encode() + b"\0")
-        digest.update(hashlib.sha256(_read(found[name])).digest())
+        digest.update(_hash(found[name]))
     return digest.hexdigest()
 
 
@@ -70,8 +72,20 @@ def _list_named(file: Path) -> Iterator[tuple[str, Path]]:
         yield name, next((place for place in places if place.is_file()), places[0])
 
 
-def _read(file: Path) -> bytes:
+def _hash(file: Path) -> bytes:
+    """SHA-256 of a file, read piece by piece; that of nothing for what is none, such as a device."""
     try:
-        return file.read_bytes()
+        if file.is_file():
+            with file.open("rb") as stream:
+                return hashlib.file_digest(stream, "sha256").digest()
+    except OSError:
+        pass
+    return hashlib.sha256(b"").digest()
+
+
+def _read(file: Path) -> bytes:
+    """The text of a file that may name others; nothing for one that is too long, or no file."""
+    try:
+        return file.read_bytes() if file.is_file() and file.stat().st_size <= MOST_BYTES else b""
     except OSError:
         return b""

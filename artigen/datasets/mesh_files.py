@@ -177,7 +177,7 @@ Named = tuple[tuple[str, ...], "Trimesh"]
 
 
 def read_named(path: Path, root: Path) -> tuple[list[Named], tuple[str, ...]]:
-    """The meshes of a file by its nodes (GLB, DAE) or its groups and objects (OBJ), and what it lacks.
+    """The meshes of a file by its nodes (GLB) or its groups and objects (OBJ), and what it lacks.
 
     Args:
         root: Folder that materials and images must not leave.

@@ -1,4 +1,4 @@
-"""Reads a GLB, glTF, DAE or OBJ with named nodes as a mechanism, with the joints of a file beside it."""
+"""Reads a GLB, glTF or OBJ with named nodes as a mechanism, with the joints of a file beside it."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -13,7 +13,7 @@ from artigen.errors import SourceError
 from artigen.files.urdf import UrdfJoint
 from artigen.transforms import shift
 
-SUFFIXES = (".glb", ".gltf", ".obj", ".dae")
+SUFFIXES = (".glb", ".gltf", ".obj")
 
 
 def read_mesh_scene(path: Path) -> Mechanism:

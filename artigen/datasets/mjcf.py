@@ -216,7 +216,7 @@ def _compile(spec: "mujoco.MjSpec", path: Path, *, outline: bool) -> tuple["mujo
     spec.compiler.discardvisual = spec.compiler.fusestatic = False
     for mesh in spec.meshes:
         mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
-    notes = [*_replace_images(spec, path), *_guess_angles(spec, path)]
+    notes = [*_replace_images(spec, path), *_guess_angles(spec, path), *_keep_ranges(spec)]
     if outline:
         _outline(spec)
     with warnings.catch_warnings():  # of masses, which are not used
@@ -251,6 +251,24 @@ def _replace_images(spec: "mujoco.MjSpec", path: Path) -> list[str]:
             texture.file, texture.builtin = "", mujoco.mjtBuiltin.mjBUILTIN_FLAT
             texture.rgb1, texture.width, texture.height = np.ones(3), 1, 1
     return [f"images that are missing, plain colours instead: {', '.join(missing)}"] if missing else []
+
+
+def _keep_ranges(spec: "mujoco.MjSpec") -> list[str]:
+    """Limits joints to the ranges that they state, also where they say that these do not count: a part that
+    needs no limit in its scene, since it meets what is around it, needs one in a package."""
+    import mujoco
+
+    moving = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+    free = mujoco.mjtLimited.mjLIMITED_FALSE
+    kept = [
+        joint
+        for joint in spec.joints
+        if joint.type in moving and joint.limited == free and joint.range[0] < joint.range[1]
+    ]
+    for joint in kept:
+        joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE
+    names = ", ".join(repr(joint.name) for joint in kept)
+    return [f"joints that state ranges without being limited keep to them: {names}"] if kept else []
 
 
 def _guess_angles(spec: "mujoco.MjSpec", path: Path) -> list[str]:

@@ -47,7 +47,7 @@ def find_outline(image: "Image.Image", edge: int = 512) -> Bool[np.ndarray, "H W
     ground = np.median(rgb[border], axis=0)
     if (np.abs(rgb[border] - ground).max(axis=1) <= ALIKE).mean() < EVEN:
         return None
-    pieces, _ = ndimage.label(_is_ground(rgb, ground))
+    pieces, _ = ndimage.label(_is_ground(rgb, ground))  # type: ignore[misc]
     outside = np.isin(pieces, np.unique(pieces[border & (pieces > 0)]))
     return _keep_large(~outside)
 
@@ -76,7 +76,7 @@ def _is_smooth(rgb: Float[np.ndarray, "H W 3"]) -> Bool[np.ndarray, "H W"]:
 
 def _keep_large(mask: Bool[np.ndarray, "H W"]) -> Bool[np.ndarray, "H W"] | None:
     """The mask without specks; None for an empty one."""
-    pieces, count = ndimage.label(mask)
+    pieces, count = ndimage.label(mask)  # type: ignore[misc]
     if count == 0:
         return None
     sizes = np.bincount(pieces.ravel())[1:]

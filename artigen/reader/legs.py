@@ -56,8 +56,8 @@ def find_legs(reading: Reading, image: "Image.Image") -> float | None:
     points = lower[None] + along[None] * down[:, None, None]
     pixels = _sample(small, points)
     middle = (across > INNER) & (across < 1 - INNER)
-    shown = np.isfinite(pixels).all(axis=-1)
-    rows = shown[:, middle].all(axis=1)
+    shown: Bool[np.ndarray, "R C"] = np.isfinite(pixels).all(axis=-1)  # type: ignore[assignment]
+    rows: Bool[np.ndarray, "R"] = shown[:, middle].all(axis=1)  # type: ignore[assignment]
     if rows.sum() < LEAST * ROWS / BELOW:
         return None
     between = np.median(pixels[rows][:, middle], axis=1)
@@ -106,7 +106,7 @@ def _measure_runs(on: Bool[np.ndarray, "R C"]) -> tuple[np.ndarray, np.ndarray]:
 def _find_leg(lengths: np.ndarray, across: Float[np.ndarray, "C"], outer: int) -> int:
     """Rows of the longest line at one end that is narrow and does not reach the outer edge of the strip."""
     for rows in np.unique(lengths)[:0:-1]:
-        groups, count = ndimage.label(lengths >= rows)
+        groups, count = ndimage.label(lengths >= rows)  # type: ignore[misc]
         for group in range(1, count + 1):
             held = across[groups == group]
             near = -OUTER <= held.mean() <= 1 + OUTER

@@ -39,8 +39,8 @@ class Budget:
             at.cut_short, at = True, at._whole
         return over
 
-    def share(self, part: float) -> "Budget":
-        """A budget that ends when this part of what is left has passed."""
-        out = Budget(part * self.left, self._clock)
+    def share(self, part: float, least: float = 0.0) -> "Budget":
+        """A budget that ends when this part of what is left has passed, but not before ``least`` seconds."""
+        out = Budget(max(part * self.left, least), self._clock)
         out._whole = self
         return out

@@ -14,6 +14,7 @@ from jaxtyping import Float
 
 from artigen.conditioning.image import is_cut_out, open_picture
 from artigen.conditioning.vocabulary import AXES
+from artigen.errors import ArtigenError
 from artigen.reader.correct import Side, correct_reading
 from artigen.reader.layout.build import build_from_reading
 from artigen.reader.layout.colours import match_finish

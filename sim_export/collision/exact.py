@@ -3,11 +3,12 @@
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.collision.cover.surface_hulls import split_components
 from sim_export.errors import DegeneratePart, ExportError
 from sim_export.geometry.hulls import convex_hull, hull_triangles
+from sim_export.geometry.islands import split_groups
 from sim_export.geometry.primitives import PrimitiveShape, find_primitive, place_along, primitive_hull
-from sim_export.geometry.triangles import triangle_areas
+from sim_export.geometry.rows import connect_rows, number_rows
+from sim_export.geometry.triangles import face_edges, triangle_areas
 from sim_export.package import Hull
 
 EVEN = 1e-3
@@ -17,15 +18,15 @@ LEAST_SIDES = 8
 
 
 def find_solids(triangles: Float[np.ndarray, "F 3 3"], owner: str) -> tuple[Hull, ...]:
-    """A box or cylinder (m) for each connected component of a surface.
+    """A box or cylinder (m) for each shell of a surface; shells may touch, also along whole edges.
 
     Args:
         owner: How errors name the surface.
 
     Raises:
-        ExportError: If a component is neither.
+        ExportError: If a shell is neither.
     """
-    components = split_components(triangles)
+    components = _split_shells(triangles)
     found = [_find_solid(component) for component in components]
     if None in found:
         at = found.index(None)
@@ -34,6 +35,16 @@ def find_solids(triangles: Float[np.ndarray, "F 3 3"], owner: str) -> tuple[Hull
             "box nor a cylinder, which --collision exact needs; try --collision auto"
         )
     return tuple(hull for hull in found if hull is not None)
+
+
+def _split_shells(triangles: Float[np.ndarray, "F 3 3"]) -> list[Float[np.ndarray, "G 3 3"]]:
+    """The triangles by what they are connected to through edges that only two of them share."""
+    corners = number_rows(np.rint(1e7 * triangles.reshape(-1, 3)).astype(np.int64))[1]
+    edge = number_rows(np.sort(face_edges(corners.reshape(-1, 3)), axis=1))[1]
+    owners = np.tile(np.arange(len(triangles)), 3)[np.argsort(edge, kind="stable")]
+    counts = np.bincount(edge)
+    first = np.cumsum(counts)[counts == 2] - 2
+    return split_groups(triangles, connect_rows(np.stack([owners[first], owners[first + 1]]), len(triangles)))
 
 
 def _find_solid(component: Float[np.ndarray, "F 3 3"]) -> Hull | None:

@@ -13,7 +13,7 @@ import tempfile
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -24,7 +24,7 @@ from sim_export.geometry.rows import number_rows
 from sim_export.package import Hull
 
 Tool = Literal["coacd", "vhacd"]
-Options = Mapping[str, float | int | bool | str]
+Options = Mapping[str, Any]
 PACKAGES = {"coacd": "coacd", "vhacd": "vhacdx"}
 ONE_CORE = {"OMP_NUM_THREADS": "1"}
 
@@ -33,13 +33,13 @@ class DecompositionFailed(ExportError):
     """A tool gave no hulls."""
 
 
-def read_options(text: str) -> dict[str, float | int | bool | str]:
+def read_options(text: str) -> dict[str, Any]:
     """Parameters such as ``threshold=0.03,pca=true`` by their names.
 
     Raises:
         ExportError: If a part of the text is not of the form NAME=VALUE.
     """
-    out: dict[str, float | int | bool | str] = {}
+    out: dict[str, Any] = {}
     for part in filter(None, map(str.strip, text.split(","))):
         name, equals, value = map(str.strip, part.partition("="))
         if not (name.isidentifier() and equals and value):

@@ -116,7 +116,7 @@ def _annotate(
 
 def joint_velocity(joint: Joint, point: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
     """Velocity of a point per unit of joint speed, at rest; the small travel of a screw is ignored."""
-    if joint.type == "prismatic" and joint.follows is None:
+    if joint.type == "prismatic" and not joint.is_travel:
         return np.array(joint.axis)
     axis = np.asarray(joint.axis)
     return np.cross(axis, point - joint.origin)

@@ -16,6 +16,8 @@ def test_a_share_ends_before_the_whole_and_tells_it():
     assert (whole.left, whole.is_over()) == (5.0, False)
     assert half.cut_short
     assert whole.cut_short
+    now[0] = 11.0
+    assert (whole.left, whole.share(0.5, 3.0).left) == (0.0, 3.0)
 
 
 def test_the_default_never_ends_and_waiting_takes_none_of_it():

@@ -56,6 +56,7 @@ NAN = float("nan")
 DEFECTS = {
     "joint type": (lambda: replace(HINGE, type="hinge"), ("'hinge'", *JOINT_TYPES)),
     "axis length": (lambda: replace(HINGE, axis=np.array([0.0, 0.0, 2.0])), ("length 2", "expected 1")),
+    "axis just too long": (lambda: replace(HINGE, axis=np.array([0.0, 0.0, 1.000002])), ("expected 1",)),
     "axis zero": (lambda: replace(HINGE, axis=np.zeros(3)), ("length 0", "expected 1")),
     "axis shape": (lambda: replace(HINGE, axis=np.array([0.0, 1.0])), ("joint axis", "(2,)", "3")),
     "axis NaN": (lambda: replace(HINGE, axis=np.array([NAN, 0.0, 1.0])), ("joint axis", "NaN")),
@@ -66,6 +67,8 @@ DEFECTS = {
     ),
     "limit NaN": (lambda: replace(HINGE, upper=NAN), ("nan", "finite")),
     "limit infinite": (lambda: replace(HINGE, lower=-np.inf), ("-inf", "finite")),
+    "friction NaN": (lambda: replace(HINGE, friction=NAN), ("friction nan", "finite")),
+    "ratio infinite": (lambda: replace(HINGE, ratio=np.inf), ("ratio inf", "finite")),
     "pitch NaN": (lambda: replace(HINGE, type="screw", pitch=NAN), ("pitch nan", "finite")),
     "limits crossed": (lambda: replace(HINGE, lower=2.0), ("lower 2.0", "upper 1.5")),
     "fixed with range": (lambda: replace(HINGE, type="fixed"), ("fixed", "[0.0, 1.5]", "expected [0, 0]")),

@@ -9,8 +9,10 @@ from curved_shells import OBJECTS, write_shells
 import artigen
 from artigen.runtime.budget import Budget
 from sim_export import search as search_module
+from sim_export.checks.draft import read_draft
+from sim_export.checks.suite import run_checks
 from sim_export.errors import DegeneratePart
-from sim_export.search import HullPlan, Judgement, refine_plan, search_hulls
+from sim_export.search import COLLISION_CHECKS, HullPlan, Judgement, refine_plan, search_hulls
 
 USUAL, VOXELS = HullPlan(), HullPlan(target="voxels")
 
@@ -121,3 +123,14 @@ def test_time_that_ends_leaves_a_package_and_says_so(tmp_path):
     package = artigen.convert(source, budget=0.0).package
     assert all(link.hulls for link in package.links)
     assert any("budget of 0 s ended the search" in record for record in package.records)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", OBJECTS)
+def test_curved_shells_pass_within_the_budget(name, tmp_path):
+    """V103 holds their hulls to 3 % of the diagonal, 99 % of the surface to 1.5 %, and cavities to 90 %."""
+    package = artigen.convert(write_shells(OBJECTS[name](), tmp_path, name)).package
+    failed = [
+        check for check in run_checks(read_draft(package), only=COLLISION_CHECKS) if check.verdict == "fail"
+    ]
+    assert failed == []

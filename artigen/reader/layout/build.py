@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from artigen.kind import kinds, name_kind
 from artigen.reader.layout.cells import make_cells
-from artigen.reader.layout.colours import find_finishes, match_finish
+from artigen.reader.layout.colours import find_finishes, tint_finish
 from artigen.reader.layout.contents import furnish_node, simplify
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.layout.fronts import Lengths, View, settle_hinges, view_fronts
@@ -120,7 +120,7 @@ def wear_read(shape: Shape, reading: Reading, seed: int) -> Shape:
     found = find_finishes(reading, seed)
     read = {role: own for role, own in (found | {"leg": found["body"]}).items() if role in worn}
     if kinds()[shape.category].trade not in ("furniture", "appliance"):
-        read = {role: match_finish(worn[role].kind, own.color, seed) for role, own in read.items()}
+        read = {role: tint_finish(worn[role], own.color) for role, own in read.items()}
     return replace(shape, finishes=tuple(sorted((worn | read).items())))
 
 
@@ -186,7 +186,7 @@ def _lay_out(view: View, foot: Foot, kind: str) -> Node:
 
 def _find_panel(reading: Reading, label: str) -> FrontStyle:
     """The commonest style of the doors or the drawers, slabs where nobody has looked."""
-    fields = Counter(
+    fields: Counter[Field] = Counter(
         front.field for front in reading.fronts if front.label == label and front.field is not None
     )
     return PANELS[fields.most_common(1)[0][0]] if fields else "flat"

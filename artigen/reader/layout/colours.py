@@ -55,11 +55,11 @@ def match_finish(material: str | None, color: Color, seed: int) -> Finish:
     color = (red, green, blue)
     match material:
         case "wood":
-            return _tint(make_wood(_find_nearest(WOODS, color), seed), color)
+            return tint_finish(make_wood(_find_nearest(WOODS, color), seed), color)
         case "steel":
-            return _tint(make_metal(_find_nearest(METALS, color), seed), color)
+            return tint_finish(make_metal(_find_nearest(METALS, color), seed), color)
         case "stone":
-            return _tint(make_stone(_find_nearest(STONES, color), seed), color)
+            return tint_finish(make_stone(_find_nearest(STONES, color), seed), color)
         case "plastic" | "rubber":
             return make_plastic(color)
         case "glass":
@@ -67,8 +67,10 @@ def match_finish(material: str | None, color: Color, seed: int) -> Finish:
     return make_lacquer(color)
 
 
-def _tint(finish: Finish, color: Color) -> Finish:
-    """A finish in another colour, its pattern as strong as before."""
+def tint_finish(finish: Finish, color: Color) -> Finish:
+    """A finish in another colour, its pattern as strong as before; what no wood looks like is painted."""
+    if finish.kind == "wood" and not is_wooden(color):
+        return make_lacquer(color)
     red, green, blue = (
         min(1.0, own * to / max(was, 1e-3))
         for own, was, to in zip(finish.accent, finish.color, color, strict=True)

@@ -25,9 +25,11 @@ BESIDE = 0.01
 REACH = 0.1
 """Distance of a handle's middle from its front, as a share of the front, up to which it belongs to that."""
 FREE_COST = 1.0
-"""Cost of leaving all of a front free, against an overlap of the whole of a front, between ways to see it."""
+"""Cost of leaving all of a front free, against an overlap of the whole of a front, between ways to see it;
+without it, five of 165 fronts less are where they were marked."""
 GUESSED = 0.3
-"""Cost of a way to see it other than the plainest."""
+"""Cost of a way to see it other than the plainest; without it, ten of 165 fronts less are where they were
+marked."""
 ASIDE = 0.1
 """Distance of a handle from the middle of its front, as a share of it, from which hinges are on the other
 side."""

@@ -33,6 +33,8 @@ COARSER = 1.5
 """Factor by which the bulge grows while there are too many hulls."""
 COARSEST = 0.012
 """It grows no further than this, over the object's diagonal."""
+MANY = 1.5
+"""Hulls over those allowed beyond which the bulge grows to its last value at once, which saves joining."""
 FEWER = 0.75
 """Share of the hulls otherwise allowed that an object gets whose hulls became too many when they were cut."""
 LINK_SHARE = 0.25
@@ -61,6 +63,7 @@ class ObjectCover:
         self._surfaces, self._passing, self._solid = surfaces, passing, solid
         self._diagonal = diagonal_of(corners)
         self._covers: dict[tuple[str, Fineness], Cover] = {}
+        self._coarser: dict[tuple[str, Fineness, float], Cover] = {}
 
     def make_hulls(
         self,
@@ -81,7 +84,8 @@ class ObjectCover:
         }
         most = max(each.most_of_object for each in fineness.values()) * (FEWER if fewer else 1.0)
         while True:
-            everywhere = sum(len(cover.hulls) for cover in covers.values()) > most
+            total = sum(len(cover.hulls) for cover in covers.values())
+            everywhere = total > most
             able = [
                 name
                 for name, cover in covers.items()
@@ -92,7 +96,14 @@ class ObjectCover:
             if not able:
                 return {name: cover.hulls for name, cover in covers.items()}
             name = max(able, key=lambda name: len(covers[name].pieces))
-            covers[name] = join_again(covers[name], COARSER * covers[name].least, self._diagonal)
+            count, least = len(covers[name].hulls), COARSER * covers[name].least
+            if count > MANY * fineness[name].most or total > MANY * most:
+                while least < COARSEST * self._diagonal:
+                    least *= COARSER
+            key = (name, fineness[name], least)
+            if key not in self._coarser:
+                self._coarser[key] = join_again(covers[name], least, self._diagonal)
+            covers[name] = self._coarser[key]
 
     def _cover(self, name: str, fineness: Fineness, budget: Budget) -> Cover:
         """The cover of a link before coarsening."""

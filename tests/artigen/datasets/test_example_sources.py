@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from project import ROOT
 
 from artigen.api.suggest import suggest_files
 from artigen.datasets.joints_file import JointsFile, NodeJoint, joints_path, read_joints, write_joints
+from artigen.datasets.mesh_files import read_named
 from artigen.datasets.source_object import ReaderConfig
 from artigen.datasets.sources import find_layout, find_sources, list_objects, name_source, read_source
 from artigen.errors import SourceError
@@ -96,6 +98,41 @@ def test_a_xacro_takes_arguments_and_finds_packages_above(folder: Path):
         with pytest.raises(SourceError, match=said) as error:
             read(bad, folder / "scratch", arguments=(argument,))
         assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("ends", [".glb", ".gltf"])
+def test_nodes_below_named_nodes_move_with_them(folder: Path, ends: str):
+    """Nodes of a scene in millimetres, each a step away from where the OBJ has it, in two levels."""
+    scene, step = trimesh.Scene(), np.eye(4)
+    step[:3, 3] = (0.0, 100.0, 0.0)
+    named, _ = read_named(folder / "cabinet_mesh.obj", folder)
+    for number, (names, mesh) in enumerate(named):
+        mesh.apply_transform(np.diag([1000.0, 1000.0, 1000.0, 1.0]))
+        mesh.apply_translation((0.0, -100.0, 0.0))
+        outer = names[-1]
+        if outer not in scene.graph.nodes:
+            scene.graph.update(frame_from="world", frame_to=outer, matrix=step)
+        scene.add_geometry(mesh, node_name=f"piece_{number}", geom_name=f"g{number}", parent_node_name=outer)
+    path = folder / f"twin{ends}"
+    if ends == ".gltf":
+        for name, data in trimesh.exchange.gltf.export_gltf(scene).items():
+            path.with_name(name if name != "model.gltf" else path.name).write_bytes(data)
+    else:
+        scene.export(path)
+    list(suggest_files([path]))
+    said = read_joints(joints_path(path))
+    assert said.metres == 0.001
+    want = read(folder / "cabinet_mesh.obj", folder / "scratch")
+    found = read(path, folder / "scratch")
+    assert found.scale == pytest.approx(want.scale, rel=1e-4)
+    for label in ("door", "drawer"):
+        part, other = (next(p for p in asset.parts if p.label == label) for asset in (found, want))
+        np.testing.assert_allclose(part.box, other.box, atol=1e-4)
+        np.testing.assert_allclose(part.joint.axis, other.joint.axis, atol=1e-6)
+        assert part.joint.upper == pytest.approx(other.joint.upper, rel=1e-3)
+    assert found.surface is not None
+    assert want.surface is not None
+    np.testing.assert_allclose(found.surface.colors.mean(axis=0), want.surface.colors.mean(axis=0), atol=5)
 
 
 def test_a_mesh_without_joints_says_how_to_get_some(folder: Path):

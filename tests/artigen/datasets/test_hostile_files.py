@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from artigen.datasets import mesh_files
+from artigen.datasets.contents import digest_source
 from artigen.datasets.joints_file import joints_path
 from artigen.datasets.source_object import ReaderConfig
 from artigen.datasets.sources import read_source
@@ -116,6 +117,14 @@ def test_no_file_outside_is_read(tmp_path: Path, name: str):
         (folder / file).write_text(text)
         with pytest.raises(SourceError, match="expected a path inside of"):
             read_source(folder / file, tmp_path / "scratch")
+
+
+@pytest.mark.parametrize("name", ["/dev/zero", "/dev/stdin", "."])
+def test_what_is_no_file_is_not_read_to_its_end(tmp_path: Path, name: str):
+    path = tmp_path / "r.urdf"
+    mesh = f"<geometry><mesh filename='{name}'/></geometry>"
+    path.write_text(f"<robot><link name='a'><visual>{mesh}</visual></link></robot>")
+    assert digest_source(path) == digest_source(path)
 
 
 def test_an_obj_names_no_library_outside(tmp_path: Path):

@@ -55,6 +55,17 @@ def test_what_no_package_needs_does_not_refuse_a_file(tmp_path: Path, fault: dic
     np.testing.assert_allclose(colors[0], colors[1], atol=1)
 
 
+@pytest.mark.parametrize(("unit", "end"), [("degree", "90"), ("radian", "1.5707963")])
+def test_a_range_counts_also_where_a_joint_is_not_limited_by_it(tmp_path: Path, unit: str, end: str):
+    path = write(tmp_path)
+    text = path.read_text().replace('range="0 90"', f'range="0 {end}" limited="false"')
+    path.write_text(text.replace("<mujoco>", f'<mujoco><compiler angle="{unit}"/>'))
+    found = read_source(path, tmp_path / "s", ReaderConfig(samples=2000)).asset
+    assert found.parts[1].joint.type == "revolute"
+    assert found.parts[1].joint.upper == pytest.approx(np.pi / 2)
+    assert any("'hinge'" in note and "ranges without being limited" in note for note in found.notes)
+
+
 def test_what_a_package_needs_is_not_taken_away(tmp_path: Path):
     path = write(tmp_path, inside='<body name="door"/>')
     with pytest.raises(SourceError, match="repeated name 'door'"):

@@ -9,24 +9,26 @@ from jaxtyping import Float
 from scipy.optimize import least_squares
 
 from artigen.errors import ArtigenError
+from artigen.reader.layout import fronts
 from artigen.reader.layout.build import FLOOR, build_from_reading, find_foot, wear_read
 from artigen.reader.layout.cells import OPEN, Seen, make_cells
-from artigen.reader.layout.colours import BLACK, PALE, SAME, WARM, find_finishes, is_wooden
+from artigen.reader.layout.colours import BLACK, PALE, SAME, WARM, find_finishes, is_wooden, tint_finish
 from artigen.reader.layout.contents import CLOSED, furnish_node
-from artigen.reader.layout.cutting import SLACK, Tree, cut_rectangles, list_leaves
+from artigen.reader.layout.cutting import RAGGED, SLACK, Tree, cut_rectangles, list_leaves
 from artigen.reader.layout.frontal import read_shape
-from artigen.reader.layout.fronts import ASIDE, view_fronts
+from artigen.reader.layout.fronts import ASIDE, FREE_COST, GUESSED, view_fronts
 from artigen.reader.layout.nearest import HINGE, rate_difference
-from artigen.reader.layout.plane import frame_box
+from artigen.reader.layout.plane import Plane, Sight, frame_box
 from artigen.reader.reading import Reading, ReadPart
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.furniture.cabinet import list_cells
-from artigen.shapes.furniture.carcass import fits_engines
+from artigen.shapes.furniture.carcass import HULL_RATIO, fits_engines
+from artigen.shapes.furniture.case import BACK_HULLS
 from artigen.shapes.furniture.layouts import Layout
 from artigen.shapes.furniture.splits import Cell, Node, Split
 from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.color_difference import convert_to_lab
-from artigen.shapes.surfaces.materials import WOODS
+from artigen.shapes.surfaces.materials import WOODS, make_wood
 
 DRAWN = [("StorageFurniture", seed) for seed in range(4)] + [("Dresser", seed) for seed in range(3)]
 DRAWN += [("Wardrobe", seed) for seed in range(2)] + [("FilingCabinet", 0)]
@@ -479,7 +481,43 @@ def test_things_keep_what_they_are_made_of_in_the_colour_that_was_read():
     lid = make_front("door", (0.0, 0.0, 1.0, 1.0), color=(30, 60, 120), material="plastic")
     worn = dict(wear_read(shape, make_reading(lid, kind="Toilet", color=(30, 60, 120)), 0).finishes)
     own = dict(shape.finishes)
-    assert {role: finish.kind for role, finish in worn.items()} == {
-        r: finish.kind for r, finish in own.items()
-    }
+    for role, finish in worn.items():
+        assert (finish.kind, finish.period, finish.gloss) == (
+            own[role].kind,
+            own[role].period,
+            own[role].gloss,
+        )
     np.testing.assert_allclose(worn["body"].color, np.array((30, 60, 120)) / 255)
+    assert tint_finish(make_wood("oak", 0), (0.8, 0.1, 0.1)).kind == "lacquer"
+    assert tint_finish(make_wood("oak", 0), (0.6, 0.45, 0.3)).kind == "wood"
+
+
+@pytest.mark.parametrize(("more", "guessed"), [(-0.02, False), (0.02, True)])
+def test_a_guessed_sight_is_taken_where_the_plain_one_leaves_more_free(
+    more: float, monkeypatch: pytest.MonkeyPatch, *, guessed: bool
+):
+    """The plain one leaves a share of the front free and a ragged edge, the other one neither."""
+    free = GUESSED / (FREE_COST + 2 * RAGGED) + more
+    plane = Plane(matrix=np.eye(3))
+    left = np.array([0.0, 0.0, 0.5, 1.0])
+    sights = [
+        Sight(plane=plane, quads=np.stack([frame_box(left), frame_box(np.array([0.5, low, 1.0, 1.0]))]))
+        for low in (2 * free, 0.0)
+    ]
+    monkeypatch.setattr(fronts, "guess_sights", lambda *_: iter(sights))
+    doors = [make_front("door", (0.0, 0.0, 0.5, 1.0)), make_front("door", (0.5, 0.0, 1.0, 1.0))]
+    sight, _ = fronts._choose_sight(make_reading(*doors), doors)
+    assert (sight is sights[1]) == guessed
+
+
+@pytest.mark.parametrize("height", [0.9, 1.6, 2.4])
+def test_backs_of_layouts_leave_hulls_for_boards(height: float):
+    reading = replace(CUPBOARD, size=(0.8, 0.5, height))
+    shape, _ = build_from_reading(reading, 0, Wish(width=0.8, height=height))
+    backs = [
+        solid for solid in shape.parts[0].primitives if solid.size[0] < 0.05 and solid.size[2] > 0.6 * height
+    ]
+    assert backs
+    for back in backs:
+        longest = float(back.size.max())
+        assert np.ceil(longest / (HULL_RATIO * float(back.size[0])) - 1e-9) <= BACK_HULLS

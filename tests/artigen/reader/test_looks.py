@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from artigen.reader.looks import ALIKE, LOW, SAME, look_closer
+from artigen.reader.looks import ALIKE, LOW, SAME, STRIP, look_closer
 from artigen.reader.reading import Reading, ReadPart
 
 BODY, WALL = (150, 90, 50), (210, 220, 225)
@@ -62,3 +62,18 @@ def test_a_surface_is_closed_where_it_has_the_colour_of_the_nearest_front(off: f
     assert surface[:high, :wide].all()
     assert surface[high:].all()
     assert surface[: high - 2, wide + 2 :].mean() == closed
+
+
+@pytest.mark.parametrize(("share", "beside"), [(0.4, False), (0.6, True)])
+def test_what_is_beside_an_object_is_most_of_a_strip(share: float, *, beside: bool):
+    """A band in the colour that was read as the body's, between object and wall."""
+    other = (90, 160, 80)
+    pixels = np.full((700, 700, 3), WALL, np.uint8)
+    wide = round(420 * (1 + 2 * share * STRIP))
+    pixels[140:560, 350 - wide // 2 : 350 + wide // 2] = other
+    pixels[140:560, 140:560] = BODY
+    reading, _ = photograph(BODY)
+    looked = look_closer(
+        replace(reading, color=other, extent=(700, 700)), Image.fromarray(pixels).convert("RGBA")
+    )
+    assert (looked.color == BODY) == beside

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from artigen.errors import SourceError
+from artigen.errors import ArtigenError, SourceError
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.open_reading import open_reading, parse_reading
 from artigen.reader.reading import Reading, ReadPart
@@ -55,6 +55,8 @@ def test_an_edited_reading_is_built(tmp_path: Path):
     assert read_shape(draw_asked(asked, 0, refuse).shape).counts["drawer"] == 1
     said["fronts"] += [{"label": "door", "box": [0.02, 0.32, 0.98, 0.98], "hinge": "right"}]
     path.write_text(json.dumps(said))
+    with pytest.raises(ArtigenError, match=r"reading.json and a box: the reading is of one object already"):
+        ask(Request(reading=path, box=(0.0, 0.0, 0.5, 1.0)), refuse)
     built = read_shape(
         draw_asked(ask(Request(reading=path, text="hinged on the left"), refuse), 0, refuse).shape
     )

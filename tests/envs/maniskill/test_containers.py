@@ -34,9 +34,9 @@ def entry_of(
         Link(name=name, label=None, parts=(name,), visuals=(), hulls=value, inertial=None)
         for name, value in hulls.items()
     )
+    length = float(np.linalg.norm(axis))
     joint = Joint(
-        name="j", type=motion, parent="body", child="part", origin=np.zeros(3),
-        axis=np.array(axis, dtype=float), upper=0.5,
+        name="j", type=motion, parent="body", child="part", axis=np.array(axis) / length, upper=0.5 * length
     )  # fmt: skip
     package = SimPackage(name="a", category="Table", visual="voxels", links=links, joints=(joint,))
     moved = np.concatenate([hull.vertices for hull in hulls["part"]])

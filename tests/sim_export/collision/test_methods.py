@@ -23,7 +23,15 @@ def test_boxes_and_cylinders_are_found_exactly():
     assert [shape.kind for shape in shapes if shape is not None] == ["box", "cylinder"]
     assert hull_volume(box) == pytest.approx(0.006, rel=1e-5)
     assert shapes[1] is not None
-    assert shapes[1].sizes == pytest.approx((0.05, 0.4))
+    assert shapes[1].sizes == pytest.approx((0.05, 0.4), rel=1e-5)
+
+
+def test_boxes_that_share_edges_are_two():
+    cube = Solid.cube((0.1, 0.1, 0.1))
+    stairs = [solid_triangles(cube), solid_triangles(cube.translate((0.1, 0.0, 0.1)))]
+    assert [hull_volume(hull) for hull in find_solids(np.concatenate(stairs), "stairs")] == pytest.approx(
+        [1e-3, 1e-3]
+    )
 
 
 @pytest.mark.parametrize("solid", [ELL, Solid.sphere(0.1, 24), BLOCK.hull() + ROD.translate((-1, 0, 0))])

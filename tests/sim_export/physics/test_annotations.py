@@ -8,11 +8,11 @@ from box_cabinet import SCALE, box_geometry, scaled
 
 from artigen.kinematics import displacements
 from artigen.transforms import rotation_about
-from artigen.types import Asset
+from artigen.types import Asset, Joint
 from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.rays import ray_hits
 from sim_export.package import HandleAnnotation, Mesh
-from sim_export.physics.annotations import annotate_handles
+from sim_export.physics.annotations import annotate_handles, joint_velocity
 from sim_export.physics.inertia import mesh_inertial
 from sim_export.physics.links import LinkTree, PartGeometry, build_links
 
@@ -225,3 +225,12 @@ def test_an_object_without_handles_has_none(cabinet, meshes):
     asset = replace(scaled(cabinet), parts=cabinet.parts[:2], voxels=None, surface=None)
     assert annotate(asset, meshes[:2]) == {}
     assert annotate_handles(asset, meshes[:2], LinkTree(links=(), joints=())) == ()
+
+
+def test_what_slides_moves_along_its_axis_whether_it_leads_or_follows_and_a_screw_turns():
+    up, beside = np.array([0.0, 0.0, 1.0]), np.array([0.1, 0.0, 0.5])
+    slide = Joint(type="prismatic", axis=up, upper=0.1)
+    for joint in (slide, replace(slide, follows="pedal", ratio=2.0)):
+        np.testing.assert_array_equal(joint_velocity(joint, np.zeros(3)), up)
+    travel = replace(slide, follows="turn", ratio=0.01, of_screw=True)
+    np.testing.assert_allclose(joint_velocity(travel, beside), [0.0, 0.1, 0.0])
