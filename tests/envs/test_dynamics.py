@@ -11,6 +11,7 @@ from defects import mesh_collisions
 from sample_packages import SAMPLE_PARTS, build_package
 
 from artigen.shapes.draw import draw_shape
+from artigen.types import Joint
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
 from sim_export.geometry.hulls import box_hull
@@ -319,7 +320,7 @@ def test_a_folding_door_closes_once_its_second_leaf_has_come_to_rest(tmp_path):
 def test_what_does_not_move_has_nothing_to_open(package, tmp_path):
     body = next(link for link in package.links if link.name == "link_4")
     base = Link(name="base", label=None, parts=(), visuals=(), hulls=(), inertial=None)
-    fixed = replace(package.joints[0], type="fixed", parent="base", child="link_4", origin=np.zeros(3))
+    fixed = Joint(name="joint_0", type="fixed", parent="base", child="link_4", axis=package.joints[0].axis)
     block = replace(package, links=(base, body), joints=(fixed,), handles=(), requires_open=())
     folder = write_package(block, tmp_path / "block")
     verdicts = {result.id: result.verdict for result in check_dynamics(folder, block)}

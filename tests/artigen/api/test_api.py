@@ -105,7 +105,7 @@ def test_an_object_says_the_same_as_drawn_as_built_and_as_loaded(kind: str, tmp_
     for other in (built, loaded):
         assert_same_joints(obj, other)
         assert {*other.parts} == {*obj.parts}
-        assert other.size == pytest.approx(obj.size, abs=1e-3)
+        assert other.size == pytest.approx(obj.size, abs=2e-3)  # rounds have more sides than their solids
         assert other.counts == obj.counts
         assert other.mass == pytest.approx(obj.mass, rel=1e-5)
         assert other.notes == obj.notes

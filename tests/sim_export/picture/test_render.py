@@ -9,6 +9,7 @@ import trimesh
 from picture_maps import render_depth, render_ids
 
 from artigen.camera import look_at, pixel_rays, project_points
+from artigen.shapes.surfaces.physical import Material
 from artigen.splats.colors import linear_from_srgb
 from artigen.transforms import rotation_about, screw_motion
 from sim_export.geometry.normals import corner_normals
@@ -21,6 +22,8 @@ from sim_export.picture.viewpoint import Viewpoint, place_camera
 FRONT = look_at(np.array([-4.0, 0.0, 0.0]), np.zeros(3), fov=30.0, width=200, height=200)
 """Looks along +x from 4 m in front of the origin."""
 BEHIND = look_at(np.array([4.0, 0.0, 0.0]), np.zeros(3), fov=30.0, width=200, height=200)
+MATTE = Material(ior=1.0)
+"""A surface that mirrors nothing."""
 RED, GREEN, BLUE, WHITE = (220, 20, 20), (20, 200, 20), (20, 20, 220), (240, 240, 240)
 
 
@@ -91,7 +94,8 @@ def test_nothing_to_draw_is_background():
 def test_texture_corners_follow_uv_from_the_lower_left_and_rows_from_the_top():
     texture = np.array([[RED, GREEN], [BLUE, WHITE]], dtype=np.uint8).repeat(8, axis=0).repeat(8, axis=1)
     cfg = RenderConfig(ground=False)
-    picture = render_scene([surface_from_mesh(quad(texture))], FRONT, cfg).astype(float)
+    matte = replace(quad(texture), material=MATTE)
+    picture = render_scene([surface_from_mesh(matte)], FRONT, cfg).astype(float)
     columns, rows, _ = project_points(FRONT, quad(None).vertices * 0.8).T
     corners = [picture[int(row), int(column)] for column, row in zip(columns, rows, strict=True)]
     # lower left, lower right, upper right, upper left
@@ -168,8 +172,8 @@ def test_of_a_doubled_face_the_side_that_looks_at_the_viewer_is_seen():
 def test_both_sides_of_a_single_face_are_lit_alike():
     # A light in the plane of the face and none of the floor: only the camera's side can matter.
     cfg = RenderConfig(ground=False, light_direction=(0.0, 0.0, 1.0))
-    front = render_scene([surface_from_mesh(quad(None))], FRONT, cfg)
-    behind = render_scene([surface_from_mesh(quad(None))], BEHIND, cfg)
+    surface = surface_from_mesh(replace(quad(None), material=MATTE))  # a room is not mirrored alike in both
+    front, behind = render_scene([surface], FRONT, cfg), render_scene([surface], BEHIND, cfg)
     inside = np.s_[60:140, 60:140]
     assert (render_ids([surface_from_mesh(quad(None))], FRONT)[inside] == 0).all()
     assert (front[inside] == behind[inside]).all()
