@@ -33,8 +33,6 @@ COARSER = 1.5
 """Factor by which the bulge grows while there are too many hulls."""
 COARSEST = 0.012
 """It grows no further than this, over the object's diagonal."""
-MANY = 1.5
-"""Hulls over those allowed beyond which the bulge grows to its last value at once, which saves joining."""
 FEWER = 0.75
 """Share of the hulls otherwise allowed that an object gets whose hulls became too many when they were cut."""
 LINK_SHARE = 0.25
@@ -84,8 +82,7 @@ class ObjectCover:
         }
         most = max(each.most_of_object for each in fineness.values()) * (FEWER if fewer else 1.0)
         while True:
-            total = sum(len(cover.hulls) for cover in covers.values())
-            everywhere = total > most
+            everywhere = sum(len(cover.hulls) for cover in covers.values()) > most
             able = [
                 name
                 for name, cover in covers.items()
@@ -96,10 +93,7 @@ class ObjectCover:
             if not able:
                 return {name: cover.hulls for name, cover in covers.items()}
             name = max(able, key=lambda name: len(covers[name].pieces))
-            count, least = len(covers[name].hulls), COARSER * covers[name].least
-            if count > MANY * fineness[name].most or total > MANY * most:
-                while least < COARSEST * self._diagonal:
-                    least *= COARSER
+            least = COARSER * covers[name].least
             key = (name, fineness[name], least)
             if key not in self._coarser:
                 self._coarser[key] = join_again(covers[name], least, self._diagonal)
