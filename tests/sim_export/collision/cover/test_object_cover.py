@@ -34,13 +34,8 @@ def test_hulls_reach_half_as_far_again_into_free_space_until_that_is_0_012_of_th
 
     monkeypatch.setattr(object_cover, "join_again", follow)
     monkeypatch.setattr(object_cover, "LEVELS", (replace(USUAL, most=1),))
-    monkeypatch.setattr(object_cover, "MANY", 99.0)
     ObjectCover({"door": triangles}, {}).make_hulls()
     assert reaches == pytest.approx([0.006, 0.009, 0.0135])
-    reaches.clear()
-    monkeypatch.setattr(object_cover, "MANY", 1.0)
-    ObjectCover({"door": triangles}, {}).make_hulls()
-    assert reaches == pytest.approx([0.0135])
 
 
 def test_a_link_is_followed_at_6000_points():
