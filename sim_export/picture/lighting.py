@@ -151,7 +151,10 @@ def _find_samples(
     place, seen = hits.place, rays[hits.place]
     normals, geometric = orient_to_viewer(corner_normals_at(scene, hits), scene.normals[hits.triangle], seen)
     points = camera.position.astype(np.float32) + seen * hits.depth[:, None]
-    label, albedo, gloss = surface_ids_at(scene, hits), albedo_at(scene, hits), gloss_at(scene, hits)
+    facing = np.abs(dot_rows(scene.normals[hits.triangle], seen)) / np.sqrt(dot_rows(seen, seen))
+    footprint = camera.pixel * hits.depth / np.sqrt(np.maximum(facing, 0.05))
+    label, gloss = surface_ids_at(scene, hits), gloss_at(scene, hits)
+    albedo = albedo_at(scene, hits, footprint)
     if cfg.ground:
         floor, floor_points = _find_floor(scene, camera, rays, free, cfg)
         up = np.tile(np.array([0.0, 0.0, 1.0], dtype=np.float32), (len(floor), 1))
@@ -235,7 +238,7 @@ def shade_samples(
     inward = np.clip(np.minimum(seen, size - seen).min(axis=1) / (FADE * size.min()), 0.0, 1.0)
     darkness = (1.0 - visible[floor]) @ np.array(FLOOR_SHADE) * (inward**2 * (3.0 - 2.0 * inward))
     colors[floor] = light.background * (1.0 - darkness)[:, None]
-    return colors
+    return np.minimum(colors, 1.0)  # else one bright ray would outshine all others of an edge
 
 
 def lay_over(

@@ -54,6 +54,17 @@ def sample_texture(
     return _look_up(LINEAR_OF_BYTE, texture, uv, repeat=repeat)
 
 
+def halve_texture(texture: UInt8[np.ndarray, "H W C"]) -> tuple[UInt8[np.ndarray, "H W C"], ...]:
+    """A texture, and its halves until a side is a single texel; each texel is the mean of four."""
+    levels = [texture]
+    while min(levels[-1].shape[:2]) > 1:
+        last = levels[-1]
+        even = last[: last.shape[0] // 2 * 2, : last.shape[1] // 2 * 2].astype(np.float32)
+        mean = (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2]) / 4.0
+        levels.append(np.rint(mean).astype(np.uint8))
+    return tuple(levels)
+
+
 def sample_cover(
     alpha: UInt8[np.ndarray, "H W"], uv: Float[np.ndarray, "N 2"], *, repeat: bool
 ) -> Float[np.ndarray, "N"]:
