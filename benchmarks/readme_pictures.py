@@ -23,7 +23,6 @@ from artigen.api.splats import draw_splats
 from artigen.examples.photographs import photograph_shape
 from artigen.kind import kinds, paper_kinds
 from artigen.shapes.draw import draw_shape
-from artigen.shapes.sheet import draw_sheet
 from sim_export.files.read import read_package
 from sim_export.picture.animation import write_animation
 from sim_export.picture.preview import PreviewConfig, arrange_grid, contact_sheet, preview_package
@@ -103,8 +102,8 @@ def show_photographs(
 
 def draw_kinds() -> UInt8[np.ndarray, "H W 3"]:
     """The first seed of every kind of the grammar, open."""
-    shapes = [draw_shape(category, 0) for category in kinds()]
-    return draw_sheet(shapes, opened=0.8, size=PHOTOGRAPH, columns=6)
+    cells = [artigen.sample(kind, 0).render(SMALL.viewpoint, q=0.8) for kind in kinds()]
+    return arrange_grid(cells, PreviewConfig(columns=6))
 
 
 def main(out: Path = Path("out/readme"), images: Path = Path("docs/images")) -> int:
