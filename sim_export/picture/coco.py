@@ -91,7 +91,7 @@ def run_lengths(mask: Bool[np.ndarray, "H W"]) -> list[int]:
     """Lengths of runs of false and true, in turn, down the columns; the first is of false."""
     flat = mask.ravel(order="F")
     ends = np.flatnonzero(np.diff(flat)) + 1
-    lengths = np.diff([0, *ends, len(flat)]).tolist()
+    lengths = np.diff(np.concatenate([[0], ends, [len(flat)]])).tolist()
     return [0, *lengths] if flat[0] else lengths
 
 
