@@ -85,7 +85,8 @@ def _cut(members: Sequence[int], boxes: np.ndarray, paths: list[list[tuple[Cut, 
     separated = [(cut, _separate(members, boxes[:, :, axis] * sign)) for cut, (axis, sign) in AXES.items()]
     # What overlaps in every direction is told apart by its order from the left.
     ordered = [[index] for index in sorted(members, key=lambda index: -float(boxes[index, :, 1].sum()))]
-    cut, groups = next((found for found in separated if len(found[1]) > 1), ("column", ordered))
+    apart: tuple[Cut, list[list[int]]] = "column", ordered
+    cut, groups = next((found for found in separated if len(found[1]) > 1), apart)
     for number, group in enumerate(groups):
         for index in group:
             paths[index].append((cut, number, len(groups)))
