@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stderr
 from io import StringIO
 from pathlib import Path
+from typing import Any
 
 from artigen.errors import SourceError
 
@@ -31,7 +32,8 @@ def expand_xacro(path: Path, arguments: Sequence[str] = ()) -> str:
         raise SourceError(f"{path}: xacro needs the package xacro: pip install 'artigen[xacro]'") from err
     with _find_packages(path), redirect_stderr(StringIO()):
         try:
-            return xacro.process_file(str(path), mappings=dict(read_arguments(arguments))).toxml()
+            document: Any = xacro.process_file(str(path), mappings=dict(read_arguments(arguments)))
+            return document.toxml()
         except (Exception, RecursionError) as err:  # whatever an expression in the file raises
             said = " ".join(str(err).split()) or type(err).__name__
             raise SourceError(f"{path}: xacro cannot expand it: {said:.300}") from err

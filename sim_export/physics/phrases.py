@@ -82,7 +82,9 @@ def _cut(members: Sequence[int], boxes: np.ndarray, paths: list[list[tuple[Cut, 
     """Extends the paths of some boxes by the cut that separates them, again and again."""
     if len(members) < 2:
         return
-    separated = [(cut, _separate(members, boxes[:, :, axis] * sign)) for cut, (axis, sign) in AXES.items()]
+    separated: list[tuple[Cut, list[list[int]]]] = [
+        (cut, _separate(members, boxes[:, :, axis] * sign)) for cut, (axis, sign) in AXES.items()
+    ]
     # What overlaps in every direction is told apart by its order from the left.
     ordered = [[index] for index in sorted(members, key=lambda index: -float(boxes[index, :, 1].sum()))]
     apart: tuple[Cut, list[list[int]]] = "column", ordered
