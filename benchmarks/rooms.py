@@ -188,7 +188,10 @@ def stand_all(catalogue: Catalogue, options: Options) -> list[Stood]:
     """The first rooms of all kinds in MuJoCo, with things in them and three in ten joints open."""
     stood = []
     for index in tqdm(range(options.mujoco)):
-        room = populate(KINDS[index % len(KINDS)], index // len(KINDS), catalogue)
+        try:
+            room = populate(KINDS[index % len(KINDS)], index // len(KINDS), catalogue)
+        except PopulateError:
+            continue  # is counted among the rooms that were not made
         stood.append(stand_in_mujoco(fill_room(open_some(room, 0.3), 1.0), options.out / f"room_{index}"))
     return stood
 
@@ -204,6 +207,8 @@ def corners(entry: LoadedPackage) -> np.ndarray:
 
 def describe_mujoco(stood: list[Stood]) -> str:
     """How far things moved in MuJoCo, as Markdown."""
+    if not stood:
+        return "No room could be made for MuJoCo\n"
     moved = np.array([result.moved for result in stood])
     rates = np.array([result.steps_per_second for result in stood])
     objects = np.array([result.objects for result in stood])
