@@ -25,7 +25,7 @@ from artigen.datasets.mjcf_repair import repair
 from artigen.datasets.mjcf_scene import choose_object, list_roots, name_root
 from artigen.errors import SourceError
 from artigen.files.safe_xml import read_xml
-from artigen.files.urdf import UrdfJoint
+from artigen.files.urdf import UrdfJoint, weld
 from artigen.transforms import shift
 from artigen.types import FULL_TURN
 
@@ -316,19 +316,7 @@ def _make_joint(
     """The joint that moves a link, or fixes it; parent and place are still those of the root."""
     import mujoco
 
-    joint = UrdfJoint(
-        name=f"{link}_fixed",
-        type="fixed",
-        parent="",
-        child=link,
-        T_parent_joint=np.eye(4),
-        axis=np.array([1.0, 0.0, 0.0]),
-        lower=None,
-        upper=None,
-        mimic=None,
-        mimic_multiplier=1.0,
-        mimic_offset=0.0,
-    )
+    joint = weld(f"{link}_fixed", child=link)
     if move is None:
         return joint
     turns, limited = model.jnt_type[move] == mujoco.mjtJoint.mjJNT_HINGE, bool(model.jnt_limited[move])

@@ -15,7 +15,7 @@ from jaxtyping import Float
 from artigen.datasets.mechanism import MOVING, Mechanism, make_mechanism, say_dropped
 from artigen.errors import SourceError
 from artigen.files.safe_xml import read_xml
-from artigen.files.urdf import UrdfJoint, UrdfShape
+from artigen.files.urdf import UrdfJoint, UrdfShape, weld
 from artigen.transforms import matrix_from_quat, matrix_from_rpy, shift
 
 SUFFIXES = (".sdf", ".world")
@@ -135,7 +135,7 @@ def _build(model: _Model) -> Mechanism:
         origins[child] = T[:3, 3]
         joints[child] = _make_joint(joint, T[:3, :3], T_file_model, model)
     made = [_place(joints[child], parents[child], child, origins) for child in joints] + [
-        _place(_fixed(f"{name}_fixed"), root, name, origins) for name in roots if name != root
+        _place(weld(f"{name}_fixed"), root, name, origins) for name in roots if name != root
     ]
     shapes = {
         tag: [
@@ -246,22 +246,6 @@ def _joint_frame(joint: Element, child: str, model: _Model) -> Float[np.ndarray,
     return _find_frame(base, model) @ _pose(joint, model)
 
 
-def _fixed(name: str) -> UrdfJoint:
-    return UrdfJoint(
-        name=name,
-        type="fixed",
-        parent="",
-        child="",
-        T_parent_joint=np.eye(4),
-        axis=np.array([1.0, 0.0, 0.0]),
-        lower=None,
-        upper=None,
-        mimic=None,
-        mimic_multiplier=1.0,
-        mimic_offset=0.0,
-    )
-
-
 def _make_joint(joint: Element, turn: np.ndarray, T_file_model: np.ndarray, model: _Model) -> UrdfJoint:
     """A joint without parent, child and place; its axis in the axes of the file.
 
@@ -271,7 +255,7 @@ def _make_joint(joint: Element, turn: np.ndarray, T_file_model: np.ndarray, mode
     name, kind = joint.get("name", ""), joint.get("type", "")
     where = f"{model.owner}: joint {name!r}"
     if kind == "fixed":
-        return _fixed(name)
+        return weld(name)
     if kind not in MOVING:
         raise SourceError(f"{where}: type {kind!r} is not one of fixed, {', '.join(MOVING)}")
     axis = joint.find("axis")
@@ -291,7 +275,7 @@ def _make_joint(joint: Element, turn: np.ndarray, T_file_model: np.ndarray, mode
     if endless and kind == "prismatic" and axis.find("mimic") is None:
         raise SourceError(f"{where}: slides without limits, expected <limit> with <lower> and <upper>")
     made = replace(
-        _fixed(name),
+        weld(name),
         type="continuous" if endless and kind == "revolute" else kind,
         axis=turn @ direction,
         lower=None if endless else limits[0],

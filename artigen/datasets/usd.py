@@ -22,13 +22,13 @@ from artigen.datasets.usd_joints import (
     WORLD,
     Edge,
     body_of,
-    fix_links,
     make_joint,
     read_joint,
     world_pose,
 )
 from artigen.datasets.usd_shapes import read_gprim
 from artigen.errors import SourceError
+from artigen.files.urdf import weld
 from artigen.transforms import shift
 
 if TYPE_CHECKING:
@@ -217,7 +217,7 @@ def _build(stage: _Stage, name: str, bodies: set[str], edges: list[tuple[Edge, b
     titles = unique_names((edge.path.rpartition("/")[2] for edge, _ in edges), "joint")
     names = dict(zip((edge.path for edge, _ in edges), titles, strict=True))
     origins = {root: np.zeros(3), **dict.fromkeys(still, np.zeros(3))}
-    joints = [fix_links(links[root], links[body]) for body in still]
+    joints = [weld(f"{links[body]}_fixed", links[root], links[body]) for body in still]
     for edge, back in edges:
         parent, child = edge.bodies[::-1] if back else edge.bodies
         origins[child] = edge.T_world_joint[0][:3, 3]

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.errors import SourceError
-from artigen.files.urdf import UrdfJoint
+from artigen.files.urdf import UrdfJoint, weld
 from artigen.transforms import inverse, matrix_from_quat
 
 if TYPE_CHECKING:
@@ -144,29 +144,13 @@ def _read_mimic(prim: "Usd.Prim") -> tuple[str, float, float] | None:
     return None
 
 
-def fix_links(parent: str, child: str) -> UrdfJoint:
-    return UrdfJoint(
-        name=f"{child}_fixed",
-        type="fixed",
-        parent=parent,
-        child=child,
-        T_parent_joint=np.eye(4),
-        axis=np.array([1.0, 0.0, 0.0]),
-        lower=None,
-        upper=None,
-        mimic=None,
-        mimic_multiplier=1.0,
-        mimic_offset=0.0,
-    )
-
-
 def make_joint(edge: Edge, names: dict[str, str], path: Path, *, back: bool) -> UrdfJoint:
     """The joint with a coordinate that is 0 where the stage has it; parent, child and place are still open.
 
     Raises:
         SourceError: If the joint is neither fixed, revolute nor prismatic, or slides without limits.
     """
-    joint = replace(fix_links("", ""), name=names[edge.path], type=edge.type)
+    joint = replace(weld(names[edge.path]), type=edge.type)
     if edge.type == "fixed":
         return joint
     if edge.type not in KINDS.values():

@@ -87,6 +87,23 @@ class UrdfJoint:
     damping: float | None = None
 
 
+def weld(name: str, parent: str = "", child: str = "") -> UrdfJoint:
+    """A fixed joint whose frames coincide."""
+    return UrdfJoint(
+        name=name,
+        type="fixed",
+        parent=parent,
+        child=child,
+        T_parent_joint=np.eye(4),
+        axis=np.array([1.0, 0.0, 0.0]),
+        lower=None,
+        upper=None,
+        mimic=None,
+        mimic_multiplier=1.0,
+        mimic_offset=0.0,
+    )
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class UrdfFile:
     """All links and joints in file order."""
