@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import transform_points
+from sim_export.geometry.triangles import bounds_of
 
 from .check import check_contents
 from .compartments import cached_compartments
@@ -93,8 +94,7 @@ def _clutter_top(
             points = drawn.points
             u = rng.random(2)
             at = np.array([*low + (high - low) * [1.0 - u[0] ** BACK, u[1]], top + LIFT])
-            placed = transform_points(T_room, points + at)
-            box = np.stack([placed.min(axis=0), placed.max(axis=0)])
+            box = bounds_of(transform_points(T_room, points + at))
             if carries(tops, _outer_corners(points) + at[:2]).all() and _is_apart(box, boxes):
                 boxes = np.concatenate([boxes, box[None]])
                 items.append(drawn.item(len(items), placement.id, root, at))

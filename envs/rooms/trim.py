@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import transform_points
+from sim_export.geometry.triangles import bounds_of
 
 from .footprints import read_footprint
 from .patterns import Pattern
@@ -75,11 +76,8 @@ def trim_room(room: Room) -> Room:
 def _kept_free(placement: Placement) -> list[Float[np.ndarray, "2 3"]]:
     """Boxes in the room of what an object fills at rest and as its joints move."""
     T = pose_matrix_of(placement)
-    moved = []
-    for low, high in read_footprint(placement.package).sweeps:
-        corners = transform_points(T, np.array([low, high]))
-        moved.append(np.stack([corners.min(axis=0), corners.max(axis=0)]))
-    return [*place_solid(placement).boxes, *moved]
+    swept = [bounds_of(transform_points(T, box)) for box in read_footprint(placement.package).sweeps]
+    return [*place_solid(placement).boxes, *swept]
 
 
 def _find_worktop(room: Room, side: Side) -> tuple[float, float, float] | None:

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.types import Joint
+from sim_export.geometry.triangles import bounds_of
 from sim_export.package import Link, SimPackage
 
 Cut = Literal["row", "column", "layer"]
@@ -67,8 +68,7 @@ def _noun(link: Link, joint: Joint, box: Float[np.ndarray, "2 3"], top: float) -
 
 
 def _box(link: Link) -> Float[np.ndarray, "2 3"]:
-    corners = np.concatenate([hull.vertices for hull in link.hulls])
-    return np.stack([corners.min(axis=0), corners.max(axis=0)])
+    return bounds_of(np.concatenate([hull.vertices for hull in link.hulls]))
 
 
 def tell_apart(noun: str, boxes: Float[np.ndarray, "N 2 3"]) -> list[str]:

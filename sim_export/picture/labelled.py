@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from artigen.camera import Camera, pixel_rays, project_points
+from artigen.kinematics import joint_coordinates
 from artigen.types import PartLabel
 from sim_export.motion.kinematics import link_displacements
 from sim_export.package import SimPackage
@@ -134,18 +135,18 @@ def _find_joints(
     """All moving joints with their axes where their parents carry them."""
     slots = {link.name: index for index, link in enumerate(package.links)}
     T_camera = _find_pose(camera)
+    coordinates = joint_coordinates([joint.name for joint in package.joints], package.joints, pose)
     found = []
-    for joint in package.joints:
+    for joint, q in zip(package.joints, coordinates, strict=True):
         if joint.type == "fixed":
             continue
         carried = T_camera @ T[slots[joint.parent]]
-        leader = pose.get(joint.follows or joint.name, 0.0)
         found.append(
             ShownJoint(
                 name=joint.name,
                 link=joint.child,
                 type=joint.type,
-                q=float(leader if joint.follows is None else joint.follow(leader)),
+                q=float(q),
                 lower=joint.lower,
                 upper=joint.upper,
                 origin=carried[:3, :3] @ joint.origin + carried[:3, 3],

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float, Int, UInt8
 from artigen.shapes.surfaces.physical import PLAIN, Material, mirrored_head_on
 from artigen.splats.colors import linear_from_srgb
 from artigen.types import freeze_field
-from sim_export.geometry.triangles import bounds_of, triangle_normals
+from sim_export.geometry.triangles import bounds_of, triangle_areas, triangle_normals
 from sim_export.picture.shading import blend_corners, halve_texture, sample_cover, sample_texture
 
 # embreex is a compiled module without stubs.
@@ -68,8 +68,8 @@ class Surface:
         """Texels of its texture along a metre of its surface, on the average."""
         if self.uv is None or self.texture is None:
             return 0.0
-        laid = np.abs(_areas(np.pad(self.uv, ((0, 0), (0, 0), (0, 1))))).sum()
-        area = _areas(self.triangles).sum()
+        laid = triangle_areas(np.pad(self.uv, ((0, 0), (0, 0), (0, 1)))).sum()
+        area = triangle_areas(self.triangles).sum()
         height, width = self.texture.shape[:2]
         return float(np.sqrt(laid * height * width / max(area, 1e-12)))
 
@@ -196,9 +196,7 @@ def surface_ids_at(scene: Scene, hits: Hits) -> Int[np.ndarray, "N"]:
     return np.array([surface.id for surface in scene.surfaces], dtype=np.int64)[scene.owner[hits.triangle]]
 
 
-def albedo_at(
-    scene: Scene, hits: Hits, footprint: Float[np.ndarray, "N"] | None = None
-) -> Float[np.ndarray, "N 3"]:
+def albedo_at(scene: Scene, hits: Hits, footprint: Float[np.ndarray, "N"]) -> Float[np.ndarray, "N 3"]:
     """Colour of the surface at hits as linear light: its texture, or its plain colour.
 
     Args:
@@ -208,10 +206,7 @@ def albedo_at(
     """
     plain = linear_from_srgb(np.array([surface.color for surface in scene.surfaces]))
     albedo = plain.astype(np.float32)[scene.owner[hits.triangle]]
-    for surface, texture, seen, uv in _find_texels(scene, hits):
-        if footprint is None:
-            albedo[seen] = sample_texture(texture[..., :3], uv, repeat=surface.repeats)
-            continue
+    for surface, _, seen, uv in _find_texels(scene, hits):
         blur = np.log2(np.maximum(surface.texels * footprint[seen], 1.0))
         level = np.minimum(np.rint(blur).astype(np.int64), len(surface.levels) - 1)
         for number in np.unique(level):
@@ -219,11 +214,6 @@ def albedo_at(
             smaller = surface.levels[number][..., :3]
             albedo[seen[here]] = sample_texture(smaller, uv[here], repeat=surface.repeats)
     return albedo
-
-
-def _areas(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "F"]:
-    crossed = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    return np.linalg.norm(crossed, axis=1) / 2.0
 
 
 def gloss_at(scene: Scene, hits: Hits) -> Float[np.ndarray, "N 3"]:
