@@ -59,11 +59,6 @@ class Surface:
         return self.texture is not None and self.texture.shape[2] == 4
 
     @cached_property
-    def levels(self) -> tuple[UInt8[np.ndarray, "H W C"], ...]:
-        """Its texture, and the same at half the size again and again; none without one."""
-        return () if self.texture is None else halve_texture(self.texture)
-
-    @cached_property
     def texels(self) -> float:
         """Texels of its texture along a metre of its surface, on the average."""
         if self.uv is None or self.texture is None:
@@ -99,6 +94,12 @@ class Scene:
     """Lowest and highest corner of all triangles."""
     tree: object | None
     """embreex scene; None if there are no triangles."""
+
+    @cached_property
+    def levels(self) -> dict[int, tuple[UInt8[np.ndarray, "H W C"], ...]]:
+        """Every texture and its halves, by its ``id``: surfaces share textures."""
+        textures = {id(one.texture): one.texture for one in self.surfaces if one.texture is not None}
+        return {key: halve_texture(texture) for key, texture in textures.items()}
 
     @property
     def diagonal(self) -> float:
@@ -206,12 +207,13 @@ def albedo_at(scene: Scene, hits: Hits, footprint: Float[np.ndarray, "N"]) -> Fl
     """
     plain = linear_from_srgb(np.array([surface.color for surface in scene.surfaces]))
     albedo = plain.astype(np.float32)[scene.owner[hits.triangle]]
-    for surface, _, seen, uv in _find_texels(scene, hits):
+    for surface, texture, seen, uv in _find_texels(scene, hits):
+        levels = scene.levels[id(texture)]
         blur = np.log2(np.maximum(surface.texels * footprint[seen], 1.0))
-        level = np.minimum(np.rint(blur).astype(np.int64), len(surface.levels) - 1)
+        level = np.minimum(np.rint(blur).astype(np.int64), len(levels) - 1)
         for number in np.unique(level):
             here = level == number
-            smaller = surface.levels[number][..., :3]
+            smaller = levels[number][..., :3]
             albedo[seen[here]] = sample_texture(smaller, uv[here], repeat=surface.repeats)
     return albedo
 
