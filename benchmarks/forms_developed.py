@@ -79,21 +79,24 @@ def laptop() -> Form:
 
 
 def pliers() -> Form:
-    """Two crossed levers with curved grips about one pin."""
+    """Two crossed levers with curved grips, each half as high about the pin that joins them."""
 
     def lever(side: float) -> list[Solid]:
-        grip = [(0.0, 0.0), (0.06, 0.02), (0.11, 0.022), (0.15, 0.012)]
+        grip = [(0.014, 0.0085), (0.06, 0.02), (0.11, 0.022), (0.15, 0.012)]
         bars = [
             rod((x0, side * y0, 0.008), (x1, side * y1, 0.008), 0.007, 16)
             for (x0, y0), (x1, y1) in pairwise(grip)
         ]
-        jaw = manifold3d.CrossSection(
-            [np.array([(0.0, -0.009), (-0.06, -0.006), (-0.06, -0.0004), (-0.01, -0.0004), (0.0, 0.01)])]
-        )
-        jaw = jaw.extrude(0.012).translate((0, 0, 0.002))
-        return [*bars, jaw if side > 0 else jaw.mirror((0, 1, 0))]
+        outline = [(-0.0095, -0.0004), (-0.06, -0.0004), (-0.06, -0.006), (-0.0095, -0.009)]
+        jaw = manifold3d.CrossSection([np.array(outline)]).extrude(0.012).translate((0, 0, 0.002))
+        low = 0.001 if side > 0 else 0.0082
+        eye = Solid.cylinder(0.0068, 0.0085, 0.0085, 32).translate((0, 0, low))
+        web = box((0.004, 0.002, low), (0.016, 0.01, low + 0.0068))
+        web += box((-0.012, -0.008, low), (-0.004, -0.002, low + 0.0068))
+        whole = [jaw, web] if side > 0 else [jaw.mirror((0, 1, 0)), web.mirror((0, 1, 0))]
+        return [*bars, *whole, eye if side > 0 else eye - Solid.cylinder(0.03, 0.0045, 0.0045, 32)]
 
-    pin = Solid.cylinder(0.018, 0.009, 0.009, 32)
+    pin = Solid.cylinder(0.018, 0.004, 0.004, 32)
     return Form(body=(*lever(1.0), pin), moving={"lever": hinge(lever(-1.0), (0, 0, 0.008), (0, 0, -1), 0.6)})
 
 
