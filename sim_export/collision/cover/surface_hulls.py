@@ -227,7 +227,9 @@ def _finish(cover: Cover, diagonal: float) -> Cover:
     found = [hull for piece in cover.pieces if (hull := piece_hull(piece, cover.space)) is not None]
     thick = [thicken_hull(hull, MIN_WIDTH) for hull in found]
     proper = [
-        part for hull in thick for part in compact_hull(hull, THICKEST * diagonal, reach=2.0 * cover.least)
+        part
+        for hull in thick
+        for part in compact_hull(hull, THICKEST * diagonal, reach=2.0 * cover.least, lost=2.0 * cover.least)
     ]
     return replace(cover, hulls=drop_specks((*cover.boxes, *proper), diagonal))
 
