@@ -267,7 +267,8 @@ def split_piece(piece: Piece, space: FreeSpace, least: float) -> tuple[Piece, Pi
             continue
         uneven = EVEN * abs(2.0 * share - 1.0)
         taken, done, bound = 0.0, 1.0, 0.0
-        for side, part in ((1.0, share), (-1.0, 1.0 - share)):
+        # The larger side first, which takes more.
+        for side, part in sorted(((1.0, share), (-1.0, 1.0 - share)), key=lambda each: -each[1]):
             bound = taken + piece.intrusion.volume * (uneven - DONE * done)
             if bound >= best_score:  # whatever this side takes
                 break
