@@ -176,8 +176,6 @@ MATERIALS: dict[str, Stuff] = {
     "walnut": Stuff("wood", (0.40, 0.28, 0.20)),
     "beech": Stuff("wood", (0.82, 0.66, 0.48)),
     "ash": Stuff("wood", (0.82, 0.73, 0.58)),
-    "maple": Stuff("wood", (0.86, 0.74, 0.57)),
-    "mahogany": Stuff("wood", (0.38, 0.18, 0.13)),
     "bamboo": Stuff("wood", (0.82, 0.69, 0.45)),
     "wood": Stuff("wood"),
     "wooden": Stuff("wood"),

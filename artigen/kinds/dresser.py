@@ -12,7 +12,8 @@ from artigen.kind import Kind, Place, by_height, make, plurals
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Size, Spans, Wish, choose_lengths
-from artigen.shapes.fittings.feet import LegKind, StandKind
+from artigen.shapes.fittings.feet import StandKind
+from artigen.shapes.fittings.legs import LegKind
 from artigen.shapes.furniture.carcass import LAID_LAYOUTS, draw_fitting
 from artigen.shapes.furniture.case import build_case, draw_plan
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS

@@ -71,7 +71,7 @@ class _Plan(Housing):
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws an oven."""
-    style = wish.style or str(rng.choice(STYLES, p=(0.42, 0.24, 0.22, 0.12)))
+    style = wish.style or str(rng.choice(STYLES, p=(0.48, 0.23, 0.25, 0.04)))
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish, style)
     if plan.kind == "hob":

@@ -15,9 +15,10 @@ from artigen.kind import Kind, Place, by_longest, make, plurals
 from artigen.shapes.assembly import Assembly, draw_styled
 from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.draw import Draft, Spans, Wish
-from artigen.shapes.fittings.feet import make_legs, make_plinth
+from artigen.shapes.fittings.feet import make_plinth
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import GAP, Edge, Panel
+from artigen.shapes.fittings.legs import make_legs
 from artigen.shapes.fittings.lids import (
     build_collar,
     build_roof,

@@ -36,7 +36,7 @@ STYLES = ("white", "steel", "black", "retro")
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a washing machine."""
-    style = wish.style or str(rng.choice(STYLES, p=(0.58, 0.22, 0.14, 0.06)))
+    style = wish.style or str(rng.choice(STYLES, p=(0.62, 0.22, 0.13, 0.03)))
     palette = draw_palette(rng, "appliance", style)
     loads_at_top = rng.random() < 0.22 if wish.height is None else wish.height >= 1.0
     plan = _draw_plan(rng, wish, loads_at_top=loads_at_top)
