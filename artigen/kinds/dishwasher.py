@@ -259,6 +259,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"vintage": "retro"},
+    forms={},
     sizes=((0.4, 0.8), (0.4, 0.9), (0.4, 1.2)),
     make=make(hidden=2.0, filled=25.0),  # pump
     makes={},

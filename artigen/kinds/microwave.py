@@ -270,6 +270,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"vintage": "retro"},
+    forms={},
     sizes=((0.3, 0.9), (0.25, 0.75), (0.18, 0.65)),
     make=make(hidden=4.0, wall={"glass": 0.004}),  # transformer
     makes={},

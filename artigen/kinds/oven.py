@@ -307,6 +307,10 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"vintage": "retro"},
+    forms=dict.fromkeys(
+        ("range", "cooker", "stove", "kitchen range", "range cooker"),
+        ((0.5, 0.92), (0.55, 0.7), (0.85, 0.95)),
+    ),
     sizes=((0.3, 1.6), (0.3, 1.0), (0.05, 1.8)),
     make=PLAIN,
     makes={},

@@ -377,7 +377,16 @@ def _draw_glass_doors(rng: np.random.Generator, plan: _Plan, cell: _Cell, z: Ran
 KIND = Kind(
     name=CATEGORY,
     nouns=plurals(
-        "refrigerator", "fridge", "freezer", "fridge freezer", "mini fridge", "upright freezer", "icebox"
+        "refrigerator",
+        "fridge",
+        "freezer",
+        "fridge freezer",
+        "mini fridge",
+        "upright freezer",
+        "icebox",
+        "wine cooler",
+        "beverage cooler",
+        "minibar",
     ),
     hints=(),
     size=(by_height(1.75),),
@@ -387,6 +396,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"vintage": "retro"},
+    forms=dict.fromkeys(("mini fridge", "minibar", "wine cooler"), ((0.44, 0.56), (0.45, 0.58), (0.5, 0.9))),
     sizes=((0.35, 1.9), (0.35, 1.1), (0.4, 2.4)),
     make=make(hidden=6.0, wall={"glass": 0.004}),  # compressor
     makes={},

@@ -235,6 +235,8 @@ KIND = Kind(
         "toy chest",
         "blanket chest",
         "blanket box",
+        "footlocker",
+        "coffer",
     ),
     hints=(),
     size=(by_longest(0.4),),
@@ -244,6 +246,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"cardboard": "carton", "moving": "carton"},
+    forms={},
     sizes=((0.12, 2.0), (0.1, 1.0), (0.06, 1.0)),
     make=make(density={"glass": 1050.0}, wall={"plastic": 0.0022, "glass": 0.0022}),
     makes={

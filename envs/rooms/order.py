@@ -1,11 +1,13 @@
 """Rooms on order: units side by side along one wall, exactly those and in that order.
 
 Orders are words such as ``fridge``, ``base cabinet`` or ``sink:0.8``: a role, or a noun of a kind that can
-fill one, and a width in metres.
+fill one, and a width in metres; ``sink@NAME`` is the package of that name. A number by itself is a length of
+wall (m) that stays free. Units behind ``above`` hang on the wall, again from the left end of the order.
 """
 
+import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,28 +16,42 @@ from artigen.kind import find_noun
 
 from .arrange import Plan, fits, wall_places
 from .catalogue import Catalogue, Entry
-from .pieces import GAP, line_up
+from .hung import HUNG_HEIGHT
+from .pieces import GAP, Cluster, Piece, line_up
 from .recipes import RECIPES, Role
-from .room import RoomKind, Side, wall_length
-from .runs import Chooser
+from .room import RoomKind, Side, wall_axis, wall_length
+from .runs import Chooser, member_boxes
 
 SYNONYMS = {
     "pantry": "larder", "tall cabinet": "larder", "cabinet": "base cabinet", "cupboard": "base cabinet",
     "drawers": "base cabinet", "vanity": "base cabinet", "washer": "washing machine",
 }  # fmt: skip
 """Roles by words that are neither roles nor nouns of the right kind."""
+ABOVE = "above"
+"""Word behind which units hang."""
+NUMBER = re.compile(r"\d*\.?\d+")
 WIDTH = 0.02
 """Largest difference (m) from an ordered width."""
+LOW = 1.0
+"""Height (m) above which what stands is tall."""
+ABOVE_TALL = 0.03
+"""Distance (m) of what hangs from what is tall below it."""
+SLIPS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.3)
+"""Distances (m) to the right by which what hangs may be moved until it opens."""
 STEP = 0.02
 """Distance (m) between places that are tried along the wall."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Unit:
-    """One ordered unit, and its width (m) if that was ordered."""
+    """One ordered unit, and its width (m) or package if that was ordered."""
 
     role: Role
     width: float | None = None
+    package: str | None = None
+    free: float = 0.0
+    """Length (m) of wall that stays free before it."""
+    hung: bool = False
 
     @property
     def draws(self) -> tuple[tuple[str, tuple[float, float, float]], ...]:
@@ -46,7 +62,9 @@ class Unit:
         return ((kind, (depth, self.width or width, height)),)
 
     def accepts(self, entry: Entry) -> bool:
-        """Whether a package has the ordered width."""
+        """Whether a package has the ordered width and name."""
+        if self.package not in (None, entry.name):
+            return False
         return self.width is None or abs(entry.size[1] - self.width) <= WIDTH
 
 
@@ -56,42 +74,63 @@ def read_order(words: Sequence[str], kind: RoomKind) -> tuple[Unit, ...]:
     Raises:
         ArtigenError: If a word names no role of the room, or its width is not a number in the role's range.
     """
-    return tuple(_read_unit(word, kind) for word in words)
+    units: list[Unit] = []
+    free, hung = 0.0, False
+    for word in words:
+        if word.lower() == ABOVE:
+            free, hung = 0.0, True
+        elif NUMBER.fullmatch(word):
+            free += float(word)
+        else:
+            units.append(_read_unit(word, kind, free, hung=hung))
+            free = 0.0
+    if not all(unit.hung for unit in units) or not units:
+        return tuple(units)
+    raise ArtigenError(f"order {' '.join(words)!r}: nothing stands below what hangs; name what does first")
 
 
-def _read_unit(word: str, kind: RoomKind) -> Unit:
-    name, _, text = word.partition(":")
+def _read_unit(word: str, kind: RoomKind, free: float, *, hung: bool) -> Unit:
+    said, _, package = word.partition("@")
+    name, _, text = said.partition(":")
     name = " ".join(name.replace("_", " ").lower().split())
     recipe = RECIPES[kind]
-    standing = {share.role.name for share in recipe.shares} | {
+    allowed = {share.role.name for share in recipe.shares} | {
         role for group in recipe.groups for role in group.roles if group.where == "wall"
     }
-    roles = {role.name: role for role in recipe.all_roles if role.name in standing and role.places}
+    if hung:
+        allowed = set() if recipe.hung is None else {recipe.hung.role.name}
+    roles = {role.name: role for role in recipe.all_roles if role.name in allowed and role.places}
     found = SYNONYMS.get(name, name)
     if found not in roles:
         noun = find_noun(name)
         filled = [place.role for place in noun.places] if noun is not None else []
         found = next((role for role in filled if role in roles), "")
     if not found:
-        raise ArtigenError(f"order {word!r}: a {kind} has no {name!r}, expected one of {', '.join(roles)}")
-    role = roles[found]
+        where = " on its walls" if hung else ""
+        said = ", ".join(roles) or "nothing"
+        raise ArtigenError(f"order {word!r}: a {kind} has no {name!r}{where}, expected one of {said}")
+    unit = Unit(role=roles[found], package=package or None, free=free, hung=hung)
     if not text:
-        return Unit(role=role)
+        return unit
     try:
         width = float(text)
     except ValueError:
         width = np.nan
-    ranges = [(place.low[1], place.high[1]) for _, place in role.places]
+    ranges = [(place.low[1], place.high[1]) for _, place in unit.role.places]
     if not any(low <= width <= high for low, high in ranges):
         said = " or ".join(f"{low:g} to {high:g}" for low, high in ranges)
-        raise ArtigenError(f"order {word!r}: width {text!r} m, a {role.name} is {said} m wide")
-    return Unit(role=role, width=width)
+        raise ArtigenError(f"order {word!r}: width {text!r} m, a {unit.role.name} is {said} m wide")
+    return replace(unit, width=width)
 
 
 def least_length(order: Sequence[Unit]) -> float:
     """Length (m) of wall below which the units cannot stand side by side."""
-    widths = [unit.width or min(place.low[1] for _, place in unit.role.places) for unit in order]
-    return sum(widths) + GAP * (len(order) + 1)
+    widths = [
+        unit.free + (unit.width or min(place.low[1] for _, place in unit.role.places))
+        for unit in order
+        if not unit.hung
+    ]
+    return sum(widths) + GAP * (len(widths) + 1)
 
 
 def demand_order(catalogue: Catalogue, order: Sequence[Unit]) -> None:
@@ -101,6 +140,7 @@ def demand_order(catalogue: Catalogue, order: Sequence[Unit]) -> None:
         if not any(unit.accepts(entry) for entry in entries):
             widths = ", ".join(f"{entry.size[1]:.2f}" for entry in entries) or "none at all"
             wide = f" {unit.width:g} m wide" if unit.width else ""
+            wide += f" called {unit.package}" if unit.package else ""
             raise ArtigenError(
                 f"{catalogue.folder}: nothing in it can be the ordered {unit.role.name}{wide}; "
                 f"widths of what can be one are {widths}"
@@ -116,27 +156,94 @@ def place_order(
         The plan, and why the order cannot stand there (empty on success).
     """
     depth = height = None
-    pieces = []
-    for unit in order:
-        entries = [entry for entry in catalogue.of_role(unit.role) if unit.accepts(entry)]
-        if depth is not None and height is not None:
-            sizes = np.array([entry.size for entry in entries])
-            off = np.abs(sizes[:, 0] - depth) + np.abs(sizes[:, 2] - height)
-            entry = entries[int((off + 1e-3 * chooser.rng.random(len(off))).argmin())]
-        else:
-            entry = entries[int(chooser.rng.integers(len(entries)))]
-        if depth is None and entry.size[2] < 1.0:
+    blocks: list[list[Piece]] = []
+    for unit in (unit for unit in order if not unit.hung):
+        entry = _choose(
+            catalogue, unit, chooser, None if depth is None or height is None else (depth, height)
+        )
+        if depth is None and entry.size[2] < LOW:
             depth, _, height = entry.size
-        pieces.append(chooser.piece(entry, unit.role.name))
+        if unit.free or not blocks:
+            blocks.append([])
+        blocks[-1].append(chooser.piece(entry, unit.role.name))
     # Clusters run from right to left, as their fronts face the room.
-    cluster = line_up(side, pieces[::-1])
-    spare = wall_length(side, plan.size) - cluster.length - 2 * GAP
+    clusters = [line_up(side, pieces[::-1]) for pieces in blocks]
+    frees = [unit.free for unit in order if not unit.hung and unit.free]
+    starts = _find_starts(clusters, [*([0.0] if len(frees) < len(clusters) else []), *frees])
+    length = starts[-1] + clusters[-1].length
+    spare = wall_length(side, plan.size) - length - 2 * GAP
     if spare < 0.0:
         return plan, f"the order is {-spare:.2f} m longer than the {side} wall"
-    against = plan.boxes
     offsets = np.arange(GAP, spare + GAP + 1e-9, STEP)
     middle = GAP + spare / 2.0
-    for place in wall_places(plan, cluster, side, offsets[np.argsort(np.abs(offsets - middle))]):
-        if fits(plan, place.boxes, against):
-            return plan.with_place(place), ""
+    for offset in offsets[np.argsort(np.abs(offsets - middle))]:
+        tried: Plan | None = plan
+        for cluster, start in zip(clusters, starts, strict=True):
+            tried = tried and _place_at(tried, cluster, side, offset + start)
+        if tried is not None:
+            return _hang(tried, [unit for unit in order if unit.hung], side, offset, catalogue, chooser)
     return plan, f"nowhere along the {side} wall do all of the order open with a robot before them"
+
+
+def _choose(catalogue: Catalogue, unit: Unit, chooser: Chooser, alike: tuple[float, float] | None) -> Entry:
+    """A package for a unit, as alike in depth and height (m) as can be."""
+    entries = [entry for entry in catalogue.of_role(unit.role) if unit.accepts(entry)]
+    if alike is None:
+        return entries[int(chooser.rng.integers(len(entries)))]
+    sizes = np.array([entry.size for entry in entries])
+    off = np.abs(sizes[:, 0] - alike[0]) + np.abs(sizes[:, 2] - alike[1])
+    return entries[int((off + 1e-3 * chooser.rng.random(len(off))).argmin())]
+
+
+def _find_starts(clusters: Sequence[Cluster], frees: Sequence[float]) -> list[float]:
+    """Distances (m) of clusters from the left end of the order."""
+    starts, end = [], 0.0
+    for cluster, free in zip(clusters, frees, strict=True):
+        starts.append(end + free)
+        end = starts[-1] + cluster.length
+    return starts
+
+
+def _place_at(plan: Plan, cluster: Cluster, side: Side, left: float) -> Plan | None:
+    """The plan with a cluster whose left end, as seen from the room, is at a distance (m) from the wall's."""
+    start = left if side in ("back", "left") else wall_length(side, plan.size) - left - cluster.length
+    place = next(wall_places(plan, cluster, side, np.array([start])))
+    return plan.with_place(place) if fits(plan, place.boxes, plan.boxes) else None
+
+
+def _hang(
+    plan: Plan, order: Sequence[Unit], side: Side, offset: float, catalogue: Catalogue, chooser: Chooser
+) -> tuple[Plan, str]:
+    """The plan with units on the wall, their tops level: the highest at the usual height, or each just above
+    what is taller."""
+    axis, end = wall_axis(side), offset
+    wall = 0.0 if side in ("front", "left") else plan.size[1 - axis]
+    entries = [_choose(catalogue, unit, chooser, None) for unit in order]
+    top = HUNG_HEIGHT + max((entry.size[2] for entry in entries), default=0.0)
+    for unit, entry in zip(order, entries, strict=True):
+        wide, left = entry.size[1], end + unit.free
+        end = left + wide
+        for slip in SLIPS:
+            low = (
+                left + slip if side in ("back", "left") else wall_length(side, plan.size) - left - slip - wide
+            )
+            below = [
+                box
+                for place in plan.places
+                if place.side == side
+                for box in member_boxes(place)
+                if box[0, axis] < low + wide and box[1, axis] > low and box[0, 2] < LOW
+            ]
+            ends = [float(box[1, 2]) for box in below]
+            depth = max(
+                (float(np.abs(box[:, 1 - axis] - wall).max()) for box in below), default=entry.size[0]
+            )
+            height = max([top - entry.size[2], *(end + ABOVE_TALL for end in ends if end > LOW)])
+            piece = chooser.piece(entry, unit.role.name, entry.size[0] / 2.0 - depth, height)
+            hung = _place_at(plan, line_up("hung", [piece], height), side, left + slip)
+            if hung is not None:
+                plan, end = hung, end + slip + GAP
+                break
+        else:
+            return plan, f"the {unit.role.name} {unit.package or ''} has no place above the order"
+    return plan, ""

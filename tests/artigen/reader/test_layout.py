@@ -9,6 +9,7 @@ from jaxtyping import Float
 from scipy.optimize import least_squares
 
 from artigen.errors import ArtigenError
+from artigen.kind import kinds
 from artigen.reader.layout import fronts
 from artigen.reader.layout.build import FLOOR, build_from_reading, find_foot, wear_read
 from artigen.reader.layout.cells import OPEN, Seen, make_cells
@@ -439,6 +440,11 @@ def test_differences_are_nothing_for_equal_readings_and_one_for_a_missing_front(
         replace(part, hinge=other) if part is reading.fronts[0] else part for part in reading.parts
     )  # type: ignore[arg-type]
     assert rate_difference(reading, replace(reading, parts=turned), reading.size) == pytest.approx(HINGE)
+
+
+@pytest.mark.parametrize("kind", tuple(kinds()))
+def test_every_kind_can_be_seen(kind: str):
+    assert read_shape(draw_shape(kind, 0)).kind == kind
 
 
 def test_a_lid_has_its_hinge_at_the_top_as_seen_from_before():
