@@ -371,6 +371,8 @@ KIND = Kind(
         "writing table",
         "kitchen island",
         "workbench",
+        "island",
+        "console",
     ),
     hints=(),
     size=(
@@ -405,6 +407,8 @@ KIND = Kind(
         "kitchen table": ((1.1, 1.8), (0.75, 0.95), (0.72, 0.77)),
         "workbench": ((1.2, 1.8), (0.6, 0.75), (0.85, 0.92)),
         "kitchen island": ((1.0, 1.8), (0.6, 1.0), (0.88, 0.94)),
+        "island": ((1.0, 1.8), (0.6, 1.0), (0.88, 0.94)),
+        "console": ((0.9, 1.4), (0.3, 0.4), (0.75, 0.85)),
     },
     sizes=((0.25, 4.0), (0.2, 2.0), (0.25, 1.5)),
     make=make(density={"wood_board": 580.0}),  # light tops
