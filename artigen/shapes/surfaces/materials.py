@@ -13,9 +13,12 @@ WOODS: dict[str, tuple[Color, Color]] = {
     "cherry": ((0.60, 0.38, 0.26), (0.46, 0.27, 0.17)),
     "teak": ((0.61, 0.42, 0.26), (0.44, 0.28, 0.16)),
     "grey_oak": ((0.65, 0.60, 0.53), (0.51, 0.46, 0.40)),
+    "maple": ((0.86, 0.70, 0.49), (0.76, 0.57, 0.36)),
+    "mahogany": ((0.44, 0.22, 0.13), (0.31, 0.135, 0.075)),
+    "wenge": ((0.215, 0.145, 0.11), (0.145, 0.092, 0.068)),
     "black_ash": ((0.16, 0.15, 0.145), (0.09, 0.085, 0.08)),
 }
-"""Colour of early wood and of growth rings."""
+"""Colour of early wood and of growth rings; the redder ones are mostly stained."""
 LACQUERS: dict[str, Color] = {
     "white": (0.93, 0.925, 0.91),
     "cream": (0.90, 0.87, 0.79),

@@ -106,6 +106,8 @@ def test_a_shape_that_is_read_is_built_again(kind: str, seed: int):
     reading = read_shape(shape)
     if not reading.fronts:
         pytest.skip("nothing but open cells")
+    if any(front.label == "door" and front.hinge is None for front in reading.fronts):
+        pytest.skip("nothing shows where a door is hinged")
     built, _ = build_from_reading(reading, seed + 1)
     again = read_shape(built)
     assert describe_fronts(again) == describe_fronts(reading)
@@ -203,7 +205,7 @@ def test_what_no_front_covers_is_open_from_the_width_of_a_hand(size: float, open
     reading = make_reading(*stack(0.0, 0.5), *stack(0.5 + size, 1.0))
     built = read_shape(build_from_reading(reading, 0)[0])
     upper, lower = sorted((front.box for front in built.fronts), key=lambda box: box[1])
-    assert (lower[1] - upper[3] > 0.08) == bool(opened)
+    assert (lower[1] - upper[3] > 0.1) == bool(opened)
 
 
 @pytest.mark.parametrize(
