@@ -463,6 +463,15 @@ def test_a_quadrangle_becomes_the_unit_square():
     np.testing.assert_allclose(at, frame_box(np.array([0.0, 0.0, 1.0, 1.0])), atol=1e-9)
 
 
+@pytest.mark.parametrize(("factor", "worse"), [(1.5, False), (1.8, True)])
+def test_a_length_that_is_far_off_costs_more_than_a_front(factor: float, *, worse: bool):
+    reading = read_shape(draw_shape("Refrigerator", 4))
+    fewer = replace(reading, parts=tuple(part for part in reading.parts if part is not reading.fronts[0]))
+    width, depth, height = reading.size
+    off = rate_difference(reading, reading, (factor * width, depth, height))
+    assert (off > rate_difference(reading, fewer, reading.size)) == worse
+
+
 @pytest.mark.parametrize("kind", tuple(kinds()))
 def test_every_kind_can_be_seen(kind: str):
     assert read_shape(draw_shape(kind, 0)).kind == kind
