@@ -66,8 +66,8 @@ def furnish_photographed(
     """
     from artigen.reader.units import Unit, read_units
 
-    cfg = cfg or SceneSettings()
-    if cfg.place or cfg.family is not None:
+    asked = cfg or SceneSettings()
+    if asked.place or asked.family is not None:
         raise ArtigenError("the photograph says what stands there and how it looks; omit place and family")
     wall = read_units(photo)
     named = _name_units(wall)
@@ -85,17 +85,17 @@ def furnish_photographed(
         length = sum(unit.size[1] for _, unit in standing) + sum(
             map(float, filter(_is_number, _order(standing)))
         )
-        width = cfg.width or round(max(NARROWEST, length + AROUND), 2)
-        asked = replace(cfg, place=tuple(words), width=width)
+        width = asked.width or round(max(NARROWEST, length + AROUND), 2)
+        ordered = replace(asked, place=tuple(words), width=width)
         return furnish_room(
-            "kitchen", out, seed, out / PACKAGES, asked,
+            "kitchen", out, seed, out / PACKAGES, ordered,
             formats=formats if final else (), pictures=pictures if final else "none",
         )  # fmt: skip
 
     try:
         furnish((), final=False)
     except ArtigenError as error:
-        cfg = replace(cfg, sweeps="any")
+        asked = replace(asked, sweeps="any")
         notes.append(f"not every door opens with a robot before it: {error}")
     kept: list[tuple[str, Unit]] = []
     for one in hung:
