@@ -106,7 +106,7 @@ def furnish_room(
 
     Args:
         kind: Kitchen, office, bedroom, bathroom, workshop, living_room, hall or laundry.
-        out: Folder for ``scene.json``, ``room.png``, ``entrance.png`` and ``plan.png``.
+        out: Folder for ``scene.json``, ``room.png``, ``entrance.png``, ``corner.png`` and ``plan.png``.
         seed: Seed of everything that is not set.
         packages: Folder with packages, at any depth, that passed validation; without it, objects are sampled
             and validated first, which takes minutes.
@@ -248,10 +248,10 @@ def _jobs(roles: "Sequence[Role | Unit]", first: int, look: ShapeSettings, out: 
 
 
 def _draw(room: "Room", out: Path, pictures: str) -> None:
-    from envs.rooms.picture import write_entrance, write_plan, write_view
+    from envs.rooms.picture import write_plan, write_view, write_views
 
     if pictures != "none":
         write_plan(room, out / "plan.png")
     if pictures == "all":
         write_view(room, out / "room.png")
-        write_entrance(room, out / "entrance.png")
+        write_views(room, out)

@@ -30,7 +30,8 @@ def scene(
 
     Args:
         kind: Kind of room.
-        out: Output folder for scene.json, scene.xml, scene.usda, room.png, entrance.png and plan.png.
+        out: Output folder for scene.json, scene.xml, scene.usda, room.png, entrance.png, corner.png and
+            plan.png.
         seed: Seed of everything that is not set.
         packages: Folder with packages, at any depth, that passed `artigen validate`; without it, objects are
             sampled and validated first, which takes minutes.
