@@ -27,6 +27,7 @@ ROBOT_HEIGHT = 1.1
 """Height (m) of the space in which a robot stands."""
 FLOOR_COLORS: dict[Pattern, tuple[float, float, float]] = {
     "plain": (0.63, 0.53, 0.43), "planks": (0.70, 0.55, 0.40), "tiles": (0.74, 0.72, 0.69),
+    "stone": (0.60, 0.59, 0.57),
 }  # fmt: skip
 """Colours of floors by what they are laid with."""
 THICKNESS = 0.1
