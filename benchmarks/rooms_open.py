@@ -337,7 +337,8 @@ def main(
 ) -> int:
     """Writes ``open.md``; returns 1 if anything moved or stayed shut."""
     catalogue, results = read_catalogue(packages), []
-    for kind, seed in tqdm([(kind, seed) for seed in range(seeds) for kind in kinds]):
+    jobs: list[tuple[RoomKind, int]] = [(kind, seed) for seed in range(seeds) for kind in kinds]
+    for kind, seed in tqdm(jobs):
         try:
             room = clutter_room(populate(kind, seed, catalogue), "lived")
         except PopulateError as error:

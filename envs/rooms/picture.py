@@ -80,7 +80,7 @@ def draw_view(room: Room, view: View) -> UInt8[np.ndarray, "H W 3"]:
         name="ceiling", low=(0.0, 0.0, height), high=(width, depth, height + 0.1), color=(0.95, 0.95, 0.94)
     )
     eye = view.camera.position[None, None].repeat(2, axis=1)
-    away = [side for side in SIDES if from_wall(side, room.size, eye)[0, 0, 1] < BEHIND]
+    away: list[Side] = [side for side in SIDES if from_wall(side, room.size, eye)[0, 0, 1] < BEHIND]
     shown = [place for place in room.placements if not _hangs_in(room, place, away)]
     fixtures = [*(each for each in room.fixtures if not _belongs_to(each, away)), ceiling]
     forward = view.camera.axes[2]

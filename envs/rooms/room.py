@@ -95,7 +95,8 @@ class Item:
     """A loose thing (`envs.rooms.things`) in a drawer or cupboard, on furniture or on the floor.
 
     ``position`` and ``quat`` (wxyz) place it in the frame of the object ``holder`` with all joints at 0; it
-    moves with the holder's ``link``. Without a holder it stands on a fixture, in the frame of the room.
+    moves with the holder's ``link``. Without a holder it stands on a fixture, in the frame of the room, and
+    has an empty link.
     ``size`` are its extents before it is turned, ``mass`` is in kg, and ``colors`` (sRGB in [0, 1]) are those
     of its parts.
     """
@@ -103,7 +104,7 @@ class Item:
     id: str
     thing: str
     holder: str | None
-    link: str | None
+    link: str
     position: tuple[float, float, float]
     quat: tuple[float, float, float, float]
     size: tuple[float, float, float]
