@@ -320,7 +320,7 @@ def _widest_column(node: Node, space: Space, looks: Looks) -> Range:
 
 
 def _build_screw(rng: np.random.Generator, plan: _Plan) -> Assembly:
-    return build_screw_table(rng, plan.size, plan.top)
+    return build_screw_table(rng, plan.size, plan.top, turned=plan.leg in ("turned", "cabriole"))
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Legs of furniture: plain ones of one piece, turned ones, cabriole legs and bun feet.
+"""Legs of furniture: plain ones of one piece, turned ones, cabriole legs, bun feet and turned columns.
 
 A leg is a stack of convex pieces between square or round outlines, lowest first, given as shares of its
 width and height. Turned legs have a square block at the top, to which aprons are joined.
@@ -44,6 +44,13 @@ PROFILES: Mapping[str, Sequence[_Course]] = {
         (ROUND_SIDES, (0.4, 1.0, 0.0), (0.8, 0.62, 0.0)),
         (SQUARE, (0.8, 1.0, 0.0), (1.0, 1.0, 0.0)),
     ),
+    "column": (
+        (ROUND_SIDES, (0.0, 1.5, 0.0), (0.08, 1.5, 0.0)),
+        (ROUND_SIDES, (0.08, 1.1, 0.0), (0.34, 1.9, 0.0)),
+        (ROUND_SIDES, (0.34, 1.9, 0.0), (0.8, 0.85, 0.0)),
+        (ROUND_SIDES, (0.8, 1.25, 0.0), (0.86, 1.25, 0.0)),
+        (SQUARE, (0.86, 1.0, 0.0), (1.0, 1.0, 0.0)),
+    ),
     "cabriole": (
         (ROUND_SIDES, (0.0, 0.8, 0.1), (0.07, 0.62, 0.09)),
         (ROUND_SIDES, (0.07, 0.52, 0.09), (0.22, 0.42, 0.0)),
@@ -83,6 +90,12 @@ def make_legs(
     """The pieces of the legs that `place_legs` places."""
     legs = place_legs(x, y, height, kind=kind, width=width, finish=finish, middle=middle)
     return tuple(piece for leg in legs for piece in leg)
+
+
+def make_column(z: Range, width: float, finish: str) -> tuple[Primitive, ...]:
+    """The pieces of a turned column about the z axis, ``width`` (m) wide at its top."""
+    column = _build_leg("column", width, z[1] - z[0], 0.0, (0.0, 0.0), finish)
+    return tuple(move(piece, (0.0, 0.0, z[0])) for piece in column)
 
 
 @lru_cache(maxsize=128)

@@ -32,6 +32,8 @@ LACQUERS: dict[str, Color] = {
     "terracotta": (0.65, 0.40, 0.31),
     "black": (0.115, 0.115, 0.12),
 }
+VARNISHED, DEEPER, WARMER = 0.4, 1.15, 1.35
+"""Gloss of varnished wood, the power to which varnish raises its colour, and the factor of its saturation."""
 METALS: dict[str, tuple[Color, Color]] = {
     "steel": ((0.81, 0.81, 0.80), (0.70, 0.70, 0.69)),
     "chrome": ((0.86, 0.86, 0.87), (0.80, 0.80, 0.81)),
@@ -54,6 +56,21 @@ def make_wood(name: str, seed: int) -> Finish:
     """A wood of `WOODS`, open-pored and oiled."""
     color, rings = WOODS[name]
     return Finish(kind="wood", color=color, accent=rings, period=0.045, seed=seed, gloss=0.12)
+
+
+def varnish(finish: Finish) -> Finish:
+    """A wood under clear varnish, which makes it deeper and warmer in colour."""
+    return replace(
+        finish, color=deepen_color(finish.color), accent=deepen_color(finish.accent), gloss=VARNISHED
+    )
+
+
+def deepen_color(color: Color) -> Color:
+    """A colour (sRGB), darker and farther from the grey of its brightness."""
+    channels = [channel**DEEPER for channel in color]
+    grey = sum(share * channel for share, channel in zip((0.3, 0.59, 0.11), channels, strict=True))
+    red, green, blue = (min(max(grey + WARMER * (c - grey), 0.02), 1.0) for c in channels)
+    return red, green, blue
 
 
 def make_lacquer(color: Color, *, gloss: float = 0.18) -> Finish:

@@ -39,6 +39,7 @@ from artigen.shapes.surfaces.materials import (
     make_metal,
     make_stone,
     make_wood,
+    varnish,
 )
 
 Theme = Literal["furniture", "appliance"]
@@ -90,6 +91,10 @@ BOUGHT_WOODS = {
 }  # fmt: skip
 """How often each is bought, judged by what shops show first: white, greys and black; oak, walnut, maple, and
 wood stained dark or red."""
+LININGS = {"veneer": 0.35, "maple": 0.4, "white": 0.25}
+"""How the inside of a carcass is finished: as the outside where that is wood, as pale plywood, or white."""
+VARNISHED = 0.55
+"""Probability that wood is varnished, and not oiled."""
 WARM = frozenset(
     {"navy", "forest", "sage", "cream", "terracotta", "walnut", "cherry", "teak", "mahogany", "wenge"}
 )
@@ -121,6 +126,8 @@ def _draw_furniture(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     seed = int(rng.integers(2**30))
     wood, lacquer, scheme = _draw_scheme(rng, style)
     timber = make_wood(wood, seed)
+    if rng.random() < VARNISHED:
+        timber = varnish(timber)
     paint = make_lacquer(LACQUERS[lacquer], gloss=float(rng.uniform(0.1, 0.35)))
     body, front, top = {
         "wood": (timber, timber, timber),
@@ -132,15 +139,13 @@ def _draw_furniture(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     }[scheme]
     seen = wood if front.kind == "wood" else lacquer
     metal = _draw_metal(rng, seen, style)
-    inside = make_lacquer(LACQUERS["white"], gloss=0.15)
-    drawer = make_wood("birch", seed + 2)
-    if body.kind == "wood" and rng.random() < 0.5:  # boards are veneered on both sides
-        inside = make_wood(wood, seed + 3)
-    elif body.kind != "wood" and rng.random() < 0.35:  # painted outside only
-        inside = make_wood("maple", seed + 3)
+    inside, drawer = make_lacquer(LACQUERS["white"], gloss=0.15), make_wood("birch", seed + 2)
+    lined = pick(rng, LININGS)
+    if lined == "maple" or (lined == "veneer" and body.kind == "wood"):  # veneered on both sides
+        inside = make_wood("maple" if lined == "maple" else wood, seed + 3)
     if body.kind != "wood" and rng.random() < 0.35:
         drawer = make_lacquer(LACQUERS["light_grey"])
-    leg = make_metal("black", seed) if rng.random() < 0.4 else (timber if top.kind == "wood" else body)
+    leg = make_metal("black", seed) if rng.random() < 0.25 else (timber if top.kind == "wood" else body)
     return _common(seed) | {
         "body": body,
         "front": front,
@@ -202,7 +207,7 @@ def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     return _common(seed) | {
         "body": body,
         "front": front,
-        "glass": make_glass((0.05, 0.052, 0.057), opacity=float(rng.uniform(0.55, 0.9))),
+        "glass": make_glass((0.05, 0.052, 0.057), opacity=round(float(rng.uniform(0.55, 0.9)), 2)),
         "inside": inside,
         "top": body if rng.random() < 0.5 else black_glass,
         "handle": handle,
@@ -216,12 +221,12 @@ def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 def _steel_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
     """Grey housing, brushed front: the sides of a steel appliance are painted."""
-    metal = make_metal("dark" if rng.random() < 0.2 else "steel", seed)
+    metal = make_metal("dark" if rng.random() < 0.12 else "steel", seed)
     return make_lacquer((0.50, 0.50, 0.51), gloss=0.3), metal, make_metal("steel", seed + 1)
 
 
 def _white_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
-    enamel = make_lacquer((0.94, 0.94, 0.935), gloss=0.45)
+    enamel = make_lacquer((0.965, 0.965, 0.96), gloss=0.45)
     handle = Finish(kind="plastic", color=(0.88, 0.88, 0.88), accent=(0.84, 0.84, 0.84), gloss=0.35)
     return enamel, enamel, handle if rng.random() < 0.6 else make_metal("steel", seed)
 

@@ -197,7 +197,8 @@ def _steel(spots: _Spots) -> tuple[Any, Any]:
     )
     bundle = lattice_noise(xp, spots.seed + 1, spots.across / (0.5 * period), spots.along / (25 * period))
     sheet = lattice_noise(xp, spots.seed + 2, spots.along / (14.0 * period))
-    return 0.5 + 0.6 * (fine - 0.5) * _kept(spots, 0.12 * period) + 0.15 * (bundle - 0.5), 0.94 + 0.12 * sheet
+    lines = 0.6 * (fine - 0.5) * _kept(spots, 0.12 * period) + 0.15 * (bundle - 0.5)
+    return 0.5 + lines - 0.7 * (sheet - 0.5), 0.94 + 0.12 * sheet
 
 
 def _stone(spots: _Spots) -> tuple[Any, Any]:
