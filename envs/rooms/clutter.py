@@ -2,12 +2,12 @@
 
 from collections import Counter
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import transform_points
+from artigen.types import Clutter
 from sim_export.geometry.triangles import bounds_of
 
 from .check import check_contents
@@ -19,7 +19,6 @@ from .room import Item, Placement, Room, pose_matrix_of
 from .solids import place_solid
 from .things import THINGS
 
-Clutter = Literal["none", "tidy", "lived", "messy"]
 PER_AREA: dict[Clutter, float] = {"none": 0.0, "tidy": 3.0, "lived": 9.0, "messy": 18.0}
 """Things per square metre of tops."""
 SHELVES: dict[Clutter, float] = {"none": 0.0, "tidy": 0.5, "lived": 0.9, "messy": 1.0}

@@ -155,7 +155,7 @@ def draw_plan(room: Room) -> UInt8[np.ndarray, "H W 3"]:
         return list(zip(x.tolist(), y.tolist(), strict=True))
 
     for fixture in room.fixtures:
-        if fixture.name == "floor" or (fixture.name.startswith("wall") and fixture.low[2] > 0.0):
+        if fixture.name.startswith("floor") or (fixture.name.startswith("wall") and fixture.low[2] > 0.0):
             continue
         shade = (90, 92, 98, 255) if fixture.name.startswith("wall") else (214, 205, 192, 255)
         draw.polygon(pixel(_rectangle(fixture.low, fixture.high)), fill=shade)
@@ -215,20 +215,21 @@ def _sweep_outlines(placement: Placement) -> list[Float[np.ndarray, "V 2"]]:
 
 def write_view(room: Room, path: Path) -> None:
     """Writes the dollhouse view as a PNG, atomically."""
-    _write(draw_room(room), path)
+    write_picture(draw_room(room), path)
 
 
 def write_entrance(room: Room, path: Path) -> None:
     """Writes the view of who enters as a PNG, atomically."""
-    _write(draw_entrance(room), path)
+    write_picture(draw_entrance(room), path)
 
 
 def write_plan(room: Room, path: Path) -> None:
     """Writes the floor plan as a PNG, atomically."""
-    _write(draw_plan(room), path)
+    write_picture(draw_plan(room), path)
 
 
-def _write(image: UInt8[np.ndarray, "H W 3"], path: Path) -> None:
+def write_picture(image: UInt8[np.ndarray, "H W 3"], path: Path) -> None:
+    """Writes a picture as a PNG, atomically."""
     from PIL import Image
 
     path.parent.mkdir(parents=True, exist_ok=True)
