@@ -2,8 +2,8 @@
 
 Each goal is taken apart into motions of parts: open, close, and put a thing into a part that is open. A Panda
 plays each on the object of the goal alone (`ArtiGen-OpenPart-v1`, `ArtiGen-PutInside-v1`); a goal counts if
-all its motions succeed. That a robot can stand before every part is what scenes are checked for; driving there
-and picking up things in a scene is not played. Goals that need nothing but that are counted apart.
+all its motions succeed. Scenes are checked for a place before every part; driving there and picking up things
+in a scene is not played. Goals that need nothing but that are counted apart.
 
     python benchmarks/goal_solvability.py out/scenes/scenes/* --count 40
 """
