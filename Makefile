@@ -16,7 +16,7 @@ demo: $(STAMP)
 # Workers of two threads each would wait for one another's.
 test: export OMP_NUM_THREADS ?= 1
 test: $(STAMP)
-	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal $(PYTEST_FLAGS)
+	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal --ignore tests/docs $(PYTEST_FLAGS)
 
 lint: $(STAMP)
 	$(BIN)/ruff format --check .
@@ -31,7 +31,10 @@ wheel: $(STAMP)
 examples: $(STAMP)
 	$(BIN)/python examples/run_all.py
 
+# What the pages show runs from top to bottom.
+docs: export OMP_NUM_THREADS ?= 1
 docs: $(STAMP)
+	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal tests/docs
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 # torch's default wheel brings gigabytes of CUDA; constraints.txt pins a version with a CPU build.

@@ -41,6 +41,8 @@ Trade = Literal["furniture", "joinery", "appliance", "fittings"]
 Holds = Literal["things", "food"]
 Board = Literal["top", "side", "back", "plate"]
 """Faces of a body that may be whole boards; the plate is in front, around the door."""
+EVERY, NONE = "every", "none"
+"""In place of a style: a word is true of every object of a kind, or of none."""
 PHYSICAL_OBJECT = "Q223557"
 """Wikidata's item of physical objects in general."""
 
@@ -161,7 +163,10 @@ class Kind(Category):
 
     styles: tuple[str, ...]
     style_words: Mapping[str, str]
-    """Styles by words that name them, besides their own names."""
+    """Styles by words that name them, besides their own names; `EVERY` for words that are true of every
+    object of the kind, `NONE` for those that are true of none."""
+    forms: Mapping[str, Spans]
+    """Usual widths, depths and heights (m) by nouns that say more than the kind: a desk among tables."""
     sizes: Spans
     """Plausible widths, depths and heights (m) of closed objects; a request outside of them is an error."""
     make: Make
@@ -196,12 +201,15 @@ class Kind(Category):
     """``draw(rng, wish) -> Draft``, as `artigen.shapes.draw` calls it."""
 
     def __post_init__(self) -> None:
-        lost = sorted({*self.makes, *self.style_words.values()} - set(self.styles))
+        lost = sorted({*self.makes, *self.style_words.values()} - {*self.styles, EVERY, NONE})
         if lost:
             raise ValueError(
                 f"kind {self.name}: styles {', '.join(lost)} are not listed, "
                 f"expected {', '.join(self.styles)}"
             )
+        strange = sorted(set(self.forms) - set(self.nouns))
+        if strange:
+            raise ValueError(f"kind {self.name}: sizes of {', '.join(strange)}, which are none of its nouns")
         if not self.nouns:
             raise ValueError(f"kind {self.name} has no noun; give singular and plural")
 

@@ -3,63 +3,16 @@
 python benchmarks/curved_shells.py out/shells    # one folder with a URDF and its meshes per object
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import manifold3d
 import numpy as np
-import trimesh
 import tyro
-
-Solid = manifold3d.Manifold
-Triple = tuple[float, float, float]
-ROUND = 48
-"""Segments of a full turn."""
+from form import ROUND, Form, Moving, Solid, Triple, box, ring, shell, turned, write_form
 
 
-@dataclass(frozen=True, kw_only=True)
-class Moving:
-    """A link that a joint connects to the body: its solid (m, object frame, closed), a line, and a range."""
-
-    solid: Solid
-    type: str
-    origin: Triple
-    axis: Triple
-    upper: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class Shells:
-    """An object: its body, and what moves by name. Fronts face -x."""
-
-    body: Solid
-    moving: Mapping[str, Moving]
-
-
-def turned(profile: Sequence[tuple[float, float]]) -> Solid:
-    """What a closed outline of (radius, height) sweeps in a turn about z."""
-    return manifold3d.CrossSection([np.array(profile)]).revolve(ROUND)
-
-
-def shell(outer: Sequence[tuple[float, float]], wall: float, floor: float) -> Solid:
-    """An open vessel of revolution: an outer profile of (radius, height), from below, and a wall inside."""
-    inner = [(radius - wall, max(height, floor)) for radius, height in outer if radius > wall]
-    inner = [point for at, point in enumerate(inner) if at == 0 or point != inner[at - 1]]
-    return turned([(0.0, outer[0][1]), *outer, *reversed(inner), (0.0, floor)])
-
-
-def box(low: Triple, high: Triple) -> Solid:
-    """An axis-aligned box."""
-    return Solid.cube(tuple(np.subtract(high, low))).translate(low)
-
-
-def ring(radius: float, wire: float, turn: float = 360.0) -> Solid:
-    """A wire bent about z."""
-    return manifold3d.CrossSection.circle(wire, 16).translate((radius, 0)).revolve(ROUND, turn)
-
-
-def toilet() -> Shells:
+def toilet() -> Form:
     """An oval bowl on a waisted foot, a cistern, a seat and a lid that turn up."""
     profile = [
         (0.13, 0.0), (0.11, 0.06), (0.10, 0.14), (0.12, 0.20), (0.16, 0.27), (0.19, 0.34), (0.20, 0.38),
@@ -70,18 +23,18 @@ def toilet() -> Shells:
     seat = turned([(0.12, 0.384), (0.2, 0.384), (0.2, 0.404), (0.13, 0.404)]).scale((1.25, 1.0, 1.0))
     lid = turned([(0.0, 0.408), (0.2, 0.408), (0.19, 0.42), (0.0, 0.428)]).scale((1.25, 1.0, 1.0))
     hinge: Triple = (0.21, 0.0, 0.40)
-    return Shells(
-        body=body - box((0.0, -0.5, 0.38), (0.22, 0.5, 0.5)),
+    return Form(
+        body=[body - box((0.0, -0.5, 0.38), (0.22, 0.5, 0.5))],
         moving={
             "seat": Moving(
-                solid=seat - box((0.215, -1, 0), (1, 1, 1)),
+                solids=[seat - box((0.215, -1, 0), (1, 1, 1))],
                 type="revolute",
                 origin=hinge,
                 axis=(0, 1, 0),
                 upper=1.3,
             ),
             "lid": Moving(
-                solid=lid - box((0.215, -1, 0), (1, 1, 1)),
+                solids=[lid - box((0.215, -1, 0), (1, 1, 1))],
                 type="revolute",
                 origin=hinge,
                 axis=(0, 1, 0),
@@ -91,7 +44,7 @@ def toilet() -> Shells:
     )
 
 
-def kettle() -> Shells:
+def kettle() -> Form:
     """A bulging vessel with a spout and a bow, and a lid on a hinge."""
     heights = np.linspace(0.0, 0.18, 13)
     profile = [(float(0.1 - 4.0 * (h - 0.06) ** 2), float(h)) for h in heights]
@@ -102,15 +55,15 @@ def kettle() -> Shells:
     )
     spout = spout.translate((-0.075, 0, 0.08)) - turned([(0.0, 0.0), *profile, (0.0, 0.18)])
     lid = turned([(0.0, 0.182), (0.045, 0.182), (0.03, 0.195), (0.0, 0.2)])
-    return Shells(
-        body=vessel + spout + bow,
+    return Form(
+        body=[vessel + spout + bow],
         moving={
-            "lid": Moving(solid=lid, type="revolute", origin=(0.045, 0, 0.182), axis=(0, 1, 0), upper=1.5)
+            "lid": Moving(solids=[lid], type="revolute", origin=(0.045, 0, 0.182), axis=(0, 1, 0), upper=1.5)
         },
     )
 
 
-def bin_with_lid() -> Shells:
+def bin_with_lid() -> Form:
     """A bin with sloped walls and a domed lid."""
 
     def pyramid(half: float, low: float, high: float) -> Solid:
@@ -123,23 +76,25 @@ def bin_with_lid() -> Shells:
     )
     dome = dome ^ box((-0.21, -0.146, 0.0), (0.21, 0.146, 1.0))
     dome = dome.translate((0, 0, 0.503 - float(dome.bounding_box()[2])))
-    return Shells(
-        body=body,
-        moving={"lid": Moving(solid=dome, type="revolute", origin=(0.2, 0, 0.51), axis=(0, 1, 0), upper=1.2)},
+    return Form(
+        body=[body],
+        moving={
+            "lid": Moving(solids=[dome], type="revolute", origin=(0.2, 0, 0.51), axis=(0, 1, 0), upper=1.2)
+        },
     )
 
 
-def stapler() -> Shells:
+def stapler() -> Form:
     """A base, and an arm that is a channel with a round back."""
     base = box((-0.08, -0.02, 0.0), (0.08, 0.02, 0.012)) + box((0.06, -0.008, 0.01), (0.074, 0.008, 0.034))
     back = Solid.cylinder(0.15, 0.018, 0.018, ROUND).rotate((0, 90, 0)) ^ box((-1, -1, 0), (1, 1, 1))
     hollow = Solid.cylinder(0.16, 0.015, 0.015, ROUND).rotate((0, 90, 0)) ^ box((-1, -1, 0), (1, 1, 1))
     arm = back - hollow.translate((-0.005, 0, 0))
-    return Shells(
-        body=base,
+    return Form(
+        body=[base],
         moving={
             "arm": Moving(
-                solid=arm.translate((-0.075, 0, 0.028)),
+                solids=[arm.translate((-0.075, 0, 0.028))],
                 type="revolute",
                 origin=(0.065, 0, 0.03),
                 axis=(0, 1, 0),
@@ -149,7 +104,7 @@ def stapler() -> Shells:
     )
 
 
-def bread_bin() -> Shells:
+def bread_bin() -> Form:
     """A half pipe with closed ends, and a quarter of a thin pipe that turns open before it."""
 
     def pipe(radius: float, wall: float, length: float) -> Solid:
@@ -163,13 +118,13 @@ def bread_bin() -> Shells:
     floor = box((-0.15, -0.2, -0.006), (0.15, 0.2, 0.0))
     body = half + ends.translate((0, 0.2, 0)) + ends.translate((0, -0.194, 0)) + floor
     door = pipe(0.142, 0.003, 0.36) ^ box((-1, -1, 0.004), (-0.003, 1, 1))
-    return Shells(
-        body=body,
-        moving={"door": Moving(solid=door, type="revolute", origin=(0, 0, 0), axis=(0, 1, 0), upper=1.4)},
+    return Form(
+        body=[body],
+        moving={"door": Moving(solids=[door], type="revolute", origin=(0, 0, 0), axis=(0, 1, 0), upper=1.4)},
     )
 
 
-def toaster() -> Shells:
+def toaster() -> Form:
     """A rounded housing with two slots, and a lever that slides down."""
     outline = manifold3d.CrossSection.square((0.20, 0.09), center=True).offset(
         0.04, manifold3d.JoinType.Round, circular_segments=32
@@ -191,51 +146,24 @@ def toaster() -> Shells:
             + (well ^ box((-1, -1, 0), (1, 1, 0.18)))
         )
     lever = box((-0.17, -0.02, 0.12), (-0.146, 0.02, 0.135))
-    return Shells(
-        body=body,
+    return Form(
+        body=[body],
         moving={
-            "lever": Moving(solid=lever, type="prismatic", origin=(0, 0, 0), axis=(0, 0, -1), upper=0.08)
+            "lever": Moving(solids=[lever], type="prismatic", origin=(0, 0, 0), axis=(0, 0, -1), upper=0.08)
         },
     )
 
 
-OBJECTS: Mapping[str, Callable[[], Shells]] = {
+OBJECTS: Mapping[str, Callable[[], Form]] = {
     "toilet": toilet, "kettle": kettle, "bin": bin_with_lid, "stapler": stapler, "bread_bin": bread_bin,
     "toaster": toaster,
 }  # fmt: skip
 
 
-def write_shells(shells: Shells, folder: Path, name: str) -> Path:
-    """The object as a URDF with one OBJ per link; returns the URDF."""
-    folder.mkdir(parents=True, exist_ok=True)
-    links = [("body", shells.body), *((key, one.solid) for key, one in shells.moving.items())]
-    lines = [f'<robot name="{name}">']
-    for key, solid in links:
-        mesh = solid.to_mesh64()
-        trimesh.Trimesh(mesh.vert_properties[:, :3], mesh.tri_verts, process=False).export(
-            folder / f"{key}.obj"
-        )
-        lines.append(f'<link name="{key}"><visual>')
-        if key in shells.moving:
-            x, y, z = (-value for value in shells.moving[key].origin)
-            lines.append(f'<origin xyz="{x:g} {y:g} {z:g}"/>')
-        lines.append(f'<geometry><mesh filename="{key}.obj"/></geometry></visual></link>')
-    for key, one in shells.moving.items():
-        lines.append(
-            f'<joint name="{key}_joint" type="{one.type}"><parent link="body"/><child link="{key}"/>'
-            f'<origin xyz="{one.origin[0]:g} {one.origin[1]:g} {one.origin[2]:g}"/>'
-            f'<axis xyz="{one.axis[0]:g} {one.axis[1]:g} {one.axis[2]:g}"/>'
-            f'<limit lower="0" upper="{one.upper:g}" effort="1" velocity="1"/></joint>'
-        )
-    path = folder / f"{name}.urdf"
-    path.write_text("\n".join([*lines, "</robot>"]) + "\n")
-    return path
-
-
 def main(out: tyro.conf.Positional[Path]) -> None:
     """Writes all objects."""
     for name, make in OBJECTS.items():
-        print(write_shells(make(), out / name, name))
+        print(write_form(make(), out / name, name))
 
 
 if __name__ == "__main__":

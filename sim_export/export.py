@@ -22,7 +22,7 @@ from sim_export.collision.exact import find_solids
 from sim_export.collision.feet import add_feet, level_object
 from sim_export.collision.hull_limits import THICKEST, compact_hull, flatten_links
 from sim_export.collision.pins import pin_carriers
-from sim_export.collision.recovery import recover_surface
+from sim_export.collision.recovery import recover_hulls, recover_surface
 from sim_export.collision.tools import decompose
 from sim_export.collision.trimming import fill_meshes, trim_meshes
 from sim_export.geometry.boards import fill_boards
@@ -307,9 +307,10 @@ def export_solids(
     cleared = clear_joints(tree.links, joints, needs, sheets=sheets, shares=plan.shares)
     watch.lap("clearance")
     solid = {part.name: mesh for part, mesh in zip(asset.parts, meshes, strict=True)}
-    links, recovered = cleared.links, ()
-    if not sheets:
-        links, recovered = recover_surface(links, cleared.joints, needs, solid)
+    if sheets:
+        links, recovered = recover_hulls(tree.links, cleared.links, cleared.joints, needs)
+    else:
+        links, recovered = recover_surface(cleared.links, cleared.joints, needs, solid)
     watch.lap("recover")
     links, footed = add_feet(flatten_links(links), cleared.joints, needs, solid)
     attached = attach_links(links, cleared.joints, needs)

@@ -79,6 +79,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"archive": "library"},
+    forms={},
     sizes=((0.2, 0.6), (0.25, 0.6), (0.12, 0.4)),
     make=make(density={"wood_board": 500.0}),
     makes={},

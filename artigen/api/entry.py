@@ -113,7 +113,8 @@ def sample(
     Args:
         kind: Name of a kind, or a noun for it, such as ``StorageFurniture`` or ``cabinet``; see `kinds`.
         seed: Seed of the object, or a sequence of seeds for as many.
-        count: Number of objects with consecutive seeds; a lazy sequence of them is returned.
+        count: Number of objects with consecutive seeds; a lazy sequence of them is returned. Numbers of
+            objects in ``words`` are not taken for it.
         width: Metres, seen from the front; lengths that are not stated are sampled.
         depth: Metres, with fronts and without handles.
         height: Metres.
@@ -193,7 +194,8 @@ def generate(
         kind: Name of a kind, or a noun for it; default: as words or picture say.
         counts: Number of parts by label; the others are free.
         seed: Seed of the object, or a sequence of seeds for as many.
-        count: Number of objects with consecutive seeds; a lazy sequence of them is returned.
+        count: Number of objects with consecutive seeds; a lazy sequence of them is returned. Numbers of
+            objects in ``words`` are not taken for it.
         width: Metres, seen from the front; lengths that are not stated are sampled.
         depth: Metres, with handles.
         height: Metres.

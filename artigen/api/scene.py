@@ -10,6 +10,7 @@ import numpy as np
 
 from artigen.api.batch import run_with_progress
 from artigen.api.sample import ShapeJob, ShapeSettings, export_and_validate
+from artigen.datasets.packing import need
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import LocalRunner, Runner
 from artigen.types import Clutter, SceneKind
@@ -115,8 +116,8 @@ def furnish_room(
 
     Args:
         kind: Kitchen, office, bedroom, bathroom, workshop, living_room, hall, laundry or flat.
-        out: Folder for ``scene.json``, ``room.png``, ``entrance.png`` (of a flat, one for each room) and
-            ``plan.png``.
+        out: Folder for ``scene.json``, ``goals.json``, ``room.png``, ``entrance.png`` and ``corner.png``
+            (of a flat, two for each room) and ``plan.png``.
         seed: Seed of everything that is not set.
         packages: Folder with packages, at any depth, that passed validation; without it, objects are sampled
             and validated first, which takes minutes.
@@ -166,12 +167,8 @@ def read_places(words: Sequence[str]) -> tuple[str, ...]:
             found.append(word)
             continue
         try:
-            import yaml
-
-            listed = yaml.safe_load(path.read_text())
-        except ImportError as error:
-            raise ArtigenError(f'{path}: needs PyYAML: pip install "artigen[dataset]"') from error
-        except (OSError, ValueError, yaml.YAMLError) as error:
+            listed = need("yaml").safe_load(path.read_text())
+        except (OSError, ValueError, need("yaml").YAMLError) as error:
             raise ArtigenError(f"{path}: cannot be read ({error})") from error
         if not isinstance(listed, list) or not all(isinstance(one, str) for one in listed):
             raise ArtigenError(f"{path}: expected a list of units, each a text such as 'sink: 0.8' in quotes")
@@ -353,10 +350,10 @@ def _jobs(roles: "Sequence[Role | Unit]", first: int, look: ShapeSettings, out: 
 
 
 def _draw(room: "Room", out: Path, pictures: str) -> None:
-    from envs.rooms.picture import write_entrance, write_plan, write_view
+    from envs.rooms.picture import write_plan, write_view, write_views
 
     if pictures != "none":
         write_plan(room, out / "plan.png")
     if pictures == "all":
         write_view(room, out / "room.png")
-        write_entrance(room, out / "entrance.png")
+        write_views(room, out)

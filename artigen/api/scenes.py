@@ -21,7 +21,7 @@ from artigen.api.scene import (
     furnish_from,
     read_places,
 )
-from artigen.datasets.packing import add_member, digest_file, open_tar
+from artigen.datasets.packing import add_member, digest_file, open_tar, read_folder, tar_bytes
 from artigen.errors import ArtigenError
 from artigen.io import write_whole
 from artigen.runtime.runner import Runner
@@ -206,7 +206,8 @@ def _page(out: Path, done: Sequence[Finished]) -> str:
 
 
 def _write_shards(out: Path, keys: Sequence[str], per_shard: int) -> None:
-    """Tar files of scenes, members named by scene and file, and the index with their hashes."""
+    """Tar files of scenes, and the index with their hashes. Members of a sample are, behind its id, ``json``
+    (scene.json), ``goals.json``, and ``tar`` with all files of its folder."""
     folder = out / SHARDS
     folder.mkdir(parents=True, exist_ok=True)
     files: dict[str, dict[str, object]] = {}
@@ -214,9 +215,10 @@ def _write_shards(out: Path, keys: Sequence[str], per_shard: int) -> None:
         path = folder / f"scenes-{number:05d}.tar"
         with open_tar(path) as tar:
             for key in keys[start : start + per_shard]:
-                for file in sorted((out / SCENES / key).iterdir()):
-                    if file.is_file():
-                        add_member(tar, f"{key}.{file.name}", file.read_bytes())
+                held = read_folder(out / SCENES / key)
+                add_member(tar, f"{key}.json", held["scene.json"])
+                add_member(tar, f"{key}.goals.json", held["goals.json"])
+                add_member(tar, f"{key}.tar", tar_bytes(held))
         files[f"{SHARDS}/{path.name}"] = {"bytes": path.stat().st_size, "sha256": digest_file(path)}
     head = {"format": FORMAT, "version": VERSION, "count": len(keys), "files": files}
     write_whole(out / INDEX, json.dumps(head, indent=1) + "\n")

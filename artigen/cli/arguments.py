@@ -9,6 +9,7 @@ from artigen.runtime.runner import RunnerName
 
 Out = Annotated[Path, tyro.conf.arg(aliases=["-o"])]
 Count = Annotated[int, tyro.conf.arg(aliases=["-n"])]
+MaybeCount = Annotated[int | None, tyro.conf.arg(aliases=["-n"])]
 Packages = tyro.conf.Positional[tuple[Path, ...]]
 Workers = Annotated[
     int | None,

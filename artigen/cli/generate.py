@@ -1,13 +1,14 @@
 """`artigen generate`: category, words or a photo to validated packages; failures are redrawn."""
 
 import sys
+from functools import partial
 from pathlib import Path
 
 import tyro
 
 from artigen.api.batch import read_shard
 from artigen.api.generate import GenerateSettings, generate_packages, list_jobs, understand_job
-from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
+from artigen.cli.arguments import MaybeCount, Out, RunnerChoice, Shard, Workers
 from artigen.cli.summary import print_summary
 from artigen.runtime.runner import choose_runner
 from artigen.runtime.workers import InProcess, Worker
@@ -21,7 +22,7 @@ def generate(
     model: Path = SHIPPED,
     category: tyro.conf.Positional[str | None] = None,
     seed: int = 0,
-    count: Count = 1,
+    count: MaybeCount = None,
     name: str | None = None,
     cfg: tyro.conf.OmitArgPrefixes[GenerateSettings] = SETTINGS,
     workers: Workers = None,
@@ -37,15 +38,16 @@ def generate(
         model: Folder of a trained model (model.json and weights); default: the shipped one.
         category: Category to generate, such as StorageFurniture; optional with --text or --image.
         seed: Seed of the first object.
-        count: Number of objects, with consecutive seeds.
+        count: Number of objects, with consecutive seeds; default: as many as the sentence names ("two
+            ovens").
         name: Name of the package, followed by the seed if there are several; default: category, words and
             seed.
         cfg: The condition and the sampling settings.
     """
-    seeds = range(seed, seed + count)
-    jobs = list_jobs(out, seeds, cfg, category=category, model=model, name=name)
     part, chosen = read_shard(shard), choose_runner(runner, workers)
-    understood = understand_job(jobs[0])
+    list_asked = partial(list_jobs, out, cfg=cfg, category=category, model=model, name=name)
+    understood = understand_job(list_asked(seeds=[seed])[0])
+    jobs = list_asked(seeds=range(seed, seed + (understood.objects if count is None else count)))
     if understood.said:
         sys.stdout.write("\n".join((understood.said, *understood.notes)) + "\n")
     worker = InProcess() if workers == 0 else Worker()

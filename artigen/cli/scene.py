@@ -6,8 +6,10 @@ from typing import Literal
 
 import tyro
 
+from artigen.api.photo_room import furnish_photographed
 from artigen.api.scene import SceneFormat, SceneSettings, furnish_room
 from artigen.cli.arguments import Out, Workers
+from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
 from artigen.types import SceneKind
 
@@ -20,6 +22,7 @@ def scene(
     seed: int = 0,
     packages: Path | None = None,
     cfg: tyro.conf.OmitArgPrefixes[SceneSettings] = SETTINGS,
+    image: Path | None = None,
     formats: tuple[SceneFormat, ...] = ("mjcf",),
     pictures: Literal["all", "plan", "none"] = "all",
     workers: Workers = None,
@@ -28,18 +31,26 @@ def scene(
 
     Args:
         kind: Kind of room, or flat.
-        out: Output folder for scene.json, scene.xml, scene.usda, room.png, entrance.png (of a flat, one for
-            each room) and plan.png.
+        out: Output folder for scene.json, scene.xml, scene.usda, room.png, entrance.png and corner.png
+            (of a flat, two for each room) and plan.png.
         seed: Seed of everything that is not set.
         packages: Folder with packages, at any depth, that passed `artigen validate`; without it, objects are
             sampled and validated first, which takes minutes.
         cfg: Properties of the room.
+        image: Photograph of a kitchen's wall from before it: its cabinets and appliances are built and stand
+            along a wall as they were seen.
         formats: Files besides scene.json: mjcf is scene.xml for MuJoCo; usd is scene.usda and an asset per
             package.
         pictures: Pictures to render: all, the plan only, or none.
         workers: Worker processes that sample objects; default: one per available core.
     """
     runner = choose_runner("local", workers)
+    if image is not None:
+        if kind != "kitchen" or packages is not None:
+            raise ArtigenError("a photograph makes a kitchen of its own objects; omit --packages")
+        shown = furnish_photographed(image, out, seed, cfg, formats=formats, pictures=pictures, runner=runner)
+        sys.stdout.write(shown.describe() + "\n")
+        return 0
     made = furnish_room(kind, out, seed, packages, cfg, formats=formats, pictures=pictures, runner=runner)
     sys.stdout.write(made.describe() + "\n")
     return 0

@@ -1,5 +1,6 @@
 """Finds what colours and materials of a sentence belong to, before, after and behind commas."""
 
+from artigen.conditioning.numbers import read_number
 from artigen.conditioning.sentence import OBJECT, TextError
 from artigen.conditioning.vocabulary import ADJECTIVES, MATERIALS, PAINTS, PARTS, PIECES, SHADES, Stuff
 from artigen.shapes.surfaces.finishes import Color
@@ -87,7 +88,9 @@ def _find_after(words: tuple[str, ...], start: int, head: range) -> str | None:
         if words[at] == "and" and not _is_description(words, at + 1):
             return None
         target = _name_target(words, at, head)
-        if target is not None:
+        if target is not None and not (
+            at + 1 in head and read_number(words, at - 1)
+        ):  # "white two-door cabinet"
             return target
     return None
 

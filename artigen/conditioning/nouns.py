@@ -4,7 +4,19 @@ from dataclasses import dataclass
 
 from artigen.conditioning.numbers import read_number
 from artigen.conditioning.sentence import TextError
-from artigen.conditioning.vocabulary import AMBIGUOUS, CLAUSES, PARTS
+from artigen.conditioning.vocabulary import (
+    ADJECTIVES,
+    AMBIGUOUS,
+    CLAUSES,
+    FILLERS,
+    MATERIALS,
+    OTHERS,
+    PAINTS,
+    PARTS,
+    RELATIONS,
+    SCALES,
+    SHADES,
+)
 from artigen.kind import Kind, find_noun
 
 LONGEST = 3
@@ -49,15 +61,30 @@ def _find_nouns(words: tuple[str, ...], used: frozenset[int]) -> list[Head]:
     found: list[Head] = []
     at = 0
     while at < len(words):
+        divided = _find_divided(words, at)
+        if divided is not None:
+            found.append(Head(at, 2, divided))
+            at += 2
+            continue
         for count in range(min(LONGEST, len(words) - at), 0, -1):
             kind = find_noun(" ".join(words[at : at + count]))
-            if kind is not None and at not in used:
+            other = any(" ".join(words[start : at + count]) in OTHERS for start in range(max(0, at - 2), at))
+            if kind is not None and at not in used and not other:
                 found.append(Head(at, count, kind))
                 at += count
                 break
         else:
             at += 1
     return found
+
+
+def _find_divided(words: tuple[str, ...], at: int) -> Kind | None:
+    """The kind of a noun with a number inside: "chest of six drawers"; its head are the words before that."""
+    number = read_number(words, at + 2) if tuple(words[at + 1 : at + 2]) == ("of",) else None
+    if number is None:
+        return None
+    end = at + 2 + number[1]
+    return find_noun(" ".join((*words[at : at + 2], *words[end : end + 1])))
 
 
 def _is_ambiguous(noun: Head, words: tuple[str, ...]) -> bool:
@@ -70,5 +97,15 @@ def _is_one(noun: Head, words: tuple[str, ...], *, whole: bool) -> bool:
     before = words[: noun.at]
     number = next((read_number(words, at) for at in (noun.at - 1, noun.at - 2) if at >= 0), None)
     counted = number is not None and number[0] != 1 and words[noun.at - 1] not in ("double",)
-    part = spelled in PARTS and (not whole or spelled not in noun.kind.nouns)
+    named = spelled in noun.kind.nouns and not _is_later(before)
+    part = spelled in PARTS and (not whole or not named)
     return not part and not counted and not CLAUSES & set(before)
+
+
+def _is_later(before: tuple[str, ...]) -> bool:
+    """Whether a noun of a part comes after what may be another object: "a bench, 60 cm, one door"."""
+    described = {*ADJECTIVES, *SCALES, *PAINTS, *SHADES, *FILLERS} | {
+        word for material in MATERIALS for word in material.split()
+    }
+    clause = before[: before.index(",")] if "," in before else ()
+    return before[-1:] == ("one",) or bool(set(clause) - described) or bool({*RELATIONS} & set(before))

@@ -3,10 +3,18 @@
 import re
 from fractions import Fraction
 
-from artigen.conditioning.vocabulary import GROUPS, NUMBERS, UNITS
+from artigen.conditioning.vocabulary import GROUPS, LIMITS, NUMBERS, SIDES, UNITS
 
-_SIGNS = {"½": " 1/2 ", "¼": " 1/4 ", "¾": " 3/4 ", "\u00d7": " x ", "\u2019": "'", "\u201d": '"', "-": " "}
+_SIGNS = {
+    "½": " 1/2 ", "¼": " 1/4 ", "¾": " 3/4 ", "\u00d7": " x ", "\u2019": "'", "\u201d": '"', "\u2013": "-",
+    "w/": " with ",
+}  # fmt: skip
 _WORD = re.compile(r"\d+/\d+|\d+(?:\.\d+)?|[a-z]+|,")
+
+LONGEST_LIMIT = 3
+"""Words of the longest phrase before a number."""
+CLEAR = 0.05
+"""Share by which a length differs from one that it must be under or over."""
 
 
 def split_words(text: str) -> tuple[str, ...]:
@@ -14,6 +22,7 @@ def split_words(text: str) -> tuple[str, ...]:
     text = text.lower()
     for sign, spelled in _SIGNS.items():
         text = text.replace(sign, spelled)
+    text = re.sub(r"(\d)\s*-\s*(?=\d)", r"\1 to ", text).replace("-", " ")
     text = re.sub(r"(\d),(\d{3})(?=\s*(?:mm|millim))", r"\1\2", text)
     text = re.sub(r"(\d),(\d)", r"\1.\2", text)
     text = re.sub(r'(\d)\s*"', r"\1 inch ", re.sub(r"(\d)\s*'(?!\w*[a-z])", r"\1 foot ", text))
@@ -52,8 +61,60 @@ def read_number(words: tuple[str, ...], at: int) -> tuple[float, int] | None:
     return float(first), used
 
 
+def read_limit(words: tuple[str, ...], at: int) -> tuple[int, int]:
+    """Which way a phrase such as "at most" or "more than" excludes its number, and how many words it takes:
+    1 for numbers above it, -1 for those below, 0 for none; no words without such a phrase."""
+    for count in range(LONGEST_LIMIT, 0, -1):
+        way = LIMITS.get(" ".join(words[at : at + count]))
+        if way is not None:
+            return way, count
+    return 0, 0
+
+
+def read_count(words: tuple[str, ...], at: int) -> tuple[int, int] | None:
+    """A whole number from a position on, and how many words it takes: "three", "at least two", "four to six".
+
+    Of a range it is the middle, rounded down; "more than two" is three.
+    """
+    way, skipped = read_limit(words, at)
+    span = _read_span(words, at + skipped)
+    if span is None or any(end != int(end) for end in span[:2]):
+        return None
+    return max(0, int(span[0] + span[1]) // 2 + way), skipped + span[2]
+
+
+def _read_span(words: tuple[str, ...], at: int) -> tuple[float, float, int] | None:
+    """Both ends of "between four and six", "4 to 6" or "two or three", and how many words it takes; a single
+    number is both ends."""
+    between = tuple(words[at : at + 1]) == ("between",)
+    first = read_number(words, at + between)
+    if first is None:
+        return None
+    link = at + between + first[1]
+    links = (("and",), ("to",)) if between else (("to",), ("or",))
+    last = read_number(words, link + 1) if tuple(words[link : link + 1]) in links else None
+    if last is None or last[0] < first[0]:
+        return None if between else (first[0], first[0], first[1])
+    return first[0], last[0], link + 1 + last[1] - at
+
+
 def read_length(words: tuple[str, ...], at: int) -> tuple[float, int] | None:
-    """A length (m) from a position on, and how many words it takes: "80 cm", "half a metre", "6 ft 2 in"."""
+    """A length (m) from a position on, and how many words it takes: "80 cm", "half a metre", "6 ft 2 in".
+
+    Of a range, such as "60 to 80 cm", it is the middle; "under 70 cm" is `CLEAR` less than that.
+    """
+    way, skipped = read_limit(words, at)
+    skipped, way = (1, SIDES[words[at]]) if at < len(words) and words[at] in SIDES else (skipped, way)
+    span = _read_span(words, at + skipped)
+    end = at + skipped + span[2] if span is not None else 0
+    if span is not None and span[0] < span[1]:
+        unit = UNITS.get(words[end]) if end < len(words) else None
+        return None if unit is None else ((span[0] + span[1]) / 2 * unit, end + 1 - at)
+    plain = _read_plain_length(words, at + skipped)
+    return None if plain is None else (plain[0] * (1 + way * CLEAR), plain[1] + skipped)
+
+
+def _read_plain_length(words: tuple[str, ...], at: int) -> tuple[float, int] | None:
     number = read_number(words, at)
     if number is None:
         return None

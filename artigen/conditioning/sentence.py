@@ -8,7 +8,7 @@ ignored, never dropped.
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from artigen.conditioning.vocabulary import Axis
+from artigen.conditioning.vocabulary import Axis, Spot
 from artigen.errors import ArtigenError
 from artigen.kind import plurals
 from artigen.types import PartLabel
@@ -22,10 +22,24 @@ class TextError(ArtigenError):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Placing:
+    """Where some parts of a label are on the front, as seen."""
+
+    label: PartLabel
+    count: int | None
+    """How many; None for all of them."""
+    at: Spot
+
+
+@dataclass(frozen=True, kw_only=True)
 class Sentence:
     """Content of a sentence. Lengths in metres; pairs are sorted."""
 
     kind: str | None = None
+    noun: str | None = None
+    """Singular of the noun that names the kind."""
+    objects: int = 1
+    """Number of such objects."""
     style: str | None = None
     counts: tuple[tuple[PartLabel, int], ...] = ()
     some: tuple[PartLabel, ...] = ()
@@ -39,19 +53,25 @@ class Sentence:
     """Material words by target."""
     features: tuple[tuple[str, str, str], ...] = ()
     """Other properties: part, property, value, such as door, hinged, left."""
+    places: tuple[Placing, ...] = ()
+    """In the order of the words."""
     ignored: tuple[str, ...] = ()
     """Words and phrases without a known meaning, in their order."""
 
     def to_json(self) -> dict[str, object]:
         """A value for JSON: kind, style, counts, size (m), usual extents to scale, and properties by part."""
-        parts: dict[str, dict[str, str | bool]] = {label: {} for label in self.some}
+        parts: dict[str, dict[str, object]] = {label: {} for label in self.some}
         for what, pairs in (("color", self.colors), ("material", self.materials)):
             for target, word in pairs:
                 parts.setdefault(target, {})[what] = word
         for part, what, value in self.features:
             parts.setdefault(part, {})[what] = value
+        for label in dict.fromkeys(place.label for place in self.places):
+            spots = {place.at: place.count for place in self.places if place.label == label}
+            parts.setdefault(label, {})["at"] = spots if len(spots) > 1 else next(iter(spots))
         return {
             "kind": self.kind,
+            "objects": self.objects,
             "style": self.style,
             "counts": dict(self.counts),
             "size": {axis: round(length, 6) for axis, length in self.size},
@@ -63,6 +83,7 @@ class Sentence:
     def describe(self) -> str:
         """One line: what is understood, and what is not."""
         said = [self.kind or "any kind"]
+        said += [f"{self.objects} of them"] if self.objects > 1 else []
         said += [] if self.style is None else [f"style {self.style}"]
         said += [f"{length:g} m {_WORDS[axis]}" for axis, length in self.size]
         said += [f"{factor:g} times the usual {axis}" for axis, factor in self.stretch]
@@ -70,8 +91,18 @@ class Sentence:
         said += [f"at least one {label}" for label in self.some]
         said += [f"{target} {word}" for target, word in (*self.colors, *self.materials)]
         said += [f"{part} {what} {value}" for part, what, value in self.features]
+        said += [f"{_count(place)} {_AT[place.at]}" for place in self.places]
         lost = f"; not understood: {', '.join(self.ignored)}" if self.ignored else ""
         return f"understood: {', '.join(said)}{lost}"
 
 
+def _count(place: Placing) -> str:
+    many = plurals(place.label)[place.label]
+    return many if place.count is None else f"{place.count} {place.label if place.count == 1 else many}"
+
+
+_AT: Mapping[Spot, str] = {
+    "top": "at the top", "bottom": "at the bottom", "left": "on the left", "right": "on the right",
+    "sides": "on both sides", "middle": "in the middle",
+}  # fmt: skip
 _WORDS: Mapping[Axis, str] = {"width": "wide", "depth": "deep", "height": "high"}

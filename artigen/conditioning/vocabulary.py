@@ -29,6 +29,13 @@ _PARTS: dict[str, PartLabel] = {
     "wheel": "wheel",
     "castor": "wheel",
     "caster": "wheel",
+    "pull": "handle",
+    "grip": "handle",
+    "basket": "tray",
+    "flap": "door",
+    "rocker": "knob",
+    "sash": "door",
+    "roller": "wheel",
 }
 """Labels by singular nouns; sentences use the first of each."""
 _PIECES = {
@@ -49,12 +56,22 @@ PARTS: dict[str, PartLabel] = dict(zip(_with_plurals(dict(_PARTS)), (*_PARTS.val
 """Labels by nouns, singular and plural."""
 PIECES = _with_plurals(_PIECES)
 """Finishes by nouns of pieces, singular and plural."""
+LEGS = frozenset({"leg", "legs", "feet"})
+"""Nouns of a stand; a foot is a length."""
 AMBIGUOUS = frozenset({
     "door", "doors", "window", "windows", "switch", "switches", "freezer", "freezers", "box", "boxes",
     "lamp", "lamps", "tap", "taps", "bin", "bins", "hob", "hobs", "chest", "chests", "range", "ranges",
     "notebook",
 })  # fmt: skip
 """Nouns of kinds that also name a part of another kind, or something else."""
+OTHERS = frozenset({
+    "hair dryer", "hand dryer", "rice cooker", "slow cooker", "car door", "garage door", "dog door",
+    "cat flap", "floor lamp", "ceiling lamp", "street lamp", "wall lamp", "lava lamp", "pool table",
+    "billiard table", "ping pong table", "changing table", "flower pot", "plant pot", "tea pot",
+    "coffee pot", "network switch", "lunch box", "juke box", "jewelry box", "jewellery box", "phone box",
+    "window box", "music box", "shopping cart", "golf cart", "water cooler", "trap door",
+})  # fmt: skip
+"""Nouns of things that end as the noun of a kind does, and are something else."""
 CLAUSES = frozenset({
     "with", "without", "having", "has", "featuring", "containing", "holding", "including", "for",
     "under", "above",
@@ -70,6 +87,14 @@ NUMBERS: dict[str, int] = {
     "a": 1, "an": 1, "single": 1, "double": 2, "twin": 2, "triple": 3, "both": 2,
 }  # fmt: skip
 """Words for numbers; sentences use the first of each."""
+LIMITS: dict[str, int] = {
+    "at least": 0, "at most": 0, "up to": 0, "no more than": 0, "no less than": 0, "no fewer than": 0,
+    "minimum of": 0, "maximum of": 0, "a minimum of": 0, "a maximum of": 0, "exactly": 0,
+    "more than": 1, "less than": -1, "fewer than": -1,
+}  # fmt: skip
+"""Phrases before a number: 1 if it must be exceeded, -1 if it must not be reached, 0 if it is allowed."""
+SIDES = {"under": -1, "below": -1, "over": 1, "above": 1}
+"""The same before lengths only: before a number of parts they say where those are."""
 GROUPS = {"dozen": 12, "couple": 2, "pair": 2}
 """Nouns for numbers of things: a dozen drawers, a pair of doors."""
 UNITS: dict[str, float] = {
@@ -83,7 +108,7 @@ UNITS: dict[str, float] = {
 DIRECTIONS: dict[str, Axis] = {
     "wide": "width", "width": "width", "broad": "width", "long": "width", "length": "width",
     "deep": "depth", "depth": "depth",
-    "tall": "height", "high": "height", "height": "height",
+    "tall": "height", "high": "height", "height": "height", "w": "width", "d": "depth", "h": "height",
 }  # fmt: skip
 ADJECTIVES: dict[str, tuple[Axis, float]] = {
     "tall": ("height", 1.35),
@@ -95,9 +120,14 @@ ADJECTIVES: dict[str, tuple[Axis, float]] = {
     "deep": ("depth", 1.25),
     "shallow": ("depth", 0.75),
     "long": ("width", 1.35),
+    "slim": ("width", 0.7),
+    "broad": ("width", 1.35),
 }
 """Adjectives that scale a kind's usual extent along one axis when no length is given."""
-SCALES = {"large": 1.2, "big": 1.2, "small": 0.8, "little": 0.8, "compact": 0.8}
+SCALES = {
+    "large": 1.2, "big": 1.2, "oversized": 1.3, "huge": 1.3,
+    "small": 0.8, "little": 0.8, "compact": 0.8, "mini": 0.7, "tiny": 0.7,
+}  # fmt: skip
 """Adjectives that scale all extents of which nothing else is said."""
 
 PAINTS: dict[str, Color] = {
@@ -146,14 +176,13 @@ MATERIALS: dict[str, Stuff] = {
     "walnut": Stuff("wood", (0.40, 0.28, 0.20)),
     "beech": Stuff("wood", (0.82, 0.66, 0.48)),
     "ash": Stuff("wood", (0.82, 0.73, 0.58)),
-    "maple": Stuff("wood", (0.86, 0.74, 0.57)),
-    "mahogany": Stuff("wood", (0.38, 0.18, 0.13)),
     "bamboo": Stuff("wood", (0.82, 0.69, 0.45)),
     "wood": Stuff("wood"),
     "wooden": Stuff("wood"),
     "timber": Stuff("wood"),
     **{name: Stuff("steel", METALS[name][0]) for name in ("chrome", "brass", "bronze")},
     "steel": Stuff("steel", (0.72, 0.73, 0.74)),
+    "stainless": Stuff("steel", (0.72, 0.73, 0.74)),
     "stainless steel": Stuff("steel", (0.72, 0.73, 0.74)),
     "brushed steel": Stuff("steel", (0.72, 0.73, 0.74)),
     "copper": Stuff("steel", (0.72, 0.45, 0.32)),
@@ -173,6 +202,40 @@ MATERIALS: dict[str, Stuff] = {
 METALLIC: dict[str, FinishKind] = {"silver": "steel"}
 """Colour words that imply a material."""
 
+Spot = Literal["top", "bottom", "left", "right", "sides", "middle"]
+"""Where parts are on the front of an object."""
+SIDEWAYS: tuple[Spot, Spot] = ("left", "right")
+SPOTS: dict[str, Spot] = {
+    "on top": "top", "at the top": "top", "on the top": "top", "at top": "top", "above": "top",
+    "at the bottom": "bottom", "on the bottom": "bottom", "at bottom": "bottom", "below": "bottom",
+    "underneath": "bottom", "beneath": "bottom", "under it": "bottom", "below it": "bottom",
+    "above it": "top", "under them": "bottom", "below them": "bottom", "above them": "top",
+    "on both sides": "sides", "on either side": "sides", "at both sides": "sides", "on each side": "sides",
+    "both sides": "sides", "either side": "sides",
+    "in the middle": "middle", "in the centre": "middle", "in the center": "middle",
+}  # fmt: skip
+"""Phrases after, or before, the parts that they place."""
+SPOTS |= {
+    text.format(side): side
+    for side in SIDEWAYS
+    for text in ("on the {}", "on the {} side", "on the {} hand side", "at the {}", "on {}", "to the {}")
+}
+EDGES: dict[str, Spot] = {
+    "top": "top", "upper": "top", "bottom": "bottom", "lower": "bottom", "left": "left", "right": "right",
+    "middle": "middle", "central": "middle",
+}  # fmt: skip
+"""Adjectives of parts that place them."""
+RELATIONS: dict[str, tuple[Spot, Spot]] = {
+    **dict.fromkeys(("above", "over", "on top of", "atop"), ("top", "bottom")),
+    **dict.fromkeys(("below", "under", "underneath", "beneath"), ("bottom", "top")),
+    **dict.fromkeys(("left of", "to the left of", "on the left of"), ("left", "right")),
+    **dict.fromkeys(("right of", "to the right of", "on the right of"), ("right", "left")),
+    **dict.fromkeys(("beside", "next to", "alongside"), ("left", "right")),
+}
+"""Phrases between parts, and where the first and the second ones are."""
+GRIDS = {"column": "columns", "columns": "columns", "row": "rows", "rows": "rows"}
+"""How parts are divided: "in two columns"."""
+
 Feature = tuple[str, str, str]
 """Part, property, value."""
 
@@ -180,6 +243,7 @@ Feature = tuple[str, str, str]
 def _features() -> dict[str, Feature]:
     found: dict[str, Feature] = {
         "freezer drawer": ("freezer", "type", "drawer"),
+        "freezer drawers": ("freezer", "type", "drawer"),
         "side by side": ("door", "type", "side by side"),
         "push to open": ("handle", "type", "none"),
         "on legs": ("stand", "type", "legs"),
@@ -199,10 +263,13 @@ def _features() -> dict[str, Feature]:
             found[text.format(where)] = ("freezer", "at", where)
     for side in ("left", "right", "top", "bottom"):
         for link in ("on the", "at the", ""):
-            for verb in ("hinged", "hinges", "hinge"):
+            for verb in ("hinged", "hinges", "hinge", "hinging"):
                 found[" ".join(filter(None, (verb, link, side)))] = ("door", "hinged", side)
         for verb in ("hinged", "hinges", "hand hinge", "hand hinges", "hand hinged"):
             found[f"{side} {verb}"] = ("door", "hinged", side)
+    for side in ("left", "right"):
+        for verb in ("open to the", "opens to the", "opening to the"):
+            found[f"{verb} {side}"] = ("door", "hinged", side)
     for word, kind in (("glass", "glass"), ("glazed", "glass")):
         for noun in ("door", "doors", "front", "fronts", "fronted", "pane", "panes"):
             found[f"{word} {noun}"] = ("door", "material", kind)
@@ -214,13 +281,21 @@ def _features() -> dict[str, Feature]:
             found[f"{kind} {noun}"] = ("handle", "type", kind)
     for noun in ("castors", "casters", "wheels", "rollers"):
         found[f"on {noun}"] = ("wheel", "type", "castor" if noun != "wheels" else "wheel")
+    for text, stand in (
+        ("no legs", "floor"), ("without legs", "floor"), ("no feet", "floor"), ("without feet", "floor"),
+        ("plinth", "plinth"), ("with a plinth", "plinth"), ("toe kick", "plinth"),
+        ("with a toe kick", "plinth"),
+    ):  # fmt: skip
+        found[text] = ("stand", "type", stand)
     return found
 
 
 FEATURES = _features()
 """Properties of parts by phrases."""
+GLAZED: Feature = ("door", "material", "glass")
+"""The feature of doors with panes."""
 STYLES: dict[Feature, str] = {
-    ("door", "material", "glass"): "framed_glass",
+    GLAZED: "framed_glass",
     ("door", "type", "sliding"): "sliding",
     ("door", "type", "mirrored"): "mirrored",
     ("door", "type", "louvred"): "louvre",
@@ -234,5 +309,6 @@ FILLERS = frozenset({
     "colored", "finish", "i", "want", "please", "me", "one", "s", "featuring", "piece", "from", "each",
     "all", "both", "some", "any", "about", "roughly", "approximately", "around", "x", "but", "make",
     "draw", "create", "generate", "give", "need", "my", "our", "new", "either", "nor", "neither",
+    "hinged", "different", "various", "several", "whose", "where", "there", "then", "plus", "only",
 })  # fmt: skip
 """Words without a meaning of their own."""

@@ -285,7 +285,16 @@ def _make_push_bar(frame: _Frame, reach: float) -> ShapePart:
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("trolley", "cart", "wheelbarrow", "handcart", "hand cart", "barrow"),
+    nouns=plurals(
+        "trolley",
+        "cart",
+        "wheelbarrow",
+        "handcart",
+        "hand cart",
+        "barrow",
+        "dolly/dollies",
+        "hand truck",
+    ),
     hints=(),
     size=(by_longest(1.0),),
     deepest=np.inf,
@@ -294,6 +303,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"serving": "service", "barrow": "wheelbarrow"},
+    forms={},
     sizes=((0.35, 2.0), (0.25, 0.9), (0.4, 1.3)),
     make=make(density={"steel_sheet": 650.0}),
     makes={

@@ -164,6 +164,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"ice cream": "shop", "supermarket": "shop"},
+    forms={},
     sizes=((0.4, 2.2), (0.4, 0.95), (0.6, 1.2)),
     make=make(hidden=6.0),  # compressor
     makes={},

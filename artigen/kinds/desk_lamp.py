@@ -163,7 +163,14 @@ def _build_head(rng: np.random.Generator, style: str) -> tuple[list[Primitive], 
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("desk lamp", "lamp", "table lamp", "reading lamp", "task lamp"),
+    nouns=plurals(
+        "desk lamp",
+        "lamp",
+        "table lamp",
+        "reading lamp",
+        "task lamp",
+        "anglepoise",
+    ),
     hints=(),
     size=(by_longest(0.5),),
     deepest=np.inf,
@@ -172,6 +179,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"articulated": "architect", "anglepoise": "architect"},
+    forms={},
     sizes=((0.1, 0.5), (0.2, 0.9), (0.25, 0.9)),
     make=make(
         density={"stone": 2000.0}, wall={"plastic": 0.0025}

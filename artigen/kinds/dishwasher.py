@@ -7,7 +7,7 @@ import numpy as np
 from artigen.kind import Channel, Kind, Place, by_height, make, plurals
 from artigen.shapes.appliances.appliance_doors import draw_grip, mount_grip
 from artigen.shapes.appliances.cavity import SIDES, build_shell, build_tub
-from artigen.shapes.appliances.control_panel import design_dial, spread_controls
+from artigen.shapes.appliances.control_panel import build_badge, design_dial, spread_controls
 from artigen.shapes.appliances.housing import Housing
 from artigen.shapes.appliances.racks import build_basket, build_rack
 from artigen.shapes.assembly import Assembly
@@ -55,7 +55,7 @@ class _Plan(Housing):
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a dishwasher."""
-    style = wish.style or str(rng.choice(STYLES, p=(0.46, 0.34, 0.14, 0.06)))
+    style = wish.style or str(rng.choice(STYLES, p=(0.50, 0.33, 0.14, 0.03)))
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish)
     draw_fronts = _draw_drawers if plan.drawers else _draw_door_and_racks
@@ -140,7 +140,8 @@ def _draw_door(
     carrier = "body" if fixed else "door"
     controls = _draw_controls(rng, plan.x, plan.y, (low, plan.top - 0.003), carrier)
     housed = (band, *controls.pieces)
-    solids = (face, *_build_liner(leaf, tub), *(() if fixed else housed))
+    badge = build_badge(leaf.x, (0.0, leaf.z[0] + 0.07), 0.06)
+    solids = (face, badge, *_build_liner(leaf, tub), *(() if fixed else housed))
     door = ShapePart("door", "door", solids, hinge(replace(leaf, z=(sill, top)), "bottom", np.pi / 2))
     return Assembly(housed if fixed else (), (door, *_mount(plan, leaf, "door"), *controls.parts))
 
@@ -258,6 +259,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"vintage": "retro"},
+    forms={},
     sizes=((0.4, 0.8), (0.4, 0.9), (0.4, 1.2)),
     make=make(hidden=2.0, filled=25.0),  # pump
     makes={},

@@ -12,7 +12,8 @@ from artigen.kind import Kind, Place, by_height, make, plurals
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
 from artigen.shapes.draw import Draft, Size, Spans, Wish, choose_lengths
-from artigen.shapes.fittings.feet import LegKind, StandKind
+from artigen.shapes.fittings.feet import StandKind
+from artigen.shapes.fittings.legs import LegKind
 from artigen.shapes.furniture.carcass import LAID_LAYOUTS, draw_fitting
 from artigen.shapes.furniture.case import build_case, draw_plan
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
@@ -123,7 +124,17 @@ def _draw_layout(rng: np.random.Generator, size: Size) -> Node:
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("dresser", "chest of drawers/chests of drawers", "bureau", "tallboy", "highboy", "lowboy"),
+    nouns=plurals(
+        "dresser",
+        "chest of drawers/chests of drawers",
+        "bureau",
+        "tallboy",
+        "highboy",
+        "lowboy",
+        "chiffonier",
+        "drawer chest",
+        "plan chest",
+    ),
     hints=(),
     size=(
         by_height(0.8, 1.05),
@@ -134,7 +145,16 @@ KIND = Kind(
     build="board",
     stands="free",
     styles=tuple(STYLES),
-    style_words={"mid century": "midcentury", "traditional": "classic"},
+    style_words={
+        "contemporary": "modern",
+        "minimalist": "handleless",
+        "vintage": "classic",
+        "antique": "classic",
+        "victorian": "classic",
+        "mid century": "midcentury",
+        "traditional": "classic",
+    },
+    forms=dict.fromkeys(("tallboy", "highboy", "chiffonier"), ((0.5, 0.9), (0.4, 0.5), (1.1, 1.5))),
     sizes=((0.4, 2.4), (0.3, 0.8), (0.5, 1.8)),
     make=make(wall={"wood_board": 0.02}),
     makes={},

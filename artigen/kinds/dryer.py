@@ -145,6 +145,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={},
+    forms={},
     sizes=((0.4, 0.9), (0.4, 1.0), (0.6, 1.4)),
     make=make(hidden=4.0, filled=30.0),  # motor, fan
     makes={},

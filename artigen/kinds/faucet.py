@@ -176,7 +176,15 @@ def _draw_bridge(rng: np.random.Generator, x: float, reach: float, height: float
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("faucet", "tap", "mixer tap", "water tap", "kitchen tap", "basin tap"),
+    nouns=plurals(
+        "faucet",
+        "tap",
+        "mixer tap",
+        "water tap",
+        "kitchen tap",
+        "basin tap",
+        "spigot",
+    ),
     hints=("sink",),
     size=(by_longest(0.3),),
     deepest=np.inf,
@@ -185,6 +193,7 @@ KIND = Kind(
     stands="mounted",
     styles=tuple(STYLES),
     style_words={"mixer": "single", "single lever": "single"},
+    forms={},
     sizes=((0.05, 0.6), (0.08, 0.5), (0.08, 0.7)),
     make=PLAIN,
     makes={},

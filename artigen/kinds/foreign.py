@@ -38,7 +38,7 @@ CATEGORIES = (
     _foreign("Keyboard", ("keyboard",), by_longest(0.45), build="plastic"),
     _foreign("Knife", ("knife/knives",), by_longest(0.25), build="metal", stands="held"),
     _foreign("Lamp", ("lamp",), by_longest(0.5)),
-    _foreign("Lighter", ("lighter",), by_longest(0.08), stands="held"),
+    _foreign("Lighter", ("lighter",), by_longest(0.08), stands="held", diagonal=(0.04, 0.2)),
     _foreign("Mouse", ("mouse/mice",), by_longest(0.11)),
     _foreign("Pen", ("pen",), by_longest(0.14), stands="held"),
     _foreign("Phone", ("phone",), by_longest(0.15), build="plastic", stands="held"),
@@ -46,5 +46,5 @@ CATEGORIES = (
     _foreign("Remote", ("remote",), by_longest(0.18), build="plastic", stands="held"),
     _foreign("Scissors", ("scissors/scissors",), by_longest(0.18), build="metal", stands="held"),
     _foreign("Stapler", ("stapler",), by_longest(0.15), stands="held"),
-    _foreign("USB", ("usb",), by_longest(0.06), stands="held"),
+    _foreign("USB", ("usb",), by_longest(0.06), stands="held", diagonal=(0.03, 0.15)),
 )

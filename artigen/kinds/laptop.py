@@ -161,7 +161,14 @@ def _build_keys(front: float, rear: float, y: Range, top: float, style: str) -> 
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("laptop", "notebook computer", "laptop computer", "notebook"),
+    nouns=plurals(
+        "laptop",
+        "notebook computer",
+        "laptop computer",
+        "notebook",
+        "ultrabook",
+        "chromebook",
+    ),
     hints=(),
     size=(by_width(0.34),),
     deepest=np.inf,
@@ -170,6 +177,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"coloured": "colour", "colored": "colour", "color": "colour"},
+    forms={},
     sizes=((0.2, 0.6), (0.15, 0.45), (0.01, 0.08)),
     make=make(wall={"plastic": 0.0015}, filled=500.0),  # battery
     makes={},

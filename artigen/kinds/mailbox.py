@@ -223,6 +223,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"apartment": "cluster"},
+    forms={},
     sizes=((0.12, 1.3), (0.1, 0.9), (0.2, 2.0)),
     make=PLAIN,
     makes={},

@@ -13,7 +13,13 @@ import numpy as np
 from artigen.kind import Channel, Kind, Place, by_width, make, plurals
 from artigen.shapes.appliances.appliance_doors import build_window_leaf, draw_grip, mount_grip
 from artigen.shapes.appliances.cavity import build_feet, build_shell
-from artigen.shapes.appliances.control_panel import build_display, design_dial, make_button, make_dial
+from artigen.shapes.appliances.control_panel import (
+    build_badge,
+    build_display,
+    design_dial,
+    make_button,
+    make_dial,
+)
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, pick
@@ -53,7 +59,7 @@ class _Plan:
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a microwave oven."""
-    style = wish.style or str(rng.choice(STYLES, p=(0.36, 0.28, 0.24, 0.12)))
+    style = wish.style or str(rng.choice(STYLES, p=(0.40, 0.31, 0.25, 0.04)))
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish)
     face = "panel" if rng.random() < (0.6 if style != "retro" else 0.15) else "front"
@@ -131,6 +137,9 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, face: str, wish: Wish) -> 
         (panel.z[0] + margin, panel.z[1] - (margin if not plan.drops else rail)),
     )
     leaf = build_window_leaf(panel, window, face, "inside")
+    if not plan.drops:
+        at = (sum(window[0]) / 2, panel.z[0] + margin / 2)
+        leaf += (build_badge(panel.x, at, min(0.06, 3 * margin)),)
     edge = "bottom" if plan.drops else "left"
     upper = radians(90 if plan.drops else rng.uniform(88, 125))
     door = ShapePart("door", "door", leaf, hinge(panel, edge, upper))
@@ -261,6 +270,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"vintage": "retro"},
+    forms={},
     sizes=((0.3, 0.9), (0.25, 0.75), (0.18, 0.65)),
     make=make(hidden=4.0, wall={"glass": 0.004}),  # transformer
     makes={},

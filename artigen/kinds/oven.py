@@ -71,7 +71,7 @@ class _Plan(Housing):
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws an oven."""
-    style = wish.style or str(rng.choice(STYLES, p=(0.42, 0.24, 0.22, 0.12)))
+    style = wish.style or str(rng.choice(STYLES, p=(0.48, 0.23, 0.25, 0.04)))
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish, style)
     if plan.kind == "hob":
@@ -307,6 +307,10 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"vintage": "retro"},
+    forms=dict.fromkeys(
+        ("range", "cooker", "stove", "kitchen range", "range cooker"),
+        ((0.5, 0.92), (0.55, 0.7), (0.85, 0.95)),
+    ),
     sizes=((0.3, 1.6), (0.3, 1.0), (0.05, 1.8)),
     make=PLAIN,
     makes={},

@@ -136,7 +136,19 @@ def _draw_finishes(rng: np.random.Generator) -> dict[str, Finish]:
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("cooking pot", "saucepan", "pot", "casserole", "stockpot", "stock pot"),
+    nouns=plurals(
+        "cooking pot",
+        "saucepan",
+        "pot",
+        "casserole",
+        "stockpot",
+        "stock pot",
+        "dutch oven",
+        "pressure cooker",
+        "stewpot",
+        "stew pot",
+        "sauce pan",
+    ),
     hints=("lid pot",),
     size=(by_longest(0.35),),
     deepest=np.inf,
@@ -145,6 +157,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"stock pot": "stockpot"},
+    forms={},
     sizes=((0.12, 0.7), (0.1, 0.5), (0.06, 0.6)),
     make=make(density={"steel_sheet": 1100.0}),
     makes={},

@@ -261,6 +261,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"photocopier": "copier", "ink jet": "inkjet", "all in one": "multifunction"},
+    forms={},
     sizes=((0.25, 1.0), (0.2, 1.0), (0.1, 1.5)),
     make=make(wall={"plastic": 0.0025}, filled=110.0),
     makes={},

@@ -18,6 +18,7 @@ from artigen.shapes.appliances.cold_storage import (
     plan_bins,
     reach_inwards,
 )
+from artigen.shapes.appliances.control_panel import build_badge
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose
 from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths, pick_nearest
@@ -32,6 +33,8 @@ from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Refrigerator"
 STYLES = ("steel", "white", "black", "retro")
+BADGE_DROP = 0.055
+"""Distance (m) of the maker's plate from the top of the highest door."""
 Form = Literal[
     "single", "mini", "top_freezer", "bottom_freezer", "drawer", "side_by_side", "french", "display"
 ]
@@ -95,7 +98,7 @@ class _Plan:
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a refrigerator."""
-    style = wish.style or str(rng.choice(STYLES, p=(0.42, 0.33, 0.13, 0.12)))
+    style = wish.style or str(rng.choice(STYLES, p=(0.46, 0.35, 0.14, 0.05)))
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish)
     cells = _draw_cells(rng, plan) if wish.layout is None else _lay_cells(plan, list_rows(wish.layout.node))
@@ -119,8 +122,12 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     floor = foot + choose(rng, *((0.0, 0.012) if kind == "mini" else (0.03, 0.08)))
     x = -depth / 2
     longest = max(width, depth, height)
-    kinds = ("bar", "bar", "pull", "edge", "arch") if kind != "display" else ("bar", "pull", "edge")
-    length = choose(rng, 0.24, 0.62) * min(1.0, height)
+    kinds = (
+        ("bar", "bar", "bar", "pull", "pull", "arch", "edge")
+        if kind != "display"
+        else ("bar", "pull", "edge")
+    )
+    length = choose(rng, 0.3, 0.8) * min(1.0, height)
     offered = replace(wish, layout=None).choose_handles(kinds)
     grip = draw_grip(rng, offered, length=length, longest=longest)
     return _Plan(
@@ -132,13 +139,13 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
         wall=choose(rng, *((0.032, 0.040) if kind == "mini" else (0.038, 0.055))),
         longest=longest,
         edge="left" if rng.random() < 0.35 else "right",
-        bevel=choose(rng, 0.002, 0.012) if rng.random() < 0.6 else 0.0,
+        bevel=choose(rng, 0.004, 0.018) if rng.random() < 0.8 else 0.0,
         grip=grip if _has_grips(rng, wish) else None,
     )
 
 
 def _has_grips(rng: np.random.Generator, wish: Wish) -> bool:
-    usual = rng.random() < 0.76
+    usual = rng.random() < 0.86
     return usual if wish.layout is None else any(cell.handles for cell in list_cells(wish.layout.node))
 
 
@@ -275,6 +282,8 @@ def _draw_doors(
         niche = _draw_niche(rng, panel) if dispenses and k == 0 else None
         across = cell.space.y if cell.front == "door" else _half(cell.space.y, panel, edge)
         leaf = build_cold_leaf(panel, edge, (across, cell.space.z), bins, bevel=plan.bevel, niche=niche)
+        if k == 0 and z[1] == plan.outer.z[1] and panel.height > 4 * BADGE_DROP:
+            leaf += (build_badge(panel.x, (panel.center[0], panel.z[1] - BADGE_DROP), 0.06),)
         parts.append(ShapePart(name, "door", leaf, hinge(panel, edge, upper)))
         parts += _mount(plan, panel, edge, name)
         needs.append(Need(part=name, fraction=1.0))
@@ -289,8 +298,8 @@ def _draw_doors(
 def _dispenses(rng: np.random.Generator, plan: _Plan, cell: _Cell) -> bool:
     """Whether the first door has a dispenser."""
     if plan.kind == "side_by_side":
-        return cell.frozen and rng.random() < 0.55
-    return cell.front == "pair" and not cell.frozen and rng.random() < 0.55
+        return cell.frozen and rng.random() < 0.7
+    return cell.front == "pair" and not cell.frozen and rng.random() < 0.6
 
 
 def _draw_niche(rng: np.random.Generator, panel: Panel) -> tuple[Range, Range] | None:
@@ -368,7 +377,16 @@ def _draw_glass_doors(rng: np.random.Generator, plan: _Plan, cell: _Cell, z: Ran
 KIND = Kind(
     name=CATEGORY,
     nouns=plurals(
-        "refrigerator", "fridge", "freezer", "fridge freezer", "mini fridge", "upright freezer", "icebox"
+        "refrigerator",
+        "fridge",
+        "freezer",
+        "fridge freezer",
+        "mini fridge",
+        "upright freezer",
+        "icebox",
+        "wine cooler",
+        "beverage cooler",
+        "minibar",
     ),
     hints=(),
     size=(by_height(1.75),),
@@ -378,6 +396,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"vintage": "retro"},
+    forms=dict.fromkeys(("mini fridge", "minibar", "wine cooler"), ((0.44, 0.56), (0.45, 0.58), (0.5, 0.9))),
     sizes=((0.35, 1.9), (0.35, 1.1), (0.4, 2.4)),
     make=make(hidden=6.0, wall={"glass": 0.004}),  # compressor
     makes={},

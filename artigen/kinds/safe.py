@@ -137,7 +137,14 @@ def _make_shelves(rng: np.random.Generator, space: Space) -> list[ShapePart]:
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("safe", "strongbox", "gun safe"),
+    nouns=plurals(
+        "safe",
+        "strongbox",
+        "gun safe",
+        "lockbox",
+        "lock box",
+        "strong box",
+    ),
     hints=(),
     size=(
         by_height(0.45, 1.7),
@@ -149,6 +156,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"combination": "dial", "digital": "keypad", "electronic": "keypad"},
+    forms={"gun safe": ((0.5, 0.75), (0.4, 0.6), (1.3, 1.6))},
     sizes=((0.2, 1.2), (0.2, 1.0), (0.2, 2.2)),
     make=make(density={"steel_sheet": 1150.0}),  # plates around concrete
     makes={},

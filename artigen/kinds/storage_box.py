@@ -15,9 +15,10 @@ from artigen.kind import Kind, Place, by_longest, make, plurals
 from artigen.shapes.assembly import Assembly, draw_styled
 from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.draw import Draft, Spans, Wish
-from artigen.shapes.fittings.feet import make_legs, make_plinth
+from artigen.shapes.fittings.feet import make_plinth
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import GAP, Edge, Panel
+from artigen.shapes.fittings.legs import make_legs
 from artigen.shapes.fittings.lids import (
     build_collar,
     build_roof,
@@ -234,6 +235,8 @@ KIND = Kind(
         "toy chest",
         "blanket chest",
         "blanket box",
+        "footlocker",
+        "coffer",
     ),
     hints=(),
     size=(by_longest(0.4),),
@@ -243,6 +246,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"cardboard": "carton", "moving": "carton"},
+    forms={},
     sizes=((0.12, 2.0), (0.1, 1.0), (0.06, 1.0)),
     make=make(density={"glass": 1050.0}, wall={"plastic": 0.0022, "glass": 0.0022}),
     makes={

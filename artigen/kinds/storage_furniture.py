@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from artigen.kind import PLAIN, Channel, Kind, Place, by_height, by_width, plurals
+from artigen.kind import PLAIN, Channel, Kind, Place, Spans, by_height, by_width, plurals
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import pick
 from artigen.shapes.draw import Draft, Wish, choose_lengths, pick_nearest
@@ -84,6 +84,38 @@ def _draw_wanted(rng: np.random.Generator, box: Space, looks: Looks, kind: Form,
     return node
 
 
+TALL: Spans = ((0.4, 0.9), (0.35, 0.62), (1.8, 2.2))
+DISPLAY: Spans = ((0.7, 1.2), (0.35, 0.5), (1.2, 2.0))
+SHOES: Spans = ((0.5, 0.9), (0.17, 0.38), (0.9, 1.3))
+"""Widths, depths and heights (m) of what has a noun and no form of its own."""
+NOUNS: dict[str, tuple[str, ...]] = {
+    "nightstand": ("nightstand", "night stand", "bedside cabinet", "bedside table", "bedside unit"),
+    "bookcase": ("bookcase", "bookshelf", "shelving unit", "shelf unit"),
+    "tv_stand": (
+        "tv stand", "tv unit", "tv cabinet", "tv console", "tv bench", "media unit", "media console",
+        "lowboard", "entertainment center", "entertainment centre", "entertainment unit",
+    ),
+    "sideboard": ("sideboard", "credenza", "buffet"),
+    "base_cabinet": (
+        "kitchen cabinet", "base cabinet", "base unit", "kitchen unit", "sink cabinet", "vanity unit",
+        "vanity", "bathroom vanity",
+    ),
+    "wall_cabinet": ("wall cabinet", "hanging cabinet", "wall unit"),
+    "drawer_unit": ("drawer unit",),
+}  # fmt: skip
+"""Nouns of forms of furniture."""
+
+
+def _size_nouns() -> dict[str, Spans]:
+    """Usual widths, depths and heights (m) by nouns."""
+    forms = {noun: FORMS[form].spans for form, nouns in NOUNS.items() for noun in nouns}
+    forms |= dict.fromkeys(("pantry", "larder", "larder unit", "tall unit", "locker"), TALL)
+    forms |= dict.fromkeys(
+        ("hutch", "highboard", "china cabinet", "display cabinet", "display case"), DISPLAY
+    )
+    return forms | {"shoe cabinet": SHOES}
+
+
 KIND = Kind(
     name=CATEGORY,
     nouns=plurals(
@@ -119,6 +151,30 @@ KIND = Kind(
         "locker",
         "lowboard",
         "highboard",
+        "pantry/pantries",
+        "larder",
+        "larder unit",
+        "buffet",
+        "hutch",
+        "vanity/vanities",
+        "bathroom vanity/bathroom vanities",
+        "base unit",
+        "wall unit",
+        "tall unit",
+        "kitchen unit",
+        "storage unit",
+        "shelf unit",
+        "bedside table",
+        "bedside unit",
+        "entertainment center",
+        "entertainment centre",
+        "entertainment unit",
+        "display case",
+        "tv console",
+        "tv bench",
+        "washstand",
+        "cubby/cubbies",
+        "etagere",
     ),
     hints=("drawer", "shelf"),
     size=(
@@ -133,6 +189,13 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={
+        "modern": "flat",
+        "contemporary": "flat",
+        "minimalist": "handleless",
+        "vintage": "classic",
+        "antique": "classic",
+        "victorian": "classic",
+        "ornate": "classic",
         "louvred": "louvre",
         "louvered": "louvre",
         "rustic": "country",
@@ -141,6 +204,7 @@ KIND = Kind(
         "glazed": "framed_glass",
         "glass cabinet": "framed_glass",
     },
+    forms=_size_nouns(),
     sizes=((0.2, 4.0), (0.15, 1.2), (0.2, 3.2)),
     make=PLAIN,
     makes={},

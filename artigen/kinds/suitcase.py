@@ -161,7 +161,15 @@ def _build_lying(rng: np.random.Generator, width: float, depth: float, height: f
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("suitcase", "trolley case", "travel case", "luggage/luggage"),
+    nouns=plurals(
+        "suitcase",
+        "trolley case",
+        "travel case",
+        "luggage/luggage",
+        "carry on",
+        "baggage/baggage",
+        "cabin bag",
+    ),
     hints=(),
     size=(by_longest(0.65),),
     deepest=np.inf,
@@ -170,6 +178,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"carry on": "cabin", "aluminum": "aluminium"},
+    forms=dict.fromkeys(("carry on", "cabin bag"), ((0.34, 0.42), (0.2, 0.26), (0.5, 0.58))),
     sizes=((0.25, 1.0), (0.12, 0.6), (0.12, 1.0)),
     make=make(wall={"plastic": 0.0022}),
     makes={},

@@ -145,6 +145,7 @@ KIND = Kind(
     stands="mounted",
     styles=tuple(STYLES),
     style_words={"push button": "buttons"},
+    forms={},
     sizes=((0.05, 0.6), (0.02, 0.2), (0.05, 0.4)),
     make=PLAIN,
     makes={},

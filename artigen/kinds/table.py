@@ -14,8 +14,9 @@ from artigen.kinds.storage_furniture import STYLES
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, pick
 from artigen.shapes.draw import Draft, Size, Spans, Wish, choose_lengths, pick_nearest
-from artigen.shapes.fittings.feet import LEG_KINDS, LegKind, make_castors, make_legs
+from artigen.shapes.fittings.feet import make_castors
 from artigen.shapes.fittings.hardware import GAP, Space, lift
+from artigen.shapes.fittings.legs import LegKind, make_legs
 from artigen.shapes.furniture.cabinet import draw_layout, make_cabinet
 from artigen.shapes.furniture.carcass import LAID_LAYOUTS, draw_fitting, open_carcass
 from artigen.shapes.furniture.laid_tables import Underside, build_under_top
@@ -30,6 +31,7 @@ from artigen.shapes.furniture.table_frames import (
     STRETCHER_KINDS,
     WALL,
     TopKind,
+    inset_of_ellipse,
     inset_of_oval,
     make_apron,
     make_arch,
@@ -49,7 +51,7 @@ MAX_LAYOUTS = 60
 OVERHANGING, ARCHED, STRETCHED, CLOSED, GIRDED = 0.4, 0.2, 0.3, 0.2, 0.75
 """Probabilities of an overhanging top, arched aprons, stretchers, closed sides (twice for small tables), and
 an apron around the drawers."""
-TOPS: dict[TopKind, float] = {"plain": 0.8, "rounded": 0.12, "oval": 0.08}
+TOPS: dict[TopKind, float] = {"plain": 0.72, "rounded": 0.1, "oval": 0.06, "ellipse": 0.12}
 PEDESTAL = Taste(
     module=(0.3, 0.7),
     drawer=(0.1, 0.3),
@@ -77,6 +79,8 @@ class _Plan:
     """Thickness of the top."""
     leg: LegKind
     leg_width: float
+    moulded: bool
+    """Whether the edge of the top is moulded."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -109,14 +113,15 @@ def _draw_plan(rng: np.random.Generator, style: str, size: Size, wish: Wish) -> 
         size=size,
         looks=replace(looks, carcass=replace(looks.carcass, lid=False), lock=False, margin=GAP),
         top=choose(rng, 0.02, 0.04),
-        leg=LEG_KINDS[int(rng.integers(3))],
+        leg=choose_one(rng, [kind for kind in look.legs if kind != "splayed"]),
+        moulded=bool(rng.random() < look.moulded),
         leg_width=choose(rng, 0.04, 0.065) * float(np.clip(0.55 + 0.4 * max(size), 0.7, 1.25)),
     )
 
 
-def _make_top(plan: _Plan) -> Primitive:
+def _make_top(plan: _Plan) -> tuple[Primitive, ...]:
     width, depth, height = plan.size
-    return block(around(0.0, depth / 2), around(0.0, width / 2), (height - plan.top, height), "top", 0.003)
+    return make_top(width, depth, (height - plan.top, height), "plain", 0.0, moulded=plan.moulded)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,6 +145,9 @@ def _draw_footing(rng: np.random.Generator, plan: _Plan) -> _Footing:
         rng, {name: chance for name, chance in TOPS.items() if name != "oval" or width > 1.3 * depth}
     )
     radius = choose(rng, 0.04, 0.12)
+    if kind == "ellipse":
+        edge, behind = max(edge, 0.13 * depth), max(behind, 0.13 * depth)
+        aside = max(aside, inset_of_ellipse(width, depth, min(edge, behind)))
     if kind == "oval":
         edge, behind = max(edge, 0.08 * depth), max(behind, 0.08 * depth)
         aside = max(aside, inset_of_oval(depth, min(edge, behind)))
@@ -149,7 +157,7 @@ def _draw_footing(rng: np.random.Generator, plan: _Plan) -> _Footing:
     return _Footing(
         x=(edge - depth / 2, depth / 2 - behind),
         y=(aside - width / 2, width / 2 - aside),
-        top=make_top(width, depth, (height - plan.top, height), kind, radius),
+        top=make_top(width, depth, (height - plan.top, height), kind, radius, moulded=plan.moulded),
     )
 
 
@@ -225,7 +233,7 @@ def _build_desk(rng: np.random.Generator, plan: _Plan) -> Assembly:
     x, y = (reach - depth / 2, depth / 2), (0.015 - width / 2, width / 2 - 0.015)
     wide = choose(rng, 0.32, 0.46) * float(np.clip(width / 1.3, 0.85, 1.1))
     both = width > 1.25 and rng.random() < 0.5
-    built = Assembly((_make_top(plan),))
+    built = Assembly(_make_top(plan))
     lifted = float(rng.choice((0.0, 0.06, 0.12)))
     spans = [(y[1] - wide, y[1]), (y[0], y[0] + wide)] if both else [(y[1] - wide, y[1])]
     first: Node | None = None
@@ -273,7 +281,7 @@ def _build_laid(plan: _Plan, layout: Layout) -> Assembly:
         width=0.04,
         lifted=layout.stand_height or 0.0,
     )
-    return Assembly((_make_top(plan),)) + build_under_top(layout.node, under)
+    return Assembly(_make_top(plan)) + build_under_top(layout.node, under)
 
 
 def _rename(part: ShapePart, tag: str) -> ShapePart:
@@ -312,7 +320,7 @@ def _widest_column(node: Node, space: Space, looks: Looks) -> Range:
 
 
 def _build_screw(rng: np.random.Generator, plan: _Plan) -> Assembly:
-    return build_screw_table(rng, plan.size, plan.top)
+    return build_screw_table(rng, plan.size, plan.top, turned=plan.leg in ("turned", "cabriole"))
 
 
 @dataclass(frozen=True)
@@ -358,7 +366,6 @@ KIND = Kind(
         "coffee table",
         "side table",
         "end table",
-        "bedside table",
         "console table",
         "writing desk",
         "writing table",
@@ -369,14 +376,36 @@ KIND = Kind(
     size=(
         by_height(0.45, 0.38, "coffee table"),
         by_height(0.75, 0.95, "desk, dining table"),
-        by_height(0.65, note="bedside table"),
+        by_height(0.65, note="side table"),
     ),
     deepest=np.inf,
     diagonal=(0.3, 3.5),
     build="board",
     stands="free",
     styles=tuple(STYLES),
-    style_words={"rustic": "country", "farmhouse": "country", "traditional": "classic"},
+    style_words={
+        "modern": "flat",
+        "contemporary": "flat",
+        "minimalist": "handleless",
+        "vintage": "classic",
+        "antique": "classic",
+        "victorian": "classic",
+        "rustic": "country",
+        "farmhouse": "country",
+        "traditional": "classic",
+    },
+    forms={
+        "coffee table": ((0.8, 1.3), (0.5, 0.8), (0.35, 0.5)),
+        "desk": ((1.0, 1.6), (0.55, 0.8), (0.72, 0.76)),
+        "writing desk": ((1.0, 1.4), (0.5, 0.7), (0.72, 0.76)),
+        "side table": ((0.4, 0.6), (0.4, 0.6), (0.45, 0.65)),
+        "end table": ((0.4, 0.6), (0.4, 0.6), (0.45, 0.65)),
+        "console table": ((0.9, 1.4), (0.3, 0.4), (0.75, 0.85)),
+        "dining table": ((1.2, 2.0), (0.8, 1.0), (0.72, 0.77)),
+        "kitchen table": ((1.1, 1.8), (0.75, 0.95), (0.72, 0.77)),
+        "workbench": ((1.2, 1.8), (0.6, 0.75), (0.85, 0.92)),
+        "kitchen island": ((1.0, 1.8), (0.6, 1.0), (0.88, 0.94)),
+    },
     sizes=((0.25, 4.0), (0.2, 2.0), (0.25, 1.5)),
     make=make(density={"wood_board": 580.0}),  # light tops
     makes={},

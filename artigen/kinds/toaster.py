@@ -137,6 +137,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"vintage": "retro"},
+    forms={},
     sizes=((0.12, 0.5), (0.2, 0.45), (0.12, 0.3)),
     make=make(density={"steel_sheet": 210.0}),  # thin sheet
     makes={},

@@ -247,6 +247,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={},
+    forms={},
     sizes=((0.25, 1.1), (0.12, 0.8), (0.12, 1.3)),
     make=make(density={"steel_sheet": 1000.0}, wall={"plastic": 0.003}),
     makes={},

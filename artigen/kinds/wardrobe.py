@@ -136,6 +136,7 @@ KIND = Kind(
         "rustic": "country",
         "farmhouse": "country",
     },
+    forms={},
     sizes=((0.35, 3.6), (0.4, 0.9), (1.3, 3.0)),
     make=make(density={"wood_board": 580.0}, wall={"wood_board": 0.02}),  # particle board on a thin back
     makes={},

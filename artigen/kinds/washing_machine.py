@@ -4,7 +4,7 @@ from math import radians
 
 import numpy as np
 
-from artigen.kind import Channel, Kind, Place, by_height, make, plurals
+from artigen.kind import EVERY, NONE, Channel, Kind, Place, by_height, make, plurals
 from artigen.shapes.appliances.cavity import SIDES, build_feet, build_rim, build_tub, build_walls
 from artigen.shapes.appliances.control_panel import design_dial, spread_controls
 from artigen.shapes.appliances.drums import build_bearing, fit_radius, make_drum
@@ -36,7 +36,7 @@ STYLES = ("white", "steel", "black", "retro")
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a washing machine."""
-    style = wish.style or str(rng.choice(STYLES, p=(0.58, 0.22, 0.14, 0.06)))
+    style = wish.style or str(rng.choice(STYLES, p=(0.62, 0.22, 0.13, 0.03)))
     palette = draw_palette(rng, "appliance", style)
     loads_at_top = rng.random() < 0.22 if wish.height is None else wish.height >= 1.0
     plan = _draw_plan(rng, wish, loads_at_top=loads_at_top)
@@ -171,7 +171,15 @@ KIND = Kind(
     build="sheet",
     stands="free",
     styles=tuple(STYLES),
-    style_words={"vintage": "retro"},
+    style_words={
+        "front loading": EVERY,
+        "front load": EVERY,
+        "top loading": NONE,
+        "top load": NONE,
+        "top loader": NONE,
+        "vintage": "retro",
+    },
+    forms={},
     sizes=((0.4, 1.0), (0.4, 1.0), (0.6, 1.6)),
     make=make(hidden=5.0, filled=100.0),  # counterweight of concrete, motor
     makes={},

@@ -259,6 +259,7 @@ KIND = Kind(
     stands="mounted",
     styles=tuple(STYLES),
     style_words={"hung": "sash"},
+    forms={},
     sizes=((0.3, 3.0), (0.05, 0.5), (0.3, 2.6)),
     make=PLAIN,
     makes={},

@@ -10,6 +10,7 @@ from artigen.reader.boxes import overlap_boxes
 from artigen.reader.ground import bound_outline, find_outline
 from artigen.reader.legs import find_legs
 from artigen.reader.panels import look_at_panels
+from artigen.reader.proportions import fit_outline
 from artigen.reader.reading import Reading, Stand
 
 if TYPE_CHECKING:
@@ -30,6 +31,9 @@ CELLS = 64
 OWN = 0.6
 """Overlap (intersection over union) of an outline's box with the one that was read from which it is the
 object's: a photograph of a whole kitchen before white paper is outlined as well."""
+FAR_OFF = 0.4
+"""Logarithm of the factor between a length by the outline and the one that was read from which the former is
+not believed: twice the standard deviation of what is read."""
 COVERED = 0.6
 """Share of the width that legs cover at most; six legs that are seen from aside cover half of it."""
 MOST = 0.5
@@ -40,8 +44,8 @@ others."""
 def look_closer(reading: Reading, image: "Image.Image") -> Reading:
     """The reading with what a second look tells.
 
-    - Before plain ground, or cut out, the object ends where its outline does, and stands on legs where the
-      ground shows below it.
+    - Before plain ground, or cut out, the object ends where its outline does, has the proportions that this
+      tells, and stands on legs where the ground shows below it.
     - Elsewhere it stands on legs where `find_legs` finds them; what seems to be legs is a closed base where
       the body goes on below the fronts.
     - A body that has the colour of what is beside the object has that of its fronts.
@@ -66,7 +70,7 @@ def look_closer(reading: Reading, image: "Image.Image") -> Reading:
     bounds = None if outline is None else bound_outline(outline)
     if outline is not None and bounds is not None and _overlap(bounds, reading.box) >= OWN:
         reading = replace(reading, box=bounds)
-        reading = replace(reading, stand=_find_feet(reading, outline))
+        reading = replace(measure_outline(reading, outline), stand=_find_feet(reading, outline))
     elif (end := find_legs(reading, image)) is not None:
         left, top, right, bottom = reading.box
         reading = replace(reading, stand="legs", box=np.array([left, top, right, max(bottom, end)]))
@@ -74,6 +78,17 @@ def look_closer(reading: Reading, image: "Image.Image") -> Reading:
         reading = replace(reading, stand=_find_stand(reading, np.array(color) / 255.0, pixels))
     reading = replace(reading, color=color, surface=_find_surface(reading, image))
     return look_at_panels(reading, image)
+
+
+def measure_outline(reading: Reading, outline: Bool[np.ndarray, "H W"]) -> Reading:
+    """The reading with the lengths and the view that an outline tells, unless they are far from those that
+    were read: then the object is no cuboid, or its fronts are others."""
+    boxes = [front.box for front in reading.fronts if not front.open]
+    ends = (float(min(box[0] for box in boxes)), float(max(box[2] for box in boxes))) if boxes else None
+    size, view = fit_outline(outline, reading.size, reading.view, ends)
+    if float(np.abs(np.log(size) - np.log(reading.size)).max()) > FAR_OFF:
+        return reading
+    return replace(reading, size=size, view=view, measured=True)
 
 
 def _find_surface(reading: Reading, image: "Image.Image") -> Bool[np.ndarray, "R C"] | None:

@@ -68,6 +68,7 @@ def parse_reading(held: object) -> Reading:
         stand=values.choose("stand", get_args(Stand), optional=True) or "flat",  # type: ignore[arg-type]
         color=values.color("color") or (200, 200, 200),
         extent=(round(width), round(height)),
+        measured=bool(values.held.get("measured", False)),
         notes=tuple(str(note) for note in values.held.get("notes") or ()),
     )
 

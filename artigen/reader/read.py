@@ -11,13 +11,14 @@ from jaxtyping import Bool, Float, UInt8
 
 from artigen.conditioning.image import open_picture
 from artigen.errors import ArtigenError, SourceError
+from artigen.kind import name_kind
 from artigen.models.precision import native_autocast
 from artigen.reader.choice import choose_fronts
 from artigen.reader.decode import Found, average_maps, find_things, mirror_maps
 from artigen.reader.edges import snap_boxes
 from artigen.reader.hinges import average_shares, weigh_hinges
 from artigen.reader.labels import DIAL, FRONT, HINGES, KINDS, MATERIALS, OBJECT, PULL, SHELF, STANDS, WHEEL
-from artigen.reader.layout.frontal import LONG
+from artigen.reader.layout.frontal import FAR, LONG
 from artigen.reader.looks import look_closer
 from artigen.reader.model import Reader, load_reader
 from artigen.reader.reading import Label, Reading, ReadPart
@@ -36,6 +37,8 @@ AROUND_BOX = 0.1
 """Margin around the box of a requested object, as a share of its sides."""
 LEAST_OBJECT, NOTHING = 0.2, 0.5
 """Score from which there is an object, and probability from which a picture shows nothing known."""
+LEAST_FRONT = 0.3
+"""Score from which there is a front, where the object that it belongs to is not known."""
 LEAST = {PULL: 0.3, DIAL: 0.3, SHELF: 0.35, WHEEL: 0.35}
 """Score from which there is a part, by thing."""
 REACH = 0.75
@@ -104,12 +107,7 @@ def read_image(
         frame = _frame_box(image, box)
         part = read_image(image.crop(frame), reader, name, settings=settings)
         return _place_back(part, frame, image.size)
-    sheet = _place(image)
-    pixels = torch.from_numpy(sheet.pixels).permute(2, 0, 1)[None]
-    with native_autocast(pixels.device):
-        both = reader.network(pixels), reader.network(pixels.flip(3))
-    maps = average_maps(both[0], mirror_maps(both[1]))
-    things = find_things(maps)[0]
+    sheet, things = _find(image, reader)
     chosen = _choose_object(things[OBJECT])
     if chosen is None:
         raise SourceError(_say_nothing([], name))
@@ -117,6 +115,51 @@ def read_image(
     if nothing > NOTHING:
         raise SourceError(_say_nothing(kinds, name))
     return _assemble(things, chosen, kinds, sheet, image, reader, settings or ReadSettings())
+
+
+@torch.no_grad()
+def read_all(image: "Image.Image", reader: Reader) -> Reading:
+    """All fronts, handles and dials of a picture, of whatever objects, as if they were of one cabinet."""
+    sheet, things = _find(image, reader)
+    fronts = things[FRONT]
+    fronts = fronts.take(np.flatnonzero(fronts.score > LEAST_FRONT))
+    fronts = fronts.move(snap_boxes(sheet.pixels, fronts.box))
+    pulls, kind = things[PULL], name_kind("cabinet")
+    hinges = weigh_hinges(
+        fronts.attributes["hinge"], fronts.box, pulls.box, pulls.score, reader.left_shares.get(kind, 0.5)
+    )
+    doors = fronts.attributes["door"][:, 0] > 0
+    parts = [
+        _describe_front(fronts, index, door, sides, sheet)
+        for index, (door, sides) in enumerate(zip(doors.tolist(), hinges, strict=True))
+    ]
+    for thing in (PULL, DIAL):
+        found = things[thing]
+        parts += [
+            _describe_part(found, int(index), thing, sheet)
+            for index in np.flatnonzero(found.score > LEAST[thing])
+        ]
+    whole = np.array([0.0, 0.0, *sheet.pixels.shape[:2]])
+    return Reading(
+        kind=kind,
+        kinds=((kind, 1.0),),
+        box=np.array([0.0, 0.0, 1.0, 1.0]),
+        parts=(*sort_reading(parts[: len(fronts)]), *parts[len(fronts) :]),
+        size=(1.0, 1.0, 1.0),
+        view=(0.0, 0.0, FAR),
+        stand="flat",
+        color=_median_color(sheet.pixels, whole, fronts.box),
+        extent=image.size,
+    )
+
+
+def _find(image: "Image.Image", reader: Reader) -> tuple[_Sheet, list[Found]]:
+    """The picture in a square, and the things in it, averaged with those of its mirror image."""
+    sheet = _place(image)
+    pixels = torch.from_numpy(sheet.pixels).permute(2, 0, 1)[None]
+    with native_autocast(pixels.device):
+        both = reader.network(pixels), reader.network(pixels.flip(3))
+    return sheet, find_things(average_maps(both[0], mirror_maps(both[1])))[0]
 
 
 def _name_kinds(

@@ -63,6 +63,8 @@ class Reading:
     extent: tuple[int, int]
     """Width and height of the photograph (pixels)."""
     notes: tuple[str, ...] = ()
+    measured: bool = False
+    """Whether lengths (but for their scale) and view are those of the object's outline."""
     surface: Bool[np.ndarray, "R C"] | None = None
     """Where the photograph, in equal cells, has the colour of the nearest front; None where nobody has
     looked. Files of readings leave it out."""
@@ -103,6 +105,7 @@ class Reading:
                 for part in self.parts
                 if part.label not in ("door", "drawer")
             ],
+            "measured": self.measured,
             "size": {"width": round(width, 2), "depth": round(depth, 2), "height": round(height, 2)},
             "camera": {
                 "yaw": round(yaw, 3),

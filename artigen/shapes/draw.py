@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 MAX_DRAWS = 1000
 FEW_DRAWS = 100
-"""Draws after which a count of more than twice the largest one seen is given up."""
+"""Draws after which a count of more than twice the largest one seen, and one more, is given up."""
 CROWDED_DRAWS = 10
 """Draws with other lengths of an object with free lengths before it is given up as too large."""
 VARIANTS = 100
@@ -219,7 +219,7 @@ def _draw_draft(category: str, seed: int, wish: Wish) -> tuple[Draft, int]:
     free = None in (wish.width, wish.depth, wish.height)
     crowded = 0
     for attempt in range(MAX_DRAWS):
-        if attempt == FEW_DRAWS and any(0 < 2 * most[label] < count for label, count in wish.counts):
+        if attempt == FEW_DRAWS and any(2 * most[label] + 1 < count for label, count in wish.counts):
             break
         rng = np.random.default_rng([crc32(category.encode()), seed, attempt])
         try:

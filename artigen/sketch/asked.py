@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Literal, get_args
+from typing import get_args
 
 import numpy as np
 from jaxtyping import Float
@@ -15,6 +15,7 @@ from jaxtyping import Float
 from artigen.conditioning.image import is_cut_out, open_picture
 from artigen.conditioning.vocabulary import AXES
 from artigen.errors import ArtigenError
+from artigen.kind import kinds
 from artigen.reader.correct import Side, correct_reading
 from artigen.reader.layout.build import build_from_reading
 from artigen.reader.layout.colours import match_finish
@@ -30,14 +31,13 @@ from artigen.sketch.draw import DrawConfig
 from artigen.sketch.model import Drawn, SketchConfig
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.request import FinishRequest, SketchRequest, encode_request
+from artigen.sketch.told import STANDS, Told, draw_told
 from artigen.sketch.understand import Request, Understood, understand
 from artigen.sketch.words import CATEGORIES
 
-STANDS: dict[str, Literal["flat", "legs", "wheels"]] = {
-    "legs": "legs", "feet": "legs", "plinth": "flat", "castor": "wheels", "wheel": "wheels",
-}  # fmt: skip
-"""What an object stands on, by words for it."""
 EDGES: tuple[Side, ...] = get_args(Side)
+BATCHES = 48
+"""Batches of the sketch network, some 15 s of one core, before the grammar draws what words ask for."""
 NAMED = ("door", "drawer", "handle")
 """Parts whose number a reading takes from words."""
 
@@ -48,11 +48,12 @@ class Asked:
 
     With a reading, the grammar draws: ``reading`` is what was read, corrected by what was said, ``wish`` has
     lengths, style and handles, and finishes of the request overrule colours. Without, the sketch network
-    draws ``request``, a cut-out ``picture`` beside it.
+    draws ``request``, a cut-out ``picture`` beside it, and the grammar what of ``told`` that does not meet.
     """
 
     request: SketchRequest
     notes: tuple[str, ...] = ()
+    told: Told = field(default_factory=Told)
     reading: Reading | None = None
     wish: Wish = field(default_factory=Wish)
     picture: Float[np.ndarray, "4 S S"] | None = None
@@ -120,14 +121,21 @@ def _ask_sketch(
     """What the sketch network is asked for: adjectives are resolved to extents."""
     request = understood.request
     encode_request(request)
-    if understood.stretch:
+    factors = dict(understood.stretch)
+    rng = np.random.default_rng([seed, 79])
+    request = replace(
+        request,
+        **{axis: float(rng.uniform(*span)) * factors.pop(axis, 1.0) for axis, span in understood.usual},
+    )
+    if factors:
         encoded = None if picture is None else model.encode_picture(network(), picture)
         usual = model.draw_header(network(), request, seed, encoded=encoded)
         request = replace(
-            request, **{axis: factor * getattr(usual, axis) for axis, factor in understood.stretch}
+            request, **{axis: factor * getattr(usual, axis) for axis, factor in factors.items()}
         )
         encode_request(request)
-    return Asked(request=request, notes=(*understood.notes, *understood.unmet), picture=picture)
+    told = Told(features=understood.features, places=understood.places)
+    return Asked(request=request, notes=understood.notes, told=told, picture=picture)
 
 
 def merge_reading(understood: Understood, reading: Reading) -> Asked:
@@ -169,6 +177,7 @@ def merge_reading(understood: Understood, reading: Reading) -> Asked:
     }
     merged = replace(request, category=corrected.kind, counts=tuple(sorted(counts.items())))  # type: ignore[arg-type]
     unmet = [f"{label}={count}" for label, count in request.counts if label not in NAMED]
+    unmet += [f"{place.label} at {place.at}" for place in understood.places]
     notes += [f"asked for beside a photograph, and left to chance: {', '.join(unmet)}"] if unmet else []
     return Asked(request=merged, notes=tuple(notes), reading=corrected, wish=wish)
 
@@ -194,10 +203,31 @@ def draw_asked(
     if asked.reading is not None:
         shape, notes = build_from_reading(asked.reading, seed, asked.wish)
         return Drawn(shape=wear_requested(shape, asked.request.finishes, seed), faults=(), notes=notes)
-    cfg = SketchConfig(draw=DrawConfig(temperature=temperature))
-    if asked.picture is None:
-        return model.draw_object(network(), asked.request, seed, cfg)
-    return model.draw_pictured(network(), asked.request, seed, asked.picture, cfg)
+    if (
+        asked.picture is None
+        and asked.request.category in kinds()
+        and asked.told.is_beyond(asked.request.style)
+    ):
+        described = draw_told(asked.told, asked.request, seed)
+        if described is not None:
+            shape = wear_requested(described[0], asked.request.finishes, seed)
+            return Drawn(shape=shape, faults=(), notes=described[1])
+    cfg = SketchConfig(draw=DrawConfig(temperature=temperature), batches=BATCHES)
+    drawn = (
+        model.draw_object(network(), asked.request, seed, cfg)
+        if asked.picture is None
+        else model.draw_pictured(network(), asked.request, seed, asked.picture, cfg)
+    )
+    if drawn.faults and asked.picture is None and asked.request.category in kinds():
+        described = draw_told(asked.told, asked.request, seed)
+        if described is not None:
+            shape, notes = described
+            said = f"the sketch network drew nothing sound in {BATCHES} batches: the grammar drew it"
+            worn = wear_requested(shape, asked.request.finishes, seed)
+            return Drawn(shape=worn, faults=(), notes=(said, *notes))
+    lost = asked.told.list_lost(drawn.shape)
+    notes = (f"understood, and not met: {', '.join(lost)}",) if lost else ()
+    return replace(drawn, notes=(*drawn.notes, *notes))
 
 
 def wear_requested(shape: Shape, finishes: Sequence[FinishRequest], seed: int) -> Shape:

@@ -1,14 +1,14 @@
 """Merges and checks a user's request: category, words, counts, lengths and a picture."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
 
 from artigen.conditioning.colors import find_color_only, find_stuff
 from artigen.conditioning.read import check_size, read_sentence
-from artigen.conditioning.sentence import OBJECT, Sentence
-from artigen.conditioning.vocabulary import AXES, METALLIC, PARTS, STYLES, Feature
+from artigen.conditioning.sentence import OBJECT, Placing, Sentence
+from artigen.conditioning.vocabulary import AXES, METALLIC, PARTS, Feature
 from artigen.errors import ArtigenError
 from artigen.kind import find_kind
 from artigen.shapes.draw import Wish, check_wish
@@ -44,14 +44,18 @@ class Understood:
     request: SketchRequest
     stretch: tuple[tuple[str, float], ...] = ()
     """Factors relative to usual sizes for extents that are not given: a tall cabinet."""
+    usual: tuple[tuple[str, tuple[float, float]], ...] = ()
+    """Usual range (m) of extents that are not given, where a noun says more than the kind: a coffee table."""
     said: str = ""
     """What is understood of the words, in one line."""
     features: tuple[Feature, ...] = ()
     """Other properties: part, property, value, such as door, hinged, left. A reading takes them."""
+    places: tuple[Placing, ...] = ()
+    """Where parts are on the front."""
+    objects: int = 1
+    """Number of such objects."""
     notes: tuple[str, ...] = ()
     """What is not understood."""
-    unmet: tuple[str, ...] = ()
-    """What the sketch network cannot be asked for."""
 
 
 def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Understood:
@@ -71,6 +75,7 @@ def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Underst
         check_category(category, learned)
     wish, size = request.wish, dict(said.size)
     counts = dict(wish.counts)
+    said = _name_knobs(said, category)
     for label, count in said.counts:
         counts[label] = _agree(f"number of {label}s", counts.get(label), count) or 0
     wish = Wish(
@@ -97,13 +102,39 @@ def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Underst
     open_axes = tuple(
         (axis, factor) for axis, factor in said.stretch if getattr(wish, axis) is None
     )  # "tall" is ignored if a height is given
+    form = kind.forms.get(said.noun or "") if kind is not None else None
+    usual = tuple(
+        (axis, span)
+        for axis, span in zip(AXES, form or (), strict=form is not None)
+        if getattr(wish, axis) is None and not shown
+    )
     return Understood(
         request=sketch_request,
+        usual=usual,
         stretch=open_axes,
         said="" if request.text is None else said.describe(),
         features=said.features,
+        places=said.places,
+        objects=said.objects,
         notes=_name_ignored(said),
-        unmet=_name_unmet(said),
+    )
+
+
+def _name_knobs(said: Sentence, category: str | None) -> Sentence:
+    """Knobs of furniture, which has no dials, are handles of that form."""
+    kind = None if category is None else find_kind(category)
+    named = "knob" in dict(said.counts) or "knob" in said.some
+    if kind is None or kind.trade != "furniture" or not named:
+        return said
+    counts = {("handle" if label == "knob" else label): count for label, count in said.counts}
+    some = {"handle" if label == "knob" else label for label in said.some} - set(counts)
+    feature = ("handle", "type", "knob")
+    known = any(one[:2] == feature[:2] for one in said.features)
+    return replace(
+        said,
+        counts=tuple(sorted(counts.items())),
+        some=tuple(sorted(some)),
+        features=said.features if known else (*said.features, feature),
     )
 
 
@@ -136,16 +167,6 @@ def _list_roles(target: str, also: tuple[str, ...]) -> tuple[str, ...]:
 
 def _name_ignored(said: Sentence) -> tuple[str, ...]:
     return (f"no meaning was found in: {', '.join(said.ignored)}",) if said.ignored else ()
-
-
-def _name_unmet(said: Sentence) -> tuple[str, ...]:
-    """What is understood, but is no condition of the model."""
-    unmet = [
-        f"{part} {what} {value}"
-        for part, what, value in said.features
-        if STYLES.get((part, what, value)) != (said.style or "") and part != "wheel" and value != "none"
-    ]
-    return (f"understood, but the model cannot be asked for it: {', '.join(unmet)}",) if unmet else ()
 
 
 def _agree(what: str, first: Value | None, second: Value | None) -> Value | None:

@@ -11,6 +11,7 @@ from envs.rooms.recipes import RECIPES
 from envs.rooms.room import (
     THICKNESS,
     Fixture,
+    Item,
     Opening,
     Placement,
     Room,
@@ -93,10 +94,8 @@ def join_rooms(flat: Flat) -> Room:
     whole = (*flat.plan.size, HEIGHT)
     for cell, room in zip(flat.plan.cells, flat.rooms, strict=True):
         frame, name = frame_of(cell), cell.zone.name
-        placements += [_move_placement(placement, frame.T, name) for placement in room.placements]
-        contents += [
-            replace(item, id=f"{name}_{item.id}", holder=f"{name}_{item.holder}") for item in room.contents
-        ]
+        placements += [_move_placement(room, placement, frame.T, name) for placement in room.placements]
+        contents += [_move_item(item, frame.T, name) for item in room.contents]
         own = [fixture for fixture in room.fixtures if not fixture.name.startswith(SHELL)]
         fixtures += [_move_fixture(fixture, frame.T, name) for fixture in (*_shell(cell, room, frame), *own)]
         openings += [
@@ -134,25 +133,43 @@ def _shell(cell: Cell, room: Room, frame: Frame) -> tuple[Fixture, ...]:
 def _move_fixture(fixture: Fixture, T: Float[np.ndarray, "4 4"], name: str) -> Fixture:
     """A fixture in the frame of the flat; the first word of its name stays in front."""
     points = transform_points(T, np.array([fixture.low, fixture.high]))
-    first, _, rest = fixture.name.partition("_")
     return replace(
         fixture,
-        name="_".join(part for part in (first, name, rest) if part),
+        name=_move_name(fixture.name, name),
         low=corner(points.min(axis=0)),
         high=corner(points.max(axis=0)),
     )
 
 
-def _move_placement(placement: Placement, T: Float[np.ndarray, "4 4"], name: str) -> Placement:
+def _move_name(fixture: str, name: str) -> str:
+    first, _, rest = fixture.partition("_")
+    return "_".join(part for part in (first, name, rest) if part)
+
+
+def _move_placement(room: Room, placement: Placement, T: Float[np.ndarray, "4 4"], name: str) -> Placement:
     pose = T @ pose_matrix_of(placement)
     points = np.array([(x, y, 0.0) for x, y in placement.standing]).reshape(-1, 3)
+    support = placement.support
+    if support is not None:
+        there = {each.id for each in room.placements}
+        support = f"{name}_{support}" if support in there else _move_name(support, name)
     return replace(
         placement,
         id=f"{name}_{placement.id}",
         position=corner(pose[:3, 3]),
         quat=rounded_quat(pose[:3, :3]),
         standing=tuple((round(float(x), 4), round(float(y), 4)) for x, y, _ in transform_points(T, points)),
-        support=None if placement.support is None else f"{name}_{placement.support}",
+        support=support,
+    )
+
+
+def _move_item(item: Item, T: Float[np.ndarray, "4 4"], name: str) -> Item:
+    """A thing in the frame of the flat; in that of its holder it stays where it is."""
+    if item.holder is not None:
+        return replace(item, id=f"{name}_{item.id}", holder=f"{name}_{item.holder}")
+    pose = T @ pose_matrix_of(item)
+    return replace(
+        item, id=f"{name}_{item.id}", position=corner(pose[:3, 3]), quat=rounded_quat(pose[:3, :3])
     )
 
 
@@ -160,7 +177,7 @@ def with_neighbours(flat: Flat, index: int) -> Room:
     """A room of the flat in its own frame with the closed doors of the rooms to which it leads."""
     inverse = np.linalg.inv(frame_of(flat.plan.cells[index]).T)
     added = [
-        _move_placement(placement, inverse @ frame_of(cell).T, cell.zone.name)
+        _move_placement(room, placement, inverse @ frame_of(cell).T, cell.zone.name)
         for cell, room in zip(flat.plan.cells, flat.rooms, strict=True)
         if cell.parent == index
         for placement in room.placements

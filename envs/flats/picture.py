@@ -6,15 +6,13 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import UInt8
 
+from envs.rooms.covers import fixture_mesh
 from envs.rooms.picture import (
-    HEIGHT,
     MARGIN,
     RENDER,
     SCALE,
-    WIDTH,
-    draw_entrance,
     draw_plan,
-    fixture_surface,
+    draw_view,
     item_surfaces,
     placement_surfaces,
     write_picture,
@@ -22,8 +20,10 @@ from envs.rooms.picture import (
 from envs.rooms.recipes import WINDOW
 from envs.rooms.room import Room
 from envs.rooms.solids import place_solid
+from envs.rooms.views import HEIGHT, PENDANT, WIDTH, find_views
 from sim_export.files.read import read_package
-from sim_export.picture.render import render_scene, surface_points
+from sim_export.geometry.normals import CREASE
+from sim_export.picture.render import render_scene, surface_from_mesh, surface_points
 from sim_export.picture.viewpoint import Viewpoint, place_camera
 
 from .flat import Flat, with_neighbours
@@ -60,21 +60,27 @@ def draw_flat(room: Room) -> UInt8[np.ndarray, "H W 3"]:
     packages = {placement.package: read_package(placement.package) for placement in shown}
     surfaces = [surface for place in shown for surface in placement_surfaces(place, packages[place.package])]
     surfaces += [
-        surface for item in room.contents if item.holder in there for surface in item_surfaces(room, item)
+        surface
+        for item in room.contents
+        if item.holder in (None, *there)
+        for surface in item_surfaces(room, item)
     ]
     for fixture in room.fixtures:
-        if fixture.low[2] < CUT:
+        if fixture.low[2] < CUT and not fixture.name.startswith(("sky", PENDANT)):
             x, y, z = fixture.high
-            surfaces.append(fixture_surface(replace(fixture, high=(x, y, min(z, CUT)))))
+            mesh = fixture_mesh(replace(fixture, high=(x, y, min(z, CUT))))
+            surfaces.append(surface_from_mesh(mesh, crease=0.0 if fixture.shape == "box" else CREASE))
     viewpoint = Viewpoint(azimuth=-75.0, elevation=55.0, fov=30.0, margin=0.02, width=WIDTH, height=HEIGHT)
     return render_scene(surfaces, place_camera(surface_points(surfaces), viewpoint), RENDER)
 
 
 def write_flat_pictures(flat: Flat, room: Room, folder: Path, *, views: bool) -> None:
-    """Writes ``plan.png`` and, with ``views``, ``room.png`` and ``entrance_NAME.png`` for every room."""
+    """Writes ``plan.png``; with ``views``, also ``room.png``, ``entrance_NAME.png``, ``corner_NAME.png``."""
     write_picture(draw_flat_plan(room), folder / "plan.png")
     if not views:
         return
     write_picture(draw_flat(room), folder / "room.png")
     for index, cell in enumerate(flat.plan.cells):
-        write_picture(draw_entrance(with_neighbours(flat, index)), folder / f"entrance_{cell.zone.name}.png")
+        own = with_neighbours(flat, index)
+        for view in find_views(own):
+            write_picture(draw_view(own, view), folder / f"{view.name}_{cell.zone.name}.png")

@@ -23,6 +23,8 @@ COLORS: dict[str, tuple[float, float, float]] = {
 """Words for the colours of things."""
 EDGE = 0.01
 """Distance (m) below the top of its holder from which a thing lies in it, not on it."""
+LOW = 0.3
+"""Height (m) below which what no object holds stands on the floor."""
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth")
 
 
@@ -84,7 +86,7 @@ def name_items(room: Room, objects: Mapping[str, str]) -> dict[str, str]:
     ways: list[dict[str, str]] = [{}, {}, {}, {}]
     for item in room.contents:
         noun, color = item.thing.replace("_", " "), _color_of(item)
-        where = f"{_preposition(room, item)} the {objects[item.holder]}"
+        where = _where_is(room, objects, item)
         placed = f"{noun} {where}", f"{color} {noun} {where}"
         # What is called as an object of the room is told by where it is.
         phrases = placed if noun in roles else (noun, f"{color} {noun}", *placed)
@@ -99,10 +101,14 @@ def name_items(room: Room, objects: Mapping[str, str]) -> dict[str, str]:
     return found
 
 
-def _preposition(room: Room, item: Item) -> str:
-    """Whether a thing is on its holder, or in it."""
+def _where_is(room: Room, objects: Mapping[str, str], item: Item) -> str:
+    """Where a thing is: on or in its holder, or on the floor or a worktop of its room."""
+    if item.holder is None:
+        zone = zone_of(room, item.id)
+        below = "floor" if item.position[2] < LOW else "worktop"
+        return f"on the {below}" + (f" of the {spell_zone(zone)}" if zone else "")
     top = float(read_footprint(room.placement(item.holder).package).body[1, 2])
-    return "on" if item.position[2] > top - EDGE else "in"
+    return f"{'on' if item.position[2] > top - EDGE else 'in'} the {objects[item.holder]}"
 
 
 def _color_of(item: Item) -> str:

@@ -37,6 +37,8 @@ LOADS: dict[str, tuple[str, ...]] = {
 }
 """Things that are loaded into what fills a role."""
 MOST_LOADED = 2
+LARGE = 0.4
+"""Length (m) from which things are furniture, which stays where it is."""
 UNNAMED = frozenset({WINDOW.name})
 """Roles without goals."""
 
@@ -188,12 +190,15 @@ def _fits(item: Item, compartment: Compartment) -> bool:
 
 
 def _near(scene: _Scene, rng: np.random.Generator, placement: Placement) -> list[Item]:
-    """Things with names in the same room of the flat that are not in or on an object, in random order."""
+    """Small things with names in the same room that are not in or on an object, in random order."""
     zone = zone_of(scene.room, placement.id)
     items = [
         item
         for item in scene.room.contents
-        if item.id in scene.items and item.holder != placement.id and zone_of(scene.room, item.id) == zone
+        if item.id in scene.items
+        and item.holder != placement.id
+        and max(item.size) < LARGE
+        and zone_of(scene.room, item.id) == zone
     ]
     return [items[index] for index in rng.permutation(len(items))]
 
@@ -214,9 +219,9 @@ def _put_in_goals(scene: _Scene, rng: np.random.Generator) -> Iterator[Goal]:
 def _take_out_goals(scene: _Scene, rng: np.random.Generator) -> Iterator[Goal]:
     for index in rng.permutation(len(scene.room.contents)):
         item = scene.room.contents[index]
-        placement = scene.room.placement(item.holder)
-        if item.id not in scene.items:
+        if item.id not in scene.items or item.holder is None:
             continue
+        placement = scene.room.placement(item.holder)
         for where, compartments in _targets(scene, placement):
             goal = ItemGoal(
                 item=item.id, object=placement.id, regions=tuple(map(_region, compartments)), inside=False

@@ -26,11 +26,12 @@ from envs.rooms.file import read_room
 from envs.rooms.footprints import cached_package
 from envs.rooms.map import start_place
 from envs.rooms.room import Fixture, Room
+from envs.rooms.views import find_lamps, find_views
 
-from .load import build_box, load_robot, place_robot
+from .load import load_robot, place_robot
 from .mechanisms import mechanism_of
 from .objects import TaskError
-from .room_objects import item_pose, load_item, load_placement
+from .room_objects import item_pose, load_fixture, load_item, load_placement
 
 Rooms = str | Path | Sequence[str | Path]
 AWAY = sapien.Pose(p=[0.0, -4.0, 0.0])
@@ -106,8 +107,7 @@ class RoomSceneBuilder(SceneBuilder):
                 actor.set_angular_velocity(torch.zeros((1, 3), device=self.env.device))
 
     def _build_fixture(self, fixture: Fixture, index: int) -> Actor:
-        name, (low, high) = f"{fixture.name}-{index}", np.array([fixture.low, fixture.high])
-        actor = build_box(self.scene, name, index, low, high, fixture.color)
+        actor = load_fixture(self.scene, fixture, f"{fixture.name}-{index}", index)
         if fixture.name.startswith("floor"):
             actor.set_collision_group_bit(group=2, bit_idx=FETCH_WHEELS_COLLISION_BIT, bit=1)
         return actor
@@ -188,15 +188,22 @@ class RoomEnv(BaseEnv):
 
     @property
     def _default_human_render_camera_configs(self) -> CameraConfig:
-        width, depth, height = self.furnished.rooms[0].size
-        pose = sapien_utils.look_at(
-            eye=[width * 0.1, depth * 0.05, height - 0.1], target=[width * 0.6, depth, 0.6]
-        )
-        return CameraConfig("render_camera", pose=pose, width=768, height=512, fov=1.3, near=0.01, far=100)
+        _, corner = find_views(self.furnished.rooms[0])
+        camera = corner.camera
+        pose = sapien_utils.look_at(eye=camera.position.tolist(), target=camera.target.tolist())
+        return CameraConfig(
+            "render_camera", pose=pose, width=camera.width, height=camera.height, fov=np.radians(camera.fov),
+            near=0.01, far=100,
+        )  # fmt: skip
 
     @property
     def _default_sensor_configs(self) -> list[CameraConfig]:
         return []
+
+    def _load_lighting(self, options: dict) -> None:
+        self.scene.set_ambient_light([0.45, 0.45, 0.45])
+        for lamp in find_lamps(self.furnished.rooms[0]):
+            self.scene.add_point_light(list(lamp.position), [3.0 * lamp.share] * 3)
 
     def _load_agent(self, options: dict) -> None:  # type: ignore[override]
         self.agent = load_robot(self, str(self.robot_uids), AWAY)

@@ -31,6 +31,7 @@ from .solids import (
     make_solid,
     object_solids,
     place_solid,
+    standing_solids,
 )
 from .sweeps import Sweep, find_sweeps, sweep_boxes
 
@@ -74,7 +75,7 @@ def check_room(room: Room, *, open_doors: bool = False) -> tuple[Problem, ...]:
         problems += _blocked_standing(room, placement, solids)
     if room.standing_radius > 0.0:
         passable = _with_open_doors(room, objects) + fixtures if open_doors else solids
-        problems += _unreachable(room, passable)
+        problems += _unreachable(room, passable + standing_solids(room))
     return tuple(problems)
 
 
@@ -87,7 +88,10 @@ def _check_contents(room: Room, solids: Sequence[Solid]) -> Iterator[Problem]:
     items = [item_solid(item, item_motion(room, item)) for item in room.contents]
     yield from _overlaps(items, solids)
     yield from _outside(room, items)
+    standing = standing_solids(room)
+    yield from _floating(standing, solids)
     for placement in room.placements:
+        yield from _blocked_standing(room, placement, standing)
         inside = [item for item in room.contents if item.holder == placement.id]
         own = {item.id for item in inside}
         strangers = [item for item in items if item.id not in own]
@@ -105,6 +109,16 @@ def _unsupported(placement: Placement, items: Sequence[Item]) -> Iterator[Proble
         if not len(signed_distances(hulls, links[item.link], lowered, np.eye(4)).distance):
             message = f"{item.id} does not lie on {item.link} of {placement.id}"
             yield Problem(kind="unsupported", id=item.id, other=placement.id, depth=RESTS, message=message)
+
+
+def _floating(standing: Sequence[Solid], solids: Sequence[Solid]) -> Iterator[Problem]:
+    """Things without a holder below which nothing is near: lowered by `RESTS`, they must meet something."""
+    lowered = shift(np.array([0.0, 0.0, -RESTS]))
+    for one in standing:
+        moved = make_solid(one.id, [move_hull(hull, lowered) for hull in one.hulls.hulls])
+        if next(_penetrations(moved, solids), None) is None:
+            message = f"{one.id} stands on nothing"
+            yield Problem(kind="unsupported", id=one.id, other="room", depth=RESTS, message=message)
 
 
 def _blocked_contents(

@@ -14,8 +14,8 @@ from .catalogue import Entry
 from .pieces import GAP
 from .recipes import Share, pull_along
 
-TALL = 1.02
-"""Height (m) above which a unit is not placed in a corner."""
+TALL = 1.27
+"""Height (m) above which a unit is not placed in a corner: sinks with their taps are below it."""
 
 EMPTY = 2.5
 """Cost per metre of wall without a unit."""
@@ -91,7 +91,7 @@ def choose_units(
     tall = np.array([offer.entry.size[2] > TALL for offer in offers])
     misfits += CROWDED * np.outer(tall, [wall.enclosed for wall in walls])
     costs[: shape.counts] = misfits.ravel()
-    costs[shape.counts : shape.counts + shape.shares] = MISSING
+    costs[shape.counts : shape.counts + shape.shares] = [MISSING * share.weight for share in shares]
     costs[shape.counts + shape.shares : shape.total - shape.walls] = REPEAT
     costs[shape.total - shape.walls :] = EMPTY
     high = np.full(shape.total, np.inf)

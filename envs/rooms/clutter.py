@@ -1,23 +1,35 @@
 """Puts loose things onto the furniture of a room, selected by its seed: jars by the wall, a lamp, a book."""
 
-from collections import Counter
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
+from artigen.shapes.polygons import polygon_areas
 from artigen.transforms import transform_points
 from artigen.types import Clutter
 from sim_export.geometry.triangles import bounds_of
 
-from .check import check_contents
 from .compartments import cached_compartments
-from .contents import LIFT, SKEW, SPACING, draw_thing, fill_compartment
+from .contents import LIFT, SKEW, SPACING, add_items, draw_thing, fill_compartment
 from .footprints import cached_package, carries, read_footprint
 from .furnish import BARE_ROLES
-from .room import Item, Placement, Room, pose_matrix_of
-from .solids import place_solid
+from .room import (
+    SIDES,
+    YAWS,
+    Fixture,
+    Item,
+    Placement,
+    Room,
+    corner,
+    from_wall,
+    pose_matrix_of,
+    rounded_quat,
+    turn_matrix,
+)
+from .solids import place_solid, standing_solids
 from .things import THINGS
+from .worktops import WORKTOP
 
 PER_AREA: dict[Clutter, float] = {"none": 0.0, "tidy": 3.0, "lived": 9.0, "messy": 18.0}
 """Things per square metre of tops."""
@@ -42,45 +54,70 @@ def clutter_room(room: Room, clutter: Clutter) -> Room:
     are left out: nothing overlaps, hangs over or is in the way of a door or drawer.
     """
     taken = np.concatenate([place_solid(placement).boxes for placement in room.placements])
+    taken = np.concatenate([taken, *(solid.boxes for solid in standing_solids(room))])
     items: list[Item] = []
     for index, placement in enumerate(room.placements):
         rng = np.random.default_rng([room.seed, room.attempt, 3, index])
-        items += _clutter_top(room, placement, clutter, taken, rng)
+        items += _clutter(room, _top_of(placement), clutter, taken, rng)
         for compartment in cached_compartments(placement.package):
             if compartment.open and rng.random() < SHELVES[clutter]:
                 items += fill_compartment(compartment, room.kind, placement, rng)
-    numbers = Counter(item.thing for item in room.contents)
-    for index, item in enumerate(items):
-        numbers[item.thing] += 1
-        items[index] = replace(item, id=f"{item.thing}_{numbers[item.thing]}")
-    full = replace(room, contents=(*room.contents, *items))
-    new = {item.id for item in items}
-    failed = {name for problem in check_contents(full) for name in (problem.id, problem.other)} & new
-    return replace(full, contents=tuple(item for item in full.contents if item.id not in failed))
+    for index, fixture in enumerate(room.fixtures):
+        if fixture.name.startswith(WORKTOP):
+            rng = np.random.default_rng([room.seed, room.attempt, 5, index])
+            items += _clutter(room, _slab_of(room, fixture), clutter, taken, rng)
+    return add_items(room, items)
 
 
-def _clutter_top(
-    room: Room,
-    placement: Placement,
-    clutter: Clutter,
-    taken: Float[np.ndarray, "B 2 3"],
-    rng: np.random.Generator,
-) -> list[Item]:
-    """Things on one object's level tops."""
-    tops = read_footprint(placement.package).tops
-    top = float(read_footprint(placement.package).body[1, 2])
-    height = top + placement.position[2]
-    fitting = [thing for thing in THINGS if f"{room.kind} top" in thing.where]
-    bare = placement.role in BARE_ROLES - CARRYING or not HEIGHTS[0] <= height <= HEIGHTS[1]
-    if bare or not tops or not fitting:
-        return []
-    package = cached_package(placement.package)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Top:
+    """Level polygons at a height (m) in a frame whose front is -x, which ``T_room`` maps to the room, and
+    what things on it are held by."""
+
+    tops: tuple[Float[np.ndarray, "V 2"], ...]
+    height: float
+    T_room: Float[np.ndarray, "4 4"]
+    holder: str | None = None
+    link: str | None = None
+
+
+def _top_of(placement: Placement) -> _Top:
+    """The top of an object; without polygons if it carries nothing."""
+    footprint, package = read_footprint(placement.package), cached_package(placement.package)
+    top = float(footprint.body[1, 2])
+    bare = (
+        placement.role in BARE_ROLES - CARRYING or not HEIGHTS[0] <= top + placement.position[2] <= HEIGHTS[1]
+    )
     children = {joint.child for joint in package.joints}
     (root,) = (link.name for link in package.links if link.name not in children)
+    return _Top(
+        tops=() if bare else footprint.tops, height=top, T_room=pose_matrix_of(placement),
+        holder=placement.id, link=root,
+    )  # fmt: skip
+
+
+def _slab_of(room: Room, fixture: Fixture) -> _Top:
+    """The top of a worktop, whose back is at the nearest wall."""
+    box = np.array([[fixture.low, fixture.high]])
+    side = min(SIDES, key=lambda side: float(from_wall(side, room.size, box)[0, 0, 1]))
+    T = turn_matrix(YAWS[side])
+    ends = transform_points(T.T, box[0])
+    low, high = ends.min(axis=0), ends.max(axis=0)
+    outline = np.array([low[:2], [high[0], low[1]], high[:2], [low[0], high[1]]])
+    return _Top(tops=(outline,), height=fixture.high[2], T_room=T)
+
+
+def _clutter(
+    room: Room, top: _Top, clutter: Clutter, taken: Float[np.ndarray, "B 2 3"], rng: np.random.Generator
+) -> list[Item]:
+    """Things on a level top."""
+    fitting = [thing for thing in THINGS if f"{room.kind} top" in thing.where]
+    tops, T_room = top.tops, top.T_room
+    if not tops or not fitting:
+        return []
     outline = np.concatenate(tops)
     low, high = outline.min(axis=0), outline.max(axis=0)
     count = int(PER_AREA[clutter] * sum(map(_area, tops)) + rng.random())
-    T_room = pose_matrix_of(placement)
     items: list[Item] = []
     boxes = taken
     for _ in range(count):
@@ -92,11 +129,11 @@ def _clutter_top(
             drawn = draw_thing(thing, rng, np.pi / 4 if clutter == "messy" else SKEW)
             points = drawn.points
             u = rng.random(2)
-            at = np.array([*low + (high - low) * [1.0 - u[0] ** BACK, u[1]], top + LIFT])
+            at = np.array([*low + (high - low) * [1.0 - u[0] ** BACK, u[1]], top.height + LIFT])
             box = bounds_of(transform_points(T_room, points + at))
             if carries(tops, _outer_corners(points) + at[:2]).all() and _is_apart(box, boxes):
                 boxes = np.concatenate([boxes, box[None]])
-                items.append(drawn.item(len(items), placement.id, root, at))
+                items.append(_hold(drawn.item(len(items), top.holder, top.link, at), T_room))
                 break
     return items
 
@@ -113,7 +150,14 @@ def _is_apart(box: Float[np.ndarray, "2 3"], boxes: Float[np.ndarray, "B 2 3"]) 
     return bool((gap >= [SPACING, SPACING, 0.0]).any(axis=1).all())
 
 
+def _hold(item: Item, T_room: Float[np.ndarray, "4 4"]) -> Item:
+    """An item in its holder's frame, or in the room's if it has none."""
+    if item.holder is not None:
+        return item
+    T = T_room @ pose_matrix_of(item)
+    return replace(item, position=corner(T[:3, 3]), quat=rounded_quat(T[:3, :3]))
+
+
 def _area(outline: Float[np.ndarray, "V 2"]) -> float:
     """Area (m^2) of a polygon."""
-    x, y = outline.T
-    return float(abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2.0)
+    return float(np.linalg.norm(polygon_areas(np.pad(outline, ((0, 0), (0, 1)))[None])))

@@ -1,6 +1,7 @@
 """Puts loose things into the drawers and cupboards of a room, selected by its seed."""
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -43,7 +44,7 @@ class Drawn:
         """Corners of its hulls, turned, with its lowest point at z = 0."""
         return np.concatenate([hull.vertices for hull in thing_hulls(self.thing.name, self.size)]) @ self.R.T
 
-    def item(self, number: int, holder: str, link: str, at: Float[np.ndarray, "3"]) -> Item:
+    def item(self, number: int, holder: str | None, link: str | None, at: Float[np.ndarray, "3"]) -> Item:
         """The thing at a place in the frame of its holder."""
         return Item(
             id=f"{self.thing.name}_{number}",
@@ -80,13 +81,20 @@ def fill_room(room: Room, share: float) -> Room:
             rng = np.random.default_rng([room.seed, room.attempt, 2, index, place])
             if not compartment.open and rng.random() < share:
                 items += fill_compartment(compartment, room.kind, placement, rng)
-    numbers: Counter[str] = Counter()
-    for index, item in enumerate(items):
+    return add_items(room, items)
+
+
+def add_items(room: Room, items: Sequence[Item]) -> Room:
+    """The room with more things, numbered on; those that fail the check of the room are left out."""
+    numbers = Counter(item.thing for item in room.contents)
+    added = []
+    for item in items:
         numbers[item.thing] += 1
-        items[index] = replace(item, id=f"{item.thing}_{numbers[item.thing]}")
-    full = replace(room, contents=tuple(items))
-    failed = {name for problem in check_contents(full) for name in (problem.id, problem.other)}
-    return replace(room, contents=tuple(item for item in items if item.id not in failed))
+        added.append(replace(item, id=f"{item.thing}_{numbers[item.thing]}"))
+    full = replace(room, contents=(*room.contents, *added))
+    new = {item.id for item in added}
+    failed = {name for problem in check_contents(full) for name in (problem.id, problem.other)} & new
+    return replace(full, contents=tuple(item for item in full.contents if item.id not in failed))
 
 
 def fill_compartment(

@@ -93,7 +93,7 @@ def read_room(path: Path | str) -> Room:
         placement for placement in room.placements if not (placement.package / "mobility.urdf").is_file()
     ]
     known = {placement.id for placement in room.placements}
-    lost = [item for item in room.contents if item.holder not in known]
+    lost = [item for item in room.contents if item.holder is not None and item.holder not in known]
     if lost:
         raise SceneFileError(f"{path}: {lost[0].id} lies in {lost[0].holder!r}, which is not in the room")
     if missing:

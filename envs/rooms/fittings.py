@@ -1,4 +1,4 @@
-"""Furniture without joints that no kind makes, of boxes: bed, sofa, armchair, bench.
+"""Furniture without joints that no kind makes, of boxes: bed, sofa, armchair, bench, shower.
 
 Corners are in the frame of a cluster: fronts face -x, backs are at x = 0, z is up; y is in widths.
 """
@@ -11,6 +11,7 @@ from .pieces import Boxes, Piece
 
 Corner = tuple[float, float, float]
 WOOD, CLOTH, SEAM = (0.55, 0.41, 0.29), (0.50, 0.53, 0.50), (0.44, 0.47, 0.44)
+STEEL = (0.72, 0.73, 0.74)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,6 +60,18 @@ FITTINGS = {
     ),
     "sofa": Fitting(width=2.1, parts=_seat(3, 0.09)),
     "armchair": Fitting(width=0.9, parts=_seat(1, 0.17)),
+    "shower": Fitting(
+        width=0.9,
+        parts=(
+            ("tray", (-0.9, 0.0, 0.0), (-0.012, 1.0, 0.05), (0.94, 0.94, 0.93)),
+            ("drain", (-0.5, 0.44, 0.05), (-0.4, 0.56, 0.052), STEEL),
+            ("column", (-0.05, 0.48, 0.85), (-0.02, 0.52, 2.06), STEEL),
+            ("valve", (-0.09, 0.4, 1.0), (-0.05, 0.6, 1.05), STEEL),
+            ("arm", (-0.4, 0.48, 2.03), (-0.05, 0.52, 2.06), STEEL),
+            ("head", (-0.44, 0.37, 2.0), (-0.22, 0.63, 2.03), STEEL),
+            ("screen", (-0.88, 0.0, 0.05), (-0.012, 0.012, 1.98), (0.80, 0.88, 0.88)),
+        ),
+    ),
     "bench": Fitting(
         width=1.1,
         parts=(

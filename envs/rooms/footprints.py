@@ -23,6 +23,10 @@ SLABS = 6
 """Number of slabs of a door across its width."""
 LEVEL = 0.004
 """Distance (m) below its highest point that still belongs to an object's top."""
+COVERS = 0.3
+"""Least share of an object's area that its deck covers; what is above that, such as a tap, covers less."""
+FOOT = 0.03
+"""Height (m) above a deck within which what stands on it needs a hole in a worktop on the deck."""
 FRONT_LABELS = ("door", "drawer", None)
 """Parts that a robot opens from in front of the object; trays and shelves are behind a door."""
 
@@ -32,11 +36,22 @@ class FootprintError(ArtigenError):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Deck:
+    """Level top of a package: height (m), bounds (x, y) of the hole of what is open in its middle or stands
+    up from it, and bounds of what stands up from it; both None if nothing does."""
+
+    height: float
+    hole: Float[np.ndarray, "2 2"] | None = None
+    above: Float[np.ndarray, "2 3"] | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Footprint:
     """A package in its own frame, metres.
 
     ``body`` is the box of all hulls at rest, ``solid`` are boxes that together contain them: one for
-    everything behind the front, and one for every protruding handle. ``sweeps`` are boxes around everything
+    everything behind the front up to the deck, one for what stands on that, and one for every protruding
+    handle. ``sweeps`` are boxes around everything
     that opens, ``fronts`` are rows (x, y): the extent of an open door or drawer, and the middle of its width.
     ``tops`` are convex polygons, counter-clockwise, level with the highest point; ``face`` is x of the front
     without handles.
@@ -48,6 +63,7 @@ class Footprint:
     fronts: Float[np.ndarray, "F 2"]
     tops: tuple[Float[np.ndarray, "V 2"], ...]
     face: float
+    deck: Deck
 
     @property
     def size(self) -> Float[np.ndarray, "3"]:
@@ -86,27 +102,54 @@ def measure_footprint(package: SimPackage) -> Footprint:
             rest = [hull.vertices for index in sweep.links for hull in package.links[index].hulls]
             sides = np.concatenate(rest)[:, 1]
             fronts.append((float(boxes[:, 0, 0].min()), float(sides.min() + sides.max()) / 2.0))
-    face = _face(package)
+    face, deck = _face(package), _find_deck(_hull_boxes(package))
     return Footprint(
         body=body,
-        solid=_solid_boxes(package, body, face),
+        solid=_solid_boxes(package, body, face, deck),
         sweeps=np.concatenate(sweeps),
         fronts=np.array(fronts, dtype=np.float64).reshape(-1, 2),
         tops=_level_tops(package, float(body[1, 2])),
         face=face,
+        deck=deck,
     )
 
 
+def _find_deck(boxes: Float[np.ndarray, "H 2 3"]) -> Deck:
+    """The highest level on which hulls cover `COVERS` of the area of all; the top if there is none."""
+    around = bounds_of(boxes)
+    area = float(np.prod((around[1] - around[0])[:2]))
+    for top in np.unique(boxes[:, 1, 2])[::-1]:
+        level = boxes[np.abs(boxes[:, 1, 2] - top) < LEVEL]
+        if float((level[:, 1] - level[:, 0])[:, :2].prod(axis=1).sum()) >= COVERS * area:
+            break
+    else:
+        return Deck(height=float(around[1, 2]))
+    height = float(level[:, 1, 2].max())
+    above = boxes[boxes[:, 1, 2] > height + 1e-6]
+    if not len(above):
+        return Deck(height=height)
+    middle = (around[0] + around[1])[:2] / 2.0
+    low, high = around[0, :2].copy(), around[1, :2].copy()
+    for axis in (0, 1):
+        before, behind = level[level[:, 1, axis] <= middle[axis]], level[level[:, 0, axis] >= middle[axis]]
+        low[axis] = before[:, 1, axis].max(initial=low[axis])
+        high[axis] = behind[:, 0, axis].min(initial=high[axis])
+    foot = bounds_of(above[above[:, 0, 2] < height + FOOT])
+    hole = np.array([np.minimum(low, foot[0, :2]), np.maximum(high, foot[1, :2])])
+    return Deck(height=height, hole=hole, above=bounds_of(above))
+
+
 def _solid_boxes(
-    package: SimPackage, body: Float[np.ndarray, "2 3"], face: float
+    package: SimPackage, body: Float[np.ndarray, "2 3"], face: float, deck: Deck
 ) -> Float[np.ndarray, "N 2 3"]:
-    """The body behind ``face``, and protrusions in front of it, hull by hull."""
+    """The body behind ``face``, what stands on its deck, and protrusions in front of it, hull by hull."""
     boxes = _hull_boxes(package)
     behind = body.copy()
-    behind[0, 0] = face
+    behind[0, 0], behind[1, 2] = face, deck.height
     out = boxes[boxes[:, 0, 0] < face - 1e-3]
     out[:, 1, 0] = np.minimum(out[:, 1, 0], face)
-    return np.concatenate([behind[None], out])
+    standing = np.zeros((0, 2, 3)) if deck.above is None else deck.above[None]
+    return np.concatenate([behind[None], standing, out])
 
 
 def _hull_boxes(package: SimPackage) -> Float[np.ndarray, "H 2 3"]:

@@ -13,12 +13,15 @@ from .hung import hang_cabinets
 from .pieces import GAP, Cluster, Member, Piece, back_to_back, line_up, move_boxes
 from .recipes import WINDOWS, Group, Recipe, Share
 from .room import SIDES, turn_matrix
-from .runs import Chooser, close_corners, close_gaps, count_objects, place_runs
+from .runs import Chooser, close_corners, close_gaps, count_objects, place_runs, runs_of
+from .worktops import hang_hoods, lay_worktops, worktop_height
 
 AISLE = 0.6
 """Distance (m) of groups in the middle from other bodies."""
 HAIR = 4e-4
 """Gap (m) between a top and the object on it."""
+CLEAR = 1e-3
+"""Distance (m) of fillers from the worktop above them."""
 BEFORE_WINDOW = 0.65
 """Distance (m) from the wall at which a robot stands to open a window: in front of what is below it. As far
 from the wall nothing is taller than the sill."""
@@ -28,7 +31,7 @@ BARE_ROLES = frozenset(
     {"range", "wall cabinet", "safe", "cart", "window", "toilet", "nightstand", "microwave", "table oven"}
 )
 """Roles that carry nothing."""
-GOOD_TOPS = frozenset({"base cabinet", "sideboard", "filing cabinet", "island"})
+GOOD_TOPS = frozenset({"worktop", "base cabinet", "sideboard", "filing cabinet", "island"})
 """Roles that are preferred as supports."""
 
 
@@ -38,7 +41,11 @@ def furnish(plan: Plan, recipe: Recipe, chooser: Chooser) -> tuple[Plan, str]:
         plan, missing = place_runs(plan, recipe, chooser)
         if missing:
             return plan, missing
-        plan = close_gaps(close_corners(plan))
+        runs = runs_of(plan)
+        height = worktop_height(plan, runs)
+        if height is not None:
+            plan = lay_worktops(close_gaps(close_corners(plan, height - CLEAR)), runs, height)
+        plan = hang_hoods(plan, runs)
     plan, _ = _place_groups(plan, recipe, (WINDOWS,), chooser)
     if recipe.hung is not None:
         plan = hang_cabinets(plan, recipe.hung, chooser)
@@ -144,7 +151,7 @@ def put_on_tops(plan: Plan, share: Share, chooser: Chooser) -> Plan:
         (place, member)
         for place in plan.places
         for member in place.cluster.members
-        if member.piece.entry is not None
+        if member.piece.footprint is not None
         and (member.piece.role in share.on if share.on else member.piece.role not in BARE_ROLES)
     ]
     order = chooser.rng.permutation(len(supports)).tolist()
@@ -166,7 +173,7 @@ def put_on_tops(plan: Plan, share: Share, chooser: Chooser) -> Plan:
 def _top_place(
     plan: Plan, under: tuple[Place, Member], chooser: Chooser, what: tuple[str, Entry]
 ) -> Place | None:
-    """A place for a package on a member, with parallel backs, as central as possible."""
+    """A place for a package on a member, with parallel backs: on a worktop anywhere, else in its middle."""
     (place, member), (role, entry) = under, what
     support = member.piece.footprint
     assert support is not None
@@ -184,7 +191,10 @@ def _top_place(
     piece = chooser.piece(entry, role, front, elevation=top + HAIR)
     low, high = float(outline[:, 1].min() - body[0, 1]), float(outline[:, 1].max() - body[1, 1])
     against = plan.boxes
-    for y in sorted(np.arange(low, high, 0.05).tolist(), key=lambda y: abs(y - (low + high) / 2.0)):
+    middle = (
+        (low + high) / 2.0 if member.piece.entry is not None else chooser.rng.uniform(low, max(low, high))
+    )
+    for y in sorted(np.arange(low, high, 0.05).tolist(), key=lambda y: abs(y - middle)):
         step = turn_matrix(0.0)
         step[:3, 3] = (shift[0], y, shift[2])
         if not _carried(support.tops, body, step):

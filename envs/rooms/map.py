@@ -7,9 +7,11 @@ from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
 from .room import ROBOT_HEIGHT, Room, along_wall
-from .solids import Solid, fixture_solids, object_solids
+from .solids import Solid, fixture_solids, object_solids, standing_solids
 
 Point = Sequence[float] | Float[np.ndarray, "2"]
+STEP = 0.01
+"""Height (m) of what a robot drives over, such as a rug."""
 CELL = 0.05
 """Edge of a cell (m)."""
 
@@ -20,7 +22,7 @@ def free_map(room: Room, solids: Sequence[Solid]) -> Bool[np.ndarray, "X Y"]:
     taken = np.zeros(shape + 2, dtype=bool)  # one ring of cells for the walls
     taken[[0, -1]], taken[:, [0, -1]] = True, True
     for low, high in np.concatenate([solid.boxes for solid in solids]):
-        if low[2] < ROBOT_HEIGHT and high[2] > 0.0:
+        if low[2] < ROBOT_HEIGHT and high[2] > STEP:
             first = np.floor(low[:2] / CELL).astype(int) + 1
             last = np.ceil(high[:2] / CELL).astype(int) + 1
             (x0, y0), (x1, y1) = np.maximum(first, 0), np.maximum(last, 0)
@@ -70,7 +72,9 @@ def start_place(room: Room) -> tuple[float, float]:
     Raises:
         ValueError: If there is none.
     """
-    cells = np.argwhere(reachable_map(room, object_solids(room) + fixture_solids(room)))
+    cells = np.argwhere(
+        reachable_map(room, object_solids(room) + fixture_solids(room) + standing_solids(room))
+    )
     if not len(cells):
         raise ValueError(f"no free place for a robot in the {room.kind}")
     x, y = cells[int(np.argmin(_distances(cells, entrance_point(room))))]

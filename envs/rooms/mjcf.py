@@ -24,10 +24,12 @@ from sim_export.files.urdf import format_vector, xml_text
 
 from ..sim.mechanism import find_mechanism
 from ..sim.mujoco import compile_model
+from .covers import fixture_mesh, look_name, write_cover
 from .footprints import cached_package
 from .room import Fixture, Item, Placement, Room, pose_matrix_of
-from .solids import item_motion
+from .solids import fixture_shape, item_motion
 from .things import thing_solids
+from .views import FIELD_OF_VIEW, find_lamps, find_views
 
 if TYPE_CHECKING:
     from mujoco import MjModel
@@ -35,8 +37,8 @@ if TYPE_CHECKING:
 MJCF_FILE = "scene.xml"
 HOME = "home"
 """Name of the keyframe with the coordinates of the room."""
-EYE_LEVEL = 1.6
-"""Height (m) of the camera in the entrance."""
+BRIGHTNESS = 0.45
+"""Light of all lamps together, besides that of MuJoCo's headlight."""
 
 
 def write_room_mjcf(room: Room, folder: Path) -> Path:
@@ -77,7 +79,13 @@ def _room_element(room: Room, folder: Path) -> ET.Element:
     root = ET.Element("mujoco", model=f"{room.kind}_{room.seed}")
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
     ET.SubElement(root, "option", integrator="implicitfast")
+    visual = ET.SubElement(root, "visual")
+    ET.SubElement(visual, "headlight", ambient="0.5 0.5 0.5", diffuse="0.25 0.25 0.25", specular="0 0 0")
     asset = ET.SubElement(root, "asset")
+    ET.SubElement(
+        asset, "texture", name="sky", type="skybox", builtin="gradient", rgb1="0.62 0.76 0.90",
+        rgb2="0.93 0.95 0.97", width="128", height="128",
+    )  # fmt: skip
     models: dict[Path, str] = {}
     for placement in room.placements:
         if placement.package not in models:
@@ -85,9 +93,9 @@ def _room_element(room: Room, folder: Path) -> ET.Element:
             file = os.path.relpath(placement.package.resolve() / "mobility.mjcf.xml", folder.resolve())
             ET.SubElement(asset, "model", name=models[placement.package], file=Path(file).as_posix())
     world = ET.SubElement(root, "worldbody")
-    _add_light_and_camera(world, room)
+    _add_lights_and_cameras(world, room)
     for fixture in room.fixtures:
-        _add_fixture(world, fixture)
+        _add_fixture(world, asset, fixture, folder)
     for placement in room.placements:
         _add_placement(world, placement, models[placement.package])
     for item in room.contents:
@@ -95,29 +103,50 @@ def _room_element(room: Room, folder: Path) -> ET.Element:
     return root
 
 
-def _add_light_and_camera(world: ET.Element, room: Room) -> None:
-    """A lamp below the ceiling, and a camera in the entrance that looks to the opposite wall."""
-    width, depth, height = room.size
-    at = np.array([width / 2.0, depth / 2.0, height - 0.1])
-    ET.SubElement(world, "light", name="ceiling", pos=format_vector(at), dir="0 0 -1", diffuse="0.7 0.7 0.7")
-    eye = np.array([(room.entrance.start + room.entrance.stop) / 2.0, 0.1, EYE_LEVEL])
+def _add_lights_and_cameras(world: ET.Element, room: Room) -> None:
+    for lamp in find_lamps(room):
+        strength = format_vector(np.full(3, lamp.share * BRIGHTNESS), 6)
+        ET.SubElement(
+            world, "light", name=lamp.name, pos=format_vector(np.array(lamp.position)), dir="0 0 -1",
+            diffuse=strength, ambient="0 0 0", specular="0 0 0", cutoff="89", exponent="0.3",
+        )  # fmt: skip
+    for view in find_views(room):
+        right, down, _ = view.camera.axes
+        ET.SubElement(
+            world, "camera", name=view.name, pos=format_vector(view.camera.position),
+            xyaxes=format_vector(np.concatenate([right, -down]), 9),
+            fovy=f"{FIELD_OF_VIEW:g}",
+        )  # fmt: skip
+
+
+def _add_fixture(world: ET.Element, asset: ET.Element, fixture: Fixture, folder: Path) -> None:
+    """A geom in its colour; with a pattern, it collides, and a mesh with the pattern's image is seen."""
+    geom = primitive_geom(fixture_shape(fixture), np.zeros(3)) | {
+        "name": fixture.name,
+        "rgba": format_vector(np.array([*fixture.color, 1.0]), 6),
+        "friction": HULL_FRICTION,
+    }
+    if fixture.pattern == "plain":
+        ET.SubElement(world, "geom", geom)
+        return
+    ET.SubElement(world, "geom", geom | {"group": "3"})
+    look, mesh = look_name(fixture), fixture_mesh(fixture)
+    assert mesh.uv is not None
+    if all(known.get("name") != look for known in asset.findall("material")):
+        file = write_cover(fixture, folder).relative_to(folder).as_posix()
+        ET.SubElement(asset, "texture", name=look, type="2d", file=file)
+        ET.SubElement(asset, "material", name=look, texture=look, specular="0.1")
+    corners = mesh.vertices[mesh.faces].reshape(-1, 3)
+    middle = corners.mean(axis=0)
+    uv = mesh.uv.reshape(-1, 2) * [1.0, -1.0]  # the image's rows count from its top
     ET.SubElement(
-        world, "camera", name="entrance", pos=format_vector(eye), xyaxes="1 0 0 0 0.25 1", fovy="75"
+        asset, "mesh", name=fixture.name, inertia="shell", vertex=format_vector((corners - middle).ravel()),
+        texcoord=format_vector(uv.ravel()), face=" ".join(map(str, range(len(corners)))),
     )  # fmt: skip
-
-
-def _add_fixture(world: ET.Element, fixture: Fixture) -> None:
-    low, high = np.array(fixture.low), np.array(fixture.high)
     ET.SubElement(
-        world,
-        "geom",
-        name=fixture.name,
-        type="box",
-        pos=format_vector((low + high) / 2.0),
-        size=format_vector((high - low) / 2.0),
-        rgba=format_vector(np.array([*fixture.color, 1.0]), 6),
-        friction=HULL_FRICTION,
-    )
+        world, "geom", name=f"{fixture.name}_cover", type="mesh", mesh=fixture.name, material=look,
+        pos=format_vector(middle), group="2", contype="0", conaffinity="0", mass="0",
+    )  # fmt: skip
 
 
 def _add_placement(world: ET.Element, placement: Placement, model: str) -> None:

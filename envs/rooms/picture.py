@@ -1,4 +1,4 @@
-"""Renders rooms on the CPU: a dollhouse view, the view of who enters, and a plan of the free space.
+"""Renders rooms on the CPU: a dollhouse view, the views of its cameras, and a plan of the free space.
 
 The walls towards the camera are removed, with their door and windows. In the plan bodies are grey, the swept
 space of doors and drawers is orange, the robot's standing places are blue, and contents of drawers and
@@ -6,15 +6,15 @@ cupboards are outlined in green.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from artigen.camera import look_at
 from artigen.transforms import transform_points
 from sim_export.files.read import read_package
-from sim_export.geometry.hulls import box_hull
+from sim_export.geometry.normals import CREASE
 from sim_export.motion.kinematics import link_displacements
 from sim_export.package import Mesh, SimPackage
 from sim_export.picture.draw import package_surfaces
@@ -23,21 +23,21 @@ from sim_export.picture.raycast import Surface
 from sim_export.picture.render import move_surface, render_scene, surface_from_mesh, surface_points
 from sim_export.picture.viewpoint import Viewpoint, place_camera
 
+from .covers import fixture_mesh
+from .decor import ON_WALLS
 from .footprints import cached_package, outline_of, read_footprint
-from .patterns import paint_pattern
-from .room import Fixture, Item, Placement, Room, Side, from_wall, pose_matrix_of
+from .room import SIDES, Fixture, Item, Placement, Room, Side, from_wall, pose_matrix_of
 from .solids import item_hulls, item_motion, item_solid, place_solid
 from .sweeps import find_sweeps
 from .things import thing_solids
+from .views import HEIGHT, PENDANT, WIDTH, View, find_views
 
 AZIMUTH = 62.0
 """Degrees from the left (or right) wall towards the wall with the entrance: 90 looks straight in."""
 ELEVATION = 34.0
 """Degrees above the horizon."""
-EYE_LEVEL, LOOK_AT, EYE_FOV = 1.6, 0.9, 58.0
-"""Height of the eye in the entrance and of what it looks at (m), and its vertical angle of view (degrees)."""
-WIDTH, HEIGHT = 1100, 760
-"""Size of the views in pixels."""
+BEHIND = 0.25
+"""Distance (m) from a wall within which a camera does not show it."""
 SCALE = 120.0
 """Pixels per metre of the plan."""
 MARGIN = 0.3
@@ -48,7 +48,7 @@ RENDER = RenderConfig(
 EYE_RENDER = RenderConfig(
     ground=False, occlusion_reach=0.12, light_direction=(0.25, -0.8, 0.35), light_radius=0.5
 )
-"""Light that comes through the wall behind the eye, as the ceiling shuts out any other."""
+"""Light that comes from behind the eye, as the ceiling shuts out any other."""
 
 
 def draw_room(room: Room) -> UInt8[np.ndarray, "H W 3"]:
@@ -56,7 +56,12 @@ def draw_room(room: Room) -> UInt8[np.ndarray, "H W 3"]:
     side = _emptier_side(room)
     azimuth = -AZIMUTH if side == "left" else AZIMUTH - 180.0
     shown = [place for place in room.placements if not _hangs_in(room, place, ("front", side))]
-    fixtures = [each for each in room.fixtures if not _belongs_to(each, ("front", side))]
+    left_out = ("sky", PENDANT)
+    fixtures = [
+        each
+        for each in room.fixtures
+        if not each.name.startswith(left_out) and not _belongs_to(each, ("front", side))
+    ]
     surfaces = _room_surfaces(room, shown, fixtures)
     viewpoint = Viewpoint(
         azimuth=azimuth, elevation=ELEVATION, fov=30.0, margin=0.02, width=WIDTH, height=HEIGHT
@@ -65,18 +70,19 @@ def draw_room(room: Room) -> UInt8[np.ndarray, "H W 3"]:
     return render_scene(surfaces, camera, RENDER)
 
 
-def draw_entrance(room: Room) -> UInt8[np.ndarray, "H W 3"]:
-    """The room as somebody sees it who stands in its entrance: at eye level, with walls and ceiling."""
-    (start, stop), (width, depth, height) = (room.entrance.start, room.entrance.stop), room.size
-    eye = np.array([np.clip((start + stop) / 2.0, 0.3, width - 0.3), 0.05, EYE_LEVEL])
-    aim = np.array([width / 2.0, depth, LOOK_AT])
-    shown = [place for place in room.placements if not _hangs_in(room, place, ("front",))]
-    white = (0.95, 0.95, 0.94)
-    ceiling = Fixture(name="ceiling", low=(0.0, 0.0, height), high=(width, depth, height + 0.1), color=white)
-    fixtures = [*(each for each in room.fixtures if not _belongs_to(each, ("front",))), ceiling]
-    surfaces = _room_surfaces(room, shown, fixtures)
-    camera = look_at(eye, aim, fov=EYE_FOV, width=WIDTH, height=HEIGHT)
-    return render_scene(surfaces, camera, EYE_RENDER)
+def draw_view(room: Room, view: View) -> UInt8[np.ndarray, "H W 3"]:
+    """The room as a camera in it sees it, with the ceiling and all walls but those that it stands before."""
+    width, depth, height = room.size
+    ceiling = Fixture(
+        name="ceiling", low=(0.0, 0.0, height), high=(width, depth, height + 0.1), color=(0.95, 0.95, 0.94)
+    )
+    eye = view.camera.position[None, None].repeat(2, axis=1)
+    away = [side for side in SIDES if from_wall(side, room.size, eye)[0, 0, 1] < BEHIND]
+    shown = [place for place in room.placements if not _hangs_in(room, place, away)]
+    fixtures = [*(each for each in room.fixtures if not _belongs_to(each, away)), ceiling]
+    forward = view.camera.axes[2]
+    light = replace(EYE_RENDER, light_direction=(0.35 - 0.8 * forward[0], -0.8 * forward[1], 0.35))
+    return render_scene(_room_surfaces(room, shown, fixtures), view.camera, light)
 
 
 def _room_surfaces(room: Room, shown: Sequence[Placement], fixtures: Sequence[Fixture]) -> list[Surface]:
@@ -84,7 +90,10 @@ def _room_surfaces(room: Room, shown: Sequence[Placement], fixtures: Sequence[Fi
     packages = {place.package: read_package(place.package) for place in shown}
     surfaces = [surface for place in shown for surface in placement_surfaces(place, packages[place.package])]
     surfaces += [surface for item in room.contents for surface in item_surfaces(room, item)]
-    return surfaces + [fixture_surface(fixture) for fixture in fixtures]
+    return surfaces + [
+        surface_from_mesh(fixture_mesh(fixture), crease=0.0 if fixture.shape == "box" else CREASE)
+        for fixture in fixtures
+    ]
 
 
 def _emptier_side(room: Room) -> Side:
@@ -100,14 +109,14 @@ def _emptier_side(room: Room) -> Side:
 
 def _belongs_to(fixture: Fixture, sides: Sequence[Side]) -> bool:
     """Whether a fixture is part of one of the walls, or on it."""
-    parts = ("wall", "skirting", "tiles")
+    parts = ("wall", "skirting", "tiles", *ON_WALLS)
     return fixture.name.startswith(tuple(f"{part}_{side}" for part in parts for side in sides))
 
 
 def _hangs_in(room: Room, placement: Placement, sides: Sequence[Side]) -> bool:
     """Whether an object hangs in an opening of one of the walls, into which nothing else reaches."""
     boxes = place_solid(placement).boxes
-    return min(from_wall(side, room.size, boxes)[:, 0, 1].min() for side in sides) < -0.01
+    return any(from_wall(side, room.size, boxes)[:, 0, 1].min() < -0.01 for side in sides)
 
 
 def placement_surfaces(placement: Placement, package: SimPackage) -> tuple[Surface, ...]:
@@ -127,21 +136,6 @@ def item_surfaces(room: Room, item: Item) -> tuple[Surface, ...]:
     )
 
 
-def fixture_surface(fixture: Fixture) -> Surface:
-    """A fixture in its colour or pattern, which runs through it along its thinnest side."""
-    low, high = np.array(fixture.low), np.array(fixture.high)
-    hull = box_hull(low, high)
-    if fixture.pattern == "plain":
-        mesh = Mesh(vertices=hull.vertices, faces=hull.faces, color=fixture.color)
-        return surface_from_mesh(mesh, crease=0.0)
-    sides = high - low
-    across, up = np.delete(np.arange(3), sides.argmin())
-    uv = ((hull.vertices - low) / sides)[:, [across, up]][hull.faces]
-    texture = paint_pattern(fixture.pattern, fixture.color, float(sides[across]), float(sides[up]))
-    mesh = Mesh(vertices=hull.vertices, faces=hull.faces, uv=uv, texture=texture)
-    return surface_from_mesh(mesh, crease=0.0)
-
-
 def draw_plan(room: Room) -> UInt8[np.ndarray, "H W 3"]:
     """The floor plan: outlines of all hulls from above, sweeps, standing places and ids."""
     from PIL import Image, ImageDraw, ImageFont
@@ -155,7 +149,7 @@ def draw_plan(room: Room) -> UInt8[np.ndarray, "H W 3"]:
         return list(zip(x.tolist(), y.tolist(), strict=True))
 
     for fixture in room.fixtures:
-        if fixture.name.startswith("floor") or (fixture.name.startswith("wall") and fixture.low[2] > 0.0):
+        if fixture.name.startswith(("floor", "sky")) or fixture.low[2] > 0.5:
             continue
         shade = (90, 92, 98, 255) if fixture.name.startswith("wall") else (214, 205, 192, 255)
         draw.polygon(pixel(_rectangle(fixture.low, fixture.high)), fill=shade)
@@ -218,9 +212,10 @@ def write_view(room: Room, path: Path) -> None:
     write_picture(draw_room(room), path)
 
 
-def write_entrance(room: Room, path: Path) -> None:
-    """Writes the view of who enters as a PNG, atomically."""
-    write_picture(draw_entrance(room), path)
+def write_views(room: Room, folder: Path) -> None:
+    """Writes what each camera of the room sees as a PNG of its name, atomically."""
+    for view in find_views(room):
+        write_picture(draw_view(room, view), folder / f"{view.name}.png")
 
 
 def write_plan(room: Room, path: Path) -> None:

@@ -16,19 +16,22 @@ import numpy as np
 
 from artigen import __version__
 from artigen.shapes.families import choose_suite
-from artigen.shapes.surfaces.finishes import Color
+from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.transforms import transform_points
 from artigen.types import RoomKind
 
 from .arrange import Place, Plan
 from .catalogue import Catalogue, Entry, PopulateError, demand_roles
 from .check import check_room
+from .decor import decorate_room
 from .doorway import hang_door
 from .fittings import FITTINGS
+from .floor import stand_on_floor
 from .footprints import standing_places
 from .furnish import furnish
 from .openings import find_openings
 from .order import demand_order, place_order, read_order
+from .patterns import Pattern
 from .pieces import Member, move_boxes
 from .recipes import RECIPES, Recipe
 from .room import Fixture, Opening, Placement, Room, Side, corner, room_shell, rounded_quat
@@ -36,6 +39,10 @@ from .runs import Chooser, count_objects, draw_shortlists
 from .site import Site
 from .solids import place_solid
 from .trim import trim_room
+from .worktops import HOOD, WORKTOP
+
+STEEL: Color = (0.70, 0.71, 0.72)
+"""Colour of hoods."""
 
 PASSAGE = 0.15
 """Width (m) of a passage beyond the robot's diameter."""
@@ -132,6 +139,8 @@ def populate(
             reasons[missing] += 1
             continue
         room = trim_room(_room(recipe, seed, attempt, plan, catalogue, cfg))
+        if not order:
+            room = stand_on_floor(decorate_room(room))
         problems = check_room(room, open_doors=site is not None)
         if cfg.sweeps == "any":
             problems = tuple(problem for problem in problems if problem.kind in ("overlap", "outside"))
@@ -181,12 +190,15 @@ def _room(
     fixtures: list[Fixture] = []
     openings: list[Opening] = []
     names: dict[int, str] = {}
-    color = choose_filler_color(catalogue)
+    suite = _suite(catalogue)
+    color, top = choose_filler_color(catalogue), choose_top(catalogue)
     for place in plan.places:
         for member in place.cluster.members:
             if member.piece.entry is None:
-                counts[member.piece.role] += 1
-                fixtures += _fixtures(place, member, color, counts[member.piece.role])
+                role = member.piece.role
+                counts[role] += 1
+                names[id(member.piece)] = f"{role}_{counts[role]}"
+                fixtures += _fixtures(place, member, (color, top), names[id(member.piece)])
                 continue
             slug = member.piece.role.replace(" ", "_")
             counts[slug] += 1
@@ -210,6 +222,7 @@ def _room(
         provenance=(
             ("generator", f"artigen {__version__} scene"),
             ("packages", f"{len(catalogue.entries)} proven packages in {catalogue.folder.name}"),
+            ("look", "several suites" if suite is None else f"{suite[0]}, suite {suite[1]}"),
             ("settings", json.dumps(asdict(cfg), sort_keys=True)),
         ),
     )
@@ -237,24 +250,59 @@ def _placement(place: Place, member: Member, entry: Entry, names: dict[int, str]
     )
 
 
-def _fixtures(place: Place, member: Member, color: Color, number: int) -> list[Fixture]:
-    """The boxes of a fitting, or the cabinet front that closes the corner between two runs."""
-    looks = [(f"filler_{place.cluster.name}", color)]
-    if member.piece.role in FITTINGS:
-        parts = FITTINGS[member.piece.role].parts
-        looks = [(f"{member.piece.role}_{number}_{name}", paint) for name, _, _, paint in parts]
-    bodies = move_boxes(member.piece.boxes, place.T @ member.T).bodies
+def _fixtures(
+    place: Place, member: Member, looks: tuple[Color, tuple[Color, Pattern]], name: str
+) -> list[Fixture]:
+    """The boxes of a fitting, a worktop or a hood, or the cabinet front that closes a gap of a run.
+
+    Args:
+        looks: Colour of fronts, and colour and pattern of worktops.
+    """
+    role, bodies = member.piece.role, move_boxes(member.piece.boxes, place.T @ member.T).bodies
+    front, (top, pattern) = looks
+    if role in FITTINGS:
+        parts = [(f"{name}_{part}", paint) for part, _, _, paint in FITTINGS[role].parts]
+    elif role == WORKTOP:
+        parts = [(f"{name}_{index}", top) for index in range(len(bodies))]
+    elif role == HOOD:
+        parts = [(f"{name}_canopy", STEEL), (f"{name}_chimney", STEEL)]
+    else:
+        parts = [(f"filler_{place.cluster.name}", front)]
     return [
-        Fixture(name=name, low=corner(low), high=corner(high), color=paint)
-        for (name, paint), (low, high) in zip(looks, bodies, strict=True)
-    ]
+        Fixture(
+            name=part, low=corner(low), high=corner(high), color=paint,
+            pattern=pattern if role == WORKTOP else "plain",
+        )
+        for (part, paint), (low, high) in zip(parts, bodies, strict=True)
+    ]  # fmt: skip
+
+
+def choose_top(catalogue: Catalogue) -> tuple[Color, Pattern]:
+    """Colour and pattern of worktops: those of the packages, where all are of one suite; else pale stone."""
+    finish = _finish(catalogue, "top")
+    if finish is None:
+        return (0.80, 0.78, 0.74), "stone"
+    pattern: Pattern = "stone" if finish.kind == "stone" else "wood" if finish.kind == "wood" else "plain"
+    return max(finish.color, finish.accent, key=sum) if pattern == "stone" else finish.color, pattern
 
 
 def choose_filler_color(catalogue: Catalogue) -> Color:
     """That of the fronts, where all packages are of one suite; else a light grey."""
+    finish = _finish(catalogue, "front")
+    return (0.80, 0.79, 0.76) if finish is None else finish.color
+
+
+def _finish(catalogue: Catalogue, part: str) -> Finish | None:
+    """The finish of a part of furniture in the suite of all packages; None if they are of several."""
+    suite = _suite(catalogue)
+    return None if suite is None else choose_suite(*suite).finishes["furniture"][part]
+
+
+def _suite(catalogue: Catalogue) -> tuple[str, int] | None:
+    """Family and suite of all packages; None if they are of several or of none."""
     sources = [dict(entry.provenance) for entry in catalogue.entries]
     suites = {(source.get("family"), source.get("suite")) for source in sources}
     if len(suites) != 1 or None in (suite := suites.pop()):
-        return (0.80, 0.79, 0.76)
+        return None
     family, seed = suite
-    return choose_suite(str(family), int(str(seed))).finishes["furniture"]["front"].color
+    return str(family), int(str(seed))

@@ -13,7 +13,7 @@ Where = Literal["wall", "middle"]
 
 MIDDLE = (0.2, 0.5)
 """Pull of categories that belong nowhere in a run."""
-COUNTERS = ("base cabinet", "island", "sideboard")
+COUNTERS = ("worktop", "base cabinet", "island", "sideboard")
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,8 @@ class Share:
     wanted: int
     most: int
     on: tuple[str, ...] = ()
+    weight: float = 1.0
+    """How much more than others a role is missed in a run, if its number is not the desired one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,6 +156,19 @@ WARDROBE = Role("wardrobe")
 DRESSER = Role("dresser")
 LOWBOARD = Role("lowboard")
 
+
+def _perhaps(
+    role: str,
+    most: int = 1,
+    *,
+    where: Where = "wall",
+    like: Literal["corner", "middle", "anywhere"] = "anywhere",
+    near: str | None = None,
+) -> Group:
+    """None to ``most`` pieces of a role, each by itself; the group has the name of the role."""
+    return Group(name=role, roles=(role,), count=(0, most), where=where, like=like, near=near)
+
+
 WINDOWS = Group(name="windows", roles=("window",), count=(0, 2), like="middle", height=0.92, sunk=THICKNESS)
 
 KITCHEN = Recipe(
@@ -168,16 +183,16 @@ KITCHEN = Recipe(
         Share(role=RANGE, least=1, wanted=1, most=1),
         Share(role=DISHWASHER, wanted=1, most=1),
         Share(role=WASHER, wanted=1, most=1),
-        Share(role=SINK, wanted=1, most=1),
+        Share(role=SINK, wanted=1, most=1, weight=4.0),
         Share(role=BASE, least=2, wanted=6, most=10),
         Share(role=LARDER, wanted=1, most=2),
     ),
     hung=Share(role=HUNG, wanted=5, most=8),
     groups=(
-        Group(name="island", roles=("island",), count=(0, 1), where="middle", like="middle"),
-        Group(name="table", roles=("table",), count=(0, 1), where="middle"),
-        Group(name="cart", roles=("cart",), count=(0, 1), like="corner"),
-        Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
+        _perhaps("island", where="middle", like="middle"),
+        _perhaps("table", where="middle"),
+        _perhaps("cart", like="corner"),
+        _perhaps("bin", like="corner"),
     ),
     roles=(ISLAND, DINING, CART, BIN, DOOR, WINDOW),
     tops=(
@@ -200,11 +215,11 @@ OFFICE = Recipe(
         Group(name="bookcases", roles=("bookcase", "bookcase"), count=(1, 2), like="corner"),
         Group(name="team", roles=("desk", "desk"), count=(0, 1), where="middle", double=True, like="middle"),
         Group(name="filing", roles=("filing cabinet", "filing cabinet"), count=(0, 2), like="corner"),
-        Group(name="sideboard", roles=("sideboard",), count=(0, 1), like="middle"),
-        Group(name="safe", roles=("safe",), count=(0, 1), like="corner"),
-        Group(name="fridge", roles=("small fridge",), count=(0, 1), like="corner", near="sideboard"),
-        Group(name="cart", roles=("cart",), count=(0, 1), like="corner"),
-        Group(name="bin", roles=("bin",), count=(0, 2), like="corner", near="desks"),
+        _perhaps("sideboard", like="middle"),
+        _perhaps("safe", like="corner"),
+        _perhaps("small fridge", like="corner", near="sideboard"),
+        _perhaps("cart", like="corner"),
+        _perhaps("bin", 2, like="corner", near="desks"),
     ),
     roles=(DESK, PEDESTAL, BOOKCASE, FILING, SIDEBOARD, SAFE, SMALL_FRIDGE, CART, BIN, DOOR, WINDOW),
     tops=(
@@ -226,13 +241,13 @@ BEDROOM = Recipe(
         Group(name="wardrobes", roles=("wardrobe", "wardrobe"), count=(1, 1), like="corner"),
         Group(name="dresser", roles=("dresser",), count=(1, 2)),
         Group(name="desk", roles=("desk", "pedestal"), count=(0, 1)),
-        Group(name="lowboard", roles=("lowboard",), count=(0, 1), like="middle"),
-        Group(name="bookcase", roles=("bookcase",), count=(0, 1), like="corner"),
+        _perhaps("lowboard", like="middle"),
+        _perhaps("bookcase", like="corner"),
         Group(name="chest", roles=("pedestal", "pedestal"), count=(0, 1)),
-        Group(name="safe", roles=("safe",), count=(0, 1), like="corner"),
-        Group(name="low table", roles=("low table",), count=(0, 1), where="middle"),
-        Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
-        Group(name="suitcase", roles=("suitcase",), count=(0, 1), like="corner"),
+        _perhaps("safe", like="corner"),
+        _perhaps("low table", where="middle"),
+        _perhaps("bin", like="corner"),
+        _perhaps("suitcase", like="corner"),
     ),
     roles=(
         NIGHTSTAND, WARDROBE, DRESSER, DESK, PEDESTAL, LOWBOARD, BOOKCASE, SAFE, LOW_TABLE, BIN, LUGGAGE,
@@ -253,15 +268,17 @@ BATHROOM = Recipe(
     needed=(TOILET, WASHER),
     groups=(
         Group(name="toilet", roles=("toilet",), count=(1, 1), like="corner"),
+        _perhaps("sink", like="middle"),
+        _perhaps("shower", like="corner"),
         Group(name="laundry", roles=("washing machine", "dryer"), count=(1, 1), like="corner"),
         Group(name="cupboards", roles=("nightstand", "nightstand"), count=(1, 2)),
-        Group(name="linen", roles=("bookcase",), count=(0, 1), like="corner"),
-        Group(name="dresser", roles=("dresser",), count=(0, 1)),
-        Group(name="bin", roles=("bin",), count=(0, 2), like="corner", near="toilet"),
-        Group(name="crates", roles=("crate",), count=(0, 2), like="corner"),
-        Group(name="cart", roles=("cart",), count=(0, 1)),
+        _perhaps("bookcase", like="corner"),
+        _perhaps("dresser"),
+        _perhaps("bin", 2, like="corner", near="toilet"),
+        _perhaps("crate", 2, like="corner"),
+        _perhaps("cart"),
     ),
-    roles=(TOILET, WASHER, DRYER, NIGHTSTAND, BOOKCASE, DRESSER, BIN, CRATE, CART, DOOR, WINDOW),
+    roles=(TOILET, SINK, WASHER, DRYER, NIGHTSTAND, BOOKCASE, DRESSER, BIN, CRATE, CART, DOOR, WINDOW),
     wall_color=(0.86, 0.91, 0.92),
 )
 
@@ -274,13 +291,13 @@ WORKSHOP = Recipe(
     groups=(
         Group(name="benches", roles=("desk", "desk"), count=(1, 2), like="middle"),
         Group(name="filing", roles=("filing cabinet", "filing cabinet"), count=(1, 2), like="corner"),
-        Group(name="tools", roles=("tool chest",), count=(0, 1), where="middle"),  # its lid leans out behind
+        _perhaps("tool chest", where="middle"),  # its lid leans out behind
         Group(name="shelves", roles=("bookcase", "bookcase"), count=(0, 2), like="corner"),
-        Group(name="freezer", roles=("chest freezer",), count=(0, 1), like="corner"),
-        Group(name="carts", roles=("cart",), count=(0, 2)),
+        _perhaps("chest freezer", like="corner"),
+        _perhaps("cart", 2),
         Group(name="crates", roles=("crate", "crate"), count=(0, 2)),
-        Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
-        Group(name="safe", roles=("safe",), count=(0, 1), like="corner"),
+        _perhaps("bin", like="corner"),
+        _perhaps("safe", like="corner"),
     ),
     roles=(DESK, TOOL_CHEST, FILING, BOOKCASE, FREEZER, CART, CRATE, BIN, SAFE, DOOR, WINDOW),
     tops=(
@@ -301,11 +318,11 @@ LIVING_ROOM = Recipe(
         Group(name="low table", roles=("low table",), count=(1, 1), where="middle", near="sofa"),
         Group(name="lowboard", roles=("lowboard",), count=(1, 1), like="middle"),
         Group(name="bookcases", roles=("bookcase", "bookcase"), count=(1, 2), like="corner"),
-        Group(name="armchairs", roles=("armchair",), count=(0, 2), near="sofa"),
-        Group(name="sideboard", roles=("sideboard",), count=(0, 1)),
-        Group(name="dresser", roles=("dresser",), count=(0, 1)),
-        Group(name="desk", roles=("desk",), count=(0, 1), like="corner"),
-        Group(name="bin", roles=("bin",), count=(0, 1), like="corner", near="desk"),
+        _perhaps("armchair", 2, near="sofa"),
+        _perhaps("sideboard"),
+        _perhaps("dresser"),
+        _perhaps("desk", like="corner"),
+        _perhaps("bin", like="corner", near="desk"),
     ),
     roles=(NIGHTSTAND, LOW_TABLE, LOWBOARD, BOOKCASE, SIDEBOARD, DRESSER, DESK, BIN, DOOR, WINDOW),
     tops=(
@@ -324,11 +341,11 @@ HALL = Recipe(
     groups=(
         Group(name="wardrobes", roles=("wardrobe",), count=(1, 2), like="corner"),
         Group(name="bench", roles=("bench",), count=(1, 1)),
-        Group(name="dresser", roles=("dresser",), count=(0, 1), like="middle"),
-        Group(name="cupboard", roles=("nightstand",), count=(0, 1)),
-        Group(name="luggage", roles=("suitcase",), count=(0, 2), like="corner"),
-        Group(name="crate", roles=("crate",), count=(0, 1), like="corner"),
-        Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
+        _perhaps("dresser", like="middle"),
+        _perhaps("nightstand"),
+        _perhaps("suitcase", 2, like="corner"),
+        _perhaps("crate", like="corner"),
+        _perhaps("bin", like="corner"),
     ),
     roles=(WARDROBE, DRESSER, NIGHTSTAND, LUGGAGE, CRATE, BIN, DOOR, WINDOW),
     tops=(Share(role=LAMP, wanted=1, most=1, on=("dresser",)),),
@@ -345,11 +362,11 @@ LAUNDRY = Recipe(
     groups=(
         Group(name="machines", roles=("washing machine", "dryer"), count=(1, 2), like="middle"),
         Group(name="cupboards", roles=("base cabinet", "base cabinet"), count=(1, 1)),
-        Group(name="sink", roles=("sink",), count=(0, 1)),
-        Group(name="linen", roles=("bookcase",), count=(0, 1), like="corner"),
-        Group(name="crates", roles=("crate",), count=(0, 2), like="corner"),
-        Group(name="cart", roles=("cart",), count=(0, 1)),
-        Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
+        _perhaps("sink"),
+        _perhaps("bookcase", like="corner"),
+        _perhaps("crate", 2, like="corner"),
+        _perhaps("cart"),
+        _perhaps("bin", like="corner"),
     ),
     roles=(WASHER, DRYER, BASE, SINK, BOOKCASE, CRATE, CART, BIN, DOOR, WINDOW),
     wall_color=(0.90, 0.92, 0.92),

@@ -35,13 +35,15 @@ THICKNESS = 0.1
 
 @dataclass(frozen=True, kw_only=True)
 class Fixture:
-    """A static box: wall, floor, bed or trim. ``color`` is sRGB in [0, 1], ``pattern`` says its cover."""
+    """A static box, or an upright cylinder in one: wall, floor, bed or trim. ``color`` is sRGB in [0, 1],
+    ``pattern`` says its cover."""
 
     name: str
     low: tuple[float, float, float]
     high: tuple[float, float, float]
     color: tuple[float, float, float]
     pattern: Pattern = "plain"
+    shape: Literal["box", "cylinder"] = "box"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,8 +72,8 @@ class Placement:
     """An object in the room: ``position`` and ``quat`` (wxyz) map its package's frame to the room's.
 
     ``joints`` are coordinates (rad or m) of joints that are not at 0, ``standing`` the places (x, y) from
-    which a robot opens its doors and drawers, ``support`` the id of the object below it, if any, and
-    ``provenance`` that of its package.
+    which a robot opens its doors and drawers, ``support`` the id of the object or worktop below it, if any,
+    and ``provenance`` that of its package.
     """
 
     id: str
@@ -89,17 +91,18 @@ class Placement:
 
 @dataclass(frozen=True, kw_only=True)
 class Item:
-    """A loose thing (`envs.rooms.things`) in a drawer or cupboard.
+    """A loose thing (`envs.rooms.things`) in a drawer or cupboard, on furniture or on the floor.
 
     ``position`` and ``quat`` (wxyz) place it in the frame of the object ``holder`` with all joints at 0; it
-    moves with the holder's ``link``. ``size`` are its extents before it is turned, ``mass`` is in kg, and
-    ``colors`` (sRGB in [0, 1]) are those of its parts.
+    moves with the holder's ``link``. Without a holder it stands on a fixture, in the frame of the room.
+    ``size`` are its extents before it is turned, ``mass`` is in kg, and ``colors`` (sRGB in [0, 1]) are those
+    of its parts.
     """
 
     id: str
     thing: str
-    holder: str
-    link: str
+    holder: str | None
+    link: str | None
     position: tuple[float, float, float]
     quat: tuple[float, float, float, float]
     size: tuple[float, float, float]
@@ -138,6 +141,16 @@ class Room:
     contents: tuple[Item, ...] = ()
     openings: tuple[Opening, ...] = ()
     zones: tuple[Zone, ...] = ()
+
+    @property
+    def doorways(self) -> tuple[Opening, ...]:
+        """Openings to the neighbours in a flat, whose doors are theirs; all other openings are windows."""
+        return tuple(hole for hole in self.openings if hole.bottom == 0.0)
+
+    @property
+    def windows(self) -> tuple[Opening, ...]:
+        """Openings that do not reach the floor."""
+        return tuple(hole for hole in self.openings if hole.bottom > 0.0)
 
     def placement(self, name: str) -> Placement:
         """The object with that id; raises `ValueError` with the existing ids."""

@@ -16,12 +16,14 @@ from .pieces import GAP, Boxes, Cluster, Member, Piece, line_up, make_piece, mov
 from .recipes import BASE, Recipe
 from .room import Side, along_wall, wall_axis, wall_length
 
-RESERVE = 0.78
+RESERVE = 0.88
 """Length (m) of both walls that a corner between two runs takes."""
 ORDERS = 3
 """Number of random orders of a run; the one with the smallest gaps is used."""
 NARROW = 0.012
 """Gap (m) between units above which a panel closes it."""
+SETBACKS = (0.0, 0.03, 0.06, 0.11, 0.16)
+"""Distances (m) of a corner's filler behind the fronts beside it that are tried."""
 SHIFTS = np.arange(0.0, 0.62, 0.04)
 """Distances (m) from its corner at which a run may start."""
 
@@ -143,38 +145,41 @@ def _place_run(
         ]
         if not spare:
             return None
-        units = [unit for index, unit in enumerate(units) if index != spare[-1]]
+        dropped = min(reversed(spare), key=lambda index: recipe.shares[shares[index]].weight)
+        units = [unit for index, unit in enumerate(units) if index != dropped]
     return plan
 
 
-def close_corners(plan: Plan) -> Plan:
-    """The plan with fillers between low runs that meet in a corner at the back."""
+def close_corners(plan: Plan, height: float) -> Plan:
+    """The plan with fillers up to a height (m) between low runs that meet in a corner at the back."""
     runs = runs_of(plan)
     for end, side in enumerate(("left", "right")):
         if "back" in runs and side in runs:
-            plan = _close_corner(plan, runs["back"], runs[side], end)
+            plan = _close_corner(plan, runs["back"], runs[side], end, height)
     return plan
 
 
-def _close_corner(plan: Plan, back: Place, beside: Place, end: int) -> Plan:
-    """Two boxes from the first units of both runs into the corner, with aligned fronts."""
+def _close_corner(plan: Plan, back: Place, beside: Place, end: int, height: float) -> Plan:
+    """Two boxes from the first units of both runs into the corner, as near to their fronts as doors allow."""
     first = _nearest(back, axis=0, end=end)
     second = _nearest(beside, axis=1, end=1)
     if max(first[1, 2], second[1, 2]) > TALL:
         return plan
     width, depth, _ = plan.size
-    height = float(min(first[1, 2], second[1, 2]))
     start = float(first[0, 0] if end == 0 else width - first[1, 0]) - GAP
-    front = max(_fronts(back, "back", plan))
-    side_front = max(_fronts(beside, "left" if end == 0 else "right", plan))
     stop = depth - float(second[1, 1]) - GAP
-    a0, a1 = (GAP, start) if end == 0 else (width - start, width - GAP)
-    boxes = [along_wall("back", plan.size, (a0, GAP, GAP), (a1, front, height))]
-    if stop > front + 0.01:
-        b0, b1 = (GAP, side_front) if end == 0 else (width - side_front, width - GAP)
-        boxes.append(along_wall("back", plan.size, (b0, front + 1e-3, GAP), (b1, stop, height)))
-    for box in boxes:
-        plan = _with_filler(plan, box, f"{beside.cluster.name}_corner")
+    for setback in SETBACKS:
+        front = max(_fronts(back, "back", plan)) - setback
+        side_front = max(_fronts(beside, "left" if end == 0 else "right", plan)) - setback
+        a0, a1 = (GAP, start) if end == 0 else (width - start, width - GAP)
+        boxes = [along_wall("back", plan.size, (a0, GAP, GAP), (a1, front, height))]
+        if stop > front + 0.01:
+            b0, b1 = (GAP, side_front) if end == 0 else (width - side_front, width - GAP)
+            boxes.append(along_wall("back", plan.size, (b0, front + 1e-3, GAP), (b1, stop, height)))
+        if fits(plan, Boxes(bodies=np.array(boxes)), plan.boxes):
+            for box in boxes:
+                plan = _with_filler(plan, box, f"{beside.cluster.name}_corner")
+            return plan
     return plan
 
 

@@ -6,13 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from artigen.transforms import shift
 from sim_export.geometry.contacts import HullSet
-from sim_export.geometry.hulls import box_hull, move_hull
+from sim_export.geometry.hulls import move_hull
+from sim_export.geometry.primitives import PrimitiveShape, primitive_hull
 from sim_export.motion.kinematics import link_displacements
 from sim_export.package import Hull
 
 from .footprints import cached_package
-from .room import Item, Placement, Room, pose_matrix_of
+from .room import Fixture, Item, Placement, Room, pose_matrix_of
 from .things import thing_hulls
 
 
@@ -35,11 +37,16 @@ def object_solids(room: Room) -> list[Solid]:
 
 
 def fixture_solids(room: Room) -> list[Solid]:
-    """Walls, floor and all other static boxes."""
-    return [
-        make_solid(fixture.name, [box_hull(np.array(fixture.low), np.array(fixture.high))])
-        for fixture in room.fixtures
-    ]
+    """Walls, floor and all other fixtures."""
+    return [make_solid(fixture.name, [primitive_hull(fixture_shape(fixture))]) for fixture in room.fixtures]
+
+
+def fixture_shape(fixture: Fixture) -> PrimitiveShape:
+    """A fixture as a placed box or cylinder; the cylinder touches the sides of its box."""
+    low, high = np.array(fixture.low), np.array(fixture.high)
+    width, depth, height = (high - low).tolist()
+    sizes = (width, depth, height) if fixture.shape == "box" else (min(width, depth) / 2.0, height)
+    return PrimitiveShape(kind=fixture.shape, sizes=sizes, T_object_shape=shift((low + high) / 2.0))
 
 
 def place_solid(placement: Placement) -> Solid:
@@ -57,11 +64,19 @@ def item_hulls(item: Item) -> tuple[Hull, ...]:
 
 
 def item_motion(room: Room, item: Item) -> Float[np.ndarray, "4 4"]:
-    """Maps the holder's frame with all joints at 0 to the room, as the item moves with its link."""
+    """Maps the holder's frame with all joints at 0 to the room, as the item moves with its link; the identity
+    without a holder."""
+    if item.holder is None:
+        return np.eye(4)
     holder = room.placement(item.holder)
     package = cached_package(holder.package)
     T = link_displacements(package.links, package.joints, dict(holder.joints))
     return pose_matrix_of(holder) @ T[[link.name for link in package.links].index(item.link)]
+
+
+def standing_solids(room: Room) -> list[Solid]:
+    """Loose things that no object holds: chairs, and what stands on worktops."""
+    return [item_solid(item, np.eye(4)) for item in room.contents if item.holder is None]
 
 
 def item_solid(item: Item, T: Float[np.ndarray, "4 4"]) -> Solid:

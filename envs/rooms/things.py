@@ -3,8 +3,10 @@
 A thing stands with its lowest point at z = 0, centred over the origin.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -28,6 +30,7 @@ CERAMIC = tuple((color, color) for color in (WHITE, BLUE, RED, YELLOW))
 PRINT = tuple((color, CREAM) for color in (RED, BLUE, GREEN, YELLOW))
 CLOTH = ((WHITE, CREAM), (BLUE, GREY), (CREAM, WHITE))
 STEEL, TOOLS = ((GREY, DARK), (GREY, BROWN)), ((GREY, RED), (GREY, YELLOW))
+SEATS = ((BROWN, BROWN), (DARK, CREAM), (WHITE, GREY), (BROWN, CREAM), (DARK, BROWN))
 BAND = ((0.0, 1.0, 0.98, 0.0, 0.3, 0), (0.0, 1.0, 1.0, 0.3, 0.7, 1), (0.0, 1.0, 0.98, 0.7, 1.0, 0))
 
 
@@ -53,6 +56,8 @@ class Thing:
     foot: float | None = None
     faces: bool = False
     across: bool = False
+    draw: Callable[[Size], Solids] | None = None
+    """Draws the solids of what rows cannot say."""
 
 
 @lru_cache(maxsize=4096)
@@ -61,6 +66,8 @@ def thing_solids(name: str, size: Size) -> Solids:
     thing = next((thing for thing in THINGS if thing.name == name), None)
     if thing is None:
         raise ValueError(f"thing {name!r}, expected one of {', '.join(thing.name for thing in THINGS)}")
+    if thing.draw is not None:
+        return thing.draw(size)
     if thing.foot is not None:
         return _vessel(size, thing.foot)
     solids = []
@@ -116,6 +123,72 @@ def _vessel(size: Size, foot: float) -> Solids:
         spans = ((start, end, low, low + bar), (start, end, high - bar, high), (end - bar, end, low, high))
         solids += [(_box((x0, -bar, z0), (x1, bar, z1)), 0) for x0, x1, z0, z1 in spans]
     return tuple(solids)
+
+
+def _chair(size: Size) -> Solids:
+    """A chair that faces -x: four legs, a seat, two posts and two rails."""
+    x, y, z = size[0] / 2, size[1] / 2, size[2]
+    seat, leg = 0.45, 0.035
+    feet = [(-x, -y), (-x, y - leg), (x - leg, -y), (x - leg, y - leg)]
+    parts = [(_box((a, b, 0.0), (a + leg, b + leg, seat if a < 0 else z)), 0) for a, b in feet]
+    rails = [(0.6 * (z - seat) + seat, z), (0.2 * (z - seat) + seat, 0.4 * (z - seat) + seat)]
+    back = [(_box((x - leg, leg - y, low), (x - 0.3 * leg, y - leg, high)), 0) for low, high in rails]
+    return (*parts, (_box((-x, -y, seat), (x - leg, y, seat + 0.03)), 1), *((solid, 0) for solid, _ in back))
+
+
+def _stool(size: Size) -> Solids:
+    """A bar stool: four legs, a ring of rails for feet, a round seat."""
+    r, z, leg = 0.8 * size[0] / 2, size[2], 0.03
+    feet = [(-r, -r), (-r, r - leg), (r - leg, -r), (r - leg, r - leg)]
+    parts = [(_box((a, b, 0.0), (a + leg, b + leg, z - 0.04)), 0) for a, b in feet]
+    rails = [((leg - r, a, 0.25), (r - leg, a + leg, 0.27)) for a in (-r, r - leg)]
+    return (*parts, *((_box(low, high), 0) for low, high in rails), (_rod(size[0] / 2, z - 0.04, z), 1))
+
+
+def _office_chair(size: Size) -> Solids:
+    """An office chair that faces -x: a round foot, a column, a seat, a back on a bar."""
+    x, y, z = size[0] / 2, size[1] / 2, size[2]
+    return (
+        (_rod(0.9 * y, 0.0, 0.05), 0), (_rod(0.035, 0.05, 0.42), 0),
+        (_box((-x, -0.85 * y, 0.42), (0.7 * x, 0.85 * y, 0.49)), 1),
+        (_box((0.7 * x, -0.03, 0.44), (0.82 * x, 0.03, 0.70)), 0),
+        (_box((0.82 * x, -0.8 * y, 0.56), (x, 0.8 * y, z)), 1),
+    )  # fmt: skip
+
+
+def _shoes(size: Size) -> Solids:
+    """A pair of shoes whose toes point to -x."""
+    x, y, z = size[0] / 2, size[1] / 2, size[2]
+    pair = []
+    for low, high in ((-y, -0.1 * y), (0.1 * y, y)):
+        pair += [
+            (_box((-x, low, 0.0), (x, high, 0.2 * z)), 1),
+            (_box((-x, low, 0.2 * z), (0.1 * x, high, 0.6 * z)), 0),
+        ]
+        pair.append((_box((0.1 * x, low, 0.2 * z), (0.9 * x, high, z)), 0))
+    return tuple(pair)
+
+
+def _keyboard(size: Size) -> Solids:
+    """A keyboard with its rows of keys along y."""
+    x, y, z = size[0] / 2, size[1] / 2, size[2]
+    edges = np.linspace(-0.9 * x, 0.9 * x, 6)
+    keys = [((a + 0.002, -0.96 * y, 0.6 * z), (b - 0.002, 0.96 * y, z)) for a, b in pairwise(edges.tolist())]
+    return ((_box((-x, -y, 0.0), (x, y, 0.6 * z)), 0), *((_box(low, high), 1) for low, high in keys))
+
+
+def _kettle(size: Size) -> Solids:
+    """A kettle: a round body with a lid, a spout and a handle on the other side."""
+    z, handle = size[2], 0.3 * size[0]
+    r = size[1] / 2
+    at = (size[1] - size[0]) / 2
+    bar = size[0] / 2
+    return (
+        (_rod(r, 0.0, 0.8 * z, at), 0), (_rod(0.8 * r, 0.8 * z, 0.9 * z, at), 0),
+        (_rod(0.012, 0.9 * z, z, at), 1),
+        (_box((bar - handle, -0.01, 0.72 * z), (bar, 0.01, 0.8 * z)), 1),
+        (_box((bar - 0.02, -0.01, 0.3 * z), (bar, 0.01, 0.72 * z)), 1),
+    )  # fmt: skip
 
 
 def _in(rooms: str, *places: str) -> tuple[str, ...]:
@@ -189,5 +262,26 @@ THINGS = (
           ((WHITE, YELLOW), (DARK, RED), (CREAM, GREEN)), round=True,
           rows=((0, 1, 0.4, 0, 0.12, 0), (0, 1, 1, 0.12, 0.5, 0), (0, 1, 0.8, 0.5, 0.8, 1),
                 (0, 1, 0.4, 0.8, 1, 1))),
+    Thing("kettle", _in("kitchen", "top"), (0.22, 0.15, 0.2), (0.25, 0.17, 0.24), 180,
+          ((GREY, DARK), (RED, DARK), (CREAM, BROWN)), draw=_kettle),
+    Thing("keyboard", _in("office", "top"), (0.13, 0.4, 0.022), (0.15, 0.45, 0.026), 400,
+          ((DARK, GREY), (GREY, WHITE)), faces=True, draw=_keyboard),
+    Thing("soap", _in("bathroom laundry", "top"), (0.07, 0.07, 0.15), (0.08, 0.08, 0.2), 600,
+          ((CREAM, DARK), (BLUE, WHITE)), round=True,
+          rows=((0, 1, 1, 0, 0.7, 0), (0, 1, 0.3, 0.7, 0.9, 1), (0, 1, 0.6, 0.9, 1, 1))),
+    Thing("chair", (), (0.44, 0.42, 0.86), (0.48, 0.46, 0.92), 28, SEATS, faces=True, draw=_chair),
+    Thing("stool", (), (0.36, 0.36, 0.62), (0.38, 0.38, 0.66), 50, SEATS, faces=True, draw=_stool),
+    Thing("office_chair", (), (0.56, 0.56, 0.9), (0.6, 0.6, 1.0), 40,
+          ((DARK, DARK), (DARK, BLUE), (GREY, DARK)), faces=True, draw=_office_chair),
+    Thing("floor_lamp", (), (0.34, 0.34, 1.5), (0.42, 0.42, 1.65), 18,
+          ((DARK, CREAM), (GREY, WHITE), (BROWN, CREAM)), round=True,
+          rows=((0, 1, 0.75, 0, 0.02, 0), (0, 1, 0.06, 0.02, 0.8, 0), (0, 1, 1, 0.8, 1, 1))),
+    Thing("floor_plant", (), (0.34, 0.34, 0.9), (0.46, 0.46, 1.3), 60,
+          ((CREAM, GREEN), (DARK, GREEN), (GREY, GREEN)), round=True,
+          rows=((0, 1, 0.7, 0, 0.28, 0), (0, 1, 0.08, 0.28, 0.5, 1), (0, 1, 0.8, 0.4, 0.55, 1),
+                (0, 1, 1, 0.55, 0.75, 1), (0, 1, 0.85, 0.75, 0.9, 1), (0, 1, 0.5, 0.9, 1, 1))),
+    Thing("shoes", (), (0.26, 0.2, 0.09), (0.3, 0.22, 0.12), 150,
+          ((DARK, GREY), (BROWN, CREAM), (BLUE, WHITE), (WHITE, GREY)), faces=True, draw=_shoes),
+    Thing("basket", (), (0.36, 0.36, 0.3), (0.42, 0.42, 0.42), 40, ((CREAM, BROWN), (GREY, GREY)), foot=0.85),
 )  # fmt: skip
 """All things."""

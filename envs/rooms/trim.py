@@ -6,29 +6,24 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
-from artigen.transforms import transform_points
-from sim_export.geometry.triangles import bounds_of
-
-from .footprints import read_footprint
 from .patterns import Pattern
-from .recipes import RECIPES
 from .room import (
     SIDES,
     Fixture,
-    Placement,
     Room,
     Side,
     along_wall,
     corner,
     from_wall,
-    pose_matrix_of,
     wall_length,
 )
-from .solids import place_solid
+from .solids import fixture_solids, place_solid
+from .taken import kept_free
+from .worktops import HOOD_BOTTOM, WORKTOP
 
 SKIRTING = (0.07, 0.012)
 """Height and thickness (m) of skirting boards."""
-TILES = (1.35, 0.008)
+TILES = (1.445, 0.008)
 """Height to which tiles behind worktops reach, and their thickness (m)."""
 WORKTOPS = (0.75, 1.05)
 """Range of heights (m) of worktops."""
@@ -51,7 +46,7 @@ def trim_room(room: Room) -> Room:
     shell = ("floor", "wall_")
     bodies = np.array(
         [
-            *(box for placement in room.placements for box in _kept_free(placement)),
+            *(box for placement in room.placements for box in kept_free(placement)),
             *((each.low, each.high) for each in room.fixtures if not each.name.startswith(shell)),
             np.zeros((2, 3)),
         ]
@@ -68,28 +63,33 @@ def trim_room(room: Room) -> Room:
         worktop = _find_worktop(room, side) if room.kind in TILED else None
         if worktop is not None:
             (start, stop, bottom), (top, thickness) = worktop, TILES
-            spans = _free_spans(room, side, boxes, (start, stop), (bottom + GAP, top), thickness)
-            added += _pieces(room, side, "tiles", spans, (bottom + GAP, top), thickness)
+            rows = [((start, stop), (bottom + GAP, top)), *_above_ranges(room, side)]
+            for number, (whole, up) in enumerate(rows):
+                spans = _free_spans(room, side, boxes, whole, up, thickness)
+                added += _pieces(room, side, "tiles", spans, up, thickness, number)
     return replace(room, fixtures=(*room.fixtures, *added))
 
 
-def _kept_free(placement: Placement) -> list[Float[np.ndarray, "2 3"]]:
-    """Boxes in the room of what an object fills at rest and as its joints move."""
-    T = pose_matrix_of(placement)
-    swept = [bounds_of(transform_points(T, box)) for box in read_footprint(placement.package).sweeps]
-    return [*place_solid(placement).boxes, *swept]
+def _above_ranges(room: Room, side: Side) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """Ends along a wall and heights of what is bare between the ranges before it and their hoods."""
+    found = []
+    for placement in room.placements:
+        boxes = from_wall(side, room.size, place_solid(placement).boxes)
+        low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+        if placement.role == "range" and low[1] < NEAR_WALL:
+            found.append(((float(low[0]), float(high[0])), (float(high[2]) + GAP, HOOD_BOTTOM - GAP)))
+    return found
 
 
 def _find_worktop(room: Room, side: Side) -> tuple[float, float, float] | None:
-    """Ends along a wall and height of the worktops that stand before it, of a run where the room has runs."""
-    run = {share.role.name for share in RECIPES[room.kind].shares}
+    """Ends along a wall and height of the worktops before it: those of runs, else of what stands there."""
+    solids = [solid.boxes for solid in fixture_solids(room) if solid.id.startswith(WORKTOP)]
     tops = []
-    for placement in room.placements:
-        if run and placement.role not in run:
-            continue
-        boxes = from_wall(side, room.size, place_solid(placement).boxes)
+    for around in solids or [place_solid(placement).boxes for placement in room.placements]:
+        boxes = from_wall(side, room.size, around)
         low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
-        if low[2] < WORKTOPS[0] and WORKTOPS[0] <= high[2] <= WORKTOPS[1] and low[1] < NEAR_WALL:
+        stands = bool(solids) or low[2] < WORKTOPS[0]
+        if stands and WORKTOPS[0] <= high[2] <= WORKTOPS[1] and low[1] < NEAR_WALL:
             tops.append((low[0], high[0], high[2]))
     if not tops:
         return None
@@ -132,12 +132,13 @@ def _pieces(
     spans: list[tuple[float, float]],
     up: tuple[float, float],
     thickness: float,
+    number: int = 0,
 ) -> list[Fixture]:
-    """Slabs on a wall along some spans."""
+    """Slabs on a wall along some spans, whose names have ``number`` unless it is 0."""
     color, pattern = LOOKS[name]
     pieces = []
     for index, (start, stop) in enumerate(spans):
         low, high = along_wall(side, room.size, (start, 0.0, up[0]), (stop, thickness, up[1]))
-        place = f"{name}_{side}_{index}"
+        place = f"{name}_{side}_{index}" + (f"_{number}" if number else "")
         pieces.append(Fixture(name=place, low=corner(low), high=corner(high), color=color, pattern=pattern))
     return pieces

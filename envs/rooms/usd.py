@@ -14,21 +14,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
+from artigen.kind import MaterialName
 from artigen.splats.colors import linear_from_srgb
 from artigen.transforms import quat_from_matrix, shift
 from sim_export.files.read import read_package
 from sim_export.files.urdf import link_origins
 from sim_export.geometry.primitives import PrimitiveShape
 from sim_export.motion.kinematics import link_displacements
+from sim_export.package import Visual
+from sim_export.usd.looks import Looks, add_visual
 from sim_export.usd.names import asset_name, free_name, prim_names
 from sim_export.usd.physics import add_primitive
 from sim_export.usd.stage import SCOPES
 from sim_export.usd.write import require_usd, write_usd
 
+from .covers import fixture_mesh
 from .footprints import cached_package
+from .patterns import Pattern
 from .room import Fixture, Item, Placement, Room, pose_matrix_of
-from .solids import item_motion
+from .solids import fixture_shape, item_motion
 from .things import thing_solids
+from .views import find_lamps, find_views
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd, UsdGeom
@@ -37,6 +43,17 @@ USD_FILE = "scene.usda"
 ASSETS = "usd"
 """Subfolder of the room for the assets of its packages."""
 ORIGIN = np.zeros(3)
+BRIGHTNESS, SKY = 30000.0, 300.0
+"""Intensities of all lamps together and of the light from everywhere."""
+FOCAL = 24.0
+"""Focal length of cameras, in tenths of a scene unit."""
+SCOPE_NAMES = ("physics", "lights", "cameras", "Looks")
+"""Prims of the stage that are no part of the room."""
+MADE_OF: dict[Pattern, MaterialName] = {
+    "planks": "wood_board", "wood": "wood_board", "tiles": "stone", "small_tiles": "stone", "stone": "stone",
+    "cloth": "plastic", "sky": "plastic",
+}  # fmt: skip
+"""Materials of patterns."""
 
 
 def write_room_usd(room: Room, folder: Path) -> Path:
@@ -63,14 +80,19 @@ def write_room_usd(room: Room, folder: Path) -> Path:
         *(p.id for p in room.placements),
         *(i.id for i in room.contents),
     ]
-    paths = iter(Sdf.Path("/World").AppendChild(name) for name in prim_names(names, ("physics", "ceiling")))
-    _add_light(stage, room)
+    paths = iter(Sdf.Path("/World").AppendChild(name) for name in prim_names(names, SCOPE_NAMES))
+    _add_lights_and_cameras(stage, room)
+    looks = Looks(stage=stage, scope=Sdf.Path("/World/Looks"))
+    UsdGeom.Scope.Define(stage, looks.scope)
     for fixture in room.fixtures:
-        _add_fixture(stage, next(paths), fixture)
+        _add_fixture(looks, next(paths), fixture)
     for placement in room.placements:
         _add_placement(stage, next(paths), placement, assets[placement.package])
     for item in room.contents:
         _add_item(stage, next(paths), room, item)
+    for name, image in looks.files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(image)
     stage.GetRootLayer().Save()
     return draft.replace(path)
 
@@ -100,34 +122,55 @@ def _place(shape: "UsdGeom.Xformable", T: Float[np.ndarray, "4 4"]) -> None:
     turn.Set(Gf.Quatd(*quat_from_matrix(T[:3, :3]).tolist()))
 
 
-def _add_light(stage: "Usd.Stage", room: Room) -> None:
-    """A lamp below the ceiling, as large as half the room."""
-    from pxr import UsdLux
+def _add_lights_and_cameras(stage: "Usd.Stage", room: Room) -> None:
+    """Round lamps that shine down, light from everywhere, and the cameras of the room."""
+    from pxr import Gf, UsdGeom, UsdLux
 
-    width, depth, height = room.size
-    light = UsdLux.RectLight.Define(stage, "/World/ceiling")
-    light.CreateWidthAttr().Set(width / 2.0)
-    light.CreateHeightAttr().Set(depth / 2.0)
-    light.CreateIntensityAttr().Set(1500.0)
-    _place(light, shift(np.array([width / 2.0, depth / 2.0, height - 0.02])))
+    for lamp in find_lamps(room):
+        light = UsdLux.DiskLight.Define(stage, f"/World/lights/{lamp.name}")
+        light.CreateRadiusAttr().Set(0.2)
+        light.CreateIntensityAttr().Set(BRIGHTNESS * lamp.share)
+        _place(light, shift(np.array(lamp.position)))
+    UsdLux.DomeLight.Define(stage, "/World/lights/sky").CreateIntensityAttr().Set(SKY)
+    for view in find_views(room):
+        camera = UsdGeom.Camera.Define(stage, f"/World/cameras/{view.name}")
+        right, down, forward = view.camera.axes
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = np.column_stack([right, -down, -forward]), view.camera.position
+        _place(camera, T)
+        high = 2.0 * np.tan(np.radians(view.camera.fov) / 2.0) * FOCAL
+        camera.CreateFocalLengthAttr().Set(FOCAL)
+        camera.CreateVerticalApertureAttr().Set(high)
+        camera.CreateHorizontalApertureAttr().Set(high * view.camera.width / view.camera.height)
+        camera.CreateClippingRangeAttr().Set(Gf.Vec2f(0.02, 50.0))
 
 
-def _add_fixture(stage: "Usd.Stage", path: "Sdf.Path", fixture: Fixture) -> None:
-    low, high = np.array(fixture.low), np.array(fixture.high)
-    T = shift((low + high) / 2.0)
-    box = PrimitiveShape(kind="box", sizes=tuple((high - low).tolist()), T_object_shape=T)
-    _add_solid(stage, path, box, fixture.color)
+def _add_fixture(looks: Looks, path: "Sdf.Path", fixture: Fixture) -> None:
+    """A shape in its colour; with a pattern, the shape only collides, and a mesh with the image is seen."""
+    from pxr import UsdGeom
+
+    solid = fixture_shape(fixture)
+    if fixture.pattern == "plain":
+        _add_solid(looks.stage, path, solid, fixture.color)
+        return
+    UsdGeom.Xform.Define(looks.stage, path)
+    shape = _add_solid(looks.stage, path.AppendChild("collision"), solid, fixture.color)
+    shape.CreatePurposeAttr().Set(UsdGeom.Tokens.guide)
+    mesh = fixture_mesh(fixture)
+    visual = Visual(name=fixture.name, part=fixture.name, label=None, mesh=mesh)
+    add_visual(looks, path.AppendChild("cover"), visual, mesh, MADE_OF[fixture.pattern], ORIGIN)
 
 
 def _add_solid(
     stage: "Usd.Stage", path: "Sdf.Path", solid: PrimitiveShape, color: tuple[float, float, float]
-) -> None:
+) -> "UsdGeom.Gprim":
     """A shape that is seen and collides."""
     from pxr import Gf, UsdPhysics
 
     shape = add_primitive(stage, path, solid, ORIGIN)
     shape.CreateDisplayColorAttr().Set([Gf.Vec3f(*linear_from_srgb(np.array(color)).tolist())])
     UsdPhysics.CollisionAPI.Apply(shape.GetPrim())
+    return shape
 
 
 def _add_placement(stage: "Usd.Stage", path: "Sdf.Path", placement: Placement, asset: str) -> None:

@@ -1,4 +1,4 @@
-"""What is printed on appliances: scales around dials, and digits in displays.
+"""What is printed on appliances: scales around dials, legends on keys, and digits in displays.
 
 Prints are flat bodies a tenth of a millimetre proud of the face that they lie on, in finishes of their own,
 so that they are sharp at any distance. Only visuals have them.
@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 from jaxtyping import Float
 
-from artigen.shapes.primitives import Primitive, contains
+from artigen.shapes.primitives import Primitive, contains, place_vertices
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import Joint
@@ -34,6 +34,8 @@ REACH = 0.004
 """Largest distance (m) of a dial from the face behind it."""
 SCALE = (1.10, 1.17, 1.24)
 """Inner end of marks, and outer ends of small and large ones, relative to the dial."""
+KEYS = (0.01, 0.05)
+"""Widths (m) of keys that have a legend."""
 STEPS = 10
 """Steps of the scale of a dial with limits; one without has a full circle of 12."""
 LINE = 0.0009
@@ -57,6 +59,8 @@ def find_prints(shape: Shape) -> dict[str, dict[str, Mesh]]:
             carrier = parts[part.parent]
             for finish, bar in _scale(part, carrier, finishes):
                 out.setdefault(carrier.name, {}).setdefault(finish, []).append(bar)
+        for finish, bar in _legend(part, finishes):
+            out.setdefault(part.name, {}).setdefault(finish, []).append(bar)
         for primitive in part.primitives:
             for bar in _digits(primitive):
                 role = "print_dark" if _is_light(finishes[primitive.finish]) else "digits"
@@ -111,6 +115,23 @@ def _marks(joint: Joint, out: np.ndarray, face: np.ndarray, radius: float) -> li
         tip = large if number % (3 if whole else 5) == 0 else small
         bars.append(_bar(face + inner * ray, face + tip * ray, out))
     return bars
+
+
+def _legend(key: ShapePart, finishes: Mapping[str, Finish]) -> list[tuple[str, Float[np.ndarray, "8 3"]]]:
+    """A stroke on the front of a key, with its finish."""
+    joint = key.joint
+    if key.label != "knob" or joint is None or joint.type != "prismatic" or joint.axis[0] < 0.999:
+        return []
+    points = np.concatenate([place_vertices(one) for one in key.primitives])
+    low, high = points.min(axis=0), points.max(axis=0)
+    width = float(high[1] - low[1])
+    if not KEYS[0] <= width <= KEYS[1]:
+        return []
+    middle, half = (low + high) / 2, np.array([0.0, 0.2 * width, 0.0])
+    middle[0] = low[0]
+    front = min(key.primitives, key=lambda one: float(place_vertices(one)[:, 0].min()))
+    finish = "print_dark" if _is_light(finishes[front.finish]) else "print_light"
+    return [(finish, _bar(middle - half, middle + half, np.array([-1.0, 0.0, 0.0])))]
 
 
 def _digits(primitive: Primitive) -> list[Float[np.ndarray, "8 3"]]:

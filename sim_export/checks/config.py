@@ -52,6 +52,9 @@ class CheckConfig:
     """V103: largest distance between collision and visual surface, as a share of the object's diagonal."""
     max_p99: float = MAX_P99
     """V103: the same for 99 % of the surface."""
+    least_diagonal: float = 0.1
+    """V103: objects smaller than this (m) have the limits of one as large, 3 and 1.5 mm: hulls are 1 mm thick
+    at least (V102) and as far apart, however small the object is."""
     min_iou: float = 0.85
     """V103: volume overlap of collision and closed visual meshes on the grid below."""
     grid_resolution: int = 128

@@ -90,11 +90,19 @@ def _euler_faults(faces: np.ndarray) -> list[str]:
 
 
 def _volume_faults(shape: Shape, faces: np.ndarray) -> list[str]:
+    """Bodies that enclose nothing, unless they are voids: within the bounds of another one."""
     corners = shape.vertices[faces]
-    volume = float(np.einsum("fi,fi->", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2]) / 6.0)
-    if volume <= 0.0:
-        return [f"encloses {1e3 * volume:.3g} litres: it is wound inwards or flat"]
-    return []
+    shares = np.einsum("fi,fi->f", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2]) / 6.0
+    piece = connect_rows(face_edges(faces).T, len(shape.vertices))[faces[:, 0]]
+    _, piece = np.unique(piece, return_inverse=True)
+    volume = np.bincount(piece, weights=shares)
+    low, high = np.full((len(volume), 3), np.inf), np.full((len(volume), 3), -np.inf)
+    np.minimum.at(low, piece, corners.min(axis=1))
+    np.maximum.at(high, piece, corners.max(axis=1))
+    full = volume > 0.0
+    within = (low[:, None] >= low[full][None]).all(axis=2) & (high[:, None] <= high[full][None]).all(axis=2)
+    bad = volume[~full & ~within.any(axis=1)]
+    return [f"encloses {1e3 * bad.min():.3g} litres: it is wound inwards or flat"] if len(bad) else []
 
 
 def count_open_edges(faces: np.ndarray) -> int:

@@ -110,7 +110,8 @@ def _distances(
         outer = felt[touched]
         back[name] = surface_distances(outer, visual[name], _DENSER * count)
     worst = {name: max(np.max(forth[name], initial=0.0), np.max(back[name], initial=0.0)) for name in visual}
-    farthest, size = float(max(worst.values())), subject.diagonal
+    farthest, size = float(max(worst.values())), max(subject.diagonal, cfg.least_diagonal)
+    of = "the diagonal" if size == subject.diagonal else f"{size:g} m"
     far = [name for name in worst if worst[name] >= min(farthest, cfg.max_hausdorff * size)]
     p99, way = max(
         ((float(np.percentile(np.concatenate(list(d.values())), 99)), d) for d in (forth, back)),
@@ -122,7 +123,7 @@ def _distances(
         Measure(
             ratio=farthest / (cfg.max_hausdorff * size),
             links=tuple(far),
-            text=f"surfaces differ by at most {100 * farthest / size:.2g} % of the diagonal "
+            text=f"surfaces differ by at most {100 * farthest / size:.2g} % of {of} "
             f"(allowed {100 * cfg.max_hausdorff:g} %)",
         ),
         Measure(

@@ -14,7 +14,14 @@ from jaxtyping import Float
 
 from artigen.types import Joint
 from sim_export.collision.cut_hulls import CutHulls, LinkRelief
-from sim_export.collision.relief import MARGIN, OverlappingPair, Relief, cut_along_faces, relieve_pair
+from sim_export.collision.relief import (
+    MARGIN,
+    MARGIN_SHARE,
+    OverlappingPair,
+    Relief,
+    cut_along_faces,
+    relieve_pair,
+)
 from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.geometry.hulls import replace_hulls
 from sim_export.motion.kinematics import (
@@ -33,6 +40,8 @@ round hulls by some tenths of a millimetre."""
 PASSING = 3e-3
 """The same between a leaf that turns and what else moves: engines foresee contacts where the corner of
 a leaf swings close past its neighbour, and keep some."""
+PASSING_SHARE = 0.008
+"""The same over the object's longest side, where that is less."""
 THREAD = 1e-4
 """The same between what a screw connects, which are one in the other and whose contacts engines ignore
 (`sim_export.motion.ignored_pairs`); cuts leave twice this."""
@@ -166,12 +175,14 @@ def _clear_joint(
         opened = {other.name: other.lower + share * (other.upper - other.lower) for other in carried}
         T = np.concatenate([T, _poses(work, joint, joints, requirements, q, opened)])
     turned = {other.child for other in joints if other.is_travel and other.follows == joint.name}
+    passing = max(GAP, min(PASSING, PASSING_SHARE * work.size))
+    cutting = min(MARGIN, MARGIN_SHARE * work.size)
     changes = 0
     for a in moving:
         for b in (index for index in range(len(work.links)) if index not in moving):
             leaves = joint.type == "revolute" and {work.links[a].label, work.links[b].label} <= _FRONTS
             threaded = work.links[a].name in turned and work.links[b].name == joint.parent
-            gap = THREAD if threaded else PASSING if leaves else GAP
+            gap = THREAD if threaded else passing if leaves else GAP
             (first, slots_a), (second, slots_b) = work.prepared(a), work.prepared(b)
             found = signed_distances(first, second, T[:, a], T[:, b], gap)
             deep = found.distance < gap
@@ -193,7 +204,7 @@ def _clear_joint(
                     room=(work.room(a), work.room(b)),
                     size=work.size,
                     axis=joint.axis,
-                    margin=2.0 * THREAD if threaded else max(MARGIN, ENOUGH * gap),
+                    margin=2.0 * THREAD if threaded else max(cutting, ENOUGH * gap),
                 )
                 done = relieve_pair(pair, gap, sheets=work.sheets, shares=work.shares)
                 changes += _apply(work, ((a, i), (b, j)), done)

@@ -122,33 +122,41 @@ def _cut_to_aspect(hull: Hull, depth: int = MAX_CUTS) -> list[Hull]:
 
 
 def compact_hull(
-    hull: Hull, thickest: float, alike: float = ALIKE, halvings: int = HALVINGS, reach: float = np.inf
+    hull: Hull,
+    thickest: float,
+    alike: float = ALIKE,
+    halvings: int = HALVINGS,
+    reach: float = np.inf,
+    lost: float = np.inf,
 ) -> list[Hull]:
     """A hull, or what stands for it within the limits: its box, a thicker hull, or halves of these.
+
+    A large dome of few corners would lie deep inside of what it stands for; its halves have as many each.
 
     Args:
         thickest: Thickness (m) up to which a hull is thickened rather than divided.
         alike: Volume of its box over that of a hull up to which the box is taken.
         halvings: Times that it may be divided; what is left oblong then is left out.
         reach: How far (m) its box may stand out of it.
+        lost: How far (m) it may stand out of a hull with fewer corners.
     """
     proper = comply_hull(hull)
-    if hull_aspect(proper) <= MAX_ASPECT:
+    compact = hull_aspect(proper) <= MAX_ASPECT
+    if compact and (not halvings or _stand_out(hull, proper) <= lost):
         return [proper]
-    box = around_box(hull)
-    planes = hull_planes(hull)
-    beyond = float((box.vertices @ planes[:, :3].T - planes[:, 3]).max())
-    if hull_volume(box) <= alike * hull_volume(hull) and beyond <= reach:
-        return [box]
-    if not halvings:  # the tip of a wedge is thinner the shorter it is
-        return []
     length, along = hull_length(hull)
-    # Its longest diagonal, because thickening turns the directions along which its length is measured.
-    needed = max(length, float(pdist(hull.vertices).max())) / (_SPARE * MAX_ASPECT)
-    if needed <= max(thickest, hull_width(hull)[0]):
-        thick = comply_hull(thicken_hull(hull, needed))
-        if hull_aspect(thick) <= MAX_ASPECT:
-            return [thick]
+    if not compact:
+        box = around_box(hull)
+        if hull_volume(box) <= alike * hull_volume(hull) and _stand_out(box, hull) <= reach:
+            return [box]
+        if not halvings:  # the tip of a wedge is thinner the shorter it is
+            return []
+        # Its longest diagonal, because thickening turns the directions along which its length is measured.
+        needed = max(length, float(pdist(hull.vertices).max())) / (_SPARE * MAX_ASPECT)
+        if needed <= max(thickest, hull_width(hull)[0]):
+            thick = comply_hull(thicken_hull(hull, needed))
+            if hull_aspect(thick) <= MAX_ASPECT:
+                return [thick]
     heights = hull.vertices @ along
     middle = float(heights.min() + heights.max()) / 2
     halves = (clip_hull(hull, along, middle), clip_hull(hull, -along, -middle))
@@ -156,8 +164,14 @@ def compact_hull(
         part
         for half in halves
         if half is not None and hull_width(half)[0] >= 0.5 * MIN_WIDTH
-        for part in compact_hull(half, thickest, alike, halvings - 1, reach)
+        for part in compact_hull(half, thickest, alike, halvings - 1, reach, lost)
     ]
+
+
+def _stand_out(hull: Hull, other: Hull) -> float:
+    """How far (m) the corners of a hull lie beyond the planes of another one."""
+    planes = hull_planes(other)
+    return float((hull.vertices @ planes[:, :3].T - planes[:, 3]).max())
 
 
 def around_box(hull: Hull) -> Hull:

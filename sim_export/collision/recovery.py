@@ -16,7 +16,7 @@ from artigen.transforms import inverse, transform_points
 from artigen.types import Joint
 from sim_export.collision.attachment import GAP, add_hull, relative_poses
 from sim_export.collision.hull_limits import MIN_WIDTH, MOST_OF_LINK, trim_hull
-from sim_export.collision.relief import MARGIN
+from sim_export.collision.relief import MARGIN, MARGIN_SHARE
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.distances import surface_distances
 from sim_export.geometry.hulls import (
@@ -30,7 +30,7 @@ from sim_export.geometry.hulls import (
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.geometry.solids import as_solid, solid_hull, solid_triangles, unite
 from sim_export.geometry.triangles import diagonal_of, meet_box, triangle_areas
-from sim_export.motion.kinematics import Sweep, read_sweeps
+from sim_export.motion.kinematics import Sweep, box_sides, read_sweeps
 from sim_export.package import Hull, Link, Mesh, Requirement
 
 _DENSER = 4
@@ -111,11 +111,13 @@ def stands_out(hull: Hull, solids: Sequence[manifold3d.Manifold]) -> float:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Scene:
-    """What all links are measured in: current hulls, sweeps, and the object's diagonal (m)."""
+    """What all links are measured in: current hulls, sweeps, the object's diagonal, and the gap (m) that a
+    cut leaves."""
 
     sets: list[HullSet]
     sweeps: tuple[Sweep, ...]
     diagonal: float
+    margin: float
 
 
 def recover_surface(
@@ -135,27 +137,63 @@ def recover_surface(
         objects; hulls only grow in number.
     """
     shown = [[meshes[part] for part in link.parts] if link.hulls else [] for link in links]
-    areas = [sum(float(triangle_areas(m.vertices[m.faces]).sum()) for m in own) for own in shown]
-    corners = [mesh.vertices for own in shown for mesh in own]
-    if not corners:
+    return _recover(
+        links, joints, requirements, [[unite(map(as_solid, own))] if own else [] for own in shown]
+    )
+
+
+def recover_hulls(
+    before: Sequence[Link],
+    links: Sequence[Link],
+    joints: Sequence[Joint],
+    requirements: Sequence[Requirement],
+) -> tuple[tuple[Link, ...], tuple[str, ...]]:
+    """Adds hulls where links lie far from those that they had ``before`` some were cut, as `recover_surface`
+    does."""
+    cut = []
+    for old, new in zip(before, links, strict=True):
+        kept = set(map(id, new.hulls))
+        cut.append([as_solid(hull) for hull in old.hulls if id(hull) not in kept] if new.hulls else [])
+    return _recover(links, joints, requirements, cut)
+
+
+def _recover(
+    links: Sequence[Link],
+    joints: Sequence[Joint],
+    requirements: Sequence[Requirement],
+    solids: Sequence[Sequence[manifold3d.Manifold]],
+) -> tuple[tuple[Link, ...], tuple[str, ...]]:
+    """Adds hulls where the solids of each link lie far from all of its hulls."""
+    shown = [[solid_triangles(solid) for solid in own] for own in solids]
+    areas = [sum(float(triangle_areas(triangles).sum()) for triangles in own) for own in shown]
+    if not any(areas):
         return tuple(links), ()
+    corners = [hull.vertices for link in links for hull in link.hulls]
     scene = _Scene(
         sets=[HullSet(hulls=link.hulls) for link in links],
         sweeps=read_sweeps(links, joints, requirements),
-        diagonal=diagonal_of(np.concatenate(corners)),
+        diagonal=diagonal_of(np.concatenate([*corners, *(t.reshape(-1, 3) for own in shown for t in own)])),
+        margin=min(MARGIN, MARGIN_SHARE * float(box_sides(links).max())),
     )
     records = []
     for slot, own in enumerate(shown):
         if own:
             samples = int(SAMPLES * areas[slot] / sum(areas)) + LEAST_SAMPLES
-            records += _recover_link(links[slot].name, slot, own, scene, samples)
+            records += _recover_link(
+                links[slot].name, slot, np.concatenate(own), solids[slot], scene, samples
+            )
     return replace_hulls(links, [hulls.hulls for hulls in scene.sets]), tuple(records)
 
 
-def _recover_link(name: str, slot: int, meshes: Sequence[Mesh], scene: _Scene, samples: int) -> list[str]:
+def _recover_link(
+    name: str,
+    slot: int,
+    triangles: Float[np.ndarray, "F 3 3"],
+    solids: Sequence[manifold3d.Manifold],
+    scene: _Scene,
+    samples: int,
+) -> list[str]:
     """Puts back what one link has lost, into ``scene.sets``; returns what there is to say."""
-    triangles = np.concatenate([mesh.vertices[mesh.faces] for mesh in meshes])
-    solids = [unite(map(as_solid, meshes))]
     least = MISSED * scene.diagonal
     points, distances = find_lost(triangles, scene.sets[slot].hulls, samples, least)
     if not len(points):
@@ -224,7 +262,7 @@ def _cut_free(hull: Hull, slot: int, scene: _Scene) -> Hull | None:
             normal = own[:3, :3].T @ found.normal[at]
             blocking = scene.sets[other].hulls[found.second[at]]
             points = transform_points(inverse(own) @ theirs, blocking.vertices)
-            cut = clip_hull(hull, normal, float((points @ normal).min()) - MARGIN)
+            cut = clip_hull(hull, normal, float((points @ normal).min()) - scene.margin)
             if cut is None or hull_width(cut)[0] < MIN_WIDTH:
                 return None
             hull = cut

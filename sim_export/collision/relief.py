@@ -30,6 +30,8 @@ NEARLY = 1e-5
 MARGIN = 0.0025
 """Gap (m) that a cut leaves, so that poses between the sampled ones are free too, and hulls that an
 engine rounds (PhysX takes faces for one that differ by 0.7 mm per metre) do not touch."""
+MARGIN_SHARE = 0.006
+"""The same over the object's longest side, where that is less, as what engines round grows with hulls."""
 MAX_DEPTH = 0.032
 """Deepest cut, over the object's longest side: about two voxels. Deeper ones may only take slivers."""
 MAX_SLIVER_DEPTH = 0.1

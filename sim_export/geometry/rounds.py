@@ -1,6 +1,7 @@
 """Smooth rounds: the bodies that prisms and wedges of a part approximate, with as many sides as one can see.
 
-A prism between two regular polygons is a cylinder, a cone or a piece of a bent tube; equal wedges about an
+A prism between two regular polygons is a cylinder, a cone or a piece of a bent tube, also where these are
+stretched to ellipses; equal wedges about an
 axis are a ring; and wedges around a polygon are a plate with a round hole.
 """
 
@@ -16,7 +17,7 @@ from sim_export.package import Mesh
 
 SAGITTA = 0.0003
 """Largest distance (m) of a side from its circle."""
-SIDES = (24, 96)
+SIDES = (16, 96)
 """Least and largest number of sides of a circle."""
 POLYGON = 10
 """Corners from which on a regular polygon stands for a circle."""
@@ -32,7 +33,7 @@ def count_sides(radius: float) -> int:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Tube:
-    """A body between two circles: centres, and two radii of each at right angles, as vectors (m)."""
+    """A body between two circles or ellipses: centres, and two half axes of each, as vectors (m)."""
 
     centers: Float[np.ndarray, "2 3"]
     first: Float[np.ndarray, "2 3"]
@@ -61,20 +62,40 @@ def find_tube(primitive: Primitive) -> Tube | None:
     normals = primitive.planes[caps, :3] @ primitive.rotation.T
     lower, upper = (list(dict.fromkeys(rings[cap].tolist())) for cap in caps)
     centers = np.stack([points[lower].mean(axis=0), points[upper].mean(axis=0)])
-    for corners, center in ((lower, centers[0]), (upper, centers[1])):
-        radii = np.linalg.norm(points[corners] - center, axis=1)
-        steps = np.linalg.norm(np.diff(points[[*corners, corners[0]]], axis=0), axis=1)
-        if np.ptp(radii) > EQUAL or np.ptp(steps) > EQUAL:
-            return None
-    start = points[lower[0]]
+    found = [
+        _find_axes(points[corners] - center) for corners, center in zip((lower, upper), centers, strict=True)
+    ]
+    if found[0] is None or found[1] is None:
+        return None
+    (corner, ratio), (_, other) = found[0], found[1]
+    start = points[lower[corner]]
     sides = [set(ring) for k, ring in enumerate(rings.tolist()) if k not in caps]
-    around = [side for side in sides if lower[0] in side]
+    around = [side for side in sides if lower[corner] in side]
     both = set.intersection(*around) & set(upper) if len(around) == 2 else set()
     if len(both) != 1:
         return None
     first = np.stack([start - centers[0], points[both.pop()] - centers[1]])
-    second = np.stack([np.cross(normals[0], first[0]), np.cross(-normals[1], first[1])])
+    second = np.stack([ratio * np.cross(normals[0], first[0]), other * np.cross(-normals[1], first[1])])
     return Tube(centers=centers, first=first, second=second)
+
+
+def _find_axes(arms: Float[np.ndarray, "N 3"]) -> tuple[int, float] | None:
+    """The corner at the end of the longer half axis of an ellipse around which corners are spread evenly, and
+    the ratio of the shorter one to it; None if they are not. ``arms`` lead from its centre to them in
+    order."""
+    count, radii = len(arms), np.linalg.norm(arms, axis=1)
+    far = int(radii.argmax()) if np.ptp(radii) > EQUAL else 0
+    long, short = arms[far], arms[(far + count // 4) % count]
+    ratio = 1.0
+    if np.ptp(radii) > EQUAL:
+        if count % 4 or abs(long @ short) > EQUAL * radii[far]:
+            return None
+        ratio = float(np.linalg.norm(short) / radii[far])
+        across = np.outer(arms @ short / (short @ short), short)
+        arms = arms - across + across / ratio
+        radii = np.linalg.norm(arms, axis=1)
+    steps = np.linalg.norm(np.diff(arms[[*range(count), 0]], axis=0), axis=1)
+    return (far, ratio) if max(np.ptp(radii), np.ptp(steps)) <= EQUAL else None
 
 
 def build_tube(tube: Tube, width: tuple[float, float] = (0.0, 0.0)) -> Mesh:

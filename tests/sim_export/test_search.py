@@ -4,7 +4,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from curved_shells import OBJECTS, write_shells
+from curved_shells import OBJECTS, write_form
 
 import artigen
 from artigen.runtime.budget import Budget
@@ -119,7 +119,7 @@ def test_a_judgement_names_the_links_that_fail_and_those_that_a_joint_connects_t
 
 
 def test_time_that_ends_leaves_a_package_and_says_so(tmp_path):
-    source = write_shells(OBJECTS["bread_bin"](), tmp_path, "bread_bin")
+    source = write_form(OBJECTS["bread_bin"](), tmp_path, "bread_bin")
     package = artigen.convert(source, budget=0.0).package
     assert all(link.hulls for link in package.links)
     assert any("budget of 0 s ended the search" in record for record in package.records)
@@ -129,6 +129,6 @@ def test_time_that_ends_leaves_a_package_and_says_so(tmp_path):
 @pytest.mark.parametrize("name", ["bread_bin", "stapler"])
 def test_curved_shells_pass_within_the_budget(name, tmp_path):
     """V103 holds their hulls to 3 % of the diagonal, 99 % of the surface to 1.5 %, and cavities to 90 %."""
-    shells = artigen.convert(write_shells(OBJECTS[name](), tmp_path, name))  # holds the folder of its meshes
+    shells = artigen.convert(write_form(OBJECTS[name](), tmp_path, name))  # holds the folder of its meshes
     checks = run_checks(read_draft(shells.package), only=COLLISION_CHECKS)
     assert [check for check in checks if check.verdict == "fail"] == []

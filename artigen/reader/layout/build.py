@@ -86,7 +86,7 @@ def build_from_reading(
             return wear_read(shape, reading, seed), (*notes, *more)
         except CrowdedError as error:
             notes = (*notes, str(error))
-    size = _clip_size(kind, view)
+    size = view.size if reading.measured else _clip_size(kind, view)
     shape, _ = draw_nearest(reading, kind, seed, _prefer(wish, reading), size)
     return wear_read(shape, reading, seed), (*notes, *_say_difference(reading, shape))
 

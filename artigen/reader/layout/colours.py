@@ -29,7 +29,7 @@ DARKEST, BRIGHTEST = 0.04, 0.95
 
 
 WARM = (44.0, 110.0)
-"""Hue of woods (degrees, CIELAB): `WOODS` have 54 to 84, and light from windows shifts it towards green."""
+"""Hue of woods (degrees, CIELAB): `WOODS` have 48 to 84, and light from windows shifts it towards green."""
 PALE = 6.0
 """Chroma (CIELAB) below which a surface is grey, as no wood brighter than `BLACK` is; grey oak has 11."""
 BLACK = 16.0

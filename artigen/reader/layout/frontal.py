@@ -58,7 +58,9 @@ def read_shape(
     ]
     fronts = [part for part in parts if part.label in ("door", "drawer")]
     others = [part for part in parts if part.label not in ("door", "drawer")]
-    red, green, blue = (round(255 * value) for value in finishes["body"].color)
+    solids = [solid for part in shape.parts for solid in part.primitives]
+    largest = max(solids, key=lambda solid: float(np.prod(solid.size))).finish
+    red, green, blue = (round(255 * value) for value in finishes.get("body", finishes[largest]).color)
     wide, tall = (last - first) / float((last - first).max()) * 1000.0
     return Reading(
         kind=shape.category,

@@ -206,7 +206,9 @@ def _find_size(
     aspect = float(along / across)
     read = float(np.sqrt(wide * high / aspect))
     usual = (read, deep, read * aspect)
-    if not _is_furniture(
+    if reading.measured:
+        usual = reading.size
+    elif not _is_furniture(
         reading.kind
     ):  # of one form, whose proportions the reader knows better than its boxes
         low, high = np.array(kinds()[reading.kind].sizes).T

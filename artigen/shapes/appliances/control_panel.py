@@ -30,6 +30,8 @@ from artigen.shapes.shape import ShapePart
 
 DialKind = Literal["round", "grip", "collar", "faceted"]
 DIAL_GAP = 0.0015
+BADGE = 0.002
+"""Thickness of a maker's plate (m)."""
 PRESS = 0.0022
 """Travel of a button (m)."""
 
@@ -179,6 +181,12 @@ def build_display(x: float, y: Range, z: Range) -> Primitive:
     """A dark window that protrudes 3 to 4 mm from a front at ``x``."""
     rise = max(0.003, (y[1] - y[0]) / 50)
     return block((x - rise, x), y, z, "panel")
+
+
+def build_badge(x: float, at: tuple[float, float], width: float) -> Primitive:
+    """A maker's plate on a front at ``x``, its middle at (y, z) and without a name."""
+    y, z = at
+    return block((x - BADGE, x), around(y, width / 2), around(z, 0.1 * width), "accent", BADGE / 4)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

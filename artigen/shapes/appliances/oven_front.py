@@ -7,6 +7,7 @@ import numpy as np
 
 from artigen.shapes.appliances.appliance_doors import build_window_leaf, mount_grip
 from artigen.shapes.appliances.cavity import build_tub
+from artigen.shapes.appliances.control_panel import build_badge
 from artigen.shapes.appliances.racks import choose_thickness
 from artigen.shapes.choices import choose
 from artigen.shapes.fittings.handles import HandleDesign
@@ -44,6 +45,8 @@ def make_oven_door(
     bottom = choose(rng, 0.10, 0.2) * panel.height
     window = (narrow(panel.y, aside), (panel.z[0] + bottom, panel.z[1] - top))
     leaf = build_window_leaf(panel, window, look.face, "cavity")
+    if bottom > 0.04:
+        leaf += (build_badge(panel.x, (panel.center[0], panel.z[0] + bottom / 2), 0.07),)
     upper = float(np.pi / 2 if edge == "bottom" else np.radians(rng.uniform(90, 120)))
     if look.grip is None:
         handle = _mount_lip(panel, edge, aside, look.longest, parent=name)

@@ -1,8 +1,8 @@
 """Stands of furniture: legs, plinths, sled bases, castors and levelling feet."""
 
-from dataclasses import dataclass, replace
-from functools import lru_cache
-from typing import Literal, get_args
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from artigen.shapes.appliances.cavity import build_rim
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.fittings.hardware import GAP, rotate
+from artigen.shapes.fittings.legs import LegKind, make_legs
 from artigen.shapes.primitives import (
     FRONT,
     RIGHT,
@@ -20,16 +21,13 @@ from artigen.shapes.primitives import (
     as_vector,
     block,
     cylinder,
-    polygon,
-    polytope,
 )
 from artigen.shapes.ranges import Range, around, between, margins, narrow
 from artigen.shapes.shape import ShapePart
 from artigen.types import Joint
 
-LegKind = Literal["square", "tapered", "round", "splayed"]
-LEG_KINDS: tuple[LegKind, ...] = get_args(LegKind)
 StandKind = Literal["floor", "plinth", "toe_kick", "legs", "sled", "castors", "screw_feet"]
+PLAIN_LEGS: tuple[LegKind, ...] = ("square", "tapered", "round", "splayed")
 NOTCHED = 0.55
 """Probability that the sides of a toe kick are notched."""
 SCREW_TRAVEL = 0.003
@@ -56,10 +54,12 @@ class StandDesign:
     """Setback of the sides of a toe kick, like its board; 0 if the sides reach the front."""
 
 
-def design_stand(rng: np.random.Generator, kind: StandKind, height: float) -> StandDesign:
-    """A stand for an object with a total height of ``height`` metres."""
+def design_stand(
+    rng: np.random.Generator, kind: StandKind, height: float, legs: Sequence[LegKind] = PLAIN_LEGS
+) -> StandDesign:
+    """A stand for an object with a total height of ``height`` metres; ``legs`` of a kind that suits it."""
     drawn = choose(rng, 0.0, 1.0)
-    leg = choose_one(rng, LEG_KINDS)
+    leg = choose_one(rng, legs)
     width = choose(rng, 0.03, 0.045)
     notch = choose(rng, 0.05, 0.09) if rng.random() < NOTCHED else 0.0
     low, high = {
@@ -112,37 +112,6 @@ def make_toe_kick(x: Range, y: Range, height: float, notch: float = 0.0) -> tupl
     sides = [block(behind, side, z, "body") for side in margins(y, wall)]
     front = block(board, across, z, "body")
     return (front, *sides) if notch else (*sides, front)
-
-
-def make_legs(
-    x: Range, y: Range, height: float, *, kind: LegKind, width: float, finish: str, middle: bool = False
-) -> tuple[Primitive, ...]:
-    """Four legs (six with a ``middle`` pair) within the rectangle x by y, from the floor to ``height``."""
-    low, high = {"square": (1.0, 1.0), "tapered": (0.6, 1.0), "round": (0.62, 1.0), "splayed": (0.6, 1.0)}[
-        kind
-    ]
-    lean = 0.16 * height if kind == "splayed" else 0.0
-    sides = 4 if kind in ("square", "tapered") else 10
-    xs = [x[0] + width / 2 + lean, x[1] - width / 2 - lean]
-    ys = [y[0] + width / 2 + lean, y[1] - width / 2 - lean]
-    ys = [ys[0], (ys[0] + ys[1]) / 2, ys[1]] if middle else ys
-    out = []
-    for at_x in xs:
-        for at_y in ys:
-            spread = (lean * np.sign(at_x - sum(x) / 2), lean * np.sign(round(at_y - sum(y) / 2, 6)))
-            leg = _make_leg(sides, low * width, high * width, height, (float(spread[0]), float(spread[1])))
-            out.append(replace(leg, center=leg.center + np.array([at_x, at_y, 0.0]), finish=finish))
-    return tuple(out)
-
-
-@lru_cache(maxsize=64)
-def _make_leg(sides: int, low: float, high: float, height: float, lean: tuple[float, float]) -> Primitive:
-    """A leg that tapers towards the floor from its top at x = y = 0 and leans by (x, y)."""
-    ring = polygon(sides)
-    ring /= 2 * np.abs(ring).max()
-    foot = np.column_stack([ring * low + np.array(lean), np.zeros(sides)])
-    head = np.column_stack([ring * high, np.full(sides, height)])
-    return polytope(np.concatenate([foot, head]), "leg")
 
 
 def make_plinth(x: Range, y: Range, height: float) -> tuple[Primitive, ...]:

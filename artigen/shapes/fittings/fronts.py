@@ -12,12 +12,15 @@ import numpy as np
 from artigen.shapes.choices import choose
 from artigen.shapes.fittings.handles import HandleDesign, make_handle, place_handle
 from artigen.shapes.fittings.hardware import Edge, Panel, hinge
-from artigen.shapes.primitives import Primitive
+from artigen.shapes.fittings.outlines import trace_corners
+from artigen.shapes.primitives import Primitive, polytope
 from artigen.shapes.ranges import narrow
 from artigen.shapes.shape import ShapePart
 
 FrontStyle = Literal["flat", "shaker", "framed_glass", "raised", "plank", "louvre"]
 FRONT_STYLES: tuple[FrontStyle, ...] = get_args(FrontStyle)
+ARCH, ARCH_PIECES = 0.22, 6
+"""Rise of an arched panel relative to its width, and straight pieces of each half."""
 PANE = 0.005
 """Thickness (m) of glass."""
 
@@ -34,6 +37,8 @@ class FrontDesign:
     hand: float = 1.05
     """Height (m, object frame) at which a hand takes a tall door."""
     glass: str = "glass"
+    arched: bool = False
+    """Whether raised panels of doors have an arched top."""
     pair: bool | None = None
     """Whether drawers have two handles side by side; None for the usual."""
 
@@ -136,6 +141,8 @@ def fit_handle(panel: Panel, design: FrontDesign, *, parent: str, edge: Edge | N
         return ()
     if edge in ("left", "right") and handle.kind == "cup":  # cups are for drawers, knobs for doors
         handle = replace(handle, kind="knob", length=0.36 * handle.length)
+    if edge in ("left", "right") and handle.kind == "arch" and handle.hangs:  # upright, nothing would hang
+        handle = replace(handle, trim="plate")
     upright, (y, z) = place_handle(panel, handle, edge, design.hand)
     field = None if handle.kind == "edge" else _find_field(panel, design)
     if field is not None and edge is None:  # on the field
@@ -178,10 +185,21 @@ def _make_field(field: Panel, design: FrontDesign) -> list[Primitive]:
     solids = [sheet.fill("front")]
     if design.style == "raised" and _can_rise(field):
         raised = _raise_field(field)
-        solids.append(raised.fill("front", 0.4 * raised.thickness))
+        arched = design.arched and field.height > 1.2 * field.width
+        solids.append(_arch(raised) if arched else raised.fill("front", 0.4 * raised.thickness))
     elif design.style == "louvre" and field.height > 0.12:
         solids += _make_louvres(field, sheet.x)
     return solids
+
+
+def _arch(panel: Panel) -> Primitive:
+    """A plate with an arched top."""
+    rise = min(ARCH * panel.width, panel.height / 3)
+    half = panel.width / 2
+    cuts = ((0.0, 0.0), (half, rise), (half, rise), (0.0, 0.0))
+    flat = trace_corners(panel.z, panel.y, [(b, a) for a, b in cuts], ARCH_PIECES)
+    corners = [(x, y, z) for x in (panel.x, panel.back) for z, y in flat.tolist()]
+    return polytope(np.array(corners), "front")
 
 
 def _make_louvres(field: Panel, back: float) -> list[Primitive]:

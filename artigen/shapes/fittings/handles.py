@@ -1,4 +1,4 @@
-"""Handles of eight kinds and their usual places.
+"""Handles of eight kinds, plain, on backplates or hanging, and their usual places.
 
 A `HandleDesign` is chosen once for an object, so that its handles match; `make_handle` fits it to a panel.
 Bars, pulls and arches leave room for fingers behind them; the other kinds protrude enough to be pinched.
@@ -13,12 +13,18 @@ import numpy as np
 
 from artigen.shapes.choices import choose
 from artigen.shapes.fittings.hardware import Edge, Panel
-from artigen.shapes.primitives import Primitive, Vector, block, cylinder, polytope
+from artigen.shapes.primitives import Primitive, Vector, block, cylinder, polygon, polytope
 from artigen.shapes.ranges import between
 from artigen.shapes.shape import ShapePart
 
 HandleKind = Literal["bar", "pull", "arch", "knob", "cup", "recessed", "edge", "block"]
 HANDLE_KINDS: tuple[HandleKind, ...] = get_args(HandleKind)
+HandleTrim = Literal["plain", "plate", "drop"]
+"""Fixed to the front alone, on a backplate, or hanging: bails instead of arches, pendants of knobs."""
+PLATE, RIM = 0.003, 0.009
+"""Thickness (m) of a backplate, and how far it is seen around its handle."""
+OUT = 0.02
+"""Distance (m) of the middle of a hanging handle from its front."""
 FINGERS = 0.027
 """Free depth (m) behind a bar."""
 LENGTHS: dict[HandleKind, tuple[float, float]] = {
@@ -43,24 +49,50 @@ class HandleDesign:
     thickness: float
     """Thickness of a bar or lip, seen from the front."""
     finish: str = "handle"
+    trim: HandleTrim = "plain"
+    """As it is made; cups, recessed grips, edges and blocks are always plain."""
 
     @property
     def height(self) -> float:
         """Extent across the length, seen from the front."""
         wide = {"knob": self.length, "cup": 0.42 * self.length, "recessed": 0.4 * self.length}
-        return max(wide.get(self.kind, self.thickness), self.thickness)
+        across = max(wide.get(self.kind, self.thickness), self.thickness)
+        if self.hangs:
+            return 1.6 * self.length if self.kind == "knob" else 0.34 * self.length
+        return across + 2 * RIM if self.has_plate else across
+
+    @property
+    def hangs(self) -> bool:
+        """Whether its grip hangs below where it is fixed."""
+        return self.trim == "drop" and self.kind in ("knob", "arch")
+
+    @property
+    def has_plate(self) -> bool:
+        """Whether it has a backplate."""
+        return self.trim != "plain" and not self.hangs and self.kind in ("knob", "arch", "bar", "pull")
 
     @property
     def reach(self) -> float:
         """Protrusion from its panel."""
+        if self.hangs:
+            return OUT + self.grip
         bow = FINGERS + self.thickness
         return {"knob": 0.030, "cup": 0.026, "recessed": 0.008, "edge": 0.022, "block": 0.028}.get(
             self.kind, bow
         )
 
+    @property
+    def grip(self) -> float:
+        """Radius of what hangs: of a pendant at its lower end, or of a bail."""
+        return 0.26 * self.length if self.kind == "knob" else 0.36 * self.thickness
+
 
 def design_handle(
-    rng: np.random.Generator, kind: HandleKind | None = None, *, longest: float = 1.0
+    rng: np.random.Generator,
+    kind: HandleKind | None = None,
+    *,
+    longest: float = 1.0,
+    trim: HandleTrim = "plain",
 ) -> HandleDesign:
     """Draws a design for an object with longest edge ``longest`` (m); large objects get thicker handles."""
     drawn = HANDLE_KINDS[int(rng.choice(len(HANDLE_KINDS), p=(0.26, 0.17, 0.1, 0.2, 0.08, 0.06, 0.09, 0.04)))]
@@ -68,7 +100,7 @@ def design_handle(
     low, high = LENGTHS[kind]
     length = choose(rng, low, high) * float(np.clip(0.75 + 0.25 * longest, 0.85, 1.3))
     thickness = choose(rng, 0.010, 0.014) * float(np.clip(0.7 + 0.4 * longest, 0.9, 1.6))
-    return HandleDesign(kind=kind, length=length, thickness=thickness)
+    return HandleDesign(kind=kind, length=length, thickness=thickness, trim=trim)
 
 
 def place_handle(
@@ -131,10 +163,11 @@ class _Solid:
 @lru_cache(maxsize=64)
 def _build_model(design: HandleDesign, long: float, upright: bool) -> tuple[Primitive, ...]:  # noqa: FBT001
     """The pieces on a panel at x = 0, about y = z = 0; cached, since an object's handles are alike."""
-    return tuple(
-        _place_solid(solid, solid.finish or design.finish, upright)
-        for solid in _BUILDERS[design.kind](design, long)
-    )
+    build = _HANGING if design.hangs else _BUILDERS
+    solids = build[design.kind](design, long)
+    if design.has_plate:
+        solids.append(_build_plate(design, long))
+    return tuple(_place_solid(solid, solid.finish or design.finish, upright) for solid in solids)
 
 
 def _place_solid(solid: _Solid, finish: str, upright: bool) -> Primitive:  # noqa: FBT001
@@ -193,11 +226,60 @@ def _build_arch(design: HandleDesign, long: float) -> list[_Solid]:
 
 
 def _build_knob(design: HandleDesign, long: float) -> list[_Solid]:
-    radius, neck = long / 2, design.reach - 0.014
+    """A neck that flares out to a cap with a cut rim."""
+    radius, neck, rim = long / 2, design.reach - 0.014, design.reach - 0.005
     return [
-        _Solid(high=(neck, 0, 0), radius=0.55 * radius),
-        _Solid(low=(neck, 0, 0), high=(design.reach, 0, 0), radius=radius),
+        _Solid(high=(neck, 0, 0), radius=0.45 * radius),
+        _cone((neck, 0.5 * radius), (rim, radius)),
+        _cone((rim, radius), (design.reach, 0.72 * radius)),
     ]
+
+
+def _cone(near: tuple[float, float], far: tuple[float, float]) -> _Solid:
+    """A round solid about the axis out of the panel; (distance, radius) of both ends."""
+    ring = polygon()
+    corners = [(out, radius * float(a), radius * float(b)) for out, radius in (near, far) for a, b in ring]
+    return _Solid(corners=tuple(corners))
+
+
+def _build_plate(design: HandleDesign, long: float) -> _Solid:
+    """A round plate behind a knob, an oblong one behind other handles."""
+    if design.kind == "knob":
+        return _Solid(high=(PLATE, 0, 0), radius=long / 2 + RIM)
+    end, half = long / 2 + RIM, design.thickness / 2 + RIM
+    return _Solid(low=(0, -end, -half), high=(PLATE, end, half), bevel=PLATE / 3)
+
+
+def _build_pendant(design: HandleDesign, long: float) -> list[_Solid]:
+    """A drop on a rosette with a stud."""
+    half, radius = design.height / 2, design.grip
+    stud = half - 0.36 * long
+    drop = [
+        (OUT + wide * radius * float(a), wide * radius * float(b), across)
+        for across, wide in ((stud + 0.006, 0.5), (-half, 1.0))
+        for a, b in polygon()
+    ]
+    return [
+        _Solid(low=(0, 0, stud), high=(PLATE, 0, stud), radius=0.36 * long),
+        _Solid(low=(0, 0, stud), high=(OUT + 0.5 * radius, 0, stud), radius=0.45 * radius),
+        _Solid(corners=tuple(drop)),
+    ]
+
+
+def _build_bail(design: HandleDesign, long: float) -> list[_Solid]:
+    """A bow that hangs between two studs on rosettes."""
+    half, end, radius = design.height / 2, long / 2, design.grip
+    rose = min(0.012, 0.6 * half)
+    stud, bar = half - rose, radius - half
+    sides = [side * (end - rose) for side in (-1, 1)]
+    solids = [_Solid(low=(OUT, -end + rose, bar), high=(OUT, end - rose, bar), radius=radius)]
+    for at in sides:
+        solids += [
+            _Solid(low=(0, at, stud), high=(PLATE, at, stud), radius=rose),
+            _Solid(low=(0, at, stud), high=(OUT, at, stud), radius=radius),
+            _Solid(low=(OUT, at, bar), high=(OUT, at, stud), radius=radius),
+        ]
+    return solids
 
 
 def _build_cup(design: HandleDesign, long: float) -> list[_Solid]:
@@ -255,4 +337,8 @@ _BUILDERS: dict[HandleKind, Callable[[HandleDesign, float], list[_Solid]]] = {
     "recessed": _build_recessed,
     "edge": _build_edge,
     "block": _build_block,
+}
+_HANGING: dict[HandleKind, Callable[[HandleDesign, float], list[_Solid]]] = {
+    "knob": _build_pendant,
+    "arch": _build_bail,
 }

@@ -9,6 +9,7 @@ from artigen.shapes.choices import choose, pick
 from artigen.shapes.draw import Size, Wish
 from artigen.shapes.fittings.feet import StandDesign, StandKind, design_stand, make_stand
 from artigen.shapes.fittings.hardware import Space
+from artigen.shapes.fittings.mouldings import build_moulding
 from artigen.shapes.furniture.cabinet import FACED, OVERLAY, has_fronts, list_cells, make_cabinet
 from artigen.shapes.furniture.carcass import HULL_RATIO
 from artigen.shapes.furniture.furniture_kinds import Mounting, Style
@@ -27,6 +28,8 @@ BACK_HULLS = 2
 """Hulls of a back along its longer edge."""
 STILES = (0.03, 0.08)
 """Range of the width (m) of stiles and rails."""
+CORNICE, MOULDED = 0.02, (0.03, 0.05)
+"""Overhang of a moulded top, and the range of its thickness (m)."""
 RECESSED = 0.6
 """Probability of a back between the sides with a hanging rail behind it."""
 
@@ -41,6 +44,8 @@ class CasePlan:
     """Thickness of the worktop; 0 for none."""
     overhang: tuple[float, float]
     """Overhang of the worktop, in front and at each side."""
+    moulded: bool = False
+    """Whether the worktop has a moulded edge; on a tall body it is a cornice."""
 
 
 def draw_plan(rng: np.random.Generator, mounting: Mounting, style: Style, size: Size, wish: Wish) -> CasePlan:
@@ -59,12 +64,16 @@ def draw_plan(rng: np.random.Generator, mounting: Mounting, style: Style, size: 
         frame=frame if rng.random() < style.frame else 0.0,
         recess=recess if rng.random() < RECESSED else 0.0,
     )
-    stand = design_stand(rng, pick(rng, wish.choose_stands(dict(mounting.stands))), size[2])
+    stand = design_stand(rng, pick(rng, wish.choose_stands(dict(mounting.stands))), size[2], style.legs)
+    moulded = bool(rng.random() < style.moulded) and mounting.rails == 0.0 and wish.layout is None
+    if moulded:
+        carcass = replace(carcass, lid=False)
     plan = CasePlan(
         looks=replace(looks, carcass=carcass),
         stand=stand,
-        worktop=choose(rng, 0.018, 0.04) if covered else 0.0,
-        overhang=overhang if covered else (0.0, 0.0),
+        worktop=choose(rng, *(MOULDED if moulded else (0.018, 0.04))) if covered or moulded else 0.0,
+        overhang=(CORNICE, CORNICE) if moulded else overhang if covered else (0.0, 0.0),
+        moulded=moulded,
     )
     return plan if wish.layout is None else _suit_layout(plan, wish.layout, size)
 
@@ -116,5 +125,7 @@ def build_case(plan: CasePlan, node: Node, size: Size) -> Assembly:
     built = cabinet + stand
     if plan.worktop:
         x = (box.x[0] - ahead, depth / 2)
-        built += Assembly((block(x, around(0.0, width / 2), (box.z[1], height), "top", 0.002),))
+        y, z = around(0.0, width / 2), (box.z[1], height)
+        top = build_moulding(x, y, z, CORNICE, "top") if plan.moulded else (block(x, y, z, "top", 0.002),)
+        built += Assembly(top)
     return built

@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 from artigen.shapes.draw import Spans
-from artigen.shapes.fittings.feet import StandKind
+from artigen.shapes.fittings.feet import PLAIN_LEGS, StandKind
 from artigen.shapes.fittings.fronts import FrontStyle
-from artigen.shapes.fittings.handles import HandleKind
+from artigen.shapes.fittings.handles import HandleKind, HandleTrim
+from artigen.shapes.fittings.legs import LegKind
 from artigen.shapes.furniture.splits import Fill, Taste
 
 
@@ -23,6 +24,12 @@ class Style:
     """Probability of a face frame before the body."""
     closed: bool = False
     """Whether the style needs a door to be recognisable."""
+    legs: tuple[LegKind, ...] = PLAIN_LEGS
+    moulded: float = 0.0
+    """Probability of moulded tops and cornices."""
+    arched: float = 0.0
+    """Probability of arched panels in doors."""
+    trims: tuple[HandleTrim, ...] = ("plain",)
 
 
 STYLES: dict[str, Style] = {
@@ -44,6 +51,9 @@ STYLES: dict[str, Style] = {
         handles=("knob", "cup", "bar", "pull"),
         inset=0.3,
         frame=0.6,
+        legs=("square", "tapered", "tapered", "turned"),
+        moulded=0.25,
+        trims=("plain", "plain", "plate"),
     ),
     "framed_glass": Style(
         weight=1.6,
@@ -53,22 +63,32 @@ STYLES: dict[str, Style] = {
         inset=0.2,
         frame=0.5,
         closed=True,
+        legs=("square", "tapered", "round", "turned"),
+        moulded=0.3,
+        trims=("plain", "plate"),
     ),
     "classic": Style(
-        weight=1.6,
+        weight=2.4,
         doors=("raised",),
         drawers=("raised", "flat"),
         handles=("knob", "arch", "cup"),
         inset=0.4,
         frame=0.6,
+        legs=("turned", "turned", "cabriole", "tapered"),
+        moulded=0.75,
+        arched=0.5,
+        trims=("plate", "drop", "drop", "plain"),
     ),
     "country": Style(
-        weight=0.8,
+        weight=1.1,
         doors=("plank",),
         drawers=("flat", "plank"),
-        handles=("knob", "block", "pull"),
+        handles=("knob", "arch", "block", "pull"),
         inset=0.4,
         frame=0.6,
+        legs=("turned", "square", "tapered"),
+        moulded=0.35,
+        trims=("plain", "plate", "drop"),
     ),
     "louvre": Style(
         weight=0.7,

@@ -3,8 +3,8 @@
 from dataclasses import dataclass, replace
 
 from artigen.shapes.assembly import Assembly
-from artigen.shapes.fittings.feet import LegKind, make_legs
 from artigen.shapes.fittings.hardware import Space
+from artigen.shapes.fittings.legs import LegKind, make_legs, place_legs
 from artigen.shapes.furniture.cabinet import MAX_DRAWERS_ON_RUNNERS, count_fronts, make_cabinet
 from artigen.shapes.furniture.looks import Looks
 from artigen.shapes.furniture.splits import Cell, Node, Split, join_cells
@@ -49,7 +49,7 @@ def build_under_top(node: Node, under: Underside) -> Assembly:
     for index, (column, span) in enumerate(zip(columns, share_down(under.y, shares), strict=True)):
         held = (max(span[0], inner[0]), min(span[1], inner[1]))
         built += _build_column(column, held, under, "abcdefgh"[index % 8] * (1 + index // 8))
-    legs = make_legs(
+    legs = place_legs(
         (under.x[0] + 0.02, under.x[1]),
         under.y,
         under.height,
@@ -57,7 +57,8 @@ def build_under_top(node: Node, under: Underside) -> Assembly:
         width=under.width,
         finish="leg",
     )
-    return built + Assembly((*(legs[1::2] if left else ()), *(legs[::2] if right else ())))
+    standing = (*(legs[1::2] if left else ()), *(legs[::2] if right else ()))
+    return built + Assembly(tuple(piece for leg in standing for piece in leg))
 
 
 def _is_free(column: Node) -> bool:

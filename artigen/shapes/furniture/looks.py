@@ -53,10 +53,12 @@ def draw_looks(
 ) -> Looks:
     """Draws a design in a style for an object whose longest edge is ``longest`` metres."""
     handles = wish.choose_handles(style.handles)
-    handle = design_handle(rng, choose_one(rng, handles), longest=longest)
+    trim = choose_one(rng, style.trims)
+    handle = design_handle(rng, choose_one(rng, handles), longest=longest, trim=trim)
     drawn, layout = choose_one(rng, style.doors), wish.layout
     front = (layout and layout.doors) or drawn
-    doors = replace(design_front(rng, front, handle=handle), hand=hand)
+    arched = bool(rng.random() < style.arched)
+    doors = replace(design_front(rng, front, handle=handle), hand=hand, arched=arched)
     # A leaf that opens past 90 degrees sweeps over the edge of its neighbour, where that has its handle.
     margin = 0.0 if handle.kind == "edge" else 0.006
     limit = 90.0 + np.degrees(np.arctan2(margin + 0.0025, handle.reach))
@@ -65,7 +67,9 @@ def draw_looks(
         doors = replace(doors, handle=None)
     return Looks(
         doors=doors,
-        drawers=replace(doors, style=(layout and layout.drawers) or choose_one(rng, style.drawers)),
+        drawers=replace(
+            doors, style=(layout and layout.drawers) or choose_one(rng, style.drawers), arched=False
+        ),
         carcass=CarcassDesign(
             board=choose(rng, 0.016, 0.022),
             inner=choose(rng, 0.015, 0.019),

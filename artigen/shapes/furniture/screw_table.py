@@ -6,14 +6,17 @@ from artigen.shapes.appliances.cavity import build_rim
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose
 from artigen.shapes.draw import Size
+from artigen.shapes.fittings.legs import make_column
 from artigen.shapes.primitives import UP, block, cylinder
 from artigen.shapes.ranges import around
 from artigen.shapes.shape import ShapePart
 from artigen.types import Joint
 
 
-def build_screw_table(rng: np.random.Generator, size: Size, thickness: float) -> Assembly:
-    """A round top of a thickness (m) on a threaded spindle in a column on a foot."""
+def build_screw_table(
+    rng: np.random.Generator, size: Size, thickness: float, *, turned: bool = False
+) -> Assembly:
+    """A round top of a thickness (m) on a threaded spindle in a column, possibly ``turned``, on a foot."""
     width, depth, height = size
     radius = min(width, depth) / 2
     rise = choose(rng, 0.07, 0.12)
@@ -35,7 +38,10 @@ def build_screw_table(rng: np.random.Generator, size: Size, thickness: float) ->
             block(around(0.0, half), (-arm, -half), (0.0, foot), "leg"),
             block(around(0.0, half), (half, arm), (0.0, foot), "leg"),
         ]
-    post = block(around(0.0, outer), around(0.0, outer), (foot, start), "leg")
+    span = (foot, start)
+    post = (block(around(0.0, outer), around(0.0, outer), span, "leg"),)
+    if turned:
+        post = make_column(span, 2 * outer, "leg")
     turns = choose(rng, 2.5, 4.0) * 2 * np.pi
     top = (
         cylinder((0.0, 0.0, under), (0.0, 0.0, height), radius, "top"),
@@ -44,4 +50,4 @@ def build_screw_table(rng: np.random.Generator, size: Size, thickness: float) ->
     )
     thread = Joint(type="screw", axis=np.array(UP), upper=turns, pitch=rise / turns)
     part = ShapePart("top", "shelf", top, thread)
-    return Assembly((*base, post, *column), (part,))
+    return Assembly((*base, *post, *column), (part,))

@@ -7,17 +7,33 @@ from typing import Literal, get_args
 import numpy as np
 
 from artigen.shapes.fittings.hardware import Space
-from artigen.shapes.primitives import Primitive, Vector, block, cylinder, place_vertices, prism
+from artigen.shapes.fittings.mouldings import UPPER, build_moulding
+from artigen.shapes.fittings.outlines import trace_corners
+from artigen.shapes.primitives import (
+    Primitive,
+    Vector,
+    block,
+    cylinder,
+    place_vertices,
+    polytope,
+    prism,
+)
 from artigen.shapes.ranges import Range, around, narrow
 from artigen.shapes.shape import ShapePart
 
-TopKind = Literal["plain", "rounded", "oval"]
-"""A rectangle, a rectangle with round corners, or one with semicircular ends."""
+TopKind = Literal["plain", "rounded", "oval", "ellipse"]
+"""A rectangle, a rectangle with round corners, one with semicircular ends, or an ellipse."""
 StretcherKind = Literal["h", "ring", "rear"]
 """Stretchers at both sides, joined by one in the middle, by one in front and one behind, or by one behind."""
 STRETCHER_KINDS: tuple[StretcherKind, ...] = get_args(StretcherKind)
 Side = Literal["front", "back", "right", "left"]
 SIDES: tuple[Side, ...] = get_args(Side)
+MOULDED = 0.45
+"""How far the lower edge of a moulded top is set back, relative to its thickness."""
+ROUND_PIECES = 8
+"""Straight pieces of a quarter of an elliptic top."""
+INNER = float(np.cos(np.pi / (4 * ROUND_PIECES)))
+"""Ratio of the inner to the outer extent of such a polygon."""
 WALL = 0.02
 """Thickness (m) of aprons."""
 PANEL = 0.015
@@ -26,11 +42,24 @@ ARCH = ((0.0, 1.0), (0.09, 0.62), (0.24, 0.2), (0.38, 0.0))
 """Lower edge of an arched apron: shares of its length and of the rise."""
 
 
-def make_top(width: float, depth: float, z: Range, kind: TopKind, radius: float) -> tuple[Primitive, ...]:
-    """A board centred on the object, with round corners of ``radius`` (m)."""
+def make_top(
+    width: float, depth: float, z: Range, kind: TopKind, radius: float, *, moulded: bool = False
+) -> tuple[Primitive, ...]:
+    """A board centred on the object, with round corners of ``radius`` (m); rectangles and ellipses may be
+    ``moulded``."""
     x, y = depth / 2, width / 2
     if kind == "plain":
-        return (block(around(0.0, x), around(0.0, y), z, "top", 0.003),)
+        whole = around(0.0, x), around(0.0, y)
+        inset = MOULDED * (z[1] - z[0])
+        if moulded:
+            return build_moulding(*whole, z, inset, "top", back=True)
+        return (block(*whole, z, "top", 0.003),)
+    if kind == "ellipse":
+        middle = z[1] - UPPER * (z[1] - z[0])
+        courses = (
+            (((middle, z[1]), 0.0), ((z[0], middle), MOULDED * (z[1] - z[0]))) if moulded else ((z, 0.0),)
+        )
+        return tuple(cut_ellipse(x - less, y - less, span) for span, less in courses)
     radius = x if kind == "oval" else radius
     inner_x, inner_y = x - radius, y - radius
     boards = [block(around(0.0, x), around(0.0, inner_y), z, "top")]
@@ -40,6 +69,20 @@ def make_top(width: float, depth: float, z: Range, kind: TopKind, radius: float)
     across = around(0.0, inner_x) if kind == "rounded" else (0.0,)
     corners = [(at_x, at_y) for at_x in across for at_y in (-inner_y, inner_y)]
     return (*boards, *(cylinder((*at, z[0]), (*at, z[1]), radius, "top") for at in corners))
+
+
+def cut_ellipse(x: float, y: float, z: Range) -> Primitive:
+    """A board with the outline of an ellipse of these half axes (m)."""
+    flat = trace_corners(around(0.0, x), around(0.0, y), ((x, y),) * 4, ROUND_PIECES)
+    return polytope(
+        np.concatenate([np.column_stack([flat, np.full(len(flat), level)]) for level in z]), "top"
+    )
+
+
+def inset_of_ellipse(width: float, depth: float, ahead: float) -> float:
+    """Distance (m) of legs from the ends of an elliptic top that covers them, ``ahead`` from its edges."""
+    share = 1.0 - 2.0 * ahead / depth
+    return width / 2 * (1.0 - float(np.sqrt(INNER**2 - share**2)))
 
 
 def most_radius(ahead: float, aside: float) -> float:
@@ -128,15 +171,17 @@ def _span_axes(legs: Sequence[Primitive]) -> tuple[Range, Range]:
 
 
 def make_shelf(legs: Sequence[Primitive], z: float) -> ShapePart:
-    """A board between four legs, with its upper face at a height."""
+    """A board between the outermost legs, with its upper face at a height."""
     top = z + 0.02
-    centers = np.array([leg.center for leg in legs])
-    inner = []
-    for leg in legs:
-        low, high = place_vertices(leg)[leg.vertices[:, 2] < 0], place_vertices(leg)[leg.vertices[:, 2] > 0]
-        share = (top - low[0, 2]) / (high[0, 2] - low[0, 2])
-        inner.append((1 - share) * np.ptp(low[:, 1]) / 2 + share * np.ptp(high[:, 1]) / 2)
-    edge = float(np.abs(centers[:, 1]).max() - inner[0])
-    x = (float(centers[:, 0].min()) - 0.004, float(centers[:, 0].max()) + 0.004)
-    shelf = block(x, around(0.0, edge), (z, top), "top")
+    edges = []
+    for piece in legs:
+        points = place_vertices(piece)
+        middle = piece.center[2]
+        low, high = points[points[:, 2] < middle], points[points[:, 2] > middle]
+        span = float(low[0, 2]), float(high[0, 2])
+        if span[0] < top <= span[1] and piece.center[1] > 0.0:
+            share = (top - span[0]) / (span[1] - span[0])
+            edges.append((1 - share) * low[:, 1].min() + share * high[:, 1].min())
+    x, _ = _span_axes(legs)
+    shelf = block((x[0] - 0.004, x[1] + 0.004), around(0.0, float(min(edges))), (z, top), "top")
     return ShapePart("shelf", "shelf", (shelf,))

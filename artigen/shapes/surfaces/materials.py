@@ -13,9 +13,12 @@ WOODS: dict[str, tuple[Color, Color]] = {
     "cherry": ((0.60, 0.38, 0.26), (0.46, 0.27, 0.17)),
     "teak": ((0.61, 0.42, 0.26), (0.44, 0.28, 0.16)),
     "grey_oak": ((0.65, 0.60, 0.53), (0.51, 0.46, 0.40)),
+    "maple": ((0.86, 0.70, 0.49), (0.76, 0.57, 0.36)),
+    "mahogany": ((0.44, 0.22, 0.13), (0.31, 0.135, 0.075)),
+    "wenge": ((0.215, 0.145, 0.11), (0.145, 0.092, 0.068)),
     "black_ash": ((0.16, 0.15, 0.145), (0.09, 0.085, 0.08)),
 }
-"""Colour of early wood and of growth rings."""
+"""Colour of early wood and of growth rings; the redder ones are mostly stained."""
 LACQUERS: dict[str, Color] = {
     "white": (0.93, 0.925, 0.91),
     "cream": (0.90, 0.87, 0.79),
@@ -29,6 +32,8 @@ LACQUERS: dict[str, Color] = {
     "terracotta": (0.65, 0.40, 0.31),
     "black": (0.115, 0.115, 0.12),
 }
+VARNISHED, DEEPER, WARMER = 0.4, 1.15, 1.35
+"""Gloss of varnished wood, the power to which varnish raises its colour, and the factor of its saturation."""
 METALS: dict[str, tuple[Color, Color]] = {
     "steel": ((0.81, 0.81, 0.80), (0.70, 0.70, 0.69)),
     "chrome": ((0.86, 0.86, 0.87), (0.80, 0.80, 0.81)),
@@ -51,6 +56,21 @@ def make_wood(name: str, seed: int) -> Finish:
     """A wood of `WOODS`, open-pored and oiled."""
     color, rings = WOODS[name]
     return Finish(kind="wood", color=color, accent=rings, period=0.045, seed=seed, gloss=0.12)
+
+
+def varnish(finish: Finish) -> Finish:
+    """A wood under clear varnish, which makes it deeper and warmer in colour."""
+    return replace(
+        finish, color=deepen_color(finish.color), accent=deepen_color(finish.accent), gloss=VARNISHED
+    )
+
+
+def deepen_color(color: Color) -> Color:
+    """A colour (sRGB), darker and farther from the grey of its brightness."""
+    channels = [channel**DEEPER for channel in color]
+    grey = sum(share * channel for share, channel in zip((0.3, 0.59, 0.11), channels, strict=True))
+    red, green, blue = (min(max(grey + WARMER * (c - grey), 0.02), 1.0) for c in channels)
+    return red, green, blue
 
 
 def make_lacquer(color: Color, *, gloss: float = 0.18) -> Finish:

@@ -39,6 +39,7 @@ from artigen.shapes.surfaces.materials import (
     make_metal,
     make_stone,
     make_wood,
+    varnish,
 )
 
 Theme = Literal["furniture", "appliance"]
@@ -62,12 +63,15 @@ FRONTS_ON_WOOD = {
     "cherry": ("cream", "white"),
     "teak": ("white", "black", "cream"),
     "grey_oak": ("white", "anthracite", "light_grey"),
+    "maple": ("white", "cream", "light_grey"),
+    "mahogany": ("cream", "white"),
+    "wenge": ("white", "cream", "black"),
     "black_ash": ("black", "white"),
 }
 WOODS_WITH_LACQUER = {
-    "white": ("oak", "birch", "walnut", "white_oak"),
-    "cream": ("pine", "walnut", "cherry"),
-    "light_grey": ("white_oak", "birch"),
+    "white": ("oak", "maple", "walnut", "wenge"),
+    "cream": ("pine", "walnut", "cherry", "mahogany"),
+    "light_grey": ("white_oak", "birch", "maple"),
     "grey": ("oak", "walnut"),
     "anthracite": ("oak", "grey_oak"),
     "sage": ("oak", "white_oak"),
@@ -82,11 +86,18 @@ BOUGHT_LACQUERS = {
     "sage": 0.05, "navy": 0.05, "forest": 0.03, "blue": 0.02, "terracotta": 0.02,
 }  # fmt: skip
 BOUGHT_WOODS = {
-    "oak": 0.34, "walnut": 0.22, "white_oak": 0.15, "pine": 0.07, "birch": 0.07, "grey_oak": 0.06,
-    "black_ash": 0.04, "cherry": 0.03, "teak": 0.02,
+    "oak": 0.22, "walnut": 0.18, "maple": 0.12, "wenge": 0.12, "white_oak": 0.09, "mahogany": 0.07,
+    "cherry": 0.07, "pine": 0.05, "birch": 0.03, "grey_oak": 0.02, "teak": 0.02, "black_ash": 0.01,
 }  # fmt: skip
-"""How often each is bought, judged by what shops show first: white, greys and black; oak and walnut."""
-WARM = frozenset({"navy", "forest", "sage", "cream", "terracotta", "walnut", "cherry", "teak"})
+"""How often each is bought, judged by what shops show first: white, greys and black; oak, walnut, maple, and
+wood stained dark or red."""
+LININGS = {"veneer": 0.35, "maple": 0.4, "white": 0.25}
+"""How the inside of a carcass is finished: as the outside where that is wood, as pale plywood, or white."""
+VARNISHED = 0.55
+"""Probability that wood is varnished, and not oiled."""
+WARM = frozenset(
+    {"navy", "forest", "sage", "cream", "terracotta", "walnut", "cherry", "teak", "mahogany", "wenge"}
+)
 """Fronts that are combined with brass."""
 PASTELS = ((0.90, 0.86, 0.76), (0.62, 0.74, 0.70), (0.62, 0.73, 0.80), (0.68, 0.20, 0.18), (0.88, 0.70, 0.66))
 DARK = frozenset({"anthracite", "black", "navy", "forest", "black_ash"})
@@ -115,6 +126,8 @@ def _draw_furniture(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     seed = int(rng.integers(2**30))
     wood, lacquer, scheme = _draw_scheme(rng, style)
     timber = make_wood(wood, seed)
+    if rng.random() < VARNISHED:
+        timber = varnish(timber)
     paint = make_lacquer(LACQUERS[lacquer], gloss=float(rng.uniform(0.1, 0.35)))
     body, front, top = {
         "wood": (timber, timber, timber),
@@ -126,13 +139,13 @@ def _draw_furniture(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     }[scheme]
     seen = wood if front.kind == "wood" else lacquer
     metal = _draw_metal(rng, seen, style)
-    inside = make_lacquer(LACQUERS["white"], gloss=0.15)
-    drawer = make_wood("birch", seed + 2)
-    if body.kind == "wood" and rng.random() < 0.5:  # boards are veneered on both sides
-        inside = make_wood(wood, seed + 3)
+    inside, drawer = make_lacquer(LACQUERS["white"], gloss=0.15), make_wood("birch", seed + 2)
+    lined = pick(rng, LININGS)
+    if lined == "maple" or (lined == "veneer" and body.kind == "wood"):  # veneered on both sides
+        inside = make_wood("maple" if lined == "maple" else wood, seed + 3)
     if body.kind != "wood" and rng.random() < 0.35:
         drawer = make_lacquer(LACQUERS["light_grey"])
-    leg = make_metal("black", seed) if rng.random() < 0.4 else (timber if top.kind == "wood" else body)
+    leg = make_metal("black", seed) if rng.random() < 0.25 else (timber if top.kind == "wood" else body)
     return _common(seed) | {
         "body": body,
         "front": front,
@@ -160,9 +173,9 @@ def _draw_scheme(rng: np.random.Generator, style: str) -> tuple[str, str, str]:
             choose_one(rng, ("black", "anthracite", "grey")),
             "wooden_front",
         )
-    chances = {"wood": 0.32, "wooden_body": 0.15, "wooden_front": 0.13} | dict.fromkeys(painted, 0.4 / 3)
+    chances = {"wood": 0.5, "wooden_body": 0.1, "wooden_front": 0.1} | dict.fromkeys(painted, 0.1)
     if style in ("shaker", "classic", "country", "cottage"):
-        chances = {"wood": 0.2} | dict(zip(painted, (0.35, 0.25, 0.2), strict=True))
+        chances = {"wood": 0.52} | dict(zip(painted, (0.2, 0.16, 0.12), strict=True))
     scheme = str(rng.choice(list(chances), p=list(chances.values())))
     if scheme.startswith("painted"):
         lacquer = pick(rng, BOUGHT_LACQUERS)
@@ -184,7 +197,7 @@ def _draw_metal(rng: np.random.Generator, front: str, style: str) -> Finish:
 
 def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     seed = int(rng.integers(2**30))
-    look = style if style in APPLIANCES else str(rng.choice(list(APPLIANCES), p=(0.38, 0.34, 0.18, 0.1)))
+    look = style if style in APPLIANCES else str(rng.choice(list(APPLIANCES), p=(0.42, 0.36, 0.18, 0.04)))
     body, front, handle = APPLIANCES[look](rng, seed)
     enamel = make_lacquer((0.20, 0.21, 0.23), gloss=0.3)
     black_glass = make_glass((0.045, 0.047, 0.052))
@@ -194,7 +207,7 @@ def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     return _common(seed) | {
         "body": body,
         "front": front,
-        "glass": make_glass((0.06, 0.062, 0.068), opacity=0.45),
+        "glass": make_glass((0.05, 0.052, 0.057), opacity=round(float(rng.uniform(0.55, 0.9)), 2)),
         "inside": inside,
         "top": body if rng.random() < 0.5 else black_glass,
         "handle": handle,
@@ -208,12 +221,12 @@ def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 def _steel_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
     """Grey housing, brushed front: the sides of a steel appliance are painted."""
-    metal = make_metal("dark" if rng.random() < 0.2 else "steel", seed)
+    metal = make_metal("dark" if rng.random() < 0.12 else "steel", seed)
     return make_lacquer((0.50, 0.50, 0.51), gloss=0.3), metal, make_metal("steel", seed + 1)
 
 
 def _white_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
-    enamel = make_lacquer((0.94, 0.94, 0.935), gloss=0.45)
+    enamel = make_lacquer((0.965, 0.965, 0.96), gloss=0.45)
     handle = Finish(kind="plastic", color=(0.88, 0.88, 0.88), accent=(0.84, 0.84, 0.84), gloss=0.35)
     return enamel, enamel, handle if rng.random() < 0.6 else make_metal("steel", seed)
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from artigen.shapes.surfaces.finishes import Color, Finish, FinishKind
-from artigen.shapes.surfaces.materials import LACQUERS, METALS, STONES, WOODS
+from artigen.shapes.surfaces.materials import LACQUERS, METALS, STONES, WOODS, deepen_color
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,8 +78,9 @@ _GRADES: dict[FinishKind, tuple[_Grade, ...]] = {
         _Grade(gloss=1.0, word="glazed", roughness=(0.3, 0.1), coat=1.0, coat_roughness=0.05),
     ),
 }  # fmt: skip
-"""Judged by eye against pictures of catalogues: oiled oak 0.55, satin lacquer 0.3 to 0.5, brushed steel 0.3,
-chrome 0.05, mouldings 0.4, rubber 0.9."""
+"""Estimates, not measurements: judged by eye against pictures of catalogues, oiled oak 0.55, satin lacquer
+0.3 to 0.5, brushed steel 0.3, chrome 0.05, mouldings 0.4, rubber 0.9. Bare metal has metallic 1, all else
+0."""
 _IOR: dict[FinishKind, float] = {
     "wood": 1.53, "lacquer": 1.5, "steel": 2.76, "plastic": 1.53, "glass": 1.52, "rubber": 1.52, "stone": 1.5,
 }  # fmt: skip
@@ -91,6 +92,7 @@ _NAMES: dict[FinishKind, Mapping[str, Color]] = {
     "stone": {name: color for name, (color, _) in STONES.items()},
 }
 """Names by colour; plastics, glass and rubber have those of lacquers, and say what they are."""
+_VARNISHED = {name: deepen_color(color) for name, (color, _) in WOODS.items()}
 
 
 def describe_finish(finish: Finish) -> Material:
@@ -100,7 +102,8 @@ def describe_finish(finish: Finish) -> Material:
     below = max((one.gloss for one in grades if one.gloss < grade.gloss), default=0.0)
     share = float(np.clip((finish.gloss - below) / (grade.gloss - below), 0.0, 1.0))
     rough, smooth = grade.roughness
-    color = _nearest(_NAMES.get(finish.kind, LACQUERS), finish.color)
+    names = _VARNISHED if grade.word == "varnished" else _NAMES.get(finish.kind, LACQUERS)
+    color = _nearest(names, finish.color)
     what = {"wood": "", "steel": "", "stone": ""}.get(finish.kind, f"{finish.kind}_")
     return Material(
         name=f"{what}{color}_{grade.word}",

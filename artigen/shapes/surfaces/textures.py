@@ -190,13 +190,15 @@ def _wood(spots: _Spots) -> tuple[Any, Any]:
 
 
 def _steel(spots: _Spots) -> tuple[Any, Any]:
-    """Brushing: long, fine lines in bundles."""
+    """Brushing: long, fine lines in bundles. Sheets are never quite flat, and parts of them are brighter."""
     xp, period = spots.xp, spots.period
     fine = lattice_noise(
         xp, spots.seed, (spots.across + spots.depth) / (0.06 * period), spots.along / (8 * period)
     )
     bundle = lattice_noise(xp, spots.seed + 1, spots.across / (0.5 * period), spots.along / (25 * period))
-    return 0.5 + 0.6 * (fine - 0.5) * _kept(spots, 0.12 * period) + 0.15 * (bundle - 0.5), 1.0 + 0.0 * fine
+    sheet = lattice_noise(xp, spots.seed + 2, spots.along / (14.0 * period))
+    lines = 0.6 * (fine - 0.5) * _kept(spots, 0.12 * period) + 0.15 * (bundle - 0.5)
+    return 0.5 + lines - 0.7 * (sheet - 0.5), 0.94 + 0.12 * sheet
 
 
 def _stone(spots: _Spots) -> tuple[Any, Any]:

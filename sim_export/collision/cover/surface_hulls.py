@@ -29,6 +29,7 @@ from sim_export.collision.cover.sectors import SAGITTA, Axis, count_sectors, cut
 from sim_export.collision.cover.specks import drop_specks
 from sim_export.collision.cover.surface_pieces import (
     Piece,
+    intrude_together,
     join_pieces,
     make_piece,
     measure_again,
@@ -46,6 +47,8 @@ HALVED = 8
 """Times that triangles which boxes cover in part are halved, at most."""
 SMALLEST = 4.0
 """Edge of such triangles over the slack, below which they are not halved any more."""
+MANY_CORNERS = 64
+"""Corners of two pieces from which on it is tried on few of them whether their common hull takes too much."""
 _PLACES = np.array(
     [
         [0.96, 0.02, 0.02], [0.02, 0.96, 0.02], [0.02, 0.02, 0.96],
@@ -224,7 +227,9 @@ def _finish(cover: Cover, diagonal: float) -> Cover:
     found = [hull for piece in cover.pieces if (hull := piece_hull(piece, cover.space)) is not None]
     thick = [thicken_hull(hull, MIN_WIDTH) for hull in found]
     proper = [
-        part for hull in thick for part in compact_hull(hull, THICKEST * diagonal, reach=2.0 * cover.least)
+        part
+        for hull in thick
+        for part in compact_hull(hull, THICKEST * diagonal, reach=2.0 * cover.least, lost=2.0 * cover.least)
     ]
     return replace(cover, hulls=drop_specks((*cover.boxes, *proper), diagonal))
 
@@ -363,8 +368,12 @@ def _join(pieces: Sequence[Piece], space: FreeSpace, least: float, taken: float)
     def join(new: Piece, other: Piece) -> tuple[float, Piece] | None:
         if is_open_between(new.corners[:16], other.corners[:16], space, 2.0 * least):
             return None
-        both = join_pieces(new, other, space, least)
         before = new.intrusion.volume + other.intrusion.volume
+        if len(new.corners) + len(other.corners) > MANY_CORNERS:
+            some = intrude_together(new, other, space, least)
+            if some.depth > 2.0 * least:
+                return None
+        both = join_pieces(new, other, space, least)
         fits = _fits(both, least, taken) or (
             both.intrusion.volume <= before and both.intrusion.depth <= 2.0 * least
         )

@@ -102,9 +102,10 @@ def wrap(points: Float[np.ndarray, "N 3"], ways: Float[np.ndarray, "D 3"] = WAYS
     across = spread @ axes[2]
     sheet = bool(across.max() - across.min() < THIN) or len(points) < 4
     if len(points) > 2 * len(ways):
-        along = spread @ axes.T
-        heights = along / np.maximum(np.ptp(along, axis=0), 1e-9) @ ways.T
-        chosen = np.unique(np.concatenate([heights.argmax(axis=0), heights.argmin(axis=0)]))
+        along = axes @ spread.T
+        even = along / np.maximum(np.ptp(along, axis=1, keepdims=True), 1e-9)
+        heights = ways.astype(np.float32) @ even.astype(np.float32)  # in rows, which are searched fastest
+        chosen = np.unique(np.concatenate([heights.argmax(axis=1), heights.argmin(axis=1)]))
         points, spread = points[chosen], spread[chosen]
     if not sheet:
         try:
@@ -147,6 +148,12 @@ def join_pieces(first: Piece, second: Piece, space: FreeSpace, least: float) -> 
     around = wrap(np.concatenate([first.corners, second.corners]))
     triangles = np.concatenate([first.triangles, second.triangles])
     return _finish(around, triangles, np.concatenate([first.samples, second.samples]), space, least)
+
+
+def intrude_together(first: Piece, second: Piece, space: FreeSpace, least: float) -> Intrusion:
+    """What the hull of a few corners of two pieces takes of free space: no more than their common one
+    does."""
+    return _measure(wrap(np.concatenate([first.corners, second.corners]), FEW_WAYS), space, least, SAMPLES)
 
 
 def _finish(
@@ -260,7 +267,8 @@ def split_piece(piece: Piece, space: FreeSpace, least: float) -> tuple[Piece, Pi
             continue
         uneven = EVEN * abs(2.0 * share - 1.0)
         taken, done, bound = 0.0, 1.0, 0.0
-        for side, part in ((1.0, share), (-1.0, 1.0 - share)):
+        # The larger side first, which takes more.
+        for side, part in sorted(((1.0, share), (-1.0, 1.0 - share)), key=lambda each: -each[1]):
             bound = taken + piece.intrusion.volume * (uneven - DONE * done)
             if bound >= best_score:  # whatever this side takes
                 break

@@ -244,8 +244,8 @@ WRONG = {
     "kind": (lambda: artigen.sample("Spoon"), ["shape", "Spoon", "-o", "out"]),
     "length": (lambda: artigen.sample("Oven", width=90.0), ["shape", "Oven", "--width", "90", "-o", "out"]),
     "count": (
-        lambda: artigen.sample("Safe", counts={"drawer": 40}),
-        ["shape", "Safe", "--counts", "drawer=40", "-o", "out"],
+        lambda: artigen.sample("Box", counts={"drawer": 40}),
+        ["shape", "Box", "--counts", "drawer=40", "-o", "out"],
     ),
     "words": (
         lambda: artigen.generate("a fridge 5 cm wide"),

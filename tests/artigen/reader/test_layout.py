@@ -9,6 +9,7 @@ from jaxtyping import Float
 from scipy.optimize import least_squares
 
 from artigen.errors import ArtigenError
+from artigen.kind import kinds
 from artigen.reader.layout import fronts
 from artigen.reader.layout.build import FLOOR, build_from_reading, find_foot, wear_read
 from artigen.reader.layout.cells import OPEN, Seen, make_cells
@@ -105,6 +106,8 @@ def test_a_shape_that_is_read_is_built_again(kind: str, seed: int):
     reading = read_shape(shape)
     if not reading.fronts:
         pytest.skip("nothing but open cells")
+    if any(front.label == "door" and front.hinge is None for front in reading.fronts):
+        pytest.skip("nothing shows where a door is hinged")
     built, _ = build_from_reading(reading, seed + 1)
     again = read_shape(built)
     assert describe_fronts(again) == describe_fronts(reading)
@@ -202,7 +205,7 @@ def test_what_no_front_covers_is_open_from_the_width_of_a_hand(size: float, open
     reading = make_reading(*stack(0.0, 0.5), *stack(0.5 + size, 1.0))
     built = read_shape(build_from_reading(reading, 0)[0])
     upper, lower = sorted((front.box for front in built.fronts), key=lambda box: box[1])
-    assert (lower[1] - upper[3] > 0.08) == bool(opened)
+    assert (lower[1] - upper[3] > 0.1) == bool(opened)
 
 
 @pytest.mark.parametrize(
@@ -437,6 +440,11 @@ def test_differences_are_nothing_for_equal_readings_and_one_for_a_missing_front(
         replace(part, hinge=other) if part is reading.fronts[0] else part for part in reading.parts
     )  # type: ignore[arg-type]
     assert rate_difference(reading, replace(reading, parts=turned), reading.size) == pytest.approx(HINGE)
+
+
+@pytest.mark.parametrize("kind", tuple(kinds()))
+def test_every_kind_can_be_seen(kind: str):
+    assert read_shape(draw_shape(kind, 0)).kind == kind
 
 
 def test_a_lid_has_its_hinge_at_the_top_as_seen_from_before():

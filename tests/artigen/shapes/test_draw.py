@@ -64,6 +64,8 @@ def test_what_cannot_be_drawn_is_said(monkeypatch: pytest.MonkeyPatch):
 def test_counts_out_of_all_proportion_are_given_up_early():
     with pytest.raises(ShapeError, match=r"no draw of 100 has 99 handle"):
         draw_shape("Microwave", 0, Wish(counts=(("handle", 99),)))
+    with pytest.raises(ShapeError, match=r"no draw of 100 has 2 drawer"):
+        draw_shape("Box", 0, Wish(counts=(("drawer", 2),)))  # none has one
 
 
 def test_lengths_that_hold_no_layout_are_drawn_again_unless_they_are_wished_for():

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from artigen.datasets.sizes import estimate_size
 from artigen.kind import kinds
+from artigen.kinds import foreign
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.furniture.furniture_kinds import FORMS
 from artigen.shapes.primitives import place_vertices
@@ -97,6 +99,16 @@ def test_wardrobes_are_deep_enough_for_hangers():
     """DIN 68890: clothes on hangers need 500 mm."""
     for seed in range(4):
         assert extents(draw_shape("Wardrobe", seed))[1] >= 0.5 - 1e-6
+
+
+@pytest.mark.parametrize("category", foreign.CATEGORIES, ids=lambda category: category.name)
+def test_plausible_sizes_hold_what_sources_without_units_are_made_to(category):
+    """Objects of equal sides, and of sides that are twice as long as others."""
+    low, high = category.diagonal or CheckConfig().diagonal_range
+    for extents in ((1.0, 1.0, 1.0), (0.5, 1.0, 0.5), (0.5, 0.5, 1.0)):
+        size, known = estimate_size(category.name, np.array(extents))
+        assert known
+        assert low <= size * np.linalg.norm(extents) <= high
 
 
 @pytest.mark.parametrize("category", sorted(kinds()))

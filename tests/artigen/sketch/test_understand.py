@@ -62,13 +62,12 @@ def test_words_that_mean_nothing_are_named():
     assert "zebra" in understand(Request(text="a zebra cabinet")).notes[0]
 
 
-def test_what_the_model_cannot_be_asked_for_is_named():
+def test_what_is_said_beyond_a_style_is_told_to_the_grammar():
     said = understand(Request(text="a fridge with a bottom freezer, hinged on the left"))
-    assert said.unmet == (
-        "understood, but the model cannot be asked for it: freezer at bottom, door hinged left",
-    )
+    assert set(said.features) == {("freezer", "at", "bottom"), ("door", "hinged", "left")}
     assert understand(Request(text="a cabinet with glass doors")).request.style == "framed_glass"
-    assert understand(Request(text="a cabinet with glass doors")).unmet == ()
+    knobs = understand(Request(text="a dresser with six brass knobs"))
+    assert (knobs.request.counts, knobs.features) == ((("handle", 6),), (("handle", "type", "knob"),))
 
 
 def test_a_door_beside_a_category_is_a_part_of_it():

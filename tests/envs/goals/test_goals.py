@@ -5,6 +5,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import gymnasium as gym
 import mujoco
@@ -177,7 +178,7 @@ def test_a_goal_is_drawn_by_the_seed_and_reached_in_maniskill(room, goals, tmp_p
     write_room(room, tmp_path)
     write_goals(goals, tmp_path)
     close = next(goal for goal in goals if goal.family == "close")
-    settings = {"sim_backend": "physx_cpu", "render_backend": "none", "obs_mode": "state"}
+    settings: dict[str, Any] = {"sim_backend": "physx_cpu", "render_backend": "none", "obs_mode": "state"}
     env = gym.make("ArtiGen-Room-v1", scenes=tmp_path, goal="sampled", reward_mode="sparse", **settings)
     words = []
     for seed in (0, 1, 2, 0):

@@ -219,7 +219,9 @@ def test_the_solver_puts_a_cube_into_a_drawer(folder):
 
 
 @pytest.mark.slow
-def test_checks_l4_pass_on_a_good_package(folder):
+def test_checks_l4_pass_on_a_good_package(tmp_path):
+    parts = [part for part in SAMPLE_PARTS if part.name not in ("door", "door_handle", "lock")]
+    folder = write_package(build_package(parts), tmp_path / "drawers")
     checks = {check.id: check for check in check_tasks(folder)}
     assert sorted(checks) == ["V401", "V402", "V404"]
     assert {check.verdict for check in checks.values()} == {"pass"}, checks

@@ -81,10 +81,8 @@ def test_taste_is_worth_up_to_ten_centimetres_of_wall(narrower: float, chosen: i
     assert choose(*offers, length=0.61, wanted=1, least=1, chance=Chance(1.0, 0.0)) == [offers[chosen]]
 
 
-@pytest.mark.parametrize(("height", "cornered"), [(1.01, True), (1.03, False)])
-def test_what_is_higher_than_a_metre_and_two_centimetres_is_not_put_in_a_corner(
-    height: float, cornered: object
-):
+@pytest.mark.parametrize(("height", "cornered"), [(1.26, True), (1.28, False)])
+def test_what_is_higher_than_a_metre_and_a_quarter_is_not_put_in_a_corner(height: float, cornered: object):
     unit, low = offer(0.6, height=height), offer(0.6)
     orders = [order_units([unit, low, low], np.random.default_rng(seed), [0]) for seed in range(60)]
     assert any(order[0] is unit for order in orders) == cornered

@@ -12,13 +12,15 @@ from artigen.api.scene import SceneSettings, furnish_room, read_places
 from artigen.errors import ArtigenError
 from envs.rooms.catalogue import Catalogue, Entry
 from envs.rooms.check import check_room
-from envs.rooms.order import least_length, read_order
+from envs.rooms.order import SLIPS, least_length, read_order
 from envs.rooms.populate import PopulateConfig, populate
 from envs.rooms.room import SIDES, YAWS, pose_matrix_of
 from sim_export.files.write import write_package
 
 ROLES = {"fridge": "Refrigerator", "range": "Oven", "base cabinet": "StorageFurniture"}
 SIZES = {"Refrigerator": (0.6, 0.6, 1.7), "Oven": (0.6, 0.6, 0.9), "StorageFurniture": (0.6, 0.81, 0.88)}
+HANGS = (0.4, 0.81, 0.7)
+"""Size (m) at which the sample cabinet may hang."""
 
 
 @pytest.fixture(scope="module")
@@ -31,6 +33,7 @@ def catalogue(tmp_path_factory: pytest.TempPathFactory) -> Catalogue:
         entries.append(
             Entry(folder=folder, name=kind, category=kind, size=size, kinds=("revolute",), provenance=())
         )
+    entries.append(replace(entries[-1], name="Hung", size=HANGS))
     return Catalogue(folder=base, entries=tuple(entries), failed=())
 
 
@@ -48,6 +51,34 @@ def test_units_stand_from_left_to_right_as_ordered_and_open(catalogue: Catalogue
     assert not check_room(room)
 
 
+@pytest.mark.parametrize("side", SIDES)
+def test_a_length_stays_free_and_what_is_above_hangs_over_the_left_end(catalogue: Catalogue, side):
+    words = ("cupboard@StorageFurniture", "1.2", "oven", "above", "0.1", "wall cabinet@Hung")
+    room = populate("kitchen", 3, catalogue, PopulateConfig(width=5.5, depth=5.5, place=words, wall=side))
+    assert [p.role for p in room.placements] == ["base cabinet", "range", "wall cabinet"]
+    facing = np.array([np.cos(YAWS[side]), np.sin(YAWS[side])])
+    along = [float(np.array([facing[1], -facing[0]]) @ pose_matrix_of(p)[:2, 3]) for p in room.placements]
+    wide = room.placements[0].size[1]
+    assert along[1] - along[0] == pytest.approx(wide + 1.2, abs=0.01)
+    assert 0.09 <= along[2] - along[0] <= 0.1 + SLIPS[-1] + 0.01
+    low = [p.position[2] - room.placements[0].position[2] for p in room.placements]
+    assert low[1] == pytest.approx(0.0)
+    assert low[2] > 1.2
+    assert not check_room(room)
+
+
+def test_a_named_package_is_the_one_that_stands_there(catalogue: Catalogue):
+    other = replace(catalogue.entries[2], name="Other")
+    held = replace(catalogue, entries=(*catalogue.entries, other))
+    words = ("cupboard@Other", "cupboard@StorageFurniture")
+    order = read_order(words, "kitchen")
+    assert [[entry.name for entry in held.entries if unit.accepts(entry)] for unit in order] == [
+        ["Other"], ["StorageFurniture"],
+    ]  # fmt: skip
+    with pytest.raises(ArtigenError, match="nothing in it can be the ordered base cabinet"):
+        populate("kitchen", 0, held, PopulateConfig(place=("cupboard@Missing",)))
+
+
 def test_synonyms_and_nouns_mean_one_role():
     words = ("fridge", "refrigerator", "pantry", "oven", "stove", "dishwasher", "sink:0.8", "base_cabinet")
     roles = [unit.role.name for unit in read_order(words, "kitchen")]
@@ -62,6 +93,9 @@ def test_synonyms_and_nouns_mean_one_role():
         (("fridge:9",), "0.45 to 1.4 m wide"),
         (("fridge:wide",), "width 'wide' m"),
         (("fridge:nan",), "width 'nan' m"),
+        (("above", "wall cabinet"), "nothing stands below what hangs"),
+        (("fridge", "above", "oven"), "no 'oven' on its walls, expected one of wall cabinet"),
+        (("fridge", "9", "fridge"), "2 units take at least"),
         (("fridge",) * 20, "20 units take at least"),
         (("20*fridge",), "20 units take at least"),
         (("many*fridge",), "'many' units"),

@@ -13,11 +13,15 @@ from artigen.transforms import shift
 from artigen.types import Joint
 from envs.rooms.ajar import stays
 from envs.rooms.contents import fill_room
+from envs.rooms.covers import fixture_mesh
 from envs.rooms.footprints import cached_package, read_footprint
 from envs.rooms.mjcf import HOME, write_room_mjcf
-from envs.rooms.room import Placement, Room, pose_matrix_of
+from envs.rooms.patterns import PERIODS, paint_pattern
+from envs.rooms.room import Fixture, Placement, Room, pose_matrix_of
 from envs.rooms.solids import item_motion
 from envs.rooms.usd import write_room_usd
+from envs.rooms.views import find_lamps, find_views
+from sim_export.files.obj import read_image
 from sim_export.files.urdf import link_origins
 from sim_export.files.write import write_package
 from sim_export.motion.kinematics import driven_joints, link_displacements
@@ -124,6 +128,76 @@ def test_usd_puts_every_body_where_the_room_has_it(room: Room, tmp_path: Path):
         np.testing.assert_allclose(found, expected[name], atol=MICROMETRE, err_msg=name)
     assert len({str(prim.GetPath()) for prim in stage.Traverse() if prim.IsA(UsdPhysics.Scene)}) == 1
     assert len(list((tmp_path / "usd").iterdir())) == 2
+
+
+TILED = Fixture(
+    name="tiled", low=(0.1, 0.1, 0.0), high=(0.9, 0.6, 0.02), color=(0.8, 0.8, 0.7), pattern="tiles"
+)
+POST = Fixture(
+    name="post", low=(3.0, 0.5, 0.0), high=(3.2, 0.7, 1.0), color=(0.5, 0.4, 0.3), shape="cylinder"
+)
+
+
+@pytest.fixture(scope="module")
+def covered() -> Room:
+    return replace(ROOM, fixtures=(*ROOM.fixtures, TILED, POST))
+
+
+def test_mujoco_sees_the_pattern_where_it_is_in_the_room(covered: Room, tmp_path: Path):
+    model, _ = start(covered, tmp_path)
+    material = model.geom("tiled_cover").matid[0]
+    texture = model.mat_texid[material].max()
+    shape = model.tex_height[texture], model.tex_width[texture], 3
+    start_at = model.tex_adr[texture]
+    image = model.tex_data[start_at : start_at + np.prod(shape)].reshape(shape)
+    np.testing.assert_array_equal(image, paint_pattern("tiles", TILED.color))
+    mesh = model.mesh("tiled").id
+    points = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]]
+    coordinates = model.mesh_texcoord[model.mesh_texcoordadr[mesh] :][: model.mesh_texcoordnum[mesh]]
+    assert np.ptp(coordinates[:, 0]) * PERIODS["tiles"][0] == pytest.approx(
+        np.ptp(points, axis=0).max(), rel=1e-5
+    )
+    assert model.geom("post").type[0] == mujoco.mjtGeom.mjGEOM_CYLINDER
+    assert model.geom("post").size[0] == pytest.approx(0.1)
+
+
+def test_usd_sees_the_pattern_where_it_is_in_the_room(covered: Room, tmp_path: Path):
+    pytest.importorskip("pxr")
+    from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
+
+    stage = Usd.Stage.Open(str(write_room_usd(covered, tmp_path)))
+    cover = UsdGeom.Mesh(stage.GetPrimAtPath("/World/tiled/cover"))
+    expected = fixture_mesh(TILED)
+    assert expected.uv is not None
+    st = np.array(UsdGeom.PrimvarsAPI(cover).GetPrimvar("st").Get())
+    np.testing.assert_allclose(st, expected.uv.reshape(-1, 2), atol=1e-6)
+    material, _ = UsdShade.MaterialBindingAPI(cover.GetPrim()).ComputeBoundMaterial()
+    image = UsdShade.Shader(stage.GetPrimAtPath(material.GetPath().AppendChild("image")))
+    file = tmp_path / image.GetInput("file").Get().path
+    np.testing.assert_array_equal(read_image(file)[..., :3], expected.texture)
+    assert stage.GetPrimAtPath("/World/tiled/collision").HasAPI(UsdPhysics.CollisionAPI)
+    assert not cover.GetPrim().HasAPI(UsdPhysics.CollisionAPI)
+
+
+def test_engines_have_the_cameras_and_lamps_of_the_room(covered: Room, tmp_path: Path):
+    pytest.importorskip("pxr")
+    from pxr import Usd, UsdGeom, UsdLux
+
+    model, data = start(covered, tmp_path)
+    stage = Usd.Stage.Open(str(write_room_usd(covered, tmp_path)))
+    cache = UsdGeom.XformCache()
+    for view in find_views(covered):
+        right, down, forward = view.camera.axes
+        turned = np.column_stack([right, -down, -forward])
+        found = data.cam(view.name)
+        np.testing.assert_allclose(found.xpos, view.camera.position, atol=MICROMETRE)
+        np.testing.assert_allclose(found.xmat.reshape(3, 3), turned, atol=MICROMETRE)
+        T = np.array(cache.GetLocalToWorldTransform(stage.GetPrimAtPath(f"/World/cameras/{view.name}"))).T
+        np.testing.assert_allclose(T[:3, 3], view.camera.position, atol=MICROMETRE)
+        np.testing.assert_allclose(T[:3, :3], turned, atol=MICROMETRE)
+    lamps = find_lamps(covered)
+    assert model.nlight == len(lamps)
+    assert sum(prim.IsA(UsdLux.DiskLight) for prim in stage.Traverse()) == len(lamps)
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.5, 1.2])

@@ -11,7 +11,6 @@ from sample_packages import SAMPLE_PARTS, build_package
 from envs.rooms.check import check_room
 from envs.rooms.clutter import PER_AREA, clutter_room
 from envs.rooms.footprints import read_footprint
-from envs.rooms.patterns import PIXELS, PLANK, TILE_EDGES, paint_pattern
 from envs.rooms.room import Placement, Room, wall_length
 from envs.rooms.solids import fixture_solids
 from envs.rooms.trim import GAP, SKIRTING, trim_room
@@ -82,12 +81,3 @@ def test_more_clutter_means_more_things_and_the_same_room_the_same(room: Room):
     assert counts == sorted(counts)
     assert counts[-1] > counts[1]
     assert clutter_room(room, "lived") == clutter_room(room, "lived")
-
-
-@pytest.mark.parametrize("pattern", ["planks", "tiles"])
-def test_patterns_have_their_joints_at_multiples_of_their_pitch(pattern):
-    image = paint_pattern(pattern, (1.0, 1.0, 1.0), 0.5, 2.0).astype(float).mean(axis=(1, 2))[::-1]
-    pitch = PLANK[1] if pattern == "planks" else TILE_EDGES[pattern][1]
-    dark = np.flatnonzero(image < 0.8 * np.median(image)) / PIXELS
-    assert {round(place / pitch) for place in dark} - {0} == set(range(1, int(2.0 / pitch) + 1))
-    assert np.abs(dark / pitch - np.round(dark / pitch)).max() * pitch < 2.5 / PIXELS

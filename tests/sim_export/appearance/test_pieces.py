@@ -1,9 +1,12 @@
 """Pieces: rounds of unseen facets, seams only between boards, broken edges, never far from the primitives."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from artigen.shapes.appliances.rings import build_pierced_plate, build_ring
+from artigen.shapes.furniture.table_frames import cut_ellipse
 from artigen.shapes.primitives import Primitive, box, cylinder, move, polygon, prism
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
 from sim_export.appearance.pieces import draw_pieces, find_pieces
@@ -78,6 +81,16 @@ def test_a_cone_of_many_corners_is_round_and_one_of_few_is_not():
         for sides in (10, 8)
     )
     assert round_one > 4 * count_sides(0.1) > square
+
+
+def test_an_elliptic_board_has_the_outline_of_its_ellipse():
+    half, thick = np.array([0.3, 0.6]), 0.03
+    (made,) = show([replace(cut_ellipse(*half, (0.0, thick)), finish="body")], "wood")
+    assert volume([made]) == pytest.approx(np.pi * half.prod() * thick, rel=0.003)
+    corners = solid_triangles(made.solid).reshape(-1, 3)[:, :2]
+    reach = np.linalg.norm(corners / half, axis=1)
+    assert reach.max() == pytest.approx(1.0, abs=1e-5)
+    assert len(np.unique(np.round(corners, 6), axis=0)) > 2 * count_sides(half.max()) - 5
 
 
 def test_wedges_of_a_ring_become_one_smooth_ring():

@@ -1,9 +1,11 @@
 """Prints lie flat on faces of appliances, are read against them, and are nowhere else."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from artigen.shapes.appliances.control_panel import DialDesign, build_display, make_dial
+from artigen.shapes.appliances.control_panel import DialDesign, build_display, make_button, make_dial
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.fittings.hardware import rotate
 from artigen.shapes.primitives import FRONT, UP, Vector, box
@@ -52,6 +54,22 @@ def test_a_dial_without_limits_has_twelve_marks_and_marks_beside_the_face_are_le
     whole = find_prints(panel(0.9, upper=None))["body"]["print_dark"]
     assert len(whole.vertices) == 8 * 12
     assert find_prints(panel(0.9, half=0.015)) == {}
+
+
+@pytest.mark.parametrize(
+    ("width", "brightness", "finish"),
+    [(0.03, 0.9, "print_dark"), (0.03, 0.1, "print_light"), (0.07, 0.9, None)],
+)
+def test_a_key_of_the_width_of_a_finger_has_a_legend_in_its_middle(width, brightness, finish):
+    key = make_button((-0.05, 0.02, 0.6), (width, 0.02, 0.006), name="key", finish="body")
+    base = panel(brightness)
+    found = find_prints(replace(base, parts=(base.parts[0], key))).get("key", {})
+    assert list(found) == ([] if finish is None else [finish])
+    if finish is not None:
+        low, high = found[finish].vertices.min(axis=0), found[finish].vertices.max(axis=0)
+        front = key.bounds()[0, 0]
+        assert (low[0], high[0]) == pytest.approx((front - PROUD, front + DEEP))
+        assert ((low + high) / 2)[1:] == pytest.approx((0.02, 0.6))
 
 
 def test_a_display_shows_the_time_in_its_middle():

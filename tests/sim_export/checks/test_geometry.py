@@ -49,6 +49,25 @@ def test_solids_that_share_one_corner_are_no_closed_surface(solid, count, fault)
     assert fault in " ".join(faults)
 
 
+@pytest.mark.parametrize("lost", [None, 0, 40, 130])
+def test_bodies_joined_at_a_corner_pass_and_one_that_lacks_a_face_does_not(lost):
+    row = chain(trimesh.creation.icosphere(subdivisions=1), 2)
+    faces = row.faces if lost is None else np.delete(row.faces, lost, axis=0)
+    faults = mesh_faults(shape(row.vertices, faces), CheckConfig(), joined=True)
+    assert faults == ([] if lost is None else ["is open or wound inconsistently along 3 edges"])
+
+
+@pytest.mark.parametrize("turned", [0, 1])
+def test_of_joined_bodies_none_may_be_turned_inside_out(turned):
+    """Their sum encloses more than nothing where the other one is larger."""
+    balls = [trimesh.creation.icosphere(subdivisions=1, radius=size) for size in (1.0, 0.5)]
+    balls[1].apply_translation((3.0, 0.0, 0.0))
+    balls[turned].invert()
+    both = trimesh.util.concatenate(balls)
+    faults = mesh_faults(shape(np.asarray(both.vertices), np.asarray(both.faces)), CheckConfig(), joined=True)
+    assert "wound inwards" in " ".join(faults)
+
+
 @pytest.mark.parametrize("inward", [False, True])
 def test_a_surface_whose_vertices_are_split_along_seams_is_judged_like_the_whole_one(inward):
     """Files repeat corners where the texture is cut; here every triangle has its own."""

@@ -190,6 +190,12 @@ def standing_out(share: float, width: float) -> Scene:
     return scene(link("body", both(BODY), seen(plate)))
 
 
+def standing_out_of_little(height: float) -> Scene:
+    """A plate on a cube of 2 cm, seen but not felt, and so high (m)."""
+    plate = ((0.0095, 0.0095, 0.02), (0.0105, 0.0105, 0.02 + height))
+    return scene(link("body", both(((0.0, 0.0, 0.0), (0.02, 0.02, 0.02))), seen(plate)))
+
+
 def thin(cells: tuple[float, float]) -> Scene:
     """A plate of one metre that is seen as thick as the first of these, and felt as thick as the second."""
     looks, feels = (((0.0, 0.0, 0.0), (1.0, 1.0, count * CELL)) for count in cells)
@@ -368,6 +374,7 @@ ROWS: list[tuple[str, str, Callable[..., Scene], object, object]] = [
     ("aspect", "V102", lambda x: hull(corners(0.02, 0.02 * x, 0.02)), 63.9, 64.1),
     ("thickness", "V102", lambda x: hull(corners(0.02, 0.02, x)), 1e-3 - 1.9e-6, 1e-3 - 2.1e-6),
     ("farthest", "V103", lambda x: standing_out(x, 0.15), 0.0298, 0.0302),
+    ("farthest, of little", "V103", standing_out_of_little, 2.98e-3, 3.02e-3),
     ("99 %", "V103", lambda x: standing_out(x, 0.5), 0.0149, 0.0151),
     ("volumes", "V103", thin, (14.46, 12.40), (12.55, 11.40)),
     ("room kept", "V103", filled_share, 0.098, 0.102),

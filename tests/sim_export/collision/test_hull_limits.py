@@ -6,7 +6,7 @@ import pytest
 from sim_export.collision.cover.free_space import find_free_space
 from sim_export.collision.cover.surface_hulls import cover_surface
 from sim_export.collision.hull_limits import compact_hull, comply_hull, flatten_facets, hull_aspect, trim_hull
-from sim_export.geometry.hulls import convex_hull, hull_volume, hull_width
+from sim_export.geometry.hulls import convex_hull, hull_planes, hull_volume, hull_width
 from sim_export.geometry.primitives import is_box
 from sim_export.package import Hull
 
@@ -115,6 +115,19 @@ def test_thin_hulls_are_thickened_up_to_four_thousandths_of_the_diagonal_of_an_o
 def test_a_hull_is_thickened_by_hardly_more_than_its_length_asks_for():
     (thick,) = compact_hull(plate(circle(0.5), 0.002), 0.1)
     assert 56.0 < hull_aspect(thick) <= 60.0
+
+
+@pytest.mark.parametrize("lost", [0.1, 0.03, 0.01])
+def test_a_ball_is_halved_until_its_surface_is_near_to_hulls_of_few_corners(lost):
+    rng = np.random.default_rng(0)
+    points = rng.normal(size=(3000, 3))
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    hulls = compact_hull(convex_hull(points), 0.0, lost=lost)
+    planes = [hull_planes(hull) for hull in hulls]
+    outside = np.min([(points @ p[:, :3].T - p[:, 3]).max(axis=1) for p in planes], axis=0)
+    assert outside.max() <= lost
+    assert all(len(hull.vertices) <= 32 for hull in hulls)
+    assert len(hulls) <= 1.3 / lost
 
 
 @pytest.mark.parametrize(("diameter", "whole"), [(0.5, True), (0.75, False)])

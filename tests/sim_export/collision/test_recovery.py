@@ -6,7 +6,7 @@ import pytest
 
 from artigen.transforms import rotation_about
 from sim_export.collision.hull_limits import MOST_OF_LINK
-from sim_export.collision.recovery import recover_surface
+from sim_export.collision.recovery import recover_hulls, recover_surface
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import box_hull, convex_hull
 from sim_export.package import Link, Mesh
@@ -49,6 +49,25 @@ def test_a_link_that_lacks_nothing_is_the_same_object():
     new, records = recover_surface(links, [], [], {"body": solid(BODY)})
     assert new[0] is links[0]
     assert records == ()
+
+
+def test_what_a_cut_took_too_much_of_is_put_back_up_to_what_it_was_cut_for():
+    """A shelf that went as a whole, because of a post before it."""
+    kept, shelf = box(BODY), box(LEDGE)
+    post = box(((-0.31, 0.43, 0.3), (0.28, 0.6, 0.7)))
+    before = (link("body", kept, shelf), link("post", post))
+    new, records = recover_hulls(before, (link("body", kept), before[1]), [], [])
+    assert new[0].hulls[0] is kept
+    assert new[1] is before[1]
+    back = HullSet(hulls=new[0].hulls[1:])
+    assert signed_distances(back, HullSet(hulls=(post,)), STILL, STILL, 1.0).distance.min() >= 2e-4
+    assert back.vertices[:, 1].max() == pytest.approx(0.43 - 0.0025, abs=1e-6)
+    assert "body:" in records[0]
+
+
+def test_links_that_were_not_cut_stay_the_same_objects():
+    links = (link("body", box(BODY)), link("other", box(FAR)))
+    assert recover_hulls(links, links, [], []) == (links, ())
 
 
 def test_a_hull_that_is_put_back_keeps_clear_of_others():

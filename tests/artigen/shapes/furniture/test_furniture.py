@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from itertools import pairwise
 from typing import get_args
 
 import numpy as np
@@ -9,10 +10,12 @@ import pytest
 from shape_sweeps import OVERLAP, find_overlaps, links_of, make_hulls
 
 from artigen.shapes.draw import ShapeError, Wish, draw_shape
-from artigen.shapes.fittings.feet import make_legs, make_toe_kick
+from artigen.shapes.fittings.feet import make_toe_kick
 from artigen.shapes.fittings.fronts import FRONT_STYLES, FrontDesign, make_door, make_front
-from artigen.shapes.fittings.handles import HANDLE_KINDS, design_handle
+from artigen.shapes.fittings.handles import HANDLE_KINDS, HandleTrim, design_handle
 from artigen.shapes.fittings.hardware import Panel, Space, hinge, sweep_gap
+from artigen.shapes.fittings.legs import LEG_KINDS, make_legs, place_legs
+from artigen.shapes.fittings.mouldings import build_moulding
 from artigen.shapes.furniture.cabinet import list_cells, make_cabinet
 from artigen.shapes.furniture.carcass import FRAME_DEPTH, RAIL, CarcassDesign, count_hulls, fits_engines
 from artigen.shapes.furniture.furniture_kinds import FORMS, STYLES
@@ -34,6 +37,7 @@ from artigen.shapes.furniture.table_frames import (
     STRETCHER_KINDS,
     StretcherKind,
     TopKind,
+    inset_of_ellipse,
     inset_of_oval,
     make_arch,
     make_panels,
@@ -202,10 +206,11 @@ def test_doors_open_towards_the_viewer_within_their_outline(edge: str) -> None:
 
 
 @pytest.mark.parametrize("kind", HANDLE_KINDS)
+@pytest.mark.parametrize("trim", get_args(HandleTrim))
 @pytest.mark.parametrize("edge", ["left", "right", "top", "bottom"])
-def test_handles_sit_on_the_free_side_and_touch_the_front(kind: str, edge: str) -> None:
+def test_handles_sit_on_the_free_side_and_touch_the_front(kind: str, trim: str, edge: str) -> None:
     rng = np.random.default_rng(1)
-    handle = design_handle(rng, kind, longest=0.9)
+    handle = design_handle(rng, kind, longest=0.9, trim=trim)
     for style in FRONT_STYLES:
         design = FrontDesign(style=style, frame=0.06, handle=handle)
         door, grip = make_door(PANEL, design, name="door", parent="body", edge=edge, upper=1.5)
@@ -219,6 +224,38 @@ def test_handles_sit_on_the_free_side_and_touch_the_front(kind: str, edge: str) 
         assert kind in ("arch", "bar", "pull", "cup") or any(
             contains(solid, behind).any() for solid in door.primitives
         )
+
+
+@pytest.mark.parametrize("kind", LEG_KINDS)
+@pytest.mark.parametrize("height", [0.15, 0.7])
+def test_legs_stand_within_their_rectangle_and_their_pieces_on_each_other(kind: str, height: float) -> None:
+    x, y, width = (-0.3, 0.3), (-0.6, 0.6), 0.05
+    legs = place_legs(x, y, height, kind=kind, width=width, finish="leg")
+    points = np.concatenate([place_vertices(piece) for leg in legs for piece in leg])
+    assert points.min(axis=0) == pytest.approx([x[0], y[0], 0.0], abs=0.06 * width)
+    assert points.max(axis=0) == pytest.approx([x[1], y[1], height], abs=0.06 * width)
+    assert (points.min(axis=0) >= (x[0] - 1e-9, y[0] - 1e-9, -1e-9)).all()
+    for leg in legs:
+        spans = [np.percentile(place_vertices(piece)[:, 2], (0, 100)) for piece in leg]
+        assert all(low[1] >= high[0] - 1e-9 for low, high in pairwise(spans))
+
+
+def test_a_moulded_top_covers_what_is_below_its_flare() -> None:
+    board, flare = build_moulding((-0.2, 0.2), (-0.5, 0.5), (0.7, 0.74), 0.02, "top")
+    low, high = (
+        np.array([place_vertices(one).min(axis=0), place_vertices(one).max(axis=0)]) for one in (flare, board)
+    )
+    assert low[1, 2] == pytest.approx(high[0, 2])
+    np.testing.assert_allclose(low[:, :2], high[:, :2], atol=1e-9)
+    foot = place_vertices(flare)[np.isclose(place_vertices(flare)[:, 2], 0.7)]
+    np.testing.assert_allclose([foot.min(axis=0)[:2], foot.max(axis=0)[:2]], [(-0.18, -0.48), (0.2, 0.48)])
+
+
+def test_an_arched_panel_stays_within_the_frame_of_its_door() -> None:
+    plain = FrontDesign(style="raised", frame=0.06, handle=None)
+    square, arched = (make_front(PANEL, replace(plain, arched=one))[-1] for one in (False, True))
+    np.testing.assert_allclose(primitive_bounds(arched), primitive_bounds(square), atol=1e-9)
+    assert len(arched.vertices) > len(square.vertices)
 
 
 def test_every_fill_and_inside_occurs() -> None:
@@ -361,6 +398,9 @@ def test_a_top_is_as_wide_and_deep_as_asked_symmetric_and_covers_the_legs_below(
     ahead, aside = 0.04, 0.03
     if kind == "oval":
         aside = inset_of_oval(0.8, ahead)
+    if kind == "ellipse":
+        ahead = 0.1
+        aside = inset_of_ellipse(1.6, 0.8, ahead)
     top = make_top(1.6, 0.8, (0.7, 0.73), kind, most_radius(ahead, aside))
     corners = np.concatenate([primitive_bounds(solid) for solid in top])
     assert corners.min(axis=0) == pytest.approx((-0.4, -0.8, 0.7))

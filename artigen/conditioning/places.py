@@ -1,0 +1,132 @@
+"""Finds where the parts of a sentence are: above and below each other, at a side, in rows or columns."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from artigen.conditioning.numbers import read_count
+from artigen.conditioning.vocabulary import EDGES, FILLERS, GRIDS, RELATIONS, SPOTS, Feature, Spot
+from artigen.types import PartLabel
+
+LONGEST = 5
+"""Words of the longest phrase of a place."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Group:
+    """Parts that are named together: their first word, the first word after them, and how many they are."""
+
+    start: int
+    end: int
+    label: PartLabel
+    count: int | None
+    """None where no number is given."""
+    at: Spot | None = None
+    grid: tuple[str, str] | None = None
+    """Rows or columns, and how many there are, in digits."""
+    counted: int = 0
+    """Words of the number, from the first word on."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Places:
+    """Groups with their places, what is said of their rows and columns, and the words that say it."""
+
+    groups: tuple[Group, ...]
+    features: tuple[Feature, ...]
+    used: frozenset[int]
+
+
+def find_places(words: tuple[str, ...], groups: Sequence[Group], used: frozenset[int]) -> Places:
+    """Reads "one drawer over two doors", "doors on the left", "six drawers in two columns".
+
+    Args:
+        words: Words of the sentence.
+        groups: Parts in the order of the words.
+        used: Places of words that mean something else.
+    """
+    placed, features, read = list(groups), [], set(used)
+    for index, group in enumerate(placed):
+        following = placed[index + 1] if index + 1 < len(placed) else None
+        relation = None if following is None else _match(words, group.end, RELATIONS, read)
+        if relation is not None and following is not None and _joins(words, relation[1], following):
+            first, second = RELATIONS[relation[0]]
+            before = "middle" if group.at is not None and group.at != first else first
+            placed[index : index + 2] = [replace(group, at=before), replace(following, at=second)]
+            read |= set(range(*relation[1:]))
+            continue
+        grid = _read_grid(words, group, read)
+        if grid is not None:
+            group = replace(group, grid=grid[0])
+            read |= grid[1]
+        if group.grid is not None:
+            features.append((group.label, *group.grid))
+        spot = None if group.at is not None else _read_spot(words, placed, index, read)
+        if spot is not None:
+            each = group.count is not None and bool({"each", "either"} & {words[at] for at in spot[1]})
+            placed[index] = replace(group, at=spot[0], count=2 * (group.count or 0) if each else group.count)
+            read |= spot[1]
+    return Places(groups=tuple(placed), features=tuple(features), used=frozenset(read))
+
+
+def _match(
+    words: tuple[str, ...], at: int, table: dict[str, Spot] | dict[str, tuple[Spot, Spot]], used: set[int]
+) -> tuple[str, int, int] | None:
+    """The longest phrase of a table from a place on, fillers before it aside: it, its first and last + 1."""
+    while True:
+        for count in range(LONGEST, 0, -1):
+            phrase = " ".join(words[at : at + count])
+            if phrase in table and at + count <= len(words) and not used & set(range(at, at + count)):
+                return phrase, at, at + count
+        if at >= len(words) or words[at] not in ("is", "are", "that", "which", "placed", "arranged", "all"):
+            return None
+        at += 1
+
+
+def _joins(words: tuple[str, ...], at: int, following: Group) -> bool:
+    """Whether nothing but articles is between a relation and the next group."""
+    phrase = _match(words, at, RELATIONS, set())
+    assert phrase is not None
+    return all(word in FILLERS and word != "and" for word in words[phrase[2] : following.start])
+
+
+def starts_spot(words: tuple[str, ...], at: int) -> bool:
+    """Whether a phrase such as "on each side" begins at a place."""
+    return any(" ".join(words[at : at + count]) in SPOTS for count in range(1, LONGEST + 1))
+
+
+def _read_spot(
+    words: tuple[str, ...], groups: Sequence[Group], index: int, used: set[int]
+) -> tuple[Spot, set[int]] | None:
+    """The place after a group, among its adjectives, or before it."""
+    group = groups[index]
+    after = _match(words, group.end, SPOTS, used)
+    if after is not None:
+        return SPOTS[after[0]], set(range(after[1], after[2]))
+    adjectives = (
+        (group.start - 1, *range(group.start, group.end - 1)) if group.start else range(group.end - 1)
+    )
+    for at in adjectives:
+        if words[at] in EDGES and at not in used:
+            return EDGES[words[at]], {at}
+    begin = groups[index - 1].end if index else 0
+    for at in range(begin, group.start):
+        before = _match(words, at, SPOTS, used)
+        if before is not None and all(
+            word in FILLERS or word == "," for word in words[before[2] : group.start]
+        ):
+            return SPOTS[before[0]], set(range(before[1], before[2]))
+    return None
+
+
+def _read_grid(
+    words: tuple[str, ...], group: Group, used: set[int]
+) -> tuple[tuple[str, str], set[int]] | None:
+    """Rows or columns of a group: "in two columns" after it; their number is in words."""
+    at = group.end
+    if tuple(words[at : at + 1]) not in (("in",), ("as",)):
+        return None
+    number = read_count(words, at + 1)
+    noun = at + 1 + number[1] if number is not None else at
+    if number is None or noun >= len(words) or words[noun] not in GRIDS:
+        return None
+    return (GRIDS[words[noun]], str(number[0])), set(range(at, noun + 1)) - used

@@ -1,0 +1,339 @@
+"""What is fixed to walls and ceiling, and lies on the floor: curtains and sky at windows, pictures, mirrors,
+towels, switches and sockets, lamps, rugs.
+
+Everything is a box or cylinder with collision, where nothing stands, moves or opens.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise, product
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.types import SceneKind
+
+from .patterns import Color, Pattern
+from .room import SIDES, THICKNESS, Fixture, Room, Side, along_wall, corner, wall_length
+from .taken import Taken, find_taken
+from .views import PENDANT
+
+GAP = 0.004
+"""Distance (m) of decoration from what is beside it."""
+OFF = 5e-4
+"""Distance (m) between a wall and what hangs on it."""
+STEP = 0.1
+"""Step (m) of places along a wall."""
+FRAMES: tuple[Color, ...] = ((0.16, 0.15, 0.15), (0.55, 0.40, 0.28), (0.92, 0.91, 0.88))
+CLOTHS: tuple[Color, ...] = (
+    (0.80, 0.77, 0.70), (0.55, 0.62, 0.66), (0.72, 0.66, 0.60), (0.60, 0.64, 0.55), (0.74, 0.60, 0.52),
+)  # fmt: skip
+PAINTS: tuple[tuple[Color, Color], ...] = (
+    ((0.90, 0.88, 0.82), (0.30, 0.42, 0.50)), ((0.86, 0.80, 0.70), (0.62, 0.36, 0.27)),
+    ((0.88, 0.90, 0.88), (0.36, 0.48, 0.38)), ((0.22, 0.28, 0.36), (0.85, 0.72, 0.45)),
+)  # fmt: skip
+"""Ground and shape of pictures."""
+WHITE, METAL, GLASS, SKY = (0.95, 0.95, 0.94), (0.62, 0.63, 0.64), (0.80, 0.86, 0.89), (0.66, 0.80, 0.95)
+RUGS: dict[SceneKind, tuple[tuple[float, float], ...]] = {
+    "living_room": ((2.4, 1.7), (2.0, 1.4), (1.6, 1.0), (1.2, 0.7)),
+    "bedroom": ((1.6, 1.0), (1.3, 0.7), (1.0, 0.6)),
+    "office": ((2.0, 1.4), (1.4, 0.9)),
+    "bathroom": ((0.8, 0.5), (0.6, 0.45)),
+    "hall": ((1.4, 0.7), (1.0, 0.6), (0.7, 0.45)),
+    "kitchen": ((1.2, 0.55), (0.8, 0.5)),
+}
+"""Length and width (m) of rugs, the largest first."""
+PICTURES: dict[SceneKind, int] = {
+    "living_room": 4, "bedroom": 3, "office": 2, "hall": 2, "kitchen": 1,
+}  # fmt: skip
+CURTAINED = ("living_room", "bedroom", "office")
+LAMPS: dict[SceneKind, int] = {"living_room": 1, "bedroom": 1, "kitchen": 2, "office": 2, "hall": 1}
+"""Pendants; other rooms have a flat lamp."""
+ON_WALLS = ("curtain", "picture", "mirror", "towel", "switch", "socket", "sky")
+"""Beginnings of the names of what hangs on a wall; its side follows."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Part:
+    """A box on a wall: name, from and to (along the wall, out of it, up), looks."""
+
+    name: str
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+    color: Color
+    pattern: Pattern = "plain"
+
+
+Hung = tuple[Side, list[_Part]]
+"""Parts on a wall."""
+
+
+def decorate_room(room: Room) -> Room:
+    """The room with what hangs on its walls and ceiling and lies on its floor, selected by its seed."""
+    rng = np.random.default_rng([room.seed, room.attempt, 4])
+    taken, added = find_taken(room), []
+    cloth = CLOTHS[int(rng.integers(len(CLOTHS)))]
+    frame = FRAMES[int(rng.integers(len(FRAMES)))]
+
+    def hang(side: Side, parts: Sequence[_Part]) -> bool:
+        nonlocal taken
+        fixtures, boxes = _on_wall(room, side, parts, len(added))
+        if not _is_free(room, side, parts) or not taken.admits(boxes, GAP, stands=False):
+            return False
+        added.extend(fixtures)
+        taken = taken.add(boxes)
+        return True
+
+    for hole in room.windows:
+        added.append(_sky(room, hole.side, (hole.start, hole.stop, hole.bottom, hole.top), len(added)))
+    if room.kind in CURTAINED:
+        for hole in _windows(room):
+            for parts in _curtains(*hole[1:], cloth):
+                hang(hole[0], parts)
+    _first(hang, _switches(room))
+    if room.kind in ("bathroom", "hall"):
+        sinks = [np.array(each.position[:2]) for each in room.placements if each.role == "sink"]
+        near = sinks[0] if sinks else None
+        _first(hang, _spots(room, rng, (0.5, 0.7), 1.6, lambda at: _mirror(at, frame), near))
+    if room.kind in ("bathroom", "kitchen"):
+        _first(hang, _spots(room, rng, (0.5, 0.5), 1.15, lambda at: _towel(at, cloth)))
+    for _ in range(PICTURES.get(room.kind, 0)):
+        wide, high, share = rng.uniform((0.35, 0.35, 0.25), (0.8, 0.6, 0.7)).tolist()
+        paint = PAINTS[int(rng.integers(len(PAINTS)))]
+        draw = partial(_picture, size=(wide, high), frame=frame, paint=paint, share=share)
+        _first(hang, _spots(room, rng, (wide, high), 1.58, draw))
+    for _ in range(3):
+        _first(hang, _spots(room, rng, (0.08, 0.08), 0.3, _socket))
+    floor = _rug(room, taken, cloth, rng)
+    lamps = _lamps(room, taken, cloth)
+    return replace(room, fixtures=(*room.fixtures, *added, *floor, *lamps))
+
+
+def _first(hang: Callable[[Side, list[_Part]], bool], candidates: Iterator[Hung]) -> None:
+    """Hangs up the first that fits."""
+    for side, parts in candidates:
+        if hang(side, parts):
+            return
+
+
+def _on_wall(
+    room: Room, side: Side, parts: Sequence[_Part], number: int
+) -> tuple[list[Fixture], Float[np.ndarray, "P 2 3"]]:
+    fixtures, boxes = [], []
+    for index, part in enumerate(parts):
+        low, high = along_wall(side, room.size, part.low, part.high)
+        boxes.append((low, high))
+        kind, _, rest = part.name.partition("_")
+        fixtures.append(
+            Fixture(
+                name=f"{kind}_{side}_{number}{index}_{rest}".rstrip("_"), low=corner(low), high=corner(high),
+                color=part.color, pattern=part.pattern,
+            )
+        )  # fmt: skip
+    return fixtures, np.array(boxes)
+
+
+def _is_free(room: Room, side: Side, parts: Sequence[_Part]) -> bool:
+    """Whether parts are on their wall and on none of its openings."""
+    low = np.min([part.low for part in parts], axis=0)
+    high = np.max([part.high for part in parts], axis=0)
+    if low[0] < 0.03 or high[0] > wall_length(side, room.size) - 0.03 or high[2] > room.size[2] - 0.02:
+        return False
+    if parts[0].name.startswith("curtain"):
+        return True
+    return all(
+        hole.side != side
+        or high[0] < hole.start - 0.03
+        or low[0] > hole.stop + 0.03
+        or high[2] < hole.bottom - 0.03
+        or low[2] > hole.top + 0.03
+        for hole in (room.entrance, *room.openings)
+    )
+
+
+def _spots(
+    room: Room,
+    rng: np.random.Generator,
+    size: tuple[float, float],
+    height: float,
+    draw: Callable[[float], list[_Part]],
+    near: Float[np.ndarray, "2"] | None = None,
+) -> Iterator[Hung]:
+    """A thing at all places along all walls, its middle at a height (m), in random order or from a point."""
+    places = [
+        (side, float(at))
+        for side in SIDES
+        for at in np.arange(size[0] / 2 + 0.1, wall_length(side, room.size) - size[0] / 2 - 0.1, STEP)
+    ]
+    order = rng.permutation(len(places))
+    if near is not None:
+        points = [along_wall(side, room.size, (at, 0.0, 0.0), (at, 0.0, 0.0))[0, :2] for side, at in places]
+        order = np.linalg.norm(np.array(points) - near, axis=1).argsort()
+    for index in order.tolist():
+        side, at = places[index]
+        yield side, [_lifted(part, height) for part in draw(at)]
+
+
+def _lifted(part: _Part, height: float) -> _Part:
+    (x0, y0, z0), (x1, y1, z1) = part.low, part.high
+    return replace(part, low=(x0, y0, z0 + height), high=(x1, y1, z1 + height))
+
+
+def _picture(
+    at: float, size: tuple[float, float], frame: Color, paint: tuple[Color, Color], share: float
+) -> list[_Part]:
+    (w, h), rim = (size[0] / 2, size[1] / 2), 0.02
+    ground, shape = paint
+    return [
+        _Part(name="picture_frame", low=(at - w, OFF, -h), high=(at + w, 0.018, h), color=frame),
+        _Part(
+            name="picture_ground", low=(at - w + rim, 0.018, rim - h), high=(at + w - rim, 0.02, h - rim),
+            color=ground,
+        ),
+        _Part(
+            name="picture_shape", low=(at - 0.6 * w, 0.02, -0.7 * h),
+            high=(at + 0.6 * w, 0.021, h * (2 * share - 0.7)), color=shape,
+        ),
+    ]  # fmt: skip
+
+
+def _mirror(at: float, frame: Color) -> list[_Part]:
+    return [
+        _Part(name="mirror_frame", low=(at - 0.25, OFF, -0.35), high=(at + 0.25, 0.018, 0.35), color=frame),
+        _Part(
+            name="mirror_glass", low=(at - 0.235, 0.018, -0.335), high=(at + 0.235, 0.02, 0.335), color=GLASS
+        ),
+    ]
+
+
+def _towel(at: float, cloth: Color) -> list[_Part]:
+    return [
+        _Part(name="towel_rail", low=(at - 0.25, 0.06, 0.18), high=(at + 0.25, 0.075, 0.195), color=METAL),
+        _Part(name="towel_left", low=(at - 0.25, OFF, 0.18), high=(at - 0.235, 0.06, 0.195), color=METAL),
+        _Part(name="towel_right", low=(at + 0.235, OFF, 0.18), high=(at + 0.25, 0.06, 0.195), color=METAL),
+        _Part(
+            name="towel_cloth", low=(at - 0.2, 0.045, -0.25), high=(at + 0.1, 0.06, 0.18), color=cloth,
+            pattern="cloth",
+        ),
+    ]  # fmt: skip
+
+
+def _socket(at: float) -> list[_Part]:
+    return [_Part(name="socket", low=(at - 0.04, OFF, -0.04), high=(at + 0.04, 0.01, 0.04), color=WHITE)]
+
+
+def _switches(room: Room) -> Iterator[Hung]:
+    """A switch on either side of the entrance."""
+    side = room.entrance.side
+    for at in (room.entrance.stop + 0.18, room.entrance.start - 0.18, room.entrance.stop + 0.3):
+        yield (
+            side,
+            [_Part(name="switch", low=(at - 0.04, OFF, 1.06), high=(at + 0.04, 0.01, 1.14), color=WHITE)],
+        )
+
+
+def _windows(room: Room) -> list[tuple[Side, float, float, float, float]]:
+    """Side, start, stop, bottom and top of windows: openings that touch are of one window."""
+    found: list[list] = []
+    for hole in room.windows:
+        for window in found:
+            if window[0] == hole.side and hole.start < window[2] + 0.05 and hole.stop > window[1] - 0.05:
+                window[1:] = [
+                    min(window[1], hole.start), max(window[2], hole.stop), min(window[3], hole.bottom),
+                    max(window[4], hole.top),
+                ]  # fmt: skip
+                break
+        else:
+            found.append([hole.side, hole.start, hole.stop, hole.bottom, hole.top])
+    return [(side, start, stop, bottom, top) for side, start, stop, bottom, top in found]
+
+
+def _curtains(start: float, stop: float, bottom: float, top: float, cloth: Color) -> Iterator[list[_Part]]:
+    """A rod above a window, and a curtain on both sides of it, to the floor or else to below the sill."""
+    yield [
+        _Part(
+            name="curtain_rod",
+            low=(start - 0.35, 0.06, top + 0.1),
+            high=(stop + 0.35, 0.08, top + 0.12),
+            color=METAL,
+        )
+    ]
+    ends = (("left", start - 0.05, -1.0), ("right", stop + 0.05, 1.0))
+    for (name, near, sign), wide, foot in product(ends, (0.29, 0.17), (0.09, bottom - 0.1)):
+        folds = np.sort(np.linspace(near, near + sign * wide, 6))
+        yield [
+                _Part(
+                    name=f"curtain_{name}", low=(a, 0.045 + 0.02 * (index % 2), foot),
+                    high=(b, 0.075 + 0.02 * (index % 2), top + 0.095), color=cloth, pattern="cloth",
+                )
+                for index, (a, b) in enumerate(pairwise(folds.tolist()))
+            ]  # fmt: skip
+
+
+def _sky(room: Room, side: Side, hole: tuple[float, float, float, float], number: int) -> Fixture:
+    """A plate with the colours of the sky outside of a window."""
+    start, stop, bottom, top = hole
+    away = -THICKNESS - 0.3
+    low, high = along_wall(
+        side,
+        room.size,
+        (start - 0.8, away - 0.02, bottom - 0.6),
+        (stop + 0.8, away, min(top + 0.6, room.size[2] - 0.02)),
+    )
+    return Fixture(name=f"sky_{side}_{number}", low=corner(low), high=corner(high), color=SKY, pattern="sky")
+
+
+def _rug(room: Room, taken: Taken, cloth: Color, rng: np.random.Generator) -> list[Fixture]:
+    """A rug at the free place nearest to what people sit and lie on, or to the middle of the room."""
+    seats = ("bed", "sofa", "bench", "armchair")
+    boxes = np.array([(f.low, f.high) for f in room.fixtures if f.name.startswith(seats)]).reshape(-1, 2, 3)
+    toilets = [p.position for p in room.placements if p.role in ("toilet", "sink")]
+    middle = np.array(room.size[:2]) / 2.0
+    points = [*boxes.mean(axis=1)[:, :2], *(np.array(point[:2]) for point in toilets)] or [middle]
+    color = tuple(float(c) for c in np.clip(np.array(cloth) * rng.uniform(0.6, 0.95), 0.0, 1.0))
+    low = Taken(solid=taken.solid[taken.solid[:, 0, 2] < 0.01 + GAP], stands=taken.stands)
+    for length, width in RUGS.get(room.kind, ()):
+        found = []
+        for x, y in ((length, width), (width, length)):
+            for left in np.arange(0.05, room.size[0] - x - 0.05, STEP):
+                for front in np.arange(0.4, room.size[1] - y - 0.05, STEP):
+                    at = np.array([left + x / 2, front + y / 2])
+                    far = min(float(np.linalg.norm(at - point)) for point in points)
+                    found.append((far + 0.3 * float(np.linalg.norm(at - middle)), left, front, x, y))
+        for _, left, front, x, y in sorted(found):
+            box = np.array([[left, front, OFF], [left + x, front + y, 0.006]])
+            if low.admits(box[None], GAP, stands=False):
+                red, green, blue = color
+                return [
+                    Fixture(
+                        name="rug", low=corner(box[0]), high=corner(box[1]), color=(red, green, blue),
+                        pattern="cloth",
+                    )
+                ]  # fmt: skip
+    return []
+
+
+def _lamps(room: Room, taken: Taken, cloth: Color) -> list[Fixture]:
+    """Pendants in a row along the longer side of the room, where nothing opens, or flat lamps."""
+    width, depth, height = room.size
+    count = LAMPS.get(room.kind, 1)
+    drop = 0.45 if room.kind in LAMPS else 0.03
+    lamps = []
+    for index in range(count):
+        share = (index + 1) / (count + 1)
+        x, y = (share * width, depth / 2) if width > depth else (width / 2, share * depth)
+        radius, low = (0.19, height - drop - 0.2) if drop > 0.1 else (0.2, height - drop - 0.06)
+        shade = Fixture(
+            name=f"{PENDANT}_shade_{index}", low=corner(np.array([x - radius, y - radius, low])),
+            high=corner(np.array([x + radius, y + radius, height - drop])),
+            color=WHITE if drop < 0.1 else cloth, shape="cylinder",
+        )  # fmt: skip
+        cable = Fixture(
+            name=f"{PENDANT}_cable_{index}", low=corner(np.array([x - 0.008, y - 0.008, height - drop])),
+            high=corner(np.array([x + 0.008, y + 0.008, height - 1e-3])), color=METAL, shape="cylinder",
+        )  # fmt: skip
+        pair = [shade, cable]
+        if taken.admits(np.array([(each.low, each.high) for each in pair]), GAP, stands=False):
+            lamps += pair
+    return lamps

@@ -1,0 +1,92 @@
+"""The units of a kitchen's wall are found by heights that kitchens have, at any scale of the picture."""
+
+import numpy as np
+import pytest
+
+from artigen.camera import Camera, look_at, project_points
+from artigen.reader.layout.plane import fit_plane
+from artigen.reader.reading import ReadPart
+from artigen.reader.units import FOCAL, HUNG, Column, choose_wall, find_aspect, find_roles, list_corners
+
+WALL = (
+    ("base cabinet", "StorageFurniture", (0.0, 0.8), (0.1, 0.84)),
+    ("dishwasher", "Dishwasher", (0.8, 1.4), (0.1, 0.82)),
+    ("base cabinet", "StorageFurniture", (1.4, 2.0), (0.1, 0.84)),
+    ("fridge", "Refrigerator", (2.0, 2.7), (0.1, 1.7)),
+    (HUNG, "StorageFurniture", (0.0, 0.8), (1.45, 2.15)),
+    (HUNG, "StorageFurniture", (2.0, 2.7), (1.75, 2.15)),
+)
+"""What is along a wall: role, kind, from left to right and from the floor up (m)."""
+
+
+def make_front(corners: np.ndarray, material: str = "lacquer") -> ReadPart:
+    box = np.concatenate([corners.min(axis=0), corners.max(axis=0)])
+    return ReadPart(label="door", score=1.0, box=box, corners=corners, material=material)
+
+
+def make_column(kind: str, x: tuple, z: tuple, scale: float, shift: np.ndarray) -> Column:
+    bounds = scale * np.array([x[0], -z[1], x[1], -z[0]]) + np.tile(shift, 2)
+    front = make_front(bounds[[0, 1, 2, 1, 2, 3, 0, 3]].reshape(4, 2))
+    return Column(parts=(front,), bounds=bounds, shares={name: float(name == kind) for name in KINDS})
+
+
+KINDS = ("StorageFurniture", "Refrigerator", "Oven", "Dishwasher", "WashingMachine")
+
+
+@pytest.mark.parametrize(("scale", "shift"), [(1.0, (0.0, 0.0)), (0.13, (0.4, 0.7)), (7.0, (-3.0, 2.0))])
+def test_roles_and_metres_follow_from_heights_at_any_scale(scale: float, shift: tuple[float, float]):
+    stacks = [[[make_column(kind, x, z, scale, np.array(shift))]] for _, kind, x, z in WALL]
+    metre, columns, roles = find_roles(stacks, 1.0)
+    order = sorted(range(len(WALL)), key=lambda index: WALL[index][2][0])
+    assert roles == [WALL[index][0] for index in order]
+    tops = [metre.height(float(column.bounds[1])) for column in columns]
+    np.testing.assert_allclose(tops, [WALL[index][3][1] for index in order], atol=0.08)
+
+
+def test_a_cabinet_over_a_refrigerator_is_cut_from_it():
+    one, none = 1.0, np.zeros(2)
+    upper, lower = (make_column(WALL[k][1], *WALL[k][2:], one, none) for k in (5, 3))
+    whole = Column(
+        parts=(*upper.parts, *lower.parts),
+        bounds=np.concatenate([upper.bounds[:2], lower.bounds[2:]]),
+        shares=lower.shares,
+    )
+    base = make_column(WALL[0][1], *WALL[0][2:], one, none)
+    assert find_roles([[[base]], [[whole], [upper, lower]]], 1.0)[2] == ["base cabinet", HUNG, "fridge"]
+
+
+def test_what_has_no_height_of_a_kitchen_is_nothing():
+    odd = make_column("StorageFurniture", (3.0, 3.2), (0.9, 1.3), 1.0, np.zeros(2))
+    stacks = [[[make_column(kind, x, z, 1.0, np.zeros(2))]] for _, kind, x, z in WALL]
+    assert find_roles([*stacks, [[odd]]], 1.0)[2][-1] is None
+
+
+def photograph(camera: Camera, rectangles: np.ndarray) -> tuple[ReadPart, ...]:
+    """Fronts with corners from the upper left clockwise, seen by a camera."""
+    return tuple(
+        make_front(project_points(camera, corners)[:, :2] / (camera.width, camera.height))
+        for corners in rectangles
+    )
+
+
+def wall_fronts(along: np.ndarray, origin: np.ndarray, count: int = 4) -> np.ndarray:
+    """Fronts of 0.5 x 0.7 m side by side along a direction."""
+    up = np.array([0.0, 0.0, 0.7])
+    starts = [origin + 0.52 * k * along for k in range(count)]
+    return np.stack([[s + up, s + 0.5 * along + up, s + 0.5 * along, s] for s in starts])
+
+
+@pytest.mark.parametrize("turn", [-0.3, 0.0, 0.4])
+def test_fronts_of_another_wall_are_left_out_and_the_aspect_is_true(turn: float):
+    fov = float(np.degrees(2 * np.arctan(0.5 * 480 / (FOCAL * 640))))
+    eye = np.array([-2.6 * np.cos(turn), 2.6 * np.sin(turn), 1.2])
+    camera = look_at(eye, np.array([0.0, 0.0, 0.7]), fov=fov, width=640, height=480)
+    front = photograph(camera, wall_fronts(np.array([0.0, -1.0, 0.0]), np.array([0.0, 1.04, 0.1])))
+    side = photograph(camera, wall_fronts(np.array([1.0, 0.0, 0.0]), np.array([-1.1, 1.1, 0.1]), 2))
+    extent = np.array([640.0, 480.0])
+    kept, others = choose_wall((*front, *side), extent)
+    assert [id(part) for part in kept] == [id(part) for part in front]
+    assert others == len(side)
+    plane = fit_plane(list_corners(kept) * extent, extent)
+    sizes = np.median(np.diff(plane.bound(list_corners(kept)).reshape(-1, 2, 2), axis=1)[:, 0], axis=0)
+    assert find_aspect(plane, extent) * sizes[0] / sizes[1] == pytest.approx(0.5 / 0.7, rel=0.1)

@@ -1,0 +1,133 @@
+"""What words say of hinges, stands, handles and places is so in the object, or is said not to be."""
+
+import pytest
+
+from artigen.conditioning.sentence import Placing
+from artigen.kind import kinds
+from artigen.reader.layout.frontal import read_shape
+from artigen.reader.reading import ReadPart
+from artigen.shapes.draw import draw_shape
+from artigen.shapes.shape import Shape
+from artigen.sketch.arrange import arrange_fronts
+from artigen.sketch.asked import ask, draw_asked
+from artigen.sketch.described import list_undescribed, read_front
+from artigen.sketch.network import SketchNetwork
+from artigen.sketch.told import find_stand
+from artigen.sketch.understand import Request
+
+
+def refuse() -> SketchNetwork:
+    raise AssertionError("what the grammar draws needs no sketch network")
+
+
+def draw(text: str, seed: int = 3) -> tuple[Shape, tuple[str, ...]]:
+    drawn = draw_asked(ask(Request(text=text), refuse, seed), seed, refuse)
+    return drawn.shape, drawn.notes
+
+
+def fronts(shape: Shape, label: str) -> list[ReadPart]:
+    return [front for front in read_front(shape).fronts if front.label == label]
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize(
+    ("text", "first", "last", "axis"),
+    [
+        ("a buffet with three drawers above two doors", ("drawer", 3), ("door", 2), 1),
+        ("a wardrobe with two doors and two drawers at the bottom", ("door", 2), ("drawer", 2), 1),
+        (
+            "a sideboard with two doors on the left and three drawers on the right",
+            ("door", 2),
+            ("drawer", 3),
+            0,
+        ),
+        ("a kitchen cabinet, 60 cm, one drawer over one door", ("drawer", 1), ("door", 1), 1),
+    ],
+)
+def test_parts_lie_where_words_put_them(
+    text: str, first: tuple[str, int], last: tuple[str, int], axis: int, seed: int
+):
+    shape, notes = draw(text, seed)
+    before, after = (fronts(shape, label) for label, _ in (first, last))
+    assert (len(before), len(after)) == (first[1], last[1])
+    assert max(front.box[axis + 2] for front in before) <= min(front.box[axis] for front in after) + 0.01
+    assert notes == ()
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("noun", ["cabinet with two doors", "safe", "washing machine", "fridge"])
+def test_doors_are_hinged_where_words_say(noun: str, side: str):
+    shape, notes = draw(f"a {noun}, hinged on the {side}")
+    assert {door.hinge for door in fronts(shape, "door")} == {side}
+    assert notes == ()
+
+
+def test_a_desk_has_its_drawers_at_the_side_that_is_said_and_room_for_knees():
+    shape, _ = draw("a desk, 140 x 70 cm, with three drawers on the right")
+    drawers = fronts(shape, "drawer")
+    assert len(drawers) == 3
+    assert min(front.box[0] for front in drawers) > 0.5
+    width, depth, _ = read_shape(shape).size
+    assert width == pytest.approx(1.4, abs=0.01)
+    assert depth == pytest.approx(0.7, abs=0.05)
+
+
+def test_rows_and_columns_are_as_many_as_are_said():
+    shape, _ = draw("a dresser with two columns of three drawers")
+    drawers = fronts(shape, "drawer")
+    assert len({round(float(front.box[0]), 2) for front in drawers}) == 2
+    assert len({round(float(front.box[1]), 2) for front in drawers}) == 3
+
+
+@pytest.mark.parametrize(
+    ("words", "stand"), [("on legs", "legs"), ("on castors", "wheels"), ("without legs", "flat")]
+)
+def test_an_object_stands_on_what_is_said(words: str, stand: str):
+    shape, notes = draw(f"a nightstand with two drawers {words}")
+    assert find_stand(shape) == stand
+    assert notes == ()
+
+
+def test_the_freezer_is_where_it_is_said_to_be():
+    for where, first in (("top", True), ("bottom", False)):
+        shape, notes = draw(f"a fridge with the freezer at the {where}")
+        low, *_, high = sorted(read_front(shape).fronts, key=lambda front: -front.box[1])
+        assert (high.box[3] - high.box[1] < low.box[3] - low.box[1]) == first
+        assert notes == ()
+
+
+def test_a_bedside_table_is_smaller_than_a_sideboard():
+    small, large = (draw(f"a {noun} with two drawers on legs")[0] for noun in ("bedside table", "sideboard"))
+    assert read_shape(small).size[0] <= 0.62 < 1.0 <= read_shape(large).size[0] + 0.02
+
+
+def test_what_no_object_has_is_said():
+    shape, notes = draw("a dishwasher, hinged on the left")
+    assert shape.category == "Dishwasher"
+    assert notes == ("understood, but no Dishwasher was found with: door hinged left",)
+    assert list_undescribed(shape, (("door", "hinged", "left"),), ()) == ["door hinged left"]
+
+
+def test_arranging_keeps_the_number_of_fronts_and_their_outline():
+    reading = read_shape(draw_shape("StorageFurniture", 3))
+    placed = arrange_fronts(reading, (Placing(label="drawer", count=None, at="bottom"),), ())
+    assert placed.counts == {**reading.counts, "handle": len(placed.fronts)}
+    for old, new in ((0, 0), (1, 1)):
+        ends = [
+            (min(f.box[old] for f in one.fronts), max(f.box[old + 2] for f in one.fronts))
+            for one in (reading, placed)
+        ]
+        assert ends[0][new == 1] == pytest.approx(ends[1][new == 1], abs=0.1)
+
+
+def test_an_object_as_drawn_is_as_described_by_itself():
+    """A front that stands above all others is at the top, and not at the bottom."""
+    for kind in (name for name, kind in kinds().items() if kind.laid_out):
+        for seed in range(6):
+            shape = draw_shape(kind, seed)
+            drawers, doors = fronts(shape, "drawer"), fronts(shape, "door")
+            if not drawers or not doors:
+                continue
+            above = max(f.box[3] for f in drawers) <= min(f.box[1] for f in doors)
+            lost = list_undescribed(shape, (), (Placing(label="drawer", count=None, at="top"),))
+            assert (lost == []) == above
