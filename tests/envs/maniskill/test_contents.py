@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package, double_door_parts
 
-from artigen.types import Joint
+from artigen.types import Joint, RoomKind
 from envs.rooms.check import check_contents, check_room
 from envs.rooms.compartments import (
     CLEARANCE,
