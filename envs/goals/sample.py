@@ -28,6 +28,8 @@ AJAR = 0.8
 """Share of its range to which a part is open that is to be closed."""
 REACH = (0.35, 1.15)
 """Range of heights (m) of tops onto which things are put."""
+ROOMY = 0.12
+"""Area (m^2) of the smallest top onto which things are put: bins and toasters carry nothing."""
 ABOVE = 0.35
 """Height (m) of the space over a top or a compartment in which the middle of a thing is on or in it."""
 LOADS: dict[str, tuple[str, ...]] = {
@@ -249,6 +251,8 @@ def _put_on_goals(scene: _Scene, rng: np.random.Generator) -> Iterator[Goal]:
             continue
         root = _root(placement)
         outline = np.concatenate(footprint.tops)
+        if np.prod(np.ptp(outline, axis=0)) < ROOMY:
+            continue
         (x0, y0), (x1, y1) = outline.min(axis=0).tolist(), outline.max(axis=0).tolist()
         region = Region(link=root, low=(x0, y0, top), high=(x1, y1, top + ABOVE))
         for item in _near(scene, rng, placement):
