@@ -16,6 +16,7 @@ from envs.rooms.recipes import DISHWASHER, DOOR, FRIDGE, WASHER, WINDOW
 from envs.rooms.room import Item, Placement, Room
 from envs.rooms.sweeps import opening_joints
 from envs.rooms.things import thing_hulls
+from sim_export.package import SimPackage
 
 from .goal import FAMILIES, Family, Goal, ItemGoal, JointGoal, Region, is_reached, start_room, state_of
 from .names import name_items, name_objects, name_part, zone_of
@@ -123,18 +124,34 @@ def _shut(placement: Placement, joint: Joint) -> JointGoal:
     )
 
 
+def _parts(scene: _Scene, rng: np.random.Generator, *labels: str) -> list[tuple[Placement, Joint]]:
+    """Objects and joints of their doors or drawers in random order, those with a handle first."""
+    found = [
+        (placement, joint)
+        for placement in _shuffled(rng, scene.room)
+        for joint in scene.leaves(placement, *labels)
+    ]
+    return sorted(found, key=lambda part: not _is_held(cached_package(part[0].package), part[1].child))
+
+
+def _is_held(package: SimPackage, link: str) -> bool:
+    """Whether a handle is annotated on a link, or on one that it carries."""
+    carried = [joint.child for joint in package.joints if joint.parent == link]
+    return any(handle.link == link for handle in package.handles) or any(
+        _is_held(package, each) for each in carried
+    )
+
+
 def _open_goals(scene: _Scene, rng: np.random.Generator) -> Iterator[Goal]:
-    for placement in _shuffled(rng, scene.room):
-        for joint in scene.leaves(placement, "door"):
-            words = f"open {scene.part(placement, joint)}"
-            yield Goal(words=words, family="open", joints=(_opened(placement, joint),))
+    for placement, joint in _parts(scene, rng, "door"):
+        words = f"open {scene.part(placement, joint)}"
+        yield Goal(words=words, family="open", joints=(_opened(placement, joint),))
 
 
 def _pull_goals(scene: _Scene, rng: np.random.Generator) -> Iterator[Goal]:
-    for placement in _shuffled(rng, scene.room):
-        for joint in scene.leaves(placement, "drawer"):
-            words = f"pull out {scene.part(placement, joint)}"
-            yield Goal(words=words, family="pull", joints=(_opened(placement, joint),))
+    for placement, joint in _parts(scene, rng, "drawer"):
+        words = f"pull out {scene.part(placement, joint)}"
+        yield Goal(words=words, family="pull", joints=(_opened(placement, joint),))
 
 
 def _staying(placement: Placement, joints: list[Joint]) -> tuple[tuple[str, str, float], ...]:
