@@ -9,10 +9,11 @@ from jaxtyping import Float
 
 from artigen.kind import find_kind
 from artigen.transforms import rotation_about
+from artigen.types import SceneKind
 
 from .check import check_contents
 from .compartments import Compartment, cached_compartments
-from .room import Item, Placement, Room, RoomKind, corner, rounded_quat
+from .room import Item, Placement, Room, corner, rounded_quat
 from .things import THINGS, Color, Size, Thing, thing_hulls
 
 VARIETY = 3
@@ -43,7 +44,7 @@ class Drawn:
         """Corners of its hulls, turned, with its lowest point at z = 0."""
         return np.concatenate([hull.vertices for hull in thing_hulls(self.thing.name, self.size)]) @ self.R.T
 
-    def item(self, number: int, holder: str | None, link: str | None, at: Float[np.ndarray, "3"]) -> Item:
+    def item(self, number: int, holder: str | None, link: str, at: Float[np.ndarray, "3"]) -> Item:
         """The thing at a place in the frame of its holder."""
         return Item(
             id=f"{self.thing.name}_{number}",
@@ -97,7 +98,7 @@ def add_items(room: Room, items: Sequence[Item]) -> Room:
 
 
 def fill_compartment(
-    compartment: Compartment, kind: RoomKind, holder: Placement, rng: np.random.Generator
+    compartment: Compartment, kind: SceneKind, holder: Placement, rng: np.random.Generator
 ) -> list[Item]:
     """Things of a few kinds at free places of a compartment; none where none fits."""
     low, high = np.array(compartment.low), np.array(compartment.high)
