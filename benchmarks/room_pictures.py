@@ -1,4 +1,4 @@
-"""Furnishes README's rooms anew and renders them from their entrances.
+"""Furnishes README's rooms anew and renders them from the corner that shows most.
 
     python benchmarks/room_pictures.py --out out/readme_rooms
 
@@ -28,7 +28,7 @@ def main(out: Path = Path("out/readme_rooms"), seed: int = 0, workers: int | Non
     for kind in ROOMS:
         made = furnish_room(kind, out / kind, seed, None, SETTINGS, runner=choose_runner("local", workers))
         print(made.describe())
-        picture = Image.open(out / kind / "entrance.png").convert("RGB")
+        picture = Image.open(out / kind / "corner.png").convert("RGB")
         tiles.append(np.asarray(picture.resize((WIDTH, WIDTH * picture.height // picture.width))))
     rows = [np.hstack(tiles[start : start + 2]) for start in range(0, len(tiles), 2)]
     sheet = Image.fromarray(np.vstack(rows))

@@ -41,7 +41,7 @@ from sim_export.package import SimPackage
 EngineName = Literal["mujoco", "sapien"]
 Push = tuple[str, Joint]
 """Id of an object, and one of its joints."""
-REST, PUSH = 2.0, 3.0
+REST, PUSH = 2.0, 4.0
 """Seconds at rest, and for which a joint is pushed."""
 OPEN = 0.95
 """Share of a range from which on a joint is open."""
@@ -49,8 +49,8 @@ STILL = 0.005
 """Motion (m) of a body from which on it has moved."""
 FORCE, TORQUE = 80.0, 30.0
 """Largest force (N) and torque (N m) of a push."""
-STIFFNESS, DAMPING = 8.0, 2.0
-"""Push per missing share of the range, in largest pushes, and per share of it per second."""
+SPEED, GROWS = 0.8, 0.8
+"""Share of its range that a joint opens in a second, and seconds in which a push grows to its largest."""
 
 
 class Engine(Protocol):
@@ -221,9 +221,13 @@ def list_pushes(room: Room) -> list[list[Push]]:
         for joint in opening_joints(package):
             if joint.type == "continuous":
                 continue
-            boxes, _ = sweep_boxes(package, sweep_joint(package, joint), pose_matrix_of(placement))
-            around = bounds_of(boxes.reshape(-1, 2, 3).reshape(-1, 3)) if boxes.size else np.zeros((2, 3))
-            around = around + np.array([[-0.02], [0.02]])
+            needed = required_openings(joint, package.joints, package.requires_open)
+            rows = [np.zeros((0, 2, 3))]
+            for each in (joint, *(other for other in package.joints if other.name in needed)):
+                boxes, _ = sweep_boxes(package, sweep_joint(package, each), pose_matrix_of(placement))
+                rows.append(boxes.reshape(-1, 2, 3))
+            points = np.concatenate(rows).reshape(-1, 3)
+            around = (bounds_of(points) if len(points) else np.zeros((2, 3))) + np.array([[-0.02], [0.02]])
             for pushes, taken in groups:
                 apart = all((around[0] > other[1]).any() or (around[1] < other[0]).any() for other in taken)
                 if apart and placement.id not in {name for name, _ in pushes}:
@@ -248,10 +252,11 @@ class _Hand:
         lower = self.joint.lower
         return (engine.coordinate((self.name, self.joint.name)) - lower) / max(self.target - lower, 1e-9)
 
-    def effort(self, share: float, speed: float) -> float:
-        """Force or torque of the hand at a share and its change per second."""
+    def change(self, effort: float, speed: float, timestep: float) -> float:
+        """The next force or torque: it grows while the joint is slower than `SPEED`, and falls else."""
         most = FORCE if self.joint.type == "prismatic" else TORQUE
-        return float(most * np.clip(STIFFNESS * (1.02 - share) - DAMPING * speed, -1.0, 1.0))
+        step = most * timestep / GROWS * (1.0 if speed < SPEED else -2.0)
+        return float(np.clip(effort + step, 0.0, most))
 
 
 def open_group(engine: Engine, pushes: Sequence[Push], packages: Mapping[str, SimPackage]) -> list[str]:
@@ -267,16 +272,15 @@ def open_group(engine: Engine, pushes: Sequence[Push], packages: Mapping[str, Si
     for (name, other), q in start.items():
         joint = next(joint for joint in packages[name].joints if joint.name == other)
         hands.append(_Hand(name=name, joint=joint, target=q))
-    waiting, last = set(range(len(pushes))), {}
+    waiting, last, efforts = set(range(len(pushes))), {}, {}
     for _ in range(round(PUSH / engine.timestep)):
-        efforts = {}
         for index, hand in enumerate(hands):
             share = hand.share(engine)
             if index < len(pushes) and share >= OPEN:
                 waiting.discard(index)
             speed = (share - last.get(index, share)) / engine.timestep
-            last[index] = share
-            efforts[hand.name, hand.joint.name] = hand.effort(share, speed)
+            key, last[index] = (hand.name, hand.joint.name), share
+            efforts[key] = hand.change(efforts.get(key, 0.0), speed, engine.timestep)
         if not waiting:
             break
         engine.step(efforts)
@@ -337,7 +341,8 @@ def main(
 ) -> int:
     """Writes ``open.md``; returns 1 if anything moved or stayed shut."""
     catalogue, results = read_catalogue(packages), []
-    for kind, seed in tqdm([(kind, seed) for seed in range(seeds) for kind in kinds]):
+    jobs: list[tuple[RoomKind, int]] = [(kind, seed) for seed in range(seeds) for kind in kinds]
+    for kind, seed in tqdm(jobs):
         try:
             room = clutter_room(populate(kind, seed, catalogue), "lived")
         except PopulateError as error:

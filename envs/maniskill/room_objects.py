@@ -2,13 +2,13 @@
 with friction in SI units, and loose contents."""
 
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sapien
 from mani_skill.utils.structs import Pose
 
+from artigen.splats.colors import linear_from_srgb
 from envs.rooms.covers import write_cover_obj
 from envs.rooms.footprints import cached_package
 from envs.rooms.room import Fixture, Item, Placement, Room, pose_matrix_of
@@ -34,18 +34,21 @@ def load_placement(scene: "ManiSkillScene", placement: Placement, name: str, ind
     return load_placed(scene, placement.package, cached_package(placement.package), name, index, pose)
 
 
-def load_fixture(scene: "ManiSkillScene", fixture: Fixture, name: str, index: int) -> "Actor":
-    """Builds a fixture as a static actor in one of the parallel scenes, with its pattern where the scene can
-    render."""
+def load_fixture(scene: "ManiSkillScene", fixture: Fixture, name: str, index: int, covers: Path) -> "Actor":
+    """Builds a fixture as a static actor in one of the parallel scenes.
+
+    Where the scene can render, the files of its pattern are written to the folder ``covers``, from which the
+    engine reads them at the first picture.
+    """
     builder = scene.create_actor_builder()
     shape = fixture_shape(fixture)
     _add_primitive(builder, shape, None, None if fixture.pattern != "plain" else fixture.color, scene)
     builder.set_scene_idxs([index])
     builder.initial_pose = Pose.create(sapien.Pose())
-    with TemporaryDirectory() as folder:  # the engine reads files when it builds
-        if fixture.pattern != "plain" and scene.can_render():
-            builder.add_visual_from_file(str(write_cover_obj(fixture, Path(folder))))
-        return builder.build_static(name=name)
+    if fixture.pattern != "plain" and scene.can_render():
+        covers.mkdir(parents=True, exist_ok=True)
+        builder.add_visual_from_file(str(write_cover_obj(fixture, covers)))
+    return builder.build_static(name=name)
 
 
 def load_item(scene: "ManiSkillScene", room: Room, item: Item, name: str, index: int) -> "Actor":
@@ -80,7 +83,8 @@ def _add_primitive(
     dense = {} if density is None else {"density": density}
     collide(pose=pose, material=sapien.physx.PhysxMaterial(**SURFACE), **dense, **shape)
     if color is not None and scene.can_render():
-        show(pose=pose, material=sapien.render.RenderMaterial(base_color=[*color, 1.0]), **shape)
+        paint = [*linear_from_srgb(np.array(color)).tolist(), 1.0]
+        show(pose=pose, material=sapien.render.RenderMaterial(base_color=paint), **shape)
 
 
 def item_pose(room: Room, item: Item) -> Pose:

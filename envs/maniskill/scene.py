@@ -5,6 +5,7 @@ The builder is registered as ``ArtiGenRoom``. Without a render device no visuals
 
 from collections.abc import Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -67,6 +68,7 @@ class RoomSceneBuilder(SceneBuilder):
             raise ValueError("ArtiGenRoom has no rooms; make the builder with room_builder(scenes)")
         chosen = self.sample_build_config_idxs() if build_config_idxs is None else build_config_idxs
         count = self.env.num_envs
+        self._covers = TemporaryDirectory()  # is removed with the builder
         self.rooms = [self.build_configs[chosen[index % len(chosen)]] for index in range(count)]
         self.placed: list[dict[str, Articulation]] = []
         self.contents: list[dict[str, Actor]] = []
@@ -107,7 +109,9 @@ class RoomSceneBuilder(SceneBuilder):
                 actor.set_angular_velocity(torch.zeros((1, 3), device=self.env.device))
 
     def _build_fixture(self, fixture: Fixture, index: int) -> Actor:
-        actor = load_fixture(self.scene, fixture, f"{fixture.name}-{index}", index)
+        actor = load_fixture(
+            self.scene, fixture, f"{fixture.name}-{index}", index, Path(self._covers.name) / str(index)
+        )
         if fixture.name.startswith("floor"):
             actor.set_collision_group_bit(group=2, bit_idx=FETCH_WHEELS_COLLISION_BIT, bit=1)
         return actor

@@ -78,7 +78,7 @@ class _Top:
     height: float
     T_room: Float[np.ndarray, "4 4"]
     holder: str | None = None
-    link: str | None = None
+    link: str = ""
 
 
 def _top_of(placement: Placement) -> _Top:

@@ -44,7 +44,7 @@ class Drawn:
         """Corners of its hulls, turned, with its lowest point at z = 0."""
         return np.concatenate([hull.vertices for hull in thing_hulls(self.thing.name, self.size)]) @ self.R.T
 
-    def item(self, number: int, holder: str | None, link: str | None, at: Float[np.ndarray, "3"]) -> Item:
+    def item(self, number: int, holder: str | None, link: str, at: Float[np.ndarray, "3"]) -> Item:
         """The thing at a place in the frame of its holder."""
         return Item(
             id=f"{self.thing.name}_{number}",

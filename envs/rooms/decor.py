@@ -161,7 +161,7 @@ def _spots(
     near: Float[np.ndarray, "2"] | None = None,
 ) -> Iterator[Hung]:
     """A thing at all places along all walls, its middle at a height (m), in random order or from a point."""
-    places = [
+    places: list[tuple[Side, float]] = [
         (side, float(at))
         for side in SIDES
         for at in np.arange(size[0] / 2 + 0.1, wall_length(side, room.size) - size[0] / 2 - 0.1, STEP)

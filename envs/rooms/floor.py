@@ -111,7 +111,7 @@ def stand_on_floor(room: Room) -> Room:
 
 def _item(drawn: Drawn, T: Float[np.ndarray, "4 4"]) -> Item:
     """The thing at a pose in the room."""
-    item = drawn.item(0, None, None, np.zeros(3))
+    item = drawn.item(0, None, "", np.zeros(3))
     return replace(item, position=corner(T[:3, 3]), quat=rounded_quat(T[:3, :3]))
 
 

@@ -5,13 +5,16 @@ space of doors and drawers is orange, the robot's standing places are blue, and 
 cupboards are outlined in green.
 """
 
+import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Float, UInt8, UInt16
 
+from artigen.camera import pixel_rays
+from artigen.io import write_whole
 from artigen.transforms import transform_points
 from sim_export.files.read import read_package
 from sim_export.geometry.normals import CREASE
@@ -19,7 +22,7 @@ from sim_export.motion.kinematics import link_displacements
 from sim_export.package import Mesh, SimPackage
 from sim_export.picture.draw import package_surfaces
 from sim_export.picture.lighting import RenderConfig
-from sim_export.picture.raycast import Surface
+from sim_export.picture.raycast import Surface, build_scene, cast_rays, surface_ids_at
 from sim_export.picture.render import move_surface, render_scene, surface_from_mesh, surface_points
 from sim_export.picture.viewpoint import Viewpoint, place_camera
 
@@ -62,7 +65,7 @@ def draw_room(room: Room) -> UInt8[np.ndarray, "H W 3"]:
         for each in room.fixtures
         if not each.name.startswith(left_out) and not _belongs_to(each, ("front", side))
     ]
-    surfaces = _room_surfaces(room, shown, fixtures)
+    surfaces, _ = _room_surfaces(room, shown, fixtures)
     viewpoint = Viewpoint(
         azimuth=azimuth, elevation=ELEVATION, fov=30.0, margin=0.02, width=WIDTH, height=HEIGHT
     )
@@ -77,23 +80,48 @@ def draw_view(room: Room, view: View) -> UInt8[np.ndarray, "H W 3"]:
         name="ceiling", low=(0.0, 0.0, height), high=(width, depth, height + 0.1), color=(0.95, 0.95, 0.94)
     )
     eye = view.camera.position[None, None].repeat(2, axis=1)
-    away = [side for side in SIDES if from_wall(side, room.size, eye)[0, 0, 1] < BEHIND]
+    away: list[Side] = [side for side in SIDES if from_wall(side, room.size, eye)[0, 0, 1] < BEHIND]
     shown = [place for place in room.placements if not _hangs_in(room, place, away)]
     fixtures = [*(each for each in room.fixtures if not _belongs_to(each, away)), ceiling]
     forward = view.camera.axes[2]
     light = replace(EYE_RENDER, light_direction=(0.35 - 0.8 * forward[0], -0.8 * forward[1], 0.35))
-    return render_scene(_room_surfaces(room, shown, fixtures), view.camera, light)
+    surfaces, _ = _room_surfaces(room, shown, fixtures)
+    return render_scene(surfaces, view.camera, light)
 
 
-def _room_surfaces(room: Room, shown: Sequence[Placement], fixtures: Sequence[Fixture]) -> list[Surface]:
-    """Surfaces of objects, of everything loose, and of fixtures."""
+def draw_masks(room: Room, view: View) -> tuple[UInt16[np.ndarray, "H W"], tuple[str, ...]]:
+    """What each pixel of a view shows: one more than its index in the names, 0 for nothing.
+
+    Names are those of links (``fridge_1/link_0``), loose things and fixtures, as in ``scene.xml``.
+    """
+    surfaces, names = _room_surfaces(room, room.placements, room.fixtures)
+    scene, camera = build_scene(surfaces), view.camera
+    hits = cast_rays(scene, camera.position, pixel_rays(camera).reshape(-1, 3))
+    mask = np.zeros((camera.height, camera.width), np.uint16)
+    mask.flat[hits.place] = surface_ids_at(scene, hits) + 1
+    return mask, names
+
+
+def _room_surfaces(
+    room: Room, shown: Sequence[Placement], fixtures: Sequence[Fixture]
+) -> tuple[list[Surface], tuple[str, ...]]:
+    """Surfaces of objects, of everything loose, and of fixtures; their ids are the places of their names."""
     packages = {place.package: read_package(place.package) for place in shown}
-    surfaces = [surface for place in shown for surface in placement_surfaces(place, packages[place.package])]
-    surfaces += [surface for item in room.contents for surface in item_surfaces(room, item)]
-    return surfaces + [
-        surface_from_mesh(fixture_mesh(fixture), crease=0.0 if fixture.shape == "box" else CREASE)
-        for fixture in fixtures
-    ]
+    surfaces: list[Surface] = []
+    names: list[str] = []
+    for place in shown:
+        package = packages[place.package]
+        own = placement_surfaces(place, package)
+        surfaces += [replace(surface, id=surface.id + len(names)) for surface in own]
+        names += [f"{place.id}/{link.name}" for link in package.links]
+    for item in room.contents:
+        surfaces += [replace(surface, id=len(names)) for surface in item_surfaces(room, item)]
+        names.append(item.id)
+    for fixture in fixtures:
+        crease = 0.0 if fixture.shape == "box" else CREASE
+        surfaces.append(surface_from_mesh(fixture_mesh(fixture), surface_id=len(names), crease=crease))
+        names.append(fixture.name)
+    return surfaces, tuple(names)
 
 
 def _emptier_side(room: Room) -> Side:
@@ -213,9 +241,13 @@ def write_view(room: Room, path: Path) -> None:
 
 
 def write_views(room: Room, folder: Path) -> None:
-    """Writes what each camera of the room sees as a PNG of its name, atomically."""
+    """Writes what each camera of the room sees as a PNG of its name, its links as one of 16 bits
+    (``corner_links.png``), and their names in the order of its values from 1 (``links.json``), atomically."""
     for view in find_views(room):
+        mask, names = draw_masks(room, view)
         write_picture(draw_view(room, view), folder / f"{view.name}.png")
+        write_picture(mask, folder / f"{view.name}_links.png")
+        write_whole(folder / "links.json", json.dumps(names, indent=1) + "\n")
 
 
 def write_plan(room: Room, path: Path) -> None:
@@ -223,7 +255,7 @@ def write_plan(room: Room, path: Path) -> None:
     write_picture(draw_plan(room), path)
 
 
-def write_picture(image: UInt8[np.ndarray, "H W 3"], path: Path) -> None:
+def write_picture(image: UInt8[np.ndarray, "H W 3"] | UInt16[np.ndarray, "H W"], path: Path) -> None:
     """Writes a picture as a PNG, atomically."""
     from PIL import Image
 

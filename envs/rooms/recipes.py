@@ -284,7 +284,7 @@ BATHROOM = Recipe(
 
 WORKSHOP = Recipe(
     kind="workshop",
-    floor="plain",
+    floor="stone",
     width=(5.0, 6.6),
     depth=(4.4, 5.8),
     needed=(DESK, FILING),

@@ -27,6 +27,7 @@ ROBOT_HEIGHT = 1.1
 """Height (m) of the space in which a robot stands."""
 FLOOR_COLORS: dict[Pattern, tuple[float, float, float]] = {
     "plain": (0.63, 0.53, 0.43), "planks": (0.70, 0.55, 0.40), "tiles": (0.74, 0.72, 0.69),
+    "stone": (0.60, 0.59, 0.57),
 }  # fmt: skip
 """Colours of floors by what they are laid with."""
 THICKNESS = 0.1
@@ -94,7 +95,8 @@ class Item:
     """A loose thing (`envs.rooms.things`) in a drawer or cupboard, on furniture or on the floor.
 
     ``position`` and ``quat`` (wxyz) place it in the frame of the object ``holder`` with all joints at 0; it
-    moves with the holder's ``link``. Without a holder it stands on a fixture, in the frame of the room.
+    moves with the holder's ``link``. Without a holder it stands on a fixture, in the frame of the room, and
+    has an empty link.
     ``size`` are its extents before it is turned, ``mass`` is in kg, and ``colors`` (sRGB in [0, 1]) are those
     of its parts.
     """
@@ -102,7 +104,7 @@ class Item:
     id: str
     thing: str
     holder: str | None
-    link: str | None
+    link: str
     position: tuple[float, float, float]
     quat: tuple[float, float, float, float]
     size: tuple[float, float, float]

@@ -9,7 +9,13 @@ from numpy.typing import ArrayLike
 
 from artigen.types import Joint
 from sim_export.geometry.contacts import HullSet
-from sim_export.motion.kinematics import driven_joints, link_displacements, moved_links, required_openings
+from sim_export.motion.kinematics import (
+    driven_joints,
+    led_joints,
+    link_displacements,
+    moved_links,
+    required_openings,
+)
 from sim_export.package import SimPackage
 
 STILL_LABELS = ("knob", "wheel", "handle")
@@ -35,14 +41,25 @@ class Sweep:
 
 
 def opening_joints(package: SimPackage) -> tuple[Joint, ...]:
-    """Driven joints of parts that need space to move: not knobs, buttons and wheels."""
+    """Driven joints of parts that need space to move, themselves or by followers, as the lid of a pedal: not
+    knobs, buttons and wheels."""
     labels = {link.name: link.label for link in package.links}
     carried = {joint.follows: labels.get(joint.child) for joint in package.joints if joint.is_travel}
     return tuple(
         joint
         for joint in driven_joints(package.joints)
         if joint.upper > joint.lower
-        and (carried.get(joint.name) or labels.get(joint.child)) not in STILL_LABELS
+        and any(
+            label not in STILL_LABELS
+            for label in (
+                carried.get(joint.name) or labels.get(joint.child),
+                *(
+                    labels.get(led.child)
+                    for led in led_joints(package.joints, joint)[1:]
+                    if not led.is_travel
+                ),
+            )
+        )
     )
 
 

@@ -82,10 +82,11 @@ def _above_ranges(room: Room, side: Side) -> list[tuple[tuple[float, float], tup
 
 
 def _find_worktop(room: Room, side: Side) -> tuple[float, float, float] | None:
-    """Ends along a wall and height of the worktops before it: those of runs, else of what stands there."""
+    """Ends along a wall and height of the worktops before it: those of runs, else of sinks."""
     solids = [solid.boxes for solid in fixture_solids(room) if solid.id.startswith(WORKTOP)]
     tops = []
-    for around in solids or [place_solid(placement).boxes for placement in room.placements]:
+    sinks = [place_solid(placement).boxes for placement in room.placements if placement.role == "sink"]
+    for around in solids or sinks:
         boxes = from_wall(side, room.size, around)
         low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
         stands = bool(solids) or low[2] < WORKTOPS[0]

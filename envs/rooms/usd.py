@@ -157,7 +157,7 @@ def _add_fixture(looks: Looks, path: "Sdf.Path", fixture: Fixture) -> None:
     shape = _add_solid(looks.stage, path.AppendChild("collision"), solid, fixture.color)
     shape.CreatePurposeAttr().Set(UsdGeom.Tokens.guide)
     mesh = fixture_mesh(fixture)
-    visual = Visual(name=fixture.name, part=fixture.name, label=None, mesh=mesh)
+    visual = Visual(name=fixture.name, part=fixture.name, label="base", mesh=mesh)
     add_visual(looks, path.AppendChild("cover"), visual, mesh, MADE_OF[fixture.pattern], ORIGIN)
 
 

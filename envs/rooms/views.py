@@ -1,21 +1,26 @@
 """Cameras and lamps of a room, which pictures and all engines share."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
-from artigen.camera import Camera, look_at
+from artigen.camera import Camera, look_at, rays_through
 
 from .room import Room
-from .solids import fixture_solids, place_solid, standing_solids
+from .solids import Solid, fixture_solids, place_solid, standing_solids
 
 EYE_LEVEL, LOOK_AT, FIELD_OF_VIEW = 1.6, 0.85, 58.0
 """Height of an eye and of what it looks at (m), and its vertical angle of view (degrees)."""
 INSET = 0.22
 """Distance (m) of an eye in a corner from both walls."""
-NEAR, TALL = 0.5, 1.2
-"""What is nearer (m) to an eye in a corner and higher (m) than this hides the room from it."""
+NEAR = 1.0
+"""What is nearer (m) to an eye in a corner hides the room from it."""
+RAYS = (25, 17)
+"""Columns and rows of rays by which views are compared."""
+SHELL = ("wall", "floor", "sky")
+"""Beginnings of the names of fixtures around a room."""
 WIDTH, HEIGHT = 1100, 760
 """Size of views in pixels."""
 PENDANT = "pendant"
@@ -65,11 +70,9 @@ def find_views(room: Room) -> tuple[View, View]:
         _look(np.array([*eye, EYE_LEVEL]), np.array([*aim, LOOK_AT]))
         for eye, aim in zip(corners, aims, strict=True)
     ]
-    solids = [place_solid(placement) for placement in room.placements]
-    furniture = [each for each in fixture_solids(room) if not each.id.startswith(("wall", "floor", "sky"))]
-    everything = (*solids, *furniture, *standing_solids(room))
-    boxes = np.concatenate([np.zeros((0, 2, 3)), *(solid.boxes for solid in everything)])
-    best = max(cameras, key=lambda camera: _shown(camera, boxes))
+    fixed = [each for each in fixture_solids(room) if not each.id.startswith(SHELL)]
+    solids = [*map(place_solid, room.placements), *fixed, *standing_solids(room)]
+    best = max(cameras, key=lambda camera: _shown(camera, solids))
     return View(name="entrance", camera=entrance), View(name="corner", camera=best)
 
 
@@ -77,12 +80,20 @@ def _look(eye: Float[np.ndarray, "3"], aim: Float[np.ndarray, "3"]) -> Camera:
     return look_at(eye, aim, fov=FIELD_OF_VIEW, width=WIDTH, height=HEIGHT)
 
 
-def _shown(camera: Camera, boxes: Float[np.ndarray, "B 2 3"]) -> float:
-    """Volume (m^3) of boxes whose centres are in the picture, or -1 if one hides the room."""
-    gap = np.maximum(boxes[:, 0] - camera.position, camera.position - boxes[:, 1])[:, :2].max(axis=1)
-    if ((gap < NEAR) & (boxes[:, 1, 2] > TALL)).any():
-        return -1.0
-    seen = (boxes.mean(axis=1) - camera.position) @ camera.axes.T
-    reach = np.array([camera.width, camera.height]) * camera.pixel / 2.0
-    inside = (seen[:, 2] > 0.0) & (np.abs(seen[:, :2]) < reach * seen[:, 2:]).all(axis=1)
-    return float(np.prod(boxes[inside, 1] - boxes[inside, 0], axis=1).sum())
+def _shown(camera: Camera, solids: Sequence[Solid]) -> float:
+    """Number of solids that rays through the picture meet first, less the share of rays that end near the
+    eye, in hundreds."""
+    if not solids:
+        return 0.0
+    boxes = np.concatenate([solid.boxes for solid in solids])
+    owners = np.repeat(np.arange(len(solids)), [len(solid.boxes) for solid in solids])
+    columns, rows = np.meshgrid(np.linspace(0, camera.width, RAYS[0]), np.linspace(0, camera.height, RAYS[1]))
+    rays = rays_through(camera, columns.ravel(), rows.ravel())[:, None]  # R 1 3
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ends = (boxes - camera.position)[None] / rays[:, :, None]  # R B 2 3
+    enter, leave = np.nanmin(ends, axis=2).max(axis=2), np.nanmax(ends, axis=2).min(axis=2)
+    far = np.where((leave > np.maximum(enter, 0.0)), np.maximum(enter, 0.0), np.inf)
+    first, depth = far.argmin(axis=1), far.min(axis=1)
+    return len(set(owners[first[(depth > NEAR) & (depth < np.inf)]].tolist())) - 100.0 * float(
+        (depth < NEAR).mean()
+    )

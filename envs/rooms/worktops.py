@@ -68,7 +68,7 @@ def lay_worktops(plan: Plan, runs: dict[Side, Place], height: float) -> Plan:
             ]
             plan = _with_worktop(plan, run, side, np.array(fitting).reshape(-1, 2, 3))
             plan = _hide_gaps(plan, run, units, height)
-    closed = {
+    closed: set[Side] = {
         side for side in runs for place in plan.places if place.cluster.name.startswith(f"{side}_corner")
     }
     for side in closed:

@@ -1,10 +1,12 @@
-"""Poses of what turns."""
+"""Poses of what turns, and which joints need space."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from artigen.types import Joint
-from envs.rooms.sweeps import sweep_joint
+from envs.rooms.sweeps import opening_joints, sweep_joint
 from sim_export.geometry.hulls import box_hull
 from sim_export.package import Link, SimPackage
 
@@ -22,3 +24,22 @@ def test_poses_are_three_degrees_apart_unless_a_joint_turns_more_than_six_times(
     )  # fmt: skip
     package = SimPackage(name="lid", category="Box", visual="voxels", links=links, joints=(joint,))
     assert len(sweep_joint(package, joint).T) == poses
+
+
+@pytest.mark.parametrize(("led", "opens"), [("door", True), ("knob", False)])
+def test_a_pedal_needs_space_where_a_lid_follows_it(led, opens: object):
+    hull = (box_hull(np.zeros(3), np.ones(3)),)
+    labels = {"pedal": "knob", "lid": led, "body": "base"}
+    links = tuple(
+        Link(name=name, label=label, parts=(), visuals=(), inertial=None, hulls=hull)
+        for name, label in labels.items()
+    )
+    pedal = Joint(
+        name="press", type="revolute", parent="body", child="pedal", origin=np.zeros(3),
+        axis=np.array([0.0, 1.0, 0.0]), upper=0.2,
+    )  # fmt: skip
+    lid = replace(pedal, name="swing", child="lid", upper=1.6, follows="press", ratio=8.0)
+    package = SimPackage(name="bin", category="TrashCan", visual="voxels", links=links, joints=(pedal, lid))
+    assert (pedal in opening_joints(package)) == opens
+    if opens:
+        assert 1 in sweep_joint(package, pedal).links
