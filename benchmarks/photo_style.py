@@ -26,6 +26,7 @@ from artigen.errors import ArtigenError
 from artigen.reader.comparison import draw_over, render_over, scale_camera
 from artigen.reader.ground import find_outline
 from artigen.reader.layout.build import build_from_reading
+from artigen.reader.layout.frontal import LONG
 from artigen.reader.layout.overlay import Overlay, lay_over, match_fronts
 from artigen.reader.looks import look_closer
 from artigen.reader.model import load_reader
@@ -53,8 +54,10 @@ PULLED = 0.3
 """Share of fronts with pulls below which these are strays."""
 SLAB = 0.75
 """Share of a front that one solid covers from which it is a slab."""
-PULLS = {2: "knob", 4: "cup", 3: "bar", 1: "edge"}
-"""Pulls by their number of solids; those of five are bows or recessed grips."""
+PULLS = {4: "cup", 3: "bar", 1: "edge"}
+"""Pulls that are no knobs by their number of solids; those of five are bows or recessed grips."""
+SLATS = 11
+"""Number of solids from which a front has slats: frames have rails, stiles, arches and a field."""
 
 
 def name_stand(shape: Shape) -> str:
@@ -94,7 +97,8 @@ def name_panel(part: ShapePart, shape: Shape) -> str:
     outer = [one for one in solids if one.center[0] - one.size[0] / 2 < front + 0.012]
     if max((float(one.size[1] * one.size[2]) for one in outer), default=area) > SLAB * area:
         return "flat"
-    return "framed" if len(solids) in (5, 6) else "slats"
+    planks = all(one.size[2] > SLAB * np.ptp(part.bounds()[:, 2]) for one in solids)
+    return "slats" if planks or len(solids) >= SLATS else "framed"
 
 
 def name_pull(shape: Shape) -> str:
@@ -109,6 +113,9 @@ def name_pull(shape: Shape) -> str:
 
 
 def _name_handle(part: ShapePart) -> str:
+    across = np.ptp(part.bounds(), axis=0)[1:]
+    if len(part.primitives) > 1 and across.max() < LONG * across.min():
+        return "knob"
     if len(part.primitives) == 5:
         return "bar" if np.ptp(part.bounds()[:, 0]) > 0.02 else "cup"
     return PULLS.get(len(part.primitives), "bar")

@@ -2,8 +2,8 @@
 
     python benchmarks/readme_pictures.py --out out/readme
 
-generates the first seeds of every category, one object of every further kind, four sentences, and one object
-for a picture of a held-out procedural object of every category; nothing is picked. Packages stay in ``out``,
+generates the first seeds of every category, one object of every further kind, of twelve sentences, and one
+for a picture of a held-out object of every category; nothing is picked. Packages stay in ``out``,
 so a run that was stopped goes on. Prints which of them pass every check.
 """
 
@@ -35,6 +35,17 @@ SENTENCES = (
     ("a black oven", 2),
 )
 """What is asked for in words, and the seed."""
+PLACES = (
+    "a buffet with three drawers above three doors",
+    "a desk with three drawers on the right",
+    "a fridge with the freezer at the bottom, hinged on the left",
+    "a bookcase with four shelves and two doors at the bottom",
+    "a dresser with two small drawers above three wide drawers",
+    "an island with six drawers, three on each side",
+    "a wardrobe with three doors and two drawers at the bottom",
+    "a nightstand with two drawers on castors",
+)
+"""Sentences that say where parts are; each is drawn with seed 0."""
 EACH = 2
 """Objects of each category on the sheet."""
 PHOTOGRAPH = 220
@@ -71,6 +82,13 @@ def draw_sentences(out: Path) -> list[Path]:
         artigen.generate(text, seed=seed, count=1).export(folder)
         packages += sorted(path.parent for path in folder.glob("*/mobility.urdf"))
     return packages
+
+
+def draw_places(out: Path) -> list[Path]:
+    """One package for each sentence about places."""
+    for number, text in enumerate(PLACES):
+        artigen.generate(text, count=1, gaussians=False).export(out / str(number))
+    return [path.parent for path in sorted(out.glob("*/*/mobility.urdf"))]
 
 
 def draw_photographs(out: Path) -> list[tuple[UInt8[np.ndarray, "H W 3"], Path]]:
@@ -122,9 +140,11 @@ def main(out: Path = Path("out/readme"), images: Path = Path("docs/images")) -> 
     told = draw_sentences(out / "sentences")
     write_animation(told, images / "generated.gif", draw_splats=draw_splats)
     save(preview_package(read_package(told[0]), draw_splats=draw_splats), images / "white_fridge.png")
+    placed = draw_places(out / "places")
+    save(contact_sheet([read_package(folder) for folder in placed], wide), images / "said.png")
     shown = draw_photographs(out / "photographs")
     save(show_photographs(shown), images / "photos.png")
-    for folder in (*sheet, *further, *told, *(package for _, package in shown)):
+    for folder in (*sheet, *further, *told, *placed, *(package for _, package in shown)):
         report = json.loads((folder / "validation.json").read_text())
         print(f"{folder}: {'passes' if report['passed'] else 'fails'}")
     return 0

@@ -141,7 +141,7 @@ def test_a_budget_that_suffices_changes_nothing(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["bread_bin", "stapler", "globe", "pen"])
+@pytest.mark.parametrize("name", ["bread_bin", "stapler", "pen"])
 def test_curved_shells_pass_within_the_budget(name, tmp_path):
     """V103 holds their hulls to 3 % of the diagonal, 99 % of the surface to 1.5 %, and cavities to 90 %."""
     make, flaws, reach = DEVELOPED.get(name) or (OBJECTS[name], (), 1.0)
