@@ -30,8 +30,8 @@ HUBS: tuple[RoomKind, ...] = ("hall", "living_room")
 """Rooms that lead to others; the first of them in a flat is the one with the entrance."""
 DAYLIGHT: tuple[RoomKind, ...] = ("living_room", "kitchen", "bedroom", "office", "workshop")
 """Rooms with windows."""
-STARTS, STEPS = 12, 700
-"""Number of random plans, and of changes that are tried on each."""
+STARTS, STEPS = 4, 700
+"""Number of random plans for each room, and of changes that are tried on each plan."""
 LINTEL_SPAN = 0.3
 """Length (m) of wall beside a door, so that it need not stand in a corner."""
 PRIVATE = 1.5
@@ -143,7 +143,7 @@ def draw_plans(kinds: Sequence[RoomKind], seed: int, door: float) -> Iterator[Fl
     names, door = _name_rooms(kinds), door + LINTEL_SPAN
     hub = next(kinds.index(kind) for kind in HUBS if kind in kinds)
     rated: list[tuple[float, int, FlatPlan]] = []
-    for start in range(STARTS):
+    for start in range(STARTS * len(kinds)):
         rng = np.random.default_rng([seed, start, len(kinds)])
         cuts = _draw_cuts(kinds, rng)
         cost = _cost(plan := _connect(_zones(cuts, kinds, names), hub, door), hub)

@@ -114,7 +114,8 @@ def fits(plan: Plan, boxes: Boxes, against: Boxes, *, aisle: float = 0.0) -> boo
     everything = boxes.all
     if (everything[:, 0] < -TOUCH).any() or (everything[:, 1] > np.array(plan.size) + TOUCH).any():
         return False
-    if overlap(boxes.bodies, plan.doorway) or overlap(boxes.sweeps, plan.portals) or conflict(boxes, against):
+    kept = np.concatenate([boxes.sweeps, boxes.stands])
+    if overlap(boxes.bodies, plan.doorway) or overlap(kept, plan.portals) or conflict(boxes, against):
         return False
     return aisle == 0.0 or not overlap(widened(boxes.bodies, aisle), against.bodies)
 
