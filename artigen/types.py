@@ -14,6 +14,10 @@ from jaxtyping import Bool, Float, Int, UInt8
 
 PartLabel = Literal["base", "drawer", "door", "handle", "knob", "tray", "shelf", "wheel"]
 JointType = Literal["fixed", "revolute", "prismatic", "continuous", "screw"]
+RoomKind = Literal["kitchen", "office", "bedroom", "bathroom", "workshop", "living_room", "hall", "laundry"]
+SceneKind = Literal[RoomKind, "flat"]
+Clutter = Literal["none", "tidy", "lived", "messy"]
+"""Amount of loose things on furniture."""
 
 PART_LABELS: tuple[PartLabel, ...] = get_args(PartLabel)
 JOINT_TYPES: tuple[JointType, ...] = get_args(JointType)

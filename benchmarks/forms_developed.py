@@ -211,3 +211,21 @@ def faucet() -> Form:
         rod((0.0, 0, 0.145), (0.08, 0, 0.17), 0.006),
     ]
     return Form(body=(foot, spout), moving={"lever": hinge(lever, (0, 0, 0.127), (0, 0, 1), 1.2)})
+
+
+def remote() -> Form:
+    """A slab with a hollow back, a battery cover that slides, and ten buttons."""
+    slab = (
+        rounded((0.18, 0.05, 0.02), 0.02)
+        - box((0.0, -0.018, -0.1), (0.07, 0.018, 0.014))
+        - box((-0.002, -0.021, -0.1), (1.0, 0.021, 0.0025))
+    )
+    cover = box((0.0, -0.02, 0.0002), (0.07, 0.02, 0.0022))
+    keys = {
+        f"button_{row}{col}": slide(
+            [Solid.cylinder(0.006, 0.006, 0.005, 24).translate((x, y, 0.017))], (0, 0, -1), 0.0015
+        )
+        for row, x in enumerate(np.linspace(-0.07, 0.01, 5))
+        for col, y in enumerate((-0.01, 0.01))
+    }
+    return Form(body=(slab,), moving={"cover": slide([cover], (1, 0, 0), 0.05), **keys})

@@ -29,11 +29,12 @@ ENDINGS = (".jpg", ".jpeg", ".png", ".webp", ".avif")
 
 
 def photograph_own(seeds: Sequence[int], out: Path, packages: Path | None) -> list[Path]:
-    """Views of kitchens of our own from their entrances."""
+    """Views of kitchens of our own from their entrances; those that are there already are kept."""
     shown = []
     for seed in seeds:
-        made = furnish_room("kitchen", out / f"own_{seed}", seed, packages)
-        shown.append(made.path.parent / "entrance.png")
+        shown.append(out / f"own_{seed}" / "entrance.png")
+        if not shown[-1].exists():
+            furnish_room("kitchen", shown[-1].parent, seed, packages)
     return shown
 
 

@@ -12,8 +12,9 @@ import numpy as np
 import tyro
 from PIL import Image
 
-from artigen.api.scene import SceneKind, SceneSettings, furnish_room
+from artigen.api.scene import SceneSettings, furnish_room
 from artigen.runtime.runner import choose_runner
+from artigen.types import SceneKind
 
 ROOMS: tuple[SceneKind, ...] = ("kitchen", "living_room", "bedroom", "hall")
 WIDTH = 640

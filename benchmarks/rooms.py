@@ -22,6 +22,7 @@ import tyro
 from tqdm import tqdm
 
 from artigen.transforms import transform_points
+from artigen.types import RoomKind
 from envs.hand import link_vertices, pose_matrix
 from envs.rooms.ajar import open_some
 from envs.rooms.catalogue import Catalogue, PopulateError, read_catalogue
@@ -29,7 +30,7 @@ from envs.rooms.check import check_room
 from envs.rooms.contents import fill_room
 from envs.rooms.mjcf import HOME, write_room_mjcf
 from envs.rooms.populate import PopulateConfig, populate
-from envs.rooms.room import Room, RoomKind
+from envs.rooms.room import Room
 from envs.sim.loaded import LoadedPackage, qpos_of
 from envs.sim.mujoco import compile_model
 from envs.sim.sapien import LoadConfig, load_package

@@ -20,13 +20,13 @@ import tyro
 from jaxtyping import Float
 from tqdm import tqdm
 
-from artigen.types import Joint
+from artigen.types import Joint, RoomKind
 from envs.rooms.catalogue import PopulateError, read_catalogue
 from envs.rooms.clutter import clutter_room
 from envs.rooms.footprints import cached_package
 from envs.rooms.mjcf import home_position, write_room_mjcf
 from envs.rooms.populate import populate
-from envs.rooms.room import Room, RoomKind, pose_matrix_of
+from envs.rooms.room import Room, pose_matrix_of
 from envs.rooms.solids import fixture_shape, item_motion
 from envs.rooms.sweeps import opening_joints, sweep_boxes, sweep_joint
 from envs.rooms.things import thing_solids

@@ -51,7 +51,9 @@ artigen preview out/packages/* -o sheet.gif""",
     "restyle": "artigen restyle out/cabinet -n 8 -o out/looks",
     "usd": "artigen usd out/packages -o out/usd",
     "sets": "artigen sets out/packages --least 8",
-    "scene": "artigen scene kitchen --seed 3 --packages out/packages -o out/kitchen",
+    "scene": """artigen scene kitchen --seed 3 --packages out/packages -o out/kitchen
+artigen scene flat --rooms 5 -o out/flat""",
+    "scenes": "artigen scenes kitchen bedroom --count 1000 --packages out/packages -o out/scenes",
     "dataset": """artigen dataset examples/household.yaml -o out/household
 artigen dataset verify out/household --prove 20""",
     "train": "artigen train sketch RUN --preset small --minutes 120 --shards 10",

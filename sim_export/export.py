@@ -51,6 +51,8 @@ from sim_export.search import HullPlan, judge_package, search_hulls
 
 COVERING = 0.5
 """Share of the budget that is left in which surfaces are covered; the rest is for clearance and checks."""
+RECOVERING = 0.1
+"""Share of the time for covering in which what cuts took is put back, if no more of it is left."""
 LEAST_COVERING = 0.1
 """Share of the whole budget that covering gets, however long reading and mending the object took."""
 
@@ -308,7 +310,9 @@ def export_solids(
     watch.lap("clearance")
     solid = {part.name: mesh for part, mesh in zip(asset.parts, meshes, strict=True)}
     if sheets:
-        links, recovered = recover_hulls(tree.links, cleared.links, cleared.joints, needs)
+        whole = budget or Budget()
+        recovering = whole.share(1.0, RECOVERING * whole.seconds)
+        links, recovered = recover_hulls(tree.links, cleared.links, cleared.joints, needs, recovering)
     else:
         links, recovered = recover_surface(cleared.links, cleared.joints, needs, solid)
     watch.lap("recover")

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from sim_export.picture.viewpoint import Viewpoint
     from sim_export.report import Report
 
-Format = Literal["package", "usd", "glb"]
+Format = Literal["package", "usd", "glb", "glb_links"]
 REPORT = "validation.json"
 
 
@@ -170,7 +170,8 @@ class Object:
             folder: Folder of the package, such as ``out/fridge``: URDF, MJCF, meshes, hulls, masses. One
                 that is on disk is copied with its report.
             formats: ``usd`` adds an OpenUSD asset below ``out/fridge_usd``, ``glb`` a file
-                ``out/fridge.glb``.
+                ``out/fridge.glb``, ``glb_links`` a folder ``out/fridge_glb`` with a URDF that shows every
+                link by one GLB.
             existing: Refuse or replace what is already there.
 
         Raises:
@@ -179,7 +180,7 @@ class Object:
         """
         from artigen.datasets.packing import read_folder
         from sim_export.files.write import MANIFEST, check_place, package_files, write_files
-        from sim_export.picture.glb import write_glb
+        from sim_export.picture.glb import link_glbs, write_glb
         from sim_export.usd.write import require_usd, write_usd
 
         folder = Path(folder)
@@ -189,6 +190,10 @@ class Object:
         if "usd" in formats:
             require_usd()
             write_usd(package, folder.with_name(f"{folder.name}_usd"), existing)
+        if "glb_links" in formats:
+            beside = folder.with_name(f"{folder.name}_glb")
+            check_place(beside, existing)
+            write_files(link_glbs(package), beside)
         if "glb" in formats:
             folder.parent.mkdir(parents=True, exist_ok=True)
             write_glb(package, folder.with_name(f"{folder.name}.glb"))

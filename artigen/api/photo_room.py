@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 READINGS = "readings"
 """Subfolder of the room for the reading of each unit, to be edited and built again."""
-AROUND = 0.8
-"""Length (m) of the wall beyond the units."""
+AROUND, NARROWEST = 0.8, 2.4
+"""Length (m) of the wall beyond the units, and its least length."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,10 +64,10 @@ def furnish_photographed(
     Raises:
         ArtigenError: If the photograph shows no unit, no unit passes its checks, or they cannot be arranged.
     """
-    from artigen.reader.units import read_units
+    from artigen.reader.units import Unit, read_units
 
-    cfg = cfg or SceneSettings()
-    if cfg.place or cfg.family is not None:
+    asked = cfg or SceneSettings()
+    if asked.place or asked.family is not None:
         raise ArtigenError("the photograph says what stands there and how it looks; omit place and family")
     wall = read_units(photo)
     named = _name_units(wall)
@@ -78,27 +78,34 @@ def furnish_photographed(
     hung = [(name, unit) for name, unit in named if name in passed and unit in wall.hung]
     if not standing:
         raise ArtigenError(f"{photo}: no unit passes its checks: {', '.join(name for name, _ in named)}")
-    while True:
-        words = _order(standing) + (["above", *_order(hung)] if hung else [])
+
+    def furnish(above: Sequence[tuple[str, Unit]], *, final: bool) -> Furnished:
+        """The room with these wall cabinets."""
+        words = [*_order(standing), *(["above", *_order(above)] if above else [])]
         length = sum(unit.size[1] for _, unit in standing) + sum(
             map(float, filter(_is_number, _order(standing)))
         )
-        asked = replace(cfg, place=tuple(words), width=cfg.width or round(max(2.4, length + AROUND), 2))
+        width = asked.width or round(max(NARROWEST, length + AROUND), 2)
+        ordered = replace(asked, place=tuple(words), width=width)
+        return furnish_room(
+            "kitchen", out, seed, out / PACKAGES, ordered,
+            formats=formats if final else (), pictures=pictures if final else "none",
+        )  # fmt: skip
+
+    try:
+        furnish((), final=False)
+    except ArtigenError as error:
+        asked = replace(asked, sweeps="any")
+        notes.append(f"not every door opens with a robot before it: {error}")
+    kept: list[tuple[str, Unit]] = []
+    for one in hung:
         try:
-            made = furnish_room(
-                "kitchen", out, seed, out / PACKAGES, asked, formats=formats, pictures=pictures
-            )
+            furnish([*kept, one], final=False)
         except ArtigenError as error:
-            if hung:
-                name, _ = hung.pop()
-                notes.append(f"{name}: left out, since {error}")
-            elif asked.sweeps == "free":
-                cfg = replace(cfg, sweeps="any")
-                notes.append(f"not every door opens with a robot before it: {error}")
-            else:
-                raise
-            continue
-        return Photographed(furnished=made, notes=tuple(notes))
+            notes.append(f"{one[0]}: left out, since {error}")
+        else:
+            kept.append(one)
+    return Photographed(furnished=furnish(kept, final=True), notes=tuple(notes))
 
 
 def _name_units(wall: "Wall") -> "list[tuple[str, Unit]]":
@@ -134,7 +141,7 @@ def _order(named: "Sequence[tuple[str, Unit]]") -> list[str]:
     words: list[str] = []
     end = 0.0
     for name, unit in named:
-        free = unit.start - end
+        free = round(unit.start - end, 2)
         words += [f"{free:.2f}"] if free >= FREE else []
         words.append(f"{unit.role}@{name}")
         end = (unit.start if free >= FREE else end) + unit.size[1]

@@ -10,23 +10,26 @@ import numpy as np
 
 from artigen.api.batch import run_with_progress
 from artigen.api.sample import ShapeJob, ShapeSettings, export_and_validate
+from artigen.datasets.packing import need
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import LocalRunner, Runner
+from artigen.types import Clutter, SceneKind
 
 if TYPE_CHECKING:
     from envs.rooms.catalogue import Catalogue
     from envs.rooms.order import Unit
+    from envs.rooms.populate import PopulateConfig
     from envs.rooms.recipes import Recipe, Role
     from envs.rooms.room import Room
 
 SceneFormat = Literal["mjcf", "usd"]
-SceneKind = Literal["kitchen", "office", "bedroom", "bathroom", "workshop", "living_room", "hall", "laundry"]
-Clutter = Literal["none", "tidy", "lived", "messy"]
 PACKAGES = "packages"
 """Subfolder of the room for objects that are drawn for it."""
+SPARE = 0.05
+"""Width (m) of the doors of a flat beyond the least that a robot passes."""
 ROUNDS = 3
 """Maximum number of draws for a role without a valid object."""
-FAMILIES = {
+FAMILIES: dict[SceneKind, tuple[str, ...]] = {
     "kitchen": ("shaker", "slab", "rustic", "industrial", "midcentury"),
     "office": ("slab", "industrial", "midcentury", "laboratory"),
     "bedroom": ("shaker", "slab", "rustic", "midcentury", "nursery"),
@@ -35,6 +38,7 @@ FAMILIES = {
     "living_room": ("shaker", "slab", "rustic", "midcentury"),
     "hall": ("shaker", "slab", "rustic", "midcentury"),
     "laundry": ("shaker", "slab", "laboratory"),
+    "flat": ("shaker", "slab", "rustic", "midcentury"),
 }
 """Families that the seed chooses from by default."""
 
@@ -62,9 +66,13 @@ class SceneSettings:
     clutter: Clutter = "tidy"
     """Amount of loose things on furniture."""
     place: tuple[str, ...] = ()
-    """Units along one wall from left to right, such as ``fridge sink:0.8 oven``, and nothing else."""
+    """Units along one wall from left to right, such as ``fridge 2*cabinet:0.6 oven``, and nothing else;
+    folders of packages, or a YAML file with a list of either."""
     wall: Literal["front", "back", "left", "right"] = "back"
     """Wall of these units."""
+    rooms: tuple[str, ...] = ()
+    """Rooms of a flat: how many (2 to 7, by default 4), or kinds such as ``hall kitchen bedroom``, where a
+    hall or a living room leads to the others."""
     family: str | None = None
     """Look of everything that is drawn, such as shaker, slab or industrial; sampled if unset."""
 
@@ -85,6 +93,8 @@ class Furnished:
         loose = f", with {len(room.contents)} loose things" if room.contents else ""
         left_out = f", without {len(self.failed)} packages that did not pass" if self.failed else ""
         kind = room.kind.replace("_", " ")
+        if room.zones:
+            kind = f"flat with {', '.join(zone.name.replace('_', ' ') for zone in room.zones)}"
         return (
             f"{kind} of {room.size[0]:.2f} x {room.size[1]:.2f} m: {len(room.placements)} objects from "
             f"{kinds} packages{loose} in {self.path}, arranged and checked in {self.seconds:.1f} s{left_out}"
@@ -102,11 +112,12 @@ def furnish_room(
     pictures: Literal["all", "plan", "none"] = "all",
     runner: Runner | None = None,
 ) -> Furnished:
-    """Furnishes a room in which every door and drawer opens; writes ``scene.json`` and pictures.
+    """Furnishes a room or a flat in which every door and drawer opens; writes ``scene.json`` and pictures.
 
     Args:
-        kind: Kitchen, office, bedroom, bathroom, workshop, living_room, hall or laundry.
-        out: Folder for ``scene.json``, ``room.png``, ``entrance.png``, ``corner.png`` and ``plan.png``.
+        kind: Kitchen, office, bedroom, bathroom, workshop, living_room, hall, laundry or flat.
+        out: Folder for ``scene.json``, ``goals.json``, ``room.png``, ``entrance.png`` and ``corner.png``
+            (of a flat, two for each room) and ``plan.png``.
         seed: Seed of everything that is not set.
         packages: Folder with packages, at any depth, that passed validation; without it, objects are sampled
             and validated first, which takes minutes.
@@ -120,37 +131,16 @@ def furnish_room(
         ArtigenError: If settings are out of range or contradict each other, no arrangement is found, or
             usd-core is missing where it is needed.
     """
-    from envs.rooms.ajar import open_some
     from envs.rooms.catalogue import read_catalogue
-    from envs.rooms.clutter import clutter_room
-    from envs.rooms.contents import fill_room
-    from envs.rooms.file import write_room
-    from envs.rooms.mjcf import write_room_mjcf
-    from envs.rooms.order import read_order
-    from envs.rooms.populate import PopulateConfig, populate
-    from envs.rooms.recipes import DOOR, RECIPES
-    from envs.rooms.usd import write_room_usd
     from sim_export.usd.write import require_usd
 
     cfg = cfg or SceneSettings()
+    if kind not in FAMILIES:
+        raise ArtigenError(f"room {kind!r} is not known, expected one of {', '.join(FAMILIES)}")
     if "usd" in formats:
         require_usd()
-    if kind not in RECIPES:
-        raise ArtigenError(f"room {kind!r} is not known, expected one of {', '.join(RECIPES)}")
-    if seed < 0 or not (0.0 <= cfg.ajar <= 1.0 and 0.0 <= cfg.contents <= 1.0):
-        raise ArtigenError(
-            f"seed {seed}, ajar {cfg.ajar}, contents {cfg.contents}: expected a seed from 0 and shares from 0"
-            " to 1"
-        )
-    try:
-        settings = PopulateConfig(
-            width=cfg.width, depth=cfg.depth, least=cfg.least, most=cfg.most, sweeps=cfg.sweeps,
-            standing_radius=cfg.standing_radius, place=cfg.place, wall=cfg.wall,
-        )  # fmt: skip
-    except ValueError as error:
-        raise ArtigenError(str(error)) from error
-    order = read_order(cfg.place, kind)
-    _demand_length(order, RECIPES[kind], cfg)
+    cfg = replace(cfg, place=read_places(cfg.place))
+    wanted = check_settings(kind, seed, cfg)
     if packages is not None and cfg.family is not None:
         raise ArtigenError(
             f"family {cfg.family} with packages {packages}: objects of a folder keep their looks; omit one of"
@@ -158,29 +148,141 @@ def furnish_room(
         )
     if packages is None:
         family = cfg.family or choose_family(kind, seed)
-        waiting = [*dict.fromkeys(order), DOOR] if order else RECIPES[kind].all_roles
-        catalogue = draw_packages(waiting, seed, family, out / PACKAGES, runner or LocalRunner(workers=0))
+        catalogue = draw_packages(wanted, seed, family, out / PACKAGES, runner or LocalRunner(workers=0))
     else:
         catalogue = read_catalogue(packages)
+    return furnish_from(kind, out, seed, catalogue, cfg, formats=formats, pictures=pictures)
+
+
+def read_places(words: Sequence[str]) -> tuple[str, ...]:
+    """The words of an order, with those of YAML files in place of the files; paths are relative to the file.
+
+    Raises:
+        ArtigenError: If a file cannot be read or is not a list of texts, or PyYAML is missing.
+    """
+    found: list[str] = []
+    for word in words:
+        path = Path(word)
+        if path.suffix not in (".yaml", ".yml"):
+            found.append(word)
+            continue
+        try:
+            listed = need("yaml").safe_load(path.read_text())
+        except (OSError, ValueError, need("yaml").YAMLError) as error:
+            raise ArtigenError(f"{path}: cannot be read ({error})") from error
+        if not isinstance(listed, list) or not all(isinstance(one, str) for one in listed):
+            raise ArtigenError(f"{path}: expected a list of units, each a text such as 'sink: 0.8' in quotes")
+        found += [str(path.parent / one) if (path.parent / one).is_dir() else one for one in listed]
+    return tuple(found)
+
+
+def check_settings(kind: SceneKind, seed: int, cfg: SceneSettings) -> "list[Role | Unit]":
+    """What a room is furnished with, to be drawn.
+
+    Raises:
+        ArtigenError: If settings are out of range or contradict each other.
+    """
+    from envs.flats.furnish import flat_roles, least_door
+    from envs.flats.layout import read_rooms
+    from envs.rooms.order import Unit, read_order
+    from envs.rooms.recipes import DOOR, RECIPES
+
+    if seed < 0 or not (0.0 <= cfg.ajar <= 1.0 and 0.0 <= cfg.contents <= 1.0):
+        raise ArtigenError(
+            f"seed {seed}, ajar {cfg.ajar}, contents {cfg.contents}: expected a seed from 0 and shares from 0"
+            " to 1"
+        )
+    try:
+        _populate_config(cfg)
+    except ValueError as error:
+        raise ArtigenError(str(error)) from error
+    if kind == "flat":
+        if cfg.width or cfg.depth or cfg.least or cfg.place:
+            raise ArtigenError(
+                "width, depth, least and place are those of single rooms; of a flat, give rooms and the"
+                " radius of the robot"
+            )
+        door = Unit(role=DOOR, width=round(least_door(cfg.standing_radius) + SPARE, 3))
+        return [*flat_roles(read_rooms(cfg.rooms)), door]
+    if cfg.rooms:
+        raise ArtigenError(f"rooms {' '.join(cfg.rooms)} of a {kind}: only a flat has rooms")
+    order = read_order(cfg.place, kind)
+    _demand_length(order, RECIPES[kind], cfg)
+    return [*dict.fromkeys(order), DOOR] if order else list(RECIPES[kind].all_roles)
+
+
+def furnish_from(
+    kind: SceneKind,
+    out: Path,
+    seed: int,
+    catalogue: "Catalogue",
+    cfg: SceneSettings,
+    *,
+    formats: tuple[SceneFormat, ...],
+    pictures: Literal["all", "plan", "none"],
+) -> Furnished:
+    """Furnishes a room or a flat from packages and writes it; arguments are those of `furnish_room`.
+
+    Raises:
+        ArtigenError: If no arrangement is found.
+    """
+    from envs.flats.flat import join_rooms
+    from envs.flats.furnish import FlatConfig, furnish_flat
+    from envs.flats.layout import read_rooms
+    from envs.flats.picture import write_flat_pictures
+    from envs.goals.file import write_goals
+    from envs.goals.sample import GOALS, sample_goals
+    from envs.rooms.file import write_room
+    from envs.rooms.mjcf import write_room_mjcf
+    from envs.rooms.populate import populate
+    from envs.rooms.usd import write_room_usd
+
     started = time.perf_counter()
-    room = populate(kind, seed, catalogue, settings)
-    if cfg.ajar > 0.0:
-        room = open_some(room, cfg.ajar)
-    if cfg.contents > 0.0:
-        room = fill_room(room, cfg.contents)
-    if cfg.clutter != "none":
-        room = clutter_room(room, cfg.clutter)
+    if kind == "flat":
+        wishes = FlatConfig(most=cfg.most, sweeps=cfg.sweeps, standing_radius=cfg.standing_radius)
+        flat = furnish_flat(read_rooms(cfg.rooms), seed, catalogue, wishes)
+        flat = replace(flat, rooms=tuple(_live_in(room, cfg) for room in flat.rooms))
+        room = join_rooms(flat)
+    else:
+        flat = None
+        room = _live_in(populate(kind, seed, catalogue, _populate_config(cfg)), cfg)
     spent = time.perf_counter() - started
     path = write_room(room, out)
+    write_goals(sample_goals(room, seed, GOALS), out)
     if "mjcf" in formats:
         write_room_mjcf(room, out)
     if "usd" in formats:
         write_room_usd(room, out)
-    _draw(room, out, pictures)
+    if flat is None:
+        _draw(room, out, pictures)
+    elif pictures != "none":
+        write_flat_pictures(flat, room, out, views=pictures == "all")
     return Furnished(room=room, path=path, failed=tuple(catalogue.failed), seconds=spent)
 
 
-def choose_family(kind: str, seed: int) -> str:
+def _populate_config(cfg: SceneSettings) -> "PopulateConfig":
+    from envs.rooms.populate import PopulateConfig
+
+    return PopulateConfig(
+        width=cfg.width, depth=cfg.depth, least=cfg.least, most=cfg.most, sweeps=cfg.sweeps,
+        standing_radius=cfg.standing_radius, place=cfg.place, wall=cfg.wall,
+    )  # fmt: skip
+
+
+def _live_in(room: "Room", cfg: SceneSettings) -> "Room":
+    """The room with open doors and loose things."""
+    from envs.rooms.ajar import open_some
+    from envs.rooms.clutter import clutter_room
+    from envs.rooms.contents import fill_room
+
+    if cfg.ajar > 0.0:
+        room = open_some(room, cfg.ajar)
+    if cfg.contents > 0.0:
+        room = fill_room(room, cfg.contents)
+    return clutter_room(room, cfg.clutter) if cfg.clutter != "none" else room
+
+
+def choose_family(kind: SceneKind, seed: int) -> str:
     """The default family of a room."""
     families = FAMILIES[kind]
     return families[int(np.random.default_rng(seed).integers(len(families)))]

@@ -23,6 +23,7 @@ COMMANDS = {
     "usd": "usd",
     "sets": "sets",
     "scene": "scene",
+    "scenes": "scenes",
     "dataset": "dataset",
     "train": "train",
     "eval": "evaluate",

@@ -1,4 +1,4 @@
-"""`artigen scene`: furnishes a room from a kind and a seed."""
+"""`artigen scene`: furnishes a room or a flat from a kind and a seed."""
 
 import sys
 from pathlib import Path
@@ -7,10 +7,11 @@ from typing import Literal
 import tyro
 
 from artigen.api.photo_room import furnish_photographed
-from artigen.api.scene import SceneFormat, SceneKind, SceneSettings, furnish_room
+from artigen.api.scene import SceneFormat, SceneSettings, furnish_room
 from artigen.cli.arguments import Out, Workers
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
+from artigen.types import SceneKind
 
 SETTINGS = SceneSettings()
 
@@ -26,12 +27,12 @@ def scene(
     pictures: Literal["all", "plan", "none"] = "all",
     workers: Workers = None,
 ) -> int:
-    """Furnish a room in which every door and drawer opens; writes scene.json, scene.xml and pictures.
+    """Furnish a room or flat in which every door and drawer opens; writes scene.json, scene.xml and pictures.
 
     Args:
-        kind: Kind of room.
-        out: Output folder for scene.json, scene.xml, scene.usda, room.png, entrance.png, corner.png and
-            plan.png.
+        kind: Kind of room, or flat.
+        out: Output folder for scene.json, scene.xml, scene.usda, room.png, entrance.png and corner.png
+            (of a flat, two for each room) and plan.png.
         seed: Seed of everything that is not set.
         packages: Folder with packages, at any depth, that passed `artigen validate`; without it, objects are
             sampled and validated first, which takes minutes.

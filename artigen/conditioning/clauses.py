@@ -19,6 +19,7 @@ from artigen.conditioning.vocabulary import (
     GLAZED,
     GRIDS,
     LEGS,
+    MATERIALS,
     PAINTS,
     PART_NOUNS,
     PARTS,
@@ -129,10 +130,11 @@ def _read_triple(words: tuple[str, ...], at: int) -> tuple[list[float], int] | N
             return None
         end += place > 0
         number = read_number(words, end)
-        if number is None or not words[end][0].isdigit():
-            return None
-        end += number[1]
+        spelled = number is not None and not words[end][0].isdigit()
+        end += 0 if number is None else number[1]
         unit = words[end] if end < len(words) and words[end] in UNITS else None
+        if number is None or (spelled and unit is None):
+            return None
         numbers.append((number[0], unit))
         end += unit is not None
     last = numbers[-1][1]
@@ -195,6 +197,8 @@ def _read_style(reading: Reading) -> Reading:
             if reading.found.style in SCALES:  # "a large leather suitcase" has the style of leather
                 first = words.index(reading.found.style)
                 reading = replace(reading, used=reading.used - {first}).say(style=None)
+            if reading.found.style not in (None, style) and words[at] in MATERIALS:
+                break  # a double door of glass
             if reading.found.style not in (None, style):
                 raise TextError(f"styles {reading.found.style} and {style} are asked for; name one")
             reading = reading.take(at, count).say(style=style)
@@ -229,7 +233,8 @@ def _read_counts(reading: Reading) -> Reading:
             at += 1
             continue
         if group.counted:
-            reading = reading.take(group.end - 1).take(at, group.counted)  # "two on each side" has no noun
+            named = group.end - 1 if words[group.end - 1] in PARTS else at  # "two on each side" has no noun
+            reading = reading.take(named).take(at, group.counted)
         groups.append(group)
         while group.count == 0 and words[group.end : group.end + 1] in (("or",), ("nor",), ("and",)):
             after = group.end + 1
@@ -239,6 +244,8 @@ def _read_counts(reading: Reading) -> Reading:
             reading = reading.take(after)
             groups.append(group)
         at = group.end
+    articles = {group.label for group in groups if group.counted == 1 and words[group.start] in ("a", "an")}
+    reading = reading.say(articles=tuple(sorted(articles)))
     places = find_places(words, groups, reading.used)
     reading = _say_features(replace(reading, used=places.used), places.features)
     for label in PART_LABELS:
@@ -291,6 +298,8 @@ def _read_rest(reading: Reading, at: int, groups: Sequence[Group]) -> Group | No
     """Some of the parts that were named before: "four drawers, two on each side"."""
     number = read_count(reading.words, at)
     end = at if number is None else at + number[1]
+    while end < len(reading.words) and reading.words[end] in {*ADJECTIVES, *SCALES}:  # "two small on top"
+        end += 1
     if number is None or not groups or not starts_spot(reading.words, end):
         return None
     return Group(start=at, end=end, label=groups[-1].label, count=number[0], counted=number[1])
@@ -304,6 +313,9 @@ def _find_part(reading: Reading, start: int) -> int | None:
     """Place of the part that a number counts."""
     for place in range(start, min(start + BETWEEN + 1, len(reading.words))):
         word = reading.words[place]
+        counts_head = place == reading.head.start and len(reading.head) > 1 and word in PARTS
+        if counts_head:  # "a five-drawer chest"
+            return place
         if place in reading.head or word in (",", "with", "and") or read_number(reading.words[place:], 0):
             return None
         if word in PARTS:
@@ -425,7 +437,8 @@ def _read_unitless(words: tuple[str, ...], at: int, kind: Kind) -> tuple[Axis, f
         return None
     end += before is None
     given = words[end] if end < len(words) and words[end] in UNITS else None
-    for unit in ("cm", "mm", "m") if given is None else (given,):
+    whole = number[0] == int(number[0])
+    for unit in ("cm", "mm", *(() if whole else ("m",))) if given is None else (given,):
         length = number[0] * UNITS[unit]
         if spans[axis][0] <= length <= spans[axis][1]:
             return axis, length, end + (given is not None) - at
@@ -475,7 +488,7 @@ def _describes_part(reading: Reading, at: int) -> bool:
     for place in range(at + 1, min(at + 2 + BETWEEN, len(reading.words))):
         if place in reading.head or reading.words[place] == ",":
             return False
-        if reading.words[place] in PARTS:
+        if reading.words[place] in PARTS or starts_spot(reading.words, place):
             return True
     return False
 
@@ -489,7 +502,8 @@ def _read_parts(reading: Reading) -> Reading:
     }
     for at, word in enumerate(reading.words):
         if word in PARTS and at not in reading.head:
-            reading = reading.take(at)
+            opened = at > 0 and reading.words[at - 1] == "open" and PARTS[word] == "shelf"
+            reading = reading.take(at - 1, 2) if opened else reading.take(at)
             labels.add(PARTS[word])
         elif PIECES.get(word) in dict((*reading.found.colors, *reading.found.materials)):
             reading = reading.take(at)

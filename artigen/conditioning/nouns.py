@@ -19,6 +19,7 @@ from artigen.conditioning.vocabulary import (
 )
 from artigen.kind import Kind, find_noun
 
+NAMES = frozenset((part,) for part in PARTS)
 LONGEST = 3
 """Words of the longest noun."""
 
@@ -42,6 +43,10 @@ def find_head(words: tuple[str, ...], used: frozenset[int], *, whole: bool = Tru
         TextError: If two kinds are named.
     """
     nouns = _find_nouns(words, used)
+    alone = [
+        noun for noun in nouns if tuple(words[noun.at + noun.count : noun.at + noun.count + 1]) not in NAMES
+    ]
+    nouns = alone or nouns  # "oven doors" are parts of a range
     clear = [noun for noun in nouns if not _is_ambiguous(noun, words)]
     if not clear:
         return next((noun for noun in nouns if _is_one(noun, words, whole=whole)), None)
@@ -68,7 +73,11 @@ def _find_nouns(words: tuple[str, ...], used: frozenset[int]) -> list[Head]:
             continue
         for count in range(min(LONGEST, len(words) - at), 0, -1):
             kind = find_noun(" ".join(words[at : at + count]))
-            other = any(" ".join(words[start : at + count]) in OTHERS for start in range(max(0, at - 2), at))
+            other = any(
+                " ".join(words[start:end]) in OTHERS
+                for start in range(max(0, at - 2), at + 1)
+                for end in range(at + count, at + count + 2)
+            )
             if kind is not None and at not in used and not other:
                 found.append(Head(at, count, kind))
                 at += count

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from artigen.conditioning.numbers import read_count
-from artigen.conditioning.vocabulary import EDGES, FILLERS, GRIDS, RELATIONS, SPOTS, Feature, Spot
+from artigen.conditioning.vocabulary import EDGES, FILLERS, GRIDS, PART_NOUNS, RELATIONS, SPOTS, Feature, Spot
 from artigen.types import PartLabel
 
 LONGEST = 5
@@ -65,7 +65,21 @@ def find_places(words: tuple[str, ...], groups: Sequence[Group], used: frozenset
             each = group.count is not None and bool({"each", "either"} & {words[at] for at in spot[1]})
             placed[index] = replace(group, at=spot[0], count=2 * (group.count or 0) if each else group.count)
             read |= spot[1]
+    if placed and not features:
+        spread = _find_grid(words, max(placed, key=lambda group: group.count or 0), read)
+        features += [] if spread is None else [spread[0]]
+        read |= set() if spread is None else spread[1]
     return Places(groups=tuple(placed), features=tuple(features), used=frozenset(read))
+
+
+def _find_grid(words: tuple[str, ...], group: Group, used: set[int]) -> tuple[Feature, set[int]] | None:
+    """Rows or columns that are named apart from their parts: "a six-drawer dresser, two columns"."""
+    for at in range(len(words)):
+        number = None if at in used else read_count(words, at)
+        end = at if number is None else at + number[1]
+        if number is not None and number[0] > 1 and end < len(words) and words[end] in GRIDS:
+            return (group.label, GRIDS[words[end]], str(number[0])), set(range(at, end + 1))
+    return None
 
 
 def _match(
@@ -102,6 +116,10 @@ def _read_spot(
     after = _match(words, group.end, SPOTS, used)
     if after is not None:
         return SPOTS[after[0]], set(range(after[1], after[2]))
+    single = group.count is None and words[group.end - 1] in PART_NOUNS
+    several = any((other.count or 0) > 1 for other in groups if other.label == group.label)
+    if single and several:  # "the left door" is one of two
+        return None
     adjectives = (
         (group.start - 1, *range(group.start, group.end - 1)) if group.start else range(group.end - 1)
     )

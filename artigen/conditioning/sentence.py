@@ -44,6 +44,8 @@ class Sentence:
     counts: tuple[tuple[PartLabel, int], ...] = ()
     some: tuple[PartLabel, ...] = ()
     """Parts that are named without a number: at least one."""
+    articles: tuple[PartLabel, ...] = ()
+    """Parts that are counted by an article alone: a door, where furniture has one and others at least one."""
     size: tuple[tuple[Axis, float], ...] = ()
     stretch: tuple[tuple[Axis, float], ...] = ()
     """Factors relative to the usual extents: a tall cabinet."""

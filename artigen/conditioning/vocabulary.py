@@ -69,7 +69,9 @@ OTHERS = frozenset({
     "cat flap", "floor lamp", "ceiling lamp", "street lamp", "wall lamp", "lava lamp", "pool table",
     "billiard table", "ping pong table", "changing table", "flower pot", "plant pot", "tea pot",
     "coffee pot", "network switch", "lunch box", "juke box", "jewelry box", "jewellery box", "phone box",
-    "window box", "music box", "shopping cart", "golf cart", "water cooler", "trap door",
+    "window box", "music box", "shopping cart", "cooker hood", "range hood", "game console", "door mat",
+    "door bell", "window sill", "toilet brush", "toilet paper", "toilet seat", "oven glove", "table cloth",
+    "pot holder", "box spring", "switch board", "golf cart", "water cooler", "trap door",
 })  # fmt: skip
 """Nouns of things that end as the noun of a kind does, and are something else."""
 CLAUSES = frozenset({
@@ -178,6 +180,8 @@ MATERIALS: dict[str, Stuff] = {
     "ash": Stuff("wood", (0.82, 0.73, 0.58)),
     "bamboo": Stuff("wood", (0.82, 0.69, 0.45)),
     "wood": Stuff("wood"),
+    "dark wood": Stuff("wood", (0.30, 0.20, 0.14)),
+    "light wood": Stuff("wood", (0.84, 0.74, 0.58)),
     "wooden": Stuff("wood"),
     "timber": Stuff("wood"),
     **{name: Stuff("steel", METALS[name][0]) for name in ("chrome", "brass", "bronze")},

@@ -48,6 +48,8 @@ from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Table"
 MAX_LAYOUTS = 60
+PAINTED = 0.13
+"""Probability of a painted table: most are of wood."""
 OVERHANGING, ARCHED, STRETCHED, CLOSED, GIRDED = 0.4, 0.2, 0.3, 0.2, 0.75
 """Probabilities of an overhanging top, arched aprons, stretchers, closed sides (twice for small tables), and
 an apron around the drawers."""
@@ -87,7 +89,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a table that meets the wish."""
     style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items() if not look.closed})
     kind = _choose_kind(rng, wish)
-    finishes = draw_palette(rng, "furniture", style)
+    finishes = draw_palette(rng, "furniture", style, painted=PAINTED)
     width, depth, height = choose_lengths(rng, wish, kind.spans)
     size = (width, width if kind.round and wish.depth is None else depth, height)
 
@@ -371,6 +373,8 @@ KIND = Kind(
         "writing table",
         "kitchen island",
         "workbench",
+        "island",
+        "console",
     ),
     hints=(),
     size=(
@@ -405,6 +409,8 @@ KIND = Kind(
         "kitchen table": ((1.1, 1.8), (0.75, 0.95), (0.72, 0.77)),
         "workbench": ((1.2, 1.8), (0.6, 0.75), (0.85, 0.92)),
         "kitchen island": ((1.0, 1.8), (0.6, 1.0), (0.88, 0.94)),
+        "island": ((1.0, 1.8), (0.6, 1.0), (0.88, 0.94)),
+        "console": ((0.9, 1.4), (0.3, 0.4), (0.75, 0.85)),
     },
     sizes=((0.25, 4.0), (0.2, 2.0), (0.25, 1.5)),
     make=make(density={"wood_board": 580.0}),  # light tops

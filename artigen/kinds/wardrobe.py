@@ -130,6 +130,10 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={
+        "modern": "flat",
+        "contemporary": "flat",
+        "antique": "country",
+        "vintage": "country",
         "louvred": "louvre",
         "louvered": "louvre",
         "mirror": "mirrored",

@@ -408,12 +408,14 @@ def _make_unit(
     x0, x1 = float(bounds[:, 0].min()), float(bounds[:, 2].max())
     low, high = (metre.height(float(y)) for y in (bounds[:, 3].max(), bounds[:, 1].min()))
     depth = place.draws[0][0] if place.draws else (place.low[0] + place.high[0]) / 2
-    bottom, height = (low, high - low) if height is None else (0.0, height)
+    above, below = (0.0, 0.0) if height is None else (TOP / metre.along, TOE / metre.along)
     size = np.clip(
-        (depth, (x1 - x0) * metre.across, height), np.add(place.low, 0.02), np.subtract(place.high, 0.02)
+        (depth, (x1 - x0) * metre.across, high - low if height is None else height),
+        np.add(place.low, 0.02),
+        np.subtract(place.high, 0.02),
     )
-    top = metre.floor - (bottom + float(size[2])) / metre.along
-    ends = plane.show(frame_box(np.array([x0, top, x1, metre.floor - bottom / metre.along])))
+    face = np.array([x0, bounds[:, 1].min() - above, x1, bounds[:, 3].max() + below])
+    ends = plane.show(frame_box(face))
     box = np.clip(np.concatenate([ends.min(axis=0), ends.max(axis=0)]), 0.0, 1.0)
     fronts = [part for column in columns for part in column.parts]
     others = [

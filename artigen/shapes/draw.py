@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 
 MAX_DRAWS = 1000
 FEW_DRAWS = 100
-"""Draws after which a count of more than twice the largest one seen, and one more, is given up."""
+"""Draws after which a count of more than twice the largest one seen, and one more, or of less than the least,
+is given up."""
 CROWDED_DRAWS = 10
 """Draws with other lengths of an object with free lengths before it is given up as too large."""
 VARIANTS = 100
@@ -216,10 +217,13 @@ def _draw_draft(category: str, seed: int, wish: Wish) -> tuple[Draft, int]:
     known = kinds()
     seen: Counter[str] = Counter()
     most: Counter[str] = Counter()
+    least: dict[str, int] = {}
     free = None in (wish.width, wish.depth, wish.height)
     crowded = 0
     for attempt in range(MAX_DRAWS):
-        if attempt == FEW_DRAWS and any(2 * most[label] + 1 < count for label, count in wish.counts):
+        if attempt == FEW_DRAWS and any(
+            2 * most[label] + 1 < count or count < least.get(label, 0) for label, count in wish.counts
+        ):
             break
         rng = np.random.default_rng([crc32(category.encode()), seed, attempt])
         try:
@@ -234,6 +238,7 @@ def _draw_draft(category: str, seed: int, wish: Wish) -> tuple[Draft, int]:
             return draft, attempt
         seen[", ".join(f"{held[label]} {label}" for label, _ in wish.counts)] += 1
         most |= held
+        least = {label: min(held[label], least.get(label, held[label])) for label, _ in wish.counts}
     wanted = ", ".join(f"{count} {label}" for label, count in wish.counts)
     near = "; ".join(text for text, _ in seen.most_common(5))
     raise ShapeError(f"{category}: no draw of {seen.total()} has {wanted}; most frequent were {near}")

@@ -30,6 +30,10 @@ MOST_ABOVE, TALL = 3, 1.3
 they lie below them."""
 MARGIN = 0.1
 """Most of the width, on either side, that no front takes."""
+WORKTOP, PLINTH = 0.06, 0.12
+"""Most of the height that no front takes at the top, and at the bottom of what stands on no legs."""
+SHELF = 0.12
+"""Least distance (m) of shelves."""
 ALONE = 0.42
 """Share of the height that doors above or below an open compartment take."""
 PEDESTAL = 0.3
@@ -81,13 +85,31 @@ def arrange_fronts(
     return replace(reading, parts=(*held, *grips, *others))
 
 
+def add_shelves(reading: Reading, count: int) -> Reading:
+    """The reading with shelves at equal distances in the highest gap between its fronts, if there is room."""
+    edges = sorted((float(front.box[1]), float(front.box[3])) for front in reading.fronts)
+    gaps, end = [], WORKTOP
+    for top, bottom in [*edges, (1.0 - PLINTH, 1.0)]:
+        gaps.append((top - end, end, top))
+        end = max(end, bottom)
+    high, top, _ = max(gaps)
+    if high * reading.size[2] < SHELF * (count + 1):
+        return reading
+    middles = top + high * (np.arange(count) + 1) / (count + 1)
+    shelves = [
+        ReadPart(label="shelf", score=1.0, box=np.array([0.1, y - 0.005, 0.9, y + 0.005])) for y in middles
+    ]
+    return replace(reading, parts=(*reading.parts, *shelves))
+
+
 def find_area(reading: Reading, *, lowest: float = 0.0) -> Box:
     """What fronts may take, as shares of the object's width and height: as far on either side as the fronts
     that there are on one."""
     boxes = np.array([front.box for front in reading.fronts]).reshape(-1, 4)
     left, top, right, bottom = (*boxes[:, :2].min(axis=0), *boxes[:, 2:].max(axis=0))
     side = float(np.clip(min(left, 1.0 - right), 0.0, MARGIN))
-    return side, float(top), 1.0 - side, max(float(bottom), lowest)
+    least = lowest if reading.stand != "flat" else max(lowest, 1.0 - PLINTH)
+    return side, min(float(top), WORKTOP), 1.0 - side, max(float(bottom), least)
 
 
 def _sort_blocks(
@@ -140,7 +162,11 @@ def _divide(area: Box, blocks: Mapping[Spot, list[Block]]) -> list[tuple[str, Bo
         columns = [[one for one, _ in halves], blocks.get("middle", []), [other for _, other in halves]]
     everything = [*above, *below, *(block for column in columns for block in column)]
     rest = any(columns)
-    heights = [_measure_band(band, width, everything) if band else 0.0 for band in (above, below)]
+    doors = sum(block.count for block in everything if block.label == "door")
+    stacked = bool(above) and not doors  # drawers below drawers are the large ones
+    above = [_shape_drawers(block, width / len(above), doors) for block in above]
+    below = [_shape_drawers(block, width / len(below), doors, stacked=stacked) for block in below]
+    heights = [_measure_band(band) for band in (above, below)]
     if not rest and not (above and below):  # what is said leaves an open compartment
         heights = [ALONE * height if high is None else min(high, MOST_ROWS * height) for high in heights]
     free = sum(high is None for high in heights) + rest
@@ -162,36 +188,41 @@ def _divide(area: Box, blocks: Mapping[Spot, list[Block]]) -> list[tuple[str, Bo
     return found
 
 
-def _measure_band(band: Sequence[Block], width: float, blocks: Sequence[Block]) -> float | None:
-    """Height (m) of a band of drawers; None for one that takes what is left."""
-    if not band or any(block.label != "drawer" for block in band):
+def _shape_drawers(block: Block, width: float, doors: int, *, stacked: bool = False) -> Block:
+    """A block of drawers above or below others with its rows and columns; other blocks as they are.
+
+    Args:
+        block: What is in a band.
+        width: Its width (m).
+        doors: Number of doors of the object: drawers stand in line with them.
+        stacked: Whether the drawers lie above each other if nothing else is said.
+    """
+    if block.label != "drawer" or block.grid is not None:
+        return block
+    if doors and block.count % doors == 0 and width / doors >= NARROWEST:
+        return replace(block, grid=(block.count // doors, doors))
+    beside = not stacked and width / block.count >= NARROWEST
+    return replace(block, grid=(1, block.count) if beside else (block.count, 1))
+
+
+def _measure_band(band: Sequence[Block]) -> float | None:
+    """Height (m) of a band, 0 for none; None for one with other blocks than drawers, which takes the rest."""
+    if any(block.label != "drawer" for block in band):
         return None
-    return max(ROW * _grid(block, width / len(band), None, blocks)[0] for block in band)
+    return max((ROW * block.grid[0] for block in band if block.grid is not None), default=0.0)
 
 
-def _grid(block: Block, width: float, height: float | None, blocks: Sequence[Block] = ()) -> tuple[int, int]:
-    """Rows and columns of a block in a width and a height (m); None for the height of a row each."""
+def _grid(block: Block, width: float, height: float) -> tuple[int, int]:
+    """Rows and columns of a block in a width and a height (m)."""
     if block.grid is not None:
         return block.grid
-    if height is None:
-        doors = sum(other.count for other in blocks if other.label == "door")
-        if doors and block.count % doors == 0 and width / doors >= NARROWEST:
-            return block.count // doors, doors
-        many = block.count > 1 and width / block.count >= NARROWEST
-        return (1, block.count) if many else (block.count, 1)
     if block.label == "door":
-        columns = (
-            block.count if block.count <= MOST_DOORS else max(1, min(block.count, int(width / NARROW_DOOR)))
-        )
+        fit = max(1, min(block.count, int(width / NARROW_DOOR)))
+        columns = block.count if block.count <= MOST_DOORS else fit
         return -(-block.count // columns), columns
-    return min(
-        (
-            (block.count // columns, columns)
-            for columns in range(1, block.count + 1)
-            if block.count % columns == 0
-        ),
-        key=lambda grid: abs(np.log(width / grid[1] / (height / grid[0]) / SHAPELY)),
-    )
+    even = [columns for columns in range(1, block.count + 1) if block.count % columns == 0]
+    grids = [(block.count // columns, columns) for columns in even]
+    return min(grids, key=lambda grid: abs(np.log(width / grid[1] / (height / grid[0]) / SHAPELY)))
 
 
 def _divide_row(area: Box, band: Sequence[Block]) -> list[tuple[str, Box]]:
@@ -200,13 +231,7 @@ def _divide_row(area: Box, band: Sequence[Block]) -> list[tuple[str, Box]]:
     wide = (right - left) / len(band)
     found: list[tuple[str, Box]] = []
     for index, block in enumerate(band):
-        own = (left + index * wide, top, left + (index + 1) * wide, bottom)
-        rows = round((bottom - top) / ROW) if block.label == "drawer" else 1
-        grid = block.grid
-        if grid is None and block.label == "drawer" and block.count > 1:
-            rows = max(1, min(rows, block.count))
-            grid = (rows, -(-block.count // rows)) if block.count % rows == 0 else None
-        found += _fill(own, replace(block, grid=grid or block.grid))
+        found += _fill((left + index * wide, top, left + (index + 1) * wide, bottom), block)
     return found
 
 

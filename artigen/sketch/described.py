@@ -17,6 +17,7 @@ from artigen.shapes.shape import Shape
 
 NARROW = 0.24
 """Width (m) of a front that is too narrow to be chosen where the object's width is free."""
+BESIDE = ("left", "right")
 TOUCH = 0.02
 """Share of the front's width or height by which parts that are above or beside each other may overlap."""
 ALIKE = 0.05
@@ -70,14 +71,16 @@ def has_feature(shape: Shape, reading: Reading, feature: Feature) -> bool:
     style = STYLES.get(feature)
     if style is not None and style == shape.style:
         return True
-    if (part, what) == ("door", "hinged"):
-        return bool(doors) and all(door.hinge == value for door in doors)
+    if (part, what) == ("door", "hinged"):  # the flap of a filter beside a door is another matter
+        sides = {door.hinge for door in doors if (door.hinge in BESIDE) == (value in BESIDE)}
+        return sides == {value}
     if (part, what) == ("door", "material"):
         return bool(doors) and all(door.pane for door in doors)
-    if (part, what, value) in (("door", "type", "side by side"), ("door", "type", "french")):
+    if (part, what, value) == ("door", "type", "side by side"):
+        return len(doors) > 1 and all(_is_level(doors[0], door) for door in doors)
+    if (part, what, value) == ("door", "type", "french"):
         pairs = [(a, b) for a in doors for b in doors if a.box[2] <= b.box[0] + TOUCH and _is_level(a, b)]
-        alone = len(fronts) == 2
-        return bool(pairs) and (alone if value == "side by side" else not alone)
+        return bool(pairs) and len(fronts) > 2
     if (part, what, value) == ("door", "type", "sliding"):
         moving = [one.joint for one in shape.parts if one.label == "door" and one.joint is not None]
         return bool(moving) and all(joint.type == "prismatic" for joint in moving)
@@ -124,7 +127,8 @@ def _is_beyond(chosen: Sequence[ReadPart], others: Sequence[ReadPart], at: Spot)
     ends = [_span(front, axis, sign) for front in chosen]
     if others:
         return max(end for _, end in ends) <= min(_span(front, axis, sign)[0] for front in others) + TOUCH
-    return all((start + end) / 2 < sign * 0.5 - ASIDE for start, end in ends)
+    far = ASIDE if axis == 0 else 0.0
+    return all((start + end) / 2 < sign * 0.5 - far for start, end in ends)
 
 
 def _span(front: ReadPart, axis: int, sign: float) -> tuple[float, float]:

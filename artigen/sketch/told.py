@@ -21,7 +21,7 @@ from artigen.shapes.draw import ShapeError, Wish, draw_shape
 from artigen.shapes.fittings.handles import HANDLE_KINDS, HandleKind
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
-from artigen.sketch.arrange import arrange_fronts
+from artigen.sketch.arrange import add_shelves, arrange_fronts
 from artigen.sketch.described import count_narrow, list_undescribed, read_front
 from artigen.sketch.request import SketchRequest
 from artigen.types import PartLabel
@@ -41,6 +41,7 @@ STANDS: dict[str, Stand] = {
     "legs": "legs", "feet": "legs", "plinth": "flat", "floor": "flat", "castor": "wheels", "wheel": "wheels",
 }  # fmt: skip
 """What an object stands on, by words for it."""
+LEVEL: Feature = ("door", "type", "side by side")
 FLOOR = 0.005
 """Height (m) up to which something stands on the floor."""
 LAID_OUT = {
@@ -102,6 +103,8 @@ def draw_told(told: Told, request: SketchRequest, seed: int) -> tuple[Shape, tup
         own = int(np.random.SeedSequence([seed, STREAM, draw]).generate_state(1)[0])
         first = not told.places and draw == 0
         shape = _draw(request, told, own) if first or not divide else None
+        if shape is None and not divide and draw > 0 and best is None:
+            return None
         if shape is None and divide:  # the layout gives the fronts their numbers
             shape = _draw(replace(request, counts=_leave_out(request.counts)), told, own)
         if shape is None:
@@ -111,6 +114,7 @@ def draw_told(told: Told, request: SketchRequest, seed: int) -> tuple[Shape, tup
             if found is None or not _has_counts(found, request):
                 continue
             lost = told.list_lost(found) + [" ".join(one) for one in unseen if one[2] != "none"]
+            lost += _list_uncounted(found, told, request)
             narrow = count_narrow(found) if request.width is None and kind.laid_out else 0
             rank = (len(outside.list_lost(found)), len(lost), narrow)
             if best is None or rank < best[0]:
@@ -121,6 +125,17 @@ def draw_told(told: Told, request: SketchRequest, seed: int) -> tuple[Shape, tup
         return None
     lost = best[2]
     return best[1], (f"understood, but no {kind.name} was found with: {', '.join(lost)}",) if lost else ()
+
+
+def _list_uncounted(shape: Shape, told: Told, request: SketchRequest) -> list[str]:
+    """Parts that are asked for in another number; a shelf with a place is an open compartment."""
+    placed = {"shelf"} & {place.label for place in told.places}
+    held = dict(shape.condition.counts)
+    return [
+        f"{count} {label}"
+        for label, count in request.counts
+        if held.get(label, 0) != count and label not in placed
+    ]
 
 
 def _leave_out(counts: Sequence[tuple[PartLabel, int]]) -> tuple[tuple[PartLabel, int], ...]:
@@ -143,12 +158,14 @@ def _draw(request: SketchRequest, told: Told, seed: int) -> Shape | None:
 def _has_counts(shape: Shape, request: SketchRequest) -> bool:
     held = dict(shape.condition.counts)
     return all(held.get(label, 0) == count for label, count in request.counts if label in FRONTS) and all(
-        held.get(label, 0) for label in request.some
+        held.get(label, 0)
+        for label in request.some
+        if label != "shelf"  # which may be an open compartment
     )
 
 
 def _is_laid_out(feature: Feature) -> bool:
-    return feature[:2] in LAID_OUT or feature[1] in ("rows", "columns")
+    return feature[:2] in LAID_OUT or feature[1] in ("rows", "columns") or feature == LEVEL
 
 
 def _handles(features: Sequence[Feature]) -> tuple[HandleKind, ...]:
@@ -168,9 +185,13 @@ def _lay_out(shape: Shape, told: Told, request: SketchRequest, seed: int) -> Sha
     held = {label: reading.counts[label] for label in FRONTS}
     reading = correct_reading(reading, counts=_count_fronts(reading, told, request))
     grids = [one for one in told.features if one[1] in ("rows", "columns")]
+    grids += [("door", "rows", "1")] if LEVEL in told.features else []
     if told.places or grids or held != {label: reading.counts[label] for label in FRONTS}:
         desk = shape.category == name_kind("table") and bool({"left", "right", "sides"} & told.spots)
-        reading = arrange_fronts(reading, told.places, told.features, lowest=WHOLE[3] if desk else 0.0)
+        reading = arrange_fronts(reading, told.places, grids, lowest=WHOLE[3] if desk else 0.0)
+    shelves = dict(request.counts).get("shelf", 0)
+    if shelves and not any(place.label == "shelf" for place in told.places):
+        reading = add_shelves(reading, shelves)
     hinges = [value for part, what, value in told.features if (part, what) == ("door", "hinged")]
     sides: dict[str, Side] = {"left": "left", "right": "right", "top": "top", "bottom": "bottom"}
     reading = correct_reading(

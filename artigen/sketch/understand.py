@@ -75,7 +75,7 @@ def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Underst
         check_category(category, learned)
     wish, size = request.wish, dict(said.size)
     counts = dict(wish.counts)
-    said = _name_knobs(said, category)
+    said = _loosen_articles(_name_knobs(said, category), category)
     for label, count in said.counts:
         counts[label] = _agree(f"number of {label}s", counts.get(label), count) or 0
     wish = Wish(
@@ -117,6 +117,20 @@ def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Underst
         places=said.places,
         objects=said.objects,
         notes=_name_ignored(said),
+    )
+
+
+def _loosen_articles(said: Sentence, category: str | None) -> Sentence:
+    """What is counted by an article is at least one, but for the fronts of furniture: a dryer "with a round
+    door" has a lint filter as well."""
+    kind = None if category is None else find_kind(category)
+    loose = [label for label, count in said.counts if label in said.articles and count == 1]
+    if kind is None or kind.laid_out or not loose:
+        return said
+    return replace(
+        said,
+        counts=tuple(pair for pair in said.counts if pair[0] not in loose),
+        some=tuple(sorted({*said.some, *loose})),
     )
 
 

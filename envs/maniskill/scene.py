@@ -20,6 +20,9 @@ from mani_skill.utils.scene_builder.registration import register_scene_builder
 from mani_skill.utils.structs import Actor, Articulation
 from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
 
+from envs.goals.file import GOALS_FILE, read_goals
+from envs.goals.goal import Goal, State, is_reached, start_room
+from envs.goals.sample import GOALS, sample_goals
 from envs.rooms.file import read_room
 from envs.rooms.footprints import cached_package
 from envs.rooms.map import start_place
@@ -28,6 +31,7 @@ from envs.rooms.views import find_lamps, find_views
 
 from .load import load_robot, place_robot
 from .mechanisms import mechanism_of
+from .objects import TaskError
 from .room_objects import item_pose, load_fixture, load_item, load_placement
 
 Rooms = str | Path | Sequence[str | Path]
@@ -108,16 +112,31 @@ class RoomSceneBuilder(SceneBuilder):
         actor = load_fixture(
             self.scene, fixture, f"{fixture.name}-{index}", index, Path(self._covers.name) / str(index)
         )
-        if fixture.name == "floor":
+        if fixture.name.startswith("floor"):
             actor.set_collision_group_bit(group=2, bit_idx=FETCH_WHEELS_COLLISION_BIT, bit=1)
         return actor
+
+
+def _choose_goals(path: Path, room: Room, goal: str) -> tuple[Goal, ...]:
+    """The goals of a room with some words, or all of them."""
+    folder = path if path.is_dir() else path.parent
+    known = (folder / GOALS_FILE).is_file()
+    goals = read_goals(folder) if known else sample_goals(room, room.seed, GOALS)
+    found = tuple(each for each in goals if goal in ("sampled", each.words))
+    if not found:
+        listed = "; ".join(each.words for each in goals) or "it has none"
+        raise TaskError(f"{path}: no goal {goal!r}; expected 'sampled' or one of: {listed}")
+    return found
 
 
 register_scene_builder("ArtiGenRoom")(RoomSceneBuilder)
 
 
 class RoomEnv(BaseEnv):
-    """``ArtiGen-Room-v1``: a robot in the entrance of a furnished room; no task, no reward.
+    """``ArtiGen-Room-v1``: a robot in the entrance of a furnished room or flat, with or without a goal.
+
+    With a goal, each episode begins in the goal's first state, ``goals`` holds one for every scene, and
+    success is when it is reached; a sparse reward is 1 then.
 
     Besides the robot's state, the state observation has ``room_qpos [J]``: the joints of all objects in the
     order of scene.json (padded with 0 to the largest room). ``furnished.placed`` gives the articulations.
@@ -125,10 +144,15 @@ class RoomEnv(BaseEnv):
     Args:
         scenes: One scene.json (or its folder), or several; each parallel scene samples one of them.
         robot_uids: ``fetch`` or ``panda``.
+        goal: ``none``, ``sampled`` by the seed of the episode from the room's ``goals.json`` (without one,
+            from what the room has), or the words of one of these.
+
+    Raises:
+        TaskError: If a room has no goal, or none with these words.
     """
 
     SUPPORTED_ROBOTS = ["fetch", "panda"]  # noqa: RUF012
-    SUPPORTED_REWARD_MODES = ("none",)
+    SUPPORTED_REWARD_MODES = ("none", "sparse")
 
     def __init__(
         self,
@@ -136,12 +160,20 @@ class RoomEnv(BaseEnv):
         scenes: Rooms,
         robot_uids: str = "fetch",
         num_envs: int = 1,
+        goal: str = "none",
         reconfiguration_freq: int | None = None,
         **kwargs: Any,
     ) -> None:
         if robot_uids not in self.SUPPORTED_ROBOTS:
             raise ValueError(f"robot_uids {robot_uids!r}, expected fetch or panda")
         self.furnished: RoomSceneBuilder = room_builder(scenes)(self)
+        given = [scenes] if isinstance(scenes, str | Path) else scenes
+        rooms = self.furnished.build_configs or []
+        self._choices = [
+            _choose_goals(Path(path), room, goal) if goal != "none" else ()
+            for path, room in zip(given, rooms, strict=True)
+        ]
+        self.goals: list[Goal | None] = [None] * num_envs
         if reconfiguration_freq is None:
             several = len(self.furnished.build_configs or ()) > 1
             reconfiguration_freq = 1 if several and num_envs == 1 else 0
@@ -181,20 +213,54 @@ class RoomEnv(BaseEnv):
         self.agent = load_robot(self, str(self.robot_uids), AWAY)
 
     def _load_scene(self, options: dict) -> None:
-        drawn = [
+        self._drawn = [
             int(self._batched_episode_rng[index].randint(len(self.furnished.build_configs or ())))
             for index in range(self.num_envs)
         ]
-        self.furnished.build(drawn)
+        self.furnished.build(self._drawn)
 
     def _initialize_episode(self, env_idx: torch.Tensor, options: dict) -> None:
+        for index in env_idx.tolist():
+            choices = self._choices[self._drawn[index]]
+            if choices:
+                goal = choices[int(self._batched_episode_rng[index].randint(len(choices)))]
+                self.goals[index] = goal
+                configs = self.furnished.build_configs or []
+                self.furnished.rooms[index] = start_room(configs[self._drawn[index]], goal)
         self.furnished.initialize(env_idx)
         base = np.array([(*self.furnished.starts[index], 0.0, np.pi / 2.0) for index in env_idx.tolist()])
         place_robot(self, np.tile(np.asarray(self.agent.keyframes["rest"].qpos), (len(base), 1)), base)
 
     def evaluate(self) -> dict:
-        """Empty: there is no success condition."""
-        return {}
+        """``success [B]``: whether each scene's goal is reached; empty without goals."""
+        if not any(self._choices):
+            return {}
+        reached = [
+            goal is not None and is_reached(goal, room, self.read_state(index, goal))
+            for index, (goal, room) in enumerate(zip(self.goals, self.furnished.rooms, strict=True))
+        ]
+        return {"success": torch.tensor(reached, device=self.device)}
+
+    def read_state(self, index: int, goal: Goal) -> State:
+        """Joints and things of one of the parallel scenes that a goal is about."""
+        joints = {}
+        for name in {each.object for each in (*goal.joints, *goal.items)}:
+            articulation = self.furnished.placed[index][name]
+            coordinates = articulation.get_qpos()[0].tolist()
+            active = [joint.name for joint in articulation.active_joints]
+            joints |= {(name, joint): q for joint, q in zip(active, coordinates, strict=True)}
+        items = {
+            each.item: self.furnished.contents[index][each.item]
+            .pose.to_transformation_matrix()[0]
+            .cpu()
+            .numpy()
+            for each in goal.items
+        }
+        return State(joints=joints, items=items)
+
+    def get_language_instruction(self) -> list[str]:
+        """The words of each scene's goal."""
+        return ["" if goal is None else goal.words for goal in self.goals]
 
     def _get_obs_extra(self, info: dict) -> dict[str, torch.Tensor]:
         if "state" not in self.obs_mode:

@@ -1,5 +1,6 @@
 """Candidate places of furniture clusters in a room, and the choice of the best one."""
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
@@ -20,7 +21,7 @@ from .pieces import (
     shift_boxes,
     widened,
 )
-from .room import YAWS, Opening, Side, along_wall, turn_matrix, wall_axis, wall_length
+from .room import SIDES, YAWS, Opening, Side, along_wall, turn_matrix, wall_axis, wall_length
 
 STEP = 0.04
 """Step (m) of candidate places along a wall."""
@@ -28,6 +29,9 @@ GRID = 0.15
 """Step (m) of candidate places in the middle of a room."""
 DOORWAY = 0.9
 """Depth (m) of the space in front of the entrance that stays empty."""
+
+PORTAL = 0.15
+"""Depth (m) that the frame and the levers of a neighbour's door may reach into a room."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,11 +53,17 @@ class Place:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Plan:
-    """A partially furnished room. ``doorway`` is kept free of bodies."""
+    """A partially furnished room. ``doorway`` is kept free of bodies.
+
+    ``doorways`` are those of neighbours, whose doors open away from this room; windows fit into ``outer``
+    walls only.
+    """
 
     size: tuple[float, float, float]
     entrance: Opening
     places: tuple[Place, ...] = ()
+    doorways: tuple[Opening, ...] = ()
+    outer: tuple[Side, ...] = SIDES
 
     @property
     def boxes(self) -> Boxes:
@@ -61,11 +71,22 @@ class Plan:
         return join_boxes([place.boxes for place in self.places])
 
     @property
-    def doorway(self) -> Float[np.ndarray, "1 2 3"]:
-        """Space that the entrance needs."""
-        start, stop = self.entrance.start - 0.05, self.entrance.stop + 0.05
-        box = along_wall(self.entrance.side, self.size, (start, -0.2, 0.0), (stop, DOORWAY, 2.0))
-        return box[None]
+    def doorway(self) -> Float[np.ndarray, "D 2 3"]:
+        """Space that the entrance, and then every other doorway, needs."""
+        rows = []
+        for hole in (self.entrance, *self.doorways):
+            low, high = (hole.start - 0.05, -0.2, 0.0), (hole.stop + 0.05, DOORWAY, 2.0)
+            rows.append(along_wall(hole.side, self.size, low, high))
+        return np.array(rows)
+
+    @property
+    def portals(self) -> Float[np.ndarray, "D 2 3"]:
+        """Space of the neighbours' doors, shut, on this side of their walls."""
+        rows = [
+            along_wall(hole.side, self.size, (hole.start, 0.0, 0.0), (hole.stop, PORTAL, hole.top))
+            for hole in self.doorways
+        ]
+        return np.array(rows).reshape(-1, 2, 3)
 
     def with_place(self, place: Place) -> "Plan":
         """The plan with one more cluster."""
@@ -93,7 +114,7 @@ def fits(plan: Plan, boxes: Boxes, against: Boxes, *, aisle: float = 0.0) -> boo
     everything = boxes.all
     if (everything[:, 0] < -TOUCH).any() or (everything[:, 1] > np.array(plan.size) + TOUCH).any():
         return False
-    if overlap(boxes.bodies, plan.doorway) or conflict(boxes, against):
+    if overlap(boxes.bodies, plan.doorway) or overlap(boxes.sweeps, plan.portals) or conflict(boxes, against):
         return False
     return aisle == 0.0 or not overlap(widened(boxes.bodies, aisle), against.bodies)
 
@@ -109,7 +130,7 @@ def wall_places(
 
     What is ``sunk`` reaches that far (m) into the wall; boxes are those of the rest of it.
     """
-    gap, back = GAP, GAP - sunk
+    gap, back = GAP + sunk, GAP - sunk  # what is sunk into two walls would meet in their corner
     if starts is None:
         last = wall_length(side, plan.size) - cluster.length - gap
         starts = np.append(np.arange(gap, last, STEP), last) if last >= gap else np.zeros(0)
@@ -159,26 +180,29 @@ def best_place(
 ) -> Place | None:
     """The fitting candidate of least cost, or None."""
     against = plan.boxes
-    rated = [(place_cost(plan, place, taste) + taste.noise * rng.random(), place) for place in candidates]
+    door = plan.doorway[0, :, :2].mean(axis=0)
+    rated = [
+        (place_cost(plan, place, taste, door) + taste.noise * rng.random(), place) for place in candidates
+    ]
     for _, place in sorted(rated, key=lambda pair: pair[0]):
         if fits(plan, place.boxes, against, aisle=aisle):
             return place
     return None
 
 
-def place_cost(plan: Plan, place: Place, taste: Taste) -> float:
-    """Cost of a place."""
-    center = place.center
+def place_cost(plan: Plan, place: Place, taste: Taste, door: Float[np.ndarray, "2"]) -> float:
+    """Cost of a place; ``door`` is the middle of the space before the entrance."""
+    bodies = place.boxes.bodies
+    low, high = bodies[:, 0, :2].min(axis=0).tolist(), bodies[:, 1, :2].max(axis=0).tolist()
+    center = (low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0
     cost = 0.0
     if place.side is None:
-        cost += taste.middle * float(np.linalg.norm(center - np.array(plan.size[:2]) / 2.0))
+        cost += taste.middle * math.dist(center, (plan.size[0] / 2.0, plan.size[1] / 2.0))
     else:
         axis = wall_axis(place.side)
         length = wall_length(place.side, plan.size)
-        bodies = place.boxes.bodies
-        ends = min(float(bodies[:, 0, axis].min()), length - float(bodies[:, 1, axis].max()))
-        cost += taste.corner * ends + taste.middle * abs(float(center[axis]) - length / 2.0)
+        cost += taste.corner * min(low[axis], length - high[axis])
+        cost += taste.middle * abs(center[axis] - length / 2.0)
     if taste.near is not None:
-        cost += 1.5 * float(np.linalg.norm(center - np.array(taste.near)))
-    door = plan.doorway[0, :, :2].mean(axis=0)
-    return cost - taste.entrance * min(float(np.linalg.norm(center - door)), 3.0)
+        cost += 1.5 * math.dist(center, taste.near)
+    return cost - taste.entrance * min(math.dist(center, door), 3.0)

@@ -93,6 +93,22 @@ def read_catalogue(folder: Path) -> Catalogue:
     return Catalogue(folder=folder, entries=tuple(entries), failed=tuple(failed))
 
 
+def read_entry(package: Path) -> Entry:
+    """One package.
+
+    Raises:
+        PopulateError: If it did not pass validation, or was not written by artigen.
+    """
+    verdict = _verdict(package)
+    entry = None if verdict else _read_entry(package)
+    if entry is None:
+        raise PopulateError(
+            f"{package}: {verdict or 'not written by artigen'}; a room needs packages that passed "
+            "`artigen validate`"
+        )
+    return entry
+
+
 def demand_roles(catalogue: Catalogue, recipe: Recipe) -> None:
     """Raises `PopulateError` unless every required role of the room has a package."""
     missing = [role for role in recipe.needed if not catalogue.of_role(role)]

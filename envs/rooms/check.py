@@ -20,6 +20,7 @@ from sim_export.package import SimPackage
 
 from .footprints import bounds_of, cached_package
 from .map import CELL, reachable_map, way_to
+from .recipes import DOOR
 from .room import ROBOT_HEIGHT, THICKNESS, Item, Placement, Room, along_wall, pose_matrix_of, wall_axis
 from .solids import (
     Solid,
@@ -56,9 +57,12 @@ class Problem:
     message: str
 
 
-def check_room(room: Room) -> tuple[Problem, ...]:
+def check_room(room: Room, *, open_doors: bool = False) -> tuple[Problem, ...]:
     """All problems of a room: overlaps at rest, objects outside, blocked sweeps and standing places,
     standing places that a robot cannot reach from the entrance, and contents that do not lie on anything.
+
+    Args:
+        open_doors: Whether the robot comes by doors that stand open, whose leaves are in its way, too.
 
     Raises:
         PackageError: If a package cannot be read.
@@ -70,7 +74,8 @@ def check_room(room: Room) -> tuple[Problem, ...]:
         problems += _blocked_sweeps(placement, [solid for solid in solids if solid.id != placement.id])
         problems += _blocked_standing(room, placement, solids)
     if room.standing_radius > 0.0:
-        problems += _unreachable(room, solids + standing_solids(room))
+        passable = _with_open_doors(room, objects) + fixtures if open_doors else solids
+        problems += _unreachable(room, passable + standing_solids(room))
     return tuple(problems)
 
 
@@ -266,6 +271,22 @@ def robot_column(x: float, y: float, radius: float) -> Solid:
         [np.column_stack([ring + np.array([x, y]), np.full(CORNERS, z)]) for z in (0.01, ROBOT_HEIGHT)]
     )
     return make_solid("robot", [convex_hull(points)])
+
+
+def _with_open_doors(room: Room, objects: Sequence[Solid]) -> list[Solid]:
+    """The objects of a room with all room doors open."""
+    return [
+        place_solid(_opened(placement)) if placement.role == DOOR.name else solid
+        for placement, solid in zip(room.placements, objects, strict=True)
+    ]
+
+
+def _opened(placement: Placement) -> Placement:
+    """An object with all its leaves as far open as they go."""
+    package = cached_package(placement.package)
+    leaves = {link.name for link in package.links if link.label == "door"}
+    joints = tuple((joint.name, joint.upper) for joint in package.joints if joint.child in leaves)
+    return replace(placement, joints=joints)
 
 
 def _unreachable(room: Room, solids: Sequence[Solid]) -> Iterator[Problem]:

@@ -1,13 +1,13 @@
 """Puts loose things onto the furniture of a room, selected by its seed: jars by the wall, a lamp, a book."""
 
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
 
 from artigen.shapes.polygons import polygon_areas
 from artigen.transforms import transform_points
+from artigen.types import Clutter
 from sim_export.geometry.triangles import bounds_of
 
 from .compartments import cached_compartments
@@ -31,7 +31,6 @@ from .solids import place_solid, standing_solids
 from .things import THINGS
 from .worktops import WORKTOP
 
-Clutter = Literal["none", "tidy", "lived", "messy"]
 PER_AREA: dict[Clutter, float] = {"none": 0.0, "tidy": 3.0, "lived": 9.0, "messy": 18.0}
 """Things per square metre of tops."""
 SHELVES: dict[Clutter, float] = {"none": 0.0, "tidy": 0.5, "lived": 0.9, "messy": 1.0}

@@ -9,10 +9,11 @@ from jaxtyping import Float
 
 from artigen.kind import find_kind
 from artigen.transforms import rotation_about
+from artigen.types import SceneKind
 
 from .check import check_contents
 from .compartments import Compartment, cached_compartments
-from .room import Item, Placement, Room, RoomKind, corner, rounded_quat
+from .room import Item, Placement, Room, corner, rounded_quat
 from .things import THINGS, Color, Size, Thing, thing_hulls
 
 VARIETY = 3
@@ -97,7 +98,7 @@ def add_items(room: Room, items: Sequence[Item]) -> Room:
 
 
 def fill_compartment(
-    compartment: Compartment, kind: RoomKind, holder: Placement, rng: np.random.Generator
+    compartment: Compartment, kind: SceneKind, holder: Placement, rng: np.random.Generator
 ) -> list[Item]:
     """Things of a few kinds at free places of a compartment; none where none fits."""
     low, high = np.array(compartment.low), np.array(compartment.high)

@@ -12,8 +12,10 @@ from itertools import pairwise, product
 import numpy as np
 from jaxtyping import Float
 
+from artigen.types import SceneKind
+
 from .patterns import Color, Pattern
-from .room import SIDES, THICKNESS, Fixture, Room, RoomKind, Side, along_wall, corner, wall_length
+from .room import SIDES, THICKNESS, Fixture, Room, Side, along_wall, corner, wall_length
 from .taken import Taken, find_taken
 from .views import PENDANT
 
@@ -33,7 +35,7 @@ PAINTS: tuple[tuple[Color, Color], ...] = (
 )  # fmt: skip
 """Ground and shape of pictures."""
 WHITE, METAL, GLASS, SKY = (0.95, 0.95, 0.94), (0.62, 0.63, 0.64), (0.80, 0.86, 0.89), (0.66, 0.80, 0.95)
-RUGS: dict[RoomKind, tuple[tuple[float, float], ...]] = {
+RUGS: dict[SceneKind, tuple[tuple[float, float], ...]] = {
     "living_room": ((2.4, 1.7), (2.0, 1.4), (1.6, 1.0), (1.2, 0.7)),
     "bedroom": ((1.6, 1.0), (1.3, 0.7), (1.0, 0.6)),
     "office": ((2.0, 1.4), (1.4, 0.9)),
@@ -42,11 +44,11 @@ RUGS: dict[RoomKind, tuple[tuple[float, float], ...]] = {
     "kitchen": ((1.2, 0.55), (0.8, 0.5)),
 }
 """Length and width (m) of rugs, the largest first."""
-PICTURES: dict[RoomKind, int] = {
+PICTURES: dict[SceneKind, int] = {
     "living_room": 4, "bedroom": 3, "office": 2, "hall": 2, "kitchen": 1,
 }  # fmt: skip
 CURTAINED = ("living_room", "bedroom", "office")
-LAMPS: dict[RoomKind, int] = {"living_room": 1, "bedroom": 1, "kitchen": 2, "office": 2, "hall": 1}
+LAMPS: dict[SceneKind, int] = {"living_room": 1, "bedroom": 1, "kitchen": 2, "office": 2, "hall": 1}
 """Pendants; other rooms have a flat lamp."""
 ON_WALLS = ("curtain", "picture", "mirror", "towel", "switch", "socket", "sky")
 """Beginnings of the names of what hangs on a wall; its side follows."""
@@ -83,7 +85,7 @@ def decorate_room(room: Room) -> Room:
         taken = taken.add(boxes)
         return True
 
-    for hole in room.openings:
+    for hole in room.windows:
         added.append(_sky(room, hole.side, (hole.start, hole.stop, hole.bottom, hole.top), len(added)))
     if room.kind in CURTAINED:
         for hole in _windows(room):
@@ -234,7 +236,7 @@ def _switches(room: Room) -> Iterator[Hung]:
 def _windows(room: Room) -> list[tuple[Side, float, float, float, float]]:
     """Side, start, stop, bottom and top of windows: openings that touch are of one window."""
     found: list[list] = []
-    for hole in room.openings:
+    for hole in room.windows:
         for window in found:
             if window[0] == hole.side and hole.start < window[2] + 0.05 and hole.stop > window[1] - 0.05:
                 window[1:] = [

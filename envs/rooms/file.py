@@ -9,7 +9,7 @@ from typing import Any
 from artigen.errors import ArtigenError
 from artigen.io import write_whole
 
-from .room import Fixture, Item, Opening, Placement, Room
+from .room import Fixture, Item, Opening, Placement, Room, Zone
 
 FORMAT = "artigen-scene"
 VERSION = 1
@@ -29,7 +29,7 @@ def room_json(room: Room, folder: Path) -> str:
         placement["joints"] = dict(placement["joints"])
         placement["provenance"] = dict(placement["provenance"])
     value["provenance"] = dict(value["provenance"])
-    for key in ("contents", "openings"):
+    for key in ("contents", "openings", "zones"):
         if not value[key]:
             del value[key]
     head = {"format": FORMAT, "version": VERSION, "frame": "corner of the floor, z up, metres, wxyz"}
@@ -80,6 +80,10 @@ def read_room(path: Path | str) -> Room:
             openings=tuple(Opening(**entry) for entry in value.pop("openings", ())),
             size=tuple(value.pop("size")),
             contents=tuple(_item(entry) for entry in value.pop("contents", ())),
+            zones=tuple(
+                Zone(**{**entry, "low": tuple(entry["low"]), "high": tuple(entry["high"])})
+                for entry in value.pop("zones", ())
+            ),
             provenance=_provenance(value.pop("provenance"), "the room"),
             **value,
         )

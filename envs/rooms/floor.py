@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import shift, transform_points
+from artigen.types import SceneKind
 from sim_export.geometry.contacts import HullSet
 
 from .contents import LIFT, Drawn, draw_thing
@@ -16,7 +17,6 @@ from .room import (
     Item,
     Placement,
     Room,
-    RoomKind,
     Side,
     along_wall,
     corner,
@@ -54,7 +54,7 @@ SEATS: dict[str, Seat] = {
     "island": Seat(thing="stool", most=3),
 }
 """Seats by the role of what they stand at."""
-ALONG_WALLS: dict[RoomKind, tuple[str, ...]] = {
+ALONG_WALLS: dict[SceneKind, tuple[str, ...]] = {
     "kitchen": ("floor_plant",),
     "office": ("floor_plant", "floor_lamp"),
     "bedroom": ("floor_lamp", "basket"),

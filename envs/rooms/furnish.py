@@ -139,7 +139,8 @@ def _find_place(plan: Plan, group: Group, cluster: Cluster, chooser: Chooser) ->
     )
     if group.where == "middle":
         return best_place(plan, middle_places(plan, cluster), taste, chooser.rng, aisle=AISLE)
-    places = [place for side in SIDES for place in wall_places(plan, cluster, side, sunk=group.sunk)]
+    sides = plan.outer if group.sunk > 0.0 else SIDES
+    places = [place for side in sides for place in wall_places(plan, cluster, side, sunk=group.sunk)]
     return best_place(plan, places, taste, chooser.rng)
 
 

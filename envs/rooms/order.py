@@ -1,25 +1,28 @@
 """Rooms on order: units side by side along one wall, exactly those and in that order.
 
 Orders are words such as ``fridge``, ``base cabinet`` or ``sink:0.8``: a role, or a noun of a kind that can
-fill one, and a width in metres; ``sink@NAME`` is the package of that name. A number by itself is a length of
-wall (m) that stays free. Units behind ``above`` hang on the wall, again from the left end of the order.
+fill one, and a width in metres; ``sink@NAME`` is the package of that name, and a folder the package in it.
+``3*cabinet`` are three. A number by itself is a length of wall (m) that stays free. Units behind ``above``
+hang on the wall, again from the left end of the order.
 """
 
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from artigen.errors import ArtigenError
 from artigen.kind import find_noun
+from artigen.types import SceneKind
 
 from .arrange import Plan, fits, wall_places
-from .catalogue import Catalogue, Entry
+from .catalogue import Catalogue, Entry, fits_role, read_entry
 from .hung import HUNG_HEIGHT
-from .pieces import GAP, Cluster, Piece, line_up
+from .pieces import GAP, Cluster, Piece, line_up, move_boxes, overlap
 from .recipes import RECIPES, Role
-from .room import RoomKind, Side, wall_axis, wall_length
+from .room import Side, wall_axis, wall_length
 from .runs import Chooser, member_boxes
 
 SYNONYMS = {
@@ -49,26 +52,32 @@ class Unit:
     role: Role
     width: float | None = None
     package: str | None = None
+    folder: Path | None = None
+    """Where its package is, if that was ordered."""
     free: float = 0.0
     """Length (m) of wall that stays free before it."""
     hung: bool = False
 
     @property
     def draws(self) -> tuple[tuple[str, tuple[float, float, float]], ...]:
-        """Kind and size (m) of an object to draw for it."""
+        """Kind and size (m) of an object to draw for it; none for a folder."""
+        if self.folder is not None:
+            return ()
         kind, place = self.role.places[0]
         middle = [(low + high) / 2.0 for low, high in zip(place.low, place.high, strict=True)]
         depth, width, height = place.draws[0] if place.draws else middle
         return ((kind, (depth, self.width or width, height)),)
 
     def accepts(self, entry: Entry) -> bool:
-        """Whether a package has the ordered width and name."""
+        """Whether a package has the ordered width and name, or is the ordered one."""
+        if self.folder is not None:
+            return entry.folder == self.folder
         if self.package not in (None, entry.name):
             return False
         return self.width is None or abs(entry.size[1] - self.width) <= WIDTH
 
 
-def read_order(words: Sequence[str], kind: RoomKind) -> tuple[Unit, ...]:
+def read_order(words: Sequence[str], kind: SceneKind) -> tuple[Unit, ...]:
     """The units that words ask for.
 
     Raises:
@@ -82,14 +91,20 @@ def read_order(words: Sequence[str], kind: RoomKind) -> tuple[Unit, ...]:
         elif NUMBER.fullmatch(word):
             free += float(word)
         else:
-            units.append(_read_unit(word, kind, free, hung=hung))
+            count, star, one = word.rpartition("*")
+            if star and not (count.strip().isdecimal() and int(count) > 0):
+                raise ArtigenError(f"order {word!r}: {count!r} units, expected a number from 1 before the *")
+            unit = _read_unit(one, kind, free, hung=hung)
+            units += [unit, *[replace(unit, free=0.0)] * (int(count or 1) - 1)]
             free = 0.0
     if not all(unit.hung for unit in units) or not units:
         return tuple(units)
     raise ArtigenError(f"order {' '.join(words)!r}: nothing stands below what hangs; name what does first")
 
 
-def _read_unit(word: str, kind: RoomKind, free: float, *, hung: bool) -> Unit:
+def _read_unit(word: str, kind: SceneKind, free: float, *, hung: bool) -> Unit:
+    if (Path(word) / "mobility.urdf").is_file():
+        return replace(_read_folder(Path(word).resolve(), kind), free=free, hung=hung)
     said, _, package = word.partition("@")
     name, _, text = said.partition(":")
     name = " ".join(name.replace("_", " ").lower().split())
@@ -123,6 +138,21 @@ def _read_unit(word: str, kind: RoomKind, free: float, *, hung: bool) -> Unit:
     return replace(unit, width=width)
 
 
+def _read_folder(folder: Path, kind: SceneKind) -> Unit:
+    """The unit that a package is: in the first role of the room that it fits, or in one of its own."""
+    entry = read_entry(folder)
+    roles = (role for role in RECIPES[kind].all_roles if fits_role(entry, role))
+    role = next(roles, Role(entry.category.lower()))
+    return Unit(role=role, width=entry.size[1], folder=folder)
+
+
+def order_entries(catalogue: Catalogue, unit: Unit) -> list[Entry]:
+    """The packages that a unit can be."""
+    if unit.folder is not None:
+        return [read_entry(unit.folder)]
+    return [entry for entry in catalogue.of_role(unit.role) if unit.accepts(entry)]
+
+
 def least_length(order: Sequence[Unit]) -> float:
     """Length (m) of wall below which the units cannot stand side by side."""
     widths = [
@@ -136,8 +166,8 @@ def least_length(order: Sequence[Unit]) -> float:
 def demand_order(catalogue: Catalogue, order: Sequence[Unit]) -> None:
     """Raises `ArtigenError` unless every ordered unit has a package."""
     for unit in order:
-        entries = catalogue.of_role(unit.role)
-        if not any(unit.accepts(entry) for entry in entries):
+        if not order_entries(catalogue, unit):
+            entries = catalogue.of_role(unit.role)
             widths = ", ".join(f"{entry.size[1]:.2f}" for entry in entries) or "none at all"
             wide = f" {unit.width:g} m wide" if unit.width else ""
             wide += f" called {unit.package}" if unit.package else ""
@@ -168,6 +198,9 @@ def place_order(
         blocks[-1].append(chooser.piece(entry, unit.role.name))
     # Clusters run from right to left, as their fronts face the room.
     clusters = [line_up(side, pieces[::-1]) for pieces in blocks]
+    blocked = next(filter(None, map(_find_blocked, clusters)), "")
+    if blocked and chooser.sweeps == "free":
+        return plan, blocked
     frees = [unit.free for unit in order if not unit.hung and unit.free]
     starts = _find_starts(clusters, [*([0.0] if len(frees) < len(clusters) else []), *frees])
     length = starts[-1] + clusters[-1].length
@@ -185,9 +218,21 @@ def place_order(
     return plan, f"nowhere along the {side} wall do all of the order open with a robot before them"
 
 
+def _find_blocked(cluster: Cluster) -> str:
+    """Which unit does not open beside which other one, at the gaps between them; empty if all do."""
+    moved = [move_boxes(member.piece.boxes, member.T) for member in cluster.members]
+    for one, boxes in zip(cluster.members, moved, strict=True):
+        for other, there in zip(cluster.members, moved, strict=True):
+            if one is not other and (
+                overlap(boxes.sweeps, there.bodies) or overlap(boxes.stands, there.bodies)
+            ):
+                return f"the {one.piece.role} does not open beside the {other.piece.role}"
+    return ""
+
+
 def _choose(catalogue: Catalogue, unit: Unit, chooser: Chooser, alike: tuple[float, float] | None) -> Entry:
     """A package for a unit, as alike in depth and height (m) as can be."""
-    entries = [entry for entry in catalogue.of_role(unit.role) if unit.accepts(entry)]
+    entries = order_entries(catalogue, unit)
     if alike is None:
         return entries[int(chooser.rng.integers(len(entries)))]
     sizes = np.array([entry.size for entry in entries])

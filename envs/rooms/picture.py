@@ -240,7 +240,7 @@ def _sweep_outlines(placement: Placement) -> list[Float[np.ndarray, "V 2"]]:
 
 def write_view(room: Room, path: Path) -> None:
     """Writes the dollhouse view as a PNG, atomically."""
-    _write(draw_room(room), path)
+    write_picture(draw_room(room), path)
 
 
 def write_views(room: Room, folder: Path) -> None:
@@ -248,17 +248,18 @@ def write_views(room: Room, folder: Path) -> None:
     (``corner_links.png``), and their names in the order of its values from 1 (``links.json``), atomically."""
     for view in find_views(room):
         mask, names = draw_masks(room, view)
-        _write(draw_view(room, view), folder / f"{view.name}.png")
-        _write(mask, folder / f"{view.name}_links.png")
+        write_picture(draw_view(room, view), folder / f"{view.name}.png")
+        write_picture(mask, folder / f"{view.name}_links.png")
         write_whole(folder / "links.json", json.dumps(names, indent=1) + "\n")
 
 
 def write_plan(room: Room, path: Path) -> None:
     """Writes the floor plan as a PNG, atomically."""
-    _write(draw_plan(room), path)
+    write_picture(draw_plan(room), path)
 
 
-def _write(image: UInt8[np.ndarray, "H W 3"] | UInt16[np.ndarray, "H W"], path: Path) -> None:
+def write_picture(image: UInt8[np.ndarray, "H W 3"] | UInt16[np.ndarray, "H W"], path: Path) -> None:
+    """Writes a picture as a PNG, atomically."""
     from PIL import Image
 
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -18,6 +18,7 @@ from artigen import __version__
 from artigen.shapes.families import choose_suite
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.transforms import transform_points
+from artigen.types import RoomKind
 
 from .arrange import Place, Plan
 from .catalogue import Catalogue, Entry, PopulateError, demand_roles
@@ -33,14 +34,18 @@ from .order import demand_order, place_order, read_order
 from .patterns import Pattern
 from .pieces import Member, move_boxes
 from .recipes import RECIPES, Recipe
-from .room import Fixture, Opening, Placement, Room, RoomKind, Side, corner, room_shell, rounded_quat
+from .room import Fixture, Opening, Placement, Room, Side, corner, room_shell, rounded_quat
 from .runs import Chooser, count_objects, draw_shortlists
+from .site import Site
 from .solids import place_solid
 from .trim import trim_room
 from .worktops import HOOD, WORKTOP
 
 STEEL: Color = (0.70, 0.71, 0.72)
 """Colour of hoods."""
+
+PASSAGE = 0.15
+"""Width (m) of a passage beyond the robot's diameter."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,15 +90,24 @@ class PopulateConfig:
                 raise ValueError(f"{name} {value} m, expected 0.5 to 20")
 
 
-def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfig | None = None) -> Room:
+def populate(
+    kind: RoomKind,
+    seed: int,
+    catalogue: Catalogue,
+    cfg: PopulateConfig | None = None,
+    site: Site | None = None,
+) -> Room:
     """Furnishes a room; deterministic.
+
+    Args:
+        site: What a building prescribes; default: a room by itself, whose size is drawn.
 
     Raises:
         PopulateError: If a required role has no package, or the room cannot be furnished in the available
             space.
     """
     cfg = cfg or PopulateConfig()
-    recipe = RECIPES[kind]
+    recipe = RECIPES[kind] if site is None else site.recipe
     least = min(recipe.least, cfg.most) if cfg.least is None else cfg.least
     order = read_order(cfg.place, kind)
     if order:
@@ -104,7 +118,7 @@ def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfi
     best = 0
     for attempt in range(cfg.attempts):
         rng = np.random.default_rng([crc32(kind.encode()), seed, attempt])
-        size, entrance = _draw_room(recipe, rng, cfg)
+        bare = _draw_room(recipe, rng, cfg) if site is None else _place_room(site, rng, cfg)
         chooser = Chooser(
             shortlists=draw_shortlists(recipe, catalogue, rng, cfg.variety),
             rng=rng,
@@ -112,7 +126,7 @@ def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfi
             sweeps=cfg.sweeps,
             most=cfg.most,
         )
-        plan = hang_door(Plan(size=size, entrance=entrance), chooser)
+        plan = hang_door(bare, chooser, None if site is None else site.span)
         if order:
             plan, missing = place_order(plan, order, cfg.wall, catalogue, chooser)
         else:
@@ -124,10 +138,10 @@ def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfi
         if missing:
             reasons[missing] += 1
             continue
-        room = trim_room(_room(kind, seed, attempt, plan, catalogue, cfg))
+        room = trim_room(_room(recipe, seed, attempt, plan, catalogue, cfg))
         if not order:
             room = stand_on_floor(decorate_room(room))
-        problems = check_room(room)
+        problems = check_room(room, open_doors=site is not None)
         if cfg.sweeps == "any":
             problems = tuple(problem for problem in problems if problem.kind in ("overlap", "outside"))
         if not problems:
@@ -145,10 +159,8 @@ def _text(asked: float | None, drawn: tuple[float, float]) -> str:
     return f"{asked:g}" if asked is not None else f"{drawn[0]:g} to {drawn[1]:g}"
 
 
-def _draw_room(
-    recipe: Recipe, rng: np.random.Generator, cfg: PopulateConfig
-) -> tuple[tuple[float, float, float], Opening]:
-    """Size of the room, and its entrance in the front wall."""
+def _draw_room(recipe: Recipe, rng: np.random.Generator, cfg: PopulateConfig) -> Plan:
+    """An empty room of some size with its entrance in the front wall."""
     width, depth = round(float(rng.uniform(*recipe.width)), 2), round(float(rng.uniform(*recipe.depth)), 2)
     size = (cfg.width or width, cfg.depth or depth, cfg.height)
     opening = min(0.95, size[0] - 0.2)
@@ -156,11 +168,20 @@ def _draw_room(
     entrance = Opening(
         side="front", start=round(start, 2), width=round(opening, 2), height=min(2.05, size[2] - 0.1)
     )
-    return size, entrance
+    return Plan(size=size, entrance=entrance)
+
+
+def _place_room(site: Site, rng: np.random.Generator, cfg: PopulateConfig) -> Plan:
+    """The empty room of a building, with an entrance that a robot passes somewhere in its span."""
+    low, high = site.span
+    width = min(high - low, max(0.9, 2.0 * cfg.standing_radius + PASSAGE))
+    start = low + float(rng.uniform()) * (high - low - width)
+    entrance = Opening(side="front", start=start, width=width, height=min(2.05, site.size[2] - 0.1))
+    return Plan(size=site.size, entrance=entrance, doorways=site.doorways, outer=site.outer)
 
 
 def _room(
-    kind: RoomKind, seed: int, attempt: int, plan: Plan, catalogue: Catalogue, cfg: PopulateConfig
+    recipe: Recipe, seed: int, attempt: int, plan: Plan, catalogue: Catalogue, cfg: PopulateConfig
 ) -> Room:
     """Converts a plan to a room with stable ids: a role and a number, in the order of placement."""
     radius = cfg.standing_radius if cfg.sweeps == "free" else 0.0
@@ -186,9 +207,10 @@ def _room(
             if place.side is not None:
                 boxes = place_solid(placements[-1]).boxes
                 openings += find_openings(boxes, place.side, plan.size)
-    shell = room_shell(plan.size, (plan.entrance, *openings), RECIPES[kind].wall_color, RECIPES[kind].floor)
+    openings += plan.doorways
+    shell = room_shell(plan.size, (plan.entrance, *openings), recipe.wall_color, recipe.floor)
     return Room(
-        kind=kind,
+        kind=recipe.kind,
         seed=seed,
         attempt=attempt,
         size=plan.size,

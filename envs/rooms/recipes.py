@@ -4,9 +4,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from artigen.kind import Place, Size, find_kind, kinds, list_words
+from artigen.types import RoomKind, SceneKind
 
 from .patterns import Pattern
-from .room import THICKNESS, RoomKind, Side
+from .room import THICKNESS, Side
 
 Where = Literal["wall", "middle"]
 
@@ -371,7 +372,7 @@ LAUNDRY = Recipe(
     wall_color=(0.90, 0.92, 0.92),
 )
 
-RECIPES: dict[RoomKind, Recipe] = {
+RECIPES: dict[SceneKind, Recipe] = {
     "kitchen": KITCHEN, "office": OFFICE, "bedroom": BEDROOM, "bathroom": BATHROOM, "workshop": WORKSHOP,
     "living_room": LIVING_ROOM, "hall": HALL, "laundry": LAUNDRY,
 }  # fmt: skip

@@ -5,7 +5,7 @@ wall is named by its side: ``front`` (y = 0), ``back``, ``left`` (x = 0), ``righ
 their packages (front -x) and, against a wall, face the room.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -15,10 +15,10 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import matrix_from_quat, quat_from_matrix
+from artigen.types import RoomKind, SceneKind
 
 from .patterns import Pattern
 
-RoomKind = Literal["kitchen", "office", "bedroom", "bathroom", "workshop", "living_room", "hall", "laundry"]
 Side = Literal["front", "back", "left", "right"]
 SIDES: tuple[Side, ...] = ("front", "back", "left", "right")
 YAWS: dict[Side, float] = {"front": -np.pi / 2, "back": np.pi / 2, "left": np.pi, "right": 0.0}
@@ -113,15 +113,25 @@ class Item:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Zone:
+    """A room of a flat: the corners (x, y) of its floor, metres,."""
+
+    name: str
+    kind: RoomKind
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Room:
-    """A furnished room.
+    """A furnished room, or a flat, whose ``zones`` are its rooms.
 
     ``size`` is width (x), depth (y) and height. ``openings`` are those of the walls besides the entrance.
     ``standing_radius`` is that of the robot's free space, 0 if disabled. ``attempt`` counts the arrangements
     that were rejected before this one. ``contents`` lie in the drawers and cupboards.
     """
 
-    kind: RoomKind
+    kind: SceneKind
     seed: int
     attempt: int
     size: tuple[float, float, float]
@@ -132,6 +142,17 @@ class Room:
     provenance: tuple[tuple[str, str], ...] = ()
     contents: tuple[Item, ...] = ()
     openings: tuple[Opening, ...] = ()
+    zones: tuple[Zone, ...] = ()
+
+    @property
+    def doorways(self) -> tuple[Opening, ...]:
+        """Openings to the neighbours in a flat, whose doors are theirs; all other openings are windows."""
+        return tuple(hole for hole in self.openings if hole.bottom == 0.0)
+
+    @property
+    def windows(self) -> tuple[Opening, ...]:
+        """Openings that do not reach the floor."""
+        return tuple(hole for hole in self.openings if hole.bottom > 0.0)
 
     def placement(self, name: str) -> Placement:
         """The object with that id; raises `ValueError` with the existing ids."""
@@ -193,33 +214,38 @@ def room_shell(
     openings: Sequence[Opening],
     color: tuple[float, float, float],
     floor: Pattern = "plain",
+    thickness: Mapping[Side, float] | None = None,
 ) -> tuple[Fixture, ...]:
-    """Floor and walls of the room; walls with openings are in pieces."""
-    width, depth, height = size
+    """Floor and walls of the room; walls with openings are in pieces.
+
+    ``thickness`` (m) of each wall; default: `THICKNESS`.
+    """
+    (width, depth, height), thick = size, thickness or dict.fromkeys(SIDES, THICKNESS)
     shell = [
         Fixture(
             name="floor",
-            low=(-THICKNESS, -THICKNESS, -THICKNESS),
-            high=corner(np.array([width + THICKNESS, depth + THICKNESS, 0.0])),
+            low=(-thick["left"], -thick["front"], -THICKNESS),
+            high=corner(np.array([width + thick["right"], depth + thick["back"], 0.0])),
             color=FLOOR_COLORS[floor],
             pattern=floor,
         )
     ]
     for side in SIDES:
-        pieces = _cut_wall(wall_length(side, size), height, [hole for hole in openings if hole.side == side])
+        first, last = ("left", "right") if wall_axis(side) == 0 else ("front", "back")
+        ends = -thick[first], wall_length(side, size) + thick[last]
+        pieces = _cut_wall(ends, height, [hole for hole in openings if hole.side == side])
         for index, (start, stop, bottom, top) in enumerate(pieces):
-            box = along_wall(side, size, (start, -THICKNESS, bottom), (stop, 0.0, top))
+            box = along_wall(side, size, (start, -thick[side], bottom), (stop, 0.0, top))
             name = f"wall_{side}" if len(pieces) == 1 else f"wall_{side}_{index}"
             shell.append(Fixture(name=name, low=corner(box[0]), high=corner(box[1]), color=color))
     return tuple(shell)
 
 
 def _cut_wall(
-    length: float, height: float, holes: Sequence[Opening]
+    ends: tuple[float, float], height: float, holes: Sequence[Opening]
 ) -> list[tuple[float, float, float, float]]:
     """Rectangles (start, stop, bottom, top) of a wall around its openings: upright strips, cut by those that
     pass through them."""
-    ends = -THICKNESS, length + THICKNESS
     edges = sorted(
         {*ends, *(float(np.clip(edge, *ends)) for hole in holes for edge in (hole.start, hole.stop))}
     )

@@ -8,8 +8,9 @@ from jaxtyping import Bool, Float
 from artigen.transforms import transform_points
 from sim_export.geometry.triangles import bounds_of
 
+from .arrange import DOORWAY
 from .footprints import read_footprint
-from .room import ROBOT_HEIGHT, Placement, Room, pose_matrix_of
+from .room import ROBOT_HEIGHT, Placement, Room, along_wall, pose_matrix_of
 from .solids import fixture_solids, place_solid, standing_solids
 
 
@@ -41,6 +42,10 @@ def find_taken(room: Room) -> Taken:
     own = [box for placement in room.placements for box in kept_free(placement)]
     loose = [solid.boxes for solid in standing_solids(room)]
     radius = room.standing_radius
+    own += [
+        along_wall(hole.side, room.size, (hole.start, 0.0, 0.0), (hole.stop, DOORWAY, hole.top))
+        for hole in room.doorways
+    ]
     stands = [
         [[x - radius, y - radius, 0.01], [x + radius, y + radius, ROBOT_HEIGHT]]
         for placement in room.placements

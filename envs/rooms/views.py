@@ -29,7 +29,7 @@ PENDANT = "pendant"
 
 @dataclass(frozen=True, kw_only=True)
 class Lamp:
-    """A lamp that shines down from ``position`` (m), with its share of the light of all lamps."""
+    """A lamp that shines down from ``position`` (m), with its share of the light of a room."""
 
     name: str
     position: tuple[float, float, float]
@@ -52,7 +52,7 @@ def find_lamps(room: Room) -> tuple[Lamp, ...]:
         for one in shades
     ] or [(room.size[0] / 2.0, room.size[1] / 2.0, room.size[2] - 0.1)]
     return tuple(
-        Lamp(name=f"lamp_{index}", position=point, share=1.0 / len(points))
+        Lamp(name=f"lamp_{index}", position=point, share=max(len(room.zones), 1) / len(points))
         for index, point in enumerate(points)
     )
 

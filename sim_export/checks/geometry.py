@@ -100,8 +100,8 @@ def _volume_faults(shape: Shape, faces: np.ndarray) -> list[str]:
     np.minimum.at(low, piece, corners.min(axis=1))
     np.maximum.at(high, piece, corners.max(axis=1))
     full = volume > 0.0
-    within = (low[:, None] >= low[full][None]).all(axis=2) & (high[:, None] <= high[full][None]).all(axis=2)
-    bad = volume[~full & ~within.any(axis=1)]
+    within = (low[:, None] >= low[full][None]).all(axis=-1) & (high[:, None] <= high[full][None]).all(axis=-1)
+    bad = volume[~full & ~within.any(axis=-1)]
     return [f"encloses {1e3 * bad.min():.3g} litres: it is wound inwards or flat"] if len(bad) else []
 
 

@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Bool, Float
 
+from artigen.transforms import inverse, transform_points
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, at_most
 from sim_export.checks.subject import Subject
@@ -29,6 +31,8 @@ _SKIN = 1e-3
 """A collision face covered by another hull of the link at this distance (m) is no outer surface."""
 
 
+_POSES = 9
+"""Places along the way of a child at which it is looked into."""
 _MANY = 0.2
 """Share of the points beyond a distance from which on a link is named."""
 _LEAST_CUBE = 3
@@ -88,7 +92,8 @@ def _distances(
 ) -> list[Measure]:
     """Two-sided distances of the surfaces, link by link, so that one link cannot stand in for another.
 
-    Only surface counts that can be reached from outside of what the link shows.
+    Only surface counts that can be reached from outside of what the link shows, and that none of its children
+    holds inside wherever that moves: what is in a button nothing else can touch.
     """
     areas = {name: triangle_areas(visual[name]).sum() + triangle_areas(solid[name]).sum() for name in visual}
     total = sum(areas.values())
@@ -101,6 +106,7 @@ def _distances(
         normals = triangle_normals(visual[name])[face]
         shown = is_exposed(seen, normals, *outside) | is_exposed(seen, -normals, *outside)
         seen = seen[shown]
+        seen = seen[~_find_held(subject, name, seen)]
         free = seen[~inside_hulls(seen, hulls)]
         forth[name] = np.zeros(len(seen))
         forth[name][: len(free)] = surface_distances(free, solid[name], _DENSER * count)
@@ -132,6 +138,22 @@ def _distances(
             text=f"99 % of them by less than {100 * p99 / size:.2g} % (allowed {100 * cfg.max_p99:g} %)",
         ),
     ]
+
+
+def _find_held(subject: Subject, link: str, points: Float[np.ndarray, "N 3"]) -> Bool[np.ndarray, "N"]:
+    """Points of a link (object frame at rest) that are in the hulls of a child of it all along its way."""
+    held = np.zeros(len(points), dtype=bool)
+    for joint in subject.driven:
+        if joint.parent != link:
+            continue
+        T = subject.displacements({joint.name: np.linspace(joint.lower, joint.upper, _POSES)})
+        rows = np.flatnonzero(~held)
+        for pose in np.broadcast_to(inverse(T[joint.child]) @ T[link], (_POSES, 4, 4)):
+            rows = rows[
+                inside_hulls(transform_points(pose, points[rows]), subject.hull_sets[joint.child].hulls)
+            ]
+        held[rows] = True
+    return held
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -130,7 +130,7 @@ def clear_joints(
         New links and joints; links without changes are the same objects. Penetrations that the
         limits do not allow to cut are in ``residuals``.
     """
-    work = CutHulls(links, sheets=sheets, shares=shares)
+    work = CutHulls(links, joints, sheets=sheets, shares=shares)
     stuck: dict[tuple[int, int, int, int], str] = {}
     waiting = driven_joints(joints)
     for _ in range(ROUNDS):

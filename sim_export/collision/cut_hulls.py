@@ -1,10 +1,12 @@
 """State of the hulls of an object while they are cut: remainder and allowed loss."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from artigen.types import Joint
 from sim_export.collision.cover.specks import drop_specks
 from sim_export.collision.hull_limits import (
     MAX_POLYGONS,
@@ -23,8 +25,10 @@ from sim_export.motion.kinematics import box_sides
 from sim_export.package import Hull, Link
 
 MAX_GROWTH = 1.5
-"""Most hulls over those that a link had, but for the first eight; what turns inside of something is
-cut at every pose, and never free."""
+"""Most hulls over those that a link had, but for the first `SLOTS` for each joint that it has; what turns
+inside of something is cut at every pose, and never free."""
+SLOTS = 8
+"""Hulls more that a link may get for each of its joints: a panel needs some around each of its buttons."""
 
 SKIN_SAMPLES = 64
 """Points at which it is measured whether a hull that cuts cannot free stands out of the others of its link so
@@ -51,8 +55,17 @@ class CutHulls:
     dropped.
     """
 
-    def __init__(self, links: Sequence[Link], *, sheets: bool = False, shares: bool = False) -> None:
+    def __init__(
+        self,
+        links: Sequence[Link],
+        joints: Sequence[Joint] = (),
+        *,
+        sheets: bool = False,
+        shares: bool = False,
+    ) -> None:
         self.links = links
+        ends = Counter(name for joint in joints for name in (joint.parent, joint.child))
+        self.slots = [SLOTS * max(ends[link.name], 1) for link in links]
         self.sheets, self.shares = sheets, shares
         self.hulls: list[list[Hull | None]] = [list(link.hulls) for link in links]
         self.volumes = [[hull_volume(hull) for hull in link.hulls] for link in links]
@@ -102,7 +115,7 @@ class CutHulls:
 
     def room(self, link: int) -> int:
         """How many more hulls a link may get: up to `MOST_OF_LINK`, and so many over those that it had."""
-        most = min(MOST_OF_LINK, 8 + int(MAX_GROWTH * len(self.links[link].hulls)))
+        most = min(MOST_OF_LINK, self.slots[link] + int(MAX_GROWTH * len(self.links[link].hulls)))
         return max(most - self.count(link), 0)
 
     def allowance(self, link: int, slot: int) -> float:

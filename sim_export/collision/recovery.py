@@ -12,6 +12,7 @@ import manifold3d
 import numpy as np
 from jaxtyping import Float
 
+from artigen.runtime.budget import Budget
 from artigen.transforms import inverse, transform_points
 from artigen.types import Joint
 from sim_export.collision.attachment import GAP, add_hull, relative_poses
@@ -42,6 +43,8 @@ MISSED = 0.02
 """Surface farther than this from that of all hulls is lost; 0.03 is what checks allow."""
 BULGE = 0.02
 """How far a hull that is put back may stand out of the solid."""
+CONVEX = 1.001
+"""Volume of a hull over that of what it is the hull of, up to which it stands out nowhere."""
 PAD = 0.01
 """How far it reaches beyond the points that were found lost."""
 SAMPLES = 20_000
@@ -111,13 +114,14 @@ def stands_out(hull: Hull, solids: Sequence[manifold3d.Manifold]) -> float:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Scene:
-    """What all links are measured in: current hulls, sweeps, the object's diagonal, and the gap (m) that a
-    cut leaves."""
+    """What all links are measured in: current hulls, sweeps, the object's diagonal, the gap (m) that a cut
+    leaves, and the time there is."""
 
     sets: list[HullSet]
     sweeps: tuple[Sweep, ...]
     diagonal: float
     margin: float
+    budget: Budget
 
 
 def recover_surface(
@@ -147,14 +151,15 @@ def recover_hulls(
     links: Sequence[Link],
     joints: Sequence[Joint],
     requirements: Sequence[Requirement],
+    budget: Budget | None = None,
 ) -> tuple[tuple[Link, ...], tuple[str, ...]]:
     """Adds hulls where links lie far from those that they had ``before`` some were cut, as `recover_surface`
-    does."""
+    does, the worst places of each link first, until the budget ends."""
     cut = []
     for old, new in zip(before, links, strict=True):
         kept = set(map(id, new.hulls))
         cut.append([as_solid(hull) for hull in old.hulls if id(hull) not in kept] if new.hulls else [])
-    return _recover(links, joints, requirements, cut)
+    return _recover(links, joints, requirements, cut, budget)
 
 
 def _recover(
@@ -162,6 +167,7 @@ def _recover(
     joints: Sequence[Joint],
     requirements: Sequence[Requirement],
     solids: Sequence[Sequence[manifold3d.Manifold]],
+    budget: Budget | None = None,
 ) -> tuple[tuple[Link, ...], tuple[str, ...]]:
     """Adds hulls where the solids of each link lie far from all of its hulls."""
     shown = [[solid_triangles(solid) for solid in own] for own in solids]
@@ -172,6 +178,7 @@ def _recover(
     scene = _Scene(
         sets=[HullSet(hulls=link.hulls) for link in links],
         sweeps=read_sweeps(links, joints, requirements),
+        budget=budget or Budget(),
         diagonal=diagonal_of(np.concatenate([*corners, *(t.reshape(-1, 3) for own in shown for t in own)])),
         margin=min(MARGIN, MARGIN_SHARE * float(box_sides(links).max())),
     )
@@ -199,7 +206,11 @@ def _recover_link(
     if not len(points):
         return []
     groups = group_points(points, distances, 1.5 * least)[:GROUPS]
-    added = sum(_recover_cluster(group, slot, solids, scene, HALVINGS) for group in groups)
+    added = sum(
+        _recover_cluster(group, slot, solids, scene, HALVINGS)
+        for group in groups
+        if not scene.budget.is_over()
+    )
     left = find_lost(triangles, scene.sets[slot].hulls, samples, least)[1].max(initial=0.0)
     rest = f"; {1000 * left:.0f} mm are left" if left else ""
     return [
@@ -215,8 +226,12 @@ def _recover_cluster(
     Returns the number of hulls that it took.
     """
     pad = PAD * scene.diagonal
-    whole = [solid_hull(piece) for solid in solids for piece in cut_out(points, solid, pad)]
-    fits = whole and all(stands_out(hull, solids) <= BULGE * scene.diagonal for hull in whole)
+    pieces = [piece for solid in solids for piece in cut_out(points, solid, pad)]
+    whole = [solid_hull(piece) for piece in pieces]
+    fits = whole and all(
+        hull_volume(hull) <= CONVEX * piece.volume() or stands_out(hull, solids) <= BULGE * scene.diagonal
+        for hull, piece in zip(whole, pieces, strict=True)
+    )
     added = sum(_put_back(hull, slot, points, scene) for hull in whole) if fits else 0
     axis = int(np.ptp(points, axis=0).argmax())
     low = points[:, axis] <= (points[:, axis].min() + points[:, axis].max()) / 2

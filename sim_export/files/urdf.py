@@ -19,13 +19,18 @@ from sim_export.geometry.primitives import find_primitive
 from sim_export.geometry.triangles import diagonal_of
 from sim_export.package import Link, SimPackage, SourceMesh, Visual
 
-UrdfVariant = Literal["standard", "maniskill"]
+UrdfVariant = Literal["standard", "maniskill", "glb"]
 DECIMALS = 9
 
 
 def visual_path(visual: Visual) -> str:
     """Path of a visual's mesh in the package."""
     return f"visual/{visual.name}.obj"
+
+
+def glb_path(link: str) -> str:
+    """Path of the visuals of a link in one GLB."""
+    return f"visual/{link}.glb"
 
 
 def image_path(look: str) -> str:
@@ -73,7 +78,7 @@ def urdf_text(package: SimPackage, variant: UrdfVariant = "standard") -> str:
 
     ``maniskill`` supports ManiSkill's cabinet tasks: continuous joints get limits, screws become one turning
     joint, and every link that slides or turns has a visual named as a handle (its largest one if it has no
-    handle part).
+    handle part). ``glb`` shows every link by one GLB in its frame, see `sim_export.picture.glb.link_glbs`.
     """
     names = {visual.name: visual.name for link in package.links for visual in link.visuals}
     if variant == "maniskill":
@@ -90,13 +95,19 @@ def urdf_text(package: SimPackage, variant: UrdfVariant = "standard") -> str:
     }
     ET.SubElement(ET.SubElement(robot, "mujoco"), "compiler", compiler)
     for link in package.links:
-        _add_link(robot, link, origins[link.name], names)
+        _add_link(robot, link, origins[link.name], names, variant)
     for joint in package.joints:
         _add_joint(robot, joint, origins[joint.parent])
     return xml_text(robot)
 
 
-def _add_link(robot: ET.Element, link: Link, origin: Float[np.ndarray, "3"], names: dict[str, str]) -> None:
+def _add_link(
+    robot: ET.Element,
+    link: Link,
+    origin: Float[np.ndarray, "3"],
+    names: dict[str, str],
+    variant: UrdfVariant,
+) -> None:
     element = ET.SubElement(robot, "link", name=link.name)
     if link.inertial is not None:
         inertial = ET.SubElement(element, "inertial")
@@ -107,7 +118,10 @@ def _add_link(robot: ET.Element, link: Link, origin: Float[np.ndarray, "3"], nam
             f"i{'xyz'[i]}{'xyz'[j]}": f"{inertia[i, j] + 0.0:.9g}" for i in range(3) for j in range(i, 3)
         }
         ET.SubElement(inertial, "inertia", entries)
-    for visual in link.visuals:
+    if variant == "glb" and link.visuals:
+        holder = ET.SubElement(element, "visual", name=link.name)
+        ET.SubElement(ET.SubElement(holder, "geometry"), "mesh", filename=glb_path(link.name))
+    for visual in () if variant == "glb" else link.visuals:
         xyz, rpy, scale = visual_placement(visual, origin)
         holder = ET.SubElement(element, "visual", name=names[visual.name])
         ET.SubElement(holder, "origin", xyz=format_vector(xyz), rpy=format_vector(rpy, 12))

@@ -34,7 +34,7 @@ from sim_export.files.sidecars import (
 from sim_export.files.urdf import hull_path, image_path, link_origins, splats_path, urdf_text, visual_path
 from sim_export.geometry.primitives import find_primitive
 from sim_export.motion.ignored_pairs import ignored_pairs
-from sim_export.package import Mesh, SimPackage, SourceMesh
+from sim_export.package import Link, Mesh, SimPackage, SourceMesh
 from sim_export.physics.links import check_kinematics
 
 Overwrite = Literal["refuse", "replace"]
@@ -61,14 +61,21 @@ def package_files(package: SimPackage) -> dict[str, bytes]:
             files[visual_path(visual)] = obj_text(visual.mesh, visual.name, visual.look).encode()
             if f"visual/{visual.look}.mtl" not in files:
                 files |= material_files(visual.look, visual.mesh)
-        for index, hull in enumerate(link.hulls):
-            if find_primitive(hull) is None:
-                files[hull_path(link, index)] = hull_obj_text(hull, f"{link.name}_{index}").encode()
+        files |= hull_files(link)
         if link.splats is not None:
             own = transform_gaussians(link.splats, shift(-origins[link.name]))
             files[splats_path(link.name)] = encode_ply(own)
     files |= {path: text.encode() for path, text in package_texts(package).items()}
     return files | {MANIFEST: manifest_text(files).encode()}
+
+
+def hull_files(link: Link) -> dict[str, bytes]:
+    """The meshes of the collision hulls of a link that are no box or cylinder, by their path in a package."""
+    return {
+        hull_path(link, index): hull_obj_text(hull, f"{link.name}_{index}").encode()
+        for index, hull in enumerate(link.hulls)
+        if find_primitive(hull) is None
+    }
 
 
 def package_texts(package: SimPackage, *, engines: bool = True) -> dict[str, str]:

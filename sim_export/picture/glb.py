@@ -1,4 +1,4 @@
-"""Writes a package's textured meshes as one GLB: one node per link in the joint tree, closed, y up."""
+"""Writes a package's textured meshes as one GLB, or as one for every link with a URDF."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -8,8 +8,11 @@ from jaxtyping import Float
 
 from artigen.transforms import shift
 from sim_export.errors import PackageError
-from sim_export.files.urdf import link_origins
-from sim_export.package import Mesh, SimPackage
+from sim_export.files.urdf import glb_path, link_origins, urdf_text
+from sim_export.files.write import MANIFEST, hull_files, manifest_text
+from sim_export.geometry.normals import corner_normals
+from sim_export.package import Link, Mesh, SimPackage
+from sim_export.physics.links import check_kinematics
 from sim_export.picture.raycast import Surface
 
 if TYPE_CHECKING:
@@ -19,8 +22,11 @@ Y_UP = np.array([[0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0
 """Rotation from the object frame (z up, front -x) to glTF's (y up, front +z)."""
 
 
+LINKS_URDF = "links.urdf"
+
+
 def glb_bytes(package: SimPackage) -> bytes:
-    """The content of the file; deterministic.
+    """The content of one file: a node per link in the joint tree, closed, y up; deterministic.
 
     Node ``link_k`` lies at the origin of joint ``joint_k``: rotating it about the joint's axis opens it.
 
@@ -37,21 +43,50 @@ def glb_bytes(package: SimPackage) -> bytes:
         parent = parents.get(link.name)
         start = np.zeros(3) if parent is None else origins[parent]
         scene.graph.update(link.name, frame_from=parent or "object", matrix=shift(origins[link.name] - start))
-        for visual in link.visuals:
-            if not isinstance(visual.mesh, Mesh):
-                raise PackageError(
-                    f"package {package.name!r}: visual {visual.name!r} is a kept source file; a GLB holds "
-                    "meshes of our own (export with --visual voxels)"
-                )
-            scene.add_geometry(
-                textured_trimesh(visual.mesh.vertices[visual.mesh.faces] - origins[link.name], visual.mesh),
-                node_name=visual.name,
-                geom_name=visual.name,
-                parent_node_name=link.name,
-            )
+        _add_visuals(scene, package.name, link, origins[link.name])
     if not scene.geometry:
         raise PackageError(f"package {package.name!r} has no visual meshes to write as GLB")
     return export_glb(scene)
+
+
+def link_glbs(package: SimPackage) -> dict[str, bytes]:
+    """A URDF whose visuals are one GLB per link, in the link's frame (z up), and its hulls, by their paths.
+
+    Raises:
+        PackageError: As `glb_bytes`.
+        InvalidKinematics: If links and joints are not a tree that URDF can express.
+    """
+    import trimesh
+    from trimesh.exchange.gltf import export_glb
+
+    check_kinematics(package)
+    origins = link_origins(package)
+    files = {LINKS_URDF: urdf_text(package, "glb").encode()}
+    for link in package.links:
+        files |= hull_files(link)
+        if link.visuals:
+            scene = trimesh.Scene(base_frame="world")
+            scene.graph.update(link.name, frame_from="world")
+            _add_visuals(scene, package.name, link, origins[link.name])
+            files[glb_path(link.name)] = export_glb(scene)
+    return files | {MANIFEST: manifest_text(files).encode()}
+
+
+def _add_visuals(scene: "trimesh.Scene", package: str, link: Link, origin: Float[np.ndarray, "3"]) -> None:
+    """Adds the visuals of a link to its node, relative to its origin (m)."""
+    for visual in link.visuals:
+        if not isinstance(visual.mesh, Mesh):
+            raise PackageError(
+                f"package {package!r}: visual {visual.name!r} is a kept source file; a GLB holds "
+                "meshes of our own (export with --visual voxels)"
+            )
+        corners = visual.mesh.vertices[visual.mesh.faces] - origin
+        scene.add_geometry(
+            textured_trimesh(corners, visual.mesh, corner_normals(corners)),
+            node_name=visual.name,
+            geom_name=visual.name,
+            parent_node_name=link.name,
+        )
 
 
 def write_glb(package: SimPackage, path: Path) -> None:

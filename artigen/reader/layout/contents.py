@@ -24,8 +24,6 @@ SPAN = 1.3
 CLOSED = 0.6
 """Share of a place without a front that has the colour of the nearest front, from which it is a board: false
 open cells of the photographs have 0.67 to 0.98, niches and the room for knees under desks 0.44 at most."""
-LEAST_PLACES = 4
-"""Least number of points by which that is judged."""
 
 
 def furnish_node(
@@ -75,7 +73,7 @@ def _furnish_cell(
         if seen:
             return replace(cell, inside="shelves", count=seen)
         own = view.closed[_is_within(view.looked, at, size)]
-        shut = len(own) >= LEAST_PLACES and own.mean() >= CLOSED
+        shut = own.size > 0 and own.mean() >= CLOSED
         return replace(cell, fill="blank") if shut else cell
     if cell.fill in ("drawer", "blank", "slide"):
         return cell

@@ -18,7 +18,7 @@ from artigen.shapes.shape import Shape
 
 DRAWS = 32
 """Objects that are compared."""
-HINGE, PANE, PULLS, SIZE = 0.4, 0.2, 0.1, 0.5
+HINGE, PANE, PULLS, SIZE = 0.4, 0.2, 0.1, 2.0
 """Cost of a wrong hinge, a wrong pane, a handle too many or too few, and of a length that is wrong by a
 factor of e, against a front that is missing."""
 MOST_PULLS = 3

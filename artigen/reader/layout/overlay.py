@@ -61,8 +61,8 @@ def lay_over(reading: Reading, shape: Shape) -> Overlay:
     pairs = match_fronts(seen, [(part.label, part.box * scale + frame) for part in built.fronts])
     targets = [np.asarray(reading.box)] + [seen[i][1] for i, _ in pairs]
     points = [whole] + [clouds[j] for _, j in pairs]
-    # furniture has its size from its fronts, which are read better than its own box
-    sized = bool(pairs) and kinds()[shape.category].trade == "furniture"
+    # furniture has its size from its fronts, which are read better than its own box, or from its outline
+    sized = bool(pairs) and not reading.measured and kinds()[shape.category].trade == "furniture"
     weights = np.array([0.0 if sized else 1.0] + [1.0] * len(pairs))
     faces = [
         (find_face(fronts[j]), np.asarray(corners))

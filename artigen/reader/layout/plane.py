@@ -72,12 +72,17 @@ def frame_box(box: Float[np.ndarray, "4"]) -> Float[np.ndarray, "4 2"]:
 
 
 def guess_sights(reading: Reading, fronts: Sequence[ReadPart]) -> Iterator[Sight]:
-    """Ways to see the fronts: that of the corners where they are known, and several that fit the boxes."""
+    """Ways to see the fronts: that of the outline's view where it is known, with the boxes of the fronts and
+    with their corners; else that of the corners where they are known; and several that fit the boxes."""
     extent = np.array(reading.extent, dtype=np.float64)
-    if any(front.corners is not None for front in fronts):
-        quads = np.stack(
-            [frame_box(front.box) if front.corners is None else np.asarray(front.corners) for front in fronts]
-        )
+    quads = np.stack(
+        [frame_box(front.box) if front.corners is None else np.asarray(front.corners) for front in fronts]
+    )
+    if reading.measured:
+        plane = map_face(find_face(reading))
+        yield Sight(plane=plane, quads=np.stack([frame_box(front.box) for front in fronts]))
+        yield Sight(plane=plane, quads=quads)
+    elif any(front.corners is not None for front in fronts):
         pixels = quads * extent
         whole = float(
             ((reading.box[2:] - reading.box[:2]) * extent).max() / np.ptp(pixels, axis=(0, 1)).max()
@@ -217,6 +222,15 @@ def find_face(reading: Reading) -> Float[np.ndarray, "4 2"]:
     box = np.asarray(reading.box, dtype=np.float64)
     placed = box[:2] + (points - low) / (high - low) * (box[2:] - box[:2])
     return placed[[3, 1, 0, 2]]  # of x = -0.5: left is +y, up is +z
+
+
+def map_face(face: Float[np.ndarray, "4 2"]) -> Plane:
+    """The plane on which a quadrangle, from the upper left clockwise, is the unit square."""
+    rows = []
+    for (x, y), (u, v) in zip(face, frame_box(np.array([0.0, 0.0, 1.0, 1.0])), strict=True):
+        rows += [(x, y, 1, 0, 0, 0, -u * x, -u * y, -u), (0, 0, 0, x, y, 1, -v * x, -v * y, -v)]
+    matrix = np.linalg.svd(np.array(rows))[2][-1].reshape(3, 3)
+    return Plane(matrix=matrix * (np.sign(matrix[2] @ [*face[0], 1.0]) or 1.0))
 
 
 def fit_face(plane: Plane, reading: Reading, hull: Float[np.ndarray, "4"]) -> Float[np.ndarray, "4"]:

@@ -30,7 +30,7 @@ from artigen.shapes.shape import ShapePart
 
 DialKind = Literal["round", "grip", "collar", "faceted"]
 DIAL_GAP = 0.0015
-BADGE = 0.002
+BADGE = 0.003
 """Thickness of a maker's plate (m)."""
 PRESS = 0.0022
 """Travel of a button (m)."""

@@ -28,7 +28,7 @@ from artigen.types import Joint
 
 StandKind = Literal["floor", "plinth", "toe_kick", "legs", "sled", "castors", "screw_feet"]
 PLAIN_LEGS: tuple[LegKind, ...] = ("square", "tapered", "round", "splayed")
-NOTCHED = 0.55
+NOTCHED = 0.75
 """Probability that the sides of a toe kick are notched."""
 SCREW_TRAVEL = 0.003
 """Travel (m) of a levelling foot."""

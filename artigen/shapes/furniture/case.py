@@ -30,7 +30,7 @@ STILES = (0.03, 0.08)
 """Range of the width (m) of stiles and rails."""
 CORNICE, MOULDED = 0.02, (0.03, 0.05)
 """Overhang of a moulded top, and the range of its thickness (m)."""
-RECESSED = 0.6
+RECESSED = 0.8
 """Probability of a back between the sides with a hanging rail behind it."""
 
 

@@ -144,11 +144,11 @@ LOW: tuple[tuple[Fill, float], ...] = (
 )
 FORMS: dict[str, Form] = {
     "base_cabinet": Form(
-        weight=4.0,
+        weight=6.5,
         spans=((0.3, 1.25), (0.56, 0.66), (0.78, 0.94)),
         stands=(("toe_kick", 4), ("plinth", 1.5), ("screw_feet", 0.9), ("legs", 0.3)),
-        worktop=0.55,
-        rails=0.65,
+        worktop=0.4,
+        rails=0.85,
         taste=Taste(
             module=(0.36, 0.75),
             rules=(

@@ -93,6 +93,8 @@ BOUGHT_WOODS = {
 wood stained dark or red."""
 LININGS = {"veneer": 0.35, "maple": 0.4, "white": 0.25}
 """How the inside of a carcass is finished: as the outside where that is wood, as pale plywood, or white."""
+PAINTED = 0.3
+"""Probability that furniture is painted outside, on all of it but its top."""
 VARNISHED = 0.55
 """Probability that wood is varnished, and not oiled."""
 WARM = frozenset(
@@ -103,28 +105,31 @@ PASTELS = ((0.90, 0.86, 0.76), (0.62, 0.74, 0.70), (0.62, 0.73, 0.80), (0.68, 0.
 DARK = frozenset({"anthracite", "black", "navy", "forest", "black_ash"})
 
 
-def draw_palette(rng: np.random.Generator, theme: Theme, style: str) -> dict[str, Finish]:
+def draw_palette(
+    rng: np.random.Generator, theme: Theme, style: str, *, painted: float = PAINTED
+) -> dict[str, Finish]:
     """Finishes for every role of `ROLES` that suit each other.
 
     Args:
         rng: Random generator.
         theme: Trade of the object: furniture or appliance.
         style: A category's style. A wood or lacquer named by it ("oak", "navy") is used; "shaker" and
-            "classic" lean to paint, "steel" and "industrial" to metal, "retro" to cream and pastel.
+            "classic" lean to wood and paint, "steel" and "industrial" to metal, "retro" to cream and pastel.
+        painted: Probability that furniture is painted outside, where the style leaves it open.
 
     Raises:
         ValueError: If the theme is not known.
     """
     if theme == "furniture":
-        return _draw_furniture(rng, style)
+        return _draw_furniture(rng, style, painted)
     if theme == "appliance":
         return _draw_appliance(rng, style)
     raise ValueError(f"theme {theme!r}, expected furniture or appliance")
 
 
-def _draw_furniture(rng: np.random.Generator, style: str) -> dict[str, Finish]:
+def _draw_furniture(rng: np.random.Generator, style: str, painted: float) -> dict[str, Finish]:
     seed = int(rng.integers(2**30))
-    wood, lacquer, scheme = _draw_scheme(rng, style)
+    wood, lacquer, scheme = _draw_scheme(rng, style, painted)
     timber = make_wood(wood, seed)
     if rng.random() < VARNISHED:
         timber = varnish(timber)
@@ -159,7 +164,7 @@ def _draw_furniture(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     }
 
 
-def _draw_scheme(rng: np.random.Generator, style: str) -> tuple[str, str, str]:
+def _draw_scheme(rng: np.random.Generator, style: str, share: float) -> tuple[str, str, str]:
     """Wood, lacquer and their assignment; a material that the style names is always on the fronts."""
     if style in WOODS:
         scheme = "wood" if rng.random() < 0.7 else "wooden_front"
@@ -173,9 +178,11 @@ def _draw_scheme(rng: np.random.Generator, style: str) -> tuple[str, str, str]:
             choose_one(rng, ("black", "anthracite", "grey")),
             "wooden_front",
         )
-    chances = {"wood": 0.5, "wooden_body": 0.1, "wooden_front": 0.1} | dict.fromkeys(painted, 0.1)
+    mixed = 0.2 * (1.0 - share) / (1.0 - PAINTED)
     if style in ("shaker", "classic", "country", "cottage"):
-        chances = {"wood": 0.52} | dict(zip(painted, (0.2, 0.16, 0.12), strict=True))
+        share, mixed = 1.6 * share, 0.0
+    chances = {"wood": 1.0 - share - mixed, "wooden_body": mixed / 2, "wooden_front": mixed / 2}
+    chances |= dict(zip(painted, (0.4 * share, 0.35 * share, 0.25 * share), strict=True))
     scheme = str(rng.choice(list(chances), p=list(chances.values())))
     if scheme.startswith("painted"):
         lacquer = pick(rng, BOUGHT_LACQUERS)
@@ -207,7 +214,7 @@ def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     return _common(seed) | {
         "body": body,
         "front": front,
-        "glass": make_glass((0.05, 0.052, 0.057), opacity=round(float(rng.uniform(0.55, 0.9)), 2)),
+        "glass": make_glass((0.05, 0.052, 0.057), opacity=round(float(rng.uniform(0.7, 0.95)), 2)),
         "inside": inside,
         "top": body if rng.random() < 0.5 else black_glass,
         "handle": handle,
@@ -222,7 +229,7 @@ def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 def _steel_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
     """Grey housing, brushed front: the sides of a steel appliance are painted."""
     metal = make_metal("dark" if rng.random() < 0.12 else "steel", seed)
-    return make_lacquer((0.50, 0.50, 0.51), gloss=0.3), metal, make_metal("steel", seed + 1)
+    return make_lacquer((0.62, 0.62, 0.63), gloss=0.3), metal, make_metal("steel", seed + 1)
 
 
 def _white_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:

@@ -206,6 +206,28 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         "Oven",
         {"counts": {"drawer": 1}, "parts": {"drawer": {"at": "bottom"}}},
     ),
+    "chest of drawers, 5 drawers (2 small on top, 3 large below)": (
+        "Dresser",
+        {
+            "counts": {"drawer": 5},
+            "parts": {"drawer": {"at": {"top": 2, "bottom": 3}}},
+            "ignored": ["small", "large"],
+        },
+    ),
+    "six-drawer dresser, two columns": (
+        "Dresser",
+        {"counts": {"drawer": 6}, "parts": {"drawer": {"columns": "2"}}},
+    ),
+    "a 5-drawer chest": ("Dresser", {"counts": {"drawer": 5}}),
+    "freestanding range, two oven doors": (
+        "Oven",
+        {"counts": {"door": 2}, "ignored": ["freestanding", "oven"]},
+    ),
+    "a cabinet of 1 metre by half a metre by 2 metres": (
+        "StorageFurniture",
+        {"size": {"width": 1.0, "depth": 0.5, "height": 2.0}},
+    ),
+    "lockers, 4 high, 3 wide": ("StorageFurniture", {"ignored": ["4", "high", "3", "wide"]}),
     # Stands, words of a kind, and nouns that end as others do.
     "cabinet with three drawers on hairpin legs": (
         "StorageFurniture",

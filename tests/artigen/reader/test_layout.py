@@ -19,7 +19,7 @@ from artigen.reader.layout.cutting import RAGGED, SLACK, Tree, cut_rectangles, l
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.layout.fronts import ASIDE, FREE_COST, GUESSED, view_fronts
 from artigen.reader.layout.nearest import HINGE, rate_difference
-from artigen.reader.layout.plane import Plane, Sight, frame_box
+from artigen.reader.layout.plane import Plane, Sight, frame_box, map_face
 from artigen.reader.reading import Reading, ReadPart
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.furniture.cabinet import list_cells
@@ -440,6 +440,36 @@ def test_differences_are_nothing_for_equal_readings_and_one_for_a_missing_front(
         replace(part, hinge=other) if part is reading.fronts[0] else part for part in reading.parts
     )  # type: ignore[arg-type]
     assert rate_difference(reading, replace(reading, parts=turned), reading.size) == pytest.approx(HINGE)
+
+
+def test_a_measured_view_overrules_bad_corners():
+    """Corners that lean as those of a steep view, which the outline has told from this one."""
+    shape = draw_shape("Dresser", 3)
+    reading = replace(read_shape(shape, view=(0.0, 0.0, 0.25)), measured=True, view=(0.0, 0.0, 0.25))
+    lean = np.array([(-0.06, 0.0), (0.06, 0.0), (-0.06, 0.0), (0.06, 0.0)])
+    bad = tuple(
+        replace(part, corners=frame_box(part.box) + lean) if part.label == "drawer" else part
+        for part in reading.parts
+    )
+    for seen in (reading, replace(reading, parts=bad)):
+        built = read_shape(build_from_reading(seen, 0)[0], view=(0.0, 0.0, 0.25))
+        boxes = [np.stack([front.box for front in one.fronts]) for one in (reading, built)]
+        np.testing.assert_allclose(boxes[1], boxes[0], atol=0.04)
+
+
+def test_a_quadrangle_becomes_the_unit_square():
+    face = np.array([(0.2, 0.1), (0.8, 0.2), (0.7, 0.9), (0.25, 0.7)])
+    at = map_face(face).locate(face)
+    np.testing.assert_allclose(at, frame_box(np.array([0.0, 0.0, 1.0, 1.0])), atol=1e-9)
+
+
+@pytest.mark.parametrize(("factor", "worse"), [(1.5, False), (1.8, True)])
+def test_a_length_that_is_far_off_costs_more_than_a_front(factor: float, *, worse: bool):
+    reading = read_shape(draw_shape("Refrigerator", 4))
+    fewer = replace(reading, parts=tuple(part for part in reading.parts if part is not reading.fronts[0]))
+    width, depth, height = reading.size
+    off = rate_difference(reading, reading, (factor * width, depth, height))
+    assert (off > rate_difference(reading, fewer, reading.size)) == worse
 
 
 @pytest.mark.parametrize("kind", tuple(kinds()))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from artigen.reader.ground import EVEN, SHADOW, bound_outline, find_outline
+from artigen.reader.ground import BORDER, EVEN, SHADOW, bound_outline, find_outline
 from artigen.reader.legs import ALIKE, LEAST, find_legs
 from artigen.reader.looks import COVERED, look_closer
 from artigen.reader.reading import Reading, ReadPart
@@ -90,6 +90,15 @@ def test_boundary_of_plain_ground(more: float, *, plain: bool):
     pixels = np.array(image)
     rows = round(400 * (1 - (EVEN + more)))
     pixels[:rows, :8] = pixels[-rows:, -8:] = pixels[:8, :rows] = pixels[-8:, -rows:] = (20, 60, 160, 255)
+    assert (find_outline(Image.fromarray(pixels)) is not None) == plain
+
+
+@pytest.mark.parametrize(("near", "plain"), [(1.5, True), (0.4, False)])
+def test_boundary_of_the_border(near: float, *, plain: bool):
+    """An object that comes so near to all sides, as a share of the border's width."""
+    pixels = np.full((400, 400, 4), 255, np.uint8)
+    edge = round(400 * BORDER * near)
+    pixels[edge:-edge, edge:-edge, :3] = WOOD
     assert (find_outline(Image.fromarray(pixels)) is not None) == plain
 
 

@@ -5,7 +5,16 @@ import pytest
 from jaxtyping import Float
 from PIL import Image
 
-from artigen.reader.panels import FRAMED, SLATTED, look_at_panels, name_field, rate_frame, rate_slats
+from artigen.reader.panels import (
+    FAINT,
+    FRAMED,
+    LEAST_LAG,
+    SLATTED,
+    look_at_panels,
+    name_field,
+    rate_frame,
+    rate_slats,
+)
 from artigen.reader.reading import Reading, ReadPart
 
 
@@ -73,3 +82,19 @@ def test_fronts_are_looked_at_through_their_corners_and_panes_are_not():
         view=(0.0, 0.0, 0.1), stand="flat", color=(90, 90, 90), extent=(240, 384),
     )  # fmt: skip
     assert [part.field for part in look_at_panels(reading, slanted).fronts] == ["framed", None]
+
+
+@pytest.mark.parametrize(("more", "seen"), [(0.9, False), (1.1, True)])
+def test_boundary_of_faint_slats(more: float, *, seen: bool):
+    """The power of the steps of a sine of amplitude one over a column is that of the sampled sine."""
+    wave = np.sin(2 * np.pi * np.arange(96) / 8)
+    steps = np.gradient(wave)[8:-8]
+    depth = more * FAINT / np.sqrt(((steps - steps.mean()) ** 2).mean())
+    assert (rate_slats(0.5 + depth * np.tile(wave, (40, 1))) > 0.0) == seen
+
+
+@pytest.mark.parametrize("period", [LEAST_LAG - 1, 2 * LEAST_LAG])
+def test_boundary_of_narrow_slats(period: int):
+    """Two pixels hold light and shadow of none: what repeats so is the noise of the camera."""
+    wave = np.where(np.arange(60) % period < period / 2, 0.5, 0.6)
+    assert (rate_slats(np.tile(wave, (40, 1))) >= SLATTED) == (period >= LEAST_LAG)

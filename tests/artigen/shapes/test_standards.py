@@ -103,9 +103,9 @@ def test_wardrobes_are_deep_enough_for_hangers():
 
 @pytest.mark.parametrize("category", foreign.CATEGORIES, ids=lambda category: category.name)
 def test_plausible_sizes_hold_what_sources_without_units_are_made_to(category):
-    """Objects of equal sides, and of sides that are twice as long as others."""
+    """Objects of equal sides, and twice as high as wide."""
     low, high = category.diagonal or CheckConfig().diagonal_range
-    for extents in ((1.0, 1.0, 1.0), (0.5, 1.0, 0.5), (0.5, 0.5, 1.0)):
+    for extents in ((1.0, 1.0, 1.0), (0.5, 0.5, 1.0)):
         size, known = estimate_size(category.name, np.array(extents))
         assert known
         assert low <= size * np.linalg.norm(extents) <= high

@@ -79,6 +79,28 @@ def test_rows_and_columns_are_as_many_as_are_said():
     assert len({round(float(front.box[1]), 2) for front in drawers}) == 3
 
 
+def test_two_small_drawers_above_three_wide_ones_lie_beside_each_other():
+    drawers = fronts(draw("a dresser with two small drawers above three wide drawers")[0], "drawer")
+    tops = sorted(round(float(front.box[1]), 2) for front in drawers)
+    assert len(set(tops)) == 4
+    assert tops[0] == tops[1]
+
+
+def test_a_bookcase_has_its_shelves_above_what_is_at_the_bottom():
+    shape, notes = draw("a bookcase with four shelves and two doors at the bottom")
+    assert dict(shape.condition.counts)["shelf"] == 4
+    ends = [part.bounds()[:, 2] for part in shape.parts if part.label == "shelf"]
+    doors = [part.bounds()[:, 2] for part in shape.parts if part.label == "door"]
+    assert min(low for low, _ in ends) > max(high for _, high in doors) - 0.02
+    assert notes == ()
+
+
+def test_an_article_counts_the_fronts_of_furniture_and_is_at_least_one_elsewhere():
+    assert dict(draw("a nightstand with a drawer on legs")[0].condition.counts)["drawer"] == 1
+    shape, _ = draw("a tumble dryer with a round door, hinged on the left")  # its filter has a flap as well
+    assert dict(shape.condition.counts)["door"] >= 1
+
+
 @pytest.mark.parametrize(
     ("words", "stand"), [("on legs", "legs"), ("on castors", "wheels"), ("without legs", "flat")]
 )

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from sample_packages import SAMPLE_PARTS, build_package, double_door_parts
 
-from artigen.types import Joint
+from artigen.types import Joint, RoomKind
 from envs.rooms.check import check_contents, check_room
 from envs.rooms.compartments import (
     CLEARANCE,
@@ -23,7 +23,7 @@ from envs.rooms.contents import LIFT, SPACING, fill_room
 from envs.rooms.file import SceneFileError, read_room, room_json, write_room
 from envs.rooms.footprints import cached_package
 from envs.rooms.picture import item_surfaces
-from envs.rooms.room import Item, Opening, Placement, Room, RoomKind, room_shell
+from envs.rooms.room import Item, Opening, Placement, Room, room_shell
 from envs.rooms.solids import item_hulls, item_motion, item_solid
 from envs.rooms.things import THINGS, thing_hulls, thing_solids
 from sim_export.files.write import write_package

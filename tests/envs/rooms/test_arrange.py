@@ -71,7 +71,7 @@ def test_a_place_is_a_quarter_better_for_each_of_three_metres_from_the_entrance(
     """And nothing else counts, unless a group likes corners or the middle."""
     middle = PLAN.doorway[0, :, :2].mean(axis=0)
     place = stand(float(middle[0] + 0.6 * way), float(middle[1] + 0.8 * way), side)
-    assert place_cost(PLAN, place, Taste()) == pytest.approx(-0.25 * min(way, 3.0))
+    assert place_cost(PLAN, place, Taste(), middle) == pytest.approx(-0.25 * min(way, 3.0))
 
 
 @pytest.mark.parametrize(("better", "taken"), [(0.59, "worse"), (0.61, "better")])

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from box_furniture import Furniture, write_proven
 from sample_packages import SAMPLE_PARTS, build_package
 
-from artigen.api.scene import SceneSettings, furnish_room
+from artigen.api.scene import SceneSettings, furnish_room, read_places
 from artigen.errors import ArtigenError
 from envs.rooms.catalogue import Catalogue, Entry
 from envs.rooms.check import check_room
@@ -96,6 +97,9 @@ def test_synonyms_and_nouns_mean_one_role():
         (("fridge", "above", "oven"), "no 'oven' on its walls, expected one of wall cabinet"),
         (("fridge", "9", "fridge"), "2 units take at least"),
         (("fridge",) * 20, "20 units take at least"),
+        (("20*fridge",), "20 units take at least"),
+        (("many*fridge",), "'many' units"),
+        (("missing.yaml",), "cannot be read"),
     ],
 )
 def test_what_cannot_be_is_said_before_anything_is_made(words: tuple[str, ...], said: str, tmp_path: Path):
@@ -112,3 +116,41 @@ def test_a_width_that_no_package_has_is_refused(catalogue: Catalogue):
 def test_the_least_length_is_that_of_the_widths():
     order = read_order(("fridge:0.6", "sink:0.8"), "kitchen")
     assert least_length(order) == pytest.approx(1.4, abs=0.02)
+
+
+def test_numbers_and_files_list_units(tmp_path: Path):
+    (tmp_path / "order.yaml").write_text("- fridge\n- 2*cupboard:0.6\n- 'oven'\n")
+    words = read_places(("sink", str(tmp_path / "order.yaml")))
+    units = read_order(words, "kitchen")
+    assert [unit.role.name for unit in units] == ["sink", "fridge", "base cabinet", "base cabinet", "range"]
+    (tmp_path / "wrong.yaml").write_text("units: 3\n")
+    with pytest.raises(ArtigenError, match="expected a list of units"):
+        read_places((str(tmp_path / "wrong.yaml"),))
+
+
+def test_packages_stand_in_their_order_or_it_is_said_which_does_not_open(
+    catalogue: Catalogue, tmp_path: Path
+):
+    plain = Furniture(name="plain", category="StorageFurniture", size=(0.6, 0.6, 0.88), doors=1)
+    low = Furniture(name="low", category="Crate", size=(0.35, 0.6, 0.3), doors=1, swing=2.6)
+    deep = Furniture(name="deep", category="StorageFurniture", size=(1.1, 0.6, 0.88))
+    paths = {each.name: str(write_proven(each, tmp_path)) for each in (plain, low, deep)}
+
+    def place(*names: str) -> list[str]:
+        cfg = PopulateConfig(width=4.0, depth=4.0, place=tuple(paths[name] for name in names))
+        return [entry.package.name for entry in populate("kitchen", 0, catalogue, cfg).placements]
+
+    assert place("plain", "plain", "deep", "plain") == ["plain", "deep", "plain", "plain"]
+    (tmp_path / "list.yaml").write_text("- low\n- plain\n")
+    assert read_places((str(tmp_path / "list.yaml"),)) == (paths["low"], paths["plain"])
+    reasons = []
+    for names in (("low", "deep"), ("deep", "low")):
+        try:
+            place(*names)
+        except ArtigenError as error:
+            reasons.append(str(error))
+    assert len(reasons) == 1
+    assert "the crate does not open beside the" in reasons[0]
+    bad = write_proven(plain, tmp_path / "bad", "fail")
+    with pytest.raises(ArtigenError, match="failed V203"):
+        read_order((str(bad),), "kitchen")

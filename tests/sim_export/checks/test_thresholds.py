@@ -431,6 +431,24 @@ def test_the_inside_of_a_wheel_may_be_full_so_that_it_rolls(tmp_path, label, ver
     assert run_check(SPECS["V103"], write(named, tmp_path), CheckConfig()).verdict == verdict
 
 
+def sunk(travel: float) -> Scene:
+    """A block, and a button that is drawn 10 cm into it, for which its hulls leave a pit; it slides out."""
+    floor = felt(((0.0, 0.0, 0.0), (1.0, 1.0, 0.9)))
+    sides = [((0.0, 0.0, 0.9), (0.4, 1.0, 1.0)), ((0.6, 0.0, 0.9), (1.0, 1.0, 1.0))]
+    sides += [((0.4, 0.0, 0.9), (0.6, 0.4, 1.0)), ((0.4, 0.6, 0.9), (0.6, 1.0, 1.0))]
+    body = seen(BODY) + floor + "".join(map(felt, sides))
+    button = both(((0.4, 0.4, 0.9), (0.6, 0.6, 1.05)))
+    return moving("prismatic", button, travel, body=body, label="knob", axis=(0, 0, 1))
+
+
+@pytest.mark.parametrize(("travel", "verdict"), [(0.0, "pass"), (0.09, "pass"), (0.11, "fail")])
+def test_what_a_button_holds_wherever_it_moves_counts_for_nothing(tmp_path, travel, verdict):
+    """The top of a block, 10 cm from any hull where the button is drawn into it."""
+    content = sunk(travel)
+    source = Scene(urdf=content.urdf, files={**content.files, "meta.json": '{"visual": "source"}'})
+    assert run_check(SPECS["V103"], write(source, tmp_path), CheckConfig()).verdict == verdict
+
+
 @pytest.mark.parametrize(("upper", "poses"), [(0.01, 21), (0.3, 61), (3.0, 401)])
 def test_no_point_jumps_over_a_thin_thing_unless_there_are_too_many_poses(tmp_path, upper, poses):
     """Steps of 5 mm, at least 20 and at most 400 of them."""

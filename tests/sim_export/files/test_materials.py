@@ -1,6 +1,7 @@
 """One material, the same in every format: read back by trimesh, MuJoCo and OpenUSD."""
 
 import json
+import xml.etree.ElementTree as ET
 
 import mujoco
 import numpy as np
@@ -13,10 +14,12 @@ from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_pol
 from artigen.shapes.surfaces.physical import describe_finish
 from artigen.splats.colors import linear_from_srgb
 from sim_export.appearance.prints import FINISHES
+from sim_export.files.folders import list_packages
 from sim_export.files.read import read_package
-from sim_export.files.write import write_package
+from sim_export.files.urdf import glb_path, link_origins
+from sim_export.files.write import MANIFEST, write_files, write_package
 from sim_export.package import Mesh
-from sim_export.picture.glb import glb_bytes
+from sim_export.picture.glb import LINKS_URDF, glb_bytes, link_glbs
 from sim_export.reference import build_reference
 
 
@@ -60,6 +63,28 @@ def test_trimesh_reads_the_colours_of_obj_and_all_of_glb(made):
             levels = np.rint(255 * np.array(mesh.color))
             np.testing.assert_allclose(plain.diffuse[:3], levels, atol=1.0)
             np.testing.assert_allclose(material.baseColorFactor[:3], levels, atol=1.0)
+
+
+def test_a_urdf_with_one_glb_per_link_shows_the_same_surfaces_and_materials_at_the_same_place(made, tmp_path):
+    package, _ = made
+    files = link_glbs(package)
+    write_files(files, tmp_path / "glb")
+    robot = ET.fromstring(files[LINKS_URDF].decode())
+    named = {mesh.get("filename") for mesh in robot.iter("mesh")}
+    assert named == set(files) - {LINKS_URDF, MANIFEST}
+    assert not list_packages(tmp_path / "glb"), "it is no package that checks would read"
+    for link in package.links:
+        scene = trimesh.load_scene(tmp_path / "glb" / glb_path(link.name))
+        assert len(scene.geometry) == len(link.visuals)
+        for visual in link.visuals:
+            shown, mesh = scene.geometry[visual.name], visual.mesh
+            placed = mesh.vertices[mesh.faces] - link_origins(package)[link.name]
+            np.testing.assert_allclose(shown.triangles, placed, atol=1e-6)
+            material = shown.visual.material
+            assert (material.name, material.metallicFactor) == (mesh.material.name, mesh.material.metallic)
+            assert material.roughnessFactor == pytest.approx(mesh.material.roughness)
+            if mesh.texture is not None:
+                np.testing.assert_array_equal(np.asarray(material.baseColorTexture), mesh.texture)
 
 
 def test_mujoco_reads_colour_roughness_and_metallic(made):

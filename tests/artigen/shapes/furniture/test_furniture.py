@@ -455,12 +455,13 @@ def test_closed_sides_are_between_the_legs_and_leave_the_front_open() -> None:
     assert (np.abs(corners[:, :2]).max(axis=0) <= (0.3, 0.6)).all()
 
 
-def test_tables_have_tops_of_all_kinds_overhangs_and_bars() -> None:
+def test_tables_have_tops_of_all_kinds_and_bars() -> None:
     seen: set[str] = set()
-    for seed in range(80):
+    for seed in range(160):
         body = draw_shape("Table", seed).parts[0]
         tops = [solid for solid in body.primitives if solid.finish == "top"]
-        kinds = [solid.kind for solid in tops]
-        seen |= {1: {"plain"}, 3: {"oval"}, 7: {"rounded"}}.get(len(kinds), set())
-        seen |= {"bars"} if sum(solid.finish == "leg" for solid in body.primitives) > 4 else set()
-    assert seen == {"plain", "oval", "rounded", "bars"}
+        single = "ellipse" if max((len(solid.vertices) for solid in tops), default=0) == 64 else "plain"
+        seen |= {1: {single}, 2: {"moulded"}, 3: {"oval"}, 7: {"rounded"}}.get(len(tops), set())
+        legs = [solid.size for solid in body.primitives if solid.finish == "leg"]
+        seen |= {"bars"} if any(max(size[:2]) > 6 * size[2] for size in legs) else set()
+    assert seen == {"plain", "oval", "rounded", "ellipse", "moulded", "bars"}
