@@ -49,8 +49,9 @@ RENDER = RenderConfig(
     ground=False, occlusion_reach=0.12, light_direction=(-0.35, -0.55, 0.9), light_radius=0.25
 )
 EYE_RENDER = RenderConfig(
-    ground=False, occlusion_reach=0.12, light_direction=(0.25, -0.8, 0.35), light_radius=0.5
-)
+    ground=False, occlusion_reach=0.12, light_direction=(0.25, -0.8, 0.35), light_radius=0.5,
+    background=(206, 226, 244),
+)  # fmt: skip
 """Light that comes from behind the eye, as the ceiling shuts out any other."""
 
 
@@ -74,7 +75,8 @@ def draw_room(room: Room) -> UInt8[np.ndarray, "H W 3"]:
 
 
 def draw_view(room: Room, view: View) -> UInt8[np.ndarray, "H W 3"]:
-    """The room as a camera in it sees it, with the ceiling and all walls but those that it stands before."""
+    """The room as a camera in it sees it, with the ceiling and all walls but those that it stands before; the
+    background is the sky."""
     width, depth, height = room.size
     ceiling = Fixture(
         name="ceiling", low=(0.0, 0.0, height), high=(width, depth, height + 0.1), color=(0.95, 0.95, 0.94)
@@ -82,7 +84,8 @@ def draw_view(room: Room, view: View) -> UInt8[np.ndarray, "H W 3"]:
     eye = view.camera.position[None, None].repeat(2, axis=1)
     away: list[Side] = [side for side in SIDES if from_wall(side, room.size, eye)[0, 0, 1] < BEHIND]
     shown = [place for place in room.placements if not _hangs_in(room, place, away)]
-    fixtures = [*(each for each in room.fixtures if not _belongs_to(each, away)), ceiling]
+    kept = (each for each in room.fixtures if not each.name.startswith("sky"))
+    fixtures = [*(each for each in kept if not _belongs_to(each, away)), ceiling]
     forward = view.camera.axes[2]
     light = replace(EYE_RENDER, light_direction=(0.35 - 0.8 * forward[0], -0.8 * forward[1], 0.35))
     surfaces, _ = _room_surfaces(room, shown, fixtures)
