@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import tyro
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from artigen.conditioning.image import open_picture
 from artigen.errors import ArtigenError
@@ -31,6 +31,7 @@ from artigen.reader.layout.overlay import Overlay, lay_over, match_fronts
 from artigen.reader.looks import look_closer
 from artigen.reader.model import load_reader
 from artigen.reader.read import read_image
+from artigen.shapes.primitives import place_vertices
 from artigen.shapes.render.shading import EVEN_LIGHT
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.color_difference import ciede2000, convert_to_lab
@@ -52,12 +53,20 @@ CLOSED = 0.7
 """Share of an object's width that its base covers just above the floor from which it stands on no legs."""
 PULLED = 0.3
 """Share of fronts with pulls below which these are strays."""
-SLAB = 0.75
-"""Share of a front that one solid covers from which it is a slab."""
-PULLS = {4: "cup", 3: "bar", 1: "edge"}
-"""Pulls that are no knobs by their number of solids; those of five are bows or recessed grips."""
-SLATS = 11
-"""Number of solids from which a front has slats: frames have rails, stiles, arches and a field."""
+GRID, RING = 60, 5
+"""Cells along each edge of a front that is looked at, and those from its edge to the middle of a frame."""
+RELIEF = 0.002
+"""Difference of depths (m) that is seen as an edge."""
+SLATS = 8
+"""Number of edges in a line across a front from which it has slats: a frame has four."""
+PLANKS = 3
+"""Number of upright boards that are planks."""
+FILLED = 0.5
+"""Share of a pull's box that a cup covers where it stands out; bows and pendants are open."""
+THICK = 0.018
+"""Thickness (m) across that no short bar has."""
+LONGEST = 0.2
+"""Length (m) that no cup has."""
 
 
 def name_stand(shape: Shape) -> str:
@@ -86,19 +95,40 @@ def list_fronts(shape: Shape) -> list[ShapePart]:
     return [part for part in shape.parts if part.label in ("door", "drawer")]
 
 
-def name_panel(part: ShapePart, shape: Shape) -> str:
-    """The field of a front by its solids: flat, framed, slats or glass."""
-    front = part.bounds()[0, 0]
-    solids = [one for one in part.primitives if one.center[0] - one.size[0] / 2 < front + 0.03]
-    if any(one.finish == "glass" for one in solids):
+def name_panel(part: ShapePart) -> str:
+    """The field of a front, by how deep it is seen from ahead: flat, framed, slats or glass."""
+    depth, nearest = measure_depths(part)
+    middle = slice(round(0.3 * GRID), round(0.7 * GRID))
+    seen = nearest[middle, middle].ravel()
+    if np.mean([part.primitives[at].finish == "glass" for at in seen if at >= 0] or [False]) > 0.5:
         return "glass"
-    solids = [one for one in solids if one.finish == "front"]
-    area = float(np.ptp(part.bounds(), axis=0)[1:].prod())
-    outer = [one for one in solids if one.center[0] - one.size[0] / 2 < front + 0.012]
-    if max((float(one.size[1] * one.size[2]) for one in outer), default=area) > SLAB * area:
-        return "flat"
-    planks = all(one.size[2] > SLAB * np.ptp(part.bounds()[:, 2]) for one in solids)
-    return "slats" if planks or len(solids) >= SLATS else "framed"
+    steps = [np.abs(np.diff(line)) > RELIEF for line in (depth[GRID // 2], depth[:, GRID // 2])]
+    if max(int(np.count_nonzero(line[np.isfinite(line)])) for line in steps) >= SLATS:
+        return "slats"
+    solids = [solid for solid in part.primitives if solid.finish == "front"]
+    tall = sum(solid.size[2] > 0.75 * np.ptp(part.bounds()[:, 2]) for solid in solids)
+    if tall >= PLANKS and tall == len(solids):
+        return "slats"
+    ring = np.concatenate(
+        [depth[RING, middle], depth[-RING, middle], depth[middle, RING], depth[middle, -RING]]
+    )
+    inner = depth[middle, middle]
+    return "framed" if abs(np.median(ring) - np.median(inner)) > RELIEF else "flat"
+
+
+def measure_depths(part: ShapePart) -> tuple[Float[np.ndarray, "G G"], Int[np.ndarray, "G G"]]:
+    """The foremost solid of every cell of a part's box from ahead, rows upward: where it begins (m), and its
+    number; infinite and -1 where there is none."""
+    low, high = part.bounds()
+    depth, nearest = np.full((GRID, GRID), np.inf), np.full((GRID, GRID), -1)
+    y, z = (low[axis] + (np.arange(GRID) + 0.5) / GRID * (high - low)[axis] for axis in (1, 2))
+    for number, solid in enumerate(part.primitives):
+        corners = place_vertices(solid)
+        first, last = corners.min(axis=0), corners.max(axis=0)
+        inside = ((z >= first[2]) & (z <= last[2]))[:, None] & ((y >= first[1]) & (y <= last[1]))
+        ahead = inside & (first[0] < depth)
+        depth[ahead], nearest[ahead] = first[0], number
+    return depth, nearest
 
 
 def name_pull(shape: Shape) -> str:
@@ -113,19 +143,22 @@ def name_pull(shape: Shape) -> str:
 
 
 def _name_handle(part: ShapePart) -> str:
-    across = np.ptp(part.bounds(), axis=0)[1:]
-    if len(part.primitives) > 1 and across.max() < LONG * across.min():
+    """A knob is about as wide as high, a cup is filled where it stands out, an edge is one thin board."""
+    size = np.ptp(part.bounds(), axis=0)
+    if len(part.primitives) == 1:
+        return "edge"
+    if size[1:].max() < LONG * size[1:].min():
         return "knob"
-    if len(part.primitives) == 5:
-        return "bar" if np.ptp(part.bounds()[:, 0]) > 0.02 else "cup"
-    return PULLS.get(len(part.primitives), "bar")
+    depth, _ = measure_depths(part)
+    filled = np.mean(depth < part.bounds()[0, 0] + size[0] / 2) > FILLED
+    return "cup" if filled and size[1:].min() > THICK and size[1:].max() < LONGEST else "bar"
 
 
 def describe_shape(shape: Shape) -> dict[str, str]:
     """What an object shows, as in `photo_looks.csv`."""
     said = {"stand": name_stand(shape), "pull": name_pull(shape)}
     for label, column in (("door", "doors"), ("drawer", "drawers")):
-        found = Counter(name_panel(part, shape) for part in list_fronts(shape) if part.label == label)
+        found = Counter(name_panel(part) for part in list_fronts(shape) if part.label == label)
         said[column] = found.most_common(1)[0][0] if found else "missing"
     finishes = dict(shape.finishes)
     worn = Counter(part.primitives[0].finish for part in list_fronts(shape))

@@ -134,7 +134,8 @@ def _find_deck(boxes: Float[np.ndarray, "H 2 3"]) -> Deck:
         before, behind = level[level[:, 1, axis] <= middle[axis]], level[level[:, 0, axis] >= middle[axis]]
         low[axis] = before[:, 1, axis].max(initial=low[axis])
         high[axis] = behind[:, 0, axis].min(initial=high[axis])
-    foot = bounds_of(above[above[:, 0, 2] < height + FOOT])
+    standing = above[above[:, 0, 2] < height + FOOT]
+    foot = bounds_of(standing if len(standing) else above)  # a lid touches nothing
     hole = np.array([np.minimum(low, foot[0, :2]), np.maximum(high, foot[1, :2])])
     return Deck(height=height, hole=hole, above=bounds_of(above))
 

@@ -130,6 +130,10 @@ def test_an_object_with_faults_is_exported_only_if_it_was_the_last_draw(
     monkeypatch.setattr(artigen.sketch.model, "draw_object", lambda *_: faulty)
     cfg = GenerateSettings(redraws=1, gaussians=False)
     job = GenerateJob(model=model, category="StorageFurniture", seed=9, out=tmp_path, cfg=cfg)
+    drawn, _ = draw_generated(job)
+    assert drawn.faults == ()
+    assert drawn.notes[0].endswith("the grammar drew it")
+    monkeypatch.setattr(artigen.sketch.asked, "draw_told", lambda *_: None)  # which has no such object
     with pytest.raises(ArtigenError, match="sketch: door_0 opens onto a cavity that body encloses"):
         generate_object(job)
     assert not (tmp_path / job.key).exists()

@@ -12,6 +12,7 @@ from artigen.api.evaluate import ProveJob, _prove
 from artigen.api.generate import GenerateJob, GenerateSettings, draw_generated, generate_and_validate
 from artigen.api.sample import ShapeJob, ShapeSettings, export_and_validate
 from artigen.datasets.recipe import Entry, RecipeError
+from artigen.errors import ArtigenError
 from artigen.runtime.workers import Outcome, Worker
 from artigen.sketch.model import SketchConfig
 from artigen.weights import SHIPPED
@@ -59,8 +60,14 @@ def test_an_object_that_fails_is_drawn_three_times_more():
 def test_sketches_are_drawn_at_a_temperature_of_six_tenths(monkeypatch):
     found: list[SketchConfig] = []
     monkeypatch.setattr("artigen.api.generate.load_sketch", lambda _: None)
-    monkeypatch.setattr("artigen.sketch.model.draw_object", lambda *given: found.append(given[-1]))
-    draw_generated(GENERATE_JOB)
+
+    def stop(*given: SketchConfig) -> None:
+        found.append(given[-1])
+        raise ArtigenError("stop")
+
+    monkeypatch.setattr("artigen.sketch.model.draw_object", stop)
+    with pytest.raises(ArtigenError, match="stop"):
+        draw_generated(GENERATE_JOB)
     assert found[0].draw.temperature == 0.6
 
 

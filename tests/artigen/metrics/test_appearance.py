@@ -19,6 +19,7 @@ from artigen.appearance.views import ViewConfig
 from artigen.errors import ArtigenError, SourceError
 from artigen.examples.appearance import draw_appearance, write_appearance_shard
 from artigen.examples.shards import HELD_OUT
+from artigen.kind import paper_kinds
 from artigen.metrics.appearance import (
     Comparison,
     color_error,
@@ -175,8 +176,9 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name, seed in (("train", HELD_OUT), ("held_out", 0)):
         (folder / "appearance" / name).mkdir(parents=True)
         drawn = [
-            draw_appearance("Microwave", seed, PyramidFeatures(), sided, resolution=32, image_size=32)[1]
-        ] * 2
+            draw_appearance(kind, seed, PyramidFeatures(), sided, resolution=32, image_size=32)[1]
+            for kind in paper_kinds()[:2]  # those of the first shard
+        ]
         write_appearance_shard(folder / "appearance" / name / "shard_00000.npz", drawn)
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(APPEARANCE_PRESETS, "tiny", replace(APPEARANCE_PRESETS["tiny"], curation=TINY))

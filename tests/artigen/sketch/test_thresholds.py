@@ -27,7 +27,7 @@ from artigen.sketch.sketch import SketchError, write_sketch
 from artigen.sketch.snap import snap_piece
 from artigen.weights import SHIPPED
 
-KNOWN = ("Safe", "StorageFurniture", "Refrigerator")
+KNOWN = ("Safe", "Laptop", "Printer")
 
 
 @torch.no_grad()
@@ -159,7 +159,7 @@ def is_kind(kind: PieceKind, sides: int, *more: float, axis: int = 2, noise: flo
 
 def needing(count: int) -> Shape:
     """A drawer that needs so many others."""
-    shape = draw_shape("StorageFurniture", 1)
+    shape = draw_shape("StorageFurniture", 2)
     moving = [part.name for part in shape.parts if part.joint is not None]
     last = shape.parts[-1]
     assert len(moving) > count

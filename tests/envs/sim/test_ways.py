@@ -10,6 +10,7 @@ import gymnasium as gym
 import mujoco
 import numpy as np
 import pytest
+from folding_cupboard import draw_folding
 from sample_packages import SAMPLE_PARTS, build_package
 from screw_jar import screw_package
 
@@ -72,7 +73,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def folding(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A cabinet with a folding door: a leaf that hangs on a leaf."""
-    package = build_reference(draw_shape("StorageFurniture", 1138))
+    package = build_reference(draw_folding())
     return write_package(package, tmp_path_factory.mktemp("ways") / "folding")
 
 

@@ -89,7 +89,7 @@ def test_true_objects_hardly_change():
             owners = np.full((64,) * 3, -1)
             owners[tuple(asset.voxels.coords.T)] = asset.voxels.part_ids
             made, _ = round_portholes(owners, tabulate_parts(asset))
-            allowed = 0.004 if category == "WashingMachine" else 0.0
+            allowed = 0.007 if category == "WashingMachine" else 0.0
             assert (made != owners).sum() <= allowed * len(asset.voxels.coords)
 
 
