@@ -45,8 +45,8 @@ def test_a_photograph_alone_is_built_as_it_was_read():
 
 
 def test_only_what_is_said_changes():
-    plain, wide = build(merge()), build(merge(width=1.9))
-    assert wide.size[0] == pytest.approx(1.9, abs=1e-6)
+    plain, wide = build(merge()), build(merge(width=1.3))
+    assert wide.size[0] == pytest.approx(1.3, abs=1e-6)
     assert wide.size[2] / plain.size[2] == pytest.approx(wide.size[0] / plain.size[0], rel=1e-6)
     assert describe(wide) == describe(plain)
     both = build(merge("30 cm deep", height=0.8))
