@@ -65,8 +65,8 @@ def build_from_reading(
     Args:
         reading: What was read.
         seed: Seed of what was not read; the same arguments give the same object.
-        wish: Lengths (m), style and handles that overrule the reading; lengths that are not given keep their
-            proportions to one that is.
+        wish: Lengths (m), style and handles, or that there are none, that overrule the reading; lengths that
+            are not given keep their proportions to one that is.
 
     Returns:
         The object, and in what it differs from the reading.
@@ -93,6 +93,10 @@ def build_from_reading(
 
 def _build_laid_out(reading: Reading, view: View, seed: int, wish: Wish) -> tuple[Shape, tuple[str, ...]]:
     kind, notes = reading.kind, []
+    if _needs_grips(reading, wish):
+        view = replace(view, fronts=tuple(replace(front, handles=1) for front in view.fronts))
+        wish = replace(wish, handles=wish.handles or ("edge",))
+        notes.append("no pull was read: fronts have grips in their edges")
     rng = np.random.default_rng([seed, 65])
     foot = find_foot(reading, view, kind)
     node = _lay_out(view, foot, kind)
@@ -111,6 +115,13 @@ def _build_laid_out(reading: Reading, view: View, seed: int, wish: Wish) -> tupl
     )
     shape, merged = _draw(kind, seed, layout, view, _wish(reading, rng, view, wish))
     return shape, (*notes, *merged)
+
+
+def _needs_grips(reading: Reading, wish: Wish) -> bool:
+    """Whether no pull was read on any front of a piece of furniture: what opens has a grip somewhere, and one
+    in the edge of a front is hardly seen."""
+    bare = dict(wish.counts).get("handle") == 0
+    return kinds()[reading.kind].trade == "furniture" and reading.counts["handle"] == 0 and not bare
 
 
 def wear_read(shape: Shape, reading: Reading, seed: int) -> Shape:
@@ -134,7 +145,7 @@ def _clip_size(kind: str, view: View) -> Lengths:
 
 def _prefer(wish: Wish, reading: Reading) -> Wish:
     """The wish with the kinds of handles that were read, where it names none."""
-    return replace(wish, handles=wish.handles or FORMS[_find_form(reading)])
+    return replace(wish, handles=wish.handles or FORMS[_find_form(reading)], counts=())
 
 
 def _say_difference(reading: Reading, shape: Shape) -> tuple[str, ...]:

@@ -299,7 +299,7 @@ def test_a_desk_has_room_for_knees():
     built, notes = build_from_reading(make_reading(*pedestals, kind="Table", size=(1.5, 0.6, 0.75)), 0)
     reading = read_shape(built)
     assert reading.counts["drawer"] == 5
-    assert not notes
+    assert notes == ("no pull was read: fronts have grips in their edges",)
     lefts = sorted(float(front.box[0]) for front in reading.fronts)
     assert lefts[3] - max(float(front.box[2]) for front in reading.fronts if front.box[0] < 0.5) > 0.3
 
@@ -559,3 +559,14 @@ def test_backs_of_layouts_leave_hulls_for_boards(height: float):
     for back in backs:
         longest = float(back.size.max())
         assert np.ceil(longest / (HULL_RATIO * float(back.size[0])) - 1e-9) <= BACK_HULLS
+
+
+def test_furniture_without_visible_pulls_has_grips_unless_none_are_asked_for():
+    halves = (make_front("drawer", (0.0, 0.0, 1.0, 0.5)), make_front("drawer", (0.0, 0.5, 1.0, 1.0)))
+    shape, notes = build_from_reading(make_reading(*halves), 0)
+    assert dict(shape.condition.counts)["handle"] == 2
+    assert any("grips in their edges" in note for note in notes)
+    bare, _ = build_from_reading(make_reading(*halves), 0, Wish(counts=(("handle", 0),)))
+    assert "handle" not in dict(bare.condition.counts)
+    fridge, _ = build_from_reading(make_reading(*halves, kind="Refrigerator"), 0)
+    assert "handle" not in dict(fridge.condition.counts)
