@@ -19,6 +19,7 @@ from artigen.conditioning.vocabulary import (
     GLAZED,
     GRIDS,
     LEGS,
+    LEVEL,
     MATERIALS,
     PAINTS,
     PART_NOUNS,
@@ -215,7 +216,10 @@ def _read_features(reading: Reading) -> Reading:
             if feature is None or set(range(at, at + count)) <= reading.used:
                 continue
             reading = reading.take(at, count)
-            reading = reading.say(features=tuple(dict.fromkeys((*reading.found.features, feature))))
+            label = PARTS.get(words[at - 1]) if at and feature == LEVEL else None
+            if label not in (None, "door"):  # "two drawers side by side"
+                feature = (str(label), "rows", "1")
+            reading = _say_features(reading, (feature,))
             style = STYLES.get(feature)
             if kind is not None and style in kind.styles and reading.found.style is None:
                 reading = reading.say(style=style)
@@ -289,7 +293,8 @@ def _read_group(reading: Reading, at: int) -> Group | None:
         total = None if each.count is None else number[0] * each.count
         return replace(each, start=at, count=total, counted=counted, grid=grid)
     place = _find_part(reading, end)
-    if place is None or (number[0] == 1 and words[place] not in PART_NOUNS):
+    article = words[at] in ("a", "an") and place in reading.head  # "a drawer unit"
+    if place is None or article or (number[0] == 1 and words[place] not in PART_NOUNS):
         return None
     return Group(start=at, end=place + 1, label=PARTS[words[place]], count=number[0], counted=number[1])
 

@@ -20,6 +20,8 @@ from artigen.conditioning.vocabulary import (
 from artigen.kind import Kind, find_noun
 
 NAMES = frozenset((part,) for part in PARTS)
+CHESTS, DRAWERS = frozenset({"chest", "chests"}), frozenset({"drawer", "drawers"})
+"""A chest with drawers is a chest of drawers."""
 LONGEST = 3
 """Words of the longest noun."""
 
@@ -78,6 +80,8 @@ def _find_nouns(words: tuple[str, ...], used: frozenset[int]) -> list[Head]:
                 for start in range(max(0, at - 2), at + 1)
                 for end in range(at + count, at + count + 2)
             )
+            if kind is not None and words[at] in CHESTS and DRAWERS & set(words):
+                kind = find_noun("chest of drawers")
             if kind is not None and at not in used and not other:
                 found.append(Head(at, count, kind))
                 at += count

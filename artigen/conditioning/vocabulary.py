@@ -215,7 +215,8 @@ SPOTS: dict[str, Spot] = {
     "underneath": "bottom", "beneath": "bottom", "under it": "bottom", "below it": "bottom",
     "above it": "top", "under them": "bottom", "below them": "bottom", "above them": "top",
     "on both sides": "sides", "on either side": "sides", "at both sides": "sides", "on each side": "sides",
-    "both sides": "sides", "either side": "sides",
+    "both sides": "sides", "either side": "sides", "at each end": "sides", "at either end": "sides",
+    "at both ends": "sides",
     "in the middle": "middle", "in the centre": "middle", "in the center": "middle",
 }  # fmt: skip
 """Phrases after, or before, the parts that they place."""
@@ -242,13 +243,15 @@ GRIDS = {"column": "columns", "columns": "columns", "row": "rows", "rows": "rows
 
 Feature = tuple[str, str, str]
 """Part, property, value."""
+LEVEL: Feature = ("door", "type", "side by side")
+"""The feature of doors beside each other."""
 
 
 def _features() -> dict[str, Feature]:
     found: dict[str, Feature] = {
         "freezer drawer": ("freezer", "type", "drawer"),
         "freezer drawers": ("freezer", "type", "drawer"),
-        "side by side": ("door", "type", "side by side"),
+        "side by side": LEVEL,
         "push to open": ("handle", "type", "none"),
         "on legs": ("stand", "type", "legs"),
         "on feet": ("stand", "type", "feet"),

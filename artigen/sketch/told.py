@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from artigen.conditioning.sentence import Placing
-from artigen.conditioning.vocabulary import BARE, STYLES, Feature
+from artigen.conditioning.vocabulary import BARE, LEVEL, STYLES, Feature
 from artigen.errors import ArtigenError
 from artigen.kind import kinds, name_kind
 from artigen.reader.correct import Side, correct_reading
@@ -41,7 +41,6 @@ STANDS: dict[str, Stand] = {
     "legs": "legs", "feet": "legs", "plinth": "flat", "floor": "flat", "castor": "wheels", "wheel": "wheels",
 }  # fmt: skip
 """What an object stands on, by words for it."""
-LEVEL: Feature = ("door", "type", "side by side")
 FLOOR = 0.005
 """Height (m) up to which something stands on the floor."""
 LAID_OUT = {

@@ -228,6 +228,19 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         {"size": {"width": 1.0, "depth": 0.5, "height": 2.0}},
     ),
     "lockers, 4 high, 3 wide": ("StorageFurniture", {"ignored": ["4", "high", "3", "wide"]}),
+    "a kitchen drawer unit, 40 cm, four drawers": (
+        "StorageFurniture",
+        {"counts": {"drawer": 4}, "size": {"width": 0.4}, "ignored": ["kitchen"]},
+    ),
+    "a chest with five drawers": ("Dresser", {"counts": {"drawer": 5}}),
+    "a console table with two drawers side by side": (
+        "Table",
+        {"counts": {"drawer": 2}, "parts": {"drawer": {"rows": "1"}}},
+    ),
+    "a coffee table with a drawer at each end": (
+        "Table",
+        {"counts": {"drawer": 2}, "parts": {"drawer": {"at": "sides"}}},
+    ),
     # Stands, words of a kind, and nouns that end as others do.
     "cabinet with three drawers on hairpin legs": (
         "StorageFurniture",
