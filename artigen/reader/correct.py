@@ -59,7 +59,7 @@ def correct_reading(
     others = [
         part for part in reading.parts if part.label not in FRONTS and not (bare and part.label == "handle")
     ]
-    return replace(reading, parts=(*fronts, *others), stand=stand or reading.stand)
+    return replace(reading, parts=(*fronts, *others), stand=stand or reading.stand, bare=bare or reading.bare)
 
 
 def _count_fronts(

@@ -63,6 +63,8 @@ class Reading:
     extent: tuple[int, int]
     """Width and height of the photograph (pixels)."""
     notes: tuple[str, ...] = ()
+    bare: bool = False
+    """Whether its fronts are said to have no handles. Files of readings leave it out."""
     measured: bool = False
     """Whether lengths (but for their scale) and view are those of the object's outline."""
     surface: Bool[np.ndarray, "R C"] | None = None

@@ -170,8 +170,7 @@ def merge_reading(understood: Understood, reading: Reading) -> Asked:
         width, depth, height = (
             length * factors.get(axis, 1.0) for axis, length in zip(AXES, usual, strict=True)
         )
-    bare = tuple(pair for pair in request.counts if pair == ("handle", 0))
-    wish = Wish(width=width, depth=depth, height=height, style=request.style, handles=handles, counts=bare)
+    wish = Wish(width=width, depth=depth, height=height, style=request.style, handles=handles)
     check_known(corrected.kind, wish)
     counts: dict[str, int] = dict(request.counts) | {
         label: corrected.counts[label] for label in ("door", "drawer")

@@ -201,7 +201,6 @@ def _lay_out(shape: Shape, told: Told, request: SketchRequest, seed: int) -> Sha
     wish = Wish(
         width=size[0], depth=request.depth or size[1], height=size[2], style=shape.style,
         handles=_handles(told.features),
-        counts=tuple(pair for pair in request.counts if pair == ("handle", 0)),
     )  # fmt: skip
     try:
         built, _ = build_from_reading(reading, seed, wish)

@@ -65,7 +65,7 @@ def build_from_reading(
     Args:
         reading: What was read.
         seed: Seed of what was not read; the same arguments give the same object.
-        wish: Lengths (m), style and handles, or that there are none, that overrule the reading; lengths that
+        wish: Lengths (m), style and handles that overrule the reading; lengths that
             are not given keep their proportions to one that is.
 
     Returns:
@@ -93,7 +93,7 @@ def build_from_reading(
 
 def _build_laid_out(reading: Reading, view: View, seed: int, wish: Wish) -> tuple[Shape, tuple[str, ...]]:
     kind, notes = reading.kind, []
-    if _needs_grips(reading, wish):
+    if _needs_grips(reading):
         view = replace(view, fronts=tuple(replace(front, handles=1) for front in view.fronts))
         wish = replace(wish, handles=wish.handles or ("edge",))
         notes.append("no pull was read: fronts have grips in their edges")
@@ -117,11 +117,11 @@ def _build_laid_out(reading: Reading, view: View, seed: int, wish: Wish) -> tupl
     return shape, (*notes, *merged)
 
 
-def _needs_grips(reading: Reading, wish: Wish) -> bool:
+def _needs_grips(reading: Reading) -> bool:
     """Whether no pull was read on any front of a piece of furniture: what opens has a grip somewhere, and one
     in the edge of a front is hardly seen."""
-    bare = dict(wish.counts).get("handle") == 0
-    return kinds()[reading.kind].trade == "furniture" and reading.counts["handle"] == 0 and not bare
+    furniture = kinds()[reading.kind].trade == "furniture"
+    return furniture and reading.counts["handle"] == 0 and not reading.bare
 
 
 def wear_read(shape: Shape, reading: Reading, seed: int) -> Shape:
@@ -145,7 +145,7 @@ def _clip_size(kind: str, view: View) -> Lengths:
 
 def _prefer(wish: Wish, reading: Reading) -> Wish:
     """The wish with the kinds of handles that were read, where it names none."""
-    return replace(wish, handles=wish.handles or FORMS[_find_form(reading)], counts=())
+    return replace(wish, handles=wish.handles or FORMS[_find_form(reading)])
 
 
 def _say_difference(reading: Reading, shape: Shape) -> tuple[str, ...]:

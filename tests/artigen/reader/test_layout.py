@@ -566,7 +566,7 @@ def test_furniture_without_visible_pulls_has_grips_unless_none_are_asked_for():
     shape, notes = build_from_reading(make_reading(*halves), 0)
     assert dict(shape.condition.counts)["handle"] == 2
     assert any("grips in their edges" in note for note in notes)
-    bare, _ = build_from_reading(make_reading(*halves), 0, Wish(counts=(("handle", 0),)))
+    bare, _ = build_from_reading(make_reading(*halves, bare=True), 0)
     assert "handle" not in dict(bare.condition.counts)
     fridge, _ = build_from_reading(make_reading(*halves, kind="Refrigerator"), 0)
     assert "handle" not in dict(fridge.condition.counts)
