@@ -72,12 +72,12 @@ def group_points(
     points: Float[np.ndarray, "N 3"], distances: Float[np.ndarray, "N"], reach: float
 ) -> list[Float[np.ndarray, "K 3"]]:
     """Points that are linked by steps of at most ``reach`` (m), the group with the farthest first."""
+    from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import KDTree
 
-    tree = KDTree(points)
-    near = tree.sparse_distance_matrix(tree, reach)
-    near.setdiag(1.0)
+    one, other = KDTree(points).query_pairs(reach, output_type="ndarray").T
+    near = coo_array((np.ones(len(one), bool), (one, other)), shape=(len(points),) * 2)
     groups = connected_components(near, directed=False)[1]
     order = sorted(range(int(groups.max()) + 1), key=lambda group: -distances[groups == group].max())
     return [points[groups == group] for group in order]
