@@ -17,11 +17,11 @@ def main(folder: Path) -> None:
     from envs.sim.sapien import LoadConfig, load_package
     from envs.sim.scene import create_scene
 
-    wish = Wish(counts=(("drawer", 1), ("door", 1)))
+    wish = Wish(counts=(("drawer", 1), ("door", 1), ("tray", 0), ("wheel", 0), ("knob", 0)))
     package = write_package(build_reference(draw_shape("StorageFurniture", 0, wish)), folder / "cabinet")
     scene = create_scene(timestep=0.01)
     loaded = load_package(scene, package, LoadConfig())
-    before = set_open_fraction(loaded, (0.5, 0.5))  # drawer, door
+    before = set_open_fraction(loaded, 0.5)
     for _ in range(200):
         loaded.step()
     after = loaded.articulation.get_qpos()
