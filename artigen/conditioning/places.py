@@ -48,7 +48,7 @@ def find_places(words: tuple[str, ...], groups: Sequence[Group], used: frozenset
     for index, group in enumerate(placed):
         following = placed[index + 1] if index + 1 < len(placed) else None
         relation = None if following is None else _match(words, group.end, RELATIONS, read)
-        if relation is not None and following is not None and _joins(words, relation[1], following):
+        if relation is not None and following is not None and _joins(words, relation[2], following):
             first, second = RELATIONS[relation[0]]
             before = "middle" if group.at is not None and group.at != first else first
             placed[index : index + 2] = [replace(group, at=before), replace(following, at=second)]
@@ -96,11 +96,9 @@ def _match(
         at += 1
 
 
-def _joins(words: tuple[str, ...], at: int, following: Group) -> bool:
-    """Whether nothing but articles is between a relation and the next group."""
-    phrase = _match(words, at, RELATIONS, set())
-    assert phrase is not None
-    return all(word in FILLERS and word != "and" for word in words[phrase[2] : following.start])
+def _joins(words: tuple[str, ...], end: int, following: Group) -> bool:
+    """Whether nothing but articles is between the end of a relation and the next group."""
+    return all(word in FILLERS and word != "and" for word in words[end : following.start])
 
 
 def starts_spot(words: tuple[str, ...], at: int) -> bool:

@@ -203,31 +203,34 @@ def draw_asked(
     if asked.reading is not None:
         shape, notes = build_from_reading(asked.reading, seed, asked.wish)
         return Drawn(shape=wear_requested(shape, asked.request.finishes, seed), faults=(), notes=notes)
-    if (
-        asked.picture is None
-        and asked.request.category in kinds()
-        and asked.told.is_beyond(asked.request.style)
-    ):
-        described = draw_told(asked.told, asked.request, seed)
-        if described is not None:
-            shape = wear_requested(described[0], asked.request.finishes, seed)
-            return Drawn(shape=shape, faults=(), notes=described[1])
+    worded = asked.picture is None and asked.request.category in kinds()
+    beyond = worded and asked.told.is_beyond(asked.request.style)
+    described = _draw_worded(asked, seed) if beyond else None
+    if described is not None:
+        return described
     cfg = SketchConfig(draw=DrawConfig(temperature=temperature), batches=BATCHES)
     drawn = (
         model.draw_object(network(), asked.request, seed, cfg)
         if asked.picture is None
         else model.draw_pictured(network(), asked.request, seed, asked.picture, cfg)
     )
-    if drawn.faults and asked.picture is None and asked.request.category in kinds():
-        described = draw_told(asked.told, asked.request, seed)
+    if drawn.faults and worded and not beyond:
+        described = _draw_worded(asked, seed)
         if described is not None:
-            shape, notes = described
             said = f"the sketch network drew nothing sound in {BATCHES} batches: the grammar drew it"
-            worn = wear_requested(shape, asked.request.finishes, seed)
-            return Drawn(shape=worn, faults=(), notes=(said, *notes))
+            return replace(described, notes=(said, *described.notes))
     lost = asked.told.list_lost(drawn.shape)
     notes = (f"understood, and not met: {', '.join(lost)}",) if lost else ()
     return replace(drawn, notes=(*drawn.notes, *notes))
+
+
+def _draw_worded(asked: Asked, seed: int) -> Drawn | None:
+    """What the grammar draws by words, in the finishes that are asked for; None if it has no such object."""
+    described = draw_told(asked.told, asked.request, seed)
+    if described is None:
+        return None
+    shape, notes = described
+    return Drawn(shape=wear_requested(shape, asked.request.finishes, seed), faults=(), notes=notes)
 
 
 def wear_requested(shape: Shape, finishes: Sequence[FinishRequest], seed: int) -> Shape:

@@ -26,9 +26,18 @@ ASIDE = 0.1
 """Least distance from the middle, as a share of the front, of what is at a side and has no neighbour."""
 
 
-def list_undescribed(shape: Shape, features: Sequence[Feature], places: Sequence[Placing]) -> list[str]:
-    """What is said and is not so; stands and kinds of handles are not looked at."""
-    reading = read_front(shape)
+def list_undescribed(
+    shape: Shape, features: Sequence[Feature], places: Sequence[Placing], seen: Reading | None = None
+) -> list[str]:
+    """What is said and is not so; stands and kinds of handles are not looked at.
+
+    Args:
+        shape: The object.
+        features: Properties that are said.
+        places: Places that are said.
+        seen: Its front, as `read_front` gives it, if that is known.
+    """
+    reading = seen or read_front(shape)
     lost = [
         f"{part} {what} {value}"
         for part, what, value in features
@@ -57,9 +66,8 @@ def _covers(box: Float[np.ndarray, "4"], other: Float[np.ndarray, "4"]) -> bool:
     return bool((other[:2] >= box[:2] - TOUCH).all() and (other[2:] <= box[2:] + TOUCH).all())
 
 
-def count_narrow(shape: Shape) -> int:
-    """Fronts of a shape that are narrower than people make them."""
-    reading = read_front(shape)
+def count_narrow(reading: Reading) -> int:
+    """Fronts that are narrower than people make them."""
     wide = [reading.size[0] * float(front.box[2] - front.box[0]) for front in reading.fronts]
     return sum(width < NARROW for width in wide)
 

@@ -6,15 +6,15 @@ layout does not decide, objects of the grammar are drawn until one is as describ
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import get_args
 
 import numpy as np
 
 from artigen.conditioning.sentence import Placing
-from artigen.conditioning.vocabulary import BARE, LEVEL, STYLES, Feature
+from artigen.conditioning.vocabulary import BARE, GLAZED, LEVEL, STYLES, Feature
 from artigen.errors import ArtigenError
 from artigen.kind import kinds, name_kind
-from artigen.reader.correct import Side, correct_reading
+from artigen.reader.correct import FRONTS, Side, correct_reading
 from artigen.reader.layout.build import build_from_reading
 from artigen.reader.reading import Reading, ReadPart, Stand
 from artigen.shapes.draw import ShapeError, Wish, draw_shape
@@ -32,7 +32,6 @@ STREAM = 78
 """Number of the random stream of these draws."""
 FEW = 16
 """Draws after which the best one is taken if a layout decides what is left."""
-FRONTS: tuple[Literal["door", "drawer"], ...] = ("door", "drawer")
 LAID = (*FRONTS, "handle")
 """Parts whose number a layout decides."""
 WHOLE = (0.03, 0.05, 0.97, 0.95)
@@ -70,9 +69,9 @@ class Told:
         known = {feature for feature in self.features if style is not None and STYLES.get(feature) == style}
         return bool(self.places) or bool(set(self.features) - known - {BARE})
 
-    def list_lost(self, shape: Shape) -> list[str]:
-        """What is not so in an object."""
-        return list_undescribed(shape, self.features, self.places)
+    def list_lost(self, shape: Shape, seen: Reading | None = None) -> list[str]:
+        """What is not so in an object, of which ``seen`` is the front if that is known."""
+        return list_undescribed(shape, self.features, self.places, seen)
 
 
 def draw_told(told: Told, request: SketchRequest, seed: int) -> tuple[Shape, tuple[str, ...]] | None:
@@ -112,10 +111,11 @@ def draw_told(told: Told, request: SketchRequest, seed: int) -> tuple[Shape, tup
         for found, unseen in ((shape, hidden), (laid, [])):
             if found is None or not _has_counts(found, request):
                 continue
-            lost = told.list_lost(found) + [" ".join(one) for one in unseen if one[2] != "none"]
+            seen = read_front(found)
+            lost = told.list_lost(found, seen) + [" ".join(one) for one in unseen if one[2] != "none"]
             lost += _list_uncounted(found, told, request)
-            narrow = count_narrow(found) if request.width is None and kind.laid_out else 0
-            rank = (len(outside.list_lost(found)), len(lost), narrow)
+            narrow = count_narrow(seen) if request.width is None and kind.laid_out else 0
+            rank = (len(outside.list_lost(found, seen)), len(lost), narrow)
             if best is None or rank < best[0]:
                 best = rank, replace(found, seed=seed), lost
         if best is not None and (not any(best[0]) or (draw >= FEW and best[0][0] == 0)):
@@ -145,8 +145,7 @@ def _draw(request: SketchRequest, told: Told, seed: int) -> Shape | None:
     """A draw of the grammar with what is asked for; None if it has no such object."""
     wish = Wish(
         width=request.width, depth=request.depth, height=request.height, style=request.style,
-        counts=request.counts,
-        handles=_handles(told.features),
+        counts=request.counts, handles=_find_handles(told.features),
     )  # fmt: skip
     try:
         return draw_shape(str(request.category), seed, wish)
@@ -167,9 +166,16 @@ def _is_laid_out(feature: Feature) -> bool:
     return feature[:2] in LAID_OUT or feature[1] in ("rows", "columns") or feature == LEVEL
 
 
-def _handles(features: Sequence[Feature]) -> tuple[HandleKind, ...]:
+def _find_handles(features: Sequence[Feature]) -> tuple[HandleKind, ...]:
+    """The kinds of handles that are said."""
     named = {value for part, what, value in features if (part, what) == ("handle", "type")}
     return tuple(kind for kind in HANDLE_KINDS if kind in named)
+
+
+def _find_hinge(features: Sequence[Feature]) -> Side | None:
+    """The side of the hinges of all doors, as the first word about it says."""
+    said = [value for part, what, value in features if (part, what) == ("door", "hinged")]
+    return next((side for side in get_args(Side) if said[:1] == [side]), None)
 
 
 def _lay_out(shape: Shape, told: Told, request: SketchRequest, seed: int) -> Shape | None:
@@ -191,16 +197,14 @@ def _lay_out(shape: Shape, told: Told, request: SketchRequest, seed: int) -> Sha
     shelves = dict(request.counts).get("shelf", 0)
     if shelves and not any(place.label == "shelf" for place in told.places):
         reading = add_shelves(reading, shelves)
-    hinges = [value for part, what, value in told.features if (part, what) == ("door", "hinged")]
-    sides: dict[str, Side] = {"left": "left", "right": "right", "top": "top", "bottom": "bottom"}
     reading = correct_reading(
         reading,
-        hinge=sides[hinges[0]] if hinges else None,
-        pane=True if ("door", "material", "glass") in told.features else None,
+        hinge=_find_hinge(told.features),
+        pane=True if GLAZED in told.features else None,
     )
     wish = Wish(
         width=size[0], depth=request.depth or size[1], height=size[2], style=shape.style,
-        handles=_handles(told.features),
+        handles=_find_handles(told.features),
     )  # fmt: skip
     try:
         built, _ = build_from_reading(reading, seed, wish)
