@@ -16,7 +16,7 @@ from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.furniture.cabinet import count_fronts, draw_layout
 from artigen.shapes.furniture.carcass import LAID_LAYOUTS, draw_fitting
 from artigen.shapes.furniture.case import build_case, draw_plan, place_case
-from artigen.shapes.furniture.furniture_kinds import FORMS, STYLES, Form, Style
+from artigen.shapes.furniture.furniture_kinds import FORMS, STYLE_WORDS, STYLES, Form, Style
 from artigen.shapes.furniture.looks import Looks
 from artigen.shapes.furniture.splits import Node
 from artigen.shapes.shape import ShapePart
@@ -189,18 +189,10 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={
-        "modern": "flat",
-        "contemporary": "flat",
-        "minimalist": "handleless",
-        "vintage": "classic",
-        "antique": "classic",
-        "victorian": "classic",
+        **STYLE_WORDS,
         "ornate": "classic",
         "louvred": "louvre",
         "louvered": "louvre",
-        "rustic": "country",
-        "farmhouse": "country",
-        "traditional": "classic",
         "glazed": "framed_glass",
         "glass cabinet": "framed_glass",
     },

@@ -19,6 +19,7 @@ from artigen.shapes.fittings.hardware import GAP, Space, lift
 from artigen.shapes.fittings.legs import LegKind, make_legs
 from artigen.shapes.furniture.cabinet import draw_layout, make_cabinet
 from artigen.shapes.furniture.carcass import LAID_LAYOUTS, draw_fitting, open_carcass
+from artigen.shapes.furniture.furniture_kinds import STYLE_WORDS
 from artigen.shapes.furniture.laid_tables import Underside, build_under_top
 from artigen.shapes.furniture.layouts import Layout
 from artigen.shapes.furniture.looks import Looks, draw_looks
@@ -387,17 +388,7 @@ KIND = Kind(
     build="board",
     stands="free",
     styles=tuple(STYLES),
-    style_words={
-        "modern": "flat",
-        "contemporary": "flat",
-        "minimalist": "handleless",
-        "vintage": "classic",
-        "antique": "classic",
-        "victorian": "classic",
-        "rustic": "country",
-        "farmhouse": "country",
-        "traditional": "classic",
-    },
+    style_words=STYLE_WORDS,
     forms={
         "coffee table": ((0.8, 1.3), (0.5, 0.8), (0.35, 0.5)),
         "desk": ((1.0, 1.6), (0.55, 0.8), (0.72, 0.76)),

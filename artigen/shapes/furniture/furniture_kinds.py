@@ -119,6 +119,14 @@ class Mounting:
     """Height (m) at which a hand takes a tall door."""
 
 
+STYLE_WORDS = {
+    "modern": "flat", "contemporary": "flat", "minimalist": "handleless", "rustic": "country",
+    "farmhouse": "country", "traditional": "classic", "vintage": "classic", "antique": "classic",
+    "victorian": "classic",
+}  # fmt: skip
+"""Further words for these styles."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Form(Mounting):
     """A form of furniture: its sizes, its mounting, and the division of its front."""
