@@ -478,11 +478,7 @@ def _read_adjectives(reading: Reading) -> Reading:
             raise TextError(f"{word!r} contradicts an earlier word about the {axis}")
         reading = reading.take(at).say(stretch=tuple(sorted({**known, axis: factor}.items())))
     for at, word in enumerate(reading.words):
-        if (
-            word in SCALES
-            and (at in reading.head or at not in reading.used)
-            and not _describes_part(reading, at)
-        ):
+        if word in SCALES and at not in reading.used and not _describes_part(reading, at):
             stretch = {**dict.fromkeys(AXES, SCALES[word]), **dict(reading.found.stretch)}
             reading = reading.take(at).say(stretch=tuple(sorted(stretch.items())))
     return reading

@@ -253,6 +253,7 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         {"style": "framed_glass", "counts": {"door": 2}, "parts": {"door": {"material": "glass"}}},
     ),
     "a dutch oven": ("Pot", {}),
+    "a mini fridge": ("Refrigerator", {}),
     "a cabinet whose doors open to the left": ("StorageFurniture", {"parts": {"door": {"hinged": "left"}}}),
 }
 PLAIN = {"objects": 1, "style": None, "counts": {}, "size": {}, "stretch": {}, "parts": {}, "ignored": []}
