@@ -1,8 +1,10 @@
 """Finds what colours and materials of a sentence belong to, before, after and behind commas."""
 
+import numpy as np
+
 from artigen.conditioning.numbers import read_number
 from artigen.conditioning.sentence import OBJECT, TextError
-from artigen.conditioning.vocabulary import ADJECTIVES, MATERIALS, PAINTS, PARTS, PIECES, SHADES, Stuff
+from artigen.conditioning.vocabulary import ADJECTIVES, MATERIALS, PAINTS, PARTS, PIECES, PLAIN, SHADES, Stuff
 from artigen.shapes.surfaces.finishes import Color
 
 BETWEEN = 4
@@ -49,9 +51,14 @@ def read_finishes(
 
 
 def find_color_only(word: str) -> Color | None:
-    """The colour (sRGB) of a paint, which may have a shade before it: "light blue"; None for other words."""
+    """The colour (sRGB) of a paint, which may have a shade before it, "light blue", or another colour, "navy
+    blue", which it then is; a plain colour before it tints it, "blue grey". None for other words."""
     shade, _, paint = word.rpartition(" ")
     color = PAINTS.get(paint)
+    if color is not None and shade in PAINTS and shade != paint:
+        first = np.array(PAINTS[shade])
+        r, g, b = ((first + color) / 2).tolist() if shade in PLAIN else PAINTS[shade]
+        return r, g, b
     if color is None or shade not in ("", *SHADES):
         return None
     share = SHADES.get(shade, 0.0)
