@@ -152,7 +152,8 @@ def _draw_footing(rng: np.random.Generator, plan: _Plan) -> _Footing:
     edge = choose(rng, 0.0, 0.03) + plan.looks.reach + ahead
     behind = min(edge, 0.02 + ahead)
     tops = {name: chance for name, chance in TOPS.items() if name != "oval" or width > 1.3 * depth}
-    kind: TopKind = pick(rng, {name: tops[name] for name in plan.tops if name in tops} or tops)
+    wished = {name: chance for name, chance in tops.items() if name in plan.tops}
+    kind: TopKind = pick(rng, wished or tops)
     radius = choose(rng, 0.04, 0.12)
     if kind == "ellipse":
         edge, behind = max(edge, 0.13 * depth), max(behind, 0.13 * depth)
