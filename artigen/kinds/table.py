@@ -151,7 +151,9 @@ def _draw_footing(rng: np.random.Generator, plan: _Plan) -> _Footing:
         ahead, aside = choose(rng, 0.03, 0.08) * depth, choose(rng, 0.05, 0.11) * width
     edge = choose(rng, 0.0, 0.03) + plan.looks.reach + ahead
     behind = min(edge, 0.02 + ahead)
-    tops = {name: chance for name, chance in TOPS.items() if name != "oval" or width > 1.3 * depth}
+    tops: dict[TopKind, float] = {
+        name: chance for name, chance in TOPS.items() if name != "oval" or width > 1.3 * depth
+    }
     wished = {name: chance for name, chance in tops.items() if name in plan.tops}
     kind: TopKind = pick(rng, wished or tops)
     radius = choose(rng, 0.04, 0.12)
