@@ -82,6 +82,10 @@ def _read_group(parse: Parse, at: int) -> Group | None:
         counted = end + 2 + each.counted - at
         total = None if each.count is None else number[0] * each.count
         return replace(each, start=at, count=total, counted=counted, grid=grid)
+    crossed = read_number(words, end + 1) if tuple(words[end : end + 1]) in (("x",), ("by",)) else None
+    if crossed is not None and words[end + 2 : end + 3] and words[end + 2] in PARTS:
+        total = number[0] * int(crossed[0])  # "2 x 3 drawers"
+        return Group(start=at, end=end + 3, label=PARTS[words[end + 2]], count=total, counted=end + 2 - at)
     place = _find_part(parse, end)
     article = words[at] in ("a", "an") and place in parse.head  # "a drawer unit"
     if place is None or article or (number[0] == 1 and words[place] not in PART_NOUNS):

@@ -77,8 +77,8 @@ def _read_triple(words: tuple[str, ...], at: int) -> tuple[list[float], int] | N
 
 
 def read_bare_sizes(parse: Parse) -> Parse:
-    """Reads lengths without a direction, "a 60 cm dishwasher", "1.2 m x 60 cm", and directions whose numbers
-    have no unit, "height 75, width 40": that in which the kind has such sizes."""
+    """Reads lengths without a direction, "a 60 cm dishwasher", "1.2 m x 60 cm", "160 x 80", and directions
+    whose numbers have no unit, "height 75, width 40": that in which the kind has such sizes."""
     kind, at = kind_of(parse), 0
     if kind is None:
         return parse
@@ -89,7 +89,8 @@ def read_bare_sizes(parse: Parse) -> Parse:
             parse = say_length(parse.take(at, named[2]), named[0], named[1])
             at += named[2]
             continue
-        lengths, used = ([], 0) if at in parse.used else _read_product(words, at)
+        products = [] if at in parse.used else [_read_product(words, at), *_read_plain_product(words, at)]
+        lengths, used = next((one for one in products if find_axes(kind, one[0]) is not None), ([], 0))
         axes = find_axes(kind, lengths)
         if (
             not used
@@ -133,9 +134,23 @@ def _read_product(words: tuple[str, ...], at: int) -> tuple[list[float], int]:
     return ([first[0]], first[1]) if last is None else ([first[0], last[0]], end + 1 + last[1] - at)
 
 
+def _read_plain_product(words: tuple[str, ...], at: int) -> list[tuple[list[float], int]]:
+    """Lengths (m) of "160 x 80" or "40 x 35 x 30" in centimetres and in millimetres, and how many words."""
+    numbers, end = [], at
+    while end < len(words) and words[end][0].isdigit() and (number := read_number(words, end)) is not None:
+        numbers.append(number[0])
+        end += number[1]
+        if len(numbers) == len(AXES) or tuple(words[end : end + 1]) not in (("x",), ("by",)):
+            break
+        end += 1
+    if len(numbers) < 2 or words[end - 1] in ("x", "by"):
+        return []
+    return [([UNITS[unit] * number for number in numbers], end - at) for unit in ("cm", "mm")]
+
+
 def find_axes(kind: Kind, lengths: Sequence[float]) -> tuple[Axis, ...] | None:
     """What lengths (m) without a direction measure: a single one the width of furniture and appliances, and
-    of others what their kind is measured by; two the width and the depth, or else the height.
+    of others what their kind is measured by; two the width and the depth, or else the height; three all.
 
     None where the kind has no such sizes.
     """
@@ -143,7 +158,9 @@ def find_axes(kind: Kind, lengths: Sequence[float]) -> tuple[Axis, ...] | None:
     tall = kind.trade not in ("furniture", "appliance") and {rule.extent for rule in kind.size} == {"height"}
     single: tuple[Axis, ...] = ("height", "width") if tall else ("width", "height")
     orders: list[tuple[Axis, ...]] = [(axis,) for axis in single]
-    if len(lengths) == 2:
+    if len(lengths) == len(AXES):
+        orders = [AXES]
+    elif len(lengths) == 2:
         orders = [("width", "depth"), ("depth", "width"), ("width", "height")]
     for axes in orders if lengths else ():
         if all(

@@ -221,6 +221,12 @@ MATERIALS: dict[str, Stuff] = {
     "rubber": Stuff("rubber"),
 }  # fmt: skip
 """Materials by words."""
+SURFACES = frozenset({
+    "matte", "matt", "gloss", "glossy", "high", "satin", "lacquer", "lacquered", "laminate", "veneer",
+    "paint", "polished", "brushed", "stained", "oiled", "varnished", "metallic", "colour", "color", "tone",
+    "tones", "throughout", "outside",
+})  # fmt: skip
+"""Words after a colour or a material that name no piece."""
 METALLIC: dict[str, FinishKind] = {"silver": "steel"}
 """Colour words that imply a material."""
 
@@ -348,6 +354,6 @@ FILLERS = frozenset({
     "all", "both", "some", "any", "about", "roughly", "approximately", "around", "x", "but", "make",
     "draw", "create", "generate", "give", "need", "my", "our", "new", "either", "nor", "neither",
     "hinged", "different", "various", "several", "whose", "where", "there", "then", "plus", "only",
-    "medium", "sized", "standard", "ordinary", "normal", "typical", "regular",
+    "style", "styled", "pullout", "medium", "sized", "standard", "ordinary", "normal", "typical", "regular",
 })  # fmt: skip
 """Words without a meaning of their own."""

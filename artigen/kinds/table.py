@@ -151,11 +151,9 @@ def _draw_footing(rng: np.random.Generator, plan: _Plan) -> _Footing:
         ahead, aside = choose(rng, 0.03, 0.08) * depth, choose(rng, 0.05, 0.11) * width
     edge = choose(rng, 0.0, 0.03) + plan.looks.reach + ahead
     behind = min(edge, 0.02 + ahead)
-    tops: dict[TopKind, float] = {
-        name: chance for name, chance in TOPS.items() if name != "oval" or width > 1.3 * depth
-    }
-    wished = {name: chance for name, chance in tops.items() if name in plan.tops}
-    kind: TopKind = pick(rng, wished or tops)
+    fitting: list[TopKind] = [kind for kind in TOPS if kind != "oval" or width > 1.3 * depth]
+    wished: list[TopKind] = [kind for kind in fitting if kind in plan.tops] or fitting
+    kind: TopKind = pick(rng, {kind: TOPS[kind] for kind in wished})
     radius = choose(rng, 0.04, 0.12)
     if kind == "ellipse":
         edge, behind = max(edge, 0.13 * depth), max(behind, 0.13 * depth)

@@ -281,6 +281,15 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
             "parts": {"freezer": {"at": "bottom"}},
         },
     ),
+    "a mailbox with a red flag": ("Mailbox", {"ignored": ["red", "flag"]}),
+    "a white cabinet with brass feet": (
+        "StorageFurniture",
+        {"parts": {"object": {"color": "white"}, "leg": {"material": "brass"}, "stand": {"type": "legs"}}},
+    ),
+    "a desk 160x80": ("Table", {"size": {"width": 1.6, "depth": 0.8}}),
+    "a safe, 40 x 35 x 30": ("Safe", {"size": {"width": 0.4, "depth": 0.35, "height": 0.3}}),
+    "a cabinet with 2x3 drawers": ("StorageFurniture", {"counts": {"drawer": 6}}),
+    "a larder with pull-out baskets": ("StorageFurniture", {"parts": {"tray": {}}}),
     # Stands, words of a kind, and nouns that end as others do.
     "cabinet with three drawers on hairpin legs": (
         "StorageFurniture",
