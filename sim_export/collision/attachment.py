@@ -3,7 +3,7 @@
 Parts that touch can end up apart in collision: a hull stays short of the surface it stands for, or
 room for a moving part was cut out of the face that a knob sits on. A peg, a box of a few millimetres,
 then reaches from one to the other, wherever it is free along every sweep. Pegs only ever stand in
-gaps that are a few cells wide, and every one is recorded.
+gaps that are a few cells wide; every one is seen, and recorded.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,7 +18,7 @@ from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import box_hull, convex_hull, hull_planes, replace_hulls
 from sim_export.geometry.rays import plane_axes
 from sim_export.motion.kinematics import Sweep, read_sweeps
-from sim_export.package import Hull, Link, Requirement
+from sim_export.package import Hull, Link, Mesh, Requirement, Visual
 
 GAP = 2e-4
 """What stays free (m) around an added hull; engines push apart what touches, however little."""
@@ -42,6 +42,8 @@ WIDTHS = (0.012, 0.006, 0.003, 0.0015)
 """Edges of a peg's square cross-section, tried in this order."""
 PAIRS = 4
 """Nearest pairs of hulls between which a peg is tried."""
+COLOR = (0.55, 0.55, 0.55)
+"""Colour of pegs: grey metal."""
 
 
 def add_hull(
@@ -99,10 +101,11 @@ class Peg:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Attachment:
-    """Links with pegs, the pegs, and (child, parent, gap) where none was possible."""
+    """Links with pegs, the pegs and how they are seen, and (child, parent, gap) where none was possible."""
 
     links: tuple[Link, ...]
     pegs: tuple[Peg, ...] = ()
+    visuals: tuple[Visual, ...] = ()
     apart: tuple[tuple[str, str, float], ...] = ()
 
     @property
@@ -159,7 +162,7 @@ def attach_links(
     """
     sets = [HullSet(hulls=link.hulls) for link in links]
     sweeps = read_sweeps(links, joints, requirements)
-    pegs, apart = [], []
+    pegs, visuals, apart = [], [], []
     carried = list(_carried_links(links, joints))
     for child, parent, joint in carried:
         facing = _find_facing(sets[child], sets[parent])
@@ -172,11 +175,17 @@ def attach_links(
         if found is None:
             apart.append((*names.values(), facing[0].gap))
             continue
-        slot, sets[slot], width = found
+        slot, sets[slot], peg, width = found
+        mesh = Mesh(vertices=peg.vertices, faces=peg.faces, color=COLOR)
+        part, label = links[slot].parts[0], links[slot].label or "base"
+        visuals.append(Visual(name=f"peg_{len(visuals)}", part=part, label=label, mesh=mesh))
         left = _find_facing(sets[child], sets[parent])[0].gap
         pegs.append(Peg(link=links[slot].name, **names, gap=facing[0].gap, left=left, width=width))
     return Attachment(
-        links=replace_hulls(links, [hulls.hulls for hulls in sets]), pegs=tuple(pegs), apart=tuple(apart)
+        links=replace_hulls(links, [hulls.hulls for hulls in sets]),
+        pegs=tuple(pegs),
+        visuals=tuple(visuals),
+        apart=tuple(apart),
     )
 
 
@@ -221,8 +230,8 @@ def _fit_peg(
     facing: Sequence[_Facing],
     joint: Joint,
     peers: np.ndarray,
-) -> tuple[int, HullSet, float] | None:
-    """The first peg that is free along every sweep: its link, that link's hulls with it, and its width.
+) -> tuple[int, HullSet, Hull, float] | None:
+    """The first peg that is free along every sweep: its link, that link's hulls with it, itself, its width.
 
     ``peers`` are the boxes of all links that slide on the same one; they may share a peg.
     """
@@ -233,7 +242,7 @@ def _fit_peg(
             peg = _peg_hull(spot, width)
             hulls = add_hull(sets, sweeps, slot, peg, spot.stand)
             if hulls is not None:
-                return slot, hulls, width
+                return slot, hulls, peg, width
     return None
 
 

@@ -386,7 +386,7 @@ ROWS: list[tuple[str, str, Callable[..., Scene], object, object]] = [
     ("floor", "V105", lambda x: scene(link("body", seen(BODY), felt(((0, 0, x), (1, 1, 1))))),
      4.9e-3, 5.1e-3),
     ("texture", "V106", textured, 9, 11),
-    ("island", "V107", lambda x: scene(link("body", both(BODY), seen(((1 + x, 0, 0), (2, 1, 1))))),
+    ("island", "V107", lambda x: scene(link("body", both(BODY), seen(((1 + x, 0, 0.1), (2, 1, 1))))),
      4.9e-3, 5.1e-3),
     ("depth on the way", "V201", lambda x: into(x, 0.05), 1.9e-3, 2.1e-3),
     ("volume on the way", "V201", lambda x: into(0.1 * x, 1.0), 0.0092, 0.0108),
