@@ -15,7 +15,7 @@ from jaxtyping import Float
 from artigen.types import Joint
 from sim_export.collision.hull_limits import MAX_ASPECT, MAX_VERTICES, MOST_OF_LINK, hull_aspect
 from sim_export.geometry.contacts import HullSet, signed_distances
-from sim_export.geometry.hulls import box_hull, convex_hull, hull_planes, replace_hulls
+from sim_export.geometry.hulls import box_hull, convex_hull, hull_planes, inside_hulls, replace_hulls
 from sim_export.geometry.rays import plane_axes
 from sim_export.motion.kinematics import Sweep, read_sweeps
 from sim_export.package import Hull, Link, Mesh, Requirement, Visual
@@ -42,6 +42,8 @@ WIDTHS = (0.012, 0.006, 0.003, 0.0015)
 """Edges of a peg's square cross-section, tried in this order."""
 PAIRS = 4
 """Nearest pairs of hulls between which a peg is tried."""
+ALONG = 0.9
+"""Cosine from which on an axis runs across the gap."""
 COLOR = (0.55, 0.55, 0.55)
 """Colour of pegs: grey metal."""
 
@@ -165,7 +167,7 @@ def attach_links(
     pegs, visuals, apart = [], [], []
     carried = list(_carried_links(links, joints))
     for child, parent, joint in carried:
-        facing = _find_facing(sets[child], sets[parent])
+        facing = _find_facing(sets[child], sets[parent], joint)
         if not facing or facing[0].gap <= NEAR:
             continue
         names = {"child": links[child].name, "parent": links[parent].name}
@@ -179,7 +181,7 @@ def attach_links(
         mesh = Mesh(vertices=peg.vertices, faces=peg.faces, color=COLOR)
         part, label = links[slot].parts[0], links[slot].label or "base"
         visuals.append(Visual(name=f"peg_{len(visuals)}", part=part, label=label, mesh=mesh))
-        left = _find_facing(sets[child], sets[parent])[0].gap
+        left = min(each.gap for each in _find_facing(sets[child], sets[parent], joint))
         pegs.append(Peg(link=links[slot].name, **names, gap=facing[0].gap, left=left, width=width))
     return Attachment(
         links=replace_hulls(links, [hulls.hulls for hulls in sets]),
@@ -203,14 +205,18 @@ def _carried_links(links: Sequence[Link], joints: Sequence[Joint]) -> Iterator[t
             yield index, slot[parent], above[link.name]
 
 
-def _find_facing(child: HullSet, parent: HullSet) -> list[_Facing]:
-    """The nearest pairs of hulls at rest, nearest first; empty beyond `FAR`."""
+def _find_facing(child: HullSet, parent: HullSet, joint: Joint) -> list[_Facing]:
+    """The nearest pairs of hulls at rest; of those as near to a millimetre, the one at the joint's axis comes
+    first, where a shaft would be; empty beyond `FAR`."""
     still = np.eye(4)
     for reach in (NEAR, FAR):
         found = signed_distances(child, parent, still, still, reach)
         if len(found.distance):
             break
-    order = np.argsort(found.distance, kind="stable")[:PAIRS]
+    beside = np.zeros(len(found.distance))
+    if joint.type != "prismatic":
+        beside = np.linalg.norm(np.cross(found.points[:, 0] - joint.origin, joint.axis), axis=1)
+    order = np.lexsort((beside, np.round(found.distance, 3)))[:PAIRS]
     return [
         _Facing(
             child=child.hulls[found.first[row]],
@@ -256,7 +262,7 @@ def _straight_spots(facing: Sequence[_Facing], joint: Joint, room: float) -> Ite
 
 
 def _places(pair: _Facing, joint: Joint) -> list[np.ndarray]:
-    """Points on the child's side of the gap: beside the joint's axis, amid the facing patch, the nearest."""
+    """Points on the child's side of the gap: at the joint's axis, amid the facing patch, the nearest."""
     import manifold3d
 
     moved = pair.child.vertices + (pair.gap + 2e-4) * pair.normal
@@ -265,10 +271,16 @@ def _places(pair: _Facing, joint: Joint) -> list[np.ndarray]:
     if not len(points):
         return [pair.points[0]]
     height = pair.normal @ pair.points[0]
-    points = points - np.outer(points @ pair.normal - height, pair.normal)
+    facing, points = points, points - np.outer(points @ pair.normal - height, pair.normal)
     middle = points.mean(axis=0)
     if joint.type == "prismatic":
         return [middle, pair.points[0]]
+    if abs(joint.axis @ pair.normal) > ALONG:
+        foot = joint.origin + (facing.mean(axis=0) - joint.origin) @ pair.normal * joint.axis / (
+            joint.axis @ pair.normal
+        )
+        if inside_hulls(foot[None], (convex_hull(facing),))[0]:
+            return [foot + (height - foot @ pair.normal) * pair.normal, middle, pair.points[0]]
     beside = np.linalg.norm(np.cross(points - joint.origin, joint.axis), axis=1)
     return [points[beside.argmin()], middle, pair.points[0]]
 

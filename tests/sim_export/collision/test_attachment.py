@@ -69,6 +69,13 @@ def test_a_knob_off_its_panel_gets_a_peg_and_still_turns():
     assert [hull.vertices.tolist() for hull in added] == [seen.mesh.vertices.tolist()]
 
 
+def test_a_peg_is_where_the_shaft_of_a_knob_would_be():
+    """A hub and a rim that is nearer by 0.2 mm."""
+    rim = box((-0.027, 0.05, -0.02), (-0.0068, 0.06, 0.02))
+    done = attach_links((link("body", BODY), link("part", rim, KNOB)), [TURN])
+    assert abs(done.links[1].hulls[-1].vertices[:, 1:]).max() <= 0.006 + 1e-9
+
+
 @pytest.mark.parametrize("offset", [0.0, 0.004, 0.05])
 def test_near_and_far_links_are_left_alone(offset: float):
     knob = box((-0.02 - offset, -0.02, -0.02), (-offset, 0.02, 0.02))
