@@ -63,7 +63,8 @@ def write_room_mjcf(room: Room, folder: Path) -> Path:
 
 
 def home_position(room: Room, model: "MjModel") -> Float[np.ndarray, "Q"]:
-    """Joint vector of the compiled room with every joint at its coordinate; followers follow, things rest."""
+    """Joint vector of the compiled room with every joint at its coordinate; followers follow, things are
+    where the room has them, in drawers that stand open too."""
     qpos = model.qpos0.copy()
     for placement in room.placements:
         package = cached_package(placement.package)
@@ -72,6 +73,9 @@ def home_position(room: Room, model: "MjModel") -> Float[np.ndarray, "Q"]:
         start = np.array([coordinates.get(name, 0.0) for name in names])
         for name, q in zip(names, find_mechanism(package, names).complete(start), strict=True):
             qpos[model.joint(f"{placement.id}/{name}").qposadr[0]] = q
+    for item in room.contents:
+        T, start = item_motion(room, item) @ pose_matrix_of(item), model.joint(item.id).qposadr[0]
+        qpos[start : start + 7] = [*T[:3, 3], *quat_from_matrix(T[:3, :3])]
     return qpos
 
 
