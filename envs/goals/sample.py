@@ -1,7 +1,7 @@
 """Samples goals from what a room has: eight families, each goal with words that refer to nothing else."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -103,11 +103,12 @@ def sample_goals(room: Room, seed: int, count: int) -> tuple[Goal, ...]:
 
 def _begins(goal: Goal, room: Room) -> bool:
     """Whether the goal is not reached in its first state, in which what was opened for it touches nothing."""
-    started = start_room(room, goal)
-    opened = {name for name, _, _ in goal.start}
-    if any(overlapping(started, started.placement(name)) for name in opened):
+    started, named = start_room(room, goal), {each.item for each in goal.items}
+    asked = replace(started, contents=tuple(item for item in started.contents if item.id in named))
+    if is_reached(goal, asked, state_of(asked)):
         return False
-    return not is_reached(goal, started, state_of(started))
+    opened = {name for name, _, _ in goal.start}
+    return not any(overlapping(started, started.placement(name)) for name in opened)
 
 
 def _shuffled(rng: np.random.Generator, room: Room) -> list[Placement]:
