@@ -195,7 +195,7 @@ class RoomEnv(BaseEnv):
 
     @property
     def _default_human_render_camera_configs(self) -> CameraConfig:
-        _, corner = find_views(self.furnished.rooms[0])
+        _, corner, *_ = find_views(self.furnished.rooms[0])
         camera = corner.camera
         pose = sapien_utils.look_at(eye=camera.position.tolist(), target=camera.target.tolist())
         return CameraConfig(
