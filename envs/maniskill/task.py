@@ -27,7 +27,16 @@ from ..limits import rest_coordinate
 from ..sim.articulation import limit_screws
 from .load import build_box, load_object, load_robot, place_robot
 from .mechanisms import mechanism_of
-from .objects import HandleNeed, PartKind, TaskObject, TaskPart, Validation, on_plinth, read_objects
+from .objects import (
+    HandleNeed,
+    PartKind,
+    TaskObject,
+    TaskPart,
+    Validation,
+    find_object,
+    on_plinth,
+    read_objects,
+)
 from .placement import PATH_SAMPLES, Stand, find_stand, grip_path
 from .robots import ROBOTS, RobotSpec
 from .verbs import Verb, grip_direction
@@ -46,6 +55,9 @@ class PackageTask(BaseEnv):
     of its usable parts. Joints that the part requires to be open are open, all others are closed. With
     ``latched``, the part's latches are closed too, and the robot must operate them. With ``plinths``, low
     objects are raised.
+
+    ``reset(options={"object": NAME})`` chooses the object, a list one for each parallel scene: the name of a
+    package's folder, with as many folders above it as tell it apart. ``info["object"]`` are their names.
     """
 
     SUPPORTED_ROBOTS = ["panda", "fetch"]  # noqa: RUF012
@@ -95,6 +107,28 @@ class PackageTask(BaseEnv):
             **kwargs,
         )
 
+    def reset(self, seed: Any = None, options: dict | None = None) -> tuple[Any, dict]:
+        """Resets; a choice of objects builds the scenes anew.
+
+        Raises:
+            TaskError: If none or several of the objects have a name that was asked for.
+        """
+        if options and "object" in options:
+            options = options | {"reconfigure": True}
+        return super().reset(seed=seed, options=options)
+
+    def get_info(self) -> dict:
+        """What `evaluate` finds, and ``object``: a name for every parallel scene."""
+        return super().get_info() | {"object": [entry.folder.name for entry, _ in self.drawn]}
+
+    def get_language_instruction(self) -> list[str]:
+        """What to do in each scene, in words."""
+        return [self._say(entry, part) for entry, part in self.drawn]
+
+    def _say(self, entry: TaskObject, part: TaskPart) -> str:
+        """The task in words."""
+        raise NotImplementedError
+
     @property
     def _default_sim_config(self) -> SimConfig:
         memory = GPUMemoryConfig(max_rigid_contact_count=2**21, max_rigid_patch_count=2**19)
@@ -120,9 +154,12 @@ class PackageTask(BaseEnv):
         self.drawn: list[tuple[TaskObject, TaskPart]] = []
         self.into_links: list[np.ndarray] = []
         built, targets, grips, pulls = [], [], [], []
+        asked = options.get("object", [])
+        chosen = [find_object(self.objects, name) for name in ([asked] if isinstance(asked, str) else asked)]
+        chosen = chosen or [None]
         for index in range(self.num_envs):
             rng = self._batched_episode_rng[index]
-            entry, part = self._draw(rng)
+            entry, part = self._draw(rng, chosen[index % len(chosen)])
             name = f"{entry.package.name}-{index}"
             if entry.raised > 0.0:
                 low, high = np.array(entry.bounds)
@@ -140,9 +177,9 @@ class PackageTask(BaseEnv):
             targets.append(articulation.links_map[part.joint.child])
         self._adopt(built, targets, np.array(grips), np.array(pulls))
 
-    def _draw(self, rng: np.random.RandomState) -> tuple[TaskObject, TaskPart]:
-        """Samples an object and one of its parts with one scene's generator."""
-        entry = self.objects[rng.randint(len(self.objects))]
+    def _draw(self, rng: np.random.RandomState, chosen: TaskObject | None) -> tuple[TaskObject, TaskPart]:
+        """Samples an object, if none is chosen, and one of its parts with one scene's generator."""
+        entry = chosen or self.objects[rng.randint(len(self.objects))]
         return entry, entry.parts[rng.randint(len(entry.parts))]
 
     def _opened(self, entry: TaskObject, part: TaskPart) -> float:
