@@ -156,23 +156,6 @@ def read_objects(
     return usable
 
 
-def find_object(objects: Sequence[TaskObject], name: str) -> TaskObject:
-    """The object whose folder ends with ``name``, such as ``Oven_3`` or ``train/Oven_3``.
-
-    Raises:
-        TaskError: If there is none, or there are several.
-    """
-    wanted = Path(name).parts
-    found = [entry for entry in objects if wanted and entry.folder.parts[-len(wanted) :] == wanted]
-    if len(found) != 1:
-        listed = ", ".join(str(entry.folder) for entry in (found or objects)[:5])
-        raise TaskError(
-            f"{len(found)} of {len(objects)} objects are called {name!r}, expected one; there are {listed}"
-            + ("" if len(found or objects) <= 5 else " and others")
-        )
-    return found[0]
-
-
 def say_part(entry: TaskObject, part: TaskPart) -> str:
     """A phrase for a part with its article: "the top drawer of the dresser"."""
     category = find_category(entry.package.category)

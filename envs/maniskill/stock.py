@@ -24,6 +24,7 @@ from mani_skill.envs.tasks.mobile_manipulation.open_cabinet_drawer import (
 from mani_skill.utils.structs import Articulation, Link
 
 from artigen.transforms import inverse, transform_points
+from sim_export.files.folders import name_folders
 
 from ..sim.mechanism import Mechanism
 from .load import load_object, load_robot
@@ -64,6 +65,8 @@ class _FromPackages:
         self._heights: list[float] = []
         self._mechanisms: list[Mechanism] = []
         self._names: list[str] = []
+        folders = [entry.folder for entry, _ in self.choices]
+        named = dict(zip(folders, name_folders(folders), strict=True))
         links: list[Link] = []
         grips = []
         for index in range(self.num_envs):
@@ -77,7 +80,7 @@ class _FromPackages:
             links.append(cabinet.links_map[part.joint.child])
             self._cabinets.append(cabinet)
             self._heights.append(-entry.floor)
-            self._names.append(entry.folder.name)
+            self._names.append(named[entry.folder])
             self._mechanisms.append(mechanism_of(cabinet, entry.package))
         self.cabinet = Articulation.merge(self._cabinets, name="cabinet")
         self.add_to_state_dict_registry(self.cabinet)

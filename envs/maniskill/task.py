@@ -4,7 +4,8 @@ Lengths in metres, angles in radians, everything batched over parallel scenes in
 random draws use the episode's own generators, so that a seed determines everything.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +22,15 @@ from mani_skill.utils.geometry.rotation_conversions import quaternion_apply
 from mani_skill.utils.structs import Articulation, Link
 from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
 
+from artigen.shapes.restyle import draw_finishes
 from artigen.transforms import inverse, transform_points, transform_vectors
+from sim_export.appearance.dress import find_looks
+from sim_export.files.folders import name_folders, pick_folder
 
 from ..limits import rest_coordinate
+from ..randomize import SEEDS, Randomization, randomize_package, read_randomization, set_masses
 from ..sim.articulation import limit_screws
+from ..sim.looks import wear_finishes
 from .load import build_box, load_object, load_robot, place_robot
 from .mechanisms import mechanism_of
 from .objects import (
@@ -33,7 +39,6 @@ from .objects import (
     TaskObject,
     TaskPart,
     Validation,
-    find_object,
     on_plinth,
     read_objects,
 )
@@ -55,6 +60,8 @@ class PackageTask(BaseEnv):
     of its usable parts. Joints that the part requires to be open are open, all others are closed. With
     ``latched``, the part's latches are closed too, and the robot must operate them. With ``plinths``, low
     objects are raised.
+
+    ``randomize`` varies friction, damping and masses whenever a scene is built, and looks at every reset.
 
     ``reset(options={"object": NAME})`` chooses the object, a list one for each parallel scene: the name of a
     package's folder, with as many folders above it as tell it apart. ``info["object"]`` are their names.
@@ -79,6 +86,7 @@ class PackageTask(BaseEnv):
         verb: Verb = "open",
         latched: bool = False,
         plinths: bool = False,
+        randomize: Randomization | Mapping[str, Any] | None = None,
         robot_uids: str = "panda",
         num_envs: int = 1,
         reconfiguration_freq: int | None = None,
@@ -95,6 +103,9 @@ class PackageTask(BaseEnv):
         )
         if plinths:
             self.objects = tuple(on_plinth(entry) for entry in self.objects)
+        self.object_names = name_folders([entry.folder for entry in self.objects])
+        """Name of every object that a scene may draw."""
+        self.randomize = read_randomization(randomize)
         self.latched = latched
         self.initial_open, self.goal_open = initial_open, goal_open
         if reconfiguration_freq is None:
@@ -111,7 +122,7 @@ class PackageTask(BaseEnv):
         """Resets; a choice of objects builds the scenes anew.
 
         Raises:
-            TaskError: If none or several of the objects have a name that was asked for.
+            PackageError: If none or several of the objects have a name that was asked for.
         """
         if options and "object" in options:
             options = options | {"reconfigure": True}
@@ -119,7 +130,8 @@ class PackageTask(BaseEnv):
 
     def get_info(self) -> dict:
         """What `evaluate` finds, and ``object``: a name for every parallel scene."""
-        return super().get_info() | {"object": [entry.folder.name for entry, _ in self.drawn]}
+        names = dict(zip(self.objects, self.object_names, strict=True))
+        return super().get_info() | {"object": [names[entry] for entry, _ in self.drawn]}
 
     def get_language_instruction(self) -> list[str]:
         """What to do in each scene, in words."""
@@ -155,8 +167,11 @@ class PackageTask(BaseEnv):
         self.into_links: list[np.ndarray] = []
         built, targets, grips, pulls = [], [], [], []
         asked = options.get("object", [])
-        chosen = [find_object(self.objects, name) for name in ([asked] if isinstance(asked, str) else asked)]
-        chosen = chosen or [None]
+        by_folder = {entry.folder: entry for entry in self.objects}
+        chosen = [
+            by_folder[pick_folder(tuple(by_folder), name)]
+            for name in ([asked] if isinstance(asked, str) else asked)
+        ] or [None]
         for index in range(self.num_envs):
             rng = self._batched_episode_rng[index]
             entry, part = self._draw(rng, chosen[index % len(chosen)])
@@ -166,7 +181,13 @@ class PackageTask(BaseEnv):
                 low[2], high[2] = 0.0, entry.raised
                 build_box(self.scene, f"plinth-{index}", index, low, high)
             held = self._open_needs(part)
-            articulation, frames = load_object(self.scene, entry, name, index, held=held)
+            other = randomize_package(entry.package, self.randomize, rng)
+            articulation, frames = load_object(
+                self.scene, replace(entry, package=other), name, index, held=held
+            )
+            if other is not entry.package:
+                for engine in articulation._objs:
+                    set_masses(engine.links, other, f"scene-{index}-{name}_")
             self.remove_from_state_dict_registry(articulation)
             into_link = inverse(frames[part.joint.child])
             grips.append(transform_points(into_link, part.grip[None])[0])
@@ -245,6 +266,19 @@ class PackageTask(BaseEnv):
         scale = np.array([NOISE_POSITION, NOISE_POSITION, NOISE_YAW] + [NOISE_JOINT] * (noise.shape[1] - 3))
         stands = [self.stands[int(index)] for index in env_idx]
         self._place_robot(stands, noise * scale)
+        if self.randomize.looks:
+            for index in env_idx.tolist():
+                self._dress(index)
+
+    def _dress(self, index: int) -> None:
+        """Gives the object of one scene the finishes of another one of its kind."""
+        if not self.scene.can_render():
+            raise ValueError("the scene cannot render, so it has no looks; make it with a render_backend")
+        entry, _ = self.drawn[index]
+        seed = int(self._batched_episode_rng[index].randint(SEEDS))
+        looks = find_looks(draw_finishes(entry.package.category, seed, self.randomize.style))
+        links = [link for engine in self.built[index]._objs for link in engine.links]
+        wear_finishes(links, entry.folder, looks)
 
     def _place_robot(self, stands: list[Stand], noise: Float[np.ndarray, "B 3+A"]) -> None:
         """Places the base on its stand and the arm at its ready pose, both with noise."""

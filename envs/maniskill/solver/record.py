@@ -86,7 +86,7 @@ def _tell(task: Any, env: gym.Env) -> dict[str, str]:
     inside = top is not None and folder != top and folder.is_relative_to(top)
     return {
         "task": task.get_language_instruction()[0],
-        "object": entry.folder.name,
+        "object": task.get_info()["object"][0],
         "package": folder.relative_to(top).as_posix() if top is not None and inside else str(entry.folder),
         "joint": part.joint.name,
     }
