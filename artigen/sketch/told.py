@@ -149,7 +149,8 @@ def draw_told(told: Told, request: SketchRequest, seed: int) -> tuple[Shape, tup
             if found is None or not _has_counts(found, request):
                 continue
             seen = read_front(found)
-            lost = told.list_lost(found, seen) + [" ".join(one) for one in unseen if one[2] != "none"]
+            lost = told.list_lost(found, seen)
+            lost += [" ".join(one) for one in unseen if one[2] != "none" and not _stands(found, one)]
             lost += _list_uncounted(found, told, request)
             narrow = count_narrow(seen) if request.width is None and kind.laid_out else 0
             rank = (len(outside.list_lost(found, seen)), len(lost), narrow)
@@ -172,6 +173,11 @@ def _list_uncounted(shape: Shape, told: Told, request: SketchRequest) -> list[st
         for label, count in request.counts
         if held.get(label, 0) != count and label not in placed
     ]
+
+
+def _stands(shape: Shape, feature: Feature) -> bool:
+    """Whether a feature is the stand of a shape."""
+    return feature[0] == "stand" and STANDS.get(feature[2]) == find_stand(shape)
 
 
 def _level_sides(request: SketchRequest, seed: int) -> SketchRequest:
