@@ -129,7 +129,7 @@ def draw_told(told: Told, request: SketchRequest, seed: int) -> tuple[Shape, tup
         places=() if kind.laid_out else told.places,
     )
     if told.is_level:
-        request = _level_sides(request, seed)
+        request = _level_sides(request, told, seed)
     hidden = [one for one in told.features if one[1] == "type" and one[0] in ("stand", "handle")]
     named = {label for label, _ in request.counts} & set(FRONTS)
     divide = kind.laid_out and bool(inside or told.places or (named and not outside.features))
@@ -180,11 +180,11 @@ def _stands(shape: Shape, feature: Feature) -> bool:
     return feature[0] == "stand" and STANDS.get(feature[2]) == find_stand(shape)
 
 
-def _level_sides(request: SketchRequest, seed: int) -> SketchRequest:
+def _level_sides(request: SketchRequest, told: Told, seed: int) -> SketchRequest:
     """The request with a depth equal to the width: the one that is given, or that of a draw."""
     side = request.width or request.depth
     if side is None:
-        shape = _draw(request, Told(), seed)
+        shape = _draw(request, told, seed)
         low, high = np.zeros((2, 3)) if shape is None else shape.bounds()
         side = float((high - low)[:2].min()) or None
     return replace(request, width=request.width or side, depth=request.depth or side)
