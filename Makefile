@@ -8,15 +8,22 @@ WORKERS ?= 2
 # Tests start many Python processes; each would compile all modules anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test lint types wheel examples docs benchmarks clean
+.PHONY: demo test slow-tests lint types wheel examples docs benchmarks clean
 
 demo: $(STAMP)
 	$(BIN)/artigen demo -o out/demo
 
 # Workers of two threads each would wait for one another's.
+TESTS = $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal --ignore tests/docs $(PYTEST_FLAGS)
+
 test: export OMP_NUM_THREADS ?= 1
 test: $(STAMP)
-	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal --ignore tests/docs $(PYTEST_FLAGS)
+	$(TESTS) -m "not slow"
+
+# Whole ways: data sets that are killed and go on, training runs, robots that open doors.
+slow-tests: export OMP_NUM_THREADS ?= 1
+slow-tests: $(STAMP)
+	$(TESTS) -m slow
 
 lint: $(STAMP)
 	$(BIN)/ruff format --check .

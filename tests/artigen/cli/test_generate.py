@@ -181,6 +181,7 @@ def latent(
     return GenerateJob(model=folder, category=SHAPE.category, seed=9, out=tmp_path, cfg=settings)
 
 
+@pytest.mark.slow
 def test_a_latent_package_has_gaussians_on_the_meshes_of_its_links_or_none(latent: GenerateJob):
     made, folder = generate_object(latent), latent.out / latent.key
     package = read_package(folder)
