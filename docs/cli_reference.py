@@ -56,6 +56,8 @@ artigen scene flat --rooms 5 -o out/flat""",
     "scenes": "artigen scenes kitchen bedroom --count 1000 --packages out/packages -o out/scenes",
     "dataset": """artigen dataset examples/household.yaml -o out/household
 artigen dataset verify out/household --prove 20""",
+    "demos": """artigen demos ArtiGen-OpenPart-v1 out/packages -n 100 -o out/demos
+artigen demos ArtiGen-PutInside-v1 out/packages -n 50 -o out/put --format maniskill""",
     "train": "artigen train sketch RUN --preset small --minutes 120 --shards 10",
     "eval": "artigen eval sketch --model RUN/model -o RUN/evaluation",
     "demo": "artigen demo -o out/demo",
