@@ -41,7 +41,7 @@ MODEL_CODE = (
     "artigen.reader.read",
     "artigen.reader.targets",
     "artigen.reader.trunk",
-    "artigen.reader.units",
+    "artigen.reader.wall",
     "artigen.shapes.render",
     "artigen.sketch",
     "artigen.train",

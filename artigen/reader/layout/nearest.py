@@ -18,11 +18,9 @@ from artigen.shapes.shape import Shape
 
 DRAWS = 32
 """Objects that are compared."""
-HINGE, PANE, FIELD, PULLS = 0.4, 0.2, 0.4, 0.1
-"""Cost of a wrong hinge, a wrong pane, a wrong field, and a handle too many or too few, against a front that
-is missing."""
-SIZE = (2.0, 1.0, 2.0)
-"""Cost of a width, a depth and a height that is wrong by a factor of e: depths are read half as well."""
+HINGE, PANE, FIELD, PULLS, SIZE = 0.4, 0.2, 0.4, 0.1, 2.0
+"""Cost of a wrong hinge, a wrong pane, a wrong field, a handle too many or too few, and of a length that is
+wrong by a factor of e, against a front that is missing."""
 MOST_PULLS = 3
 """Handles too many or too few that count: they are read worse than fronts."""
 
@@ -87,8 +85,8 @@ def rate_difference(seen: Reading, built: Reading, size: Lengths) -> float:
             cost += float(costs[linear_sum_assignment(costs)].sum())
     pulls = [Counter(part.label for part in one.parts)["handle"] for one in (seen, built)]
     cost += PULLS * min(MOST_PULLS, abs(pulls[0] - pulls[1]))
-    lengths = zip(SIZE, size, built.size, strict=True)
-    return cost + sum(price * abs(np.log(own / other)) for price, own, other in lengths if own is not None)
+    lengths = zip(size, built.size, strict=True)
+    return cost + SIZE * sum(abs(np.log(own / other)) for own, other in lengths if own is not None)
 
 
 def _compare(
