@@ -21,10 +21,10 @@ from sim_export.collision.relief import (
     Relief,
     cut_along_faces,
     relieve_pair,
-    shared_volume,
 )
 from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.geometry.hulls import replace_hulls
+from sim_export.geometry.solids import as_solid
 from sim_export.motion.kinematics import (
     driven_joints,
     link_displacements,
@@ -195,7 +195,7 @@ def _clear_joint(
                 mine, theirs = work.hulls[a][i], work.hulls[b][j]
                 if mine is None or theirs is None or (a, i, b, j) in stuck:
                     continue
-                hidden = shared_volume(mine, theirs)  # nothing can touch it, so it may go
+                hidden = (as_solid(mine) ^ as_solid(theirs)).volume()  # nothing can touch it, so it may go
                 pair = OverlappingPair(
                     hulls=(mine, theirs),
                     poses=(T[poses, a], T[poses, b]),

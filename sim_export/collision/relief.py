@@ -288,26 +288,19 @@ def _notch(pair: OverlappingPair, found: Distances, gap: float, *, sheets: bool)
             continue
         allowed = pair.allows(side, left, depth)
         if not allowed:
-            common = _intersect(pair.hulls[side], planes)
-            thin = max(pair.max_depth, min(depth, hull_width(common)[0] if common else 0.0))
+            thin = max(pair.max_depth, min(depth, _shared_width(pair.hulls[side], planes)))
             allowed = depth > thin and pair.allows(side, left, thin + NEARLY)
         if allowed:
             plans.append(_one_sided(pair, side, pieces, depth))
     return plans
 
 
-def _intersect(hull: Hull, planes: Float[np.ndarray, "F 4"]) -> Hull | None:
-    """What a hull has in common with a convex region."""
-    common: Hull | None = hull
+def _shared_width(hull: Hull, planes: Float[np.ndarray, "F 4"]) -> float:
+    """Thickness (m) of what a hull has in common with a convex region."""
+    shared: Hull | None = hull
     for plane in planes:
-        common = None if common is None else clip_hull(common, plane[:3], plane[3])
-    return common
-
-
-def shared_volume(one: Hull, other: Hull) -> float:
-    """Volume (m^3) that two hulls have in common at rest."""
-    common = _intersect(one, face_planes(other))
-    return 0.0 if common is None else hull_volume(common)
+        shared = None if shared is None else clip_hull(shared, plane[:3], plane[3])
+    return 0.0 if shared is None else hull_width(shared)[0]
 
 
 def _one_sided(pair: OverlappingPair, side: int, left: tuple[Hull, ...], depth: float) -> Relief:
