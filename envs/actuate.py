@@ -11,13 +11,10 @@ from jaxtyping import Float
 from artigen.transforms import inverse, shift, transform_points
 
 from .base import SUBSTEPS, PackageEnv, Packages, open_fractions
-from .hand import measure_moved, pose_matrix
+from .hand import ON_AXIS, measure_moved, pose_matrix
 from .plan import plan_trials
 from .randomize import Randomization
 from .sim.loaded import LoadedJoint
-
-ON_AXIS = 0.01
-"""Distance (m) from the axis below which a handle is turned instead of pulled."""
 
 
 @dataclass(frozen=True, kw_only=True)

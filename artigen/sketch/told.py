@@ -129,7 +129,7 @@ def draw_told(told: Told, request: SketchRequest, seed: int) -> tuple[Shape, tup
         places=() if kind.laid_out else told.places,
     )
     if told.is_level:
-        request = _level_sides(request, seed)
+        request = _level_sides(request, told, seed)
     hidden = [one for one in told.features if one[1] == "type" and one[0] in ("stand", "handle")]
     named = {label for label, _ in request.counts} & set(FRONTS)
     divide = kind.laid_out and bool(inside or told.places or (named and not outside.features))
@@ -149,7 +149,8 @@ def draw_told(told: Told, request: SketchRequest, seed: int) -> tuple[Shape, tup
             if found is None or not _has_counts(found, request):
                 continue
             seen = read_front(found)
-            lost = told.list_lost(found, seen) + [" ".join(one) for one in unseen if one[2] != "none"]
+            lost = told.list_lost(found, seen)
+            lost += [" ".join(one) for one in unseen if one[2] != "none" and not _stands(found, one)]
             lost += _list_uncounted(found, told, request)
             narrow = count_narrow(seen) if request.width is None and kind.laid_out else 0
             rank = (len(outside.list_lost(found, seen)), len(lost), narrow)
@@ -174,11 +175,16 @@ def _list_uncounted(shape: Shape, told: Told, request: SketchRequest) -> list[st
     ]
 
 
-def _level_sides(request: SketchRequest, seed: int) -> SketchRequest:
+def _stands(shape: Shape, feature: Feature) -> bool:
+    """Whether a feature is the stand of a shape."""
+    return feature[0] == "stand" and STANDS.get(feature[2]) == find_stand(shape)
+
+
+def _level_sides(request: SketchRequest, told: Told, seed: int) -> SketchRequest:
     """The request with a depth equal to the width: the one that is given, or that of a draw."""
     side = request.width or request.depth
     if side is None:
-        shape = _draw(request, Told(), seed)
+        shape = _draw(request, told, seed)
         low, high = np.zeros((2, 3)) if shape is None else shape.bounds()
         side = float((high - low)[:2].min()) or None
     return replace(request, width=request.width or side, depth=request.depth or side)

@@ -18,9 +18,11 @@ from artigen.shapes.shape import Shape
 
 DRAWS = 32
 """Objects that are compared."""
-HINGE, PANE, PULLS, SIZE = 0.4, 0.2, 0.1, 2.0
-"""Cost of a wrong hinge, a wrong pane, a handle too many or too few, and of a length that is wrong by a
-factor of e, against a front that is missing."""
+HINGE, PANE, FIELD, PULLS = 0.4, 0.2, 0.4, 0.1
+"""Cost of a wrong hinge, a wrong pane, a wrong field, and a handle too many or too few, against a front that
+is missing."""
+SIZE = (2.0, 1.0, 2.0)
+"""Cost of a width, a depth and a height that is wrong by a factor of e: depths are read half as well."""
 MOST_PULLS = 3
 """Handles too many or too few that count: they are read worse than fronts."""
 
@@ -85,8 +87,8 @@ def rate_difference(seen: Reading, built: Reading, size: Lengths) -> float:
             cost += float(costs[linear_sum_assignment(costs)].sum())
     pulls = [Counter(part.label for part in one.parts)["handle"] for one in (seen, built)]
     cost += PULLS * min(MOST_PULLS, abs(pulls[0] - pulls[1]))
-    lengths = zip(size, built.size, strict=True)
-    return cost + SIZE * sum(abs(np.log(own / other)) for own, other in lengths if own is not None)
+    lengths = zip(SIZE, size, built.size, strict=True)
+    return cost + sum(price * abs(np.log(own / other)) for price, own, other in lengths if own is not None)
 
 
 def _compare(
@@ -102,4 +104,6 @@ def _compare(
         for column, other in enumerate(built):
             costs[row, column] += HINGE * (own.hinge is not None and own.hinge != other.hinge)
             costs[row, column] += PANE * (own.pane != other.pane)
+            known = own.field is not None and other.field is not None
+            costs[row, column] += FIELD * (known and own.field != other.field)
     return costs
