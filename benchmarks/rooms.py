@@ -1,10 +1,12 @@
-"""Furnishes rooms, checks them, and simulates them in MuJoCo and one of them in SAPIEN.
+"""Furnishes scenes as `artigen scenes` does, checks them again, and opens every door and drawer in engines.
 
-    python benchmarks/rooms.py --packages out/shapes_packages/voxels --count 200 --out out/rooms
+    python benchmarks/rooms.py --packages out/packages --count 200 --out out/rooms
 
-Counts violated conditions of every room on its hulls, measures the time per room, lets rooms full of things
-stand for two seconds in MuJoCo, and simulates a room with 20 objects for five seconds in SAPIEN. Writes
-``rooms.md``.
+Each scene is furnished, read from its file and checked on its hulls; then it stands for two seconds in
+ArtiGen-Room-v1 (SAPIEN), and every fourth in MuJoCo, where nothing may move, and all doors and drawers are
+pushed, those at once whose sweeps do not meet, with forces that a hand has. A joint is open at 95 % of its
+range. ``scenes.jsonl`` has a line per scene and step, and what it has is not measured again; ``rooms.md`` is
+the summary.
 """
 
 # mujoco is a compiled module with empty stubs.
@@ -13,30 +15,46 @@ stand for two seconds in MuJoCo, and simulates a room with 20 objects for five s
 import json
 import time
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cache
 from pathlib import Path
-from typing import get_args
+from typing import Any, Protocol, get_args
 
 import numpy as np
 import tyro
+from jaxtyping import Float
 from tqdm import tqdm
 
-from artigen.transforms import transform_points
-from artigen.types import RoomKind
-from envs.hand import link_vertices, pose_matrix
-from envs.rooms.ajar import open_some
-from envs.rooms.catalogue import Catalogue, PopulateError, read_catalogue
+from artigen.api.scene import SceneSettings, furnish_from
+from artigen.errors import ArtigenError
+from artigen.types import Joint, SceneKind
+from envs.rooms.catalogue import Catalogue, read_catalogue
 from envs.rooms.check import check_room
-from envs.rooms.contents import fill_room
-from envs.rooms.mjcf import HOME, write_room_mjcf
-from envs.rooms.populate import PopulateConfig, populate
-from envs.rooms.room import Room
-from envs.sim.loaded import LoadedPackage, qpos_of
-from envs.sim.mujoco import compile_model
-from envs.sim.sapien import LoadConfig, load_package
-from envs.sim.scene import create_scene
+from envs.rooms.file import read_room
+from envs.rooms.footprints import cached_package
+from envs.rooms.mjcf import MJCF_FILE, home_position
+from envs.rooms.room import Room, pose_matrix_of
+from envs.rooms.sweeps import opening_joints, sweep_boxes, sweep_joint
+from sim_export.geometry.triangles import bounds_of
+from sim_export.motion.kinematics import required_openings
+from sim_export.package import SimPackage
 
-KINDS = get_args(RoomKind)
+Push = tuple[str, Joint]
+"""Id of an object, and one of its joints."""
+REST, PUSH = 2.0, 4.0
+"""Seconds at rest, and for which a joint is pushed."""
+OPEN = 0.95
+"""Share of a range from which on a joint is open."""
+STILL = 0.005
+"""Motion (m) of a body from which on it has moved."""
+FORCE, TORQUE = 80.0, 30.0
+"""Largest force (N) and torque (N m) of a push."""
+SPEED, GROWS = 0.8, 0.8
+"""Share of its range that a joint opens in a second, and seconds in which a push grows to its largest."""
+CROWD = 0.02
+"""Distance (m) of two sweeps from which on they do not meet."""
+LINES, PAGE = "scenes.jsonl", "rooms.md"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,243 +64,361 @@ class Options:
     packages: Path
     """Folder of validated packages."""
     out: Path = Path("out/rooms")
-    """Folder of the table."""
+    """Folder of scenes and results; what is in it is kept."""
+    kinds: tuple[SceneKind, ...] = get_args(SceneKind)
+    """Kinds of scenes, in turn."""
     count: int = 200
-    """Number of rooms, of the three kinds in turn."""
-    objects: int = 20
-    """Minimum number of objects of the simulated room."""
-    mujoco: int = 50
-    """Number of rooms that stand in MuJoCo, with some joints open and all compartments full."""
-    seconds: float = 5.0
-    """Simulated duration (s)."""
-    timestep: float = 0.01
-    """Time step (s)."""
+    """Number of scenes."""
+    mujoco_every: int = 4
+    """MuJoCo opens the first of so many scenes; 0 for none."""
+    contents: float = 0.3
+    """Share of compartments that hold things."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Measured:
-    """One room: problems by kind, objects, rejected attempts, wall and processor seconds."""
+class Engine(Protocol):
+    """A scene in an engine. Joints are named by the id of their object and their own name."""
 
-    kind: RoomKind
-    problems: tuple[str, ...]
-    objects: int
-    attempts: int
-    wall: float
-    cpu: float
-    error: str = ""
+    timestep: float
 
+    def reset(self, coordinates: Mapping[tuple[str, str], float]) -> None:
+        """Everything at its place in the scene, some independent joints elsewhere, without speed."""
+        ...
 
-def measure_room(kind: RoomKind, seed: int, catalogue: Catalogue) -> Measured:
-    """Furnishes one room and checks it a second time from its poses."""
-    wall, cpu = time.perf_counter(), time.process_time()
-    try:
-        room = populate(kind, seed, catalogue)
-    except PopulateError as error:
-        spent = time.perf_counter() - wall, time.process_time() - cpu
-        return Measured(
-            kind=kind, problems=(), objects=0, attempts=0, wall=spent[0], cpu=spent[1], error=str(error)
-        )
-    spent = time.perf_counter() - wall, time.process_time() - cpu
-    return Measured(
-        kind=kind,
-        problems=tuple(problem.kind for problem in check_room(room)),
-        objects=len(room.placements),
-        attempts=room.attempt,
-        wall=spent[0],
-        cpu=spent[1],
-    )
+    def step(self, efforts: Mapping[tuple[str, str], float]) -> None:
+        """One step with efforts (N or N m) on joints."""
+        ...
+
+    def coordinate(self, name: tuple[str, str]) -> float:
+        """Coordinate of a joint."""
+        ...
+
+    def bodies(self) -> dict[str, Float[np.ndarray, "3"]]:
+        """Positions of all bodies."""
+        ...
+
+    def close(self) -> None:
+        """Frees the engine."""
+        ...
 
 
-def find_full_room(catalogue: Catalogue, objects: int) -> Room:
-    """The first room with at least a number of objects."""
-    cfg = PopulateConfig(least=objects)
-    for seed in range(20):
-        for kind in KINDS:
-            try:
-                return populate(kind, seed, catalogue, cfg)
-            except PopulateError:
-                continue
-    raise PopulateError(f"none of 60 rooms has {objects} objects")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Stood:
-    """Result of a simulation: largest motion of a hull corner (m), its object, and speed."""
-
-    room: str
-    objects: int
-    moved: float
-    by: str
-    finite: bool
-    steps_per_second: float
-
-
-def stand(room: Room, options: Options, base: str) -> Stood:
-    """Simulates a room under gravity in SAPIEN and measures the motion."""
-    import sapien
-
-    scene = create_scene(options.timestep)
-    for fixture in room.fixtures:
-        low, high = np.array(fixture.low), np.array(fixture.high)
-        builder = scene.create_actor_builder()
-        builder.add_box_collision(half_size=((high - low) / 2.0).tolist())
-        builder.set_initial_pose(sapien.Pose(p=((low + high) / 2.0).tolist()))
-        builder.build_static(name=fixture.name)
-    loaded: dict[str, LoadedPackage] = {}
+def _moved(room: Room, coordinates: Mapping[tuple[str, str], float]) -> Room:
+    """The room with some joints elsewhere."""
+    placements = []
     for placement in room.placements:
-        cfg = LoadConfig(base="free" if base == "free" else "fixed")
-        loaded[placement.id] = load_package(scene, placement.package, cfg)
-        articulation = loaded[placement.id].articulation
-        articulation.set_root_pose(sapien.Pose(p=list(placement.position), q=list(placement.quat)))
-        articulation.set_qpos(qpos_of(loaded[placement.id], dict(placement.joints)).astype(np.float32))
-    before = {name: corners(entry) for name, entry in loaded.items()}
-    moved, by, finite = 0.0, "", True
-    steps = round(options.seconds / options.timestep)
-    spent = 0.0
-    for step in range(steps):
-        clock = time.perf_counter()
-        scene.step()
-        spent += time.perf_counter() - clock
-        if step % 10 and step != steps - 1:
-            continue
-        for name, entry in loaded.items():
-            now = corners(entry)
-            finite &= bool(np.isfinite(now).all())
-            far = float(np.linalg.norm(now - before[name], axis=1).max())
-            if far > moved:
-                moved, by = far, name
-    return Stood(
-        room=f"{room.kind} {room.seed}",
-        objects=len(room.placements),
-        moved=moved,
-        by=by,
-        finite=finite,
+        own = {joint: q for (name, joint), q in coordinates.items() if name == placement.id}
+        placements.append(replace(placement, joints=tuple((dict(placement.joints) | own).items())))
+    return replace(room, placements=tuple(placements))
+
+
+class MujocoScene:
+    """The ``scene.xml`` of a folder in MuJoCo."""
+
+    def __init__(self, folder: Path) -> None:
+        import mujoco
+
+        self.room = read_room(folder)
+        self.model = mujoco.MjModel.from_xml_path(str(folder / MJCF_FILE))
+        self.data, self.timestep = mujoco.MjData(self.model), float(self.model.opt.timestep)
+
+    def reset(self, coordinates: Mapping[tuple[str, str], float]) -> None:
+        import mujoco
+
+        mujoco.mj_resetData(self.model, self.data)
+        self.data.qpos[:] = home_position(_moved(self.room, coordinates), self.model)
+        mujoco.mj_forward(self.model, self.data)
+
+    def step(self, efforts: Mapping[tuple[str, str], float]) -> None:
+        import mujoco
+
+        self.data.qfrc_applied[:] = 0.0
+        for (name, joint), effort in efforts.items():
+            self.data.joint(f"{name}/{joint}").qfrc_applied[0] = effort
+        mujoco.mj_step(self.model, self.data)
+
+    def coordinate(self, name: tuple[str, str]) -> float:
+        return float(self.data.joint("/".join(name)).qpos[0])
+
+    def bodies(self) -> dict[str, Float[np.ndarray, "3"]]:
+        return {
+            self.model.body(index).name: self.data.xpos[index].copy() for index in range(1, self.model.nbody)
+        }
+
+    def close(self) -> None:
+        del self.model, self.data
+
+
+class SapienScene:
+    """ArtiGen-Room-v1 with the scene of a folder, its robot away."""
+
+    def __init__(self, folder: Path) -> None:
+        import gymnasium as gym
+
+        import envs  # noqa: F401 (registers the task)
+        from envs.maniskill.scene import AWAY
+
+        self.env: Any = gym.make(
+            "ArtiGen-Room-v1", scenes=folder, robot_uids="panda", sim_backend="physx_cpu",
+            render_backend="none", obs_mode="state", reward_mode="none",
+        )  # fmt: skip
+        self.env.reset(seed=0)
+        task = self.env.unwrapped
+        task.agent.robot.set_pose(AWAY)
+        self.scene, self.furnished, self.timestep = task.scene, task.furnished, 1.0 / task.sim_freq
+        self.room = self.furnished.rooms[0]
+        self.objects = {name: one._objs[0] for name, one in self.furnished.placed[0].items()}
+        self.items = {name: one._objs[0] for name, one in self.furnished.contents[0].items()}
+        names = {name: one.active_joints for name, one in self.furnished.placed[0].items()}
+        self.columns = {
+            (name, joint.name): column
+            for name, joints in names.items()
+            for column, joint in enumerate(joints)
+        }
+
+    def reset(self, coordinates: Mapping[tuple[str, str], float]) -> None:
+        import torch
+
+        self.furnished.rooms[0] = _moved(self.room, coordinates)
+        self.furnished.initialize(torch.tensor([0]))
+        for one in self.objects.values():
+            one.set_qf(np.zeros_like(one.qpos))
+
+    def step(self, efforts: Mapping[tuple[str, str], float]) -> None:
+        pushes = {name: np.zeros_like(self.objects[name].qpos) for name, _ in efforts}
+        for (name, joint), effort in efforts.items():
+            pushes[name][self.columns[name, joint]] = effort
+        for name, efforts_of in pushes.items():
+            self.objects[name].set_qf(efforts_of)
+        self.scene.step()
+
+    def coordinate(self, name: tuple[str, str]) -> float:
+        return float(self.objects[name[0]].qpos[self.columns[name]])
+
+    def bodies(self) -> dict[str, Float[np.ndarray, "3"]]:
+        found = {
+            f"{name}/{link.name}": np.array(link.entity_pose.p)
+            for name, one in self.objects.items()
+            for link in one.links
+        }
+        return found | {name: np.array(entity.pose.p) for name, entity in self.items.items()}
+
+    def close(self) -> None:
+        self.env.close()
+
+
+ENGINES = {"sapien": SapienScene, "mujoco": MujocoScene}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """One step of one scene. ``made``: problems of the second check, objects, things and seconds. An engine:
+    what moved at rest (m), joints pushed and those that stayed shut."""
+
+    scene: str
+    step: str
+    error: str = ""
+    problems: tuple[str, ...] = ()
+    objects: int = 0
+    things: int = 0
+    seconds: float = 0.0
+    moved: float = 0.0
+    by: str = ""
+    pushed: int = 0
+    shut: tuple[str, ...] = ()
+    steps_per_second: float = 0.0
+
+
+@cache
+def _library(folder: Path) -> Catalogue:
+    return read_catalogue(folder)
+
+
+def make(kind: SceneKind, seed: int, folder: Path, options: Options) -> Line:
+    """Furnishes and writes a scene, and checks it a second time from its file."""
+    cfg = SceneSettings(clutter="lived", contents=options.contents)
+    clock = time.process_time()
+    made = furnish_from(
+        kind, folder, seed, _library(options.packages), cfg, formats=("mjcf",), pictures="none"
+    )
+    spent, room = time.process_time() - clock, read_room(made.path)
+    problems = tuple(problem.message for problem in check_room(room, open_doors=bool(room.zones)))
+    return Line(
+        scene=folder.name, step="made", problems=problems, objects=len(room.placements),
+        things=len(room.contents), seconds=spent,
+    )  # fmt: skip
+
+
+def list_pushes(room: Room) -> list[list[Push]]:
+    """All doors and drawers of a room in groups whose sweeps do not meet, one joint of an object in each."""
+    groups: list[tuple[list[Push], list[np.ndarray]]] = []
+    for placement in room.placements:
+        package = cached_package(placement.package)
+        for joint in opening_joints(package):
+            if joint.type == "continuous":
+                continue
+            needed = required_openings(joint, package.joints, package.requires_open)
+            rows = [np.zeros((0, 2, 3))]
+            for each in (joint, *(other for other in package.joints if other.name in needed)):
+                boxes, _ = sweep_boxes(package, sweep_joint(package, each), pose_matrix_of(placement))
+                rows.append(boxes.reshape(-1, 2, 3))
+            points = np.concatenate(rows).reshape(-1, 3)
+            around = (bounds_of(points) if len(points) else np.zeros((2, 3))) + np.array([[-CROWD], [CROWD]])
+            for pushes, taken in groups:
+                apart = all((around[0] > other[1]).any() or (around[1] < other[0]).any() for other in taken)
+                if apart and placement.id not in {name for name, _ in pushes}:
+                    pushes.append((placement.id, joint))
+                    taken.append(around)
+                    break
+            else:
+                groups.append(([(placement.id, joint)], [around]))
+    return [pushes for pushes, _ in groups]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Hand:
+    """Pushes a joint of an object towards a coordinate."""
+
+    name: str
+    joint: Joint
+    target: float
+
+    def share(self, engine: Engine) -> float:
+        """Share of the way to the target."""
+        lower = self.joint.lower
+        return (engine.coordinate((self.name, self.joint.name)) - lower) / max(self.target - lower, 1e-9)
+
+    def change(self, effort: float, speed: float, timestep: float) -> float:
+        """The next force or torque: it grows while the joint is slower than `SPEED`, and falls else."""
+        most = FORCE if self.joint.type == "prismatic" else TORQUE
+        step = most * timestep / GROWS * (1.0 if speed < SPEED else -2.0)
+        return float(np.clip(effort + step, 0.0, most))
+
+
+def open_group(engine: Engine, pushes: Sequence[Push], packages: Mapping[str, SimPackage]) -> list[str]:
+    """Pushes joints at once until all are open, and holds those open that they need; returns those that are
+    not after `PUSH` seconds."""
+    start: dict[tuple[str, str], float] = {}
+    for name, joint in pushes:
+        package = packages[name]
+        needed = required_openings(joint, package.joints, package.requires_open)
+        start |= {(name, other): q for other, q in needed.items()}
+    engine.reset(start)
+    hands = [_Hand(name=name, joint=joint, target=joint.upper) for name, joint in pushes]
+    for (name, other), q in start.items():
+        joint = next(joint for joint in packages[name].joints if joint.name == other)
+        hands.append(_Hand(name=name, joint=joint, target=q))
+    waiting, last, efforts = set(range(len(pushes))), {}, {}
+    for _ in range(round(PUSH / engine.timestep)):
+        for index, hand in enumerate(hands):
+            share = hand.share(engine)
+            if index < len(pushes) and share >= OPEN:
+                waiting.discard(index)
+            speed = (share - last.get(index, share)) / engine.timestep
+            key, last[index] = (hand.name, hand.joint.name), share
+            efforts[key] = hand.change(efforts.get(key, 0.0), speed, engine.timestep)
+        if not waiting:
+            break
+        engine.step(efforts)
+    return [f"{pushes[index][0]}/{pushes[index][1].name} at {last[index]:.2f}" for index in waiting]
+
+
+def open_all(name: str, folder: Path) -> Line:
+    """Rests a scene in an engine and opens everything in it."""
+    engine = ENGINES[name](folder)
+    try:
+        engine.reset({})
+        before, clock = engine.bodies(), time.perf_counter()
+        steps = round(REST / engine.timestep)
+        for _ in range(steps):
+            engine.step({})
+        spent, after = time.perf_counter() - clock, engine.bodies()
+        moved = {body: float(np.linalg.norm(after[body] - at)) for body, at in before.items()}
+        by = max(moved, key=lambda body: moved[body])
+        packages = {placement.id: cached_package(placement.package) for placement in engine.room.placements}
+        groups = list_pushes(engine.room)
+        shut = [text for pushes in groups for text in open_group(engine, pushes, packages)]
+    finally:
+        engine.close()
+    return Line(
+        scene=folder.name, step=name, moved=moved[by], by=by, pushed=sum(map(len, groups)), shut=tuple(shut),
         steps_per_second=steps / spent,
-    )
+    )  # fmt: skip
 
 
-def stand_in_mujoco(room: Room, folder: Path) -> Stood:
-    """Simulates a room for two seconds in MuJoCo and measures the motion of its bodies."""
-    import mujoco
-
-    model = compile_model(write_room_mjcf(room, folder))
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key(HOME).id)
-    mujoco.mj_forward(model, data)
-    before, clock = data.xpos.copy(), time.perf_counter()
-    steps = round(2.0 / model.opt.timestep)
-    for _ in range(steps):
-        mujoco.mj_step(model, data)
-    spent = time.perf_counter() - clock
-    moved = np.linalg.norm(data.xpos - before, axis=1)
-    return Stood(
-        room=f"{room.kind} {room.seed}",
-        objects=len(room.placements) + len(room.contents),
-        moved=float(moved.max()),
-        by=model.body(int(moved.argmax())).name,
-        finite=bool(np.isfinite(data.qpos).all()),
-        steps_per_second=steps / spent,
-    )
-
-
-def stand_all(catalogue: Catalogue, options: Options) -> list[Stood]:
-    """The first rooms of all kinds in MuJoCo, with things in them and three in ten joints open."""
-    stood = []
-    for index in tqdm(range(options.mujoco)):
-        try:
-            room = populate(KINDS[index % len(KINDS)], index // len(KINDS), catalogue)
-        except PopulateError:
-            continue  # is counted among the rooms that were not made
-        stood.append(stand_in_mujoco(fill_room(open_some(room, 0.3), 1.0), options.out / f"room_{index}"))
-    return stood
-
-
-def corners(entry: LoadedPackage) -> np.ndarray:
-    """All hull corners of an object in the world, including those of turning wheels and knobs."""
-    parts = [
-        transform_points(pose_matrix(link.entity_pose), link_vertices(link))
-        for link in entry.articulation.links
-    ]
-    return np.concatenate(parts)
-
-
-def describe_mujoco(stood: list[Stood]) -> str:
-    """How far things moved in MuJoCo, as Markdown."""
-    if not stood:
-        return "No room could be made for MuJoCo\n"
-    moved = np.array([result.moved for result in stood])
-    rates = np.array([result.steps_per_second for result in stood])
-    objects = np.array([result.objects for result in stood])
-    worst = stood[int(moved.argmax())]
-    return (
-        f"{len(stood)} rooms for 2 s in MuJoCo: {int((moved < 0.005).sum())} in which nothing moves by 5 mm "
-        f"(farthest {1e3 * worst.moved:.1f} mm, {worst.by} in {worst.room}), "
-        f"{np.median(objects):.0f} objects and things, {np.median(rates):.0f} steps per second (medians)\n"
-    )
-
-
-def describe(results: list[Measured], stood: dict[str, Stood], catalogue: Catalogue, seconds: float) -> str:
+def describe(lines: Sequence[Line], packages: int) -> str:
     """The results as Markdown."""
-    names = ("overlap", "outside", "sweep", "standing", "unreachable")
-    lines = [
-        f"{len(catalogue.entries)} validated packages, {len(results)} rooms; seconds are wall / processor.",
-        "",
-        "| rooms | made | " + " | ".join(names) + " | objects least / median / most | first attempt "
-        "| s median | s 95 % | s most |",
-        "|---" * (len(names) + 7) + "|",
-    ]
-    for kind in (*KINDS, "all"):
-        own = [result for result in results if kind in (result.kind, "all")]
-        if not own:
-            continue
-        made = [result for result in own if not result.error]
-        counts = Counter(problem for result in made for problem in result.problems)
-        objects = [result.objects for result in made] or [0]
-        times = np.array([[result.wall, result.cpu] for result in own])
-        spread = [
-            f"{np.quantile(times[:, 0], q):.2f} / {np.quantile(times[:, 1], q):.2f}" for q in (0.5, 0.95, 1)
-        ]
-        cells = [kind, f"{len(made)} of {len(own)}", *(str(counts[name]) for name in names)]
-        cells += [f"{min(objects)} / {int(np.median(objects))} / {max(objects)}"]
-        cells += [str(sum(result.attempts == 0 for result in made)), *spread]
-        lines.append("| " + " | ".join(cells) + " |")
-    slow = sum(result.wall > 2.0 for result in results)
-    slow_cpu = sum(result.cpu > 2.0 for result in results)
-    lines += [
-        "",
-        f"Rooms over 2 s: {slow} by the clock, {slow_cpu} by processor time.",
-        "",
-        f"| {seconds:g} s in SAPIEN | room | objects | farthest move | by | NaN | steps per second |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    for base, result in stood.items():
-        lines.append(
-            f"| bases {base} | {result.room} | {result.objects} | {1e3 * result.moved:.3f} mm "
-            f"| {result.by} | {'no' if result.finite else 'yes'} | {result.steps_per_second:.0f} |"
+    text = [f"{packages} validated packages.", "", "| kind | made | without a problem | objects | things "]
+    text[-1] += "| s of a core: median / most |"
+    text.append("|---" * 6 + "|")
+    made = [line for line in lines if line.step == "made"]
+    for kind in sorted({line.scene.rpartition("_")[0] for line in made}):
+        own = [line for line in made if line.scene.rpartition("_")[0] == kind]
+        good = [line for line in own if not line.error] or [Line(scene="", step="")]
+        objects, things, seconds = (
+            np.median([getattr(line, name) for line in good]) for name in ("objects", "things", "seconds")
         )
-    errors = Counter(result.error for result in results if result.error)
-    lines += ["", *(f"- {error} ({count})" for error, count in errors.items())]
-    return "\n".join(lines) + "\n"
+        text.append(
+            f"| {kind} | {sum(not line.error for line in own)} of {len(own)} "
+            f"| {sum(not line.problems for line in own if not line.error)} | {objects:.0f} | {things:.0f} "
+            f"| {seconds:.1f} / {max(line.seconds for line in good):.1f} |"
+        )
+    text += [
+        "",
+        "| engine | scenes | still | doors and drawers | open | steps per second |",
+        "|---" * 6 + "|",
+    ]
+    for engine in ENGINES:
+        own = [line for line in lines if line.step == engine and not line.error]
+        if own:
+            pushed, shut = sum(line.pushed for line in own), sum(len(line.shut) for line in own)
+            rate = np.median([line.steps_per_second for line in own])
+            still = sum(line.moved < STILL for line in own)
+            text.append(f"| {engine} | {len(own)} | {still} | {pushed} | {pushed - shut} | {rate:.0f} |")
+    faults = [f"{line.scene} {line.step}: {line.error or '; '.join(line.problems)}" for line in lines]
+    faults = [fault for fault, line in zip(faults, lines, strict=True) if line.error or line.problems]
+    faults += [f"{line.scene} {line.step}: shut {', '.join(line.shut)}" for line in lines if line.shut]
+    faults += [
+        f"{line.scene} {line.step}: {line.by} moved {1e3 * line.moved:.1f} mm"
+        for line in lines
+        if line.moved >= STILL
+    ]
+    return (
+        "\n".join([*text, "", *(f"- {fault} ({count})" for fault, count in Counter(faults).items())]) + "\n"
+    )
 
 
 def main(options: Options) -> int:
-    """Measures, prints and writes the table; returns 1 if a condition is violated."""
-    catalogue = read_catalogue(options.packages)
-    jobs = [(KINDS[index % len(KINDS)], index // len(KINDS)) for index in range(options.count)]
-    results = [measure_room(kind, seed, catalogue) for kind, seed in tqdm(jobs)]
-    stood = {}
-    if options.objects:
-        room = find_full_room(catalogue, options.objects)
-        stood = {base: stand(room, options, base) for base in ("fixed", "free")}
-    text = describe(results, stood, catalogue, options.seconds)
-    if options.mujoco:
-        text += describe_mujoco(stand_all(catalogue, options))
+    """Measures what is missing; returns 1 if anything failed, moved or stayed shut."""
     options.out.mkdir(parents=True, exist_ok=True)
-    (options.out / "rooms.md").write_text(text)
-    rows = [result.__dict__ for result in results]
-    (options.out / "rooms.json").write_text(json.dumps(rows, indent=1) + "\n")
+    journal = options.out / LINES
+    known = journal.read_text().splitlines() if journal.is_file() else []
+    lines = {(line.scene, line.step): line for line in (Line(**json.loads(text)) for text in known)}
+
+    def measure(scene: str, step: str, call: Any, *args: Any) -> Line:
+        if (scene, step) not in lines:
+            try:
+                line = call(*args)
+            except ArtigenError as error:
+                line = Line(scene=scene, step=step, error=str(error))
+            lines[scene, step] = line
+            with journal.open("a") as file:
+                file.write(json.dumps(asdict(line)) + "\n")
+        return lines[scene, step]
+
+    for index in tqdm(range(options.count)):
+        kind, seed = options.kinds[index % len(options.kinds)], index // len(options.kinds)
+        folder = options.out / f"{kind}_{seed}"
+        if measure(folder.name, "made", make, kind, seed, folder, options).error:
+            continue
+        measure(folder.name, "sapien", open_all, "sapien", folder)
+        if options.mujoco_every and index % options.mujoco_every == 0:
+            measure(folder.name, "mujoco", open_all, "mujoco", folder)
+        text = describe(list(lines.values()), len(_library(options.packages).entries))
+        (options.out / PAGE).write_text(text)
+    text = describe(list(lines.values()), len(_library(options.packages).entries))
+    (options.out / PAGE).write_text(text)
     print(text)
-    return int(any(result.problems or result.error for result in results))
+    bad = (line.error or line.problems or line.shut or line.moved >= STILL for line in lines.values())
+    return int(any(bad))
 
 
 if __name__ == "__main__":

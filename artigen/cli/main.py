@@ -26,6 +26,7 @@ COMMANDS = {
     "scene": "scene",
     "scenes": "scenes",
     "dataset": "dataset",
+    "demos": "demos",
     "train": "train",
     "eval": "evaluate",
     "demo": "demo",

@@ -14,7 +14,7 @@ from jaxtyping import Float
 from artigen.transforms import inverse, transform_points
 from envs.rooms.footprints import cached_package
 from envs.rooms.room import Room, pose_matrix_of
-from envs.rooms.solids import item_motion
+from envs.rooms.solids import item_poses
 from sim_export.motion.kinematics import link_displacements
 
 Family = Literal["open", "pull", "close", "shut", "put_in", "take_out", "put_on", "load"]
@@ -85,7 +85,7 @@ def state_of(room: Room) -> State:
     """The state that a room describes."""
     return State(
         joints={(place.id, joint): q for place in room.placements for joint, q in place.joints},
-        items={item.id: item_motion(room, item) @ pose_matrix_of(item) for item in room.contents},
+        items=item_poses(room),
     )
 
 

@@ -1,7 +1,7 @@
 """Samples goals from what a room has: eight families, each goal with words that refer to nothing else."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -82,12 +82,16 @@ class _Scene:
 def sample_goals(room: Room, seed: int, count: int) -> tuple[Goal, ...]:
     """Up to ``count`` goals of a room, as evenly from all families as it has them; deterministic.
 
-    None is reached when it begins, and none begins with things that overlap.
+    None is reached when it begins, and none begins with things that overlap. Goals whose parts have handles
+    come first: the others take hands that pinch or push.
     """
     scene, rng = _Scene(room=room), np.random.default_rng([seed, 11])
     found: list[Goal] = []
     said: set[str] = set()
-    waiting = {family: MAKERS[family](scene, rng) for family in FAMILIES}
+    waiting = {
+        family: iter(sorted(MAKERS[family](scene, rng), key=lambda goal: not _is_handy(scene, goal)))
+        for family in FAMILIES
+    }
     while waiting and len(found) < count:
         for family in list(waiting):
             goal = next(
@@ -103,11 +107,12 @@ def sample_goals(room: Room, seed: int, count: int) -> tuple[Goal, ...]:
 
 def _begins(goal: Goal, room: Room) -> bool:
     """Whether the goal is not reached in its first state, in which what was opened for it touches nothing."""
-    started = start_room(room, goal)
-    opened = {name for name, _, _ in goal.start}
-    if any(overlapping(started, started.placement(name)) for name in opened):
+    started, named = start_room(room, goal), {each.item for each in goal.items}
+    asked = replace(started, contents=tuple(item for item in started.contents if item.id in named))
+    if is_reached(goal, asked, state_of(asked)):
         return False
-    return not is_reached(goal, started, state_of(started))
+    opened = {name for name, _, _ in goal.start}
+    return not any(overlapping(started, started.placement(name)) for name in opened)
 
 
 def _shuffled(rng: np.random.Generator, room: Room) -> list[Placement]:
@@ -125,13 +130,28 @@ def _shut(placement: Placement, joint: Joint) -> JointGoal:
 
 
 def _parts(scene: _Scene, rng: np.random.Generator, *labels: str) -> list[tuple[Placement, Joint]]:
-    """Objects and joints of their doors or drawers in random order, those with a handle first."""
-    found = [
+    """Objects and joints of their doors or drawers, in random order."""
+    return [
         (placement, joint)
         for placement in _shuffled(rng, scene.room)
         for joint in scene.leaves(placement, *labels)
     ]
-    return sorted(found, key=lambda part: not _is_held(cached_package(part[0].package), part[1].child))
+
+
+def _is_handy(scene: _Scene, goal: Goal) -> bool:
+    """Whether all parts that a goal moves have handles; where things are behind doors, one of these."""
+    held = []
+    for each in goal.joints:
+        package = cached_package(scene.room.placement(each.object).package)
+        (link,) = (joint.child for joint in package.joints if joint.name == each.joint)
+        held.append(_is_held(package, link))
+    for item in goal.items if goal.family != "put_on" else ():
+        placement = scene.room.placement(item.object)
+        links = {region.link for region in item.regions}
+        leaves = [joint.child for joint in scene.leaves(placement)]
+        fronts = links.intersection(leaves) or leaves
+        held.append(any(_is_held(cached_package(placement.package), link) for link in fronts))
+    return all(held)
 
 
 def _is_held(package: SimPackage, link: str) -> bool:
@@ -165,12 +185,11 @@ def _staying(placement: Placement, joints: list[Joint]) -> tuple[tuple[str, str,
 
 
 def _close_goals(scene: _Scene, rng: np.random.Generator) -> Iterator[Goal]:
-    for placement in _shuffled(rng, scene.room):
-        for joint in scene.leaves(placement):
-            start = _staying(placement, [joint])
-            if start:
-                words = f"close {scene.part(placement, joint)}"
-                yield Goal(words=words, family="close", joints=(_shut(placement, joint),), start=start)
+    for placement, joint in _parts(scene, rng):
+        start = _staying(placement, [joint])
+        if start:
+            words = f"close {scene.part(placement, joint)}"
+            yield Goal(words=words, family="close", joints=(_shut(placement, joint),), start=start)
 
 
 def _shut_goals(scene: _Scene, rng: np.random.Generator) -> Iterator[Goal]:

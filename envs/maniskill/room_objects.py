@@ -11,8 +11,8 @@ from mani_skill.utils.structs import Pose
 from artigen.splats.colors import linear_from_srgb
 from envs.rooms.covers import write_cover_obj
 from envs.rooms.footprints import cached_package
-from envs.rooms.room import Fixture, Item, Placement, Room, pose_matrix_of
-from envs.rooms.solids import fixture_shape, item_motion
+from envs.rooms.room import Fixture, Item, Placement
+from envs.rooms.solids import fixture_shape
 from envs.rooms.things import Color, thing_solids
 from sim_export.geometry.primitives import PrimitiveShape
 
@@ -51,15 +51,15 @@ def load_fixture(scene: "ManiSkillScene", fixture: Fixture, name: str, index: in
     return builder.build_static(name=name)
 
 
-def load_item(scene: "ManiSkillScene", room: Room, item: Item, name: str, index: int) -> "Actor":
-    """Builds a loose thing at its place in one of the parallel scenes, as a dynamic actor."""
+def load_item(scene: "ManiSkillScene", item: Item, pose: Pose, name: str, index: int) -> "Actor":
+    """Builds a loose thing at a pose in one of the parallel scenes, as a dynamic actor."""
     builder = scene.create_actor_builder()
     solids = thing_solids(item.thing, item.size)
     volume = sum(solid.volume for solid, _ in solids)
     for solid, color in solids:
         _add_primitive(builder, solid, item.mass / volume, item.colors[color], scene)
     builder.set_scene_idxs([index])
-    builder.initial_pose = item_pose(room, item)
+    builder.initial_pose = pose
     return builder.build(name=name)
 
 
@@ -85,8 +85,3 @@ def _add_primitive(
     if color is not None and scene.can_render():
         paint = [*linear_from_srgb(np.array(color)).tolist(), 1.0]
         show(pose=pose, material=sapien.render.RenderMaterial(base_color=paint), **shape)
-
-
-def item_pose(room: Room, item: Item) -> Pose:
-    """Pose of an item in the room, with the joints at the room's coordinates."""
-    return Pose.create(sapien.Pose(item_motion(room, item) @ pose_matrix_of(item)))

@@ -17,7 +17,7 @@ from mani_skill.sensors.camera import CameraConfig
 from mani_skill.utils import sapien_utils
 from mani_skill.utils.scene_builder import SceneBuilder
 from mani_skill.utils.scene_builder.registration import register_scene_builder
-from mani_skill.utils.structs import Actor, Articulation
+from mani_skill.utils.structs import Actor, Articulation, Pose
 from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
 
 from envs.goals.file import GOALS_FILE, read_goals
@@ -27,12 +27,13 @@ from envs.rooms.file import read_room
 from envs.rooms.footprints import cached_package
 from envs.rooms.map import start_place
 from envs.rooms.room import Fixture, Room
+from envs.rooms.solids import item_poses
 from envs.rooms.views import find_lamps, find_views
 
 from .load import load_robot, place_robot
 from .mechanisms import mechanism_of
 from .objects import TaskError
-from .room_objects import item_pose, load_fixture, load_item, load_placement
+from .room_objects import load_fixture, load_item, load_placement
 
 Rooms = str | Path | Sequence[str | Path]
 AWAY = sapien.Pose(p=[0.0, -4.0, 0.0])
@@ -81,8 +82,10 @@ class RoomSceneBuilder(SceneBuilder):
             for placement in room.placements:
                 articulation = load_placement(self.scene, placement, f"{placement.id}-{index}", index)
                 built[placement.id] = self.articulations[articulation.name] = articulation
+            poses = item_poses(room)
             for item in room.contents:
-                actor = load_item(self.scene, room, item, f"{item.id}-{index}", index)
+                pose = Pose.create(sapien.Pose(poses[item.id]))
+                actor = load_item(self.scene, item, pose, f"{item.id}-{index}", index)
                 loose[item.id] = self.movable_objects[actor.name] = actor
             if count > 1:  # a state has one row per scene, and these objects exist in one of them
                 for each in (*built.values(), *loose.values()):
@@ -102,9 +105,9 @@ class RoomSceneBuilder(SceneBuilder):
                     mechanism = mechanism_of(articulation, cached_package(placement.package))
                     articulation.set_qpos(mechanism.complete(qpos).to(self.env.device))
                     articulation.set_qvel(torch.zeros_like(qpos, device=self.env.device))
-            for item in self.rooms[index].contents:
-                actor = self.contents[index][item.id]
-                actor.set_pose(item_pose(self.rooms[index], item))
+            for name, pose in item_poses(self.rooms[index]).items():
+                actor = self.contents[index][name]
+                actor.set_pose(Pose.create(sapien.Pose(pose)))
                 actor.set_linear_velocity(torch.zeros((1, 3), device=self.env.device))
                 actor.set_angular_velocity(torch.zeros((1, 3), device=self.env.device))
 
@@ -192,7 +195,7 @@ class RoomEnv(BaseEnv):
 
     @property
     def _default_human_render_camera_configs(self) -> CameraConfig:
-        _, corner = find_views(self.furnished.rooms[0])
+        _, corner, *_ = find_views(self.furnished.rooms[0])
         camera = corner.camera
         pose = sapien_utils.look_at(eye=camera.position.tolist(), target=camera.target.tolist())
         return CameraConfig(

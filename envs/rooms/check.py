@@ -26,8 +26,8 @@ from .solids import (
     Solid,
     fixture_solids,
     item_hulls,
-    item_motion,
     item_solid,
+    item_solids,
     make_solid,
     object_solids,
     place_solid,
@@ -85,7 +85,7 @@ def check_contents(room: Room) -> tuple[Problem, ...]:
 
 
 def _check_contents(room: Room, solids: Sequence[Solid]) -> Iterator[Problem]:
-    items = [item_solid(item, item_motion(room, item)) for item in room.contents]
+    items = item_solids(room)
     yield from _overlaps(items, solids)
     yield from _outside(room, items)
     standing = standing_solids(room)

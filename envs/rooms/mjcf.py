@@ -26,8 +26,8 @@ from ..sim.mechanism import find_mechanism
 from ..sim.mujoco import compile_model
 from .covers import fixture_mesh, look_name, write_cover
 from .footprints import cached_package
-from .room import Fixture, Item, Placement, Room, pose_matrix_of
-from .solids import fixture_shape, item_motion
+from .room import Fixture, Item, Placement, Room
+from .solids import fixture_shape, item_poses
 from .things import thing_solids
 from .views import FIELD_OF_VIEW, find_lamps, find_views
 
@@ -63,7 +63,8 @@ def write_room_mjcf(room: Room, folder: Path) -> Path:
 
 
 def home_position(room: Room, model: "MjModel") -> Float[np.ndarray, "Q"]:
-    """Joint vector of the compiled room with every joint at its coordinate; followers follow, things rest."""
+    """Joint vector of the compiled room with every joint at its coordinate; followers follow, things are
+    where the room has them, in drawers that stand open too."""
     qpos = model.qpos0.copy()
     for placement in room.placements:
         package = cached_package(placement.package)
@@ -72,6 +73,9 @@ def home_position(room: Room, model: "MjModel") -> Float[np.ndarray, "Q"]:
         start = np.array([coordinates.get(name, 0.0) for name in names])
         for name, q in zip(names, find_mechanism(package, names).complete(start), strict=True):
             qpos[model.joint(f"{placement.id}/{name}").qposadr[0]] = q
+    for name, T in item_poses(room).items():
+        start = model.joint(name).qposadr[0]
+        qpos[start : start + 7] = [*T[:3, 3], *quat_from_matrix(T[:3, :3])]
     return qpos
 
 
@@ -98,8 +102,9 @@ def _room_element(room: Room, folder: Path) -> ET.Element:
         _add_fixture(world, asset, fixture, folder)
     for placement in room.placements:
         _add_placement(world, placement, models[placement.package])
+    poses = item_poses(room)
     for item in room.contents:
-        _add_item(world, room, item)
+        _add_item(world, item, poses[item.id])
     return root
 
 
@@ -159,9 +164,8 @@ def _add_placement(world: ET.Element, placement: Placement, model: str) -> None:
     ET.SubElement(frame, "attach", model=model, prefix=f"{placement.id}/")
 
 
-def _add_item(world: ET.Element, room: Room, item: Item) -> None:
+def _add_item(world: ET.Element, item: Item, T: Float[np.ndarray, "4 4"]) -> None:
     """A loose thing, with its mass spread over its primitives by volume."""
-    T = item_motion(room, item) @ pose_matrix_of(item)
     body = ET.SubElement(
         world,
         "body",

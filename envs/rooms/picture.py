@@ -30,7 +30,7 @@ from .covers import fixture_mesh
 from .decor import ON_WALLS
 from .footprints import cached_package, outline_of, read_footprint
 from .room import SIDES, Fixture, Item, Placement, Room, Side, from_wall, pose_matrix_of
-from .solids import item_hulls, item_motion, item_solid, place_solid
+from .solids import item_hulls, item_motion, item_solids, place_solid
 from .sweeps import find_sweeps
 from .things import thing_solids
 from .views import HEIGHT, PENDANT, WIDTH, View, find_views
@@ -204,8 +204,8 @@ def draw_plan(room: Room) -> UInt8[np.ndarray, "H W 3"]:
         if not lifted:  # objects above others would cover their names
             name = placement.id.replace("_", " ")
             draw.text(pixel(corners.mean(axis=0)[None])[0], name, fill=(30, 32, 38), font=font, anchor="mm")
-    for item in room.contents:
-        outline = outline_of(item_solid(item, item_motion(room, item)).hulls.vertices[:, :2])
+    for solid in item_solids(room):
+        outline = outline_of(solid.hulls.vertices[:, :2])
         draw.polygon(pixel(outline), outline=(50, 120, 70, 160))
     return np.asarray(picture)
 

@@ -1,7 +1,7 @@
 """The objects and fixtures of a room as placed collision hulls."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -66,12 +66,29 @@ def item_hulls(item: Item) -> tuple[Hull, ...]:
 def item_motion(room: Room, item: Item) -> Float[np.ndarray, "4 4"]:
     """Maps the holder's frame with all joints at 0 to the room, as the item moves with its link; the identity
     without a holder."""
-    if item.holder is None:
-        return np.eye(4)
-    holder = room.placement(item.holder)
-    package = cached_package(holder.package)
-    T = link_displacements(package.links, package.joints, dict(holder.joints))
-    return pose_matrix_of(holder) @ T[[link.name for link in package.links].index(item.link)]
+    return _motions(replace(room, contents=(item,)))[0]
+
+
+def item_poses(room: Room) -> dict[str, Float[np.ndarray, "4 4"]]:
+    """Poses of all loose things in the room, by id."""
+    motions = _motions(room)
+    return {item.id: T @ pose_matrix_of(item) for item, T in zip(room.contents, motions, strict=True)}
+
+
+def _motions(room: Room) -> list[Float[np.ndarray, "4 4"]]:
+    links: dict[str, dict[str, np.ndarray]] = {}
+    for name in {item.holder for item in room.contents if item.holder is not None}:
+        holder = room.placement(name)
+        package = cached_package(holder.package)
+        moved = link_displacements(package.links, package.joints, dict(holder.joints))
+        T = pose_matrix_of(holder) @ moved
+        links[name] = {link.name: T[index] for index, link in enumerate(package.links)}
+    return [np.eye(4) if item.holder is None else links[item.holder][item.link] for item in room.contents]
+
+
+def item_solids(room: Room) -> list[Solid]:
+    """All loose things."""
+    return [item_solid(item, T) for item, T in zip(room.contents, _motions(room), strict=True)]
 
 
 def standing_solids(room: Room) -> list[Solid]:

@@ -32,7 +32,7 @@ from .covers import fixture_mesh
 from .footprints import cached_package
 from .patterns import Pattern
 from .room import Fixture, Item, Placement, Room, pose_matrix_of
-from .solids import fixture_shape, item_motion
+from .solids import fixture_shape, item_poses
 from .things import thing_solids
 from .views import find_lamps, find_views
 
@@ -88,8 +88,9 @@ def write_room_usd(room: Room, folder: Path) -> Path:
         _add_fixture(looks, next(paths), fixture)
     for placement in room.placements:
         _add_placement(stage, next(paths), placement, assets[placement.package])
+    poses = item_poses(room)
     for item in room.contents:
-        _add_item(stage, next(paths), room, item)
+        _add_item(stage, next(paths), item, poses[item.id])
     for name, image in looks.files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(image)
@@ -192,12 +193,12 @@ def _add_placement(stage: "Usd.Stage", path: "Sdf.Path", placement: Placement, a
             _place(UsdGeom.Xformable(prim), T @ shift(origins[link.name]))
 
 
-def _add_item(stage: "Usd.Stage", path: "Sdf.Path", room: Room, item: Item) -> None:
+def _add_item(stage: "Usd.Stage", path: "Sdf.Path", item: Item, T: Float[np.ndarray, "4 4"]) -> None:
     """A loose thing as a rigid body of its primitives."""
     from pxr import UsdGeom, UsdPhysics
 
     body = UsdGeom.Xform.Define(stage, path)
-    _place(body, item_motion(room, item) @ pose_matrix_of(item))
+    _place(body, T)
     UsdPhysics.RigidBodyAPI.Apply(body.GetPrim())
     UsdPhysics.MassAPI.Apply(body.GetPrim()).CreateMassAttr().Set(item.mass)
     for index, (solid, color) in enumerate(thing_solids(item.thing, item.size)):

@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from artigen.camera import Camera, look_at, rays_through
 
-from .room import Room
+from .room import Room, Zone
 from .solids import Solid, fixture_solids, place_solid, standing_solids
 
 EYE_LEVEL, LOOK_AT, FIELD_OF_VIEW = 1.6, 0.85, 58.0
@@ -45,35 +45,62 @@ class View:
 
 
 def find_lamps(room: Room) -> tuple[Lamp, ...]:
-    """The lamps below the pendants of a room, or one below the middle of the ceiling if it has none."""
-    shades = [each for each in room.fixtures if each.name.startswith(f"{PENDANT}_shade")]
-    points = [
-        ((one.low[0] + one.high[0]) / 2.0, (one.low[1] + one.high[1]) / 2.0, one.low[2] - 0.02)
-        for one in shades
-    ] or [(room.size[0] / 2.0, room.size[1] / 2.0, room.size[2] - 0.1)]
-    return tuple(
-        Lamp(name=f"lamp_{index}", position=point, share=max(len(room.zones), 1) / len(points))
-        for index, point in enumerate(points)
-    )
+    """The lamps below the pendants of a room, or one below the middle of the ceiling if it has none; so in
+    every room of a flat."""
+    shades = [each for each in room.fixtures if each.name.startswith(PENDANT) and "shade" in each.name]
+    below = np.array([((*each.low, *each.high)) for each in shades]).reshape(-1, 2, 3)
+    points = np.c_[below.mean(axis=1)[:, :2], below[:, 0, 2] - 0.02]
+    lamps: list[Lamp] = []
+    for zone in _zones(room):
+        own = points[((points[:, :2] > zone.low) & (points[:, :2] < zone.high)).all(axis=1)].tolist()
+        own = own or [[*(np.add(zone.low, zone.high) / 2.0).tolist(), room.size[2] - 0.1]]
+        lamps += [
+            Lamp(name=f"lamp_{len(lamps) + index}", position=(x, y, z), share=1.0 / len(own))
+            for index, (x, y, z) in enumerate(own)
+        ]
+    return tuple(lamps)
 
 
-def find_views(room: Room) -> tuple[View, View]:
-    """What somebody sees who stands in the entrance, and from the corner that shows most, both at eye
-    level."""
-    width, depth, _ = room.size
-    middle = (room.entrance.start + room.entrance.stop) / 2.0
+def find_views(room: Room) -> tuple[View, ...]:
+    """What somebody sees who stands in the entrance, and from the corner that shows most, both at eye level;
+    of a flat, from a corner of each room, ``corner_kitchen``."""
+    middle, width = (room.entrance.start + room.entrance.stop) / 2.0, room.size[0]
     door = np.array([np.clip(middle, 0.3, width - 0.3), 0.05, EYE_LEVEL])
-    entrance = _look(door, np.array([width / 2.0, depth, LOOK_AT]))
-    corners = [(x, y) for x in (INSET, width - INSET) for y in (INSET, depth - INSET)]
-    aims = [(width - x, depth - y) for x, y in corners]
-    cameras = [
-        _look(np.array([*eye, EYE_LEVEL]), np.array([*aim, LOOK_AT]))
-        for eye, aim in zip(corners, aims, strict=True)
-    ]
+    zones, front = _zones(room), np.array([door[0], 0.3])
+    first = next((zone for zone in zones if (front > zone.low).all() and (front < zone.high).all()), zones[0])
+    aim = np.array([(first.low[0] + first.high[0]) / 2.0, first.high[1], LOOK_AT])
     fixed = [each for each in fixture_solids(room) if not each.id.startswith(SHELL)]
     solids = [*map(place_solid, room.placements), *fixed, *standing_solids(room)]
-    best = max(cameras, key=lambda camera: _shown(camera, solids))
-    return View(name="entrance", camera=entrance), View(name="corner", camera=best)
+    return View(name="entrance", camera=_look(door, aim)), *(_corner(zone, solids) for zone in zones)
+
+
+def _zones(room: Room) -> tuple[Zone, ...]:
+    """The rooms of a flat, or a room by itself, without a name."""
+    if room.zones or room.kind == "flat":
+        return room.zones
+    width, depth, _ = room.size
+    return (Zone(name="", kind=room.kind, low=(0.0, 0.0), high=(width, depth)),)
+
+
+def _corner(zone: Zone, solids: Sequence[Solid]) -> View:
+    """The view from the corner of a room that shows most."""
+    low, high = np.array(zone.low), np.array(zone.high)
+    ends = np.stack([low + INSET, high - INSET])
+    cameras = [
+        _look(
+            np.array([ends[i, 0], ends[j, 1], EYE_LEVEL]), np.array([ends[1 - i, 0], ends[1 - j, 1], LOOK_AT])
+        )
+        for i in (0, 1)
+        for j in (0, 1)
+    ]
+    inside = [
+        solid
+        for solid in solids
+        if (solid.boxes[:, 0, :2].min(axis=0) < high).all()
+        and (solid.boxes[:, 1, :2].max(axis=0) > low).all()
+    ]
+    best = max(cameras, key=lambda camera: _shown(camera, inside))
+    return View(name="_".join(filter(None, ("corner", zone.name))), camera=best)
 
 
 def _look(eye: Float[np.ndarray, "3"], aim: Float[np.ndarray, "3"]) -> Camera:

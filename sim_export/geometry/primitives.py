@@ -1,7 +1,7 @@
 """URDF boxes, cylinders and spheres: meshes, and detection in exact hulls."""
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Literal
 
 import numpy as np
@@ -51,21 +51,26 @@ def primitive_mesh(kind: str, sizes: tuple[float, ...]) -> Mesh:
     """
     if not (len(sizes) and np.isfinite(sizes).all() and min(sizes) > 0):
         raise PackageError(f"a {kind} has sizes {list(sizes)}, expected positive numbers")
-    match kind:
-        case "box":
-            x, y, z = (size / 2 for size in sizes)
-            solid = box((-x, -y, -z), (x, y, z), "")
-        case "cylinder":
-            solid = cylinder((0.0, 0.0, -sizes[1] / 2), (0.0, 0.0, sizes[1] / 2), sizes[0], "")
-            solid = move(solid, turn=-FACET_TURN)
-            return Mesh(vertices=place_vertices(solid), faces=solid.faces)
-        case "sphere":
-            import trimesh
+    if kind == "sphere":
+        import trimesh
 
-            solid = trimesh.creation.icosphere(subdivisions=2, radius=sizes[0])
-        case _:
-            raise PackageError(f"shape {kind!r}, expected box, cylinder or sphere")
-    return Mesh(vertices=np.asarray(solid.vertices), faces=np.asarray(solid.faces))
+        ball = trimesh.creation.icosphere(subdivisions=2, radius=sizes[0])
+        return Mesh(vertices=np.asarray(ball.vertices), faces=np.asarray(ball.faces))
+    if kind not in ("box", "cylinder"):
+        raise PackageError(f"shape {kind!r}, expected box, cylinder or sphere")
+    unit = _unit_mesh(kind)
+    edges = sizes if kind == "box" else (sizes[0], sizes[0], sizes[1])
+    return Mesh(vertices=unit.vertices * edges, faces=unit.faces)
+
+
+@cache
+def _unit_mesh(kind: Literal["box", "cylinder"]) -> Mesh:
+    """A cube of edge 1, or a cylinder of radius 1 and length 1."""
+    if kind == "box":
+        solid = box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5), "")
+        return Mesh(vertices=np.asarray(solid.vertices), faces=np.asarray(solid.faces))
+    solid = move(cylinder((0.0, 0.0, -0.5), (0.0, 0.0, 0.5), 1.0, ""), turn=-FACET_TURN)
+    return Mesh(vertices=place_vertices(solid), faces=solid.faces)
 
 
 def primitive_hull(shape: PrimitiveShape) -> Hull:

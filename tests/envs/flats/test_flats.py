@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 import pytest
 from box_furniture import FURNITURE, write_proven
+from room_poses import expected_poses
 
 from artigen.api.sample import ShapeJob, ShapeSettings, build_sampled
 from artigen.api.scene import SceneSettings, furnish_room
@@ -19,13 +20,17 @@ from artigen.transforms import transform_points
 from envs.flats.flat import AROUND, Flat, frame_of, join_rooms, move_opening, with_neighbours
 from envs.flats.furnish import choose_doors, furnish_flat, least_door
 from envs.flats.layout import EXTENTS, HUBS, ROOMS, FlatPlan, draw_plans, read_rooms
+from envs.goals.goal import Goal, start_room
 from envs.rooms.catalogue import read_catalogue
 from envs.rooms.check import check_room
+from envs.rooms.contents import fill_room
 from envs.rooms.file import read_room, write_room
-from envs.rooms.mjcf import write_room_mjcf
+from envs.rooms.footprints import cached_package
+from envs.rooms.mjcf import HOME, write_room_mjcf
 from envs.rooms.recipes import DOOR, WINDOW
 from envs.rooms.room import SIDES, THICKNESS, Opening, Side, Zone, wall_axis
 from envs.rooms.solids import place_solid
+from envs.rooms.usd import write_room_usd
 from sim_export.files.write import write_package
 from sim_export.report import CheckResult, Report, write_report
 
@@ -194,6 +199,40 @@ def test_a_flat_comes_back_from_its_file_and_steps_in_mujoco(flat, tmp_path):
     mujoco.mj_step(model, data, 50)
     assert np.isfinite(data.qpos).all()
     assert model.joint("bedroom_door_1/joint_0").id > 0
+
+
+def test_engines_find_every_body_of_a_flat_in_which_doors_stand_open(flat, tmp_path):
+    """One stage and one MJCF: poses to a millimetre, a lamp in each room, doors between rooms on hinges."""
+    pytest.importorskip("pxr")
+    from pxr import Usd, UsdGeom, UsdLux, UsdPhysics
+
+    whole = join_rooms(replace(flat, rooms=tuple(fill_room(room, 1.0) for room in flat.rooms)))
+    package = cached_package(whole.placement("bedroom_door_1").package)
+    (leaf,) = (link.name for link in package.links if link.label == "door")
+    (hinge,) = (joint.name for joint in package.joints if joint.child == leaf)
+    ajar = Goal(words="", family="close", start=(("bedroom_door_1", hinge, 0.6),))
+    whole = start_room(whole, ajar)
+    expected = expected_poses(whole)
+    assert whole.contents
+    model = mujoco.MjModel.from_xml_path(str(write_room_mjcf(whole, tmp_path)))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(HOME).id)
+    mujoco.mj_forward(model, data)
+    stage = Usd.Stage.Open(str(write_room_usd(whole, tmp_path)))
+    cache, prims = UsdGeom.XformCache(), list(stage.Traverse())
+    bodies = [prim for prim in prims if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
+    assert {str(prim.GetPath()).removeprefix("/World/") for prim in bodies} == set(expected)
+    for prim in bodies:
+        name = str(prim.GetPath()).removeprefix("/World/")
+        T = np.array(cache.GetLocalToWorldTransform(prim)).T
+        np.testing.assert_allclose(T, expected[name], atol=1e-3, err_msg=name)
+        np.testing.assert_allclose(data.body(name).xpos, T[:3, 3], atol=1e-3, err_msg=name)
+    assert not stage.GetCompositionErrors()
+    assert stage.GetPrimAtPath(f"/World/bedroom_door_1/joints/{hinge}").IsA(UsdPhysics.RevoluteJoint)
+    lamps = [prim for prim in prims if prim.IsA(UsdLux.DiskLight)]
+    at = np.array([np.array(cache.GetLocalToWorldTransform(prim))[3, :2] for prim in lamps])
+    for zone in whole.zones:
+        assert ((at > zone.low) & (at < zone.high)).all(axis=1).any(), zone.name
 
 
 def test_a_hub_is_shown_with_the_doors_of_its_rooms(flat):

@@ -27,7 +27,9 @@ from envs.rooms.file import write_room
 from envs.rooms.footprints import cached_package
 from envs.rooms.mjcf import write_room_mjcf
 from envs.rooms.room import Item, Placement, Room, pose_matrix_of
+from sim_export.files.write import write_package
 from sim_export.motion.kinematics import link_displacements
+from sim_export.package import HandleAnnotation
 
 PLACES = {"base_a": ("base cabinet", 0.5), "base_b": ("base cabinet", 1.4), "fridge": ("fridge", 2.4)}
 """Role of each package, and its place along the back wall (m)."""
@@ -114,6 +116,24 @@ def test_no_condition_of_a_goal_is_idle(room, goals):
         for each in goal.items:
             left = {**done.items, each.item: first.items[each.item]}
             assert not is_reached(goal, started, replace(done, items=left)), goal.words
+
+
+def test_goals_on_parts_with_handles_come_first(room, tmp_path: Path):
+    placement = room.placement("base_b")
+    package = cached_package(placement.package)
+    for joint in (each for each in package.joints if each.type == "prismatic"):
+        (link,) = (each for each in package.links if each.name == joint.child)
+        corners = link.hulls[0].vertices[:8]
+        handle = HandleAnnotation(
+            link=link.name, part=link.name, corners=corners, normal=-np.eye(3)[0], grasp_line=corners[:2],
+            width=0.02, clearance=0.02, opening_direction=joint.axis, gapart="handle",
+        )  # fmt: skip
+        folder = write_package(replace(package, handles=(handle,)), tmp_path / joint.name)
+        held = tuple(replace(each, package=folder) if each is placement else each for each in room.placements)
+        goals = sample_goals(replace(room, placements=held), 3, 60)
+        for family in ("pull", "close"):
+            first = next(goal for goal in goals if goal.family == family)
+            assert [(each.object, each.joint) for each in first.joints] == [("base_b", joint.name)]
 
 
 def test_phrases_refer_to_one_object_or_thing(room):

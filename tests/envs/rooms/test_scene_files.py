@@ -7,9 +7,9 @@ import mujoco
 import numpy as np
 import pytest
 from bare_room import ROOM
+from room_poses import expected_poses
 from sample_packages import SAMPLE_PARTS, build_package, double_door_parts
 
-from artigen.transforms import shift
 from artigen.types import Joint
 from envs.rooms.ajar import stays
 from envs.rooms.contents import fill_room
@@ -18,13 +18,11 @@ from envs.rooms.footprints import cached_package, read_footprint
 from envs.rooms.mjcf import HOME, write_room_mjcf
 from envs.rooms.patterns import PERIODS, paint_pattern
 from envs.rooms.room import Fixture, Placement, Room, pose_matrix_of
-from envs.rooms.solids import item_motion
 from envs.rooms.usd import write_room_usd
 from envs.rooms.views import find_lamps, find_views
 from sim_export.files.obj import read_image
-from sim_export.files.urdf import link_origins
 from sim_export.files.write import write_package
-from sim_export.motion.kinematics import driven_joints, link_displacements
+from sim_export.motion.kinematics import driven_joints
 from sim_export.package import Inertial, Link, SimPackage
 
 OPENED = 0.2
@@ -47,18 +45,6 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Room:
         for index, (which, sign) in enumerate(((0, 1.0), (0, -1.0), (1, 1.0)))
     )  # fmt: skip
     return fill_room(replace(ROOM, placements=placements), 1.0)
-
-
-def expected_poses(room: Room) -> dict[str, np.ndarray]:
-    """Pose of every link and loose thing in the room, by ``cabinet_0/link_1`` and ``cup_1``."""
-    poses = {item.id: item_motion(room, item) @ pose_matrix_of(item) for item in room.contents}
-    for placement in room.placements:
-        package = cached_package(placement.package)
-        origins = link_origins(package)
-        moved = link_displacements(package.links, package.joints, dict(placement.joints))
-        for link, T in zip(package.links, moved, strict=True):
-            poses[f"{placement.id}/{link.name}"] = pose_matrix_of(placement) @ T @ shift(origins[link.name])
-    return poses
 
 
 def start(room: Room, folder: Path) -> tuple[mujoco.MjModel, mujoco.MjData]:
