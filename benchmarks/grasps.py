@@ -67,8 +67,8 @@ def summarize(rows: Sequence[dict]) -> list[str]:
             any_ = sum(row["proven"] > 0 for row in some)
             share = 100.0 * good / max(len(some), 1)
             lines.append(
-                f"{gripper}: {good} of {len(some)} {what} ({share:.1f} %) have {ENOUGH} grasps proven in both "
-                f"engines, {any_} have one"
+                f"{gripper}: {good} of {len(some)} {what} ({share:.1f} %) have {ENOUGH} grasps that both "
+                f"engines prove, {any_} have one"
             )
         objects = {(row["kind"], row["seed"]): row for row in own}
         for stage in ("find", "prove"):
