@@ -196,7 +196,7 @@ def pad_gap(subject: Subject, grasp: Grasp) -> float:
                      for side in (grasp.width / 2.0, -grasp.width / 2.0)])  # fmt: skip
     pads = transform_points(grasp.pose, pads)
     shown = [shape for shape in subject.visuals if shape.link == grasp.link]
-    parts = {v["name"]: v["part"] for each in subject.meta["links"] for v in each["visuals"]}
+    parts = {v["name"]: v["part"] for each in subject.meta.get("links", []) for v in each["visuals"]}
     held = [shape for shape in shown if parts.get(shape.name) == grasp.part]
     shapes = [shape.triangles for shape in held or shown]
     triangles = np.concatenate([np.zeros((0, 3, 3)), *shapes])
