@@ -1,6 +1,6 @@
 """Compares who makes the collision hulls: our search, CoACD and V-HACD at their defaults.
 
-    python benchmarks/collision_methods.py OBJECT ... --budget 30
+    python benchmarks/collision_methods.py OBJECT ... --methods auto coacd --budget 30
 
 Each object is a file or folder that `artigen convert` reads. Per method: hulls; the largest and the 99 %
 distance between collision and visual in percent of the diagonal (V103); seconds of one core for hulls,
@@ -19,8 +19,6 @@ from artigen.runtime.budget import Budget, core_seconds
 from sim_export.checks.draft import read_draft
 from sim_export.checks.suite import run_checks
 from sim_export.search import COLLISION_CHECKS, Collision
-
-METHODS: tuple[Collision, ...] = ("auto", "coacd", "vhacd")
 
 
 def try_method(source: Path, method: Collision, budget: float, coacd: str) -> str:
@@ -42,11 +40,16 @@ def try_method(source: Path, method: Collision, budget: float, coacd: str) -> st
     return f"{hulls}; {far[0][0]}, {far[1][1]}; {spent:.1f} s; {failed}"
 
 
-def main(objects: tyro.conf.Positional[tuple[Path, ...]], budget: float = 30.0, coacd: str = "") -> None:
+def main(
+    objects: tyro.conf.Positional[tuple[Path, ...]],
+    methods: tuple[Collision, ...] = ("auto", "coacd", "vhacd"),
+    budget: float = 30.0,
+    coacd: str = "",
+) -> None:
     """Prints the table, one line per object as it is done."""
-    print("| object | " + " | ".join(METHODS) + " |\n|---" + "|---" * len(METHODS) + "|")
+    print("| object | " + " | ".join(methods) + " |\n|---" + "|---" * len(methods) + "|")
     for source in objects:
-        cells = (try_method(source, method, budget, coacd) for method in METHODS)
+        cells = (try_method(source, method, budget, coacd) for method in methods)
         print(f"| {source.stem} | " + " | ".join(cells) + " |", flush=True)
 
 

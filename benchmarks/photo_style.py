@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import tyro
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from artigen.conditioning.image import open_picture
 from artigen.errors import ArtigenError
@@ -28,10 +28,10 @@ from artigen.reader.ground import find_outline
 from artigen.reader.layout.build import build_from_reading
 from artigen.reader.layout.frontal import LONG
 from artigen.reader.layout.overlay import Overlay, lay_over, match_fronts
+from artigen.reader.layout.relief import find_field, measure_depths
 from artigen.reader.looks import look_closer
 from artigen.reader.model import load_reader
 from artigen.reader.read import read_image
-from artigen.shapes.primitives import place_vertices
 from artigen.shapes.render.shading import EVEN_LIGHT
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.color_difference import ciede2000, convert_to_lab
@@ -53,14 +53,6 @@ CLOSED = 0.7
 """Share of an object's width that its base covers just above the floor from which it stands on no legs."""
 PULLED = 0.3
 """Share of fronts with pulls below which these are strays."""
-GRID, RING = 60, 5
-"""Cells along each edge of a front that is looked at, and those from its edge to the middle of a frame."""
-RELIEF = 0.002
-"""Difference of depths (m) that is seen as an edge."""
-SLATS = 8
-"""Number of edges in a line across a front from which it has slats: a frame has four."""
-PLANKS = 3
-"""Number of upright boards that are planks."""
 FILLED = 0.5
 """Share of a pull's box that a cup covers where it stands out; bows and pendants are open."""
 THICK = 0.018
@@ -96,39 +88,9 @@ def list_fronts(shape: Shape) -> list[ShapePart]:
 
 
 def name_panel(part: ShapePart) -> str:
-    """The field of a front, by how deep it is seen from ahead: flat, framed, slats or glass."""
-    depth, nearest = measure_depths(part)
-    middle = slice(round(0.3 * GRID), round(0.7 * GRID))
-    seen = nearest[middle, middle].ravel()
-    if np.mean([part.primitives[at].finish == "glass" for at in seen if at >= 0] or [False]) > 0.5:
-        return "glass"
-    steps = [np.abs(np.diff(line)) > RELIEF for line in (depth[GRID // 2], depth[:, GRID // 2])]
-    if max(int(np.count_nonzero(line[np.isfinite(line)])) for line in steps) >= SLATS:
-        return "slats"
-    solids = [solid for solid in part.primitives if solid.finish == "front"]
-    tall = sum(solid.size[2] > 0.75 * np.ptp(part.bounds()[:, 2]) for solid in solids)
-    if tall >= PLANKS and tall == len(solids):
-        return "slats"
-    ring = np.concatenate(
-        [depth[RING, middle], depth[-RING, middle], depth[middle, RING], depth[middle, -RING]]
-    )
-    inner = depth[middle, middle]
-    return "framed" if abs(np.median(ring) - np.median(inner)) > RELIEF else "flat"
-
-
-def measure_depths(part: ShapePart) -> tuple[Float[np.ndarray, "G G"], Int[np.ndarray, "G G"]]:
-    """The foremost solid of every cell of a part's box from ahead, rows upward: where it begins (m), and its
-    number; infinite and -1 where there is none."""
-    low, high = part.bounds()
-    depth, nearest = np.full((GRID, GRID), np.inf), np.full((GRID, GRID), -1)
-    y, z = (low[axis] + (np.arange(GRID) + 0.5) / GRID * (high - low)[axis] for axis in (1, 2))
-    for number, solid in enumerate(part.primitives):
-        corners = place_vertices(solid)
-        first, last = corners.min(axis=0), corners.max(axis=0)
-        inside = ((z >= first[2]) & (z <= last[2]))[:, None] & ((y >= first[1]) & (y <= last[1]))
-        ahead = inside & (first[0] < depth)
-        depth[ahead], nearest[ahead] = first[0], number
-    return depth, nearest
+    """The field of a front: flat, framed, slats or glass."""
+    field = find_field(part)
+    return "glass" if field is None else "slats" if field == "planks" else field
 
 
 def name_pull(shape: Shape) -> str:

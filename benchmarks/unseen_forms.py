@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import forms_developed as developed
+import forms_fresh as fresh
 import forms_held_out as held_out
 import numpy as np
 import tyro
@@ -70,16 +71,21 @@ HELD_OUT: Mapping[str, tuple[Callable[[], Form], Sequence[Flaw], float]] = {
     "window": (held_out.window, (opened,), 1.0),
     "lighter": (held_out.lighter, (doubled,), 1.0),
 }
+FRESH: Mapping[str, tuple[Callable[[], Form], Sequence[Flaw], float]] = {
+    "lunch_box": (fresh.lunch_box, (sunk(0.0005),), 1.0),
+    "sewing_box": (fresh.sewing_box, (doubled,), 1.0),
+    "paper_cutter": (fresh.paper_cutter, (), 1.0),
+    "tap": (fresh.tap, (opened,), 1.0),
+    "desk_stapler": (fresh.desk_stapler, (repeated,), 1.0),
+    "stepladder": (fresh.stepladder, (), 1.05),
+    "punch": (fresh.punch, (doubled,), 1.0),
+}
 
 
 def main(out: tyro.conf.Positional[Path]) -> None:
     """Writes all objects."""
-    for name, (make, flaws, reach) in {**DEVELOPED, **HELD_OUT}.items():
+    for name, (make, flaws, reach) in {**DEVELOPED, **HELD_OUT, **FRESH}.items():
         print(write_form(make(), out / name, name, flaws, reach))
-
-
-if __name__ == "__main__":
-    tyro.cli(main)
 
 
 if __name__ == "__main__":

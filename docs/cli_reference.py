@@ -47,7 +47,8 @@ artigen validate out/packages/45261 --task --engines mujoco,pybullet""",
 artigen preview out/packages/* -o sheet.gif""",
     "render": "artigen render out/packages --states 5 --views 2 -o out/labelled",
     "view": "artigen view out/packages/45261",
-    "export": "artigen export ASSET_FOLDER -o out/mine",
+    "export": """artigen export ASSET_FOLDER -o out/mine
+artigen export out/packages/45261 --for robosuite usd -o out/45261""",
     "restyle": "artigen restyle out/cabinet -n 8 -o out/looks",
     "usd": "artigen usd out/packages -o out/usd",
     "sets": "artigen sets out/packages --least 8",
@@ -56,6 +57,8 @@ artigen scene flat --rooms 5 -o out/flat""",
     "scenes": "artigen scenes kitchen bedroom --count 1000 --packages out/packages -o out/scenes",
     "dataset": """artigen dataset examples/household.yaml -o out/household
 artigen dataset verify out/household --prove 20""",
+    "demos": """artigen demos ArtiGen-OpenPart-v1 out/packages -n 100 -o out/demos
+artigen demos ArtiGen-PutInside-v1 out/packages -n 50 -o out/put --format maniskill""",
     "train": "artigen train sketch RUN --preset small --minutes 120 --shards 10",
     "eval": "artigen eval sketch --model RUN/model -o RUN/evaluation",
     "demo": "artigen demo -o out/demo",

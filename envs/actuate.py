@@ -1,7 +1,8 @@
 """``ArtiGen/Actuate-v0``: open one joint by pulling at its handle."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
+from typing import Any
 
 import gymnasium as gym
 import numpy as np
@@ -9,13 +10,11 @@ from jaxtyping import Float
 
 from artigen.transforms import inverse, shift, transform_points
 
-from .base import SUBSTEPS, PackageEnv, open_fractions
-from .hand import measure_moved, pose_matrix
+from .base import SUBSTEPS, PackageEnv, Packages, open_fractions
+from .hand import ON_AXIS, measure_moved, pose_matrix
 from .plan import plan_trials
+from .randomize import Randomization
 from .sim.loaded import LoadedJoint
-
-ON_AXIS = 0.01
-"""Distance (m) from the axis below which a handle is turned instead of pulled."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,15 +52,15 @@ class ActuateEnv(PackageEnv):
     """
 
     def __init__(
-        self, package: Path | str, cfg: ActuateConfig | None = None, render_mode: str | None = None
+        self,
+        package: Packages,
+        cfg: ActuateConfig | None = None,
+        render_mode: str | None = None,
+        randomize: Randomization | Mapping[str, Any] | None = None,
     ) -> None:
         self.cfg = cfg or ActuateConfig()
-        super().__init__(package, render_mode)
-        count = len(self.loaded.joints)
-        if not count:
-            raise ValueError(f"{package}: nothing moves in this package, so nothing can be opened")
-        if self.cfg.joint is not None:
-            self.loaded.joint(self.cfg.joint)
+        super().__init__(package, render_mode, randomize)
+        count = self.width
         self.action_space = gym.spaces.Box(-1.0, 1.0, (1,), np.float32)
         free = gym.spaces.Box(-np.inf, np.inf, (count,), np.float32)
         self.observation_space = gym.spaces.Dict(
@@ -73,14 +72,18 @@ class ActuateEnv(PackageEnv):
                 "opening_direction": gym.spaces.Box(-1.0, 1.0, (3,), np.float32),
             }
         )
-        self._plans = plan_trials(self.loaded).joints
         self._target = 0
         self._grip = np.zeros(3)
         self._travel = 0.0
 
+    def _adopt(self) -> None:
+        if self.cfg.joint is not None:
+            self.loaded.joint(self.cfg.joint)
+        self._plans = plan_trials(self.loaded).joints
+
     def reset(self, *, seed: int | None = None, options: dict | None = None):
         """Closes all joints, opens those that the target requires, and grasps the handle."""
-        self._rebuild(seed)
+        self._rebuild(seed, options)
         names = [joint.spec.name for joint in self.loaded.joints]
         drawn = int(self.np_random.integers(len(names)))
         self._target = drawn if self.cfg.joint is None else names.index(self.cfg.joint)
@@ -153,12 +156,12 @@ class ActuateEnv(PackageEnv):
     def _observe(self) -> dict[str, np.ndarray]:
         point, direction, _ = self._handle()
         qvel = np.asarray(self.loaded.articulation.qvel, dtype=np.float64)
-        target = np.zeros(len(self.loaded.joints), dtype=np.int8)
+        target = np.zeros(self.width, dtype=np.int8)
         target[self._target] = 1
         return {
-            "open_fraction": open_fractions(self.loaded),
-            "joint_velocity": np.array(
-                [qvel[joint.index] / max(joint.span, 1e-9) for joint in self.loaded.joints], dtype=np.float32
+            "open_fraction": self.pad(open_fractions(self.loaded)),
+            "joint_velocity": self.pad(
+                np.array([qvel[each.index] / max(each.span, 1e-9) for each in self.loaded.joints], np.float32)
             ),
             "target": target,
             "handle_position": point.astype(np.float32),
@@ -169,6 +172,7 @@ class ActuateEnv(PackageEnv):
         opened = self._opened()
         return {
             "success": bool(opened >= self.cfg.success_fraction),
+            "object": self.object_name,
             "joint": self._joint.spec.name,
             "opened": opened,
         }

@@ -31,6 +31,8 @@ PUSH = 10.0
 TWIST = 1.0
 """Largest torque (N m) of fingers on a knob."""
 FINGER_LABELS = ("knob",)
+ON_AXIS = 0.01
+"""A handle whose middle is nearer to the axis (m), such as a cross on a tap, is turned at its rim."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -123,9 +125,10 @@ def _lever(joint: LoadedJoint, moved: Moved) -> float:
         axis, arms = moved.axis, moved.vertices - moved.origin
     else:
         # Fingers hold a knob at its rim, a hand holds other handles in their middle.
-        rim = joint.handle.corners
-        held = rim if joint.label in FINGER_LABELS else rim.mean(axis=0, keepdims=True)
-        axis, arms = joint.spec.axis, held - joint.spec.origin
+        axis, arms = joint.spec.axis, joint.handle.corners - joint.spec.origin
+        middle = float(np.linalg.norm(np.cross(axis, arms.mean(axis=0))))
+        if joint.label not in FINGER_LABELS and middle >= ON_AXIS:
+            return middle
     return float(np.linalg.norm(np.cross(axis, arms), axis=1).max(initial=0.0))
 
 

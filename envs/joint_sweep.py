@@ -1,7 +1,8 @@
 """``ArtiGen/JointSweep-v0``: move every joint through its range without penetration."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
+from typing import Any
 
 import gymnasium as gym
 import numpy as np
@@ -10,8 +11,9 @@ from sim_export.errors import DegeneratePart
 from sim_export.geometry.contacts import HullSet, penetration_depths
 from sim_export.geometry.hulls import convex_hull
 
-from .base import PackageEnv
+from .base import PackageEnv, Packages
 from .hand import pose_matrix, shape_vertices
+from .randomize import Randomization
 from .sim.loaded import set_open_fraction
 
 
@@ -55,20 +57,24 @@ class JointSweepEnv(PackageEnv):
     """
 
     def __init__(
-        self, package: Path | str, cfg: JointSweepConfig | None = None, render_mode: str | None = None
+        self,
+        package: Packages,
+        cfg: JointSweepConfig | None = None,
+        render_mode: str | None = None,
+        randomize: Randomization | Mapping[str, Any] | None = None,
     ) -> None:
         self.cfg = cfg or JointSweepConfig()
-        super().__init__(package, render_mode)
-        count = len(self.loaded.joints)
-        if not count:
-            raise ValueError(f"{package}: nothing moves in this package, so nothing can be swept")
-        self.action_space = gym.spaces.Box(-1.0, 1.0, (count,), np.float32)
+        super().__init__(package, render_mode, randomize)
+        self.action_space = gym.spaces.Box(-1.0, 1.0, (self.width,), np.float32)
         self.observation_space = gym.spaces.Dict(
             {
-                "open_fraction": gym.spaces.Box(0.0, 1.0, (count,), np.float32),
+                "open_fraction": gym.spaces.Box(0.0, 1.0, (self.width,), np.float32),
                 "penetration": gym.spaces.Box(0.0, np.inf, (1,), np.float32),
             }
         )
+
+    def _adopt(self) -> None:
+        count = len(self.loaded.joints)
         self._hulls = {
             link.name: _hull_set(link) for link in self.loaded.articulation.links if link.collision_shapes
         }
@@ -80,7 +86,7 @@ class JointSweepEnv(PackageEnv):
 
     def reset(self, *, seed: int | None = None, options: dict | None = None):
         """Closes every joint and resets the visited bins."""
-        self._rebuild(seed)
+        self._rebuild(seed, options)
         self._fractions = np.zeros(len(self._fractions))
         self._visited = np.zeros_like(self._visited)
         self._clean = True
@@ -90,7 +96,7 @@ class JointSweepEnv(PackageEnv):
 
     def step(self, action: np.ndarray):
         """Poses the joints and measures every pair of links."""
-        push = np.clip(np.asarray(action, dtype=np.float64), -1.0, 1.0)
+        push = np.clip(np.asarray(action, dtype=np.float64), -1.0, 1.0)[: len(self._fractions)]
         self._fractions = np.clip(self._fractions + self.cfg.step * push, 0.0, 1.0)
         set_open_fraction(self.loaded, self._fractions)
         depth = max((depth - self._rest[pair] for pair, depth in self._overlaps().items()), default=0.0)
@@ -122,12 +128,16 @@ class JointSweepEnv(PackageEnv):
 
     def _observe(self, depth: float) -> dict[str, np.ndarray]:
         return {
-            "open_fraction": self._fractions.astype(np.float32),
+            "open_fraction": self.pad(self._fractions.astype(np.float32)),
             "penetration": np.array([depth], dtype=np.float32),
         }
 
     def _info(self) -> dict:
-        return {"success": bool(self._visited.all() and self._clean), "covered": float(self._visited.mean())}
+        return {
+            "success": bool(self._visited.all() and self._clean),
+            "object": self.object_name,
+            "covered": float(self._visited.mean()),
+        }
 
 
 def _hull_set(link) -> HullSet:

@@ -23,6 +23,8 @@ VERB_TASKS = {
     "ArtiGen-SlidePart-v1": "slide",
 }
 """Variants of ``ArtiGen-OpenPart-v1`` with another verb."""
+SOLVED_TASKS = ("ArtiGen-OpenPart-v1", "ArtiGen-PutInside-v1", *VERB_TASKS)
+"""Tasks that have a scripted solver."""
 ROOM_ID = "ArtiGen-Room-v1"
 """A furnished room in ManiSkill; takes ``scenes`` instead of packages."""
 ENVIRONMENT_IDS = tuple(ENVIRONMENTS)

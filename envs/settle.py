@@ -1,7 +1,8 @@
 """``ArtiGen/Settle-v0``: a free-standing object drops a little and must come to rest upright."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
+from typing import Any
 
 import gymnasium as gym
 import numpy as np
@@ -9,8 +10,9 @@ import sapien
 
 from sim_export.physics.materials import GRAVITY
 
-from .base import SUBSTEPS, PackageEnv, open_fractions
+from .base import SUBSTEPS, PackageEnv, Packages, open_fractions
 from .hand import pose_matrix
+from .randomize import Randomization
 from .trials import center_of_mass, local_vertices, quat_about, world_vertices
 
 
@@ -56,12 +58,17 @@ class SettleEnv(PackageEnv):
     """
 
     base = "free"
+    least = 0
 
     def __init__(
-        self, package: Path | str, cfg: SettleConfig | None = None, render_mode: str | None = None
+        self,
+        package: Packages,
+        cfg: SettleConfig | None = None,
+        render_mode: str | None = None,
+        randomize: Randomization | Mapping[str, Any] | None = None,
     ) -> None:
         self.cfg = cfg or SettleConfig()
-        super().__init__(package, render_mode)
+        super().__init__(package, render_mode, randomize)
         self.action_space = gym.spaces.Box(-1.0, 1.0, (3,), np.float32)
         unbounded = gym.spaces.Box(-np.inf, np.inf, (3,), np.float32)
         self.observation_space = gym.spaces.Dict(
@@ -70,16 +77,18 @@ class SettleEnv(PackageEnv):
                 "up": gym.spaces.Box(-1.0, 1.0, (3,), np.float32),
                 "linear_velocity": unbounded,
                 "angular_velocity": unbounded,
-                "open_fraction": gym.spaces.Box(-np.inf, np.inf, (len(self.loaded.joints),), np.float32),
+                "open_fraction": gym.spaces.Box(-np.inf, np.inf, (self.width,), np.float32),
             }
         )
+        self._resting = 0
+
+    def _adopt(self) -> None:
         self._weight = GRAVITY * sum(float(link.mass) for link in self.loaded.articulation.links)
         self._local = local_vertices(self.loaded)
-        self._resting = 0
 
     def reset(self, *, seed: int | None = None, options: dict | None = None):
         """Lifts and tilts the object, and releases it."""
-        self._rebuild(seed)
+        self._rebuild(seed, options)
         self._resting = 0
         self.loaded.reset()
         lean = np.radians(self.cfg.lean_degrees) * self.np_random.uniform()
@@ -117,7 +126,7 @@ class SettleEnv(PackageEnv):
             "up": np.clip(up, -1.0, 1.0).astype(np.float32),
             "linear_velocity": np.asarray(root.linear_velocity, dtype=np.float32),
             "angular_velocity": np.asarray(root.angular_velocity, dtype=np.float32),
-            "open_fraction": open_fractions(self.loaded),
+            "open_fraction": self.pad(open_fractions(self.loaded)),
         }
 
     def _info(self) -> dict:
@@ -126,6 +135,7 @@ class SettleEnv(PackageEnv):
         speed = max(np.linalg.norm(root.linear_velocity), np.linalg.norm(root.angular_velocity))
         return {
             "success": False,
+            "object": self.object_name,
             "tilt_degrees": float(np.degrees(np.arccos(np.clip(up, -1.0, 1.0)))),
             "speed": float(speed),
         }

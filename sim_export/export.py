@@ -339,8 +339,7 @@ def export_solids(
         tree = replace(tree, links=_show_meshes(tree.links, unpainted))
     if asset.gaussians is not None:
         tree = replace(tree, links=attach_splats(tree.links, asset))
-    body = replace(tree.links[-1], visuals=(*tree.links[-1].visuals, *levelled.feet))
-    tree = replace(tree, links=(*tree.links[:-1], body))
+    tree = replace(tree, links=_show_more(tree.links, (*attached.visuals, *levelled.feet)))
     watch.lap("trim")
     records = (
         *asset.notes,
@@ -420,6 +419,14 @@ def paint_package(package: SimPackage, asset: Asset, unpainted: Mapping[str, Mes
         package,
         links=_show_meshes(package.links, painted, instead_of=unpainted),
         records=(*package.records, *baked.records),
+    )
+
+
+def _show_more(links: Sequence[Link], more: Sequence[Visual]) -> tuple[Link, ...]:
+    """Links that show further visuals of their parts."""
+    return tuple(
+        replace(link, visuals=(*link.visuals, *(visual for visual in more if visual.part in link.parts)))
+        for link in links
     )
 
 

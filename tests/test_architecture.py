@@ -21,6 +21,7 @@ SHARED = {
     "io",
     "errors",
     "kind",
+    "plugins",
     "files",
     "runtime",
     "shapes",
@@ -41,7 +42,7 @@ MODEL_CODE = (
     "artigen.reader.read",
     "artigen.reader.targets",
     "artigen.reader.trunk",
-    "artigen.reader.units",
+    "artigen.reader.wall",
     "artigen.shapes.render",
     "artigen.sketch",
     "artigen.train",
@@ -51,7 +52,7 @@ MODEL_CODE = (
 )
 """The only places where torch is imported."""
 LAYERS = (
-    {"errors", "types", "kind", "transforms", "kinematics", "camera", "io", "weights"},
+    {"errors", "types", "plugins", "kind", "transforms", "kinematics", "camera", "io", "weights"},
     {"files", "runtime"},
     {"voxels"},
     {"shapes"},

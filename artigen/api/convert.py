@@ -54,9 +54,10 @@ class ConvertSettings:
     splats: bool = False
     """Add 3D Gaussians to the package: flat discs on the surface, one PLY per link."""
     mend: bool = False
-    """Mend faults of the source before converting it: hinges off the edge of their door, parts inside each
-    other, ranges that run into the body, handles out of reach, pieces that float or belong to another link,
-    objects that fall over. Every change is in meta.json."""
+    """Mend faults of the source before converting it: sizes that no object of the kind has (unless ``size``
+    is given), hinges off the edge of their door, parts inside each other, ranges that run into the body,
+    handles out of reach, pieces that float or belong to another link, objects that fall over. Every change is
+    in meta.json."""
     validation: Literal["full", "none"] = "full"
     """Run checks L0 to L3 on every package right after it is written."""
     budget: float = 30.0
@@ -96,7 +97,7 @@ class ConvertJob:
 
     def read(self, scratch: Path) -> "SourceObject":
         """Reads the source and mends it if requested; converted meshes go into ``scratch``."""
-        from artigen.api.mend import mend_object
+        from artigen.api.mend import mend_object, resize_object
         from artigen.datasets.source_object import ReaderConfig
         from artigen.datasets.sources import read_source
 
@@ -114,6 +115,8 @@ class ConvertJob:
         source = read_source(self.source, scratch, reader)
         if not cfg.mend:
             return source
+        if cfg.size is None:
+            source = resize_object(source)
         cell = source.asset.scale / self.grid if cfg.visual == "voxels" else 0.0
         return mend_object(source, scratch, cell)
 

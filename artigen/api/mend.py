@@ -9,7 +9,9 @@ from jaxtyping import Float
 
 from artigen.api.give_files import give_files
 from artigen.datasets.mesh_files import write_obj
+from artigen.datasets.sizes import estimate_size
 from artigen.datasets.source_object import SourceObject, SourceVisual, TriangleMesh
+from artigen.kind import find_category
 from artigen.types import Asset
 
 if TYPE_CHECKING:
@@ -56,6 +58,22 @@ def mend_object(source: SourceObject, scratch: Path, cell: float = 0.0) -> Sourc
             part_ids=np.concatenate([triangles.part_ids, *owners]),
         ),
     )
+
+
+def resize_object(source: SourceObject) -> SourceObject:
+    """The object in the usual size of its kind where the file's is that of none (V009); else unchanged."""
+    asset, kind = source.asset, find_category(source.asset.category)
+    extents = asset.scale * np.ptp(source.triangles.vertices, axis=0)
+    diagonal = float(np.linalg.norm(extents))
+    if kind is None or kind.diagonal is None or kind.diagonal[0] <= diagonal <= kind.diagonal[1]:
+        return source
+    size, _ = estimate_size(asset.category, extents)
+    record = (
+        f"mend size (V009): a diagonal of {diagonal:.3g} m is that of no {asset.category} "
+        f"({kind.diagonal[0]:g} to {kind.diagonal[1]:g} m); all lengths are {size / asset.scale:.3g} times "
+        "those of the file (--size keeps others)"
+    )
+    return replace(source, asset=replace(asset, scale=size, notes=(*asset.notes, record)))
 
 
 def _write_posts(mended: "Source", scratch: Path) -> list[SourceVisual]:

@@ -16,7 +16,7 @@ from artigen.weights import SHIPPED
 if TYPE_CHECKING:
     from typing import Literal
 
-    from artigen.reader.units import Unit, Wall
+    from artigen.reader.wall.units import Unit, Wall
 
 READINGS = "readings"
 """Subfolder of the room for the reading of each unit, to be edited and built again."""
@@ -64,7 +64,7 @@ def furnish_photographed(
     Raises:
         ArtigenError: If the photograph shows no unit, no unit passes its checks, or they cannot be arranged.
     """
-    from artigen.reader.units import Unit, read_units
+    from artigen.reader.wall.units import Unit, read_units
 
     asked = cfg or SceneSettings()
     if asked.place or asked.family is not None:
@@ -136,7 +136,7 @@ def _make_packages(
 
 def _order(named: "Sequence[tuple[str, Unit]]") -> list[str]:
     """Words of an order, with free lengths where the wall was seen between units."""
-    from artigen.reader.units import FREE
+    from artigen.reader.wall.units import FREE
 
     words: list[str] = []
     end = 0.0

@@ -25,6 +25,7 @@ COMMANDS = {
     "scene": "scene",
     "scenes": "scenes",
     "dataset": "dataset",
+    "demos": "demos",
     "train": "train",
     "eval": "evaluate",
     "demo": "demo",

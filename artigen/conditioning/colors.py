@@ -1,8 +1,27 @@
 """Finds what colours and materials of a sentence belong to, before, after and behind commas."""
 
+import numpy as np
+
 from artigen.conditioning.numbers import read_number
 from artigen.conditioning.sentence import OBJECT, TextError
-from artigen.conditioning.vocabulary import ADJECTIVES, MATERIALS, PAINTS, PARTS, PIECES, SHADES, Stuff
+from artigen.conditioning.vocabulary import (
+    ADJECTIVES,
+    CLAUSES,
+    FEATURES,
+    FILLERS,
+    LEGS,
+    MATERIALS,
+    PAINTS,
+    PARTS,
+    PIECES,
+    PLAIN,
+    RELATIONS,
+    SCALES,
+    SHADES,
+    SPOTS,
+    SURFACES,
+    Stuff,
+)
 from artigen.shapes.surfaces.finishes import Color
 
 BETWEEN = 4
@@ -38,7 +57,11 @@ def read_finishes(
             continue
         word = " ".join(words[at : at + count])
         table = colors if find_color_only(word) is not None else materials
-        target = _find_after(words, at + count, head) or _find_before(words, at, head, table)
+        target = _find_after(words, at + count, head)
+        if target is None and at > head.start and _is_noun(words, at + count):
+            at += count  # "a mailbox with a red flag"
+            continue
+        target = target or _find_before(words, at, head, table)
         if table.get(target, word) != word:
             named = "the object" if target == OBJECT else f"the {target}"
             raise TextError(f"{table[target]} and {word} are asked for, both of {named}; name one")
@@ -49,9 +72,14 @@ def read_finishes(
 
 
 def find_color_only(word: str) -> Color | None:
-    """The colour (sRGB) of a paint, which may have a shade before it: "light blue"; None for other words."""
+    """The colour (sRGB) of a paint, which may have a shade before it, "light blue", or another colour, "navy
+    blue", which it then is; a plain colour before it tints it, "blue grey". None for other words."""
     shade, _, paint = word.rpartition(" ")
     color = PAINTS.get(paint)
+    if color is not None and shade in PAINTS and shade != paint:
+        first = np.array(PAINTS[shade])
+        r, g, b = ((first + color) / 2).tolist() if shade in PLAIN else PAINTS[shade]
+        return r, g, b
     if color is None or shade not in ("", *SHADES):
         return None
     share = SHADES.get(shade, 0.0)
@@ -77,7 +105,7 @@ def _measure(words: tuple[str, ...], at: int) -> int:
 def _name_target(words: tuple[str, ...], at: int, head: range) -> str | None:
     if at in head:
         return OBJECT
-    return PARTS.get(words[at]) or PIECES.get(words[at])
+    return PARTS.get(words[at]) or PIECES.get(words[at]) or ("leg" if words[at] in LEGS else None)
 
 
 def _find_after(words: tuple[str, ...], start: int, head: range) -> str | None:
@@ -93,6 +121,19 @@ def _find_after(words: tuple[str, ...], start: int, head: range) -> str | None:
         ):  # "white two-door cabinet"
             return target
     return None
+
+
+def _is_noun(words: tuple[str, ...], at: int) -> bool:
+    """Whether a word after a colour may be a noun without a known meaning."""
+    known = {*FILLERS, *SURFACES, *ADJECTIVES, *SCALES, *SHADES, *ENDS, *CLAUSES, *RELATIONS}
+    return (
+        at < len(words)
+        and words[at].isalpha()
+        and words[at] not in known
+        and not _measure(words, at)
+        and read_number(words, at) is None
+        and not any(" ".join(words[at : at + count]) in {*FEATURES, *SPOTS} for count in range(1, 6))
+    )
 
 
 def _is_description(words: tuple[str, ...], at: int) -> bool:

@@ -97,6 +97,8 @@ LIMITS: dict[str, int] = {
 """Phrases before a number: 1 if it must be exceeded, -1 if it must not be reached, 0 if it is allowed."""
 SIDES = {"under": -1, "below": -1, "over": 1, "above": 1}
 """The same before lengths only: before a number of parts they say where those are."""
+ONES = frozenset({"one", "ones"})
+"""Pronouns of parts that were named before."""
 GROUPS = {"dozen": 12, "couple": 2, "pair": 2}
 """Nouns for numbers of things: a dozen drawers, a pair of doors."""
 UNITS: dict[str, float] = {
@@ -111,6 +113,7 @@ DIRECTIONS: dict[str, Axis] = {
     "wide": "width", "width": "width", "broad": "width", "long": "width", "length": "width",
     "deep": "depth", "depth": "depth",
     "tall": "height", "high": "height", "height": "height", "w": "width", "d": "depth", "h": "height",
+    "diameter": "width", "across": "width",
 }  # fmt: skip
 ADJECTIVES: dict[str, tuple[Axis, float]] = {
     "tall": ("height", 1.35),
@@ -131,6 +134,17 @@ SCALES = {
     "small": 0.8, "little": 0.8, "compact": 0.8, "mini": 0.7, "tiny": 0.7,
 }  # fmt: skip
 """Adjectives that scale all extents of which nothing else is said."""
+
+Feature = tuple[str, str, str]
+"""Part, property, value."""
+OUTLINES: dict[str, Feature] = {
+    word: ("object", "outline", outline)
+    for word, outline in (
+        ("round", "round"), ("circular", "round"), ("oval", "oval"), ("elliptical", "oval"),
+        ("square", "square"), ("rectangular", "rectangle"),
+    )
+}  # fmt: skip
+"""Adjectives for the outline of an object from above."""
 
 PAINTS: dict[str, Color] = {
     "white": (0.92, 0.92, 0.91),
@@ -160,6 +174,10 @@ PAINTS: dict[str, Color] = {
     "pink": (0.86, 0.63, 0.66),
 }
 """sRGB colours of paints."""
+PLAIN = frozenset({
+    "white", "grey", "gray", "black", "brown", "red", "orange", "yellow", "green", "blue", "purple", "pink",
+})  # fmt: skip
+"""Colours of which others are shades."""
 SHADES = {"light": 0.4, "pale": 0.5, "dark": -0.4, "deep": -0.3}
 """Share of the way to white, or to black where negative, of a colour after such a word."""
 
@@ -203,6 +221,12 @@ MATERIALS: dict[str, Stuff] = {
     "rubber": Stuff("rubber"),
 }  # fmt: skip
 """Materials by words."""
+SURFACES = frozenset({
+    "matte", "matt", "gloss", "glossy", "high", "satin", "lacquer", "lacquered", "laminate", "veneer",
+    "paint", "polished", "brushed", "stained", "oiled", "varnished", "metallic", "colour", "color", "tone",
+    "tones", "throughout", "outside",
+})  # fmt: skip
+"""Words after a colour or a material that name no piece."""
 METALLIC: dict[str, FinishKind] = {"silver": "steel"}
 """Colour words that imply a material."""
 
@@ -238,11 +262,15 @@ RELATIONS: dict[str, tuple[Spot, Spot]] = {
     **dict.fromkeys(("beside", "next to", "alongside"), ("left", "right")),
 }
 """Phrases between parts, and where the first and the second ones are."""
+COMPARTMENTS = frozenset({"compartment", "niche", "section", "cubby", "cubbyhole", "space", "cell"})
+"""Nouns that, after "open", name what an open shelf is, too."""
 GRIDS = {"column": "columns", "columns": "columns", "row": "rows", "rows": "rows"}
 """How parts are divided: "in two columns"."""
 
-Feature = tuple[str, str, str]
-"""Part, property, value."""
+APART: Feature = ("door", "hinged", "apart")
+"""The feature of doors that are hinged at their outer sides."""
+EXCLUSIVE = frozenset({("door", "hinged"), ("stand", "type"), ("freezer", "at"), ("object", "outline")})
+"""Properties that have one value."""
 LEVEL: Feature = ("door", "type", "side by side")
 """The feature of doors beside each other."""
 
@@ -268,6 +296,8 @@ def _features() -> dict[str, Feature]:
             "freezer at {}",
         ):
             found[text.format(where)] = ("freezer", "at", where)
+    for word in ("above", "below", "underneath", "beneath"):
+        found[f"freezer {word}"] = ("freezer", "at", SPOTS[word])
     for side in ("left", "right", "top", "bottom"):
         for link in ("on the", "at the", ""):
             for verb in ("hinged", "hinges", "hinge", "hinging"):
@@ -277,6 +307,13 @@ def _features() -> dict[str, Feature]:
     for side in ("left", "right"):
         for verb in ("open to the", "opens to the", "opening to the"):
             found[f"{verb} {side}"] = ("door", "hinged", side)
+    for verb in ("hinged", "hinges"):
+        for text in ("on both sides", "on either side", "on the outside", "left and right", "apart"):
+            found[f"{verb} {text}"] = APART
+    for noun in ("door", "doors"):
+        found[f"flap {noun}"] = found[f"drop down {noun}"] = ("door", "hinged", "bottom")
+        found[f"lift up {noun}"] = ("door", "hinged", "top")
+        found[f"mirror {noun}"] = ("door", "type", "mirrored")
     for word, kind in (("glass", "glass"), ("glazed", "glass")):
         for noun in ("door", "doors", "front", "fronts", "fronted", "pane", "panes"):
             found[f"{word} {noun}"] = ("door", "material", kind)
@@ -317,5 +354,6 @@ FILLERS = frozenset({
     "all", "both", "some", "any", "about", "roughly", "approximately", "around", "x", "but", "make",
     "draw", "create", "generate", "give", "need", "my", "our", "new", "either", "nor", "neither",
     "hinged", "different", "various", "several", "whose", "where", "there", "then", "plus", "only",
+    "style", "styled", "pullout", "medium", "sized", "standard", "ordinary", "normal", "typical", "regular",
 })  # fmt: skip
 """Words without a meaning of their own."""

@@ -135,7 +135,7 @@ def tar_info(path: str, size: int) -> tarfile.TarInfo:
     return info
 
 
-def need(module: str) -> ModuleType:
+def need(module: str, extra: str = "dataset") -> ModuleType:
     """The module of that name.
 
     Raises:
@@ -145,7 +145,7 @@ def need(module: str) -> ModuleType:
         return import_module(module)
     except ModuleNotFoundError as error:
         raise ArtigenError(
-            f'{error.name} is not installed, data sets need it: pip install "artigen[dataset]"'
+            f'{error.name} is not installed, data sets need it: pip install "artigen[{extra}]"'
         ) from error
 
 

@@ -38,6 +38,9 @@ LAYOUTS: dict[Layout, float] = {"above": 0.1, "below": 0.08, "hung": 0.1, "besid
 SUNK = 0.012
 """Depth (m) in the front of what is printed or cut there; thinner hulls would be too oblong for engines."""
 
+LEAST_GRILLE = 0.04
+"""Height (m) in which two slots have room."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class _Plan:
@@ -81,7 +84,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     column, strip = choose(rng, 0.19, 0.30) * width, choose(rng, 0.20, 0.27) * height
     y, z, grille = around(0.0, width / 2), (foot, height), None
     if layout == "hung":
-        z = (0.0, height - 0.6 * strip)
+        z = (0.0, height - max(0.6 * strip, LEAST_GRILLE))
     door = Panel(x=-depth / 2, thickness=thick, y=y, z=z)
     controls = replace(door, thickness=thick + GAP)
     right, bottom, top = wall, wall, wall

@@ -136,7 +136,7 @@ def _make_pair(name: str, at: Vector) -> tuple[ShapePart, ShapePart]:
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("light switch", "switch", "wall switch", "dimmer"),
+    nouns=plurals("light switch", "switch", "wall switch", "dimmer", "dimmer switch"),
     hints=(),
     size=(by_longest(0.12),),
     deepest=np.inf,

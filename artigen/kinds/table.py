@@ -13,7 +13,7 @@ from artigen.kind import Channel, Kind, Place, by_height, make, plurals
 from artigen.kinds.storage_furniture import STYLES
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, pick
-from artigen.shapes.draw import Draft, Size, Spans, Wish, choose_lengths, pick_nearest
+from artigen.shapes.draw import Draft, Outline, Size, Spans, Wish, choose_lengths, pick_nearest
 from artigen.shapes.fittings.feet import make_castors
 from artigen.shapes.fittings.hardware import GAP, Space, lift
 from artigen.shapes.fittings.legs import LegKind, make_legs
@@ -55,6 +55,11 @@ OVERHANGING, ARCHED, STRETCHED, CLOSED, GIRDED = 0.4, 0.2, 0.3, 0.2, 0.75
 """Probabilities of an overhanging top, arched aprons, stretchers, closed sides (twice for small tables), and
 an apron around the drawers."""
 TOPS: dict[TopKind, float] = {"plain": 0.72, "rounded": 0.1, "oval": 0.06, "ellipse": 0.12}
+OUTLINES: dict[Outline, tuple[TopKind, ...]] = {
+    "round": ("ellipse",), "oval": ("oval", "ellipse"), "square": ("plain", "rounded"),
+    "rectangle": ("plain", "rounded"),
+}  # fmt: skip
+"""Tops by their outline."""
 PEDESTAL = Taste(
     module=(0.3, 0.7),
     drawer=(0.1, 0.3),
@@ -82,6 +87,7 @@ class _Plan:
     """Thickness of the top."""
     leg: LegKind
     leg_width: float
+    tops: tuple[TopKind, ...]
     moulded: bool
     """Whether the edge of the top is moulded."""
 
@@ -117,6 +123,7 @@ def _draw_plan(rng: np.random.Generator, style: str, size: Size, wish: Wish) -> 
         looks=replace(looks, carcass=replace(looks.carcass, lid=False), lock=False, margin=GAP),
         top=choose(rng, 0.02, 0.04),
         leg=choose_one(rng, [kind for kind in look.legs if kind != "splayed"]),
+        tops=tuple(TOPS) if wish.outline is None else OUTLINES[wish.outline],
         moulded=bool(rng.random() < look.moulded),
         leg_width=choose(rng, 0.04, 0.065) * float(np.clip(0.55 + 0.4 * max(size), 0.7, 1.25)),
     )
@@ -144,9 +151,9 @@ def _draw_footing(rng: np.random.Generator, plan: _Plan) -> _Footing:
         ahead, aside = choose(rng, 0.03, 0.08) * depth, choose(rng, 0.05, 0.11) * width
     edge = choose(rng, 0.0, 0.03) + plan.looks.reach + ahead
     behind = min(edge, 0.02 + ahead)
-    kind: TopKind = pick(
-        rng, {name: chance for name, chance in TOPS.items() if name != "oval" or width > 1.3 * depth}
-    )
+    fitting: list[TopKind] = [kind for kind in TOPS if kind != "oval" or width > 1.3 * depth]
+    wished: list[TopKind] = [kind for kind in fitting if kind in plan.tops] or fitting
+    kind: TopKind = pick(rng, {kind: TOPS[kind] for kind in wished})
     radius = choose(rng, 0.04, 0.12)
     if kind == "ellipse":
         edge, behind = max(edge, 0.13 * depth), max(behind, 0.13 * depth)
@@ -352,7 +359,8 @@ def _choose_kind(rng: np.random.Generator, wish: Wish) -> _Kind:
     known = {
         name: kind
         for name, kind in KINDS.items()
-        if not (kind.round and wish.width and wish.depth and wish.width != wish.depth)
+        if not kind.round
+        or (wish.outline in (None, "round") and not (wish.width and wish.depth and wish.width != wish.depth))
     }
     weights = {name: kind.weight for name, kind in known.items()}
     sizes = {name: kind.spans for name, kind in known.items()}

@@ -7,7 +7,7 @@ A category is the name of an `artigen.kind.Kind`. Its record has the styles that
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 from zlib import crc32
 
 import numpy as np
@@ -50,6 +50,9 @@ class CrowdedError(ShapeError):
     """Every layout drawn at these lengths exceeds the limits of engines on parts or hulls."""
 
 
+Outline = Literal["round", "oval", "square", "rectangle"]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Wish:
     """Requested properties; None is sampled from the seed. Lengths in metres."""
@@ -62,6 +65,8 @@ class Wish:
     """Exact number of parts by label; labels that are not named are free."""
     handles: tuple[HandleKind, ...] = ()
     """Kinds of handles in order of preference; an object has the first one that its category offers."""
+    outline: Outline | None = None
+    """Of the top, from above, for kinds with tops of several outlines."""
     suite: int | None = None
     """Seed of the choices that objects of one suite share: handles, fitting of fronts, stands, worktops."""
     layout: Layout | None = None

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import get_args
 
 import numpy as np
 from jaxtyping import Float
@@ -16,7 +15,7 @@ from artigen.conditioning.image import is_cut_out, open_picture
 from artigen.conditioning.vocabulary import AXES
 from artigen.errors import ArtigenError
 from artigen.kind import kinds
-from artigen.reader.correct import Side, correct_reading
+from artigen.reader.correct import correct_reading
 from artigen.reader.layout.build import build_from_reading
 from artigen.reader.layout.colours import match_finish
 from artigen.reader.layout.fronts import view_fronts
@@ -24,18 +23,16 @@ from artigen.reader.open_reading import open_reading
 from artigen.reader.read import read_photo
 from artigen.reader.reading import Reading
 from artigen.shapes.draw import Wish, check_known
-from artigen.shapes.fittings.handles import HANDLE_KINDS, HandleKind
 from artigen.shapes.shape import Shape
 from artigen.sketch import model
 from artigen.sketch.draw import DrawConfig
 from artigen.sketch.model import Drawn, SketchConfig
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.request import FinishRequest, SketchRequest, encode_request
-from artigen.sketch.told import STANDS, Told, draw_told
+from artigen.sketch.told import Told, draw_told
 from artigen.sketch.understand import Request, Understood, understand
 from artigen.sketch.words import CATEGORIES
 
-EDGES: tuple[Side, ...] = get_args(Side)
 BATCHES = 48
 """Batches of the sketch network, some 15 s of one core, before the grammar draws what words ask for."""
 NAMED = ("door", "drawer", "handle")
@@ -123,18 +120,19 @@ def _ask_sketch(
     encode_request(request)
     factors = dict(understood.stretch)
     rng = np.random.default_rng([seed, 79])
-    request = replace(
-        request,
-        **{axis: float(rng.uniform(*span)) * factors.pop(axis, 1.0) for axis, span in understood.usual},
-    )
+    told = Told(features=understood.features, places=understood.places)
+    usual = {axis: float(rng.uniform(*span)) * factors.pop(axis, 1.0) for axis, span in understood.usual}
+    if told.is_level and usual:
+        side = request.width or request.depth or min(usual["width"], usual["depth"])
+        usual |= {"width": request.width or side, "depth": request.depth or side}
+    request = replace(request, **usual)
     if factors:
         encoded = None if picture is None else model.encode_picture(network(), picture)
-        usual = model.draw_header(network(), request, seed, encoded=encoded)
+        drawn = model.draw_header(network(), request, seed, encoded=encoded)
         request = replace(
-            request, **{axis: factor * getattr(usual, axis) for axis, factor in factors.items()}
+            request, **{axis: factor * getattr(drawn, axis) for axis, factor in factors.items()}
         )
         encode_request(request)
-    told = Told(features=understood.features, places=understood.places)
     return Asked(request=request, notes=understood.notes, told=told, picture=picture)
 
 
@@ -151,18 +149,15 @@ def merge_reading(understood: Understood, reading: Reading) -> Asked:
     shares = ", ".join(f"{kind} {share:.0%}" for kind, share in reading.kinds[:3])
     seen = " and ".join(_count(reading.counts[label], label) for label in ("door", "drawer"))
     notes = [*understood.notes, f"the photograph was read as {shares}; {seen} in view"]
-    told = {(part, what): value for part, what, value in understood.features}
-    side, handle = told.get(("door", "hinged")), told.get(("handle", "type"))
-    stand = told.get(("stand", "type"), told.get(("wheel", "type")))
+    told = Told(features=understood.features, places=understood.places)
     corrected = correct_reading(
         reading,
         kind=request.category,
         counts={label: count for label, count in request.counts if label in NAMED},
-        hinge=next((edge for edge in EDGES if edge == side), None),
-        pane=True if told.get(("door", "material")) == "glass" else None,
-        stand=None if stand is None else STANDS.get(stand),
+        hinge=told.hinge,
+        pane=told.pane,
+        stand=told.stand,
     )
-    handles: tuple[HandleKind, ...] = tuple(kind for kind in HANDLE_KINDS if kind == handle)
     width, depth, height = request.width, request.depth, request.height
     if understood.stretch:
         factors = dict(understood.stretch)
@@ -170,16 +165,15 @@ def merge_reading(understood: Understood, reading: Reading) -> Asked:
         width, depth, height = (
             length * factors.get(axis, 1.0) for axis, length in zip(AXES, usual, strict=True)
         )
-    wish = Wish(width=width, depth=depth, height=height, style=request.style, handles=handles)
+    wish = Wish(width=width, depth=depth, height=height, style=request.style, handles=told.handles)
     check_known(corrected.kind, wish)
     counts: dict[str, int] = dict(request.counts) | {
         label: corrected.counts[label] for label in ("door", "drawer")
     }
     merged = replace(request, category=corrected.kind, counts=tuple(sorted(counts.items())))  # type: ignore[arg-type]
     unmet = [f"{label}={count}" for label, count in request.counts if label not in NAMED]
-    unmet += [f"{place.label} at {place.at}" for place in understood.places]
     notes += [f"asked for beside a photograph, and left to chance: {', '.join(unmet)}"] if unmet else []
-    return Asked(request=merged, notes=tuple(notes), reading=corrected, wish=wish)
+    return Asked(request=merged, notes=tuple(notes), told=told, reading=corrected, wish=wish)
 
 
 def _count(count: int, label: str) -> str:
@@ -202,6 +196,7 @@ def draw_asked(
     """
     if asked.reading is not None:
         shape, notes = build_from_reading(asked.reading, seed, asked.wish)
+        notes = (*notes, *_list_unmet(asked.told, shape))
         return Drawn(shape=wear_requested(shape, asked.request.finishes, seed), faults=(), notes=notes)
     worded = asked.picture is None and asked.request.category in kinds()
     beyond = worded and asked.told.is_beyond(asked.request.style)
@@ -219,9 +214,12 @@ def draw_asked(
         if described is not None:
             said = f"the sketch network drew nothing sound in {BATCHES} batches: the grammar drew it"
             return replace(described, notes=(said, *described.notes))
-    lost = asked.told.list_lost(drawn.shape)
-    notes = (f"understood, and not met: {', '.join(lost)}",) if lost else ()
-    return replace(drawn, notes=(*drawn.notes, *notes))
+    return replace(drawn, notes=(*drawn.notes, *_list_unmet(asked.told, drawn.shape)))
+
+
+def _list_unmet(told: Told, shape: Shape) -> tuple[str, ...]:
+    lost = told.list_lost(shape)
+    return (f"understood, and not met: {', '.join(lost)}",) if lost else ()
 
 
 def _draw_worded(asked: Asked, seed: int) -> Drawn | None:

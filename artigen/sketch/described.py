@@ -8,15 +8,22 @@ from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
+from scipy.spatial import ConvexHull
 
 from artigen.conditioning.sentence import Placing
-from artigen.conditioning.vocabulary import STYLES, Feature, Spot
+from artigen.conditioning.vocabulary import APART, STYLES, Feature, Spot
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.reading import Reading, ReadPart
+from artigen.shapes.draw import Outline
+from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
 
 NARROW = 0.24
 """Width (m) of a front that is too narrow to be chosen where the object's width is free."""
+LEVEL_SIDES = 0.97
+"""Depth over width, or the other way round, from which a top is round or square."""
+FULL, ELLIPSE = 0.97, 0.83
+"""Shares of its rectangle that one with rounded corners fills at least, and a circle (0.785) at most."""
 BESIDE = ("left", "right")
 TOUCH = 0.02
 """Share of the front's width or height by which parts that are above or beside each other may overlap."""
@@ -80,6 +87,9 @@ def has_feature(shape: Shape, reading: Reading, feature: Feature) -> bool:
     if style is not None and style == shape.style:
         return True
     if (part, what) == ("door", "hinged"):  # the flap of a filter beside a door is another matter
+        if feature == APART:
+            doors.sort(key=lambda door: float(door.box[0]))
+            return [door.hinge for door in (*doors[:1], *doors[-1:])] == ["left", "right"]
         sides = {door.hinge for door in doors if (door.hinge in BESIDE) == (value in BESIDE)}
         return sides == {value}
     if (part, what) == ("door", "material"):
@@ -92,6 +102,9 @@ def has_feature(shape: Shape, reading: Reading, feature: Feature) -> bool:
     if (part, what, value) == ("door", "type", "sliding"):
         moving = [one.joint for one in shape.parts if one.label == "door" and one.joint is not None]
         return bool(moving) and all(joint.type == "prismatic" for joint in moving)
+    if what == "outline":
+        found = find_outline(shape)
+        return found == value or (found, value) == ("square", "rectangle")
     if part == "freezer":
         return _has_freezer(fronts, what, value)
     if what in ("columns", "rows"):
@@ -102,6 +115,19 @@ def has_feature(shape: Shape, reading: Reading, feature: Feature) -> bool:
     if (part, what) == ("wheel", "type"):
         return any(one.label == "wheel" for one in shape.parts)
     return (part, what) in (("stand", "type"), ("handle", "type"))
+
+
+def find_outline(shape: Shape) -> Outline:
+    """The outline from above of an object's top, or of all of it, by how much of its rectangle that fills."""
+    solids = [solid for part in shape.parts for solid in part.primitives]
+    top = [solid for solid in solids if solid.finish == "top"] or solids
+    corners = np.concatenate([place_vertices(solid)[:, :2] for solid in top])
+    sides = np.ptp(corners, axis=0)
+    share = float(ConvexHull(corners).volume / sides.prod())
+    level = float(sides.min() / sides.max()) > LEVEL_SIDES
+    if share > FULL:
+        return "square" if level else "rectangle"
+    return "round" if level and share < ELLIPSE else "oval"
 
 
 def is_placed(reading: Reading, place: Placing, places: Sequence[Placing]) -> bool:

@@ -17,7 +17,7 @@ from artigen.kind import kinds, name_kind
 from artigen.reader.correct import FRONTS, Side, correct_reading
 from artigen.reader.layout.build import build_from_reading
 from artigen.reader.reading import Reading, ReadPart, Stand
-from artigen.shapes.draw import ShapeError, Wish, draw_shape
+from artigen.shapes.draw import Outline, ShapeError, Wish, draw_shape
 from artigen.shapes.fittings.handles import HANDLE_KINDS, HandleKind
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
@@ -60,6 +60,39 @@ class Told:
     places: tuple[Placing, ...] = ()
 
     @property
+    def hinge(self) -> Side | None:
+        """The side of the hinges of all doors."""
+        return next((side for side in get_args(Side) if ("door", "hinged", side) in self.features), None)
+
+    @property
+    def handles(self) -> tuple[HandleKind, ...]:
+        """The kind of handles: the first that is said."""
+        said = [value for part, what, value in self.features if (part, what) == ("handle", "type")]
+        return tuple(kind for kind in HANDLE_KINDS if said[:1] == [kind])
+
+    @property
+    def stand(self) -> Stand | None:
+        """What the object stands on."""
+        said = [value for part, what, value in self.features if part in ("stand", "wheel") and what == "type"]
+        return STANDS.get(said[0]) if said else None
+
+    @property
+    def pane(self) -> bool | None:
+        """Whether all doors are glazed; None if nothing is said."""
+        return True if GLAZED in self.features else None
+
+    @property
+    def outline(self) -> Outline | None:
+        """The outline of the object's top, from above."""
+        said = [value for part, what, value in self.features if (part, what) == ("object", "outline")]
+        return next((outline for outline in get_args(Outline) if said[:1] == [outline]), None)
+
+    @property
+    def is_level(self) -> bool:
+        """Whether the object is as deep as it is wide."""
+        return self.outline in ("round", "square")
+
+    @property
     def spots(self) -> set[str]:
         """All places that are said."""
         return {place.at for place in self.places}
@@ -71,7 +104,9 @@ class Told:
 
     def list_lost(self, shape: Shape, seen: Reading | None = None) -> list[str]:
         """What is not so in an object, of which ``seen`` is the front if that is known."""
-        return list_undescribed(shape, self.features, self.places, seen)
+        handles = [one for one in self.features if one[:2] == ("handle", "type")]
+        lost = [" ".join(one) for one in handles[1:]]  # an object has one kind of them
+        return lost + list_undescribed(shape, self.features, self.places, seen)
 
 
 def draw_told(told: Told, request: SketchRequest, seed: int) -> tuple[Shape, tuple[str, ...]] | None:
@@ -93,6 +128,8 @@ def draw_told(told: Told, request: SketchRequest, seed: int) -> tuple[Shape, tup
         features=tuple(one for one in told.features if one not in inside),
         places=() if kind.laid_out else told.places,
     )
+    if told.is_level:
+        request = _level_sides(request, told, seed)
     hidden = [one for one in told.features if one[1] == "type" and one[0] in ("stand", "handle")]
     named = {label for label, _ in request.counts} & set(FRONTS)
     divide = kind.laid_out and bool(inside or told.places or (named and not outside.features))
@@ -112,7 +149,8 @@ def draw_told(told: Told, request: SketchRequest, seed: int) -> tuple[Shape, tup
             if found is None or not _has_counts(found, request):
                 continue
             seen = read_front(found)
-            lost = told.list_lost(found, seen) + [" ".join(one) for one in unseen if one[2] != "none"]
+            lost = told.list_lost(found, seen)
+            lost += [" ".join(one) for one in unseen if one[2] != "none" and not _stands(found, one)]
             lost += _list_uncounted(found, told, request)
             narrow = count_narrow(seen) if request.width is None and kind.laid_out else 0
             rank = (len(outside.list_lost(found, seen)), len(lost), narrow)
@@ -137,6 +175,21 @@ def _list_uncounted(shape: Shape, told: Told, request: SketchRequest) -> list[st
     ]
 
 
+def _stands(shape: Shape, feature: Feature) -> bool:
+    """Whether a feature is the stand of a shape."""
+    return feature[0] == "stand" and STANDS.get(feature[2]) == find_stand(shape)
+
+
+def _level_sides(request: SketchRequest, told: Told, seed: int) -> SketchRequest:
+    """The request with a depth equal to the width: the one that is given, or that of a draw."""
+    side = request.width or request.depth
+    if side is None:
+        shape = _draw(request, told, seed)
+        low, high = np.zeros((2, 3)) if shape is None else shape.bounds()
+        side = float((high - low)[:2].min()) or None
+    return replace(request, width=request.width or side, depth=request.depth or side)
+
+
 def _leave_out(counts: Sequence[tuple[PartLabel, int]]) -> tuple[tuple[PartLabel, int], ...]:
     return tuple(pair for pair in counts if pair[0] not in LAID)
 
@@ -145,7 +198,7 @@ def _draw(request: SketchRequest, told: Told, seed: int) -> Shape | None:
     """A draw of the grammar with what is asked for; None if it has no such object."""
     wish = Wish(
         width=request.width, depth=request.depth, height=request.height, style=request.style,
-        counts=request.counts, handles=_find_handles(told.features),
+        counts=request.counts, handles=told.handles, outline=told.outline,
     )  # fmt: skip
     try:
         return draw_shape(str(request.category), seed, wish)
@@ -166,23 +219,9 @@ def _is_laid_out(feature: Feature) -> bool:
     return feature[:2] in LAID_OUT or feature[1] in ("rows", "columns") or feature == LEVEL
 
 
-def _find_handles(features: Sequence[Feature]) -> tuple[HandleKind, ...]:
-    """The kinds of handles that are said."""
-    named = {value for part, what, value in features if (part, what) == ("handle", "type")}
-    return tuple(kind for kind in HANDLE_KINDS if kind in named)
-
-
-def _find_hinge(features: Sequence[Feature]) -> Side | None:
-    """The side of the hinges of all doors, as the first word about it says."""
-    said = [value for part, what, value in features if (part, what) == ("door", "hinged")]
-    return next((side for side in get_args(Side) if said[:1] == [side]), None)
-
-
 def _lay_out(shape: Shape, told: Told, request: SketchRequest, seed: int) -> Shape | None:
     """The object with its front divided as it is said; None where that cannot be built."""
-    said = [value for part, what, value in told.features if part in ("stand", "wheel") and what == "type"]
-    stand = STANDS.get(said[0], "flat") if said else find_stand(shape)
-    reading = replace(read_front(shape), stand=stand)
+    reading = replace(read_front(shape), stand=told.stand or find_stand(shape))
     size = reading.size
     if not reading.fronts:
         front = ReadPart(label="drawer", score=0.0, box=np.array(WHOLE))
@@ -197,14 +236,10 @@ def _lay_out(shape: Shape, told: Told, request: SketchRequest, seed: int) -> Sha
     shelves = dict(request.counts).get("shelf", 0)
     if shelves and not any(place.label == "shelf" for place in told.places):
         reading = add_shelves(reading, shelves)
-    reading = correct_reading(
-        reading,
-        hinge=_find_hinge(told.features),
-        pane=True if GLAZED in told.features else None,
-    )
+    reading = correct_reading(reading, hinge=told.hinge, pane=told.pane)
     wish = Wish(
         width=size[0], depth=request.depth or size[1], height=size[2], style=shape.style,
-        handles=_find_handles(told.features),
+        handles=told.handles,
     )  # fmt: skip
     try:
         built, _ = build_from_reading(reading, seed, wish)

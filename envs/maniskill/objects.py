@@ -13,12 +13,14 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.errors import ArtigenError
+from artigen.kind import find_category
 from artigen.types import Joint, PartLabel
 from sim_export.errors import PackageError
 from sim_export.files.folders import find_packages as package_folders
 from sim_export.files.read import read_package
 from sim_export.motion.kinematics import hanging_links, needed_fractions
 from sim_export.package import HandleAnnotation, Hull, SimPackage
+from sim_export.physics.phrases import name_parts
 from sim_export.report import report_from_json
 
 from ..folder_stamp import kept_until_written
@@ -152,6 +154,15 @@ def read_objects(
             f"that one joint moves ({'; '.join(reasons)}{more}); ask for another part or give other packages"
         )
     return usable
+
+
+def say_part(entry: TaskObject, part: TaskPart) -> str:
+    """A phrase for a part with its article: "the top drawer of the dresser"."""
+    category = find_category(entry.package.category)
+    noun = next(iter(category.nouns), None) if category else None
+    noun = noun or entry.package.category.lower() or "object"
+    parts = {each.link: each for each in name_parts(entry.package, noun)}
+    return f"the {parts[part.joint.child].phrases[-1]}"
 
 
 @kept_until_written(256)

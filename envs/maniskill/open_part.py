@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import torch
 
-from .objects import HandleNeed, PartKind, Validation
+from .objects import HandleNeed, PartKind, TaskObject, TaskPart, Validation, say_part
 from .task import PackageTask
 from .verbs import Verb
 
@@ -70,11 +70,15 @@ class OpenPartEnv(PackageTask):
         if (end <= begin) if goal == "open" else (end >= begin):
             raise ValueError(f"to {goal} from {begin} to {end} of the range: nothing is left to do")
         self.goal = goal
+        self.word = goal if verb == "open" else verb
         super().__init__(
             *args, packages=packages, part=part, joint=joint, handles=handles, validation=validation,
             initial_open=begin, goal_open=end, verb=verb, plinths=True,
             latched=latches == "closed" and goal == "open" and begin == 0.0, **kwargs,
         )  # fmt: skip
+
+    def _say(self, entry: TaskObject, part: TaskPart) -> str:
+        return f"{self.word} {say_part(entry, part)}"
 
     def evaluate(self) -> dict[str, torch.Tensor]:
         """Named booleans and the part's state, batched."""

@@ -17,7 +17,7 @@ from artigen.transforms import transform_points
 from .containers import Container, room_when_open
 from .hulls import object_field, open_above_ground, opened_qpos
 from .load import SURFACE
-from .objects import PartKind, TaskError, TaskObject, TaskPart, Validation
+from .objects import PartKind, TaskError, TaskObject, TaskPart, Validation, say_part
 from .placement import Stand, find_stand, free_radius, part_motion
 from .postures import Goal, Postures, find_putting_stand, sample_postures
 from .solver.body import read_body
@@ -94,16 +94,21 @@ class PutInsideEnv(PackageTask):
             initial_open=initial_open, goal_open=initial_open, **kwargs,
         )  # fmt: skip
 
-    def _draw(self, rng: np.random.RandomState) -> tuple[TaskObject, TaskPart]:
-        for entry in rng.permutation(np.array(self.objects, dtype=object)):
+    def _draw(self, rng: np.random.RandomState, chosen: TaskObject | None) -> tuple[TaskObject, TaskPart]:
+        objects = self.objects if chosen is None else (chosen,)
+        for entry in rng.permutation(np.array(objects, dtype=object)):
             for part in rng.permutation(np.array(entry.parts, dtype=object)):
                 if self.container_of(entry, part) is not None:
                     return entry, part
-        parts = sum(len(entry.parts) for entry in self.objects)
+        parts = sum(len(entry.parts) for entry in objects)
         raise TaskError(
-            f"{len(self.objects)} packages have {parts} drawers and doors, and none has room for a cube of "
+            f"{len(objects)} packages have {parts} drawers and doors, and none has room for a cube of "
             f"{self.cube_size} m and half as much again; give other packages or a smaller cube"
         )
+
+    def _say(self, entry: TaskObject, part: TaskPart) -> str:
+        where = "" if part.kind == "drawer" else "compartment behind "
+        return f"put the cube into {'the ' * bool(where)}{where}{say_part(entry, part)}"
 
     def container_of(self, entry: TaskObject, part: TaskPart) -> Container | None:
         """The space of a part for this task."""

@@ -24,6 +24,7 @@ from mani_skill.envs.tasks.mobile_manipulation.open_cabinet_drawer import (
 from mani_skill.utils.structs import Articulation, Link
 
 from artigen.transforms import inverse, transform_points
+from sim_export.files.folders import name_folders
 
 from ..sim.mechanism import Mechanism
 from .load import load_object, load_robot
@@ -63,6 +64,9 @@ class _FromPackages:
         self._cabinets: list[Articulation] = []
         self._heights: list[float] = []
         self._mechanisms: list[Mechanism] = []
+        self._names: list[str] = []
+        folders = [entry.folder for entry, _ in self.choices]
+        named = dict(zip(folders, name_folders(folders), strict=True))
         links: list[Link] = []
         grips = []
         for index in range(self.num_envs):
@@ -76,12 +80,17 @@ class _FromPackages:
             links.append(cabinet.links_map[part.joint.child])
             self._cabinets.append(cabinet)
             self._heights.append(-entry.floor)
+            self._names.append(named[entry.folder])
             self._mechanisms.append(mechanism_of(cabinet, entry.package))
         self.cabinet = Articulation.merge(self._cabinets, name="cabinet")
         self.add_to_state_dict_registry(self.cabinet)
         self.handle_link = Link.merge(links, name="handle_link")
         self.handle_link_pos = torch.tensor(np.array(grips), dtype=torch.float32, device=self.device)
         self.handle_link_goal = _build_goal(self.scene)
+
+    def get_info(self: Any) -> dict:
+        """What ManiSkill says, and ``object``: a name for every parallel scene."""
+        return super().get_info() | {"object": self._names}  # type: ignore[misc]
 
     def _after_reconfigure(self: Any, options: dict) -> None:
         """ManiSkill takes an object's height from its shapes in the world, where it stands on the floor."""

@@ -4,7 +4,8 @@ Lengths in metres, angles in radians, everything batched over parallel scenes in
 random draws use the episode's own generators, so that a seed determines everything.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,13 +22,26 @@ from mani_skill.utils.geometry.rotation_conversions import quaternion_apply
 from mani_skill.utils.structs import Articulation, Link
 from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
 
+from artigen.shapes.restyle import draw_finishes
 from artigen.transforms import inverse, transform_points, transform_vectors
+from sim_export.appearance.dress import find_looks
+from sim_export.files.folders import name_folders, pick_folder
 
 from ..limits import rest_coordinate
+from ..randomize import SEEDS, Randomization, randomize_package, read_randomization, set_masses
 from ..sim.articulation import limit_screws
+from ..sim.looks import wear_finishes
 from .load import build_box, load_object, load_robot, place_robot
 from .mechanisms import mechanism_of
-from .objects import HandleNeed, PartKind, TaskObject, TaskPart, Validation, on_plinth, read_objects
+from .objects import (
+    HandleNeed,
+    PartKind,
+    TaskObject,
+    TaskPart,
+    Validation,
+    on_plinth,
+    read_objects,
+)
 from .placement import PATH_SAMPLES, Stand, find_stand, grip_path
 from .robots import ROBOTS, RobotSpec
 from .verbs import Verb, grip_direction
@@ -46,6 +60,11 @@ class PackageTask(BaseEnv):
     of its usable parts. Joints that the part requires to be open are open, all others are closed. With
     ``latched``, the part's latches are closed too, and the robot must operate them. With ``plinths``, low
     objects are raised.
+
+    ``randomize`` varies friction, damping and masses whenever a scene is built, and looks at every reset.
+
+    ``reset(options={"object": NAME})`` chooses the object, a list one for each parallel scene: the name of a
+    package's folder, with as many folders above it as tell it apart. ``info["object"]`` are their names.
     """
 
     SUPPORTED_ROBOTS = ["panda", "fetch"]  # noqa: RUF012
@@ -67,6 +86,7 @@ class PackageTask(BaseEnv):
         verb: Verb = "open",
         latched: bool = False,
         plinths: bool = False,
+        randomize: Randomization | Mapping[str, Any] | None = None,
         robot_uids: str = "panda",
         num_envs: int = 1,
         reconfiguration_freq: int | None = None,
@@ -83,6 +103,9 @@ class PackageTask(BaseEnv):
         )
         if plinths:
             self.objects = tuple(on_plinth(entry) for entry in self.objects)
+        self.object_names = name_folders([entry.folder for entry in self.objects])
+        """Name of every object that a scene may draw."""
+        self.randomize = read_randomization(randomize)
         self.latched = latched
         self.initial_open, self.goal_open = initial_open, goal_open
         if reconfiguration_freq is None:
@@ -94,6 +117,29 @@ class PackageTask(BaseEnv):
             reconfiguration_freq=reconfiguration_freq,
             **kwargs,
         )
+
+    def reset(self, seed: Any = None, options: dict | None = None) -> tuple[Any, dict]:
+        """Resets; a choice of objects builds the scenes anew.
+
+        Raises:
+            PackageError: If none or several of the objects have a name that was asked for.
+        """
+        if options and "object" in options:
+            options = options | {"reconfigure": True}
+        return super().reset(seed=seed, options=options)
+
+    def get_info(self) -> dict:
+        """What `evaluate` finds, and ``object``: a name for every parallel scene."""
+        names = dict(zip(self.objects, self.object_names, strict=True))
+        return super().get_info() | {"object": [names[entry] for entry, _ in self.drawn]}
+
+    def get_language_instruction(self) -> list[str]:
+        """What to do in each scene, in words."""
+        return [self._say(entry, part) for entry, part in self.drawn]
+
+    def _say(self, entry: TaskObject, part: TaskPart) -> str:
+        """The task in words."""
+        raise NotImplementedError
 
     @property
     def _default_sim_config(self) -> SimConfig:
@@ -120,16 +166,28 @@ class PackageTask(BaseEnv):
         self.drawn: list[tuple[TaskObject, TaskPart]] = []
         self.into_links: list[np.ndarray] = []
         built, targets, grips, pulls = [], [], [], []
+        asked = options.get("object", [])
+        by_folder = {entry.folder: entry for entry in self.objects}
+        chosen = [
+            by_folder[pick_folder(tuple(by_folder), name)]
+            for name in ([asked] if isinstance(asked, str) else asked)
+        ] or [None]
         for index in range(self.num_envs):
             rng = self._batched_episode_rng[index]
-            entry, part = self._draw(rng)
+            entry, part = self._draw(rng, chosen[index % len(chosen)])
             name = f"{entry.package.name}-{index}"
             if entry.raised > 0.0:
                 low, high = np.array(entry.bounds)
                 low[2], high[2] = 0.0, entry.raised
                 build_box(self.scene, f"plinth-{index}", index, low, high)
             held = self._open_needs(part)
-            articulation, frames = load_object(self.scene, entry, name, index, held=held)
+            other = randomize_package(entry.package, self.randomize, rng)
+            articulation, frames = load_object(
+                self.scene, replace(entry, package=other), name, index, held=held
+            )
+            if other is not entry.package:
+                for engine in articulation._objs:
+                    set_masses(engine.links, other, f"scene-{index}-{name}_")
             self.remove_from_state_dict_registry(articulation)
             into_link = inverse(frames[part.joint.child])
             grips.append(transform_points(into_link, part.grip[None])[0])
@@ -140,9 +198,9 @@ class PackageTask(BaseEnv):
             targets.append(articulation.links_map[part.joint.child])
         self._adopt(built, targets, np.array(grips), np.array(pulls))
 
-    def _draw(self, rng: np.random.RandomState) -> tuple[TaskObject, TaskPart]:
-        """Samples an object and one of its parts with one scene's generator."""
-        entry = self.objects[rng.randint(len(self.objects))]
+    def _draw(self, rng: np.random.RandomState, chosen: TaskObject | None) -> tuple[TaskObject, TaskPart]:
+        """Samples an object, if none is chosen, and one of its parts with one scene's generator."""
+        entry = chosen or self.objects[rng.randint(len(self.objects))]
         return entry, entry.parts[rng.randint(len(entry.parts))]
 
     def _opened(self, entry: TaskObject, part: TaskPart) -> float:
@@ -208,6 +266,19 @@ class PackageTask(BaseEnv):
         scale = np.array([NOISE_POSITION, NOISE_POSITION, NOISE_YAW] + [NOISE_JOINT] * (noise.shape[1] - 3))
         stands = [self.stands[int(index)] for index in env_idx]
         self._place_robot(stands, noise * scale)
+        if self.randomize.looks:
+            for index in env_idx.tolist():
+                self._dress(index)
+
+    def _dress(self, index: int) -> None:
+        """Gives the object of one scene the finishes of another one of its kind."""
+        if not self.scene.can_render():
+            raise ValueError("the scene cannot render, so it has no looks; make it with a render_backend")
+        entry, _ = self.drawn[index]
+        seed = int(self._batched_episode_rng[index].randint(SEEDS))
+        looks = find_looks(draw_finishes(entry.package.category, seed, self.randomize.style))
+        links = [link for engine in self.built[index]._objs for link in engine.links]
+        wear_finishes(links, entry.folder, looks)
 
     def _place_robot(self, stands: list[Stand], noise: Float[np.ndarray, "B 3+A"]) -> None:
         """Places the base on its stand and the arm at its ready pose, both with noise."""

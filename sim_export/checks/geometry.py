@@ -242,12 +242,17 @@ def check_floor(subject: Subject, cfg: CheckConfig) -> Finding:
 
 
 def check_islands(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V107: the visual of a link is in one piece, and each of its hulls touches the visual or other hulls."""
+    """V107: the visual of a link is in one piece, and each of its hulls touches the visual or other hulls.
+
+    The root, which is fixed to the world, may have posts that stand on the floor by themselves.
+    """
     gaps = [(0.0, "", "every link is of one piece")]
+    floor = subject.bounds[0, 2] + cfg.max_island
     for link in subject.links:
+        rests = -np.inf if link in subject.parents else floor
         shown = [shape.triangles for shape in subject.visuals if shape.link == link]
         triangles = np.concatenate([np.zeros((0, 3, 3)), *shown])
-        for gap, size in visual_islands(triangles, cfg.max_island):
+        for gap, size in visual_islands(triangles, cfg.max_island, rests):
             said = f"a visible piece of {size} faces is {1e3 * gap:.3g} mm from the rest of link {link!r}"
             gaps.append((gap, link, said))
         for gap, size in hull_islands(subject.hull_sets[link], triangles, cfg.max_island):

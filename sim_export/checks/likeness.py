@@ -92,8 +92,8 @@ def _distances(
 ) -> list[Measure]:
     """Two-sided distances of the surfaces, link by link, so that one link cannot stand in for another.
 
-    Only surface counts that can be reached from outside of what the link shows, and that none of its children
-    holds inside wherever that moves: what is in a button nothing else can touch.
+    Only surface counts that can be reached from outside of what the link shows, and that neither a child nor
+    what carries it holds inside wherever that moves: what is in a button nothing else can touch.
     """
     areas = {name: triangle_areas(visual[name]).sum() + triangle_areas(solid[name]).sum() for name in visual}
     total = sum(areas.values())
@@ -141,17 +141,17 @@ def _distances(
 
 
 def _find_held(subject: Subject, link: str, points: Float[np.ndarray, "N 3"]) -> Bool[np.ndarray, "N"]:
-    """Points of a link (object frame at rest) that are in the hulls of a child of it all along its way."""
+    """Points of a link (object frame at rest) that are in the hulls of a child of it, or of what carries it,
+    all along the way: of a button, a pin in its bore, a ball in its socket."""
     held = np.zeros(len(points), dtype=bool)
     for joint in subject.driven:
-        if joint.parent != link:
+        if link not in (joint.parent, joint.child):
             continue
+        around = joint.child if link == joint.parent else joint.parent
         T = subject.displacements({joint.name: np.linspace(joint.lower, joint.upper, _POSES)})
         rows = np.flatnonzero(~held)
-        for pose in np.broadcast_to(inverse(T[joint.child]) @ T[link], (_POSES, 4, 4)):
-            rows = rows[
-                inside_hulls(transform_points(pose, points[rows]), subject.hull_sets[joint.child].hulls)
-            ]
+        for pose in np.broadcast_to(inverse(T[around]) @ T[link], (_POSES, 4, 4)):
+            rows = rows[inside_hulls(transform_points(pose, points[rows]), subject.hull_sets[around].hulls)]
         held[rows] = True
     return held
 

@@ -3,7 +3,7 @@
 Parts that touch can end up apart in collision: a hull stays short of the surface it stands for, or
 room for a moving part was cut out of the face that a knob sits on. A peg, a box of a few millimetres,
 then reaches from one to the other, wherever it is free along every sweep. Pegs only ever stand in
-gaps that are a few cells wide, and every one is recorded.
+gaps that are a few cells wide; every one is seen, and recorded.
 """
 
 from collections.abc import Iterator, Sequence
@@ -15,10 +15,10 @@ from jaxtyping import Float
 from artigen.types import Joint
 from sim_export.collision.hull_limits import MAX_ASPECT, MAX_VERTICES, MOST_OF_LINK, hull_aspect
 from sim_export.geometry.contacts import HullSet, signed_distances
-from sim_export.geometry.hulls import box_hull, convex_hull, hull_planes, replace_hulls
+from sim_export.geometry.hulls import box_hull, convex_hull, hull_planes, inside_hulls, replace_hulls
 from sim_export.geometry.rays import plane_axes
 from sim_export.motion.kinematics import Sweep, read_sweeps
-from sim_export.package import Hull, Link, Requirement
+from sim_export.package import Hull, Link, Mesh, Requirement, Visual
 
 GAP = 2e-4
 """What stays free (m) around an added hull; engines push apart what touches, however little."""
@@ -42,6 +42,10 @@ WIDTHS = (0.012, 0.006, 0.003, 0.0015)
 """Edges of a peg's square cross-section, tried in this order."""
 PAIRS = 4
 """Nearest pairs of hulls between which a peg is tried."""
+ALONG = 0.9
+"""Cosine from which on an axis runs across the gap."""
+COLOR = (0.55, 0.55, 0.55)
+"""Colour of pegs: grey metal."""
 
 
 def add_hull(
@@ -99,10 +103,11 @@ class Peg:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Attachment:
-    """Links with pegs, the pegs, and (child, parent, gap) where none was possible."""
+    """Links with pegs, the pegs and how they are seen, and (child, parent, gap) where none was possible."""
 
     links: tuple[Link, ...]
     pegs: tuple[Peg, ...] = ()
+    visuals: tuple[Visual, ...] = ()
     apart: tuple[tuple[str, str, float], ...] = ()
 
     @property
@@ -159,10 +164,10 @@ def attach_links(
     """
     sets = [HullSet(hulls=link.hulls) for link in links]
     sweeps = read_sweeps(links, joints, requirements)
-    pegs, apart = [], []
+    pegs, visuals, apart = [], [], []
     carried = list(_carried_links(links, joints))
     for child, parent, joint in carried:
-        facing = _find_facing(sets[child], sets[parent])
+        facing = _find_facing(sets[child], sets[parent], joint)
         if not facing or facing[0].gap <= NEAR:
             continue
         names = {"child": links[child].name, "parent": links[parent].name}
@@ -172,11 +177,17 @@ def attach_links(
         if found is None:
             apart.append((*names.values(), facing[0].gap))
             continue
-        slot, sets[slot], width = found
-        left = _find_facing(sets[child], sets[parent])[0].gap
+        slot, sets[slot], peg, width = found
+        mesh = Mesh(vertices=peg.vertices, faces=peg.faces, color=COLOR)
+        part, label = links[slot].parts[0], links[slot].label or "base"
+        visuals.append(Visual(name=f"peg_{len(visuals)}", part=part, label=label, mesh=mesh))
+        left = min(each.gap for each in _find_facing(sets[child], sets[parent], joint))
         pegs.append(Peg(link=links[slot].name, **names, gap=facing[0].gap, left=left, width=width))
     return Attachment(
-        links=replace_hulls(links, [hulls.hulls for hulls in sets]), pegs=tuple(pegs), apart=tuple(apart)
+        links=replace_hulls(links, [hulls.hulls for hulls in sets]),
+        pegs=tuple(pegs),
+        visuals=tuple(visuals),
+        apart=tuple(apart),
     )
 
 
@@ -194,14 +205,18 @@ def _carried_links(links: Sequence[Link], joints: Sequence[Joint]) -> Iterator[t
             yield index, slot[parent], above[link.name]
 
 
-def _find_facing(child: HullSet, parent: HullSet) -> list[_Facing]:
-    """The nearest pairs of hulls at rest, nearest first; empty beyond `FAR`."""
+def _find_facing(child: HullSet, parent: HullSet, joint: Joint) -> list[_Facing]:
+    """The nearest pairs of hulls at rest; of those as near to a millimetre, the one at the joint's axis comes
+    first, where a shaft would be; empty beyond `FAR`."""
     still = np.eye(4)
     for reach in (NEAR, FAR):
         found = signed_distances(child, parent, still, still, reach)
         if len(found.distance):
             break
-    order = np.argsort(found.distance, kind="stable")[:PAIRS]
+    beside = np.zeros(len(found.distance))
+    if joint.type != "prismatic":
+        beside = np.linalg.norm(np.cross(found.points[:, 0] - joint.origin, joint.axis), axis=1)
+    order = np.lexsort((beside, np.round(found.distance, 3)))[:PAIRS]
     return [
         _Facing(
             child=child.hulls[found.first[row]],
@@ -221,8 +236,8 @@ def _fit_peg(
     facing: Sequence[_Facing],
     joint: Joint,
     peers: np.ndarray,
-) -> tuple[int, HullSet, float] | None:
-    """The first peg that is free along every sweep: its link, that link's hulls with it, and its width.
+) -> tuple[int, HullSet, Hull, float] | None:
+    """The first peg that is free along every sweep: its link, that link's hulls with it, itself, its width.
 
     ``peers`` are the boxes of all links that slide on the same one; they may share a peg.
     """
@@ -233,7 +248,7 @@ def _fit_peg(
             peg = _peg_hull(spot, width)
             hulls = add_hull(sets, sweeps, slot, peg, spot.stand)
             if hulls is not None:
-                return slot, hulls, width
+                return slot, hulls, peg, width
     return None
 
 
@@ -247,7 +262,7 @@ def _straight_spots(facing: Sequence[_Facing], joint: Joint, room: float) -> Ite
 
 
 def _places(pair: _Facing, joint: Joint) -> list[np.ndarray]:
-    """Points on the child's side of the gap: beside the joint's axis, amid the facing patch, the nearest."""
+    """Points on the child's side of the gap: at the joint's axis, amid the facing patch, the nearest."""
     import manifold3d
 
     moved = pair.child.vertices + (pair.gap + 2e-4) * pair.normal
@@ -256,10 +271,16 @@ def _places(pair: _Facing, joint: Joint) -> list[np.ndarray]:
     if not len(points):
         return [pair.points[0]]
     height = pair.normal @ pair.points[0]
-    points = points - np.outer(points @ pair.normal - height, pair.normal)
+    facing, points = points, points - np.outer(points @ pair.normal - height, pair.normal)
     middle = points.mean(axis=0)
     if joint.type == "prismatic":
         return [middle, pair.points[0]]
+    if abs(joint.axis @ pair.normal) > ALONG:
+        foot = joint.origin + (facing.mean(axis=0) - joint.origin) @ pair.normal * joint.axis / (
+            joint.axis @ pair.normal
+        )
+        if inside_hulls(foot[None], (convex_hull(facing),))[0]:
+            return [foot + (height - foot @ pair.normal) * pair.normal, middle, pair.points[0]]
     beside = np.linalg.norm(np.cross(points - joint.origin, joint.axis), axis=1)
     return [points[beside.argmin()], middle, pair.points[0]]
 

@@ -35,3 +35,35 @@ def list_packages(folder: Path) -> list[Path]:
         return [folder]
     places = (path.parent for path in folder.rglob(URDF))
     return sorted(p for p in places if not any(n.startswith(".") for n in p.relative_to(folder).parts))
+
+
+def name_folders(folders: Sequence[Path]) -> tuple[str, ...]:
+    """The shortest name of each folder that no other one has: its own, with as many above it as needed."""
+    names = []
+    for folder in folders:
+        parts = folder.absolute().parts
+        depth = 1
+        while (
+            depth < len(parts)
+            and sum(other.absolute().parts[-depth:] == parts[-depth:] for other in folders) > 1
+        ):
+            depth += 1
+        names.append("/".join(parts[-depth:]))
+    return tuple(names)
+
+
+def pick_folder(folders: Sequence[Path], name: str) -> Path:
+    """The folder whose path ends with ``name``, such as ``Oven_3`` or ``train/Oven_3``.
+
+    Raises:
+        PackageError: If there is none, or there are several.
+    """
+    wanted = Path(name).parts
+    found = [folder for folder in folders if wanted and folder.absolute().parts[-len(wanted) :] == wanted]
+    if len(found) != 1:
+        listed = ", ".join(str(folder) for folder in (found or folders)[:5])
+        raise PackageError(
+            f"object {name!r}: {len(found)} of {len(folders)} have that name, expected one; there are "
+            f"{listed}" + (" and others" if len(found or folders) > 5 else "")
+        )
+    return found[0]

@@ -40,9 +40,20 @@ class Island:
     members: Int[np.ndarray, "M"]
 
 
-def visual_islands(triangles: Float[np.ndarray, "F 3 3"], reach: float) -> list[tuple[float, int]]:
-    """Pieces of a surface farther than ``reach`` from the rest: distance (m) and count of faces of each."""
-    return [(island.gap, len(island.triangles)) for island in find_surface_islands(triangles, reach)[1]]
+def visual_islands(
+    triangles: Float[np.ndarray, "F 3 3"], reach: float, floor: float = -np.inf
+) -> list[tuple[float, int]]:
+    """Pieces of a surface farther than ``reach`` (m) from the rest: distance (m) and count of faces of each.
+
+    Posts do not count: pieces that reach from the height ``floor`` (m) up to half of the surface or more.
+    """
+    islands = find_surface_islands(triangles, reach)[1]
+    return [
+        (island.gap, len(island.triangles))
+        for island in islands
+        if island.triangles[..., 2].min() > floor
+        or 2.0 * island.triangles[..., 2].max() < floor + triangles[..., 2].max()
+    ]
 
 
 def find_surface_islands(

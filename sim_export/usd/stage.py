@@ -39,6 +39,8 @@ if TYPE_CHECKING:
     from pxr import Sdf, Usd
 
 SCOPES = ("joints", "materials", "physics_materials")
+FORWARD = "simready:assetFrame:forwardDirection"
+"""SimReady's attribute (AF.001) for the unit direction from the origin towards the front."""
 INSIDE = 0.004
 """Tolerance (m) for a hull to count as inside the piece it represents; slightly above the actual
 protrusion."""
@@ -130,7 +132,7 @@ def _drop_unused(mesh: Mesh) -> Mesh:
 
 def _add_root(stage: "Usd.Stage", package: SimPackage) -> "Sdf.Path":
     """The default prim, the stage's units, and SimReady's asset metadata."""
-    from pxr import Kind, Sdf, Usd, UsdGeom, UsdPhysics
+    from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdPhysics
 
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
@@ -140,6 +142,9 @@ def _add_root(stage: "Usd.Stage", package: SimPackage) -> "Sdf.Path":
     stage.SetDefaultPrim(prim)
     Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
     UsdPhysics.ArticulationRootAPI.Apply(prim)
+    forward = prim.CreateAttribute(FORWARD, Sdf.ValueTypeNames.Vector3f, custom=True)
+    forward.SetVariability(Sdf.VariabilityUniform)
+    forward.Set(Gf.Vec3f(-1.0, 0.0, 0.0))
     add_label(prim, "class", package.category or "object")
     add_label(prim, "wikidata_qcode", category_code(package.category))
     facts = _describe(package)

@@ -137,6 +137,17 @@ def test_a_hand_pulls_with_a_force_and_turns_with_what_its_lever_makes_of_it(lab
     assert hand_effort(joint, moved) == pytest.approx(expected)
 
 
+@pytest.mark.parametrize(
+    ("label", "off", "expected"), [("handle", 0.011, 0.33), ("handle", 0.009, 1.47), ("knob", 0.011, 0.51)]
+)
+def test_a_hand_holds_a_handle_in_its_middle_unless_that_is_on_the_axis(label, off, expected):
+    """A cross of 8 cm, whose middle is beside the axis."""
+    corners = np.array([[x + off, 0.0, 0.0] for x in (-0.04, 0.04)])
+    spec = joint_of("revolute", axis=np.array([0.0, 0.0, 1.0]))
+    joint = SimpleNamespace(label=label, spec=spec, handle=SimpleNamespace(corners=corners))
+    assert hand_effort(joint, SimpleNamespace()) == pytest.approx(expected)
+
+
 @pytest.mark.parametrize(("height", "stands"), [(4.9e-3, True), (5.1e-3, False)])
 def test_what_is_within_five_millimetres_of_the_floor_stands_on_it(monkeypatch, height, stands):
     """Three feet carry what lies between them; the fourth, beyond which the rest leans, is a bit short."""

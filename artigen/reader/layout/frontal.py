@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.camera import Camera, look_at, project_points
+from artigen.reader.layout.relief import find_field
 from artigen.reader.reading import Label, Reading, ReadPart
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape, ShapePart
@@ -116,6 +117,7 @@ def _read_part(
         box=box,
         hinge=_find_hinge(part, above) if part.label == "door" else None,
         pane=finish.kind == "glass",
+        field=find_field(part) if front else None,
         material=finish.kind if front else None,
         form=("bar" if max(wide, tall) > LONG * min(wide, tall) else "knob")
         if part.label == "handle"

@@ -18,9 +18,9 @@ from artigen.shapes.shape import Shape
 
 DRAWS = 32
 """Objects that are compared."""
-HINGE, PANE, PULLS, SIZE = 0.4, 0.2, 0.1, 2.0
-"""Cost of a wrong hinge, a wrong pane, a handle too many or too few, and of a length that is wrong by a
-factor of e, against a front that is missing."""
+HINGE, PANE, FIELD, PULLS, SIZE = 0.4, 0.2, 0.4, 0.1, 2.0
+"""Cost of a wrong hinge, a wrong pane, a wrong field, a handle too many or too few, and of a length that is
+wrong by a factor of e, against a front that is missing."""
 MOST_PULLS = 3
 """Handles too many or too few that count: they are read worse than fronts."""
 
@@ -102,4 +102,6 @@ def _compare(
         for column, other in enumerate(built):
             costs[row, column] += HINGE * (own.hinge is not None and own.hinge != other.hinge)
             costs[row, column] += PANE * (own.pane != other.pane)
+            known = own.field is not None and other.field is not None
+            costs[row, column] += FIELD * (known and own.field != other.field)
     return costs

@@ -82,7 +82,7 @@ class Outcome:
     reason: str
 
 
-def solve_open_part(env: gym.Env, seed: int) -> Outcome:
+def solve_open_part(env: gym.Env, seed: int, object: str | None = None) -> Outcome:
     """Plays one episode of ``ArtiGen-OpenPart-v1``, or of one of its verbs, with the control mode
     ``pd_joint_pos``.
 
@@ -93,8 +93,9 @@ def solve_open_part(env: gym.Env, seed: int) -> Outcome:
     Args:
         env: The task, one scene on the CPU, wrapped or not.
         seed: Seed of the episode.
+        object: Name of the object; default: sampled by the seed.
     """
-    _, info = env.reset(seed=seed)
+    _, info = env.reset(seed=seed, options=_choose(object))
     driver = start(env, info)
     task: OpenPartEnv = env.unwrapped  # type: ignore[assignment]
     part, reason = task.drawn[0][1], ""
@@ -108,6 +109,11 @@ def solve_open_part(env: gym.Env, seed: int) -> Outcome:
         fraction = float(task.open_fraction[0])
         reason = f"time over at {fraction:.2f} of the range" + (f"; {reason}" if reason else "")
     return _outcome(driver, reason)
+
+
+def _choose(object: str | None) -> dict[str, str]:
+    """Options of a reset for an object."""
+    return {} if object is None else {"object": object}
 
 
 def _outcome(driver: Driver, reason: str) -> Outcome:
@@ -259,9 +265,10 @@ def _follow_plan(driver: Driver, plan: OpenPlan) -> None:
         move(driver, q)
 
 
-def solve_put_inside(env: gym.Env, seed: int) -> Outcome:
-    """Plays one episode of ``ArtiGen-PutInside-v1`` with the control mode ``pd_joint_pos``."""
-    _, info = env.reset(seed=seed)
+def solve_put_inside(env: gym.Env, seed: int, object: str | None = None) -> Outcome:
+    """Plays one episode of ``ArtiGen-PutInside-v1`` with the control mode ``pd_joint_pos``; arguments as
+    `solve_open_part`."""
+    _, info = env.reset(seed=seed, options=_choose(object))
     driver = start(env, info)
     task: PutInsideEnv = env.unwrapped  # type: ignore[assignment]
     reason = ""

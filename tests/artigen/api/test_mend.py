@@ -8,7 +8,7 @@ import pytest
 
 from artigen.api import mend
 from artigen.api.convert import ConvertJob, ConvertSettings
-from artigen.api.mend import mend_object
+from artigen.api.mend import mend_object, resize_object
 from artigen.datasets import sources
 from artigen.datasets.source_object import SourceObject, TriangleMesh
 from artigen.files.wavefront import read_obj
@@ -61,9 +61,40 @@ def test_a_mended_object_shows_its_posts(tmp_path):
     assert any("bridge (V107)" in note for note in mended.asset.notes)
 
 
+@pytest.mark.parametrize(
+    ("category", "scale", "size"),
+    [
+        ("Refrigerator", 0.23, 1.75),
+        ("Refrigerator", 1.2, 1.2),
+        ("Refrigerator", 3.0, 1.75),
+        ("Gizmo", 0.01, 0.01),
+    ],
+)
+def test_what_has_the_size_of_no_object_of_its_kind_gets_the_usual_one(
+    category: str, scale: float, size: float
+):
+    corners = box((-0.2, -0.2, -0.5), (0.2, 0.2, 0.5))
+    base = Part(name="base", label="base", parent=-1, joint=FIXED, box=np.array([np.zeros(3), np.ones(3)]))
+    source = SourceObject(
+        asset=Asset(name="thing", category=category, scale=scale, parts=(base,)),
+        visuals=(),
+        triangles=TriangleMesh(
+            vertices=corners.reshape(-1, 3),
+            faces=np.arange(36).reshape(-1, 3),
+            part_ids=np.zeros(12, dtype=int),
+        ),
+        tables=(),
+    )
+    resized = resize_object(source)
+    assert resized.asset.scale == pytest.approx(size)
+    assert (resized is source) == (size == scale)
+
+
 @pytest.mark.parametrize(("visual", "expected"), [("source", 0.0), ("voxels", 0.02)])
 def test_handles_keep_room_for_a_cell_where_an_object_is_rebuilt(visual, expected, monkeypatch, tmp_path):
     monkeypatch.setattr(sources, "read_source", lambda *_: SimpleNamespace(asset=SimpleNamespace(scale=1.28)))
     monkeypatch.setattr(mend, "mend_object", lambda source, scratch, cell: cell)
-    job = ConvertJob(source=Path("fridge"), out=tmp_path, cfg=ConvertSettings(visual=visual, mend=True))
+    job = ConvertJob(
+        source=Path("fridge"), out=tmp_path, cfg=ConvertSettings(visual=visual, mend=True, size=1.28)
+    )
     assert job.read(tmp_path) == pytest.approx(expected)

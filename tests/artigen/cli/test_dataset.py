@@ -25,6 +25,8 @@ from artigen.datasets.verify import verify_dataset
 from artigen.errors import ArtigenError
 from artigen.runtime.workers import Worker
 
+pytestmark = pytest.mark.slow
+
 RECIPE = """
 name: tiny
 objects:
@@ -65,7 +67,7 @@ artigen.cli.dataset.dataset((recipe,), Path(out), workers=1)
 def make(recipe: str, folder: Path) -> Path:
     path = folder.with_suffix(".yaml")
     path.write_text(recipe)
-    assert dataset((str(path),), folder, workers=1) == 0
+    assert dataset((str(path),), folder, workers=0) == 0
     return folder
 
 
@@ -158,7 +160,7 @@ def test_the_same_command_again_changes_nothing(copy):
     before = hashes(copy)
     recipe = copy.with_suffix(".yaml")
     recipe.write_text(RECIPE)
-    assert dataset((str(recipe),), copy, workers=1) == 0
+    assert dataset((str(recipe),), copy, workers=0) == 0
     assert hashes(copy) == before
 
 
@@ -172,7 +174,7 @@ def test_killed_anywhere_nothing_is_lost_and_nothing_doubled(made, tmp_path):
         assert done.returncode == -signal.SIGKILL, done.stderr
     journal = [json.loads(line)["key"] for line in (out / "work" / "run.jsonl").read_text().splitlines()]
     assert sorted(journal) == sorted(open_shards(made).ids)
-    assert dataset((str(recipe),), out, workers=1) == 0
+    assert dataset((str(recipe),), out, workers=0) == 0
     assert hashes(out) == hashes(made)
 
 
@@ -181,11 +183,11 @@ def test_another_recipe_does_not_overwrite(copy, tmp_path):
     recipe.write_text(OTHER)
     before = hashes(copy)
     with pytest.raises(ArtigenError, match="another recipe"):
-        dataset((str(recipe),), copy, workers=1)
+        dataset((str(recipe),), copy, workers=0)
     (tmp_path / "notes").mkdir()
     (tmp_path / "notes" / "README.md").write_text("mine")
     with pytest.raises(ArtigenError, match="not empty"):
-        dataset((str(recipe),), tmp_path / "notes", workers=1)
+        dataset((str(recipe),), tmp_path / "notes", workers=0)
     assert hashes(copy) == before
 
 
@@ -193,9 +195,9 @@ def test_parts_make_their_objects_and_a_run_without_parts_packs_them(made, tmp_p
     recipe = tmp_path / "tiny.yaml"
     recipe.write_text(RECIPE)
     for part in ("2/2", "1/2"):
-        assert dataset((str(recipe),), tmp_path / "parts", workers=1, shard=part) == 0
+        assert dataset((str(recipe),), tmp_path / "parts", workers=0, shard=part) == 0
         assert not (tmp_path / "parts" / "dataset.json").exists()
-    assert dataset((str(recipe),), tmp_path / "parts", workers=1) == 0
+    assert dataset((str(recipe),), tmp_path / "parts", workers=0) == 0
     assert hashes(tmp_path / "parts") == hashes(made)
 
 
@@ -223,7 +225,7 @@ def test_an_impossible_wish_is_an_error_before_anything_is_made(wish: str, said:
     recipe = tmp_path / "impossible.yaml"
     recipe.write_text(f"name: a\n\nobjects:\n  - {{category: Safe, count: 1, wish: {wish}}}\n")
     with pytest.raises(ArtigenError, match=said):
-        dataset((str(recipe),), tmp_path / "out", workers=1)
+        dataset((str(recipe),), tmp_path / "out", workers=0)
     assert not (tmp_path / "out").exists()
 
 

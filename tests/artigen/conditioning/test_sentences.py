@@ -241,6 +241,55 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         "Table",
         {"counts": {"drawer": 2}, "parts": {"drawer": {"at": "sides"}}},
     ),
+    "a cabinet with one big drawer at the bottom and two small ones on top": (
+        "StorageFurniture",
+        {
+            "counts": {"drawer": 3},
+            "parts": {"drawer": {"at": {"bottom": 1, "top": 2}}},
+            "ignored": ["big", "small"],
+        },
+    ),
+    "twelve-drawer cabinet, 3 columns of 4": (
+        "StorageFurniture",
+        {"counts": {"drawer": 12}, "parts": {"drawer": {"columns": "3"}}},
+    ),
+    "a cabinet, doors: 2, drawers: 1": ("StorageFurniture", {"counts": {"door": 2, "drawer": 1}}),
+    "2 door 1 drawer cabinet": ("StorageFurniture", {"counts": {"door": 2, "drawer": 1}}),
+    "a drawer cabinet on castors with three drawers": (
+        "StorageFurniture",
+        {"counts": {"drawer": 3}, "parts": {"wheel": {"type": "castor"}}},
+    ),
+    "a nightstand with a drawer and one open compartment": (
+        "StorageFurniture",
+        {"counts": {"drawer": 1, "shelf": 1}},
+    ),
+    # Outlines, hinges and colours of two words.
+    "a round table, 120 cm in diameter": (
+        "Table",
+        {"size": {"width": 1.2}, "parts": {"object": {"outline": "round"}}},
+    ),
+    "a safe with a round dial": ("Safe", {"style": "dial", "counts": {"knob": 1}, "ignored": ["round"]}),
+    "a navy blue suitcase": ("Suitcase", {"parts": {"object": {"color": "navy blue"}}}),
+    "a cupboard whose left door is hinged left and whose right door is hinged right": (
+        "StorageFurniture",
+        {"parts": {"door": {"hinged": "apart"}}},
+    ),
+    "a small fridge with the freezer underneath": (
+        "Refrigerator",
+        {
+            "stretch": {"depth": 0.8, "height": 0.8, "width": 0.8},
+            "parts": {"freezer": {"at": "bottom"}},
+        },
+    ),
+    "a mailbox with a red flag": ("Mailbox", {"ignored": ["red", "flag"]}),
+    "a white cabinet with brass feet": (
+        "StorageFurniture",
+        {"parts": {"object": {"color": "white"}, "leg": {"material": "brass"}, "stand": {"type": "legs"}}},
+    ),
+    "a desk 160x80": ("Table", {"size": {"width": 1.6, "depth": 0.8}}),
+    "a safe, 40 x 35 x 30": ("Safe", {"size": {"width": 0.4, "depth": 0.35, "height": 0.3}}),
+    "a cabinet with 2x3 drawers": ("StorageFurniture", {"counts": {"drawer": 6}}),
+    "a larder with pull-out baskets": ("StorageFurniture", {"parts": {"tray": {}}}),
     # Stands, words of a kind, and nouns that end as others do.
     "cabinet with three drawers on hairpin legs": (
         "StorageFurniture",
@@ -317,6 +366,8 @@ def test_no_kind_exceeds_its_sizes_and_the_refusal_says_what_is_allowed(kind: st
         ("a hair dryer", "'hair', 'dryer' is not understood"),
         ("a bench, 60 cm, one drawer over one door", "'bench'"),
         ("a cabinet with three drawers, two on the left and two on the right", "3 parts .* places for 4"),
+        ("a cabinet, hinged on the left, hinges on the right", "door hinged left and right are asked for"),
+        ("a cabinet on legs on a plinth", "stand type legs and plinth"),
         ("a fridge 5 cm wide", "width of 0.05 m: expected 0.35 to 1.9 m"),
     ],
 )

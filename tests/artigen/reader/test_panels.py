@@ -6,16 +6,18 @@ from jaxtyping import Float
 from PIL import Image
 
 from artigen.reader.panels import (
+    BAND,
     FAINT,
     FRAMED,
     LEAST_LAG,
     SLATTED,
+    WEAKEST,
     look_at_panels,
     name_field,
     rate_frame,
     rate_slats,
 )
-from artigen.reader.reading import Reading, ReadPart
+from artigen.reader.reading import Field, Reading, ReadPart
 
 
 def draw_slab(high: int = 96, wide: int = 60, grain: float = 0.02) -> Float[np.ndarray, "H W"]:
@@ -35,31 +37,45 @@ def draw_planks(depth: float) -> Float[np.ndarray, "H W"]:
     return draw_slab(grain=0.01) + depth * np.sin(2 * np.pi * np.arange(60) / 6)
 
 
+def name_doors(*fronts: Float[np.ndarray, "_ _"]) -> Field:
+    return name_field(fronts, FRAMED["door"])
+
+
 def test_fields():
-    assert name_field([draw_slab()]) == "flat"
-    assert name_field([draw_frame(0.1)]) == "framed"
-    assert name_field([draw_planks(0.1)]) == "planks"
-    assert name_field([draw_planks(0.1).T]) == "slats"
+    assert name_doors(draw_slab()) == "flat"
+    assert name_doors(draw_frame(0.1)) == "framed"
+    assert name_doors(draw_planks(0.1)) == "planks"
+    assert name_doors(draw_planks(0.1).T) == "slats"
     woven = draw_planks(0.1) + draw_planks(0.1)[:60].T.mean(axis=1)[:1] + 0.1 * np.sin(np.arange(96))[:, None]
-    assert name_field([woven]) == "flat"
+    assert name_doors(woven) == "flat"
 
 
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_field_is_that_of_most_fronts_and_turns_with_them(*, turned: bool):
     fronts = [draw_frame(0.1), draw_frame(0.1), draw_slab()]
-    assert name_field([front.T if turned else front for front in fronts]) == "framed"
+    assert name_doors(*(front.T if turned else front for front in fronts)) == "framed"
 
 
-def test_frames_of_three_sides_are_none():
-    pixels = draw_frame(0.1)
-    pixels[12:84, 48:] -= 0.1
-    assert rate_frame(pixels) < FRAMED < rate_frame(draw_frame(0.1))
+@pytest.mark.parametrize(("more", "framed"), [(0.9, False), (1.1, True)])
+def test_one_side_of_a_frame_may_be_faint(more: float, *, framed: bool):
+    """That of a field which darkens from its edge on, at the share of the other sides that is asked for."""
+    contrast = 0.02 * FRAMED["door"] / rate_frame(draw_frame(0.02))
+    pixels = draw_frame(contrast)
+    pixels[12:84, 48:] -= (1.0 - more * WEAKEST) * contrast
+    assert (rate_frame(pixels) >= FRAMED["door"] * (1 - 1e-9)) == framed
 
 
+@pytest.mark.parametrize("label", FRAMED)
 @pytest.mark.parametrize(("more", "framed"), [(0.98, False), (1.02, True)])
-def test_boundary_of_frames(more: float, *, framed: bool):
-    contrast = FRAMED / rate_frame(draw_frame(0.02)) * 0.02  # the rating is linear in it
-    assert (name_field([draw_frame(more * contrast)]) == "framed") == framed
+def test_boundary_of_frames(label: str, more: float, *, framed: bool):
+    contrast = FRAMED[label] / rate_frame(draw_frame(0.02)) * 0.02  # the rating is linear in it
+    assert (name_field([draw_frame(more * contrast)], FRAMED[label]) == "framed") == framed
+
+
+@pytest.mark.parametrize(("lean", "seen"), [(0.1, True), (6 / BAND, False)])
+def test_planks_may_lean_by_less_than_one_over_a_band(lean: float, *, seen: bool):
+    columns = np.arange(60) + lean * np.arange(96)[:, None]
+    assert (name_doors(0.6 + 0.1 * np.sin(2 * np.pi * columns / 6)) == "planks") == seen
 
 
 def test_boundary_of_slats():
@@ -67,7 +83,7 @@ def test_boundary_of_slats():
     rates = [rate_slats(draw_planks(depth)) for depth in depths]
     assert rates[0] < SLATTED < rates[-1]
     for depth, rate in zip(depths, rates, strict=True):
-        assert (name_field([draw_planks(depth)]) == "planks") == (rate >= SLATTED)
+        assert (name_doors(draw_planks(depth)) == "planks") == (rate >= SLATTED)
 
 
 def test_fronts_are_looked_at_through_their_corners_and_panes_are_not():

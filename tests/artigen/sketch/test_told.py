@@ -1,5 +1,8 @@
 """What words say of hinges, stands, handles and places is so in the object, or is said not to be."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from artigen.conditioning.sentence import Placing
@@ -7,10 +10,11 @@ from artigen.kind import kinds
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.reading import ReadPart
 from artigen.shapes.draw import draw_shape
+from artigen.shapes.primitives import prism
 from artigen.shapes.shape import Shape
 from artigen.sketch.arrange import arrange_fronts
 from artigen.sketch.asked import ask, draw_asked
-from artigen.sketch.described import list_undescribed, read_front
+from artigen.sketch.described import find_outline, list_undescribed, read_front
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.told import find_stand
 from artigen.sketch.understand import Request
@@ -121,6 +125,48 @@ def test_the_freezer_is_where_it_is_said_to_be():
 def test_a_bedside_table_is_smaller_than_a_sideboard():
     small, large = (draw(f"a {noun} with two drawers on legs")[0] for noun in ("bedside table", "sideboard"))
     assert read_shape(small).size[0] <= 0.62 < 1.0 <= read_shape(large).size[0] + 0.02
+
+
+@pytest.mark.parametrize("word", ["round", "oval", "square"])
+def test_a_top_has_the_outline_that_is_said(word: str):
+    shape, notes = draw(f"a {word} side table")
+    sides = np.diff(shape.bounds()[:, :2], axis=0)[0]
+    assert find_outline(shape) == word
+    assert (abs(sides[0] - sides[1]) < 0.03 * max(sides)) == (word != "oval")
+    assert notes == ()
+
+
+@pytest.mark.parametrize(
+    ("share", "depth", "outline"),
+    [
+        (0.98, 1.0, "square"), (0.96, 1.0, "oval"), (0.84, 1.0, "oval"), (0.82, 1.0, "round"),
+        (0.98, 0.96, "rectangle"), (0.82, 0.96, "oval"), (0.82, 0.98, "round"),
+    ],
+)  # fmt: skip
+def test_an_outline_is_what_its_corners_leave_of_its_rectangle(share: float, depth: float, outline: str):
+    cut = float(np.sqrt((1.0 - share) / 2))
+    across = np.array([0.5, 0.5, 0.5 - cut, cut - 0.5, -0.5, -0.5, cut - 0.5, 0.5 - cut])
+    corners = np.column_stack([depth * np.roll(across, 2), across])
+    top = prism(corners, (0, 0, 0.70), (0, 0, 0.73), "top")
+    shape = draw_shape("Table", 0)
+    parts = [replace(part, primitives=tuple(one for one in part.primitives if one.finish != "top"))
+             for part in shape.parts]  # fmt: skip
+    parts[0] = replace(parts[0], primitives=(*parts[0].primitives, top))
+    assert find_outline(replace(shape, parts=tuple(parts))) == outline
+
+
+def test_two_doors_hinge_at_their_outer_sides_if_that_is_said():
+    shape, notes = draw("a cabinet whose left door is hinged left and whose right door is hinged right")
+    assert [door.hinge for door in sorted(fronts(shape, "door"), key=lambda door: door.box[0])] == [
+        "left",
+        "right",
+    ]
+    assert notes == ()
+
+
+def test_a_second_kind_of_handles_is_said_not_to_be():
+    _, notes = draw("a cabinet with cup pulls and bar handles and three drawers")
+    assert "handle type bar" in notes[0]
 
 
 def test_what_no_object_has_is_said():

@@ -386,7 +386,7 @@ ROWS: list[tuple[str, str, Callable[..., Scene], object, object]] = [
     ("floor", "V105", lambda x: scene(link("body", seen(BODY), felt(((0, 0, x), (1, 1, 1))))),
      4.9e-3, 5.1e-3),
     ("texture", "V106", textured, 9, 11),
-    ("island", "V107", lambda x: scene(link("body", both(BODY), seen(((1 + x, 0, 0), (2, 1, 1))))),
+    ("island", "V107", lambda x: scene(link("body", both(BODY), seen(((1 + x, 0, 0.1), (2, 1, 1))))),
      4.9e-3, 5.1e-3),
     ("depth on the way", "V201", lambda x: into(x, 0.05), 1.9e-3, 2.1e-3),
     ("volume on the way", "V201", lambda x: into(0.1 * x, 1.0), 0.0092, 0.0108),
@@ -441,10 +441,27 @@ def sunk(travel: float) -> Scene:
     return moving("prismatic", button, travel, body=body, label="knob", axis=(0, 0, 1))
 
 
-@pytest.mark.parametrize(("travel", "verdict"), [(0.0, "pass"), (0.09, "pass"), (0.11, "fail")])
-def test_what_a_button_holds_wherever_it_moves_counts_for_nothing(tmp_path, travel, verdict):
-    """The top of a block, 10 cm from any hull where the button is drawn into it."""
-    content = sunk(travel)
+def pinned(travel: float) -> Scene:
+    """A plate on a block, with a pin 30 cm deep in it that no hull stands for; it moves up."""
+    plate = both(((0.3, 0.3, 1.002), (0.7, 0.7, 1.1))) + seen(((0.45, 0.45, 0.7), (0.55, 0.55, 1.002)))
+    return moving("prismatic", plate, travel, label="knob", axis=(0, 0, 1))
+
+
+@pytest.mark.parametrize(
+    ("make", "travel", "verdict"),
+    [
+        (sunk, 0.0, "pass"),
+        (sunk, 0.09, "pass"),
+        (sunk, 0.11, "fail"),
+        (pinned, 0.0, "pass"),
+        (pinned, 0.05, "pass"),
+        (pinned, 0.06, "fail"),
+    ],
+)
+def test_what_a_link_holds_wherever_another_moves_counts_for_nothing(tmp_path, make, travel, verdict):
+    """The top of a block, 10 cm from any hull where a button is drawn into it; a pin, all but what comes out,
+    of which 5.4 cm may be far from any hull."""
+    content = make(travel)
     source = Scene(urdf=content.urdf, files={**content.files, "meta.json": '{"visual": "source"}'})
     assert run_check(SPECS["V103"], write(source, tmp_path), CheckConfig()).verdict == verdict
 

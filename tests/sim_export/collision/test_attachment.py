@@ -11,7 +11,7 @@ from sim_export.collision.attachment import NEAR, add_hull, attach_links
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import box_hull
 from sim_export.motion.kinematics import link_displacements, read_sweeps
-from sim_export.package import Hull, Link
+from sim_export.package import Hull, Link, Mesh
 
 
 def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> Hull:
@@ -19,7 +19,7 @@ def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> Hu
 
 
 def link(name: str, *hulls: Hull) -> Link:
-    return Link(name=name, label=None, parts=(), visuals=(), hulls=hulls, inertial=None)
+    return Link(name=name, label=None, parts=(name,), visuals=(), hulls=hulls, inertial=None)
 
 
 def joint(kind: str, axis: tuple[float, float, float], upper: float, origin=(0.0, 0.0, 0.0)) -> Joint:
@@ -61,6 +61,19 @@ def test_a_knob_off_its_panel_gets_a_peg_and_still_turns():
     assert len(done.pegs) == len(done.records) == 1
     assert "7.0 mm" in done.records[0]
     assert done.pegs[0].left == pytest.approx(gap(done.links))
+    (seen,) = done.visuals
+    assert isinstance(seen.mesh, Mesh)
+    added = [
+        hull for link in done.links for hull in link.hulls if hull not in (*links[0].hulls, *links[1].hulls)
+    ]
+    assert [hull.vertices.tolist() for hull in added] == [seen.mesh.vertices.tolist()]
+
+
+def test_a_peg_is_where_the_shaft_of_a_knob_would_be():
+    """A hub and a rim that is nearer by 0.2 mm."""
+    rim = box((-0.027, 0.05, -0.02), (-0.0068, 0.06, 0.02))
+    done = attach_links((link("body", BODY), link("part", rim, KNOB)), [TURN])
+    assert abs(done.links[1].hulls[-1].vertices[:, 1:]).max() <= 0.006 + 1e-9
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.004, 0.05])

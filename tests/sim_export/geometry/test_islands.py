@@ -33,3 +33,12 @@ def test_a_piece_is_seen_through_a_hole_at_the_middle_of_a_cell_of_which_there_a
     piece = box((0.4, 0.4, 0.4), (0.6, 0.6, 0.6))
     surface = np.concatenate([walls, holed_square(middle - half, middle + half), piece])
     assert len(visual_islands(surface, 0.005)) == seen
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "floor", "apart"),
+    [(0.0, 0.6, 0.0, 0), (0.0, 0.4, 0.0, 1), (0.1, 0.9, 0.0, 1), (0.0, 0.6, -np.inf, 1)],
+)
+def test_a_post_that_stands_on_the_floor_holds_itself(low: float, high: float, floor: float, apart: int):
+    surface = np.concatenate([box((0, 0, 0), (0.1, 0.1, 1)), box((0.5, 0, low), (0.6, 0.1, high))])
+    assert len(visual_islands(surface, 0.005, floor)) == apart

@@ -1,6 +1,7 @@
 """USD assets say what packages say: poses, masses, limits, resistance, colliders. SimReady accepts them."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -11,6 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from PIL import Image
+from usd_validate import FORWARD, find_faults
 
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.surfaces.physical import Material
@@ -135,6 +137,31 @@ def test_the_body_is_held_by_the_asset_and_not_by_the_worlds_origin(package, mai
     (fixed,) = found[pxr.UsdPhysics.ObjectType.FixedJoint][1]
     assert fixed.body0.isEmpty
     assert tuple(fixed.localPose0Position) == (5.0, 0.0, 1.0)
+
+
+def test_the_asset_says_where_its_front_is_and_every_mesh_what_it_is_made_of(
+    package, main: Path, tmp_path: Path, pxr
+):
+    assert find_faults(main) == []
+    stage = pxr.Usd.Stage.Open(str(main))
+    mesh = next(prim for prim in stage.Traverse() if prim.HasAPI(pxr.UsdShade.MaterialBindingAPI))
+    wrong = tmp_path / "wrong.usda"
+    for change, said in (
+        (lambda root, _: root.GetAttribute(FORWARD).Set((0.0, 0.0, 0.0)), "AF.001 .*no custom uniform unit"),
+        (lambda root, _: root.RemoveProperty(FORWARD), "AF.001 .*: no simready"),
+        (
+            lambda _, each: pxr.UsdShade.MaterialBindingAPI(each).UnbindAllBindings(),
+            "VM.MAT.001 .*no material",
+        ),
+    ):
+        stage.Export(str(wrong))
+        other = pxr.Usd.Stage.Open(str(wrong))
+        change(other.GetDefaultPrim(), other.GetPrimAtPath(mesh.GetPath()))
+        other.Save()
+        (fault,) = find_faults(wrong)
+        assert re.search(said, fault)
+        del other
+        wrong.unlink()
 
 
 def test_engines_find_one_articulation_with_every_joint(package, stage, pxr):

@@ -1,4 +1,4 @@
-"""Looks at reset: another one for every episode, the same for the same seed."""
+"""Looks, friction and masses at reset: others for every episode, the same for the same seed."""
 
 import gymnasium as gym
 import numpy as np
@@ -6,7 +6,7 @@ import pytest
 
 import artigen
 import envs  # noqa: F401  registers the tasks
-from envs.maniskill.random_looks import RandomLooks
+from envs.randomize import read_randomization
 from envs.sim.looks import find_materials
 from envs.sim.sapien import LoadConfig, load_package
 from envs.sim.scene import create_scene, has_render_device
@@ -51,19 +51,50 @@ def test_sapien_reads_the_materials_of_a_package(cabinet):
 
 @drawn
 def test_every_reset_shows_another_look_and_a_seed_repeats_its_own(cabinet):
-    env = RandomLooks(make(cabinet, render_backend="cpu"))
+    env = make(cabinet, render_backend="cpu", randomize={"looks": True})
     seen = []
     for seed in (1, 2, None, 1):
         env.reset(seed=seed)
         seen.append(colors(env))
     assert seen[0] == seen[3]
     assert seen[0] != seen[1] != seen[2]
-    assert env.unwrapped.built[0].max_dof == len(cabinet.joints)
-    env.close()
 
 
 def test_a_scene_that_does_not_render_has_no_looks(cabinet):
-    env = make(cabinet, render_backend="none")
-    with pytest.raises(ValueError, match="the scene cannot render, so it has no looks"):
-        RandomLooks(env)
-    env.close()
+    with pytest.raises(ValueError, match="cannot render, so it has no looks"):
+        make(cabinet, render_backend="none", randomize={"looks": True})
+
+
+def physics(env) -> dict[str, tuple[float, float]]:
+    """Friction of every joint and mass of its link, by the package's names."""
+    (articulation,) = env.unwrapped.built
+    joints = [joint for engine in articulation._objs for joint in engine.active_joints]
+    return {
+        joint.name.rsplit("_", 2)[-2] + "_" + joint.name.rsplit("_", 1)[-1]: (
+            joint.force_limit, joint.child_link.mass,
+        )
+        for joint in joints
+    }  # fmt: skip
+
+
+def test_friction_and_masses_are_drawn_within_their_ranges_and_repeat_with_the_seed(cabinet):
+    plain = make(cabinet, render_backend="none")
+    plain.reset(seed=0)
+    own = physics(plain)
+    env = make(cabinet, render_backend="none", randomize={"friction": (2.0, 3.0), "mass": (0.5, 0.9)})
+    seen = []
+    for seed in (1, 2, 1):
+        env.reset(seed=seed)
+        seen.append(physics(env))
+        for name, (friction, mass) in seen[-1].items():
+            assert 2.0 <= friction / own[name][0] <= 3.0
+            assert 0.5 <= mass / own[name][1] <= 0.9
+    assert seen[0] == seen[2] != seen[1]
+
+
+@pytest.mark.parametrize("wrong", [{"mass": (0.0, 1.0)}, {"friction": (2.0, 1.0)}, {"weight": (1.0, 2.0)}])
+def test_what_cannot_be_drawn_is_refused(wrong):
+    with pytest.raises(
+        ValueError, match=r"mass 0.0 to 1.0|friction 2.0 to 1.0|has weight, expected friction"
+    ):
+        read_randomization(wrong)

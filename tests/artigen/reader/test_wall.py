@@ -6,7 +6,9 @@ import pytest
 from artigen.camera import Camera, look_at, project_points
 from artigen.reader.layout.plane import fit_plane
 from artigen.reader.reading import ReadPart
-from artigen.reader.units import FOCAL, HUNG, Column, choose_wall, find_aspect, find_roles, list_corners
+from artigen.reader.wall.columns import Column
+from artigen.reader.wall.face import FOCAL, choose_wall, find_aspect, list_corners
+from artigen.reader.wall.roles import HUNG, find_roles
 
 WALL = (
     ("base cabinet", "StorageFurniture", (0.0, 0.8), (0.1, 0.84)),

@@ -1,0 +1,40 @@
+"""Reads "tall", "large" and "round" where they describe the whole object."""
+
+from artigen.conditioning.parse import BETWEEN, Parse, say_features
+from artigen.conditioning.places import starts_spot
+from artigen.conditioning.sentence import TextError
+from artigen.conditioning.vocabulary import ADJECTIVES, AXES, OUTLINES, PARTS, SCALES
+
+COMPARED = 4
+"""Number of words between "than" or "as" and an adjective: "wider than it is tall"."""
+
+
+def read_adjectives(parse: Parse) -> Parse:
+    """Reads "tall" and the like where they describe the whole object."""
+    for at, word in enumerate(parse.words):
+        counted = at > 0 and parse.words[at - 1][0].isdigit()
+        compared = bool({"than", "as"} & set(parse.words[max(0, at - COMPARED) : at]))
+        if word not in ADJECTIVES or at in parse.used or counted or compared or _describes_part(parse, at):
+            continue
+        axis, factor = ADJECTIVES[word]
+        known = dict(parse.found.stretch)
+        if known.get(axis, factor) != factor:
+            raise TextError(f"{word!r} contradicts an earlier word about the {axis}")
+        parse = parse.take(at).say(stretch=tuple(sorted({**known, axis: factor}.items())))
+    for at, word in enumerate(parse.words):
+        if word in SCALES and at not in parse.used and not _describes_part(parse, at):
+            stretch = {**dict.fromkeys(AXES, SCALES[word]), **dict(parse.found.stretch)}
+            parse = parse.take(at).say(stretch=tuple(sorted(stretch.items())))
+        elif word in OUTLINES and at not in parse.used and not _describes_part(parse, at):
+            parse = say_features(parse.take(at), (OUTLINES[word],))
+    return parse
+
+
+def _describes_part(parse: Parse, at: int) -> bool:
+    """Whether the next noun after an adjective is a part."""
+    for place in range(at + 1, min(at + 2 + BETWEEN, len(parse.words))):
+        if place in parse.head or parse.words[place] == ",":
+            return False
+        if parse.words[place] in PARTS or starts_spot(parse.words, place):
+            return True
+    return False

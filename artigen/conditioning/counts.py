@@ -1,0 +1,149 @@
+"""Reads the numbers of a sentence: of parts, with their places, and of objects."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from artigen.conditioning.numbers import read_count, read_number
+from artigen.conditioning.parse import BETWEEN, Parse, kind_of, say_count, say_features
+from artigen.conditioning.places import Group, find_places, starts_spot
+from artigen.conditioning.sentence import Placing, TextError
+from artigen.conditioning.vocabulary import ADJECTIVES, GRIDS, ONES, PART_NOUNS, PARTS, SCALES
+from artigen.types import PART_LABELS
+
+
+def read_counts(parse: Parse) -> Parse:
+    """Reads numbers of parts and their places: "three wide drawers over two doors", "no handles or knobs"."""
+    words, at = parse.words, 0
+    groups: list[Group] = []
+    while at < len(words):
+        group = _read_group(parse, at) or _read_rest(parse, at, groups)
+        if group is None or (at in parse.used and group.counted):
+            at += 1
+            continue
+        if group.counted:
+            noun = words[group.end - 1] in {*PARTS, *ONES}
+            named = group.end - 1 if noun else at  # "two on each side" has no noun
+            parse = parse.take(named).take(at, group.counted)
+        groups.append(group)
+        while group.count == 0 and words[group.end : group.end + 1] in (("or",), ("nor",), ("and",)):
+            after = group.end + 1
+            if after >= len(words) or words[after] not in PARTS:
+                break
+            group = Group(start=after, end=after + 1, label=PARTS[words[after]], count=0)
+            parse = parse.take(after)
+            groups.append(group)
+        at = group.end
+    articles = {group.label for group in groups if group.counted == 1 and words[group.start] in ("a", "an")}
+    parse = parse.say(articles=tuple(sorted(articles)))
+    places = find_places(words, groups, parse.used)
+    parse = say_features(replace(parse, used=places.used), places.features)
+    for label in PART_LABELS:
+        own = [group for group in places.groups if group.label == label and group.count is not None]
+        numbers = [group for group in own if words[group.start] not in ("a", "an")]
+        own = numbers or own  # "a drawer pedestal with three drawers"
+        placed = [group for group in own if group.at is not None]
+        apart = len({group.at for group in placed}) > 1  # two on the left and three on the right
+        for group in own:
+            if not (apart and group.at):
+                parse = say_count(parse, label, group.count or 0)
+        total = sum(group.count or 0 for group in placed)
+        held = dict(parse.found.counts).get(label, total)
+        if apart and total > held:
+            raise TextError(
+                f"{held} parts called {label} are asked for, and places for {total}; give one number"
+            )
+        parse = say_count(parse, label, held) if apart else parse
+    placings = (
+        Placing(label=group.label, count=group.count, at=group.at)
+        for group in places.groups
+        if group.at is not None and group.count != 0
+    )
+    return parse.say(places=tuple(placings))
+
+
+def _read_group(parse: Parse, at: int) -> Group | None:
+    """The parts that are named from a place on, after their number or without one."""
+    words = parse.words
+    number = read_count(words, at)
+    if number is None:
+        if words[at] not in PARTS or at in parse.head:
+            return None
+        count = _read_after(words, at + 1)
+        counted = 0 if count is None else 2
+        return Group(start=at, end=at + 1, label=PARTS[words[at]], count=count, counted=counted)
+    end = at + number[1]
+    if (
+        end + 2 < len(words) and words[end] in GRIDS and words[end + 1] == "of"
+    ):  # "two columns of three drawers"
+        each = _read_group(parse, end + 2)
+        if each is None:
+            return None
+        grid = (GRIDS[words[end]], str(number[0]))
+        counted = end + 2 + each.counted - at
+        total = None if each.count is None else number[0] * each.count
+        return replace(each, start=at, count=total, counted=counted, grid=grid)
+    crossed = read_number(words, end + 1) if tuple(words[end : end + 1]) in (("x",), ("by",)) else None
+    if crossed is not None and words[end + 2 : end + 3] and words[end + 2] in PARTS:
+        total = number[0] * int(crossed[0])  # "2 x 3 drawers"
+        return Group(start=at, end=end + 3, label=PARTS[words[end + 2]], count=total, counted=end + 2 - at)
+    place = _find_part(parse, end)
+    article = words[at] in ("a", "an") and place in parse.head  # "a drawer unit"
+    if place is None or article or (number[0] == 1 and words[place] not in PART_NOUNS):
+        return None
+    return Group(start=at, end=place + 1, label=PARTS[words[place]], count=number[0], counted=number[1])
+
+
+def _read_rest(parse: Parse, at: int, groups: Sequence[Group]) -> Group | None:
+    """Some of the parts that were named before: "four drawers, two on each side"."""
+    words, number = parse.words, read_count(parse.words, at)
+    if number is None or not groups:
+        return None
+    end, label = at + number[1], groups[-1].label
+    each = read_count(words, end + 2) if tuple(words[end + 1 : end + 2]) == ("of",) else None
+    if each is not None and words[end] in GRIDS:  # "twelve drawers, three columns of four"
+        counted = end + 2 + each[1] - at
+        grid = (GRIDS[words[end]], str(number[0]))
+        return Group(
+            start=at, end=at + counted, label=label, count=number[0] * each[0], counted=counted, grid=grid
+        )
+    while end < len(words) and words[end] in {*ADJECTIVES, *SCALES}:  # "two small on top"
+        end += 1
+    again = end < len(words) and words[end] in ONES and words[at] not in ONES  # "two small ones"
+    if not again and not starts_spot(words, end):
+        return None
+    return Group(start=at, end=end + again, label=label, count=number[0], counted=number[1])
+
+
+def _read_after(words: tuple[str, ...], at: int) -> int | None:
+    """The number that follows its part: "doors: 2, drawers: 1"."""
+    if at >= len(words) or not words[at].isdigit() or (at > 1 and read_number(words, at - 2) is not None):
+        return None
+    ends = at + 1 == len(words) or words[at + 1] in {",", "and", "with", *PARTS}
+    return int(words[at]) if ends else None
+
+
+def _find_part(parse: Parse, start: int) -> int | None:
+    """Place of the part that a number counts."""
+    for place in range(start, min(start + BETWEEN + 1, len(parse.words))):
+        word = parse.words[place]
+        counts_head = place == parse.head.start and len(parse.head) > 1 and word in PARTS
+        if counts_head:  # "a five-drawer chest"
+            return place
+        if place in parse.head or word in (",", "with", "and") or read_number(parse.words[place:], 0):
+            return None
+        if word in PARTS:
+            return place
+    return None
+
+
+def read_objects(parse: Parse) -> Parse:
+    """Reads how many objects are wanted: "three white cabinets", "a pair of ovens"."""
+    head, words = parse.head, parse.words
+    kind = kind_of(parse)
+    if kind is None or " ".join(words[head.start : head.stop]) not in kind.nouns.values():
+        return parse
+    for at in range(head.start):
+        number = None if at in parse.used else read_count(words, at)
+        if number is not None and number[0] > 1 and "," not in words[at : head.start]:
+            return parse.take(at, number[1]).say(objects=number[0])
+    return parse

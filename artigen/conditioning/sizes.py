@@ -1,0 +1,195 @@
+"""Reads the lengths of a sentence: with a direction, as a product, and bare."""
+
+from collections.abc import Sequence
+
+from artigen.conditioning.numbers import read_length, read_number
+from artigen.conditioning.parse import Parse, kind_of, say_length
+from artigen.conditioning.vocabulary import AXES, CLAUSES, DIRECTIONS, PARTS, UNITS, Axis
+from artigen.kind import Kind
+
+FURTHEST = 10.0
+"""Largest length (m) of a number without a unit, which has that of the number before."""
+
+
+def read_sizes(parse: Parse) -> Parse:
+    """Reads "1.2 m wide", "80 cm in width", "width of 80 cm", "60 x 55 x 85 cm", and "80 deep" after a
+    length with a unit."""
+    words, at, unit = parse.words, 0, None
+    while at < len(words):
+        triple = _read_triple(words, at)
+        if triple is not None:
+            for axis, length in zip(AXES, triple[0], strict=True):
+                parse = say_length(parse, axis, length)
+            parse = parse.take(at, triple[1])
+            at += triple[1]
+            continue
+        length = read_length(words, at)
+        number = read_number(words, at)
+        if length is not None:
+            unit = next(word for word in words[at : at + length[1]][::-1] if word in UNITS)
+        elif number is not None and unit is not None and words[at][0].isdigit():
+            bare = number[0] * UNITS[unit]
+            length = (bare, number[1]) if bare <= FURTHEST else None
+        named = None if length is None else _find_direction(words, at, length[1])
+        if length is None or named is None:
+            at += 1
+            continue
+        axis, start, end = named
+        parse = say_length(parse.take(start, end - start), axis, length[0])
+        at = end
+    return parse
+
+
+def _find_direction(words: tuple[str, ...], at: int, used: int) -> tuple[Axis, int, int] | None:
+    """The axis of a length, and the first word of the phrase and the first after it."""
+    end = at + used
+    after = end + (tuple(words[end : end + 1]) == ("in",))
+    if after < len(words) and words[after] in DIRECTIONS:
+        return DIRECTIONS[words[after]], at, after + 1
+    for back in (1, 2):
+        start = at - back
+        linked = back == 1 or words[at - 1] in ("of", "is")
+        if start >= 0 and linked and words[start] in DIRECTIONS:
+            return DIRECTIONS[words[start]], start, end
+    return None
+
+
+def _read_triple(words: tuple[str, ...], at: int) -> tuple[list[float], int] | None:
+    """Width, depth and height (m) of "60 x 55 x 85 cm", and the number of words."""
+    numbers: list[tuple[float, str | None]] = []
+    end = at
+    for place in range(3):
+        if place and tuple(words[end : end + 1]) not in (("x",), ("by",)):
+            return None
+        end += place > 0
+        number = read_number(words, end)
+        spelled = number is not None and not words[end][0].isdigit()
+        end += 0 if number is None else number[1]
+        unit = words[end] if end < len(words) and words[end] in UNITS else None
+        if number is None or (spelled and unit is None):
+            return None
+        numbers.append((number[0], unit))
+        end += unit is not None
+    last = numbers[-1][1]
+    if last is None:
+        return None
+    return [value * UNITS[unit or last] for value, unit in numbers], end - at
+
+
+def read_bare_sizes(parse: Parse) -> Parse:
+    """Reads lengths without a direction, "a 60 cm dishwasher", "1.2 m x 60 cm", "160 x 80", and directions
+    whose numbers have no unit, "height 75, width 40": that in which the kind has such sizes."""
+    kind, at = kind_of(parse), 0
+    if kind is None:
+        return parse
+    words = parse.words
+    while at < len(words):
+        named = None if at in parse.used else _read_unitless(words, at, kind)
+        if named is not None and named[0] not in dict(parse.found.size):
+            parse = say_length(parse.take(at, named[2]), named[0], named[1])
+            at += named[2]
+            continue
+        products = [] if at in parse.used else [_read_product(words, at), *_read_plain_product(words, at)]
+        lengths, used = next((one for one in products if find_axes(kind, one[0]) is not None), ([], 0))
+        axes = find_axes(kind, lengths)
+        if (
+            not used
+            or axes is None
+            or _is_of_part(parse, at, at + used)
+            or set(axes) & {axis for axis, _ in parse.found.size}
+        ):
+            at += 1
+            continue
+        for axis, length in zip(axes, lengths, strict=True):
+            parse = say_length(parse, axis, length)
+        parse = parse.take(at, used)
+        at += used
+    return parse
+
+
+def _is_of_part(parse: Parse, at: int, end: int) -> bool:
+    """Whether a length without a direction belongs to something else than the object: it stands in a clause
+    about parts, or beside the noun of one."""
+    words = parse.words
+    start = max((place + 1 for place in range(at) if words[place] == ","), default=0)
+    beside = [place for place in (at - 1, end) if 0 <= place < len(words) and place not in parse.head]
+    clause = any(words[place] in CLAUSES for place in range(start, at) if place not in parse.used)
+    return clause or words[at] in ("a", "an") or any(words[place] in PARTS for place in beside)
+
+
+def _read_product(words: tuple[str, ...], at: int) -> tuple[list[float], int]:
+    """Lengths (m) of "80 cm" or "1.2 m x 60 cm", and the number of words; none without a unit."""
+    first = read_length(words, at)
+    if first is None:
+        number = read_number(words, at)
+        end = at + number[1] if number is not None else at
+        crossed = number is not None and tuple(words[end : end + 1]) in (("x",), ("by",))
+        last = read_length(words, end + 1) if crossed else None
+        if number is None or last is None:
+            return [], 0
+        unit = next(word for word in words[end + 1 : end + 1 + last[1]][::-1] if word in UNITS)
+        return [number[0] * UNITS[unit], last[0]], end + 1 + last[1] - at
+    end = at + first[1]
+    last = read_length(words, end + 1) if tuple(words[end : end + 1]) in (("x",), ("by",)) else None
+    return ([first[0]], first[1]) if last is None else ([first[0], last[0]], end + 1 + last[1] - at)
+
+
+def _read_plain_product(words: tuple[str, ...], at: int) -> list[tuple[list[float], int]]:
+    """Lengths (m) of "160 x 80" or "40 x 35 x 30" in centimetres and in millimetres, and how many words."""
+    numbers, end = [], at
+    while end < len(words) and words[end][0].isdigit() and (number := read_number(words, end)) is not None:
+        numbers.append(number[0])
+        end += number[1]
+        if len(numbers) == len(AXES) or tuple(words[end : end + 1]) not in (("x",), ("by",)):
+            break
+        end += 1
+    if len(numbers) < 2 or words[end - 1] in ("x", "by"):
+        return []
+    return [([UNITS[unit] * number for number in numbers], end - at) for unit in ("cm", "mm")]
+
+
+def find_axes(kind: Kind, lengths: Sequence[float]) -> tuple[Axis, ...] | None:
+    """What lengths (m) without a direction measure: a single one the width of furniture and appliances, and
+    of others what their kind is measured by; two the width and the depth, or else the height; three all.
+
+    None where the kind has no such sizes.
+    """
+    spans = dict(zip(AXES, kind.sizes, strict=True))
+    tall = kind.trade not in ("furniture", "appliance") and {rule.extent for rule in kind.size} == {"height"}
+    single: tuple[Axis, ...] = ("height", "width") if tall else ("width", "height")
+    orders: list[tuple[Axis, ...]] = [(axis,) for axis in single]
+    if len(lengths) == len(AXES):
+        orders = [AXES]
+    elif len(lengths) == 2:
+        orders = [("width", "depth"), ("depth", "width"), ("width", "height")]
+    for axes in orders if lengths else ():
+        if all(
+            spans[axis][0] <= length <= spans[axis][1] for axis, length in zip(axes, lengths, strict=True)
+        ):
+            return axes
+    return None
+
+
+def _read_unitless(words: tuple[str, ...], at: int, kind: Kind) -> tuple[Axis, float, int] | None:
+    """Axis, length (m) and number of words of "height 75", "75 high" or "height of 75"."""
+    spans = dict(zip(AXES, kind.sizes, strict=True))
+    place = at
+    before = DIRECTIONS.get(words[at])
+    if before is not None:
+        place += 1 + (tuple(words[at + 1 : at + 2]) in (("of",), ("is",)))
+    number = read_number(words, place) if place < len(words) and words[place][0].isdigit() else None
+    if number is None:
+        return None
+    end = place + number[1]
+    after = DIRECTIONS.get(words[end]) if end < len(words) else None
+    axis = before or after
+    if axis is None or (end < len(words) and words[end] in UNITS):
+        return None
+    end += before is None
+    given = words[end] if end < len(words) and words[end] in UNITS else None
+    whole = number[0] == int(number[0])
+    for unit in ("cm", "mm", *(() if whole else ("m",))) if given is None else (given,):
+        length = number[0] * UNITS[unit]
+        if spans[axis][0] <= length <= spans[axis][1]:
+            return axis, length, end + (given is not None) - at
+    return None

@@ -1,0 +1,1 @@
+"""Photographs of several objects along a wall."""
