@@ -224,7 +224,10 @@ def test_a_part_without_painted_surface_is_named(latent: GenerateJob, monkeypatc
         ({"category": "Oven", "cfg": GenerateSettings(counts=("door",))}, "label=number"),
         ({"category": "Oven", "count": 0}, "at least one"),
         ({"category": "Oven", "workers": -1}, "-1"),
-        ({"category": "Oven", "cfg": GenerateSettings(counts=("door=1", "doors=2"))}, "contradict each other"),
+        (
+            {"category": "Oven", "cfg": GenerateSettings(counts=("door=1", "doors=2"))},
+            "contradict each other",
+        ),
         ({"category": "Oven", "cfg": GenerateSettings(counts=("base=2",))}, "2 parts called base"),
         ({"category": "Oven", "cfg": GenerateSettings(height=-1.0)}, "height -1 m"),
         ({"category": "Oven", "cfg": GenerateSettings(width=float("nan"))}, "width nan m"),
