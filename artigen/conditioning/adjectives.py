@@ -3,7 +3,7 @@
 from artigen.conditioning.parse import BETWEEN, Parse, say_features
 from artigen.conditioning.places import starts_spot
 from artigen.conditioning.sentence import TextError
-from artigen.conditioning.vocabulary import ADJECTIVES, AXES, OUTLINES, PARTS, SCALES
+from artigen.conditioning.vocabulary import ADJECTIVES, AXES, OUTLINES, PARTS, SCALES, SURFACES
 
 COMPARED = 4
 """Number of words between "than" or "as" and an adjective: "wider than it is tall"."""
@@ -31,7 +31,9 @@ def read_adjectives(parse: Parse) -> Parse:
 
 
 def _describes_part(parse: Parse, at: int) -> bool:
-    """Whether the next noun after an adjective is a part."""
+    """Whether the next noun after an adjective is a part, or it is about a surface: "high gloss"."""
+    if parse.words[at + 1 : at + 2] and parse.words[at + 1] in SURFACES:
+        return True
     for place in range(at + 1, min(at + 2 + BETWEEN, len(parse.words))):
         if place in parse.head or parse.words[place] == ",":
             return False

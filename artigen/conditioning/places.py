@@ -56,7 +56,7 @@ def find_places(words: tuple[str, ...], groups: Sequence[Group], used: frozenset
             continue
         grid = _read_grid(words, group, read)
         if grid is not None:
-            group = replace(group, grid=grid[0])
+            group = placed[index] = replace(group, grid=grid[0], end=max(grid[1]) + 1)
             read |= grid[1]
         if group.grid is not None:
             features.append((group.label, *group.grid))

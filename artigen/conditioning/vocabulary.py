@@ -240,7 +240,9 @@ SPOTS: dict[str, Spot] = {
     "above it": "top", "under them": "bottom", "below them": "bottom", "above them": "top",
     "on both sides": "sides", "on either side": "sides", "at both sides": "sides", "on each side": "sides",
     "both sides": "sides", "either side": "sides", "at each end": "sides", "at either end": "sides",
-    "at both ends": "sides", "per side": "sides",
+    "at both ends": "sides", "per side": "sides", "next to it": "right",
+    "beside it": "right", "next to them": "right", "beside them": "right", "between them": "middle",
+    "in between": "middle",
     "in the middle": "middle", "in the centre": "middle", "in the center": "middle",
 }  # fmt: skip
 """Phrases after, or before, the parts that they place."""

@@ -313,6 +313,33 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         "StorageFurniture",
         {"counts": {"door": 3}, "parts": {"door": {"columns": "1"}}},
     ),
+    "a desk, 120x60, one drawer unit at the left with three drawers": (
+        "Table",
+        {
+            "counts": {"drawer": 3},
+            "size": {"width": 1.2, "depth": 0.6},
+            "parts": {"drawer": {"at": "left"}},
+            "ignored": ["unit"],
+        },
+    ),
+    "a cabinet with a cup pull on each of its three drawers": (
+        "StorageFurniture",
+        {"counts": {"drawer": 3}, "parts": {"handle": {"type": "cup"}}},
+    ),
+    "a workbench with four drawers in one column on the right side": (
+        "Table",
+        {"counts": {"drawer": 4}, "parts": {"drawer": {"columns": "1", "at": "right"}}},
+    ),
+    "a white high gloss sideboard": (
+        "StorageFurniture",
+        {"parts": {"object": {"color": "white"}}, "ignored": ["high", "gloss"]},
+    ),
+    "a wooden crate without a lid": (
+        "Box",
+        {"counts": {"door": 0}, "parts": {"object": {"material": "wooden"}}},
+    ),
+    "2 x 4-drawer filing cabinets": ("FilingCabinet", {"objects": 2, "counts": {"drawer": 4}}),
+    "a nightstand pair": ("StorageFurniture", {"objects": 2}),
     # Styles that a noun implies, and several at once.
     "a rolling tool chest": ("ToolBox", {"style": "rolling"}),
     "a wardrobe with mirrored sliding doors": (
