@@ -2,21 +2,29 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+PACKAGE := $(VENV)/.package
 STAMP := $(VENV)/.installed
 WORKERS ?= 2
 
 # Tests start many Python processes; each would compile all modules anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test lint types wheel examples docs benchmarks clean
+.PHONY: demo test slow-tests lint types wheel examples docs benchmarks clean
 
-demo: $(STAMP)
+demo: $(PACKAGE)
 	$(BIN)/artigen demo -o out/demo
 
 # Workers of two threads each would wait for one another's.
+TESTS = $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal --ignore tests/docs $(PYTEST_FLAGS)
+
 test: export OMP_NUM_THREADS ?= 1
 test: $(STAMP)
-	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal --ignore tests/docs $(PYTEST_FLAGS)
+	$(TESTS) -m "not slow"
+
+# Whole ways: data sets that are killed and go on, training runs, robots that open doors.
+slow-tests: export OMP_NUM_THREADS ?= 1
+slow-tests: $(STAMP)
+	$(TESTS) -m slow
 
 lint: $(STAMP)
 	$(BIN)/ruff format --check .
@@ -38,9 +46,13 @@ docs: $(STAMP)
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 # torch's default wheel brings gigabytes of CUDA; constraints.txt pins a version with a CPU build.
-$(STAMP): pyproject.toml constraints.txt
+$(PACKAGE): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install -q --upgrade pip
+	$(BIN)/python -m pip install -q -c constraints.txt -e .
+	touch $(PACKAGE)
+
+$(STAMP): $(PACKAGE)
 	$(BIN)/python -m pip install -q -c constraints.txt -e '.[dev]'
 	touch $(STAMP)
 

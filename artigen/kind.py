@@ -14,6 +14,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from artigen.plugins import PluginError, find_plugins
+
 Range = tuple[float, float]
 Size = tuple[float, float, float]
 """Three extents (m)."""
@@ -220,10 +222,21 @@ class Kind(Category):
 
 @cache
 def kinds() -> Mapping[str, Kind]:
-    """The kinds of the grammar by name, sorted."""
+    """The kinds of the grammar by name, sorted, with those that extensions add.
+
+    Raises:
+        PluginError: If an extension cannot be loaded or adds a name or a noun that exists.
+    """
     package = import_module("artigen.kinds")
     modules = [import_module(f"{package.__name__}.{found.name}") for found in iter_modules(package.__path__)]
-    records = [module.KIND for module in modules if hasattr(module, "KIND")]
+    records: list[Kind] = [module.KIND for module in modules if hasattr(module, "KIND")]
+    for plugin in find_plugins("artigen.kinds", Kind):
+        added: Kind = plugin.value
+        taken = {word for kind in records for word in (kind.name, *kind.nouns)} & {added.name, *added.nouns}
+        if taken or added.word is not None:
+            said = f"{', '.join(sorted(taken))} exist" if taken else f"word {added.word} is not None"
+            raise PluginError(f"{plugin.origin}: kind {added.name}: {said}; choose others")
+        records.append(added)
     return {kind.name: kind for kind in sorted(records, key=lambda kind: kind.name)}
 
 
@@ -302,7 +315,7 @@ def paper_kinds() -> tuple[str, ...]:
 
 def forget() -> None:
     """Makes the next look-up find kinds that were added or removed since the first."""
-    for found in (kinds, _nouns, _categories, paper_kinds):
+    for found in (kinds, _nouns, _categories, paper_kinds, find_plugins):
         found.cache_clear()
 
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 @dataclass(frozen=True, kw_only=True)
 class EngineChoice:
-    """An engine for checks L5, by its name in `envs.engines.witness.WITNESSES`."""
+    """An engine for checks L5, by its name in `envs.engines.witness.find_witnesses`."""
 
     name: str
     """``mujoco``, ``pybullet``, ``newton``, ...; the list gives the file that each reads."""

@@ -91,5 +91,5 @@ def set_masses(
     masses = {prefix + link.name: link.inertial.mass for link in package.links if link.inertial is not None}
     for link in links:
         if link.name in masses:
-            link.set_inertia(np.asarray(link.inertia) * (masses[link.name] / link.mass))
+            link.set_inertia((np.asarray(link.inertia) * (masses[link.name] / link.mass)).tolist())
             link.set_mass(masses[link.name])

@@ -75,9 +75,9 @@ def validate(folder: Path, cfg: ValidateConfig | None = None, worker: Worker | N
 
 def list_titles() -> dict[str, str]:
     """Ids and titles of the checks L0 to L2."""
-    from sim_export.checks.suite import CHECKS
+    from sim_export.checks.suite import find_checks
 
-    return {spec.id: spec.title for spec in CHECKS}
+    return {spec.id: spec.title for spec in find_checks()}
 
 
 def without_seconds(report: Report) -> Report:

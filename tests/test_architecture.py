@@ -21,6 +21,7 @@ SHARED = {
     "io",
     "errors",
     "kind",
+    "plugins",
     "files",
     "runtime",
     "shapes",
@@ -51,7 +52,7 @@ MODEL_CODE = (
 )
 """The only places where torch is imported."""
 LAYERS = (
-    {"errors", "types", "kind", "transforms", "kinematics", "camera", "io", "weights"},
+    {"errors", "types", "plugins", "kind", "transforms", "kinematics", "camera", "io", "weights"},
     {"files", "runtime"},
     {"voxels"},
     {"shapes"},
@@ -74,7 +75,7 @@ EXPORT_LAYERS = (
     {"geometry"},
     {"motion", "topology"},
     {"physics"},
-    {"collision", "appearance"},
+    {"collision", "appearance", "grasps"},
     {"files", "fingerprint"},
     {"picture"},
     {"checks"},

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from artigen.api.formats import find_exporter
 from artigen.types import Asset, Joint, PartLabel
 
 if TYPE_CHECKING:
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from sim_export.picture.viewpoint import Viewpoint
     from sim_export.report import Report
 
-Format = Literal["package", "usd", "glb", "glb_links"]
 REPORT = "validation.json"
 
 
@@ -161,7 +161,7 @@ class Object:
     def export(
         self,
         folder: Path | str,
-        formats: tuple[Format, ...] = ("package",),
+        formats: tuple[str, ...] = ("package",),
         existing: Literal["refuse", "replace"] = "refuse",
     ) -> "Object":
         """Writes the object and returns it as it lies there.
@@ -171,32 +171,24 @@ class Object:
                 that is on disk is copied with its report.
             formats: ``usd`` adds an OpenUSD asset below ``out/fridge_usd``, ``glb`` a file
                 ``out/fridge.glb``, ``glb_links`` a folder ``out/fridge_glb`` with a URDF that shows every
-                link by one GLB.
+                link by one GLB, ``robosuite`` a fixture ``out/fridge_robosuite/model.xml``; extensions may
+                add others.
             existing: Refuse or replace what is already there.
 
         Raises:
-            PackageError: If a file or folder cannot be written or must not be replaced, or ``usd`` is asked
-                for without usd-core.
+            ArtigenError: If a format is unknown, a file or folder cannot be written or must not be replaced,
+                or ``usd`` is asked for without usd-core.
         """
         from artigen.datasets.packing import read_folder
         from sim_export.files.write import MANIFEST, check_place, package_files, write_files
-        from sim_export.picture.glb import link_glbs, write_glb
-        from sim_export.usd.write import require_usd, write_usd
 
         folder = Path(folder)
+        exporters = [find_exporter(name) for name in formats if name != "package"]
         if "package" in formats:
             check_place(folder, existing)
         package = self.package
-        if "usd" in formats:
-            require_usd()
-            write_usd(package, folder.with_name(f"{folder.name}_usd"), existing)
-        if "glb_links" in formats:
-            beside = folder.with_name(f"{folder.name}_glb")
-            check_place(beside, existing)
-            write_files(link_glbs(package), beside)
-        if "glb" in formats:
-            folder.parent.mkdir(parents=True, exist_ok=True)
-            write_glb(package, folder.with_name(f"{folder.name}.glb"))
+        for write in exporters:
+            write(package, folder, existing)
         if "package" not in formats:
             return self
         lies = self.folder is not None and (self.folder / MANIFEST).is_file()

@@ -10,7 +10,7 @@ from artigen.api.batch import Finished, Laps, Made, Part, run_with_progress, tak
 from artigen.api.grids import GRIDS, make_on_grids
 from artigen.api.names import choose_name
 from artigen.errors import ArtigenError
-from artigen.kind import spell_kind
+from artigen.kind import plurals, spell_kind
 from artigen.runtime.runner import Runner
 from artigen.runtime.workers import Worker
 from artigen.types import PartLabel
@@ -189,15 +189,17 @@ def read_wish(cfg: "ShapeSettings | GenerateSettings") -> "Wish":
 
 
 def read_counts(texts: Sequence[str]) -> tuple[tuple[PartLabel, int], ...]:
-    """Parses counts of parts written as ``label=number``; sorted by label.
+    """Parses counts of parts written as ``label=number``, the label in singular or plural; sorted by label.
 
     Raises:
         ArtigenError: If a text is not of that form, or two texts contradict each other.
     """
     labels: dict[str, PartLabel] = {label: label for label in get_args(PartLabel)}
+    many = {plurals(label)[label]: label for label in labels}
     counts: dict[PartLabel, int] = {}
     for text in texts:
-        label, _, number = text.partition("=")
+        said, _, number = text.partition("=")
+        label = many.get(said, said)
         if label not in labels or not number.isdecimal():
             raise ArtigenError(
                 f"count {text!r} is not of the form label=number; labels are {', '.join(labels)}"

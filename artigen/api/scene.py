@@ -155,7 +155,8 @@ def furnish_room(
 
 
 def read_places(words: Sequence[str]) -> tuple[str, ...]:
-    """The words of an order, with those of YAML files in place of the files; paths are relative to the file.
+    """The words of an order, those between commas one by one, with those of YAML files in place of the files;
+    paths are relative to the file.
 
     Raises:
         ArtigenError: If a file cannot be read or is not a list of texts, or PyYAML is missing.
@@ -164,7 +165,7 @@ def read_places(words: Sequence[str]) -> tuple[str, ...]:
     for word in words:
         path = Path(word)
         if path.suffix not in (".yaml", ".yml"):
-            found.append(word)
+            found += [word] if path.is_dir() else [one.strip() for one in word.split(",") if one.strip()]
             continue
         try:
             listed = need("yaml").safe_load(path.read_text())

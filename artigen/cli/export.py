@@ -1,8 +1,8 @@
-"""`artigen export`: converts an asset folder to a simulation package."""
+"""`artigen export`: writes an asset or a package as a package, or in formats of other simulators."""
 
 import sys
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 import tyro
 
@@ -10,17 +10,24 @@ from artigen.cli.arguments import Out
 
 
 def export(
-    asset: tyro.conf.Positional[Path], out: Out, existing: Literal["refuse", "replace"] = "refuse"
+    asset: tyro.conf.Positional[Path],
+    out: Out,
+    existing: Literal["refuse", "replace"] = "refuse",
+    formats: Annotated[tuple[str, ...], tyro.conf.arg(name="for")] = ("package",),
 ) -> int:
-    """Export an asset of your own (parts, joints and 64^3 voxels) as a package.
+    """Export an asset of your own (parts, joints and 64^3 voxels), or a package, for simulators.
 
     Args:
-        asset: Asset folder (asset.json and arrays) as written by `artigen.io.write_asset`.
-        out: Package folder to write.
-        existing: Refuse or replace a package that is already there.
+        asset: Asset folder (asset.json and arrays) as written by `artigen.io.write_asset`, or a package.
+        out: Package folder to write; other formats lie beside it, such as OUT_usd.
+        existing: Refuse or replace what is already there.
+        formats: package, usd, glb, glb_links, robosuite (a fixture for robosuite and RoboCasa), or one of an
+            extension.
     """
-    from artigen.api.object import open_asset
+    from artigen.api.object import load, open_asset
+    from artigen.io import JSON_NAME
 
-    exported = open_asset(asset).export(out, existing=existing)
-    sys.stdout.write(f"{exported.folder}\n")
+    found = open_asset(asset) if (asset / JSON_NAME).is_file() or not asset.is_dir() else load(asset)
+    exported = found.export(out, formats=formats, existing=existing)
+    sys.stdout.write(f"{exported.folder if 'package' in formats else out}\n")
     return 0

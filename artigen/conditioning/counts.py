@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from artigen.conditioning.numbers import read_count, read_number
 from artigen.conditioning.parse import BETWEEN, Parse, kind_of, say_count, say_features
-from artigen.conditioning.places import Group, find_places, starts_spot
+from artigen.conditioning.places import Group, find_places, match_relation, starts_spot
 from artigen.conditioning.sentence import Placing, TextError
 from artigen.conditioning.vocabulary import ADJECTIVES, GRIDS, ONES, PART_NOUNS, PARTS, SCALES
 from artigen.types import PART_LABELS
@@ -108,8 +108,11 @@ def _read_rest(parse: Parse, at: int, groups: Sequence[Group]) -> Group | None:
         )
     while end < len(words) and words[end] in {*ADJECTIVES, *SCALES}:  # "two small on top"
         end += 1
+    related = match_relation(words, end) or (
+        groups[-1].end < at and match_relation(words, groups[-1].end) == at
+    )
     again = end < len(words) and words[end] in ONES and words[at] not in ONES  # "two small ones"
-    if not again and not starts_spot(words, end):
+    if not again and not related and not starts_spot(words, end):
         return None
     return Group(start=at, end=end + again, label=label, count=number[0], counted=number[1])
 

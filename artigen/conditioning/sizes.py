@@ -150,12 +150,13 @@ def _read_plain_product(words: tuple[str, ...], at: int) -> list[tuple[list[floa
 
 def find_axes(kind: Kind, lengths: Sequence[float]) -> tuple[Axis, ...] | None:
     """What lengths (m) without a direction measure: a single one the width of furniture and appliances, and
-    of others what their kind is measured by; two the width and the depth, or else the height; three all.
+    of others that or the height, the larger one; two the width and the depth, or else the height; three all.
 
     None where the kind has no such sizes.
     """
     spans = dict(zip(AXES, kind.sizes, strict=True))
-    tall = kind.trade not in ("furniture", "appliance") and {rule.extent for rule in kind.size} == {"height"}
+    middles = {axis: sum(span) for axis, span in spans.items()}
+    tall = kind.trade not in ("furniture", "appliance") and middles["height"] > middles["width"]
     single: tuple[Axis, ...] = ("height", "width") if tall else ("width", "height")
     orders: list[tuple[Axis, ...]] = [(axis,) for axis in single]
     if len(lengths) == len(AXES):

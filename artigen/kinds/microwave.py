@@ -41,6 +41,7 @@ SUNK = 0.012
 LEAST_GRILLE = 0.04
 """Height (m) in which two slots have room."""
 
+
 @dataclass(frozen=True, kw_only=True)
 class _Plan:
     """Layout of the parts (m)."""

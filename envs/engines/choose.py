@@ -4,14 +4,14 @@ from pathlib import Path
 
 from artigen.errors import ArtigenError
 from envs.config import EngineChoice
-from envs.engines.witness import WITNESSES
+from envs.engines.witness import find_witnesses
 
 
 def choose_engines(names: str, pythons: tuple[str, ...]) -> tuple[EngineChoice, ...]:
     """Parses comma-separated engine names, and interpreters given as ``NAME=PATH``.
 
     Args:
-        names: Names in `envs.engines.witness.WITNESSES`, such as ``mujoco,newton``.
+        names: Names of `envs.engines.witness.find_witnesses`, such as ``mujoco,newton``.
         pythons: Interpreters of environments that have an engine, such as ``newton=/path/to/python``.
 
     Raises:
@@ -19,9 +19,10 @@ def choose_engines(names: str, pythons: tuple[str, ...]) -> tuple[EngineChoice, 
             engine.
     """
     asked = [name.strip() for name in names.split(",") if name.strip()]
-    unknown = [name for name in asked if name not in WITNESSES]
+    known = find_witnesses()
+    unknown = [name for name in asked if name not in known]
     if unknown:
-        raise ArtigenError(f"unknown engine {', '.join(unknown)}: expected {', '.join(WITNESSES)}")
+        raise ArtigenError(f"unknown engine {', '.join(unknown)}: expected {', '.join(known)}")
     paths: dict[str, str] = {}
     for entry in pythons:
         name, _, path = entry.partition("=")

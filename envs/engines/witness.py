@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Literal
 
+from artigen.plugins import PluginError, find_plugins
 from sim_export.errors import PackageError
 from sim_export.report import CheckResult
 
@@ -25,7 +26,11 @@ FILES = {"urdf": "mobility.urdf", "mjcf": "mobility.mjcf.xml"}
 
 @dataclass(frozen=True, kw_only=True)
 class Witness:
-    """An engine: its runner, the file of the package that it reads, and the package to install."""
+    """An engine: its runner, the file of the package that it reads, and the package to install.
+
+    The runner is a file in ``runners``; that of an extension is an absolute path, and may import
+    ``harness`` as those do.
+    """
 
     runner: str
     file: Literal["urdf", "mjcf"]
@@ -40,6 +45,20 @@ WITNESSES = {
     "newton": Witness(runner="run_newton.py", file="mjcf", install="newton[sim,importers]"),
     "newton-urdf": Witness(runner="run_newton.py", file="urdf", install="newton[sim,importers]"),
 }
+
+
+def find_witnesses() -> dict[str, Witness]:
+    """`WITNESSES`, and behind them those that extensions add.
+
+    Raises:
+        PluginError: If an extension cannot be loaded, or names an engine that exists.
+    """
+    found = dict(WITNESSES)
+    for plugin in find_plugins("artigen.engines", Witness):
+        if plugin.name in found:
+            raise PluginError(f"{plugin.origin}: engine {plugin.name!r} exists already; name it otherwise")
+        found[plugin.name] = plugin.value
+    return found
 
 
 def ask_engines(folder: Path, engines: tuple[EngineChoice, ...], timeout: float) -> tuple[CheckResult, ...]:
@@ -59,7 +78,7 @@ def not_asked(engines: tuple[EngineChoice, ...], reason: str) -> tuple[CheckResu
 
 
 def _ask(plan: EnginePlan, engine: EngineChoice, timeout: float) -> tuple[CheckResult, ...]:
-    witness = WITNESSES[engine.name]
+    witness = find_witnesses()[engine.name]
     if not (Path(plan.folder) / FILES[witness.file]).is_file():
         return _skipped(engine.name, f"the package has no {FILES[witness.file]}")
     answer = run_engine(plan, engine, timeout)
@@ -82,13 +101,14 @@ def run_engine(
     ``extra`` adds to the plan: ``as_loaded`` skips what runners restore after loading, ``bisect`` also
     measures the effort at which each joint starts to move.
     """
-    witness = WITNESSES[engine.name]
+    witness = find_witnesses()[engine.name]
     asked = asdict(plan) | {"file": witness.file} | (extra or {})
     # Runners import from their own environment only; SAPIEN's is this one and also needs this project.
     environment = dict(os.environ)
-    if engine.name == "sapien":
-        paths = [str(PROJECT), *filter(None, [environment.get("PYTHONPATH")])]
-        environment["PYTHONPATH"] = os.pathsep.join(paths)
+    paths = [str(PROJECT)] if engine.name == "sapien" else []
+    paths += [str(RUNNERS)] if Path(witness.runner).is_absolute() else []
+    if paths:
+        environment["PYTHONPATH"] = os.pathsep.join([*paths, *filter(None, [environment.get("PYTHONPATH")])])
     with tempfile.TemporaryDirectory() as scratch:
         file = Path(scratch) / "plan.json"
         file.write_text(json.dumps(asked))

@@ -3,6 +3,7 @@
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
+from artigen.plugins import PluginError, find_plugins
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.files import FILE_CHECKS
 from sim_export.checks.geometry import GEOMETRY_CHECKS
@@ -23,6 +24,24 @@ CHECKS: tuple[CheckSpec, ...] = tuple(
 )
 
 
+def find_checks() -> tuple[CheckSpec, ...]:
+    """`CHECKS`, and behind them those that extensions add.
+
+    Raises:
+        PluginError: If an extension cannot be loaded, or its check has an id that exists or a level above L2.
+    """
+    added = find_plugins("artigen.checks", CheckSpec)
+    ids = {spec.id for spec in CHECKS}
+    for plugin in added:
+        if plugin.value.id in ids or plugin.value.level not in STATIC_LEVELS:
+            raise PluginError(
+                f"{plugin.origin}: check {plugin.value.id} of {plugin.value.level}: expected an id that is "
+                f"not taken, such as ACME001, and one of {', '.join(STATIC_LEVELS)}"
+            )
+        ids.add(plugin.value.id)
+    return (*CHECKS, *(plugin.value for plugin in added))
+
+
 def run_checks(
     folder: Path | Subject,
     levels: Sequence[Level] = STATIC_LEVELS,
@@ -38,6 +57,6 @@ def run_checks(
         cfg: Thresholds; the documented ones by default.
         only: Ids of the checks to run; all of these levels by default.
     """
-    specs = [spec for spec in CHECKS if spec.level in levels and (only is None or spec.id in only)]
+    specs = [spec for spec in find_checks() if spec.level in levels and (only is None or spec.id in only)]
     subject = folder if isinstance(folder, Subject) else Subject(folder)
     return run_specs(specs, subject, CheckConfig() if cfg is None else cfg)

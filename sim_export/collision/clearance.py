@@ -24,6 +24,7 @@ from sim_export.collision.relief import (
 )
 from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.geometry.hulls import replace_hulls
+from sim_export.geometry.solids import as_solid
 from sim_export.motion.kinematics import (
     driven_joints,
     link_displacements,
@@ -194,11 +195,12 @@ def _clear_joint(
                 mine, theirs = work.hulls[a][i], work.hulls[b][j]
                 if mine is None or theirs is None or (a, i, b, j) in stuck:
                     continue
+                hidden = (as_solid(mine) ^ as_solid(theirs)).volume()  # nothing can touch it, so it may go
                 pair = OverlappingPair(
                     hulls=(mine, theirs),
                     poses=(T[poses, a], T[poses, b]),
                     volumes=(work.volumes[a][i], work.volumes[b][j]),
-                    allowances=(work.allowance(a, i), work.allowance(b, j)),
+                    allowances=(work.allowance(a, i, hidden), work.allowance(b, j, hidden)),
                     least=(work.end(a, i), work.end(b, j)),
                     slivers=(work.is_sliver(a, i), work.is_sliver(b, j)),
                     room=(work.room(a), work.room(b)),

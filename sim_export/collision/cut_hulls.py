@@ -118,12 +118,15 @@ class CutHulls:
         most = min(MOST_OF_LINK, self.slots[link] + int(MAX_GROWTH * len(self.links[link].hulls)))
         return max(most - self.count(link), 0)
 
-    def allowance(self, link: int, slot: int) -> float:
-        """Volume (m^3) that cuts may take from a hull: much of it, or little of its link; none of a wheel."""
+    def allowance(self, link: int, slot: int, hidden: float = 0.0) -> float:
+        """Volume (m^3) that cuts may take from a hull: much of it, or little of its link; none of a wheel.
+
+        What is ``hidden`` (m^3) in another hull does not count.
+        """
         if self._is_round(link):
             return 0.0
-        least = self.least(link) if self._is_small(link, slot) else 0.0
-        return max(MAX_REMOVED * self.volumes[link][slot], least)
+        least, volume = self.least(link) if self._is_small(link, slot) else 0.0, self.volumes[link][slot]
+        return max(hidden + MAX_REMOVED * max(volume - hidden, 0.0), least)
 
     def least(self, link: int) -> float:
         """Volume (m^3) that cuts may take from a hull of a link however large it is: next to nothing."""

@@ -37,7 +37,7 @@ from sim_export.geometry.sampling import sample_triangles
 from sim_export.geometry.solids import make_manifold, solid_arrays
 from sim_export.motion.kinematics import Sweep, read_sweeps
 from sim_export.package import Hull, Link, Mesh, Requirement, Visual
-from sim_export.physics.standing import MARGIN, center_of_mass, depth_of_mass
+from sim_export.physics.standing import center_of_mass, depth_of_mass, stable_margin
 
 # Lengths in metres.
 FAR = 0.06
@@ -57,8 +57,6 @@ MOST = 8
 """Most feet of a link; the largest stay."""
 NEIGHBOURS = 4
 """Hulls near a foot that are tried for it to grow out of, where the body has no hull left to give."""
-MARGIN_SHARE = 0.02
-"""`MARGIN` over the smaller side of the object's floor plan, where this is less."""
 MAX_HEIGHT = 0.2
 """Height of feet over that of the object, at most."""
 WIDTH = 0.024
@@ -215,7 +213,7 @@ def level_object(
     sets = [HullSet(hulls=link.hulls) for link in links]
     low, high = _bounds(sets)
     rolling = any(link.label == "wheel" for link in links)
-    margin = min(MARGIN, MARGIN_SHARE * float((high - low)[:2].min()))
+    margin = stable_margin(np.stack([low, high]))
     if _depth_of_mass(links, sets) >= (0.0 if rolling else margin):
         return unchanged
     sweeps = read_sweeps(links, joints, requirements)

@@ -19,7 +19,7 @@ from sim_export.collision.feet import add_feet, find_tips
 from sim_export.mend.source import as_mesh
 from sim_export.package import HandleAnnotation, Hull, Link, Mesh, SimPackage, Visual
 from sim_export.physics.resistance import resist_joints
-from sim_export.physics.standing import DOWN, MARGIN, center_of_mass, depth_of_mass, must_stand
+from sim_export.physics.standing import DOWN, center_of_mass, depth_of_mass, must_stand, stable_margin
 from sim_export.picture.draw import visual_meshes
 
 FARTHEST = 30.0
@@ -42,7 +42,7 @@ def stand_on_side(package: SimPackage) -> SimPackage:
     for normal in normals[np.argsort(_angles(normals), kind="stable")]:
         side = _roll(sides, com, normal)
         angle = float(_angles(side))
-        if angle <= FARTHEST and depth_of_mass(points, com, side) >= MARGIN:
+        if angle <= FARTHEST and depth_of_mass(points, com, side) >= stable_margin(points):
             break
     else:
         return package

@@ -13,6 +13,8 @@ TOUCHING = 2e-3
 """Height (m) above the floor up to which a point counts as standing on it."""
 MARGIN = 0.01
 """Least distance (m) of the centre of mass from the edges of the area that an object stands on."""
+MARGIN_SHARE = 0.02
+"""The same over the smaller side of the object's floor plan, where this is less."""
 DOWN = np.array([0.0, 0.0, -1.0])
 
 
@@ -20,6 +22,11 @@ def must_stand(category: str) -> bool:
     """Whether objects of this category must stand on their own; those of unknown categories must."""
     known = find_category(category)
     return known is None or known.stands == "free"
+
+
+def stable_margin(points: Float[np.ndarray, "N 3"]) -> float:
+    """How far (m) the centre of mass of an object of these points should lie inside of what it stands on."""
+    return min(MARGIN, MARGIN_SHARE * float(np.ptp(points[:, :2], axis=0).min()))
 
 
 def center_of_mass(links: Sequence[Link]) -> Float[np.ndarray, "3"]:

@@ -1,13 +1,18 @@
 """docs/how-to/engines.md: its blocks are Python, and run where their engine is installed."""
 
 import importlib.util
+import os
 import re
+import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 from project import ROOT
 
+from artigen.api.demos import DemoSettings, make_demos
+from artigen.api.formats import write_fixture
+from artigen.runtime.runner import choose_runner
 from artigen.shapes.draw import draw_shape, draw_variant, find_seed
 from envs.validate import validate
 from sim_export.files.folders import find_packages
@@ -23,11 +28,13 @@ BLOCKS = {
 }
 NEEDS = {
     "MuJoCo": "mujoco",
+    "MJX": "mujoco.mjx",
     "SAPIEN": "sapien",
     "ManiSkill": "mani_skill",
     "PyBullet": "pybullet",
     "Newton": "newton",
-    "RoboCasa": "mujoco",
+    "robosuite": "robosuite",
+    "LeRobot": "lerobot",
 }
 """What must be installed for a section's blocks; those of other sections are only compiled."""
 
@@ -41,12 +48,15 @@ def cabinets(tmp_path_factory: pytest.TempPathFactory) -> Path:
     build = describe_build(first)
     other = draw_variant("StorageFurniture", seed, 0, lambda shape: describe_build(shape) == build)
     for number, drawn in enumerate((first, other)):
-        write_package(build_reference(drawn), folder / "out" / "cabinets" / f"StorageFurniture_{number}")
+        package = build_reference(drawn)
+        write_package(package, folder / "out" / "cabinets" / f"StorageFurniture_{number}")
+        if not number:
+            write_fixture(package, folder / "out" / "cabinet", "refuse")
     return folder
 
 
 def test_every_engine_has_ten_lines_or_so():
-    assert len({section for section, _ in BLOCKS}) == 10
+    assert len({section for section, _ in BLOCKS}) == 12
     assert set(NEEDS) < {section for section, _ in BLOCKS}
     for (section, _), block in BLOCKS.items():
         compile(block, section, "exec")
@@ -56,9 +66,28 @@ def test_every_engine_has_ten_lines_or_so():
 @pytest.mark.sim
 @pytest.mark.parametrize(("section", "number"), [key for key in BLOCKS if key[0] in NEEDS])
 def test_what_is_marked_so_runs(cabinets: Path, monkeypatch: pytest.MonkeyPatch, section: str, number: int):
-    if importlib.util.find_spec(NEEDS[section]) is None:
-        pytest.skip(f"no module {NEEDS[section]} here: its block in {PAGE.name} was not run")
+    variable = f"{section.upper()}_PYTHON"
+    other = os.environ.get(variable)
+    if importlib.util.find_spec(NEEDS[section]) is None and other is None:
+        pytest.skip(f"no module {NEEDS[section]} here, and no {variable}: a block of {PAGE.name} was not run")
     monkeypatch.chdir(cabinets)
+    if section == "LeRobot":
+        cfg = DemoSettings(part="drawer", pictures="none", validation="any")
+        out = cabinets / "out"
+        make_demos(
+            "ArtiGen-OpenPart-v1",
+            out / "cabinets",
+            1,
+            out / "demos",
+            runner=choose_runner("local", 0),
+            cfg=cfg,
+        )
+    if other is not None:
+        command = [other, "-c", BLOCKS[section, number]]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr[-2000:]
+        assert float(re.findall(r"open by ([0-9.]+)", done.stdout)[-1]) > 0.05
+        return
     if section == "ManiSkill":  # takes packages that passed, and says so of others
         assert all(validate(folder).passed for folder in find_packages([cabinets / "out" / "cabinets"]))
     names: dict = {"__name__": "page"}
@@ -66,30 +95,31 @@ def test_what_is_marked_so_runs(cabinets: Path, monkeypatch: pytest.MonkeyPatch,
     opened = {
         ("MuJoCo", 0): lambda: names["data"].qpos[0],
         ("MuJoCo", 1): lambda: names["states"][:, -1, 1 : 1 + names["models"][0].nq].max(axis=1).min(),
+        ("MJX", 0): lambda: names["data"].qpos[:, 0].min(),
         ("SAPIEN", 0): lambda: names["cabinet"].positions()["joint_0"],
         ("ManiSkill", 0): lambda: float(np.isfinite(names["reward"].numpy()).all()),
         ("PyBullet", 0): lambda: names["p"].getJointState(names["body"], 0)[0],
         ("Newton", 0): lambda: names["now"].joint_q.numpy().max(),
-        ("RoboCasa", 0): lambda: float(open_fixture(names["folder"] / "model.xml")),
+        ("robosuite", 0): lambda: names["data"].qpos[0],
+        ("LeRobot", 0): lambda: names["opened"],
     }
     assert opened[section, number]() > 0.05
 
 
-def open_fixture(file: Path) -> float:
-    """How far (m) the first drawer of a fixture comes out towards -y, its front; 0 if its box is none."""
-    import mujoco
-
-    model = mujoco.MjModel.from_xml_path(str(file))
+def test_a_fixture_has_its_front_towards_minus_y_and_marks_its_box(cabinets: Path):
+    mujoco = pytest.importorskip("mujoco")
+    model = mujoco.MjModel.from_xml_path(str(cabinets / "out" / "cabinet_robosuite" / "model.xml"))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     corner = {name: data.site(f"ext_{name}").xpos.copy() for name in ("p0", "px", "py", "pz")}
-    sizes = [corner[name][axis] - corner["p0"][axis] for axis, name in enumerate(("px", "py", "pz"))]
-    if min(sizes) <= 0.0:
-        return 0.0
+    assert all(corner[name][axis] > corner["p0"][axis] for axis, name in enumerate(("px", "py", "pz")))
+    assert data.site("top_site").xpos[2] - data.site("bottom_site").xpos[2] == pytest.approx(
+        corner["pz"][2] - corner["p0"][2]
+    )
     before = data.body("link_0").xpos[1]
     data.joint("joint_0").qpos[0] = 0.1
     mujoco.mj_forward(model, data)
-    return before - data.body("link_0").xpos[1]
+    assert before - data.body("link_0").xpos[1] == pytest.approx(0.1, abs=1e-6)
 
 
 def test_cabinets_have_one_structure_in_usd(cabinets: Path):

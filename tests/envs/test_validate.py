@@ -44,6 +44,7 @@ class DoomedWorker(Worker):
         return super().call(self.action, self.argument, self.timeout)
 
 
+@pytest.mark.slow
 def test_the_report_is_written_and_the_same_every_time(folder):
     worker = Worker()
     try:
@@ -64,6 +65,7 @@ def test_the_report_is_written_and_the_same_every_time(folder):
     assert "not installed" not in dict(report.versions).values()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("action", "argument", "timeout", "reason", "stopped"),
     [

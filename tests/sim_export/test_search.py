@@ -16,6 +16,8 @@ from sim_export.checks.suite import run_checks
 from sim_export.errors import DegeneratePart
 from sim_export.search import COLLISION_CHECKS, HullPlan, Judgement, refine_plan, search_hulls
 
+pytestmark = pytest.mark.slow
+
 USUAL, VOXELS = HullPlan(), HullPlan(target="voxels")
 
 

@@ -26,6 +26,7 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
+@pytest.mark.slow
 def test_scenes_share_packages_are_resumed_counted_and_packed(library: Path, tmp_path: Path):
     def run(count: int, part: Part | None = None) -> str:
         return make_scenes(

@@ -18,6 +18,7 @@ def test_exact_objects_are_made_once(monkeypatch):
     assert export_and_validate(Worker(), ShapeJob(category="Cart", seed=0, out=Path("out"))) is failed
 
 
+@pytest.mark.slow
 def test_a_thin_part_is_as_thick_as_drawn_within_half_a_cell():
     """The screen of a laptop is thinner than two cells of the coarsest grid."""
     drawn = draw_shape("Laptop", 0)

@@ -31,6 +31,7 @@ def run(tmp_path_factory) -> tuple[Path, Path, int]:
     return base / "sources", base / "out", code
 
 
+@pytest.mark.slow
 def test_a_broken_source_is_one_sentence_and_the_others_are_done(run):
     _, out, code = run
     journal = read_journal(out)
@@ -44,6 +45,7 @@ def test_a_broken_source_is_one_sentence_and_the_others_are_done(run):
     assert "\n" not in error
 
 
+@pytest.mark.slow
 def test_a_rerun_does_only_what_is_missing(run, tmp_path):
     sources, out, _ = run
     before = (out / "good" / "mobility.urdf").stat().st_mtime_ns
@@ -76,6 +78,7 @@ def test_journal_lines_survive_a_round_trip(tmp_path):
     assert read_journal(tmp_path)["a"] == line
 
 
+@pytest.mark.slow
 def test_validate_says_what_failed_and_exits_with_it(run, tmp_path, capsys):
     _, out, _ = run
     assert validate((out / "good",), tmp_path / "all.json") == 0
@@ -89,6 +92,7 @@ def test_validate_says_what_failed_and_exits_with_it(run, tmp_path, capsys):
     assert validate((tmp_path / "nothing",)) == 2
 
 
+@pytest.mark.slow
 def test_an_asset_folder_becomes_a_package(cabinet, tmp_path):
     write_asset(cabinet, tmp_path / "asset")
     assert export(tmp_path / "asset", tmp_path / "package") == 0

@@ -25,6 +25,8 @@ from artigen.datasets.verify import verify_dataset
 from artigen.errors import ArtigenError
 from artigen.runtime.workers import Worker
 
+pytestmark = pytest.mark.slow
+
 RECIPE = """
 name: tiny
 objects:

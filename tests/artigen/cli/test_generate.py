@@ -181,6 +181,7 @@ def latent(
     return GenerateJob(model=folder, category=SHAPE.category, seed=9, out=tmp_path, cfg=settings)
 
 
+@pytest.mark.slow
 def test_a_latent_package_has_gaussians_on_the_meshes_of_its_links_or_none(latent: GenerateJob):
     made, folder = generate_object(latent), latent.out / latent.key
     package = read_package(folder)
@@ -223,7 +224,10 @@ def test_a_part_without_painted_surface_is_named(latent: GenerateJob, monkeypatc
         ({"category": "Oven", "cfg": GenerateSettings(counts=("door",))}, "label=number"),
         ({"category": "Oven", "count": 0}, "at least one"),
         ({"category": "Oven", "workers": -1}, "-1"),
-        ({"category": "Oven", "cfg": GenerateSettings(counts=("door=1", "door=2"))}, "contradict each other"),
+        (
+            {"category": "Oven", "cfg": GenerateSettings(counts=("door=1", "doors=2"))},
+            "contradict each other",
+        ),
         ({"category": "Oven", "cfg": GenerateSettings(counts=("base=2",))}, "2 parts called base"),
         ({"category": "Oven", "cfg": GenerateSettings(height=-1.0)}, "height -1 m"),
         ({"category": "Oven", "cfg": GenerateSettings(width=float("nan"))}, "width nan m"),

@@ -11,6 +11,7 @@ from artigen.cli.restyle import restyle
 from artigen.errors import ArtigenError
 
 
+@pytest.mark.slow
 def test_the_command_writes_packages_that_differ_in_their_looks(tmp_path: Path, capsys):
     cabinet = artigen.sample("StorageFurniture", 3)
     cabinet.export(tmp_path / "cabinet")

@@ -41,6 +41,8 @@ from artigen.train.settings import TrainSettings
 from artigen.types import Asset
 from artigen.weights import SHIPPED
 
+pytestmark = pytest.mark.slow
+
 SETTINGS = TrainSettings(preset="tiny", minutes=0.02, shards=1, held_out=1, objects=2, real_share=0.25)
 
 

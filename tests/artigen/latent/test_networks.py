@@ -112,6 +112,7 @@ def test_dice_is_one_minus_the_overlap():
     assert float(dice_loss(said, truth, torch.ones(1, 4))) == pytest.approx(1 - 3 / 5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "cfg", [TINY.vae, ConvVaeConfig(channels=(4, 8, 8), res_blocks=1, middle_blocks=1)], ids=["patch", "conv"]
 )

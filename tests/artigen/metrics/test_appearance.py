@@ -38,6 +38,8 @@ from artigen.train.settings import TrainSettings
 from artigen.types import SurfaceSamples
 from artigen.weights import SHIPPED
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def pictures() -> torch.Tensor:

@@ -125,6 +125,7 @@ def paper(monkeypatch: pytest.MonkeyPatch) -> StructurePreset:
     return preset
 
 
+@pytest.mark.slow
 def test_a_flow_is_trained_from_a_public_checkpoint_with_public_encoders(
     paper: StructurePreset, folder: Path, tmp_path: Path
 ):

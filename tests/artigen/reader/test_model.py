@@ -59,6 +59,7 @@ def test_a_description_of_something_else_is_refused(tmp_path: Path):
         load_reader(tmp_path)
 
 
+@pytest.mark.slow
 def test_kinds_that_features_tell_apart_are_learned_though_some_are_rare():
     network, generator = KindNetwork("lite0"), torch.Generator().manual_seed(0)
     centers = torch.randn(3, 1280, generator=generator)

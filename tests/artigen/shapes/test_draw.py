@@ -68,6 +68,7 @@ def test_counts_out_of_all_proportion_are_given_up_early():
         draw_shape("Box", 0, Wish(counts=(("drawer", 2),)))  # none has one
 
 
+@pytest.mark.slow
 def test_lengths_that_hold_no_layout_are_drawn_again_unless_they_are_wished_for():
     drawn = draw_shape("StorageFurniture", 10106)  # the first lengths of this seed hold none
     assert len(drawn.parts) > 1

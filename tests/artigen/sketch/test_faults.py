@@ -606,6 +606,7 @@ DEFECTS: dict[str, Callable[[], Shape]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("defect", list(DEFECTS))
 def test_checks_of_the_package_agree(defect: str, tmp_path: Path):
     shape = DEFECTS[defect]()

@@ -169,6 +169,7 @@ def test_maps_that_are_true_cost_less_than_maps_that_miss(photos: PhotoBatch):
         assert float(reading_losses(said, photos)[name]) > float(best[name]) + 1e-4
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_where_it_was_and_its_model_loads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("artigen.train.sketch.SHARD", 1)
     monkeypatch.setattr("artigen.train.sketch.MEASURED", 3)

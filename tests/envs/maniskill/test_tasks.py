@@ -72,6 +72,7 @@ def test_a_robot_touches_every_link(folder, name, robot):
     env.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "robot"),
     [(name, robot) for name in OURS for robot in ("panda", "fetch")] + [(name, "fetch") for name in STOCK],
@@ -89,6 +90,7 @@ def test_resets_and_random_steps_stay_finite(folder, name, robot):
     env.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OURS)
 def test_equal_seeds_stay_in_lock_step(folder, name):
     first, second = make(name, folder), make(name, folder)
@@ -212,6 +214,7 @@ def test_the_solver_opens_a_drawer_and_its_demonstration_is_kept(folder, tmp_pat
     assert not any(success[:-1])
 
 
+@pytest.mark.slow
 def test_the_solver_puts_a_cube_into_a_drawer(folder):
     env = make("ArtiGen-PutInside-v1", folder, part="drawer", control_mode="pd_joint_pos")
     outcome = solve_put_inside(env, 0)

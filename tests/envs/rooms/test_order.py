@@ -118,6 +118,10 @@ def test_the_least_length_is_that_of_the_widths():
     assert least_length(order) == pytest.approx(1.4, abs=0.02)
 
 
+def test_units_may_be_one_word_with_commas():
+    assert read_places(("fridge, sink:0.8,2*oven",)) == ("fridge", "sink:0.8", "2*oven")
+
+
 def test_numbers_and_files_list_units(tmp_path: Path):
     (tmp_path / "order.yaml").write_text("- fridge\n- 2*cupboard:0.6\n- 'oven'\n")
     words = read_places(("sink", str(tmp_path / "order.yaml")))

@@ -436,13 +436,13 @@ def test_a_cap_keeps_a_tenth_of_a_millimetre_from_its_neck_and_other_parts_one(g
 
 @pytest.mark.parametrize(("shared", "freed"), [(0.0042, True), (0.0046, False)])
 def test_sheets_in_one_plane_are_cut_along_their_edges(shared, freed):
-    """Strips 8.3 mm wide that share some of it: a cut takes that and the gap of 1 mm, and up to 65 %."""
-    width = 0.0083
+    """Strips 8.3 mm wide come to share some of it: a cut takes that and the gap of 1 mm, and up to 65 %."""
+    width, apart = 0.0083, 0.002
     links = [
         make_link("body", box((0.0, 0.0, 0.0), (width, 0.3, 0.002))),
-        make_link("lid", box((width - shared, 0.0, 1e-4), (2.0 * width - shared, 0.3, 0.0021))),
+        make_link("lid", box((width + apart, 0.0, 1e-4), (2.0 * width + apart, 0.3, 0.0021))),
     ]
-    joints = [make_joint("lid", "revolute", (0, 1, 0), (0, 0, 0), 1e-4)]
+    joints = [make_joint("lid", "prismatic", (-1, 0, 0), (0, 0, 0), apart + shared)]
     done = clear_joints(links, joints, sheets=True)
     assert (not done.residuals) == freed
     assert (deepest(done.links, done.joints, ()) == {"joint_lid": 0.0}) == freed

@@ -153,7 +153,9 @@ def test_two_hulls_are_cut_at_eleven_places_at_most(places, freed):
     assert is_freed(pair_of(disc, bar, poses=poses)) is freed
 
 
-def is_cleared(hulls: tuple[Hull, ...], wheel: Hull, *, sheets: bool = False) -> bool:
+def is_cleared(
+    hulls: tuple[Hull, ...], wheel: Hull, *, sheets: bool = False, axis=(1.0, 0.0, 0.0), upper: float = 0.004
+) -> bool:
     """Whether a drawer of some hulls is cut free of a wheel, which stays as it is; 1 m are the longest."""
     links = [
         Link(name=name, label=name, parts=(name,), visuals=(), hulls=own, inertial=None)
@@ -161,16 +163,21 @@ def is_cleared(hulls: tuple[Hull, ...], wheel: Hull, *, sheets: bool = False) ->
     ]
     joint = Joint(
         name="slide", type="prismatic", parent="wheel", child="drawer",
-        origin=np.zeros(3), axis=np.array([1.0, 0.0, 0.0]), lower=0.0, upper=0.004,
+        origin=np.zeros(3), axis=np.array(axis), lower=0.0, upper=upper,
     )  # fmt: skip
     return clear_joints(links, [joint], sheets=sheets).residuals == ()
 
 
-@pytest.mark.parametrize(("share", "cleared"), [(0.64, True), (0.66, False)])
-def test_cuts_take_up_to_0_65_of_a_hull(share, cleared):
-    """The last cut that is tried leaves a gap of 1 mm."""
-    depth = share * 0.04 - 0.001
-    assert is_cleared((box((0, 0, 0), (1, 1, 0.04)),), box((0, 0, 0.04 - depth), (1, 1, 0.2))) is cleared
+@pytest.mark.parametrize(
+    ("share", "hidden", "cleared"),
+    [(0.64, 0.0, True), (0.66, 0.0, False), (0.66, 0.1, True), (0.7, 0.1, False)],
+)
+def test_cuts_take_up_to_0_65_of_a_hull_and_what_is_hidden_at_rest(share, hidden, cleared):
+    """A board of 40 mm that rises into a wheel; the last cut that is tried leaves a gap of 1 mm."""
+    depth, sunk = share * 0.04 - 0.001, hidden * 0.04
+    wheel = box((0, 0, 0.04 - sunk), (1, 1, 0.2))
+    board = (box((0, 0, 0), (1, 1, 0.04)),)
+    assert is_cleared(board, wheel, axis=(0.0, 0.0, 1.0), upper=depth - sunk) is cleared
 
 
 def beside_a_box(volume: float, length: float = 0.2) -> tuple[Hull, Hull]:

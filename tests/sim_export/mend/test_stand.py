@@ -8,8 +8,9 @@ import pytest
 from artigen.transforms import rotation_about
 from artigen.types import Joint
 from sim_export.geometry.hulls import box_hull, convex_hull
-from sim_export.mend.stand import MARGIN, stand_on_side
+from sim_export.mend.stand import stand_on_side
 from sim_export.package import Inertial, Link, Mesh, SimPackage, Visual
+from sim_export.physics.standing import stable_margin
 
 TILT_AXIS = np.array([0.0, 1.0, 0.0])
 
@@ -105,9 +106,10 @@ def test_what_needs_more_than_thirty_degrees_stays(degrees, turns):
     assert (stand_on_side(before) is not before) == turns
 
 
-@pytest.mark.parametrize(("inside", "turns"), [(MARGIN + 1e-3, True), (MARGIN - 1e-3, False)])
-def test_it_comes_to_stand_on_no_side_that_hardly_carries_it(inside, turns):
-    before = tilted(20.0, com=(-0.5 + inside, 0.0, 0.0))
+@pytest.mark.parametrize(("beyond", "turns"), [(1e-3, True), (-1e-3, False)])
+def test_it_comes_to_stand_on_no_side_that_hardly_carries_it(beyond, turns):
+    corners = np.concatenate([hull.vertices for link in tilted(20.0).links for hull in link.hulls])
+    before = tilted(20.0, com=(-0.5 + stable_margin(corners) + beyond, 0.0, 0.0))
     assert (stand_on_side(before) is not before) == turns
 
 

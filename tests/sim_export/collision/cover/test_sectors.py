@@ -141,6 +141,7 @@ def test_sectors_together_are_the_surface_and_each_lies_within_its_angle():
     np.testing.assert_allclose(areas, np.mean(areas), rtol=0.05)
 
 
+@pytest.mark.slow
 def test_by_sectors_fewer_hulls_follow_a_bottle_more_closely(monkeypatch):
     walls = np.concatenate([turned(sides=48), 0.97 * turned(sides=48)[:, ::-1]])
 

@@ -1,0 +1,84 @@
+"""Formats of export beside the package, by name: those of this project and of extensions."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import FunctionType
+from typing import TYPE_CHECKING, Literal
+
+from artigen.errors import ArtigenError
+from artigen.plugins import find_plugins
+
+if TYPE_CHECKING:
+    from sim_export.package import SimPackage
+
+Existing = Literal["refuse", "replace"]
+Exporter = Callable[["SimPackage", Path, Existing], Path]
+"""Writes a package for ``out/fridge`` beside it, such as to ``out/fridge_usd``; returns the main file."""
+
+
+def find_exporters() -> Mapping[str, Exporter]:
+    """Every format by name, sorted."""
+    found = {
+        "glb": write_glb_file,
+        "glb_links": write_glb_links,
+        "robosuite": write_fixture,
+        "usd": write_usd_asset,
+    }
+    for plugin in find_plugins("artigen.exporters", FunctionType):
+        if plugin.name in found:
+            raise ArtigenError(
+                f"{plugin.origin}: export format {plugin.name!r} exists already; name it otherwise"
+            )
+        found[plugin.name] = plugin.value
+    return dict(sorted(found.items()))
+
+
+def find_exporter(name: str) -> Exporter:
+    """The format of a name.
+
+    Raises:
+        ArtigenError: If there is none.
+    """
+    known = find_exporters()
+    if name not in known:
+        raise ArtigenError(f"export format {name!r}: expected package, {', '.join(known)}")
+    return known[name]
+
+
+def write_usd_asset(package: "SimPackage", folder: Path, existing: Existing) -> Path:
+    """An OpenUSD asset below ``FOLDER_usd``."""
+    from sim_export.usd.write import write_usd
+
+    return write_usd(package, folder.with_name(f"{folder.name}_usd"), existing)
+
+
+def write_glb_links(package: "SimPackage", folder: Path, existing: Existing) -> Path:
+    """A folder ``FOLDER_glb`` with a URDF that shows every link by one GLB."""
+    from sim_export.files.write import check_place, write_files
+    from sim_export.picture.glb import link_glbs
+
+    beside = folder.with_name(f"{folder.name}_glb")
+    check_place(beside, existing)
+    write_files(link_glbs(package), beside)
+    return beside
+
+
+def write_glb_file(package: "SimPackage", folder: Path, existing: Existing) -> Path:
+    """A file ``FOLDER.glb``, which is replaced."""
+    from sim_export.picture.glb import write_glb
+
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    path = folder.with_name(f"{folder.name}.glb")
+    write_glb(package, path)
+    return path
+
+
+def write_fixture(package: "SimPackage", folder: Path, existing: Existing) -> Path:
+    """A folder ``FOLDER_robosuite`` with a package and ``model.xml``, a fixture of robosuite."""
+    from sim_export.files.fixture import MODEL, fixture_files
+    from sim_export.files.write import check_place, write_files
+
+    beside = folder.with_name(f"{folder.name}_robosuite")
+    check_place(beside, existing)
+    write_files(fixture_files(package), beside)
+    return beside / MODEL
