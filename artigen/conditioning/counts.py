@@ -43,7 +43,8 @@ def read_counts(parse: Parse) -> Parse:
         numbers = [group for group in own if words[group.start] not in ("a", "an")]
         own = numbers or own  # "a drawer pedestal with three drawers"
         placed = [group for group in own if group.at is not None]
-        apart = len({group.at for group in placed}) > 1  # two on the left and three on the right
+        spots = {group.at for group in placed}
+        apart = len(spots) > 1 or (len(spots) == 1 < len(own))  # "three drawers, one of them on top"
         for group in own:
             if not (apart and group.at):
                 parse = say_count(parse, label, group.count or 0)
@@ -115,6 +116,8 @@ def _read_rest(parse: Parse, at: int, groups: Sequence[Group]) -> Group | None:
         return Group(
             start=at, end=at + counted, label=label, count=number[0] * each[0], counted=counted, grid=grid
         )
+    if words[end : end + 2] in (("of", "them"), ("of", "which"), ("of", "these")):
+        end += 2
     while end < len(words) and words[end] in {*ADJECTIVES, *SCALES}:  # "two small on top"
         end += 1
     related = match_relation(words, end) or (

@@ -92,6 +92,8 @@ def read_bare_sizes(parse: Parse) -> Parse:
         products = [] if at in parse.used else [_read_product(words, at), *_read_plain_product(words, at)]
         lengths, used = next((one for one in products if find_axes(kind, one[0]) is not None), ([], 0))
         axes = find_axes(kind, lengths)
+        if len(lengths) == 1 and axes is not None and _is_tall(words, lengths[0], kind):
+            axes = ("height",)
         if (
             not used
             or axes is None
@@ -105,6 +107,12 @@ def read_bare_sizes(parse: Parse) -> Parse:
         parse = parse.take(at, used)
         at += used
     return parse
+
+
+def _is_tall(words: tuple[str, ...], length: float, kind: Kind) -> bool:
+    """Whether a single length (m) is the height of what is called tall."""
+    low, high = dict(zip(AXES, kind.sizes, strict=True))["height"]
+    return bool({"tall", "high", "highboy"} & set(words)) and low <= length <= high
 
 
 def _is_of_part(parse: Parse, at: int, end: int) -> bool:

@@ -224,7 +224,8 @@ MATERIALS: dict[str, Stuff] = {
 SURFACES = frozenset({
     "matte", "matt", "gloss", "glossy", "high", "satin", "lacquer", "lacquered", "laminate", "veneer",
     "paint", "polished", "brushed", "stained", "oiled", "varnished", "metallic", "colour", "color", "tone",
-    "tones", "throughout", "outside",
+    "tones", "throughout", "outside", "enamel", "enameled", "enamelled", "powder", "coated", "coat",
+    "melamine", "mdf", "plywood", "veneered", "laminated", "ceramic", "porcelain", "hue", "look",
 })  # fmt: skip
 """Words after a colour or a material that name no piece."""
 METALLIC: dict[str, FinishKind] = {"silver": "steel"}
@@ -240,7 +241,8 @@ SPOTS: dict[str, Spot] = {
     "above it": "top", "under them": "bottom", "below them": "bottom", "above them": "top",
     "on both sides": "sides", "on either side": "sides", "at both sides": "sides", "on each side": "sides",
     "both sides": "sides", "either side": "sides", "at each end": "sides", "at either end": "sides",
-    "at both ends": "sides", "per side": "sides", "next to it": "right",
+    "at both ends": "sides", "at either side": "sides", "at each side": "sides",
+    "per side": "sides", "next to it": "right",
     "beside it": "right", "next to them": "right", "beside them": "right", "between them": "middle",
     "in between": "middle",
     "in the middle": "middle", "in the centre": "middle", "in the center": "middle",
@@ -361,7 +363,7 @@ FILLERS = frozenset({
     "colored", "finish", "i", "want", "please", "me", "one", "s", "featuring", "piece", "from", "each",
     "all", "both", "some", "any", "about", "roughly", "approximately", "around", "x", "but", "make",
     "draw", "create", "generate", "give", "need", "my", "our", "new", "either", "nor", "neither",
-    "hinged", "different", "various", "several", "whose", "where", "there", "then", "plus", "only",
+    "hinged", "them", "different", "various", "several", "whose", "where", "there", "then", "plus", "only",
     "style", "styled", "pullout", "medium", "sized", "standard", "ordinary", "normal", "typical", "regular",
 })  # fmt: skip
 """Words without a meaning of their own."""

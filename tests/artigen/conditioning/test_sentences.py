@@ -340,6 +340,28 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "2 x 4-drawer filing cabinets": ("FilingCabinet", {"objects": 2, "counts": {"drawer": 4}}),
     "a nightstand pair": ("StorageFurniture", {"objects": 2}),
+    "a drawer base, 600 mm, three drawers, one of them on top": (
+        "StorageFurniture",
+        {
+            "counts": {"drawer": 3},
+            "size": {"width": 0.6},
+            "parts": {"drawer": {"at": "top"}},
+        },
+    ),
+    "a wardrobe with a door at either side": (
+        "Wardrobe",
+        {"counts": {"door": 2}, "parts": {"door": {"at": "sides"}}},
+    ),
+    "a nightstand on round legs": (
+        "StorageFurniture",
+        {"parts": {"stand": {"type": "legs"}}, "ignored": ["round"]},
+    ),
+    "a tall bookcase, 2.1 m": (
+        "StorageFurniture",
+        {"size": {"height": 2.1}, "stretch": {"height": 1.35}},
+    ),
+    "a blue enamel stewpot": ("Pot", {"parts": {"object": {"color": "blue"}}, "ignored": ["enamel"]}),
+    "a desk light": ("DeskLamp", {}),
     # Styles that a noun implies, and several at once.
     "a rolling tool chest": ("ToolBox", {"style": "rolling"}),
     "a wardrobe with mirrored sliding doors": (
