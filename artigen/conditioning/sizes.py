@@ -7,6 +7,8 @@ from artigen.conditioning.parse import Parse, kind_of, say_length
 from artigen.conditioning.vocabulary import AXES, CLAUSES, DIRECTIONS, PARTS, UNITS, Axis
 from artigen.kind import Kind
 
+WIDEST = 1.25
+"""Width (m) of the widest ranges and refrigerators; a longer length of an appliance is its height."""
 FURTHEST = 10.0
 """Largest length (m) of a number without a unit, which has that of the number before."""
 
@@ -165,6 +167,7 @@ def find_axes(kind: Kind, lengths: Sequence[float]) -> tuple[Axis, ...] | None:
     spans = dict(zip(AXES, kind.sizes, strict=True))
     middles = {axis: sum(span) for axis, span in spans.items()}
     tall = kind.trade not in ("furniture", "appliance") and middles["height"] > middles["width"]
+    tall |= kind.trade == "appliance" and max(lengths, default=0.0) > WIDEST
     single: tuple[Axis, ...] = ("height", "width") if tall else ("width", "height")
     orders: list[tuple[Axis, ...]] = [(axis,) for axis in single]
     if len(lengths) == len(AXES):

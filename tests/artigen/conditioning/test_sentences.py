@@ -362,6 +362,12 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "a blue enamel stewpot": ("Pot", {"parts": {"object": {"color": "blue"}}, "ignored": ["enamel"]}),
     "a desk light": ("DeskLamp", {}),
+    "a beech desk, one metre forty wide, drawers left and right": (
+        "Table",
+        {"size": {"width": 1.4}, "parts": {"object": {"material": "beech"}, "drawer": {"at": "sides"}}},
+    ),
+    "an upright freezer, 1.85 m": ("Refrigerator", {"size": {"height": 1.85}}),
+    "a range, 120 cm": ("Oven", {"size": {"width": 1.2}}),
     # Styles that a noun implies, and several at once.
     "a rolling tool chest": ("ToolBox", {"style": "rolling"}),
     "a wardrobe with mirrored sliding doors": (
