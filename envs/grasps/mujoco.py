@@ -177,6 +177,6 @@ def _add_boxes(body: object, boxes: np.ndarray, mass: float) -> None:
     for low, high in boxes:
         body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX, pos=(low + high) / 2.0, size=(high - low) / 2.0,
-            mass=mass / len(boxes), friction=[FRICTION, 0.005, 0.0001], priority=1, solref=[2.0 * TIMESTEP, 1.0],
-            solimp=[0.95, 0.99, 0.001, 0.5, 2.0],
+            mass=mass / len(boxes), friction=[FRICTION, 0.005, 0.0001], priority=1,
+            solref=[2.0 * TIMESTEP, 1.0], solimp=[0.95, 0.99, 0.001, 0.5, 2.0],
         )  # fmt: skip
