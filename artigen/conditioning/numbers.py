@@ -19,7 +19,7 @@ CLEAR = 0.05
 
 def split_words(text: str) -> tuple[str, ...]:
     """Words, numbers and commas in lower case; a comma between digits is a decimal or thousands sign."""
-    text = re.sub(r"pull[- ]out", "pullout", text.lower())
+    text = re.sub(r"pull[- ](out|down)", r"pull\1", text.lower())
     for sign, spelled in _SIGNS.items():
         text = text.replace(sign, spelled)
     text = re.sub(r"(\d)\s*-\s*(?=\d)", r"\1 to ", text).replace("-", " ")

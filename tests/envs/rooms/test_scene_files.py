@@ -10,6 +10,7 @@ from bare_room import ROOM
 from room_poses import expected_poses
 from sample_packages import SAMPLE_PARTS, build_package, double_door_parts
 
+from artigen.transforms import matrix_from_quat
 from artigen.types import Joint
 from envs.rooms.ajar import stays
 from envs.rooms.contents import fill_room
@@ -114,6 +115,30 @@ def test_usd_puts_every_body_where_the_room_has_it(room: Room, tmp_path: Path):
         np.testing.assert_allclose(found, expected[name], atol=MICROMETRE, err_msg=name)
     assert len({str(prim.GetPath()) for prim in stage.Traverse() if prim.IsA(UsdPhysics.Scene)}) == 1
     assert len(list((tmp_path / "usd").iterdir())) == 2
+
+
+def test_newton_finds_every_body_and_joint_of_the_room(room: Room, tmp_path: Path):
+    newton = pytest.importorskip("newton")
+    builder = newton.ModelBuilder()
+    builder.add_usd(str(write_room_usd(room, tmp_path)))
+    expected = expected_poses(room)
+    labels = [label.removeprefix("/World/") for label in builder.body_label]
+    found = dict(zip(labels, np.array(builder.body_q), strict=True))
+    assert set(found) == set(expected)
+    for name, T in expected.items():
+        x, y, z, w = found[name][3:]
+        np.testing.assert_allclose(found[name][:3], T[:3, 3], atol=MILLIMETRE, err_msg=name)
+        np.testing.assert_allclose(
+            matrix_from_quat(np.array([w, x, y, z])), T[:3, :3], atol=MILLIMETRE, err_msg=name
+        )
+    starts = zip(builder.joint_label, builder.joint_qd_start, strict=True)
+    columns = {label.removeprefix("/World/").replace("/joints/", "/"): start for label, start in starts}
+    for placement in room.placements:
+        for joint in driven_joints(cached_package(placement.package).joints):
+            if joint.type != "continuous":
+                column = columns[f"{placement.id}/{joint.name}"]
+                limits = builder.joint_limit_lower[column], builder.joint_limit_upper[column]
+                np.testing.assert_allclose(limits, (joint.lower, joint.upper), atol=MILLIMETRE)
 
 
 TILED = Fixture(
