@@ -9,19 +9,21 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from artigen.api.entry import convert, generate, sample
+    from artigen.api.grasps import grasps
     from artigen.api.object import Object, load
     from artigen.api.objects import Objects
     from artigen.api.restyle import restyle
     from artigen.kind import kinds
 
 __version__ = "0.1.0"
-__all__ = ["Object", "Objects", "convert", "generate", "kinds", "load", "restyle", "sample"]
+__all__ = ["Object", "Objects", "convert", "generate", "grasps", "kinds", "load", "restyle", "sample"]
 
 _PLACES = {
     "Object": "artigen.api.object",
     "Objects": "artigen.api.objects",
     "convert": "artigen.api.entry",
     "generate": "artigen.api.entry",
+    "grasps": "artigen.api.grasps",
     "kinds": "artigen.kind",
     "load": "artigen.api.object",
     "restyle": "artigen.api.restyle",

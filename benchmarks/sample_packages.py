@@ -13,6 +13,8 @@ from sample_cabinet import SAMPLE_PARTS, SamplePart, sample_box_arrays
 from artigen.types import FIXED, Asset, Joint, Part
 from sim_export.files.write import write_package
 from sim_export.geometry.hulls import box_hull
+from sim_export.grasps.find import find_grasps
+from sim_export.grasps.gripper import FRANKA
 from sim_export.motion.requirements import find_requirements
 from sim_export.package import Hull, Mesh, SimPackage
 from sim_export.physics.annotations import annotate_handles
@@ -101,9 +103,13 @@ def build_package(parts: Sequence[SamplePart]) -> SimPackage:
 
 
 def write_samples(folder: Path) -> dict[str, Path]:
-    """Writes both cabinets below a folder."""
-    parts = {"cabinet": SAMPLE_PARTS, "double": double_door_parts()}
-    return {name: write_package(build_package(chosen), folder / name) for name, chosen in parts.items()}
+    """Writes both cabinets below a folder, with the best grasp of every handle."""
+    written = {}
+    for name, parts in (("cabinet", SAMPLE_PARTS), ("double", double_door_parts())):
+        package = build_package(parts)
+        grasps = tuple(grasp for each in find_grasps(package, FRANKA) for grasp in each.grasps[:1])
+        written[name] = write_package(replace(package, grasps=grasps), folder / name)
+    return written
 
 
 def _bounds(parts: Sequence[SamplePart]) -> tuple[np.ndarray, np.ndarray]:

@@ -1,6 +1,8 @@
 """The list of seeded defects for checks L0 to L2, by the check that is meant to catch each."""
 
+import json
 import xml.etree.ElementTree as ET  # edits files written by ourselves
+from pathlib import Path
 
 import numpy as np
 from defects import (
@@ -61,6 +63,19 @@ def _joint(path: str, **values: str) -> Mutation:
     """Sets attributes of a joint, or of an element in it: ``joint_1/limit``."""
     joint, slash, element = path.partition("/")
     return set_attribute(f"joint[@name='{joint}']{slash}{element}", **values)
+
+
+def _move_grasps(metres: float) -> Mutation:
+    """Moves all grasps along x."""
+
+    def mutate(folder: Path) -> None:
+        path = folder / "annotations.json"
+        notes = json.loads(path.read_text())
+        for grasp in notes["grasps"]["grasps"]:
+            grasp["position"][0] += metres
+        path.write_text(json.dumps(notes))
+
+    return mutate
 
 
 def _ball(count: int) -> np.ndarray:
@@ -244,6 +259,10 @@ DEFECTS: dict[str, dict[str, Mutation]] = {
     },
     "V206": {
         "drawer falls out": _joint("joint_0/limit", upper="0.42"),
+    },
+    "V207": {
+        "grasp inside the body": _move_grasps(0.2),
+        "grasp beside its handle": _move_grasps(-0.02),
     },
 }
 """Mutations by name, by the check meant to catch them."""

@@ -50,6 +50,8 @@ artigen preview out/packages/* -o sheet.gif""",
     "export": """artigen export ASSET_FOLDER -o out/mine
 artigen export out/packages/45261 --for robosuite usd -o out/45261""",
     "restyle": "artigen restyle out/cabinet -n 8 -o out/looks",
+    "grasps": """artigen grasps out/packages
+artigen grasps out/packages --gripper franka robotiq_2f85 parallel:0.06 --out out/grasps""",
     "usd": "artigen usd out/packages -o out/usd",
     "sets": "artigen sets out/packages --least 8",
     "scene": """artigen scene kitchen --seed 3 --packages out/packages -o out/kitchen

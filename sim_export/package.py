@@ -147,6 +147,50 @@ class HandleAnnotation:
     gapart: str
 
 
+@dataclass(frozen=True, kw_only=True)
+class Proof:
+    """How far a gripper that held a grasp took its joint in an engine, as a share of the joint's range, and
+    whether both fingers still touched the link then. A loose object is lifted by a height instead."""
+
+    engine: str
+    opened: float
+    held: bool
+
+    @property
+    def passed(self) -> bool:
+        """Held, and open to `PROVEN` of the range."""
+        return self.held and self.opened >= PROVEN
+
+
+PROVEN = 0.9
+"""Share of the range of a joint to which a proven grasp opens it."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Grasp:
+    """Place where a parallel gripper holds a link.
+
+    ``pose`` is that of the point between the middles of the finger pads, in the object frame at rest: z is
+    the direction of approach, y that in which the fingers close. ``width`` is the distance (m) of the pads
+    as they touch, ``score`` lies in [0, 1]. ``part`` is what is held, ``joint`` what opens as the gripper
+    moves with the link, "" for a loose object, which is lifted.
+    """
+
+    link: str
+    part: str
+    joint: str
+    gripper: str
+    pose: Float[np.ndarray, "4 4"]
+    width: float
+    score: float
+    proofs: tuple[Proof, ...] = ()
+
+    @property
+    def proven(self) -> bool:
+        """Tried, and passed in every engine that tried it; engines stop at the first failure."""
+        return bool(self.proofs) and all(proof.passed for proof in self.proofs)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Requirement:
     """``joint`` moves freely only after ``needs`` has been opened to at least ``fraction`` of its range."""
@@ -171,6 +215,7 @@ class SimPackage:
     joints: tuple[Joint, ...]
     handles: tuple[HandleAnnotation, ...] = ()
     requires_open: tuple[Requirement, ...] = ()
+    grasps: tuple[Grasp, ...] = ()
     materials: tuple[tuple[str, str], ...] = ()
     provenance: tuple[tuple[str, str], ...] = ()
     records: tuple[str, ...] = ()

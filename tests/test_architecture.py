@@ -75,7 +75,7 @@ EXPORT_LAYERS = (
     {"geometry"},
     {"motion", "topology"},
     {"physics"},
-    {"collision", "appearance"},
+    {"collision", "appearance", "grasps"},
     {"files", "fingerprint"},
     {"picture"},
     {"checks"},

@@ -20,6 +20,7 @@ COMMANDS = {
     "view": "view",
     "export": "export",
     "restyle": "restyle",
+    "grasps": "grasps",
     "usd": "usd",
     "sets": "sets",
     "scene": "scene",

@@ -104,3 +104,5 @@ class CheckConfig:
     """V204: how far (m) a handle must stand out of its panel to be pinched."""
     min_retained: float = 0.1
     """V206: share of a drawer's depth that is still inside its parent when it is open."""
+    max_grasp_gap: float = 0.003
+    """V207: distance (m) of a pad from what it holds."""

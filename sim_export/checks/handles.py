@@ -1,4 +1,4 @@
-"""L2: handles can be grasped (V204).
+"""L2: handles can be grasped (V204), and stored grasps lie on what they hold (V207).
 
 A handle is a visual whose name contains ``handle``, in the link that it opens; ManiSkill uses the same rule.
 Its visual mesh is measured along the direction in which it starts to move; for a door that slides in its own
@@ -10,15 +10,22 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from artigen.transforms import frame_along
+from artigen.transforms import frame_along, transform_points
 from artigen.types import Joint
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.opening import PARALLEL, opening_joints, panel_points, thin_direction, velocity_at
 from sim_export.checks.registry import CheckSpec, Finding, at_most
 from sim_export.checks.subject import Shape, Subject
+from sim_export.files.sidecars import grasps_from_json
+from sim_export.geometry.distances import triangle_distances
 from sim_export.geometry.grid import Grid, column_crossings
+from sim_export.geometry.triangles import meet_box
+from sim_export.grasps.gripper import find_gripper
+from sim_export.package import Grasp
 
 _COLUMNS = 48
+_NEAR = 0.02
+"""Farthest (m) from a pad that its link is looked for."""
 _DIRECTIONS = np.radians(np.arange(0.0, 180.0, 5.0))
 
 
@@ -161,6 +168,48 @@ def _extreme(triangles: np.ndarray, grid: Grid, better: np.ufunc, none: float) -
     return out.reshape(grid.shape[:2])
 
 
+def has_grasps(subject: Subject) -> str:
+    """Applies to packages with grasps in ``annotations.json``."""
+    stored = subject.annotations.get("grasps")
+    return "" if stored and stored.get("grasps") else "no grasps are stored"
+
+
+def check_grasps(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V207: both pads of every grasp, closed to its width, touch the visuals of the part that it holds."""
+    grasps = grasps_from_json(subject.annotations, subject.poses)
+    gaps = [pad_gap(subject, grasp) for grasp in grasps]
+    worst = int(np.argmax(gaps))
+    gap, where = min(gaps[worst], 1e3), grasps[worst].link
+    message = (
+        f"a pad of grasp {worst} is {1e3 * min(gap, 9.999):.3g} mm away from {grasps[worst].part!r} of "
+        f"{where!r}, which it should touch"
+    )
+    wrong = [grasp.link for grasp, each in zip(grasps, gaps, strict=True) if each > cfg.max_grasp_gap]
+    return at_most(gap, cfg.max_grasp_gap, "m", where=where, message=message, links=wrong)
+
+
+def pad_gap(subject: Subject, grasp: Grasp) -> float:
+    """Distance (m) of the pad that is farther from the visuals of its part, infinite beyond `_NEAR`."""
+    low, high = find_gripper(grasp.gripper).pad
+    x, z = np.meshgrid(*(np.linspace(low[axis], high[axis], 5) for axis in (0, 2)))
+    pads = np.stack([np.stack([x, np.full_like(x, side), z], axis=-1).reshape(-1, 3)
+                     for side in (grasp.width / 2.0, -grasp.width / 2.0)])  # fmt: skip
+    pads = transform_points(grasp.pose, pads)
+    shown = [shape for shape in subject.visuals if shape.link == grasp.link]
+    parts = {v["name"]: v["part"] for each in subject.meta.get("links", []) for v in each["visuals"]}
+    held = [shape for shape in shown if parts.get(shape.name) == grasp.part]
+    shapes = [shape.triangles for shape in held or shown]
+    triangles = np.concatenate([np.zeros((0, 3, 3)), *shapes])
+    corners = pads.reshape(-1, 3)
+    near = triangles[meet_box(triangles, corners.min(axis=0) - _NEAR, corners.max(axis=0) + _NEAR)]
+    if not len(near):
+        return float("inf")
+    points = np.repeat(corners, len(near), axis=0)
+    away = triangle_distances(points, np.tile(near, (len(corners), 1, 1)))
+    return float(away.reshape(2, -1).min(axis=1).max())
+
+
 HANDLE_CHECKS = (
     CheckSpec(id="V204", level="L2", title="handles", applies=has_handles, function=check_handles),
+    CheckSpec(id="V207", level="L2", title="grasps", applies=has_grasps, function=check_grasps),
 )

@@ -22,7 +22,7 @@ from sim_export.errors import DegeneratePart, PackageError
 from sim_export.files.foreign import label_of, read_semantics, thicken
 from sim_export.files.joints import place_joint
 from sim_export.files.obj import parse_obj, parse_urdf, read_mesh
-from sim_export.files.sidecars import FORMAT, VERSION, handles_from_json
+from sim_export.files.sidecars import FORMAT, VERSION, grasps_from_json, handles_from_json
 from sim_export.files.urdf import splats_path
 from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.primitives import primitive_mesh
@@ -116,7 +116,8 @@ def _read_own(
             f"{folder / 'meta.json'}: format version {meta.get('version')}, this reads {VERSION}"
         )
     physics = _object(folder / "physics.json")
-    handles, needs = handles_from_json(_object(folder / "annotations.json"))
+    notes = _object(folder / "annotations.json")
+    handles, needs = handles_from_json(notes)
     provenance = _object(folder / "provenance.json")
     wrong = next((key for key, value in provenance.items() if not isinstance(value, str)), None)
     if wrong is not None:
@@ -142,6 +143,7 @@ def _read_own(
             joints=joints,
             handles=handles,
             requires_open=needs,
+            grasps=grasps_from_json(notes, poses),
             materials=tuple(physics["materials"].items()),
             provenance=tuple(provenance.items()),
             records=tuple(meta["records"]),

@@ -6,14 +6,26 @@ the object frame at rest (z up, front -x), which is also the frame of the mesh f
 """
 
 import json
+from collections.abc import Mapping
 
 import numpy as np
+from jaxtyping import Float
 
 from artigen.kind import find_kind
+from artigen.transforms import matrix_from_quat, quat_from_matrix
 from artigen.types import Joint
 from sim_export.errors import PackageError
-from sim_export.files.urdf import image_path
-from sim_export.package import HandleAnnotation, Link, Mesh, Requirement, SimPackage, SourceMesh
+from sim_export.files.urdf import image_path, link_origins
+from sim_export.package import (
+    Grasp,
+    HandleAnnotation,
+    Link,
+    Mesh,
+    Proof,
+    Requirement,
+    SimPackage,
+    SourceMesh,
+)
 from sim_export.physics.inertia import subtree_inertial
 from sim_export.physics.materials import MATERIALS, physx_friction_coefficient
 from sim_export.physics.phrases import name_parts
@@ -21,6 +33,8 @@ from sim_export.topology import find_topology
 
 FORMAT = "artigen-package"
 VERSION = 1
+GRASPS_VERSION = 1
+"""Version of the schema of grasps in ``annotations.json``."""
 
 
 def json_text(value: object) -> str:
@@ -246,7 +260,31 @@ def annotations_json(package: SimPackage) -> str:
         for part in name_parts(package, noun or "object")
     ]
     frame = {"frame": "object at rest, metres"}
-    return json_text(frame | {"handles": handles, "requires_open": needs, "parts": said})
+    out = frame | {"handles": handles, "requires_open": needs, "parts": said}
+    return json_text(out | ({"grasps": _grasps_value(package)} if package.grasps else {}))
+
+
+def _grasps_value(package: SimPackage) -> dict:
+    """Grasps with their poses in the frames of their links."""
+    origins = link_origins(package)
+    rows = [
+        {
+            "link": grasp.link,
+            "part": grasp.part,
+            "joint": grasp.joint,
+            "gripper": grasp.gripper,
+            "position": _rounded(grasp.pose[:3, 3] - origins[grasp.link]),
+            "quaternion": _rounded(quat_from_matrix(grasp.pose[:3, :3])),
+            "width": _number(grasp.width, 6),
+            "score": _number(grasp.score, 4),
+            "proofs": [
+                {"engine": proof.engine, "opened": _number(proof.opened, 4), "held": proof.held}
+                for proof in grasp.proofs
+            ],
+        }
+        for grasp in package.grasps
+    ]
+    return {"version": GRASPS_VERSION, "frame": "link, metres; z approaches, y closes", "grasps": rows}
 
 
 def physics_json(package: SimPackage) -> str:
@@ -330,3 +368,43 @@ def handles_from_json(value: dict) -> tuple[tuple[HandleAnnotation, ...], tuple[
     except (KeyError, TypeError, ValueError) as err:
         raise PackageError(f"annotations.json: does not have the expected structure ({err!r})") from err
     return handles, needs
+
+
+def grasps_from_json(value: dict, poses: Mapping[str, Float[np.ndarray, "4 4"]]) -> tuple[Grasp, ...]:
+    """Parses the grasps of `annotations_json`.
+
+    Args:
+        value: The file.
+        poses: Pose of every link in the object frame at rest.
+    """
+    stored = value.get("grasps", {"version": GRASPS_VERSION, "grasps": []})
+    try:
+        if stored["version"] != GRASPS_VERSION:
+            raise PackageError(
+                f"annotations.json: grasps of version {stored['version']}, this reads {GRASPS_VERSION}"
+            )
+        return tuple(
+            Grasp(
+                link=entry["link"],
+                part=entry["part"],
+                joint=entry["joint"],
+                gripper=entry["gripper"],
+                pose=poses[entry["link"]] @ _pose(entry["position"], entry["quaternion"]),
+                width=float(entry["width"]),
+                score=float(entry["score"]),
+                proofs=tuple(
+                    Proof(engine=proof["engine"], opened=float(proof["opened"]), held=bool(proof["held"]))
+                    for proof in entry["proofs"]
+                ),
+            )
+            for entry in stored["grasps"]
+        )
+    except (KeyError, TypeError, ValueError) as err:
+        raise PackageError(f"annotations.json: grasps do not have the expected structure ({err!r})") from err
+
+
+def _pose(position: list, quaternion: list) -> Float[np.ndarray, "4 4"]:
+    T = np.eye(4)
+    T[:3, :3] = matrix_from_quat(np.array(quaternion, dtype=np.float64).reshape(4))
+    T[:3, 3] = position
+    return T

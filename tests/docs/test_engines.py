@@ -28,6 +28,7 @@ BLOCKS = {
 }
 NEEDS = {
     "MuJoCo": "mujoco",
+    "MJX": "mujoco.mjx",
     "SAPIEN": "sapien",
     "ManiSkill": "mani_skill",
     "PyBullet": "pybullet",
@@ -55,7 +56,7 @@ def cabinets(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_every_engine_has_ten_lines_or_so():
-    assert len({section for section, _ in BLOCKS}) == 11
+    assert len({section for section, _ in BLOCKS}) == 12
     assert set(NEEDS) < {section for section, _ in BLOCKS}
     for (section, _), block in BLOCKS.items():
         compile(block, section, "exec")
@@ -65,7 +66,7 @@ def test_every_engine_has_ten_lines_or_so():
 @pytest.mark.sim
 @pytest.mark.parametrize(("section", "number"), [key for key in BLOCKS if key[0] in NEEDS])
 def test_what_is_marked_so_runs(cabinets: Path, monkeypatch: pytest.MonkeyPatch, section: str, number: int):
-    variable = f"{NEEDS[section].upper()}_PYTHON"
+    variable = f"{section.upper()}_PYTHON"
     other = os.environ.get(variable)
     if importlib.util.find_spec(NEEDS[section]) is None and other is None:
         pytest.skip(f"no module {NEEDS[section]} here, and no {variable}: a block of {PAGE.name} was not run")
@@ -94,6 +95,7 @@ def test_what_is_marked_so_runs(cabinets: Path, monkeypatch: pytest.MonkeyPatch,
     opened = {
         ("MuJoCo", 0): lambda: names["data"].qpos[0],
         ("MuJoCo", 1): lambda: names["states"][:, -1, 1 : 1 + names["models"][0].nq].max(axis=1).min(),
+        ("MJX", 0): lambda: names["data"].qpos[:, 0].min(),
         ("SAPIEN", 0): lambda: names["cabinet"].positions()["joint_0"],
         ("ManiSkill", 0): lambda: float(np.isfinite(names["reward"].numpy()).all()),
         ("PyBullet", 0): lambda: names["p"].getJointState(names["body"], 0)[0],

@@ -3,6 +3,7 @@
 The packages are a few boxes. A cell is one of the grid of V103: 1/128 of the longest edge.
 """
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -308,6 +309,16 @@ def handle(gap: float = 0.0, width: float = 0.05, depth: float = 0.02, height: f
     return moving("prismatic", both(front) + seen(grip, "handle"), 0.3)
 
 
+def grasped(gap: float) -> Scene:
+    """A grasp of a bar 20 mm thick, both pads so far (m) from it."""
+    bar = ((-0.4, 0.0, -0.01), (0.0, 0.3, 0.01))
+    grasp = {"link": "part", "part": "bar", "joint": "", "gripper": "franka", "position": [-0.2, 0.1, 0.0],
+             "quaternion": [0.5**0.5, 0.5**0.5, 0.0, 0.0], "width": 0.02 + 2.0 * gap, "score": 1.0,
+             "proofs": []}  # fmt: skip
+    notes = json.dumps({"grasps": {"version": 1, "grasps": [grasp]}})
+    return scene(link("part", both(bar)), annotations_json=notes)
+
+
 def beside(gap: float) -> Scene:
     """A part beside the body."""
     return slide(((-0.1 - gap, 0.0, 0.0), (-gap, 1.0, 1.0)))
@@ -406,6 +417,7 @@ ROWS: list[tuple[str, str, Callable[..., Scene], object, object]] = [
     ("twins with parallel hinges", "V205", lambda x: leaves(tilt=x), 5.1, 4.9),
     ("twins", "V205", lambda x: leaves(axes=(1.0, x)), -1.0, 1.0),
     ("held", "V206", drawer, 0.101, 0.099),
+    ("grasp on its handle", "V207", grasped, 2.9e-3, 3.1e-3),
 ]  # fmt: skip
 
 

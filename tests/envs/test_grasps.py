@@ -1,0 +1,119 @@
+"""Grasps in engines: what holds passes in both, what does not is caught, and both survive the files."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import yaml
+from pulled_drawer import pulled_drawer
+
+import artigen
+from artigen.api.grasps import export_grasps, store_grasps
+from artigen.transforms import shift
+from envs.grasps.mujoco import MujocoTrials
+from envs.grasps.rail import lay_rail
+from envs.grasps.sapien import SapienTrials
+from sim_export.checks.suite import run_checks
+from sim_export.files.grasp_formats import COLUMNS, hand_pose, table_text
+from sim_export.files.read import read_package
+from sim_export.files.urdf import link_origins
+from sim_export.files.write import manifest_problems, write_package
+from sim_export.geometry.hulls import box_hull
+from sim_export.grasps.find import find_grasps
+from sim_export.grasps.gripper import FRANKA
+from sim_export.package import Mesh, SimPackage
+from sim_export.physics.inertia import mesh_inertial
+
+pytestmark = pytest.mark.sim
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    return write_package(pulled_drawer(), tmp_path_factory.mktemp("grasps") / "pulled")
+
+
+@pytest.fixture(scope="module")
+def proven(folder: Path) -> SimPackage:
+    return artigen.grasps(folder, "franka").package
+
+
+def trials(folder: Path, package: SimPackage, *, loose: bool = False):
+    yield SapienTrials(folder, package, loose=loose)
+    yield MujocoTrials(folder, package, FRANKA, loose=loose)
+
+
+def test_a_drawer_is_pulled_open_by_its_bar_in_both_engines(proven: SimPackage):
+    assert sum(grasp.proven for grasp in proven.grasps) == 3
+    for grasp in proven.grasps[:3]:
+        assert [proof.engine for proof in grasp.proofs] == ["sapien", "mujoco"]
+        assert all(proof.held and 0.9 <= proof.opened <= 1.0 + 1e-3 for proof in grasp.proofs)
+
+
+def test_a_gripper_beside_the_bar_or_without_force_is_caught(folder: Path, proven: SimPackage):
+    beside = replace(proven.grasps[0], pose=shift(np.array([0.0, 0.0, 0.1])) @ proven.grasps[0].pose)
+    rail = lay_rail(proven, proven.grasps[0])
+    weak = replace(rail, gripper=replace(FRANKA, force=0.05))
+    for stage in trials(folder, proven):
+        assert not stage.prove(lay_rail(proven, beside)).passed
+        assert not stage.prove(weak).passed
+        assert stage.prove(rail).passed  # and what was tried before leaves no trace
+
+
+def test_a_loose_box_is_lifted(tmp_path: Path):
+    drawer = pulled_drawer()
+    cube = box_hull(np.array([0.1, 0.0, 0.0]), np.array([0.14, 0.06, 0.05]))
+    shown = replace(drawer.links[1].visuals[0], mesh=Mesh(vertices=cube.vertices, faces=cube.faces))
+    box = replace(drawer.links[1], hulls=(cube,), visuals=(shown,), inertial=mesh_inertial(cube, 600.0))
+    joint = replace(drawer.joints[0], type="fixed", upper=0.0, friction=0.0, damping=0.0, parent="base")
+    base = replace(box, name="base", hulls=(), visuals=(), parts=(), inertial=None, label=None)
+    package = replace(drawer, name="box", links=(base, box), joints=(joint,), handles=())
+    (found,) = find_grasps(package, FRANKA)
+    assert found.target.joint is None
+    made = write_package(package, tmp_path / "box")
+    for stage in trials(made, package, loose=True):
+        proof = stage.prove(lay_rail(package, found.grasps[0]))
+        assert proof.passed, (stage.engine, proof)
+        assert proof.opened == pytest.approx(1.0, abs=0.1)
+
+
+def test_grasps_survive_their_files_and_the_checks_find_a_moved_one(tmp_path: Path, proven: SimPackage):
+    made = write_package(pulled_drawer(), tmp_path / "pulled")
+    store_grasps(proven, made)
+    assert not manifest_problems(made)
+    again = read_package(made)
+    assert len(again.grasps) == len(proven.grasps)
+    for one, other in zip(again.grasps, proven.grasps, strict=True):
+        np.testing.assert_allclose(one.pose, other.pose, atol=1e-8)
+        assert one.proven == other.proven
+        assert (one.link, one.joint, one.gripper) == (other.link, other.joint, other.gripper)
+    assert [check.verdict for check in run_checks(made, only=("V207",))] == ["pass"]
+    moved = replace(again.grasps[0], pose=shift(np.array([0.0, 0.0, 0.05])) @ again.grasps[0].pose)
+    store_grasps(replace(again, grasps=(moved,)), made)
+    (check,) = run_checks(made, only=("V207",))
+    assert check.verdict == "fail"
+    assert "which it should touch" in check.message
+
+
+def test_the_formats_of_others_state_the_same_poses(tmp_path: Path, proven: SimPackage):
+    export_grasps(proven, tmp_path)
+    with h5py.File(tmp_path / "pulled_franka.h5") as file:
+        T = np.array(file["grasps/transforms"])
+        assert np.array(file["grasps/qualities/flex/object_in_gripper"]).sum() == 3
+        assert (tmp_path / file["object/file"][()].decode()).is_file()
+    tips = T @ np.array([[0.041, 0.0, 0.1034, 1.0], [-0.041, 0.0, 0.1034, 1.0]]).T  # ACRONYM's fingers
+    middles = tips.mean(axis=2)[:, :3]
+    np.testing.assert_allclose(middles, [grasp.pose[:3, 3] for grasp in proven.grasps], atol=1e-9)
+    across = (tips[:, :3, 0] - tips[:, :3, 1]) / 0.082
+    np.testing.assert_allclose(across, [grasp.pose[:3, 1] for grasp in proven.grasps], atol=1e-9)
+    isaac = yaml.safe_load((tmp_path / "pulled_franka_link_0.yaml").read_text())
+    assert (isaac["format"], isaac["format_version"]) == ("isaac_grasp", 1.0)
+    first, grasp = isaac["grasps"]["grasp_0"], proven.grasps[0]
+    place = hand_pose(grasp)[:3, 3] - link_origins(proven)["link_0"]
+    np.testing.assert_allclose(first["position"], place, atol=1e-8)
+    assert first["cspace_position"]["panda_finger_joint1"] == pytest.approx(grasp.width / 2, abs=1e-6)
+    assert first["confidence"] == pytest.approx(grasp.score, abs=1e-4)
+    rows = table_text([proven]).splitlines()
+    assert rows[0].split(",") == list(COLUMNS)
+    assert len(rows) == 1 + len(proven.grasps)
