@@ -206,7 +206,7 @@ def _page(out: Path, done: Sequence[Finished]) -> str:
         lines += ["", f"{len(failed)} were not furnished:", ""]
         kinds: dict[str, list[Finished]] = defaultdict(list)
         for finished in failed:
-            kinds[NUMBERS.sub("N", finished.error)].append(finished)
+            kinds[NUMBERS.sub("N", finished.error or "")].append(finished)
         for each in sorted(kinds.values(), key=len, reverse=True):
             keys = ", ".join(finished.key for finished in each)
             lines.append(f"- {len(each)}, such as {each[0].key}: {each[0].error} ({keys})")

@@ -88,8 +88,8 @@ def decorate_room(room: Room) -> Room:
     for hole in room.windows:
         added.append(_sky(room, hole.side, (hole.start, hole.stop, hole.bottom, hole.top), len(added)))
     if room.kind in CURTAINED:
-        for side, *hole in _windows(room):
-            _first(hang, _curtains(side, hole, cloth))
+        for side, start, stop, bottom, top in _windows(room):
+            _first(hang, _curtains(side, (start, stop, bottom, top), cloth))
     _first(hang, _switches(room))
     if room.kind in ("bathroom", "hall"):
         sinks = [np.array(each.position[:2]) for each in room.placements if each.role == "sink"]

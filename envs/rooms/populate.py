@@ -8,6 +8,7 @@ returned room keeps every guarantee.
 import hashlib
 import json
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Literal
 from zlib import crc32
@@ -33,7 +34,7 @@ from .openings import find_openings
 from .order import demand_order, place_order, read_order
 from .patterns import Pattern
 from .pieces import Member, move_boxes
-from .recipes import RECIPES, Recipe
+from .recipes import BASE, RECIPES, Recipe
 from .room import Fixture, Opening, Placement, Room, Side, corner, room_shell, rounded_quat
 from .runs import Chooser, count_objects, draw_shortlists
 from .site import Site
@@ -190,15 +191,18 @@ def _room(
     fixtures: list[Fixture] = []
     openings: list[Opening] = []
     names: dict[int, str] = {}
-    suite = _suite(catalogue)
-    color, top = choose_filler_color(catalogue), choose_top(catalogue)
+    members = [member.piece for place in plan.places for member in place.cluster.members]
+    placed = [piece.entry for piece in members if piece.entry is not None]
+    units = [piece.entry for piece in members if piece.entry is not None and piece.role == BASE.name]
+    looks = choose_filler_color(units or placed), choose_top(units or placed)
+    suites = sorted(f"{each[0]}, suite {each[1]}" for each in _suites(placed) if each is not None)
     for place in plan.places:
         for member in place.cluster.members:
             if member.piece.entry is None:
                 role = member.piece.role
                 counts[role] += 1
                 names[id(member.piece)] = f"{role}_{counts[role]}"
-                fixtures += _fixtures(place, member, (color, top), names[id(member.piece)])
+                fixtures += _fixtures(place, member, looks, names[id(member.piece)])
                 continue
             slug = member.piece.role.replace(" ", "_")
             counts[slug] += 1
@@ -222,7 +226,7 @@ def _room(
         provenance=(
             ("generator", f"artigen {__version__} scene"),
             ("packages", f"{len(catalogue.entries)} proven packages in {catalogue.folder.name}"),
-            ("look", "several suites" if suite is None else f"{suite[0]}, suite {suite[1]}"),
+            ("look", suites[0] if len(suites) == 1 else f"{len(suites)} suites"),
             ("settings", json.dumps(asdict(cfg), sort_keys=True)),
         ),
     )
@@ -277,32 +281,31 @@ def _fixtures(
     ]  # fmt: skip
 
 
-def choose_top(catalogue: Catalogue) -> tuple[Color, Pattern]:
-    """Colour and pattern of worktops: those of the packages, where all are of one suite; else pale stone."""
-    finish = _finish(catalogue, "top")
+def choose_top(entries: Sequence[Entry]) -> tuple[Color, Pattern]:
+    """Colour and pattern of worktops: those of the suite of most packages; else pale stone."""
+    finish = _finish(entries, "top")
     if finish is None:
         return (0.80, 0.78, 0.74), "stone"
     pattern: Pattern = "stone" if finish.kind == "stone" else "wood" if finish.kind == "wood" else "plain"
     return max(finish.color, finish.accent, key=sum) if pattern == "stone" else finish.color, pattern
 
 
-def choose_filler_color(catalogue: Catalogue) -> Color:
-    """That of the fronts, where all packages are of one suite; else a light grey."""
-    finish = _finish(catalogue, "front")
+def choose_filler_color(entries: Sequence[Entry]) -> Color:
+    """That of the fronts in the suite of most packages; else a light grey."""
+    finish = _finish(entries, "front")
     return (0.80, 0.79, 0.76) if finish is None else finish.color
 
 
-def _finish(catalogue: Catalogue, part: str) -> Finish | None:
-    """The finish of a part of furniture in the suite of all packages; None if they are of several."""
-    suite = _suite(catalogue)
+def _finish(entries: Sequence[Entry], part: str) -> Finish | None:
+    """The finish of a part of furniture in the suite of most packages; None if most are of none."""
+    (suite, _), *_ = _suites(entries).most_common(1) or [(None, 0)]
     return None if suite is None else choose_suite(*suite).finishes["furniture"][part]
 
 
-def _suite(catalogue: Catalogue) -> tuple[str, int] | None:
-    """Family and suite of all packages; None if they are of several or of none."""
-    sources = [dict(entry.provenance) for entry in catalogue.entries]
-    suites = {(source.get("family"), source.get("suite")) for source in sources}
-    if len(suites) != 1 or None in (suite := suites.pop()):
-        return None
-    family, seed = suite
-    return str(family), int(str(seed))
+def _suites(entries: Sequence[Entry]) -> Counter[tuple[str, int] | None]:
+    """How many packages are of each family and suite, and of none."""
+    sources = [dict(entry.provenance) for entry in entries]
+    return Counter(
+        (source["family"], int(source["suite"])) if {"family", "suite"} <= source.keys() else None
+        for source in sources
+    )
