@@ -1,6 +1,7 @@
 """Furnishes many rooms and flats from one library of packages, and packs them into shards."""
 
 import json
+import re
 import time
 from collections import Counter, defaultdict
 from collections.abc import Sequence
@@ -38,6 +39,8 @@ INDEX, PAGE = "scenes.json", "README.md"
 FORMAT, VERSION = "artigen-scenes", 1
 TIMEOUT = 900.0
 """Time limit (seconds) for one scene."""
+NUMBERS = re.compile(r"\d+(\.\d+)?")
+"""What failures of one kind may differ in."""
 SEEDS = 1_000_000
 """Distance between the seeds of suites and those of scenes."""
 
@@ -201,7 +204,12 @@ def _page(out: Path, done: Sequence[Finished]) -> str:
         ]
     if failed:
         lines += ["", f"{len(failed)} were not furnished:", ""]
-        lines += [f"- {finished.key}: {finished.error}" for finished in failed]
+        kinds: dict[str, list[Finished]] = defaultdict(list)
+        for finished in failed:
+            kinds[NUMBERS.sub("N", finished.error)].append(finished)
+        for each in sorted(kinds.values(), key=len, reverse=True):
+            keys = ", ".join(finished.key for finished in each)
+            lines.append(f"- {len(each)}, such as {each[0].key}: {each[0].error} ({keys})")
     return "\n".join(lines) + "\n"
 
 

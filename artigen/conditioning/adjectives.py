@@ -3,10 +3,12 @@
 from artigen.conditioning.parse import BETWEEN, Parse, say_features
 from artigen.conditioning.places import starts_spot
 from artigen.conditioning.sentence import TextError
-from artigen.conditioning.vocabulary import ADJECTIVES, AXES, OUTLINES, PARTS, SCALES
+from artigen.conditioning.vocabulary import ADJECTIVES, AXES, LEGS, OUTLINES, PARTS, PIECES, SCALES
 
 COMPARED = 4
 """Number of words between "than" or "as" and an adjective: "wider than it is tall"."""
+GLOSSES = (("high", "gloss"), ("deep", "gloss"), ("high", "shine"))
+"""Adjectives of a surface, not of an extent."""
 
 
 def read_adjectives(parse: Parse) -> Parse:
@@ -31,10 +33,12 @@ def read_adjectives(parse: Parse) -> Parse:
 
 
 def _describes_part(parse: Parse, at: int) -> bool:
-    """Whether the next noun after an adjective is a part."""
+    """Whether the next noun after an adjective is a part, or it is one of a surface: "high gloss"."""
+    if parse.words[at : at + 2] in GLOSSES:
+        return True
     for place in range(at + 1, min(at + 2 + BETWEEN, len(parse.words))):
         if place in parse.head or parse.words[place] == ",":
             return False
-        if parse.words[place] in PARTS or starts_spot(parse.words, place):
+        if parse.words[place] in {*PARTS, *PIECES, *LEGS} or starts_spot(parse.words, place):
             return True
     return False

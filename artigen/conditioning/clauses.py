@@ -8,6 +8,7 @@ from artigen.conditioning.counts import read_counts, read_objects
 from artigen.conditioning.nouns import find_head
 from artigen.conditioning.numbers import read_number, split_words
 from artigen.conditioning.parse import Parse, kind_of, list_ignored, say_count, say_features
+from artigen.conditioning.places import starts_spot
 from artigen.conditioning.sentence import OBJECT, Sentence, TextError
 from artigen.conditioning.sizes import read_bare_sizes, read_sizes
 from artigen.conditioning.vocabulary import (
@@ -25,6 +26,7 @@ from artigen.conditioning.vocabulary import (
     PIECES,
     SCALES,
     SHADES,
+    STACKED,
     STYLES,
 )
 from artigen.kind import EVERY, NONE, plurals
@@ -52,7 +54,14 @@ def _name_shelves(words: tuple[str, ...]) -> tuple[str, ...]:
     open_cells = {1 + at for at in range(len(words) - 1) if words[at] == "open"}
     named = dict.fromkeys(COMPARTMENTS, "shelf")
     named |= dict.fromkeys(plurals(*COMPARTMENTS).values(), "shelves")
-    return tuple(named.get(word, word) if at in open_cells else word for at, word in enumerate(words))
+    alone = [
+        at for at in range(1, len(words)) if words[at] == "open" and words[at - 1] in (",", "with", "and")
+    ]
+    named_alone = {at for at in alone if starts_spot(words, at + 1)}  # "open in the middle"
+    return tuple(
+        "shelf" if at in named_alone else named.get(word, word) if at in open_cells else word
+        for at, word in enumerate(words)
+    )
 
 
 def _read_kind(parse: Parse) -> Parse:
@@ -74,8 +83,10 @@ def _read_style(parse: Parse) -> Parse:
     words = parse.words
     named = {style.replace("_", " "): style for style in kind.styles} | dict(kind.style_words)
     named = {word: style for word, style in named.items() if word not in PAINTS and word != "steel"}
+    features = {style: feature for feature, style in STYLES.items()}
+    implied = False  # by a part of the noun
     for at in range(len(words)):
-        for count in (3, 2, 1):
+        for count in range(min(3, len(words) - at), 0, -1):
             style = named.get(" ".join(words[at : at + count]))
             inside = at in parse.head and at + count - 1 in parse.head
             if style is None or (at in parse.used and not inside):
@@ -97,9 +108,15 @@ def _read_style(parse: Parse) -> Parse:
                 parse = replace(parse, used=parse.used - {first}).say(style=None)
             if parse.found.style not in (None, style) and words[at] in MATERIALS:
                 break  # a double door of glass
+            if parse.found.style not in (None, style) and (inside or implied):  # "a rolling tool chest"
+                implied, parse = False, parse if inside else parse.take(at, count).say(style=style)
+                break
+            if parse.found.style not in (None, style) and style in features:  # "mirrored sliding doors"
+                parse = say_features(parse.take(at, count), (features[style],))
+                break
             if parse.found.style not in (None, style):
                 raise TextError(f"styles {parse.found.style} and {style} are asked for; name one")
-            parse = parse.take(at, count).say(style=style)
+            implied, parse = inside, parse.take(at, count).say(style=style)
             break
     return parse
 
@@ -108,14 +125,21 @@ def _read_features(parse: Parse) -> Parse:
     """Reads phrases such as "bottom freezer" and "hinged on the left"; some are styles of the kind."""
     words, kind = parse.words, kind_of(parse)
     for at in range(len(words)):
-        for count in range(LONGEST, 0, -1):
+        for count in range(min(LONGEST, len(words) - at), 0, -1):
             feature = FEATURES.get(" ".join(words[at : at + count]))
             if feature is None or set(range(at, at + count)) <= parse.used:
                 continue
             parse = parse.take(at, count)
-            label = PARTS.get(words[at - 1]) if at and feature == LEVEL else None
-            if label not in (None, "door"):  # "two drawers side by side"
-                feature = (str(label), "rows", "1")
+            near = [
+                PARTS[words[place]]
+                for place in (at - 1, at + count)
+                if words[place : place + 1] and words[place] in PARTS
+            ]
+            label = near[0] if at and near else "door"
+            if feature == STACKED:
+                feature = (label, "columns", "1")
+            elif feature == LEVEL and label != "door":  # "two drawers side by side"
+                feature = (label, "rows", "1")
             parse = say_features(parse, (feature,))
             style = STYLES.get(feature)
             if kind is not None and style in kind.styles and parse.found.style is None:

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 from artigen.conditioning.numbers import read_count, read_number
 from artigen.conditioning.parse import BETWEEN, Parse, kind_of, say_count, say_features
-from artigen.conditioning.places import Group, find_places, starts_spot
+from artigen.conditioning.places import Group, find_places, match_relation, starts_spot
 from artigen.conditioning.sentence import Placing, TextError
 from artigen.conditioning.vocabulary import ADJECTIVES, GRIDS, ONES, PART_NOUNS, PARTS, SCALES
+from artigen.kind import find_noun
 from artigen.types import PART_LABELS
 
 
@@ -42,7 +43,8 @@ def read_counts(parse: Parse) -> Parse:
         numbers = [group for group in own if words[group.start] not in ("a", "an")]
         own = numbers or own  # "a drawer pedestal with three drawers"
         placed = [group for group in own if group.at is not None]
-        apart = len({group.at for group in placed}) > 1  # two on the left and three on the right
+        spots = {group.at for group in placed}
+        apart = len(spots) > 1 or (len(spots) == 1 < len(own))  # "three drawers, one of them on top"
         for group in own:
             if not (apart and group.at):
                 parse = say_count(parse, label, group.count or 0)
@@ -72,6 +74,8 @@ def _read_group(parse: Parse, at: int) -> Group | None:
         counted = 0 if count is None else 2
         return Group(start=at, end=at + 1, label=PARTS[words[at]], count=count, counted=counted)
     end = at + number[1]
+    if number[0] == 0 and words[end : end + 1] in (("a",), ("an",), ("any",)):  # "without a lid"
+        number, end = (0, number[1] + 1), end + 1
     if (
         end + 2 < len(words) and words[end] in GRIDS and words[end + 1] == "of"
     ):  # "two columns of three drawers"
@@ -83,13 +87,19 @@ def _read_group(parse: Parse, at: int) -> Group | None:
         total = None if each.count is None else number[0] * each.count
         return replace(each, start=at, count=total, counted=counted, grid=grid)
     crossed = read_number(words, end + 1) if tuple(words[end : end + 1]) in (("x",), ("by",)) else None
-    if crossed is not None and words[end + 2 : end + 3] and words[end + 2] in PARTS:
+    named = crossed is not None and words[end + 2 : end + 3] and words[end + 2] in PARTS
+    if crossed is not None and named and end + 3 not in parse.head:
         total = number[0] * int(crossed[0])  # "2 x 3 drawers"
         return Group(start=at, end=end + 3, label=PARTS[words[end + 2]], count=total, counted=end + 2 - at)
     place = _find_part(parse, end)
     article = words[at] in ("a", "an") and place in parse.head  # "a drawer unit"
     if place is None or article or (number[0] == 1 and words[place] not in PART_NOUNS):
         return None
+    follows = words[place + 1 : place + 2]
+    if follows and place not in parse.head and find_noun(f"{words[place]} {follows[0]}") is not None:
+        return None  # "one drawer unit"
+    if words[at] in ("a", "an") and words[place + 1 : place + 3] == ("on", "each"):
+        return Group(start=at, end=place + 1, label=PARTS[words[place]], count=None)
     return Group(start=at, end=place + 1, label=PARTS[words[place]], count=number[0], counted=number[1])
 
 
@@ -106,10 +116,15 @@ def _read_rest(parse: Parse, at: int, groups: Sequence[Group]) -> Group | None:
         return Group(
             start=at, end=at + counted, label=label, count=number[0] * each[0], counted=counted, grid=grid
         )
+    if words[end : end + 2] in (("of", "them"), ("of", "which"), ("of", "these")):
+        end += 2
     while end < len(words) and words[end] in {*ADJECTIVES, *SCALES}:  # "two small on top"
         end += 1
+    related = match_relation(words, end) or (
+        groups[-1].end < at and match_relation(words, groups[-1].end) == at
+    )
     again = end < len(words) and words[end] in ONES and words[at] not in ONES  # "two small ones"
-    if not again and not starts_spot(words, end):
+    if not again and not related and not starts_spot(words, end):
         return None
     return Group(start=at, end=end + again, label=label, count=number[0], counted=number[1])
 
@@ -140,6 +155,8 @@ def read_objects(parse: Parse) -> Parse:
     """Reads how many objects are wanted: "three white cabinets", "a pair of ovens"."""
     head, words = parse.head, parse.words
     kind = kind_of(parse)
+    if kind is not None and words[head.stop : head.stop + 1] == ("pair",):
+        return parse.take(head.stop).say(objects=2)
     if kind is None or " ".join(words[head.start : head.stop]) not in kind.nouns.values():
         return parse
     for at in range(head.start):

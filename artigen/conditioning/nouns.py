@@ -58,7 +58,10 @@ def find_head(words: tuple[str, ...], used: frozenset[int], *, whole: bool = Tru
         return clear[0]
     head = before[0]
     for noun in before[1:]:
-        if noun.kind is not head.kind and noun.at > head.at + head.count:
+        between = words[head.at + head.count : noun.at]
+        if noun.kind is not head.kind and "," in between:
+            break  # "a desk, one drawer unit at the left"
+        if noun.kind is not head.kind and between:
             raise TextError(f"both {head.kind.name} and {noun.kind.name} are named; give one kind")
         head = noun  # the last word of a compound is its head
     return head

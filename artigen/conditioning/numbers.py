@@ -3,7 +3,7 @@
 import re
 from fractions import Fraction
 
-from artigen.conditioning.vocabulary import GROUPS, LIMITS, NUMBERS, SIDES, UNITS
+from artigen.conditioning.vocabulary import DIRECTIONS, GROUPS, LIMITS, NUMBERS, SIDES, UNITS
 
 _SIGNS = {
     "½": " 1/2 ", "¼": " 1/4 ", "¾": " 3/4 ", "\u00d7": " x ", "\u2019": "'", "\u201d": '"', "\u2013": "-",
@@ -11,6 +11,8 @@ _SIGNS = {
 }  # fmt: skip
 _WORD = re.compile(r"\d+/\d+|\d+(?:\.\d+)?|[a-z]+|,")
 
+LARGE = frozenset({"m", "metre", "metres", "meter", "meters"})
+"""Units after which a bare number counts hundredths."""
 LONGEST_LIMIT = 3
 """Words of the longest phrase before a number."""
 CLEAR = 0.05
@@ -19,7 +21,7 @@ CLEAR = 0.05
 
 def split_words(text: str) -> tuple[str, ...]:
     """Words, numbers and commas in lower case; a comma between digits is a decimal or thousands sign."""
-    text = re.sub(r"pull[- ]out", "pullout", text.lower())
+    text = re.sub(r"pull[- ](out|down)", r"pull\1", text.lower())
     for sign, spelled in _SIGNS.items():
         text = text.replace(sign, spelled)
     text = re.sub(r"(\d)\s*-\s*(?=\d)", r"\1 to ", text).replace("-", " ")
@@ -127,10 +129,14 @@ def _read_plain_length(words: tuple[str, ...], at: int) -> tuple[float, int] | N
     if tuple(words[end : end + 3]) == ("and", "a", "half"):
         return length + 0.5 * UNITS[unit], end + 3 - at
     more = read_number(words, end)
+    after = end + more[1] if more is not None else len(words)
+    directed = after < len(words) and words[after] in DIRECTIONS
+    if more is not None and unit in LARGE and 10 <= more[0] < 100 and directed:
+        return length + 0.01 * more[0], after - at  # "one metre forty wide"
     if more is not None and words[end][0].isdigit():
         after = end + more[1]
         next_unit = words[after] if after < len(words) else ""
-        if unit in ("m", "metre", "metres", "meter", "meters") and next_unit == "cm":
+        if unit in LARGE and next_unit == "cm":
             return length + 0.01 * more[0], after + 1 - at
         if unit == "m" and more[0] < 100 and next_unit not in (*UNITS, "x", "by") and len(words[end]) == 2:
             return length + 0.01 * more[0], after - at

@@ -56,13 +56,13 @@ def find_places(words: tuple[str, ...], groups: Sequence[Group], used: frozenset
             continue
         grid = _read_grid(words, group, read)
         if grid is not None:
-            group = replace(group, grid=grid[0])
+            group = placed[index] = replace(group, grid=grid[0], end=max(grid[1]) + 1)
             read |= grid[1]
         if group.grid is not None:
             features.append((group.label, *group.grid))
         spot = None if group.at is not None else _read_spot(words, placed, index, read)
         if spot is not None:
-            each = group.count is not None and bool({"each", "either"} & {words[at] for at in spot[1]})
+            each = group.count is not None and bool({"each", "either", "per"} & {words[at] for at in spot[1]})
             placed[index] = replace(group, at=spot[0], count=2 * (group.count or 0) if each else group.count)
             read |= spot[1]
     if placed and not features:
@@ -101,6 +101,12 @@ def _joins(words: tuple[str, ...], end: int, following: Group) -> bool:
     return all(word in FILLERS and word != "and" for word in words[end : following.start])
 
 
+def match_relation(words: tuple[str, ...], at: int) -> int | None:
+    """The end of a phrase such as "above" that begins at a place before a number; None without one."""
+    phrase = _match(words, at, RELATIONS, set())
+    return None if phrase is None or read_count(words, phrase[2]) is None else phrase[2]
+
+
 def starts_spot(words: tuple[str, ...], at: int) -> bool:
     """Whether a phrase such as "on each side" begins at a place."""
     return any(" ".join(words[at : at + count]) in SPOTS for count in range(1, LONGEST + 1))
@@ -114,6 +120,10 @@ def _read_spot(
     after = _match(words, group.end, SPOTS, used)
     if after is not None:
         return SPOTS[after[0]], set(range(after[1], after[2]))
+    end = group.end
+    alone = end < len(words) and words[end] in EDGES and end not in used
+    if alone and (end + 1 == len(words) or words[end + 1] in (",", "and", "with")):
+        return EDGES[words[end]], {end}  # "two drawers left, one right"
     single = group.count is None and words[group.end - 1] in PART_NOUNS
     several = any((other.count or 0) > 1 for other in groups if other.label == group.label)
     if single and several:  # "the left door" is one of two

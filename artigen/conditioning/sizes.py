@@ -7,6 +7,8 @@ from artigen.conditioning.parse import Parse, kind_of, say_length
 from artigen.conditioning.vocabulary import AXES, CLAUSES, DIRECTIONS, PARTS, UNITS, Axis
 from artigen.kind import Kind
 
+WIDEST = 1.25
+"""Width (m) of the widest ranges and refrigerators; a longer length of an appliance is its height."""
 FURTHEST = 10.0
 """Largest length (m) of a number without a unit, which has that of the number before."""
 
@@ -92,6 +94,8 @@ def read_bare_sizes(parse: Parse) -> Parse:
         products = [] if at in parse.used else [_read_product(words, at), *_read_plain_product(words, at)]
         lengths, used = next((one for one in products if find_axes(kind, one[0]) is not None), ([], 0))
         axes = find_axes(kind, lengths)
+        if len(lengths) == 1 and axes is not None and _is_tall(words, lengths[0], kind):
+            axes = ("height",)
         if (
             not used
             or axes is None
@@ -105,6 +109,12 @@ def read_bare_sizes(parse: Parse) -> Parse:
         parse = parse.take(at, used)
         at += used
     return parse
+
+
+def _is_tall(words: tuple[str, ...], length: float, kind: Kind) -> bool:
+    """Whether a single length (m) is the height of what is called tall."""
+    low, high = dict(zip(AXES, kind.sizes, strict=True))["height"]
+    return bool({"tall", "high", "highboy"} & set(words)) and low <= length <= high
 
 
 def _is_of_part(parse: Parse, at: int, end: int) -> bool:
@@ -150,12 +160,14 @@ def _read_plain_product(words: tuple[str, ...], at: int) -> list[tuple[list[floa
 
 def find_axes(kind: Kind, lengths: Sequence[float]) -> tuple[Axis, ...] | None:
     """What lengths (m) without a direction measure: a single one the width of furniture and appliances, and
-    of others what their kind is measured by; two the width and the depth, or else the height; three all.
+    of others that or the height, the larger one; two the width and the depth, or else the height; three all.
 
     None where the kind has no such sizes.
     """
     spans = dict(zip(AXES, kind.sizes, strict=True))
-    tall = kind.trade not in ("furniture", "appliance") and {rule.extent for rule in kind.size} == {"height"}
+    middles = {axis: sum(span) for axis, span in spans.items()}
+    tall = kind.trade not in ("furniture", "appliance") and middles["height"] > middles["width"]
+    tall |= kind.trade == "appliance" and max(lengths, default=0.0) > WIDEST
     single: tuple[Axis, ...] = ("height", "width") if tall else ("width", "height")
     orders: list[tuple[Axis, ...]] = [(axis,) for axis in single]
     if len(lengths) == len(AXES):

@@ -61,7 +61,7 @@ LEGS = frozenset({"leg", "legs", "feet"})
 AMBIGUOUS = frozenset({
     "door", "doors", "window", "windows", "switch", "switches", "freezer", "freezers", "box", "boxes",
     "lamp", "lamps", "tap", "taps", "bin", "bins", "hob", "hobs", "chest", "chests", "range", "ranges",
-    "notebook",
+    "notebook", "french door", "french doors",
 })  # fmt: skip
 """Nouns of kinds that also name a part of another kind, or something else."""
 OTHERS = frozenset({
@@ -71,7 +71,7 @@ OTHERS = frozenset({
     "coffee pot", "network switch", "lunch box", "juke box", "jewelry box", "jewellery box", "phone box",
     "window box", "music box", "shopping cart", "cooker hood", "range hood", "game console", "door mat",
     "door bell", "window sill", "toilet brush", "toilet paper", "toilet seat", "oven glove", "table cloth",
-    "pot holder", "box spring", "switch board", "golf cart", "water cooler", "trap door",
+    "pot holder", "box spring", "switch board", "golf cart", "water cooler", "trap door", "toaster oven",
 })  # fmt: skip
 """Nouns of things that end as the noun of a kind does, and are something else."""
 CLAUSES = frozenset({
@@ -224,7 +224,8 @@ MATERIALS: dict[str, Stuff] = {
 SURFACES = frozenset({
     "matte", "matt", "gloss", "glossy", "high", "satin", "lacquer", "lacquered", "laminate", "veneer",
     "paint", "polished", "brushed", "stained", "oiled", "varnished", "metallic", "colour", "color", "tone",
-    "tones", "throughout", "outside",
+    "tones", "throughout", "outside", "enamel", "enameled", "enamelled", "powder", "coated", "coat",
+    "melamine", "mdf", "plywood", "veneered", "laminated", "ceramic", "porcelain", "hue", "look",
 })  # fmt: skip
 """Words after a colour or a material that name no piece."""
 METALLIC: dict[str, FinishKind] = {"silver": "steel"}
@@ -240,7 +241,11 @@ SPOTS: dict[str, Spot] = {
     "above it": "top", "under them": "bottom", "below them": "bottom", "above them": "top",
     "on both sides": "sides", "on either side": "sides", "at both sides": "sides", "on each side": "sides",
     "both sides": "sides", "either side": "sides", "at each end": "sides", "at either end": "sides",
-    "at both ends": "sides",
+    "at both ends": "sides", "at either side": "sides", "at each side": "sides",
+    "per side": "sides", "left and right": "sides",
+    "on the left and right": "sides", "on the left and on the right": "sides", "next to it": "right",
+    "beside it": "right", "next to them": "right", "beside them": "right", "between them": "middle",
+    "in between": "middle",
     "in the middle": "middle", "in the centre": "middle", "in the center": "middle",
 }  # fmt: skip
 """Phrases after, or before, the parts that they place."""
@@ -269,6 +274,8 @@ GRIDS = {"column": "columns", "columns": "columns", "row": "rows", "rows": "rows
 
 APART: Feature = ("door", "hinged", "apart")
 """The feature of doors that are hinged at their outer sides."""
+STACKED: Feature = ("door", "type", "stacked")
+"""The feature of doors above each other."""
 EXCLUSIVE = frozenset({("door", "hinged"), ("stand", "type"), ("freezer", "at"), ("object", "outline")})
 """Properties that have one value."""
 LEVEL: Feature = ("door", "type", "side by side")
@@ -280,6 +287,9 @@ def _features() -> dict[str, Feature]:
         "freezer drawer": ("freezer", "type", "drawer"),
         "freezer drawers": ("freezer", "type", "drawer"),
         "side by side": LEVEL,
+        "stacked": STACKED,
+        "one above the other": STACKED,
+        "on top of each other": STACKED,
         "push to open": ("handle", "type", "none"),
         "on legs": ("stand", "type", "legs"),
         "on feet": ("stand", "type", "feet"),
@@ -311,7 +321,8 @@ def _features() -> dict[str, Feature]:
         for text in ("on both sides", "on either side", "on the outside", "left and right", "apart"):
             found[f"{verb} {text}"] = APART
     for noun in ("door", "doors"):
-        found[f"flap {noun}"] = found[f"drop down {noun}"] = ("door", "hinged", "bottom")
+        for word in ("flap", "drop down", "pulldown", "drop front"):
+            found[f"{word} {noun}"] = ("door", "hinged", "bottom")
         found[f"lift up {noun}"] = ("door", "hinged", "top")
         found[f"mirror {noun}"] = ("door", "type", "mirrored")
     for word, kind in (("glass", "glass"), ("glazed", "glass")):
@@ -353,7 +364,7 @@ FILLERS = frozenset({
     "colored", "finish", "i", "want", "please", "me", "one", "s", "featuring", "piece", "from", "each",
     "all", "both", "some", "any", "about", "roughly", "approximately", "around", "x", "but", "make",
     "draw", "create", "generate", "give", "need", "my", "our", "new", "either", "nor", "neither",
-    "hinged", "different", "various", "several", "whose", "where", "there", "then", "plus", "only",
+    "hinged", "them", "different", "various", "several", "whose", "where", "there", "then", "plus", "only",
     "style", "styled", "pullout", "medium", "sized", "standard", "ordinary", "normal", "typical", "regular",
 })  # fmt: skip
 """Words without a meaning of their own."""

@@ -165,6 +165,7 @@ KIND = Kind(
     name=CATEGORY,
     nouns=plurals(
         "desk lamp",
+        "desk light",
         "lamp",
         "table lamp",
         "reading lamp",

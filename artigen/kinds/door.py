@@ -208,7 +208,7 @@ def _make_lever(latch: Latch, design: LeverDesign) -> ShapePart:
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("door", "doorway", "front door", "interior door", "room door"),
+    nouns=plurals("door", "doorway", "front door", "interior door", "french door", "room door"),
     hints=(),
     size=(by_height(2.05),),
     deepest=0.5,

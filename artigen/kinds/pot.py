@@ -141,6 +141,7 @@ KIND = Kind(
         "saucepan",
         "pot",
         "casserole",
+        "casserole dish",
         "stockpot",
         "stock pot",
         "dutch oven",

@@ -101,7 +101,7 @@ NOUNS: dict[str, tuple[str, ...]] = {
         "vanity", "bathroom vanity",
     ),
     "wall_cabinet": ("wall cabinet", "hanging cabinet", "wall unit"),
-    "drawer_unit": ("drawer unit",),
+    "drawer_unit": ("drawer unit", "drawer base", "drawer cabinet",),
 }  # fmt: skip
 """Nouns of forms of furniture."""
 
@@ -131,6 +131,8 @@ KIND = Kind(
         "bookshelf",
         "glass cabinet",
         "drawer unit",
+        "drawer base",
+        "drawer cabinet",
         "vanity unit",
         "media unit",
         "shelving unit",

@@ -170,11 +170,13 @@ def _add_hand(spec: "MjSpec", gripper: Gripper) -> None:
 
 
 def _add_boxes(body: object, boxes: np.ndarray, mass: float) -> None:
-    """Boxes of one body with a mass between them, whose friction counts in every contact."""
+    """Boxes of one body with a mass between them. Their friction and stiffness count in every contact: with
+    MuJoCo's default, pads that close on a thin lip sink in until they are pushed off it."""
     import mujoco
 
     for low, high in boxes:
         body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX, pos=(low + high) / 2.0, size=(high - low) / 2.0,
             mass=mass / len(boxes), friction=[FRICTION, 0.005, 0.0001], priority=1,
+            solref=[2.0 * TIMESTEP, 1.0], solimp=[0.95, 0.99, 0.001, 0.5, 2.0],
         )  # fmt: skip

@@ -131,7 +131,7 @@ def build_hand(scene: "sapien.Scene", rail: Rail, offset: Float[np.ndarray, "3"]
         for low, high in gripper.finger:
             middle, half = (low + high) / 2.0, (high - low) / 2.0
             link.add_box_collision(
-                sapien.Pose([middle[1], -middle[0], middle[2]]), [half[1], half[0], half[2]], rubber
+                sapien.Pose([middle[1], -middle[0], middle[2]]), (half[1], half[0], half[2]), rubber
             )
         links.append(link)
     masses = (1.0, 1.0, PALM_MASS, FINGER_MASS, FINGER_MASS)
@@ -156,4 +156,4 @@ def _pose(T: Float[np.ndarray, "4 4"], point: Float[np.ndarray, "3"]) -> "sapien
     """A pose in the frame ``T``, at a point in it."""
     import sapien
 
-    return sapien.Pose(T[:3, :3] @ point + T[:3, 3], quat_from_matrix(T[:3, :3]))
+    return sapien.Pose((T[:3, :3] @ point + T[:3, 3]).tolist(), quat_from_matrix(T[:3, :3]).tolist())

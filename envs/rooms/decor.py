@@ -88,9 +88,8 @@ def decorate_room(room: Room) -> Room:
     for hole in room.windows:
         added.append(_sky(room, hole.side, (hole.start, hole.stop, hole.bottom, hole.top), len(added)))
     if room.kind in CURTAINED:
-        for hole in _windows(room):
-            for parts in _curtains(*hole[1:], cloth):
-                hang(hole[0], parts)
+        for side, *hole in _windows(room):
+            _first(hang, _curtains(side, hole, cloth))
     _first(hang, _switches(room))
     if room.kind in ("bathroom", "hall"):
         sinks = [np.array(each.position[:2]) for each in room.placements if each.role == "sink"]
@@ -249,26 +248,30 @@ def _windows(room: Room) -> list[tuple[Side, float, float, float, float]]:
     return [(side, start, stop, bottom, top) for side, start, stop, bottom, top in found]
 
 
-def _curtains(start: float, stop: float, bottom: float, top: float, cloth: Color) -> Iterator[list[_Part]]:
-    """A rod above a window, and a curtain on both sides of it, to the floor or else to below the sill."""
-    yield [
-        _Part(
-            name="curtain_rod",
-            low=(start - 0.35, 0.06, top + 0.1),
-            high=(stop + 0.35, 0.08, top + 0.12),
-            color=METAL,
-        )
-    ]
-    ends = (("left", start - 0.05, -1.0), ("right", stop + 0.05, 1.0))
-    for (name, near, sign), wide, foot in product(ends, (0.29, 0.17), (0.09, bottom - 0.1)):
-        folds = np.sort(np.linspace(near, near + sign * wide, 6))
-        yield [
+def _curtains(side: Side, hole: tuple[float, float, float, float], cloth: Color) -> Iterator[Hung]:
+    """Ways to dress a window: a rod with a curtain on both sides, to the floor or else to below the sill, as
+    near as the window opens past them; or else a blind, rolled up above it."""
+    start, stop, bottom, top = hole
+    for wide, beside, foot in product((0.29, 0.17), (0.05, 0.13, 0.21), (0.09, bottom - 0.1)):
+        reach = beside + wide + 0.02
+        parts = [
+            _Part(
+                name="curtain_rod", low=(start - reach, 0.06, top + 0.1),
+                high=(stop + reach, 0.08, top + 0.12), color=METAL,
+            )
+        ]  # fmt: skip
+        for name, near in (("left", start - beside - wide), ("right", stop + beside)):
+            folds = np.linspace(near, near + wide, 6).tolist()
+            parts += [
                 _Part(
                     name=f"curtain_{name}", low=(a, 0.045 + 0.02 * (index % 2), foot),
                     high=(b, 0.075 + 0.02 * (index % 2), top + 0.095), color=cloth, pattern="cloth",
                 )
-                for index, (a, b) in enumerate(pairwise(folds.tolist()))
+                for index, (a, b) in enumerate(pairwise(folds))
             ]  # fmt: skip
+        yield side, parts
+    low, high = (start, OFF, top + 0.06), (stop, 0.07, top + 0.13)
+    yield side, [_Part(name="curtain_blind", low=low, high=high, color=cloth, pattern="cloth")]
 
 
 def _sky(room: Room, side: Side, hole: tuple[float, float, float, float], number: int) -> Fixture:

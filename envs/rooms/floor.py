@@ -10,6 +10,7 @@ from artigen.transforms import shift, transform_points
 from artigen.types import SceneKind
 from sim_export.geometry.contacts import HullSet
 
+from .arrange import DOORWAY
 from .contents import LIFT, Drawn, draw_thing
 from .footprints import read_footprint
 from .room import (
@@ -33,8 +34,6 @@ TUCKS = (0.3, 0.22, 0.14, 0.05, -0.03, -0.12)
 """Lengths (m) of a seat below its table that are tried."""
 ALONG = 0.06
 """Step (m) of places along a table or wall."""
-DOORWAY = 1.1
-"""Depth (m) before the entrance that stays free."""
 PAIR = 0.62
 """Distance (m) between seats side by side."""
 

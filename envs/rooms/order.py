@@ -37,8 +37,6 @@ WIDTH = 0.02
 """Largest difference (m) from an ordered width."""
 LOW = 1.0
 """Height (m) above which what stands is tall."""
-ABOVE_TALL = 0.03
-"""Distance (m) of what hangs from what is tall below it."""
 SLIPS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.3)
 """Distances (m) to the right by which what hangs may be moved until it opens."""
 STEP = 0.02
@@ -283,7 +281,7 @@ def _hang(
             depth = max(
                 (float(np.abs(box[:, 1 - axis] - wall).max()) for box in below), default=entry.size[0]
             )
-            height = max([top - entry.size[2], *(end + ABOVE_TALL for end in ends if end > LOW)])
+            height = max([top - entry.size[2], *(end + GAP for end in ends if end > LOW)])
             piece = chooser.piece(entry, unit.role.name, entry.size[0] / 2.0 - depth, height)
             hung = _place_at(plan, line_up("hung", [piece], height), side, left + slip)
             if hung is not None:

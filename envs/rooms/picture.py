@@ -6,6 +6,7 @@ cupboards are outlined in green.
 """
 
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -45,6 +46,8 @@ SCALE = 120.0
 """Pixels per metre of the plan."""
 MARGIN = 0.3
 """Distance (m) around the room in the plan."""
+PIECE = re.compile(r"^(wall_.*)_\d+$")
+"""Names of pieces of walls."""
 RENDER = RenderConfig(
     ground=False, occlusion_reach=0.12, light_direction=(-0.35, -0.55, 0.9), light_radius=0.25
 )
@@ -66,7 +69,7 @@ def draw_room(room: Room) -> UInt8[np.ndarray, "H W 3"]:
         for each in room.fixtures
         if not each.name.startswith(left_out) and not _belongs_to(each, ("front", side))
     ]
-    surfaces, _ = _room_surfaces(room, shown, fixtures)
+    surfaces = _join_walls(*_room_surfaces(room, shown, fixtures))
     viewpoint = Viewpoint(
         azimuth=azimuth, elevation=ELEVATION, fov=30.0, margin=0.02, width=WIDTH, height=HEIGHT
     )
@@ -88,8 +91,7 @@ def draw_view(room: Room, view: View) -> UInt8[np.ndarray, "H W 3"]:
     fixtures = [*(each for each in kept if not _belongs_to(each, away)), ceiling]
     forward = view.camera.axes[2]
     light = replace(EYE_RENDER, light_direction=(0.35 - 0.8 * forward[0], -0.8 * forward[1], 0.35))
-    surfaces, _ = _room_surfaces(room, shown, fixtures)
-    return render_scene(surfaces, view.camera, light)
+    return render_scene(_join_walls(*_room_surfaces(room, shown, fixtures)), view.camera, light)
 
 
 def draw_masks(room: Room, view: View) -> tuple[UInt16[np.ndarray, "H W"], tuple[str, ...]]:
@@ -125,6 +127,13 @@ def _room_surfaces(
         surfaces.append(surface_from_mesh(fixture_mesh(fixture), surface_id=len(names), crease=crease))
         names.append(fixture.name)
     return surfaces, tuple(names)
+
+
+def _join_walls(surfaces: Sequence[Surface], names: Sequence[str]) -> list[Surface]:
+    """Surfaces with one id for all pieces of a wall: light is averaged within an id, and seams would show."""
+    first: dict[str, int] = {}
+    walls = [PIECE.sub(r"\1", name) for name in names]
+    return [replace(each, id=first.setdefault(walls[each.id], each.id)) for each in surfaces]
 
 
 def _emptier_side(room: Room) -> Side:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from artigen.kind import find_kind
 from artigen.transforms import inverse, rotation_about, transform_points
@@ -16,6 +16,7 @@ from artigen.types import Joint
 from sim_export.geometry.hulls import box_hull, hull_triangles, inside_hulls
 from sim_export.geometry.rays import plane_axes
 from sim_export.geometry.sampling import sample_triangles
+from sim_export.geometry.triangles import area_normals
 from sim_export.motion.kinematics import (
     hanging_links,
     link_displacements,
@@ -47,6 +48,7 @@ BULGE = 0.010
 """Farthest (m) beyond a contact that a part without a handle may bulge between the pads."""
 ARRIVAL = 0.08
 """Length (m) of the straight approach."""
+CONE = float(np.cos(np.arctan(FRICTION)))
 CLEAR, TOUCH = 0.002, 0.001
 """Clearance (m) of the gripper; depth by which a pad may overlap what it holds, where that is curved."""
 WIDE = 0.010
@@ -157,8 +159,11 @@ def find_on(package: SimPackage, target: Target, gripper: Gripper) -> Found:
         return Found(target=target, grasps=(), reason=_too_wide(pairs, gripper))
     T, rows = gripper_poses(spans, gripper, normal)
     bulge = BULGE if target.region is None else gripper.opening
-    T, width = close(T, spans.width[rows], gripper, held_hulls(own, target.region), bulge)
-    fits = width + 2.0 * SPARE <= gripper.opening
+    T, width, kept = close(T, spans.width[rows], gripper, held_hulls(own, target.region), bulge)
+    fits = kept & (width + 2.0 * SPARE <= gripper.opening)
+    if not fits.any():
+        reason = "pads would touch it on slanted faces, from which they slip, or the gripper is too narrow"
+        return Found(target=target, grasps=(), reason=reason)
     T, rows, width = T[fits], rows[fits], width[fits]
     still, moving = _obstacles(package, target, index, spans.middle)
     free = ~meet(T, arriving_boxes(gripper, width, CLEAR), still)
@@ -222,20 +227,31 @@ def close(
     gripper: Gripper,
     held: Sequence[Hull],
     bulge: float,
-) -> tuple[Float[np.ndarray, "G 4 4"], Float[np.ndarray, "G"]]:
+) -> tuple[Float[np.ndarray, "G 4 4"], Float[np.ndarray, "G"], Bool[np.ndarray, "G"]]:
     """Poses and widths at which pads that close on the contacts first touch what is held: its widest place
-    between them, up to ``bulge`` metres beyond the contacts, with the gripper in its middle."""
-    corners = [hull.vertices for hull in held]
-    points = np.concatenate([*corners, sample_triangles(hull_triangles(held), SAMPLES)[0]])
+    between them, up to ``bulge`` metres beyond the contacts, with the gripper in its middle. And whether each
+    pad then touches a corner with its face, or a face within the cone of `FRICTION`."""
+    triangles = hull_triangles(held)
+    spread, owner = sample_triangles(triangles, SAMPLES)
+    normals = area_normals(triangles)[owner]
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
+    corners = np.concatenate([hull.vertices for hull in held])
+    points = np.concatenate([corners, spread])
     local = transform_points(inverse(T), points)  # G N 3
     low, high = gripper.pad
     under = (np.abs(local[..., 1]) <= width[:, None] / 2.0 + bulge) & (np.abs(local[..., 0]) <= high[0])
     under &= (local[..., 2] >= low[2]) & (local[..., 2] <= high[2])
-    most = np.maximum(np.where(under, local[..., 1], -np.inf).max(axis=1), width / 2.0)
-    least = np.minimum(np.where(under, local[..., 1], np.inf).min(axis=1), -width / 2.0)
+    cosine = T[:, :3, 1] @ normals.T  # G S
+    kept, ends = np.ones(len(T), dtype=bool), []
+    for side in (1.0, -1.0):
+        reach = np.where(under, side * local[..., 1], -np.inf)
+        end = np.maximum(reach.max(axis=1), width / 2.0)
+        good = np.concatenate([np.ones((len(T), len(corners)), dtype=bool), side * cosine >= CONE], axis=1)
+        kept &= (good & (reach >= end[:, None] - TOUCH / 2.0)).any(axis=1)
+        ends.append(end)
     moved = T.copy()
-    moved[:, :3, 3] += ((most + least) / 2.0)[:, None] * T[:, :3, 1]
-    return moved, most - least
+    moved[:, :3, 3] += ((ends[0] - ends[1]) / 2.0)[:, None] * T[:, :3, 1]
+    return moved, ends[0] + ends[1], kept
 
 
 def arriving_boxes(

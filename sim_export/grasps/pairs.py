@@ -187,7 +187,7 @@ def _spread(pairs: Pairs) -> Pairs:
     largest = np.abs(pairs.axis).round(3).argmax(axis=1)[:, None]
     axes = 4.0 * pairs.axis * np.sign(np.take_along_axis(pairs.axis, largest, axis=1))  # of no sense
     while True:
-        cells = np.rint(np.c_[pairs.middle[chosen] / spacing, axes[chosen]])
+        cells = np.rint(np.c_[pairs.middle[chosen] / spacing, min(1.0, 0.02 / spacing) * axes[chosen]])
         chosen = chosen[np.sort(np.unique(cells, axis=0, return_index=True)[1])]
         if len(chosen) <= MOST:
             return pairs.some(chosen)

@@ -19,10 +19,8 @@ from artigen.reader.wall.face import list_corners
 if TYPE_CHECKING:
     from PIL import Image
 
-CHAINED = 0.35
+CHAINED = 0.7
 """Gap between fronts of one column, as a share of the lower of the two."""
-TOUCHED = 0.1
-"""Overlap in height at a cut, as a share of the lower front."""
 OVER = 0.5
 """Share of the narrower front that is above or below the other one in a column."""
 
@@ -64,15 +62,11 @@ def make_stacks(
 
 def _cut(group: Sequence[int], bounds: Float[np.ndarray, "N 4"]) -> list[list[list[int]]]:
     """Fronts above each other in two, at each height where none goes on."""
-    ends = sorted({float(bounds[index, 3]) for index in group})[:-1]
     ways = []
-    for end in ends:
+    for end in sorted({float(bounds[index, 3]) for index in group})[:-1]:
         upper = [index for index in group if bounds[index, 3] <= end]
         lower = [index for index in group if bounds[index, 3] > end]
-        middles = (bounds[lower, 1] + bounds[lower, 3]) / 2
-        if (bounds[lower, 1] > end - TOUCHED * (bounds[lower, 3] - bounds[lower, 1])).all() and (
-            middles > end
-        ).all():
+        if (bounds[lower, 1] > end).all():
             ways.append([upper, lower])
     return ways
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from artigen.reader.layout.plane import Plane, fit_plane, frame_box
+from artigen.reader.layout.plane import Plane, frame_box
 from artigen.reader.reading import ReadPart
 
 FOCAL = 0.8
@@ -13,8 +13,6 @@ FOCAL = 0.8
 TURN = 1.0
 """Growth of a front's height, per width of the picture, from which it is on a wall at an angle to the
 picture: about 40 degrees."""
-SLANT = 0.25
-"""Slope of edges on the plane of the wall, from which a front is on another one."""
 
 
 def list_corners(fronts: Sequence[ReadPart]) -> Float[np.ndarray, "N 4 2"]:
@@ -34,11 +32,7 @@ def choose_wall(
     sides = np.digitize(turn, (-TURN, TURN))
     areas = np.prod(np.ptp(quads, axis=1), axis=1)
     chosen = int(np.argmax([areas[sides == side].sum() for side in range(3)]))
-    own = np.flatnonzero(sides == chosen)
-    placed = fit_plane(quads[own], extent).locate(quads[own] / extent)
-    drop = (placed[:, 1, 1] - placed[:, 0, 1] + placed[:, 2, 1] - placed[:, 3, 1]) / 2
-    straight = np.abs(drop) <= SLANT * np.ptp(placed[:, :, 0], axis=1)
-    kept = tuple(fronts[index] for index in own[straight])
+    kept = tuple(front for front, side in zip(fronts, sides, strict=True) if side == chosen)
     return kept, len(fronts) - len(kept)
 
 

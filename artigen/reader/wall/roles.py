@@ -26,15 +26,12 @@ LOOSE = {
 """Standard deviation (m) of the heights of fronts' upper edges, by what stands there."""
 HUNG = "wall cabinet"
 ROLES = (*LOOSE, HUNG)
-HUNG_LOOSE = (0.12, 0.25)
-"""The same of the lower and of the upper edges of what hangs."""
-LIFTED = 0.1
-"""The same of the lower edges of what stands."""
-KIND_WEIGHT, LEAST_SHARE, STRANGE = 2.0, 0.02, 12.0
-"""Weight of the kinds that are read against heights, least probability of a kind, and cost from which a
-column is none of these."""
-WOODEN = 3.0
-"""Cost of an appliance of wood."""
+HUNG_LOOSE = 0.2
+"""The same of the ends of what hangs."""
+LIFTED = 0.3
+"""The same of the lower edges of what stands: the lowest front of a column is often not read."""
+KIND_WEIGHT, STRANGE = 2.0, 12.0
+"""Weight of the kinds that are read against heights, and cost from which a column is none of these."""
 SCALES = np.geomspace(0.4, 4.0, 70)
 """Heights (m) of all fronts together that are tried."""
 FLOORS = np.linspace(0.0, 0.35, 8)
@@ -116,8 +113,7 @@ def _cost_kind(column: Column, role: str) -> float:
     appliances = {find_place(name)[0] for name in LOOSE} - {find_place("base cabinet")[0]}
     own = find_place(role)[0]
     share = column.shares[own] if own in appliances else 1.0 - sum(column.shares[name] for name in appliances)
-    wooden = np.mean([part.material == "wood" for part in column.parts]) > 0.5
-    return WOODEN * (own in appliances and wooden) - KIND_WEIGHT * float(np.log(max(share, LEAST_SHARE)))
+    return -KIND_WEIGHT * float(np.log(max(share, np.finfo(np.float16).eps)))
 
 
 def _cost_height(
@@ -126,5 +122,5 @@ def _cost_height(
     """Squared differences of the ends of a column from usual heights (m), in standard deviations."""
     if role == HUNG:
         top = HANGS + _usual_height(role)
-        return ((low - HANGS) / HUNG_LOOSE[0]) ** 2 + ((high - top) / HUNG_LOOSE[1]) ** 2
+        return ((low - HANGS) / HUNG_LOOSE) ** 2 + ((high - top) / HUNG_LOOSE) ** 2
     return ((low - TOE) / LIFTED) ** 2 + ((high - _usual_height(role) + TOP) / LOOSE[role]) ** 2

@@ -89,7 +89,7 @@ def find_units(image: "Image.Image", reader: Reader, name: str) -> Wall:
     metre, columns, roles = find_roles(stacks, find_aspect(plane, extent))
     strange = sum(role is None for role in roles)
     notes += [f"{strange} columns of fronts that are like no unit of a kitchen: left out"] if strange else []
-    units = _group(columns, roles, metre)
+    units = group_columns(columns, roles, metre)
     heights = {
         role: _find_height(role, columns, roles, metre) for role in roles if role is not None and role != HUNG
     }
@@ -115,7 +115,7 @@ def _find_height(role: str, columns: Sequence[Column], roles: Sequence[str | Non
     return float(np.median([metre.height(float(bounds[1])) for bounds in own])) + TOP
 
 
-def _group(
+def group_columns(
     columns: Sequence[Column], roles: Sequence[str | None], metre: Metre
 ) -> list[tuple[str, list[Column]]]:
     """Neighbouring columns of cabinets as units; appliances each by itself."""

@@ -74,5 +74,9 @@ def test_a_scene_that_cannot_be_is_reported_and_the_others_are_made(library: Pat
     said = make_scenes(KINDS, 2, tmp_path / "out", runner=HERE, packages=few, pictures="none")
     assert said.startswith("1 of 2 scenes")
     assert "laundry_000001: " in (tmp_path / "out" / "README.md").read_text()
+    make_scenes(("laundry",), 2, tmp_path / "two", runner=HERE, packages=few, pictures="none")
+    page = (tmp_path / "two" / "README.md").read_text()
+    assert "- 2, such as laundry_000000: " in page
+    assert page.rstrip().endswith("(laundry_000000, laundry_000001)")
     with pytest.raises(ArtigenError, match="0 scenes"):
         make_scenes(KINDS, 0, tmp_path, runner=HERE)

@@ -6,9 +6,11 @@ import pytest
 from artigen.camera import Camera, look_at, project_points
 from artigen.reader.layout.plane import fit_plane
 from artigen.reader.reading import ReadPart
-from artigen.reader.wall.columns import Column
-from artigen.reader.wall.face import FOCAL, choose_wall, find_aspect, list_corners
-from artigen.reader.wall.roles import HUNG, find_roles
+from artigen.reader.wall import columns
+from artigen.reader.wall.columns import CHAINED, OVER, Column, make_stacks
+from artigen.reader.wall.face import FOCAL, TURN, choose_wall, find_aspect, list_corners
+from artigen.reader.wall.roles import HUNG, Metre, find_roles
+from artigen.reader.wall.units import JOINED, UNEVEN, WIDEST, group_columns
 
 WALL = (
     ("base cabinet", "StorageFurniture", (0.0, 0.8), (0.1, 0.84)),
@@ -92,3 +94,57 @@ def test_fronts_of_another_wall_are_left_out_and_the_aspect_is_true(turn: float)
     plane = fit_plane(list_corners(kept) * extent, extent)
     sizes = np.median(np.diff(plane.bound(list_corners(kept)).reshape(-1, 2, 2), axis=1)[:, 0], axis=0)
     assert find_aspect(plane, extent) * sizes[0] / sizes[1] == pytest.approx(0.5 / 0.7, rel=0.1)
+
+
+@pytest.mark.parametrize(("more", "kept"), [(0.95, 4), (1.05, 3)])
+def test_boundary_of_another_wall(more: float, kept: int):
+    """A front that is higher at its right end, beside larger ones that are not."""
+    tall = 0.1 * np.exp(more * TURN * 0.2)
+    quads = [np.array([(x, 0.2), (x + 0.2, 0.2), (x + 0.2, 0.6), (x, 0.6)]) for x in (0.0, 0.22, 0.44)]
+    quads.append(np.array([(0.7, 0.4), (0.9, 0.4), (0.9, 0.4 + tall), (0.7, 0.5)]))
+    assert len(choose_wall([make_front(quad) for quad in quads], np.array([500.0, 500.0]))[0]) == kept
+
+
+@pytest.mark.parametrize(
+    ("gap", "aside", "stacks"),
+    [
+        (0.95 * CHAINED, 0.0, 1),
+        (1.05 * CHAINED, 0.0, 2),
+        (0.1, 0.95 * (1 - OVER), 1),
+        (0.1, 1.05 * (1 - OVER), 2),
+    ],
+)
+def test_fronts_above_each_other_are_one_stack(
+    monkeypatch: pytest.MonkeyPatch, gap: float, aside: float, stacks: int
+):
+    """Gap and shift in heights and widths of the fronts."""
+    monkeypatch.setattr(columns, "_name_kinds", lambda image, box, reader: {})
+    starts = np.array([(0.3, 0.1), (0.3 + 0.2 * aside, 0.1 + 0.2 * (1 + gap))])
+    quads = [start + 0.2 * np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) for start in starts]
+    fronts = [make_front(quad) for quad in quads]
+    extent = np.array([500.0, 500.0])
+    plane = fit_plane(list_corners(fronts) * extent, extent)
+    assert len(make_stacks(fronts, plane, None, None)) == stacks  # pyright: ignore[reportArgumentType]
+
+
+@pytest.mark.parametrize("more", [0.95, 1.05])
+@pytest.mark.parametrize(
+    ("role", "gap", "width", "lift"),
+    [
+        ("base cabinet", JOINED, 0.0, 0.0),
+        ("base cabinet", 0.0, WIDEST, 0.0),
+        (HUNG, 0.0, 0.0, UNEVEN),
+        ("dishwasher", 0.0, 0.0, 0.0),
+    ],
+)
+def test_neighbouring_cabinets_are_one_unit(role: str, gap: float, width: float, lift: float, more: float):
+    """Up to a gap, a common width and, where they hang, an unevenness; appliances never are."""
+    wide = more * width / 2 or 0.4
+    second = wide + more * gap
+    lifted = more * lift
+    pair = [
+        make_column("StorageFurniture", x, z, 1.0, np.zeros(2))
+        for x, z in (((0.0, wide), (0.1, 0.8)), ((second, second + wide), (0.1 + lifted, 0.8 + lifted)))
+    ]
+    units = group_columns(pair, [role, role], Metre(across=1.0, along=1.0, floor=0.0))
+    assert len(units) == (2 if more > 1 or role == "dishwasher" else 1)

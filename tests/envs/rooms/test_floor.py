@@ -1,5 +1,6 @@
 """Decorated rooms: seats face their tables, nothing is in the way, and what is wrong is found."""
 
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +14,16 @@ from envs.rooms.decor import decorate_room
 from envs.rooms.floor import SEATS, stand_on_floor
 from envs.rooms.footprints import read_footprint
 from envs.rooms.map import STEP, free_map
-from envs.rooms.room import Fixture, Opening, Placement, Room, pose_matrix_of, room_shell
+from envs.rooms.room import (
+    Fixture,
+    Opening,
+    Placement,
+    Room,
+    along_wall,
+    corner,
+    pose_matrix_of,
+    room_shell,
+)
 from envs.rooms.solids import fixture_solids, object_solids
 from envs.rooms.things import THINGS, thing_hulls
 from envs.rooms.views import find_lamps, find_views
@@ -64,6 +74,21 @@ def test_seats_face_what_they_stand_at_and_leave_its_front_to_the_drawers(room: 
         assert -T[:2, 0] @ (np.array(island.position[:2]) - T[:2, 3]) > 0.2
         to_stool = pose_matrix_of(island)[:3, :3].T @ (T[:3, 3] - island.position)
         assert to_stool[0] > -0.3  # drawers open towards -x
+
+
+@pytest.mark.parametrize("side", [None, -1.0, 1.0])
+def test_curtains_hang_on_both_sides_of_a_window_or_a_blind_above_it(room: Room, side: float | None):
+    """Furniture beside the window leaves no room for one of the two."""
+    x = (WINDOW.start + WINDOW.stop) / 2.0 + (side or 0.0) * (WINDOW.width / 2.0 + 0.3)
+    low, high = along_wall(WINDOW.side, room.size, (x - 0.28, 0.0, 0.0), (x + 0.28, 0.5, 2.2))
+    tall = Fixture(name="wardrobe", low=corner(low), high=corner(high), color=(0.5, 0.4, 0.3))
+    dressed_room = decorate_room(
+        replace(room, kind="bedroom", fixtures=room.fixtures + ((tall,) if side else ()))
+    )
+    hung = Counter(
+        each.name.rpartition("_")[2] for each in dressed_room.fixtures if each.name.startswith("curtain")
+    )
+    assert hung == ({"blind": 1} if side else {"rod": 1, "left": 5, "right": 5})
 
 
 @pytest.mark.parametrize(("shift", "kind"), [((0.0, 0.0, 0.01), "unsupported"), ((0.0, 0.4, 0.0), "overlap")])

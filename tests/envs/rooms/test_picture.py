@@ -6,7 +6,7 @@ import numpy as np
 from bare_room import ROOM
 
 from artigen.camera import project_points
-from envs.rooms.picture import draw_masks, draw_plan, draw_room
+from envs.rooms.picture import draw_masks, draw_plan, draw_room, draw_view
 from envs.rooms.room import Fixture
 from envs.rooms.views import find_views
 
@@ -31,3 +31,19 @@ def test_masks_show_what_stands_where_the_camera_projects_it():
             "wall",
             "floor",
         }
+
+
+def test_a_wall_in_pieces_looks_like_a_whole_one():
+    (whole,) = (each for each in ROOM.fixtures if each.name == "wall_back")
+    (_, y0, z0), (_, y1, z1) = whole.low, whole.high
+    pieces = (
+        replace(whole, name="wall_back_0", high=(2.03, y1, z1)),
+        replace(whole, name="wall_back_1", low=(2.03, y0, z0)),
+    )
+    others = tuple(each for each in ROOM.fixtures if each is not whole)
+    entrance = find_views(ROOM)[0]
+    first, second = (
+        draw_view(replace(ROOM, fixtures=fixtures), entrance).astype(float)
+        for fixtures in ((*others, whole), (*others, *pieces))
+    )
+    assert np.abs(first - second).mean() < 1e-3

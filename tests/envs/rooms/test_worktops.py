@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from envs.rooms.arrange import Plan, wall_places
-from envs.rooms.footprints import FOOT, Footprint, _find_deck
+from envs.rooms.footprints import COVERS, FOOT, Footprint, _find_deck
 from envs.rooms.pieces import GAP, Boxes, Cluster, Member, Piece, conflict, join_boxes, move_boxes
 from envs.rooms.room import Opening
 from envs.rooms.worktops import (
@@ -134,3 +134,10 @@ def test_a_hood_hangs_above_every_range():
     np.testing.assert_allclose(canopy[:, 0], cooker.bodies[0][:, 0])
     assert canopy[0, 2] == HOOD_BOTTOM
     assert chimney[1, 2] == pytest.approx(PLAN.size[2] - GAP)
+
+
+@pytest.mark.parametrize(("more", "height"), [(0.95, 0.5), (1.05, 0.7)])
+def test_boundary_of_a_deck(more: float, height: float):
+    """A block on a body is its deck from a share of its area on."""
+    boxes = np.array([[(0.0, 0.0, 0.0), (1.0, 1.0, 0.5)], [(0.0, 0.0, 0.5), (more * COVERS, 1.0, 0.7)]])
+    assert _find_deck(boxes).height == height
