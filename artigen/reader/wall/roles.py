@@ -15,27 +15,18 @@ from artigen.reader.wall.columns import Column
 TOE, TOP, HANGS = 0.1, 0.04, 1.45
 """Heights (m) of the lowest fronts above the floor, of what is above the uppermost ones of an object, and of
 the undersides of wall cabinets above the floor."""
-LOOSE = {
-    "base cabinet": 0.08,
-    "larder": 0.2,
-    "fridge": 0.15,
-    "range": 0.08,
-    "dishwasher": 0.08,
-    "washing machine": 0.08,
-}
-"""Standard deviation (m) of the heights of fronts' upper edges, by what stands there."""
 HUNG = "wall cabinet"
-ROLES = (*LOOSE, HUNG)
+ROLES = ("base cabinet", "larder", "fridge", "range", "dishwasher", "washing machine", HUNG)
+LOOSE = 0.1
+"""Standard deviation (m) of the heights of fronts' upper edges."""
 HUNG_LOOSE = 0.2
 """The same of the ends of what hangs."""
 LIFTED = 0.3
 """The same of the lower edges of what stands: the lowest front of a column is often not read."""
 KIND_WEIGHT, STRANGE = 2.0, 12.0
 """Weight of the kinds that are read against heights, and cost from which a column is none of these."""
-SCALES = np.geomspace(0.4, 4.0, 70)
+SCALES = np.geomspace(0.4, 4.0, 35)
 """Heights (m) of all fronts together that are tried."""
-FLOORS = np.linspace(0.0, 0.35, 8)
-"""Heights (m) above the floor of the lowest front that are tried."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,8 +61,8 @@ def find_roles(
     each of them is."""
     bounds = np.stack([column.bounds for stack in stacks for column in stack[0]])
     whole = float(bounds[:, 3].max() - bounds[:, 1].min())
-    along, lift = (grid.ravel() for grid in np.meshgrid(SCALES / whole, FLOORS, indexing="ij"))
-    floor = bounds[:, 3].max() + lift / along
+    along = SCALES / whole
+    floor = bounds[:, 3].max() + TOE / along
     costs = {
         id(column): _cost_columns(column, along, floor) for stack in stacks for way in stack for column in way
     }
@@ -98,7 +89,7 @@ def find_roles(
 def _cost_columns(
     column: Column, along: Float[np.ndarray, "G"], floor: Float[np.ndarray, "G"]
 ) -> Float[np.ndarray, "G R"]:
-    """Cost of every role at every scale and floor."""
+    """Cost of every role at every scale."""
     low, high = ((floor - float(y)) * along for y in (column.bounds[3], column.bounds[1]))
     return np.stack([_cost_kind(column, role) + _cost_height(role, low, high) for role in ROLES], axis=1)
 
@@ -110,7 +101,7 @@ def _weigh(column: Column) -> float:
 
 def _cost_kind(column: Column, role: str) -> float:
     """Cost of what a column looks like: appliances by their kind, furniture by that of none of these."""
-    appliances = {find_place(name)[0] for name in LOOSE} - {find_place("base cabinet")[0]}
+    appliances = {find_place(name)[0] for name in ROLES} - {find_place(HUNG)[0]}
     own = find_place(role)[0]
     share = column.shares[own] if own in appliances else 1.0 - sum(column.shares[name] for name in appliances)
     return -KIND_WEIGHT * float(np.log(max(share, np.finfo(np.float16).eps)))
@@ -123,4 +114,4 @@ def _cost_height(
     if role == HUNG:
         top = HANGS + _usual_height(role)
         return ((low - HANGS) / HUNG_LOOSE) ** 2 + ((high - top) / HUNG_LOOSE) ** 2
-    return ((low - TOE) / LIFTED) ** 2 + ((high - _usual_height(role) + TOP) / LOOSE[role]) ** 2
+    return ((low - TOE) / LIFTED) ** 2 + ((high - _usual_height(role) + TOP) / LOOSE) ** 2
