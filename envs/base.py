@@ -53,8 +53,7 @@ class PackageEnv(gym.Env):
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"render_mode {render_mode!r}, expected None or 'rgb_array'")
         self.render_mode = render_mode
-        given = [package] if isinstance(package, str | Path) else package
-        counts = {folder: _count_joints(folder) for folder in find_packages([Path(each) for each in given])}
+        counts = {folder: _count_joints(folder) for folder in find_packages(package)}
         self.folders = tuple(folder for folder, count in counts.items() if count >= self.least)
         if not self.folders:
             raise ValueError(f"{package}: nothing moves in {len(counts)} packages, so nothing can be done")

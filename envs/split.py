@@ -28,8 +28,7 @@ def split_objects(packages: str | Path | Sequence[str | Path], unseen: float = 0
     Raises:
         ArtigenError: If one of the two would be empty.
     """
-    given = [packages] if isinstance(packages, str | Path) else packages
-    folders = find_packages([Path(folder) for folder in given])
+    folders = find_packages(packages)
     count = round(unseen * len(folders))
     if not 0 < count < len(folders):
         raise ArtigenError(

@@ -265,10 +265,11 @@ def run_with_progress(
     *,
     runner: Runner,
     part: Part | None = None,
+    unit: str = "object",
 ) -> list[Finished]:
-    """`run_batch` with a progress bar, and a line on stderr for every object that failed."""
+    """`run_batch` with a progress bar in units of a job, and a line on stderr for every one that failed."""
     total = len(take_part(jobs, part))
-    with tqdm(total=total, unit="object", disable=not sys.stderr.isatty() and total > 1) as bar:
+    with tqdm(total=total, unit=unit, disable=not sys.stderr.isatty() and total > 1) as bar:
 
         def on_done(finished: Finished) -> None:
             bar.update()

@@ -129,7 +129,9 @@ def make_demos(
                     out=out / RECORDINGS, cfg=cfg, render=render,
                 )
             )  # fmt: skip
-        done = run_with_progress(play_and_report, jobs, out / RECORDINGS, runner=runner)
+        done = run_with_progress(
+            play_and_report, jobs, out / RECORDINGS, runner=runner, unit=f"{CHUNK} episodes"
+        )
         if any(finished.error for finished in done):
             raise ArtigenError(f"{task}: {next(each.error for each in done if each.error)}")
         tried = CHUNK * len(jobs)

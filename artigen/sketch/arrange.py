@@ -134,7 +134,9 @@ def _sort_blocks(
         found["bottom" if low else "left" if many else "top"] = [spare.pop("drawer")]
         found["right" if many and not low else "middle"] = [spare.pop("door")]
     if spare:
-        found.setdefault("middle", []).extend(spare.values())
+        between = set(found) == {"middle"} and all(block.label == "shelf" for block in found["middle"])
+        pairs = all(block.count % 2 == 0 for block in spare.values())
+        found.setdefault("sides" if between and pairs else "middle", []).extend(spare.values())
     return found
 
 
@@ -159,7 +161,8 @@ def _divide(area: Box, blocks: Mapping[Spot, list[Block]]) -> list[tuple[str, Bo
     ]
     if blocks.get("sides"):
         halves = [_halve(block) for block in blocks["sides"]]
-        columns = [[one for one, _ in halves], blocks.get("middle", []), [other for _, other in halves]]
+        left_ones, right_ones = ([half for half in side if half.count] for side in zip(*halves, strict=True))
+        columns = [left_ones, blocks.get("middle", []), right_ones]
     everything = [*above, *below, *(block for column in columns for block in column)]
     rest = any(columns)
     doors = sum(block.count for block in everything if block.label == "door")

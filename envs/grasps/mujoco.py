@@ -8,6 +8,7 @@ import numpy as np
 from artigen.transforms import quat_from_matrix
 from sim_export.errors import PackageError
 from sim_export.grasps.gripper import Gripper, mirrored
+from sim_export.grasps.pairs import FRICTION
 from sim_export.package import Proof, SimPackage
 
 from ..limits import rest_coordinate
@@ -16,7 +17,6 @@ from .rail import (
     ARMATURE,
     FINGER_GAINS,
     FINGER_MASS,
-    FRICTION,
     LOOK,
     PALM_MASS,
     RAIL_GAINS,

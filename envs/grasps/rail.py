@@ -41,8 +41,6 @@ ARMATURE, FREQUENCY = 10.0, 100.0
 RAIL_GAINS = (ARMATURE * FREQUENCY**2, 2.0 * ARMATURE * FREQUENCY)
 FINGER_GAINS = (COUPLING, 2.0 * (COUPLING * FINGER_MASS) ** 0.5)
 """Stiffness and damping of the drives, the latter critical."""
-FRICTION = 0.6
-"""Coefficient of friction of a contact between a pad and the object, as in `sim_export.grasps.pairs`."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import frame_along, inverse, quat_from_matrix, transform_points
+from sim_export.grasps.pairs import FRICTION
 from sim_export.package import Proof, SimPackage
 
 from ..hand import pose_matrix
@@ -16,7 +17,6 @@ from .rail import (
     ARMATURE,
     FINGER_GAINS,
     FINGER_MASS,
-    FRICTION,
     LOOK,
     PALM_MASS,
     RAIL_GAINS,

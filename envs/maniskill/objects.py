@@ -314,11 +314,10 @@ def find_packages(packages: str | Path | Sequence[str | Path]) -> tuple[Path, ..
     Raises:
         TaskError: If a folder contains no package.
     """
-    given = [packages] if isinstance(packages, str | Path) else list(packages)
-    if not given:
+    if not packages:
         raise TaskError("packages is an empty list; give a folder of packages")
     try:
-        return package_folders([Path(entry) for entry in given])
+        return package_folders(packages)
     except PackageError as error:
         raise TaskError(f"{error}; artigen convert, shape and export write packages") from error
 

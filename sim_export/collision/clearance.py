@@ -201,10 +201,11 @@ def _clear_joint(
                     poses=(T[poses, a], T[poses, b]),
                     volumes=(work.volumes[a][i], work.volumes[b][j]),
                     allowances=(work.allowance(a, i, hidden), work.allowance(b, j, hidden)),
-                    least=(work.least(a), work.least(b)),
+                    least=(work.end(a, i), work.end(b, j)),
                     slivers=(work.is_sliver(a, i), work.is_sliver(b, j)),
                     room=(work.room(a), work.room(b)),
                     size=work.size,
+                    axis=joint.axis,
                     margin=2.0 * THREAD if threaded else max(cutting, ENOUGH * gap),
                 )
                 done = relieve_pair(pair, gap, sheets=work.sheets, shares=work.shares)

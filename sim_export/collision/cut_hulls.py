@@ -16,7 +16,7 @@ from sim_export.collision.hull_limits import (
     compact_hull,
     trim_hull,
 )
-from sim_export.collision.relief import MAX_REMOVED, SLIVER, SLIVER_LENGTH
+from sim_export.collision.relief import END, MAX_REMOVED, SLIVER, SLIVER_LENGTH, find_ends
 from sim_export.geometry.contacts import HullSet
 from sim_export.geometry.distances import MAX_P99, surface_distances
 from sim_export.geometry.hulls import hull_triangles, hull_volume, hull_width, inside_hulls, reduce_hull
@@ -131,6 +131,12 @@ class CutHulls:
     def least(self, link: int) -> float:
         """Volume (m^3) that cuts may take from a hull of a link however large it is: next to nothing."""
         return 0.0 if self._is_round(link) else SLIVER * self.totals[link]
+
+    def end(self, link: int, slot: int) -> float:
+        """Volume (m^3) that deep cuts may take from a hull: little of its link, or the end of a post."""
+        least, hull = self.least(link), self.hulls[link][slot]
+        slender = hull is not None and len(find_ends(hull)) > 0
+        return max(least, END * self.volumes[link][slot]) if least and slender else least
 
     def _is_round(self, link: int) -> bool:
         """Whether a link is one cylinder that has to roll (`sim_export.geometry.wheels`)."""

@@ -1,7 +1,8 @@
 """Separates two overlapping hulls at all poses in which they meet.
 
-Two ways, of which the one wins that takes less: half-space cuts pose by pose (a door's edge gets a chamfer),
-and a notch in the shape of the other hull, which leaves several smaller hulls.
+Three ways, of which the one wins that takes least: half-space cuts pose by pose (a door's edge gets a
+chamfer), one half-space cut for all poses at once (a knob is cut off where it dips into a door), and a notch
+in the shape of the other hull, which leaves several smaller hulls.
 """
 
 from dataclasses import dataclass
@@ -43,6 +44,10 @@ SLIVER = 0.02
 where cuts do not help."""
 SLIVER_LENGTH = 0.12
 """Longest hull that goes as a sliver where there are sheets, over the object's longest side."""
+END = 0.12
+"""Share of a slender hull that deeper cuts may take: the end of a post above a wheel."""
+SLENDER = 4.0
+"""Least length of such a hull over its width."""
 MIN_WIDTH = 0.001
 """Least thickness (m) that a cut may leave."""
 NOTCH_ABOVE = 0.1
@@ -57,8 +62,9 @@ class OverlappingPair:
 
     ``volumes`` are those before any cut, of which all cuts may take ``allowances`` (m^3). Cuts that go deeper
     than `MAX_DEPTH`, up to `MAX_SLIVER_DEPTH`, may take ``least`` (m^3). ``slivers`` tells which may be
-    dropped, ``room`` how many hulls each link may still gain. ``size`` is the object's longest side (m),
-    and ``margin`` (m) the gap that a cut leaves.
+    dropped, ``room`` how many hulls each link may still gain. ``size`` is the object's longest side (m), and
+    ``axis`` the moving joint's direction in the frame of the first hull's link: one cut along it may free all
+    poses. ``margin`` (m) is the gap that a cut leaves.
     """
 
     hulls: tuple[Hull, Hull]
@@ -69,6 +75,7 @@ class OverlappingPair:
     slivers: tuple[bool, bool]
     room: tuple[int, int]
     size: float
+    axis: Float[np.ndarray, "3"]
     margin: float = MARGIN
 
     @property
@@ -103,12 +110,21 @@ def relieve_pair(pair: OverlappingPair, gap: float, *, sheets: bool = False, sha
     rather than the least volume: thin leaves keep their thickness, and bodies lose more.
     """
     found = _measure(pair.hulls, pair.poses, gap)
-    cut = _cut_by_pose(pair, found, gap)
-    plans = [] if cut.reason else [cut]
-    if cut.reason or _lost_share(cut, pair) > NOTCH_ABOVE:
-        plans += _notch(pair, found, gap, sheets=sheets)
-        plans += [_one_sided(pair, side, (), 0.0) for side in range(2) if pair.slivers[side]]
-    return min(plans, key=lambda plan: _cost(plan, pair, sheets=sheets, shares=shares), default=cut)
+    plans = [_cut_by_pose(pair, found, gap), *_cut_for_all(pair, found, gap)]
+    good = [plan for plan in plans if not plan.reason]
+    if not good or min(_lost_share(plan, pair) for plan in good) > NOTCH_ABOVE:
+        good += _notch(pair, found, gap, sheets=sheets)
+        good += [_one_sided(pair, side, (), 0.0) for side in range(2) if pair.slivers[side]]
+    if good:
+        return min(good, key=lambda plan: _cost(plan, pair, sheets=sheets, shares=shares))
+    return plans[0]
+
+
+def cut_along_faces(pair: OverlappingPair, gap: float, *, sheets: bool, shares: bool) -> Relief | None:
+    """One cut along a face of the other hull that leaves ``gap`` (m) at all poses, as two sheets in one plane
+    need it; None if all take too much."""
+    plans = _cut_for_all(pair, _measure(pair.hulls, pair.poses, gap), gap, faces=True)
+    return min(plans, key=lambda plan: _cost(plan, pair, sheets=sheets, shares=shares), default=None)
 
 
 def _cost(plan: Relief, pair: OverlappingPair, *, sheets: bool, shares: bool) -> float:
@@ -208,25 +224,44 @@ def _face_normal(
     return normals[best] if needed[best] <= depth + NEARLY else normal
 
 
-def cut_along_faces(pair: OverlappingPair, gap: float, *, sheets: bool, shares: bool) -> Relief | None:
-    """One cut along a face of the other hull that leaves ``gap`` (m) at all poses, as two sheets in one plane
-    need it; None if all take too much."""
-    found, plans = _measure(pair.hulls, pair.poses, gap), []
-    if not len(found.distance) or found.distance.min() >= gap:
-        return None
-    deepest = found.pose[int(found.distance.argmin())]
+def _cut_for_all(pair: OverlappingPair, found: Distances, gap: float, *, faces: bool = False) -> list[Relief]:
+    """Single cuts that free all poses: along the joint's axis, along the deepest contacts, or across the
+    ends of a post, as one above a wheel needs it; or else along all ``faces`` of the other hull, as two
+    sheets in one plane need it."""
+    deepest = np.argsort(found.distance, kind="stable")[:3]
+    if not len(deepest) or found.distance[deepest[0]] >= gap:
+        return []
+    plans = []
     for side in range(2):
-        T = inverse(pair.poses[side]) @ pair.poses[1 - side]
-        other = pair.hulls[1 - side]
-        points = transform_points(T, other.vertices).reshape(-1, 3)
-        for normal in -face_planes(other)[:, :3] @ T[deepest, :3, :3].T:
-            cut = _cut(pair.hulls[side], normal, points, gap + NEARLY)
+        own, other = pair.poses[side], pair.poses[1 - side]
+        points = transform_points(inverse(own) @ other, pair.hulls[1 - side].vertices).reshape(-1, 3)
+        turn = np.swapaxes(own[:, :3, :3], -1, -2)
+        axis = (turn @ pair.poses[0][:, :3, :3] @ pair.axis)[found.pose[deepest[0]]]
+        contact = (1.0 - 2.0 * side) * np.einsum(
+            "kij,kj->ki", turn[found.pose[deepest]], found.normal[deepest]
+        )
+        normals = np.concatenate([[axis, -axis], contact, find_ends(pair.hulls[side])])
+        if faces:
+            turned = (turn @ other[:, :3, :3])[found.pose[deepest[0]]]
+            normals = -face_planes(pair.hulls[1 - side])[:, :3] @ turned.T
+        for normal in normals:
+            cut = _cut(pair.hulls[side], normal, points, gap + NEARLY if faces else pair.margin)
             if cut is None:
                 continue
             depth = float((pair.hulls[side].vertices @ normal).max() - (cut.vertices @ normal).max())
             if pair.allows(side, hull_volume(cut), depth):
                 plans.append(_one_sided(pair, side, (cut,), depth))
-    return min(plans, key=lambda plan: _cost(plan, pair, sheets=sheets, shares=shares), default=None)
+    return plans
+
+
+def find_ends(hull: Hull) -> Float[np.ndarray, "K 3"]:
+    """The two directions (K = 2) in which a slender hull ends; none (K = 0) for others."""
+    extents = np.ptp(hull.vertices, axis=0)
+    _, width, length = np.sort(extents)
+    if length < SLENDER * width:
+        return np.zeros((0, 3))
+    along = np.eye(3)[int(extents.argmax())]
+    return np.stack([along, -along])
 
 
 def _notch(pair: OverlappingPair, found: Distances, gap: float, *, sheets: bool) -> list[Relief]:

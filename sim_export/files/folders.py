@@ -8,8 +8,9 @@ from sim_export.errors import PackageError
 URDF = "mobility.urdf"
 
 
-def find_packages(folders: Sequence[Path]) -> tuple[Path, ...]:
-    """Package folders among ``folders``, and packages at any depth below the others, sorted by path.
+def find_packages(folders: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
+    """Package folders among ``folders`` (one, or several), and packages at any depth below the others, sorted
+    by path.
 
     Hidden folders, in which packages are being written, are skipped.
 
@@ -17,7 +18,7 @@ def find_packages(folders: Sequence[Path]) -> tuple[Path, ...]:
         PackageError: If a folder is missing, or neither is a package nor contains one.
     """
     found: list[Path] = []
-    for folder in folders:
+    for folder in map(Path, [folders] if isinstance(folders, str | Path) else folders):
         if not folder.is_dir():
             raise PackageError(f"{folder}: no such folder")
         inside = list_packages(folder)

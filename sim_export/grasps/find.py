@@ -270,7 +270,7 @@ def arriving_boxes(
 def carried_boxes(
     gripper: Gripper, width: Float[np.ndarray, "G"], clear: float
 ) -> Float[np.ndarray, "G B 2 3"]:
-    """The closed gripper."""
+    """Palm, finger at +y and finger at -y of the closed gripper, larger by ``clear`` but at the pads."""
     palm = np.repeat(gripper.palm[None], len(width), axis=0) + clear * np.array([[-1.0], [1.0]])
     near = _fingers(gripper, width / 2.0, 0.0, clear)
     return np.concatenate([palm, near, mirrored(near)], axis=1)

@@ -51,11 +51,6 @@ class Gripper:
         """Coordinate of ``joint`` with the pads ``width`` metres apart."""
         return self.closed + (self.opened - self.closed) * width / self.opening
 
-    def boxes(self, width: float) -> Float[np.ndarray, "B 2 3"]:
-        """All boxes with the pads ``width`` metres apart: palm, finger at +y, finger at -y."""
-        near = self.finger + np.array([0.0, width / 2.0, 0.0])
-        return np.concatenate([self.palm, near, mirrored(near)])
-
 
 def mirrored(boxes: Float[np.ndarray, "*B 2 3"]) -> Float[np.ndarray, "*B 2 3"]:
     """Boxes on the other side of y = 0."""

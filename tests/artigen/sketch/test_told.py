@@ -164,6 +164,14 @@ def test_two_doors_hinge_at_their_outer_sides_if_that_is_said():
     assert notes == ()
 
 
+def test_an_open_compartment_in_the_middle_has_the_fronts_on_its_sides():
+    shape, notes = draw("a TV bench with two flap doors and an open compartment in the middle")
+    left, right = sorted(fronts(shape, "door"), key=lambda door: float(door.box[0]))
+    assert left.box[2] + 0.1 < right.box[0]
+    assert {door.hinge for door in (left, right)} == {"bottom"}
+    assert notes == ()
+
+
 def test_a_second_kind_of_handles_is_said_not_to_be():
     _, notes = draw("a cabinet with cup pulls and bar handles and three drawers")
     assert "handle type bar" in notes[0]

@@ -34,6 +34,7 @@ def pair_of(first: Hull, second: Hull, *, allowed=0.65, least=1.0, sliver=False,
         slivers=(False, sliver),
         room=(0, 0),
         size=1.0,
+        axis=np.array([0.0, 0.0, 1.0]),
     )
 
 
@@ -59,6 +60,7 @@ def overlap(*, sliver: bool, cuttable: bool) -> OverlappingPair:
         slivers=(False, sliver),
         room=(0, 0),
         size=1.0,
+        axis=np.array([0.0, 0.0, 1.0]),
     )
 
 
@@ -94,6 +96,7 @@ def test_a_deep_cut_takes_little_whatever_other_cuts_have_taken(cut_before, leas
         slivers=(False, False),
         room=(8, 0),
         size=10.0,
+        axis=np.array([0.0, 0.0, 1.0]),
     )
     assert (relieve_pair(pair, 1e-3).reason == "") is freed
 
@@ -195,3 +198,19 @@ def test_a_hull_is_dropped_if_it_is_a_fiftieth_of_its_link(share, cleared):
 def test_no_sheet_is_dropped_that_is_longer_than_0_12_of_the_object(length, cleared):
     assert is_cleared(beside_a_box(0.001, length), WHEEL, sheets=True) is cleared
     assert is_cleared(beside_a_box(0.001, length), WHEEL)
+
+
+def post_above_a_wheel(share: float, slenderness: float = 8.0) -> tuple[tuple[Hull, ...], Hull]:
+    """A post 0.4 m high, an end of which, with the 1 mm that a cut leaves, is in a wheel below it."""
+    width, depth = 0.4 / slenderness, share * 0.4 - 0.001
+    return (box((0.3, 0.3, 0), (0.3 + width, 0.3 + width, 0.4)),), box((0, 0, -0.2), (1, 1, depth))
+
+
+@pytest.mark.parametrize(("share", "cleared"), [(0.117, True), (0.123, False)])
+def test_deep_cuts_take_0_12_of_a_post(share, cleared):
+    assert is_cleared(*post_above_a_wheel(share)) is cleared
+
+
+@pytest.mark.parametrize(("slenderness", "cleared"), [(4.1, True), (3.9, False)])
+def test_a_post_is_four_times_as_long_as_wide(slenderness, cleared):
+    assert is_cleared(*post_above_a_wheel(0.1, slenderness)) is cleared

@@ -10,7 +10,7 @@ from artigen.transforms import transform_points
 from sim_export.errors import PackageError
 from sim_export.geometry.contacts import HullSet, penetration_depths
 from sim_export.geometry.hulls import box_hull, convex_hull
-from sim_export.grasps.find import carry, find_grasps, find_targets, joint_range
+from sim_export.grasps.find import carried_boxes, carry, find_grasps, find_targets, joint_range
 from sim_export.grasps.gripper import FRANKA, GRIPPERS, find_gripper
 from sim_export.grasps.pairs import FRICTION, find_pairs
 from sim_export.grasps.room import Solids, meet
@@ -20,7 +20,7 @@ HANDS = tuple(GRIPPERS.values())
 
 def hand_hulls(gripper, grasp, inset: float = 1e-3) -> HullSet:
     """The closed gripper at a grasp, a little smaller so that its pads only touch."""
-    boxes = gripper.boxes(grasp.width) + inset * np.array([[1.0], [-1.0]])
+    boxes = carried_boxes(gripper, np.array([grasp.width]), -inset)[0]
     return HullSet(hulls=tuple(
         convex_hull(transform_points(grasp.pose, box_hull(low, high).vertices)) for low, high in boxes
     ))  # fmt: skip
