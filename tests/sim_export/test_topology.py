@@ -92,7 +92,7 @@ def test_parts_can_be_asked_for_in_place_of_a_seed(tmp_path):
     [
         (ShapeSettings(topology=("door=1",), like=0), "topology door=1 beside like 0"),
         (ShapeSettings(topology=("door=1",), counts=("drawer=0",)), "topology door=1 beside counts drawer=0"),
-        (ShapeSettings(topology=("doors=1",)), "count 'doors=1' is not of the form"),
+        (ShapeSettings(topology=("gates=1",)), "count 'gates=1' is not of the form"),
     ],
 )
 def test_a_topology_that_contradicts_itself_is_refused(settings, says):

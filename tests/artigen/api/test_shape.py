@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from artigen.api import grids
 from artigen.api.batch import Finished

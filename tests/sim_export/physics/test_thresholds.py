@@ -92,7 +92,7 @@ def stands_on(height: float) -> bool:
 def lies_down(inside: float) -> bool:
     """Whether a plate on its edge is turned onto its side, with its mass so far (m) within its rim."""
     R = rotation_about(np.array([0.0, 1.0, 0.0]), np.array(np.radians(20.0)))
-    plate = box_hull(np.array([-0.5, -0.2, -0.05]), np.array([0.5, 0.2, 0.05]))
+    plate = box_hull(np.array([-0.5, -0.5, -0.05]), np.array([0.5, 0.5, 0.05]))
     link = Link(
         name="link_0", label="base", parts=("body",), visuals=(), hulls=(convex_hull(plate.vertices @ R.T),),
         inertial=Inertial(mass=1.0, com=R @ np.array([inside - 0.5, 0.0, 0.0]), inertia=np.eye(3)),
