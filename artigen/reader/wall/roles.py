@@ -72,7 +72,7 @@ def find_roles(
         )
         for stack in stacks
     ]
-    best = int(sum(ways.min(axis=0) for ways in rated).argmin())
+    best = int(np.sum([ways.min(axis=0) for ways in rated], axis=0).argmin())
     chosen = [
         one for stack, ways in zip(stacks, rated, strict=True) for one in stack[int(ways[:, best].argmin())]
     ]
