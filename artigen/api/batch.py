@@ -164,6 +164,20 @@ def read_journal(out: Path) -> dict[str, Finished]:
     return done
 
 
+def make_supervised(
+    worker: Worker, job: JobType, make: Callable[[JobType], Made], timeout: float
+) -> Finished:
+    """Does one job in a supervised process."""
+    settings = digest_settings(job.settings)
+    outcome = worker.call(make, job, timeout)
+    if outcome.value is None:
+        return Finished(key=job.key, settings=settings, error=outcome.error, stopped=outcome.stopped)
+    made = outcome.value
+    return Finished(
+        key=job.key, settings=settings, seconds=made.seconds, peak_mib=made.peak_mib, notes=made.notes
+    )
+
+
 def make_and_validate(
     worker: Worker, job: JobType, make: Callable[[JobType], Made], *, timeout: float, validation: bool
 ) -> Finished:
@@ -171,18 +185,8 @@ def make_and_validate(
     from envs.config import ValidateConfig
     from envs.validate import validate
 
-    settings = digest_settings(job.settings)
-    outcome = worker.call(make, job, timeout)
-    if outcome.value is None:
-        return Finished(key=job.key, settings=settings, error=outcome.error, stopped=outcome.stopped)
-    made = Finished(
-        key=job.key,
-        settings=settings,
-        seconds=outcome.value.seconds,
-        peak_mib=outcome.value.peak_mib,
-        notes=outcome.value.notes,
-    )
-    if not validation:
+    made = make_supervised(worker, job, make, timeout)
+    if made.error is not None or not validation:
         return made
     before = time.perf_counter()
     report = validate(job.out / job.key, ValidateConfig(), worker)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from artigen.api.batch import Finished, Laps, Made, digest_settings, run_with_progress
+from artigen.api.batch import Finished, Laps, Made, make_supervised, run_with_progress
 from artigen.datasets.lerobot import Episode, write_lerobot
 from artigen.errors import ArtigenError
 from artigen.io import whole_folder, write_whole
@@ -149,14 +149,7 @@ def make_demos(
 
 def play_and_report(worker: Worker, job: DemoJob) -> Finished:
     """Plays the episodes of a job in a supervised process; the notes are the reasons of those that failed."""
-    outcome = worker.call(_play, job, TIMEOUT)
-    settings = digest_settings(job.settings)
-    if outcome.value is None:
-        return Finished(key=job.key, settings=settings, error=outcome.error, stopped=outcome.stopped)
-    made = outcome.value
-    return Finished(
-        key=job.key, settings=settings, seconds=made.seconds, peak_mib=made.peak_mib, notes=made.notes
-    )
+    return make_supervised(worker, job, _play, TIMEOUT)
 
 
 def replay_demos(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from artigen.api.batch import Finished, Laps, Made, Part, digest_settings, run_with_progress
+from artigen.api.batch import Finished, Laps, Made, Part, make_supervised, run_with_progress
 from artigen.api.scene import (
     SceneFormat,
     SceneSettings,
@@ -138,14 +138,7 @@ def make_scenes(
 
 def furnish_and_report(worker: Worker, job: SceneJob) -> Finished:
     """Furnishes one scene in a supervised process."""
-    outcome = worker.call(_furnish, job, TIMEOUT)
-    settings = digest_settings(job.settings)
-    if outcome.value is None:
-        return Finished(key=job.key, settings=settings, error=outcome.error, stopped=outcome.stopped)
-    made = outcome.value
-    return Finished(
-        key=job.key, settings=settings, seconds=made.seconds, peak_mib=made.peak_mib, notes=made.notes
-    )
+    return make_supervised(worker, job, _furnish, TIMEOUT)
 
 
 def _furnish(job: SceneJob) -> Made:
