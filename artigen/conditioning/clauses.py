@@ -51,17 +51,14 @@ def read_clauses(text: str, *, whole: bool = True) -> Sentence:
 
 def _name_shelves(words: tuple[str, ...]) -> tuple[str, ...]:
     """Words with "open compartment" and the like as the open shelf that they are."""
-    open_cells = {1 + at for at in range(len(words) - 1) if words[at] == "open"}
-    named = dict.fromkeys(COMPARTMENTS, "shelf")
-    named |= dict.fromkeys(plurals(*COMPARTMENTS).values(), "shelves")
-    alone = [
-        at for at in range(1, len(words)) if words[at] == "open" and words[at - 1] in (",", "with", "and")
-    ]
-    named_alone = {at for at in alone if starts_spot(words, at + 1)}  # "open in the middle"
-    return tuple(
-        "shelf" if at in named_alone else named.get(word, word) if at in open_cells else word
-        for at, word in enumerate(words)
-    )
+    nouns = dict.fromkeys(COMPARTMENTS, "shelf") | dict.fromkeys(plurals(*COMPARTMENTS).values(), "shelves")
+    named = list(words)
+    for at, word in enumerate(words):
+        if at and words[at - 1] == "open":
+            named[at] = nouns.get(word, word)
+        elif word == "open" and at and words[at - 1] in (",", "with", "and") and starts_spot(words, at + 1):
+            named[at] = "shelf"  # "open in the middle"
+    return tuple(named)
 
 
 def _read_kind(parse: Parse) -> Parse:
@@ -196,7 +193,7 @@ def _say_legs(parse: Parse, at: int) -> Parse:
 
 
 def _agree(parse: Parse) -> Parse:
-    """Joins hinges that are said of the left and of the right doors.
+    """Joins hinges that are said of the left and of the right doors; other properties have one value.
 
     Raises:
         TextError: If hinges, a stand or a freezer are said to be two things.

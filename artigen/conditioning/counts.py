@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from artigen.conditioning.numbers import read_count, read_number
+from artigen.conditioning.numbers import crosses, read_count, read_number
 from artigen.conditioning.parse import BETWEEN, Parse, kind_of, say_count, say_features
 from artigen.conditioning.places import Group, find_places, match_relation, starts_spot
 from artigen.conditioning.sentence import Placing, TextError
@@ -86,7 +86,7 @@ def _read_group(parse: Parse, at: int) -> Group | None:
         counted = end + 2 + each.counted - at
         total = None if each.count is None else number[0] * each.count
         return replace(each, start=at, count=total, counted=counted, grid=grid)
-    crossed = read_number(words, end + 1) if tuple(words[end : end + 1]) in (("x",), ("by",)) else None
+    crossed = read_number(words, end + 1) if crosses(words, end) else None
     named = crossed is not None and words[end + 2 : end + 3] and words[end + 2] in PARTS
     if crossed is not None and named and end + 3 not in parse.head:
         total = number[0] * int(crossed[0])  # "2 x 3 drawers"

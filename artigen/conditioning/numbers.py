@@ -63,6 +63,11 @@ def read_number(words: tuple[str, ...], at: int) -> tuple[float, int] | None:
     return float(first), used
 
 
+def crosses(words: tuple[str, ...], at: int) -> bool:
+    """Whether a number is multiplied by the next one: "60 x 55", "2 by 3"."""
+    return at < len(words) and words[at] in ("x", "by")
+
+
 def read_limit(words: tuple[str, ...], at: int) -> tuple[int, int]:
     """Which way a phrase such as "at most" or "more than" excludes its number, and how many words it takes:
     1 for numbers above it, -1 for those below, 0 for none; no words without such a phrase."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from artigen.conditioning.numbers import read_length, read_number
+from artigen.conditioning.numbers import crosses, read_length, read_number
 from artigen.conditioning.parse import Parse, kind_of, say_length
 from artigen.conditioning.vocabulary import AXES, CLAUSES, DIRECTIONS, PARTS, UNITS, Axis
 from artigen.kind import Kind
@@ -61,7 +61,7 @@ def _read_triple(words: tuple[str, ...], at: int) -> tuple[list[float], int] | N
     numbers: list[tuple[float, str | None]] = []
     end = at
     for place in range(3):
-        if place and tuple(words[end : end + 1]) not in (("x",), ("by",)):
+        if place and not crosses(words, end):
             return None
         end += place > 0
         number = read_number(words, end)
@@ -133,14 +133,14 @@ def _read_product(words: tuple[str, ...], at: int) -> tuple[list[float], int]:
     if first is None:
         number = read_number(words, at)
         end = at + number[1] if number is not None else at
-        crossed = number is not None and tuple(words[end : end + 1]) in (("x",), ("by",))
+        crossed = number is not None and crosses(words, end)
         last = read_length(words, end + 1) if crossed else None
         if number is None or last is None:
             return [], 0
         unit = next(word for word in words[end + 1 : end + 1 + last[1]][::-1] if word in UNITS)
         return [number[0] * UNITS[unit], last[0]], end + 1 + last[1] - at
     end = at + first[1]
-    last = read_length(words, end + 1) if tuple(words[end : end + 1]) in (("x",), ("by",)) else None
+    last = read_length(words, end + 1) if crosses(words, end) else None
     return ([first[0]], first[1]) if last is None else ([first[0], last[0]], end + 1 + last[1] - at)
 
 
@@ -150,7 +150,7 @@ def _read_plain_product(words: tuple[str, ...], at: int) -> list[tuple[list[floa
     while end < len(words) and words[end][0].isdigit() and (number := read_number(words, end)) is not None:
         numbers.append(number[0])
         end += number[1]
-        if len(numbers) == len(AXES) or tuple(words[end : end + 1]) not in (("x",), ("by",)):
+        if len(numbers) == len(AXES) or not crosses(words, end):
             break
         end += 1
     if len(numbers) < 2 or words[end - 1] in ("x", "by"):

@@ -59,6 +59,10 @@ class Told:
     features: tuple[Feature, ...] = ()
     places: tuple[Placing, ...] = ()
 
+    def _find(self, part: str, what: str) -> str | None:
+        """The first that is said of a property."""
+        return next((value for *named, value in self.features if named == [part, what]), None)
+
     @property
     def hinge(self) -> Side | None:
         """The side of the hinges of all doors."""
@@ -67,14 +71,16 @@ class Told:
     @property
     def handles(self) -> tuple[HandleKind, ...]:
         """The kind of handles: the first that is said."""
-        said = [value for part, what, value in self.features if (part, what) == ("handle", "type")]
-        return tuple(kind for kind in HANDLE_KINDS if said[:1] == [kind])
+        said = self._find("handle", "type")
+        return tuple(kind for kind in HANDLE_KINDS if kind == said)
 
     @property
     def stand(self) -> Stand | None:
         """What the object stands on."""
-        said = [value for part, what, value in self.features if part in ("stand", "wheel") and what == "type"]
-        return STANDS.get(said[0]) if said else None
+        said = next(
+            (one[2] for one in self.features if one[:2] in (("stand", "type"), ("wheel", "type"))), ""
+        )
+        return STANDS.get(said)
 
     @property
     def pane(self) -> bool | None:
@@ -84,8 +90,8 @@ class Told:
     @property
     def outline(self) -> Outline | None:
         """The outline of the object's top, from above."""
-        said = [value for part, what, value in self.features if (part, what) == ("object", "outline")]
-        return next((outline for outline in get_args(Outline) if said[:1] == [outline]), None)
+        said = self._find("object", "outline")
+        return next((outline for outline in get_args(Outline) if outline == said), None)
 
     @property
     def is_level(self) -> bool:
