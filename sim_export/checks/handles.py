@@ -16,7 +16,7 @@ from sim_export.checks.config import CheckConfig
 from sim_export.checks.opening import PARALLEL, opening_joints, panel_points, thin_direction, velocity_at
 from sim_export.checks.registry import CheckSpec, Finding, at_most
 from sim_export.checks.subject import Shape, Subject
-from sim_export.files.sidecars import grasps_from_json
+from sim_export.files.grasp_values import grasps_from_json
 from sim_export.geometry.distances import triangle_distances
 from sim_export.geometry.grid import Grid, column_crossings
 from sim_export.geometry.triangles import meet_box

@@ -20,9 +20,10 @@ from artigen.transforms import transform_points
 from artigen.types import JOINT_TYPES, Gaussians, Joint, PartLabel
 from sim_export.errors import DegeneratePart, PackageError
 from sim_export.files.foreign import label_of, read_semantics, thicken
+from sim_export.files.grasp_values import grasps_from_json
 from sim_export.files.joints import place_joint
 from sim_export.files.obj import parse_obj, parse_urdf, read_mesh
-from sim_export.files.sidecars import FORMAT, VERSION, grasps_from_json, handles_from_json
+from sim_export.files.sidecars import FORMAT, VERSION, handles_from_json
 from sim_export.files.urdf import splats_path
 from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.primitives import primitive_mesh

@@ -6,22 +6,19 @@ the object frame at rest (z up, front -x), which is also the frame of the mesh f
 """
 
 import json
-from collections.abc import Mapping
 
 import numpy as np
-from jaxtyping import Float
 
 from artigen.kind import find_kind
-from artigen.transforms import matrix_from_quat, quat_from_matrix
 from artigen.types import Joint
 from sim_export.errors import PackageError
-from sim_export.files.urdf import image_path, link_origins
+from sim_export.files.grasp_values import grasps_value
+from sim_export.files.rounding import number, rounded
+from sim_export.files.urdf import image_path
 from sim_export.package import (
-    Grasp,
     HandleAnnotation,
     Link,
     Mesh,
-    Proof,
     Requirement,
     SimPackage,
     SourceMesh,
@@ -33,23 +30,11 @@ from sim_export.topology import find_topology
 
 FORMAT = "artigen-package"
 VERSION = 1
-GRASPS_VERSION = 1
-"""Version of the schema of grasps in ``annotations.json``."""
 
 
 def json_text(value: object) -> str:
     """Indented JSON with a final newline; NaN raises an error."""
     return json.dumps(value, indent=1, allow_nan=False) + "\n"
-
-
-def _rounded(values: object, decimals: int = 9) -> list:
-    """A nested list of floats, rounded and without negative zeros."""
-    return (np.round(np.asarray(values, np.float64), decimals) + 0.0).tolist()
-
-
-def _number(value: float, decimals: int = 9) -> float:
-    """A rounded float without negative zero."""
-    return round(float(value), decimals) + 0.0
 
 
 def child_joint(package: SimPackage, link: Link) -> Joint | None:
@@ -130,21 +115,21 @@ def _joint_data(package: SimPackage, link: Link, joint: Joint) -> dict:
     turning = joint.type != "prismatic"
     to_file = 180.0 / np.pi if turning else 1.0
     limit = {
-        "a": _number(joint.lower * to_file, 6),
-        "b": _number(joint.upper * to_file, 6),
+        "a": number(joint.lower * to_file, 6),
+        "b": number(joint.upper * to_file, 6),
         "noLimit": joint.type == "continuous",
     }
     travel = next((j for j in package.joints if j.child == link.name and j.is_travel), None)
     if travel is not None:
         limit = {
-            "a": _number(travel.lower),
-            "b": _number(travel.upper),
+            "a": number(travel.lower),
+            "b": number(travel.upper),
             "noLimit": False,
             "rotates": True,
             "noRotationLimit": joint.type == "continuous",
         }
     axis = joint.axis if travel is None else travel.axis
-    return {"axis": {"origin": _rounded(joint.origin), "direction": _rounded(axis)}, "limit": limit}
+    return {"axis": {"origin": rounded(joint.origin), "direction": rounded(axis)}, "limit": limit}
 
 
 def bounding_box_json(package: SimPackage) -> str:
@@ -160,7 +145,7 @@ def bounding_box_json(package: SimPackage) -> str:
     if not points:
         return json_text({})
     stacked = np.concatenate(points)
-    return json_text({"min": _rounded(stacked.min(axis=0), 6), "max": _rounded(stacked.max(axis=0), 6)})
+    return json_text({"min": rounded(stacked.min(axis=0), 6), "max": rounded(stacked.max(axis=0), 6)})
 
 
 def materials_json(package: SimPackage) -> str:
@@ -173,7 +158,7 @@ def materials_json(package: SimPackage) -> str:
     made = {visual.look: mesh for visual, mesh in own if isinstance(mesh, Mesh)}
     materials = {
         look: {
-            "color": _rounded(_mean_color(mesh), 6),
+            "color": rounded(_mean_color(mesh), 6),
             "image": None if mesh.texture is None else image_path(look),
             **{key: value for key, value in vars(mesh.material).items() if key != "name"},
         }
@@ -239,18 +224,18 @@ def annotations_json(package: SimPackage) -> str:
             "link": handle.link,
             "part": handle.part,
             "gapart": handle.gapart,
-            "center": _rounded(np.mean(handle.corners, axis=0)),
-            "corners": _rounded(handle.corners),
-            "normal": _rounded(handle.normal),
-            "grasp_line": _rounded(handle.grasp_line),
-            "width": _number(handle.width),
-            "clearance": _number(handle.clearance),
-            "opening_direction": _rounded(handle.opening_direction),
+            "center": rounded(np.mean(handle.corners, axis=0)),
+            "corners": rounded(handle.corners),
+            "normal": rounded(handle.normal),
+            "grasp_line": rounded(handle.grasp_line),
+            "width": number(handle.width),
+            "clearance": number(handle.clearance),
+            "opening_direction": rounded(handle.opening_direction),
         }
         for handle in package.handles
     ]
     needs = [
-        {"joint": need.joint, "needs": need.needs, "fraction": _number(need.fraction)}
+        {"joint": need.joint, "needs": need.needs, "fraction": number(need.fraction)}
         for need in package.requires_open
     ]
     kind = find_kind(package.category)
@@ -261,30 +246,7 @@ def annotations_json(package: SimPackage) -> str:
     ]
     frame = {"frame": "object at rest, metres"}
     out = frame | {"handles": handles, "requires_open": needs, "parts": said}
-    return json_text(out | ({"grasps": _grasps_value(package)} if package.grasps else {}))
-
-
-def _grasps_value(package: SimPackage) -> dict:
-    """Grasps with their poses in the frames of their links."""
-    origins = link_origins(package)
-    rows = [
-        {
-            "link": grasp.link,
-            "part": grasp.part,
-            "joint": grasp.joint,
-            "gripper": grasp.gripper,
-            "position": _rounded(grasp.pose[:3, 3] - origins[grasp.link]),
-            "quaternion": _rounded(quat_from_matrix(grasp.pose[:3, :3])),
-            "width": _number(grasp.width, 6),
-            "score": _number(grasp.score, 4),
-            "proofs": [
-                {"engine": proof.engine, "opened": _number(proof.opened, 4), "held": proof.held}
-                for proof in grasp.proofs
-            ],
-        }
-        for grasp in package.grasps
-    ]
-    return {"version": GRASPS_VERSION, "frame": "link, metres; z approaches, y closes", "grasps": rows}
+    return json_text(out | ({"grasps": grasps_value(package)} if package.grasps else {}))
 
 
 def physics_json(package: SimPackage) -> str:
@@ -298,13 +260,13 @@ def physics_json(package: SimPackage) -> str:
         {
             "name": joint.name,
             "kind": joint.kind,
-            "lower": _number(joint.lower),
-            "upper": _number(joint.upper),
-            "friction": _number(joint.friction),
-            "damping": _number(joint.damping),
+            "lower": number(joint.lower),
+            "upper": number(joint.upper),
+            "friction": number(joint.friction),
+            "damping": number(joint.damping),
             "physx_friction_coefficient": _coefficient(package, joint),
         }
-        | ({"spring": _number(joint.spring)} if joint.spring != 0.0 else {})
+        | ({"spring": number(joint.spring)} if joint.spring != 0.0 else {})
         for joint in package.joints
         if joint.type != "fixed"
     ]
@@ -312,7 +274,7 @@ def physics_json(package: SimPackage) -> str:
     table = {
         name: {
             "density": MATERIALS[name].density,
-            "filled": _number(MATERIALS[name].filled, 6),
+            "filled": number(MATERIALS[name].filled, 6),
             "static_friction": MATERIALS[name].static_friction,
             "sliding_friction": MATERIALS[name].sliding_friction,
         }
@@ -368,43 +330,3 @@ def handles_from_json(value: dict) -> tuple[tuple[HandleAnnotation, ...], tuple[
     except (KeyError, TypeError, ValueError) as err:
         raise PackageError(f"annotations.json: does not have the expected structure ({err!r})") from err
     return handles, needs
-
-
-def grasps_from_json(value: dict, poses: Mapping[str, Float[np.ndarray, "4 4"]]) -> tuple[Grasp, ...]:
-    """Parses the grasps of `annotations_json`.
-
-    Args:
-        value: The file.
-        poses: Pose of every link in the object frame at rest.
-    """
-    stored = value.get("grasps", {"version": GRASPS_VERSION, "grasps": []})
-    try:
-        if stored["version"] != GRASPS_VERSION:
-            raise PackageError(
-                f"annotations.json: grasps of version {stored['version']}, this reads {GRASPS_VERSION}"
-            )
-        return tuple(
-            Grasp(
-                link=entry["link"],
-                part=entry["part"],
-                joint=entry["joint"],
-                gripper=entry["gripper"],
-                pose=poses[entry["link"]] @ _pose(entry["position"], entry["quaternion"]),
-                width=float(entry["width"]),
-                score=float(entry["score"]),
-                proofs=tuple(
-                    Proof(engine=proof["engine"], opened=float(proof["opened"]), held=bool(proof["held"]))
-                    for proof in entry["proofs"]
-                ),
-            )
-            for entry in stored["grasps"]
-        )
-    except (KeyError, TypeError, ValueError) as err:
-        raise PackageError(f"annotations.json: grasps do not have the expected structure ({err!r})") from err
-
-
-def _pose(position: list, quaternion: list) -> Float[np.ndarray, "4 4"]:
-    T = np.eye(4)
-    T[:3, :3] = matrix_from_quat(np.array(quaternion, dtype=np.float64).reshape(4))
-    T[:3, 3] = position
-    return T
