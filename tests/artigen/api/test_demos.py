@@ -16,7 +16,7 @@ h5py = pytest.importorskip("h5py")
 parquet = pytest.importorskip("pyarrow.parquet")
 pytest.importorskip("mani_skill")
 pytest.importorskip("pandas")
-pytestmark = pytest.mark.sim
+pytestmark = [pytest.mark.sim, pytest.mark.slow]
 TASK = "ArtiGen-OpenPart-v1"
 CFG = DemoSettings(part="drawer", pictures="none", validation="any")
 

@@ -21,6 +21,8 @@ from artigen.shapes.primitives import box, move
 from artigen.shapes.render.shading import EVEN_LIGHT
 from artigen.shapes.shape import Shape, ShapePart
 
+pytestmark = pytest.mark.slow
+
 DRAWERS = Split(along="rows", shares=(0.2, 0.26, 0.26), children=(Cell(fill="drawer"),) * 3)
 DOORS = Split(
     along="columns",

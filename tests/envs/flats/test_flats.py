@@ -34,6 +34,8 @@ from envs.rooms.usd import write_room_usd
 from sim_export.files.write import write_package
 from sim_export.report import CheckResult, Report, write_report
 
+pytestmark = pytest.mark.slow
+
 WIDE = 1.05
 KINDS = read_rooms(("hall,bedroom kitchen",))
 

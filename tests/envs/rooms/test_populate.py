@@ -53,6 +53,8 @@ from sim_export.files.write import write_package
 from sim_export.geometry.hulls import box_hull
 from sim_export.package import Hull
 
+pytestmark = pytest.mark.slow
+
 ROOMS: tuple[tuple[RoomKind, int], ...] = (
     ("kitchen", 0),
     ("kitchen", 1),
