@@ -19,7 +19,6 @@ from sim_export.collision.relief import (
     MARGIN_SHARE,
     OverlappingPair,
     Relief,
-    cut_along_faces,
     relieve_pair,
 )
 from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
@@ -217,8 +216,6 @@ def _clear_joint(
                     work.put(*skin, ())
                     work.cuts[skin[0]] += 1
                     changes += 1
-                elif beside := cut_along_faces(pair, gap, sheets=work.sheets, shares=work.shares):
-                    changes += _apply(work, ((a, i), (b, j)), beside)
                 else:
                     stuck[a, i, b, j] = done.reason
     return changes

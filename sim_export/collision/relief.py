@@ -120,13 +120,6 @@ def relieve_pair(pair: OverlappingPair, gap: float, *, sheets: bool = False, sha
     return plans[0]
 
 
-def cut_along_faces(pair: OverlappingPair, gap: float, *, sheets: bool, shares: bool) -> Relief | None:
-    """One cut along a face of the other hull that leaves ``gap`` (m) at all poses, as two sheets in one plane
-    need it; None if all take too much."""
-    plans = _cut_for_all(pair, _measure(pair.hulls, pair.poses, gap), gap, faces=True)
-    return min(plans, key=lambda plan: _cost(plan, pair, sheets=sheets, shares=shares), default=None)
-
-
 def _cost(plan: Relief, pair: OverlappingPair, *, sheets: bool, shares: bool) -> float:
     """Volume lost (m^3), or share of each hull; every hull more, oblong ones counted as the several they will
     be cut to, is as bad as the loss of a tenth of its side, or of the larger side where there are sheets."""
@@ -224,10 +217,9 @@ def _face_normal(
     return normals[best] if needed[best] <= depth + NEARLY else normal
 
 
-def _cut_for_all(pair: OverlappingPair, found: Distances, gap: float, *, faces: bool = False) -> list[Relief]:
+def _cut_for_all(pair: OverlappingPair, found: Distances, gap: float) -> list[Relief]:
     """Single cuts that free all poses: along the joint's axis, along the deepest contacts, or across the
-    ends of a post, as one above a wheel needs it; or else along all ``faces`` of the other hull, as two
-    sheets in one plane need it."""
+    ends of a post, as one above a wheel needs it."""
     deepest = np.argsort(found.distance, kind="stable")[:3]
     if not len(deepest) or found.distance[deepest[0]] >= gap:
         return []
@@ -241,11 +233,8 @@ def _cut_for_all(pair: OverlappingPair, found: Distances, gap: float, *, faces: 
             "kij,kj->ki", turn[found.pose[deepest]], found.normal[deepest]
         )
         normals = np.concatenate([[axis, -axis], contact, find_ends(pair.hulls[side])])
-        if faces:
-            turned = (turn @ other[:, :3, :3])[found.pose[deepest[0]]]
-            normals = -face_planes(pair.hulls[1 - side])[:, :3] @ turned.T
         for normal in normals:
-            cut = _cut(pair.hulls[side], normal, points, gap + NEARLY if faces else pair.margin)
+            cut = _cut(pair.hulls[side], normal, points, pair.margin)
             if cut is None:
                 continue
             depth = float((pair.hulls[side].vertices @ normal).max() - (cut.vertices @ normal).max())

@@ -434,21 +434,6 @@ def test_a_cap_keeps_a_tenth_of_a_millimetre_from_its_neck_and_other_parts_one(g
     assert found.min() == pytest.approx(left, rel=0.02)
 
 
-@pytest.mark.parametrize(("shared", "freed"), [(0.0042, True), (0.0046, False)])
-def test_sheets_in_one_plane_are_cut_along_their_edges(shared, freed):
-    """Strips 8.3 mm wide come to share some of it: a cut takes that and the gap of 1 mm, and up to 65 %."""
-    width, apart = 0.0083, 0.002
-    links = [
-        make_link("body", box((0.0, 0.0, 0.0), (width, 0.3, 0.002))),
-        make_link("lid", box((width + apart, 0.0, 1e-4), (2.0 * width + apart, 0.3, 0.0021))),
-    ]
-    joints = [make_joint("lid", "prismatic", (-1, 0, 0), (0, 0, 0), apart + shared)]
-    done = clear_joints(links, joints, sheets=True)
-    assert (not done.residuals) == freed
-    assert (deepest(done.links, done.joints, ()) == {"joint_lid": 0.0}) == freed
-    assert all(link.hulls for link in done.links)
-
-
 @pytest.mark.parametrize(("hulls", "more"), [(1, 8), (2, 9), (10, 13), (59, 37), (60, 36), (96, 0)])
 def test_cuts_may_add_eight_hulls_and_half_as_many_as_there_are_up_to_the_limit_of_a_link(hulls, more):
     cubes = [box((k, 0.0, 0.0), (k + 0.9, 0.9, 0.9)) for k in range(hulls)]

@@ -6,7 +6,7 @@ import pytest
 from artigen.transforms import rotation_about
 from artigen.types import Joint
 from sim_export.collision.clearance import clear_joints
-from sim_export.collision.relief import OverlappingPair, relieve_pair
+from sim_export.collision.relief import MARGIN, OverlappingPair, relieve_pair
 from sim_export.geometry.hulls import box_bounds, box_hull, convex_hull, hull_volume
 from sim_export.package import Hull, Link
 
@@ -173,8 +173,8 @@ def is_cleared(
     [(0.64, 0.0, True), (0.66, 0.0, False), (0.66, 0.1, True), (0.7, 0.1, False)],
 )
 def test_cuts_take_up_to_0_65_of_a_hull_and_what_is_hidden_at_rest(share, hidden, cleared):
-    """A board of 40 mm that rises into a wheel; the last cut that is tried leaves a gap of 1 mm."""
-    depth, sunk = share * 0.04 - 0.001, hidden * 0.04
+    """A board of 40 mm that rises into a wheel; a cut leaves a gap of `MARGIN`."""
+    depth, sunk = share * 0.04 - MARGIN, hidden * 0.04
     wheel = box((0, 0, 0.04 - sunk), (1, 1, 0.2))
     board = (box((0, 0, 0), (1, 1, 0.04)),)
     assert is_cleared(board, wheel, axis=(0.0, 0.0, 1.0), upper=depth - sunk) is cleared
@@ -201,8 +201,8 @@ def test_no_sheet_is_dropped_that_is_longer_than_0_12_of_the_object(length, clea
 
 
 def post_above_a_wheel(share: float, slenderness: float = 8.0) -> tuple[tuple[Hull, ...], Hull]:
-    """A post 0.4 m high, an end of which, with the 1 mm that a cut leaves, is in a wheel below it."""
-    width, depth = 0.4 / slenderness, share * 0.4 - 0.001
+    """A post 0.4 m high, an end of which, with the gap that a cut leaves, is in a wheel below it."""
+    width, depth = 0.4 / slenderness, share * 0.4 - MARGIN
     return (box((0.3, 0.3, 0), (0.3 + width, 0.3 + width, 0.4)),), box((0, 0, -0.2), (1, 1, depth))
 
 
