@@ -41,8 +41,8 @@ def add_grasps(
     package: "SimPackage", gripper: str, engines: "Sequence[EngineName]", folder: Path | None = None
 ) -> "tuple[SimPackage, tuple[Found, ...]]":
     """A package with the grasps of one gripper instead of those that it had of it, and what was found."""
-    from envs.grasps.prove import ENOUGH, prove_grasps
-    from sim_export.grasps.find import find_grasps
+    from envs.grasps.prove import prove_grasps
+    from sim_export.grasps.find import ENOUGH, find_grasps
     from sim_export.grasps.gripper import find_gripper
 
     hand = find_gripper(gripper)

@@ -33,8 +33,9 @@ LOOK = 0.1
 """Seconds at the end in which each finger must touch the link."""
 OPEN = 0.010
 """Distance (m) of each pad from what it holds as a trial begins, if the gripper opens so far."""
-COUPLING = 1e5
-"""Stiffness (N/m) of the drives that keep the fingers together."""
+COUPLING = 1e4
+"""Stiffness (N/m) of the drives that keep the fingers together. MuJoCo's step is too long for ten times as
+much: fingers then shake, and what a spring pulls creeps out of them."""
 FINGER_MASS, PALM_MASS = 0.1, 0.8
 ARMATURE, FREQUENCY = 10.0, 100.0
 """Inertia (kg, kg m^2) and natural frequency (rad/s) of the rail's drives."""
@@ -50,7 +51,7 @@ class Rail:
     ``start`` is the gripper's pose as it closes; the ``turn`` (rad) about ``axis`` through ``origin`` and the
     ``slide`` (m) along it take it to the end in ``move`` seconds. ``needs`` are coordinates of joints by name
     as the trial begins. ``point`` is where it holds the ``link``, in that one's frame. ``lower`` and ``span``
-    are the range of the joint of the package that is opened; "" is none.
+    are the stroke of the joint of the package that is opened; "" is none.
     """
 
     gripper: Gripper
@@ -102,8 +103,9 @@ def lay_rail(package: SimPackage, grasp: Grasp) -> Rail:
         return rail
     joint = next(joint for joint in object_joints(package.joints) if joint.name == grasp.joint)
     index = [link.name for link in package.links].index(grasp.link)
-    rest = carry(package, joint, [0.0])[0, index]
-    lower, upper = joint_range(joint)
+    rest = carry(package, joint, grasp.stroke[:1])[0, index]
+    low, high = joint_range(joint)
+    lower, upper = (low + share * (high - low) for share in grasp.stroke)
     travel = CARRIED * (upper - lower)
     sliding = joint.type == "prismatic"
     arm = grasp.pose[:3, 3] - joint.origin
