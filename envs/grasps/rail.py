@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from artigen.transforms import transform_points
 from sim_export.files.urdf import link_origins
-from sim_export.grasps.find import CARRIED, carry, joint_range
+from sim_export.grasps.find import CARRIED, joint_range, place_link
 from sim_export.grasps.gripper import Gripper, find_gripper
 from sim_export.motion.kinematics import object_joints, required_openings
 from sim_export.package import Grasp, SimPackage
@@ -102,8 +102,7 @@ def lay_rail(package: SimPackage, grasp: Grasp) -> Rail:
     if not grasp.joint:
         return rail
     joint = next(joint for joint in object_joints(package.joints) if joint.name == grasp.joint)
-    index = [link.name for link in package.links].index(grasp.link)
-    rest = carry(package, joint, grasp.stroke[:1])[0, index]
+    rest = place_link(package, grasp)
     low, high = joint_range(joint)
     lower, upper = (low + share * (high - low) for share in grasp.stroke)
     travel = CARRIED * (upper - lower)

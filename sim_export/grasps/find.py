@@ -167,6 +167,15 @@ def carry(
     return link_displacements(package.links, package.joints, {**needs, joint.name: q})
 
 
+def place_link(package: SimPackage, grasp: Grasp) -> Float[np.ndarray, "4 4"]:
+    """Displacement of the link of a grasp from rest as its stroke begins; what else must be open is open."""
+    joint = next((joint for joint in object_joints(package.joints) if joint.name == grasp.joint), None)
+    if joint is None:
+        return np.eye(4)
+    index = [link.name for link in package.links].index(grasp.link)
+    return carry(package, joint, grasp.stroke[:1])[0, index]
+
+
 def find_on(package: SimPackage, target: Target, gripper: Gripper) -> tuple[Found, ...]:
     """Grasps of one target, for each of the fewest strokes that all have `ENOUGH`.
 
