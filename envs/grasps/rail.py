@@ -21,6 +21,8 @@ LIFT = 0.2
 """Height (m) by which loose objects are lifted."""
 CLOSE, REST = 0.3, 0.2
 """Seconds in which the fingers close, and in which the gripper waits at the end of its path."""
+LET_GO = 0.5
+"""Seconds for which a joint must stay where a stroke left it."""
 SPEED, SPIN = 0.6, 2.0
 """Most (m/s) that the gripper moves, and most (rad/s) that it turns, but not faster than joints may."""
 JOINT_SPEED = 0.8
@@ -51,7 +53,8 @@ class Rail:
     ``start`` is the gripper's pose as it closes; the ``turn`` (rad) about ``axis`` through ``origin`` and the
     ``slide`` (m) along it take it to the end in ``move`` seconds. ``needs`` are coordinates of joints by name
     as the trial begins. ``point`` is where it holds the ``link``, in that one's frame. ``lower`` and ``span``
-    are the stroke of the joint of the package that is opened; "" is none.
+    are the stroke of the joint of the package that is opened; "" is none. The open fingers ``wait`` (s)
+    before they close, so that a joint which does not stay where the stroke before left it leaves them.
     """
 
     gripper: Gripper
@@ -68,6 +71,11 @@ class Rail:
     lower: float
     span: float
     move: float
+    wait: float = 0.0
+
+    def press(self, time: float) -> float:
+        """Force (N) on each finger at a time (s) of the trial, negative as it closes."""
+        return -self.gripper.force if time >= self.wait else 0.0
 
     @property
     def gap(self) -> float:
@@ -75,14 +83,14 @@ class Rail:
         return min(self.gripper.opening, self.width + 2.0 * OPEN)
 
     def share(self, time: float) -> float:
-        """Share of the path at a time (s) after the fingers began to close, smooth at both ends."""
-        s = float(np.clip((time - CLOSE) / self.move, 0.0, 1.0))
+        """Share of the path at a time (s) of the trial, smooth at both ends."""
+        s = float(np.clip((time - self.wait - CLOSE) / self.move, 0.0, 1.0))
         return s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
 
     @property
     def seconds(self) -> float:
         """Length of a trial."""
-        return CLOSE + self.move + REST
+        return self.wait + CLOSE + self.move + REST
 
 
 def lay_rail(package: SimPackage, grasp: Grasp) -> Rail:
@@ -122,4 +130,5 @@ def lay_rail(package: SimPackage, grasp: Grasp) -> Rail:
         lower=lower,
         span=upper - lower,
         move=max(LEAST, PEAK * travel / fastest),
+        wait=LET_GO if grasp.stroke[0] > 0.0 else 0.0,
     )

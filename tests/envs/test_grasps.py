@@ -67,6 +67,14 @@ def test_a_stroke_begins_where_it_says_and_the_gripper_ends_with_the_link(folder
         assert proof.opened == pytest.approx(0.95, abs=0.02)  # of the stroke, not of the range
 
 
+def test_a_drawer_that_a_spring_closes_is_not_left_half_open(tmp_path: Path, proven: SimPackage):
+    later = replace(proven.grasps[0], stroke=(0.45, 1.0))
+    sprung = replace(proven, joints=(replace(proven.joints[0], spring=20.0),))
+    for stage in trials(write_package(sprung, tmp_path / "sprung"), sprung):
+        assert stage.prove(lay_rail(sprung, proven.grasps[0])).passed
+        assert not stage.prove(lay_rail(sprung, later)).passed
+
+
 def test_a_gripper_beside_the_bar_or_without_force_is_caught(folder: Path, proven: SimPackage):
     beside = replace(proven.grasps[0], pose=shift(np.array([0.0, 0.0, 0.1])) @ proven.grasps[0].pose)
     rail = lay_rail(proven, proven.grasps[0])
