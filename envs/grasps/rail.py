@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from artigen.transforms import transform_points
 from sim_export.files.urdf import link_origins
-from sim_export.grasps.find import CARRIED, joint_range, place_link
+from sim_export.grasps.find import CARRIED, SPARE, joint_range, place_link
 from sim_export.grasps.gripper import Gripper, find_gripper
 from sim_export.motion.kinematics import object_joints, required_openings
 from sim_export.package import Grasp, SimPackage
@@ -23,21 +23,17 @@ CLOSE, REST = 0.3, 0.2
 """Seconds in which the fingers close, and in which the gripper waits at the end of its path."""
 LET_GO = 0.5
 """Seconds for which a joint must stay where a stroke left it."""
-SPEED, SPIN = 0.6, 2.0
-"""Most (m/s) that the gripper moves, and most (rad/s) that it turns, but not faster than joints may."""
-JOINT_SPEED = 0.8
-"""Most of the largest speed of a joint."""
+SPEED = 0.6
+"""Most (m/s) that the gripper moves, but not faster than joints may."""
 LEAST = 0.8
 """Least seconds of a motion."""
 PEAK = 1.875
 """Largest over mean speed of a motion."""
 LOOK = 0.1
 """Seconds at the end in which each finger must touch the link."""
-OPEN = 0.010
-"""Distance (m) of each pad from what it holds as a trial begins, if the gripper opens so far."""
-COUPLING = 1e4
-"""Stiffness (N/m) of the drives that keep the fingers together. MuJoCo's step is too long for ten times as
-much: fingers then shake, and what a spring pulls creeps out of them."""
+COUPLING = 3e3
+"""Stiffness (N/m) of the drives that keep the fingers together. MuJoCo's step is too long for more than
+three times as much: fingers then shake, and what a spring pulls creeps out of them."""
 FINGER_MASS, PALM_MASS = 0.1, 0.8
 ARMATURE, FREQUENCY = 10.0, 100.0
 """Inertia (kg, kg m^2) and natural frequency (rad/s) of the rail's drives."""
@@ -80,7 +76,7 @@ class Rail:
     @property
     def gap(self) -> float:
         """Opening (m) of the fingers as the trial begins."""
-        return min(self.gripper.opening, self.width + 2.0 * OPEN)
+        return self.width + 2.0 * SPARE
 
     def share(self, time: float) -> float:
         """Share of the path at a time (s) of the trial, smooth at both ends."""
@@ -117,7 +113,7 @@ def lay_rail(package: SimPackage, grasp: Grasp) -> Rail:
     sliding = joint.type == "prismatic"
     arm = grasp.pose[:3, 3] - joint.origin
     lever = 1.0 if sliding else float(np.linalg.norm(np.cross(joint.axis, arm)))
-    fastest = min(SPEED / max(lever, 1e-3), np.inf if sliding else SPIN, JOINT_SPEED * joint.velocity)
+    fastest = min(SPEED / max(lever, 1e-3), joint.velocity)
     return replace(
         rail,
         start=rest @ grasp.pose,
