@@ -12,8 +12,9 @@ from pulled_drawer import TRAVEL, pulled_drawer
 import artigen
 from artigen.api.grasps import export_grasps, store_grasps
 from artigen.transforms import shift
+from envs.grasps import mujoco
 from envs.grasps.mujoco import MujocoTrials
-from envs.grasps.rail import lay_rail
+from envs.grasps.rail import COUPLING, lay_rail
 from envs.grasps.sapien import SapienTrials
 from sim_export.checks.suite import run_checks
 from sim_export.files.grasp_formats import COLUMNS, hand_pose, table_text
@@ -73,6 +74,20 @@ def test_a_drawer_that_a_spring_closes_is_not_left_half_open(tmp_path: Path, pro
     for stage in trials(write_package(sprung, tmp_path / "sprung"), sprung):
         assert stage.prove(lay_rail(sprung, proven.grasps[0])).passed
         assert not stage.prove(lay_rail(sprung, later)).passed
+
+
+def test_what_a_spring_pulls_does_not_creep_out_of_the_pads_unless_the_fingers_shake(
+    tmp_path: Path, proven: SimPackage, monkeypatch
+):
+    sprung = replace(proven, joints=(replace(proven.joints[0], spring=10.0),))
+    folder, rail = write_package(sprung, tmp_path / "sprung"), lay_rail(sprung, proven.grasps[0])
+    opened = []
+    for stiffness in (3e2, 3e3, 1e4, 2e4):
+        monkeypatch.setattr(mujoco, "FINGER_GAINS", (stiffness, 2.0 * (stiffness * 0.1) ** 0.5))
+        opened.append(MujocoTrials(folder, sprung, FRANKA, loose=False).prove(rail).opened)
+    np.testing.assert_allclose(opened[:3], 0.95, atol=5e-3)
+    assert opened[3] < 0.945
+    assert 3e2 <= COUPLING <= 1e4
 
 
 def test_a_gripper_beside_the_bar_or_without_force_is_caught(folder: Path, proven: SimPackage):
