@@ -16,14 +16,14 @@ from pathlib import Path
 
 import artigen
 from artigen.api.grasps import ENGINES
-from envs.grasps.prove import ENOUGH, prove_grasps
+from envs.grasps.prove import prove_grasps
 from sim_export.files.write import write_package
-from sim_export.grasps.find import find_grasps
+from sim_export.grasps.find import ENOUGH, find_grasps
 from sim_export.grasps.gripper import find_gripper
 
 
 def measure(kind: str, seed: int, grippers: Sequence[str]) -> list[dict]:
-    """One row per gripper and target of one object."""
+    """One row per gripper, target and stroke of one object."""
     package = artigen.sample(kind, seed=seed).package
     rows = []
     with tempfile.TemporaryDirectory() as scratch:
@@ -43,6 +43,7 @@ def measure(kind: str, seed: int, grippers: Sequence[str]) -> list[dict]:
                         "part": before.target.part,
                         "handle": before.target.region is not None,
                         "joint": "" if before.target.joint is None else before.target.joint.type,
+                        "stroke": before.stroke,
                         "found": len(before.grasps),
                         "tried": len(after.grasps),
                         "proven": sum(grasp.proven for grasp in after.grasps),
@@ -57,18 +58,22 @@ def measure(kind: str, seed: int, grippers: Sequence[str]) -> list[dict]:
 
 
 def summarize(rows: Sequence[dict]) -> list[str]:
-    """Lines of the report."""
-    lines = []
+    """Lines of the report. A pull counts by that one of its strokes that has the fewest proven grasps."""
+    lines, pulls = [], {}
+    for row in rows:
+        pulls.setdefault((row["gripper"], row["kind"], row["seed"], row["part"]), []).append(row)
     for gripper in dict.fromkeys(row["gripper"] for row in rows):
         own = [row for row in rows if row["gripper"] == gripper]
         for handle, what in ((True, "pulls with a handle"), (False, "parts without")):
-            some = [row for row in own if row["handle"] == handle]
-            good = sum(row["proven"] >= ENOUGH for row in some)
-            any_ = sum(row["proven"] > 0 for row in some)
+            some = [each for key, each in pulls.items() if key[0] == gripper and each[0]["handle"] == handle]
+            least = [min(row["proven"] for row in each) for each in some]
+            good = sum(count >= ENOUGH for count in least)
+            again = sum(count >= ENOUGH and len(each) > 1 for count, each in zip(least, some, strict=True))
+            any_ = sum(count > 0 for count in least)
             share = 100.0 * good / max(len(some), 1)
             lines.append(
                 f"{gripper}: {good} of {len(some)} {what} ({share:.1f} %) have {ENOUGH} grasps that both "
-                f"engines prove, {any_} have one"
+                f"engines prove, {again} of them by grasping anew; {any_} have one"
             )
         objects = {(row["kind"], row["seed"]): row for row in own}
         for stage in ("find", "prove"):
@@ -80,7 +85,10 @@ def summarize(rows: Sequence[dict]) -> list[str]:
     for row in rows:
         if row["handle"] and row["proven"] < ENOUGH:
             why = row["reason"] or f"{row['proven']} proven of {row['found']} found, {row['failed'][:3]}"
-            lines.append(f"{row['gripper']} {row['kind']} {row['seed']} {row['part']}: {why}")
+            begin, end = row["stroke"]
+            lines.append(
+                f"{row['gripper']} {row['kind']} {row['seed']} {row['part']} {begin:.2f} to {end:.2f}: {why}"
+            )
     return lines
 
 

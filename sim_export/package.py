@@ -149,7 +149,7 @@ class HandleAnnotation:
 
 @dataclass(frozen=True, kw_only=True)
 class Proof:
-    """How far a gripper that held a grasp took its joint in an engine, as a share of the joint's range, and
+    """How far a gripper that held a grasp took its joint in an engine, as a share of the grasp's stroke, and
     whether both fingers still touched the link then. A loose object is lifted by a height instead."""
 
     engine: str
@@ -158,12 +158,14 @@ class Proof:
 
     @property
     def passed(self) -> bool:
-        """Held, and open to `PROVEN` of the range."""
+        """Held, and moved by `PROVEN` of the stroke."""
         return self.held and self.opened >= PROVEN
 
 
 PROVEN = 0.9
-"""Share of the range of a joint to which a proven grasp opens it."""
+"""Share of its stroke by which a proven grasp moves a joint."""
+WHOLE = (0.0, 1.0)
+"""The stroke of a grasp that opens a joint in one go."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -173,7 +175,8 @@ class Grasp:
     ``pose`` is that of the point between the middles of the finger pads, in the object frame at rest: z is
     the direction of approach, y that in which the fingers close. ``width`` is the distance (m) of the pads
     as they touch, ``score`` lies in [0, 1]. ``part`` is what is held, ``joint`` what opens as the gripper
-    moves with the link, "" for a loose object, which is lifted.
+    moves with the link, "" for a loose object, which is lifted. ``stroke`` are the shares of that joint's
+    range at which the gripper takes hold and lets go; another grasp takes over from there.
     """
 
     link: str
@@ -183,6 +186,7 @@ class Grasp:
     pose: Float[np.ndarray, "4 4"]
     width: float
     score: float
+    stroke: tuple[float, float] = WHOLE
     proofs: tuple[Proof, ...] = ()
 
     @property

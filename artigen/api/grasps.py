@@ -20,9 +20,10 @@ def grasps(
 ) -> Object:
     """An object with grasps of every handle in ``package.grasps``, those that were proven first.
 
-    A gripper closes on the handle, moves rigidly with its link to 95 % of the joint's range, and passes if
-    the joint is open to 90 % and both fingers still touch the link. An object in which nothing moves is
-    lifted by 20 cm. Of every handle the best are tried until three pass.
+    A gripper closes on the handle, moves rigidly with its link by 95 % of the joint's range, and passes if
+    the joint has come 90 % of the way and both fingers still touch the link. Where it has no room along the
+    whole range, it does so in up to eight strokes, and grasps anew for each. An object in which nothing moves
+    is lifted by 20 cm. Of every stroke the best are tried until three pass.
 
     Args:
         obj: An object, or the folder of its package.
@@ -41,8 +42,8 @@ def add_grasps(
     package: "SimPackage", gripper: str, engines: "Sequence[EngineName]", folder: Path | None = None
 ) -> "tuple[SimPackage, tuple[Found, ...]]":
     """A package with the grasps of one gripper instead of those that it had of it, and what was found."""
-    from envs.grasps.prove import ENOUGH, prove_grasps
-    from sim_export.grasps.find import find_grasps
+    from envs.grasps.prove import prove_grasps
+    from sim_export.grasps.find import ENOUGH, find_grasps
     from sim_export.grasps.gripper import find_gripper
 
     hand = find_gripper(gripper)

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from artigen.camera import Camera
     from artigen.shapes.shape import Shape
     from envs.config import EngineChoice
-    from sim_export.package import SimPackage
+    from envs.sim.load import EngineName
+    from sim_export.package import Grasp, SimPackage
     from sim_export.picture.image import Layer, Lighting
     from sim_export.picture.view import PackageView
     from sim_export.picture.viewpoint import Viewpoint
@@ -157,6 +158,21 @@ class Object:
             return validate(
                 write_package(self.package, Path(scratch) / self.name), replace(cfg, output="none")
             )
+
+    def grasps(
+        self, gripper: str = "franka", engines: "tuple[EngineName, ...]" = ("sapien", "mujoco")
+    ) -> "tuple[Grasp, ...]":
+        """Grasps of every handle by one gripper, of each handle those first that engines prove.
+
+        The arguments are those of `artigen.grasps`, which returns an object that is exported with its grasps.
+
+        Raises:
+            PackageError: If there is no such gripper, or an engine rejects the object.
+        """
+        from artigen.api.grasps import add_grasps
+
+        package, _ = add_grasps(self.package, gripper, engines, self.folder)
+        return tuple(grasp for grasp in package.grasps if grasp.gripper == gripper)
 
     def export(
         self,

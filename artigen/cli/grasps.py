@@ -17,8 +17,9 @@ def grasps(
 ) -> int:
     """Find grasps of every handle, prove them in physics, and store them in annotations.json.
 
-    A gripper closes on the handle and takes it along the path of its joint; a grasp is proven if the joint is
-    then open to 90 % of its range and both fingers still touch. Exits with 1 if a handle has no proven grasp.
+    A gripper closes on the handle and takes it along the path of its joint, in several strokes where it has
+    no room for one; a grasp is proven if the joint has then come 90 % of the stroke and both fingers still
+    touch. Exits with 1 if a handle has no proven grasp for a stroke.
 
     Args:
         packages: Package folders, or folders that contain packages at any depth.
@@ -31,6 +32,7 @@ def grasps(
     from sim_export.files.folders import find_packages
     from sim_export.files.grasp_formats import table_text
     from sim_export.files.read import read_package
+    from sim_export.package import WHOLE
 
     missing, done = 0, []
     for folder in find_packages(packages):
@@ -41,7 +43,9 @@ def grasps(
                 proven = sum(grasp.proven for grasp in each.grasps)
                 missing += proven == 0
                 said = each.reason or f"{proven} of {len(each.grasps)} grasps proven"
-                sys.stdout.write(f"{folder} {name} {each.target.part}: {said}\n")
+                begin, end = each.stroke
+                stroke = "" if (begin, end) == WHOLE else f" from {begin:.0%} to {end:.0%}"
+                sys.stdout.write(f"{folder} {name} {each.target.part}{stroke}: {said}\n")
         store_grasps(package, folder)
         done.append(package)
         if out is not None:

@@ -48,6 +48,8 @@ LEAF = 0.056
 """Thickness of a casement leaf."""
 SASH, APART, RAIL, STOP = 0.036, 0.008, 0.048, 0.012
 """Sliding sashes: thickness, gap between their tracks, width of their rails and of the stops beside them."""
+LIFT = 0.06
+"""Height of the pull on the lower rail of a sash: half of a hand that is 0.21 m wide fits above the sill."""
 PANE = 0.024
 PULLS: tuple[HandleKind, ...] = ("pull", "bar", "arch")
 TWO_LEAVES = 1.12
@@ -196,7 +198,7 @@ def _draw_sashes(rng: np.random.Generator, inner: Space, bars: int) -> Assembly:
     lock = ShapePart("cam", "knob", cam, turn, parent="sash")
     panel = Panel(x=front[0], thickness=SASH, y=y, z=(low, low + 0.075))
     lift = HandleDesign(kind="pull", length=0.18, thickness=0.012)
-    grip = make_handle(panel, lift, name="lift", parent="sash", upright=False, at=(middle, low + 0.045))
+    grip = make_handle(panel, lift, name="lift", parent="sash", upright=False, at=(middle, low + LIFT))
     return Assembly(frame, (sash, lock, grip))
 
 

@@ -71,11 +71,11 @@ class MujocoTrials:
         self._place(rail)
         columns = [model.joint(name).qposadr[0] for name in HAND]
         efforts = [model.joint(name).dofadr[0] for name in FINGERS]
-        data.qfrc_applied[efforts] = -rail.gripper.force
         touched: set[str] = set()
         steps = round(rail.seconds / TIMESTEP)
         for step in range(steps):
             share = rail.share(step * TIMESTEP)
+            data.qfrc_applied[efforts] = rail.press(step * TIMESTEP)
             middle = float(data.qpos[columns[2:]].mean())
             data.ctrl[:] = share * rail.turn, share * rail.slide, middle, middle
             mujoco.mj_step(model, data)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from sim_export.files.write import write_package
-from sim_export.grasps.find import Found
+from sim_export.grasps.find import ENOUGH, Found
 from sim_export.grasps.gripper import Gripper
 from sim_export.package import Grasp, SimPackage
 
@@ -14,9 +14,6 @@ from ..sim.load import EngineName
 from .mujoco import MujocoTrials
 from .rail import lay_rail
 from .sapien import SapienTrials
-
-ENOUGH = 3
-"""Proven grasps of a handle after which no more are tried."""
 
 
 def prove_grasps(
@@ -26,9 +23,9 @@ def prove_grasps(
     engines: Sequence[EngineName],
     folder: Path | None = None,
 ) -> tuple[Found, ...]:
-    """The grasps that were tried, with a proof by every engine; of each target those that passed first.
+    """The grasps that were tried, with a proof by every engine; of each stroke those that passed first.
 
-    Trials of a target end with `ENOUGH` grasps that pass in all engines. A grasp that fails in one engine is
+    Trials of a stroke end with `ENOUGH` grasps that pass in all engines. A grasp that fails in one engine is
     not tried in the others.
 
     Args:

@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from artigen.transforms import transform_points
 from sim_export.files.urdf import link_origins
-from sim_export.grasps.find import CARRIED, carry, joint_range
+from sim_export.grasps.find import CARRIED, SPARE, joint_range, place_link
 from sim_export.grasps.gripper import Gripper, find_gripper
 from sim_export.motion.kinematics import object_joints, required_openings
 from sim_export.package import Grasp, SimPackage
@@ -21,20 +21,19 @@ LIFT = 0.2
 """Height (m) by which loose objects are lifted."""
 CLOSE, REST = 0.3, 0.2
 """Seconds in which the fingers close, and in which the gripper waits at the end of its path."""
-SPEED, SPIN = 0.6, 2.0
-"""Most (m/s) that the gripper moves, and most (rad/s) that it turns, but not faster than joints may."""
-JOINT_SPEED = 0.8
-"""Most of the largest speed of a joint."""
+LET_GO = 0.5
+"""Seconds for which a joint must stay where a stroke left it."""
+SPEED = 0.6
+"""Most (m/s) that the gripper moves, but not faster than joints may."""
 LEAST = 0.8
 """Least seconds of a motion."""
 PEAK = 1.875
 """Largest over mean speed of a motion."""
 LOOK = 0.1
 """Seconds at the end in which each finger must touch the link."""
-OPEN = 0.010
-"""Distance (m) of each pad from what it holds as a trial begins, if the gripper opens so far."""
-COUPLING = 1e5
-"""Stiffness (N/m) of the drives that keep the fingers together."""
+COUPLING = 3e3
+"""Stiffness (N/m) of the drives that keep the fingers together. MuJoCo's step is too long for more than
+three times as much: fingers then shake, and what a spring pulls creeps out of them."""
 FINGER_MASS, PALM_MASS = 0.1, 0.8
 ARMATURE, FREQUENCY = 10.0, 100.0
 """Inertia (kg, kg m^2) and natural frequency (rad/s) of the rail's drives."""
@@ -50,7 +49,8 @@ class Rail:
     ``start`` is the gripper's pose as it closes; the ``turn`` (rad) about ``axis`` through ``origin`` and the
     ``slide`` (m) along it take it to the end in ``move`` seconds. ``needs`` are coordinates of joints by name
     as the trial begins. ``point`` is where it holds the ``link``, in that one's frame. ``lower`` and ``span``
-    are the range of the joint of the package that is opened; "" is none.
+    are the stroke of the joint of the package that is opened; "" is none. The open fingers ``wait`` (s)
+    before they close, so that a joint which does not stay where the stroke before left it leaves them.
     """
 
     gripper: Gripper
@@ -67,21 +67,26 @@ class Rail:
     lower: float
     span: float
     move: float
+    wait: float = 0.0
+
+    def press(self, time: float) -> float:
+        """Force (N) on each finger at a time (s) of the trial, negative as it closes."""
+        return -self.gripper.force if time >= self.wait else 0.0
 
     @property
     def gap(self) -> float:
         """Opening (m) of the fingers as the trial begins."""
-        return min(self.gripper.opening, self.width + 2.0 * OPEN)
+        return self.width + 2.0 * SPARE
 
     def share(self, time: float) -> float:
-        """Share of the path at a time (s) after the fingers began to close, smooth at both ends."""
-        s = float(np.clip((time - CLOSE) / self.move, 0.0, 1.0))
+        """Share of the path at a time (s) of the trial, smooth at both ends."""
+        s = float(np.clip((time - self.wait - CLOSE) / self.move, 0.0, 1.0))
         return s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
 
     @property
     def seconds(self) -> float:
         """Length of a trial."""
-        return CLOSE + self.move + REST
+        return self.wait + CLOSE + self.move + REST
 
 
 def lay_rail(package: SimPackage, grasp: Grasp) -> Rail:
@@ -101,14 +106,14 @@ def lay_rail(package: SimPackage, grasp: Grasp) -> Rail:
     if not grasp.joint:
         return rail
     joint = next(joint for joint in object_joints(package.joints) if joint.name == grasp.joint)
-    index = [link.name for link in package.links].index(grasp.link)
-    rest = carry(package, joint, [0.0])[0, index]
-    lower, upper = joint_range(joint)
+    rest = place_link(package, grasp)
+    low, high = joint_range(joint)
+    lower, upper = (low + share * (high - low) for share in grasp.stroke)
     travel = CARRIED * (upper - lower)
     sliding = joint.type == "prismatic"
     arm = grasp.pose[:3, 3] - joint.origin
     lever = 1.0 if sliding else float(np.linalg.norm(np.cross(joint.axis, arm)))
-    fastest = min(SPEED / max(lever, 1e-3), np.inf if sliding else SPIN, JOINT_SPEED * joint.velocity)
+    fastest = min(SPEED / max(lever, 1e-3), joint.velocity)
     return replace(
         rail,
         start=rest @ grasp.pose,
@@ -121,4 +126,5 @@ def lay_rail(package: SimPackage, grasp: Grasp) -> Rail:
         lower=lower,
         span=upper - lower,
         move=max(LEAST, PEAK * travel / fastest),
+        wait=LET_GO if grasp.stroke[0] > 0.0 else 0.0,
     )

@@ -58,11 +58,11 @@ class SapienTrials:
 
     def _try(self, hand: "PhysxArticulation", rail: Rail) -> Proof:
         turn, slide, *fingers = hand.active_joints
-        hand.set_qf(np.array([0.0, 0.0, *[-rail.gripper.force] * 2], dtype=np.float32))
         touched: set[str] = set()
         steps = round(rail.seconds / TIMESTEP)
         for step in range(steps):
             share = rail.share(step * TIMESTEP)
+            hand.set_qf(np.array([0.0, 0.0, *[rail.press(step * TIMESTEP)] * 2], dtype=np.float32))
             turn.set_drive_target(share * rail.turn)
             slide.set_drive_target(share * rail.slide)
             middle = float(hand.qpos[2:].mean())

@@ -2,7 +2,7 @@
 
 - ACRONYM (Eppner et al. 2021, github.com/NVlabs/acronym): ``grasps/transforms [N 4 4]`` in the frame of
   ``object/file``, ``grasps/qualities/flex/object_in_gripper [N]``. Its gripper frame is that of the hand, in
-  which the fingers close along x. Ours adds the engines, links and widths, for which it has no place.
+  which the fingers close along x. Ours adds links, widths, scores and strokes, for which it has no place.
 - ``isaac_grasp`` 1.0 (docs.isaacsim.omniverse.nvidia.com, Grasp Editor): one file per gripper and body, which
   is a link here. Its gripper frame is that of the hand, and ``cspace_position`` the finger joint.
 """
@@ -23,9 +23,10 @@ from sim_export.package import Grasp, SimPackage
 
 COLUMNS = (
     "package", "link", "part", "joint", "gripper", "x", "y", "z", "qw", "qx", "qy", "qz",
-    "width", "score", "proven", "proofs",
+    "width", "score", "begin", "end", "proven", "proofs",
 )  # fmt: skip
-"""Columns of the table; poses are in the link's frame, metres, and quaternions wxyz."""
+"""Columns of the table; poses are in the link's frame, metres, and quaternions wxyz. ``begin`` and ``end``
+are the grasp's stroke."""
 T_OURS_ACRONYM = np.array([[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0, 0, 0, 1.0]])
 """Turns ACRONYM's x, along which its fingers close, to our y."""
 
@@ -54,6 +55,7 @@ def write_acronym(package: SimPackage, grasps: Sequence[Grasp], mesh: str, path:
         file["grasps/transforms"] = poses
         file["grasps/qualities/flex/object_in_gripper"] = np.array([x.proven for x in grasps], np.int64)
         file["grasps/width"] = np.array([grasp.width for grasp in grasps])
+        file["grasps/stroke"] = np.array([grasp.stroke for grasp in grasps])
         file["grasps/score"] = np.array([grasp.score for grasp in grasps])
         for name in ("link", "part", "joint"):
             file[f"grasps/{name}"] = np.array([getattr(x, name) for x in grasps], dtype=h5py.string_dtype())
@@ -99,7 +101,8 @@ def table_text(packages: Sequence[SimPackage]) -> str:
             proofs = " ".join(f"{each.engine}:{each.opened:.3f}:{int(each.held)}" for each in grasp.proofs)
             rows.writerow([
                 package.name, grasp.link, grasp.part, grasp.joint, grasp.gripper, *place, *turn,
-                f"{grasp.width:.6f}", f"{grasp.score:.4f}", int(grasp.proven), proofs,
+                f"{grasp.width:.6f}", f"{grasp.score:.4f}", *_numbers(np.array(grasp.stroke)),
+                int(grasp.proven), proofs,
             ])  # fmt: skip
     return out.getvalue()
 

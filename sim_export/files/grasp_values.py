@@ -9,7 +9,7 @@ from artigen.transforms import matrix_from_quat, quat_from_matrix
 from sim_export.errors import PackageError
 from sim_export.files.rounding import number, rounded
 from sim_export.files.urdf import link_origins
-from sim_export.package import Grasp, Proof, SimPackage
+from sim_export.package import WHOLE, Grasp, Proof, SimPackage
 
 GRASPS_VERSION = 1
 """Version of the schema."""
@@ -28,6 +28,7 @@ def grasps_value(package: SimPackage) -> dict:
             "quaternion": rounded(quat_from_matrix(grasp.pose[:3, :3])),
             "width": number(grasp.width, 6),
             "score": number(grasp.score, 4),
+            "stroke": rounded(np.array(grasp.stroke)),
             "proofs": [
                 {"engine": proof.engine, "opened": number(proof.opened, 4), "held": proof.held}
                 for proof in grasp.proofs
@@ -60,6 +61,7 @@ def grasps_from_json(value: dict, poses: Mapping[str, Float[np.ndarray, "4 4"]])
                 pose=poses[entry["link"]] @ _pose(entry["position"], entry["quaternion"]),
                 width=float(entry["width"]),
                 score=float(entry["score"]),
+                stroke=_stroke(entry.get("stroke", WHOLE)),
                 proofs=tuple(
                     Proof(engine=proof["engine"], opened=float(proof["opened"]), held=bool(proof["held"]))
                     for proof in entry["proofs"]
@@ -69,6 +71,11 @@ def grasps_from_json(value: dict, poses: Mapping[str, Float[np.ndarray, "4 4"]])
         )
     except (KeyError, TypeError, ValueError) as err:
         raise PackageError(f"annotations.json: grasps do not have the expected structure ({err!r})") from err
+
+
+def _stroke(value: list) -> tuple[float, float]:
+    begin, end = value
+    return float(begin), float(end)
 
 
 def _pose(position: list, quaternion: list) -> Float[np.ndarray, "4 4"]:

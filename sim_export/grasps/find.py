@@ -1,7 +1,8 @@
 """Finds grasps: antipodal pairs, all directions of approach, room for the gripper along the whole motion.
 
 The gripper opens to a little more than the width, comes along its direction of approach, closes, and then
-moves rigidly with the link; it neither slides nor turns about what it holds.
+moves rigidly with the link; it neither slides nor turns about what it holds. Where it finds no room along the
+whole range of a joint, the range is divided into strokes: after each the gripper lets go and grasps anew.
 """
 
 from collections.abc import Sequence
@@ -23,20 +24,20 @@ from sim_export.motion.kinematics import (
     object_joints,
     required_openings,
 )
-from sim_export.package import Grasp, HandleAnnotation, Hull, SimPackage
+from sim_export.package import PROVEN, WHOLE, Grasp, HandleAnnotation, Hull, SimPackage
 from sim_export.physics.annotations import joint_velocity
 
 from .gripper import Gripper, mirrored
-from .pairs import FRICTION, SAMPLES, Pairs, find_pairs, held_hulls
+from .pairs import FRICTION, MOST, SAMPLES, Pairs, find_pairs, held_hulls
 from .room import Solids, meet, near_solids
 
 CARRIED = 0.95
-"""Share of a joint's range along which the gripper needs room."""
+"""Share of a stroke along which the gripper needs room."""
 QUARTER = np.pi / 2.0
 """Range (rad) of joints without limits."""
 POSES = 9
 """Poses of a joint at which the gripper's room is measured."""
-TURNS = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
+TURNS = 16
 """Directions of approach about the closing direction."""
 BEHIND = -0.3
 """Least cosine between a direction of approach and that against the handle's normal."""
@@ -53,9 +54,13 @@ CLEAR, TOUCH = 0.002, 0.001
 """Clearance (m) of the gripper; depth by which a pad may overlap what it holds, where that is curved."""
 WIDE = 0.010
 """Clearance (m) from which more counts nothing."""
-SWEPT = 160
-"""Grasps, the best ones, whose room is measured along the motion."""
-APART, TURNED = 0.015, np.radians(30.0)
+ENOUGH = 3
+"""Grasps of a handle from which no finer search is made."""
+FINE = 2
+"""Times as many pairs and turns in a finer search."""
+STROKES = (1, 2, 4, 8)
+"""Strokes into which the range of a joint may be divided; more would not be worth the gripper's time."""
+APART, TURNED = 0.0075, np.radians(20.0)
 """Two kept grasps differ by this distance (m) or this angle."""
 KEPT = 12
 FLOOR = 2.0
@@ -80,16 +85,34 @@ class Target:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Found:
-    """Grasps of one target, the best first; without any, ``reason`` says why."""
+    """Grasps of one target for one stroke, the best first; without any, ``reason`` says why. ``stroke`` are
+    the shares of the joint's range at which the gripper takes hold and lets go."""
 
     target: Target
     grasps: tuple[Grasp, ...]
     reason: str = ""
+    stroke: tuple[float, float] = WHOLE
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Hands:
+    """Poses of a gripper that closes on a target, wherever else it may be; ``angle`` as in `Pairs`."""
+
+    T: Float[np.ndarray, "G 4 4"]
+    width: Float[np.ndarray, "G"]
+    angle: Float[np.ndarray, "G"]
+    reason: str = ""
+
+    def some(self, chosen: np.ndarray) -> "_Hands":
+        return _Hands(T=self.T[chosen], width=self.width[chosen], angle=self.angle[chosen])
 
 
 def find_grasps(package: SimPackage, gripper: Gripper) -> tuple[Found, ...]:
-    """Grasps of every handle, of moving parts without one, or of an object in which nothing moves."""
-    return tuple(find_on(package, target, gripper) for target in find_targets(package))
+    """Grasps of every handle, of moving parts without one, or of an object in which nothing moves.
+
+    One entry for each stroke of each of them; most take a single stroke.
+    """
+    return tuple(found for target in find_targets(package) for found in find_on(package, target, gripper))
 
 
 def find_targets(package: SimPackage) -> tuple[Target, ...]:
@@ -144,67 +167,114 @@ def carry(
     return link_displacements(package.links, package.joints, {**needs, joint.name: q})
 
 
-def find_on(package: SimPackage, target: Target, gripper: Gripper) -> Found:
-    """Grasps of one target."""
-    index = [link.name for link in package.links].index(target.link)
-    own = package.links[index].hulls
+def place_link(package: SimPackage, grasp: Grasp) -> Float[np.ndarray, "4 4"]:
+    """Displacement of the link of a grasp from rest as its stroke begins; what else must be open is open."""
+    joint = next((joint for joint in object_joints(package.joints) if joint.name == grasp.joint), None)
+    if joint is None:
+        return np.eye(4)
+    index = [link.name for link in package.links].index(grasp.link)
+    return carry(package, joint, grasp.stroke[:1])[0, index]
+
+
+def find_on(package: SimPackage, target: Target, gripper: Gripper) -> tuple[Found, ...]:
+    """Grasps of one target, for each of the fewest strokes that all have `ENOUGH`.
+
+    A handle without enough is searched more finely. If no number of strokes gives enough, the whole range
+    counts, unless only strokes have any.
+    """
+    hands = _close_on(package, target, gripper, 1)
+    first = _carried(package, target, gripper, hands, WHOLE)
+    if len(first.grasps) >= ENOUGH or target.region is None:
+        return (first,)
+    hands, best, most = _close_on(package, target, gripper, FINE), (first,), len(first.grasps)
+    for count in STROKES:
+        found: list[Found] = []
+        for stroke in divide_strokes(count):
+            found.append(_carried(package, target, gripper, hands, stroke))
+            if len(found[-1].grasps) <= most:
+                break
+        else:
+            best, most = tuple(found), min(len(each.grasps) for each in found)
+        if most >= ENOUGH:
+            break
+    return best
+
+
+def divide_strokes(count: int) -> tuple[tuple[float, float], ...]:
+    """Shares of a joint's range at which each of ``count`` equal strokes begins and ends. Each but the first
+    begins where the one before is proven to have come to."""
+    return tuple((max(0.0, (last - 1 + PROVEN) / count), (last + 1) / count) for last in range(count))
+
+
+def _close_on(package: SimPackage, target: Target, gripper: Gripper, fine: int) -> _Hands:
+    """Poses in which a gripper closes on a target; none with the reason."""
+    own = next(link.hulls for link in package.links if link.name == target.link)
     if not own:
-        return Found(target=target, grasps=(), reason="it has no collision shape")
+        return _no_hands("it has no collision shape")
     normal = None if target.normal is None else np.asarray(target.normal)
-    pairs = find_pairs(own, target.region, normal)
+    pairs = find_pairs(own, target.region, normal, fine * MOST)
     if not len(pairs):
-        return Found(target=target, grasps=(), reason="it has no two places that face away from each other")
+        return _no_hands("it has no two places that face away from each other")
     spans = pairs.some(pairs.width + 2.0 * SPARE <= gripper.opening)
     if not len(spans):
-        return Found(target=target, grasps=(), reason=_too_wide(pairs, gripper))
-    T, rows = gripper_poses(spans, gripper, normal)
+        return _no_hands(
+            f"its narrowest place is {1e3 * pairs.width.min():.0f} mm wide, and the gripper opens to "
+            f"{1e3 * gripper.opening:.0f} mm, of which {2e3 * SPARE:.0f} mm stay free"
+        )
+    T, rows = gripper_poses(spans, gripper, normal, fine * TURNS)
     bulge = BULGE if target.region is None else gripper.opening
     T, width, kept = close(T, spans.width[rows], gripper, held_hulls(own, target.region), bulge)
     fits = kept & (width + 2.0 * SPARE <= gripper.opening)
     if not fits.any():
-        reason = "pads would touch it on slanted faces, from which they slip, or the gripper is too narrow"
-        return Found(target=target, grasps=(), reason=reason)
-    T, rows, width = T[fits], rows[fits], width[fits]
-    still, moving = _obstacles(package, target, index, spans.middle)
-    free = ~meet(T, arriving_boxes(gripper, width, CLEAR), still)
-    if not free.any():
-        reason = f"the gripper has no room in any of {len(T)} poses"
-        return Found(target=target, grasps=(), reason=reason)
-    T, rows, width = T[free], rows[free], width[free]
-    score = _score(T, width, spans.angle[rows], gripper, own, still, normal)
-    best = np.argsort(-score, kind="stable")[:SWEPT]
-    T, width, score = T[best], width[best], score[best]
-    free = ~meet(T, carried_boxes(gripper, width, CLEAR), moving)
-    if not free.any():
-        reason = f"the gripper meets something as it opens, in the best {len(T)} poses"
-        return Found(target=target, grasps=(), reason=reason)
-    kept = spread_poses(T[free], KEPT)
-    T, width, score = T[free][kept], width[free][kept], score[free][kept]
+        return _no_hands(
+            "pads would touch it on slanted faces, from which they slip, or the gripper is too narrow"
+        )
+    return _Hands(T=T, width=width, angle=spans.angle[rows]).some(fits)
+
+
+def _no_hands(reason: str) -> _Hands:
+    return _Hands(T=np.zeros((0, 4, 4)), width=np.zeros(0), angle=np.zeros(0), reason=reason)
+
+
+def _carried(
+    package: SimPackage, target: Target, gripper: Gripper, hands: _Hands, stroke: tuple[float, float]
+) -> Found:
+    """Grasps with room for the gripper as it arrives and along a stroke."""
+    if hands.reason:
+        return Found(target=target, grasps=(), reason=hands.reason, stroke=stroke)
+    index = [link.name for link in package.links].index(target.link)
+    still, moving = _obstacles(package, target, index, hands.T[:, :3, 3], stroke)
+    here = hands.some(~meet(hands.T, arriving_boxes(gripper, hands.width, CLEAR), still))
+    if not len(here.T):
+        reason = f"the gripper has no room in any of {len(hands.T)} poses"
+        return Found(target=target, grasps=(), reason=reason, stroke=stroke)
+    free = here.some(~meet(here.T, carried_boxes(gripper, here.width, CLEAR), moving))
+    if not len(free.T):
+        reason = f"the gripper meets something as it opens, in all of {len(here.T)} poses"
+        return Found(target=target, grasps=(), reason=reason, stroke=stroke)
+    normal = None if target.normal is None else np.asarray(target.normal)
+    score = _score(free, gripper, package.links[index].hulls, still, normal)
+    order = np.argsort(-score, kind="stable")
+    kept = order[spread_poses(free.T[order], KEPT)]
     joint = "" if target.joint is None else target.joint.name
     grasps = tuple(
         Grasp(
-            link=target.link, part=target.part, joint=joint, gripper=gripper.name,
-            pose=pose, width=float(w), score=float(s),
+            link=target.link, part=target.part, joint=joint, gripper=gripper.name, stroke=stroke,
+            pose=free.T[row], width=float(free.width[row]), score=float(score[row]),
         )
-        for pose, w, s in zip(T, width, score, strict=True)
+        for row in kept
     )  # fmt: skip
-    return Found(target=target, grasps=grasps)
-
-
-def _too_wide(pairs: Pairs, gripper: Gripper) -> str:
-    return (
-        f"its narrowest place is {1e3 * pairs.width.min():.0f} mm wide, and the gripper opens to "
-        f"{1e3 * gripper.opening:.0f} mm, of which {2e3 * SPARE:.0f} mm stay free"
-    )
+    return Found(target=target, grasps=grasps, stroke=stroke)
 
 
 def gripper_poses(
-    pairs: Pairs, gripper: Gripper, normal: Float[np.ndarray, "3"] | None
+    pairs: Pairs, gripper: Gripper, normal: Float[np.ndarray, "3"] | None, count: int
 ) -> tuple[Float[np.ndarray, "G 4 4"], np.ndarray]:
-    """Poses of a gripper that closes on pairs from all `TURNS`, and the pair of each; the first turn of a
+    """Poses of a gripper that closes on pairs from ``count`` turns, and the pair of each; the first turn of a
     pair points against ``normal`` as nearly as it can, and none comes from behind it."""
     poses, rows = [], []
-    turns = TURNS if normal is None else TURNS[np.cos(TURNS) > BEHIND]
+    turns = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    turns = turns if normal is None else turns[np.cos(turns) > BEHIND]
     for row, (middle, axis) in enumerate(zip(pairs.middle, pairs.axis, strict=True)):
         ahead = plane_axes(axis)[0]
         if normal is not None:
@@ -287,10 +357,14 @@ def _fingers(
 
 
 def _obstacles(
-    package: SimPackage, target: Target, index: int, places: Float[np.ndarray, "P 3"]
+    package: SimPackage,
+    target: Target,
+    index: int,
+    places: Float[np.ndarray, "P 3"],
+    stroke: tuple[float, float],
 ) -> tuple[Solids, Solids]:
-    """Solids in the frame of the target's link at rest: all as the joint starts, and those of other links
-    along its range. What the link carries moves with it."""
+    """Solids in the frame of the target's link at rest: all as a stroke begins, and those of other links
+    along it. What the link carries moves with it."""
     center = (places.min(axis=0) + places.max(axis=0)) / 2.0
     reach = float(np.linalg.norm(places - center, axis=1).max()) + 0.25 + ARRIVAL
     hulls = [list(link.hulls) for link in package.links]
@@ -301,7 +375,8 @@ def _obstacles(
         floor = [box_hull(np.array([-FLOOR, -FLOOR, low - 0.05]), np.array([FLOOR, FLOOR, low]))]
     if target.joint is None:
         return near_solids([*hulls[index], *floor], np.eye(4), center, reach), Solids(hulls=())
-    T = carry(package, target.joint, np.linspace(0.0, CARRIED, POSES))
+    begin, end = stroke
+    T = carry(package, target.joint, np.linspace(begin, begin + CARRIED * (end - begin), POSES))
     back = inverse(T[:, index])
     with_link = hanging_links(package.joints, target.link)
     still, moving = [], list(near_solids(floor, back, center, reach).hulls)
@@ -315,19 +390,18 @@ def _obstacles(
 
 
 def _score(
-    T: Float[np.ndarray, "G 4 4"],
-    width: Float[np.ndarray, "G"],
-    angle: Float[np.ndarray, "G"],
+    hands: _Hands,
     gripper: Gripper,
     own: Sequence[Hull],
     still: Solids,
     normal: Float[np.ndarray, "3"] | None,
 ) -> Float[np.ndarray, "G"]:
     """Scores in [0, 1] by `WEIGHTS`."""
+    T, width = hands.T, hands.width
     roomy = ~meet(T, arriving_boxes(gripper, width, WIDE), still)
     facing = np.full(len(T), 0.5) if normal is None else (1.0 - T[:, :3, 2] @ normal) / 2.0
     terms = {
-        "antipodal": 1.0 - angle / np.arctan(FRICTION),
+        "antipodal": 1.0 - hands.angle / np.arctan(FRICTION),
         "margin": pad_share(T, width, gripper, own),
         "clearance": roomy.astype(np.float64),
         "facing": facing,

@@ -7,13 +7,14 @@ import h5py
 import numpy as np
 import pytest
 import yaml
-from pulled_drawer import pulled_drawer
+from pulled_drawer import TRAVEL, pulled_drawer
 
 import artigen
 from artigen.api.grasps import export_grasps, store_grasps
 from artigen.transforms import shift
+from envs.grasps import mujoco
 from envs.grasps.mujoco import MujocoTrials
-from envs.grasps.rail import lay_rail
+from envs.grasps.rail import COUPLING, lay_rail
 from envs.grasps.sapien import SapienTrials
 from sim_export.checks.suite import run_checks
 from sim_export.files.grasp_formats import COLUMNS, hand_pose, table_text
@@ -21,7 +22,7 @@ from sim_export.files.read import read_package
 from sim_export.files.urdf import link_origins
 from sim_export.files.write import manifest_problems, write_package
 from sim_export.geometry.hulls import box_hull
-from sim_export.grasps.find import find_grasps
+from sim_export.grasps.find import find_grasps, place_link
 from sim_export.grasps.gripper import FRANKA
 from sim_export.package import Mesh, SimPackage
 from sim_export.physics.inertia import mesh_inertial
@@ -49,6 +50,44 @@ def test_a_drawer_is_pulled_open_by_its_bar_in_both_engines(proven: SimPackage):
     for grasp in proven.grasps[:3]:
         assert [proof.engine for proof in grasp.proofs] == ["sapien", "mujoco"]
         assert all(proof.held and 0.9 <= proof.opened <= 1.0 + 1e-3 for proof in grasp.proofs)
+
+
+def test_an_object_says_its_grasps_as_they_are_exported(folder: Path, proven: SimPackage):
+    said = artigen.load(folder).grasps("franka", engines=("mujoco",))
+    for one, other in zip(said, proven.grasps, strict=True):
+        np.testing.assert_array_equal(one.pose, other.pose)
+        assert one.proofs[0].opened == other.proofs[1].opened
+
+
+def test_a_stroke_begins_where_it_says_and_the_gripper_ends_with_the_link(folder: Path, proven: SimPackage):
+    later = replace(proven.grasps[0], stroke=(0.45, 1.0))
+    np.testing.assert_allclose(place_link(proven, later)[:3, 3], [-0.45 * TRAVEL, 0.0, 0.0], atol=1e-9)
+    for stage in trials(folder, proven):
+        proof = stage.prove(lay_rail(proven, later))
+        assert proof.held
+        assert proof.opened == pytest.approx(0.95, abs=0.02)  # of the stroke, not of the range
+
+
+def test_a_drawer_that_a_spring_closes_is_not_left_half_open(tmp_path: Path, proven: SimPackage):
+    later = replace(proven.grasps[0], stroke=(0.45, 1.0))
+    sprung = replace(proven, joints=(replace(proven.joints[0], spring=20.0),))
+    for stage in trials(write_package(sprung, tmp_path / "sprung"), sprung):
+        assert stage.prove(lay_rail(sprung, proven.grasps[0])).passed
+        assert not stage.prove(lay_rail(sprung, later)).passed
+
+
+def test_what_a_spring_pulls_does_not_creep_out_of_the_pads_unless_the_fingers_shake(
+    tmp_path: Path, proven: SimPackage, monkeypatch
+):
+    sprung = replace(proven, joints=(replace(proven.joints[0], spring=10.0),))
+    folder, rail = write_package(sprung, tmp_path / "sprung"), lay_rail(sprung, proven.grasps[0])
+    opened = []
+    for stiffness in (3e2, 3e3, 1e4, 2e4):
+        monkeypatch.setattr(mujoco, "FINGER_GAINS", (stiffness, 2.0 * (stiffness * 0.1) ** 0.5))
+        opened.append(MujocoTrials(folder, sprung, FRANKA, loose=False).prove(rail).opened)
+    np.testing.assert_allclose(opened[:3], 0.95, atol=5e-3)
+    assert opened[3] < 0.945
+    assert 3e2 <= COUPLING <= 1e4
 
 
 def test_a_gripper_beside_the_bar_or_without_force_is_caught(folder: Path, proven: SimPackage):
@@ -80,13 +119,14 @@ def test_a_loose_box_is_lifted(tmp_path: Path):
 
 def test_grasps_survive_their_files_and_the_checks_find_a_moved_one(tmp_path: Path, proven: SimPackage):
     made = write_package(pulled_drawer(), tmp_path / "pulled")
+    proven = replace(proven, grasps=(replace(proven.grasps[0], stroke=(0.45, 1.0)), *proven.grasps[1:]))
     store_grasps(proven, made)
     assert not manifest_problems(made)
     again = read_package(made)
     assert len(again.grasps) == len(proven.grasps)
     for one, other in zip(again.grasps, proven.grasps, strict=True):
         np.testing.assert_allclose(one.pose, other.pose, atol=1e-8)
-        assert one.proven == other.proven
+        assert (one.proven, one.stroke) == (other.proven, other.stroke)
         assert (one.link, one.joint, one.gripper) == (other.link, other.joint, other.gripper)
     assert [check.verdict for check in run_checks(made, only=("V207",))] == ["pass"]
     moved = replace(again.grasps[0], pose=shift(np.array([0.0, 0.0, 0.05])) @ again.grasps[0].pose)

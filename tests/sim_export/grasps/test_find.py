@@ -6,11 +6,20 @@ import numpy as np
 import pytest
 from pulled_drawer import TRAVEL, pulled_drawer
 
+import artigen
 from artigen.transforms import transform_points
 from sim_export.errors import PackageError
 from sim_export.geometry.contacts import HullSet, penetration_depths
 from sim_export.geometry.hulls import box_hull, convex_hull
-from sim_export.grasps.find import carried_boxes, carry, find_grasps, find_targets, joint_range
+from sim_export.grasps.find import (
+    carried_boxes,
+    carry,
+    divide_strokes,
+    find_grasps,
+    find_on,
+    find_targets,
+    joint_range,
+)
 from sim_export.grasps.gripper import FRANKA, GRIPPERS, find_gripper
 from sim_export.grasps.pairs import FRICTION, find_pairs
 from sim_export.grasps.room import Solids, meet
@@ -119,3 +128,29 @@ def test_buttons_are_pressed_and_not_grasped():
 def test_an_unknown_gripper_is_refused_with_those_that_exist(name: str):
     with pytest.raises(PackageError, match=r"expected franka, robotiq_2f85 or parallel:WIDTH"):
         find_gripper(name)
+
+
+@pytest.mark.parametrize("count", [1, 2, 4, 8])
+def test_strokes_cover_the_range_and_each_begins_where_the_one_before_is_proven_to_end(count: int):
+    begins, ends = np.array(divide_strokes(count)).T
+    assert (begins[0], ends[-1]) == (0.0, 1.0)
+    np.testing.assert_allclose(begins[1:], ends[:-1] - 0.1 / count)
+
+
+def test_a_dial_near_the_worktop_takes_several_strokes_with_room_along_each():
+    package = artigen.sample("Toaster", seed=8100).package
+    dial = next(target for target in find_targets(package) if target.part == "browning")
+    found = find_on(package, dial, FRANKA)
+    assert len(found) > 1
+    assert [each.stroke for each in found] == list(divide_strokes(len(found)))
+    own = [link.name for link in package.links].index(dial.link)
+    for each in found:
+        assert len(each.grasps) >= 3
+        begin, end = each.stroke
+        T = carry(package, dial.joint, np.linspace(begin, begin + 0.95 * (end - begin), 5))
+        for index, link in enumerate(package.links):
+            if index != own:
+                hand = hand_hulls(FRANKA, each.grasps[0])
+                assert (
+                    penetration_depths(HullSet(hulls=link.hulls), hand, T[:, index], T[:, own]).max() <= 1e-3
+                )
