@@ -139,10 +139,8 @@ def wrap(points: Float[np.ndarray, "N 3"], ways: Float[np.ndarray, "D 3"] = WAYS
 
 def make_piece(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, least: float) -> Piece:
     """A piece of some triangles; ``least`` (m) as in `measure_intrusion`."""
-    around, samples = wrap(triangles.reshape(-1, 3)), sample_triangles(triangles, SAMPLES)[0]
-    if not len(samples):  # no area: a thread
-        samples = triangles.reshape(-1, 3)
-    return _finish(around, triangles, samples, space, least)
+    around = wrap(triangles.reshape(-1, 3))
+    return _finish(around, triangles, sample_triangles(triangles, SAMPLES)[0], space, least)
 
 
 def join_pieces(first: Piece, second: Piece, space: FreeSpace, least: float) -> Piece:

@@ -76,11 +76,3 @@ def test_an_end_that_takes_no_free_space_comes_off_whole_if_it_holds_a_twentieth
     assert halves is not None
     lengths = sorted(float(np.ptp(half.bounds[:, 0])) for half in halves)
     assert (lengths[0] == pytest.approx(end + 5e-4)) == whole
-
-
-def test_a_thread_without_area_is_sampled_at_its_corners():
-    thread = np.array([[[0.0, 0, 0], [0.1, 0, 0], [0.2, 0, 0]]])
-    space = find_free_space(
-        np.concatenate([thread, rectangle([0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0])]), 0.9
-    )
-    np.testing.assert_array_equal(make_piece(thread, space, 0.004).samples, thread[0])
