@@ -21,7 +21,7 @@ class CheckConfig:
     """V006: more hulls on one link slow every contact query down."""
     max_hulls: int = 256
     """V006: the same for the whole object."""
-    min_mass: float = 0.01
+    min_mass: float = 0.001
     """V007: kg; lighter links make the solver stiff."""
     max_mass: float = 500.0
     """V007: kg; heavier links are a unit error."""
