@@ -30,6 +30,7 @@ from sim_export.physics.inertia import (
     check_inertial,
     combine,
     inertia_about,
+    least_mass,
     raise_light_mass,
     subtree_inertial,
 )
@@ -192,7 +193,8 @@ def _weld(
             f"part {leader.name!r} ({name}) has no geometry with a mass, nor has anything on it"
         )
     whole = sum(own.inertial.mass for own in geometry if own.inertial is not None)
-    inertial, record = raise_light_mass(combine(known), f"part {leader.name!r} ({name})", whole)
+    least = least_mass(whole, asset.scale)
+    inertial, record = raise_light_mass(combine(known), f"part {leader.name!r} ({name})", least)
     check_inertial(inertial, f"part {leader.name!r} ({name})")
     link = Link(
         name=name,

@@ -13,7 +13,7 @@ from sim_export.mend.stand import stand_on_side
 from sim_export.package import Hull, Inertial, Link, SimPackage
 from sim_export.physics import annotations
 from sim_export.physics.annotations import gapart_class
-from sim_export.physics.inertia import check_inertial, raise_light_mass
+from sim_export.physics.inertia import check_inertial, least_mass, raise_light_mass
 from sim_export.physics.links import LinkTree, PartGeometry, build_links
 from sim_export.physics.materials import (
     GRAVITY,
@@ -114,9 +114,10 @@ def shaft(label: PartLabel, inertia: float) -> float:
 
 HANDLE = Part(name="handle", label="handle", parent=0, joint=FIXED, box=UNIT)
 ROWS: dict[str, tuple[Callable[[float], object], float, object, float, object]] = {
-    "light": (lambda x: raise_light_mass(body_of(x), "a", 1.0)[0].mass, 0.0101, 0.0101, 0.0099, 0.01),
-    "lighter": (lambda x: raise_light_mass(body_of(x), "a", 0.1)[0].mass, 0.0041, 0.0041, 0.0039, 0.004),
-    "lightest": (lambda x: raise_light_mass(body_of(x), "a", 0.01)[0].mass, 0.0011, 0.0011, 0.0009, 0.001),
+    "light": (lambda x: raise_light_mass(body_of(x), "a")[0].mass, 0.0101, 0.0101, 0.0099, 0.01),
+    "size": (lambda x: least_mass(0.1, x), 0.249, 0.004, 0.251, 0.01),
+    "share": (lambda x: least_mass(x, 0.1), 0.24, 0.0096, 0.26, 0.01),
+    "lightest": (lambda x: least_mass(x, 0.1), 0.026, 0.00104, 0.024, 0.001),
     "triangle": (lambda x: is_valid(np.diag([1.0, 1.0, 2.0 + 2.0 * x])), 0.9e-6, True, 1.1e-6, False),
     "symmetry": (lambda x: is_valid(np.array([[1, x, 0], [0, 1, 0], [0, 0, 1.0]])), 0.9e-6, True,
                  1.1e-6, False),
