@@ -174,3 +174,94 @@ def punch() -> Form:
             "tray": slide([tray], (-1, 0, 0), 0.05),
         },
     )
+
+
+def mailbox() -> Form:
+    """A vaulted box on a post, with a door that falls forwards and a flag that is raised."""
+    outline = rounded((0.2, 0.4, 0.17), 0.0001) + rod((0, -0.2, 0.17), (0, 0.2, 0.17), 0.1, 48)
+    inside = rounded((0.19, 0.42, 0.165), 0.0001).translate((0, 0, 0.005)) + rod(
+        (0, -0.3, 0.17), (0, 0.3, 0.17), 0.095, 48
+    )
+    case = (outline - inside) + (outline ^ box((-1, 0.195, 0), (1, 0.2, 1)))
+    turn = (0, 0, -90)
+    post = [box((-0.04, -0.04, 0.0), (0.04, 0.04, 1.0)), box((-0.2, -0.2, 0.0), (0.2, 0.2, 0.02))]
+    front = (outline ^ box((-1, -0.2, 0), (1, -0.196, 1))).translate((0, -0.006, 0))
+    grip = rod((0.0, -0.225, 0.2), (0.0, -0.2, 0.2), 0.008)
+    flag = [box((-0.05, 0.104, 1.1), (0.05, 0.107, 1.115)), box((0.02, 0.104, 1.1), (0.06, 0.107, 1.16))]
+    return Form(
+        body=(*post, case.rotate(turn).translate((0, 0, 1.0))),
+        moving={
+            "door": hinge(
+                [one.rotate(turn).translate((0, 0, 1.0)) for one in (front, grip)],
+                (-0.204, 0, 1.003), (0, -1, 0), 1.5,
+            ),
+            "flag": hinge(flag, (-0.04, 0.105, 1.107), (0, 1, 0), 1.5),
+        },
+    )  # fmt: skip
+
+
+def waffle_iron() -> Form:
+    """Two round halves with ribbed plates, a hinge behind and a handle in front."""
+    shell = turned([(0.0, 0.0), (0.1, 0.0), (0.115, 0.02), (0.115, 0.04), (0.0, 0.04)])
+    ribs = [box((-0.08, -0.003 + y, 0.04), (0.08, 0.003 + y, 0.046)) for y in np.linspace(-0.06, 0.06, 5)]
+    upper = shell.rotate((180, 0, 0)).translate((0, 0, 0.092))
+    handles = [box((-0.21, -0.015, z), (-0.105, 0.015, z + 0.015)) for z in (0.02, 0.058)]
+    feet = [rod((0.08 * c, 0.08 * s, -0.01), (0.08 * c, 0.08 * s, 0.005), 0.01) for c, s in
+            ((0.8, 0.6), (-0.8, 0.6), (0.8, -0.6), (-0.8, -0.6))]  # fmt: skip
+    block = box((0.11, -0.03, 0.01), (0.13, 0.03, 0.045))
+    arm = box((0.11, -0.025, 0.05), (0.13, 0.025, 0.075))
+    return Form(
+        body=(shell, *ribs, handles[0], block, *feet),
+        moving={"lid": hinge([upper, handles[1], arm], (0.13, 0, 0.048), (0, 1, 0), 1.7)},
+    )
+
+
+def padlock() -> Form:
+    """A case that lies flat, a shackle of bent wire that slides out, and a disc over the keyhole."""
+    bores = [rod((-0.03, y, 0.01), (0.0, y, 0.01), 0.0045) for y in (-0.014, 0.014)]
+    case = box((-0.02, -0.025, 0.0), (0.025, 0.025, 0.02)) - bores[0] - bores[1]
+    bow = ring(0.014, 0.004, 180.0).rotate((0, 0, 90)).translate((-0.03, 0, 0.01))
+    legs = [rod((-0.03, y, 0.01), (-0.002, y, 0.01), 0.004) for y in (-0.014, 0.014)]
+    disc = rod((0.0255, 0, 0.01), (0.027, 0, 0.01), 0.006)
+    return Form(
+        body=(case,),
+        moving={
+            "shackle": slide([bow, *legs], (-1, 0, 0), 0.012),
+            "cover": hinge([disc], (0.026, 0.004, 0.01), (1, 0, 0), 1.5),
+        },
+    )
+
+
+def bench_vise() -> Form:
+    """A foot with a fixed jaw, a jaw that slides on a bar, and a spindle with a crank that turns."""
+    foot = [box((-0.1, -0.06, 0.0), (0.1, 0.06, 0.015)), box((0.02, -0.05, 0.015), (0.08, 0.05, 0.1))]
+    foot += [box((0.02, -0.05, 0.1), (0.04, 0.05, 0.14))]
+    body = foot[0] + foot[1] + foot[2] - box((-1, -0.021, 0.039), (1, 0.021, 0.081))
+    jaw = [box((-0.02, -0.05, 0.05), (0.015, 0.05, 0.14)), box((-0.02, -0.019, 0.041), (0.09, 0.019, 0.079))]
+    crank = [
+        rod((-0.06, 0, 0.06), (-0.0205, 0, 0.06), 0.009),
+        rod((-0.05, -0.07, 0.06), (-0.05, 0.07, 0.06), 0.005),
+    ]
+    crank += [Solid.sphere(0.009, 24).translate((-0.05, y, 0.06)) for y in (-0.07, 0.07)]
+    return Form(
+        body=(body,),
+        moving={
+            "jaw": slide(jaw, (-1, 0, 0), 0.05),
+            "crank": spin(crank, (-0.05, 0, 0.06), (1, 0, 0), parent="jaw"),
+        },
+    )
+
+
+def easel() -> Form:
+    """Two legs with a shelf, a third one that swings back, and a mast that slides up."""
+    legs = [rod((0.0, y, 0.0), (0.1, 0.3 * y, 1.5), 0.014) for y in (-0.35, 0.35)]
+    bars = [box((-0.06, -0.3, 0.5), (0.05, 0.3, 0.52)), box((0.08, -0.12, 1.4), (0.11, 0.12, 1.44))]
+    third = [rod((0.127, 0, 1.42), (0.6, 0, 0.0), 0.014)]
+    mast = [box((0.055, -0.02, 0.55), (0.075, 0.02, 1.7)), box((0.03, -0.05, 1.66), (0.075, 0.05, 1.7))]
+    return Form(
+        body=(*legs, *bars),
+        moving={
+            "leg": hinge(third, (0.127, 0, 1.42), (0, 1, 0), 0.2),
+            "mast": slide(mast, (0, 0, 1), 0.3),
+        },
+    )

@@ -79,6 +79,11 @@ FRESH: Mapping[str, tuple[Callable[[], Form], Sequence[Flaw], float]] = {
     "desk_stapler": (fresh.desk_stapler, (repeated,), 1.0),
     "stepladder": (fresh.stepladder, (), 1.05),
     "punch": (fresh.punch, (doubled,), 1.0),
+    "mailbox": (fresh.mailbox, (doubled,), 1.0),
+    "waffle_iron": (fresh.waffle_iron, (repeated,), 1.05),
+    "padlock": (fresh.padlock, (), 1.0),
+    "bench_vise": (fresh.bench_vise, (sunk(0.0005),), 1.0),
+    "easel": (fresh.easel, (opened,), 1.0),
 }
 
 

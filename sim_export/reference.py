@@ -327,11 +327,6 @@ def _couple(shape: Shape, tree: LinkTree) -> LinkTree:
                 f"{joint.name}: a spring closes it with {joint.spring:g}, at its upper limit with twice that "
                 f"(N or N m); URDF cannot say so"
             )
-        elif joint.spring < 0.0:
-            records.append(
-                f"{joint.name}: a spring counterbalances it with {-joint.spring:.3g}, at its upper limit "
-                "with a third of that (N m); URDF cannot say so"
-            )
         joints.append(joint)
     follows = {name: motion.follows for name, motion in motions.items() if motion.follows is not None}
     coupled, said = couple_followers(tree.links, joints, follows)

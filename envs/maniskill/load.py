@@ -62,7 +62,7 @@ def load_object(
         LoadError: If a collision shape was lost.
     """
     builder = _parse(scene, entry.folder)
-    package = prepare(builder, entry.package, 1 + len(scene.articulations))
+    package = prepare(builder, entry.package, entry.folder, 1 + len(scene.articulations))
     if endless == "hold":
         _hold_endless(builder, package)
     pose = sapien.Pose(p=[0.0, 0.0, -entry.floor])
@@ -75,7 +75,7 @@ def load_placed(
 ) -> "Articulation":
     """Builds a package fixed at ``pose``, all joints at 0; otherwise as `load_object`."""
     builder = _parse(scene, folder)
-    package = prepare(builder, package, 1 + len(scene.articulations))
+    package = prepare(builder, package, folder, 1 + len(scene.articulations))
     return _build(builder, folder, package, name, scene_index, pose)
 
 

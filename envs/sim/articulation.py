@@ -7,22 +7,25 @@ of followers, iterations for chains. `act_before_steps` adds to a scene what act
 import weakref
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from artigen.types import Joint
 from sim_export.package import SimPackage
 
 from .friction import apply_resistance, drive_follower, hold_chains, pull_spring
+from .ignored_links import ignore_links
 from .mechanism import Mechanism
 
 if TYPE_CHECKING:
     from sapien.physx import PhysxArticulation
 
 
-def prepare(builder: Any, package: SimPackage, own: int) -> SimPackage:
+def prepare(builder: Any, package: SimPackage, folder: Path, own: int) -> SimPackage:
     """Readies SAPIEN's builder of a package: no tendons between joints, threads with ends, own contacts.
 
     Args:
+        folder: The package's; its SRDF names pairs of links whose contacts are ignored.
         own: Number of the object in its scene, from 1.
 
     Returns:
@@ -38,6 +41,8 @@ def prepare(builder: Any, package: SimPackage, own: int) -> SimPackage:
             record.joint_type, record.limits = "revolute_unwrapped", limits[record.name]
         # SAPIEN ignores contact of links that share a bit of group 2 and the number in group 3, robots' too.
         link.collision_groups[3] = own
+    if (folder / "mobility.srdf").is_file():
+        ignore_links(builder, folder / "mobility.srdf")
     return package
 
 

@@ -64,7 +64,7 @@ def load_package(
     loader.fix_root_link = cfg.base == "fixed"
     loader.load_multiple_collisions_from_file = True
     builder = _parse(loader, folder, cfg.visuals)
-    package = prepare(builder, package, 1 + len(scene.get_all_articulations()))
+    package = prepare(builder, package, folder, 1 + len(scene.get_all_articulations()))
     records = {record.name: record for record in builder.link_builders}
     try:
         articulation = builder.build()

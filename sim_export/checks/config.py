@@ -23,6 +23,10 @@ class CheckConfig:
     """V006: the same for the whole object."""
     min_mass: float = 0.01
     """V007: kg; lighter links make the solver stiff."""
+    small_size: float = 0.3
+    """V007: objects with a shorter longest edge (m) ..."""
+    min_small_mass: float = 0.001
+    """... have this limit (kg)."""
     max_mass: float = 500.0
     """V007: kg; heavier links are a unit error."""
     inertia_tolerance: float = 1e-6

@@ -243,7 +243,8 @@ def check_mass(subject: Subject, cfg: CheckConfig) -> Finding:
     }
     if not masses:
         return count_problems([("", "no link has any geometry")], "")
-    low, high = cfg.min_mass, cfg.max_mass
+    small = np.ptp(subject.bounds, axis=0).max() < cfg.small_size
+    low, high = cfg.min_small_mass if small else cfg.min_mass, cfg.max_mass
     distance = {
         name: np.inf if not (np.isfinite(mass) and mass > 0) else max(low / mass, mass / high)
         for name, mass in masses.items()

@@ -42,7 +42,7 @@ other engines; 0.004 s is stable at MuJoCo's default time step and raised by MuJ
 third of its friction a dial creeps by 0.1 degrees per second with this impedance, and ten times as fast with
 that of limits."""
 MAX_PAIRS = 31
-"""Pairs that SAPIEN accepts; further ones are left out."""
+"""Pairs that SAPIEN accepts; further ones have MoveIt's reason ``Never``, which its loader passes over."""
 
 
 def mjcf_text(package: SimPackage, apart: tuple[tuple[str, str], ...] = ()) -> str:
@@ -225,8 +225,9 @@ def _add_pairs(root: ET.Element, package: SimPackage, apart: tuple[tuple[str, st
 
 
 def srdf_text(name: str, pairs: tuple[tuple[str, str], ...]) -> str:
-    """The SRDF of the robot ``name`` with the first of these pairs; SAPIEN requires the ``reason``."""
+    """The SRDF of the robot ``name`` with these pairs; SAPIEN reads those whose ``reason`` is ``Default``."""
     robot = ET.Element("robot", name=name)
-    for first, second in pairs[:MAX_PAIRS]:
-        ET.SubElement(robot, "disable_collisions", link1=first, link2=second, reason="Default")
+    for count, (first, second) in enumerate(pairs):
+        reason = "Default" if count < MAX_PAIRS else "Never"
+        ET.SubElement(robot, "disable_collisions", link1=first, link2=second, reason=reason)
     return xml_text(robot)

@@ -16,6 +16,10 @@ from sim_export.motion.kinematics import hanging_links
 from sim_export.package import Hull, Inertial, Link, Mesh
 
 MIN_LINK_MASS = 0.01
+"""Least mass (kg) of a link; in objects up to `SMALL` ..."""
+SMALL, LIGHT_SHARE, LIGHTEST = 0.25, 0.04, 0.001
+"""... (m) this share of their mass where that is less, but at least so much (kg): ten buttons of 10 g on a
+remote control of 20 g would make it dance."""
 TRIANGLE_TOLERANCE = 1e-6
 
 
@@ -105,17 +109,22 @@ def check_inertial(inertial: Inertial, owner: str) -> None:
         )
 
 
-def raise_light_mass(inertial: Inertial, owner: str) -> tuple[Inertial, str | None]:
-    """Scales mass and inertia up to at least `MIN_LINK_MASS`; the second value records a change.
+def least_mass(whole: float, size: float) -> float:
+    """Least mass (kg) of the links of an object of ``whole`` kg, whose longest edge is ``size`` (m)."""
+    return float(np.clip(LIGHT_SHARE * whole, LIGHTEST, MIN_LINK_MASS)) if size <= SMALL else MIN_LINK_MASS
+
+
+def raise_light_mass(
+    inertial: Inertial, owner: str, least: float = MIN_LINK_MASS
+) -> tuple[Inertial, str | None]:
+    """Scales mass and inertia up to at least ``least`` (kg); the second value records a change.
 
     Physics engines lose precision with lighter links. The shape of the inertia is preserved.
     """
-    if inertial.mass >= MIN_LINK_MASS:
+    if inertial.mass >= least:
         return inertial, None
-    heavier = replace(
-        inertial, mass=MIN_LINK_MASS, inertia=inertial.inertia * (MIN_LINK_MASS / inertial.mass)
-    )
-    return heavier, f"{owner}: mass raised from {inertial.mass:.3g} to {MIN_LINK_MASS:g} kg"
+    heavier = replace(inertial, mass=least, inertia=inertial.inertia * (least / inertial.mass))
+    return heavier, f"{owner}: mass raised from {inertial.mass:.3g} to {least:.3g} kg"
 
 
 def subtree_inertial(links: Sequence[Link], joints: Sequence[Joint], name: str) -> Inertial:

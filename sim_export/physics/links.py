@@ -30,6 +30,7 @@ from sim_export.physics.inertia import (
     check_inertial,
     combine,
     inertia_about,
+    least_mass,
     raise_light_mass,
     subtree_inertial,
 )
@@ -152,11 +153,14 @@ def build_links(
     if not joints:
         links.insert(0, Link(name=BASE))
         joints.append(_fix(links[-1].name))
-    return LinkTree(
-        links=tuple(links),
-        joints=resist_joints(links, joints, frozenset(latched), frozenset(stays)),
-        records=(*records, *raised),
-    )
+    resisting = resist_joints(links, joints, frozenset(latched), frozenset(stays))
+    balanced = [
+        f"{joint.name}: a spring counterbalances it with {abs(joint.spring):.3g}, at its upper limit with "
+        f"{abs(joint.pull(joint.upper)):.3g} (N or N m); URDF cannot say so"
+        for joint in resisting
+        if joint.spring != 0.0
+    ]
+    return LinkTree(links=tuple(links), joints=resisting, records=(*records, *raised, *balanced))
 
 
 def _weld(
@@ -188,7 +192,9 @@ def _weld(
         raise DegeneratePart(
             f"part {leader.name!r} ({name}) has no geometry with a mass, nor has anything on it"
         )
-    inertial, record = raise_light_mass(combine(known), f"part {leader.name!r} ({name})")
+    whole = sum(own.inertial.mass for own in geometry if own.inertial is not None)
+    least = least_mass(whole, asset.scale)
+    inertial, record = raise_light_mass(combine(known), f"part {leader.name!r} ({name})", least)
     check_inertial(inertial, f"part {leader.name!r} ({name})")
     link = Link(
         name=name,

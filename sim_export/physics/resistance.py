@@ -21,8 +21,9 @@ LATCH_HOLD = 2.0
 """Holding force of a latch relative to its load under gravity: it has a spring, and the leaf it holds pushes
 on it too."""
 STAY_FORCE = 15.0
-"""Largest force (N) at the far edge of a lid with which the friction of its stays resists a hand. Springs
-carry the rest of a heavy lid, such as a freezer's."""
+"""Largest force (N) at the far edge of a lid with which the friction of its stays resists a hand, and largest
+weight of what slides down. Springs carry the rest of a heavy lid, such as a freezer's, and two thirds of a
+heavy sash."""
 SHORTEST_DECAY = 0.1
 """Smallest time constant of damping (seconds); engines exaggerate damping that stops a body within a few
 steps of 1/60 s."""
@@ -106,6 +107,11 @@ def resist_joints(
             hold = (1.0 + HOLD_SLOPE) * greatest_moment(links, joints, joint)
         else:
             hold = opening_pull(joint, moved)
+            sinks = -moved.mass * GRAVITY * float(joint.axis[2])
+            if joint.type == "prismatic" and joint.upper > 0.0 and sinks > STAY_FORCE:
+                # The upper sash of a window has a balance: a spring carries its weight half way down.
+                joint = replace(joint, spring=sinks / 1.5)
+                hold = (1.0 + HOLD_SLOPE) * (hold - joint.spring)
         if joint.parent in held:  # a latch, loaded by its leaf
             hold *= LATCH_HOLD
         if follower is not None:  # an upright screw is self-locking

@@ -308,7 +308,7 @@ def _fits(piece: Piece, least: float, taken: float) -> bool:
 
 
 def _uncovered(pieces: Sequence[Piece], least: float) -> list[Piece]:
-    """The pieces without those whose surface lies in or near the hulls of larger ones that fit."""
+    """The pieces without those whose surface, if any, lies in or near the hulls of larger ones that fit."""
     order = sorted(pieces, key=lambda piece: (-piece.volume, -piece.area))
     kept: list[Piece] = []
     solid: list[Piece] = []
@@ -325,13 +325,13 @@ def _is_covered(points: Float[np.ndarray, "N 3"], pieces: Sequence[Piece], slack
     """Whether all points lie in the hulls of pieces, or within ``slack`` (m) of one's faces."""
     left = points
     for piece in pieces:
+        if not len(left):
+            break
         bounds = piece.bounds
         if (left.max(axis=0) < bounds[0] - slack).any() or (left.min(axis=0) > bounds[1] + slack).any():
             continue
         left = left[(left @ piece.planes[:, :3].T - piece.planes[:, 3]).max(axis=1) > slack]
-        if not len(left):
-            return True
-    return False
+    return not len(left)
 
 
 def _cut(

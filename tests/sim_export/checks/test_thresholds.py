@@ -369,6 +369,8 @@ ROWS: list[tuple[str, str, Callable[..., Scene], object, object]] = [
     ("hulls on a link", "V006", lambda x: links(1, x), 96, 97),
     ("hulls", "V006", lambda x: links(3, x, 90), 76, 77),
     ("least mass", "V007", lambda x: heavy(mass=x), 0.0101, 0.0099),
+    ("least mass of a small cube", "V007", lambda x: scene(
+        link("body", both(((0, 0, 0), (x, x, x))), weight(mass=0.002, com=(0.1, 0.1, 0.1)))), 0.299, 0.301),
     ("largest mass", "V007", lambda x: heavy(mass=x), 499, 501),
     ("inertia", "V008", lambda x: heavy(moments=(1, 1, x)), 2 + 1.8e-6, 2 + 2.2e-6),
     ("centre", "V008", lambda x: heavy(com=(0.5, 0.5, 1.0 + x)), 0.9e-3, 1.1e-3),

@@ -90,11 +90,11 @@ def test_links_touch_within_a_tenth_of_a_millimetre_and_at_most_a_millimetre_dee
 
 
 @pytest.mark.parametrize("count", [31, 32, 33])
-def test_no_more_pairs_are_listed_than_sapien_reads(count):
+def test_no_more_pairs_are_listed_as_default_than_sapien_reads(count):
     row = [box_hull(np.array([k, 0.0, 0.0]), np.array([k + 1.0, 1.0, 1.0])) for k in range(count + 1)]
     links = [link_of(f"link_{k}", hull) for k, hull in enumerate(row)]
     text = srdf_text("a", ignored_pairs(package_of(*links)))
-    assert text.count("disable_collisions") == min(count, 31)
+    assert (text.count('"Default"'), text.count('"Never"')) == (min(count, 31), max(count - 31, 0))
 
 
 @pytest.mark.parametrize(("corners", "written"), [(3, False), (4, True)])

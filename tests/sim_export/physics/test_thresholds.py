@@ -13,7 +13,7 @@ from sim_export.mend.stand import stand_on_side
 from sim_export.package import Hull, Inertial, Link, SimPackage
 from sim_export.physics import annotations
 from sim_export.physics.annotations import gapart_class
-from sim_export.physics.inertia import check_inertial, raise_light_mass
+from sim_export.physics.inertia import check_inertial, least_mass, raise_light_mass
 from sim_export.physics.links import LinkTree, PartGeometry, build_links
 from sim_export.physics.materials import (
     GRAVITY,
@@ -115,6 +115,9 @@ def shaft(label: PartLabel, inertia: float) -> float:
 HANDLE = Part(name="handle", label="handle", parent=0, joint=FIXED, box=UNIT)
 ROWS: dict[str, tuple[Callable[[float], object], float, object, float, object]] = {
     "light": (lambda x: raise_light_mass(body_of(x), "a")[0].mass, 0.0101, 0.0101, 0.0099, 0.01),
+    "size": (lambda x: least_mass(0.1, x), 0.249, 0.004, 0.251, 0.01),
+    "share": (lambda x: least_mass(x, 0.1), 0.24, 0.0096, 0.26, 0.01),
+    "lightest": (lambda x: least_mass(x, 0.1), 0.026, 0.00104, 0.024, 0.001),
     "triangle": (lambda x: is_valid(np.diag([1.0, 1.0, 2.0 + 2.0 * x])), 0.9e-6, True, 1.1e-6, False),
     "symmetry": (lambda x: is_valid(np.array([[1, x, 0], [0, 1, 0], [0, 0, 1.0]])), 0.9e-6, True,
                  1.1e-6, False),
@@ -232,3 +235,18 @@ def test_the_greatest_moment_of_a_chain_is_sought_at_every_eighth_of_its_ranges(
         for parent, child, origin in (("base", "upper", np.zeros(3)), ("upper", "lower", elbow))
     ]  # fmt: skip
     assert greatest_moment(links, joints, joints[0]) == pytest.approx(GRAVITY * (0.25 + 0.8), rel=1e-6)
+
+
+@pytest.mark.parametrize(("mass", "share"), [(1.52, 0.0), (1.54, 2.0 / 3.0)])
+def test_a_spring_carries_two_thirds_of_a_sash_that_weighs_more_than_15_newtons(mass, share):
+    """Half way down it carries all, and friction holds the rest everywhere."""
+    slide = Joint(type="prismatic", axis=np.array([0.0, 0.0, -1.0]), origin=np.zeros(3), upper=0.4)
+    sash = Part(name="sash", label="door", parent=0, joint=slide, box=UNIT)
+    asset = Asset(name="a", category="Window", scale=1.0, parts=(BODY, sash))
+    tree = build_links(asset, [PartGeometry(inertial=body_of(x)) for x in (50.0, mass)])
+    joint, weight = tree.joints[0], mass * GRAVITY
+    assert joint.spring == pytest.approx(share * weight)
+    assert any("counterbalances" in record for record in tree.records) == (share > 0.0)
+    assert (np.abs(weight + joint.pull(np.linspace(0.0, 0.4, 9))) < 1.05 * joint.friction).all()
+    if share:
+        assert weight + joint.pull(0.2) == pytest.approx(0.0, abs=1e-9)

@@ -15,6 +15,7 @@ from sim_export.collision.cover.surface_hulls import (
     USUAL,
     cover_surface,
     find_uncovered,
+    join_again,
     piece_hull,
     refine_cover,
     split_components,
@@ -152,6 +153,13 @@ def test_hulls_get_coarser_until_there_are_few_enough(monkeypatch):
     monkeypatch.setattr(object_cover, "LEVELS", (replace(USUAL, most=many - 1),))
     few = ObjectCover({"door": dented}, {}).make_hulls()["door"]
     assert 0 < len(few) < many
+
+
+def test_triangles_without_area_are_no_pieces_of_a_coarser_cover():
+    solid = box((0, 0, 0), (0.4, 0.3, 0.2))
+    one = cover_surface(solid, find_free_space(solid, 0.6), 0.6)
+    line = make_piece(np.array([[[0.1, 0.2, 0.1], [0.2, 0.2, 0.1], [0.3, 0.2, 0.1]]]), one.space, one.least)
+    assert len(join_again(replace(one, pieces=(*one.pieces, line)), 0.02, 0.6).hulls) == len(one.hulls) == 1
 
 
 def test_components_are_what_shares_corners():
