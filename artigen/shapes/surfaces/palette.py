@@ -89,8 +89,8 @@ BOUGHT_WOODS = {
     "maple": 0.17, "cherry": 0.16, "oak": 0.15, "walnut": 0.15, "wenge": 0.1, "white_oak": 0.08,
     "mahogany": 0.08, "birch": 0.04, "pine": 0.02, "grey_oak": 0.02, "teak": 0.02, "black_ash": 0.01,
 }  # fmt: skip
-"""How often each is bought, judged by what shops show first: white, greys and black; oak, walnut, maple, and
-wood stained dark or red."""
+"""How often each is bought, judged by what shops show first and by web models of furniture: white, greys and
+black; maple, cherry, oak, walnut, and wood stained dark or red."""
 LININGS = {"veneer": 0.35, "maple": 0.4, "white": 0.25}
 """How the inside of a carcass is finished: as the outside where that is wood, as pale plywood, or white."""
 PAINTED = 0.3
@@ -132,7 +132,7 @@ def draw_palette(
 def _draw_furniture(rng: np.random.Generator, style: str, painted: float) -> dict[str, Finish]:
     seed = int(rng.integers(2**30))
     wood, lacquer, scheme = _draw_scheme(rng, style, painted)
-    timber = make_wood(wood, seed, figure=choose_one(rng, FIGURES))
+    timber = make_wood(wood, seed, figure=FIGURES[seed % len(FIGURES)])
     if rng.random() < VARNISHED:
         timber = varnish(timber)
     paint = make_lacquer(LACQUERS[lacquer], gloss=float(rng.uniform(0.1, 0.35)))
@@ -231,7 +231,7 @@ def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 def _steel_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
     """Grey housing, brushed front: the sides of a steel appliance are painted."""
     metal = make_metal("dark" if rng.random() < 0.12 else "steel", seed)
-    grey = round(float(rng.uniform(0.3, 0.8)), 2)
+    grey = round(0.3 + 0.05 * (seed % 11), 2)
     return make_lacquer((grey, grey, grey), gloss=0.3), metal, make_metal("steel", seed + 1)
 
 
