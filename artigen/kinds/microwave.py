@@ -62,7 +62,7 @@ class _Plan:
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a microwave oven."""
-    style = wish.style or str(rng.choice(STYLES, p=(0.40, 0.31, 0.25, 0.04)))
+    style = wish.style or str(rng.choice(STYLES, p=(0.5, 0.2, 0.26, 0.04)))
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish)
     face = "panel" if rng.random() < (0.6 if style != "retro" else 0.15) else "front"

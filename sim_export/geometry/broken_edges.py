@@ -1,4 +1,4 @@
-"""Broken edges: sharp edges of convex solids cut off where they are seen, so that they catch the light.
+"""Broken edges: sharp edges of convex solids rounded where they are seen, so that they catch the light.
 
 An edge is seen where nothing of its part lies on or beside it. Edges flush with a neighbour stay sharp, so
 that pieces of one body show no seams; boards of furniture keep theirs.
@@ -21,6 +21,8 @@ WIDTHS: Mapping[FinishKind, float] = {
     "stone": 0.002,
 }  # fmt: skip
 """Width (m) of a broken edge on each of its faces, by what is broken."""
+STEPS = 2
+"""Planes that touch the round of a broken edge between its two faces."""
 THIN = 0.2
 """Largest width of a broken edge relative to the thickness of its solid."""
 LEAST = 0.0002
@@ -142,16 +144,12 @@ def _cut(primitive: Primitive, pairs: np.ndarray, width: float) -> Primitive:
         vertices = signs * (half - steps * width)
         return replace(primitive, vertices=vertices, faces=like.faces, planes=like.planes, rings=like.rings)
     normals = primitive.planes[:, :3]
-    between = normals[pairs[:, 0]] + normals[pairs[:, 1]]
-    sharp = np.linalg.norm(between, axis=1, keepdims=True) > 0.2  # nearly back to back: a blade
-    pairs, between = pairs[sharp[:, 0]], between[sharp[:, 0]]
+    sides = normals[pairs[:, :2]]
+    sharp = np.linalg.norm(sides.sum(axis=1), axis=1) > 0.2  # else nearly back to back: a blade
+    pairs, sides = pairs[sharp], sides[sharp]
     if not len(pairs):
         return primitive
-    between /= np.linalg.norm(between, axis=1, keepdims=True)
-    # Cut so that the faces lose the width: its sine to the new plane.
-    depth = width * np.sqrt(np.clip(1 - (between * normals[pairs[:, 0]]).sum(axis=1) ** 2, 0.0, 1.0))
-    reach = (between * primitive.vertices[pairs[:, 2]]).sum(axis=1)
-    planes = np.concatenate([primitive.planes, np.column_stack([between, depth - reach])])
+    planes = np.concatenate([primitive.planes, _round_edges(sides, primitive.vertices[pairs[:, 2]], width)])
     made = polytope(_corners(planes, primitive.vertices.mean(axis=0)), primitive.finish)
     if find_slivers(made.vertices[made.faces], SLIVER).any():
         return primitive
@@ -163,6 +161,21 @@ def _cut(primitive: Primitive, pairs: np.ndarray, width: float) -> Primitive:
         lining=primitive.lining,
         lined_side=primitive.lined_side,
     )
+
+
+def _round_edges(
+    sides: Float[np.ndarray, "E 2 3"], at: Float[np.ndarray, "E 3"], width: float
+) -> Float[np.ndarray, "K 4"]:
+    """Planes that round edges between faces of normals ``sides`` through ``at``; faces lose ``width``."""
+    angle = np.arccos((sides[:, 0] * sides[:, 1]).sum(axis=1))
+    radius = width / (np.tan(angle / 2) - np.tan(angle / (2 * STEPS + 2)))
+    rows = []
+    for share in np.arange(1, STEPS + 1) / (STEPS + 1):
+        weights = np.sin(np.stack([(1 - share) * angle, share * angle], axis=1)) / np.sin(angle)[:, None]
+        normal = (weights[:, :, None] * sides).sum(axis=1)
+        depth = radius * (np.cos(angle * (share - 0.5)) / np.cos(angle / 2) - 1)
+        rows.append(np.column_stack([normal, depth - (normal * at).sum(axis=1)]))
+    return np.concatenate(rows)
 
 
 def _corners(planes: Float[np.ndarray, "K 4"], inside: Float[np.ndarray, "3"]) -> Float[np.ndarray, "N 3"]:
@@ -178,11 +191,8 @@ def _unit_cut(
 ) -> tuple[Primitive, Float[np.ndarray, "V 3"], Float[np.ndarray, "V 3"]]:
     """The cube [-1, 1]^3 without these edges, the signs of its corners, and how many widths they recede."""
     width = 0.2
-    planes = [(*row, -1.0) for row in np.vstack([np.eye(3), -np.eye(3)]).tolist()]
-    for edge in sorted(edges):
-        normal = np.zeros(3)
-        for axis, sign in edge:
-            normal[axis] = sign
-        planes.append((*(normal / np.sqrt(2)).tolist(), -(2.0 - width) / np.sqrt(2)))
-    like = polytope(_corners(np.array(planes), np.zeros(3)), "")
+    faces = np.column_stack([np.vstack([np.eye(3), -np.eye(3)]), np.full(6, -1.0)])
+    sides = np.array([[sign * np.eye(3)[axis] for axis, sign in edge] for edge in sorted(edges)])
+    planes = np.concatenate([faces, _round_edges(sides, sides.sum(axis=1), width)])
+    like = polytope(_corners(planes, np.zeros(3)), "")
     return like, np.sign(like.vertices), np.round((1.0 - np.abs(like.vertices)) / width, 6)

@@ -15,7 +15,7 @@ from artigen.shapes.primitives import Primitive, place_vertices
 from sim_export.geometry.triangles import area_normals
 from sim_export.package import Mesh
 
-SAGITTA = 0.0003
+SAGITTA = 0.0001
 """Largest distance (m) of a side from its circle."""
 SIDES = (16, 96)
 """Least and largest number of sides of a circle."""

@@ -52,9 +52,11 @@ STONES: dict[str, tuple[Color, Color]] = {
 }
 
 
-def make_wood(name: str, seed: int) -> Finish:
-    """A wood of `WOODS`, open-pored and oiled."""
-    color, rings = WOODS[name]
+def make_wood(name: str, seed: int, *, figure: float = 1.0) -> Finish:
+    """A wood of `WOODS`, open-pored and oiled; ``figure`` in [0, 1] is the contrast of its grain."""
+    color, accent = WOODS[name]
+    red, green, blue = ((1.0 - figure) * c + figure * a for c, a in zip(color, accent, strict=True))
+    rings = (red, green, blue)
     return Finish(kind="wood", color=color, accent=rings, period=0.045, seed=seed, gloss=0.12)
 
 

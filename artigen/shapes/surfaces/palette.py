@@ -86,15 +86,17 @@ BOUGHT_LACQUERS = {
     "sage": 0.05, "navy": 0.05, "forest": 0.03, "blue": 0.02, "terracotta": 0.02,
 }  # fmt: skip
 BOUGHT_WOODS = {
-    "oak": 0.22, "walnut": 0.18, "maple": 0.12, "wenge": 0.12, "white_oak": 0.09, "mahogany": 0.07,
-    "cherry": 0.07, "pine": 0.05, "birch": 0.03, "grey_oak": 0.02, "teak": 0.02, "black_ash": 0.01,
+    "maple": 0.17, "cherry": 0.16, "oak": 0.15, "walnut": 0.15, "wenge": 0.1, "white_oak": 0.08,
+    "mahogany": 0.08, "birch": 0.04, "pine": 0.02, "grey_oak": 0.02, "teak": 0.02, "black_ash": 0.01,
 }  # fmt: skip
-"""How often each is bought, judged by what shops show first: white, greys and black; oak, walnut, maple, and
-wood stained dark or red."""
+"""How often each is bought, judged by what shops show first and by web models of furniture: white, greys and
+black; maple, cherry, oak, walnut, and wood stained dark or red."""
 LININGS = {"veneer": 0.35, "maple": 0.4, "white": 0.25}
 """How the inside of a carcass is finished: as the outside where that is wood, as pale plywood, or white."""
 PAINTED = 0.3
 """Probability that furniture is painted outside, on all of it but its top."""
+FIGURES = (1.0, 0.6, 0.35)
+"""Contrast of grain: solid boards, and veneers and printed boards, which are more even."""
 VARNISHED = 0.55
 """Probability that wood is varnished, and not oiled."""
 WARM = frozenset(
@@ -130,7 +132,7 @@ def draw_palette(
 def _draw_furniture(rng: np.random.Generator, style: str, painted: float) -> dict[str, Finish]:
     seed = int(rng.integers(2**30))
     wood, lacquer, scheme = _draw_scheme(rng, style, painted)
-    timber = make_wood(wood, seed)
+    timber = make_wood(wood, seed, figure=FIGURES[seed % len(FIGURES)])
     if rng.random() < VARNISHED:
         timber = varnish(timber)
     paint = make_lacquer(LACQUERS[lacquer], gloss=float(rng.uniform(0.1, 0.35)))
@@ -150,7 +152,7 @@ def _draw_furniture(rng: np.random.Generator, style: str, painted: float) -> dic
         inside = make_wood("maple" if lined == "maple" else wood, seed + 3)
     if body.kind != "wood" and rng.random() < 0.35:
         drawer = make_lacquer(LACQUERS["light_grey"])
-    leg = make_metal("black", seed) if rng.random() < 0.25 else (timber if top.kind == "wood" else body)
+    leg = make_metal("black", seed) if rng.random() < 0.12 else (timber if top.kind == "wood" else body)
     return _common(seed) | {
         "body": body,
         "front": front,
@@ -204,7 +206,7 @@ def _draw_metal(rng: np.random.Generator, front: str, style: str) -> Finish:
 
 def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     seed = int(rng.integers(2**30))
-    look = style if style in APPLIANCES else str(rng.choice(list(APPLIANCES), p=(0.42, 0.36, 0.18, 0.04)))
+    look = style if style in APPLIANCES else str(rng.choice(list(APPLIANCES), p=(0.5, 0.34, 0.12, 0.04)))
     body, front, handle = APPLIANCES[look](rng, seed)
     enamel = make_lacquer((0.20, 0.21, 0.23), gloss=0.3)
     black_glass = make_glass((0.045, 0.047, 0.052))
@@ -229,7 +231,8 @@ def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 def _steel_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
     """Grey housing, brushed front: the sides of a steel appliance are painted."""
     metal = make_metal("dark" if rng.random() < 0.12 else "steel", seed)
-    return make_lacquer((0.62, 0.62, 0.63), gloss=0.3), metal, make_metal("steel", seed + 1)
+    grey = round(0.3 + 0.05 * (seed % 11), 2)
+    return make_lacquer((grey, grey, grey), gloss=0.3), metal, make_metal("steel", seed + 1)
 
 
 def _white_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
@@ -239,7 +242,7 @@ def _white_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Fi
 
 
 def _black_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
-    enamel = make_lacquer(LACQUERS["black"], gloss=0.45)
+    enamel = make_lacquer((0.04, 0.04, 0.042), gloss=0.45)
     return enamel, enamel, make_metal("steel" if rng.random() < 0.6 else "black", seed)
 
 
