@@ -195,10 +195,10 @@ def _kettle(size: Size) -> Solids:
 
 
 def _plant(size: Size) -> Solids:
-    """A pot with leaves in two rings, whose tips reach the size."""
+    """A pot with a shoot as high as the plant, and leaves in two rings."""
     r, z = size[0] / 2, size[2]
     pot = min(0.36 * z, 1.1 * r)
-    solids = [(_rod(0.62 * r, 0.0, pot), 0)]
+    solids = [(_rod(0.62 * r, 0.0, pot), 0), (_rod(0.04 * r, pot, z), 1)]
     for count, out, tip, wide in ((7, 0.9, 0.78, 0.26), (5, 0.45, 0.98, 0.24)):
         rise, reach = tip * z - pot, out * r
         tilt, long = np.arctan2(reach, rise), float(np.hypot(rise, reach))
