@@ -136,9 +136,12 @@ def _furnish_rooms(
 
 
 def relax(recipe: Recipe) -> Recipe:
-    """The recipe with its runs, or its first group, as what the room is for; all else is as may be."""
+    """The recipe with its runs, or its first group and a basin, as its purpose; all else is optional."""
     first = recipe.groups[:1] if recipe.kind != "hall" and not recipe.layouts else ()
-    others = tuple(replace(group, count=(0, group.count[1])) for group in recipe.groups[len(first) :])
+    rest = recipe.groups[len(first) :]
+    others = tuple(
+        group if group.roles == ("sink",) else replace(group, count=(0, group.count[1])) for group in rest
+    )
     asked = {role for group in first for role in group.roles} | {share.role.name for share in recipe.shares}
     needed = tuple(role for role in recipe.needed if role.name in asked)
     return replace(recipe, groups=(*first, *others), needed=needed)

@@ -30,6 +30,13 @@ class Entry:
     kinds: tuple[str, ...]
     provenance: tuple[tuple[str, str], ...]
 
+    @property
+    def suite(self) -> tuple[str, int] | None:
+        """Family and suite of its look; None of objects that no suite dressed."""
+        source = dict(self.provenance)
+        both = {"family", "suite"} <= source.keys()
+        return (source["family"], int(source["suite"])) if both else None
+
 
 @dataclass(frozen=True, kw_only=True)
 class Catalogue:

@@ -1,5 +1,6 @@
 """Puts loose things onto the furniture of a room, selected by its seed: jars by the wall, a lamp, a book."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -39,6 +40,8 @@ HEIGHTS = (0.35, 1.15)
 """Range of heights (m) of tops that carry things."""
 CARRYING = frozenset({"nightstand", "cart"})
 """Roles that carry things but no other objects."""
+ONCE = frozenset({"lamp", "monitor", "keyboard", "kettle", "fruit_bowl", "board"})
+"""Things of which a top has one."""
 EDGE = 0.01
 """Distance (m) of things from the edge of a top."""
 BACK = 2.0
@@ -58,7 +61,9 @@ def clutter_room(room: Room, clutter: Clutter) -> Room:
     items: list[Item] = []
     for index, placement in enumerate(room.placements):
         rng = np.random.default_rng([room.seed, room.attempt, 3, index])
-        items += _clutter(room, _top_of(placement), clutter, taken, rng)
+        on_top = {other.role for other in room.placements if other.support == placement.id}
+        dark = frozenset({"lamp"} if placement.role == "low table" or "lamp" in on_top else ())
+        items += _clutter(room, _top_of(placement), clutter, taken, rng, dark)
         for compartment in cached_compartments(placement.package):
             if compartment.open and rng.random() < SHELVES[clutter]:
                 items += fill_compartment(compartment, room.kind, placement, rng)
@@ -108,10 +113,15 @@ def _slab_of(room: Room, fixture: Fixture) -> _Top:
 
 
 def _clutter(
-    room: Room, top: _Top, clutter: Clutter, taken: Float[np.ndarray, "B 2 3"], rng: np.random.Generator
+    room: Room,
+    top: _Top,
+    clutter: Clutter,
+    taken: Float[np.ndarray, "B 2 3"],
+    rng: np.random.Generator,
+    without: Collection[str] = (),
 ) -> list[Item]:
-    """Things on a level top."""
-    fitting = [thing for thing in THINGS if f"{room.kind} top" in thing.where]
+    """Things on a level top, but those ``without`` names."""
+    fitting = [thing for thing in THINGS if f"{room.kind} top" in thing.where and thing.name not in without]
     tops, T_room = top.tops, top.T_room
     if not tops or not fitting:
         return []
@@ -122,9 +132,11 @@ def _clutter(
     boxes = taken
     for _ in range(count):
         for _ in range(TRIES):
-            fresh = [
-                thing for thing in fitting if thing.name not in {item.thing for item in items}
-            ] or fitting
+            there = {item.thing for item in items}
+            fresh = [thing for thing in fitting if thing.name not in there]
+            fresh = fresh or [thing for thing in fitting if thing.name not in ONCE]
+            if not fresh:
+                break
             thing = fresh[int(rng.integers(len(fresh)))]
             drawn = draw_thing(thing, rng, np.pi / 4 if clutter == "messy" else SKEW)
             points = drawn.points

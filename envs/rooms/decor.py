@@ -7,7 +7,7 @@ Everything is a box or cylinder with collision, where nothing stands, moves or o
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise, product
+from itertools import islice, pairwise, product
 
 import numpy as np
 from jaxtyping import Float
@@ -34,6 +34,8 @@ PAINTS: tuple[tuple[Color, Color], ...] = (
     ((0.88, 0.90, 0.88), (0.36, 0.48, 0.38)), ((0.22, 0.28, 0.36), (0.85, 0.72, 0.45)),
 )  # fmt: skip
 """Ground and shape of pictures."""
+COATS: tuple[Color, ...] = ((0.20, 0.24, 0.32), (0.55, 0.30, 0.24), (0.62, 0.56, 0.44), (0.30, 0.34, 0.28))
+BLACK, SCREEN = (0.09, 0.09, 0.10), (0.05, 0.06, 0.08)
 WHITE, METAL, GLASS, SKY = (0.95, 0.95, 0.94), (0.62, 0.63, 0.64), (0.80, 0.86, 0.89), (0.66, 0.80, 0.95)
 RUGS: dict[SceneKind, tuple[tuple[float, float], ...]] = {
     "living_room": ((2.4, 1.7), (2.0, 1.4), (1.6, 1.0), (1.2, 0.7)),
@@ -50,7 +52,9 @@ PICTURES: dict[SceneKind, int] = {
 CURTAINED = ("living_room", "bedroom", "office")
 LAMPS: dict[SceneKind, int] = {"living_room": 1, "bedroom": 1, "kitchen": 2, "office": 2, "hall": 1}
 """Pendants; other rooms have a flat lamp."""
-ON_WALLS = ("curtain", "picture", "mirror", "towel", "switch", "socket", "sky")
+NEAR = 8
+"""Number of places near a lowboard at which a television may hang."""
+ON_WALLS = ("curtain", "picture", "mirror", "towel", "switch", "socket", "sky", "television", "coats")
 """Beginnings of the names of what hangs on a wall; its side follows."""
 
 
@@ -97,6 +101,12 @@ def decorate_room(room: Room) -> Room:
         _first(hang, _spots(room, rng, (0.5, 0.7), 1.6, lambda at: _mirror(at, frame), near))
     if room.kind in ("bathroom", "kitchen"):
         _first(hang, _spots(room, rng, (0.5, 0.5), 1.15, lambda at: _towel(at, cloth)))
+    for board in (each for each in room.placements if each.role == "lowboard"):
+        at = np.array(board.position[:2])
+        above = _spots(room, rng, (1.14, 0.66), board.size[2] + 0.55, _television, at)
+        _first(hang, islice(above, NEAR))
+    if room.kind == "hall":
+        _first(hang, _spots(room, rng, (0.9, 1.0), 1.2, lambda at: _coats(at, rng)))
     for _ in range(PICTURES.get(room.kind, 0)):
         wide, high, share = rng.uniform((0.35, 0.35, 0.25), (0.8, 0.6, 0.7)).tolist()
         paint = PAINTS[int(rng.integers(len(PAINTS)))]
@@ -204,6 +214,42 @@ def _mirror(at: float, frame: Color) -> list[_Part]:
             name="mirror_glass", low=(at - 0.235, 0.018, -0.335), high=(at + 0.235, 0.02, 0.335), color=GLASS
         ),
     ]
+
+
+def _television(at: float) -> list[_Part]:
+    low, high = (at - 0.57, 0.03, -0.33), (at + 0.57, 0.06, 0.33)
+    return [
+        _Part(name="television_mount", low=(at - 0.2, OFF, -0.1), high=(at + 0.2, 0.03, 0.1), color=BLACK),
+        _Part(name="television_body", low=low, high=high, color=BLACK),
+        _Part(
+            name="television_screen", low=(at - 0.555, 0.06, -0.315), high=(at + 0.555, 0.061, 0.315),
+            color=SCREEN,
+        ),
+    ]  # fmt: skip
+
+
+def _coats(at: float, rng: np.random.Generator) -> list[_Part]:
+    """A board with four hooks and coats on two or three of them."""
+    low, high = (at - 0.45, OFF, 0.48), (at + 0.45, 0.02, 0.58)
+    parts = [_Part(name="coats_board", low=low, high=high, color=FRAMES[1])]
+    coats = rng.permutation(4)[: int(rng.integers(2, 4))]
+    for hook in range(4):
+        x = at - 0.33 + 0.22 * hook
+        low, high = (x - 0.01, 0.02, 0.51), (x + 0.01, 0.08, 0.53)
+        parts.append(_Part(name="coats_hook", low=low, high=high, color=METAL))
+        if hook in coats:
+            cloth = COATS[int(rng.integers(len(COATS)))]
+            parts += [
+                _Part(
+                    name=f"coats_{name}", low=(x - wide, 0.03, foot), high=(x + wide, depth, top),
+                    color=cloth, pattern="cloth",
+                )
+                for name, wide, depth, foot, top in (
+                    ("collar", 0.05, 0.08, 0.44, 0.5), ("shoulders", 0.085, 0.1, 0.34, 0.44),
+                    ("skirt", 0.1, 0.13, -0.4 - 0.08 * (hook % 2), 0.34),
+                )
+            ]  # fmt: skip
+    return parts
 
 
 def _towel(at: float, cloth: Color) -> list[_Part]:

@@ -2,7 +2,8 @@
 
 The planner uses boxes and soft preferences; its result is verified on the actual hulls
 (`envs.rooms.check`). An arrangement that fails is rejected and the next one is drawn, so that a
-returned room keeps every guarantee.
+returned room keeps every guarantee. The first half of the attempts is of one look, with everything that the
+recipe asks for; later ones take any package and do without what is not needed.
 """
 
 import hashlib
@@ -34,7 +35,7 @@ from .openings import find_openings
 from .order import demand_order, place_order, read_order
 from .patterns import Pattern
 from .pieces import Member, move_boxes
-from .recipes import BASE, RECIPES, Recipe
+from .recipes import BASE, RECIPES, Recipe, soften
 from .room import Fixture, Opening, Placement, Room, Side, corner, room_shell, rounded_quat
 from .runs import Chooser, count_objects, draw_shortlists
 from .site import Site
@@ -120,8 +121,11 @@ def populate(
     for attempt in range(cfg.attempts):
         rng = np.random.default_rng([crc32(kind.encode()), seed, attempt])
         bare = _draw_room(recipe, rng, cfg) if site is None else _place_room(site, rng, cfg)
+        strict = 2 * attempt < cfg.attempts
+        shortlists = draw_shortlists(recipe, catalogue, rng, cfg.variety, alike=strict)
+        spare = [name for name, entries in shortlists.items() if not (strict and entries)]
         chooser = Chooser(
-            shortlists=draw_shortlists(recipe, catalogue, rng, cfg.variety),
+            shortlists=shortlists,
             rng=rng,
             radius=cfg.standing_radius if cfg.sweeps == "free" else 0.0,
             sweeps=cfg.sweeps,
@@ -131,7 +135,7 @@ def populate(
         if order:
             plan, missing = place_order(plan, order, cfg.wall, catalogue, chooser)
         else:
-            plan, missing = furnish(plan, recipe, chooser)
+            plan, missing = furnish(plan, soften(recipe, spare), chooser)
         objects = count_objects(plan)
         best = max(best, objects)
         if not order and not missing and not least <= objects <= cfg.most:
@@ -304,8 +308,4 @@ def _finish(entries: Sequence[Entry], part: str) -> Finish | None:
 
 def _suites(entries: Sequence[Entry]) -> Counter[tuple[str, int] | None]:
     """How many packages are of each family and suite, and of none."""
-    sources = [dict(entry.provenance) for entry in entries]
-    return Counter(
-        (source["family"], int(source["suite"])) if {"family", "suite"} <= source.keys() else None
-        for source in sources
-    )
+    return Counter(entry.suite for entry in entries)

@@ -1,6 +1,7 @@
 """Recipes of rooms as tables: roles, their numbers, and placement preferences."""
 
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from artigen.kind import Place, Size, find_kind, kinds, list_words
@@ -108,6 +109,17 @@ class Recipe:
         return tuple({role.name: role for role in every}.values())
 
 
+def soften(recipe: Recipe, roles: Collection[str]) -> Recipe:
+    """The recipe that also does without some roles, but those that its kind of room needs."""
+    spare = set(roles) - {role.name for role in recipe.needed}
+    shares = (replace(each, least=0) if each.role.name in spare else each for each in recipe.shares)
+    groups = (
+        replace(each, count=(0, each.count[1])) if set(each.roles) <= spare else each
+        for each in recipe.groups
+    )
+    return replace(recipe, shares=tuple(shares), groups=tuple(groups))
+
+
 def pull_along(category: str) -> tuple[float, float]:
     """Weight, and share of the length of a run of units at which a category belongs."""
     kind = find_kind(category)
@@ -183,7 +195,7 @@ KITCHEN = Recipe(
         Share(role=RANGE, least=1, wanted=1, most=1),
         Share(role=DISHWASHER, wanted=1, most=1),
         Share(role=WASHER, wanted=1, most=1),
-        Share(role=SINK, wanted=1, most=1, weight=4.0),
+        Share(role=SINK, least=1, wanted=1, most=1, weight=4.0),
         Share(role=BASE, least=2, wanted=6, most=10),
         Share(role=LARDER, wanted=1, most=2),
     ),
@@ -245,13 +257,11 @@ BEDROOM = Recipe(
         _perhaps("bookcase", like="corner"),
         Group(name="chest", roles=("pedestal", "pedestal"), count=(0, 1)),
         _perhaps("safe", like="corner"),
-        _perhaps("low table", where="middle"),
         _perhaps("bin", like="corner"),
         _perhaps("suitcase", like="corner"),
     ),
     roles=(
-        NIGHTSTAND, WARDROBE, DRESSER, DESK, PEDESTAL, LOWBOARD, BOOKCASE, SAFE, LOW_TABLE, BIN, LUGGAGE,
-        DOOR, WINDOW,
+        NIGHTSTAND, WARDROBE, DRESSER, DESK, PEDESTAL, LOWBOARD, BOOKCASE, SAFE, BIN, LUGGAGE, DOOR, WINDOW,
     ),
     tops=(
         Share(role=LAMP, wanted=1, most=1, on=("desk", "dresser")),
@@ -268,7 +278,7 @@ BATHROOM = Recipe(
     needed=(TOILET, WASHER),
     groups=(
         Group(name="toilet", roles=("toilet",), count=(1, 1), like="corner"),
-        _perhaps("sink", like="middle"),
+        Group(name="sink", roles=("sink",), count=(1, 1), like="middle"),
         _perhaps("shower", like="corner"),
         Group(name="laundry", roles=("washing machine", "dryer"), count=(1, 1), like="corner"),
         Group(name="cupboards", roles=("nightstand", "nightstand"), count=(1, 2)),

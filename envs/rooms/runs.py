@@ -1,5 +1,6 @@
 """Gapless runs of cabinets and appliances along walls, with fillers in corners and gaps."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise
@@ -20,6 +21,8 @@ RESERVE = 0.88
 """Length (m) of both walls that a corner between two runs takes."""
 ORDERS = 3
 """Number of random orders of a run; the one with the smallest gaps is used."""
+WIDE = 0.7
+"""Share of the roles of the widest suite from which on a suite gives a room its look."""
 NARROW = 0.012
 """Gap (m) between units above which a panel closes it."""
 SETBACKS = (0.0, 0.03, 0.06, 0.11, 0.16)
@@ -47,12 +50,22 @@ class Chooser:
 
 
 def draw_shortlists(
-    recipe: Recipe, catalogue: Catalogue, rng: np.random.Generator, variety: int
+    recipe: Recipe, catalogue: Catalogue, rng: np.random.Generator, variety: int, *, alike: bool
 ) -> dict[str, tuple[Entry, ...]]:
-    """At most ``variety`` packages for every role of a room; cabinets without a top only if all are."""
+    """At most ``variety`` packages for every role of a room; cabinets without a top only if all are.
+
+    Those that are ``alike`` are of one suite where it has the role, else of the suite with most roles.
+    """
+    of_role = {role: catalogue.of_role(role) for role in recipe.all_roles}
+    roles = Counter(suite for entries in of_role.values() for suite in {entry.suite for entry in entries})
+    wide = sorted((suite for suite in roles if suite and roles[suite] >= WIDE * max(roles.values())), key=str)
+    lead = wide[int(rng.integers(len(wide)))] if wide else None
     lists: dict[str, tuple[Entry, ...]] = {}
-    for role in recipe.all_roles:
-        entries = catalogue.of_role(role)
+    for role, entries in of_role.items():
+        if alike and entries:
+            suites = sorted({entry.suite for entry in entries}, key=str)
+            first = max(suites, key=lambda suite: (suite == lead, roles[suite]))
+            entries = [entry for entry in entries if entry.suite == first]
         order = rng.permutation(len(entries)).tolist()
         covered = (
             k

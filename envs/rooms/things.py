@@ -21,6 +21,8 @@ Solids = tuple[tuple[PrimitiveShape, int], ...]
 """Primitives, each with the index of its colour."""
 WALL = 0.005
 """Thickness (m) of the walls of vessels."""
+SHY = 0.001
+"""Height (m) at which the walls of vessels begin above the ground, so that the bottom alone touches it."""
 STAVES = 12
 """Number of boxes around a vessel."""
 WHITE, CREAM, DARK, GREY = (0.93, 0.92, 0.88), (0.86, 0.85, 0.81), (0.20, 0.20, 0.22), (0.70, 0.71, 0.73)
@@ -110,7 +112,8 @@ def _vessel(size: Size, foot: float) -> Solids:
     stave = np.eye(4)
     stave[:3, :3] = [[c, 0, s], [0, 1, 0], [-s, 0, c]]
     stave[:3, 3] = [(base + top) / 2 - WALL / 2 * c, 0.0, rim / 2 + WALL / 2 * s]
-    edges = (WALL, float(2 * top * np.tan(np.pi / STAVES)), length)
+    stave[:3, 3] += stave[:3, 2] * SHY / c / 2
+    edges = (WALL, float(2 * top * np.tan(np.pi / STAVES)), length - SHY / c)
     reach, bar = size[0] - size[1], 0.005
     solids = [(_rod(base, 0.0, WALL, -reach / 2), 1)]
     for angle in np.arange(STAVES) * 2 * np.pi / STAVES:
@@ -191,6 +194,26 @@ def _kettle(size: Size) -> Solids:
     )  # fmt: skip
 
 
+def _plant(size: Size) -> Solids:
+    """A pot with a shoot as high as the plant, and leaves in two rings."""
+    r, z = size[0] / 2, size[2]
+    pot = min(0.36 * z, 1.1 * r)
+    solids = [(_rod(0.62 * r, 0.0, pot), 0), (_rod(0.04 * r, pot, z), 1)]
+    for count, out, tip, wide in ((7, 0.9, 0.78, 0.26), (5, 0.45, 0.98, 0.24)):
+        rise, reach = tip * z - pot, out * r
+        tilt, long = np.arctan2(reach, rise), float(np.hypot(rise, reach))
+        c, s = np.cos(tilt), np.sin(tilt)
+        leaf = np.eye(4)
+        leaf[:3, :3] = [[c, 0, s], [0, 1, 0], [-s, 0, c]]
+        leaf[:3, 3] = [reach / 2, 0.0, pot + rise / 2]
+        for angle in (np.arange(count) + 0.5 * (count % 2)) * 2 * np.pi / count:
+            turn = np.eye(4)
+            turn[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+            edges = (0.03 * r, wide * 2 * r, long)
+            solids.append((PrimitiveShape(kind="box", sizes=edges, T_object_shape=turn @ leaf), 1))
+    return tuple(solids)
+
+
 def _in(rooms: str, *places: str) -> tuple[str, ...]:
     return tuple(f"{room} {place}" for room in rooms.split() for place in places)
 
@@ -246,9 +269,7 @@ THINGS = (
           rows=((0, 0.1, 1, 0, 1, 0), (0.1, 0.55, 0.18, 0, 0.7, 1), (0.55, 1, 0.26, 0, 0.9, 1))),
     Thing("plant", _in("living_room hall", "top") +
           _in("kitchen office bedroom bathroom", "top"), (0.14, 0.14, 0.22), (0.22, 0.22, 0.38), 250,
-          ((CREAM, GREEN), (RED, GREEN), (DARK, GREEN)), round=True,
-          rows=((0, 1, 0.6, 0, 0.36, 0), (0, 1, 0.12, 0.36, 0.44, 1), (0, 1, 0.85, 0.44, 0.6, 1),
-                (0, 1, 1, 0.6, 0.84, 1), (0, 1, 0.65, 0.84, 1, 1))),
+          ((CREAM, GREEN), (RED, GREEN), (DARK, GREEN)), draw=_plant),
     Thing("lamp", _in("living_room", "top") +
           _in("office bedroom", "top"), (0.2, 0.2, 0.34), (0.28, 0.28, 0.46), 60,
           ((DARK, CREAM), (GREY, WHITE), (YELLOW, WHITE)), round=True,
@@ -277,9 +298,7 @@ THINGS = (
           ((DARK, CREAM), (GREY, WHITE), (BROWN, CREAM)), round=True,
           rows=((0, 1, 0.75, 0, 0.02, 0), (0, 1, 0.06, 0.02, 0.8, 0), (0, 1, 1, 0.8, 1, 1))),
     Thing("floor_plant", (), (0.34, 0.34, 0.9), (0.46, 0.46, 1.3), 60,
-          ((CREAM, GREEN), (DARK, GREEN), (GREY, GREEN)), round=True,
-          rows=((0, 1, 0.7, 0, 0.28, 0), (0, 1, 0.08, 0.28, 0.5, 1), (0, 1, 0.8, 0.4, 0.55, 1),
-                (0, 1, 1, 0.55, 0.75, 1), (0, 1, 0.85, 0.75, 0.9, 1), (0, 1, 0.5, 0.9, 1, 1))),
+          ((CREAM, GREEN), (DARK, GREEN), (GREY, GREEN)), draw=_plant),
     Thing("shoes", (), (0.26, 0.2, 0.09), (0.3, 0.22, 0.12), 150,
           ((DARK, GREY), (BROWN, CREAM), (BLUE, WHITE), (WHITE, GREY)), faces=True, draw=_shoes),
     Thing("basket", (), (0.36, 0.36, 0.3), (0.42, 0.42, 0.42), 40, ((CREAM, BROWN), (GREY, GREY)), foot=0.85),

@@ -505,7 +505,7 @@ def test_windows_hang_in_walls_and_small_things_stand_on_their_roles(rooms):
 )
 def test_what_is_before_a_window_is_lower_than_its_sill(folder, away, above, free):
     rng = np.random.default_rng(0)
-    lists = draw_shortlists(KITCHEN, read_catalogue(folder), rng, 5)
+    lists = draw_shortlists(KITCHEN, read_catalogue(folder), rng, 5, alike=False)
     chooser = Chooser(shortlists=lists, rng=rng, radius=0.0, sweeps="free", most=30)
     empty = Plan(size=(5.0, 4.0, 2.6), entrance=Opening(side="front", start=1.5, width=0.9, height=2.0))
     plan = place_group(empty, KITCHEN, WINDOWS, chooser, whole=True)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from envs.rooms.things import thing_hulls, thing_solids
+from envs.rooms.things import THINGS, thing_hulls, thing_solids
 
 BOWL = (0.16, 0.16, 0.06)
 
@@ -21,3 +21,11 @@ def test_a_bowl_has_twelve_sides():
     angles = np.sort(np.degrees(np.arctan2(*middles.T)) % 360.0)
     np.testing.assert_allclose(np.diff(angles), 30.0)
     assert len(sides) == 12
+
+
+@pytest.mark.parametrize("name", ["cup", "bowl", "plate", "basket"])
+def test_of_a_vessel_only_the_bottom_touches_the_ground(name: str):
+    thing = next(thing for thing in THINGS if thing.name == name)
+    bottom, *walls = thing_hulls(name, thing.high)
+    assert bottom.vertices[:, 2].min() == pytest.approx(0.0, abs=1e-9)
+    assert min(wall.vertices[:, 2].min() for wall in walls) > 5e-4
