@@ -112,7 +112,7 @@ def _is_one(noun: Head, words: tuple[str, ...], *, whole: bool) -> bool:
     spelled = " ".join(words[noun.at : noun.at + noun.count])
     before = words[: noun.at]
     number = next((read_number(words, at) for at in (noun.at - 1, noun.at - 2) if at >= 0), None)
-    counted = number is not None and number[0] != 1 and words[noun.at - 1] not in ("double",)
+    counted = number is not None and number[0] != 1 and words[noun.at - 1] not in ("double", "twin", "triple")
     named = spelled in noun.kind.nouns and not _is_later(before)
     part = spelled in PARTS and (not whole or not named)
     return not part and not counted and not CLAUSES & set(before)

@@ -28,7 +28,8 @@ def split_words(text: str) -> tuple[str, ...]:
     text = re.sub(r"(\d),(\d{3})(?=\s*(?:mm|millim))", r"\1\2", text)
     text = re.sub(r"(\d),(\d)", r"\1.\2", text)
     text = re.sub(r'(\d)\s*"', r"\1 inch ", re.sub(r"(\d)\s*'(?!\w*[a-z])", r"\1 foot ", text))
-    return tuple(_WORD.findall(text.replace(";", ",").replace(":", " ")))
+    text = re.sub(r":(?!\s*\d)", ",", text.replace(";", ","))  # "doors: 2" is a number of doors
+    return tuple(_WORD.findall(text))
 
 
 def read_number(words: tuple[str, ...], at: int) -> tuple[float, int] | None:

@@ -34,6 +34,7 @@ _PARTS: dict[str, PartLabel] = {
     "basket": "tray",
     "flap": "door",
     "rocker": "knob",
+    "gang": "knob",
     "sash": "door",
     "roller": "wheel",
 }
@@ -245,7 +246,7 @@ SPOTS: dict[str, Spot] = {
     "per side": "sides", "left and right": "sides",
     "on the left and right": "sides", "on the left and on the right": "sides", "next to it": "right",
     "beside it": "right", "next to them": "right", "beside them": "right", "between them": "middle",
-    "in between": "middle",
+    "in between": "middle", "between": "middle",
     "in the middle": "middle", "in the centre": "middle", "in the center": "middle",
 }  # fmt: skip
 """Phrases after, or before, the parts that they place."""

@@ -163,7 +163,9 @@ def _build_lid(
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("washing machine", "washer", "clothes washer", "laundry machine", "washer dryer"),
+    nouns=plurals(
+        "washing machine", "washer", "clothes washer", "laundry machine", "washer dryer", "front loader"
+    ),
     hints=(),
     size=(by_height(0.85),),
     deepest=0.75,

@@ -394,6 +394,17 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
     "a dutch oven": ("Pot", {}),
     "a mini fridge": ("Refrigerator", {}),
     "a cabinet whose doors open to the left": ("StorageFurniture", {"parts": {"door": {"hinged": "left"}}}),
+    # Colons, and articles of compounds.
+    "a sideboard: doors left and right, three drawers between": (
+        "StorageFurniture",
+        {"counts": {"drawer": 3}, "parts": {"door": {"at": "sides"}, "drawer": {"at": "middle"}}},
+    ),
+    "a front-loader, anthracite": ("WashingMachine", {"parts": {"object": {"color": "anthracite"}}}),
+    "a two-gang light switch": ("Switch", {"counts": {"knob": 2}}),
+    "a glass-door cabinet": (
+        "StorageFurniture",
+        {"style": "framed_glass", "parts": {"door": {"material": "glass"}}},
+    ),
 }
 PLAIN = {"objects": 1, "style": None, "counts": {}, "size": {}, "stretch": {}, "parts": {}, "ignored": []}
 
