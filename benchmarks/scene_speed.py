@@ -3,7 +3,7 @@
     pip download robosuite --no-deps && unzip robosuite-*.whl 'robosuite/models/assets/*' -d out
     python benchmarks/scene_speed.py --scenes out/scenes/kitchen_0 --assets out/robosuite/models/assets
 
-The other scene stands for RoboCasa, whose meshes are on no package registry: robosuite's empty arena with as
+The other scene stands for RoboCasa, whose wheel has no meshes: robosuite's empty arena with as
 many free bodies (its objects of meshes in turn, resting apart on the floor), as many hinges (its door, one
 each) and as many colliding geoms, the rest of which are boxes that stand apart, as fixtures do. Both scenes
 rest, with MuJoCo's default solver, the same timestep and no robot; rounds alternate.

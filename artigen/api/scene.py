@@ -116,8 +116,8 @@ def furnish_room(
 
     Args:
         kind: Kitchen, office, bedroom, bathroom, workshop, living_room, hall, laundry or flat.
-        out: Folder for ``scene.json``, ``goals.json``, ``room.png``, ``entrance.png`` and ``corner.png``
-            (of a flat, two for each room) and ``plan.png``.
+        out: Folder for ``scene.json``, ``goals.json``, ``references.json``, ``room.png``, ``entrance.png``
+            and ``corner.png`` (of a flat, two for each room) and ``plan.png``.
         seed: Seed of everything that is not set.
         packages: Folder with packages, at any depth, that passed validation; without it, objects are sampled
             and validated first, which takes minutes.
@@ -232,6 +232,7 @@ def furnish_from(
     from envs.flats.layout import read_rooms
     from envs.flats.picture import write_flat_pictures
     from envs.goals.file import write_goals
+    from envs.goals.references import refer, write_references
     from envs.goals.sample import GOALS, sample_goals
     from envs.rooms.file import write_room
     from envs.rooms.mjcf import write_room_mjcf
@@ -250,6 +251,7 @@ def furnish_from(
     spent = time.perf_counter() - started
     path = write_room(room, out)
     write_goals(sample_goals(room, seed, GOALS), out)
+    write_references(refer(room), out)
     if "mjcf" in formats:
         write_room_mjcf(room, out)
     if "usd" in formats:

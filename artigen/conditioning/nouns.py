@@ -1,5 +1,6 @@
 """Finds the noun that names the kind of object in a sentence."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from artigen.conditioning.numbers import read_number
@@ -22,6 +23,8 @@ from artigen.kind import Kind, find_noun
 NAMES = frozenset((part,) for part in PARTS)
 CHESTS, DRAWERS = frozenset({"chest", "chests"}), frozenset({"drawer", "drawers"})
 """A chest with drawers is a chest of drawers."""
+WHERE, DETERMINERS = frozenset({"on", "in", "beside", "near", "behind"}), frozenset({"the", "a", "an", "my"})
+"""Words that lead to where something is."""
 LONGEST = 3
 """Words of the longest noun."""
 
@@ -49,6 +52,7 @@ def find_head(words: tuple[str, ...], used: frozenset[int], *, whole: bool = Tru
         noun for noun in nouns if tuple(words[noun.at + noun.count : noun.at + noun.count + 1]) not in NAMES
     ]
     nouns = alone or nouns  # "oven doors" are parts of a range
+    nouns = [noun for noun in nouns if not _is_place(noun, nouns, words, whole=whole)] or nouns
     clear = [noun for noun in nouns if not _is_ambiguous(noun, words)]
     if not clear:
         return next((noun for noun in nouns if _is_one(noun, words, whole=whole)), None)
@@ -101,6 +105,15 @@ def _find_divided(words: tuple[str, ...], at: int) -> Kind | None:
         return None
     end = at + 2 + number[1]
     return find_noun(" ".join((*words[at : at + 2], *words[end : end + 1])))
+
+
+def _is_place(noun: Head, nouns: Sequence[Head], words: tuple[str, ...], *, whole: bool) -> bool:
+    """Whether a noun says where the thing that another one names is: "a lamp on the desk"."""
+    before = words[: noun.at]
+    starts = [at for at in range(len(before) - 1) if before[at] in WHERE and before[at + 1] in DETERMINERS]
+    return bool(starts) and any(
+        other.at < starts[-1] and _is_one(other, words, whole=whole) for other in nouns
+    )
 
 
 def _is_ambiguous(noun: Head, words: tuple[str, ...]) -> bool:

@@ -29,6 +29,8 @@ BLOCKS = {
 NEEDS = {
     "MuJoCo": "mujoco",
     "MJX": "mujoco.mjx",
+    "dm_control": "dm_control",
+    "Drake": "pydrake",
     "SAPIEN": "sapien",
     "ManiSkill": "mani_skill",
     "PyBullet": "pybullet",
@@ -56,7 +58,7 @@ def cabinets(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_every_engine_has_ten_lines_or_so():
-    assert len({section for section, _ in BLOCKS}) == 12
+    assert len({section for section, _ in BLOCKS}) == 14
     assert set(NEEDS) < {section for section, _ in BLOCKS}
     for (section, _), block in BLOCKS.items():
         compile(block, section, "exec")
@@ -96,10 +98,13 @@ def test_what_is_marked_so_runs(cabinets: Path, monkeypatch: pytest.MonkeyPatch,
         ("MuJoCo", 0): lambda: names["data"].qpos[0],
         ("MuJoCo", 1): lambda: names["states"][:, -1, 1 : 1 + names["models"][0].nq].max(axis=1).min(),
         ("MJX", 0): lambda: names["data"].qpos[:, 0].min(),
+        ("dm_control", 0): lambda: names["drawer"].qpos.item(),
+        ("Drake", 0): lambda: names["drawer"].get_translation(names["context"]),
         ("SAPIEN", 0): lambda: names["cabinet"].positions()["joint_0"],
         ("ManiSkill", 0): lambda: float(np.isfinite(names["reward"].numpy()).all()),
         ("PyBullet", 0): lambda: names["p"].getJointState(names["body"], 0)[0],
         ("Newton", 0): lambda: names["now"].joint_q.numpy().max(),
+        ("Newton", 1): lambda: names["opened"][:, 0].min(),
         ("robosuite", 0): lambda: names["data"].qpos[0],
         ("LeRobot", 0): lambda: names["opened"],
     }

@@ -405,6 +405,8 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         "StorageFurniture",
         {"style": "framed_glass", "parts": {"door": {"material": "glass"}}},
     ),
+    "a lamp on the desk": ("DeskLamp", {"ignored": ["desk"]}),
+    "a drawer pedestal with three drawers": ("FilingCabinet", {"style": "pedestal", "counts": {"drawer": 3}}),
 }
 PLAIN = {"objects": 1, "style": None, "counts": {}, "size": {}, "stretch": {}, "parts": {}, "ignored": []}
 

@@ -3,6 +3,7 @@
 # mujoco is a compiled module with empty stubs.
 # pyright: reportAttributeAccessIssue=false
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from envs.goals.file import GoalFileError, read_goals, write_goals
 from envs.goals.goal import FAMILIES, Goal, ItemGoal, Region, State, is_reached, start_room, state_of
 from envs.goals.mujoco import read_mujoco_state
 from envs.goals.names import name_items, name_objects
+from envs.goals.references import Reference, refer, write_references
 from envs.goals.sample import sample_goals
 from envs.rooms.contents import fill_room
 from envs.rooms.file import write_room
@@ -145,6 +147,21 @@ def test_phrases_refer_to_one_object_or_thing(room):
     assert objects["base_a"] == "left base cabinet"
     assert objects["base_b"] == "right base cabinet"
     assert things["towel_1"] == "the towel"
+
+
+def test_every_object_and_part_has_a_phrase_of_its_own_that_survives_the_file(room, tmp_path: Path):
+    references = refer(room)
+    assert len({each.phrase for each in references}) == len(references)
+    assert {each.id for each in references if not each.link} >= {each.id for each in room.placements}
+    moving = {
+        (placement.id, joint.child)
+        for placement in room.placements
+        for joint in cached_package(placement.package).joints
+        if joint.type != "fixed"
+    }
+    assert {(each.id, each.link) for each in references if each.link} == moving
+    stored = json.loads(write_references(references, tmp_path).read_text())["references"]
+    assert [Reference(**each) for each in stored] == list(references)
 
 
 def test_what_lies_in_a_drawer_moves_with_it_and_stays_inside(room):
