@@ -16,7 +16,8 @@ from artigen.errors import SourceError
 from artigen.examples.photographs import photograph_mesh
 from artigen.examples.structure import StructureExample, example_of_asset, read_shard, write_shard
 from artigen.kind import paper_kinds
-from artigen.runtime.workers import Outcome, Worker, run_supervised
+from artigen.runtime.runner import LocalRunner
+from artigen.runtime.workers import Outcome, Worker
 from artigen.types import Asset
 from artigen.voxels.voxelize import drop_unresolved, voxelize
 
@@ -92,7 +93,7 @@ def read_reals(
         RealJob(folder=path, resolution=resolution, image_size=image_size)
         for path in list_split(folder, split)
     ]
-    done = run_supervised(_run_job, jobs, workers=workers)
+    done = LocalRunner(workers=workers).run(_run_job, jobs)
     outcomes = {job.folder: one for job, one in tqdm(done, "real objects", len(jobs), disable=None)}
     ordered = [(job.folder.name, outcomes[job.folder]) for job in jobs]
     found = [outcome.value for _, outcome in ordered if outcome.value is not None]

@@ -19,7 +19,8 @@ from jaxtyping import Float, Int, UInt8
 
 from artigen.errors import SourceError
 from artigen.kind import paper_kinds
-from artigen.runtime.workers import Outcome, Worker, run_supervised
+from artigen.runtime.runner import LocalRunner
+from artigen.runtime.workers import Outcome, Worker
 
 logger = logging.getLogger(__name__)
 HELD_OUT = 10_000
@@ -106,7 +107,7 @@ def make_shards(
     missing = [job for job in jobs if not job.path.is_file()]
     started = time.monotonic()
     handle = partial(_run_job, make=make, timeout=cfg.timeout)
-    for job, outcome in run_supervised(handle, missing, workers=workers):
+    for job, outcome in LocalRunner(workers=workers).run(handle, missing):
         if outcome.error is not None:
             raise SourceError(f"{job.path}: {outcome.error}")
         logger.info("%s after %.0f s", job.path.name, time.monotonic() - started)

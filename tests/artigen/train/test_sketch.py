@@ -174,7 +174,7 @@ def test_a_run_goes_on_where_it_was_and_its_model_loads(tmp_path: Path, monkeypa
     monkeypatch.setattr("artigen.train.sketch.SHARD", 1)
     monkeypatch.setattr("artigen.train.sketch.MEASURED", 3)
     cfg = SketchRunConfig(
-        folder=tmp_path, preset="tiny", minutes=0.02, shards=1, rows=120, workers=1, categories=CATEGORIES[:3]
+        folder=tmp_path, preset="tiny", minutes=0.02, shards=1, rows=120, workers=0, categories=CATEGORIES[:3]
     )
     scores = train_sketch(cfg)
     assert scores["asked_per_field"] > 0
