@@ -6,7 +6,7 @@ from artigen.conditioning.adjectives import read_adjectives
 from artigen.conditioning.colors import read_finishes
 from artigen.conditioning.counts import read_counts, read_objects
 from artigen.conditioning.nouns import find_head
-from artigen.conditioning.numbers import read_number, split_words
+from artigen.conditioning.numbers import read_length, read_number, split_words
 from artigen.conditioning.parse import Parse, kind_of, list_ignored, say_count, say_features
 from artigen.conditioning.places import starts_spot
 from artigen.conditioning.sentence import OBJECT, Sentence, TextError
@@ -14,6 +14,7 @@ from artigen.conditioning.sizes import read_bare_sizes, read_sizes
 from artigen.conditioning.vocabulary import (
     APART,
     BARE,
+    COMPARED,
     COMPARTMENTS,
     EXCLUSIVE,
     FEATURES,
@@ -22,6 +23,7 @@ from artigen.conditioning.vocabulary import (
     LEVEL,
     MATERIALS,
     PAINTS,
+    PANES,
     PARTS,
     PIECES,
     SCALES,
@@ -42,11 +44,30 @@ def read_clauses(text: str, *, whole: bool = True) -> Sentence:
     Raises:
         TextError: If it names two kinds, or gives a number, length, style or colour twice.
     """
-    parse = Parse(words=_name_shelves(split_words(text)), whole=whole)
+    parse = Parse(words=_name_shelves(_spell_out(split_words(text))), whole=whole)
     for read in (read_sizes, _read_kind, _read_style, _read_features, read_counts, read_objects,
                  read_bare_sizes, _read_colors, read_adjectives, _read_parts, _agree):  # fmt: skip
         parse = read(parse)
     return replace(parse.found, ignored=list_ignored(parse))
+
+
+def _spell_out(words: tuple[str, ...]) -> tuple[str, ...]:
+    """Words with "taller than a metre" as "more than a metre tall", and "not handles" as "no handles"."""
+    at = 0
+    while at < len(words):
+        length = (
+            read_length(words, at + 2)
+            if words[at] in COMPARED and words[at + 1 : at + 2] == ("than",)
+            else None
+        )
+        if length is not None:
+            more, direction = COMPARED[words[at]]
+            end = at + 2 + length[1]
+            words = (*words[:at], more, "than", *words[at + 2 : end], direction, *words[end:])
+        elif words[at] == "not" and words[at + 1 : at + 2] and words[at + 1] in PARTS:
+            words = (*words[:at], "no", *words[at + 1 :])
+        at += 1
+    return words
 
 
 def _name_shelves(words: tuple[str, ...]) -> tuple[str, ...]:
@@ -81,7 +102,7 @@ def _read_style(parse: Parse) -> Parse:
     named = {style.replace("_", " "): style for style in kind.styles} | dict(kind.style_words)
     named = {word: style for word, style in named.items() if word not in PAINTS and word != "steel"}
     features = {style: feature for feature, style in STYLES.items()}
-    implied = False  # by a part of the noun
+    implied = panes = False  # by a part of the noun; by what panes are of
     for at in range(len(words)):
         for count in range(min(3, len(words) - at), 0, -1):
             style = named.get(" ".join(words[at : at + count]))
@@ -103,8 +124,14 @@ def _read_style(parse: Parse) -> Parse:
             if parse.found.style in SCALES:  # "a large leather suitcase" has the style of leather
                 first = words.index(parse.found.style)
                 parse = replace(parse, used=parse.used - {first}).say(style=None)
+            if parse.found.style not in (None, style) and words[at] in PANES:
+                parse = say_features(parse.take(at, count), (GLAZED,))  # a double door of glass
+                break
+            if parse.found.style not in (None, style) and panes and not inside:  # a glazed double door
+                panes, parse = False, say_features(parse.take(at, count), (GLAZED,)).say(style=style)
+                break
             if parse.found.style not in (None, style) and words[at] in MATERIALS:
-                break  # a double door of glass
+                break
             if parse.found.style not in (None, style) and (inside or implied):  # "a rolling tool chest"
                 implied, parse = False, parse if inside else parse.take(at, count).say(style=style)
                 break
@@ -113,7 +140,8 @@ def _read_style(parse: Parse) -> Parse:
                 break
             if parse.found.style not in (None, style):
                 raise TextError(f"styles {parse.found.style} and {style} are asked for; name one")
-            implied, parse = inside, parse.take(at, count).say(style=style)
+            implied, panes = inside, words[at] in PANES
+            parse = parse.take(at, count).say(style=style)
             break
     return parse
 

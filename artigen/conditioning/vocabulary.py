@@ -130,6 +130,12 @@ ADJECTIVES: dict[str, tuple[Axis, float]] = {
     "broad": ("width", 1.35),
 }
 """Adjectives that scale a kind's usual extent along one axis when no length is given."""
+COMPARED = {
+    "taller": ("more", "tall"), "higher": ("more", "high"), "wider": ("more", "wide"),
+    "longer": ("more", "long"), "deeper": ("more", "deep"), "lower": ("less", "high"),
+    "shorter": ("less", "high"), "narrower": ("less", "wide"), "shallower": ("less", "deep"),
+}  # fmt: skip
+"""Comparatives before "than" and a length, as the limit and the direction that they are."""
 SCALES = {
     "large": 1.2, "big": 1.2, "oversized": 1.3, "huge": 1.3,
     "small": 0.8, "little": 0.8, "compact": 0.8, "mini": 0.7, "tiny": 0.7,
@@ -222,6 +228,8 @@ MATERIALS: dict[str, Stuff] = {
     "rubber": Stuff("rubber"),
 }  # fmt: skip
 """Materials by words."""
+PANES = frozenset({"glass", "glazed"})
+"""Words for doors with panes."""
 SURFACES = frozenset({
     "matte", "matt", "gloss", "glossy", "high", "satin", "lacquer", "lacquered", "laminate", "veneer",
     "paint", "polished", "brushed", "stained", "oiled", "varnished", "metallic", "colour", "color", "tone",
@@ -321,7 +329,7 @@ def _features() -> dict[str, Feature]:
     for verb in ("hinged", "hinges"):
         for text in ("on both sides", "on either side", "on the outside", "left and right", "apart"):
             found[f"{verb} {text}"] = APART
-    for noun in ("door", "doors"):
+    for noun in ("door", "doors", "flap", "flaps"):
         for word in ("flap", "drop down", "pulldown", "drop front"):
             found[f"{word} {noun}"] = ("door", "hinged", "bottom")
         found[f"lift up {noun}"] = ("door", "hinged", "top")

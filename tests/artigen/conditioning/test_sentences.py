@@ -405,6 +405,14 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         "StorageFurniture",
         {"style": "framed_glass", "parts": {"door": {"material": "glass"}}},
     ),
+    "a glazed double door in black": (
+        "Door",
+        {"style": "double", "parts": {"door": {"material": "glass"}, "object": {"color": "black"}}},
+    ),
+    "a chest with three drawers, knobs not handles": (
+        "Dresser",
+        {"counts": {"drawer": 3, "handle": 0}, "parts": {"knob": {}}},
+    ),
     "a lamp on the desk": ("DeskLamp", {"ignored": ["desk"]}),
     "a drawer pedestal with three drawers": ("FilingCabinet", {"style": "pedestal", "counts": {"drawer": 3}}),
 }
