@@ -14,7 +14,7 @@ from artigen.conditioning.sizes import read_bare_sizes, read_sizes
 from artigen.conditioning.vocabulary import (
     APART,
     BARE,
-    COMPARED,
+    COMPARATIVES,
     COMPARTMENTS,
     EXCLUSIVE,
     FEATURES,
@@ -57,11 +57,11 @@ def _spell_out(words: tuple[str, ...]) -> tuple[str, ...]:
     while at < len(words):
         length = (
             read_length(words, at + 2)
-            if words[at] in COMPARED and words[at + 1 : at + 2] == ("than",)
+            if words[at] in COMPARATIVES and words[at + 1 : at + 2] == ("than",)
             else None
         )
         if length is not None:
-            more, direction = COMPARED[words[at]]
+            more, direction = COMPARATIVES[words[at]]
             end = at + 2 + length[1]
             words = (*words[:at], more, "than", *words[at + 2 : end], direction, *words[end:])
         elif words[at] == "not" and words[at + 1 : at + 2] and words[at + 1] in PARTS:

@@ -130,7 +130,7 @@ ADJECTIVES: dict[str, tuple[Axis, float]] = {
     "broad": ("width", 1.35),
 }
 """Adjectives that scale a kind's usual extent along one axis when no length is given."""
-COMPARED = {
+COMPARATIVES = {
     "taller": ("more", "tall"), "higher": ("more", "high"), "wider": ("more", "wide"),
     "longer": ("more", "long"), "deeper": ("more", "deep"), "lower": ("less", "high"),
     "shorter": ("less", "high"), "narrower": ("less", "wide"), "shallower": ("less", "deep"),
