@@ -413,6 +413,7 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         "Dresser",
         {"counts": {"drawer": 3, "handle": 0}, "parts": {"knob": {}}},
     ),
+    "a fridge that is taller than two metres": ("Refrigerator", {"size": {"height": 2.1}}),
     "a lamp on the desk": ("DeskLamp", {"ignored": ["desk"]}),
     "a drawer pedestal with three drawers": ("FilingCabinet", {"style": "pedestal", "counts": {"drawer": 3}}),
 }
