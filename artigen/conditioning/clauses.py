@@ -53,21 +53,16 @@ def read_clauses(text: str, *, whole: bool = True) -> Sentence:
 
 def _spell_out(words: tuple[str, ...]) -> tuple[str, ...]:
     """Words with "taller than a metre" as "more than a metre tall", and "not handles" as "no handles"."""
-    at = 0
-    while at < len(words):
-        length = (
-            read_length(words, at + 2)
-            if words[at] in COMPARATIVES and words[at + 1 : at + 2] == ("than",)
-            else None
-        )
+    spelled = list(words)
+    for at in range(len(words) - 2, -1, -1):  # from the end, so that places before stay
+        word, after = words[at : at + 2]
+        if word == "not" and after in PARTS:
+            spelled[at] = "no"
+        length = read_length(words, at + 2) if word in COMPARATIVES and after == "than" else None
         if length is not None:
-            more, direction = COMPARATIVES[words[at]]
-            end = at + 2 + length[1]
-            words = (*words[:at], more, "than", *words[at + 2 : end], direction, *words[end:])
-        elif words[at] == "not" and words[at + 1 : at + 2] and words[at + 1] in PARTS:
-            words = (*words[:at], "no", *words[at + 1 :])
-        at += 1
-    return words
+            spelled[at], direction = COMPARATIVES[word]
+            spelled.insert(at + 2 + length[1], direction)
+    return tuple(spelled)
 
 
 def _name_shelves(words: tuple[str, ...]) -> tuple[str, ...]:
@@ -124,21 +119,22 @@ def _read_style(parse: Parse) -> Parse:
             if parse.found.style in SCALES:  # "a large leather suitcase" has the style of leather
                 first = words.index(parse.found.style)
                 parse = replace(parse, used=parse.used - {first}).say(style=None)
-            if parse.found.style not in (None, style) and words[at] in PANES:
+            other = parse.found.style not in (None, style)
+            if other and words[at] in PANES:
                 parse = say_features(parse.take(at, count), (GLAZED,))  # a double door of glass
                 break
-            if parse.found.style not in (None, style) and panes and not inside:  # a glazed double door
+            if other and panes and not inside:  # a glazed double door
                 panes, parse = False, say_features(parse.take(at, count), (GLAZED,)).say(style=style)
                 break
-            if parse.found.style not in (None, style) and words[at] in MATERIALS:
+            if other and words[at] in MATERIALS:
                 break
-            if parse.found.style not in (None, style) and (inside or implied):  # "a rolling tool chest"
+            if other and (inside or implied):  # "a rolling tool chest"
                 implied, parse = False, parse if inside else parse.take(at, count).say(style=style)
                 break
-            if parse.found.style not in (None, style) and style in features:  # "mirrored sliding doors"
+            if other and style in features:  # "mirrored sliding doors"
                 parse = say_features(parse.take(at, count), (features[style],))
                 break
-            if parse.found.style not in (None, style):
+            if other:
                 raise TextError(f"styles {parse.found.style} and {style} are asked for; name one")
             implied, panes = inside, words[at] in PANES
             parse = parse.take(at, count).say(style=style)

@@ -92,10 +92,10 @@ def _read_group(parse: Parse, at: int) -> Group | None:
         total = number[0] * int(crossed[0])  # "2 x 3 drawers"
         return Group(start=at, end=end + 3, label=PARTS[words[end + 2]], count=total, counted=end + 2 - at)
     place = _find_part(parse, end)
-    article = words[at] in ("a", "an") and {place, (place or 0) + 1} & set(parse.head)
-    # "a drawer unit", "a glass-door cabinet"
-    if place is None or article or (number[0] == 1 and words[place] not in PART_NOUNS):
+    if place is None or (number[0] == 1 and words[place] not in PART_NOUNS):
         return None
+    if words[at] in ("a", "an") and (place in parse.head or place + 1 in parse.head):
+        return None  # "a drawer unit", "a glass-door cabinet"
     follows = words[place + 1 : place + 2]
     if follows and place not in parse.head and find_noun(f"{words[place]} {follows[0]}") is not None:
         return None  # "one drawer unit"

@@ -41,11 +41,10 @@ def claim_run(cfg: RunConfig) -> None:
     """
     if cfg.preset not in PRESETS:
         raise ArtigenError(f"preset {cfg.preset!r}, expected one of {', '.join(PRESETS)}")
-    positive = min(cfg.shards, cfg.held_out, cfg.objects) > 0
-    if not cfg.minutes > 0 or not positive or cfg.workers < 0:
+    if not cfg.minutes > 0 or min(cfg.shards, cfg.held_out, cfg.objects) < 1 or cfg.workers < 0:
         raise ArtigenError(
             f"{cfg.minutes:g} minutes, {cfg.shards} + {cfg.held_out} shards of {cfg.objects} objects, "
-            f"{cfg.workers} workers: expected more than 0 of each, or no workers"
+            f"{cfg.workers} workers: expected more than 0 of each, and no fewer than 0 workers"
         )
     if not 0 < cfg.real_share < 1:
         raise ArtigenError(f"share of real objects {cfg.real_share:g}, expected between 0 and 1")

@@ -71,10 +71,10 @@ def train_sketch(cfg: SketchRunConfig) -> dict[str, float]:
     """
     if cfg.preset not in SIZES:
         raise ArtigenError(f"preset {cfg.preset!r} of the sketch, expected one of {', '.join(SIZES)}")
-    if not cfg.minutes > 0 or min(cfg.shards, cfg.rows, cfg.workers + 1) < 1:
+    if not cfg.minutes > 0 or min(cfg.shards, cfg.rows) < 1 or cfg.workers < 0:
         raise ArtigenError(
             f"{cfg.minutes:g} minutes, {cfg.shards} shards, {cfg.rows} rows, {cfg.workers} workers: expected "
-            "more than 0 of each, or no workers"
+            "more than 0 of each, and no fewer than 0 workers"
         )
     start = None if cfg.start is None else hash_model(cfg.start)
     claim_folder(

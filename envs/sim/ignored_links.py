@@ -10,7 +10,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-BITS = 31
+from sim_export.files.mjcf import MAX_PAIRS
 
 
 def share_bits(pairs: Collection[frozenset[str]], joined: Collection[frozenset[str]]) -> Mapping[str, int]:
@@ -18,13 +18,13 @@ def share_bits(pairs: Collection[frozenset[str]], joined: Collection[frozenset[s
 
     Args:
         pairs: Pairs of links without contact, the most important first; the last ones are left out where they
-            need more than `BITS` groups.
+            need more than `MAX_PAIRS` groups.
         joined: Pairs that engines ignore anyway.
     """
     masks: dict[str, int] = {}
     left, allowed = list(dict.fromkeys(pairs)), {*pairs, *joined}
     names = list(dict.fromkeys(name for pair in left for name in sorted(pair)))
-    for bit in range(BITS):
+    for bit in range(MAX_PAIRS):
         if not left:
             break
         group = set(left[0])

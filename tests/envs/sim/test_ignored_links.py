@@ -4,7 +4,8 @@ from itertools import combinations
 
 import pytest
 
-from envs.sim.ignored_links import BITS, share_bits
+from envs.sim.ignored_links import share_bits
+from sim_export.files.mjcf import MAX_PAIRS
 
 
 def pairs_of(*names: str) -> list[frozenset[str]]:
@@ -21,5 +22,5 @@ def test_links_share_a_bit_exactly_if_they_are_a_pair(pairs):
 
 
 def test_pairs_of_one_link_with_many_that_touch_each_other_end_with_the_bits():
-    masks = share_bits([frozenset(("hub", f"{k}")) for k in range(BITS + 5)], ())
-    assert len(masks) == 1 + BITS
+    masks = share_bits([frozenset(("hub", f"{k}")) for k in range(MAX_PAIRS + 5)], ())
+    assert len(masks) == 1 + MAX_PAIRS
