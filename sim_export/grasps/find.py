@@ -24,12 +24,12 @@ from sim_export.motion.kinematics import (
     object_joints,
     required_openings,
 )
-from sim_export.package import PROVEN, WHOLE, Grasp, HandleAnnotation, Hull, SimPackage
-from sim_export.physics.annotations import joint_velocity
+from sim_export.package import PROVEN, WHOLE, Grasp, Hull, SimPackage
 
 from .gripper import Gripper, mirrored
 from .pairs import FRICTION, MOST, SAMPLES, Pairs, find_pairs, held_hulls
 from .room import Solids, meet, near_solids
+from .targets import Target, find_targets
 
 CARRIED = 0.95
 """Share of a stroke along which the gripper needs room."""
@@ -65,22 +65,9 @@ APART, TURNED = 0.0075, np.radians(20.0)
 KEPT = 12
 FLOOR = 2.0
 """Half the edge (m) of the floor on which free-standing objects stand."""
-PUSHED_CLASSES = ("slider_button", "hinge_knob")
-GRASPED_LABELS = ("door", "drawer", "tray", "knob", "handle")
 WEIGHTS = {"antipodal": 0.3, "margin": 0.3, "clearance": 0.2, "facing": 0.2}
 """Weights of the score: angle of the normals within the friction cone, share of the pads that touch, free
 distance, and the cosine between the approach and the handle's normal."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Target:
-    """What a gripper shall hold: a handle, or a whole link. ``joint`` opens it; None for a loose object."""
-
-    link: str
-    part: str
-    joint: Joint | None
-    region: Float[np.ndarray, "8 3"] | None = None
-    normal: Float[np.ndarray, "3"] | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -113,43 +100,6 @@ def find_grasps(package: SimPackage, gripper: Gripper) -> tuple[Found, ...]:
     One entry for each stroke of each of them; most take a single stroke.
     """
     return tuple(found for target in find_targets(package) for found in find_on(package, target, gripper))
-
-
-def find_targets(package: SimPackage) -> tuple[Target, ...]:
-    """What may be held: handles that are pulled or turned, else whole parts that move; a loose object."""
-    movers = {joint.child: joint for joint in object_joints(package.joints)}
-    if not movers:
-        hulls = [link for link in package.links if link.hulls]
-        up = np.array([0.0, 0.0, 1.0])
-        return tuple(
-            Target(link=link.name, part=link.parts[0], joint=None, normal=up) for link in hulls if link.parts
-        )
-    found = [
-        Target(
-            link=handle.link, part=handle.part, joint=movers[handle.link],
-            region=handle.corners, normal=handle.normal,
-        )
-        for handle in package.handles
-        if handle.link in movers and not is_pushed(handle, movers[handle.link])
-    ]  # fmt: skip
-    held = {handle.link for handle in package.handles}
-    found += [
-        Target(link=link.name, part=link.parts[0], joint=movers[link.name])
-        for link in package.links
-        if link.name in movers
-        and link.label in GRASPED_LABELS
-        and link.parts
-        and not held & hanging_links(package.joints, link.name)
-    ]
-    return tuple(found)
-
-
-def is_pushed(handle: HandleAnnotation, joint: Joint) -> bool:
-    """Whether a handle is a button or a rocker: a place of it moves against its normal as the joint opens."""
-    if handle.gapart not in PUSHED_CLASSES:
-        return False
-    ways = np.array([joint_velocity(joint, corner) for corner in handle.corners])
-    return bool((ways @ handle.normal).min() < -0.5 * np.linalg.norm(ways, axis=1).max())
 
 
 def joint_range(joint: Joint) -> tuple[float, float]:

@@ -17,12 +17,12 @@ from sim_export.grasps.find import (
     divide_strokes,
     find_grasps,
     find_on,
-    find_targets,
     joint_range,
 )
 from sim_export.grasps.gripper import FRANKA, GRIPPERS, find_gripper
 from sim_export.grasps.pairs import FRICTION, find_pairs
 from sim_export.grasps.room import Solids, meet
+from sim_export.grasps.targets import find_targets
 
 HANDS = tuple(GRIPPERS.values())
 
