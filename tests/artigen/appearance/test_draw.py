@@ -118,6 +118,7 @@ def test_assets_keep_their_gaussians(folder: Path, structure: Asset, tmp_path: P
         np.testing.assert_array_equal(getattr(back.gaussians, item.name), getattr(asset.gaussians, item.name))
 
 
+@pytest.mark.slow
 def test_packages_have_one_file_of_gaussians_per_link_and_textures_made_of_them(
     folder: Path, structure: Asset, tmp_path: Path
 ):

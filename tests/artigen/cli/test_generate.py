@@ -105,6 +105,7 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[tuple[object, int]]:
     return seen
 
 
+@pytest.mark.slow
 def test_a_package_tells_condition_model_and_all_draws(
     model: Path, tmp_path: Path, drawn: list[tuple[object, int]]
 ):

@@ -111,6 +111,7 @@ def test_a_photograph_is_read_once_until_it_changes(tmp_path: Path, monkeypatch:
     assert len(read) == 3
 
 
+@pytest.mark.slow
 def test_a_photograph_is_drawn_without_the_sketch_network(tmp_path: Path):
     shape = draw_shape("Refrigerator", 2)
     Image.fromarray(draw_picture(shape, np.zeros(len(shape.parts)), 256)).save(tmp_path / "fridge.png")

@@ -386,6 +386,7 @@ def test_a_stored_network_says_the_same_again(reads: str, tmp_path: Path):
 
 
 @pytest.mark.usefixtures("_short")
+@pytest.mark.slow
 def test_an_object_that_cannot_be_made_sound_is_finished_with_its_faults_named():
     """A network that knows nothing never draws a sound object."""
     request = replace(REQUEST, counts=(*REQUEST.counts[1:], ("drawer", 0)))
