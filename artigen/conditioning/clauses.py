@@ -10,7 +10,7 @@ from artigen.conditioning.numbers import read_length, read_number, split_words
 from artigen.conditioning.parse import Parse, kind_of, list_ignored, say_count, say_features
 from artigen.conditioning.places import starts_spot
 from artigen.conditioning.sentence import OBJECT, Sentence, TextError
-from artigen.conditioning.sizes import read_bare_sizes, read_sizes
+from artigen.conditioning.sizes import read_bare_sizes, read_sizes, read_volume
 from artigen.conditioning.vocabulary import (
     APART,
     BARE,
@@ -30,8 +30,9 @@ from artigen.conditioning.vocabulary import (
     SHADES,
     STACKED,
     STYLES,
+    Feature,
 )
-from artigen.kind import EVERY, NONE, plurals
+from artigen.kind import EVERY, NONE, find_noun, plurals
 from artigen.types import PartLabel
 
 LONGEST = 5
@@ -45,8 +46,9 @@ def read_clauses(text: str, *, whole: bool = True) -> Sentence:
         TextError: If it names two kinds, or gives a number, length, style or colour twice.
     """
     parse = Parse(words=_name_shelves(_spell_out(split_words(text))), whole=whole)
-    for read in (read_sizes, _read_kind, _read_style, _read_features, read_counts, read_objects,
-                 read_bare_sizes, _read_colors, read_adjectives, _read_parts, _agree):  # fmt: skip
+    for read in (read_sizes, read_volume, _read_kind, _read_style, _read_features, read_counts,
+                 _place_panes, read_objects, read_bare_sizes, _read_colors, read_adjectives, _read_parts,
+                 _agree):  # fmt: skip
         parse = read(parse)
     return replace(parse.found, ignored=list_ignored(parse))
 
@@ -83,9 +85,14 @@ def _read_kind(parse: Parse) -> Parse:
         return parse
     spelled = " ".join(parse.words[head.at : head.at + head.count])
     singular = {many: one for one, many in head.kind.nouns.items()}
-    return replace(parse.take(head.at, head.count), head=range(head.at, head.at + head.count)).say(
-        kind=head.kind.name, noun=singular.get(spelled, spelled)
-    )
+    noun, start = singular.get(spelled, spelled), head.at
+    for count in range(min(LONGEST, start), 0, -1):
+        before = " ".join(parse.words[start - count : start])
+        if find_noun(before) is head.kind and noun not in head.kind.forms:  # "a pantry cupboard"
+            noun, start = before, start - count
+            break
+    end = head.at + head.count
+    return replace(parse.take(start, end - start), head=range(start, end)).say(kind=head.kind.name, noun=noun)
 
 
 def _read_style(parse: Parse) -> Parse:
@@ -150,6 +157,8 @@ def _read_features(parse: Parse) -> Parse:
             feature = FEATURES.get(" ".join(words[at : at + count]))
             if feature is None or set(range(at, at + count)) <= parse.used:
                 continue
+            if feature in (LEVEL, STACKED) and _is_of_others(parse, at, at + count, feature):
+                continue
             parse = parse.take(at, count)
             near = [
                 PARTS[words[place]]
@@ -167,6 +176,30 @@ def _read_features(parse: Parse) -> Parse:
                 parse = parse.say(style=style)
             break
     return parse
+
+
+def _is_of_others(parse: Parse, at: int, end: int, feature: Feature) -> bool:
+    """Whether "side by side" or "stacked" is of objects, or of some parts: "the top two side by side"."""
+    number = read_number(parse.words, at - 1) if at else None
+    return (
+        (number is not None and number[0] != 1)
+        or at - 1 in parse.head
+        or (feature == STACKED and end in parse.head)
+    )
+
+
+def _place_panes(parse: Parse) -> Parse:
+    """Keeps panes to the doors of a place where others have none: "two glass doors over two solid doors"."""
+    found, counted = parse.found, dict(parse.found.counts).get("door", 0)
+    glazed = [place for place in found.places if place.pane]
+    mixed = counted > sum(place.count or counted for place in glazed)
+    if not glazed or not mixed:
+        return parse.say(places=tuple(replace(place, pane=False) for place in found.places))
+    nouns = {at for at, word in enumerate(parse.words) if word in ("door", "doors")}
+    for at, word in enumerate(parse.words):
+        parse = parse.take(at) if word == "solid" and at + 1 in nouns else parse
+    style = None if found.style == STYLES[GLAZED] else found.style
+    return parse.say(style=style, features=tuple(one for one in found.features if one != GLAZED))
 
 
 def _read_colors(parse: Parse) -> Parse:

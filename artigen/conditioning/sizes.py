@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 from artigen.conditioning.numbers import crosses, read_length, read_number
 from artigen.conditioning.parse import Parse, kind_of, say_length
-from artigen.conditioning.vocabulary import AXES, CLAUSES, DIRECTIONS, PARTS, UNITS, Axis
+from artigen.conditioning.sentence import TextError
+from artigen.conditioning.vocabulary import AXES, CLAUSES, DIRECTIONS, PARTS, UNITS, VOLUMES, Axis
 from artigen.kind import Kind
 
 WIDEST = 1.25
@@ -76,6 +77,26 @@ def _read_triple(words: tuple[str, ...], at: int) -> tuple[list[float], int] | N
     if last is None:
         return None
     return [value * UNITS[unit or last] for value, unit in numbers], end - at
+
+
+def read_volume(parse: Parse) -> Parse:
+    """Reads "40 litres".
+
+    Raises:
+        TextError: If two volumes are given, or nothing.
+    """
+    for at in range(len(parse.words)):
+        number = None if at in parse.used else read_number(parse.words, at)
+        end = at if number is None else at + number[1]
+        unit = VOLUMES.get(parse.words[end]) if end < len(parse.words) else None
+        letter = end < len(parse.words) and parse.words[end] == "l"  # "an L-shaped desk"
+        if number is None or unit is None or (letter and not parse.words[at][0].isdigit()):
+            continue
+        volume = number[0] * unit
+        if parse.found.volume not in (None, volume) or volume <= 0:
+            raise TextError(f"{1000 * volume:g} litres: expected one volume, more than 0")
+        parse = parse.take(at, number[1] + 1).say(volume=volume)
+    return parse
 
 
 def read_bare_sizes(parse: Parse) -> Parse:

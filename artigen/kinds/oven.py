@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.kind import PLAIN, Channel, Kind, Place, by_height, by_width, plurals
+from artigen.kind import EVERY, PLAIN, Channel, Kind, Place, by_height, by_width, plurals
 from artigen.shapes.appliances.appliance_doors import draw_grip
 from artigen.shapes.appliances.cavity import SIDES, build_walls
 from artigen.shapes.appliances.control_panel import DialDesign, design_dial, make_dial, spread_controls
@@ -306,7 +306,7 @@ KIND = Kind(
     build="sheet",
     stands="free",
     styles=tuple(STYLES),
-    style_words={"vintage": "retro"},
+    style_words={"vintage": "retro", "built in": EVERY, "viewing window": EVERY, "window": EVERY},
     forms=dict.fromkeys(
         ("range", "cooker", "stove", "kitchen range", "range cooker"),
         ((0.5, 0.92), (0.55, 0.7), (0.85, 0.95)),

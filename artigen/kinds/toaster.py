@@ -6,7 +6,7 @@ about 300 mm wide; slots are 30 to 38 mm wide, levers travel 60 to 70 mm.
 
 import numpy as np
 
-from artigen.kind import Kind, Place, by_width, make, plurals
+from artigen.kind import EVERY, NONE, Kind, Place, by_width, make, plurals
 from artigen.shapes.appliances.cavity import build_feet
 from artigen.shapes.appliances.control_panel import design_dial, make_button, make_dial
 from artigen.shapes.assembly import Assembly
@@ -136,7 +136,14 @@ KIND = Kind(
     build="sheet",
     stands="free",
     styles=tuple(STYLES),
-    style_words={"vintage": "retro"},
+    style_words={
+        "vintage": "retro",
+        "pop up": EVERY,
+        "two slice": EVERY,
+        "2 slice": EVERY,
+        "four slice": NONE,
+        "4 slice": NONE,
+    },
     forms={},
     sizes=((0.12, 0.5), (0.2, 0.45), (0.12, 0.3)),
     make=make(density={"steel_sheet": 210.0}),  # thin sheet

@@ -11,7 +11,7 @@ from typing import get_args
 import numpy as np
 
 from artigen.conditioning.sentence import Placing
-from artigen.conditioning.vocabulary import BARE, GLAZED, LEVEL, STYLES, Feature
+from artigen.conditioning.vocabulary import BARE, GLAZED, GLOSSES, LEVEL, STYLES, Feature
 from artigen.errors import ArtigenError
 from artigen.kind import kinds, name_kind
 from artigen.reader.correct import FRONTS, Side, correct_reading
@@ -40,6 +40,8 @@ STANDS: dict[str, Stand] = {
     "legs": "legs", "feet": "legs", "plinth": "flat", "floor": "flat", "castor": "wheels", "wheel": "wheels",
 }  # fmt: skip
 """What an object stands on, by words for it."""
+GLOSS = {"matte": 0.06, "satin": 0.25, "glossy": 0.6}
+"""Gloss (`artigen.shapes.surfaces.finishes.Finish`) by words for surfaces."""
 FLOOR = 0.005
 """Height (m) up to which something stands on the floor."""
 LAID_OUT = {
@@ -94,6 +96,12 @@ class Told:
         return next((outline for outline in get_args(Outline) if outline == said), None)
 
     @property
+    def gloss(self) -> float | None:
+        """The gloss of the object's paint, wood and plastic; None if nothing is said."""
+        said = self._find("object", "surface")
+        return None if said is None else GLOSS[said]
+
+    @property
     def is_level(self) -> bool:
         """Whether the object is as deep as it is wide."""
         return self.outline in ("round", "square")
@@ -106,7 +114,7 @@ class Told:
     def is_beyond(self, style: str | None) -> bool:
         """Whether anything is said that the sketch network, which knows styles, cannot be asked for."""
         known = {feature for feature in self.features if style is not None and STYLES.get(feature) == style}
-        return bool(self.places) or bool(set(self.features) - known - {BARE})
+        return bool(self.places) or bool(set(self.features) - known - {BARE, *GLOSSES.values()})
 
     def list_lost(self, shape: Shape, seen: Reading | None = None) -> list[str]:
         """What is not so in an object, of which ``seen`` is the front if that is known."""

@@ -90,6 +90,21 @@ def test_two_small_drawers_above_three_wide_ones_lie_beside_each_other():
     assert tops[0] == tops[1]
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_panes_are_in_the_doors_of_which_they_are_said(seed: int):
+    shape, notes = draw("a cabinet with two glass doors above and two solid doors below", seed)
+    doors = sorted(fronts(shape, "door"), key=lambda door: float(door.box[1]))
+    assert [door.pane for door in doors] == [True, True, False, False]
+    assert notes == ()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_doors_have_room_beside_each_other_in_what_is_usually_narrow(seed: int):
+    shape, notes = draw("a pantry with three drawers below two doors", seed)
+    assert dict(shape.condition.counts)["door"] == 2
+    assert notes == ()
+
+
 def test_a_bookcase_has_its_shelves_above_what_is_at_the_bottom():
     shape, notes = draw("a bookcase with four shelves and two doors at the bottom")
     assert dict(shape.condition.counts)["shelf"] == 4
