@@ -10,7 +10,7 @@ from artigen.conditioning.numbers import read_length, read_number, split_words
 from artigen.conditioning.parse import Parse, kind_of, list_ignored, say_count, say_features
 from artigen.conditioning.places import starts_spot
 from artigen.conditioning.sentence import OBJECT, Sentence, TextError
-from artigen.conditioning.sizes import read_bare_sizes, read_sizes, read_volume
+from artigen.conditioning.sizes import order_product, read_bare_sizes, read_sizes, read_volume
 from artigen.conditioning.vocabulary import (
     APART,
     BARE,
@@ -46,7 +46,7 @@ def read_clauses(text: str, *, whole: bool = True) -> Sentence:
         TextError: If it names two kinds, or gives a number, length, style or colour twice.
     """
     parse = Parse(words=_name_shelves(_spell_out(split_words(text))), whole=whole)
-    for read in (read_sizes, read_volume, _read_kind, _read_style, _read_features, read_counts,
+    for read in (read_sizes, read_volume, _read_kind, order_product, _read_style, _read_features, read_counts,
                  _place_panes, read_objects, read_bare_sizes, _read_colors, read_adjectives, _read_parts,
                  _agree):  # fmt: skip
         parse = read(parse)

@@ -23,6 +23,8 @@ class Parse:
     """Whether the sentence must name a kind."""
     head: range = range(0)
     """Words of the noun that names the kind."""
+    product: tuple[float, ...] = ()
+    """Lengths (m) of "60 x 55 x 85 cm"."""
     found: Sentence = field(default_factory=Sentence)
 
     def take(self, at: int, count: int = 1) -> "Parse":

@@ -1,6 +1,8 @@
 """Reads the lengths of a sentence: with a direction, as a product, and bare."""
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from artigen.conditioning.numbers import crosses, read_length, read_number
 from artigen.conditioning.parse import Parse, kind_of, say_length
@@ -10,6 +12,12 @@ from artigen.kind import Kind
 
 WIDEST = 1.25
 """Width (m) of the widest ranges and refrigerators; a longer length of an appliance is its height."""
+ORDERS: tuple[tuple[Axis, ...], ...] = (
+    AXES, ("width", "height", "depth"), ("height", "width", "depth"), ("depth", "width", "height"),
+)  # fmt: skip
+"""What the three lengths of a product may be."""
+FAR_MORE_USUAL = 0.7
+"""How much nearer to a kind's usual lengths, as the sum of logarithms, another order must be."""
 FURTHEST = 10.0
 """Largest length (m) of a number without a unit, which has that of the number before."""
 
@@ -23,7 +31,7 @@ def read_sizes(parse: Parse) -> Parse:
         if triple is not None:
             for axis, length in zip(AXES, triple[0], strict=True):
                 parse = say_length(parse, axis, length)
-            parse = parse.take(at, triple[1])
+            parse = replace(parse.take(at, triple[1]), product=tuple(triple[0]))
             at += triple[1]
             continue
         length = read_length(words, at)
@@ -77,6 +85,27 @@ def _read_triple(words: tuple[str, ...], at: int) -> tuple[list[float], int] | N
     if last is None:
         return None
     return [value * UNITS[unit or last] for value, unit in numbers], end - at
+
+
+def order_product(parse: Parse) -> Parse:
+    """Lengths of "200 x 80 x 30 cm" as those that they are: width, depth and height, unless another order is
+    far more usual of the kind."""
+    kind = kind_of(parse)
+    if kind is None or not parse.product:
+        return parse
+    spans = kind.forms.get(parse.found.noun or "", kind.sizes)
+    usual = dict(zip(AXES, (math.sqrt(low * high) for low, high in spans), strict=True))
+
+    def differ(axes: tuple[Axis, ...]) -> float:
+        return sum(
+            abs(math.log(length / usual[axis])) for axis, length in zip(axes, parse.product, strict=True)
+        )
+
+    best = min(ORDERS, key=differ)
+    if differ(AXES) - differ(best) <= FAR_MORE_USUAL:
+        return parse
+    said = dict(zip(best, parse.product, strict=True))
+    return parse.say(size=tuple((axis, said[axis]) for axis in AXES))
 
 
 def read_volume(parse: Parse) -> Parse:

@@ -137,6 +137,7 @@ KIND = Kind(
         "louvred": "louvre",
         "louvered": "louvre",
         "mirror": "mirrored",
+        "mirrors": "mirrored",
         "rustic": "country",
         "farmhouse": "country",
     },

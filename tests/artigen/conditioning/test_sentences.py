@@ -271,6 +271,12 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
     "three lockers side by side": ("StorageFurniture", {"objects": 3, "ignored": ["side", "side"]}),
     "a printer with a 250-sheet tray": ("Printer", {"parts": {"tray": {}}, "ignored": ["250", "sheet"]}),
     "a toilet with an oval seat": ("Toilet", {"ignored": ["oval", "seat"]}),
+    "a bookshelf, 200 x 80 x 30 cm": (
+        "StorageFurniture",
+        {"size": {"width": 0.8, "depth": 0.3, "height": 2.0}},
+    ),
+    "a table, 120 x 75 x 60 cm": ("Table", {"size": {"width": 1.2, "depth": 0.75, "height": 0.6}}),
+    "a mailbox on a post": ("Mailbox", {"style": "rural"}),
     "three pantry cupboards": ("StorageFurniture", {"objects": 3}),
     "a 40-litre pedal bin": ("TrashCan", {"style": "pedal", "volume": 0.04}),
     "a matte black dresser with gold handles": (
