@@ -245,6 +245,9 @@ def _read_unitless(words: tuple[str, ...], at: int, kind: Kind) -> tuple[Axis, f
     end = place + number[1]
     after = DIRECTIONS.get(words[end]) if end < len(words) else None
     axis = before or after
+    letter = len(words[at] if before else words[end] if axis else "") == 1
+    if letter and len({"w", "d", "h"} & set(words)) < 2:
+        return None  # "700 W"
     if axis is None or (end < len(words) and words[end] in UNITS):
         return None
     end += before is None

@@ -346,6 +346,8 @@ def _features() -> dict[str, Feature]:
     for where in ("top", "bottom"):
         for text in (
             "{} freezer",
+            "{} mounted freezer",
+            "{} mount freezer",
             "freezer at the {}",
             "freezer on the {}",
             "freezer on {}",

@@ -276,6 +276,11 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         {"size": {"width": 0.8, "depth": 0.3, "height": 2.0}},
     ),
     "a table, 120 x 75 x 60 cm": ("Table", {"size": {"width": 1.2, "depth": 0.75, "height": 0.6}}),
+    "a trolley suitcase, 55 x 40 x 20 cm": (
+        "Suitcase",
+        {"size": {"width": 0.4, "depth": 0.2, "height": 0.55}},
+    ),
+    "a microwave, 700 W": ("Microwave", {"ignored": ["700", "w"]}),
     "a mailbox on a post": ("Mailbox", {"style": "rural"}),
     "three pantry cupboards": ("StorageFurniture", {"objects": 3}),
     "a 40-litre pedal bin": ("TrashCan", {"style": "pedal", "volume": 0.04}),
