@@ -36,9 +36,11 @@ from artigen.sketch.understand import Request, Understood, understand
 from artigen.sketch.words import CATEGORIES
 
 BATCHES = 24
-"""Batches of the sketch network, some 8 s of one core, before the grammar draws what words ask for: of 60
-draws, two of each kind, 52 are sound by then and 53 after twice as many. Pictures, which the grammar cannot draw
-by, have twice as many."""
+"""Batches of the sketch network, some 8 s of one core, before the grammar draws what words ask for.
+
+Of 60 draws, two of each kind, 52 are sound by then and 53 after twice as many. Pictures have twice as many,
+because the grammar cannot draw by them.
+"""
 HELD = 0.8
 """Share of its box that an object holds."""
 POLISHED = ("lacquer", "wood", "plastic")

@@ -281,6 +281,8 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         {"size": {"width": 0.4, "depth": 0.2, "height": 0.55}},
     ),
     "a microwave, 700 W": ("Microwave", {"ignored": ["700", "w"]}),
+    "a double oven": ("Oven", {}),
+    "a four-slice toaster": ("Toaster", {}),
     "a mailbox on a post": ("Mailbox", {"style": "rural"}),
     "three pantry cupboards": ("StorageFurniture", {"objects": 3}),
     "a 40-litre pedal bin": ("TrashCan", {"style": "pedal", "volume": 0.04}),

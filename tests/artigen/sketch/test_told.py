@@ -17,7 +17,7 @@ from artigen.sketch.asked import ask, draw_asked
 from artigen.sketch.described import find_outline, list_undescribed, read_front
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.told import find_stand
-from artigen.sketch.understand import Request
+from artigen.sketch.understand import Request, understand
 
 
 def refuse() -> SketchNetwork:
@@ -112,6 +112,13 @@ def test_a_bookcase_has_its_shelves_above_what_is_at_the_bottom():
     doors = [part.bounds()[:, 2] for part in shape.parts if part.label == "door"]
     assert min(low for low, _ in ends) > max(high for _, high in doors) - 0.02
     assert notes == ()
+
+
+@pytest.mark.parametrize(("noun", "low", "high"), [("double oven", 1.1, 1.4), ("hob", 0.06, 0.13)])
+def test_a_noun_that_says_a_form_has_its_sizes(noun: str, low: float, high: float):
+    understood = understand(Request(text=f"a {noun}"))
+    assert dict(understood.usual)["height"] == (low, high)
+    assert understood.said == f"understood: Oven ({noun})"
 
 
 def test_an_article_counts_the_fronts_of_furniture_and_is_at_least_one_elsewhere():
