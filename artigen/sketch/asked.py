@@ -206,7 +206,9 @@ def merge_reading(understood: Understood, reading: Reading) -> Asked:
         width, depth, height = (
             length * factors.get(axis, 1.0) for axis, length in zip(AXES, usual, strict=True)
         )
-    wish = Wish(width=width, depth=depth, height=height, style=request.style, handles=told.handles)
+    wish = Wish(
+        width=width, depth=depth, height=height, style=request.style, handles=told.handles, legs=told.legs
+    )
     check_known(corrected.kind, wish)
     counts: dict[str, int] = dict(request.counts) | {
         label: corrected.counts[label] for label in ("door", "drawer")

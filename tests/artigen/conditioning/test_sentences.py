@@ -283,6 +283,10 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
     "a microwave, 700 W": ("Microwave", {"ignored": ["700", "w"]}),
     "a double oven": ("Oven", {}),
     "a four-slice toaster": ("Toaster", {}),
+    "a table with turned legs": (
+        "Table",
+        {"parts": {"leg": {"type": "turned"}, "stand": {"type": "legs"}}},
+    ),
     "a mailbox on a post": ("Mailbox", {"style": "rural"}),
     "three pantry cupboards": ("StorageFurniture", {"objects": 3}),
     "a 40-litre pedal bin": ("TrashCan", {"style": "pedal", "volume": 0.04}),
@@ -417,7 +421,7 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "a nightstand on round legs": (
         "StorageFurniture",
-        {"parts": {"stand": {"type": "legs"}}, "ignored": ["round"]},
+        {"parts": {"leg": {"type": "round"}, "stand": {"type": "legs"}}},
     ),
     "a tall bookcase, 2.1 m": (
         "StorageFurniture",

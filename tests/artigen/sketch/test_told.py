@@ -10,7 +10,7 @@ from artigen.kind import kinds
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.reading import ReadPart
 from artigen.shapes.draw import draw_shape
-from artigen.shapes.primitives import prism
+from artigen.shapes.primitives import place_vertices, prism
 from artigen.shapes.shape import Shape
 from artigen.sketch.arrange import arrange_fronts
 from artigen.sketch.asked import ask, draw_asked
@@ -119,6 +119,23 @@ def test_a_noun_that_says_a_form_has_its_sizes(noun: str, low: float, high: floa
     understood = understand(Request(text=f"a {noun}"))
     assert dict(understood.usual)["height"] == (low, high)
     assert understood.said == f"understood: Oven ({noun})"
+
+
+@pytest.mark.parametrize("noun", ["table", "dresser", "sideboard"])
+@pytest.mark.parametrize("kind", ["tapered", "square"])
+def test_legs_are_of_the_kind_that_is_said(noun: str, kind: str):
+    shape, notes = draw(f"a {noun} with {kind} legs")
+    floor = shape.bounds()[0, 2]
+    legs = [
+        place_vertices(solid) for part in shape.parts for solid in part.primitives if solid.finish == "leg"
+    ]
+    legs = [corners for corners in legs if corners[:, 2].min() < floor + 0.005]
+    assert len(legs) >= 4
+    for corners in legs:
+        ends = [corners[np.isclose(corners[:, 2], z), :2] for z in (corners[:, 2].min(), corners[:, 2].max())]
+        share = np.ptp(ends[0], axis=0).max() / np.ptp(ends[1], axis=0).max()
+        assert share < 0.9 if kind == "tapered" else share == pytest.approx(1.0)
+    assert notes == ()
 
 
 def test_an_article_counts_the_fronts_of_furniture_and_is_at_least_one_elsewhere():
