@@ -199,7 +199,7 @@ def _is_of_others(parse: Parse, at: int, end: int, feature: Feature) -> bool:
     return (
         (number is not None and number[0] != 1)
         or at - 1 in parse.head
-        or (feature == STACKED and end in parse.head)
+        or (feature == STACKED and (end in parse.head or read_number(parse.words, end) is not None))
     )
 
 

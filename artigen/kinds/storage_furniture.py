@@ -93,11 +93,13 @@ NOUNS: dict[str, tuple[str, ...]] = {
     ),
     "sideboard": ("sideboard", "credenza", "buffet"),
     "base_cabinet": (
-        "kitchen cabinet", "base cabinet", "base unit", "kitchen unit", "sink cabinet", "vanity unit",
+        "kitchen cabinet", "base cabinet", "lower cabinet",
+        "lower kitchen cabinet", "base unit", "kitchen unit", "sink cabinet", "vanity unit",
         "vanity", "bathroom vanity",
     ),
     "wall_cabinet": (
-        "wall cabinet", "hanging cabinet", "wall unit", "wall cupboard", "wall mounted cabinet",
+        "wall cabinet", "upper cabinet", "upper kitchen cabinet",
+        "hanging cabinet", "wall unit", "wall cupboard", "wall mounted cabinet",
         "wall hung cabinet",
     ),
     "drawer_unit": ("drawer unit", "drawer base", "drawer cabinet",),

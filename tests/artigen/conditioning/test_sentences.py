@@ -287,6 +287,14 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         "Table",
         {"parts": {"leg": {"type": "turned"}, "stand": {"type": "legs"}}},
     ),
+    "a cabinet with three drawers, each 20 cm high": (
+        "StorageFurniture",
+        {"counts": {"drawer": 3}, "ignored": ["20 cm", "high"]},
+    ),
+    "a storage cabinet with four doors stacked two by two": (
+        "StorageFurniture",
+        {"counts": {"door": 4}, "ignored": ["stacked", "two", "two"]},
+    ),
     "a mailbox on a post": ("Mailbox", {"style": "rural"}),
     "three pantry cupboards": ("StorageFurniture", {"objects": 3}),
     "a 40-litre pedal bin": ("TrashCan", {"style": "pedal", "volume": 0.04}),
