@@ -197,7 +197,10 @@ def _play(job: DemoJob) -> Made:
     task: Any = env.unwrapped
     left_out = split_objects(job.packages, job.cfg.unseen).unseen if job.cfg.unseen else ()
     folders = [entry.folder for entry in task.objects if entry.folder not in left_out]
-    objects = [folder.relative_to(job.packages).as_posix() for folder in folders]
+    objects = [
+        str(folder) if folder == job.packages else folder.relative_to(job.packages).as_posix()
+        for folder in folders
+    ]
     solver = solve_put_inside if job.task == PUT else solve_open_part
     laps.end("make")
     with whole_folder(job.out / job.key) as scratch:

@@ -51,6 +51,12 @@ def test_unseen_objects_are_left_out(made):
     assert table.to_pydict()["object"] == [name for name in ("first", "second") if name != unseen.name] * 2
 
 
+def test_one_package_is_enough(made):
+    only = made / "packages" / "second"
+    make_demos(TASK, only, 1, made / "one", runner=choose_runner("local", 0), cfg=CFG)
+    assert [each.object for each in replay_demos(made / "one" / "lerobot")] == ["second"]
+
+
 def test_another_format_is_written_from_the_same_recordings(made, monkeypatch):
     monkeypatch.setattr(demos, "_play", None)  # nothing is played again
     make_demos(
