@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
+from artigen.brief import Brief
 from artigen.shapes.surfaces.physical import PLAIN, Material
 from artigen.types import Gaussians, Joint, PartLabel, freeze_field
 
@@ -108,8 +109,8 @@ class Inertial:
     inertia: Float[np.ndarray, "3 3"]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Link:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Link(Brief):
     """A rigid body: a movable part together with everything fixed to it.
 
     ``label`` and ``parts`` (names, the movable part first) come from the asset. In a foreign package,
@@ -204,8 +205,8 @@ class Requirement:
     fraction: float
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SimPackage:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class SimPackage(Brief):
     """An object ready for simulation: links, joints, handles, opening order, materials, provenance.
 
     The first of the ``links`` is the root; ``joints`` are in the order of their child links. ``records``

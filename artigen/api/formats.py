@@ -21,6 +21,7 @@ def find_exporters() -> Mapping[str, Exporter]:
     found = {
         "glb": write_glb_file,
         "glb_links": write_glb_links,
+        "mjcf_actuators": write_actuated,
         "robosuite": write_fixture,
         "usd": write_usd_asset,
     }
@@ -71,6 +72,20 @@ def write_glb_file(package: "SimPackage", folder: Path, existing: Existing) -> P
     path = folder.with_name(f"{folder.name}.glb")
     write_glb(package, path)
     return path
+
+
+def write_actuated(package: "SimPackage", folder: Path, existing: Existing) -> Path:
+    """A package ``FOLDER_actuators``, in whose MJCF every joint has a servo."""
+    from sim_export.files.mjcf import mjcf_text
+    from sim_export.files.write import MANIFEST, check_place, manifest_text, package_files, write_files
+    from sim_export.motion.ignored_pairs import ignored_pairs
+
+    beside, path = folder.with_name(f"{folder.name}_actuators"), "mobility.mjcf.xml"
+    check_place(beside, existing)
+    files = package_files(package)
+    files[path] = mjcf_text(package, ignored_pairs(package), actuators=True).encode()
+    write_files(files | {MANIFEST: manifest_text(files).encode()}, beside)
+    return beside / path
 
 
 def write_fixture(package: "SimPackage", folder: Path, existing: Existing) -> Path:

@@ -21,8 +21,8 @@ def export(
         asset: Asset folder (asset.json and arrays) as written by `artigen.io.write_asset`, or a package.
         out: Package folder to write; other formats lie beside it, such as OUT_usd.
         existing: Refuse or replace what is already there.
-        formats: package, usd, glb, glb_links, robosuite (a fixture for robosuite and RoboCasa), or one of an
-            extension.
+        formats: package, usd, glb, glb_links, mjcf_actuators (a package whose MJCF has a servo on every
+            joint), robosuite (a fixture for robosuite and RoboCasa), or one of an extension.
     """
     from artigen.api.object import load, open_asset
     from artigen.io import JSON_NAME
