@@ -12,9 +12,10 @@ from jaxtyping import Float
 from .arrange import Place, Plan, fits, wall_places
 from .catalogue import Catalogue, Entry
 from .choose import TALL, Offer, Wall, choose_units, order_units
+from .compartments import cached_compartments
 from .footprints import bounds_of, is_level
 from .pieces import GAP, Boxes, Cluster, Member, Piece, line_up, make_piece, move_boxes
-from .recipes import BASE, Recipe
+from .recipes import BASE, BOOKCASE, Recipe
 from .room import Side, along_wall, wall_axis, wall_length
 
 RESERVE = 0.88
@@ -55,6 +56,7 @@ def draw_shortlists(
     """At most ``variety`` packages for every role of a room; cabinets without a top only if all are.
 
     Those that are ``alike`` are of one suite where it has the role, else of the suite with most roles.
+    Bookcases have open shelves if any have.
     """
     of_role = {role: catalogue.of_role(role) for role in recipe.all_roles}
     roles = Counter(suite for entries in of_role.values() for suite in {entry.suite for entry in entries})
@@ -66,6 +68,8 @@ def draw_shortlists(
             suites = sorted({entry.suite for entry in entries}, key=str)
             first = max(suites, key=lambda suite: (suite == lead, roles[suite]))
             entries = [entry for entry in entries if entry.suite == first]
+        if role == BOOKCASE:
+            entries = [entry for entry in entries if _is_open(entry)] or entries
         order = rng.permutation(len(entries)).tolist()
         covered = (
             k
@@ -75,6 +79,11 @@ def draw_shortlists(
         picked = list(islice(covered, variety)) or order[:variety]
         lists[role.name] = tuple(entries[index] for index in sorted(picked))
     return lists
+
+
+def _is_open(entry: Entry) -> bool:
+    """Whether an object has open shelves."""
+    return any(compartment.open for compartment in cached_compartments(entry.folder))
 
 
 def count_objects(plan: Plan) -> int:
