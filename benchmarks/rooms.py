@@ -48,7 +48,7 @@ OPEN = 0.95
 """Share of a range from which on a joint is open."""
 STILL = 0.005
 """Motion (m) of a body from which on it has moved."""
-FORCE, TORQUE = 80.0, 30.0
+FORCE, TORQUE = 100.0, 30.0
 """Largest force (N) and torque (N m) of a push."""
 SPEED, GROWS = 0.8, 0.8
 """Share of its range that a joint opens in a second, and seconds in which a push grows to its largest."""

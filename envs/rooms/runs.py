@@ -22,8 +22,6 @@ RESERVE = 0.88
 """Length (m) of both walls that a corner between two runs takes."""
 ORDERS = 3
 """Number of random orders of a run; the one with the smallest gaps is used."""
-WIDE = 0.7
-"""Share of the roles of the widest suite from which on a suite gives a room its look."""
 NARROW = 0.012
 """Gap (m) between units above which a panel closes it."""
 SETBACKS = (0.0, 0.03, 0.06, 0.11, 0.16)
@@ -55,12 +53,18 @@ def draw_shortlists(
 ) -> dict[str, tuple[Entry, ...]]:
     """At most ``variety`` packages for every role of a room; cabinets without a top only if all are.
 
-    Those that are ``alike`` are of one suite where it has the role, else of the suite with most roles.
+    Those that are ``alike`` are of one suite that has what the room needs, where it has the role, else of the
+    suite with most roles.
     Bookcases have open shelves if any have.
     """
     of_role = {role: catalogue.of_role(role) for role in recipe.all_roles}
     roles = Counter(suite for entries in of_role.values() for suite in {entry.suite for entry in entries})
-    wide = sorted((suite for suite in roles if suite and roles[suite] >= WIDE * max(roles.values())), key=str)
+    whole = [
+        suite
+        for suite in roles
+        if suite and all(any(entry.suite == suite for entry in of_role[role]) for role in recipe.needed)
+    ]
+    wide = sorted(whole or (suite for suite in roles if suite), key=str)
     lead = wide[int(rng.integers(len(wide)))] if wide else None
     lists: dict[str, tuple[Entry, ...]] = {}
     for role, entries in of_role.items():

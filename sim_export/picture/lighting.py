@@ -33,7 +33,7 @@ from sim_export.picture.shading import (
 
 GROUND = -2
 NOTHING = -1
-STRIDES, ALIKE = (8, 4, 2), 0.1
+STRIDES, ALIKE = (8, 4, 2), 0.15
 """Strides (pixels) at which light is smoothed once more where it changes by less: on large plain
 faces the edge of each ray would be seen."""
 FADE = 0.14

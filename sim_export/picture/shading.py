@@ -128,7 +128,7 @@ def tile_average(
 
     Args:
         stride: Pixels from one neighbour to the next.
-        alike: Least difference of values from which on a neighbour does not count.
+        alike: Difference of values up to which a neighbour counts, the less the more they differ.
     """
     guide = normals
     for axis in (0, 1):
@@ -140,7 +140,7 @@ def tile_average(
             here, there = _shifted(shift * stride, axis)
             near = labels[here] == labels[there]
             near &= dot_rows(guide[here], guide[there]) > 0.9
-            same = near[..., None] & (np.abs(values[here] - values[there]) < alike)
+            same = near[..., None] * np.maximum(1.0 - ((values[here] - values[there]) / alike) ** 2, 0.0)
             total[here] += values[there] * same
             weight[here] += same
         values = total / weight
