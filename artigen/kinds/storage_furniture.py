@@ -174,7 +174,12 @@ KIND = Kind(
         Place(role="island", low=(0.5, 0.9, 0.7), high=(0.95, 1.8, 1.0), draws=((0.62, 1.2, 0.88),)),
         Place(role="pedestal", low=(0.3, 0.28, 0.38), high=(0.66, 0.66, 0.86), draws=((0.5, 0.42, 0.6),)),
         Place(role="filing cabinet", low=(0.3, 0.3, 0.7), high=(0.7, 1.7, 1.7), draws=((0.45, 0.8, 1.1),)),
-        Place(role="bookcase", low=(0.25, 0.4, 1.4), high=(0.7, 1.7, 2.3), draws=((0.38, 0.9, 1.9),)),
+        Place(
+            role="bookcase",
+            low=(0.25, 0.4, 1.4),
+            high=(0.45, 1.7, 2.3),
+            draws=((0.38, 0.9, 1.9), (0.32, 0.8, 2.0)),
+        ),
         Place(role="sideboard", low=(0.3, 0.7, 0.55), high=(0.6, 2.0, 0.98), draws=((0.42, 1.3, 0.8),)),
         Place(role="nightstand", low=(0.28, 0.3, 0.38), high=(0.52, 0.66, 0.72), draws=((0.4, 0.45, 0.55),)),
         Place(role="wardrobe", low=(0.35, 0.45, 1.4), high=(0.75, 1.8, 2.4), draws=((0.6, 1.2, 2.1),)),
