@@ -27,13 +27,15 @@ class Mesh:
 
     ``uv`` has its origin at the lower left of ``texture``, whose rows run top to bottom; an optional fourth
     channel is the opacity. Coordinates outside [0, 1] repeat the texture. ``color`` is the RGB in [0, 1] of a
-    mesh without a texture. Meshes of one ``material`` with a name have the same texture or colour.
+    mesh without a texture. ``normal_map`` holds unit normals: right, up and outwards with respect to ``uv``,
+    from -1 at 0 to 1 at 255. Meshes of one ``material`` with a name have the same images or colour.
     """
 
     vertices: Float[np.ndarray, "V 3"]
     faces: Int[np.ndarray, "F 3"]
     uv: Float[np.ndarray, "F 3 2"] | None = None
     texture: UInt8[np.ndarray, "H W C"] | None = None
+    normal_map: UInt8[np.ndarray, "H W 3"] | None = None
     color: tuple[float, float, float] = (0.7, 0.7, 0.7)
     material: Material = PLAIN
 
@@ -44,14 +46,16 @@ class Mesh:
             raise ValueError(
                 f"mesh faces index {faces.min()}..{faces.max()}, vertices are 0..{len(vertices) - 1}"
             )
-        if self.uv is None and self.texture is not None:
-            raise ValueError("a mesh with a texture needs texture coordinates")
+        if self.uv is None and (self.texture is not None or self.normal_map is not None):
+            raise ValueError("a mesh with a texture or a normal map needs texture coordinates")
         if self.uv is not None:
             freeze_field(self, "uv", np.float64, (len(faces), 3, 2), "mesh uv")
         if self.texture is not None:
             texture = freeze_field(self, "texture", np.uint8, (None, None, None), "texture")
             if texture.shape[2] not in (3, 4):
                 raise ValueError(f"a texture with {texture.shape[2]} channels, expected RGB or RGBA")
+        if self.normal_map is not None:
+            freeze_field(self, "normal_map", np.uint8, (None, None, 3), "normal map")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

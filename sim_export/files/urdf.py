@@ -38,6 +38,11 @@ def image_path(look: str) -> str:
     return f"visual/{look}.png"
 
 
+def normal_path(look: str) -> str:
+    """Path of the normal map of a material in the package."""
+    return f"visual/{look}_normal.png"
+
+
 def hull_path(link: Link, index: int) -> str:
     """Path of a collision hull in the package."""
     return f"collision/{link.name}_{index}.obj"

@@ -31,7 +31,15 @@ from sim_export.files.sidecars import (
     provenance_json,
     semantics_text,
 )
-from sim_export.files.urdf import hull_path, image_path, link_origins, splats_path, urdf_text, visual_path
+from sim_export.files.urdf import (
+    hull_path,
+    image_path,
+    link_origins,
+    normal_path,
+    splats_path,
+    urdf_text,
+    visual_path,
+)
 from sim_export.geometry.primitives import find_primitive
 from sim_export.motion.ignored_pairs import ignored_pairs
 from sim_export.package import Link, Mesh, SimPackage, SourceMesh
@@ -136,11 +144,11 @@ def manifest_problems(folder: Path) -> tuple[str, ...]:
 
 
 def material_files(look: str, mesh: Mesh) -> dict[str, bytes]:
-    """MTL and image of a material, which all visuals of its name share."""
-    image = image_path(look)
-    files = {} if mesh.texture is None else {image: png_bytes(mesh.texture)}
-    named = "" if mesh.texture is None else image.removeprefix("visual/")
-    return files | {f"visual/{look}.mtl": mtl_text(look, mesh, named).encode()}
+    """MTL and images of a material, which all visuals of its name share."""
+    images = {image_path(look): mesh.texture, normal_path(look): mesh.normal_map}
+    files = {path: png_bytes(image) for path, image in images.items() if image is not None}
+    named = (Path(path).name if image is not None else "" for path, image in images.items())
+    return files | {f"visual/{look}.mtl": mtl_text(look, mesh, *named).encode()}
 
 
 def _source_files(source: SourceMesh, stem: str) -> dict[str, bytes]:

@@ -113,6 +113,9 @@ def textured_trimesh(
     if look.uv is not None and look.texture is not None:
         material.baseColorTexture = Image.fromarray(look.texture)
         uv = look.uv.reshape(-1, 2)
+    if look.uv is not None and look.normal_map is not None:
+        material.normalTexture = Image.fromarray(look.normal_map)
+        uv = look.uv.reshape(-1, 2)
     color = (1.0, 1.0, 1.0) if look.texture is not None else look.color
     material.baseColorFactor = np.rint(255.0 * np.array([*color, said.opacity])).astype(np.uint8)
     clear = said.opacity < 1.0 or (look.texture is not None and look.texture.shape[2] == 4)

@@ -2,6 +2,7 @@
 
 import json
 import xml.etree.ElementTree as ET
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -15,6 +16,7 @@ from artigen.shapes.surfaces.physical import describe_finish
 from artigen.splats.colors import linear_from_srgb
 from sim_export.appearance.prints import FINISHES
 from sim_export.files.folders import list_packages
+from sim_export.files.obj import read_image
 from sim_export.files.read import read_package
 from sim_export.files.urdf import glb_path, link_origins
 from sim_export.files.write import MANIFEST, write_files, write_package
@@ -33,6 +35,10 @@ def meshes(package) -> dict[str, Mesh]:
     return {visual.name: visual.mesh for link in package.links for visual in link.visuals}
 
 
+def rgb(image) -> np.ndarray:
+    return np.asarray(image.convert("RGB"))
+
+
 def test_a_package_that_is_read_has_the_materials_and_finishes_that_were_written(made):
     package, folder = made
     again = read_package(folder)
@@ -43,6 +49,8 @@ def test_a_package_that_is_read_has_the_materials_and_finishes_that_were_written
             np.testing.assert_allclose(read.color, mesh.color, atol=1e-6)
         else:
             np.testing.assert_array_equal(read.texture, mesh.texture)
+        assert np.array_equal(read.normal_map, mesh.normal_map)
+    assert any(mesh.normal_map is not None for mesh in meshes(package).values())
     assert [v.finish for link in again.links for v in link.visuals] == [
         v.finish for link in package.links for v in link.visuals
     ]
@@ -59,6 +67,7 @@ def test_trimesh_reads_the_colours_of_obj_and_all_of_glb(made):
         plain = trimesh.load_mesh(folder / "visual" / f"{name}.obj").visual.material
         assert float(plain.kwargs["pr"][0]) == pytest.approx(mesh.material.roughness)
         assert float(plain.kwargs["pm"][0]) == mesh.material.metallic
+        assert ("norm" in plain.kwargs) == (mesh.normal_map is not None)
         if mesh.texture is None:
             levels = np.rint(255 * np.array(mesh.color))
             np.testing.assert_allclose(plain.diffuse[:3], levels, atol=1.0)
@@ -84,7 +93,10 @@ def test_a_urdf_with_one_glb_per_link_shows_the_same_surfaces_and_materials_at_t
             assert (material.name, material.metallicFactor) == (mesh.material.name, mesh.material.metallic)
             assert material.roughnessFactor == pytest.approx(mesh.material.roughness)
             if mesh.texture is not None:
-                np.testing.assert_array_equal(np.asarray(material.baseColorTexture), mesh.texture)
+                np.testing.assert_array_equal(rgb(material.baseColorTexture), mesh.texture)
+            assert (material.normalTexture is None) == (mesh.normal_map is None)
+            if mesh.normal_map is not None:
+                np.testing.assert_array_equal(rgb(material.normalTexture), mesh.normal_map)
 
 
 def test_mujoco_reads_colour_roughness_and_metallic(made):
@@ -136,6 +148,10 @@ def test_usd_says_the_same_as_a_preview_surface_and_as_open_pbr(made, tmp_path):
                 preview["diffuseColor"], linear_from_srgb(np.array(mesh.color)), atol=1e-6
             )
             np.testing.assert_allclose(open_pbr["base_color"], preview["diffuseColor"])
+        assert "normal" in preview if mesh.normal_map is not None else "normal" not in preview
+        for sampler in ("normals", "mtlx_normals") if mesh.normal_map is not None else ():
+            file = UsdShade.Shader(prim.GetChild(sampler)).GetInput("file").Get().resolvedPath
+            np.testing.assert_array_equal(read_image(Path(file)), mesh.normal_map)
     assert len(seen) >= len({mesh.material.name for mesh in meshes(package).values()})
 
 
@@ -150,6 +166,7 @@ def test_materials_json_lists_every_visual_and_its_finish(made):
         assert material["roughness"] == mesh.material.roughness
         assert (material["image"] is None) == (mesh.texture is None)
         assert material["image"] is None or (folder / material["image"]).is_file()
+        assert (material["normal_map"] is None) == (mesh.normal_map is None)
 
 
 def test_finishes_reflect_as_what_they_are():
