@@ -18,6 +18,8 @@ from artigen.types import Gaussians, Joint, PartLabel, freeze_field
 UrdfJointType = Literal["fixed", "revolute", "prismatic", "continuous"]
 VisualSource = Literal["exact", "voxels", "source"]
 """What visual meshes show: the object's own primitives, its voxels, or the meshes of its source."""
+VisualFormat = Literal["obj", "glb"]
+"""Files of visuals: OBJ with MTL, or these and one GLB per link, with a URDF of their own."""
 URDF_JOINT_TYPES: tuple[UrdfJointType, ...] = ("fixed", "revolute", "prismatic", "continuous")
 
 
@@ -227,3 +229,4 @@ class SimPackage:
     materials: tuple[tuple[str, str], ...] = ()
     provenance: tuple[tuple[str, str], ...] = ()
     records: tuple[str, ...] = ()
+    visual_format: VisualFormat = "obj"

@@ -114,13 +114,9 @@ def _add_material(
     diffuse = surface.CreateInput("diffuseColor", types.Color3f)
     masked = mesh.texture is not None and mesh.texture.shape[2] == 4
     transparent = masked or said.opacity < 1.0
-    if mesh.texture is not None or mesh.normal_map is not None:
-        reader = UsdShade.Shader.Define(looks.stage, path.AppendChild("coordinates"))
-        reader.CreateIdAttr("UsdPrimvarReader_float2")
-        reader.CreateInput("varname", types.String).Set("st")
     if mesh.normal_map is not None:
         file = Sdf.AssetPath(f"./{_keep_image(looks, mesh.normal_map)}")
-        sampler = _add_sampler(looks, path.AppendChild("normals"), file, "raw", reader)
+        sampler = _add_sampler(looks, path.AppendChild("normals"), file, "raw")
         for word, value in (
             ("scale", Gf.Vec4f(2.0, 2.0, 2.0, 1.0)),
             ("bias", Gf.Vec4f(-1.0, -1.0, -1.0, 0.0)),
@@ -132,11 +128,11 @@ def _add_material(
         diffuse.Set(Gf.Vec3f(*color))
     else:
         file = Sdf.AssetPath(f"./{_keep_image(looks, mesh.texture)}")
-        image = _add_sampler(looks, path.AppendChild("image"), file, "sRGB", reader)
+        image = _add_sampler(looks, path.AppendChild("image"), file, "sRGB")
         diffuse.ConnectToSource(image.CreateOutput("rgb", types.Float3))
         if masked:
             # Alpha is not a colour: a second sampler reads the same image as raw data.
-            alpha = _add_sampler(looks, path.AppendChild("alpha"), file, "raw", reader)
+            alpha = _add_sampler(looks, path.AppendChild("alpha"), file, "raw")
             opacity = surface.CreateInput("opacity", types.Float)
             opacity.ConnectToSource(alpha.CreateOutput("a", types.Float))
     material.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", types.Token))
@@ -197,13 +193,14 @@ def _add_open_pbr(looks: Looks, material: "UsdShade.Material", mesh: Mesh, color
     material.CreateSurfaceOutput("mtlx").ConnectToSource(surface.CreateOutput("out", types.Token))
 
 
-def _add_sampler(
-    looks: Looks, path: "Sdf.Path", file: "Sdf.AssetPath", space: str, reader: "UsdShade.Shader"
-) -> "UsdShade.Shader":
-    """A node that reads an image in a colour space, ``sRGB`` or ``raw``, at the coordinates of ``reader``."""
+def _add_sampler(looks: Looks, path: "Sdf.Path", file: "Sdf.AssetPath", space: str) -> "UsdShade.Shader":
+    """A node that reads an image in a colour space, ``sRGB`` or ``raw``."""
     from pxr import Sdf, UsdShade
 
     types = Sdf.ValueTypeNames
+    reader = UsdShade.Shader.Define(looks.stage, path.GetParentPath().AppendChild("coordinates"))
+    reader.CreateIdAttr("UsdPrimvarReader_float2")
+    reader.CreateInput("varname", types.String).Set("st")
     image = UsdShade.Shader.Define(looks.stage, path)
     image.CreateIdAttr("UsdUVTexture")
     image.CreateInput("file", types.Asset).Set(file)

@@ -1,13 +1,14 @@
 """One material, the same in every format: read back by trimesh, MuJoCo and OpenUSD."""
 
 import json
-import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 import trimesh
+from yourdfpy import URDF
 
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.surfaces.finishes import Finish
@@ -15,13 +16,15 @@ from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_pol
 from artigen.shapes.surfaces.physical import describe_finish
 from artigen.splats.colors import linear_from_srgb
 from sim_export.appearance.prints import FINISHES
-from sim_export.files.folders import list_packages
+from sim_export.checks.config import CheckConfig
+from sim_export.checks.files import check_paths, check_tree
+from sim_export.checks.subject import Subject
+from sim_export.files.glb import glb_bytes
 from sim_export.files.obj import read_image
 from sim_export.files.read import read_package
-from sim_export.files.urdf import glb_path, link_origins
-from sim_export.files.write import MANIFEST, write_files, write_package
+from sim_export.files.urdf import GLB_URDF, glb_path, link_origins
+from sim_export.files.write import write_package
 from sim_export.package import Mesh
-from sim_export.picture.glb import LINKS_URDF, glb_bytes, link_glbs
 from sim_export.reference import build_reference
 
 
@@ -74,16 +77,19 @@ def test_trimesh_reads_the_colours_of_obj_and_all_of_glb(made):
             np.testing.assert_allclose(material.baseColorFactor[:3], levels, atol=1.0)
 
 
-def test_a_urdf_with_one_glb_per_link_shows_the_same_surfaces_and_materials_at_the_same_place(made, tmp_path):
-    package, _ = made
-    files = link_glbs(package)
-    write_files(files, tmp_path / "glb")
-    robot = ET.fromstring(files[LINKS_URDF].decode())
-    named = {mesh.get("filename") for mesh in robot.iter("mesh")}
-    assert named == set(files) - {LINKS_URDF, MANIFEST}
-    assert not list_packages(tmp_path / "glb"), "it is no package that checks would read"
+def test_a_package_with_one_glb_per_link_shows_the_same_surfaces_and_materials_at_the_same_place(
+    made, tmp_path
+):
+    package = replace(made[0], visual_format="glb")
+    folder = write_package(package, tmp_path / "glb")
+    assert read_package(folder).visual_format == "glb"
+    for check in (check_paths, check_tree):
+        assert check(Subject(folder), CheckConfig()).passed, "every file is named by another one"
+    robot = URDF.load(str(folder / GLB_URDF))
+    corners = np.concatenate([mesh.vertices for mesh in meshes(package).values()])
+    np.testing.assert_allclose(robot.scene.bounds, [corners.min(axis=0), corners.max(axis=0)], atol=1e-5)
     for link in package.links:
-        scene = trimesh.load_scene(tmp_path / "glb" / glb_path(link.name))
+        scene = trimesh.load_scene(folder / glb_path(link.name))
         assert len(scene.geometry) == len(link.visuals)
         for visual in link.visuals:
             shown, mesh = scene.geometry[visual.name], visual.mesh
