@@ -120,7 +120,9 @@ class Link:
 
     ``label`` and ``parts`` (names, the movable part first) come from the asset. In a foreign package,
     ``label`` is None if its semantics name no known label. ``splats`` are the optional Gaussians of the link;
-    their part ids are indices of the package's links.
+    their part ids are indices of the package's links. ``visual_error`` is the largest distance (m) between
+    bodies of the visuals and the exact solids that they show, measured from either; None where there are no
+    such solids.
     """
 
     name: str
@@ -130,6 +132,7 @@ class Link:
     hulls: tuple[Hull, ...] = ()
     inertial: Inertial | None = None
     splats: Gaussians | None = None
+    visual_error: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -197,6 +197,7 @@ def _own_link(
         hulls=hulls,
         inertial=_inertial(link.inertial, T, owner),
         splats=_own_splats(splats, T, index) if appearance and splats.is_file() else None,
+        visual_error=facts.get("visual_error"),
     )
 
 

@@ -200,6 +200,7 @@ def meta_json(package: SimPackage) -> str:
                 }
                 for visual in link.visuals
             ],
+            **({} if link.visual_error is None else {"visual_error": number(link.visual_error)}),
         }
         for link in package.links
     ]
