@@ -15,9 +15,9 @@ from artigen.shapes.primitives import Primitive, place_vertices
 from sim_export.geometry.triangles import area_normals
 from sim_export.package import Mesh
 
-SAGITTA = 0.0001
+SAGITTA = 0.00005
 """Largest distance (m) of a side from its circle."""
-SIDES = (16, 96)
+SIDES = (16, 128)
 """Least and largest number of sides of a circle."""
 POLYGON = 10
 """Corners from which on a regular polygon stands for a circle."""
