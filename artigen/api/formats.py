@@ -20,7 +20,6 @@ def find_exporters() -> Mapping[str, Exporter]:
     """Every format by name, sorted."""
     found = {
         "glb": write_glb_file,
-        "glb_links": write_glb_links,
         "mjcf_actuators": write_actuated,
         "robosuite": write_fixture,
         "usd": write_usd_asset,
@@ -53,20 +52,9 @@ def write_usd_asset(package: "SimPackage", folder: Path, existing: Existing) -> 
     return write_usd(package, folder.with_name(f"{folder.name}_usd"), existing)
 
 
-def write_glb_links(package: "SimPackage", folder: Path, existing: Existing) -> Path:
-    """A folder ``FOLDER_glb`` with a URDF that shows every link by one GLB."""
-    from sim_export.files.write import check_place, write_files
-    from sim_export.picture.glb import link_glbs
-
-    beside = folder.with_name(f"{folder.name}_glb")
-    check_place(beside, existing)
-    write_files(link_glbs(package), beside)
-    return beside
-
-
 def write_glb_file(package: "SimPackage", folder: Path, existing: Existing) -> Path:
     """A file ``FOLDER.glb``, which is replaced."""
-    from sim_export.picture.glb import write_glb
+    from sim_export.files.glb import write_glb
 
     folder.parent.mkdir(parents=True, exist_ok=True)
     path = folder.with_name(f"{folder.name}.glb")
