@@ -123,7 +123,6 @@ class _Stopwatch:
 def export_asset(
     asset: Asset,
     *,
-    source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
     provenance: Mapping[str, str] | None = None,
     finish: Callable[[SimPackage], SimPackage] = lambda package: package,
     budget: Budget | None = None,
@@ -134,8 +133,6 @@ def export_asset(
     Args:
         asset: Parts, joints and voxels. Its Gaussians, or else its surface samples, colour the textures;
             Gaussians are also added to the package per link.
-        source_meshes: Visual meshes by part, used instead of those made from the voxels; a part without any
-            is invisible. Collision, mass and annotations still come from the voxels.
         provenance: Origin of the object, for ``provenance.json``.
         finish: Completes each package before its hulls are judged (`export_best`).
         budget: As in `export_best`.
@@ -147,7 +144,6 @@ def export_asset(
     return export_best(
         make_solids(asset),
         first or HullPlan(target="voxels"),
-        source_meshes=source_meshes,
         provenance=provenance,
         finish=finish,
         budget=budget,
@@ -172,7 +168,8 @@ def export_best(
     Args:
         solids: The parts.
         first: How hulls are made first.
-        source_meshes: As in `export_asset`.
+        source_meshes: Visual meshes by part, used instead of those made from the voxels; a part without any
+            is invisible. Collision, mass and annotations still come from the voxels.
         provenance: As in `export_asset`.
         finish: Completes each package.
         budget: Time for the search; one package is made in any case.
@@ -273,7 +270,7 @@ def export_solids(
     Args:
         solids: The parts.
         plan: How hulls are made.
-        source_meshes: As in `export_asset`.
+        source_meshes: As in `export_best`.
         provenance: As in `export_asset`.
         budget: Time for covering the parts with hulls.
     """

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from triangle_box import box
 
 from artigen.types import Joint
 from sim_export.collision.cover import object_cover
@@ -37,12 +38,6 @@ from sim_export.geometry.triangles import triangle_areas
 from sim_export.package import Link
 
 WALL = 0.018
-
-
-def box(low, high):
-    """Triangles of a closed box."""
-    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
-    return hull.vertices[hull.faces]
 
 
 def drawer():
