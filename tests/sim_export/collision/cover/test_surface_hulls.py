@@ -8,16 +8,16 @@ from triangle_box import box
 
 from artigen.types import Joint
 from sim_export.collision.cover import object_cover
+from sim_export.collision.cover.exposed import find_uncovered
 from sim_export.collision.cover.free_space import FreeSpace, find_free_space, find_inside, look_up
 from sim_export.collision.cover.object_cover import ObjectCover, find_passing
+from sim_export.collision.cover.piece_hulls import piece_hull
 from sim_export.collision.cover.surface_hulls import (
     DIVIDED,
     FINER,
     USUAL,
     cover_surface,
-    find_uncovered,
     join_again,
-    piece_hull,
     refine_cover,
     split_components,
 )
