@@ -36,6 +36,7 @@ MODEL_CODE = (
     "artigen.models",
     "artigen.latent",
     "artigen.metrics",
+    "artigen.reader.assemble",
     "artigen.reader.decode",
     "artigen.reader.kind_network",
     "artigen.reader.model",
@@ -82,6 +83,7 @@ EXPORT_LAYERS = (
     {"checks"},
     {"search", "source_faults", "usd"},
     {"mend"},
+    {"solids"},
     {"export", "reference"},
 )
 """The same of sim_export."""
