@@ -7,13 +7,14 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.types import Joint
+from sim_export.geometry.hulls import hull_volume
 from sim_export.grasps.find import find_grasps
 from sim_export.grasps.gripper import find_gripper
 from sim_export.package import Grasp, Link, Mesh, SimPackage, Visual
 from sim_export.physics.inertia import combine, mesh_inertial
 
 from ..rooms.room import Item
-from ..rooms.things import thing_hulls, thing_solids
+from ..rooms.things import thing_hulls
 from ..sim.load import EngineName
 from .prove import prove_grasps
 
@@ -48,13 +49,13 @@ def _grasp(
 
 
 def thing_package(thing: str, size: tuple[float, float, float], mass: float) -> SimPackage:
-    """A thing as a package: one link, with its mass (kg) spread over its primitives by volume.
+    """A thing as a package: one link, with its mass (kg) spread over its hulls by volume.
 
     Raises:
         ValueError: If there is no such thing.
     """
     hulls = thing_hulls(thing, size)
-    density = mass / sum(solid.volume for solid, _ in thing_solids(thing, size))
+    density = mass / sum(hull_volume(hull) for hull in hulls)
     visuals = tuple(
         Visual(
             name=f"base_thing_{k}",
