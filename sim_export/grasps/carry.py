@@ -29,7 +29,7 @@ CARRIED = 0.95
 """Share of a stroke to which the gripper is carried if that ends at the joint's limit: it shall not press."""
 QUARTER = np.pi / 2.0
 """Range (rad) of joints without limits."""
-POSES = 17
+POSES = 25
 """Poses of a joint at which the gripper's room is measured."""
 CLEAR = 0.002
 """Clearance (m) of the gripper."""
@@ -81,6 +81,12 @@ class Way:
         """Index of the target's link."""
         return [link.name for link in self.package.links].index(self.target.link)
 
+    @cached_property
+    def root(self) -> int:
+        """Index of the link that stands."""
+        carried = {joint.child for joint in self.package.joints}
+        return next(k for k, link in enumerate(self.package.links) if link.name not in carried)
+
     @property
     def own(self) -> tuple[Hull, ...]:
         """Hulls of the target's link."""
@@ -109,7 +115,7 @@ class Way:
         reach = float(np.linalg.norm(hands.T[:, :3, 3] - center, axis=1).max()) + REACH + ARRIVAL
         joints, link = self.package.joints, self.target.link
         with_link = hanging_links(joints, link) if moving else frozenset()
-        hulls, poses = list(self.floor), [T[0]] * len(self.floor)  # the root stands
+        hulls, poses = list(self.floor), [T[self.root]] * len(self.floor)
         for each, pose in zip(self.package.links, T, strict=True):
             if each.name not in with_link:
                 hulls += each.hulls

@@ -5,6 +5,7 @@ moves rigidly with the link; it neither slides nor turns about what it holds. Wh
 whole range of a joint, it opens it in strokes, each as long as it can: after each it lets go and grasps anew.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
 
@@ -27,8 +28,11 @@ SEEDS = 24
 """Hands near which more are tried."""
 ROUNDS = 3
 """Times that this is done."""
-SHORTEST = 0.1
-"""Least share of a joint's range that is worth a stroke."""
+SHORTEST = 0.08
+"""Least share of a joint's range that a stroke must open beyond the one before."""
+BACK = (0.0, 0.03, 0.06)
+"""Shares of the range by which a stroke may begin before the place to which the one before is proven to come,
+where there is too little room."""
 KEPT = 12
 
 
@@ -62,21 +66,34 @@ def find_on(package: SimPackage, target: Target, gripper: Gripper) -> tuple[Foun
         return (Found(target=target, grasps=(), reason=hands.reason),)
     room = cache(partial(_find_room, way, hands))
     for least in CHOICES:
-        found, begin, end = [], 0.0, 0.0
-        while end < 1.0:
-            here, ends = room(begin)
-            kept, end = _take_farthest(here, ends, least)
-            if end < (1.0 if target.region is None else min(1.0, begin + SHORTEST)):
-                break
-            found.append(_grasps(way, here.some(kept), (begin, end)))
-            begin += PROVEN * (end - begin)
-        else:
-            return tuple(found)
+        found = _open(way, room, least)
+        if found:
+            return found
     count = len(room(0.0)[0])
     reason = f"the gripper meets something as it opens, in all of {count} poses"
     if not count:
         reason = f"the gripper has no room in any of {len(hands)} poses"
     return (Found(target=target, grasps=(), reason=reason),)
+
+
+def _open(
+    way: Way, room: Callable[[float], tuple[Hands, Float[np.ndarray, "G"]]], least: int
+) -> tuple[Found, ...]:
+    """Grasps of every stroke, with ``least`` or more to choose from; none if a stroke has fewer."""
+    found, begin, end = [], 0.0, 0.0
+    while end < 1.0:
+        least_end = 1.0 if way.target.region is None else min(1.0, end + SHORTEST)
+        for back in BACK if found else BACK[:1]:
+            hands, ends = room(begin - back)
+            kept, farthest = _take_farthest(hands, ends, least)
+            if farthest >= least_end:
+                break
+        else:
+            return ()
+        begin, end = begin - back, farthest
+        found.append(_grasps(way, hands.some(kept), (begin, end)))
+        begin += PROVEN * (end - begin)
+    return tuple(found)
 
 
 def _find_room(way: Way, hands: Hands, begin: float) -> tuple[Hands, Float[np.ndarray, "G"]]:
