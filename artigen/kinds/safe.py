@@ -5,7 +5,7 @@ from math import radians
 
 import numpy as np
 
-from artigen.kind import Kind, Place, by_height, make, plurals
+from artigen.kind import EVERY, Kind, Place, by_height, make, plurals
 from artigen.shapes.appliances.cavity import build_feet, build_shell
 from artigen.shapes.appliances.control_panel import make_button
 from artigen.shapes.assembly import Assembly
@@ -157,7 +157,7 @@ KIND = Kind(
     build="sheet",
     stands="free",
     styles=tuple(STYLES),
-    style_words={"combination": "dial", "digital": "keypad", "electronic": "keypad"},
+    style_words={"combination": "dial", "digital": "keypad", "electronic": "keypad", "lock": EVERY},
     forms={"gun safe": ((0.5, 0.75), (0.4, 0.6), (1.3, 1.6))},
     sizes=((0.2, 1.2), (0.2, 1.0), (0.2, 2.2)),
     make=make(density={"steel_sheet": 1150.0}),  # plates around concrete
