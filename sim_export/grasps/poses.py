@@ -29,6 +29,10 @@ SPARE = 0.003
 BULGE = 0.010
 """Farthest (m) beyond a contact that a part without a handle may bulge between the pads."""
 CONE = float(np.cos(np.arctan(FRICTION)))
+INSIDE = np.array(
+    [np.roll(weights, k) for weights in ((0.7, 0.15, 0.15), (0.1, 0.45, 0.45)) for k in range(3)]
+)
+"""Points of every triangle at which pads may touch it, as weights of its corners."""
 EVEN = float(np.cos(np.radians(10.0)))
 """Least cosine between closing direction and faces for poses nearby: pads turn what is not even."""
 JITTERS = 24
@@ -148,6 +152,8 @@ def close(
     pad then touches a face at a ``cosine`` or more, or with that of `CONE` a corner with its own face."""
     triangles = hull_triangles(held)
     spread, owner = sample_triangles(triangles, SAMPLES)
+    spread = np.concatenate([spread, (INSIDE @ triangles).reshape(-1, 3)])  # narrow faces have few samples
+    owner = np.concatenate([owner, np.arange(len(triangles)).repeat(len(INSIDE))])
     normals = area_normals(triangles)[owner]
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
     corners = np.concatenate([hull.vertices for hull in held])
