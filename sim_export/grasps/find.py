@@ -24,10 +24,12 @@ ENOUGH = 3
 """Grasps of a stroke that shall be proven."""
 CHOICES = (6, 3, 2, 1)
 """Different grasps from which each stroke may choose; the first number that all strokes have."""
+FINE = 2
+"""Times as many pairs of contacts in a finer search."""
 SEEDS = 24
 """Hands near which more are tried."""
 ROUNDS = 3
-"""Times that this is done."""
+"""Times that poses nearby are tried."""
 SHORTEST = 0.08
 """Least share of a joint's range that a stroke must open beyond the one before."""
 BACK = (0.0, 0.03, 0.06)
@@ -58,17 +60,21 @@ def find_grasps(package: SimPackage, gripper: Gripper) -> tuple[Found, ...]:
 def find_on(package: SimPackage, target: Target, gripper: Gripper) -> tuple[Found, ...]:
     """Grasps of one target, for each of the strokes in which the gripper opens its joint.
 
-    Each stroke has as many of `CHOICES` as every stroke can have. What is no handle is opened in one.
+    A handle without `ENOUGH` for its whole range is searched more finely, for strokes, each of which has as
+    many of `CHOICES` as every one can have. What is no handle is opened in one stroke.
     """
     way = Way(package=package, target=target, gripper=gripper)
-    hands = close_on(package, target, gripper)
-    if hands.reason:
-        return (Found(target=target, grasps=(), reason=hands.reason),)
-    room = cache(partial(_find_room, way, hands))
-    for least in CHOICES:
-        found = _open(way, room, least)
-        if found:
-            return found
+    thorough = (FINE, ROUNDS, CHOICES, SHORTEST)
+    searches = ((1, 0, (ENOUGH,), 1.0), thorough) if target.region is not None else ((1, 0, CHOICES, 1.0),)
+    for fine, rounds, choices, shortest in searches:
+        hands = close_on(package, target, gripper, fine)
+        if hands.reason:
+            return (Found(target=target, grasps=(), reason=hands.reason),)
+        room = cache(partial(_find_room, way, hands, rounds))
+        for least in choices:
+            found = _open(way, room, least, shortest)
+            if found:
+                return found
     count = len(room(0.0)[0])
     reason = f"the gripper meets something as it opens, in all of {count} poses"
     if not count:
@@ -77,16 +83,16 @@ def find_on(package: SimPackage, target: Target, gripper: Gripper) -> tuple[Foun
 
 
 def _open(
-    way: Way, room: Callable[[float], tuple[Hands, Float[np.ndarray, "G"]]], least: int
+    way: Way, room: Callable[[float], tuple[Hands, Float[np.ndarray, "G"]]], least: int, shortest: float
 ) -> tuple[Found, ...]:
-    """Grasps of every stroke, with ``least`` or more to choose from; none if a stroke has fewer."""
+    """Grasps of every stroke, with ``least`` or more to choose from; none if a stroke has fewer, or does not
+    open the ``shortest`` share of the range beyond the one before."""
     found, begin, end = [], 0.0, 0.0
     while end < 1.0:
-        least_end = 1.0 if way.target.region is None else min(1.0, end + SHORTEST)
         for back in BACK if found else BACK[:1]:
             hands, ends = room(begin - back)
             kept, farthest = _take_farthest(hands, ends, least)
-            if farthest >= least_end:
+            if farthest >= min(1.0, end + shortest):
                 break
         else:
             return ()
@@ -96,12 +102,12 @@ def _open(
     return tuple(found)
 
 
-def _find_room(way: Way, hands: Hands, begin: float) -> tuple[Hands, Float[np.ndarray, "G"]]:
+def _find_room(way: Way, hands: Hands, rounds: int, begin: float) -> tuple[Hands, Float[np.ndarray, "G"]]:
     """Hands that can take hold of a target as a stroke begins, and to which share of the range they can open
-    its joint. Where too few of them come to the end, poses nearby are tried as well."""
+    its joint. Where too few of them come to the end, poses nearby are tried in some ``rounds``."""
     here = way.arrive(hands, begin)
     ends = way.reach(here, begin)
-    for _ in range(ROUNDS if way.target.region is not None else 0):
+    for _ in range(rounds):
         if _take_farthest(here, ends, CHOICES[0])[1] == 1.0:
             break
         near = here.some(np.argsort(-ends, kind="stable")) if len(here) else hands

@@ -64,13 +64,14 @@ class Hands:
         return Hands(T=T, width=width, angle=angle)
 
 
-def close_on(package: SimPackage, target: Target, gripper: Gripper) -> Hands:
-    """Poses in which a gripper closes on a target; none with the reason."""
+def close_on(package: SimPackage, target: Target, gripper: Gripper, fine: int = 1) -> Hands:
+    """Poses in which a gripper closes on a target, of ``fine`` times as many pairs of contacts; none with the
+    reason."""
     own = next(link.hulls for link in package.links if link.name == target.link)
     if not own:
         return _no_hands("it has no collision shape")
     normal = None if target.normal is None else np.asarray(target.normal)
-    pairs = find_pairs(own, target.region, normal)
+    pairs = find_pairs(own, target.region, normal, fine)
     if not len(pairs):
         return _no_hands("it has no two places that face away from each other")
     spans = pairs.some(pairs.width + 2.0 * SPARE <= gripper.opening)
