@@ -64,7 +64,7 @@ def find_on(package: SimPackage, target: Target, gripper: Gripper) -> tuple[Foun
     many of `CHOICES` as every one can have. What is no handle is opened in one stroke.
     """
     way = Way(package=package, target=target, gripper=gripper)
-    thorough = (FINE, ROUNDS, CHOICES, SHORTEST)
+    reason, thorough = "", (FINE, ROUNDS, CHOICES, SHORTEST)
     searches = ((1, 0, (ENOUGH,), 1.0), thorough) if target.region is not None else ((1, 0, CHOICES, 1.0),)
     for fine, rounds, choices, shortest in searches:
         hands = close_on(package, target, gripper, fine)
@@ -75,10 +75,10 @@ def find_on(package: SimPackage, target: Target, gripper: Gripper) -> tuple[Foun
             found = _open(way, room, least, shortest)
             if found:
                 return found
-    count = len(room(0.0)[0])
-    reason = f"the gripper meets something as it opens, in all of {count} poses"
-    if not count:
-        reason = f"the gripper has no room in any of {len(hands)} poses"
+        count = len(room(0.0)[0])
+        reason = f"the gripper meets something as it opens, in all of {count} poses"
+        if not count:
+            reason = f"the gripper has no room in any of {len(hands)} poses"
     return (Found(target=target, grasps=(), reason=reason),)
 
 

@@ -51,7 +51,7 @@ def near_solids(
     middle = np.einsum("hij,hj->hi", T[:, :3, :3], bounds.mean(axis=1)) + T[:, :3, 3]
     radius = np.linalg.norm(bounds[:, 1] - bounds[:, 0], axis=1) / 2.0
     near = np.flatnonzero(np.linalg.norm(middle - center, axis=1) < reach + radius)
-    return Solids(hulls=tuple(hulls[index] for index in near), T=T[near])
+    return Solids(hulls=tuple(hulls[index] for index in near.tolist()), T=T[near])
 
 
 def meet(
@@ -68,7 +68,7 @@ def meet(
     for axis in range(3):
         near &= (low[..., axis] < boxes[:, :, None, 1, axis]) & (high[..., axis] > boxes[:, :, None, 0, axis])
     middle, half = boxes.mean(axis=2), (boxes[:, :, 1] - boxes[:, :, 0]) / 2.0
-    for solid in np.flatnonzero(near.any(axis=(0, 1))):
+    for solid in np.flatnonzero(near.any(axis=(0, 1))).tolist():
         rows, box = np.nonzero(near[:, :, solid] & ~hit[:, None])
         planes = solids.planes(solid)
         normals = planes[:, :3] @ T[rows, :3, :3]  # K F 3, in the grippers' frames
