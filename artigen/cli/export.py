@@ -23,7 +23,7 @@ def export(
         out: Package folder to write; other formats lie beside it, such as OUT_usd.
         existing: Refuse or replace what is already there.
         formats: package, usd, glb, mjcf_actuators (a package with a servo on every joint of its MJCF),
-            robosuite (a fixture for robosuite and RoboCasa), or one of an extension.
+            robosuite (a fixture for robosuite, RoboCasa and LIBERO), or one of an extension.
         visual_format: ``glb`` adds one GLB per link and mobility_glb.urdf, which shows them; by default as a
             package has it already.
     """
