@@ -82,6 +82,8 @@ def plurals(*nouns: str) -> dict[str, str]:
 def _plural(noun: str) -> str:
     if noun.endswith("shelf"):
         return noun.removesuffix("f") + "ves"
+    if noun.endswith("y") and noun[-2] not in "aeiou":
+        return noun.removesuffix("y") + "ies"
     hissing = noun.endswith(("s", "x", "z", "ch", "sh"))
     return noun + ("es" if hissing else "s")
 

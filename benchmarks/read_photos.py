@@ -21,10 +21,11 @@ import tyro
 
 from artigen.conditioning.image import open_picture
 from artigen.errors import SourceError
+from artigen.reader.assemble import ReadSettings
 from artigen.reader.boxes import overlap_boxes
 from artigen.reader.drawing import draw_reading
 from artigen.reader.model import Reader, load_reader
-from artigen.reader.read import ReadSettings, read_image
+from artigen.reader.read import read_image
 from artigen.reader.reading import Reading
 from artigen.weights import READER
 

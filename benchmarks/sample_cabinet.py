@@ -17,6 +17,7 @@ WOOD = (181, 136, 90)
 DARK = (96, 66, 43)
 STEEL = (176, 180, 186)
 RED = (170, 40, 36)
+SPACING = 0.004
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,7 +147,7 @@ def sample_box_arrays(part: SamplePart) -> Float[np.ndarray, "K 2 3"]:
 
 
 def _sample_boxes(
-    boxes: tuple[SampleBox, ...], spacing: float, rng: np.random.Generator
+    boxes: tuple[SampleBox, ...], rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Uniform points, normals and colors on the faces of boxes."""
     points, normals, colors = [], [], []
@@ -154,7 +155,7 @@ def _sample_boxes(
         low, high = np.array(box.low), np.array(box.high)
         for axis in range(3):
             area = np.prod(np.delete(high - low, axis))
-            count = max(1, round(area / spacing**2))
+            count = max(1, round(area / SPACING**2))
             for side, bound in ((-1.0, low), (1.0, high)):
                 at = rng.uniform(low, high, size=(count, 3))
                 at[:, axis] = bound[axis]
@@ -164,9 +165,9 @@ def _sample_boxes(
     return np.concatenate(points), np.concatenate(normals), np.concatenate(colors)
 
 
-def sample_asset(seed: int = 0, spacing: float = 0.004) -> Asset:
-    """The cabinet as an `Asset` with surface samples about ``spacing`` metres apart."""
-    rng = np.random.default_rng(seed)
+def sample_asset() -> Asset:
+    """The cabinet as an `Asset` with surface samples about `SPACING` metres apart."""
+    rng = np.random.default_rng(0)
     corners = np.concatenate([sample_box_arrays(part).reshape(-1, 3) for part in SAMPLE_PARTS])
     low, high = corners.min(axis=0), corners.max(axis=0)
     center, scale = (low + high) / 2, float((high - low).max())
@@ -194,7 +195,7 @@ def sample_asset(seed: int = 0, spacing: float = 0.004) -> Asset:
                 box=np.stack([((box_low + box_high) / 2 - center) / scale, (box_high - box_low) / scale]),
             )
         )
-        chunk = _sample_boxes(part.boxes, spacing, rng)
+        chunk = _sample_boxes(part.boxes, rng)
         chunks.append(chunk)
         ids.append(np.full(len(chunk[0]), index))
     points, normals, colors = (np.concatenate(column) for column in zip(*chunks, strict=True))

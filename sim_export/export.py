@@ -1,23 +1,20 @@
 """`export_asset`: the sequence of stages from an `Asset` to a `SimPackage`."""
 
-import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 
 from artigen.files.wavefront import ObjText
 from artigen.runtime.budget import Budget
+from artigen.runtime.stopwatch import Stopwatch
 from artigen.types import Asset
 from sim_export.appearance.splats import attach_splats
 from sim_export.appearance.texture import bake_parts
 from sim_export.collision.attachment import attach_links
 from sim_export.collision.clearance import clear_joints
-from sim_export.collision.cover.object_cover import ObjectCover, find_passing
 from sim_export.collision.exact import find_solids
 from sim_export.collision.feet import add_feet, level_object
 from sim_export.collision.hull_limits import THICKEST, compact_hull, flatten_links
@@ -25,17 +22,12 @@ from sim_export.collision.pins import pin_carriers
 from sim_export.collision.recovery import recover_hulls, recover_surface
 from sim_export.collision.tools import decompose
 from sim_export.collision.trimming import fill_meshes, trim_meshes
-from sim_export.geometry.boards import fill_boards
-from sim_export.geometry.lone_cells import give_lone_cells
-from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.occupancy import require_voxels
-from sim_export.geometry.separation import free_latches, separate_solids
 from sim_export.geometry.struts import brace_links
 from sim_export.geometry.triangles import diagonal_of
-from sim_export.geometry.wheels import fit_width, is_open, round_wheels
 from sim_export.motion.held_drawers import keep_drawers_held
 from sim_export.motion.requirements import find_crossings, find_requirements
-from sim_export.package import Hull, Inertial, Link, Mesh, SimPackage, SourceMesh, Visual
+from sim_export.package import Hull, Link, Mesh, SimPackage, SourceMesh, Visual
 from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.links import (
     LinkTree,
@@ -45,9 +37,10 @@ from sim_export.physics.links import (
     link_owners,
     link_surfaces,
 )
-from sim_export.physics.masses import hold_centers, weigh_part
+from sim_export.physics.masses import hold_centers
 from sim_export.physics.materials import part_material
 from sim_export.search import HullPlan, judge_package, search_hulls
+from sim_export.solids import Solids, make_solids
 
 COVERING = 0.5
 """Share of the budget that is left in which surfaces are covered; the rest is for clearance and checks."""
@@ -55,46 +48,6 @@ RECOVERING = 0.1
 """Share of the time for covering in which what cuts took is put back, if no more of it is left."""
 LEAST_COVERING = 0.1
 """Share of the whole budget that covering gets, however long reading and mending the object took."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Solids:
-    """What does not depend on the choice of hulls: a mesh and mass of every part, the triangles (m) of which
-    hulls are made where that is not the mesh, records, and the seconds that each stage took."""
-
-    asset: Asset
-    meshes: tuple[Mesh, ...]
-    inertials: tuple[Inertial, ...]
-    surfaces: tuple[Float[np.ndarray, "F 3 3"], ...] | None
-    records: tuple[str, ...]
-    seconds: tuple[tuple[str, float], ...]
-
-    @cached_property
-    def source_cover(self) -> ObjectCover:
-        """Hulls of the links from their own triangles, kept out of the space that other links sweep."""
-        if self.surfaces is None:
-            raise ValueError("these solids have no surfaces of their own; make hulls of their meshes")
-        shown = link_surfaces(self.asset, self.surfaces)
-        return ObjectCover(shown, find_passing(self._tree.links, self._tree.joints, shown))
-
-    @cached_property
-    def voxel_cover(self) -> ObjectCover:
-        """Hulls of the parts from their meshes, kept out of the space that other links are in or sweep."""
-        triangles = [mesh.vertices[mesh.faces] for mesh in self.meshes]
-        shown = link_surfaces(self.asset, triangles)
-        passing = find_passing(self._tree.links, self._tree.joints, shown, solid=True)
-        names, owners = link_names(self.asset), link_owners(self.asset)
-        parts = [part.name for part in self.asset.parts]
-        around = {
-            part: passing[names[owner]]
-            for part, owner in zip(parts, owners, strict=True)
-            if names.get(owner) in passing
-        }
-        return ObjectCover(dict(zip(parts, triangles, strict=True)), around, solid=True)
-
-    @cached_property
-    def _tree(self) -> LinkTree:
-        return build_links(self.asset, [PartGeometry(inertial=inertial) for inertial in self.inertials])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -107,23 +60,9 @@ class Exported:
     unpainted: Mapping[str, Mesh] = field(default_factory=dict)
 
 
-class _Stopwatch:
-    """Records the time of each stage."""
-
-    def __init__(self) -> None:
-        self.laps: list[tuple[str, float]] = []
-        self._last = time.perf_counter()
-
-    def lap(self, name: str) -> None:
-        now = time.perf_counter()
-        self.laps.append((name, now - self._last))
-        self._last = now
-
-
 def export_asset(
     asset: Asset,
     *,
-    source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
     provenance: Mapping[str, str] | None = None,
     finish: Callable[[SimPackage], SimPackage] = lambda package: package,
     budget: Budget | None = None,
@@ -134,8 +73,6 @@ def export_asset(
     Args:
         asset: Parts, joints and voxels. Its Gaussians, or else its surface samples, colour the textures;
             Gaussians are also added to the package per link.
-        source_meshes: Visual meshes by part, used instead of those made from the voxels; a part without any
-            is invisible. Collision, mass and annotations still come from the voxels.
         provenance: Origin of the object, for ``provenance.json``.
         finish: Completes each package before its hulls are judged (`export_best`).
         budget: As in `export_best`.
@@ -147,7 +84,6 @@ def export_asset(
     return export_best(
         make_solids(asset),
         first or HullPlan(target="voxels"),
-        source_meshes=source_meshes,
         provenance=provenance,
         finish=finish,
         budget=budget,
@@ -172,7 +108,8 @@ def export_best(
     Args:
         solids: The parts.
         first: How hulls are made first.
-        source_meshes: As in `export_asset`.
+        source_meshes: Visual meshes by part, used instead of those made from the voxels; a part without any
+            is invisible. Collision, mass and annotations still come from the voxels.
         provenance: As in `export_asset`.
         finish: Completes each package.
         budget: Time for the search; one package is made in any case.
@@ -193,7 +130,7 @@ def export_best(
         return made, finish(made.package)
 
     found = search_hulls(first, make, lambda made: judge_package(made[1], read), budget)
-    watch = _Stopwatch()
+    watch = Stopwatch()
     best, package = found.best
     painted = paint_package(best.package, solids.asset, best.unpainted)
     if painted is not best.package:
@@ -212,54 +149,6 @@ def export_best(
     )
 
 
-def make_solids(asset: Asset, surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | None = None) -> Solids:
-    """Meshes and masses of all parts from their voxels.
-
-    Args:
-        asset: As in `export_asset`.
-        surfaces: The triangles of the visual meshes by part (metres), from which `export_solids` may make
-            collision.
-
-    Raises:
-        ExportError: As `export_asset`.
-    """
-    watch = _Stopwatch()
-    owners = link_owners(asset)
-    voxels, lone = give_lone_cells(require_voxels(asset), owners)
-    voxels, gaps = fill_boards(voxels, owners)
-    asset = replace(asset, voxels=voxels)
-    solids, given_up = separate_solids(asset, solid_parts(asset), owners)
-    asset, solids, freed = free_latches(asset, solids, owners)
-    plain = mesh_parts(asset, solids)
-    meshes, rounded = round_wheels(asset, plain)
-    if surfaces is not None:
-        surfaces, spoked = _round_surfaces(asset, surfaces, plain, meshes)
-        rounded = (*rounded, *spoked)
-    watch.lap("mesh")
-    inertials = [weigh_part(asset, index, mesh, solids[index]) for index, mesh in enumerate(meshes)]
-    watch.lap("mass")
-    records = (
-        *([f"{lone} cells apart from their links were given to what is around them"] if lone else []),
-        *([f"{gaps} cells between the faces of boards were filled"] if gaps else []),
-        *(
-            f"{part.name}: {said}"
-            for part, solid in zip(asset.parts, solids, strict=True)
-            for said in solid.records
-        ),
-        *given_up,
-        *freed,
-        *rounded,
-    )
-    return Solids(
-        asset=asset,
-        meshes=tuple(meshes),
-        inertials=tuple(inertials),
-        surfaces=None if surfaces is None else tuple(surfaces),
-        records=records,
-        seconds=tuple(watch.laps),
-    )
-
-
 def export_solids(
     solids: Solids,
     plan: HullPlan,
@@ -273,11 +162,11 @@ def export_solids(
     Args:
         solids: The parts.
         plan: How hulls are made.
-        source_meshes: As in `export_asset`.
+        source_meshes: As in `export_best`.
         provenance: As in `export_asset`.
         budget: Time for covering the parts with hulls.
     """
-    watch = _Stopwatch()
+    watch = Stopwatch()
     asset, meshes, sheets = solids.asset, solids.meshes, plan.target == "surfaces"
     names, levels = link_names(asset), dict(plan.levels)
     if plan.method != "auto":
@@ -383,29 +272,6 @@ def _decompose(solids: Solids, plan: HullPlan, budget: Budget) -> dict[str, tupl
             found = decompose(plan.method, triangles, dict(plan.options), budget.left, name)
         out[name] = tuple(part for hull in found for part in compact_hull(hull, thickest))
     return out
-
-
-def _round_surfaces(
-    asset: Asset,
-    surfaces: Sequence[Float[np.ndarray, "F 3 3"]],
-    plain: Sequence[Mesh],
-    meshes: Sequence[Mesh],
-) -> tuple[list[Float[np.ndarray, "F 3 3"]], tuple[str, ...]]:
-    """The triangles of all parts, those of wheels that became cylinders replaced by these.
-
-    A wheel that its cylinder would close keeps its own, and a record says so.
-    """
-    diagonal = diagonal_of(np.concatenate([surface.reshape(-1, 3) for surface in surfaces]))
-    out, records = list(surfaces), []
-    for index, (part, before, mesh) in enumerate(zip(asset.parts, plain, meshes, strict=True)):
-        if part.label != "wheel" or mesh is before or not len(surfaces[index]):
-            continue
-        cylinder = fit_width(mesh, part.joint, asset.scale, surfaces[index])
-        if is_open(surfaces[index], cylinder, diagonal):
-            records.append(f"{part.name}: keeps its own surface, whose openings the cylinder would close")
-        else:
-            out[index] = cylinder.vertices[cylinder.faces]
-    return out, tuple(records)
 
 
 def paint_package(package: SimPackage, asset: Asset, unpainted: Mapping[str, Mesh]) -> SimPackage:

@@ -14,6 +14,7 @@ from project import ROOT
 
 PACKAGES = ("artigen", "sim_export", "envs")
 SHARED = {
+    "brief",
     "types",
     "transforms",
     "camera",
@@ -35,6 +36,7 @@ MODEL_CODE = (
     "artigen.models",
     "artigen.latent",
     "artigen.metrics",
+    "artigen.reader.assemble",
     "artigen.reader.decode",
     "artigen.reader.kind_network",
     "artigen.reader.model",
@@ -52,7 +54,7 @@ MODEL_CODE = (
 )
 """The only places where torch is imported."""
 LAYERS = (
-    {"errors", "types", "plugins", "kind", "transforms", "kinematics", "camera", "io", "weights"},
+    {"brief", "errors", "types", "plugins", "kind", "transforms", "kinematics", "camera", "io", "weights"},
     {"files", "runtime"},
     {"voxels"},
     {"shapes"},
@@ -81,6 +83,7 @@ EXPORT_LAYERS = (
     {"checks"},
     {"search", "source_faults", "usd"},
     {"mend"},
+    {"solids"},
     {"export", "reference"},
 )
 """The same of sim_export."""

@@ -236,8 +236,9 @@ def export_source(
         ExportError: If no hulls can be made.
     """
     from artigen.api.mend import place_source_meshes, place_source_surfaces
-    from sim_export.export import export_best, make_solids
+    from sim_export.export import export_best
     from sim_export.search import HullPlan
+    from sim_export.solids import make_solids
 
     solids = make_solids(asset, place_source_surfaces(source, asset))
     meshes = place_source_meshes(source, asset)
@@ -273,9 +274,10 @@ def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]
 def _explain(job: ConvertJob, failed: tuple[str, ...], scratch: Path) -> tuple[str, ...]:
     from artigen.api.mend import place_source_meshes, place_source_surfaces
     from sim_export.checks.subject import Subject
-    from sim_export.export import export_solids, make_solids
+    from sim_export.export import export_solids
     from sim_export.files.read import read_package
     from sim_export.search import HullPlan
+    from sim_export.solids import make_solids
     from sim_export.source_faults import find_source_faults
 
     if job.cfg.visual == "source":

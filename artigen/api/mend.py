@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.api.give_files import give_files
-from artigen.datasets.mesh_files import write_obj
+from artigen.datasets.mesh_obj import write_obj
 from artigen.datasets.sizes import estimate_size
 from artigen.datasets.source_object import SourceObject, SourceVisual, TriangleMesh
 from artigen.kind import find_category

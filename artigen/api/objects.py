@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, TypeVar, overload
+from typing import Any, overload
 
 from artigen.api.batch import Finished, run_with_progress
 from artigen.api.object import Object, load
@@ -12,7 +12,6 @@ from artigen.errors import ArtigenError
 from artigen.runtime.runner import LocalRunner, choose_runner, run_jobs
 from artigen.runtime.workers import InProcess, Worker
 
-JobType = TypeVar("JobType")
 Handle = Callable[[Worker, Any], Finished]
 """Makes the package of a job in a worker; its folder is named by the job."""
 

@@ -1,18 +1,18 @@
 """Reads "tall", "large" and "round" where they describe the whole object."""
 
+from artigen.conditioning.colors import is_noun
 from artigen.conditioning.parse import BETWEEN, Parse, say_features
 from artigen.conditioning.places import starts_spot
 from artigen.conditioning.sentence import TextError
-from artigen.conditioning.vocabulary import ADJECTIVES, AXES, LEGS, OUTLINES, PARTS, PIECES, SCALES
+from artigen.conditioning.vocabulary import ADJECTIVES, AXES, GLOSSES, LEGS, OUTLINES, PARTS, PIECES, SCALES
 
 COMPARED = 4
 """Number of words between "than" or "as" and an adjective: "wider than it is tall"."""
-GLOSSES = (("high", "gloss"), ("deep", "gloss"), ("high", "shine"))
-"""Adjectives of a surface, not of an extent."""
 
 
 def read_adjectives(parse: Parse) -> Parse:
     """Reads "tall" and the like where they describe the whole object."""
+    parse = _read_gloss(parse)
     for at, word in enumerate(parse.words):
         counted = at > 0 and parse.words[at - 1][0].isdigit()
         compared = bool({"than", "as"} & set(parse.words[max(0, at - COMPARED) : at]))
@@ -32,12 +32,23 @@ def read_adjectives(parse: Parse) -> Parse:
     return parse
 
 
+def _read_gloss(parse: Parse) -> Parse:
+    """Reads "matte" and "high gloss", except of a part: "matte handles"."""
+    for at in range(len(parse.words)):
+        for count in (2, 1):
+            gloss = GLOSSES.get(" ".join(parse.words[at : at + count]))
+            if gloss is not None and at not in parse.used and not _describes_part(parse, at + count - 1):
+                parse = say_features(parse.take(at, count), (gloss,))
+                break
+    return parse
+
+
 def _describes_part(parse: Parse, at: int) -> bool:
-    """Whether the next noun after an adjective is a part, or it is one of a surface: "high gloss"."""
-    if parse.words[at : at + 2] in GLOSSES:
+    """Whether the next noun after an adjective is a part, or what is not known: "an oval seat"."""
+    if at > parse.head.start and is_noun(parse.words, at + 1):
         return True
     for place in range(at + 1, min(at + 2 + BETWEEN, len(parse.words))):
-        if place in parse.head or parse.words[place] == ",":
+        if place in parse.head or parse.words[place] in (",", "with", "without"):
             return False
         if parse.words[place] in {*PARTS, *PIECES, *LEGS} or starts_spot(parse.words, place):
             return True

@@ -1,5 +1,7 @@
 """Finds what colours and materials of a sentence belong to, before, after and behind commas."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from artigen.conditioning.numbers import read_number
@@ -58,7 +60,7 @@ def read_finishes(
         word = " ".join(words[at : at + count])
         table = colors if find_color_only(word) is not None else materials
         target = _find_after(words, at + count, head)
-        if target is None and at > head.start and _is_noun(words, at + count):
+        if target is None and at > head.start and is_noun(words, at + count):
             at += count  # "a mailbox with a red flag"
             continue
         target = target or _find_before(words, at, head, table)
@@ -80,8 +82,11 @@ def find_color_only(word: str) -> Color | None:
         first = np.array(PAINTS[shade])
         r, g, b = ((first + color) / 2).tolist() if shade in PLAIN else PAINTS[shade]
         return r, g, b
-    if color is None or shade not in ("", *SHADES):
-        return None
+    return None if color is None or shade not in ("", *SHADES) else _shade(color, shade)
+
+
+def _shade(color: Color, shade: str) -> Color:
+    """A colour after a word such as "light"; "" leaves it."""
     share = SHADES.get(shade, 0.0)
     goal = 1.0 if share > 0 else 0.0
     r, g, b = (level + abs(share) * (goal - level) for level in color)
@@ -89,15 +94,19 @@ def find_color_only(word: str) -> Color | None:
 
 
 def find_stuff(word: str) -> Stuff | None:
-    """The material of a word; None for other words."""
-    return MATERIALS.get(word)
+    """The material of a word, which may have a shade before it, "light oak"; None for other words."""
+    shade, _, name = word.rpartition(" ")
+    stuff = MATERIALS.get(name)
+    if word in MATERIALS or stuff is None or stuff.color is None or shade not in SHADES:
+        return MATERIALS.get(word)
+    return replace(stuff, color=_shade(stuff.color, shade))
 
 
 def _measure(words: tuple[str, ...], at: int) -> int:
     """Number of words of the colour or material at a place; 0 for none."""
     for count in (2, 1):
         word = " ".join(words[at : at + count])
-        if at + count <= len(words) and (word in MATERIALS or find_color_only(word) is not None):
+        if at + count <= len(words) and (find_stuff(word) is not None or find_color_only(word) is not None):
             return count
     return 0
 
@@ -123,9 +132,21 @@ def _find_after(words: tuple[str, ...], start: int, head: range) -> str | None:
     return None
 
 
-def _is_noun(words: tuple[str, ...], at: int) -> bool:
-    """Whether a word after a colour may be a noun without a known meaning."""
-    known = {*FILLERS, *SURFACES, *ADJECTIVES, *SCALES, *SHADES, *ENDS, *CLAUSES, *RELATIONS}
+def is_noun(words: tuple[str, ...], at: int) -> bool:
+    """Whether a word may be a noun without a known meaning: no part, and nothing that describes one."""
+    known = {
+        *PARTS,
+        *PIECES,
+        *LEGS,
+        *FILLERS,
+        *SURFACES,
+        *ADJECTIVES,
+        *SCALES,
+        *SHADES,
+        *ENDS,
+        *CLAUSES,
+        *RELATIONS,
+    }
     return (
         at < len(words)
         and words[at].isalpha()

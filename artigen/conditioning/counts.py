@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+from artigen.conditioning.colors import is_noun
 from artigen.conditioning.numbers import crosses, read_count, read_number
 from artigen.conditioning.parse import BETWEEN, Parse, kind_of, say_count, say_features
 from artigen.conditioning.places import Group, find_places, match_relation, starts_spot
 from artigen.conditioning.sentence import Placing, TextError
-from artigen.conditioning.vocabulary import ADJECTIVES, GRIDS, ONES, PART_NOUNS, PARTS, SCALES
+from artigen.conditioning.vocabulary import ADJECTIVES, GRIDS, ONES, PANES, PART_NOUNS, PARTS, SCALES
 from artigen.kind import find_noun
 from artigen.types import PART_LABELS
 
@@ -40,27 +41,32 @@ def read_counts(parse: Parse) -> Parse:
     parse = say_features(replace(parse, used=places.used), places.features)
     for label in PART_LABELS:
         own = [group for group in places.groups if group.label == label and group.count is not None]
-        numbers = [group for group in own if words[group.start] not in ("a", "an")]
+        numbers = [group for group in own if words[group.start] not in ("a", "an") or group.at is not None]
         own = numbers or own  # "a drawer pedestal with three drawers"
         placed = [group for group in own if group.at is not None]
         spots = {group.at for group in placed}
         apart = len(spots) > 1 or (len(spots) == 1 < len(own))  # "three drawers, one of them on top"
+        added = apart and own[0].at is not None  # "two doors above three drawers, and two doors"
         for group in own:
-            if not (apart and group.at):
+            if not added and not (apart and group.at):
                 parse = say_count(parse, label, group.count or 0)
-        total = sum(group.count or 0 for group in placed)
+        total = sum(group.count or 0 for group in (own if added else placed))
         held = dict(parse.found.counts).get(label, total)
         if apart and total > held:
             raise TextError(
                 f"{held} parts called {label} are asked for, and places for {total}; give one number"
             )
         parse = say_count(parse, label, held) if apart else parse
-    placings = (
-        Placing(label=group.label, count=group.count, at=group.at)
+    placings = [
+        Placing(label=group.label, count=group.count, at=group.at, pane=_is_glazed(words, group))
         for group in places.groups
         if group.at is not None and group.count != 0
-    )
+    ]
     return parse.say(places=tuple(placings))
+
+
+def _is_glazed(words: tuple[str, ...], group: Group) -> bool:
+    return group.label == "door" and bool(PANES & set(words[group.start : group.end]))
 
 
 def _read_group(parse: Parse, at: int) -> Group | None:
@@ -91,7 +97,13 @@ def _read_group(parse: Parse, at: int) -> Group | None:
     if crossed is not None and named and end + 3 not in parse.head:
         total = number[0] * int(crossed[0])  # "2 x 3 drawers"
         return Group(start=at, end=end + 3, label=PARTS[words[end + 2]], count=total, counted=end + 2 - at)
+    after = match_relation(words, end)
+    second = None if after is None else _read_group(parse, after)
+    if second is not None and second.counted:  # "3 over 4 drawers"
+        return Group(start=at, end=end, label=second.label, count=number[0], counted=number[1])
     place = _find_part(parse, end)
+    if place is not None and number[0] > 1 and words[place] in PART_NOUNS and is_noun(words, end):
+        return None  # "a 250-sheet tray"
     if place is None or (number[0] == 1 and words[place] not in PART_NOUNS):
         return None
     if words[at] in ("a", "an") and (place in parse.head or place + 1 in parse.head):
@@ -99,7 +111,8 @@ def _read_group(parse: Parse, at: int) -> Group | None:
     follows = words[place + 1 : place + 2]
     if follows and place not in parse.head and find_noun(f"{words[place]} {follows[0]}") is not None:
         return None  # "one drawer unit"
-    if words[at] in ("a", "an") and words[place + 1 : place + 3] == ("on", "each"):
+    each = words[place + 1 : place + 3] == ("on", "each") and not starts_spot(words, place + 1)
+    if words[at] in ("a", "an") and each:  # "a handle on each door"
         return Group(start=at, end=place + 1, label=PARTS[words[place]], count=None)
     return Group(start=at, end=place + 1, label=PARTS[words[place]], count=number[0], counted=number[1])
 
@@ -158,7 +171,8 @@ def read_objects(parse: Parse) -> Parse:
     kind = kind_of(parse)
     if kind is not None and words[head.stop : head.stop + 1] == ("pair",):
         return parse.take(head.stop).say(objects=2)
-    if kind is None or " ".join(words[head.start : head.stop]) not in kind.nouns.values():
+    spelled = {" ".join(words[at : head.stop]) for at in head}
+    if kind is None or not spelled & set(kind.nouns.values()):
         return parse
     for at in range(head.start):
         number = None if at in parse.used else read_count(words, at)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from artigen.conditioning.vocabulary import Axis, Spot
 from artigen.errors import ArtigenError
-from artigen.kind import plurals
+from artigen.kind import kinds, plurals
 from artigen.types import PartLabel
 
 OBJECT = "object"
@@ -29,6 +29,8 @@ class Placing:
     count: int | None
     """How many; None for all of them."""
     at: Spot
+    pane: bool = False
+    """Whether they are glazed and others of the label are not."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +51,8 @@ class Sentence:
     size: tuple[tuple[Axis, float], ...] = ()
     stretch: tuple[tuple[Axis, float], ...] = ()
     """Factors relative to the usual extents: a tall cabinet."""
+    volume: float | None = None
+    """What it holds (m^3)."""
     colors: tuple[tuple[str, str], ...] = ()
     """Colour words by target: `OBJECT`, a part label, or the finish of a piece."""
     materials: tuple[tuple[str, str], ...] = ()
@@ -71,6 +75,8 @@ class Sentence:
         for label in dict.fromkeys(place.label for place in self.places):
             spots = {place.at: place.count for place in self.places if place.label == label}
             parts.setdefault(label, {})["at"] = spots if len(spots) > 1 else next(iter(spots))
+            glazed = [place.at for place in self.places if place.label == label and place.pane]
+            parts[label] |= {"glazed": glazed} if glazed else {}
         return {
             "kind": self.kind,
             "objects": self.objects,
@@ -78,17 +84,21 @@ class Sentence:
             "counts": dict(self.counts),
             "size": {axis: round(length, 6) for axis, length in self.size},
             "stretch": dict(self.stretch),
+            "volume": self.volume,
             "parts": parts,
             "ignored": list(self.ignored),
         }
 
     def describe(self) -> str:
         """One line: what is understood, and what is not."""
-        said = [self.kind or "any kind"]
+        kind = None if self.kind is None else kinds()[self.kind]
+        formed = kind is not None and self.noun in kind.forms
+        said = [f"{self.kind} ({self.noun})" if formed else self.kind or "any kind"]
         said += [f"{self.objects} of them"] if self.objects > 1 else []
         said += [] if self.style is None else [f"style {self.style}"]
         said += [f"{length:g} m {_WORDS[axis]}" for axis, length in self.size]
         said += [f"{factor:g} times the usual {axis}" for axis, factor in self.stretch]
+        said += [] if self.volume is None else [f"{1000 * self.volume:g} litres"]
         said += [f"{count} {label if count == 1 else plurals(label)[label]}" for label, count in self.counts]
         said += [f"at least one {label}" for label in self.some]
         said += [f"{target} {word}" for target, word in (*self.colors, *self.materials)]
@@ -99,8 +109,9 @@ class Sentence:
 
 
 def _count(place: Placing) -> str:
-    many = plurals(place.label)[place.label]
-    return many if place.count is None else f"{place.count} {place.label if place.count == 1 else many}"
+    noun = place.label if place.count == 1 else plurals(place.label)[place.label]
+    said = (str(place.count or ""), "glazed" if place.pane else "", noun)
+    return " ".join(filter(None, said))
 
 
 _AT: Mapping[Spot, str] = {

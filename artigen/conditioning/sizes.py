@@ -1,14 +1,23 @@
 """Reads the lengths of a sentence: with a direction, as a product, and bare."""
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from artigen.conditioning.numbers import crosses, read_length, read_number
 from artigen.conditioning.parse import Parse, kind_of, say_length
-from artigen.conditioning.vocabulary import AXES, CLAUSES, DIRECTIONS, PARTS, UNITS, Axis
+from artigen.conditioning.sentence import TextError
+from artigen.conditioning.vocabulary import AXES, CLAUSES, DIRECTIONS, PARTS, UNITS, VOLUMES, Axis
 from artigen.kind import Kind
 
 WIDEST = 1.25
 """Width (m) of the widest ranges and refrigerators; a longer length of an appliance is its height."""
+ORDERS: tuple[tuple[Axis, ...], ...] = (
+    AXES, ("width", "height", "depth"), ("height", "width", "depth"), ("depth", "width", "height"),
+)  # fmt: skip
+"""What the three lengths of a product may be."""
+FAR_MORE_USUAL = 0.7
+"""How much nearer to a kind's usual lengths, as the sum of logarithms, another order must be."""
 FURTHEST = 10.0
 """Largest length (m) of a number without a unit, which has that of the number before."""
 
@@ -22,7 +31,7 @@ def read_sizes(parse: Parse) -> Parse:
         if triple is not None:
             for axis, length in zip(AXES, triple[0], strict=True):
                 parse = say_length(parse, axis, length)
-            parse = parse.take(at, triple[1])
+            parse = replace(parse.take(at, triple[1]), product=tuple(triple[0]))
             at += triple[1]
             continue
         length = read_length(words, at)
@@ -33,10 +42,14 @@ def read_sizes(parse: Parse) -> Parse:
             bare = number[0] * UNITS[unit]
             length = (bare, number[1]) if bare <= FURTHEST else None
         named = None if length is None else _find_direction(words, at, length[1])
+        each = words[max(0, at - 1) : at] in (("each",), ("every",))  # "three drawers, each 20 cm high"
         if length is None or named is None:
             at += 1
             continue
         axis, start, end = named
+        if each:
+            parse, at = parse.lose(start, end - start), end
+            continue
         parse = say_length(parse.take(start, end - start), axis, length[0])
         at = end
     return parse
@@ -76,6 +89,47 @@ def _read_triple(words: tuple[str, ...], at: int) -> tuple[list[float], int] | N
     if last is None:
         return None
     return [value * UNITS[unit or last] for value, unit in numbers], end - at
+
+
+def order_product(parse: Parse) -> Parse:
+    """Lengths of "200 x 80 x 30 cm" as those that they are: width, depth and height, unless another order is
+    far more usual of the kind."""
+    kind = kind_of(parse)
+    if kind is None or not parse.product:
+        return parse
+    spans = kind.forms.get(parse.found.noun or "", kind.sizes)
+    usual = dict(zip(AXES, (math.sqrt(low * high) for low, high in spans), strict=True))
+
+    def differ(axes: tuple[Axis, ...]) -> float:
+        return sum(
+            abs(math.log(length / usual[axis])) for axis, length in zip(axes, parse.product, strict=True)
+        )
+
+    best = min(ORDERS, key=differ)
+    if differ(AXES) - differ(best) <= FAR_MORE_USUAL:
+        return parse
+    said = dict(zip(best, parse.product, strict=True))
+    return parse.say(size=tuple((axis, said[axis]) for axis in AXES))
+
+
+def read_volume(parse: Parse) -> Parse:
+    """Reads "40 litres".
+
+    Raises:
+        TextError: If two volumes are given, or nothing.
+    """
+    for at in range(len(parse.words)):
+        number = None if at in parse.used else read_number(parse.words, at)
+        end = at if number is None else at + number[1]
+        unit = VOLUMES.get(parse.words[end]) if end < len(parse.words) else None
+        letter = end < len(parse.words) and parse.words[end] == "l"  # "an L-shaped desk"
+        if number is None or unit is None or (letter and not parse.words[at][0].isdigit()):
+            continue
+        volume = number[0] * unit
+        if parse.found.volume not in (None, volume) or volume <= 0:
+            raise TextError(f"{1000 * volume:g} litres: expected one volume, more than 0")
+        parse = parse.take(at, number[1] + 1).say(volume=volume)
+    return parse
 
 
 def read_bare_sizes(parse: Parse) -> Parse:
@@ -195,6 +249,9 @@ def _read_unitless(words: tuple[str, ...], at: int, kind: Kind) -> tuple[Axis, f
     end = place + number[1]
     after = DIRECTIONS.get(words[end]) if end < len(words) else None
     axis = before or after
+    letter = len(words[at] if before else words[end] if axis else "") == 1
+    if letter and len({"w", "d", "h"} & set(words)) < 2:
+        return None  # "700 W"
     if axis is None or (end < len(words) and words[end] in UNITS):
         return None
     end += before is None

@@ -8,6 +8,7 @@ from typing import Literal, get_args
 
 from artigen.kind import plurals
 from artigen.shapes.fittings.handles import HANDLE_KINDS
+from artigen.shapes.fittings.legs import LegKind
 from artigen.shapes.surfaces.finishes import Color, FinishKind
 from artigen.shapes.surfaces.materials import METALS, STONES, WOODS
 from artigen.types import PartLabel
@@ -110,6 +111,11 @@ UNITS: dict[str, float] = {
     "ft": 0.3048, "foot": 0.3048, "feet": 0.3048,
 }  # fmt: skip
 """Metres of each unit."""
+VOLUMES: dict[str, float] = {
+    **dict.fromkeys(("litre", "litres", "liter", "liters", "l"), 0.001),
+    **dict.fromkeys(("gallon", "gallons"), 0.003785),
+}
+"""Cubic metres of each unit."""
 DIRECTIONS: dict[str, Axis] = {
     "wide": "width", "width": "width", "broad": "width", "long": "width", "length": "width",
     "deep": "depth", "depth": "depth",
@@ -152,6 +158,17 @@ OUTLINES: dict[str, Feature] = {
     )
 }  # fmt: skip
 """Adjectives for the outline of an object from above."""
+
+GLOSSES: dict[str, Feature] = {
+    word: ("object", "surface", gloss)
+    for gloss, words in {
+        "matte": ("matte", "matt", "ultra matte"),
+        "satin": ("satin", "semi gloss", "silky", "eggshell"),
+        "glossy": ("gloss", "glossy", "high gloss", "deep gloss", "shiny", "high shine"),
+    }.items()
+    for word in words
+}
+"""Adjectives for how much the surface of an object mirrors."""
 
 PAINTS: dict[str, Color] = {
     "white": (0.92, 0.92, 0.91),
@@ -258,11 +275,24 @@ SPOTS: dict[str, Spot] = {
     "in the middle": "middle", "in the centre": "middle", "in the center": "middle",
 }  # fmt: skip
 """Phrases after, or before, the parts that they place."""
+UPRIGHT: tuple[tuple[str, Spot], ...] = (
+    ("upper", "top"), ("top", "top"), ("lower", "bottom"), ("bottom", "bottom"),
+)  # fmt: skip
 SPOTS |= {
     text.format(side): side
     for side in SIDEWAYS
-    for text in ("on the {}", "on the {} side", "on the {} hand side", "at the {}", "on {}", "to the {}")
+    for text in (
+        "on the {}",
+        "on the {} side",
+        "on the {} hand side",
+        "on its {}",
+        "on its {} side",
+        "at the {}",
+        "on {}",
+        "to the {}",
+    )
 }
+SPOTS |= {f"in the {word} {noun}": spot for word, spot in UPRIGHT for noun in ("part", "half", "section")}
 EDGES: dict[str, Spot] = {
     "top": "top", "upper": "top", "bottom": "bottom", "lower": "bottom", "left": "left", "right": "right",
     "middle": "middle", "central": "middle",
@@ -285,10 +315,26 @@ APART: Feature = ("door", "hinged", "apart")
 """The feature of doors that are hinged at their outer sides."""
 STACKED: Feature = ("door", "type", "stacked")
 """The feature of doors above each other."""
-EXCLUSIVE = frozenset({("door", "hinged"), ("stand", "type"), ("freezer", "at"), ("object", "outline")})
+EXCLUSIVE = frozenset(
+    {
+        ("door", "hinged"),
+        ("stand", "type"),
+        ("freezer", "at"),
+        ("leg", "type"),
+        ("object", "outline"),
+        ("object", "surface"),
+    }
+)
 """Properties that have one value."""
 LEVEL: Feature = ("door", "type", "side by side")
 """The feature of doors beside each other."""
+
+
+LEG_WORDS: dict[LegKind, tuple[str, ...]] = {
+    "turned": ("turned",), "cabriole": ("cabriole",), "tapered": ("tapered",),
+    "round": ("round", "cylindrical"), "square": ("square", "straight"), "splayed": ("splayed", "angled"),
+}  # fmt: skip
+"""Adjectives of legs."""
 
 
 def _features() -> dict[str, Feature]:
@@ -309,6 +355,8 @@ def _features() -> dict[str, Feature]:
     for where in ("top", "bottom"):
         for text in (
             "{} freezer",
+            "{} mounted freezer",
+            "{} mount freezer",
             "freezer at the {}",
             "freezer on the {}",
             "freezer on {}",
@@ -343,6 +391,10 @@ def _features() -> dict[str, Feature]:
     for kind in HANDLE_KINDS:
         for noun in ("handle", "handles", "pull", "pulls"):
             found[f"{kind} {noun}"] = ("handle", "type", kind)
+    for kind, words in LEG_WORDS.items():
+        found |= {
+            f"{word} {noun}": ("leg", "type", kind) for word in words for noun in ("legs", "leg", "feet")
+        }
     for noun in ("castors", "casters", "wheels", "rollers"):
         found[f"on {noun}"] = ("wheel", "type", "castor" if noun != "wheels" else "wheel")
     for text, stand in (
@@ -367,7 +419,12 @@ STYLES: dict[Feature, str] = {
 """Styles that have a feature, for the kinds that have such a style."""
 BARE: Feature = ("handle", "type", "none")
 """The feature of fronts without handles."""
-FILLERS = frozenset({
+ROOMS = frozenset({
+    "kitchen", "bathroom", "bedroom", "living", "hall", "hallway", "office", "laundry", "utility", "garage",
+    "guest", "nursery", "home", "room", "entryway", "study",
+})  # fmt: skip
+"""Words for where an object is used; some nouns and styles of kinds begin with one."""
+FILLERS = ROOMS | frozenset({
     "a", "an", "the", "and", "or", "of", "for", "in", "it", "its", "is", "are", "that", "which", "to",
     "on", "at", "by", "with", "has", "have", "having", "made", "painted", "finished", "coloured",
     "colored", "finish", "i", "want", "please", "me", "one", "s", "featuring", "piece", "from", "each",

@@ -177,8 +177,8 @@ def _place(joint: UrdfJoint, parent: str, child: str, origins: Mapping[str, np.n
     return replace(joint, parent=parent, child=child, T_parent_joint=shift(origins[child] - origins[parent]))
 
 
-def _text(element: Element, key: str, model: _Model, default: str | None = None) -> str:
-    text = element.findtext(key, default)
+def _text(element: Element, key: str, model: _Model) -> str:
+    text = element.findtext(key)
     if text is None:
         raise SourceError(f"{model.owner}: <{element.tag} name={element.get('name')!r}> has no <{key}>")
     return text.strip()

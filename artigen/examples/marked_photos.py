@@ -51,8 +51,6 @@ class MarkedPhoto:
     pulls: Float[np.ndarray, "N 4"]
     room_doors: Float[np.ndarray, "N 4"]
     complete: bool
-    main: str | None
-    """Word for the main object."""
     objects: tuple[tuple[str, Float[np.ndarray, "4"], bool], ...] = field(default=())
     """Kind and box of recognised objects, and whether the box is that of the whole object."""
 
@@ -80,7 +78,6 @@ def read_marked_photos(folder: Path) -> list[MarkedPhoto]:
                 pulls=np.array(entry["pulls"], np.float32).reshape(-1, 4),
                 room_doors=room_doors,
                 complete=entry["complete"] is True,
-                main=entry["object"],
                 objects=tuple(
                     _find_objects(fronts, room_doors, entry["object"], complete=entry["complete"] is True)
                 ),

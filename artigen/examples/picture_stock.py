@@ -36,12 +36,12 @@ class Stock:
     """Fronts of one photograph each."""
 
 
-def gather_stock(photos: Sequence[MarkedPhoto], seed: int = 0) -> Stock:
+def gather_stock(photos: Sequence[MarkedPhoto]) -> Stock:
     """Backgrounds without fronts, and fronts, of the photographs that are marked completely.
 
     Without photographs, backgrounds are noise and no fronts are cut out.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     backgrounds, sets = [], []
     for photo in photos:
         if not photo.complete:

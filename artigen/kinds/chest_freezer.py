@@ -155,7 +155,9 @@ def _build_controls(
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("chest freezer", "deep freezer", "deep freeze", "freezer chest"),
+    nouns=plurals(
+        "chest freezer", "deep freezer", "deep freeze", "freezer chest", "shop freezer", "ice cream freezer"
+    ),
     hints=(),
     size=(by_height(0.85),),
     deepest=np.inf,

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from artigen.kind import Channel, Kind, Place, by_height, make, plurals
+from artigen.kind import EVERY, Channel, Kind, Place, by_height, make, plurals
 from artigen.shapes.appliances.appliance_doors import draw_grip, mount_grip
 from artigen.shapes.appliances.cavity import SIDES, build_shell, build_tub
 from artigen.shapes.appliances.control_panel import build_badge, design_dial, spread_controls
@@ -258,7 +258,7 @@ KIND = Kind(
     build="sheet",
     stands="free",
     styles=tuple(STYLES),
-    style_words={"vintage": "retro"},
+    style_words={"vintage": "retro", "built in": EVERY, "front loading": EVERY},
     forms={},
     sizes=((0.4, 0.8), (0.4, 0.9), (0.4, 1.2)),
     make=make(hidden=2.0, filled=25.0),  # pump

@@ -9,7 +9,7 @@ from math import radians
 
 import numpy as np
 
-from artigen.kind import Kind, Place, by_height, make, plurals
+from artigen.kind import EVERY, NONE, Kind, Place, by_height, make, plurals
 from artigen.shapes.appliances.cavity import build_feet
 from artigen.shapes.appliances.drums import build_bearing, build_porthole, fit_radius, make_drum
 from artigen.shapes.appliances.laundry import (
@@ -144,7 +144,7 @@ KIND = Kind(
     build="sheet",
     stands="free",
     styles=tuple(STYLES),
-    style_words={},
+    style_words={"front loading": EVERY, "front load": EVERY, "top loading": NONE, "top load": NONE},
     forms={},
     sizes=((0.4, 0.9), (0.4, 1.0), (0.6, 1.4)),
     make=make(hidden=4.0, filled=30.0),  # motor, fan

@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.kind import Channel, Kind, Place, by_width, make, plurals
+from artigen.kind import EVERY, Channel, Kind, Place, by_width, make, plurals
 from artigen.shapes.appliances.appliance_doors import build_window_leaf, draw_grip, mount_grip
 from artigen.shapes.appliances.cavity import build_feet, build_shell
 from artigen.shapes.appliances.control_panel import (
@@ -272,7 +272,7 @@ KIND = Kind(
     build="sheet",
     stands="free",
     styles=tuple(STYLES),
-    style_words={"vintage": "retro"},
+    style_words={"vintage": "retro", "countertop": EVERY},
     forms={},
     sizes=((0.3, 0.9), (0.25, 0.75), (0.18, 0.65)),
     make=make(hidden=4.0, wall={"glass": 0.004}),  # transformer

@@ -10,7 +10,7 @@ from math import radians
 
 import numpy as np
 
-from artigen.kind import Kind, Place, by_width, make, plurals
+from artigen.kind import EVERY, Kind, Place, by_width, make, plurals
 from artigen.shapes.appliances.control_panel import make_button
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, choose_style
@@ -260,7 +260,7 @@ KIND = Kind(
     build="plastic",
     stands="free",
     styles=tuple(STYLES),
-    style_words={"photocopier": "copier", "ink jet": "inkjet", "all in one": "multifunction"},
+    style_words={"photocopier": "copier", "ink jet": "inkjet", "all in one": "multifunction", "paper": EVERY},
     forms={},
     sizes=((0.25, 1.0), (0.2, 1.0), (0.1, 1.5)),
     make=make(wall={"plastic": 0.0025}, filled=110.0),

@@ -382,6 +382,7 @@ KIND = Kind(
         "freezer",
         "fridge freezer",
         "mini fridge",
+        "bar fridge",
         "upright freezer",
         "icebox",
         "wine cooler",
@@ -396,7 +397,9 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"vintage": "retro"},
-    forms=dict.fromkeys(("mini fridge", "minibar", "wine cooler"), ((0.44, 0.56), (0.45, 0.58), (0.5, 0.9))),
+    forms=dict.fromkeys(
+        ("mini fridge", "minibar", "wine cooler", "bar fridge"), ((0.44, 0.56), (0.45, 0.58), (0.5, 0.9))
+    ),
     sizes=((0.35, 1.9), (0.35, 1.1), (0.4, 2.4)),
     make=make(hidden=6.0, wall={"glass": 0.004}),  # compressor
     makes={},

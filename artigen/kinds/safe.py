@@ -5,7 +5,7 @@ from math import radians
 
 import numpy as np
 
-from artigen.kind import Kind, Place, by_height, make, plurals
+from artigen.kind import EVERY, Kind, Place, by_height, make, plurals
 from artigen.shapes.appliances.cavity import build_feet, build_shell
 from artigen.shapes.appliances.control_panel import make_button
 from artigen.shapes.assembly import Assembly
@@ -27,6 +27,8 @@ REACH = 0.06
 """Protrusion (m) of the parts that turn on the door."""
 ARM = 0.0085
 """Radius (m) of the spokes of a lever or handwheel."""
+DIAL = 0.042
+"""Radius (m) of the largest combination dial: they are 75 to 85 mm wide, on large safes as well."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -73,7 +75,7 @@ def _make_lock(
 
 
 def _lock_size(panel: Panel) -> float:
-    """Radius of the largest dial (m); spokes are a quarter longer."""
+    """Size of a lock (m): spokes are a quarter longer than this."""
     return float(np.clip(0.17 * min(panel.width, panel.height), 0.03, 0.07))
 
 
@@ -103,7 +105,7 @@ def _make_keypad(
 
 def _make_dial(panel: Panel, at: tuple[float, float], radius: float) -> ShapePart:
     """A combination dial: a flange, a knob and a mark."""
-    x = panel.x - 0.0015
+    x, radius = panel.x - 0.0015, min(radius, DIAL)
     up = (at[1] + 0.62 * radius, at[1] + radius)
     solids = (
         cylinder((x, *at), (x - 0.008, *at), radius, "panel"),
@@ -155,7 +157,7 @@ KIND = Kind(
     build="sheet",
     stands="free",
     styles=tuple(STYLES),
-    style_words={"combination": "dial", "digital": "keypad", "electronic": "keypad"},
+    style_words={"combination": "dial", "digital": "keypad", "electronic": "keypad", "lock": EVERY},
     forms={"gun safe": ((0.5, 0.75), (0.4, 0.6), (1.3, 1.6))},
     sizes=((0.2, 1.2), (0.2, 1.0), (0.2, 2.2)),
     make=make(density={"steel_sheet": 1150.0}),  # plates around concrete

@@ -11,7 +11,7 @@ from math import radians
 
 import numpy as np
 
-from artigen.kind import Kind, Place, by_longest, make, plurals
+from artigen.kind import EVERY, Kind, Place, by_longest, make, plurals
 from artigen.shapes.assembly import Assembly, draw_styled
 from artigen.shapes.choices import choose, choose_one
 from artigen.shapes.draw import Draft, Spans, Wish
@@ -245,7 +245,7 @@ KIND = Kind(
     build="plastic",
     stands="free",
     styles=tuple(STYLES),
-    style_words={"cardboard": "carton", "moving": "carton"},
+    style_words={"cardboard": "carton", "moving": "carton", "storage": EVERY},
     forms={},
     sizes=((0.12, 2.0), (0.1, 1.0), (0.06, 1.0)),
     make=make(density={"glass": 1050.0}, wall={"plastic": 0.0022, "glass": 0.0022}),

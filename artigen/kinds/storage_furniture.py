@@ -84,99 +84,47 @@ def _draw_wanted(rng: np.random.Generator, box: Space, looks: Looks, kind: Form,
     return node
 
 
-TALL: Spans = ((0.4, 0.9), (0.35, 0.62), (1.8, 2.2))
-DISPLAY: Spans = ((0.7, 1.2), (0.35, 0.5), (1.2, 2.0))
-SHOES: Spans = ((0.5, 0.9), (0.17, 0.38), (0.9, 1.3))
-"""Widths, depths and heights (m) of what has a noun and no form of its own."""
 NOUNS: dict[str, tuple[str, ...]] = {
     "nightstand": ("nightstand", "night stand", "bedside cabinet", "bedside table", "bedside unit"),
-    "bookcase": ("bookcase", "bookshelf", "shelving unit", "shelf unit"),
+    "bookcase": ("bookcase", "bookshelf", "shelving unit", "shelf unit", "cube shelf", "cube unit"),
     "tv_stand": (
         "tv stand", "tv unit", "tv cabinet", "tv console", "tv bench", "media unit", "media console",
         "lowboard", "entertainment center", "entertainment centre", "entertainment unit",
     ),
     "sideboard": ("sideboard", "credenza", "buffet"),
     "base_cabinet": (
-        "kitchen cabinet", "base cabinet", "base unit", "kitchen unit", "sink cabinet", "vanity unit",
+        "kitchen cabinet", "base cabinet", "lower cabinet",
+        "lower kitchen cabinet", "base unit", "kitchen unit", "sink cabinet", "vanity unit",
         "vanity", "bathroom vanity",
     ),
-    "wall_cabinet": ("wall cabinet", "hanging cabinet", "wall unit"),
+    "wall_cabinet": (
+        "wall cabinet", "upper cabinet", "upper kitchen cabinet",
+        "hanging cabinet", "wall unit", "wall cupboard", "wall mounted cabinet",
+        "wall hung cabinet",
+    ),
     "drawer_unit": ("drawer unit", "drawer base", "drawer cabinet",),
 }  # fmt: skip
 """Nouns of forms of furniture."""
 
 
-def _size_nouns() -> dict[str, Spans]:
-    """Usual widths, depths and heights (m) by nouns."""
-    forms = {noun: FORMS[form].spans for form, nouns in NOUNS.items() for noun in nouns}
-    forms |= dict.fromkeys(("pantry", "larder", "larder unit", "tall unit", "locker"), TALL)
-    forms |= dict.fromkeys(
-        ("hutch", "highboard", "china cabinet", "display cabinet", "display case"), DISPLAY
-    )
-    return forms | {"shoe cabinet": SHOES}
-
+SIZES: dict[str, Spans] = {noun: FORMS[form].spans for form, nouns in NOUNS.items() for noun in nouns}
+SIZES |= dict.fromkeys(
+    ("pantry", "larder", "larder unit", "tall unit", "locker", "linen cupboard", "broom cupboard"),
+    ((0.4, 0.9), (0.35, 0.62), (1.8, 2.2)),
+)
+SIZES |= dict.fromkeys(
+    ("hutch", "highboard", "china cabinet", "display cabinet", "display case"),
+    ((0.7, 1.2), (0.35, 0.5), (1.2, 2.0)),
+)
+SIZES |= dict.fromkeys(("shoe cabinet", "shoe rack"), ((0.5, 0.9), (0.17, 0.38), (0.9, 1.3)))
+SIZES["medicine cabinet"] = ((0.3, 0.7), (0.15, 0.2), (0.5, 0.8))
+"""Usual widths, depths and heights (m) by nouns that say more than the kind."""
 
 KIND = Kind(
     name=CATEGORY,
     nouns=plurals(
-        "cabinet",
-        "cupboard",
-        "sideboard",
-        "nightstand",
-        "bookcase",
-        "storage furniture/storage furniture",
-        "tv stand",
-        "night stand",
-        "bedside cabinet",
-        "bookshelf",
-        "glass cabinet",
-        "drawer unit",
-        "drawer base",
-        "drawer cabinet",
-        "vanity unit",
-        "media unit",
-        "shelving unit",
-        "media console",
-        "tv unit",
-        "tv cabinet",
-        "credenza",
-        "kitchen cabinet",
-        "base cabinet",
-        "wall cabinet",
-        "hanging cabinet",
-        "sink cabinet",
-        "storage cabinet",
-        "bathroom cabinet",
-        "display cabinet",
-        "china cabinet",
-        "shoe cabinet",
-        "locker",
-        "lowboard",
-        "highboard",
-        "pantry/pantries",
-        "larder",
-        "larder unit",
-        "buffet",
-        "hutch",
-        "vanity/vanities",
-        "bathroom vanity/bathroom vanities",
-        "base unit",
-        "wall unit",
-        "tall unit",
-        "kitchen unit",
-        "storage unit",
-        "shelf unit",
-        "bedside table",
-        "bedside unit",
-        "entertainment center",
-        "entertainment centre",
-        "entertainment unit",
-        "display case",
-        "tv console",
-        "tv bench",
-        "washstand",
-        "cubby/cubbies",
-        "etagere",
+        *("cabinet", "cupboard", "storage furniture/storage furniture", "glass cabinet", "storage cabinet"),
+        *("storage unit", "bathroom cabinet", "washstand", "cubby", "etagere", *SIZES),
     ),
     hints=("drawer", "shelf"),
     size=(
@@ -198,7 +146,7 @@ KIND = Kind(
         "glazed": "framed_glass",
         "glass cabinet": "framed_glass",
     },
-    forms=_size_nouns(),
+    forms=SIZES,
     sizes=((0.2, 4.0), (0.15, 1.2), (0.2, 3.2)),
     make=PLAIN,
     makes={},

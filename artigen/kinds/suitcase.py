@@ -164,6 +164,7 @@ KIND = Kind(
     nouns=plurals(
         "suitcase",
         "trolley case",
+        "trolley suitcase",
         "travel case",
         "luggage/luggage",
         "carry on",
@@ -178,7 +179,10 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"carry on": "cabin", "aluminum": "aluminium"},
-    forms=dict.fromkeys(("carry on", "cabin bag"), ((0.34, 0.42), (0.2, 0.26), (0.5, 0.58))),
+    forms={
+        **dict.fromkeys(("carry on", "cabin bag"), ((0.34, 0.42), (0.2, 0.26), (0.5, 0.58))),
+        **dict.fromkeys(("trolley suitcase", "trolley case"), ((0.34, 0.5), (0.2, 0.32), (0.5, 0.78))),
+    },
     sizes=((0.25, 1.0), (0.12, 0.6), (0.12, 1.0)),
     make=make(wall={"plastic": 0.0022}),
     makes={},

@@ -238,7 +238,7 @@ def _stack(
 
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("tool box", "toolbox", "tool chest", "tool case"),
+    nouns=plurals("tool box", "toolbox", "tool chest", "tool case", "tool cabinet"),
     hints=(),
     size=(by_longest(0.5),),
     deepest=np.inf,
@@ -246,7 +246,7 @@ KIND = Kind(
     build="metal",
     stands="free",
     styles=tuple(STYLES),
-    style_words={},
+    style_words={"mechanic": "chest"},
     forms={},
     sizes=((0.25, 1.1), (0.12, 0.8), (0.12, 1.3)),
     make=make(density={"steel_sheet": 1000.0}, wall={"plastic": 0.003}),

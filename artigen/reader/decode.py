@@ -82,20 +82,20 @@ def average_maps(one: Maps, other: Maps) -> Maps:
     )
 
 
-def find_things(maps: Maps, least: float = LEAST_SCORE) -> list[list[Found]]:
+def find_things(maps: Maps) -> list[list[Found]]:
     """Things of every picture, by `THINGS`."""
     score = maps.heat.sigmoid()
     peaks = score * (functional.max_pool2d(score, 3, 1, 1) == score)
     return [
-        [_find_sort(maps, peaks, picture, thing, least) for thing in range(len(THINGS))]
+        [_find_sort(maps, peaks, picture, thing) for thing in range(len(THINGS))]
         for picture in range(len(score))
     ]
 
 
-def _find_sort(maps: Maps, peaks: Tensor, picture: int, thing: int, least: float) -> Found:
+def _find_sort(maps: Maps, peaks: Tensor, picture: int, thing: int) -> Found:
     width = peaks.shape[3]
     score, place = peaks[picture, thing].flatten().topk(min(MOST, peaks[0, 0].numel()))
-    place, score = place[score > least], score[score > least]
+    place, score = place[score > LEAST_SCORE], score[score > LEAST_SCORE]
     at = {name: values[picture].flatten(1)[:, place].T for name, values in maps.attributes.items()}
     del at["box"]
     reach = maps.attributes["box"][picture].unflatten(0, (len(THINGS), 4))[thing]

@@ -23,19 +23,20 @@ SOLID = 0.5
 """Opacity from which a pixel of a cut-out belongs to its object."""
 SMALL = 0.02
 """Size of what is no part of the object, as a share of the largest piece."""
+EDGE = 512
+"""Longest edge of an outline (pixels)."""
 
 
-def find_outline(image: "Image.Image", edge: int = 512) -> Bool[np.ndarray, "H W"] | None:
+def find_outline(image: "Image.Image") -> Bool[np.ndarray, "H W"] | None:
     """The pixels of the object before plain ground; None where the ground is not plain.
 
     Ground is what is joined to the border of the picture and has its colour, or is a shadow on it.
 
     Args:
-        image: RGBA.
-        edge: Longest edge (pixels) of the answer.
+        image: RGBA; the longest edge of the answer is at most `EDGE` pixels.
     """
     small = image.convert("RGBA")
-    small.thumbnail((edge, edge))
+    small.thumbnail((EDGE, EDGE))
     values = np.asarray(small, dtype=np.float64) / 255.0
     opaque = values[..., 3] >= SOLID
     if not opaque.all():

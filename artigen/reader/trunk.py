@@ -26,7 +26,7 @@ STAGES = (
 """Blocks, kernel, stride, expansion and channels of each stage before scaling."""
 SCALES = {"lite0": (1.0, 1.0), "lite1": (1.0, 1.1), "lite2": (1.1, 1.2)}
 """Factors on channels and on blocks of each variant."""
-STEM, POOLED, CLASSES = 32, 1280, 1000
+STEM, POOLED = 32, 1280
 STRIDES = (4, 8, 16, 32)
 """Strides (pixels) of the features that are returned."""
 MEAN, SPREAD = 127.0, 128.0
@@ -67,10 +67,10 @@ def list_blocks(variant: str) -> list[BlockShape]:
     return blocks
 
 
-def _round_channels(channels: float, divisor: int = 8) -> int:
-    """The nearest multiple of ``divisor``, at most a tenth below."""
-    near = max(divisor, int(channels + divisor / 2) // divisor * divisor)
-    return near + divisor if near < 0.9 * channels else near
+def _round_channels(channels: float) -> int:
+    """The nearest multiple of 8, at most a tenth below."""
+    near = max(8, int(channels + 4) // 8 * 8)
+    return near + 8 if near < 0.9 * channels else near
 
 
 class FoldedConv(nn.Module):

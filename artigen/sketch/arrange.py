@@ -51,6 +51,8 @@ class Block:
     count: int
     grid: tuple[int, int] | None = None
     """Rows and columns; None for those that make them shapely."""
+    pane: bool | None = None
+    """Whether they are glazed; None where nothing is said."""
 
 
 def arrange_fronts(
@@ -73,11 +75,14 @@ def arrange_fronts(
     held: list[ReadPart] = []
     for label in ("door", "drawer"):
         own = [front for front in fronts if front.label == label]
-        wanted = [box for name, box in boxes if name == label]
+        wanted = [(block.pane, box) for block, box in boxes if block.label == label]
         held += [
-            replace(front, box=np.array(box) / np.tile(scale, 2), hinge=None)
-            for front, box in zip(own, wanted, strict=True)
-        ]
+            replace(
+                front, box=np.array(box) / np.tile(scale, 2), hinge=None,
+                pane=front.pane if pane is None else pane,
+            )
+            for front, (pane, box) in zip(own, wanted, strict=True)
+        ]  # fmt: skip
     held.sort(key=lambda front: (round(float(front.box[1]), 2), float(front.box[0])))
     others = [part for part in reading.parts if part.label not in ("door", "drawer", "handle")]
     handles = [part for part in reading.parts if part.label == "handle"]
@@ -119,6 +124,7 @@ def _sort_blocks(
     left = {label: sum(front.label == label for front in reading.fronts) for label in ("drawer", "door")}
     grids = {(part, what): int(value) for part, what, value in features if what in ("rows", "columns")}
     found: dict[Spot, list[Block]] = {}
+    divided = any(place.pane for place in places)
     for place in sorted(places, key=lambda place: place.count is None):
         if place.label == "shelf":
             found.setdefault(place.at, []).append(Block(label="shelf", count=1))
@@ -126,8 +132,10 @@ def _sort_blocks(
             continue
         count = min(left[place.label], place.count or left[place.label])
         left[place.label] -= count
-        found.setdefault(place.at, []).append(_make_block(place.label, count, grids))
+        block = _make_block(place.label, count, grids)
+        found.setdefault(place.at, []).append(replace(block, pane=place.pane if divided else None))
     spare = {label: _make_block(label, count, grids) for label, count in left.items() if count}
+    spare = {label: replace(block, pane=False if divided else None) for label, block in spare.items()}
     if not found and len(spare) == 2:  # few drawers lie above doors, in tall objects below, many beside them
         many = left["drawer"] > MOST_ABOVE
         low = reading.size[2] > TALL
@@ -148,8 +156,8 @@ def _make_block(label: str, count: int, grids: Mapping[tuple[str, str], int]) ->
     return Block(label=label, count=count, grid=(-(-count // columns), columns))
 
 
-def _divide(area: Box, blocks: Mapping[Spot, list[Block]]) -> list[tuple[str, Box]]:
-    """Fronts and their boxes (m, y down)."""
+def _divide(area: Box, blocks: Mapping[Spot, list[Block]]) -> list[tuple[Block, Box]]:
+    """Blocks of the fronts, and boxes (m, y down) of each."""
     left, top, right, bottom = area
     width, height = right - left, bottom - top
     above, below = blocks.get("top", []), blocks.get("bottom", [])
@@ -177,7 +185,7 @@ def _divide(area: Box, blocks: Mapping[Spot, list[Block]]) -> list[tuple[str, Bo
     most = MOST_ROWS * height if free else height
     share = 1.0 if taken == 0.0 else most / taken if taken > most or (above and below and not free) else 1.0
     spare = (height - taken * share) / max(free, 1)
-    found: list[tuple[str, Box]] = []
+    found: list[tuple[Block, Box]] = []
     at = top
     if above:
         end = at + (spare if heights[0] is None else heights[0] * share)
@@ -228,17 +236,17 @@ def _grid(block: Block, width: float, height: float) -> tuple[int, int]:
     return min(grids, key=lambda grid: abs(np.log(width / grid[1] / (height / grid[0]) / SHAPELY)))
 
 
-def _divide_row(area: Box, band: Sequence[Block]) -> list[tuple[str, Box]]:
+def _divide_row(area: Box, band: Sequence[Block]) -> list[tuple[Block, Box]]:
     """Blocks beside each other, each as wide as the others."""
     left, top, right, bottom = area
     wide = (right - left) / len(band)
-    found: list[tuple[str, Box]] = []
+    found: list[tuple[Block, Box]] = []
     for index, block in enumerate(band):
         found += _fill((left + index * wide, top, left + (index + 1) * wide, bottom), block)
     return found
 
 
-def _divide_columns(area: Box, columns: Sequence[Sequence[Block]]) -> list[tuple[str, Box]]:
+def _divide_columns(area: Box, columns: Sequence[Sequence[Block]]) -> list[tuple[Block, Box]]:
     """Columns, by the number of doors in each; an empty one is open."""
     left, top, right, bottom = area
     if not all(columns) and len(columns) == 2:
@@ -250,7 +258,7 @@ def _divide_columns(area: Box, columns: Sequence[Sequence[Block]]) -> list[tuple
             max((block.count if block.label == "door" else 1) for block in column) for column in columns
         ]
     ends = left + (right - left) * np.concatenate([[0.0], np.cumsum(weights) / np.sum(weights)])
-    found: list[tuple[str, Box]] = []
+    found: list[tuple[Block, Box]] = []
     for column, start, end in zip(columns, ends[:-1], ends[1:], strict=True):
         high = (bottom - top) / max(len(column), 1)
         for index, block in enumerate(column):
@@ -258,7 +266,7 @@ def _divide_columns(area: Box, columns: Sequence[Sequence[Block]]) -> list[tuple
     return found
 
 
-def _fill(area: Box, block: Block) -> list[tuple[str, Box]]:
+def _fill(area: Box, block: Block) -> list[tuple[Block, Box]]:
     """The fronts of a block, from the upper left."""
     left, top, right, bottom = area
     rows, columns = _grid(block, right - left, bottom - top)
@@ -267,7 +275,7 @@ def _fill(area: Box, block: Block) -> list[tuple[str, Box]]:
     half = GAP / 2
     return [
         (
-            block.label,
+            block,
             (
                 left + column * wide + half,
                 top + row * high + half,

@@ -36,7 +36,7 @@ ASIDE = 0.1
 def list_undescribed(
     shape: Shape, features: Sequence[Feature], places: Sequence[Placing], seen: Reading | None = None
 ) -> list[str]:
-    """What is said and is not so; stands and kinds of handles are not looked at.
+    """What is said and is not so; stands and kinds of legs and handles are not looked at.
 
     Args:
         shape: The object.
@@ -51,7 +51,9 @@ def list_undescribed(
         if not has_feature(shape, reading, (part, what, value))
     ]
     return lost + [
-        f"{place.label} at {place.at}" for place in places if not is_placed(reading, place, places)
+        f"{'glazed ' * place.pane}{place.label} at {place.at}"
+        for place in places
+        if not is_placed(reading, place, places)
     ]
 
 
@@ -102,6 +104,8 @@ def has_feature(shape: Shape, reading: Reading, feature: Feature) -> bool:
     if (part, what, value) == ("door", "type", "sliding"):
         moving = [one.joint for one in shape.parts if one.label == "door" and one.joint is not None]
         return bool(moving) and all(joint.type == "prismatic" for joint in moving)
+    if what == "surface":
+        return True  # of finishes that it wears later
     if what == "outline":
         found = find_outline(shape)
         return found == value or (found, value) == ("square", "rectangle")
@@ -114,7 +118,7 @@ def has_feature(shape: Shape, reading: Reading, feature: Feature) -> bool:
         )
     if (part, what) == ("wheel", "type"):
         return any(one.label == "wheel" for one in shape.parts)
-    return (part, what) in (("stand", "type"), ("handle", "type"))
+    return (part, what) in (("stand", "type"), ("leg", "type"), ("handle", "type"))
 
 
 def find_outline(shape: Shape) -> Outline:
@@ -146,6 +150,8 @@ def is_placed(reading: Reading, place: Placing, places: Sequence[Placing]) -> bo
         half, others = len(own) // 2, [one for one in fronts if all(one is not mine for mine in own)]
         return _is_beyond(own[:half], others, "left") and _is_beyond(own[half:], others, "right")
     chosen = own[-count:] if place.at in ("bottom", "right") else own[:count]
+    if place.pane and any(one.pane != any(one is mine for mine in chosen) for one in own):
+        return False
     others = [one for one in fronts if all(one is not mine for mine in chosen)]
     if place.at == "middle":
         return any(_before(others, chosen, axis) and _after(others, chosen, axis) for axis in (0, 1))

@@ -85,12 +85,8 @@ def save_sketch_network(network: SketchNetwork, folder: Path, described: dict[st
     save_model(network, folder, {**contents, **described}, NETWORK)
 
 
-def load_sketch_network(folder: Path, like: SketchNetwork | None = None) -> SketchNetwork:
+def load_sketch_network(folder: Path) -> SketchNetwork:
     """Loads a sketch network; it draws only the categories and words that it has learned.
-
-    Args:
-        folder: Model folder.
-        like: Network that provides the weights of new words; by default they are freshly initialised.
 
     Raises:
         SourceError: If the folder holds no sketch network.
@@ -111,7 +107,7 @@ def load_sketch_network(folder: Path, like: SketchNetwork | None = None) -> Sket
             f"{folder}: sizes {stored.get('sizes')} of a sketch network ({error}), expected such as "
             f"{SketchNetworkConfig()}"
         ) from error
-    fresh = (like or network).state_dict()
+    fresh = network.state_dict()
     load_model(network, folder, NETWORK, lambda weights: carry_weights(weights, vocabulary, fresh))
     network.categories = tuple(categories)
     try:  # older models have none

@@ -11,7 +11,7 @@ from typing import get_args
 import numpy as np
 
 from artigen.conditioning.sentence import Placing
-from artigen.conditioning.vocabulary import BARE, GLAZED, LEVEL, STYLES, Feature
+from artigen.conditioning.vocabulary import BARE, GLAZED, GLOSSES, LEVEL, STYLES, Feature
 from artigen.errors import ArtigenError
 from artigen.kind import kinds, name_kind
 from artigen.reader.correct import FRONTS, Side, correct_reading
@@ -19,6 +19,7 @@ from artigen.reader.layout.build import build_from_reading
 from artigen.reader.reading import Reading, ReadPart, Stand
 from artigen.shapes.draw import Outline, ShapeError, Wish, draw_shape
 from artigen.shapes.fittings.handles import HANDLE_KINDS, HandleKind
+from artigen.shapes.fittings.legs import LEG_KINDS, LegKind
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
 from artigen.sketch.arrange import add_shelves, arrange_fronts
@@ -40,6 +41,8 @@ STANDS: dict[str, Stand] = {
     "legs": "legs", "feet": "legs", "plinth": "flat", "floor": "flat", "castor": "wheels", "wheel": "wheels",
 }  # fmt: skip
 """What an object stands on, by words for it."""
+GLOSS = {"matte": 0.06, "satin": 0.25, "glossy": 0.6}
+"""Gloss (`artigen.shapes.surfaces.finishes.Finish`) by words for surfaces."""
 FLOOR = 0.005
 """Height (m) up to which something stands on the floor."""
 LAID_OUT = {
@@ -75,6 +78,12 @@ class Told:
         return tuple(kind for kind in HANDLE_KINDS if kind == said)
 
     @property
+    def legs(self) -> LegKind | None:
+        """The kind of legs."""
+        said = self._find("leg", "type")
+        return next((kind for kind in LEG_KINDS if kind == said), None)
+
+    @property
     def stand(self) -> Stand | None:
         """What the object stands on."""
         said = next(
@@ -94,6 +103,12 @@ class Told:
         return next((outline for outline in get_args(Outline) if outline == said), None)
 
     @property
+    def gloss(self) -> float | None:
+        """The gloss of the object's paint, wood and plastic; None if nothing is said."""
+        said = self._find("object", "surface")
+        return None if said is None else GLOSS[said]
+
+    @property
     def is_level(self) -> bool:
         """Whether the object is as deep as it is wide."""
         return self.outline in ("round", "square")
@@ -106,7 +121,7 @@ class Told:
     def is_beyond(self, style: str | None) -> bool:
         """Whether anything is said that the sketch network, which knows styles, cannot be asked for."""
         known = {feature for feature in self.features if style is not None and STYLES.get(feature) == style}
-        return bool(self.places) or bool(set(self.features) - known - {BARE})
+        return bool(self.places) or bool(set(self.features) - known - {BARE, *GLOSSES.values()})
 
     def list_lost(self, shape: Shape, seen: Reading | None = None) -> list[str]:
         """What is not so in an object, of which ``seen`` is the front if that is known."""
@@ -204,7 +219,7 @@ def _draw(request: SketchRequest, told: Told, seed: int) -> Shape | None:
     """A draw of the grammar with what is asked for; None if it has no such object."""
     wish = Wish(
         width=request.width, depth=request.depth, height=request.height, style=request.style,
-        counts=request.counts, handles=told.handles, outline=told.outline,
+        counts=request.counts, handles=told.handles, legs=told.legs, outline=told.outline,
     )  # fmt: skip
     try:
         return draw_shape(str(request.category), seed, wish)
@@ -245,7 +260,7 @@ def _lay_out(shape: Shape, told: Told, request: SketchRequest, seed: int) -> Sha
     reading = correct_reading(reading, hinge=told.hinge, pane=told.pane)
     wish = Wish(
         width=size[0], depth=request.depth or size[1], height=size[2], style=shape.style,
-        handles=told.handles,
+        handles=told.handles, legs=told.legs,
     )  # fmt: skip
     try:
         built, _ = build_from_reading(reading, seed, wish)

@@ -46,6 +46,8 @@ class Understood:
     """Factors relative to usual sizes for extents that are not given: a tall cabinet."""
     usual: tuple[tuple[str, tuple[float, float]], ...] = ()
     """Usual range (m) of extents that are not given, where a noun says more than the kind: a coffee table."""
+    volume: float | None = None
+    """What the object holds (m^3), by which the extents that are not given are scaled."""
     said: str = ""
     """What is understood of the words, in one line."""
     features: tuple[Feature, ...] = ()
@@ -112,6 +114,7 @@ def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Underst
         request=sketch_request,
         usual=usual,
         stretch=open_axes,
+        volume=said.volume,
         said="" if request.text is None else said.describe(),
         features=said.features,
         places=said.places,

@@ -9,14 +9,14 @@ CLOSED = 0.4
 """Share of the joints that stay closed."""
 
 
-def sample_state(package: SimPackage, rng: np.random.Generator, closed: float = CLOSED) -> dict[str, float]:
-    """Coordinates (m, rad) of all driven joints by name; about ``closed`` of them are at rest.
+def sample_state(package: SimPackage, rng: np.random.Generator) -> dict[str, float]:
+    """Coordinates (m, rad) of all driven joints by name; about `CLOSED` of them are at rest.
 
     A joint moves only if those that it requires are as far open as it needs them: a rack stays in while its
     door is shut.
     """
     shares = {
-        joint.name: 0.0 if rng.random() < closed else float(rng.random())
+        joint.name: 0.0 if rng.random() < CLOSED else float(rng.random())
         for joint in driven_joints(package.joints)
     }
     for name in shares:

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from braced_cabinet import braced_cabinet, with_joint, with_link
 from defects import mesh_collisions
-from sample_packages import SAMPLE_PARTS, build_package
 
 from artigen.shapes.draw import draw_shape
 from artigen.types import Joint
@@ -37,42 +37,13 @@ from envs.trials import run_trials
 pytestmark = pytest.mark.sim
 
 
-def sample_package() -> SimPackage:
-    """The exact sample cabinet with resistances that hold against a tilt of 5 degrees."""
-    resistance = {
-        "joint_0": (12.0, 8.0),
-        "joint_1": (4.0, 0.4),
-        "joint_2": (0.04, 1e-4),
-        "joint_3": (9.0, 5.0),
-    }
-    package = build_package(SAMPLE_PARTS)
-    for name, (friction, damping) in resistance.items():
-        package = with_joint(package, name, friction=friction, damping=damping)
-    return package
-
-
-def with_joint(package: SimPackage, name: str, **changes: object) -> SimPackage:
-    joints = tuple(replace(joint, **changes) if joint.name == name else joint for joint in package.joints)
-    return replace(package, joints=joints)
-
-
-def with_link(package: SimPackage, name: str, **changes: object) -> SimPackage:
-    links = tuple(replace(link, **changes) if link.name == name else link for link in package.links)
-    return replace(package, links=links)
-
-
 def hulls_of(package: SimPackage, name: str):
     return next(link for link in package.links if link.name == name).hulls
 
 
 @pytest.fixture(scope="module")
 def package() -> SimPackage:
-    return sample_package()
-
-
-@pytest.fixture(scope="module")
-def folder(package: SimPackage, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_package(package, tmp_path_factory.mktemp("dynamics") / "cabinet")
+    return braced_cabinet()
 
 
 @pytest.fixture

@@ -7,10 +7,6 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
-from sample_packages import SAMPLE_PARTS, build_package
-
-from sim_export.files.write import write_package
-from sim_export.package import SimPackage
 
 pytest.importorskip("sapien")
 from envs import ENVIRONMENT_IDS
@@ -20,16 +16,6 @@ from envs.settle import SettleConfig
 from envs.sim.scene import NoRenderDevice, has_render_device
 
 pytestmark = pytest.mark.sim
-
-
-@pytest.fixture(scope="module")
-def package() -> SimPackage:
-    return build_package(SAMPLE_PARTS)
-
-
-@pytest.fixture(scope="module")
-def folder(package: SimPackage, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_package(package, tmp_path_factory.mktemp("gym") / "cabinet")
 
 
 def make(name: str, folder: Path, **kwargs) -> gym.Env:

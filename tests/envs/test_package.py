@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from braced_cabinet import braced_cabinet
 from defects import mesh_collisions
 from folding_cupboard import draw_folding
-from sample_packages import SAMPLE_PARTS, build_package
 from screw_jar import screw_package
 
 from artigen.transforms import inverse
@@ -31,32 +31,9 @@ pytestmark = pytest.mark.sim
 TIMESTEPS = [1 / 60, 1 / 100, 1 / 240]
 
 
-def sample_package() -> SimPackage:
-    """The exact sample cabinet with resistances that hold against a tilt of 5 degrees."""
-    package = build_package(SAMPLE_PARTS)
-    resistance = {
-        "joint_0": (12.0, 8.0),
-        "joint_1": (4.0, 0.4),
-        "joint_2": (0.04, 1e-4),
-        "joint_3": (9.0, 5.0),
-    }
-    joints = tuple(
-        replace(joint, friction=resistance[joint.name][0], damping=resistance[joint.name][1])
-        if joint.name in resistance
-        else joint
-        for joint in package.joints
-    )
-    return replace(package, joints=joints)
-
-
 @pytest.fixture(scope="module")
 def package() -> SimPackage:
-    return sample_package()
-
-
-@pytest.fixture(scope="module")
-def folder(package: SimPackage, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_package(package, tmp_path_factory.mktemp("package") / "cabinet")
+    return braced_cabinet()
 
 
 def slider(mass: float, joint: str = "prismatic") -> str:

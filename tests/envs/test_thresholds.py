@@ -8,7 +8,6 @@ from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
-from sample_packages import SAMPLE_PARTS, build_package
 
 from artigen.types import Joint
 from sim_export.files.write import write_package
@@ -221,11 +220,6 @@ def test_a_free_object_is_watched_for_three_seconds(tmp_path):
         tmp_path, replace(AHEAD, inertial=replace(AHEAD.inertial, mass=0.01)), replace(BODY, inertial=body)
     )
     assert found.stand.tilt == pytest.approx(np.degrees(50.0 * G * before / moment * 3.0**2 / 2.0), rel=0.05)
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_package(build_package(SAMPLE_PARTS), tmp_path_factory.mktemp("thresholds") / "cabinet")
 
 
 @pytest.mark.parametrize(("lever", "turned"), [(0.0095, True), (0.0105, False)])

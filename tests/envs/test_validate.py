@@ -7,7 +7,6 @@ import signal
 from pathlib import Path
 
 import pytest
-from sample_packages import SAMPLE_PARTS, build_package
 
 from artigen.files.wavefront import ObjText
 from artigen.runtime.workers import Outcome, Worker
@@ -16,19 +15,13 @@ from envs.titles import TITLES
 from envs.validate import REPORT_FILE, list_titles, validate, without_seconds
 from envs.worker import run_dynamics, run_static
 from sim_export.errors import PackageError
-from sim_export.files.write import manifest_problems, write_package
+from sim_export.files.write import manifest_problems
 from sim_export.package import Hull
 from sim_export.report import report_from_json, report_to_json
 
 pytest.importorskip("sapien")
 pytestmark = pytest.mark.sim
 SILENT = ValidateConfig(output="none")
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    package = build_package(SAMPLE_PARTS)
-    return write_package(package, tmp_path_factory.mktemp("validate") / "cabinet")
 
 
 class DoomedWorker(Worker):

@@ -10,10 +10,11 @@ from artigen.shapes.asset import shape_to_asset
 from artigen.types import Asset
 from sim_export import export
 from sim_export.collision.feet import Levelled
-from sim_export.export import export_asset, export_solids, make_solids, paint_package
+from sim_export.export import export_asset, export_solids, paint_package
 from sim_export.geometry.hulls import box_hull
 from sim_export.package import Mesh, SimPackage, Visual
 from sim_export.search import HullPlan
+from sim_export.solids import make_solids
 
 
 @pytest.fixture(scope="module")

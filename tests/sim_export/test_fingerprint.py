@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from triangle_box import box
 
 from sim_export.fingerprint import describe_surface, hash_geometry, quantise
-from sim_export.geometry.hulls import box_hull
 from sim_export.package import Link, Mesh, SimPackage, Visual
 
 
@@ -14,11 +14,6 @@ def package_of(*triangles) -> SimPackage:
     visual = Visual(name="base", part="base", label="base", mesh=mesh)
     link = Link(name="link_0", label="base", parts=("base",), visuals=(visual,), hulls=(), inertial=None)
     return SimPackage(name="a", category="Thing", visual="source", links=(link,), joints=())
-
-
-def box(low, high) -> np.ndarray:
-    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
-    return hull.vertices[hull.faces]
 
 
 @pytest.mark.parametrize(("height", "same"), [(0.4e-4, True), (0.6e-4, False)])

@@ -2,16 +2,11 @@
 
 import numpy as np
 import pytest
+from triangle_box import box
 
 from artigen.types import Joint
-from sim_export.geometry.hulls import box_hull
 from sim_export.package import Link, SimPackage
 from sim_export.source_faults import find_source_faults
-
-
-def box(low, high):
-    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
-    return hull.vertices[hull.faces]
 
 
 def make_package(upper=0.3):

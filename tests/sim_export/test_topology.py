@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from braced_cabinet import with_link
 
 from artigen.api.sample import ShapeSettings, choose_like, sample_packages
 from artigen.api.sets import group_packages
@@ -105,12 +106,12 @@ def changed_hull(package: SimPackage) -> SimPackage:
     assert cut is not None
     link = next(link for link in package.links if any(map(is_box, link.hulls)))
     hulls = tuple(cut if is_box(hull) else hull for hull in link.hulls)
-    return _with_link(package, link.name, hulls=hulls)
+    return with_link(package, link.name, hulls=hulls)
 
 
 def fewer_hulls(package: SimPackage) -> SimPackage:
     link = max(package.links, key=lambda link: len(link.hulls))
-    return _with_link(package, link.name, hulls=link.hulls[1:])
+    return with_link(package, link.name, hulls=link.hulls[1:])
 
 
 def other_joint(package: SimPackage) -> SimPackage:
@@ -120,11 +121,6 @@ def other_joint(package: SimPackage) -> SimPackage:
 
 def other_order(package: SimPackage) -> SimPackage:
     return replace(package, joints=package.joints[::-1])
-
-
-def _with_link(package: SimPackage, name: str, **changes) -> SimPackage:
-    links = tuple(replace(link, **changes) if link.name == name else link for link in package.links)
-    return replace(package, links=links)
 
 
 @pytest.mark.parametrize("change", [changed_hull, fewer_hulls, other_joint, other_order])

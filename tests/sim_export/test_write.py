@@ -12,17 +12,18 @@ import pytest
 import trimesh
 from box_cabinet import SCALE, as_package, box_geometry, scaled, with_screw
 
+from artigen.datasets.packing import read_folder
 from artigen.splats.surface import splat_surface
 from artigen.types import Asset, SurfaceSamples
 from sim_export.appearance.splats import attach_splats
 from sim_export.errors import PackageError
+from sim_export.files.glb import Y_UP, glb_bytes
 from sim_export.files.obj import obj_text, parse_obj, read_mesh
 from sim_export.files.read import read_package
 from sim_export.files.write import manifest_problems, package_files, write_package
 from sim_export.geometry.hulls import box_hull, clip_hull, hull_volume
 from sim_export.geometry.normals import corner_normals
 from sim_export.package import HandleAnnotation, Hull, Mesh, Requirement, SimPackage, SourceMesh
-from sim_export.picture.glb import Y_UP, glb_bytes
 
 
 def textured(mesh: Mesh, seed: int, channels: int = 3) -> Mesh:
@@ -66,14 +67,6 @@ def package(cabinet) -> SimPackage:
 @pytest.fixture(scope="module")
 def folder(package, tmp_path_factory) -> Path:
     return write_package(package, tmp_path_factory.mktemp("out") / "cabinet")
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    return {
-        path.relative_to(folder).as_posix(): path.read_bytes()
-        for path in sorted(folder.rglob("*"))
-        if path.is_file()
-    }
 
 
 def corners(hull: Hull) -> np.ndarray:
@@ -126,7 +119,7 @@ def assert_same(first: SimPackage, second: SimPackage) -> None:
 def test_reading_gives_back_what_was_written(package, folder):
     again = read_package(folder)
     assert_same(package, again)
-    assert package_files(again) == contents(folder)
+    assert package_files(again) == read_folder(folder)
 
 
 def test_without_appearance_everything_else_is_read(package, folder):
@@ -138,17 +131,17 @@ def test_without_appearance_everything_else_is_read(package, folder):
 
 def test_bytes_repeat_and_folders_move(package, folder, tmp_path):
     other = write_package(package, tmp_path / "elsewhere" / "other name")
-    assert contents(other) == contents(folder)
+    assert read_folder(other) == read_folder(folder)
     moved = tmp_path / "moved"
     shutil.move(other, moved)
     assert_same(package, read_package(moved))
     assert manifest_problems(moved) == ()
-    for path, content in contents(moved).items():
+    for path, content in read_folder(moved).items():
         assert str(tmp_path).encode() not in content, path
 
 
 def test_every_file_is_used_and_every_name_is_there(folder):
-    names = set(contents(folder))
+    names = set(read_folder(folder))
     text = (folder / "mobility.urdf").read_text()
     text += "".join(file.read_text() for file in (folder / "visual").glob("*.mtl"))
     text += "".join(file.read_text() for file in (folder / "visual").glob("*.obj"))
@@ -196,14 +189,14 @@ def test_manifest_notices_every_change(folder, tmp_path):
 
 def test_existing_folders_are_safe(package, tmp_path):
     target = write_package(package, tmp_path / "cabinet")
-    before = contents(target)
+    before = read_folder(target)
     with pytest.raises(PackageError, match="exists already"):
         write_package(package, target)
     renamed = replace(package, name="renamed")
     write_package(renamed, target, "replace")
     assert read_package(target).name == "renamed"
     write_package(package, target, "replace")
-    assert contents(target) == before
+    assert read_folder(target) == before
     precious = tmp_path / "precious"
     precious.mkdir()
     (precious / "thesis.txt").write_text("words")
@@ -394,7 +387,7 @@ def test_source_visuals_travel_with_their_images(sourced, tmp_path):
     assert mesh.texture is not None
     assert mesh.texture.shape == (2, 2, 3)
     assert len(list((folder / "visual").glob("texture_*.png"))) == 1
-    assert package_files(again) == contents(folder)
+    assert package_files(again) == read_folder(folder)
     model = mujoco.MjModel.from_xml_path(str(folder / "mobility.mjcf.xml"))
     assert model.geom("drawer_link_0_0").rgba[0] == pytest.approx(90 / 255, abs=1e-3)
     mujoco.MjModel.from_xml_path(str(folder / "mobility.urdf"))

@@ -27,12 +27,7 @@ AHEAD = (0.0, 0.0, FAR)
 """Yaw, pitch (radians) and half the object's diagonal over its distance of a view from straight ahead."""
 
 
-def read_shape(
-    shape: Shape,
-    *,
-    view: tuple[float, float, float] = AHEAD,
-    stand: Literal["flat", "legs", "wheels"] = "flat",
-) -> Reading:
+def read_shape(shape: Shape, *, view: tuple[float, float, float] = AHEAD) -> Reading:
     """The reading of a closed shape; the picture ends at its outline.
 
     Shelves are left out, as if they were behind doors.
@@ -40,7 +35,6 @@ def read_shape(
     Args:
         shape: What is seen.
         view: As in `Reading.view`; default: from straight ahead and far away.
-        stand: What to say of its stand.
     """
     low, high = shape.bounds()
     depth, width, height = (float(length) for length in high - low)
@@ -70,7 +64,7 @@ def read_shape(
         parts=(*fronts, *others),
         size=(width, depth, height),
         view=view,
-        stand=stand,
+        stand="flat",
         color=(red, green, blue),
         extent=(max(1, round(float(wide))), max(1, round(float(tall)))),
     )

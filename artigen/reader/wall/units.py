@@ -60,18 +60,17 @@ class Wall:
     notes: tuple[str, ...]
 
 
-def read_units(photo: Path, folder: Path = READER) -> Wall:
+def read_units(photo: Path) -> Wall:
     """Reads the wall of a photograph that has the largest fronts.
 
     Args:
         photo: Any picture that `artigen.conditioning.image.open_picture` opens, of a wall from before it.
-        folder: Folder of the reader's weights.
 
     Raises:
         SourceError: If the picture cannot be opened, or shows no unit that stands on a floor.
     """
     image = open_picture(photo)
-    return find_units(image, load_reader(folder), str(photo))
+    return find_units(image, load_reader(READER), str(photo))
 
 
 def find_units(image: "Image.Image", reader: Reader, name: str) -> Wall:

@@ -69,10 +69,7 @@ def make_cabinet(node: Node, outer: Space, looks: Looks, *, prefix: str = "") ->
         inset=looks.inset,
         overlay=OVERLAY if design.frame else None,
     )
-    rooms = [widen(cell.y, cell.z, outer, design, boards) for cell in placed]
-    placed = tuple(
-        replace(cell, room_y=room[0], room_z=room[1]) for cell, room in zip(placed, rooms, strict=True)
-    )
+    placed = tuple(replace(cell, room_y=widen(cell.y, cell.z, outer, design, boards)[0]) for cell in placed)
     drawers = sum(cell.cell.fill == "drawer" for cell in placed)
     looks = replace(looks, runners=looks.runners and drawers <= MAX_DRAWERS_ON_RUNNERS)
     fitting = Fitting(

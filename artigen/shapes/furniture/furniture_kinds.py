@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from artigen.shapes.draw import Spans
+from artigen.kind import NONE, Spans
 from artigen.shapes.fittings.feet import PLAIN_LEGS, StandKind
 from artigen.shapes.fittings.fronts import FrontStyle
 from artigen.shapes.fittings.handles import HandleKind, HandleTrim
@@ -120,7 +120,9 @@ class Mounting:
 
 
 STYLE_WORDS = {
-    "modern": "flat", "contemporary": "flat", "minimalist": "handleless", "rustic": "country",
+    "corner": NONE, "l shaped": NONE, "tambour": NONE, "roller shutter": NONE,
+    "modern": "flat", "contemporary": "flat", "mid century": "flat",
+    "scandinavian": "flat", "minimalist": "handleless", "rustic": "country",
     "farmhouse": "country", "traditional": "classic", "vintage": "classic", "antique": "classic",
     "victorian": "classic",
 }  # fmt: skip

@@ -99,7 +99,6 @@ class Placed:
     front_z: Range
     room_y: Range
     """The free space behind the opening, larger than the opening if a face frame narrows that."""
-    room_z: Range
     shared: frozenset[Edge] = field(default_factory=frozenset)
 
 
@@ -158,7 +157,7 @@ def lay_out(
     if isinstance(node, Cell):
         front_y = (y[0] - reach["right"], y[1] + reach["left"])
         front_z = (z[0] - reach["bottom"], z[1] + reach["top"])
-        return (Placed(cell=node, y=y, z=z, front_y=front_y, front_z=front_z, room_y=y, room_z=z),), ()
+        return (Placed(cell=node, y=y, z=z, front_y=front_y, front_z=front_z, room_y=y),), ()
     rows = node.along == "rows"
     thick = board if node.board else 0.0
     most = (board - FRONT_GAP) / 2

@@ -8,7 +8,6 @@ from jaxtyping import UInt8
 
 from artigen.camera import Camera
 from artigen.shapes.render.cameras import batch_cameras
-from artigen.splats.render.config import RasterConfig
 from artigen.splats.render.rasterize import rasterize
 from artigen.splats.render.splats import make_splats
 from artigen.types import Gaussians
@@ -20,7 +19,6 @@ def draw_gaussians(
     camera: Camera,
     *,
     background: Sequence[float] = (1.0, 1.0, 1.0),
-    cfg: RasterConfig | None = None,
 ) -> UInt8[np.ndarray, "H W 3"]:
     """Renders Gaussians through a pinhole camera as sRGB levels, without lighting.
 
@@ -28,5 +26,5 @@ def draw_gaussians(
         background: sRGB in [0, 1].
     """
     splats, cameras = make_splats(gaussians), batch_cameras([camera])
-    color = rasterize(splats, cameras, background=tuple(background), cfg=cfg).color[0]
+    color = rasterize(splats, cameras, background=tuple(background)).color[0]
     return np.rint(255.0 * color.clamp(0.0, 1.0).numpy()).astype(np.uint8)

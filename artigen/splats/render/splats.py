@@ -50,9 +50,7 @@ class Rendering:
     is none."""
 
 
-def make_splats(
-    gaussians: Gaussians, *, dtype: torch.dtype = torch.float32, device: torch.device | str = "cpu"
-) -> Splats:
+def make_splats(gaussians: Gaussians, *, dtype: torch.dtype = torch.float32) -> Splats:
     """Tensors of an asset's Gaussians; linear colours become sRGB."""
     arrays = {
         "means": gaussians.means,
@@ -61,4 +59,4 @@ def make_splats(
         "opacities": gaussians.opacities,
         "colors": srgb_from_linear(gaussians.colors),
     }
-    return Splats(**{name: torch.tensor(array, dtype=dtype, device=device) for name, array in arrays.items()})
+    return Splats(**{name: torch.tensor(array, dtype=dtype) for name, array in arrays.items()})

@@ -6,7 +6,6 @@ part's attributes are aggregated over its voxels, and each part is hung from ano
 furniture is built square.
 """
 
-import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -23,8 +22,6 @@ from artigen.voxels.segmentation.aggregate import aggregate_part
 from artigen.voxels.segmentation.neighbours import Partition, canonical_partition, neighbour_pairs
 from artigen.voxels.segmentation.segment_robust import partition_robust
 from artigen.voxels.segmentation.tree import REACH, find_parents
-
-logger = logging.getLogger(__name__)
 
 EPS = 0.08
 """Neighbourhood radius in the six box attributes, unit lengths. Larger merges neighbouring

@@ -12,19 +12,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from artigen.runtime.budget import Budget
 from sim_export.collision.cover.cuboids import fill_with_boxes
-from sim_export.collision.cover.free_space import (
-    SHEET,
-    TAKEN_DEPTH,
-    FreeSpace,
-    cover_with_boxes,
-    is_open_between,
-    look_up,
-)
+from sim_export.collision.cover.exposed import find_exposed, find_uncovered
+from sim_export.collision.cover.free_space import FreeSpace, cover_with_boxes, is_open_between
 from sim_export.collision.cover.greedy_joining import join_neighbours
+from sim_export.collision.cover.piece_hulls import piece_hull
 from sim_export.collision.cover.sectors import SAGITTA, Axis, count_sectors, cut_sectors, find_axis
 from sim_export.collision.cover.specks import drop_specks
 from sim_export.collision.cover.surface_pieces import (
@@ -36,29 +31,12 @@ from sim_export.collision.cover.surface_pieces import (
     split_piece,
 )
 from sim_export.collision.hull_limits import MIN_WIDTH, THICKEST, compact_hull, thicken_hull
-from sim_export.errors import DegeneratePart
-from sim_export.geometry.grid import is_exposed
-from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.islands import connect_corners, split_groups
-from sim_export.geometry.triangles import triangle_areas, triangle_normals
+from sim_export.geometry.triangles import triangle_areas
 from sim_export.package import Hull
 
-HALVED = 8
-"""Times that triangles which boxes cover in part are halved, at most."""
-SMALLEST = 4.0
-"""Edge of such triangles over the slack, below which they are not halved any more."""
 MANY_CORNERS = 64
 """Corners of two pieces from which on it is tried on few of them whether their common hull takes too much."""
-_PLACES = np.array(
-    [
-        [0.96, 0.02, 0.02], [0.02, 0.96, 0.02], [0.02, 0.02, 0.96],
-        [0.50, 0.48, 0.02], [0.02, 0.50, 0.48], [0.48, 0.02, 0.50],
-        [0.66, 0.17, 0.17], [0.17, 0.66, 0.17], [0.17, 0.17, 0.66], [1 / 3, 1 / 3, 1 / 3],
-    ]
-)  # fmt: skip
-"""Barycentric coordinates of the points by which a triangle is judged."""
-UNLIKE = 0.3
-"""Difference of openness from which on a sheet grows to one side only."""
 
 LEAST_CELLS = 24
 """Cells along the longest edge of a link below which it gets no boxes."""
@@ -234,67 +212,6 @@ def _finish(cover: Cover, diagonal: float) -> Cover:
     return replace(cover, hulls=drop_specks((*cover.boxes, *proper), diagonal))
 
 
-def find_exposed(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace) -> Float[np.ndarray, "G 3 3"]:
-    """The triangles before which there is free space: those that a gripper can reach."""
-    normals = triangle_normals(triangles)
-    points = _spread(triangles)
-    free = space.depth > 0.0
-    shown = np.zeros(len(triangles), dtype=bool)
-    for corner in range(points.shape[1]):
-        for side in (1.0, -1.0):
-            shown |= is_exposed(points[:, corner], side * normals, free, space.grid)
-    return triangles[shown]
-
-
-def find_uncovered(
-    triangles: Float[np.ndarray, "F 3 3"], boxes: Sequence[Hull], slack: float
-) -> Float[np.ndarray, "G 3 3"]:
-    """What of some triangles lies farther than ``slack`` (m) outside of boxes, in smaller triangles."""
-    out = []
-    left = triangles
-    for halving in range(HALVED + 1):
-        points = _spread(left)
-        inside = _in_boxes(points.reshape(-1, 3), boxes, slack).reshape(points.shape[:2])
-        left, inside = left[~inside.all(axis=1)], inside[~inside.all(axis=1)]
-        longest = np.linalg.norm(np.roll(left, -1, axis=1) - left, axis=2).max(axis=1)
-        partly = inside.any(axis=1)
-        more = partly & (halving < HALVED) & (longest > SMALLEST * slack)
-        out.append(left[~more & (inside.mean(axis=1) < 0.5)])
-        left = _halve(left[more])
-        if not len(left):
-            break
-    return np.concatenate(out)
-
-
-def _in_boxes(points: Float[np.ndarray, "N 3"], boxes: Sequence[Hull], slack: float) -> Bool[np.ndarray, "N"]:
-    """Points in boxes that are ``slack`` (m) larger on all sides."""
-    out = np.zeros(len(points), dtype=bool)
-    for box in boxes:
-        rows = np.flatnonzero(~out)
-        for axis, (low, high) in enumerate(
-            zip(box.vertices.min(axis=0) - slack, box.vertices.max(axis=0) + slack, strict=True)
-        ):
-            at = points[rows, axis]
-            rows = rows[(at >= low) & (at <= high)]
-        out[rows] = True
-    return out
-
-
-def _spread(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "F 10 3"]:
-    """Points on every triangle, from its corners to its middle."""
-    return np.einsum("kc,fcd->fkd", _PLACES, triangles)
-
-
-def _halve(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "G 3 3"]:
-    """Two triangles for each, divided across its longest edge."""
-    edges = np.linalg.norm(np.roll(triangles, -1, axis=1) - triangles, axis=2)
-    first = edges.argmax(axis=1)
-    turned = triangles[np.arange(len(triangles))[:, None], (first[:, None] + np.arange(3)) % 3]
-    a, b, c = turned[:, 0], turned[:, 1], turned[:, 2]
-    middle = (a + b) / 2
-    return np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
-
-
 def split_components(triangles: Float[np.ndarray, "F 3 3"]) -> list[Float[np.ndarray, "G 3 3"]]:
     """The triangles by what they are connected to through common corners."""
     size = max(float(np.ptp(triangles.reshape(-1, 3), axis=0).max()), 1e-9)
@@ -380,32 +297,3 @@ def _join(pieces: Sequence[Piece], space: FreeSpace, least: float, taken: float)
         return (both.volume - new.volume - other.volume, both) if fits else None
 
     return join_neighbours(pieces, 3.0 * least, join)
-
-
-def piece_hull(piece: Piece, space: FreeSpace) -> Hull | None:
-    """The hull of a piece; a sheet gets its thickness on the side that is enclosed, or on both."""
-    if len(piece.planes):
-        try:
-            return convex_hull(piece.triangles.reshape(-1, 3))
-        except DegeneratePart:
-            pass
-    middle = piece.corners.mean(axis=0)
-    axes = np.linalg.svd(piece.corners - middle, full_matrices=False)[2]
-    if len(axes) < 3:
-        return None
-    normal = axes[2]
-    free = [_openness(piece.samples, side * normal, space) for side in (1.0, -1.0)]
-    first, last = (
-        (-0.5, 0.5) if abs(free[0] - free[1]) < UNLIKE else (0.0, 1.0) if free[0] < free[1] else (-1.0, 0.0)
-    )
-    points = np.concatenate([piece.corners + end * SHEET * normal for end in (first, last)])
-    try:
-        return convex_hull(points)
-    except DegeneratePart:
-        return None
-
-
-def _openness(points: Float[np.ndarray, "N 3"], side: Float[np.ndarray, "3"], space: FreeSpace) -> float:
-    """How little a sheet should grow to one side: the share of free cells there, taken ones thrice."""
-    depth = look_up(points + 1.5 * space.grid.cell * side, space.depth, space.grid)
-    return float((depth > 0).mean() + 2.0 * (depth >= TAKEN_DEPTH).mean())

@@ -5,23 +5,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from triangle_box import box
 
 from artigen.api.give_files import find_gifts, give_files
 from artigen.datasets.partnet_surface import FaceTable
 from artigen.datasets.source_object import SourceObject, SourceVisual, TriangleMesh
 from artigen.types import FIXED, Asset, Joint, Part, SurfaceSamples
-from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.triangles import triangle_areas
 
 SCALE = 2.0
 SLIDE = Joint(type="prismatic", axis=np.array([-1.0, 0, 0]), origin=np.zeros(3), upper=0.1)
 BODY = ((-0.3, 0, 0), (0.4, 0.8, 0.02))
 DRAWER = ((-0.3, 0, 0.03), (-0.1, 0.2, 0.2))
-
-
-def box(low, high):
-    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
-    return hull.vertices[hull.faces]
 
 
 def make_source(boxes, parts):

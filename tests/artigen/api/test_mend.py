@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from triangle_box import box
 
 from artigen.api import mend
 from artigen.api.convert import ConvertJob, ConvertSettings
@@ -13,12 +14,6 @@ from artigen.datasets import sources
 from artigen.datasets.source_object import SourceObject, TriangleMesh
 from artigen.files.wavefront import read_obj
 from artigen.types import FIXED, Asset, Part, SurfaceSamples
-from sim_export.geometry.hulls import box_hull
-
-
-def box(low, high):
-    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
-    return hull.vertices[hull.faces]
 
 
 def test_a_mended_object_shows_its_posts(tmp_path):

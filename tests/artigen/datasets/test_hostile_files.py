@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from artigen.datasets import mesh_files
+from artigen.datasets import mesh_files, mesh_size
 from artigen.datasets.contents import digest_source
 from artigen.datasets.joints_file import joints_path
 from artigen.datasets.source_object import ReaderConfig
@@ -69,7 +69,7 @@ def test_large_text_meshes_are_counted_and_not_parsed(tmp_path: Path, monkeypatc
     def fail(*args: object) -> None:
         raise AssertionError("parsed")
 
-    monkeypatch.setattr(mesh_files, "MOST_FACES", 1000)
+    monkeypatch.setattr(mesh_size, "MOST_FACES", 1000)
     for name in ("parse_obj", "_load"):
         monkeypatch.setattr(mesh_files, name, fail)
     row = {".obj": "f 1 2 3\n" * 1001, ".dae": '<triangles material="m" count="1001">' + "0 " * 6000}[ends]
@@ -82,7 +82,7 @@ def test_large_text_meshes_are_counted_and_not_parsed(tmp_path: Path, monkeypatc
     )
     with pytest.raises(SourceError, match="holds 1,001 triangles, at most 1,000"):
         read_source(path, tmp_path / "scratch")
-    monkeypatch.setattr(mesh_files, "MOST_BYTES", 1000)
+    monkeypatch.setattr(mesh_size, "MOST_BYTES", 1000)
     with pytest.raises(SourceError, match=r"holds [\d,]+ bytes, at most 1,000"):
         read_source(path, tmp_path / "scratch")
 

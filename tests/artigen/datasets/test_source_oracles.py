@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from source_cases import CASES, REFUSED, judge
 from source_oracles import compare_read, load_source
 
-from artigen.datasets.mesh_files import MOST_FACES, check_size
+from artigen.datasets.mesh_size import MOST_FACES, check_size
 from artigen.datasets.source_object import ReaderConfig
 from artigen.datasets.sources import read_source
 from artigen.errors import SourceError

@@ -13,7 +13,7 @@ from artigen.camera import Camera
 from artigen.datasets.duplicates import Duplicate, Duplicates, Fingerprint
 from artigen.datasets.mechanism_joints import build_tree
 from artigen.datasets.mechanism_object import find_mesh
-from artigen.datasets.mesh_files import write_obj
+from artigen.datasets.mesh_obj import write_obj
 from artigen.datasets.mesh_raster import rasterize_mesh
 from artigen.datasets.mjcf import read_mjcf
 from artigen.datasets.packing import PackingError

@@ -33,7 +33,7 @@ def photo(fronts: list[str], *, complete: bool = True, kind: str = "refrigerator
     )
     none = np.zeros((0, 4), np.float32)
     return MarkedPhoto(
-        path=Path("none.jpg"), fronts=marked, pulls=none, room_doors=none, complete=complete, main=None,
+        path=Path("none.jpg"), fronts=marked, pulls=none, room_doors=none, complete=complete,
         objects=(("Refrigerator", np.array([0.1, 0.1, 0.5, 0.9], np.float32), True),),
     )  # fmt: skip
 
@@ -76,9 +76,7 @@ def test_hinges_count_where_no_front_is_beside():
     none = np.zeros((0, 4), np.float32)
 
     def photo_of(*fronts: dict) -> MarkedPhoto:
-        return MarkedPhoto(
-            path=Path("none.jpg"), fronts=fronts, pulls=none, room_doors=none, complete=True, main=None
-        )
+        return MarkedPhoto(path=Path("none.jpg"), fronts=fronts, pulls=none, room_doors=none, complete=True)
 
     stacked = photo_of(door(0.1, 0.1, "right"), door(0.1, 0.41, "right"))
     beside = photo_of(door(0.1, 0.1, "left"), door(0.31, 0.1, "right"))

@@ -7,14 +7,17 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from artigen.api.models import load_sketch
 from artigen.errors import ArtigenError
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.reading import Reading
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.sheet import draw_picture
-from artigen.sketch.asked import Asked, ask, draw_asked, merge_reading
+from artigen.sketch.asked import HELD, POLISHED, Asked, ask, draw_asked, merge_reading
 from artigen.sketch.network import SketchNetwork
+from artigen.sketch.told import GLOSS
 from artigen.sketch.understand import Request, understand
+from artigen.weights import SHIPPED
 
 READ = read_shape(draw_shape("StorageFurniture", 3), view=(0.2, 0.2, 0.2))
 """A cabinet as it is read at a slant."""
@@ -128,3 +131,27 @@ def test_a_photograph_is_drawn_without_the_sketch_network(tmp_path: Path):
     assert left.reading is not None
     assert left.reading.box[2] <= 0.56
     assert replace(asked, notes=()).request == asked.request
+
+
+@pytest.fixture(scope="module")
+def shipped() -> SketchNetwork:
+    return load_sketch(SHIPPED)
+
+
+@pytest.mark.parametrize("litres", [30, 45])
+def test_a_volume_scales_the_extents_that_are_not_given(litres: int, shipped: SketchNetwork):
+    request = ask(Request(text=f"a pedal bin of {litres} litres, 30 cm wide"), lambda: shipped, 1).request
+    assert request.width == pytest.approx(0.3)
+    sizes = (request.width, request.depth, request.height)
+    assert HELD * float(np.prod(np.array(sizes))) == pytest.approx(litres / 1000, rel=1e-6)
+
+
+def test_a_volume_that_no_object_of_the_kind_has_is_refused(shipped: SketchNetwork):
+    with pytest.raises(ArtigenError, match=r"^2000 litres: .* expected"):
+        ask(Request(text="a bin of 2000 litres"), lambda: shipped, 1)
+
+
+def test_a_surface_changes_the_gloss_of_paint_and_wood_alone():
+    plain, matte = (draw_asked(merge(text), 5, refuse).shape for text in (None, "matte"))
+    for (role, before), (_, after) in zip(plain.finishes, matte.finishes, strict=True):
+        assert after == (replace(before, gloss=GLOSS["matte"]) if before.kind in POLISHED else before), role

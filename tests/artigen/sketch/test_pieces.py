@@ -15,7 +15,7 @@ from artigen.sketch.rows import PIECE_KINDS, ROW_KINDS, column, rows_to_sketch, 
 from artigen.sketch.rules import Writer
 from artigen.sketch.sketch import FRACTIONS, read_sketch, write_sketch
 from artigen.sketch.slots import slots
-from artigen.sketch.snap import STEP, snap_piece
+from artigen.sketch.snap import STEP, snap_piece, to_metres
 from artigen.sketch.solid_pieces import room_to_cut
 
 ROUNDED: tuple[PieceKind, ...] = ("slab", "shell", "elbow")
@@ -24,11 +24,6 @@ BOUNDS = (0.02, -0.1, 0.3, 0.32, 0.3, 0.8)
 
 def _make(kind: PieceKind, *more: float, bounds: tuple[float, ...] = BOUNDS, **said: object) -> Piece:
     return replace(Piece(kind=kind, finish="body", numbers=(*bounds, *more)), **said)
-
-
-def _grow(piece: Piece) -> Piece:
-    """A piece in steps as one in metres."""
-    return replace(piece, numbers=tuple(number * STEP for number in piece.numbers))
 
 
 def _elbow(axis: int, corners: int, sides: int) -> Piece:
@@ -63,7 +58,7 @@ def test_what_a_piece_makes_is_that_piece_on_the_grid_too(piece: Piece):
     # Off the grid, as the grammar has them: on it, a piece stays the one it is.
     odd = replace(piece, numbers=tuple(number * 1.0173 + 0.00013 * (number != 0) for number in piece.numbers))
     snapped = snap_piece(odd)
-    (again,) = fit_pieces(build_piece(_grow(snapped)))
+    (again,) = fit_pieces(build_piece(to_metres(snapped)))
     assert snap_piece(again) == snapped
 
 
@@ -75,7 +70,7 @@ def test_a_leaning_board_whose_ends_are_upright_on_the_grid_is_a_frustum():
     assert leaning.kind == "prism"
     snapped = snap_piece(leaning)
     assert snapped.kind == "frustum"
-    (again,) = fit_pieces(build_piece(_grow(snapped)))
+    (again,) = fit_pieces(build_piece(to_metres(snapped)))
     assert snap_piece(again) == snapped
 
 
@@ -86,7 +81,7 @@ def test_arcs_that_meet_go_on_meeting_on_the_grid():
             "shell", 0.6 * width, 0.4 * width, 0.01, 0.02, axis=2, sides=3, bounds=(0, 0, 0, width, 0.1, 0.1)
         )
         for piece in (arch, egg):
-            before, after = build_piece(piece), build_piece(_grow(snap_piece(piece)))
+            before, after = build_piece(piece), build_piece(to_metres(snap_piece(piece)))
             assert [len(solid.vertices) for solid in after] == [len(solid.vertices) for solid in before]
 
 

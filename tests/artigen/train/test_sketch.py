@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from average_weights import average_networks
 from sketch_steps import SketchStep, StepLosses
 
 from artigen.errors import ArtigenError, SourceError
@@ -132,16 +131,6 @@ def test_a_step_adds_up_the_weighted_losses_of_its_batches(photos: PhotoBatch):
         for term, value in SketchLosses(network)(one).items():
             assert float(found.pop(f"{name} {term}")) == pytest.approx(weights[name] * float(value), rel=1e-4)
     assert not found
-
-
-def test_the_average_of_two_networks_lies_between_them_and_ends_at_either():
-    before, after = (SketchNetwork(replace(SIZES["tiny"], picture=None)) for _ in range(2))
-    for share in (0.0, 0.75, 1.0):
-        mixed = average_networks(before, after, share).state_dict()
-        for name, value in before.state_dict().items():
-            torch.testing.assert_close(mixed[name], (1 - share) * value + share * after.state_dict()[name])
-    with pytest.raises(ValueError, match="0 to 1"):
-        average_networks(before, after, 1.1)
 
 
 def test_maps_that_are_true_cost_less_than_maps_that_miss(photos: PhotoBatch):

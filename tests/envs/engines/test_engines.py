@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sample_packages import SAMPLE_PARTS, build_package
 
 from artigen.errors import ArtigenError
 from envs.config import EngineChoice
@@ -18,15 +17,9 @@ from envs.engines.plan import EnginePlan, make_plan, moved_load, travelled
 from envs.engines.runners.harness import bisect, push
 from envs.engines.witness import ask_engines, run_engine
 from sim_export.files.read import read_package
-from sim_export.files.write import write_package
 from sim_export.report import CheckResult, Report, describe_report
 
 STEPS = 200
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_package(build_package(SAMPLE_PARTS), tmp_path_factory.mktemp("engines") / "cabinet")
 
 
 @pytest.fixture(scope="module")

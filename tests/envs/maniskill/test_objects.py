@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sample_packages import SAMPLE_PARTS, build_package
 
 from envs.maniskill.containers import column_spans, find_container, largest_rectangle
 from envs.maniskill.objects import TaskError, TaskObject, find_packages, read_object, read_objects
@@ -16,16 +15,6 @@ from sim_export.files.write import write_package
 from sim_export.geometry.hulls import box_hull, convex_hull
 from sim_export.package import Hull, SimPackage
 from sim_export.report import CheckResult, Report, write_report
-
-
-@pytest.fixture(scope="module")
-def package() -> SimPackage:
-    return build_package(SAMPLE_PARTS)
-
-
-@pytest.fixture(scope="module")
-def folder(package: SimPackage, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_package(package, tmp_path_factory.mktemp("task") / "cabinet")
 
 
 @pytest.fixture(scope="module")

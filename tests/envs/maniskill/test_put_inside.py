@@ -7,10 +7,8 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 import pytest
-from sample_packages import SAMPLE_PARTS, build_package
 
 from envs.maniskill.containers import Container
-from sim_export.files.write import write_package
 
 pytest.importorskip("mani_skill")
 import torch
@@ -24,11 +22,6 @@ from envs.maniskill.robots import ROBOTS
 
 pytestmark = pytest.mark.sim
 SETTINGS: dict[str, Any] = {"sim_backend": "physx_cpu", "render_backend": "none", "validation": "any"}
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_package(build_package(SAMPLE_PARTS), tmp_path_factory.mktemp("put") / "cabinet")
 
 
 @pytest.fixture(scope="module", params=["panda", "fetch"])

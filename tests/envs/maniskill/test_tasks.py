@@ -11,7 +11,6 @@ import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 
 from sim_export.files.write import write_package
-from sim_export.package import SimPackage
 
 pytest.importorskip("mani_skill")
 import torch
@@ -26,12 +25,6 @@ pytestmark = pytest.mark.sim
 CPU = {"sim_backend": "physx_cpu", "render_backend": "none", "validation": "any"}
 OURS = ("ArtiGen-OpenPart-v1", "ArtiGen-PutInside-v1")
 STOCK = ("ArtiGen-OpenCabinetDrawer-v1", "ArtiGen-OpenCabinetDoor-v1")
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    package: SimPackage = build_package(SAMPLE_PARTS)
-    return write_package(package, tmp_path_factory.mktemp("tasks") / "cabinet")
 
 
 def make(name: str, folder: Path, **kwargs) -> gym.Env:

@@ -7,7 +7,6 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 import pytest
-from sample_packages import SAMPLE_PARTS, build_package
 
 from artigen.types import Joint
 from envs.maniskill.hulls import hulls_at, plinth_under
@@ -26,11 +25,6 @@ from sim_export.geometry.hulls import box_hull
 from sim_export.package import Requirement, SimPackage
 
 FRONT, UP, SIDE = np.array([-1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
-
-
-@pytest.fixture(scope="module")
-def package() -> SimPackage:
-    return build_package(SAMPLE_PARTS)
 
 
 @pytest.fixture(scope="module")

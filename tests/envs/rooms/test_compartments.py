@@ -2,15 +2,12 @@
 
 import numpy as np
 import pytest
+from hull_link import box
 
 from artigen.types import Joint
 from envs.rooms.compartments import find_compartments
-from sim_export.geometry.hulls import box_hull, convex_hull
-from sim_export.package import Hull, Link, SimPackage
-
-
-def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> Hull:
-    return box_hull(np.array(low), np.array(high))
+from sim_export.geometry.hulls import convex_hull
+from sim_export.package import Link, SimPackage
 
 
 def drawer(depth: float, *, dividers: int = 0, slope: float = 0.0) -> SimPackage:

@@ -4,22 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hull_link import box, link
 
 from artigen.types import Joint
 from sim_export.collision import attachment
 from sim_export.collision.attachment import NEAR, add_hull, attach_links
 from sim_export.geometry.contacts import HullSet, signed_distances
-from sim_export.geometry.hulls import box_hull
 from sim_export.motion.kinematics import link_displacements, read_sweeps
-from sim_export.package import Hull, Link, Mesh
-
-
-def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> Hull:
-    return box_hull(np.array(low), np.array(high))
-
-
-def link(name: str, *hulls: Hull) -> Link:
-    return Link(name=name, label=None, parts=(name,), visuals=(), hulls=hulls, inertial=None)
+from sim_export.package import Hull, Mesh
 
 
 def joint(kind: str, axis: tuple[float, float, float], upper: float, origin=(0.0, 0.0, 0.0)) -> Joint:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hull_link import box, link
 from sample_cabinet import SAMPLE_PARTS, SamplePart, sample_box_arrays
 
 from artigen.kinematics import displacements, movable_parts
@@ -14,7 +15,7 @@ from sim_export.collision.hull_limits import MAX_ASPECT, hull_aspect
 from sim_export.collision.relief import MARGIN
 from sim_export.errors import InvalidKinematics
 from sim_export.geometry.contacts import HullSet, penetration_depths, signed_distances
-from sim_export.geometry.hulls import box_hull, convex_hull, hull_volume
+from sim_export.geometry.hulls import convex_hull, hull_volume
 from sim_export.motion.kinematics import (
     driven_joints,
     link_displacements,
@@ -35,10 +36,6 @@ def owner_of(part: SamplePart) -> str:
     return part.name
 
 
-def make_link(name: str, *hulls: Hull) -> Link:
-    return Link(name=name, label=None, parts=(name,), visuals=(), hulls=hulls, inertial=None)
-
-
 def make_joint(child: str, joint_type, axis, origin, upper, parent="body") -> Joint:
     return Joint(
         name=f"joint_{child}", type=joint_type, parent=parent, child=child,
@@ -46,13 +43,9 @@ def make_joint(child: str, joint_type, axis, origin, upper, parent="body") -> Jo
     )  # fmt: skip
 
 
-def box(low, high) -> Hull:
-    return box_hull(np.array(low, float), np.array(high, float))
-
-
 def sample_package(grow: float = 0.0) -> tuple[list[Link], list[Joint]]:
     """The sample cabinet's exact boxes as links; ``grow`` (m) swells everything that moves."""
-    links, joints = [make_link("base")], []
+    links, joints = [link("base")], []
     for part in SAMPLE_PARTS:
         if owner_of(part) != part.name:
             continue
@@ -61,7 +54,7 @@ def sample_package(grow: float = 0.0) -> tuple[list[Link], list[Joint]]:
             if owner_of(other) == part.name:
                 swell = 0.0 if part.name == "body" else grow
                 hulls += [box(low - swell, high + swell) for low, high in sample_box_arrays(other)]
-        links.append(make_link(part.name, *hulls))
+        links.append(link(part.name, *hulls))
         parent = "base" if part.parent is None else owner_of(BY_NAME[part.parent])
         joints.append(make_joint(part.name, part.joint, part.axis, part.origin, part.upper, parent))
     return links, joints
@@ -105,8 +98,8 @@ def test_links_move_as_parts_do(cabinet):
     found = link_displacements(
         links, joints, {f"joint_{name}": per_unit[name] * qpos[:, k] for k, name in enumerate(names)}
     )
-    for slot, link in enumerate(links[1:], start=1):
-        part = next(index for index, other in enumerate(cabinet.parts) if other.name == link.name)
+    for slot, moving in enumerate(links[1:], start=1):
+        part = next(index for index, other in enumerate(cabinet.parts) if other.name == moving.name)
         np.testing.assert_allclose(found[:, slot, :3, :3], expected[:, part, :3, :3], atol=1e-12)
     # Translations differ by the origin of the frame and the scale, so that distances agree.
     tray = [link.name for link in links].index("tray")
@@ -114,7 +107,7 @@ def test_links_move_as_parts_do(cabinet):
 
 
 def test_mimicking_joints_follow_and_unknown_names_are_refused():
-    links = [make_link("base"), make_link("body"), make_link("carrier"), make_link("screw")]
+    links = [link("base"), link("body"), link("carrier"), link("screw")]
     joints = [
         make_joint("body", "fixed", (0, 0, 1), (0, 0, 0), 0.0, parent="base"),
         make_joint("carrier", "revolute", (0, 0, 1), (0.1, 0, 0), 3.0),
@@ -148,9 +141,9 @@ def test_the_tray_requires_the_door_and_nothing_else_anything():
 def test_least_sufficient_opening_is_required():
     # A lid slides aside from over a lift that is as wide as a quarter of its way.
     links = [
-        make_link("base"), make_link("body", box((0, 0, -0.1), (0.4, 0.4, 0))),
-        make_link("lid", box((0, 0, 0.2), (0.4, 0.4, 0.22))),
-        make_link("lift", box((0.01, 0.1, 0.01), (0.18, 0.3, 0.19))),
+        link("base"), link("body", box((0, 0, -0.1), (0.4, 0.4, 0))),
+        link("lid", box((0, 0, 0.2), (0.4, 0.4, 0.22))),
+        link("lift", box((0.01, 0.1, 0.01), (0.18, 0.3, 0.19))),
     ]  # fmt: skip
     joints = [
         make_joint("body", "fixed", (0, 0, 1), (0, 0, 0), 0.0, parent="base"),
@@ -165,9 +158,9 @@ def test_least_sufficient_opening_is_required():
 def test_doors_that_block_each_other_give_no_cycle():
     # Both doors reach 2 cm into the other's way, so that neither can go first.
     links = [
-        make_link("base"), make_link("body", box((0, -0.4, -0.1), (0.3, 0.4, -0.05))),
-        make_link("left", box((0, 0.0, 0), (0.02, 0.4, 1)), box((-0.02, -0.05, 0), (0, 0.4, 0.5))),
-        make_link("right", box((0, -0.4, 0), (0.02, 0.0, 1)), box((-0.02, -0.4, 0.5), (0, 0.05, 1))),
+        link("base"), link("body", box((0, -0.4, -0.1), (0.3, 0.4, -0.05))),
+        link("left", box((0, 0.0, 0), (0.02, 0.4, 1)), box((-0.02, -0.05, 0), (0, 0.4, 0.5))),
+        link("right", box((0, -0.4, 0), (0.02, 0.0, 1)), box((-0.02, -0.4, 0.5), (0, 0.05, 1))),
     ]  # fmt: skip
     joints = [
         make_joint("body", "fixed", (0, 0, 1), (0, 0, 0), 0.0, parent="base"),
@@ -221,9 +214,9 @@ def test_a_free_package_is_left_alone():
 def hinge(corner: float) -> tuple[list[Link], list[Joint]]:
     """A door between two posts, hinged at the middle of its edge: its corners sweep into the post."""
     links = [
-        make_link("base"),
-        make_link("body", box((0, 0.401, 0), (0.1, 0.45, 1)), box((0, -0.45, 0), (0.1, -0.401, 1))),
-        make_link("door", box((0, -0.4, 0), (0.02, 0.4, 1))),
+        link("base"),
+        link("body", box((0, 0.401, 0), (0.1, 0.45, 1)), box((0, -0.45, 0), (0.1, -0.401, 1))),
+        link("door", box((0, -0.4, 0), (0.02, 0.4, 1))),
     ]
     joints = [
         make_joint("body", "fixed", (0, 0, 1), (0, 0, 0), 0.0, parent="base"),
@@ -246,9 +239,9 @@ def test_a_knob_sunk_into_a_door_is_cut_once_along_its_axis():
     hexagon = np.array([[np.cos(a), np.sin(a)] for a in np.arange(6) * np.pi / 3]) * 0.02
     knob = convex_hull(np.array([[x, y, z] for x in (-0.035, 0.005) for y, z in hexagon]))
     links = [
-        make_link("base"),
-        make_link("body", box((0, -0.4, -0.4), (0.02, 0.4, 0.4))),
-        make_link("knob", knob),
+        link("base"),
+        link("body", box((0, -0.4, -0.4), (0.02, 0.4, 0.4))),
+        link("knob", knob),
     ]
     joints = [
         make_joint("body", "fixed", (0, 0, 1), (0, 0, 0), 0.0, parent="base"),
@@ -278,8 +271,8 @@ def test_a_deep_overlap_is_reported_not_hidden():
 def stopper() -> tuple[list[Link], list[Joint]]:
     """A slider that runs into a wall after 20 of 30 cm."""
     links = [
-        make_link("base"), make_link("body", box((0, 0, -0.02), (1, 1, 0)), box((0.5, 0, 0), (0.9, 1, 0.5))),
-        make_link("slider", box((0.1, 0.1, 0.001), (0.3, 0.9, 0.3))),
+        link("base"), link("body", box((0, 0, -0.02), (1, 1, 0)), box((0.5, 0, 0), (0.9, 1, 0.5))),
+        link("slider", box((0.1, 0.1, 0.001), (0.3, 0.9, 0.3))),
     ]  # fmt: skip
     joints = [
         make_joint("body", "fixed", (0, 0, 1), (0, 0, 0), 0.0, parent="base"),
@@ -303,10 +296,10 @@ def test_limits_are_lowered_where_most_of_the_range_is_free():
 def test_what_is_carried_stays_clear_however_far_it_is_open(angle):
     """A lever on a slide stands up and then meets a beam, which its corner passes at 45 degrees only."""
     links = [
-        make_link("base"),
-        make_link("body", box([0.3, 0.0, 0.168 if angle < 90.0 else 0.19], [0.5, 0.2, 0.4])),
-        make_link("slide", box([0.0, 0.0, 0.0], [0.3, 0.1, 0.02])),
-        make_link("lever", box([0.0, 0.1, 0.0], [0.15 if angle < 90.0 else 0.2, 0.12, 0.1])),
+        link("base"),
+        link("body", box([0.3, 0.0, 0.168 if angle < 90.0 else 0.19], [0.5, 0.2, 0.4])),
+        link("slide", box([0.0, 0.0, 0.0], [0.3, 0.1, 0.02])),
+        link("lever", box([0.0, 0.1, 0.0], [0.15 if angle < 90.0 else 0.2, 0.12, 0.1])),
     ]
     joints = [
         make_joint("body", "fixed", [0, 0, 1], [0, 0, 0], 0.0, "base"),
@@ -329,9 +322,9 @@ def test_what_only_touches_gets_a_gap_and_loses_no_wedge():
     size = rng.uniform(0.02, 1.0, (8, 3))
     for thick, wide, tall in size:
         links = [
-            make_link("base"),
-            make_link("body", box((0, 0, 0), (thick, wide, tall))),
-            make_link("door", box((-thick, 0, 0), (0, wide, tall))),
+            link("base"),
+            link("body", box((0, 0, 0), (thick, wide, tall))),
+            link("door", box((-thick, 0, 0), (0, wide, tall))),
         ]
         joints = [
             make_joint("body", "fixed", (0, 0, 1), (0, 0, 0), 0.0, parent="base"),
@@ -348,9 +341,9 @@ def test_what_only_touches_gets_a_gap_and_loses_no_wedge():
 def test_a_slot_for_what_slides_is_cut_in_one_piece():
     """A runner through a wall: the slot is as long as the way of the runner, and takes four hulls at most."""
     links = [
-        make_link("base"),
-        make_link("body", box((0, -0.5, 0), (0.02, 0.5, 1))),
-        make_link("drawer", box((-0.005, -0.45, 0.5), (0.6, 0.45, 0.505))),
+        link("base"),
+        link("body", box((0, -0.5, 0), (0.02, 0.5, 1))),
+        link("drawer", box((-0.005, -0.45, 0.5), (0.6, 0.45, 0.505))),
     ]
     joints = [
         make_joint("body", "fixed", (0, 0, 1), (0, 0, 0), 0.0, parent="base"),
@@ -368,9 +361,9 @@ def test_a_slot_for_what_slides_is_cut_in_one_piece():
 def test_far_swings_are_sampled_closely():
     """A post at the tip of a wide door's way, which 21 samples would jump over."""
     links = [
-        make_link("base"),
-        make_link("body", box((0, -1, 0), (0.02, 0, 1)), box((-0.62, -0.79, 0), (-0.6, -0.77, 1))),
-        make_link("door", box((-0.02, -1, 0), (-0.001, 0, 1))),
+        link("base"),
+        link("body", box((0, -1, 0), (0.02, 0, 1)), box((-0.62, -0.79, 0), (-0.6, -0.77, 1))),
+        link("door", box((-0.02, -1, 0), (-0.001, 0, 1))),
     ]
     joints = [
         make_joint("body", "fixed", (0, 0, 1), (0, 0, 0), 0.0, parent="base"),
@@ -386,7 +379,7 @@ def test_a_thin_leaf_keeps_its_thickness_before_a_thick_body():
     """The leaf has less volume to lose, and would lose more of it."""
     leaf = box((-0.206, -0.2, -0.2), (-0.2, 0.2, 0.2))
     body = box((-0.2005, -0.3, -0.3), (0.2, 0.3, 0.3))
-    links = [make_link("body", body), make_link("door", leaf)]
+    links = [link("body", body), link("door", leaf)]
     joints = [make_joint("door", "revolute", (0, 0, -1), (-0.206, 0.2, 0.0), np.pi / 2)]
     done = clear_joints(links, joints, shares=True)
     assert done.residuals == ()
@@ -402,18 +395,18 @@ def test_a_strip_may_go_if_no_point_is_farther_from_other_hulls_than_v103_allows
     size = float(np.linalg.norm([0.8 + width, 0.6]))
     block, strip = (Hull(vertices=hull.vertices / size, faces=hull.faces) for hull in (block, strip))
     strip = Hull(vertices=strip.vertices * [size, 1.0, 1.0], faces=strip.faces)
-    links = [make_link("body", block, strip)]
+    links = [link("body", block, strip)]
     assert CutHulls(links, sheets=True).is_skin(0, 1) == may_go
     assert not CutHulls(links).is_skin(0, 1)  # hulls of voxels stand for volume
-    assert not CutHulls([make_link("body", strip)], sheets=True).is_skin(0, 0)
+    assert not CutHulls([link("body", strip)], sheets=True).is_skin(0, 0)
 
 
 def capped(gap: float, *, screwed: bool):
     """A wall of a cap that turns by next to nothing, so far (m) from its neck."""
     links = [
-        make_link("body", box((-0.01, -0.01, 0.0), (0.01, 0.01, 0.03))),
-        make_link("carrier"),
-        make_link("cap", box((0.01 + gap, -0.01, 0.0), (0.02, 0.01, 0.03))),
+        link("body", box((-0.01, -0.01, 0.0), (0.01, 0.01, 0.03))),
+        link("carrier"),
+        link("cap", box((0.01 + gap, -0.01, 0.0), (0.02, 0.01, 0.03))),
     ]
     turn = make_joint("carrier", "revolute", (1, 0, 0), (0, 0, 0), 1e-6)
     travel = make_joint("cap", "prismatic", (1, 0, 0), (0, 0, 0), 1e-9, parent="carrier")
@@ -437,7 +430,7 @@ def test_a_cap_keeps_a_tenth_of_a_millimetre_from_its_neck_and_other_parts_one(g
 @pytest.mark.parametrize(("hulls", "more"), [(1, 8), (2, 9), (10, 13), (59, 37), (60, 36), (96, 0)])
 def test_cuts_may_add_eight_hulls_and_half_as_many_as_there_are_up_to_the_limit_of_a_link(hulls, more):
     cubes = [box((k, 0.0, 0.0), (k + 0.9, 0.9, 0.9)) for k in range(hulls)]
-    assert CutHulls([make_link("body", *cubes)]).room(0) == more
+    assert CutHulls([link("body", *cubes)]).room(0) == more
 
 
 @pytest.mark.parametrize(
@@ -446,9 +439,9 @@ def test_cuts_may_add_eight_hulls_and_half_as_many_as_there_are_up_to_the_limit_
 def test_leaves_that_turn_are_cut_where_others_come_nearer_than_three_millimetres(gap, label, cut):
     left, right = box((-0.002, gap, 0), (0, 0.4, 1)), box((-0.002, -0.4, 0), (0, 0, 1))
     links = [
-        make_link("body", box((0.01, -0.4, 0), (0.4, 0.4, 1))),
-        replace(make_link("left", left), label=label),
-        replace(make_link("right", right), label=label),
+        link("body", box((0.01, -0.4, 0), (0.4, 0.4, 1))),
+        replace(link("left", left), label=label),
+        replace(link("right", right), label=label),
     ]
     joints = [
         make_joint("left", "revolute", (0, 0, -1), (-0.002, 0.4, 0), 1e-6),
@@ -465,9 +458,9 @@ def test_leaves_that_turn_are_cut_where_others_come_nearer_than_three_millimetre
 def test_overlaps_that_cannot_be_cut_are_reported_from_a_fiftieth_of_a_millimetre(depth, reported):
     """Two wheels, which keep their shape."""
     links = [
-        replace(make_link("front", box((0, 0, 0), (0.1, 0.02, 0.1))), label="wheel"),
-        replace(make_link("rear", box((0.1 - depth, 0, 0), (0.2, 0.02, 0.1))), label="wheel"),
-        make_link("body", box((0, 0, 0.3), (0.2, 0.02, 0.4))),
+        replace(link("front", box((0, 0, 0), (0.1, 0.02, 0.1))), label="wheel"),
+        replace(link("rear", box((0.1 - depth, 0, 0), (0.2, 0.02, 0.1))), label="wheel"),
+        link("body", box((0, 0, 0.3), (0.2, 0.02, 0.4))),
     ]
     joints = [make_joint("front", "prismatic", (0, 1, 0), (0, 0, 0), 1e-3)]
     assert bool(clear_joints(links, joints).residuals) == reported

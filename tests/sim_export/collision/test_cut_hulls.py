@@ -1,15 +1,11 @@
 """What is left of the hulls of a link after cuts stays within the limits of engines."""
 
-import numpy as np
 import pytest
+from hull_link import box
 
 from sim_export.collision.cut_hulls import CutHulls
-from sim_export.geometry.hulls import box_hull, hull_width
+from sim_export.geometry.hulls import hull_width
 from sim_export.package import Hull, Link
-
-
-def box(low, high) -> Hull:
-    return box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
 
 
 def cubes(count: int) -> list[Hull]:

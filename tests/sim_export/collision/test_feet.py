@@ -2,27 +2,15 @@
 
 from dataclasses import replace
 
-import manifold3d
 import numpy as np
 import pytest
+from hull_link import box, link, solid
 
 from artigen.types import Joint
 from sim_export.collision import attachment, feet
 from sim_export.collision.feet import Levelled, add_feet, level_object
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import Hull, Inertial, Link, Mesh
-
-
-def solid(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]]) -> Mesh:
-    whole = manifold3d.Manifold()
-    for low, high in boxes:
-        size = tuple(float(b - a) for a, b in zip(low, high, strict=True))
-        whole += manifold3d.Manifold.cube(size).translate(low)
-    mesh = whole.to_mesh64()
-    return Mesh(
-        vertices=np.array(mesh.vert_properties)[:, :3], faces=np.array(mesh.tri_verts, dtype=np.int64)
-    )
-
+from sim_export.package import Inertial, Link
 
 PLATE = ((-0.3, -0.4, 0.0), (0.3, 0.4, 0.8))
 FEET = [
@@ -35,10 +23,6 @@ FRAME = [
     ((0.28, -0.4, -0.012), (0.3, 0.4, 0.01)),
 ]
 BODY = box_hull(np.array(PLATE[0]), np.array(PLATE[1]))
-
-
-def link(name: str, *hulls) -> Link:
-    return Link(name=name, label=None, parts=(name,), visuals=(), hulls=hulls, inertial=None)
 
 
 def lowest(links) -> np.ndarray:
@@ -166,10 +150,6 @@ def test_a_link_gets_its_eight_largest_feet(pegs, feet):
 CABINET = ((-0.3, -0.4, 0.05), (0.3, 0.4, 0.8))
 TRIM = ((-0.3, -0.2, 0.0), (-0.295, 0.2, 0.06))
 """All that a cabinet touches the floor with, so that it topples."""
-
-
-def box(low, high) -> Hull:
-    return box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
 
 
 def level(*boxes, raised: float = 0.0, beside: tuple[Link, ...] = ()) -> Levelled:

@@ -3,31 +3,18 @@
 import manifold3d
 import numpy as np
 import pytest
+from hull_link import link, solid
 
 from artigen.transforms import rotation_about
 from sim_export.collision.hull_limits import MOST_OF_LINK
 from sim_export.collision.recovery import recover_hulls, recover_surface
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import box_hull, convex_hull
-from sim_export.package import Link, Mesh
+from sim_export.package import Mesh
 
 BODY = ((-0.3, -0.4, 0.0), (0.3, 0.4, 0.8))
 LEDGE = ((-0.3, 0.4, 0.5), (0.3, 0.5, 0.52))
 STILL = np.eye(4)
-
-
-def solid(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]]) -> Mesh:
-    whole = manifold3d.Manifold()
-    for low, high in boxes:
-        whole += manifold3d.Manifold.cube(tuple(np.subtract(high, low))).translate(low)
-    mesh = whole.to_mesh64()
-    return Mesh(
-        vertices=np.array(mesh.vert_properties)[:, :3], faces=np.array(mesh.tri_verts, dtype=np.int64)
-    )
-
-
-def link(name: str, *hulls) -> Link:
-    return Link(name=name, label=None, parts=(name,), visuals=(), hulls=hulls, inertial=None)
 
 
 def box(item) -> object:

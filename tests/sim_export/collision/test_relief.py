@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from hull_link import box
 
 from artigen.transforms import rotation_about
 from artigen.types import Joint
@@ -13,10 +14,6 @@ from sim_export.package import Hull, Link
 BOARD = box_hull(np.zeros(3), np.array([1.0, 1.0, 0.02]))
 TAB = box_hull(np.array([0.4, 0.4, 0.01]), np.array([0.45, 0.45, 0.03]))
 STILL = np.eye(4)[None]
-
-
-def box(low, high) -> Hull:
-    return box_hull(np.array(low, float), np.array(high, float))
 
 
 def pair_of(first: Hull, second: Hull, *, allowed=0.65, least=1.0, sliver=False, poses=STILL):

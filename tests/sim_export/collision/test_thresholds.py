@@ -3,6 +3,7 @@
 import manifold3d
 import numpy as np
 import pytest
+from hull_link import link
 
 from sim_export.collision.cover.cuboids import face_coordinates
 from sim_export.collision.cover.free_space import find_free_space
@@ -13,7 +14,7 @@ from sim_export.collision.simplification import simplify_hulls
 from sim_export.collision.trimming import trim_meshes
 from sim_export.geometry.hulls import box_hull, convex_hull, hull_width
 from sim_export.geometry.primitives import find_primitive
-from sim_export.package import Hull, Link, Mesh
+from sim_export.package import Mesh
 
 Solid = manifold3d.Manifold
 
@@ -27,10 +28,6 @@ def mesh_of(solid: Solid) -> Mesh:
     return Mesh(
         vertices=np.array(mesh.vert_properties)[:, :3], faces=np.array(mesh.tri_verts, dtype=np.int64)
     )
-
-
-def link(name: str, *hulls: Hull) -> Link:
-    return Link(name=name, label=None, parts=(name,), visuals=(), hulls=hulls, inertial=None)
 
 
 @pytest.mark.parametrize(("width", "feet"), [(0.17, 4), (0.2, 1)])

@@ -5,6 +5,7 @@ from dataclasses import replace
 import manifold3d
 import numpy as np
 import pytest
+from hull_link import solid
 
 from artigen.types import Joint
 from sim_export.collision.trimming import fill_meshes, trim_meshes
@@ -16,16 +17,6 @@ BODY = ((-0.3, -0.4, 0.0), (0.3, 0.4, 0.8))
 LEDGE = ((-0.3, 0.4, 0.5), (0.3, 0.5, 0.52))
 AROUND = ((-0.4, 0.401, 0.3), (0.4, 0.6, 0.7))
 AWAY = ((-0.4, 0.7, 0.3), (0.4, 0.8, 0.7))
-
-
-def solid(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]]) -> Mesh:
-    whole = manifold3d.Manifold()
-    for low, high in boxes:
-        whole += manifold3d.Manifold.cube(tuple(np.subtract(high, low))).translate(low)
-    mesh = whole.to_mesh64()
-    return Mesh(
-        vertices=np.array(mesh.vert_properties)[:, :3], faces=np.array(mesh.tri_verts, dtype=np.int64)
-    )
 
 
 def link(name: str, item) -> Link:

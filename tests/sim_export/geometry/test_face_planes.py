@@ -2,18 +2,10 @@
 
 import numpy as np
 import pytest
+from cell_grid import grid, tight_box
 
 from sim_export.geometry import face_planes
 from sim_export.geometry.face_planes import DIRECTIONS, fit_face_planes
-
-
-def grid(size: int = 28) -> np.ndarray:
-    return np.mgrid[:size, :size, :size] + 0.5 - size / 2
-
-
-def tight_box(occupancy: np.ndarray) -> np.ndarray:
-    cells = np.argwhere(occupancy)
-    return np.stack([cells.min(axis=0), cells.max(axis=0) + 1]).astype(float)
 
 
 def flat_fraction(occupancy: np.ndarray, direction: int) -> float:

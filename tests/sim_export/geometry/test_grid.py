@@ -2,14 +2,9 @@
 
 import numpy as np
 import pytest
+from triangle_box import box
 
 from sim_export.geometry.grid import find_outside, is_exposed, make_grid, mark_surface
-from sim_export.geometry.hulls import box_hull
-
-
-def box(low, high):
-    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
-    return hull.vertices[hull.faces]
 
 
 @pytest.mark.parametrize(("lid", "inner"), [(True, False), (False, True)])

@@ -2,14 +2,9 @@
 
 import numpy as np
 import pytest
+from triangle_box import box
 
-from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.islands import visual_islands
-
-
-def box(low, high) -> np.ndarray:
-    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
-    return hull.vertices[hull.faces]
 
 
 def holed_square(low: float, high: float) -> np.ndarray:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
+from cell_grid import grid, tight_box
 from scipy import ndimage
 
 from artigen.types import Asset, VoxelGrid
@@ -16,15 +17,6 @@ from sim_export.geometry.meshing import mesh_occupancy, mesh_parts
 from sim_export.geometry.occupancy import part_occupancy
 from sim_export.geometry.slants import find_slants
 from sim_export.package import Mesh
-
-
-def grid(size: int = 28) -> np.ndarray:
-    return np.mgrid[:size, :size, :size] + 0.5 - size / 2
-
-
-def tight_box(occupancy: np.ndarray) -> np.ndarray:
-    cells = np.argwhere(occupancy)
-    return np.stack([cells.min(axis=0), cells.max(axis=0) + 1]).astype(float)
 
 
 def as_trimesh(vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trimesh:

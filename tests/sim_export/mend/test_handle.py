@@ -4,19 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from triangle_box import box
 
 from artigen.types import FIXED, Asset, Joint, Part
 from sim_export.checks.config import CheckConfig
-from sim_export.geometry.hulls import box_hull
 from sim_export.mend.handle import move_handles
 from sim_export.mend.source import open_source
 
 GAP = 0.01
-
-
-def box(low, high) -> np.ndarray:
-    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
-    return hull.vertices[hull.faces]
 
 
 def part_of(triangles: np.ndarray, name: str, label: str, parent: int, joint: Joint) -> Part:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from triangle_box import box
 
 from artigen.types import Asset, Joint, Part
 from sim_export.checks.config import CheckConfig
@@ -11,7 +12,6 @@ from sim_export.checks.handles import check_handles
 from sim_export.checks.opening import door_panel, hinge_offset
 from sim_export.checks.subject import Subject
 from sim_export.files.write import write_package
-from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.islands import visual_islands
 from sim_export.mend.apart import pull_apart
 from sim_export.mend.mends import mend_source
@@ -20,11 +20,6 @@ from sim_export.source_faults import overlaps_at_rest, overlaps_on_the_way, show
 
 CFG = CheckConfig()
 FIXED = Joint(type="fixed", axis=np.array([0, 0, 1.0]), origin=np.zeros(3))
-
-
-def box(low, high):
-    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
-    return hull.vertices[hull.faces]
 
 
 def part_of(triangles, name, label, parent, joint):

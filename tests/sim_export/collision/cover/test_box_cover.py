@@ -2,17 +2,14 @@
 
 import numpy as np
 import pytest
+from triangle_box import box
 
+from sim_export.collision.cover.exposed import find_exposed, find_uncovered
 from sim_export.collision.cover.free_space import cover_with_boxes, find_free_space
-from sim_export.collision.cover.surface_hulls import cover_surface, find_exposed, find_uncovered
+from sim_export.collision.cover.surface_hulls import cover_surface
 from sim_export.geometry.hulls import box_hull, inside_hulls
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.geometry.triangles import triangle_areas
-
-
-def box(low, high):
-    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
-    return hull.vertices[hull.faces]
 
 
 def turned(triangles, degrees):

@@ -5,17 +5,13 @@ import numpy as np
 import pytest
 
 from sim_export.collision.cover.cuboids import face_coordinates, fill_with_boxes
+from sim_export.geometry.solids import solid_triangles
 
 Solid = manifold3d.Manifold
 
 
 def block(low, high) -> Solid:
     return Solid.cube(tuple(np.subtract(high, low))).translate(tuple(low))
-
-
-def triangles_of(solid: Solid) -> np.ndarray:
-    mesh = solid.to_mesh64()
-    return np.array(mesh.vert_properties)[:, :3][np.array(mesh.tri_verts)]
 
 
 def levels(*squares: tuple[float, float], slope: float = 0.0) -> list[np.ndarray]:
@@ -46,20 +42,21 @@ DIAGONAL = float(np.linalg.norm([0.8, 0.8, 0.6]))
 def test_a_box_must_fill_two_thousandths_of_a_solid(share, boxes):
     edge = np.sqrt(share / 0.3)
     bump = block((0.3, 0.3, 1.0), (0.3 + edge, 0.3 + edge, 1.3))
-    assert len(fill_with_boxes(triangles_of(block((0, 0, 0), (1, 1, 1)) + bump))) == boxes
+    assert len(fill_with_boxes(solid_triangles(block((0, 0, 0), (1, 1, 1)) + bump))) == boxes
 
 
 @pytest.mark.parametrize(("rise", "exact"), [(0.0111, False), (0.0125, True)])
 def test_boxes_end_at_planes_that_hold_three_thousandths_of_the_surface(rise, exact):
     """A step with a riser of 0.28 or 0.31 % of the surface, between two cells of a 64th."""
     stair = block((0, 0, 0), (1, 1, 0.5)) + block((0, 0, 0.4), (0.3, 1, 0.5 + rise))
-    ends = np.array([hull.vertices[:, 0].max() for hull in fill_with_boxes(triangles_of(stair))])
+    ends = np.array([hull.vertices[:, 0].max() for hull in fill_with_boxes(solid_triangles(stair))])
     assert (np.abs(ends - 0.3).min() < 1e-6) == exact
 
 
 def test_boxes_end_at_64ths_of_the_longest_edge_along_a_slope():
     wedge = block((0, 0, 0), (1, 1, 1)).trim_by_plane((-1.0, 0.0, -1.0), -1.0)
-    ends = np.array([hull.vertices[:, [0, 2]].max(axis=0) for hull in fill_with_boxes(triangles_of(wedge))])
+    boxes = fill_with_boxes(solid_triangles(wedge))
+    ends = np.array([hull.vertices[:, [0, 2]].max(axis=0) for hull in boxes])
     steps = 64.0 * ends
     np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
     assert (np.rint(steps) % 2 == 1).any()
@@ -72,7 +69,7 @@ def test_a_solid_is_filled_by_forty_boxes_at_most(teeth, boxes):
     for tooth in range(teeth):
         x, y = 0.1 * (tooth // 8), 0.1 * (tooth % 8)
         brush += block((x + 0.02, y + 0.02, 0.0), (x + 0.08, y + 0.08, 0.3))
-    assert len(fill_with_boxes(triangles_of(brush))) == boxes
+    assert len(fill_with_boxes(solid_triangles(brush))) == boxes
 
 
 @pytest.mark.parametrize(("apart", "planes"), [(4.5e-4, 1), (5.5e-4, 2)])

@@ -4,18 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from triangle_box import box
 
 from sim_export.collision.cover import object_cover
 from sim_export.collision.cover.object_cover import ObjectCover, find_passing
 from sim_export.collision.cover.surface_hulls import USUAL
-from sim_export.geometry.hulls import box_hull
 from sim_export.package import Link
-
-
-def box(low, high):
-    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
-    return hull.vertices[hull.faces]
-
 
 CORNERS = np.array([[0.0, 0.0, 0.0], [0.3, 0.1, 0.0], [0.1, 0.3, 0.0], [0.2, 0.2, 0.3]])
 TETRAHEDRON = CORNERS[[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]]

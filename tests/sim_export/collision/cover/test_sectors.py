@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from triangle_box import box
 
 from artigen.transforms import rotation_about
 from sim_export.collision.cover import surface_hulls
@@ -12,7 +13,6 @@ from sim_export.collision.cover.object_cover import ObjectCover
 from sim_export.collision.cover.sectors import count_sectors, cut_sectors, find_axis
 from sim_export.collision.cover.surface_hulls import USUAL, cover_surface
 from sim_export.geometry.distances import surface_distances
-from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.geometry.triangles import triangle_areas
 
@@ -29,11 +29,6 @@ def turned(profile=PROFILE, *, span=2.0 * np.pi, about=(0.0, 0.0), sides=96):
     )
     a, b, c, d = grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]
     return np.concatenate([np.stack([a, b, c], axis=2), np.stack([a, c, d], axis=2)]).reshape(-1, 3, 3)
-
-
-def box(low, high):
-    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
-    return hull.vertices[hull.faces]
 
 
 def test_the_axis_of_a_bottle_is_found_wherever_it_stands_and_however_it_lies():

@@ -22,7 +22,7 @@ from sim_export.geometry.hulls import (
     hull_width,
     inside_hulls,
 )
-from sim_export.geometry.solids import as_solid, inside_grid, solid_arrays
+from sim_export.geometry.solids import as_solid, inside_grid, solid_arrays, solid_triangles
 from sim_export.package import Link
 
 Solid = manifold3d.Manifold
@@ -37,11 +37,6 @@ def block(low, high) -> Solid:
 
 def unite(solids) -> Solid:
     return Solid.batch_boolean(list(solids), manifold3d.OpType.Add)
-
-
-def triangles_of(solid: Solid) -> np.ndarray:
-    vertices, faces = solid_arrays(solid)
-    return vertices[faces]
 
 
 def sample_solid(name: str) -> Solid:
@@ -74,7 +69,7 @@ SOLIDS = {
 
 def make_hulls(solid: Solid):
     """Hulls of a solid that is the whole object."""
-    return ObjectCover({"part": triangles_of(solid)}, {}, solid=True).make_hulls()["part"]
+    return ObjectCover({"part": solid_triangles(solid)}, {}, solid=True).make_hulls()["part"]
 
 
 def measure_error(hulls, solid: Solid) -> float:
@@ -162,7 +157,7 @@ def test_hulls_of_solids_keep_out_of_other_links_whatever_their_size():
     for length in (0.05, 2.0):
         board = block((0, 0, 0), (0.4, 0.4, 0.02)) - block((0.15, 0.15, -1), (0.25, 0.25, 1))
         peg = block((0.16, 0.16, -0.01), (0.24, 0.24, length))
-        surfaces = {"board": triangles_of(board), "peg": triangles_of(peg)}
+        surfaces = {"board": solid_triangles(board), "peg": solid_triangles(peg)}
         links = [
             Link(name=name, label=None, parts=(name,), visuals=(), hulls=(), inertial=None)
             for name in surfaces
@@ -173,7 +168,7 @@ def test_hulls_of_solids_keep_out_of_other_links_whatever_their_size():
 
 
 def test_what_is_enclosed_by_a_solid_is_its_own_even_if_another_link_passes_through():
-    walls = triangles_of(block((0, 0, 0), (0.5, 0.5, 0.5)))
+    walls = solid_triangles(block((0, 0, 0), (0.5, 0.5, 0.5)))
     lodger = np.random.default_rng(0).uniform(0.05, 0.45, (4000, 3))
     middle = (32, 32, 32)
     assert find_free_space(walls, 0.87, lodger).depth[middle] > 0
@@ -181,14 +176,14 @@ def test_what_is_enclosed_by_a_solid_is_its_own_even_if_another_link_passes_thro
 
 
 def test_boxes_end_at_the_planes_of_the_solid_or_a_64th_before_what_has_none():
-    plain = fill_with_boxes(triangles_of(block((0.01, 0.02, 0.03), (1, 0.5, 0.4))))
+    plain = fill_with_boxes(solid_triangles(block((0.01, 0.02, 0.03), (1, 0.5, 0.4))))
     bounds = box_bounds(plain[0])
     assert bounds is not None
     np.testing.assert_allclose(bounds[0], [0.01, 0.02, 0.03])
     wedge = block((0, 0, 0), (1, 1, 0.5)) - block((-1, 0.8, -1), (2, 2, 2)).rotate((30, 0, 0)).translate(
         (0, 0.1, -0.2)
     )
-    for hull in fill_with_boxes(triangles_of(wedge)):
+    for hull in fill_with_boxes(solid_triangles(wedge)):
         assert (as_solid(hull) - wedge).volume() <= 0.6 / 64 * 0.5  # half a cell along the slope
 
 
@@ -213,7 +208,7 @@ def test_cuboids_cover_exactly_and_few():
 @pytest.mark.parametrize("thickness", [0.006, 0.012])
 def test_thin_round_walls_get_more_sectors(thickness):
     """An arc is as deep as 0.8 % of the diagonal, or as 15 % of a thinner wall's thickness."""
-    triangles, diagonal = triangles_of(ring(thickness)), float(np.linalg.norm([0.3, 0.3, 0.3]))
+    triangles, diagonal = solid_triangles(ring(thickness)), float(np.linalg.norm([0.3, 0.3, 0.3]))
     space = find_free_space(triangles, diagonal)
     sheets, solids = (
         cover_surface(triangles, replace(space, solid=solid), diagonal) for solid in (False, True)

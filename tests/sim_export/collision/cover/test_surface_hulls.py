@@ -4,19 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from triangle_box import box
 
 from artigen.types import Joint
 from sim_export.collision.cover import object_cover
+from sim_export.collision.cover.exposed import find_uncovered
 from sim_export.collision.cover.free_space import FreeSpace, find_free_space, find_inside, look_up
 from sim_export.collision.cover.object_cover import ObjectCover, find_passing
+from sim_export.collision.cover.piece_hulls import piece_hull
 from sim_export.collision.cover.surface_hulls import (
     DIVIDED,
     FINER,
     USUAL,
     cover_surface,
-    find_uncovered,
     join_again,
-    piece_hull,
     refine_cover,
     split_components,
 )
@@ -37,12 +38,6 @@ from sim_export.geometry.triangles import triangle_areas
 from sim_export.package import Link
 
 WALL = 0.018
-
-
-def box(low, high):
-    """Triangles of a closed box."""
-    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
-    return hull.vertices[hull.faces]
 
 
 def drawer():

@@ -8,7 +8,6 @@ from scipy.optimize import linear_sum_assignment
 
 from artigen.types import Asset, Part
 from artigen.voxels.fields import canonical_origin
-from artigen.voxels.segmentation.aggregate import box_faces
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,16 +19,12 @@ class PartScore:
     """
 
     name: str
-    label: str
-    voxels: int
     iou: float
     """Voxels in common over voxels in either, for the found part of the same label matched to it."""
     joint_type_right: bool | None
     axis_degrees: float | None
     line_voxels: float | None
     range_error: float | None
-    box_voxels: float
-    """Largest error of a box face."""
     parent_right: bool | None
 
     @property
@@ -81,7 +76,6 @@ def score_segmentation(truth: Asset, found: Asset) -> SegmentationScore:
     rows, columns = linear_sum_assignment(-overlaps)
     partner = {int(a): int(b) for a, b in zip(rows, columns, strict=True) if overlaps[a, b] > 0}
     assert truth.voxels is not None
-    counts = np.bincount(truth.voxels.part_ids, minlength=len(truth.parts))
     scores = []
     for index, part in enumerate(truth.parts):
         match = partner.get(index)
@@ -94,7 +88,6 @@ def score_segmentation(truth: Asset, found: Asset) -> SegmentationScore:
                 part,
                 other,
                 iou=0.0 if match is None else float(overlaps[index, match]),
-                voxels=int(counts[index]),
                 resolution=truth.voxels.resolution,
                 parent_right=parent,
             )
@@ -103,7 +96,7 @@ def score_segmentation(truth: Asset, found: Asset) -> SegmentationScore:
 
 
 def _score_part(
-    true: Part, found: Part | None, *, iou: float, voxels: int, resolution: int, parent_right: bool | None
+    true: Part, found: Part | None, *, iou: float, resolution: int, parent_right: bool | None
 ) -> PartScore:
     """Compares a part with its match; joints are compared only where more than half was found."""
     counted = found is not None and iou > 0.5
@@ -119,17 +112,10 @@ def _score_part(
             error = abs(found.joint.upper - true.joint.upper) / true.joint.upper
     return PartScore(
         name=true.name,
-        label=true.label,
-        voxels=voxels,
         iou=iou,
         joint_type_right=kind,
         axis_degrees=angle,
         line_voxels=line,
         range_error=error,
-        box_voxels=float("nan") if found is None else _face_error(true, found) * resolution,
         parent_right=parent_right,
     )
-
-
-def _face_error(true: Part, found: Part) -> float:
-    return float(np.abs(box_faces(true.box) - box_faces(found.box)).max())

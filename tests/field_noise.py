@@ -1,7 +1,4 @@
-"""Adds noise to true voxel fields, with the errors measured in the paper's Tables 3 and 4.
-
-For testing segmentation without a network, and for training decoders that tolerate its errors.
-"""
+"""Adds noise to true voxel fields, with the errors measured in the paper's Tables 3 and 4."""
 
 from dataclasses import dataclass, replace
 
