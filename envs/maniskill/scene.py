@@ -257,9 +257,11 @@ class RoomEnv(BaseEnv):
             .pose.to_transformation_matrix()[0]
             .cpu()
             .numpy()
-            for each in goal.items
+            for each in (*goal.items, *goal.lifts)
         }
-        return State(joints=joints, items=items)
+        links = self.agent.robot.links_map
+        x, y, _ = links.get("base_link", self.agent.robot.root).pose.p[index].tolist()
+        return State(joints=joints, items=items, base=(x, y))
 
     def get_language_instruction(self) -> list[str]:
         """The words of each scene's goal."""
