@@ -13,7 +13,7 @@ from envs.rooms.check import overlapping
 from envs.rooms.compartments import Compartment, cached_compartments
 from envs.rooms.footprints import cached_package, read_footprint
 from envs.rooms.furnish import BARE_ROLES
-from envs.rooms.map import start_place
+from envs.rooms.map import drive_map, start_place, way_to
 from envs.rooms.recipes import DISHWASHER, DOOR, FRIDGE, WASHER, WINDOW
 from envs.rooms.room import Item, Placement, Room
 from envs.rooms.solids import item_poses
@@ -262,9 +262,10 @@ def _near(scene: _Scene, rng: np.random.Generator, placement: Placement) -> list
 
 
 def _go_goals(scene: _Scene, rng: np.random.Generator) -> Iterator[Goal]:
-    start = start_place(scene.room)
+    """Objects that a robot reaches with all doors as they are."""
+    start, reach = start_place(scene.room), drive_map(scene.room)
     for placement in _shuffled(rng, scene.room):
-        places = placement.standing
+        places = tuple(place for place in placement.standing if way_to(reach, place) < NEAR)
         if places and min(dist(start, place) for place in places) > 2.0 * NEAR:
             words = f"go to the {scene.objects[placement.id]}"
             yield Goal(words=words, family="go", bases=(BaseGoal(places=places, reach=NEAR),))

@@ -91,15 +91,18 @@ def _distances(cells: Int[np.ndarray, "N 2"], point: Point) -> Float[np.ndarray,
     return np.linalg.norm((cells + 0.5) * CELL - np.asarray(point), axis=1)
 
 
+def drive_map(room: Room) -> Bool[np.ndarray, "X Y"]:
+    """Cells that a robot reaches from the entrance with all joints as they are in the room."""
+    return reachable_map(room, object_solids(room) + fixture_solids(room) + standing_solids(room))
+
+
 def start_place(room: Room) -> tuple[float, float]:
     """Start of a robot: the reachable cell nearest to the entrance.
 
     Raises:
         ValueError: If there is none.
     """
-    cells = np.argwhere(
-        reachable_map(room, object_solids(room) + fixture_solids(room) + standing_solids(room))
-    )
+    cells = np.argwhere(drive_map(room))
     if not len(cells):
         raise ValueError(f"no free place for a robot in the {room.kind}")
     x, y = cells[int(np.argmin(_distances(cells, entrance_point(room))))]

@@ -3,8 +3,7 @@
 import gymnasium as gym
 import numpy as np
 
-from envs.rooms.map import find_path, reachable_map, start_place
-from envs.rooms.solids import fixture_solids, object_solids, standing_solids
+from envs.rooms.map import drive_map, find_path, start_place
 
 from ..robots import FETCH
 from ..scene import RoomEnv
@@ -36,7 +35,7 @@ def solve_go(env: gym.Env, seed: int) -> Outcome:
     room, goal = task.furnished.rooms[0], task.goals[0]
     assert goal is not None
     (base,) = goal.bases
-    reach = reachable_map(room, object_solids(room) + fixture_solids(room) + standing_solids(room))
+    reach = drive_map(room)
     way = min((find_path(reach, start_place(room), place) for place in base.places), key=len)
     robot = task.agent.robot
     most, steps, at = 2 * FOLD + int(SLOW * len(way) * 0.07 / SPEED * task.control_freq), 0, 0
