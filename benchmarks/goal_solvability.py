@@ -74,15 +74,20 @@ def _fronts(item: ItemGoal, room: Room) -> list[list[Motion]]:
 
 def play(motion: Motion) -> str:
     """Plays a motion until it succeeds; "" then, else the last reason."""
-    mode = {"control_mode": "pd_joint_pos"}
-    settings: dict[str, Any] = {"packages": str(motion.folder), "joint": motion.target, **mode, **CPU}
+    settings: dict[str, Any] = {
+        "packages": str(motion.folder),
+        "joint": motion.target,
+        "control_mode": "pd_joint_pos",
+        **CPU,
+    }
     reason = ""
     for seed in range(SEEDS):
         try:
             if motion.verb == "go":
                 env = gym.make(
                     "ArtiGen-Room-v1", scenes=motion.folder, goal=motion.target, robot_uids="fetch",
-                    reward_mode="sparse", sim_backend="physx_cpu", render_backend="none", **mode,
+                    reward_mode="sparse", sim_backend="physx_cpu", render_backend="none",
+                    control_mode="pd_joint_pos",
                 )  # fmt: skip
                 outcome = solve_go(env, seed)
             elif motion.verb == "put":
