@@ -22,8 +22,8 @@ def export(
         asset: Asset folder (asset.json and arrays) as written by `artigen.io.write_asset`, or a package.
         out: Package folder to write; other formats lie beside it, such as OUT_usd.
         existing: Refuse or replace what is already there.
-        formats: package, usd, glb, mjcf_actuators (a package whose MJCF has a servo on every joint), robosuite (a
-            fixture for robosuite and RoboCasa), or one of an extension.
+        formats: package, usd, glb, mjcf_actuators (a package with a servo on every joint of its MJCF),
+            robosuite (a fixture for robosuite and RoboCasa), or one of an extension.
         visual_format: ``glb`` adds one GLB per link and mobility_glb.urdf, which shows them; by default as a
             package has it already.
     """
