@@ -48,7 +48,7 @@ OPEN = 0.95
 """Share of a range from which on a joint is open."""
 STILL = 0.005
 """Motion (m) of a body from which on it has moved."""
-FORCE, TORQUE = 80.0, 30.0
+FORCE, TORQUE = 100.0, 30.0
 """Largest force (N) and torque (N m) of a push."""
 SPEED, GROWS = 0.8, 0.8
 """Share of its range that a joint opens in a second, and seconds in which a push grows to its largest."""
@@ -69,6 +69,8 @@ class Options:
     """Kinds of scenes, in turn."""
     count: int = 200
     """Number of scenes."""
+    seed: int = 0
+    """Seed of the first scene of each kind."""
     mujoco_every: int = 4
     """MuJoCo opens the first of so many scenes; 0 for none."""
     contents: float = 0.3
@@ -80,8 +82,9 @@ class Engine(Protocol):
 
     timestep: float
 
-    def reset(self, coordinates: Mapping[tuple[str, str], float]) -> None:
-        """Everything at its place in the scene, some independent joints elsewhere, without speed."""
+    def reset(self, coordinates: Mapping[tuple[str, str], float], *, sleep: bool = True) -> None:
+        """Everything at its place in the scene, some independent joints elsewhere, without speed; without
+        ``sleep``, MuJoCo also steps what rests."""
         ...
 
     def step(self, efforts: Mapping[tuple[str, str], float]) -> None:
@@ -120,9 +123,10 @@ class MujocoScene:
         self.model = mujoco.MjModel.from_xml_path(str(folder / MJCF_FILE))
         self.data, self.timestep = mujoco.MjData(self.model), float(self.model.opt.timestep)
 
-    def reset(self, coordinates: Mapping[tuple[str, str], float]) -> None:
+    def reset(self, coordinates: Mapping[tuple[str, str], float], *, sleep: bool = True) -> None:
         import mujoco
 
+        self.model.opt.enableflags = int(mujoco.mjtEnableBit.mjENBL_SLEEP) if sleep else 0
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = home_position(_moved(self.room, coordinates), self.model)
         mujoco.mj_forward(self.model, self.data)
@@ -174,7 +178,7 @@ class SapienScene:
             for column, joint in enumerate(joints)
         }
 
-    def reset(self, coordinates: Mapping[tuple[str, str], float]) -> None:
+    def reset(self, coordinates: Mapping[tuple[str, str], float], *, sleep: bool = True) -> None:
         import torch
 
         self.furnished.rooms[0] = _moved(self.room, coordinates)
@@ -325,7 +329,7 @@ def open_all(name: str, folder: Path) -> Line:
     """Rests a scene in an engine and opens everything in it."""
     engine = ENGINES[name](folder)
     try:
-        engine.reset({})
+        engine.reset({}, sleep=False)  # which would hide what creeps
         before, clock = engine.bodies(), time.perf_counter()
         steps = round(REST / engine.timestep)
         for _ in range(steps):
@@ -405,7 +409,7 @@ def main(options: Options) -> int:
         return lines[scene, step]
 
     for index in tqdm(range(options.count)):
-        kind, seed = options.kinds[index % len(options.kinds)], index // len(options.kinds)
+        kind, seed = options.kinds[index % len(options.kinds)], options.seed + index // len(options.kinds)
         folder = options.out / f"{kind}_{seed}"
         if measure(folder.name, "made", make, kind, seed, folder, options).error:
             continue

@@ -20,7 +20,12 @@ class Trial:
 
 
 def evaluate(
-    env: gym.Env, policy: Callable[[Any], Any], *, seed: int = 0, repeats: int = 1
+    env: gym.Env,
+    policy: Callable[[Any], Any],
+    *,
+    seed: int = 0,
+    repeats: int = 1,
+    start: Callable[[], object] = lambda: None,
 ) -> tuple[Trial, ...]:
     """One episode for every object and repeat, in the order of the objects.
 
@@ -29,9 +34,15 @@ def evaluate(
         policy: An action from an observation.
         seed: Seed of the first repeat; the next ones follow.
         repeats: Episodes of each object.
+        start: Called before every episode, such as ``policy.reset`` of one with a memory.
     """
     names: tuple[str, ...] = env.unwrapped.object_names  # type: ignore[attr-defined]
-    return tuple(_play(env, policy, name, seed + repeat) for name in names for repeat in range(repeats))
+    trials = []
+    for name in names:
+        for repeat in range(repeats):
+            start()
+            trials.append(_play(env, policy, name, seed + repeat))
+    return tuple(trials)
 
 
 def _play(env: gym.Env, policy: Callable[[Any], Any], name: str, seed: int) -> Trial:

@@ -5,12 +5,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from artigen.brief import Brief
 from artigen.errors import ArtigenError
 from sim_export.files.folders import find_packages, name_folders
 
 
-@dataclass(frozen=True, kw_only=True)
-class Split:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Split(Brief):
     """Packages to train on, and others that are not seen in training."""
 
     train: tuple[Path, ...]

@@ -12,12 +12,15 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
+from artigen.brief import Brief
 from artigen.shapes.surfaces.physical import PLAIN, Material
 from artigen.types import Gaussians, Joint, PartLabel, freeze_field
 
 UrdfJointType = Literal["fixed", "revolute", "prismatic", "continuous"]
 VisualSource = Literal["exact", "voxels", "source"]
 """What visual meshes show: the object's own primitives, its voxels, or the meshes of its source."""
+VisualFormat = Literal["obj", "glb"]
+"""Files of visuals: OBJ with MTL, or these and one GLB per link, with a URDF of their own."""
 URDF_JOINT_TYPES: tuple[UrdfJointType, ...] = ("fixed", "revolute", "prismatic", "continuous")
 
 
@@ -27,13 +30,15 @@ class Mesh:
 
     ``uv`` has its origin at the lower left of ``texture``, whose rows run top to bottom; an optional fourth
     channel is the opacity. Coordinates outside [0, 1] repeat the texture. ``color`` is the RGB in [0, 1] of a
-    mesh without a texture. Meshes of one ``material`` with a name have the same texture or colour.
+    mesh without a texture. ``normal_map`` holds unit normals: right, up and outwards with respect to ``uv``,
+    from -1 at 0 to 1 at 255. Meshes of one ``material`` with a name have the same images or colour.
     """
 
     vertices: Float[np.ndarray, "V 3"]
     faces: Int[np.ndarray, "F 3"]
     uv: Float[np.ndarray, "F 3 2"] | None = None
     texture: UInt8[np.ndarray, "H W C"] | None = None
+    normal_map: UInt8[np.ndarray, "H W 3"] | None = None
     color: tuple[float, float, float] = (0.7, 0.7, 0.7)
     material: Material = PLAIN
 
@@ -44,14 +49,16 @@ class Mesh:
             raise ValueError(
                 f"mesh faces index {faces.min()}..{faces.max()}, vertices are 0..{len(vertices) - 1}"
             )
-        if self.uv is None and self.texture is not None:
-            raise ValueError("a mesh with a texture needs texture coordinates")
+        if self.uv is None and (self.texture is not None or self.normal_map is not None):
+            raise ValueError("a mesh with a texture or a normal map needs texture coordinates")
         if self.uv is not None:
             freeze_field(self, "uv", np.float64, (len(faces), 3, 2), "mesh uv")
         if self.texture is not None:
             texture = freeze_field(self, "texture", np.uint8, (None, None, None), "texture")
             if texture.shape[2] not in (3, 4):
                 raise ValueError(f"a texture with {texture.shape[2]} channels, expected RGB or RGBA")
+        if self.normal_map is not None:
+            freeze_field(self, "normal_map", np.uint8, (None, None, 3), "normal map")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -108,13 +115,15 @@ class Inertial:
     inertia: Float[np.ndarray, "3 3"]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Link:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Link(Brief):
     """A rigid body: a movable part together with everything fixed to it.
 
     ``label`` and ``parts`` (names, the movable part first) come from the asset. In a foreign package,
     ``label`` is None if its semantics name no known label. ``splats`` are the optional Gaussians of the link;
-    their part ids are indices of the package's links.
+    their part ids are indices of the package's links. ``visual_error`` is the largest distance (m) between
+    bodies of the visuals and the exact solids that they show, measured from either; None where there are no
+    such solids.
     """
 
     name: str
@@ -124,6 +133,7 @@ class Link:
     hulls: tuple[Hull, ...] = ()
     inertial: Inertial | None = None
     splats: Gaussians | None = None
+    visual_error: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -204,8 +214,8 @@ class Requirement:
     fraction: float
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SimPackage:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class SimPackage(Brief):
     """An object ready for simulation: links, joints, handles, opening order, materials, provenance.
 
     The first of the ``links`` is the root; ``joints`` are in the order of their child links. ``records``
@@ -223,3 +233,4 @@ class SimPackage:
     materials: tuple[tuple[str, str], ...] = ()
     provenance: tuple[tuple[str, str], ...] = ()
     records: tuple[str, ...] = ()
+    visual_format: VisualFormat = "obj"

@@ -92,9 +92,10 @@ def build_reference(
     materials: list[tuple[str, str]] = []
     for part, start, solids, simple in zip(shape.parts, first, *_collide(shape, center), strict=False):
         if cfg.detail == "low":
-            union = _show(draw_pieces(part.primitives, center))
+            pieces = draw_pieces(part.primitives, center)
         else:
-            union = _show(find_pieces(part.primitives, finishes, center, boards=boards))
+            pieces = find_pieces(part.primitives, finishes, center, boards=boards)
+        union = _show(pieces)
         meshes.append(union.mesh)
         dressed = _dress(union, part, table, int(start), center, looks)
         for finish, mesh in prints.get(part.name, {}).items():
@@ -114,7 +115,11 @@ def build_reference(
         inertial = _weigh(part, solids, made_of, make)
         geometry.append(
             PartGeometry(
-                visuals=tuple(dressed.values()), finishes=tuple(dressed), hulls=hulls, inertial=inertial
+                visuals=tuple(dressed.values()),
+                finishes=tuple(dressed),
+                hulls=hulls,
+                inertial=inertial,
+                visual_error=max(piece.deviation for piece in pieces),
             )
         )
     tree = _couple(shape, build_links(asset, geometry, find_latched(shape), find_stays(shape)))

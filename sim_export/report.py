@@ -38,7 +38,7 @@ def round_measured(value: float | None) -> float | None:
     return float(f"{value:.6g}") if math.isfinite(value) else 1e300
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Report:
     """All checks of one package, ordered by id, with the versions that produced them."""
 
@@ -47,6 +47,9 @@ class Report:
     versions: tuple[tuple[str, str], ...] = ()
     stopped: bool = False
     """Whether time or memory ran out before all checks were done; those that were not have failed."""
+
+    def __repr__(self) -> str:
+        return describe_report(self)
 
     @property
     def passed(self) -> bool:

@@ -14,6 +14,7 @@ from project import ROOT
 
 PACKAGES = ("artigen", "sim_export", "envs")
 SHARED = {
+    "brief",
     "types",
     "transforms",
     "camera",
@@ -53,7 +54,7 @@ MODEL_CODE = (
 )
 """The only places where torch is imported."""
 LAYERS = (
-    {"errors", "types", "plugins", "kind", "transforms", "kinematics", "camera", "io", "weights"},
+    {"brief", "errors", "types", "plugins", "kind", "transforms", "kinematics", "camera", "io", "weights"},
     {"files", "runtime"},
     {"voxels"},
     {"shapes"},

@@ -78,5 +78,5 @@ def test_a_check_with_a_known_id_is_refused(install, monkeypatch):
 
 
 def test_an_unknown_format_lists_what_there_is(tmp_path: Path):
-    with pytest.raises(ArtigenError, match="'obj': expected package, glb, glb_links, robosuite, usd"):
+    with pytest.raises(ArtigenError, match="'obj': expected package, glb, robosuite, usd"):
         artigen.sample("Oven", 0).export(tmp_path / "oven", formats=("obj",))

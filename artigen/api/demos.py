@@ -49,6 +49,8 @@ class DemoSettings:
     """Pictures of the task's cameras, where SAPIEN finds a render device."""
     validation: Literal["passed", "any"] = "passed"
     """``any`` takes packages without a passed validation.json."""
+    unseen: float = 0.0
+    """Share of the objects to leave out: the ``unseen`` ones of ``envs.split.split_objects``."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,9 +192,15 @@ def _play(job: DemoJob) -> Made:
     env = _open(job)
     from envs.maniskill.solver.record import record_episodes
     from envs.maniskill.solver.solve import solve_open_part, solve_put_inside
+    from envs.split import split_objects
 
     task: Any = env.unwrapped
-    objects = [entry.folder.relative_to(job.packages).as_posix() for entry in task.objects]
+    left_out = split_objects(job.packages, job.cfg.unseen).unseen if job.cfg.unseen else ()
+    folders = [entry.folder for entry in task.objects if entry.folder not in left_out]
+    objects = [
+        str(folder) if folder == job.packages else folder.relative_to(job.packages).as_posix()
+        for folder in folders
+    ]
     solver = solve_put_inside if job.task == PUT else solve_open_part
     laps.end("make")
     with whole_folder(job.out / job.key) as scratch:

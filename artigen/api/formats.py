@@ -20,7 +20,7 @@ def find_exporters() -> Mapping[str, Exporter]:
     """Every format by name, sorted."""
     found = {
         "glb": write_glb_file,
-        "glb_links": write_glb_links,
+        "mjcf_actuators": write_actuated,
         "robosuite": write_fixture,
         "usd": write_usd_asset,
     }
@@ -52,25 +52,28 @@ def write_usd_asset(package: "SimPackage", folder: Path, existing: Existing) -> 
     return write_usd(package, folder.with_name(f"{folder.name}_usd"), existing)
 
 
-def write_glb_links(package: "SimPackage", folder: Path, existing: Existing) -> Path:
-    """A folder ``FOLDER_glb`` with a URDF that shows every link by one GLB."""
-    from sim_export.files.write import check_place, write_files
-    from sim_export.picture.glb import link_glbs
-
-    beside = folder.with_name(f"{folder.name}_glb")
-    check_place(beside, existing)
-    write_files(link_glbs(package), beside)
-    return beside
-
-
 def write_glb_file(package: "SimPackage", folder: Path, existing: Existing) -> Path:
     """A file ``FOLDER.glb``, which is replaced."""
-    from sim_export.picture.glb import write_glb
+    from sim_export.files.glb import write_glb
 
     folder.parent.mkdir(parents=True, exist_ok=True)
     path = folder.with_name(f"{folder.name}.glb")
     write_glb(package, path)
     return path
+
+
+def write_actuated(package: "SimPackage", folder: Path, existing: Existing) -> Path:
+    """A package ``FOLDER_actuators``, in whose MJCF every joint has a servo."""
+    from sim_export.files.mjcf import mjcf_text
+    from sim_export.files.write import MANIFEST, check_place, manifest_text, package_files, write_files
+    from sim_export.motion.ignored_pairs import ignored_pairs
+
+    beside, path = folder.with_name(f"{folder.name}_actuators"), "mobility.mjcf.xml"
+    check_place(beside, existing)
+    files = package_files(package)
+    files[path] = mjcf_text(package, ignored_pairs(package), actuators=True).encode()
+    write_files(files | {MANIFEST: manifest_text(files).encode()}, beside)
+    return beside / path
 
 
 def write_fixture(package: "SimPackage", folder: Path, existing: Existing) -> Path:

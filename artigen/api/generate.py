@@ -82,6 +82,8 @@ class GenerateSettings:
     detail: Literal["low", "high"] = "high"
     """``high``: visuals have smooth rounds and broken edges; ``low``: a third of the triangles (only with
     --structure sketch)."""
+    visual_format: Literal["obj", "glb"] = "obj"
+    """``glb`` adds one GLB per link and mobility_glb.urdf, which shows them."""
     gaussians: bool = True
     """Add 3D Gaussians to the package, one PLY per link."""
     compare: bool = True
@@ -214,7 +216,8 @@ def generate_object(job: GenerateJob) -> Made:
     }
     notes = (*asked.notes, *drawn.notes, *faults)
     make = _make_exact if job.cfg.structure == "sketch" else _make_latent
-    package = replace(make(job, shape, provenance, notes), name=job.key)
+    package = make(job, shape, provenance, notes)
+    package = replace(package, name=job.key, visual_format=job.cfg.visual_format)
     laps.end("export")
     write_package(package, job.out / job.key, "replace")
     laps.end("write")

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from artigen.shapes.shape import Shape
     from envs.config import EngineChoice
     from envs.sim.load import EngineName
-    from sim_export.package import Grasp, SimPackage
+    from sim_export.package import Grasp, SimPackage, VisualFormat
     from sim_export.picture.image import Layer, Lighting
     from sim_export.picture.view import PackageView
     from sim_export.picture.viewpoint import Viewpoint
@@ -179,6 +179,7 @@ class Object:
         folder: Path | str,
         formats: tuple[str, ...] = ("package",),
         existing: Literal["refuse", "replace"] = "refuse",
+        visual_format: "VisualFormat | None" = None,
     ) -> "Object":
         """Writes the object and returns it as it lies there.
 
@@ -186,14 +187,15 @@ class Object:
             folder: Folder of the package, such as ``out/fridge``: URDF, MJCF, meshes, hulls, masses. One
                 that is on disk is copied with its report.
             formats: ``usd`` adds an OpenUSD asset below ``out/fridge_usd``, ``glb`` a file
-                ``out/fridge.glb``, ``glb_links`` a folder ``out/fridge_glb`` with a URDF that shows every
-                link by one GLB, ``robosuite`` a fixture ``out/fridge_robosuite/model.xml``; extensions may
-                add others.
+                ``out/fridge.glb``, ``robosuite`` a fixture ``out/fridge_robosuite/model.xml``; extensions
+                may add others.
             existing: Refuse or replace what is already there.
+            visual_format: ``glb`` adds one GLB per link and ``mobility_glb.urdf``, which shows them, to the
+                package, ``obj`` leaves them out; None keeps what the object has.
 
         Raises:
             ArtigenError: If a format is unknown, a file or folder cannot be written or must not be replaced,
-                or ``usd`` is asked for without usd-core.
+                a source's meshes are to be GLB, or ``usd`` is asked for without usd-core.
         """
         from artigen.datasets.packing import read_folder
         from sim_export.files.write import MANIFEST, check_place, package_files, write_files
@@ -203,11 +205,14 @@ class Object:
         if "package" in formats:
             check_place(folder, existing)
         package = self.package
+        same = visual_format in (None, package.visual_format)
+        if visual_format is not None:
+            package = replace(package, visual_format=visual_format)
         for write in exporters:
             write(package, folder, existing)
         if "package" not in formats:
             return self
-        lies = self.folder is not None and (self.folder / MANIFEST).is_file()
+        lies = same and self.folder is not None and (self.folder / MANIFEST).is_file()
         write_files(read_folder(self.folder) if self.folder and lies else package_files(package), folder)
         return replace(self, folder=folder, build=lambda: package)
 

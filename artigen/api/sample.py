@@ -59,6 +59,8 @@ class ShapeSettings:
     detail: Literal["low", "high"] = "high"
     """``high``: visuals have smooth rounds and broken edges; ``low``: a third of the triangles (only with
     --source reference)."""
+    visual_format: Literal["obj", "glb"] = "obj"
+    """``glb`` adds one GLB per link and mobility_glb.urdf, which shows them."""
     splats: bool = False
     """Add 3D Gaussians to the package: discs on its surface, one PLY per link."""
     validation: Literal["full", "none"] = "full"
@@ -221,7 +223,12 @@ def build_sampled(job: ShapeJob, drawn: "Shape | None" = None) -> "SimPackage":
     suite = read_suite(job)
     suited = {} if suite is None else {"family": suite.family, "suite": str(suite.seed)}
     provenance = tuple(sorted((*made.provenance, *suited.items())))
-    return replace(made, name=job.name or made.name, provenance=provenance)
+    return replace(
+        made,
+        name=job.name or made.name,
+        provenance=provenance,
+        visual_format=job.cfg.visual_format,
+    )
 
 
 def export_shape(job: ShapeJob) -> Made:

@@ -14,6 +14,7 @@ def export(
     out: Out,
     existing: Literal["refuse", "replace"] = "refuse",
     formats: Annotated[tuple[str, ...], tyro.conf.arg(name="for")] = ("package",),
+    visual_format: Literal["obj", "glb"] | None = None,
 ) -> int:
     """Export an asset of your own (parts, joints and 64^3 voxels), or a package, for simulators.
 
@@ -21,13 +22,15 @@ def export(
         asset: Asset folder (asset.json and arrays) as written by `artigen.io.write_asset`, or a package.
         out: Package folder to write; other formats lie beside it, such as OUT_usd.
         existing: Refuse or replace what is already there.
-        formats: package, usd, glb, glb_links, robosuite (a fixture for robosuite and RoboCasa), or one of an
-            extension.
+        formats: package, usd, glb, mjcf_actuators (a package with a servo on every joint of its MJCF),
+            robosuite (a fixture for robosuite and RoboCasa), or one of an extension.
+        visual_format: ``glb`` adds one GLB per link and mobility_glb.urdf, which shows them; by default as a
+            package has it already.
     """
     from artigen.api.object import load, open_asset
     from artigen.io import JSON_NAME
 
     found = open_asset(asset) if (asset / JSON_NAME).is_file() or not asset.is_dir() else load(asset)
-    exported = found.export(out, formats=formats, existing=existing)
+    exported = found.export(out, formats=formats, existing=existing, visual_format=visual_format)
     sys.stdout.write(f"{exported.folder if 'package' in formats else out}\n")
     return 0

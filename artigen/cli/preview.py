@@ -21,8 +21,8 @@ def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
 
     packages = find_packages(packages)
     if out.suffix == ".glb":
+        from sim_export.files.glb import write_glb
         from sim_export.files.read import read_package
-        from sim_export.picture.glb import write_glb
 
         if len(packages) != 1:
             raise ArtigenError(f"{out}: a GLB holds one package, got {len(packages)}")

@@ -1,6 +1,6 @@
 """Reads the parts of a sentence one after the other: lengths, the kind, features, style, counts, colours."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from artigen.conditioning.adjectives import read_adjectives
 from artigen.conditioning.colors import read_finishes
@@ -37,6 +37,20 @@ from artigen.types import PartLabel
 
 LONGEST = 5
 """Words of the longest phrase of features."""
+FEATURES_OF = {style: feature for feature, style in STYLES.items()}
+"""Features that are styles of some kinds, by those."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StyleMention:
+    """Words that say a style: the first of them, and how many they are."""
+
+    at: int
+    count: int
+    style: str
+    """One of the kind's, or `EVERY`."""
+    clearness: int
+    """2 for a word of its own, 1 for one of the noun, 0 for one that may be a size, a material or a pane."""
 
 
 def read_clauses(text: str, *, whole: bool = True) -> Sentence:
@@ -96,57 +110,58 @@ def _read_kind(parse: Parse) -> Parse:
 
 
 def _read_style(parse: Parse) -> Parse:
-    """Reads styles of the kind by their names and other words; colours are never styles."""
-    kind = kind_of(parse)
-    if kind is None:
+    """Reads the style of the kind: its name, or another word for it, that says it most clearly.
+
+    Raises:
+        TextError: If two words say two styles equally clearly, or one says what no object of the kind is.
+    """
+    mentions = _find_styles(parse)
+    for mention in mentions:
+        if mention.style == EVERY:
+            parse = parse.take(mention.at, mention.count)
+    styles = [mention for mention in mentions if mention.style != EVERY]
+    if not styles:
         return parse
-    words = parse.words
+    chosen = max(styles, key=lambda mention: mention.clearness)  # the first of equal ones
+    for mention in styles:
+        if mention.style == chosen.style:
+            parse = parse if mention.clearness < chosen.clearness else parse.take(mention.at, mention.count)
+            continue
+        feature = GLAZED if parse.words[mention.at] in PANES else FEATURES_OF.get(mention.style)
+        if feature is not None:  # "a double door of glass", "mirrored sliding doors"
+            parse = say_features(parse.take(mention.at, mention.count), (feature,))
+        elif mention.clearness == chosen.clearness:
+            raise TextError(f"styles {chosen.style} and {mention.style} are asked for; name one")
+    return parse.say(style=chosen.style)
+
+
+def _find_styles(parse: Parse) -> list[StyleMention]:
+    """Styles of the kind by words, from the first on; colours are never styles.
+
+    Raises:
+        TextError: If a word says what no object of the kind is.
+    """
+    words, kind = parse.words, kind_of(parse)
+    if kind is None:
+        return []
     named = {style.replace("_", " "): style for style in kind.styles} | dict(kind.style_words)
     named = {word: style for word, style in named.items() if word not in PAINTS and word != "steel"}
-    features = {style: feature for feature, style in STYLES.items()}
-    implied = panes = False  # by a part of the noun; by what panes are of
+    found: list[StyleMention] = []
     for at in range(len(words)):
         for count in range(min(3, len(words) - at), 0, -1):
-            style = named.get(" ".join(words[at : at + count]))
-            inside = at in parse.head and at + count - 1 in parse.head
-            if style is None or (at in parse.used and not inside):
-                continue
-            if words[at] in SHADES and at + 1 < len(words) and words[at + 1] in PAINTS:
-                continue
-            if words[at] in SCALES and at not in parse.head and parse.found.style is not None:
+            phrase = " ".join(words[at : at + count])
+            style, inside = named.get(phrase), at in parse.head and at + count - 1 in parse.head
+            shades = words[at] in SHADES and words[at + 1 : at + 2] != () and words[at + 1] in PAINTS
+            if style is None or (at in parse.used and not inside) or shades:
                 continue
             if style == NONE:
-                raise TextError(
-                    f"{' '.join(words[at : at + count])!r}: no {next(iter(kind.nouns))} ({kind.name}) of "
-                    "ours is that; leave it out"
-                )
-            if style == EVERY:
-                parse = parse.take(at, count)
-                break
-            if parse.found.style in SCALES:  # "a large leather suitcase" has the style of leather
-                first = words.index(parse.found.style)
-                parse = replace(parse, used=parse.used - {first}).say(style=None)
-            other = parse.found.style not in (None, style)
-            if other and words[at] in PANES:
-                parse = say_features(parse.take(at, count), (GLAZED,))  # a double door of glass
-                break
-            if other and panes and not inside:  # a glazed double door
-                panes, parse = False, say_features(parse.take(at, count), (GLAZED,)).say(style=style)
-                break
-            if other and words[at] in MATERIALS:
-                break
-            if other and (inside or implied):  # "a rolling tool chest"
-                implied, parse = False, parse if inside else parse.take(at, count).say(style=style)
-                break
-            if other and style in features:  # "mirrored sliding doors"
-                parse = say_features(parse.take(at, count), (features[style],))
-                break
-            if other:
-                raise TextError(f"styles {parse.found.style} and {style} are asked for; name one")
-            implied, panes = inside, words[at] in PANES
-            parse = parse.take(at, count).say(style=style)
+                noun = next(iter(kind.nouns))
+                raise TextError(f"{phrase!r}: no {noun} ({kind.name}) of ours is that; leave it out")
+            weak = words[at] in SCALES or words[at] in PANES or words[at] in MATERIALS
+            clearness = 1 if inside else 0 if weak else 2
+            found.append(StyleMention(at=at, count=count, style=style, clearness=clearness))
             break
-    return parse
+    return found
 
 
 def _read_features(parse: Parse) -> Parse:
@@ -184,7 +199,7 @@ def _is_of_others(parse: Parse, at: int, end: int, feature: Feature) -> bool:
     return (
         (number is not None and number[0] != 1)
         or at - 1 in parse.head
-        or (feature == STACKED and end in parse.head)
+        or (feature == STACKED and (end in parse.head or read_number(parse.words, end) is not None))
     )
 
 

@@ -19,6 +19,8 @@ class Parse:
 
     words: tuple[str, ...]
     used: frozenset[int] = frozenset()
+    lost: frozenset[int] = frozenset()
+    """Words that are read and not understood."""
     whole: bool = True
     """Whether the sentence must name a kind."""
     head: range = range(0)
@@ -30,6 +32,10 @@ class Parse:
     def take(self, at: int, count: int = 1) -> "Parse":
         """The parse with words marked as read."""
         return replace(self, used=self.used | set(range(at, at + count)))
+
+    def lose(self, at: int, count: int) -> "Parse":
+        """The parse with words marked as not understood, which nothing else reads."""
+        return replace(self.take(at, count), lost=self.lost | set(range(at, at + count)))
 
     def say(self, **said: object) -> "Parse":
         """The parse with more content."""
@@ -66,12 +72,13 @@ def list_ignored(parse: Parse) -> tuple[str, ...]:
     lost: list[str] = []
     at, words = 0, parse.words
     while at < len(words):
-        length = None if at in parse.used else read_length(words, at)
+        read = at in parse.used and at not in parse.lost
+        length = None if read else read_length(words, at)
         if length is not None and words[at] not in FILLERS:
             lost.append(" ".join(words[at : at + length[1]]))
             at += length[1]
             continue
-        known = at in parse.used or words[at] in FILLERS or words[at] == ","
+        known = read or words[at] in FILLERS or words[at] == ","
         lost += [] if known else [words[at]]
         at += 1
     return tuple(lost)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from artigen.conditioning.vocabulary import Axis, Spot
 from artigen.errors import ArtigenError
-from artigen.kind import plurals
+from artigen.kind import kinds, plurals
 from artigen.types import PartLabel
 
 OBJECT = "object"
@@ -91,7 +91,9 @@ class Sentence:
 
     def describe(self) -> str:
         """One line: what is understood, and what is not."""
-        said = [self.kind or "any kind"]
+        kind = None if self.kind is None else kinds()[self.kind]
+        formed = kind is not None and self.noun in kind.forms
+        said = [f"{self.kind} ({self.noun})" if formed else self.kind or "any kind"]
         said += [f"{self.objects} of them"] if self.objects > 1 else []
         said += [] if self.style is None else [f"style {self.style}"]
         said += [f"{length:g} m {_WORDS[axis]}" for axis, length in self.size]

@@ -42,10 +42,14 @@ def read_sizes(parse: Parse) -> Parse:
             bare = number[0] * UNITS[unit]
             length = (bare, number[1]) if bare <= FURTHEST else None
         named = None if length is None else _find_direction(words, at, length[1])
+        each = words[max(0, at - 1) : at] in (("each",), ("every",))  # "three drawers, each 20 cm high"
         if length is None or named is None:
             at += 1
             continue
         axis, start, end = named
+        if each:
+            parse, at = parse.lose(start, end - start), end
+            continue
         parse = say_length(parse.take(start, end - start), axis, length[0])
         at = end
     return parse

@@ -8,6 +8,7 @@ from typing import Literal, get_args
 
 from artigen.kind import plurals
 from artigen.shapes.fittings.handles import HANDLE_KINDS
+from artigen.shapes.fittings.legs import LegKind
 from artigen.shapes.surfaces.finishes import Color, FinishKind
 from artigen.shapes.surfaces.materials import METALS, STONES, WOODS
 from artigen.types import PartLabel
@@ -319,6 +320,7 @@ EXCLUSIVE = frozenset(
         ("door", "hinged"),
         ("stand", "type"),
         ("freezer", "at"),
+        ("leg", "type"),
         ("object", "outline"),
         ("object", "surface"),
     }
@@ -326,6 +328,13 @@ EXCLUSIVE = frozenset(
 """Properties that have one value."""
 LEVEL: Feature = ("door", "type", "side by side")
 """The feature of doors beside each other."""
+
+
+LEG_WORDS: dict[LegKind, tuple[str, ...]] = {
+    "turned": ("turned",), "cabriole": ("cabriole",), "tapered": ("tapered",),
+    "round": ("round", "cylindrical"), "square": ("square", "straight"), "splayed": ("splayed", "angled"),
+}  # fmt: skip
+"""Adjectives of legs."""
 
 
 def _features() -> dict[str, Feature]:
@@ -382,6 +391,10 @@ def _features() -> dict[str, Feature]:
     for kind in HANDLE_KINDS:
         for noun in ("handle", "handles", "pull", "pulls"):
             found[f"{kind} {noun}"] = ("handle", "type", kind)
+    for kind, words in LEG_WORDS.items():
+        found |= {
+            f"{word} {noun}": ("leg", "type", kind) for word in words for noun in ("legs", "leg", "feet")
+        }
     for noun in ("castors", "casters", "wheels", "rollers"):
         found[f"on {noun}"] = ("wheel", "type", "castor" if noun != "wheels" else "wheel")
     for text, stand in (

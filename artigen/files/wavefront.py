@@ -35,6 +35,8 @@ class MtlMaterial(NamedTuple):
     ior: float = 1.5
     coat: float = 0.0
     coat_roughness: float = 0.0
+    normal_map: str = ""
+    """Image of normals, named as ``image``."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -379,6 +381,8 @@ def parse_mtl(path: Path) -> dict[str, MtlMaterial]:
             known[name] = material._replace(color=(red, green, blue))
         elif tag == "map_Kd" and value:
             known[name] = material._replace(image=clean_name(value))
+        elif tag == "norm" and value:
+            known[name] = material._replace(normal_map=clean_name(value))
         elif tag in _PHYSICAL:
             (share,) = _parse_shares(value, 1, f"{path}: material {name!r} has {tag}")
             known[name] = material._replace(**{_PHYSICAL[tag]: share})

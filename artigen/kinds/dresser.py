@@ -84,7 +84,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
     def draw_parts(attempt: int) -> Assembly:
         plan = draw_plan(wish.shared_stream(rng, attempt), mounting, LOOKS[look.fronts], size, wish)
-        leg = choose_one(rng, look.legs)
+        leg = choose_one(rng, wish.choose_legs(look.legs))
         framed = style in ("shaker", "classic") or wish.layout is not None
         frame = plan.looks.carcass.frame if framed else 0.0
         looks = replace(plan.looks, carcass=replace(plan.looks.carcass, frame=frame), lock=False)

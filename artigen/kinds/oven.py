@@ -289,11 +289,20 @@ def _draw_hob(rng: np.random.Generator, plan: _Plan) -> Assembly:
     return Assembly(pieces, parts)
 
 
+NOUNS: dict[str, Spans] = {
+    **dict.fromkeys(
+        ("range", "cooker", "stove", "kitchen range", "range cooker"),
+        ((0.5, 0.92), (0.55, 0.7), (0.85, 0.95)),
+    ),
+    **dict.fromkeys(("hob", "cooktop", "stovetop"), SIZES["hob"]),
+    **dict.fromkeys(("wall oven", "single oven", "single wall oven"), SIZES["wall"]),
+    **dict.fromkeys(("double oven", "double wall oven"), SIZES["double_wall"]),
+    "rangetop": SIZES["rangetop"],
+}
+"""Usual widths, depths and heights (m) by nouns that say more than the kind."""
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals(
-        "oven", "stove", "range", "cooker", "kitchen range", "range cooker", "hob", "cooktop", "stovetop"
-    ),
+    nouns=plurals("oven", *NOUNS),
     hints=(),
     size=(
         by_width(0.75, 0.35, "cooktop"),
@@ -307,10 +316,7 @@ KIND = Kind(
     stands="free",
     styles=tuple(STYLES),
     style_words={"vintage": "retro", "built in": EVERY, "viewing window": EVERY, "window": EVERY},
-    forms=dict.fromkeys(
-        ("range", "cooker", "stove", "kitchen range", "range cooker"),
-        ((0.5, 0.92), (0.55, 0.7), (0.85, 0.95)),
-    ),
+    forms=NOUNS,
     sizes=((0.3, 1.6), (0.3, 1.0), (0.05, 1.8)),
     make=PLAIN,
     makes={},

@@ -27,6 +27,8 @@ REACH = 0.06
 """Protrusion (m) of the parts that turn on the door."""
 ARM = 0.0085
 """Radius (m) of the spokes of a lever or handwheel."""
+DIAL = 0.042
+"""Radius (m) of the largest combination dial: they are 75 to 85 mm wide, on large safes as well."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -73,7 +75,7 @@ def _make_lock(
 
 
 def _lock_size(panel: Panel) -> float:
-    """Radius of the largest dial (m); spokes are a quarter longer."""
+    """Size of a lock (m): spokes are a quarter longer than this."""
     return float(np.clip(0.17 * min(panel.width, panel.height), 0.03, 0.07))
 
 
@@ -103,7 +105,7 @@ def _make_keypad(
 
 def _make_dial(panel: Panel, at: tuple[float, float], radius: float) -> ShapePart:
     """A combination dial: a flange, a knob and a mark."""
-    x = panel.x - 0.0015
+    x, radius = panel.x - 0.0015, min(radius, DIAL)
     up = (at[1] + 0.62 * radius, at[1] + radius)
     solids = (
         cylinder((x, *at), (x - 0.008, *at), radius, "panel"),

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from artigen.kind import Channel, Kind, Place, by_height, make, plurals
+from artigen.kind import NONE, Channel, Kind, Place, by_height, make, plurals
 from artigen.kinds.storage_furniture import STYLES
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, pick
@@ -82,7 +82,7 @@ def _draw_plan(rng: np.random.Generator, style: str, size: Size, wish: Wish) -> 
         size=size,
         looks=replace(looks, carcass=replace(looks.carcass, lid=False), lock=False, margin=GAP),
         top=choose(rng, 0.02, 0.04),
-        leg=choose_one(rng, [kind for kind in look.legs if kind != "splayed"]),
+        leg=choose_one(rng, wish.choose_legs([kind for kind in look.legs if kind != "splayed"])),
         tops=tuple(TOPS) if wish.outline is None else OUTLINES[wish.outline],
         moulded=bool(rng.random() < look.moulded),
         leg_width=choose(rng, 0.04, 0.065) * float(np.clip(0.55 + 0.4 * max(size), 0.7, 1.25)),
@@ -201,7 +201,7 @@ KIND = Kind(
     build="board",
     stands="free",
     styles=tuple(STYLES),
-    style_words=STYLE_WORDS,
+    style_words={**STYLE_WORDS, "splayed legs": NONE, "angled legs": NONE},
     forms={
         "coffee table": ((0.8, 1.3), (0.5, 0.8), (0.35, 0.5)),
         "desk": ((1.0, 1.6), (0.55, 0.8), (0.72, 0.76)),

@@ -6,7 +6,7 @@ about 300 mm wide; slots are 30 to 38 mm wide, levers travel 60 to 70 mm.
 
 import numpy as np
 
-from artigen.kind import EVERY, NONE, Kind, Place, by_width, make, plurals
+from artigen.kind import EVERY, Kind, Place, Spans, by_width, make, plurals
 from artigen.shapes.appliances.cavity import build_feet
 from artigen.shapes.appliances.control_panel import design_dial, make_button, make_dial
 from artigen.shapes.assembly import Assembly
@@ -28,6 +28,9 @@ SPRING = 4.0
 """Force (N) that pushes a lever up; twice that when pressed down."""
 KNOB = 0.024
 """Protrusion of a lever's knob."""
+TWO, FOUR = (0.165, 0.195), (0.29, 0.33)
+"""Widths (m) for two and for four slices."""
+DEEP_AND_HIGH: tuple[Range, Range] = ((0.28, 0.32), (0.18, 0.21))
 SHOULDER = 0.8
 """Radius of the housing's upper edges relative to the thickness of its sides."""
 
@@ -36,8 +39,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a toaster."""
     style = choose_style(rng, STYLES, wish.style)
     four = bool(rng.random() < 0.3) if wish.width is None else wish.width > 0.24
-    wide: Range = (0.29, 0.33) if four else (0.165, 0.195)
-    width, depth, height = choose_size(rng, CATEGORY, wish, (wide, (0.28, 0.32), (0.18, 0.21)))
+    wide = FOUR if four else TWO
+    width, depth, height = choose_size(rng, CATEGORY, wish, (wide, *DEEP_AND_HIGH))
     x, y = (-depth / 2 + KNOB, depth / 2), around(0.0, width / 2)
     bays = [(y[0], 0.0), (0.0, y[1])] if four else [y]
     bottom = FOOT + FLOOR + 0.022
@@ -126,9 +129,13 @@ def _make_tray(x: Range, y: Range) -> ShapePart:
     return ShapePart("crumb_tray", "tray", pieces, slide(0.7 * (end - x[0])))
 
 
+FORMS: dict[str, Spans] = {
+    **dict.fromkeys(("two slice toaster", "2 slice toaster"), (TWO, *DEEP_AND_HIGH)),
+    **dict.fromkeys(("four slice toaster", "4 slice toaster"), (FOUR, *DEEP_AND_HIGH)),
+}
 KIND = Kind(
     name=CATEGORY,
-    nouns=plurals("toaster"),
+    nouns=plurals("toaster", *FORMS),
     hints=(),
     size=(by_width(0.3),),
     deepest=np.inf,
@@ -139,12 +146,8 @@ KIND = Kind(
     style_words={
         "vintage": "retro",
         "pop up": EVERY,
-        "two slice": EVERY,
-        "2 slice": EVERY,
-        "four slice": NONE,
-        "4 slice": NONE,
     },
-    forms={},
+    forms=FORMS,
     sizes=((0.12, 0.5), (0.2, 0.45), (0.12, 0.3)),
     make=make(density={"steel_sheet": 210.0}),  # thin sheet
     makes={},

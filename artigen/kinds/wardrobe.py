@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from artigen.kind import Kind, Place, by_height, make, plurals
+from artigen.kind import NONE, Kind, Place, by_height, make, plurals
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_style
 from artigen.shapes.draw import Draft, Size, Wish
@@ -136,6 +136,7 @@ KIND = Kind(
         "vintage": "country",
         "louvred": "louvre",
         "louvered": "louvre",
+        "corner": NONE,
         "mirror": "mirrored",
         "mirrors": "mirrored",
         "rustic": "country",

@@ -5,7 +5,7 @@ A category is the name of an `artigen.kind.Kind`. Its record has the styles that
 """
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 from zlib import crc32
@@ -16,6 +16,7 @@ from artigen.errors import ArtigenError
 from artigen.kind import Size, Spans, kinds
 from artigen.shapes.choices import Word, choose, pick
 from artigen.shapes.fittings.handles import HandleKind
+from artigen.shapes.fittings.legs import LegKind
 from artigen.shapes.furniture.layouts import Layout
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
@@ -65,6 +66,8 @@ class Wish:
     """Exact number of parts by label; labels that are not named are free."""
     handles: tuple[HandleKind, ...] = ()
     """Kinds of handles in order of preference; an object has the first one that its category offers."""
+    legs: LegKind | None = None
+    """Kind of legs, for what stands on legs and offers it."""
     outline: Outline | None = None
     """Of the top, from above, for kinds with tops of several outlines."""
     suite: int | None = None
@@ -88,9 +91,16 @@ class Wish:
                 return (kind,) * len(offered)
         return offered
 
+    def choose_legs(self, offered: Sequence[LegKind]) -> Sequence[LegKind]:
+        """The kinds of legs to draw from: as many as offered, all equal to the wished one."""
+        return offered if self.legs is None else (self.legs,) * len(offered)
+
     def choose_stands(self, offered: Mapping["StandKind", float]) -> dict["StandKind", float]:
-        """Weights of the kinds of stands to draw from: those of the layout, or all offered."""
+        """Weights of the kinds of stands to draw from: legs where a kind of them is wished for, those of the
+        layout, or all offered."""
         weights: dict[StandKind, float] = dict(offered)
+        if self.legs is not None and "legs" in {*offered, *(self.layout.stands if self.layout else ())}:
+            return {"legs": 1.0}
         if self.layout is None or not self.layout.stands:
             return weights
         wished: dict[StandKind, float] = {}

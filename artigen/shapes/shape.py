@@ -11,6 +11,7 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 from jaxtyping import Float
 
+from artigen.brief import Brief
 from artigen.shapes.primitives import Primitive, place_vertices
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import ENDLESS, PART_LABELS, Joint, PartLabel, check_tree
@@ -24,8 +25,8 @@ class Need:
     fraction: float = 0.95
 
 
-@dataclass(frozen=True, eq=False)
-class ShapePart:
+@dataclass(frozen=True, eq=False, repr=False)
+class ShapePart(Brief):
     """A rigid part with a label, as a union of convex primitives.
 
     ``joint`` is that to its parent, in metres and radians, in the object frame at rest, closed at 0;
@@ -116,8 +117,8 @@ def _check_followers(name: str, parts: tuple[ShapePart, ...]) -> None:
             )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Shape:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Shape(Brief):
     """An exact articulated object: parts made of convex primitives, joints and finishes, in metres."""
 
     category: str

@@ -36,7 +36,7 @@ ASIDE = 0.1
 def list_undescribed(
     shape: Shape, features: Sequence[Feature], places: Sequence[Placing], seen: Reading | None = None
 ) -> list[str]:
-    """What is said and is not so; stands and kinds of handles are not looked at.
+    """What is said and is not so; stands and kinds of legs and handles are not looked at.
 
     Args:
         shape: The object.
@@ -118,7 +118,7 @@ def has_feature(shape: Shape, reading: Reading, feature: Feature) -> bool:
         )
     if (part, what) == ("wheel", "type"):
         return any(one.label == "wheel" for one in shape.parts)
-    return (part, what) in (("stand", "type"), ("handle", "type"))
+    return (part, what) in (("stand", "type"), ("leg", "type"), ("handle", "type"))
 
 
 def find_outline(shape: Shape) -> Outline:

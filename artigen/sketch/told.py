@@ -19,6 +19,7 @@ from artigen.reader.layout.build import build_from_reading
 from artigen.reader.reading import Reading, ReadPart, Stand
 from artigen.shapes.draw import Outline, ShapeError, Wish, draw_shape
 from artigen.shapes.fittings.handles import HANDLE_KINDS, HandleKind
+from artigen.shapes.fittings.legs import LEG_KINDS, LegKind
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
 from artigen.sketch.arrange import add_shelves, arrange_fronts
@@ -75,6 +76,12 @@ class Told:
         """The kind of handles: the first that is said."""
         said = self._find("handle", "type")
         return tuple(kind for kind in HANDLE_KINDS if kind == said)
+
+    @property
+    def legs(self) -> LegKind | None:
+        """The kind of legs."""
+        said = self._find("leg", "type")
+        return next((kind for kind in LEG_KINDS if kind == said), None)
 
     @property
     def stand(self) -> Stand | None:
@@ -212,7 +219,7 @@ def _draw(request: SketchRequest, told: Told, seed: int) -> Shape | None:
     """A draw of the grammar with what is asked for; None if it has no such object."""
     wish = Wish(
         width=request.width, depth=request.depth, height=request.height, style=request.style,
-        counts=request.counts, handles=told.handles, outline=told.outline,
+        counts=request.counts, handles=told.handles, legs=told.legs, outline=told.outline,
     )  # fmt: skip
     try:
         return draw_shape(str(request.category), seed, wish)
@@ -253,7 +260,7 @@ def _lay_out(shape: Shape, told: Told, request: SketchRequest, seed: int) -> Sha
     reading = correct_reading(reading, hinge=told.hinge, pane=told.pane)
     wish = Wish(
         width=size[0], depth=request.depth or size[1], height=size[2], style=shape.style,
-        handles=told.handles,
+        handles=told.handles, legs=told.legs,
     )  # fmt: skip
     try:
         built, _ = build_from_reading(reading, seed, wish)

@@ -127,7 +127,7 @@ def _shell(cell: Cell, room: Room, frame: Frame) -> tuple[Fixture, ...]:
     thickness: dict[Side, float] = {side: THICKNESS if side in outer else THICKNESS / 2.0 for side in AROUND}
     recipe = RECIPES[room.kind]
     holes = (room.entrance, *room.openings)
-    return room_shell(room.size, holes, recipe.wall_color, recipe.floor, thickness)
+    return room_shell(room.size, holes, recipe.wall_color, recipe.floor, recipe.wall, thickness)
 
 
 def _move_fixture(fixture: Fixture, T: Float[np.ndarray, "4 4"], name: str) -> Fixture:

@@ -12,8 +12,9 @@ from jaxtyping import Float
 
 from artigen.transforms import transform_points
 from sim_export.files.urdf import link_origins
-from sim_export.grasps.find import CARRIED, SPARE, joint_range, place_link
+from sim_export.grasps.carry import carried_to, joint_range, place_link
 from sim_export.grasps.gripper import Gripper, find_gripper
+from sim_export.grasps.poses import SPARE
 from sim_export.motion.kinematics import object_joints, required_openings
 from sim_export.package import Grasp, SimPackage
 
@@ -109,7 +110,7 @@ def lay_rail(package: SimPackage, grasp: Grasp) -> Rail:
     rest = place_link(package, grasp)
     low, high = joint_range(joint)
     lower, upper = (low + share * (high - low) for share in grasp.stroke)
-    travel = CARRIED * (upper - lower)
+    travel = (carried_to(*grasp.stroke) - grasp.stroke[0]) * (high - low)
     sliding = joint.type == "prismatic"
     arm = grasp.pose[:3, 3] - joint.origin
     lever = 1.0 if sliding else float(np.linalg.norm(np.cross(joint.axis, arm)))

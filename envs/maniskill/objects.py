@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+from artigen.brief import Brief
 from artigen.errors import ArtigenError
 from artigen.kind import find_category
 from artigen.types import Joint, PartLabel
@@ -41,8 +42,8 @@ it."""
 REPORT_FILE = "validation.json"
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class TaskPart:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class TaskPart(Brief):
     """A part that a task may move.
 
     ``kind`` is the part's label and ``verb`` the action on it. ``grip`` is the grasp point (object frame at
@@ -85,8 +86,8 @@ class Latching:
     fraction: float
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class TaskObject:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class TaskObject(Brief):
     """A package with its usable parts. ``left_out`` are (joint, reason), ``bounds`` is the box of all hulls
     at rest, and ``raised`` is the height of the plinth below the object, metres."""
 

@@ -40,8 +40,8 @@ HEIGHTS = (0.35, 1.15)
 """Range of heights (m) of tops that carry things."""
 CARRYING = frozenset({"nightstand", "cart"})
 """Roles that carry things but no other objects."""
-ONCE = frozenset({"lamp", "monitor", "keyboard", "kettle", "fruit_bowl", "board"})
-"""Things of which a top has one."""
+ONCE = 0.2
+"""Length (m) of the smallest of a kind of things from which on a top has one."""
 EDGE = 0.01
 """Distance (m) of things from the edge of a top."""
 BACK = 2.0
@@ -134,7 +134,7 @@ def _clutter(
         for _ in range(TRIES):
             there = {item.thing for item in items}
             fresh = [thing for thing in fitting if thing.name not in there]
-            fresh = fresh or [thing for thing in fitting if thing.name not in ONCE]
+            fresh = fresh or [thing for thing in fitting if max(thing.low) < ONCE]
             if not fresh:
                 break
             thing = fresh[int(rng.integers(len(fresh)))]

@@ -13,14 +13,18 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.types import SceneKind
+from sim_export.geometry.triangles import bounds_of
 
 from .patterns import Color, Pattern
 from .room import SIDES, THICKNESS, Fixture, Room, Side, along_wall, corner, wall_length
+from .solids import place_solid
 from .taken import Taken, find_taken
 from .views import PENDANT
 
 GAP = 0.004
 """Distance (m) of decoration from what is beside it."""
+BESIDE = 0.04
+"""Distance (m) of what hangs on a wall from what is beside it."""
 OFF = 5e-4
 """Distance (m) between a wall and what hangs on it."""
 STEP = 0.1
@@ -35,6 +39,12 @@ PAINTS: tuple[tuple[Color, Color], ...] = (
 )  # fmt: skip
 """Ground and shape of pictures."""
 COATS: tuple[Color, ...] = ((0.20, 0.24, 0.32), (0.55, 0.30, 0.24), (0.62, 0.56, 0.44), (0.30, 0.34, 0.28))
+TOOLS: tuple[tuple[float, float, float, Color], ...] = (
+    (0.03, 0.28, 0.12, (0.50, 0.31, 0.20)), (0.02, 0.24, 0.05, (0.62, 0.63, 0.64)),
+    (0.10, 0.42, 0.07, (0.70, 0.71, 0.73)), (0.03, 0.20, 0.03, (0.78, 0.33, 0.23)),
+    (0.035, 0.3, 0.15, (0.88, 0.75, 0.40)),
+)  # fmt: skip
+"""Width and length of handles, width of heads (m), and colours of tools on a board."""
 BLACK, SCREEN = (0.09, 0.09, 0.10), (0.05, 0.06, 0.08)
 WHITE, METAL, GLASS, SKY = (0.95, 0.95, 0.94), (0.62, 0.63, 0.64), (0.80, 0.86, 0.89), (0.66, 0.80, 0.95)
 RUGS: dict[SceneKind, tuple[tuple[float, float], ...]] = {
@@ -54,7 +64,18 @@ LAMPS: dict[SceneKind, int] = {"living_room": 1, "bedroom": 1, "kitchen": 2, "of
 """Pendants; other rooms have a flat lamp."""
 NEAR = 8
 """Number of places near a lowboard at which a television may hang."""
-ON_WALLS = ("curtain", "picture", "mirror", "towel", "switch", "socket", "sky", "television", "coats")
+ON_WALLS = (
+    "curtain",
+    "picture",
+    "mirror",
+    "towel",
+    "switch",
+    "socket",
+    "sky",
+    "television",
+    "coats",
+    "tools",
+)
 """Beginnings of the names of what hangs on a wall; its side follows."""
 
 
@@ -83,7 +104,8 @@ def decorate_room(room: Room) -> Room:
     def hang(side: Side, parts: Sequence[_Part]) -> bool:
         nonlocal taken
         fixtures, boxes = _on_wall(room, side, parts, len(added))
-        if not _is_free(room, side, parts) or not taken.admits(boxes, GAP, stands=False):
+        gap = GAP if parts[0].name.startswith("curtain") else BESIDE
+        if not _is_free(room, side, parts) or not taken.admits(boxes, gap, stands=False):
             return False
         added.extend(fixtures)
         taken = taken.add(boxes)
@@ -105,6 +127,9 @@ def decorate_room(room: Room) -> Room:
         at = np.array(board.position[:2])
         above = _spots(room, rng, (1.14, 0.66), board.size[2] + 0.55, _television, at)
         _first(hang, islice(above, NEAR))
+    for bench in (each for each in room.placements if room.kind == "workshop" and each.role == "desk"):
+        at = np.array(bench.position[:2])
+        _first(hang, islice(_spots(room, rng, (1.0, 0.64), 1.5, _tools, at), NEAR))
     if room.kind == "hall":
         _first(hang, _spots(room, rng, (0.9, 1.0), 1.2, lambda at: _coats(at, rng)))
     for _ in range(PICTURES.get(room.kind, 0)):
@@ -114,7 +139,7 @@ def decorate_room(room: Room) -> Room:
         _first(hang, _spots(room, rng, (wide, high), 1.58, draw))
     for _ in range(3):
         _first(hang, _spots(room, rng, (0.08, 0.08), 0.3, _socket))
-    floor = _rug(room, taken, cloth, rng)
+    room, floor = _lay_rug(room, taken, cloth, rng)
     lamps = _lamps(room, taken, cloth)
     return replace(room, fixtures=(*room.fixtures, *added, *floor, *lamps))
 
@@ -228,6 +253,19 @@ def _television(at: float) -> list[_Part]:
     ]  # fmt: skip
 
 
+def _tools(at: float) -> list[_Part]:
+    """A board with tools that hang by their heads."""
+    low, high = (at - 0.5, OFF, -0.32), (at + 0.5, 0.015, 0.32)
+    parts = [_Part(name="tools_board", low=low, high=high, color=FRAMES[1])]
+    for index, (wide, long, head, color) in enumerate(TOOLS):
+        x = at - 0.4 + 0.2 * index
+        low, high = (x - wide / 2, 0.015, 0.2 - long), (x + wide / 2, 0.035, 0.2)
+        parts.append(_Part(name="tools_handle", low=low, high=high, color=color))
+        low, high = (x - head / 2, 0.015, 0.2), (x + head / 2, 0.04, 0.25)
+        parts.append(_Part(name="tools_head", low=low, high=high, color=METAL))
+    return parts
+
+
 def _coats(at: float, rng: np.random.Generator) -> list[_Part]:
     """A board with four hooks and coats on two or three of them."""
     low, high = (at - 0.45, OFF, 0.48), (at + 0.45, 0.02, 0.58)
@@ -333,34 +371,59 @@ def _sky(room: Room, side: Side, hole: tuple[float, float, float, float], number
     return Fixture(name=f"sky_{side}_{number}", low=corner(low), high=corner(high), color=SKY, pattern="sky")
 
 
-def _rug(room: Room, taken: Taken, cloth: Color, rng: np.random.Generator) -> list[Fixture]:
-    """A rug at the free place nearest to what people sit and lie on, or to the middle of the room."""
+def _lay_rug(room: Room, taken: Taken, cloth: Color, rng: np.random.Generator) -> tuple[Room, list[Fixture]]:
+    """A rug under the low table, which then stands on it; else at the free place nearest to what people sit
+    and lie on, or to the middle of the room."""
+    color = corner(np.clip(np.array(cloth) * rng.uniform(0.6, 0.95), 0.0, 1.0))
+    for table in (each for each in room.placements if each.role == "low table"):
+        others = tuple(each for each in room.placements if each.id != table.id)
+        body = bounds_of(place_solid(table).boxes.reshape(-1, 3))
+        free = find_taken(replace(room, placements=others))
+        rug = _rug(room, free, body[:, :2].mean(axis=0)[None], color, body)
+        if rug is not None:
+            lift = np.array([0.0, 0.0, rug.high[2]])
+            placements = tuple(
+                replace(each, position=corner(each.position + lift))
+                if table.id in (each.id, each.support)
+                else each
+                for each in room.placements
+            )
+            return replace(room, placements=placements), [rug]
     seats = ("bed", "sofa", "bench", "armchair")
     boxes = np.array([(f.low, f.high) for f in room.fixtures if f.name.startswith(seats)]).reshape(-1, 2, 3)
     toilets = [p.position for p in room.placements if p.role in ("toilet", "sink")]
     middle = np.array(room.size[:2]) / 2.0
     points = [*boxes.mean(axis=1)[:, :2], *(np.array(point[:2]) for point in toilets)] or [middle]
-    color = tuple(float(c) for c in np.clip(np.array(cloth) * rng.uniform(0.6, 0.95), 0.0, 1.0))
+    rug = _rug(room, taken, np.array(points), color)
+    return room, [] if rug is None else [rug]
+
+
+def _rug(
+    room: Room,
+    taken: Taken,
+    points: Float[np.ndarray, "P 2"],
+    color: Color,
+    below: Float[np.ndarray, "2 3"] | None = None,
+) -> Fixture | None:
+    """The largest rug with a free place, as near to one of the points as can be, and all ``below`` a box."""
+    middle = np.array(room.size[:2]) / 2.0
     low = Taken(solid=taken.solid[taken.solid[:, 0, 2] < 0.01 + GAP], stands=taken.stands)
     for length, width in RUGS.get(room.kind, ()):
         found = []
         for x, y in ((length, width), (width, length)):
             for left in np.arange(0.05, room.size[0] - x - 0.05, STEP):
                 for front in np.arange(0.4, room.size[1] - y - 0.05, STEP):
-                    at = np.array([left + x / 2, front + y / 2])
-                    far = min(float(np.linalg.norm(at - point)) for point in points)
-                    found.append((far + 0.3 * float(np.linalg.norm(at - middle)), left, front, x, y))
+                    at, half = np.array([left + x / 2, front + y / 2]), np.array([x, y]) / 2
+                    if below is None or (np.abs(below[:, :2] - at) < half).all():
+                        far = float(np.linalg.norm(points - at, axis=1).min())
+                        found.append((far + 0.3 * float(np.linalg.norm(at - middle)), left, front, x, y))
         for _, left, front, x, y in sorted(found):
             box = np.array([[left, front, OFF], [left + x, front + y, 0.006]])
             if low.admits(box[None], GAP, stands=False):
-                red, green, blue = color
-                return [
-                    Fixture(
-                        name="rug", low=corner(box[0]), high=corner(box[1]), color=(red, green, blue),
-                        pattern="cloth",
-                    )
-                ]  # fmt: skip
-    return []
+                return Fixture(
+                    name="rug", low=corner(box[0]), high=corner(box[1]), color=color, pattern="cloth"
+                )
+    return None
 
 
 def _lamps(room: Room, taken: Taken, cloth: Color) -> list[Fixture]:

@@ -1,6 +1,6 @@
 """What stands loose on the floor: chairs at tables and desks, stools at islands, and things along walls."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,7 +25,7 @@ from .room import (
     turn_matrix,
     wall_length,
 )
-from .taken import Taken, find_taken
+from .taken import Taken, find_taken, stand_boxes
 from .things import THINGS, Thing, thing_hulls
 
 APART = 0.02
@@ -36,6 +36,8 @@ ALONG = 0.06
 """Step (m) of places along a table or wall."""
 PAIR = 0.62
 """Distance (m) between seats side by side."""
+ASIDE = tuple(sorted(np.linspace(-0.5, 0.5, 11).round(1).tolist(), key=abs))
+"""Distances (m) along the front of an object by which a robot's standing place moves for a seat."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,30 +70,35 @@ _THINGS = {thing.name: thing for thing in THINGS}
 
 
 def stand_on_floor(room: Room) -> Room:
-    """The room with chairs, stools and things along its walls, where nothing opens and no robot stands."""
+    """The room with chairs, stools and things along its walls, where nothing opens and no robot stands; it
+    stands beside a seat if the seat is where it would."""
     rng = np.random.default_rng([room.seed, room.attempt, 6])
     taken, items = find_taken(room), []
     start, stop = room.entrance.start - 0.1, room.entrance.stop + 0.1
     way = along_wall(room.entrance.side, room.size, (start, 0.0, 0.0), (stop, DOORWAY, 2.0))
-    taken = replace(taken, stands=np.concatenate([taken.stands, way[None]]))
+    placements = {placement.id: placement for placement in room.placements}
     palettes: dict[str, int] = {}
-    for placement in room.placements:
-        seat = SEATS.get(placement.role)
-        if seat is None or placement.support is not None:
+    for name in placements:
+        seat = SEATS.get(placements[name].role)
+        if seat is None or placements[name].support is not None:
             continue
         thing = _THINGS[seat.thing]
         palette = palettes.setdefault(thing.name, int(rng.integers(len(thing.colors))))
         drawn = replace(draw_thing(thing, rng, 0.0), colors=thing.colors[palette])
         local, places = _boxes(drawn), []
-        for T in _around(placement, seat, drawn.size):
+        others = replace(taken, stands=_stands(room, way, placements.values(), name))
+        for T in _around(placements[name], seat, drawn.size):
             if len(places) >= seat.most:
                 break
             if all(np.linalg.norm(T[:2, 3] - at) >= PAIR for at in places):
-                boxes = _free_boxes(room, taken, local, T)
-                if boxes is not None:
-                    taken = taken.add(boxes)
+                boxes = _free_boxes(room, others, local, T)
+                moved = None if boxes is None else _make_way(room, placements[name], others, boxes)
+                if boxes is not None and moved is not None:
+                    placements[name], others, taken = moved, others.add(boxes), taken.add(boxes)
                     items.append(_item(drawn, T))
                     places.append(T[:2, 3])
+    room = replace(room, placements=tuple(placements.values()))
+    taken = replace(taken, stands=_stands(room, way, room.placements))
     for name in ALONG_WALLS[room.kind]:
         drawn = draw_thing(_THINGS[name], rng, 0.0)
         local = _boxes(drawn)
@@ -106,6 +113,34 @@ def stand_on_floor(room: Room) -> Room:
         counts[item.thing] = counts.get(item.thing, 0) + 1
         items[index] = replace(item, id=f"{item.thing}_{counts[item.thing]}")
     return replace(room, contents=(*room.contents, *items))
+
+
+def _stands(
+    room: Room, way: Float[np.ndarray, "2 3"], placements: Iterable[Placement], without: str = ""
+) -> Float[np.ndarray, "S 2 3"]:
+    """Boxes around the way into the room and around standing places at objects but one."""
+    kept = (stand_boxes(each, room.standing_radius) for each in placements if each.id != without)
+    return np.concatenate([way[None], *kept])
+
+
+def _make_way(
+    room: Room, placement: Placement, taken: Taken, boxes: Float[np.ndarray, "B 2 3"]
+) -> Placement | None:
+    """The object with its standing places beside boxes, as far along its front as they must be; None if
+    there is no room for them."""
+    here, standing = taken.add(boxes), []
+    along = turn_matrix(2.0 * np.arctan2(placement.quat[3], placement.quat[0]))[:2, 1]
+    for place in placement.standing:
+        for step in ASIDE:
+            x, y = (np.array(place) + step * along).round(4).tolist()
+            (box,) = stand_boxes(replace(placement, standing=((x, y),)), room.standing_radius)
+            inside = (box[0, :2] > 0.0).all() and (box[1, :2] < np.array(room.size[:2])).all()
+            if inside and here.admits(box[None], 0.0, stands=False):
+                standing.append((x, y))
+                break
+        else:
+            return None
+    return replace(placement, standing=tuple(standing))
 
 
 def _item(drawn: Drawn, T: Float[np.ndarray, "4 4"]) -> Item:

@@ -23,6 +23,8 @@ SLABS = 6
 """Number of slabs of a door across its width."""
 LEVEL = 0.004
 """Distance (m) below its highest point that still belongs to an object's top."""
+BROAD = 0.25
+"""Share of the area of the largest hull of a link, seen from the front, from which on a hull is no handle."""
 COVERS = 0.3
 """Least share of an object's area that its deck covers; what is above that, such as a tap, covers less."""
 FOOT = 0.03
@@ -159,13 +161,14 @@ def _hull_boxes(package: SimPackage) -> Float[np.ndarray, "H 2 3"]:
 
 
 def _face(package: SimPackage) -> float:
-    """x of the largest hull, seen from the front, of the foremost link: a panel, not its handle."""
+    """x of the foremost hull that is not small, seen from the front, beside the largest of its link: a panel
+    or its frame, not its handle."""
     faces = []
-    for link in package.links:
-        sizes = [np.ptp(hull.vertices, axis=0) for hull in link.hulls]
-        if sizes:
-            largest = int(np.argmax([size[1] * size[2] for size in sizes]))
-            faces.append(float(link.hulls[largest].vertices[:, 0].min()))
+    solid = [link for link in package.links if link.hulls]
+    for link in [link for link in solid if link.label not in ("handle", "knob", "wheel")] or solid:
+        areas = [float(np.ptp(hull.vertices[:, 1:], axis=0).prod()) for hull in link.hulls]
+        broad = (hull for hull, area in zip(link.hulls, areas, strict=True) if area >= BROAD * max(areas))
+        faces += [float(hull.vertices[:, 0].min()) for hull in broad]
     return min(faces)
 
 

@@ -2,7 +2,8 @@
 
 Packages are referred to, not copied (MuJoCo's ``attach``): their bodies, joints and geoms get the id of the
 placement as a prefix, ``fridge_1/joint_0``. MuJoCo starts with all joints at 0; the coordinates of the room,
-in which doors may stand ajar, are the keyframe ``home``.
+in which doors may stand ajar, are the keyframe ``home``. What rests sleeps: MuJoCo leaves it out of its steps
+until something touches, pushes or moves it.
 """
 
 # mujoco is a compiled module with empty stubs.
@@ -82,7 +83,8 @@ def home_position(room: Room, model: "MjModel") -> Float[np.ndarray, "Q"]:
 def _room_element(room: Room, folder: Path) -> ET.Element:
     root = ET.Element("mujoco", model=f"{room.kind}_{room.seed}")
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
-    ET.SubElement(root, "option", integrator="implicitfast")
+    option = ET.SubElement(root, "option", integrator="implicitfast")
+    ET.SubElement(option, "flag", sleep="enable")
     visual = ET.SubElement(root, "visual")
     ET.SubElement(visual, "headlight", ambient="0.5 0.5 0.5", diffuse="0.25 0.25 0.25", specular="0 0 0")
     asset = ET.SubElement(root, "asset")

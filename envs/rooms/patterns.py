@@ -9,17 +9,21 @@ from scipy.ndimage import gaussian_filter
 
 from artigen.shapes.surfaces.noise import hash_unit, lattice_noise
 
-Pattern = Literal["plain", "planks", "tiles", "small_tiles", "stone", "wood", "cloth", "sky"]
+Pattern = Literal["plain", "planks", "tiles", "small_tiles", "wall_tiles", "stone", "wood", "cloth", "sky"]
 Color = tuple[float, float, float]
 PIXELS = 250
 """Pixels per metre; a joint is one of them wide."""
 BOARDS: dict[Pattern, tuple[float, float]] = {"planks": (1.2, 0.14), "wood": (0.6, 0.04)}
 """Length and width (m) of boards of floors and of worktops."""
-TILE_EDGES: dict[Pattern, tuple[float, float]] = {"tiles": (0.45, 0.45), "small_tiles": (0.2, 0.1)}
+TILE_EDGES: dict[Pattern, tuple[float, float]] = {
+    "tiles": (0.45, 0.45),
+    "small_tiles": (0.2, 0.1),
+    "wall_tiles": (0.4, 0.2),
+}
 """Length and height (m) of tiles."""
 PERIODS: dict[Pattern, tuple[float, float]] = {
     "planks": (4.8, 1.96), "wood": (2.4, 0.64), "tiles": (3.6, 3.6), "small_tiles": (1.6, 1.6),
-    "stone": (1.2, 1.2), "cloth": (0.16, 0.16), "sky": (1.0, 2.6),
+    "wall_tiles": (3.2, 3.2),     "stone": (1.2, 1.2), "cloth": (0.16, 0.16), "sky": (1.0, 2.6),
 }  # fmt: skip
 """Width and height (m) after which a pattern repeats: a whole number of its boards or tiles."""
 

@@ -40,7 +40,7 @@ AZIMUTH = 62.0
 """Degrees from the left (or right) wall towards the wall with the entrance: 90 looks straight in."""
 ELEVATION = 34.0
 """Degrees above the horizon."""
-BEHIND = 0.25
+BEHIND = 0.1
 """Distance (m) from a wall within which a camera does not show it."""
 SCALE = 120.0
 """Pixels per metre of the plan."""
@@ -53,7 +53,7 @@ RENDER = RenderConfig(
 )
 EYE_RENDER = RenderConfig(
     ground=False, occlusion_reach=0.12, light_direction=(0.25, -0.8, 0.35), light_radius=0.5,
-    background=(206, 226, 244),
+    background=(206, 226, 244), sky=(0.52, 0.54, 0.56), bounce=(0.60, 0.58, 0.56),
 )  # fmt: skip
 """Light that comes from behind the eye, as the ceiling shuts out any other."""
 

@@ -216,7 +216,7 @@ def _room(
                 boxes = place_solid(placements[-1]).boxes
                 openings += find_openings(boxes, place.side, plan.size)
     openings += plan.doorways
-    shell = room_shell(plan.size, (plan.entrance, *openings), recipe.wall_color, recipe.floor)
+    shell = room_shell(plan.size, (plan.entrance, *openings), recipe.wall_color, recipe.floor, recipe.wall)
     return Room(
         kind=recipe.kind,
         seed=seed,

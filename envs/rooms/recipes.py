@@ -100,6 +100,7 @@ class Recipe:
     """Smallest number of objects by default."""
     wall_color: tuple[float, float, float] = (0.90, 0.89, 0.86)
     floor: Pattern = "planks"
+    wall: Pattern = "plain"
 
     @property
     def all_roles(self) -> tuple[Role, ...]:
@@ -273,6 +274,7 @@ BEDROOM = Recipe(
 BATHROOM = Recipe(
     kind="bathroom",
     floor="tiles",
+    wall="wall_tiles",
     width=(3.6, 4.8),
     depth=(3.2, 4.4),
     needed=(TOILET, WASHER),

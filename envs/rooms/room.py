@@ -214,6 +214,7 @@ def room_shell(
     openings: Sequence[Opening],
     color: tuple[float, float, float],
     floor: Pattern = "plain",
+    wall: Pattern = "plain",
     thickness: Mapping[Side, float] | None = None,
 ) -> tuple[Fixture, ...]:
     """Floor and walls of the room; walls with openings are in pieces.
@@ -237,7 +238,9 @@ def room_shell(
         for index, (start, stop, bottom, top) in enumerate(pieces):
             box = along_wall(side, size, (start, -thick[side], bottom), (stop, 0.0, top))
             name = f"wall_{side}" if len(pieces) == 1 else f"wall_{side}_{index}"
-            shell.append(Fixture(name=name, low=corner(box[0]), high=corner(box[1]), color=color))
+            shell.append(
+                Fixture(name=name, low=corner(box[0]), high=corner(box[1]), color=color, pattern=wall)
+            )
     return tuple(shell)
 
 

@@ -12,17 +12,16 @@ from jaxtyping import Float
 from .arrange import Place, Plan, fits, wall_places
 from .catalogue import Catalogue, Entry
 from .choose import TALL, Offer, Wall, choose_units, order_units
+from .compartments import cached_compartments
 from .footprints import bounds_of, is_level
 from .pieces import GAP, Boxes, Cluster, Member, Piece, line_up, make_piece, move_boxes
-from .recipes import BASE, Recipe
+from .recipes import BASE, BOOKCASE, Recipe
 from .room import Side, along_wall, wall_axis, wall_length
 
 RESERVE = 0.88
 """Length (m) of both walls that a corner between two runs takes."""
 ORDERS = 3
 """Number of random orders of a run; the one with the smallest gaps is used."""
-WIDE = 0.7
-"""Share of the roles of the widest suite from which on a suite gives a room its look."""
 NARROW = 0.012
 """Gap (m) between units above which a panel closes it."""
 SETBACKS = (0.0, 0.03, 0.06, 0.11, 0.16)
@@ -54,11 +53,18 @@ def draw_shortlists(
 ) -> dict[str, tuple[Entry, ...]]:
     """At most ``variety`` packages for every role of a room; cabinets without a top only if all are.
 
-    Those that are ``alike`` are of one suite where it has the role, else of the suite with most roles.
+    Those that are ``alike`` are of one suite that has what the room needs, where it has the role, else of the
+    suite with most roles.
+    Bookcases have open shelves if any have.
     """
     of_role = {role: catalogue.of_role(role) for role in recipe.all_roles}
     roles = Counter(suite for entries in of_role.values() for suite in {entry.suite for entry in entries})
-    wide = sorted((suite for suite in roles if suite and roles[suite] >= WIDE * max(roles.values())), key=str)
+    whole = [
+        suite
+        for suite in roles
+        if suite and all(any(entry.suite == suite for entry in of_role[role]) for role in recipe.needed)
+    ]
+    wide = sorted(whole or (suite for suite in roles if suite), key=str)
     lead = wide[int(rng.integers(len(wide)))] if wide else None
     lists: dict[str, tuple[Entry, ...]] = {}
     for role, entries in of_role.items():
@@ -66,6 +72,8 @@ def draw_shortlists(
             suites = sorted({entry.suite for entry in entries}, key=str)
             first = max(suites, key=lambda suite: (suite == lead, roles[suite]))
             entries = [entry for entry in entries if entry.suite == first]
+        if role == BOOKCASE:
+            entries = [entry for entry in entries if _is_open(entry)] or entries
         order = rng.permutation(len(entries)).tolist()
         covered = (
             k
@@ -75,6 +83,11 @@ def draw_shortlists(
         picked = list(islice(covered, variety)) or order[:variety]
         lists[role.name] = tuple(entries[index] for index in sorted(picked))
     return lists
+
+
+def _is_open(entry: Entry) -> bool:
+    """Whether an object has open shelves."""
+    return any(compartment.open for compartment in cached_compartments(entry.folder))
 
 
 def count_objects(plan: Plan) -> int:

@@ -41,18 +41,20 @@ def find_taken(room: Room) -> Taken:
     fixed = [solid.boxes for solid in fixture_solids(room) if not solid.id.startswith(shell)]
     own = [box for placement in room.placements for box in kept_free(placement)]
     loose = [solid.boxes for solid in standing_solids(room)]
-    radius = room.standing_radius
     own += [
         along_wall(hole.side, room.size, (hole.start, 0.0, 0.0), (hole.stop, DOORWAY, hole.top))
         for hole in room.doorways
     ]
-    stands = [
-        [[x - radius, y - radius, 0.01], [x + radius, y + radius, ROBOT_HEIGHT]]
-        for placement in room.placements
-        for x, y in placement.standing
-    ]
     solid = np.concatenate([np.zeros((0, 2, 3)), np.array(own).reshape(-1, 2, 3), *fixed, *loose])
-    return Taken(solid=solid, stands=np.array(stands).reshape(-1, 2, 3))
+    stands = [np.zeros((0, 2, 3)), *(stand_boxes(each, room.standing_radius) for each in room.placements)]
+    return Taken(solid=solid, stands=np.concatenate(stands))
+
+
+def stand_boxes(placement: Placement, radius: float) -> Float[np.ndarray, "S 2 3"]:
+    """Boxes around a robot at the standing places of an object."""
+    low = np.array([(x - radius, y - radius, 0.01) for x, y in placement.standing]).reshape(-1, 1, 3)
+    high = np.array([(x + radius, y + radius, ROBOT_HEIGHT) for x, y in placement.standing]).reshape(-1, 1, 3)
+    return np.concatenate([low, high], axis=1)
 
 
 def kept_free(placement: Placement) -> list[Float[np.ndarray, "2 3"]]:

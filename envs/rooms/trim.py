@@ -29,8 +29,6 @@ WORKTOPS = (0.75, 1.05)
 """Range of heights (m) of worktops."""
 NEAR_WALL = 0.12
 """Largest distance (m) of a worktop from its wall."""
-TILED = ("kitchen", "bathroom")
-"""Kinds of rooms with tiles behind worktops."""
 SHORTEST = 0.08
 """Length (m) of the shortest piece."""
 GAP = 0.001
@@ -42,7 +40,7 @@ LOOKS: dict[str, tuple[tuple[float, float, float], Pattern]] = {
 
 
 def trim_room(room: Room) -> Room:
-    """The room with skirting boards and, in kitchens and bathrooms, tiles behind worktops."""
+    """The room with skirting boards and, in kitchens, tiles behind worktops."""
     shell = ("floor", "wall_")
     bodies = np.array(
         [
@@ -60,7 +58,7 @@ def trim_room(room: Room) -> Room:
         whole = (inset, wall_length(side, room.size) - inset)
         spans = _free_spans(room, side, boxes, whole, (0.0, height), thickness)
         added += _pieces(room, side, "skirting", spans, (0.0, height), thickness)
-        worktop = _find_worktop(room, side) if room.kind in TILED else None
+        worktop = _find_worktop(room, side) if room.kind == "kitchen" else None
         if worktop is not None:
             (start, stop, bottom), (top, thickness) = worktop, TILES
             rows = [((start, stop), (bottom + GAP, top)), *_above_ranges(room, side)]

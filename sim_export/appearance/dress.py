@@ -8,21 +8,29 @@ from jaxtyping import UInt8
 
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.physical import Material, describe_finish
-from sim_export.appearance.tiles import find_color, find_tile
+from sim_export.appearance.tiles import find_color, find_normal_map, find_tile
 from sim_export.package import Mesh
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Look:
-    """A material, its mean colour (sRGB in [0, 1]), and the image of a square metre unless it is even."""
+    """A material, its mean colour (sRGB in [0, 1]), and images of a square metre: of its colour unless it is
+    even, and of its normals unless it is smooth."""
 
     material: Material
     color: Color
     tile: UInt8[np.ndarray, "H W 3"] | None
+    normal_map: UInt8[np.ndarray, "H W 3"] | None
 
     def put_on(self, mesh: Mesh) -> Mesh:
         """The mesh with this look; its geometry and texture coordinates (m) stay."""
-        return replace(mesh, material=self.material, color=self.color, texture=self.tile)
+        return replace(
+            mesh,
+            material=self.material,
+            color=self.color,
+            texture=self.tile,
+            normal_map=self.normal_map,
+        )
 
 
 def find_looks(finishes: Mapping[str, Finish]) -> dict[str, Look]:
@@ -39,5 +47,10 @@ def find_looks(finishes: Mapping[str, Finish]) -> dict[str, Look]:
             alike.append(seen)
         number = alike.index(seen)
         name = material.name if number == 0 else f"{material.name}_{number + 1}"
-        looks[role] = Look(material=replace(material, name=name), color=even, tile=tile)
+        looks[role] = Look(
+            material=replace(material, name=name),
+            color=even,
+            tile=tile,
+            normal_map=find_normal_map(finish),
+        )
     return looks

@@ -7,10 +7,18 @@ import manifold3d
 import numpy as np
 from jaxtyping import Float, Int
 
-from artigen.shapes.primitives import Primitive, place_vertices
+from artigen.shapes.primitives import SEGMENTS, Primitive, place_vertices
 from artigen.shapes.surfaces.finishes import Finish
 from sim_export.geometry.broken_edges import PROBE, Cover, break_edges, edge_width
-from sim_export.geometry.rounds import Tube, build_ring, build_tube, find_plate, find_ring, find_tube
+from sim_export.geometry.rounds import (
+    Tube,
+    build_ring,
+    build_tube,
+    find_plate,
+    find_ring,
+    find_sagitta,
+    find_tube,
+)
 from sim_export.geometry.solids import as_solid
 from sim_export.package import Hull, Mesh
 
@@ -27,6 +35,8 @@ class Piece:
     is_round: bool
     centers: Float[np.ndarray, "P 3"]
     """Of the primitives (m)."""
+    deviation: float = 0.0
+    """Largest distance (m) between its surface and that of the primitives, measured from either."""
 
     def owners(self, points: Float[np.ndarray, "N 3"]) -> Int[np.ndarray, "N"]:
         """The primitive for which each point (m) of the surface stands."""
@@ -37,8 +47,16 @@ class Piece:
 
 
 def draw_pieces(primitives: Sequence[Primitive], center: Float[np.ndarray, "3"]) -> list[Piece]:
-    """The primitives of a part as they are, relative to ``center`` (m)."""
-    return [_piece(primitives, [index], _solid(one), center) for index, one in enumerate(primitives)]
+    """The primitives of a part as they collide, relative to ``center`` (m)."""
+    return [
+        _piece(primitives, [index], _solid(one), center, _drawn_deviation(one))
+        for index, one in enumerate(primitives)
+    ]
+
+
+def _drawn_deviation(primitive: Primitive) -> float:
+    """Distance (m) of the prism that is drawn for a cylinder from it."""
+    return find_sagitta(primitive.size[0] / 2, SEGMENTS) if primitive.kind == "cylinder" else 0.0
 
 
 def find_pieces(
@@ -55,17 +73,20 @@ def find_pieces(
     while at < len(primitives):
         count, hole = 1, None
         wedges = find_ring(primitives[at:])
-        seen: Mesh | Hull | None = build_ring(primitives[at : at + wedges]) if wedges else None
-        if seen is not None:
-            count = wedges
+        ring = build_ring(primitives[at : at + wedges]) if wedges else None
+        seen: Mesh | Hull
+        if ring is not None:
+            count, (seen, far) = wedges, ring
         elif (plate := find_plate(primitives[at:])) is not None:
-            count, seen, hole = plate
+            count, seen, hole, far = plate
         elif (tube := find_tube(primitives[at])) is not None:
             width = edge_width(primitives[at], finishes[primitives[at].finish])
-            seen = build_tube(tube, _rims(tube, width, cover, at))
+            rims = _rims(tube, width, cover, at)
+            seen = build_tube(tube, rims)
+            far = max(rims) + tube.deviation
         else:
-            seen = _solid(broken[at])
-        out.append(_piece(primitives, range(at, at + count), seen, center, hole))
+            seen, far = _solid(broken[at].primitive), broken[at].deviation
+        out.append(_piece(primitives, range(at, at + count), seen, center, far, hole))
         at += count
     return out
 
@@ -79,6 +100,7 @@ def _piece(
     own: Sequence[int],
     seen: Mesh | Hull,
     center: Float[np.ndarray, "3"],
+    deviation: float,
     hole: Mesh | None = None,
 ) -> Piece:
     solid = _level(seen, center)
@@ -89,6 +111,7 @@ def _piece(
         primitives=tuple(own),
         is_round=primitives[own[0]].kind == "cylinder",
         centers=np.array([primitives[index].center - center for index in own]),
+        deviation=deviation,
     )
 
 

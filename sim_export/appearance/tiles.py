@@ -1,4 +1,4 @@
-"""Tiles: one image per finish with a pattern, mapped by coordinates in metres.
+"""Tiles: one image per finish with a pattern, and one of its normals, mapped by coordinates in metres.
 
 A tile shows a square metre of its finish and repeats without seams: the pattern of
 `artigen.shapes.surfaces.textures` on a torus. All parts of a finish share it, byte for byte and across
@@ -13,6 +13,7 @@ from jaxtyping import Float, Int, UInt8
 
 from artigen.shapes.surfaces.finishes import Color, Finish, FinishKind
 from artigen.shapes.surfaces.noise import hash_unit
+from artigen.shapes.surfaces.physical import find_relief
 from artigen.shapes.surfaces.textures import PaintTable, paint
 from sim_export.geometry.triangles import area_normals
 
@@ -51,6 +52,15 @@ def find_tile(finish: Finish) -> UInt8[np.ndarray, "H W 3"] | None:
     return _color_tile(finish.kind, round(finish.period, 6), finish.color, finish.accent)
 
 
+def find_normal_map(finish: Finish) -> UInt8[np.ndarray, "H W 3"] | None:
+    """Normals on the tile of a finish, as its accent lies below its colour; None for a smooth finish.
+
+    Channels are right, up and outwards, from -1 at 0 to 1 at 255, as glTF and MaterialX have them.
+    """
+    relief = find_relief(finish)
+    return _draw_normals(finish.kind, round(finish.period, 6), relief) if relief else None
+
+
 def lay_coordinates(
     triangles: Float[np.ndarray, "F 3 3"], rows: Int[np.ndarray, "F"], table: PaintTable
 ) -> Float[np.ndarray, "F 3 2"]:
@@ -74,7 +84,7 @@ def lay_coordinates(
 
 @lru_cache(maxsize=64)
 def _color_tile(kind: FinishKind, period: float, color: Color, accent: Color) -> UInt8[np.ndarray, "H W 3"]:
-    mix, tone = _draw_pattern(kind, period)
+    mix, tone = _draw_pattern(kind, period, 1.0 / TEXELS)
     shades = np.linspace(0.0, 1.0, LEVELS)[:, None, None] * np.subtract(accent, color) + np.array(color)
     tones = np.linspace(0.94, 1.06, TONES)[:, None]
     colors = np.rint(255.0 * np.clip(shades * tones, 0.0, 1.0)).astype(np.uint8)  # level tone 3
@@ -83,9 +93,22 @@ def _color_tile(kind: FinishKind, period: float, color: Color, accent: Color) ->
     return image
 
 
+@lru_cache(maxsize=8)
+def _draw_normals(kind: FinishKind, period: float, relief: float) -> UInt8[np.ndarray, "H W 3"]:
+    # Brushing is finer than texels: its lines are sampled, not averaged to an even surface.
+    level, _ = _draw_pattern(kind, period, 0.0 if kind == "steel" else 1.0 / TEXELS)
+    depth = relief / (LEVELS - 1) * level
+    right, down = ((np.roll(depth, -1, axis) - np.roll(depth, 1, axis)) * TEXELS / 2 for axis in (1, 0))
+    normals = np.stack([right, -down, np.ones_like(depth)], axis=2)
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    image = np.rint(127.5 + 127.5 * normals).astype(np.uint8)
+    image.setflags(write=False)
+    return image
+
+
 @lru_cache(maxsize=16)
 def _draw_pattern(
-    kind: FinishKind, period: float
+    kind: FinishKind, period: float, footprint: float
 ) -> tuple[UInt8[np.ndarray, "H W"], UInt8[np.ndarray, "H W"]]:
     """Level of the accent and of brightness at every texel of a tile."""
     if kind == "wood":
@@ -98,7 +121,7 @@ def _draw_pattern(
     )
     points = np.stack([column.ravel(), row.ravel(), np.zeros(column.size)], axis=1) / TEXELS
     normals = np.broadcast_to(np.array([0.0, 0.0, 1.0]), points.shape)
-    seen = np.asarray(paint(probe, points, normals, footprint=1.0 / TEXELS)).reshape(*column.shape, 3)
+    seen = np.asarray(paint(probe, points, normals, footprint=footprint)).reshape(*column.shape, 3)
     tone = 2.0 * seen[..., 1]
     mix = 2.0 * seen[..., 0] / tone - 0.5
     mix, tone = (_close(value, across > TEXELS) for value in (mix, tone))

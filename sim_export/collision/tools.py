@@ -25,7 +25,6 @@ from sim_export.package import Hull
 
 Tool = Literal["coacd", "vhacd"]
 Options = Mapping[str, Any]
-PACKAGES = {"coacd": "coacd", "vhacd": "vhacdx"}
 ONE_CORE = {"OMP_NUM_THREADS": "1"}
 
 
@@ -63,7 +62,7 @@ def decompose(
         owner: How errors name what is decomposed.
 
     Raises:
-        DecompositionFailed: If the tool is not installed, refuses an option, aborts, takes too long, or gives
+        DecompositionFailed: If the tool refuses an option, aborts, takes too long, or gives
             no hull.
     """
     corners = triangles.reshape(-1, 3)
@@ -137,8 +136,6 @@ def _run(tool: str, vertices: np.ndarray, faces: np.ndarray, options: Options) -
 
         sized = np.column_stack([np.full(len(faces), 3), faces])  # each with its number of corners
         return vhacdx.compute_vhacd(vertices, sized.ravel().astype(np.uint32), **options)
-    except ImportError:
-        sys.exit(f"{PACKAGES[tool]} is not installed: pip install {PACKAGES[tool]}")
     except TypeError as err:
         sys.exit(str(err).splitlines()[0])
 

@@ -1,7 +1,8 @@
 """Writes a package as MJCF for MuJoCo, with the same bodies, joints, hulls and masses as the URDF.
 
 Visuals are in group 2 and do not collide; hulls are in group 3. Bodies connected by a joint do not collide,
-as in SAPIEN. MuJoCo by itself would let a drawer collide with a carcass that is fixed to the world.
+as in SAPIEN. MuJoCo by itself would let a drawer collide with a carcass that is fixed to the world. Sites in
+group 4 mark the handles: x along the grasp line, z away from the panel.
 
 `srdf_text` writes what SAPIEN loads beside the URDF: further pairs of links whose contacts it ignores
 (`sim_export.motion.ignored_pairs`).
@@ -15,7 +16,7 @@ from jaxtyping import Float
 
 from artigen.files.wavefront import NO_MATERIAL, MtlMaterial
 from artigen.shapes.surfaces.physical import mirrored_head_on
-from artigen.transforms import quat_from_matrix
+from artigen.transforms import frame_along, quat_from_matrix
 from artigen.types import Joint
 from sim_export.files.obj import parse_mtl, parse_obj, read_image, shininess
 from sim_export.files.urdf import (
@@ -45,12 +46,21 @@ MAX_PAIRS = 31
 """Pairs that SAPIEN accepts; further ones have MoveIt's reason ``Never``, which its loader passes over."""
 
 
-def mjcf_text(package: SimPackage, apart: tuple[tuple[str, str], ...] = ()) -> str:
+SERVO = 0.1
+"""Share of its range by which a joint is away from a position servo's target when the servo is at its
+limit."""
+
+
+def mjcf_text(
+    package: SimPackage, apart: tuple[tuple[str, str], ...] = (), *, actuators: bool = False
+) -> str:
     """The MJCF of a package.
 
     Args:
         package: The package; file names are those of `write_package`.
         apart: Further pairs of links that must not collide (those of the SRDF).
+        actuators: Whether every joint has a servo with the joint's name and effort: one of position, or of
+            velocity where the joint has no limits. Joints that follow others have none.
     """
     origins = link_origins(package)
     root = ET.Element("mujoco", model=package.name)
@@ -68,9 +78,13 @@ def mjcf_text(package: SimPackage, apart: tuple[tuple[str, str], ...] = ()) -> s
             joint = by_child.get(link.name)
             holder = world if joint is None else bodies[joint.parent]
             at = origins[link.name] - (0.0 if joint is None else origins[joint.parent])
-            bodies[link.name] = _add_body(holder, asset, link, joint, at, origins[link.name])
+            body = _add_body(holder, asset, link, joint, at, origins[link.name])
+            _add_handles(body, package, link.name, origins[link.name])
+            bodies[link.name] = body
         waiting = [link for link in waiting if link.name not in bodies]
     _add_pairs(root, package, apart)
+    if actuators:
+        _add_actuators(root, package)
     return xml_text(root)
 
 
@@ -126,6 +140,40 @@ def primitive_geom(shape: PrimitiveShape, origin: Float[np.ndarray, "3"]) -> dic
         "pos": format_vector(T[:3, 3] - origin),
         "quat": format_vector(quat_from_matrix(T[:3, :3]), 12),
     }
+
+
+def _add_handles(body: ET.Element, package: SimPackage, link: str, origin: Float[np.ndarray, "3"]) -> None:
+    """A site in the middle of each grasp line of a link, ``handle_LINK_0`` and so on."""
+    for index, handle in enumerate(each for each in package.handles if each.link == link):
+        begin, end = handle.grasp_line
+        z = handle.normal / np.linalg.norm(handle.normal)
+        x = (end - begin) - z * (z @ (end - begin))
+        x = x / length if (length := np.linalg.norm(x)) > 1e-6 else frame_along(z)[0]
+        attributes = {
+            "name": f"handle_{link}_{index}",
+            "pos": format_vector((begin + end) / 2.0 - origin),
+            "quat": format_vector(quat_from_matrix(np.stack([x, np.cross(z, x), z], axis=1)), 12),
+        }
+        ET.SubElement(body, "site", attributes | {"group": "4", "size": "0.01"})
+
+
+def _add_actuators(root: ET.Element, package: SimPackage) -> None:
+    """A servo for every joint that moves by itself; damping is integrated implicitly, for light links."""
+    root.insert(1, ET.Element("option", integrator="implicitfast"))
+    holder = ET.SubElement(root, "actuator")
+    for joint in package.joints:
+        if joint.type == "fixed" or joint.follows is not None:
+            continue
+        force = format_number(joint.effort)
+        servo = {"name": joint.name, "joint": joint.name, "forcerange": f"-{force} {force}"}
+        if joint.type == "continuous":
+            speed = format_number(joint.velocity)
+            own = {"kv": format_number(joint.effort / joint.velocity), "ctrlrange": f"-{speed} {speed}"}
+            ET.SubElement(holder, "velocity", servo | own)
+        else:
+            kp = joint.effort / (SERVO * (joint.upper - joint.lower))
+            own = {"kp": format_number(kp), "dampratio": "1", "inheritrange": "1"}
+            ET.SubElement(holder, "position", servo | own)
 
 
 def _add_joint(body: ET.Element, joint: Joint) -> None:

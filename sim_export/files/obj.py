@@ -86,8 +86,8 @@ def round_hull(hull: Hull) -> Hull:
     return convex_hull(np.round(hull.vertices, DECIMALS))
 
 
-def mtl_text(name: str, mesh: Mesh, image: str) -> str:
-    """The material of a mesh: its image (over white) if it has one, else its colour.
+def mtl_text(name: str, mesh: Mesh, image: str, normal_map: str = "") -> str:
+    """The material of a mesh: its image (over white) if it has one, else its colour; and its normal map.
 
     Besides the words of the physically based extension (``Pr``, ``Pm``, ``Pc``, ``Pcr``) there are those of
     the first MTL: what is mirrored head-on, and the exponent of Blinn and Phong that is as wide as the
@@ -109,8 +109,8 @@ def mtl_text(name: str, mesh: Mesh, image: str) -> str:
         "Pc": f"{look.coat:.6g}",
         "Pcr": f"{look.coat_roughness:.6g}",
     }
-    lines = [f"newmtl {name}", *(f"{key} {value}" for key, value in values.items())]
-    return "\n".join([*lines, *([f"map_Kd {image}"] if image else [])]) + "\n"
+    values |= {word: file for word, file in (("map_Kd", image), ("norm", normal_map)) if file}
+    return "\n".join([f"newmtl {name}", *(f"{key} {value}" for key, value in values.items())]) + "\n"
 
 
 def shininess(look: Material) -> float:
@@ -153,7 +153,7 @@ def _encode_png(shape: tuple[int, ...], texels: bytes) -> bytes:
     if texture.shape[2] == 3 and (few := _few_colors(texture)) is not None:
         image = Image.fromarray(few.index, "P")
         image.putpalette(few.colors.tobytes())
-        image.save(stream, "PNG", compress_level=9)
+        image.save(stream, "PNG", compress_level=6)
         return stream.getvalue()
     Image.fromarray(texture).save(stream, "PNG", compress_level=1)
     return stream.getvalue()
@@ -212,6 +212,7 @@ def read_mesh(path: Path) -> Mesh:
         faces=data.faces,
         uv=data.coords[data.uv_faces] if placed else None,
         texture=read_image(path.parent / said.image) if placed and said.image else None,
+        normal_map=read_image(path.parent / said.normal_map)[..., :3] if placed and said.normal_map else None,
         color=said.color,
         material=material_of(said, "" if name == path.stem else name),
     )

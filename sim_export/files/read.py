@@ -24,7 +24,7 @@ from sim_export.files.grasp_values import grasps_from_json
 from sim_export.files.joints import place_joint
 from sim_export.files.obj import parse_obj, parse_urdf, read_mesh
 from sim_export.files.sidecars import FORMAT, VERSION, handles_from_json
-from sim_export.files.urdf import splats_path
+from sim_export.files.urdf import GLB_URDF, splats_path
 from sim_export.geometry.hulls import convex_hull
 from sim_export.geometry.primitives import primitive_mesh
 from sim_export.package import Hull, Inertial, Link, Mesh, SimPackage, SourceMesh, Visual
@@ -148,6 +148,7 @@ def _read_own(
             materials=tuple(physics["materials"].items()),
             provenance=tuple(provenance.items()),
             records=tuple(meta["records"]),
+            visual_format="glb" if (folder / GLB_URDF).is_file() else "obj",
         )
     except (KeyError, TypeError, ValueError, AttributeError) as err:
         raise PackageError(
@@ -196,6 +197,7 @@ def _own_link(
         hulls=hulls,
         inertial=_inertial(link.inertial, T, owner),
         splats=_own_splats(splats, T, index) if appearance and splats.is_file() else None,
+        visual_error=facts.get("visual_error"),
     )
 
 

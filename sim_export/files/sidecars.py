@@ -14,7 +14,7 @@ from artigen.types import Joint
 from sim_export.errors import PackageError
 from sim_export.files.grasp_values import grasps_value
 from sim_export.files.rounding import number, rounded
-from sim_export.files.urdf import image_path
+from sim_export.files.urdf import image_path, normal_path
 from sim_export.package import (
     HandleAnnotation,
     Link,
@@ -160,6 +160,7 @@ def materials_json(package: SimPackage) -> str:
         look: {
             "color": rounded(_mean_color(mesh), 6),
             "image": None if mesh.texture is None else image_path(look),
+            "normal_map": None if mesh.normal_map is None else normal_path(look),
             **{key: value for key, value in vars(mesh.material).items() if key != "name"},
         }
         for look, mesh in sorted(made.items())
@@ -199,6 +200,7 @@ def meta_json(package: SimPackage) -> str:
                 }
                 for visual in link.visuals
             ],
+            **({} if link.visual_error is None else {"visual_error": number(link.visual_error)}),
         }
         for link in package.links
     ]

@@ -20,6 +20,8 @@ from sim_export.geometry.triangles import diagonal_of
 from sim_export.package import Link, SimPackage, SourceMesh, Visual
 
 UrdfVariant = Literal["standard", "maniskill", "glb"]
+GLB_URDF = "mobility_glb.urdf"
+"""The URDF of a package that shows GLBs."""
 DECIMALS = 9
 
 
@@ -36,6 +38,11 @@ def glb_path(link: str) -> str:
 def image_path(look: str) -> str:
     """Path of the image of a material in the package."""
     return f"visual/{look}.png"
+
+
+def normal_path(look: str) -> str:
+    """Path of the normal map of a material in the package."""
+    return f"visual/{look}_normal.png"
 
 
 def hull_path(link: Link, index: int) -> str:
@@ -78,7 +85,7 @@ def urdf_text(package: SimPackage, variant: UrdfVariant = "standard") -> str:
 
     ``maniskill`` supports ManiSkill's cabinet tasks: continuous joints get limits, screws become one turning
     joint, and every link that slides or turns has a visual named as a handle (its largest one if it has no
-    handle part). ``glb`` shows every link by one GLB in its frame, see `sim_export.picture.glb.link_glbs`.
+    handle part). ``glb`` shows every link by one GLB in its frame, see `sim_export.files.glb.link_glbs`.
     """
     names = {visual.name: visual.name for link in package.links for visual in link.visuals}
     if variant == "maniskill":

@@ -18,6 +18,7 @@ from artigen.splats.motion import transform_gaussians
 from artigen.splats.ply import encode_ply
 from artigen.transforms import shift
 from sim_export.errors import PackageError
+from sim_export.files.glb import link_glbs
 from sim_export.files.mjcf import mjcf_text, srdf_text
 from sim_export.files.obj import hull_obj_text, mtl_text, obj_text, png_bytes
 from sim_export.files.sidecars import (
@@ -31,7 +32,16 @@ from sim_export.files.sidecars import (
     provenance_json,
     semantics_text,
 )
-from sim_export.files.urdf import hull_path, image_path, link_origins, splats_path, urdf_text, visual_path
+from sim_export.files.urdf import (
+    GLB_URDF,
+    hull_path,
+    image_path,
+    link_origins,
+    normal_path,
+    splats_path,
+    urdf_text,
+    visual_path,
+)
 from sim_export.geometry.primitives import find_primitive
 from sim_export.motion.ignored_pairs import ignored_pairs
 from sim_export.package import Link, Mesh, SimPackage, SourceMesh
@@ -48,7 +58,7 @@ def package_files(package: SimPackage) -> dict[str, bytes]:
 
     Raises:
         InvalidKinematics: If links and joints are not a tree that URDF can express.
-        PackageError: If a source mesh or one of its images cannot be read.
+        PackageError: If a source mesh or one of its images cannot be read, or is to be a GLB.
     """
     check_kinematics(package)
     files: dict[str, bytes] = {}
@@ -65,6 +75,8 @@ def package_files(package: SimPackage) -> dict[str, bytes]:
         if link.splats is not None:
             own = transform_gaussians(link.splats, shift(-origins[link.name]))
             files[splats_path(link.name)] = encode_ply(own)
+    if package.visual_format == "glb":
+        files |= link_glbs(package)
     files |= {path: text.encode() for path, text in package_texts(package).items()}
     return files | {MANIFEST: manifest_text(files).encode()}
 
@@ -82,7 +94,8 @@ def package_texts(package: SimPackage, *, engines: bool = True) -> dict[str, str
     """The files of a package that describe it, without those of meshes, by their path in it.
 
     Args:
-        engines: Whether files are included that only engines read: MJCF, SRDF and the URDF for ManiSkill.
+        engines: Whether files are included that only engines read: MJCF, SRDF, and the URDFs for ManiSkill
+            and of GLBs.
 
     Raises:
         InvalidKinematics: If links and joints are not a tree that URDF can express.
@@ -102,6 +115,8 @@ def package_texts(package: SimPackage, *, engines: bool = True) -> dict[str, str
     if engines:
         pairs = ignored_pairs(package)
         texts["mobility_cvx.urdf"] = urdf_text(package, "maniskill")
+        if package.visual_format == "glb":
+            texts[GLB_URDF] = urdf_text(package, "glb")
         texts["mobility.srdf"] = srdf_text(package.name, pairs)
         texts["mobility.mjcf.xml"] = mjcf_text(package, pairs)
     return texts
@@ -136,11 +151,11 @@ def manifest_problems(folder: Path) -> tuple[str, ...]:
 
 
 def material_files(look: str, mesh: Mesh) -> dict[str, bytes]:
-    """MTL and image of a material, which all visuals of its name share."""
-    image = image_path(look)
-    files = {} if mesh.texture is None else {image: png_bytes(mesh.texture)}
-    named = "" if mesh.texture is None else image.removeprefix("visual/")
-    return files | {f"visual/{look}.mtl": mtl_text(look, mesh, named).encode()}
+    """MTL and images of a material, which all visuals of its name share."""
+    images = {image_path(look): mesh.texture, normal_path(look): mesh.normal_map}
+    files = {path: png_bytes(image) for path, image in images.items() if image is not None}
+    named = (Path(path).name if image is not None else "" for path, image in images.items())
+    return files | {f"visual/{look}.mtl": mtl_text(look, mesh, *named).encode()}
 
 
 def _source_files(source: SourceMesh, stem: str) -> dict[str, bytes]:

@@ -5,15 +5,17 @@ that pieces of one body show no seams; boards of furniture keep theirs.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
+from itertools import product
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from artigen.shapes.primitives import Primitive, contains, place_vertices, polytope
 from artigen.shapes.solids import primitive_bounds
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
+from sim_export.geometry.distances import triangle_distances
 from sim_export.geometry.triangles import find_slivers
 
 WIDTHS: Mapping[FinishKind, float] = {
@@ -54,9 +56,17 @@ def is_box(primitive: Primitive) -> bool:
     )
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Broken:
+    """A solid with broken edges, and the largest distance (m) of its surface from the sharp one's."""
+
+    primitive: Primitive
+    deviation: float = 0.0
+
+
 def break_edges(
     primitives: Sequence[Primitive], finishes: Mapping[str, Finish], *, boards: bool
-) -> list[Primitive]:
+) -> list[Broken]:
     """The polytopes of a part with their seen edges broken; all other solids as they were.
 
     Args:
@@ -64,7 +74,7 @@ def break_edges(
         finishes: Finishes by name.
         boards: Whether boxes of wood, lacquer and stone are boards, with seams between them.
     """
-    out = list(primitives)
+    out = [Broken(primitive=primitive) for primitive in primitives]
     cover = Cover(primitives)
     for index, primitive in enumerate(primitives):
         width = edge_width(primitive, finishes[primitive.finish])
@@ -129,7 +139,7 @@ def _seen_edges(
     return open_.mean(axis=1) >= SEEN
 
 
-def _cut(primitive: Primitive, pairs: np.ndarray, width: float) -> Primitive:
+def _cut(primitive: Primitive, pairs: np.ndarray, width: float) -> Broken:
     """The solid without its edges; for boxes from a table of all ways to break their twelve edges."""
     if is_box(primitive):
         normals = primitive.planes[:, :3]
@@ -139,28 +149,40 @@ def _cut(primitive: Primitive, pairs: np.ndarray, width: float) -> Primitive:
             tuple(sorted([(int(axis[a]), int(sign[a])), (int(axis[b]), int(sign[b]))]))
             for a, b in pairs[:, :2].tolist()
         )
-        like, signs, steps = _unit_cut(code)
+        like, signs, steps, lost = _unit_cut(code)
         half = primitive.size / 2
         vertices = signs * (half - steps * width)
-        return replace(primitive, vertices=vertices, faces=like.faces, planes=like.planes, rings=like.rings)
+        made = replace(primitive, vertices=vertices, faces=like.faces, planes=like.planes, rings=like.rings)
+        return Broken(primitive=made, deviation=lost * width)
     normals = primitive.planes[:, :3]
     sides = normals[pairs[:, :2]]
     sharp = np.linalg.norm(sides.sum(axis=1), axis=1) > 0.2  # else nearly back to back: a blade
     pairs, sides = pairs[sharp], sides[sharp]
     if not len(pairs):
-        return primitive
+        return Broken(primitive=primitive)
     planes = np.concatenate([primitive.planes, _round_edges(sides, primitive.vertices[pairs[:, 2]], width)])
     made = polytope(_corners(planes, primitive.vertices.mean(axis=0)), primitive.finish)
     if find_slivers(made.vertices[made.faces], SLIVER).any():
-        return primitive
+        return Broken(primitive=primitive)
+    lost = _far_corner(primitive.vertices, made.vertices + made.center, made.faces)
     turned = primitive.rotation @ made.center + primitive.center
-    return replace(
+    made = replace(
         made,
         center=turned,
         rotation=primitive.rotation,
         lining=primitive.lining,
         lined_side=primitive.lined_side,
     )
+    return Broken(primitive=made, deviation=lost)
+
+
+def _far_corner(
+    corners: Float[np.ndarray, "N 3"], vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]
+) -> float:
+    """Largest distance of the corners of a convex solid from another one inside of it: of all its points."""
+    triangles = np.tile(vertices[faces], (len(corners), 1, 1))
+    every = triangle_distances(np.repeat(corners, len(faces), axis=0), triangles)
+    return float(every.reshape(len(corners), -1).min(axis=1).max())
 
 
 def _round_edges(
@@ -188,11 +210,14 @@ def _corners(planes: Float[np.ndarray, "K 4"], inside: Float[np.ndarray, "3"]) -
 @cache
 def _unit_cut(
     edges: frozenset[tuple[tuple[int, int], ...]],
-) -> tuple[Primitive, Float[np.ndarray, "V 3"], Float[np.ndarray, "V 3"]]:
-    """The cube [-1, 1]^3 without these edges, the signs of its corners, and how many widths they recede."""
+) -> tuple[Primitive, Float[np.ndarray, "V 3"], Float[np.ndarray, "V 3"], float]:
+    """The cube [-1, 1]^3 without these edges, the signs of its corners, how many widths they recede, and how
+    many the surface is away from the cube's at most."""
     width = 0.2
     faces = np.column_stack([np.vstack([np.eye(3), -np.eye(3)]), np.full(6, -1.0)])
     sides = np.array([[sign * np.eye(3)[axis] for axis, sign in edge] for edge in sorted(edges)])
     planes = np.concatenate([faces, _round_edges(sides, sides.sum(axis=1), width)])
     like = polytope(_corners(planes, np.zeros(3)), "")
-    return like, np.sign(like.vertices), np.round((1.0 - np.abs(like.vertices)) / width, 6)
+    cube = np.array(list(product((-1.0, 1.0), repeat=3)))
+    lost = _far_corner(cube, like.vertices, like.faces) / width
+    return like, np.sign(like.vertices), np.round((1.0 - np.abs(like.vertices)) / width, 6), lost

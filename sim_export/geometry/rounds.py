@@ -15,9 +15,9 @@ from artigen.shapes.primitives import Primitive, place_vertices
 from sim_export.geometry.triangles import area_normals
 from sim_export.package import Mesh
 
-SAGITTA = 0.0001
+SAGITTA = 0.00005
 """Largest distance (m) of a side from its circle."""
-SIDES = (16, 96)
+SIDES = (16, 128)
 """Least and largest number of sides of a circle."""
 POLYGON = 10
 """Corners from which on a regular polygon stands for a circle."""
@@ -31,6 +31,12 @@ def count_sides(radius: float) -> int:
     return int(np.clip(4 * np.ceil(np.pi / angle / 4), *SIDES))
 
 
+def find_sagitta(radius: float, sides: int | None = None) -> float:
+    """Distance (m) of the sides of a regular polygon from the circle through its corners; as many sides as
+    are shown if None."""
+    return radius * (1.0 - float(np.cos(np.pi / (sides or count_sides(radius)))))
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Tube:
     """A body between two circles or ellipses: centres, and two half axes of each, as vectors (m)."""
@@ -38,6 +44,14 @@ class Tube:
     centers: Float[np.ndarray, "2 3"]
     first: Float[np.ndarray, "2 3"]
     second: Float[np.ndarray, "2 3"]
+    sides: int | None
+    """Of the polygons that stand for the circles; None where the solid is round itself."""
+
+    @property
+    def deviation(self) -> float:
+        """Largest distance (m) between the smooth body and the solid, whose rims are not broken."""
+        rough = 0.0 if self.sides is None else find_sagitta(self.radius, self.sides)
+        return rough + find_sagitta(self.radius)
 
     @property
     def radius(self) -> float:
@@ -76,7 +90,8 @@ def find_tube(primitive: Primitive) -> Tube | None:
         return None
     first = np.stack([start - centers[0], points[both.pop()] - centers[1]])
     second = np.stack([ratio * np.cross(normals[0], first[0]), other * np.cross(-normals[1], first[1])])
-    return Tube(centers=centers, first=first, second=second)
+    sides_of = None if primitive.kind == "cylinder" else count
+    return Tube(centers=centers, first=first, second=second, sides=sides_of)
 
 
 def _find_axes(arms: Float[np.ndarray, "N 3"]) -> tuple[int, float] | None:
@@ -138,9 +153,9 @@ def find_ring(primitives: Sequence[Primitive]) -> int:
     return count if closes else 0
 
 
-def build_ring(wedges: Sequence[Primitive]) -> Mesh | None:
-    """The smooth ring of equal wedges and of their volume; None if it has no hole or the wedges do not face
-    its axis."""
+def build_ring(wedges: Sequence[Primitive]) -> tuple[Mesh, float] | None:
+    """The smooth ring of equal wedges and of their volume, and the largest distance (m) between the two; None
+    if it has no hole or the wedges do not face its axis."""
     turn = wedges[1].rotation @ wedges[0].rotation.T
     shift = wedges[1].center - turn @ wedges[0].center
     values, vectors = np.linalg.eigh((turn + turn.T) / 2)
@@ -165,12 +180,12 @@ def build_ring(wedges: Sequence[Primitive]) -> Mesh | None:
     spoke = np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * np.cross(axis, first)
     corners = ((inner0, low), (outer0, low), (outer1, high), (inner1, high))
     rows = [point + radius * spoke + height * axis for radius, height in corners]
-    return _skin(rows, closed=True)
+    return _skin(rows, closed=True), _round_deviation(float(radii.max()), len(wedges))
 
 
-def find_plate(primitives: Sequence[Primitive]) -> tuple[int, Mesh, Mesh] | None:
+def find_plate(primitives: Sequence[Primitive]) -> tuple[int, Mesh, Mesh, float] | None:
     """A plate of wedges around a polygonal hole: how many of the first primitives it is, the plate without
-    its hole, and the smooth hole."""
+    its hole, the smooth hole, and the largest distance (m) between the two holes."""
     count = 12
     wedges = primitives[:count]
     if len(wedges) < count or any(one.finish != wedges[0].finish for one in wedges):
@@ -207,13 +222,19 @@ def find_plate(primitives: Sequence[Primitive]) -> tuple[int, Mesh, Mesh] | None
     ends[:, thick] = low[thick] - 0.01, high[thick] + 0.01
     arm[0, :, across[0]] = radius
     arm[1, :, across[1]] = radius
-    tube = Tube(centers=ends, first=arm[0], second=arm[1])
-    return count, _box(low, high), build_tube(tube)
+    tube = Tube(centers=ends, first=arm[0], second=arm[1], sides=None)
+    return count, _box(low, high), build_tube(tube), _round_deviation(float(rim.mean()), count)
 
 
 def _same_area(sides: int) -> float:
     """Radius of the circle that has the area of a regular polygon, relative to its corners."""
     return float(np.sqrt(np.sin(2 * np.pi / sides) / (2 * np.pi / sides)))
+
+
+def _round_deviation(radius: float, sides: int) -> float:
+    """Largest distance (m) between a regular polygon and the shown circle of its area."""
+    lost = radius * (1.0 - _same_area(sides))
+    return max(lost, find_sagitta(radius, sides) - lost) + find_sagitta(radius)
 
 
 def _box(low: np.ndarray, high: np.ndarray) -> Mesh:

@@ -17,7 +17,7 @@ FRICTION = 0.6
 SAMPLES = 400
 """Points on the surface in question; more find smaller places and cost time."""
 MOST = 56
-"""Pairs kept unless more are asked for."""
+"""Pairs kept, the first of every neighbourhood."""
 PLATES = 8
 """Directions in half a turn in which parallel plates close."""
 EVEN = 1e-5
@@ -72,7 +72,6 @@ def find_pairs(
     hulls: Sequence[Hull],
     region: Float[np.ndarray, "8 3"] | None = None,
     normal: Float[np.ndarray, "3"] | None = None,
-    most: int = MOST,
 ) -> Pairs:
     """Pairs of contacts on the surface of a union of hulls, within the cone of `FRICTION`.
 
@@ -80,7 +79,6 @@ def find_pairs(
         hulls: Hulls of one link.
         region: Corners of the box in which the first contact lies; everywhere without.
         normal: Direction about which `calipers` are turned; none without.
-        most: Pairs kept, the first of every neighbourhood.
     """
     found = _face_pairs(hulls, region)
     if normal is not None:
@@ -88,7 +86,7 @@ def find_pairs(
         found = Pairs(
             **{name: np.concatenate([value, vars(found)[name]]) for name, value in vars(rims).items()}
         )
-    return _spread(found.some(found.angle <= np.arctan(FRICTION)), most)
+    return _spread(found.some(found.angle <= np.arctan(FRICTION)))
 
 
 def calipers(held: Sequence[Hull], normal: Float[np.ndarray, "3"]) -> Pairs:
@@ -183,14 +181,14 @@ def leave(
     return np.where(last >= 0, reach, 0.0), facing[last, np.arange(len(points))]
 
 
-def _spread(pairs: Pairs, most: int) -> Pairs:
-    """The first pair of every neighbourhood, in neighbourhoods so large that ``most`` at most are left."""
+def _spread(pairs: Pairs) -> Pairs:
+    """The first pair of every neighbourhood, in neighbourhoods so large that at most `MOST` are left."""
     spacing, chosen = 0.004, np.arange(len(pairs))
     largest = np.abs(pairs.axis).round(3).argmax(axis=1)[:, None]
     axes = 4.0 * pairs.axis * np.sign(np.take_along_axis(pairs.axis, largest, axis=1))  # of no sense
     while True:
         cells = np.rint(np.c_[pairs.middle[chosen] / spacing, min(1.0, 0.02 / spacing) * axes[chosen]])
         chosen = chosen[np.sort(np.unique(cells, axis=0, return_index=True)[1])]
-        if len(chosen) <= most:
+        if len(chosen) <= MOST:
             return pairs.some(chosen)
         spacing *= 1.3

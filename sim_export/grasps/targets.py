@@ -34,14 +34,17 @@ def find_targets(package: SimPackage) -> tuple[Target, ...]:
         return tuple(
             Target(link=link.name, part=link.parts[0], joint=None, normal=up) for link in hulls if link.parts
         )
-    found = [
-        Target(
-            link=handle.link, part=handle.part, joint=movers[handle.link],
-            region=handle.corners, normal=handle.normal,
-        )
-        for handle in package.handles
-        if handle.link in movers and not is_pushed(handle, movers[handle.link])
-    ]  # fmt: skip
+    found = []
+    for handle in package.handles:
+        if handle.link not in movers or is_pushed(handle, movers[handle.link]):
+            continue
+        held = _find_lever(package, handle)
+        found.append(
+            Target(
+                link=held.link, part=held.part, joint=movers[handle.link],
+                region=held.corners, normal=held.normal,
+            )
+        )  # fmt: skip
     held = {handle.link for handle in package.handles}
     found += [
         Target(link=link.name, part=link.parts[0], joint=movers[link.name])
@@ -55,8 +58,17 @@ def find_targets(package: SimPackage) -> tuple[Target, ...]:
 
 
 def is_pushed(handle: HandleAnnotation, joint: Joint) -> bool:
-    """Whether a handle is a button or a rocker: a place of it moves against its normal as the joint opens."""
+    """Whether a handle is a button, a rocker or a pedal: a place of it moves against its normal as the joint
+    opens, or it is hinged and springs back."""
     if handle.gapart not in PUSHED_CLASSES:
         return False
     ways = np.array([joint_velocity(joint, corner) for corner in handle.corners])
-    return bool((ways @ handle.normal).min() < -0.5 * np.linalg.norm(ways, axis=1).max())
+    against = (ways @ handle.normal).min() < -0.5 * np.linalg.norm(ways, axis=1).max()
+    return bool(against or (joint.type == "revolute" and joint.spring > 0.0))
+
+
+def _find_lever(package: SimPackage, handle: HandleAnnotation) -> HandleAnnotation:
+    """The lever that hangs on a hinged knob and turns it, or the handle itself."""
+    hung = hanging_links(package.joints, handle.link) - {handle.link}
+    levers = (each for each in package.handles if each.link in hung and each.gapart == handle.gapart)
+    return next(levers, handle) if handle.gapart == "hinge_knob" else handle

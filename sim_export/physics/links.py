@@ -53,13 +53,15 @@ CARRIER_RADIUS = 0.02
 class PartGeometry:
     """Geometry of one part from earlier stages; metres, object frame at rest.
 
-    ``finishes`` are the roles of the visuals, if these show a part by its surfaces.
+    ``finishes`` are the roles of the visuals, if these show a part by its surfaces. ``visual_error`` as in
+    `Link`.
     """
 
     visuals: tuple[Mesh | SourceMesh, ...] = ()
     finishes: tuple[str, ...] = ()
     hulls: tuple[Hull, ...] = ()
     inertial: Inertial | None = None
+    visual_error: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -186,6 +188,7 @@ def _weld(
                 )
             )
     leader = asset.parts[members[0]]
+    errors = [geometry[index].visual_error for index in members]
     masses = [geometry[index].inertial for index in members]
     known = [inertial for inertial in masses if inertial is not None]
     if not known:
@@ -203,6 +206,7 @@ def _weld(
         visuals=tuple(visuals),
         hulls=tuple(hull for index in members for hull in geometry[index].hulls),
         inertial=inertial,
+        visual_error=max((error for error in errors if error is not None), default=None),
     )
     return link, [] if record is None else [record]
 

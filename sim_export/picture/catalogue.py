@@ -141,6 +141,10 @@ def _look(mitsuba: Any, surface: Surface) -> dict[str, Any]:
         "clearcoat": said.coat,
         "clearcoat_gloss": 1.0 - said.coat_roughness,
     }
+    if surface.normal_map is not None:
+        bitmap = mitsuba.Bitmap(np.array(surface.normal_map, order="C"))
+        texture = {"type": "bitmap", "bitmap": bitmap, "wrap_mode": "repeat", "raw": True}
+        look = {"type": "normalmap", "normalmap": texture, "bsdf": look}
     look = {"type": "twosided", "look": look}
     if said.opacity < 1.0:
         return {"type": "mask", "opacity": said.opacity, "look": look}

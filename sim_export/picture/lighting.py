@@ -33,6 +33,9 @@ from sim_export.picture.shading import (
 
 GROUND = -2
 NOTHING = -1
+STRIDES, ALIKE = (8, 4, 2), 0.15
+"""Strides (pixels) at which light is smoothed once more where it changes by less: on large plain
+faces the edge of each ray would be seen."""
 FADE = 0.14
 """Width of the border where the floor's shadow fades out, as a fraction of the picture."""
 FLOOR_SHADE = (0.30, 0.32)
@@ -61,6 +64,10 @@ class RenderConfig:
     """Rays to the sky per pixel, averaged over nearby pixels; more smooths dark corners."""
     occlusion_reach: float = 0.30
     """Distance within which geometry darkens a surface, as a fraction of the scene's diagonal."""
+    sky: tuple[float, float, float] = (0.50, 0.53, 0.57)
+    """Light from above, linear red, green and blue."""
+    bounce: tuple[float, float, float] = (0.34, 0.32, 0.30)
+    """Light from below, which the floor sends back; more inside of pale rooms."""
     seed: int = 0
     """Seed that shifts the set of ray directions."""
 
@@ -97,6 +104,7 @@ class Light:
 
     direction: Float[np.ndarray, "3"]
     background: Float[np.ndarray, "3"]
+    ambient: Float[np.ndarray, "2 3"]
     sky_rays: Float[np.ndarray, "K 3"]
     key_rays: Float[np.ndarray, "L 3"]
 
@@ -117,6 +125,7 @@ def prepare_light(cfg: RenderConfig) -> Light:
     return Light(
         direction=direction.astype(np.float32),
         background=linear_from_srgb(np.array(cfg.background) / 255.0).astype(np.float32),
+        ambient=np.array([cfg.sky, cfg.bounce], dtype=np.float32),
         sky_rays=sphere[:split],
         key_rays=sphere[split:] * np.float32(cfg.light_radius),
     )
@@ -216,6 +225,8 @@ def gather_light(
     free[row, column] = free_light(scene, samples, cells, light, cfg)
     normals[row, column], label[row, column] = samples.normals, samples.label
     smooth = tile_average(tile_average(free, normals, label), normals, label)
+    for stride in STRIDES:
+        smooth = tile_average(smooth, normals, label, stride=stride, alike=ALIKE)
     return Grid(label=label, normals=normals, visible=smooth)
 
 
@@ -229,7 +240,7 @@ def shade_samples(
     """
     metal = samples.gloss[:, 1:2]
     matte = samples.albedo * (1.0 - metal)
-    colors = shade(matte, samples.normals, -samples.rays, light.direction, visible)
+    colors = shade(matte, samples.normals, -samples.rays, light.direction, visible, light.ambient)
     eye = -samples.rays / np.sqrt(dot_rows(samples.rays, samples.rays))[:, None]
     colors += mirror_light(samples.albedo, samples.gloss, samples.normals, eye, light.direction, visible)
     floor = np.flatnonzero(samples.label == GROUND)

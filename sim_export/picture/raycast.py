@@ -31,8 +31,8 @@ diagonal."""
 class Surface:
     """Triangles with unshared corners, ready for drawing, and their number in an id image.
 
-    ``uv`` and ``texture`` as in `Mesh`; coordinates outside [0, 1] repeat the texture. ``color`` is sRGB in
-    [0, 1].
+    ``uv``, ``texture`` and ``normal_map`` as in `Mesh`; coordinates outside [0, 1] repeat the images.
+    ``color`` is sRGB in [0, 1].
     """
 
     triangles: Float[np.ndarray, "F 3 3"]
@@ -40,14 +40,15 @@ class Surface:
     id: int
     uv: Float[np.ndarray, "F 3 2"] | None = None
     texture: UInt8[np.ndarray, "H W C"] | None = None
+    normal_map: UInt8[np.ndarray, "H W 3"] | None = None
     color: tuple[float, float, float] = (0.7, 0.7, 0.7)
     material: Material = PLAIN
 
     def __post_init__(self) -> None:
         count = len(freeze_field(self, "triangles", np.float64, (None, 3, 3), "surface triangles"))
         freeze_field(self, "normals", np.float64, (count, 3, 3), "surface normals")
-        if (self.uv is None) != (self.texture is None):
-            raise ValueError("a surface has texture coordinates and a texture, or neither")
+        if (self.uv is None) != (self.texture is None and self.normal_map is None):
+            raise ValueError("a surface has texture coordinates and an image, or neither")
         if self.uv is not None:
             freeze_field(self, "uv", np.float64, (count, 3, 2), "surface uv")
         if self.id < 0:

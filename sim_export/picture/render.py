@@ -43,8 +43,9 @@ def surface_from_mesh(mesh: Mesh, *, surface_id: int = 0, crease: float = CREASE
         triangles=triangles,
         normals=corner_normals(triangles, crease),
         id=surface_id,
-        uv=None if texture is None else uv,
+        uv=None if texture is None and mesh.normal_map is None else uv,
         texture=texture,
+        normal_map=mesh.normal_map,
         color=mesh.color,
         material=mesh.material,
     )

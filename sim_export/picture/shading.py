@@ -117,22 +117,33 @@ def unoccluded_fraction(
 
 
 def tile_average(
-    values: Float[np.ndarray, "H W C"], normals: Float[np.ndarray, "H W 3"], labels: Int[np.ndarray, "H W"]
+    values: Float[np.ndarray, "H W C"],
+    normals: Float[np.ndarray, "H W 3"],
+    labels: Int[np.ndarray, "H W"],
+    *,
+    stride: int = 1,
+    alike: float = np.inf,
 ) -> Float[np.ndarray, "H W C"]:
-    """Averages each pixel with its tile neighbours of the same label and a similar normal."""
+    """Averages each pixel with its tile neighbours of the same label and a similar normal.
+
+    Args:
+        stride: Pixels from one neighbour to the next.
+        alike: Difference of values up to which a neighbour counts, the less the more they differ.
+    """
     guide = normals
     for axis in (0, 1):
         total = values.copy()
-        weight = np.ones(labels.shape, dtype=np.float32)
+        weight = np.ones_like(values)
         for shift in range(-(TILE // 2) + 1, TILE // 2 + 1):
             if shift == 0:
                 continue
-            here, there = _shifted(shift, axis)
-            same = labels[here] == labels[there]
-            same &= dot_rows(guide[here], guide[there]) > 0.9
-            total[here] += values[there] * same[..., None]
+            here, there = _shifted(shift * stride, axis)
+            near = labels[here] == labels[there]
+            near &= dot_rows(guide[here], guide[there]) > 0.9
+            same = near[..., None] * np.maximum(1.0 - ((values[here] - values[there]) / alike) ** 2, 0.0)
+            total[here] += values[there] * same
             weight[here] += same
-        values = total / weight[..., None]
+        values = total / weight
     return values
 
 
@@ -162,16 +173,17 @@ def shade(
     towards_eye: Float[np.ndarray, "N 3"],
     light: Float[np.ndarray, "3"],
     visible: Float[np.ndarray, "N 2"],
+    ambient: Float[np.ndarray, "2 3"],
 ) -> Float[np.ndarray, "N 3"]:
     """Diffuse light from the sky, a key light and a weak lamp at the camera.
 
-    ``visible`` contains the free fraction of sky and of key light. A fifth of the sky's light arrives
-    everywhere, to approximate interreflection in corners.
+    ``ambient`` is the light from above and from below, ``visible`` contains the free fraction of sky and of
+    key light. A fifth of the sky's light arrives everywhere, to approximate interreflection in corners.
     """
     sky, key = 0.2 + 0.8 * visible[:, :1], visible[:, 1:]
     height = 0.5 + 0.5 * normals[:, 2:]
-    ambient = np.array([0.50, 0.53, 0.57]) * height + np.array([0.34, 0.32, 0.30]) * (1.0 - height)
+    around = ambient[0] * height + ambient[1] * (1.0 - height)
     facing = np.clip(normals @ light, 0.0, None)[:, None]
     lamp = 0.12 * np.abs(dot_rows(normals, towards_eye))[:, None]
-    received = ambient * sky + np.array([0.58, 0.56, 0.53]) * facing * key + lamp * (0.4 + 0.6 * sky)
+    received = around * sky + np.array([0.58, 0.56, 0.53]) * facing * key + lamp * (0.4 + 0.6 * sky)
     return (albedo * received).astype(np.float32)

@@ -17,11 +17,11 @@ from jaxtyping import Float
 from artigen.splats.colors import srgb_from_linear
 from artigen.transforms import matrix_from_quat, quat_from_matrix
 from artigen.types import Joint
+from sim_export.files.glb import textured_trimesh
 from sim_export.geometry.triangles import diagonal_of
 from sim_export.motion.kinematics import driven_joints, link_displacements
-from sim_export.package import HandleAnnotation, SimPackage
+from sim_export.package import HandleAnnotation, Mesh, SimPackage
 from sim_export.picture.draw import hull_surfaces, open_end, package_surfaces
-from sim_export.picture.glb import textured_trimesh
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import surface_points
 from sim_export.picture.splats import has_splats
@@ -76,7 +76,16 @@ def build_view(package: SimPackage, *, port: int = 8080) -> PackageView:
     for group, surfaces in (("visual", visual), ("collision", hulls)):
         for index, surface in enumerate(surfaces):
             path = f"/{group}/{package.links[surface.id].name}/{index}"
-            mesh = textured_trimesh(surface.triangles, surface, surface.normals)
+            look = Mesh(
+                vertices=surface.triangles.reshape(-1, 3),
+                faces=np.arange(3 * len(surface.triangles)).reshape(-1, 3),
+                uv=surface.uv,
+                texture=surface.texture,
+                normal_map=surface.normal_map,
+                color=surface.color,
+                material=surface.material,
+            )
+            mesh = textured_trimesh(surface.triangles, look, surface.normals)
             server.scene.add_mesh_trimesh(path, mesh)
     for index, handle in enumerate(package.handles):
         _add_handle(server, handle, index)

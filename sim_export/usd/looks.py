@@ -114,19 +114,25 @@ def _add_material(
     diffuse = surface.CreateInput("diffuseColor", types.Color3f)
     masked = mesh.texture is not None and mesh.texture.shape[2] == 4
     transparent = masked or said.opacity < 1.0
+    if mesh.normal_map is not None:
+        file = Sdf.AssetPath(f"./{_keep_image(looks, mesh.normal_map)}")
+        sampler = _add_sampler(looks, path.AppendChild("normals"), file, "raw")
+        for word, value in (
+            ("scale", Gf.Vec4f(2.0, 2.0, 2.0, 1.0)),
+            ("bias", Gf.Vec4f(-1.0, -1.0, -1.0, 0.0)),
+        ):
+            sampler.CreateInput(word, types.Float4).Set(value)
+        normal = surface.CreateInput("normal", types.Normal3f)
+        normal.ConnectToSource(sampler.CreateOutput("rgb", types.Float3))
     if mesh.texture is None:
         diffuse.Set(Gf.Vec3f(*color))
     else:
-        reader = UsdShade.Shader.Define(looks.stage, path.AppendChild("coordinates"))
-        reader.CreateIdAttr("UsdPrimvarReader_float2")
-        reader.CreateInput("varname", types.String).Set("st")
-        coordinates = reader.CreateOutput("result", types.Float2)
         file = Sdf.AssetPath(f"./{_keep_image(looks, mesh.texture)}")
-        image = _add_sampler(looks, path.AppendChild("image"), file, "sRGB", coordinates)
+        image = _add_sampler(looks, path.AppendChild("image"), file, "sRGB")
         diffuse.ConnectToSource(image.CreateOutput("rgb", types.Float3))
         if masked:
             # Alpha is not a colour: a second sampler reads the same image as raw data.
-            alpha = _add_sampler(looks, path.AppendChild("alpha"), file, "raw", coordinates)
+            alpha = _add_sampler(looks, path.AppendChild("alpha"), file, "raw")
             opacity = surface.CreateInput("opacity", types.Float)
             opacity.ConnectToSource(alpha.CreateOutput("a", types.Float))
     material.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", types.Token))
@@ -159,36 +165,49 @@ def _add_open_pbr(looks: Looks, material: "UsdShade.Material", mesh: Mesh, color
     ):
         surface.CreateInput(key, types.Float).Set(value)
     base = surface.CreateInput("base_color", types.Color3f)
-    if mesh.texture is None:
-        base.Set(Gf.Vec3f(*color))
-    else:
+
+    def sample(name: str, width: str, texture: np.ndarray, space: str) -> UsdShade.Shader:
         place = UsdShade.Shader.Define(looks.stage, path.AppendChild("mtlx_coordinates"))
         place.CreateIdAttr("ND_geompropvalue_vector2")
         place.CreateInput("geomprop", types.String).Set("st")
-        image = UsdShade.Shader.Define(looks.stage, path.AppendChild("mtlx_image"))
-        image.CreateIdAttr("ND_image_color3")
+        image = UsdShade.Shader.Define(looks.stage, path.AppendChild(name))
+        image.CreateIdAttr(f"ND_image_{width}")
         file = image.CreateInput("file", types.Asset)
-        file.Set(Sdf.AssetPath(f"./{_keep_image(looks, mesh.texture)}"))
-        file.GetAttr().SetColorSpace("srgb_texture")
+        file.Set(Sdf.AssetPath(f"./{_keep_image(looks, texture)}"))
+        file.GetAttr().SetColorSpace(space)
         image.CreateInput("texcoord", types.Float2).ConnectToSource(place.CreateOutput("out", types.Float2))
+        return image
+
+    if mesh.normal_map is not None:
+        image = sample("mtlx_normals", "vector3", mesh.normal_map, "raw")
+        turned = UsdShade.Shader.Define(looks.stage, path.AppendChild("mtlx_normal_map"))
+        turned.CreateIdAttr("ND_normalmap_float")  # MaterialX 1.39, as OpenPBR is
+        turned.CreateInput("in", types.Vector3f).ConnectToSource(image.CreateOutput("out", types.Vector3f))
+        normal = surface.CreateInput("geometry_normal", types.Vector3f)
+        normal.ConnectToSource(turned.CreateOutput("out", types.Vector3f))
+    if mesh.texture is None:
+        base.Set(Gf.Vec3f(*color))
+    else:
+        image = sample("mtlx_image", "color3", mesh.texture, "srgb_texture")
         base.ConnectToSource(image.CreateOutput("out", types.Color3f))
     material.CreateSurfaceOutput("mtlx").ConnectToSource(surface.CreateOutput("out", types.Token))
 
 
-def _add_sampler(
-    looks: Looks, path: "Sdf.Path", file: "Sdf.AssetPath", space: str, coordinates: "UsdShade.Output"
-) -> "UsdShade.Shader":
+def _add_sampler(looks: Looks, path: "Sdf.Path", file: "Sdf.AssetPath", space: str) -> "UsdShade.Shader":
     """A node that reads an image in a colour space, ``sRGB`` or ``raw``."""
     from pxr import Sdf, UsdShade
 
     types = Sdf.ValueTypeNames
+    reader = UsdShade.Shader.Define(looks.stage, path.GetParentPath().AppendChild("coordinates"))
+    reader.CreateIdAttr("UsdPrimvarReader_float2")
+    reader.CreateInput("varname", types.String).Set("st")
     image = UsdShade.Shader.Define(looks.stage, path)
     image.CreateIdAttr("UsdUVTexture")
     image.CreateInput("file", types.Asset).Set(file)
     image.CreateInput("sourceColorSpace", types.Token).Set(space)
     image.CreateInput("wrapS", types.Token).Set("repeat")
     image.CreateInput("wrapT", types.Token).Set("repeat")
-    image.CreateInput("st", types.Float2).ConnectToSource(coordinates)
+    image.CreateInput("st", types.Float2).ConnectToSource(reader.CreateOutput("result", types.Float2))
     return image
 
 

@@ -22,7 +22,8 @@ from sim_export.files.read import read_package
 from sim_export.files.urdf import link_origins
 from sim_export.files.write import manifest_problems, write_package
 from sim_export.geometry.hulls import box_hull
-from sim_export.grasps.find import find_grasps, place_link
+from sim_export.grasps.carry import place_link
+from sim_export.grasps.find import find_grasps
 from sim_export.grasps.gripper import FRANKA
 from sim_export.package import Mesh, SimPackage
 from sim_export.physics.inertia import mesh_inertial

@@ -17,13 +17,13 @@ from artigen.splats.surface import splat_surface
 from artigen.types import Asset, SurfaceSamples
 from sim_export.appearance.splats import attach_splats
 from sim_export.errors import PackageError
+from sim_export.files.glb import Y_UP, glb_bytes
 from sim_export.files.obj import obj_text, parse_obj, read_mesh
 from sim_export.files.read import read_package
 from sim_export.files.write import manifest_problems, package_files, write_package
 from sim_export.geometry.hulls import box_hull, clip_hull, hull_volume
 from sim_export.geometry.normals import corner_normals
 from sim_export.package import HandleAnnotation, Hull, Mesh, Requirement, SimPackage, SourceMesh
-from sim_export.picture.glb import Y_UP, glb_bytes
 
 
 def textured(mesh: Mesh, seed: int, channels: int = 3) -> Mesh:

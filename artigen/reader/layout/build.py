@@ -217,6 +217,7 @@ def _wish(reading: Reading, rng: np.random.Generator, view: View, wish: Wish) ->
         depth=depth,
         height=height,
         style=wish.style,
+        legs=wish.legs,
         handles=wish.handles or (preferred[int(rng.integers(len(preferred)))],),
     )
 

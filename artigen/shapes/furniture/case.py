@@ -64,7 +64,9 @@ def draw_plan(rng: np.random.Generator, mounting: Mounting, style: Style, size: 
         frame=frame if rng.random() < style.frame else 0.0,
         recess=recess if rng.random() < RECESSED else 0.0,
     )
-    stand = design_stand(rng, pick(rng, wish.choose_stands(dict(mounting.stands))), size[2], style.legs)
+    stand = design_stand(
+        rng, pick(rng, wish.choose_stands(dict(mounting.stands))), size[2], wish.choose_legs(style.legs)
+    )
     moulded = bool(rng.random() < style.moulded) and mounting.rails == 0.0 and wish.layout is None
     if moulded:
         carcass = replace(carcass, lid=False)

@@ -120,7 +120,7 @@ class Mounting:
 
 
 STYLE_WORDS = {
-    "corner": NONE, "l shaped": NONE, "tambour": NONE,
+    "corner": NONE, "l shaped": NONE, "tambour": NONE, "roller shutter": NONE,
     "modern": "flat", "contemporary": "flat", "mid century": "flat",
     "scandinavian": "flat", "minimalist": "handleless", "rustic": "country",
     "farmhouse": "country", "traditional": "classic", "vintage": "classic", "antique": "classic",

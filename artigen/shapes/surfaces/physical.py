@@ -44,11 +44,13 @@ class _Grade:
     """At the end of the previous grade, and at ``gloss``."""
     coat: float = 0.0
     coat_roughness: float = 0.0
+    relief: float = 0.0
+    """Depth (m) of its pattern, of the slopes that open pores and brushing have."""
 
 
 _GRADES: dict[FinishKind, tuple[_Grade, ...]] = {
     "wood": (
-        _Grade(gloss=0.25, word="oiled", roughness=(0.62, 0.5)),
+        _Grade(gloss=0.25, word="oiled", roughness=(0.62, 0.5), relief=2e-4),
         _Grade(gloss=1.0, word="varnished", roughness=(0.5, 0.35), coat=1.0, coat_roughness=0.12),
     ),
     "lacquer": (
@@ -57,7 +59,7 @@ _GRADES: dict[FinishKind, tuple[_Grade, ...]] = {
         _Grade(gloss=1.0, word="gloss", roughness=(0.28, 0.12), coat=1.0, coat_roughness=0.04),
     ),
     "steel": (
-        _Grade(gloss=0.55, word="brushed", roughness=(0.42, 0.26)),
+        _Grade(gloss=0.55, word="brushed", roughness=(0.42, 0.26), relief=2e-4),
         _Grade(gloss=0.7, word="polished", roughness=(0.26, 0.12)),
         _Grade(gloss=1.0, word="mirror", roughness=(0.12, 0.04)),
     ),
@@ -97,9 +99,8 @@ _VARNISHED = {name: deepen_color(color) for name, (color, _) in WOODS.items()}
 
 def describe_finish(finish: Finish) -> Material:
     """The material of a finish; equal finishes give equal materials."""
-    grades = _GRADES[finish.kind]
-    grade = next((one for one in grades if finish.gloss <= one.gloss), grades[-1])
-    below = max((one.gloss for one in grades if one.gloss < grade.gloss), default=0.0)
+    grade = _find_grade(finish)
+    below = max((one.gloss for one in _GRADES[finish.kind] if one.gloss < grade.gloss), default=0.0)
     share = float(np.clip((finish.gloss - below) / (grade.gloss - below), 0.0, 1.0))
     rough, smooth = grade.roughness
     names = _VARNISHED if grade.word == "varnished" else _NAMES.get(finish.kind, LACQUERS)
@@ -116,9 +117,19 @@ def describe_finish(finish: Finish) -> Material:
     )
 
 
+def find_relief(finish: Finish) -> float:
+    """Depth (m) between the highest and lowest points of a finish's pattern; 0 for a smooth one."""
+    return _find_grade(finish).relief
+
+
 def mirrored_head_on(material: Material) -> float:
     """Share of light that a dielectric mirrors head-on (Fresnel)."""
     return ((material.ior - 1.0) / (material.ior + 1.0)) ** 2
+
+
+def _find_grade(finish: Finish) -> _Grade:
+    grades = _GRADES[finish.kind]
+    return next((one for one in grades if finish.gloss <= one.gloss), grades[-1])
 
 
 def _nearest(names: Mapping[str, Color], color: Color) -> str:

@@ -1,6 +1,7 @@
 """Demonstrations: recorded once, written in both formats, and repeated by their actions alone."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from artigen.api import demos
 from artigen.api.demos import DemoSettings, make_demos, replay_demos
 from artigen.errors import ArtigenError
 from artigen.runtime.runner import choose_runner
+from envs.split import split_objects
 from sim_export.files.write import write_package
 
 h5py = pytest.importorskip("h5py")
@@ -39,6 +41,20 @@ def test_actions_alone_repeat_the_episodes_and_others_do_not(made, monkeypatch):
     still = np.stack
     monkeypatch.setattr(demos.np, "stack", lambda rows: np.repeat(still(rows)[:1], len(rows), axis=0))
     assert not any(each.success for each in replay_demos(made / "out" / "lerobot", count=1))
+
+
+def test_unseen_objects_are_left_out(made):
+    (unseen,) = split_objects(made / "packages", 0.5).unseen
+    cfg = replace(CFG, unseen=0.5)
+    make_demos(TASK, made / "packages", 2, made / "half", runner=choose_runner("local", 0), cfg=cfg)
+    table = parquet.read_table(made / "half" / "lerobot" / "meta" / "episodes", columns=["object"])
+    assert table.to_pydict()["object"] == [name for name in ("first", "second") if name != unseen.name] * 2
+
+
+def test_one_package_is_enough(made):
+    only = made / "packages" / "second"
+    make_demos(TASK, only, 1, made / "one", runner=choose_runner("local", 0), cfg=CFG)
+    assert [each.object for each in replay_demos(made / "one" / "lerobot")] == ["second"]
 
 
 def test_another_format_is_written_from_the_same_recordings(made, monkeypatch):

@@ -281,6 +281,20 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         {"size": {"width": 0.4, "depth": 0.2, "height": 0.55}},
     ),
     "a microwave, 700 W": ("Microwave", {"ignored": ["700", "w"]}),
+    "a double oven": ("Oven", {}),
+    "a four-slice toaster": ("Toaster", {}),
+    "a table with turned legs": (
+        "Table",
+        {"parts": {"leg": {"type": "turned"}, "stand": {"type": "legs"}}},
+    ),
+    "a cabinet with three drawers, each 20 cm high": (
+        "StorageFurniture",
+        {"counts": {"drawer": 3}, "ignored": ["20 cm", "high"]},
+    ),
+    "a storage cabinet with four doors stacked two by two": (
+        "StorageFurniture",
+        {"counts": {"door": 4}, "ignored": ["stacked", "two", "two"]},
+    ),
     "a mailbox on a post": ("Mailbox", {"style": "rural"}),
     "three pantry cupboards": ("StorageFurniture", {"objects": 3}),
     "a 40-litre pedal bin": ("TrashCan", {"style": "pedal", "volume": 0.04}),
@@ -415,7 +429,7 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "a nightstand on round legs": (
         "StorageFurniture",
-        {"parts": {"stand": {"type": "legs"}}, "ignored": ["round"]},
+        {"parts": {"leg": {"type": "round"}, "stand": {"type": "legs"}}},
     ),
     "a tall bookcase, 2.1 m": (
         "StorageFurniture",

@@ -10,14 +10,14 @@ from artigen.kind import kinds
 from artigen.reader.layout.frontal import read_shape
 from artigen.reader.reading import ReadPart
 from artigen.shapes.draw import draw_shape
-from artigen.shapes.primitives import prism
+from artigen.shapes.primitives import place_vertices, prism
 from artigen.shapes.shape import Shape
 from artigen.sketch.arrange import arrange_fronts
 from artigen.sketch.asked import ask, draw_asked
 from artigen.sketch.described import find_outline, list_undescribed, read_front
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.told import find_stand
-from artigen.sketch.understand import Request
+from artigen.sketch.understand import Request, understand
 
 
 def refuse() -> SketchNetwork:
@@ -111,6 +111,30 @@ def test_a_bookcase_has_its_shelves_above_what_is_at_the_bottom():
     ends = [part.bounds()[:, 2] for part in shape.parts if part.label == "shelf"]
     doors = [part.bounds()[:, 2] for part in shape.parts if part.label == "door"]
     assert min(low for low, _ in ends) > max(high for _, high in doors) - 0.02
+    assert notes == ()
+
+
+@pytest.mark.parametrize(("noun", "low", "high"), [("double oven", 1.1, 1.4), ("hob", 0.06, 0.13)])
+def test_a_noun_that_says_a_form_has_its_sizes(noun: str, low: float, high: float):
+    understood = understand(Request(text=f"a {noun}"))
+    assert dict(understood.usual)["height"] == (low, high)
+    assert understood.said == f"understood: Oven ({noun})"
+
+
+@pytest.mark.parametrize("noun", ["table", "dresser", "sideboard"])
+@pytest.mark.parametrize("kind", ["tapered", "square"])
+def test_legs_are_of_the_kind_that_is_said(noun: str, kind: str):
+    shape, notes = draw(f"a {noun} with {kind} legs")
+    floor = shape.bounds()[0, 2]
+    legs = [
+        place_vertices(solid) for part in shape.parts for solid in part.primitives if solid.finish == "leg"
+    ]
+    legs = [corners for corners in legs if corners[:, 2].min() < floor + 0.005]
+    assert len(legs) >= 4
+    for corners in legs:
+        ends = [corners[np.isclose(corners[:, 2], z), :2] for z in (corners[:, 2].min(), corners[:, 2].max())]
+        share = np.ptp(ends[0], axis=0).max() / np.ptp(ends[1], axis=0).max()
+        assert share < 0.9 if kind == "tapered" else share == pytest.approx(1.0)
     assert notes == ()
 
 

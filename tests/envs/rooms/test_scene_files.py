@@ -74,8 +74,9 @@ def test_mujoco_finds_every_body_and_joint_of_the_room(room: Room, tmp_path: Pat
         assert model.body(item.id).mass[0] == pytest.approx(item.mass)
 
 
-def test_in_mujoco_nothing_moves_in_two_seconds(room: Room, tmp_path: Path):
+def test_in_mujoco_nothing_moves_in_two_seconds_without_sleep(room: Room, tmp_path: Path):
     model, data = start(room, tmp_path)
+    model.opt.enableflags = 0
     before = data.xpos.copy()
     for _ in range(round(2.0 / model.opt.timestep)):
         mujoco.mj_step(model, data)
@@ -89,6 +90,8 @@ def test_in_mujoco_a_drawer_takes_along_what_it_holds(room: Room, tmp_path: Path
     )
     held = [item.id for item in room.contents if (item.holder, item.link) == ("cabinet_0", drawer.child)]
     before = {name: data.body(name).xpos.copy() for name in held}
+    mujoco.mj_step(model, data, nstep=100)
+    assert (data.tree_asleep >= 0).all()
     joint = data.joint("cabinet_0/joint_0")
     while joint.qpos[0] < OPENED:
         joint.qfrc_applied[:] = 3.0 * drawer.friction

@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 
 from artigen.shapes.appliances.rings import build_pierced_plate, build_ring
+from artigen.shapes.draw import draw_shape
 from artigen.shapes.furniture.table_frames import cut_ellipse
-from artigen.shapes.primitives import Primitive, box, cylinder, move, polygon, prism
+from artigen.shapes.primitives import Primitive, box, cylinder, move, place_vertices, polygon, prism
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
 from sim_export.appearance.pieces import draw_pieces, find_pieces
 from sim_export.geometry.broken_edges import STEPS, THIN, WIDTHS
@@ -122,3 +124,37 @@ def test_a_plate_around_a_polygon_becomes_one_with_a_round_hole():
 def test_an_incomplete_ring_keeps_its_wedges():
     wedges = build_ring((0.0, 0.0, 0.0), "z", (0.0, 0.1), ((0.1, 0.2), (0.1, 0.2)), "body", sides=16)
     assert len(show(list(wedges[:-1]))) == 15
+
+
+def distances_to_solids(points: np.ndarray, solids: list[Primitive]) -> np.ndarray:
+    """To the nearest surface: of a cylinder in closed form, of others by trimesh."""
+    out = []
+    for one in solids:
+        if one.kind == "cylinder":
+            own = (points - one.center) @ one.rotation
+            beyond = np.stack([np.hypot(own[:, 0], own[:, 1]), np.abs(own[:, 2])], axis=1) - one.size[1:] / 2
+            outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
+            out.append(np.where(outside > 0, outside, -beyond.max(axis=1)))
+        else:
+            solid = trimesh.Trimesh(place_vertices(one), one.faces, process=False)
+            out.append(trimesh.proximity.closest_point(solid, points)[1])
+    return np.min(out, axis=0)
+
+
+@pytest.mark.parametrize("drawn", [True, False])
+@pytest.mark.parametrize("seen", [("WashingMachine", 1), ("Toaster", 1), ("Faucet", 2), ("Dresser", 3)])
+def test_no_body_is_farther_from_its_solids_than_it_says(seen, drawn):
+    shape = draw_shape(*seen)
+    largest = 0.0
+    for part in shape.parts:
+        finishes = dict(shape.finishes)
+        whole = find_pieces(part.primitives, finishes, np.zeros(3), boards=False)
+        for piece in draw_pieces(part.primitives, np.zeros(3)) if drawn else whole:
+            solids = [part.primitives[index] for index in piece.primitives]
+            shown = trimesh.Trimesh(*solid_arrays(piece.solid), process=False)
+            forth = distances_to_solids(np.vstack([shown.vertices, shown.triangles_center]), solids)
+            corners = np.concatenate([place_vertices(one) for one in solids])
+            back = trimesh.proximity.closest_point(shown, corners)[1]
+            assert max(forth.max(), back.max()) <= piece.deviation + 3e-6, "files have micrometres"
+            largest = max(largest, back.max())
+    assert drawn or largest > 0.0005

@@ -8,9 +8,9 @@ from PIL import Image
 
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.surfaces.finishes import Finish
-from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_stone, make_wood
+from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_polished, make_stone, make_wood
 from sim_export.appearance.dress import find_looks
-from sim_export.appearance.tiles import BOARDS, LEVELS, TEXELS, TONES, find_color, find_tile
+from sim_export.appearance.tiles import BOARDS, LEVELS, TEXELS, TONES, find_color, find_normal_map, find_tile
 from sim_export.files.obj import png_bytes
 from sim_export.files.write import package_files
 from sim_export.package import Mesh
@@ -53,6 +53,35 @@ def test_a_tile_has_the_colours_of_its_finish_in_few_values(finish):
     assert ((mean > 0.94 * low - 1) & (mean < 1.06 * high + 1)).all()
     assert image.min() >= 1
     np.testing.assert_array_equal(image, tile(finish))
+
+
+@pytest.mark.parametrize("finish", [make_wood("walnut", 3), make_metal("steel", 4)], ids=lambda one: one.kind)
+def test_a_normal_map_is_the_relief_of_a_torus_with_grooves_along_the_grain(finish):
+    normals = find_normal_map(finish)
+    assert normals is not None
+    normals = normals / 127.5 - 1.0
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=2), 1.0, atol=0.01)
+    slopes = normals[..., :2] / normals[..., 2:]
+    for channel, axis in ((0, 1), (1, 0)):  # a walk around the torus ends at the height where it began
+        np.testing.assert_allclose(slopes[..., channel].mean(axis=axis), 0.0, atol=0.005)
+    along, across = slopes.std(axis=(0, 1))
+    assert 0.01 < across < 0.1
+    assert across > 5 * along
+
+
+def test_light_from_above_falls_on_the_upper_side_of_a_ridge_of_wood():
+    """Its early wood, in its colour, stands above the late wood, in its accent."""
+    finish = make_wood("walnut", 3)
+    bright, normals = tile(finish).sum(axis=2), find_normal_map(finish)
+    assert normals is not None
+    up = normals[..., 1].astype(float) - 127.5
+    rise = np.roll(bright, -1, axis=0) - np.roll(bright, 1, axis=0)  # brighter below: it faces up
+    assert np.corrcoef(up.ravel(), rise.ravel())[0, 1] > 0.9
+
+
+@pytest.mark.parametrize("finish", [make_lacquer((0.9, 0.1, 0.0)), make_polished("brass", 1)])
+def test_smooth_finishes_have_no_normal_map(finish):
+    assert find_normal_map(finish) is None
 
 
 def test_boards_of_a_tile_meet_where_it_is_divided():

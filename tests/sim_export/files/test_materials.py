@@ -1,12 +1,14 @@
 """One material, the same in every format: read back by trimesh, MuJoCo and OpenUSD."""
 
 import json
-import xml.etree.ElementTree as ET
+from dataclasses import replace
+from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 import trimesh
+from yourdfpy import URDF
 
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.surfaces.finishes import Finish
@@ -14,12 +16,15 @@ from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_pol
 from artigen.shapes.surfaces.physical import describe_finish
 from artigen.splats.colors import linear_from_srgb
 from sim_export.appearance.prints import FINISHES
-from sim_export.files.folders import list_packages
+from sim_export.checks.config import CheckConfig
+from sim_export.checks.files import check_paths, check_tree
+from sim_export.checks.subject import Subject
+from sim_export.files.glb import glb_bytes
+from sim_export.files.obj import read_image
 from sim_export.files.read import read_package
-from sim_export.files.urdf import glb_path, link_origins
-from sim_export.files.write import MANIFEST, write_files, write_package
+from sim_export.files.urdf import GLB_URDF, glb_path, link_origins
+from sim_export.files.write import write_package
 from sim_export.package import Mesh
-from sim_export.picture.glb import LINKS_URDF, glb_bytes, link_glbs
 from sim_export.reference import build_reference
 
 
@@ -33,6 +38,10 @@ def meshes(package) -> dict[str, Mesh]:
     return {visual.name: visual.mesh for link in package.links for visual in link.visuals}
 
 
+def rgb(image) -> np.ndarray:
+    return np.asarray(image.convert("RGB"))
+
+
 def test_a_package_that_is_read_has_the_materials_and_finishes_that_were_written(made):
     package, folder = made
     again = read_package(folder)
@@ -43,6 +52,8 @@ def test_a_package_that_is_read_has_the_materials_and_finishes_that_were_written
             np.testing.assert_allclose(read.color, mesh.color, atol=1e-6)
         else:
             np.testing.assert_array_equal(read.texture, mesh.texture)
+        assert np.array_equal(read.normal_map, mesh.normal_map)
+    assert any(mesh.normal_map is not None for mesh in meshes(package).values())
     assert [v.finish for link in again.links for v in link.visuals] == [
         v.finish for link in package.links for v in link.visuals
     ]
@@ -59,22 +70,26 @@ def test_trimesh_reads_the_colours_of_obj_and_all_of_glb(made):
         plain = trimesh.load_mesh(folder / "visual" / f"{name}.obj").visual.material
         assert float(plain.kwargs["pr"][0]) == pytest.approx(mesh.material.roughness)
         assert float(plain.kwargs["pm"][0]) == mesh.material.metallic
+        assert ("norm" in plain.kwargs) == (mesh.normal_map is not None)
         if mesh.texture is None:
             levels = np.rint(255 * np.array(mesh.color))
             np.testing.assert_allclose(plain.diffuse[:3], levels, atol=1.0)
             np.testing.assert_allclose(material.baseColorFactor[:3], levels, atol=1.0)
 
 
-def test_a_urdf_with_one_glb_per_link_shows_the_same_surfaces_and_materials_at_the_same_place(made, tmp_path):
-    package, _ = made
-    files = link_glbs(package)
-    write_files(files, tmp_path / "glb")
-    robot = ET.fromstring(files[LINKS_URDF].decode())
-    named = {mesh.get("filename") for mesh in robot.iter("mesh")}
-    assert named == set(files) - {LINKS_URDF, MANIFEST}
-    assert not list_packages(tmp_path / "glb"), "it is no package that checks would read"
+def test_a_package_with_one_glb_per_link_shows_the_same_surfaces_and_materials_at_the_same_place(
+    made, tmp_path
+):
+    package = replace(made[0], visual_format="glb")
+    folder = write_package(package, tmp_path / "glb")
+    assert read_package(folder).visual_format == "glb"
+    for check in (check_paths, check_tree):
+        assert check(Subject(folder), CheckConfig()).passed, "every file is named by another one"
+    robot = URDF.load(str(folder / GLB_URDF))
+    corners = np.concatenate([mesh.vertices for mesh in meshes(package).values()])
+    np.testing.assert_allclose(robot.scene.bounds, [corners.min(axis=0), corners.max(axis=0)], atol=1e-5)
     for link in package.links:
-        scene = trimesh.load_scene(tmp_path / "glb" / glb_path(link.name))
+        scene = trimesh.load_scene(folder / glb_path(link.name))
         assert len(scene.geometry) == len(link.visuals)
         for visual in link.visuals:
             shown, mesh = scene.geometry[visual.name], visual.mesh
@@ -84,7 +99,10 @@ def test_a_urdf_with_one_glb_per_link_shows_the_same_surfaces_and_materials_at_t
             assert (material.name, material.metallicFactor) == (mesh.material.name, mesh.material.metallic)
             assert material.roughnessFactor == pytest.approx(mesh.material.roughness)
             if mesh.texture is not None:
-                np.testing.assert_array_equal(np.asarray(material.baseColorTexture), mesh.texture)
+                np.testing.assert_array_equal(rgb(material.baseColorTexture), mesh.texture)
+            assert (material.normalTexture is None) == (mesh.normal_map is None)
+            if mesh.normal_map is not None:
+                np.testing.assert_array_equal(rgb(material.normalTexture), mesh.normal_map)
 
 
 def test_mujoco_reads_colour_roughness_and_metallic(made):
@@ -136,6 +154,10 @@ def test_usd_says_the_same_as_a_preview_surface_and_as_open_pbr(made, tmp_path):
                 preview["diffuseColor"], linear_from_srgb(np.array(mesh.color)), atol=1e-6
             )
             np.testing.assert_allclose(open_pbr["base_color"], preview["diffuseColor"])
+        assert "normal" in preview if mesh.normal_map is not None else "normal" not in preview
+        for sampler in ("normals", "mtlx_normals") if mesh.normal_map is not None else ():
+            file = UsdShade.Shader(prim.GetChild(sampler)).GetInput("file").Get().resolvedPath
+            np.testing.assert_array_equal(read_image(Path(file)), mesh.normal_map)
     assert len(seen) >= len({mesh.material.name for mesh in meshes(package).values()})
 
 
@@ -150,6 +172,7 @@ def test_materials_json_lists_every_visual_and_its_finish(made):
         assert material["roughness"] == mesh.material.roughness
         assert (material["image"] is None) == (mesh.texture is None)
         assert material["image"] is None or (folder / material["image"]).is_file()
+        assert (material["normal_map"] is None) == (mesh.normal_map is None)
 
 
 def test_finishes_reflect_as_what_they_are():

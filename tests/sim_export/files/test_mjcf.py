@@ -9,13 +9,16 @@ import pytest
 from box_cabinet import as_package, box_geometry, scaled, with_screw
 from scipy.spatial.transform import Rotation
 
+from artigen.api.formats import write_actuated
 from artigen.kinematics import displacements, qlimits
+from artigen.shapes.draw import draw_shape
 from artigen.types import Asset
 from sim_export.files.mjcf import mjcf_text, srdf_text
 from sim_export.files.urdf import link_origins
 from sim_export.files.write import write_package
 from sim_export.motion.ignored_pairs import ignored_pairs
 from sim_export.package import SimPackage
+from sim_export.reference import build_reference
 
 
 @pytest.fixture(scope="module", params=["plain", "screw"])
@@ -147,3 +150,49 @@ def test_pairs_that_touch_without_a_joint_are_in_the_srdf(cabinet):
     assert 'reason="Default"' in text
     assert text.count("disable_collisions") == 1
     assert '<exclude body1="link_0" body2="link_1"' in mjcf_text(package, (pair,))
+
+
+@pytest.fixture(scope="module", params=["StorageFurniture", "Oven"])
+def actuated(request, tmp_path_factory) -> tuple[SimPackage, Path]:
+    package = build_reference(draw_shape(request.param, 0))
+    return package, write_actuated(package, tmp_path_factory.mktemp("actuated") / "object", "refuse")
+
+
+def test_sites_mark_the_handles(actuated):
+    package, file = actuated
+    model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert model.nsite == len(package.handles) > 0
+    for handle in package.handles:
+        near = min(
+            (data.site(k) for k in range(model.nsite)),
+            key=lambda site: np.linalg.norm(site.xpos - handle.grasp_line.mean(axis=0)),
+        )
+        assert near.name.startswith(f"handle_{handle.link}_")
+        np.testing.assert_allclose(near.xpos, handle.grasp_line.mean(axis=0), atol=1e-6)
+        axes, line = near.xmat.reshape(3, 3), handle.grasp_line[1] - handle.grasp_line[0]
+        np.testing.assert_allclose(axes[:, 2], handle.normal, atol=1e-6)
+        np.testing.assert_allclose(
+            np.cross(axes[:, 0], line - axes[:, 2] * (axes[:, 2] @ line)), 0, atol=1e-6
+        )
+        assert np.linalg.det(axes) == pytest.approx(1.0)
+
+
+def test_servos_take_every_joint_to_its_target(actuated):
+    package, file = actuated
+    model = mujoco.MjModel.from_xml_path(str(file))
+    own = [joint for joint in package.joints if joint.type != "fixed" and joint.follows is None]
+    assert [model.actuator(k).name for k in range(model.nu)] == [joint.name for joint in own]
+    for joint in own:  # one at a time: some doors are in the way of others
+        data = mujoco.MjData(model)
+        limited = joint.type != "continuous"
+        target = (joint.lower + joint.upper) / 2.0 if limited else joint.velocity / 2.0
+        if any(need.joint == joint.name for need in package.requires_open):
+            continue
+        data.actuator(joint.name).ctrl = target
+        for _ in range(1500):
+            mujoco.mj_step(model, data)
+        found = data.joint(joint.name).qpos[0] if limited else data.joint(joint.name).qvel[0]
+        wide = joint.upper - joint.lower if limited else joint.velocity
+        assert found == pytest.approx(target, abs=0.05 * wide), joint.name

@@ -11,17 +11,13 @@ from artigen.transforms import transform_points
 from sim_export.errors import PackageError
 from sim_export.geometry.contacts import HullSet, penetration_depths
 from sim_export.geometry.hulls import box_hull, convex_hull
-from sim_export.grasps.find import (
-    carried_boxes,
-    carry,
-    divide_strokes,
-    find_grasps,
-    find_on,
-    joint_range,
-)
+from sim_export.grasps.boxes import carried_boxes
+from sim_export.grasps.carry import carry, joint_range
+from sim_export.grasps.find import SHORTEST, find_grasps, find_on
 from sim_export.grasps.gripper import FRANKA, GRIPPERS, find_gripper
 from sim_export.grasps.pairs import FRICTION, find_pairs
 from sim_export.grasps.room import Solids, meet
+from sim_export.grasps.score import APART, spread_poses
 from sim_export.grasps.targets import find_targets
 
 HANDS = tuple(GRIPPERS.values())
@@ -130,27 +126,50 @@ def test_an_unknown_gripper_is_refused_with_those_that_exist(name: str):
         find_gripper(name)
 
 
-@pytest.mark.parametrize("count", [1, 2, 4, 8])
-def test_strokes_cover_the_range_and_each_begins_where_the_one_before_is_proven_to_end(count: int):
-    begins, ends = np.array(divide_strokes(count)).T
-    assert (begins[0], ends[-1]) == (0.0, 1.0)
-    np.testing.assert_allclose(begins[1:], ends[:-1] - 0.1 / count)
+def test_a_pedal_is_pressed_and_a_lever_turns_the_pivot_that_it_hangs_on():
+    package = pulled_drawer()
+    slide = package.joints[0]
+    turn = replace(slide, name="turn", type="revolute", child="pivot", spring=0.0)
+    lever = replace(slide, name="lever", type="revolute", parent="pivot", child="link_0")
+    knob = replace(package.handles[0], gapart="hinge_knob")
+    hung = replace(
+        package,
+        links=(package.links[0], replace(package.links[1], name="pivot"), package.links[1]),
+        joints=(turn, lever),
+        handles=(replace(knob, link="pivot", part="pivot"), knob),
+    )
+    found = [(x.link, x.part, x.joint.name) for x in find_targets(hung) if x.joint and x.region is not None]
+    assert found == [("link_0", "pull", "turn"), ("link_0", "pull", "lever")]
+    pedal = replace(package, joints=(replace(lever, parent="body", spring=1.0),), handles=(knob,))
+    assert not [x for x in find_targets(pedal) if x.region is not None]
+    plain = replace(pedal, joints=(replace(lever, parent="body"),))
+    assert [x.part for x in find_targets(plain)] == ["pull"]
+
+
+def test_chosen_poses_differ_and_are_taken_from_one_end_where_the_middle_leaves_too_few():
+    T = np.tile(np.eye(4), (4, 1, 1))
+    T[:, 1, 3] = 1.001 * APART * np.array([0.9, 0.0, 1.0, 2.0])
+    assert spread_poses(T, 12).tolist() == [0, 3]
+    assert spread_poses(T, 12, least=3).tolist() == [3, 2, 1]
+    assert spread_poses(T, 1, least=3).tolist() == [0]
 
 
 def test_a_dial_near_the_worktop_takes_several_strokes_with_room_along_each():
     package = artigen.sample("Toaster", seed=8100).package
     dial = next(target for target in find_targets(package) if target.part == "browning")
     found = find_on(package, dial, FRANKA)
+    begins, ends = np.array([each.stroke for each in found]).T
     assert len(found) > 1
-    assert [each.stroke for each in found] == list(divide_strokes(len(found)))
+    assert (begins[0], ends[-1]) == (0.0, 1.0)
+    np.testing.assert_allclose(begins[1:], (begins + 0.9 * (ends - begins))[:-1])  # proven to come to there
+    assert (ends - begins)[:-1].min() >= SHORTEST
     own = [link.name for link in package.links].index(dial.link)
     for each in found:
         assert len(each.grasps) >= 3
         begin, end = each.stroke
-        T = carry(package, dial.joint, np.linspace(begin, begin + 0.95 * (end - begin), 5))
+        T = carry(package, dial.joint, np.linspace(begin, end if end < 1.0 else 0.05 * begin + 0.95, 5))
+        hand = hand_hulls(FRANKA, each.grasps[-1])
         for index, link in enumerate(package.links):
             if index != own:
-                hand = hand_hulls(FRANKA, each.grasps[0])
-                assert (
-                    penetration_depths(HullSet(hulls=link.hulls), hand, T[:, index], T[:, own]).max() <= 1e-3
-                )
+                depth = penetration_depths(HullSet(hulls=link.hulls), hand, T[:, index], T[:, own])
+                assert depth.max() <= 1e-3

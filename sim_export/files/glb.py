@@ -1,28 +1,25 @@
-"""Writes a package's textured meshes as one GLB, or as one for every link with a URDF."""
+"""GLB of a package's textured meshes: one file for all of them, or one for every link."""
 
+import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, UInt8
 
 from artigen.transforms import shift
 from sim_export.errors import PackageError
-from sim_export.files.urdf import glb_path, link_origins, urdf_text
-from sim_export.files.write import MANIFEST, hull_files, manifest_text
+from sim_export.files.obj import png_bytes
+from sim_export.files.urdf import glb_path, link_origins
 from sim_export.geometry.normals import corner_normals
 from sim_export.package import Link, Mesh, SimPackage
-from sim_export.physics.links import check_kinematics
-from sim_export.picture.raycast import Surface
 
 if TYPE_CHECKING:
     import trimesh
+    from PIL.Image import Image
 
 Y_UP = np.array([[0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 """Rotation from the object frame (z up, front -x) to glTF's (y up, front +z)."""
-
-
-LINKS_URDF = "links.urdf"
 
 
 def glb_bytes(package: SimPackage) -> bytes:
@@ -50,26 +47,22 @@ def glb_bytes(package: SimPackage) -> bytes:
 
 
 def link_glbs(package: SimPackage) -> dict[str, bytes]:
-    """A URDF whose visuals are one GLB per link, in the link's frame (z up), and its hulls, by their paths.
+    """One GLB for every link with visuals, in the link's frame (z up), by its path in the package.
 
     Raises:
-        PackageError: As `glb_bytes`.
-        InvalidKinematics: If links and joints are not a tree that URDF can express.
+        PackageError: If a visual is a source mesh, which stays in its own files.
     """
     import trimesh
     from trimesh.exchange.gltf import export_glb
 
-    check_kinematics(package)
-    origins = link_origins(package)
-    files = {LINKS_URDF: urdf_text(package, "glb").encode()}
+    origins, files = link_origins(package), {}
     for link in package.links:
-        files |= hull_files(link)
         if link.visuals:
             scene = trimesh.Scene(base_frame="world")
             scene.graph.update(link.name, frame_from="world")
             _add_visuals(scene, package.name, link, origins[link.name])
             files[glb_path(link.name)] = export_glb(scene)
-    return files | {MANIFEST: manifest_text(files).encode()}
+    return files
 
 
 def _add_visuals(scene: "trimesh.Scene", package: str, link: Link, origin: Float[np.ndarray, "3"]) -> None:
@@ -96,12 +89,11 @@ def write_glb(package: SimPackage, path: Path) -> None:
 
 def textured_trimesh(
     corners: Float[np.ndarray, "F 3 3"],
-    look: Mesh | Surface,
+    look: Mesh,
     normals: Float[np.ndarray, "F 3 3"] | None = None,
 ) -> "trimesh.Trimesh":
-    """Triangles with unshared vertices, in the colour or texture of ``look``."""
+    """Triangles with unshared vertices, in the look of a mesh with as many faces."""
     import trimesh
-    from PIL import Image
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
 
@@ -111,7 +103,10 @@ def textured_trimesh(
     )
     uv = np.zeros((3 * len(corners), 2))
     if look.uv is not None and look.texture is not None:
-        material.baseColorTexture = Image.fromarray(look.texture)
+        material.baseColorTexture = _as_png(look.texture)
+        uv = look.uv.reshape(-1, 2)
+    if look.uv is not None and look.normal_map is not None:
+        material.normalTexture = _as_png(look.normal_map)
         uv = look.uv.reshape(-1, 2)
     color = (1.0, 1.0, 1.0) if look.texture is not None else look.color
     material.baseColorFactor = np.rint(255.0 * np.array([*color, said.opacity])).astype(np.uint8)
@@ -124,3 +119,10 @@ def textured_trimesh(
         visual=TextureVisuals(uv=uv, material=material),
         process=False,
     )
+
+
+def _as_png(texture: UInt8[np.ndarray, "H W C"]) -> "Image":
+    """An image that is stored as the files of a package store it, by a palette where it has few colours."""
+    from PIL import Image
+
+    return Image.open(io.BytesIO(png_bytes(texture)))
