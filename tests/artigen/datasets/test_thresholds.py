@@ -24,7 +24,7 @@ from artigen.datasets.shards import open_shards
 from artigen.datasets.sizes import estimate_size
 from artigen.datasets.urdf_file import read_urdf
 from artigen.errors import SourceError
-from artigen.files.wavefront import parse_mtl
+from artigen.files.mtl import parse_mtl
 from artigen.types import PartLabel
 
 
