@@ -31,7 +31,7 @@ from artigen.sketch.draw import DrawConfig
 from artigen.sketch.model import Drawn, SketchConfig
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.request import FinishRequest, SketchRequest, encode_request
-from artigen.sketch.told import Told, draw_told
+from artigen.sketch.told import Told, draw_told, list_unworn
 from artigen.sketch.understand import Request, Understood, understand
 from artigen.sketch.words import CATEGORIES
 
@@ -257,7 +257,7 @@ def _draw_unpolished(
     """Draws what is asked for in finishes of usual gloss."""
     if asked.reading is not None:
         shape, notes = build_from_reading(asked.reading, seed, asked.wish)
-        notes = (*notes, *_list_unmet(asked.told, shape))
+        notes = (*notes, *_list_unmet(asked, shape))
         return Drawn(shape=wear_requested(shape, asked.request.finishes, seed), faults=(), notes=notes)
     worded = asked.picture is None and asked.request.category in kinds()
     beyond = worded and asked.told.is_beyond(asked.request.style)
@@ -275,11 +275,11 @@ def _draw_unpolished(
         if described is not None:
             said = f"the sketch network drew nothing sound in {BATCHES} batches: the grammar drew it"
             return replace(described, notes=(said, *described.notes))
-    return replace(drawn, notes=(*drawn.notes, *_list_unmet(asked.told, drawn.shape)))
+    return replace(drawn, notes=(*drawn.notes, *_list_unmet(asked, drawn.shape)))
 
 
-def _list_unmet(told: Told, shape: Shape) -> tuple[str, ...]:
-    lost = told.list_lost(shape)
+def _list_unmet(asked: Asked, shape: Shape) -> tuple[str, ...]:
+    lost = asked.told.list_lost(shape) + list_unworn(shape, asked.request)
     return (f"understood, and not met: {', '.join(lost)}",) if lost else ()
 
 

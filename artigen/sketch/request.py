@@ -41,6 +41,8 @@ class FinishRequest:
     color: Color | None = None
     """sRGB in [0, 1]."""
     material: FinishKind | None = None
+    part: str | None = None
+    """The noun of which it is said; None where it is that of the whole object."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -172,7 +172,7 @@ def draw_told(told: Told, request: SketchRequest, seed: int) -> tuple[Shape, tup
             seen = read_front(found)
             lost = told.list_lost(found, seen)
             lost += [" ".join(one) for one in unseen if one[2] != "none" and not _stands(found, one)]
-            lost += _list_uncounted(found, told, request)
+            lost += _list_uncounted(found, told, request) + list_unworn(found, request)
             narrow = count_narrow(seen) if request.width is None and kind.laid_out else 0
             rank = (len(outside.list_lost(found, seen)), len(lost), narrow)
             if best is None or rank < best[0]:
@@ -194,6 +194,14 @@ def _list_uncounted(shape: Shape, told: Told, request: SketchRequest) -> list[st
         for label, count in request.counts
         if held.get(label, 0) != count and label not in placed
     ]
+
+
+def list_unworn(shape: Shape, request: SketchRequest) -> list[str]:
+    """Parts and pieces of which a finish is asked for, and of which an object has none."""
+    worn = {solid.finish for part in shape.parts for solid in part.primitives}
+    asked = {finish.part: worn & {one.role for one in request.finishes if one.part == finish.part}
+             for finish in request.finishes if finish.part is not None}  # fmt: skip
+    return [f"{part} of its own" for part, roles in asked.items() if not roles]
 
 
 def _stands(shape: Shape, feature: Feature) -> bool:

@@ -171,7 +171,8 @@ def find_finishes(said: Sentence, category: str | None = None) -> tuple[FinishRe
         color = find_color_only(colors.get(target, "")) or (None if stuff is None else stuff.color)
         material = METALLIC.get(colors.get(target, "")) if stuff is None else stuff.kind
         for role in _list_roles(target, also):
-            found[role] = FinishRequest(role=role, color=color, material=material)
+            part = None if target == OBJECT else target
+            found[role] = FinishRequest(role=role, color=color, material=material, part=part)
     return tuple(found.values())
 
 

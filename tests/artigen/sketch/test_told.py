@@ -16,7 +16,7 @@ from artigen.sketch.arrange import arrange_fronts
 from artigen.sketch.asked import ask, draw_asked
 from artigen.sketch.described import find_outline, list_undescribed, read_front
 from artigen.sketch.network import SketchNetwork
-from artigen.sketch.told import find_stand
+from artigen.sketch.told import find_stand, list_unworn
 from artigen.sketch.understand import Request, understand
 
 
@@ -136,6 +136,18 @@ def test_legs_are_of_the_kind_that_is_said(noun: str, kind: str):
         share = np.ptp(ends[0], axis=0).max() / np.ptp(ends[1], axis=0).max()
         assert share < 0.9 if kind == "tapered" else share == pytest.approx(1.0)
     assert notes == ()
+
+
+def test_a_finish_of_a_piece_that_an_object_lacks_is_said():
+    request = understand(Request(text="a white dresser with an oak top")).request
+    held = []
+    for seed in range(8):
+        shape = draw_shape("Dresser", seed)
+        has = any(solid.finish == "top" for part in shape.parts for solid in part.primitives)
+        assert list_unworn(shape, request) == ([] if has else ["top of its own"])
+        held.append(has)
+    assert any(held)
+    assert not all(held)
 
 
 def test_an_article_counts_the_fronts_of_furniture_and_is_at_least_one_elsewhere():
