@@ -1,5 +1,13 @@
 """Errors a caller may want to handle; each message says what was found, where, and what is allowed."""
 
+from collections.abc import Iterable
+
+
+def list_some(names: Iterable[str], most: int = 12) -> str:
+    """The first of some names, and how many there are more."""
+    names = list(names)
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+
 
 class ArtigenError(Exception):
     """Base of every error this project raises on purpose."""

@@ -146,6 +146,14 @@ def frame_along(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
     return np.stack([first, np.cross(direction, first), direction])
 
 
+def thin_direction(points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "3"]:
+    """Axis of least extent of centred points; a principal direction if no axis is clearly the thinnest."""
+    extents = np.ptp(points, axis=0)
+    if extents.min() < 0.5 * np.sort(extents)[1]:
+        return np.eye(3)[int(extents.argmin())]
+    return np.linalg.svd(points, full_matrices=False)[2][2]
+
+
 def line_distance(
     point_a: Float[np.ndarray, "3"], axis_a: Float[np.ndarray, "3"],
     point_b: Float[np.ndarray, "3"], axis_b: Float[np.ndarray, "3"],

@@ -3,8 +3,8 @@
 Each goal is taken apart into motions of parts: open, close, and put a thing into a part that is open. A Panda
 plays each on the object of the goal alone (`ArtiGen-OpenPart-v1`, `ArtiGen-PutInside-v1`), up to three times
 with other seeds; a goal counts if all motions of one of its ways succeed, such as by either door of a
-cabinet. Scenes are checked for a place before every part; driving there and picking up things in a scene is
-not played. Goals that only move things are counted apart.
+cabinet. To go somewhere, Fetch drives through the scene (`ArtiGen-Room-v1`). Picking up things in a scene is
+not played: goals that only move things are counted apart.
 
     python benchmarks/goal_solvability.py out/scenes/scenes/* --count 200 --out out/goals
 
@@ -26,6 +26,7 @@ from artigen.errors import ArtigenError
 from envs.goals.file import read_goals
 from envs.goals.goal import Goal, ItemGoal
 from envs.maniskill.checks import CPU
+from envs.maniskill.solver.go import solve_go
 from envs.maniskill.solver.solve import solve_open_part, solve_put_inside
 from envs.rooms.file import read_room
 from envs.rooms.footprints import cached_package
@@ -37,21 +38,20 @@ SEEDS = 3
 
 @dataclass(frozen=True)
 class Motion:
-    """What is done to a joint of a package."""
+    """What is done to a joint of a package, or a way through a scene to what words of a goal name."""
 
-    verb: Literal["open", "close", "put"]
-    package: Path
-    joint: str
+    verb: Literal["open", "close", "put", "go"]
+    folder: Path
+    target: str
 
     def __str__(self) -> str:
-        return f"{self.verb} {self.package} {self.joint}"
+        return f"{self.verb} {self.folder} {self.target}"
 
 
-def list_ways(goal: Goal, room: Room) -> list[list[Motion]]:
-    """The ways to reach a goal, each the motions of parts that it takes in order; one without any where only
-    things are moved."""
-    if goal.family == "put_on":
-        return [[]]
+def list_ways(goal: Goal, room: Room, scene: Path) -> list[list[Motion]]:
+    """The ways to reach a goal, each the motions that it takes in order."""
+    if goal.family == "go":
+        return [[Motion("go", scene, goal.words)]]
     verb = "open" if goal.family in ("open", "pull") else "close"
     moved = [Motion(verb, room.placement(each.object).package, each.joint) for each in goal.joints]
     if not goal.items:
@@ -75,12 +75,22 @@ def _fronts(item: ItemGoal, room: Room) -> list[list[Motion]]:
 def play(motion: Motion) -> str:
     """Plays a motion until it succeeds; "" then, else the last reason."""
     settings: dict[str, Any] = {
-        "packages": str(motion.package), "joint": motion.joint, "control_mode": "pd_joint_pos", **CPU
-    }  # fmt: skip
+        "packages": str(motion.folder),
+        "joint": motion.target,
+        "control_mode": "pd_joint_pos",
+        **CPU,
+    }
     reason = ""
     for seed in range(SEEDS):
         try:
-            if motion.verb == "put":
+            if motion.verb == "go":
+                env = gym.make(
+                    "ArtiGen-Room-v1", scenes=motion.folder, goal=motion.target, robot_uids="fetch",
+                    reward_mode="sparse", sim_backend="physx_cpu", render_backend="none",
+                    control_mode="pd_joint_pos",
+                )  # fmt: skip
+                outcome = solve_go(env, seed)
+            elif motion.verb == "put":
                 env = gym.make("ArtiGen-PutInside-v1", **settings)
                 outcome = solve_put_inside(env, seed)
             else:
@@ -113,14 +123,14 @@ class Journal:
         return self.known[key]
 
 
-def try_goal(goal: Goal, room: Room, journal: Journal) -> str:
+def try_goal(goal: Goal, room: Room, scene: Path, journal: Journal) -> str:
     """Why no way to a goal succeeds; "" if one does."""
     reasons = []
-    for way in list_ways(goal, room):
+    for way in list_ways(goal, room, scene):
         failed = next((motion for motion in way if journal.play(motion)), None)
         if failed is None:
             return ""
-        reasons.append(f"{failed.verb} {failed.package.name} {failed.joint}: {journal.play(failed)}")
+        reasons.append(f"{failed.verb} {failed.folder.name} {failed.target}: {journal.play(failed)}")
     return "; or ".join(reasons) or "nothing opens"
 
 
@@ -132,16 +142,16 @@ def main() -> None:
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     journal = Journal(args.out / "motions.jsonl")
-    pairs = [(read_room(path), goal) for path in args.scenes for goal in read_goals(path)]
+    pairs = [(path, read_room(path), goal) for path in args.scenes for goal in read_goals(path)]
     order = np.random.default_rng(0).permutation(len(pairs))[: args.count]
     tried: Counter[str] = Counter()
     solved: Counter[str] = Counter()
     still = 0
-    for room, goal in (pairs[index] for index in order):
-        if goal.family == "put_on":
+    for path, room, goal in (pairs[index] for index in order):
+        if goal.family in ("put_on", "pick"):
             still += 1
             continue
-        reason = try_goal(goal, room, journal)
+        reason = try_goal(goal, room, path, journal)
         tried[goal.family] += 1
         solved[goal.family] += not reason
         print(f"{goal.words}: {reason or 'solved'}", flush=True)

@@ -2,10 +2,11 @@
 
     python benchmarks/photo_objects.py FOLDER --sheet sheet.png
 
-The folder holds photographs, ``index.csv`` and ``fronts.json`` as of `photo_layouts.py`. Every photograph is
-read and built as by ``artigen generate --image``; the camera that was read is fitted to the fronts that were
-read (`lay_over`), never to the marks. A marked front is met by a front of the same label whose box overlaps
-with its own by at least `MET` (intersection over union). Superfluous fronts are counted, too."""
+The folder holds photographs, ``index.csv`` with a column ``kind``, and ``fronts.json``: by file width and
+height (pixels), and fronts with label, box (shares of width and height, y down), hinge and open. Every
+photograph is read and built as by ``artigen generate --image``; the camera that was read is fitted to the
+fronts that were read (`lay_over`), never to the marks. A marked front is met by a front of the same label
+whose box overlaps with its own by at least `MET` (intersection over union). Superfluous fronts count, too."""
 
 import json
 import time

@@ -2,7 +2,7 @@
 
     python benchmarks/photo_style.py FOLDER --sheet sheet.png
 
-The folder holds photographs and ``fronts.json`` as of `photo_layouts.py`. `photo_looks.csv` beside this file
+The folder holds photographs and ``fronts.json`` as of `photo_objects.py`. `photo_looks.csv` beside this file
 says what each photograph shows, judged by eye: what the object stands on (furniture only), the fields of its
 doors and of its drawers, its pulls and the material of its fronts; ``a/b`` where both are fair, ``-`` where
 nothing can be told. Doors or drawers that are missing in the object are wrong.

@@ -15,7 +15,7 @@ import numpy as np
 from artigen.datasets.source_object import ReaderConfig, SourceObject
 from artigen.datasets.sources import list_objects, read_source
 from artigen.errors import SourceError
-from artigen.files.wavefront import parse_mtl
+from artigen.files.mtl import parse_mtl
 
 CABINET = (0.42, 0.40, 0.50)
 Row = tuple[str, object, object]

@@ -23,6 +23,7 @@ from tqdm import tqdm
 from artigen.errors import ArtigenError
 from artigen.runtime.journal import append_line, read_lines
 from artigen.runtime.runner import Runner, run_jobs
+from artigen.runtime.stopwatch import Stopwatch
 from artigen.runtime.workers import Worker
 
 Item = TypeVar("Item")
@@ -122,22 +123,18 @@ class Made:
     notes: tuple[str, ...]
 
 
-class Laps:
+class Laps(Stopwatch):
     """Seconds of the stages of one export, by name."""
-
-    def __init__(self) -> None:
-        self._last, self._spent = time.perf_counter(), list[tuple[str, float]]()
 
     def end(self, name: str, *inner: tuple[str, float]) -> None:
         """Ends the stage ``name``; with ``inner`` stages, which were timed elsewhere, these are listed."""
-        now = time.perf_counter()
-        self._spent += inner or ((name, now - self._last),)
-        self._last = now
+        self.lap(name)
+        self.laps[-1:] = inner or self.laps[-1:]
 
     def made(self, notes: tuple[str, ...]) -> Made:
         """The stages so far, with the peak memory of this process."""
         peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-        return Made(seconds=tuple(self._spent), peak_mib=peak_mib, notes=notes)
+        return Made(seconds=tuple(self.laps), peak_mib=peak_mib, notes=notes)
 
 
 def digest_settings(text: str) -> str:

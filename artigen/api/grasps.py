@@ -22,8 +22,8 @@ def grasps(
 
     A gripper closes on the handle, moves rigidly with its link by 95 % of the joint's range, and passes if
     the joint has come 90 % of the way and both fingers still touch the link. Where it has no room along the
-    whole range, it does so in up to eight strokes, and grasps anew for each. An object in which nothing moves
-    is lifted by 20 cm. Of every stroke the best are tried until three pass.
+    whole range, it does so in several strokes, and grasps anew for each. An object in which nothing moves is
+    lifted by 20 cm. Of every stroke the best are tried until three pass.
 
     Args:
         obj: An object, or the folder of its package.

@@ -31,11 +31,12 @@ from artigen.conditioning.vocabulary import (
     STACKED,
     STYLES,
     Feature,
+    count_longest,
 )
 from artigen.kind import EVERY, NONE, find_noun, plurals
 from artigen.types import PartLabel
 
-LONGEST = 5
+LONGEST = count_longest(FEATURES)
 """Words of the longest phrase of features."""
 FEATURES_OF = {style: feature for feature, style in STYLES.items()}
 """Features that are styles of some kinds, by those."""
@@ -100,7 +101,7 @@ def _read_kind(parse: Parse) -> Parse:
     spelled = " ".join(parse.words[head.at : head.at + head.count])
     singular = {many: one for one, many in head.kind.nouns.items()}
     noun, start = singular.get(spelled, spelled), head.at
-    for count in range(min(LONGEST, start), 0, -1):
+    for count in range(start, 0, -1):
         before = " ".join(parse.words[start - count : start])
         if find_noun(before) is head.kind and noun not in head.kind.forms:  # "a pantry cupboard"
             noun, start = before, start - count

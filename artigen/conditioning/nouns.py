@@ -17,16 +17,15 @@ from artigen.conditioning.vocabulary import (
     RELATIONS,
     SCALES,
     SHADES,
+    count_longest,
 )
-from artigen.kind import Kind, find_noun
+from artigen.kind import Kind, find_noun, list_nouns
 
 NAMES = frozenset((part,) for part in PARTS)
 CHESTS, DRAWERS = frozenset({"chest", "chests"}), frozenset({"drawer", "drawers"})
 """A chest with drawers is a chest of drawers."""
 WHERE, DETERMINERS = frozenset({"on", "in", "beside", "near", "behind"}), frozenset({"the", "a", "an", "my"})
 """Words that lead to where something is."""
-LONGEST = 3
-"""Words of the longest noun."""
 
 
 @dataclass(frozen=True)
@@ -73,14 +72,14 @@ def find_head(words: tuple[str, ...], used: frozenset[int], *, whole: bool = Tru
 
 def _find_nouns(words: tuple[str, ...], used: frozenset[int]) -> list[Head]:
     found: list[Head] = []
-    at = 0
+    at, longest = 0, count_longest(list_nouns())
     while at < len(words):
         divided = _find_divided(words, at)
         if divided is not None:
             found.append(Head(at, 2, divided))
             at += 2
             continue
-        for count in range(min(LONGEST, len(words) - at), 0, -1):
+        for count in range(min(longest, len(words) - at), 0, -1):
             kind = find_noun(" ".join(words[at : at + count]))
             other = any(
                 " ".join(words[start:end]) in OTHERS

@@ -3,7 +3,7 @@
 import re
 from fractions import Fraction
 
-from artigen.conditioning.vocabulary import DIRECTIONS, GROUPS, LIMITS, NUMBERS, SIDES, UNITS
+from artigen.conditioning.vocabulary import DIRECTIONS, GROUPS, LIMITS, NUMBERS, SIDES, UNITS, count_longest
 
 _SIGNS = {
     "½": " 1/2 ", "¼": " 1/4 ", "¾": " 3/4 ", "\u00d7": " x ", "\u2019": "'", "\u201d": '"', "\u2013": "-",
@@ -13,7 +13,7 @@ _WORD = re.compile(r"\d+/\d+|\d+(?:\.\d+)?|[a-z]+|,")
 
 LARGE = frozenset({"m", "metre", "metres", "meter", "meters"})
 """Units after which a bare number counts hundredths."""
-LONGEST_LIMIT = 3
+LONGEST_LIMIT = count_longest(LIMITS)
 """Words of the longest phrase before a number."""
 CLEAR = 0.05
 """Share by which a length differs from one that it must be under or over."""

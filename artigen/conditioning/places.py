@@ -4,10 +4,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from artigen.conditioning.numbers import read_count
-from artigen.conditioning.vocabulary import EDGES, FILLERS, GRIDS, PART_NOUNS, RELATIONS, SPOTS, Feature, Spot
+from artigen.conditioning.vocabulary import (
+    EDGES,
+    FILLERS,
+    GRIDS,
+    PART_NOUNS,
+    RELATIONS,
+    SPOTS,
+    Feature,
+    Spot,
+    count_longest,
+)
 from artigen.types import PartLabel
 
-LONGEST = 5
+LONGEST = count_longest((*SPOTS, *RELATIONS))
 """Words of the longest phrase of a place."""
 
 

@@ -3,6 +3,7 @@
 Nouns and styles of kinds are in their records (`artigen.kind`).
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -45,6 +46,11 @@ _PIECES = {
     "body": "body", "carcass": "body",
 }  # fmt: skip
 """Finishes by nouns of pieces that are no part of their own."""
+
+
+def count_longest(phrases: Iterable[str]) -> int:
+    """Words of the longest phrase."""
+    return max(len(phrase.split()) for phrase in phrases)
 
 
 def _with_plurals(nouns: dict[str, str]) -> dict[str, str]:

@@ -33,8 +33,8 @@ from artigen.datasets.partnet_mobility import choose_size
 from artigen.datasets.partnet_parts import order_nodes
 from artigen.datasets.source_object import ReaderConfig, SourceObject, SourceTree, assemble, collect_corners
 from artigen.errors import SourceError
+from artigen.files.inside import inside
 from artigen.files.urdf import UrdfShape
-from artigen.files.wavefront import inside
 from artigen.transforms import shift
 from artigen.types import PART_LABELS, PartLabel
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from artigen.datasets.joints_file import joints_path
 from artigen.datasets.mesh_scene import SUFFIXES
-from artigen.files.wavefront import clean_name
+from artigen.files.mtl import clean_name
 
 NAMED = re.compile(
     r"""\b(?:filename|file|url)\s*=\s*["']([^"']+)["']|<uri>\s*([^<]+?)\s*<|"uri"\s*:\s*"([^"]{1,200})\""""

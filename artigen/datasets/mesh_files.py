@@ -16,16 +16,9 @@ import numpy as np
 from artigen.datasets.mesh_obj import write_obj
 from artigen.datasets.mesh_size import check_file, check_size
 from artigen.errors import SourceError
+from artigen.files.mtl import NO_MATERIAL, MtlMaterial, clean_name, parse_mtl
 from artigen.files.urdf import UrdfShape
-from artigen.files.wavefront import (
-    NO_MATERIAL,
-    MtlMaterial,
-    ObjMesh,
-    clean_name,
-    parse_mtl,
-    parse_obj,
-    read_obj,
-)
+from artigen.files.wavefront import ObjMesh, parse_obj, read_obj
 
 if TYPE_CHECKING:
     from PIL.Image import Image

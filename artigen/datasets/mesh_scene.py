@@ -1,6 +1,5 @@
 """Reads a GLB, glTF or OBJ with named nodes as a mechanism, with the joints of a file beside it."""
 
-from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,7 @@ from artigen.datasets.joints_file import BODY, JointsFile, NodeJoint, joints_pat
 from artigen.datasets.mechanism import Mechanism, Solid, make_mechanism
 from artigen.datasets.mesh_files import read_named
 from artigen.datasets.part_labels import SPLIT_WORDS, find_word
-from artigen.errors import SourceError
+from artigen.errors import SourceError, list_some
 from artigen.files.urdf import UrdfJoint
 from artigen.transforms import shift
 
@@ -43,7 +42,7 @@ def join_nodes(path: Path, said: JointsFile) -> Mechanism:
     gone = [node for node in nodes if node not in met]
     if gone:
         raise SourceError(
-            f"{joints_path(path)}: node {gone[0]!r} is not in {path.name}, which has {list_names(met)}"
+            f"{joints_path(path)}: node {gone[0]!r} is not in {path.name}, which has {list_some(sorted(met))}"
         )
     origins = {joint.part: said.metres * np.array(joint.origin) for joint in said.joints} | {
         BODY: np.zeros(3)
@@ -65,12 +64,6 @@ def join_nodes(path: Path, said: JointsFile) -> Mechanism:
         labels={joint.part: joint.label for joint in said.joints},
         frame=(said.up, said.front),
     )
-
-
-def list_names(names: Iterable[str], most: int = 12) -> str:
-    """The first of some names in order, and how many there are more."""
-    names = sorted(names)
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
 def _make_joint(joint: NodeJoint, origins: dict[str, np.ndarray], metres: float) -> UrdfJoint:

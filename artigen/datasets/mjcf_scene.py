@@ -9,7 +9,7 @@ scenery (`SCENERY`).
 # pyright: reportAttributeAccessIssue=false
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,15 +17,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from artigen.datasets.mjcf_geoms import is_seen
-from artigen.errors import SourceError
+from artigen.errors import SourceError, list_some
 
 if TYPE_CHECKING:
     import mujoco
 
 SCENERY = frozenset(("floor", "ground", "wall", "walls", "ceiling", "room", "table", "tabletop", "arena"))
 """Words in names of bodies and geoms that are around an object."""
-NAMED = 12
-"""Most names that a sentence lists."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,11 +74,11 @@ def choose_object(model: "mujoco.MjModel", path: Path, body: str | None) -> Choi
     names = [name_root(model, index) for index in range(model.nbody)]
     if body is None and len(roots) > 1:
         raise SourceError(
-            f"{path}: holds {len(roots)} objects ({_join(names[root] for root in roots)}), expected one: "
+            f"{path}: holds {len(roots)} objects ({list_some(names[root] for root in roots)}), expected one: "
             "choose it with --body NAME"
         )
     if body is not None and body not in names:
-        raise SourceError(f"{path}: has no body {body!r}, expected one of {_join(names)}")
+        raise SourceError(f"{path}: has no body {body!r}, expected one of {list_some(names)}")
     root = roots[0] if body is None else names.index(body)
     below = {root}
     for index in range(root + 1, model.nbody):
@@ -97,7 +95,7 @@ def choose_object(model: "mujoco.MjModel", path: Path, body: str | None) -> Choi
     left = [names[index] for index in tops if index not in below]
     bare = int(np.sum(owners == 0)) - int(np.sum(owners[geoms] == 0))
     left += [f"geoms of the world ({bare})"] if bare else []
-    notes = [f"around {names[root]!r} in the file, left out: {_join(left)}"] if left else []
+    notes = [f"around {names[root]!r} in the file, left out: {list_some(left)}"] if left else []
     return Choice(bodies=tuple(sorted(below)), geoms=tuple(geoms.tolist()), notes=tuple(notes))
 
 
@@ -127,10 +125,3 @@ def _leave_scenery(
 def _is_scenery(name: str) -> bool:
     words = re.findall(r"[a-z]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name).lower())
     return not SCENERY.isdisjoint(words)
-
-
-def _join(names: Iterable[str]) -> str:
-    """The first names of many, and how many there are more."""
-    names = list(names)
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return ", ".join(names[:NAMED]) + more

@@ -15,8 +15,9 @@ from jaxtyping import Float
 from artigen.datasets.mechanism import Mechanism
 from artigen.datasets.partnet_annotation import SourceNode, SourcePiece
 from artigen.errors import SourceError
+from artigen.files.inside import inside
 from artigen.files.urdf import UrdfShape
-from artigen.files.wavefront import ObjMesh, inside, read_obj
+from artigen.files.wavefront import ObjMesh, read_obj
 
 MESH_FOLDER = "textured_objs"
 

@@ -8,7 +8,8 @@ import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from artigen.errors import SourceError
-from artigen.files.wavefront import Material, ObjMesh
+from artigen.files.mtl import Material
+from artigen.files.wavefront import ObjMesh
 from artigen.types import SurfaceSamples
 
 

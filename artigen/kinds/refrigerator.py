@@ -1,44 +1,35 @@
 """Refrigerator: rows of compartments behind doors, pairs of doors, freezer drawers or glass doors."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
-from math import radians
-from typing import Literal
 
 import numpy as np
 
 from artigen.kind import Channel, Kind, Place, by_height, make, plurals
-from artigen.shapes.appliances.appliance_doors import build_window_leaf, draw_grip, mount_grip
+from artigen.shapes.appliances.appliance_doors import draw_grip
 from artigen.shapes.appliances.cavity import build_feet, build_shell
-from artigen.shapes.appliances.cold_storage import (
-    LOW,
-    build_cold_leaf,
-    build_freezer_drawer,
-    draw_shelves_and_crispers,
-    plan_bins,
-    reach_inwards,
+from artigen.shapes.appliances.cold_doors import (
+    ColdPlan,
+    Compartment,
+    Form,
+    FrontKind,
+    draw_doors,
+    draw_glass_doors,
+    make_drawer,
 )
-from artigen.shapes.appliances.control_panel import build_badge
+from artigen.shapes.appliances.cold_storage import draw_shelves_and_crispers
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose
 from artigen.shapes.draw import Draft, Spans, Wish, choose_lengths, pick_nearest
-from artigen.shapes.fittings.handles import HandleDesign
-from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Space, hinge, slide, sweep_gap
+from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Space
 from artigen.shapes.furniture.cabinet import list_cells
 from artigen.shapes.furniture.laid_rows import LaidRow, list_rows
 from artigen.shapes.primitives import Primitive, block
 from artigen.shapes.ranges import Range, around, divide_range, narrow, share_down
-from artigen.shapes.shape import Need, ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Refrigerator"
 STYLES = ("steel", "white", "black", "retro")
-BADGE_DROP = 0.055
-"""Distance (m) of the maker's plate from the top of the highest door."""
-Form = Literal[
-    "single", "mini", "top_freezer", "bottom_freezer", "drawer", "side_by_side", "french", "display"
-]
-FrontKind = Literal["door", "pair", "drawer", "glass"]
 FORMS: dict[Form, float] = {
     "single": 0.12,
     "mini": 0.13,
@@ -62,40 +53,6 @@ SIZES: dict[Form, Spans] = {
 """Width, depth without handles, and height."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Cell:
-    """A compartment: its front and the free space behind it."""
-
-    frozen: bool
-    front: FrontKind
-    y: Range
-    z: Range
-    """Ranges of the front, including gaps."""
-    space: Space
-    """Free space behind the front."""
-    edge: Edge | None = None
-    """Hinged edge of its door; None for that of the whole."""
-    leaves: int | None = None
-    """Number of its glass doors; None for the usual."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Plan:
-    kind: Form
-    outer: Space
-    """Outer box of the housing."""
-    floor: float
-    """Height of the lower edge of the fronts."""
-    x: float
-    thickness: float
-    """x of the front face of the leaves, and their thickness."""
-    wall: float
-    longest: float
-    edge: Edge
-    bevel: float
-    grip: HandleDesign | None
-
-
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a refrigerator."""
     style = wish.style or str(rng.choice(STYLES, p=(0.46, 0.35, 0.14, 0.05)))
@@ -110,7 +67,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     return Draft(style, built.close(), palette)
 
 
-def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
+def _draw_plan(rng: np.random.Generator, wish: Wish) -> ColdPlan:
     kind = (
         pick_nearest(rng, wish, FORMS, SIZES)
         if wish.layout is None
@@ -130,7 +87,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     length = choose(rng, 0.3, 0.8) * min(1.0, height)
     offered = replace(wish, layout=None).choose_handles(kinds)
     grip = draw_grip(rng, offered, length=length, longest=longest)
-    return _Plan(
+    return ColdPlan(
         kind=kind,
         outer=Space(x=(x + thickness + GAP, depth / 2), y=around(0.0, width / 2), z=(foot, height)),
         floor=floor,
@@ -162,7 +119,7 @@ def _name_form(rows: list[LaidRow]) -> Form:
     return "top_freezer" if rows[0].height < rows[-1].height else "bottom_freezer"
 
 
-def _lay_cells(plan: _Plan, rows: list[LaidRow]) -> list[_Cell]:
+def _lay_cells(plan: ColdPlan, rows: list[LaidRow]) -> list[Compartment]:
     """Compartments behind rows of fronts; of doors one above the other, all but the highest freeze."""
     y, z = plan.outer.y, (plan.floor, plan.outer.z[1])
     if plan.kind == "side_by_side":
@@ -170,7 +127,7 @@ def _lay_cells(plan: _Plan, rows: list[LaidRow]) -> list[_Cell]:
         split = y[1] - shares[0] / sum(shares) * (y[1] - y[0])
         left = _make_cell(plan, (split, y[1]), z, frozen=True, front="door")
         return [left, _make_cell(plan, (y[0], split), z, frozen=False, front="door")]
-    cells: list[_Cell] = []
+    cells: list[Compartment] = []
     tallest = max(row.height for row in rows)
     for row, span in zip(rows, share_down(z, [row.height for row in rows]), strict=True):
         front: FrontKind = "drawer" if row.drawers else "pair" if row.paired else "door"
@@ -181,7 +138,7 @@ def _lay_cells(plan: _Plan, rows: list[LaidRow]) -> list[_Cell]:
     return cells
 
 
-def _draw_cells(rng: np.random.Generator, plan: _Plan) -> list[_Cell]:
+def _draw_cells(rng: np.random.Generator, plan: ColdPlan) -> list[Compartment]:
     """Splits the front into rows and columns, from the top left on."""
     y, z = plan.outer.y, (plan.floor, plan.outer.z[1])
     share = choose(rng, 0.26, 0.40)
@@ -204,7 +161,7 @@ def _draw_cells(rng: np.random.Generator, plan: _Plan) -> list[_Cell]:
     return [upper, *(_make_cell(plan, y, row, frozen=True, front="drawer") for row in rows)]
 
 
-def _make_cell(plan: _Plan, y: Range, z: Range, *, frozen: bool, front: FrontKind) -> _Cell:
+def _make_cell(plan: ColdPlan, y: Range, z: Range, *, frozen: bool, front: FrontKind) -> Compartment:
     """The space behind a front, minus the outer walls and half of each partition to a neighbour."""
     outer, wall, half = plan.outer, plan.wall, 0.021
     left = wall if y[1] == outer.y[1] else half
@@ -213,10 +170,10 @@ def _make_cell(plan: _Plan, y: Range, z: Range, *, frozen: bool, front: FrontKin
     bottom = wall if z[0] == plan.floor else half
     x = (outer.x[0], outer.x[1] - wall - 0.04)
     space = Space(x=x, y=(y[0] + right, y[1] - left), z=(z[0] + bottom, z[1] - top))
-    return _Cell(frozen=frozen, front=front, y=y, z=z, space=space)
+    return Compartment(frozen=frozen, front=front, y=y, z=z, space=space)
 
 
-def _build_housing(plan: _Plan, cells: list[_Cell]) -> list[Primitive]:
+def _build_housing(plan: ColdPlan, cells: list[Compartment]) -> list[Primitive]:
     """Walls, partitions between compartments, feet, and the grille below the fronts."""
     outer, spaces = plan.outer, [cell.space for cell in cells]
     hollow = Space(
@@ -237,7 +194,7 @@ def _build_housing(plan: _Plan, cells: list[_Cell]) -> list[Primitive]:
 
 
 def _draw_compartment(
-    rng: np.random.Generator, plan: _Plan, cell: _Cell, stem: str, *, moulded: bool, bare: bool
+    rng: np.random.Generator, plan: ColdPlan, cell: Compartment, stem: str, *, moulded: bool, bare: bool
 ) -> Assembly:
     """Draws the fronts of a compartment and its contents."""
     seam = 0.003
@@ -245,11 +202,11 @@ def _draw_compartment(
     high = cell.z[1] - (0.0 if cell.z[1] == plan.outer.z[1] else seam)
     if cell.front == "drawer":
         panel = Panel(x=plan.x, thickness=plan.thickness, y=cell.y, z=(low, high))
-        return Assembly(parts=tuple(_make_drawer(plan, cell, panel, stem)))
+        return Assembly(parts=tuple(make_drawer(plan, cell, panel, stem)))
     if cell.front == "glass":
-        fronts, needs, free, bins = _draw_glass_doors(rng, plan, cell, (low, high)), (), None, 0.0
+        fronts, needs, free, bins = draw_glass_doors(rng, plan, cell, (low, high)), (), None, 0.0
     else:
-        fronts, needs, free, bins = _draw_doors(rng, plan, cell, (low, high), stem)
+        fronts, needs, free, bins = draw_doors(rng, plan, cell, (low, high), stem)
     free = None if bare else free
     full = cell.frozen and not bins
     shelves, sliding = draw_shelves_and_crispers(
@@ -259,119 +216,6 @@ def _draw_compartment(
         pieces = tuple(piece for shelf in shelves for piece in shelf.primitives)
         return Assembly(pieces, (*fronts, *sliding))
     return Assembly(parts=(*fronts, *sliding, *shelves))
-
-
-def _draw_doors(
-    rng: np.random.Generator, plan: _Plan, cell: _Cell, z: Range, stem: str
-) -> tuple[list[ShapePart], tuple[Need, ...], Range, float]:
-    """Draws the doors of a compartment.
-
-    Returns:
-        The parts; the parts that must be open before a crisper slides out; the range of y that is then free
-        at the height of the crispers; the depth of the bins on the doors.
-    """
-    upper = radians(choose(rng, 92, 150))
-    depth = choose(rng, 0.07, 0.11) if rng.random() < (0.5 if cell.frozen else 0.88) else 0.0
-    bins = plan_bins(rng, depth, (cell.space.z[0] + LOW, cell.space.z[1])) if depth else None
-    dispenses = _dispenses(rng, plan, cell)
-    parts: list[ShapePart] = []
-    needs: list[Need] = []
-    low, high = narrow(cell.space.y, 0.004)
-    for k, (panel, edge) in enumerate(_place_doors(plan, cell, z)):
-        name = f"door_{stem}_{k}"
-        niche = _draw_niche(rng, panel) if dispenses and k == 0 else None
-        across = cell.space.y if cell.front == "door" else _half(cell.space.y, panel, edge)
-        leaf = build_cold_leaf(panel, edge, (across, cell.space.z), bins, bevel=plan.bevel, niche=niche)
-        if k == 0 and z[1] == plan.outer.z[1] and panel.height > 4 * BADGE_DROP:
-            leaf += (build_badge(panel.x, (panel.center[0], panel.z[1] - BADGE_DROP), 0.06),)
-        parts.append(ShapePart(name, "door", leaf, hinge(panel, edge, upper)))
-        parts += _mount(plan, panel, edge, name)
-        needs.append(Need(part=name, fraction=1.0))
-        reach = reach_inwards(panel, upper) + 0.004
-        if edge == "left":
-            high = min(high, panel.y[1] - reach)
-        else:
-            low = max(low, panel.y[0] + reach)
-    return parts, tuple(needs), (low, high), depth if bins else 0.0
-
-
-def _dispenses(rng: np.random.Generator, plan: _Plan, cell: _Cell) -> bool:
-    """Whether the first door has a dispenser."""
-    if plan.kind == "side_by_side":
-        return cell.frozen and rng.random() < 0.7
-    return cell.front == "pair" and not cell.frozen and rng.random() < 0.6
-
-
-def _draw_niche(rng: np.random.Generator, panel: Panel) -> tuple[Range, Range] | None:
-    wide = choose(rng, 0.40, 0.55) * panel.width
-    middle = panel.center[0] + 0.04
-    bottom = choose(rng, 0.92, 1.05)
-    top = bottom + choose(rng, 0.28, 0.38)
-    if bottom < panel.z[0] + 0.1 or top > panel.z[1] - 0.1:
-        return None
-    return around(middle, wide / 2), (bottom, top)
-
-
-def _half(y: Range, panel: Panel, edge: Edge) -> Range:
-    """The half of an opening behind one of two doors."""
-    return (panel.y[0], y[1]) if edge == "left" else (y[0], panel.y[1])
-
-
-def _place_doors(plan: _Plan, cell: _Cell, z: Range) -> list[tuple[Panel, Edge]]:
-    """Panels of the doors of a compartment, from the left, each with its hinged edge."""
-    panel = Panel(x=plan.x, thickness=plan.thickness, y=cell.y, z=z)
-    if cell.front == "pair":
-        left, right = panel.split(sweep_gap(panel.width / 2, plan.thickness))
-        return [(left, "left"), (right, "right")]
-    half = sweep_gap(cell.y[1] - cell.y[0], plan.thickness) / 2 + 0.002
-    y = (
-        cell.y[0] + (half if cell.y[0] != plan.outer.y[0] else 0.0),
-        cell.y[1] - (half if cell.y[1] != plan.outer.y[1] else 0.0),
-    )
-    edge = cell.edge or plan.edge
-    if plan.kind == "side_by_side":
-        edge = "left" if cell.frozen else "right"
-    return [(replace(panel, y=y), edge)]
-
-
-def _mount(plan: _Plan, panel: Panel, edge: Edge, parent: str) -> list[ShapePart]:
-    """A vertical handle near the free edge, as close to hand height as the door allows."""
-    if plan.grip is None:
-        return []
-    half = min(plan.grip.length, 0.86 * panel.height) / 2
-    margin = min(half + 0.04, panel.height / 2)
-    level = float(np.clip(1.05, panel.z[0] + margin, panel.z[1] - margin))
-    inset = 0.002 if plan.grip.kind == "edge" else 0.03
-    return [mount_grip(panel, plan.grip, parent=parent, edge=edge, inset=inset, level=level)]
-
-
-def _make_drawer(plan: _Plan, cell: _Cell, panel: Panel, stem: str) -> list[ShapePart]:
-    name = f"drawer_{stem}"
-    pieces = build_freezer_drawer(panel, cell.space, bevel=plan.bevel)
-    drawer = ShapePart(name, "drawer", pieces, slide(0.7 * cell.space.depth))
-    if plan.grip is None:
-        return [drawer]
-    inset = 0.002 if plan.grip.kind == "edge" else min(0.035, panel.height / 5)
-    return [drawer, mount_grip(panel, plan.grip, parent=name, edge=None, inset=inset)]
-
-
-def _draw_glass_doors(rng: np.random.Generator, plan: _Plan, cell: _Cell, z: Range) -> list[ShapePart]:
-    """Draws one to three glass doors side by side, hinged on the same edge."""
-    usual = int(np.clip(round((cell.y[1] - cell.y[0]) / rng.uniform(0.42, 0.65)), 1, 3))
-    count, edge = cell.leaves or usual, cell.edge or plan.edge
-    gap = sweep_gap((cell.y[1] - cell.y[0]) / count, plan.thickness)
-    rail = choose(rng, 0.035, 0.06)
-    # A door that opens beyond 90 degrees would hit the handle of its neighbour.
-    upper = radians(rng.uniform(90, 120) if count == 1 else 90)
-    parts: list[ShapePart] = []
-    for k, y in enumerate(reversed(divide_range(cell.y, count, gap))):
-        panel = Panel(x=plan.x, thickness=plan.thickness, y=y, z=z)
-        window = (narrow(y, rail), (z[0] + 1.3 * rail, z[1] - rail))
-        leaf = build_window_leaf(panel, window, "front", "rubber", glass="clear")
-        name = f"door_{k}"
-        parts.append(ShapePart(name, "door", leaf, hinge(panel, edge, upper)))
-        parts += _mount(plan, panel, edge, name)
-    return parts
 
 
 KIND = Kind(

@@ -14,35 +14,21 @@ from artigen.kinds.storage_furniture import STYLES
 from artigen.shapes.assembly import Assembly
 from artigen.shapes.choices import choose, choose_one, pick
 from artigen.shapes.draw import Draft, Outline, Size, Spans, Wish, choose_lengths, pick_nearest
-from artigen.shapes.fittings.feet import make_castors
-from artigen.shapes.fittings.hardware import GAP, Space, lift
-from artigen.shapes.fittings.legs import LegKind, make_legs
+from artigen.shapes.fittings.hardware import GAP, Space
+from artigen.shapes.fittings.legs import make_legs
 from artigen.shapes.furniture.cabinet import draw_layout, make_cabinet
 from artigen.shapes.furniture.carcass import LAID_LAYOUTS, draw_fitting, open_carcass
+from artigen.shapes.furniture.desks import build_desk
+from artigen.shapes.furniture.framed_tables import TOPS, TablePlan, build_frame, make_plain_top
 from artigen.shapes.furniture.furniture_kinds import STYLE_WORDS
 from artigen.shapes.furniture.laid_tables import Underside, build_under_top
 from artigen.shapes.furniture.layouts import Layout
 from artigen.shapes.furniture.looks import Looks, draw_looks
 from artigen.shapes.furniture.screw_table import build_screw_table
 from artigen.shapes.furniture.sinks import TAP_HEIGHT, make_sink
-from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, lay_out
-from artigen.shapes.furniture.table_frames import (
-    PANEL,
-    SIDES,
-    STRETCHER_KINDS,
-    WALL,
-    TopKind,
-    inset_of_ellipse,
-    inset_of_oval,
-    make_apron,
-    make_arch,
-    make_panels,
-    make_shelf,
-    make_stretchers,
-    make_top,
-    most_radius,
-)
-from artigen.shapes.primitives import Primitive, block
+from artigen.shapes.furniture.splits import Node, Taste, lay_out
+from artigen.shapes.furniture.table_frames import TopKind, make_shelf
+from artigen.shapes.primitives import block
 from artigen.shapes.ranges import Range, around, narrow
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
@@ -51,22 +37,11 @@ CATEGORY = "Table"
 MAX_LAYOUTS = 60
 PAINTED = 0.13
 """Probability of a painted table: most are of wood."""
-OVERHANGING, ARCHED, STRETCHED, CLOSED, GIRDED = 0.4, 0.2, 0.3, 0.2, 0.75
-"""Probabilities of an overhanging top, arched aprons, stretchers, closed sides (twice for small tables), and
-an apron around the drawers."""
-TOPS: dict[TopKind, float] = {"plain": 0.72, "rounded": 0.1, "oval": 0.06, "ellipse": 0.12}
 OUTLINES: dict[Outline, tuple[TopKind, ...]] = {
     "round": ("ellipse",), "oval": ("oval", "ellipse"), "square": ("plain", "rounded"),
     "rectangle": ("plain", "rounded"),
 }  # fmt: skip
 """Tops by their outline."""
-PEDESTAL = Taste(
-    module=(0.3, 0.7),
-    drawer=(0.1, 0.3),
-    rules=(("stack", 3.0), ("drawer_row", 1.5), ("closed", 1.2), ("open_row", 0.5)),
-    fills=(("door", 3.0), ("double", 1.0)),
-    trays=0.05,
-)
 UNDER_SINK = Taste(
     module=(0.42, 0.9),
     rules=(("columns", 1.0), ("closed", 1.5)),
@@ -75,21 +50,6 @@ UNDER_SINK = Taste(
     trays=0.0,
     levels=1,
 )
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Plan:
-    """Choices that every kind of table is built from (m)."""
-
-    size: Size
-    looks: Looks
-    top: float
-    """Thickness of the top."""
-    leg: LegKind
-    leg_width: float
-    tops: tuple[TopKind, ...]
-    moulded: bool
-    """Whether the edge of the top is moulded."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -111,14 +71,14 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     return Draft(style, draw_fitting(CATEGORY, size, layouts, draw_parts, suits), finishes)
 
 
-def _draw_plan(rng: np.random.Generator, style: str, size: Size, wish: Wish) -> _Plan:
+def _draw_plan(rng: np.random.Generator, style: str, size: Size, wish: Wish) -> TablePlan:
     look = STYLES[style]
     if not wish.handles and "knob" in look.handles and rng.random() < 0.45:  # most tables have small handles
         look = replace(look, handles=("knob",))
     if not wish.handles:  # under a top there is no room for a finger above a lip
         look = replace(look, handles=tuple(kind for kind in look.handles if kind != "edge"))
     looks = draw_looks(rng, look, max(size), wish)
-    return _Plan(
+    return TablePlan(
         size=size,
         looks=replace(looks, carcass=replace(looks.carcass, lid=False), lock=False, margin=GAP),
         top=choose(rng, 0.02, 0.04),
@@ -129,157 +89,7 @@ def _draw_plan(rng: np.random.Generator, style: str, size: Size, wish: Wish) -> 
     )
 
 
-def _make_top(plan: _Plan) -> tuple[Primitive, ...]:
-    width, depth, height = plan.size
-    return make_top(width, depth, (height - plan.top, height), "plain", 0.0, moulded=plan.moulded)
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Footing:
-    """The rectangle of a frame's legs, and the top over it (m)."""
-
-    x: Range
-    y: Range
-    top: tuple[Primitive, ...]
-
-
-def _draw_footing(rng: np.random.Generator, plan: _Plan) -> _Footing:
-    """Places legs near the edges of the top or well within them, always below the top."""
-    width, depth, height = plan.size
-    ahead, aside = 0.0, 0.02
-    if rng.random() < OVERHANGING:
-        ahead, aside = choose(rng, 0.03, 0.08) * depth, choose(rng, 0.05, 0.11) * width
-    edge = choose(rng, 0.0, 0.03) + plan.looks.reach + ahead
-    behind = min(edge, 0.02 + ahead)
-    fitting: list[TopKind] = [kind for kind in TOPS if kind != "oval" or width > 1.3 * depth]
-    wished: list[TopKind] = [kind for kind in fitting if kind in plan.tops] or fitting
-    kind: TopKind = pick(rng, {kind: TOPS[kind] for kind in wished})
-    radius = choose(rng, 0.04, 0.12)
-    if kind == "ellipse":
-        edge, behind = max(edge, 0.13 * depth), max(behind, 0.13 * depth)
-        aside = max(aside, inset_of_ellipse(width, depth, min(edge, behind)))
-    if kind == "oval":
-        edge, behind = max(edge, 0.08 * depth), max(behind, 0.08 * depth)
-        aside = max(aside, inset_of_oval(depth, min(edge, behind)))
-    radius = min(radius, most_radius(max(min(edge, behind), 0.001), aside))
-    if kind == "rounded" and radius < 0.02:
-        kind = "plain"
-    return _Footing(
-        x=(edge - depth / 2, depth / 2 - behind),
-        y=(aside - width / 2, width / 2 - aside),
-        top=make_top(width, depth, (height - plan.top, height), kind, radius, moulded=plan.moulded),
-    )
-
-
-def _build_frame(rng: np.random.Generator, plan: _Plan) -> Assembly:
-    """Four legs under a top: drawers or an apron between them, a shelf or stretchers below, or castors."""
-    width, _, height = plan.size
-    low, high = 0.0, height - plan.top
-    footing = _draw_footing(rng, plan)
-    x, y = footing.x, footing.y
-    built = Assembly(footing.top)
-    rolling = high < 0.55 and rng.random() < 0.35
-    long = rolling and width > 0.95 and rng.random() < 0.2  # three pairs of legs and no drawers
-    if rolling:
-        swivel, radius = bool(rng.random() < 0.3) or long, choose(rng, 0.022, 0.03)
-        stand = make_castors(x, y, radius, swivel=swivel, pairs=3 if long else 2)
-        low = stand.height
-        built += stand
-    leg = plan.leg_width
-    upright = make_legs(x, y, high - low, kind=plan.leg, width=leg, finish="leg", middle=long)
-    legs = lift(upright, low)
-    built += Assembly(legs)
-    closed = not long and rng.random() < (2 * CLOSED if width < 0.7 else CLOSED)
-    inner = narrow(y, leg)
-    room = inner[1] - inner[0]
-    drawers = int(rng.choice(5, p=(0.15, 0.5, 0.22, 0.1, 0.03))) if width > 0.4 else 1
-    drawers = min(max(drawers, int(np.ceil(room / 1.05))) if drawers and not long else 0, int(room / 0.24))
-    deep = choose(rng, 0.085, min(0.15, 0.35 * (high - low) + 0.02))
-    arch = choose(rng, 0.03, 0.06) if rng.random() < ARCHED and not long and room > 0.25 else 0.0
-    behind = x[1] - max(0.25 * leg + WALL, 0.5 * leg + PANEL / 2)  # x of the rear boards
-    if drawers:
-        girded = closed or rng.random() < GIRDED
-        back = min(x[0] + choose(rng, 0.45, 1.0) * (x[1] - x[0]), behind if girded else x[1])
-        space = Space(x=(x[0], back), y=inner, z=(high - deep, high))
-        built += _hang_drawers(drawers, space, plan.looks, rng)
-        if girded and not closed:
-            built += Assembly(make_apron(x, y, (high - deep, high), leg, sides=("back", "right", "left")))
-        if arch:
-            start = x[0] + max(plan.looks.thickness + GAP, 0.25 * leg)
-            edge = (high - deep - 0.012, high - deep)
-            built += Assembly(make_arch((start, start + WALL), inner, edge, arch))
-    elif rng.random() < 0.75:
-        sides = SIDES[:1] if closed else SIDES
-        built += Assembly(make_apron(x, y, (high - 0.6 * deep, high), leg, sides=sides, arch=arch))
-    at = low + choose(rng, 0.25, 0.4) * (high - low)
-    shelved = rng.random() < (0.65 if high < 0.6 else 0.12)
-    if shelved:
-        built += Assembly(parts=(make_shelf(legs, at),))
-    elif not long and rng.random() < STRETCHED:
-        kind = choose_one(rng, STRETCHER_KINDS)
-        built += Assembly(make_stretchers(legs, 0.7 * at + 0.3 * low, 0.48 * leg, kind))
-    if closed:
-        built += Assembly(make_panels(legs, (at + 0.02 if shelved else at, high)))
-    return built
-
-
-def _hang_drawers(count: int, space: Space, looks: Looks, rng: np.random.Generator) -> Assembly:
-    """One or sometimes two rows of drawers in a low carcass."""
-    drawer: Node = Cell(fill="drawer")
-    if space.height > 0.17 and rng.random() < 0.3:
-        drawer = Split(along="rows", shares=(1.0, 1.0), children=(drawer, drawer), board=False)
-    node = drawer
-    if count > 1:
-        shares = (1.0,) * count if count != 3 or rng.random() < 0.6 else (1.0, 1.6, 1.0)
-        node = Split(along="columns", shares=shares, children=(drawer,) * count)
-    return make_cabinet(node, space, looks)
-
-
-def _build_desk(rng: np.random.Generator, plan: _Plan) -> Assembly:
-    """A top on pedestals, side panels or legs, with a modesty board and sometimes drawers between them."""
-    width, depth, height = plan.size
-    high = height - plan.top
-    reach = plan.looks.reach
-    x, y = (reach - depth / 2, depth / 2), (0.015 - width / 2, width / 2 - 0.015)
-    wide = choose(rng, 0.32, 0.46) * float(np.clip(width / 1.3, 0.85, 1.1))
-    both = width > 1.25 and rng.random() < 0.5
-    built = Assembly(_make_top(plan))
-    lifted = float(rng.choice((0.0, 0.06, 0.12)))
-    spans = [(y[1] - wide, y[1]), (y[0], y[0] + wide)] if both else [(y[1] - wide, y[1])]
-    first: Node | None = None
-    for index, span in enumerate(spans):
-        space = Space(x=x, y=span, z=(lifted, high))
-        looks = replace(plan.looks, carcass=replace(plan.looks.carcass, lid=lifted > 0))
-        node = first if first is not None and rng.random() < 0.6 else draw_layout(rng, space, looks, PEDESTAL)
-        first = node
-        built += make_cabinet(node, space, looks, prefix="ab"[index])
-        if lifted:
-            under = (x[0] + 0.03, x[1])
-            built += Assembly(make_legs(under, span, lifted, kind=plan.leg, width=0.04, finish="leg"))
-    free = (y[0] + wide if both else y[0], y[1] - wide)
-    if not both:
-        board = 0.03 if rng.random() < 0.5 else plan.leg_width
-        end, deep = (y[0], y[0] + board), (x[0] + 0.02, x[1])
-        if board == 0.03:
-            built += Assembly((block(deep, end, (0.0, high), "body"),))
-        else:
-            across = (y[0], y[0] + 3 * board)
-            legs = make_legs(deep, across, high, kind="square", width=board, finish="leg")
-            built += Assembly(legs[::2])
-        free = (end[1], free[1])
-    if rng.random() < 0.7:
-        low = high - choose(rng, 0.2, 0.4)
-        board = Space(x=(x[1] - 0.06, x[1] - 0.042), y=free, z=(low, high))
-        built += Assembly((board.fill("body"),))
-    if rng.random() < 0.45 and free[1] - free[0] > 0.35:
-        space = Space(x=(x[0], x[1] - 0.1), y=free, z=(high - choose(rng, 0.09, 0.12), high))
-        count = 2 if free[1] - free[0] > 0.9 and rng.random() < 0.6 else 1
-        hung = _hang_drawers(count, space, plan.looks, rng)
-        built += Assembly(hung.pieces, [_rename(part, "c") for part in hung.parts])
-    return built
-
-
-def _build_laid(plan: _Plan, layout: Layout) -> Assembly:
+def _build_laid(plan: TablePlan, layout: Layout) -> Assembly:
     """A top on the columns of a given layout."""
     width, depth, height = plan.size
     under = Underside(
@@ -291,15 +101,10 @@ def _build_laid(plan: _Plan, layout: Layout) -> Assembly:
         width=0.04,
         lifted=layout.stand_height or 0.0,
     )
-    return Assembly(_make_top(plan)) + build_under_top(layout.node, under)
+    return Assembly(make_plain_top(plan)) + build_under_top(layout.node, under)
 
 
-def _rename(part: ShapePart, tag: str) -> ShapePart:
-    parent = part.parent if part.parent == "body" else f"{tag}_{part.parent}"
-    return replace(part, name=f"{tag}_{part.name}", parent=parent)
-
-
-def _build_sink(rng: np.random.Generator, plan: _Plan) -> Assembly:
+def _build_sink(rng: np.random.Generator, plan: TablePlan) -> Assembly:
     """A worktop with a basin over a cabinet or an open frame; the height includes the tap."""
     width, depth, total = plan.size
     high = total - TAP_HEIGHT - plan.top
@@ -329,7 +134,7 @@ def _widest_column(node: Node, space: Space, looks: Looks) -> Range:
     return max((cell.y for cell in cells), key=lambda span: round(span[1] - span[0], 6))
 
 
-def _build_screw(rng: np.random.Generator, plan: _Plan) -> Assembly:
+def _build_screw(rng: np.random.Generator, plan: TablePlan) -> Assembly:
     return build_screw_table(rng, plan.size, plan.top, turned=plan.leg in ("turned", "cabriole"))
 
 
@@ -339,16 +144,16 @@ class _Kind:
 
     weight: float
     spans: Spans
-    build: Callable[[np.random.Generator, _Plan], Assembly]
+    build: Callable[[np.random.Generator, TablePlan], Assembly]
     round: bool = False
 
 
 KINDS: dict[str, _Kind] = {
-    "dining": _Kind(2.0, ((0.8, 2.0), (0.65, 1.0), (0.7, 0.78)), _build_frame),
-    "side": _Kind(2.2, ((0.35, 0.65), (0.32, 0.5), (0.42, 0.68)), _build_frame),
-    "coffee": _Kind(2.0, ((0.7, 1.3), (0.45, 0.75), (0.32, 0.5)), _build_frame),
-    "console": _Kind(1.4, ((0.8, 1.6), (0.3, 0.45), (0.7, 0.9)), _build_frame),
-    "desk": _Kind(3.4, ((0.95, 1.8), (0.5, 0.8), (0.7, 0.78)), _build_desk),
+    "dining": _Kind(2.0, ((0.8, 2.0), (0.65, 1.0), (0.7, 0.78)), build_frame),
+    "side": _Kind(2.2, ((0.35, 0.65), (0.32, 0.5), (0.42, 0.68)), build_frame),
+    "coffee": _Kind(2.0, ((0.7, 1.3), (0.45, 0.75), (0.32, 0.5)), build_frame),
+    "console": _Kind(1.4, ((0.8, 1.6), (0.3, 0.45), (0.7, 0.9)), build_frame),
+    "desk": _Kind(3.4, ((0.95, 1.8), (0.5, 0.8), (0.7, 0.78)), build_desk),
     "sink": _Kind(1.0, ((0.55, 1.3), (0.52, 0.66), (1.09, 1.21)), _build_sink),
     "screw": _Kind(1.1, ((0.45, 0.9), (0.45, 0.9), (0.45, 0.78)), _build_screw, round=True),
 }

@@ -6,7 +6,7 @@ from pathlib import Path
 import torch
 from torch import Tensor, nn
 
-from artigen.errors import SourceError
+from artigen.errors import SourceError, list_some
 
 SHOWN_KEYS = 6
 """Most keys that an error lists."""
@@ -62,11 +62,6 @@ def require_fit(faults: Mapping[str, Sequence[str]], said: str) -> None:
     Raises:
         SourceError: If there are any; lists them.
     """
-    wrong = [f"{len(keys)} {what} ({_list(keys)})" for what, keys in faults.items() if keys]
+    wrong = [f"{len(keys)} {what} ({list_some(keys, SHOWN_KEYS)})" for what, keys in faults.items() if keys]
     if wrong:
         raise SourceError(f"{said}: {'; '.join(wrong)}")
-
-
-def _list(keys: Sequence[str]) -> str:
-    more = f" and {len(keys) - SHOWN_KEYS} more" if len(keys) > SHOWN_KEYS else ""
-    return ", ".join(keys[:SHOWN_KEYS]) + more

@@ -11,6 +11,7 @@ class Stopwatch:
         self._last = time.perf_counter()
 
     def lap(self, name: str) -> None:
+        """Ends the stage ``name``."""
         now = time.perf_counter()
         self.laps.append((name, now - self._last))
         self._last = now

@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from artigen.shapes.fittings.outlines import Outline, build_loft
 from artigen.shapes.fittings.tubes import bend_elbow
-from artigen.shapes.primitives import SEGMENTS, Primitive, place_vertices
+from artigen.shapes.primitives import SEGMENTS, Primitive, as_vector, place_vertices
 from artigen.sketch.piece import (
     CORNER_ENDS,
     CORNERS,
@@ -16,7 +16,6 @@ from artigen.sketch.piece import (
     TOLERANCE,
     Piece,
     across,
-    as_vector,
     lined_inward,
 )
 from artigen.sketch.solid_pieces import find_surface, is_same, measure_cuts

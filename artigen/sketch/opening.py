@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float, Int
 from artigen.shapes.shape import Shape
 from artigen.sketch.contact import Bodies
 from artigen.sketch.tree import Tree
-from artigen.transforms import frame_along
+from artigen.transforms import frame_along, thin_direction
 from artigen.types import Joint, PartLabel
 
 SIGHT_LINES = 200
@@ -101,7 +101,7 @@ def measure_hinge(bodies: Bodies, opener: Opener) -> tuple[float, float]:
     """Distance (m) of a hinge from the nearer edge of its door, and the largest allowed distance."""
     axis, origin = opener.joint.axis, opener.joint.origin
     points = bodies.vertices[opener.panel if len(opener.panel) else opener.body].reshape(-1, 3)
-    normal = _thin_direction(points - (points.min(axis=0) + points.max(axis=0)) / 2)
+    normal = thin_direction(points - (points.min(axis=0) + points.max(axis=0)) / 2)
     if abs(normal @ axis) > _PARALLEL:
         return 0.0, np.inf
     across = np.cross(normal, axis)
@@ -170,7 +170,7 @@ def _way_out(bodies: Bodies, opener: Opener, grip: Float[np.ndarray, "3"]) -> Fl
         return way
     points = bodies.vertices[opener.panel].reshape(-1, 3)
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    normal = _thin_direction(points - middle)
+    normal = thin_direction(points - middle)
     if abs(normal @ way) > _PARALLEL:
         return way
     return normal if (grip - middle) @ normal >= 0.0 else -normal
@@ -224,14 +224,6 @@ def _pass_through(
     enter = np.where(flat, np.where(height > 0, np.inf, -np.inf), np.where(slope < 0, at, -np.inf))
     leave = np.where(~flat & (slope > 0), at, np.inf)
     return enter.max(axis=1, initial=-np.inf), leave.min(axis=1, initial=np.inf)
-
-
-def _thin_direction(points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "3"]:
-    """Axis of least extent of centred points; a principal direction if no axis is clearly the thinnest."""
-    extents = np.ptp(points, axis=0)
-    if extents.min() < 0.5 * np.sort(extents)[1]:
-        return np.eye(3)[int(extents.argmin())]
-    return np.linalg.svd(points, full_matrices=False)[2][2]
 
 
 def _measure_gaps(

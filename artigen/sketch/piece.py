@@ -151,11 +151,6 @@ class Surface(TypedDict):
     lined: int | None
 
 
-def as_vector(values: Float[np.ndarray, "3"]) -> Vector:
-    """A point as a tuple of floats."""
-    return float(values[0]), float(values[1]), float(values[2])
-
-
 def lined_inward(primitive: Primitive) -> Surface:
     """Surface of a piece around a hollow, lined inwards if its primitives are lined."""
     lined = None if primitive.lining is None else INWARD

@@ -8,8 +8,8 @@ from jaxtyping import Float
 
 from artigen.shapes.appliances.rings import build_pierced_plate
 from artigen.shapes.appliances.rings import build_ring as build_wedges
-from artigen.shapes.primitives import Primitive, move, place_vertices, rounded_box
-from artigen.sketch.piece import INWARD, MIN_WEDGES, TOLERANCE, Piece, across, as_vector, lined_inward
+from artigen.shapes.primitives import Primitive, as_vector, move, place_vertices, rounded_box
+from artigen.sketch.piece import INWARD, MIN_WEDGES, TOLERANCE, Piece, across, lined_inward
 from artigen.sketch.solid_pieces import find_bevel, is_same
 
 PLATE_SIDES = 12

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.shapes.fittings.outlines import trace_corners
-from artigen.shapes.primitives import Primitive, cylinder, place_vertices, polytope, rounded_box
+from artigen.shapes.primitives import Primitive, as_vector, cylinder, place_vertices, polytope, rounded_box
 from artigen.sketch.piece import (
     CORNER_ENDS,
     CORNERS,
@@ -19,7 +19,6 @@ from artigen.sketch.piece import (
     Surface,
     UnknownSolid,
     across,
-    as_vector,
 )
 
 Points = Float[np.ndarray, "V 3"]

@@ -8,10 +8,10 @@ from typing import Any
 from artigen.errors import ArtigenError
 from artigen.io import write_whole
 
-from .goal import Goal, ItemGoal, JointGoal, Region
+from .goal import BaseGoal, Goal, ItemGoal, JointGoal, LiftGoal, Region
 
 GOALS_FILE = "goals.json"
-FORMAT, VERSION = "artigen-goals", 1
+FORMAT, VERSION = "artigen-goals", 2
 
 
 class GoalFileError(ArtigenError):
@@ -49,6 +49,11 @@ def _goal(entry: dict[str, Any]) -> Goal:
         family=entry["family"],
         joints=tuple(JointGoal(**each) for each in entry["joints"]),
         items=tuple(_item(each) for each in entry["items"]),
+        lifts=tuple(LiftGoal(**each) for each in entry["lifts"]),
+        bases=tuple(
+            BaseGoal(places=tuple((float(x), float(y)) for x, y in each["places"]), reach=each["reach"])
+            for each in entry["bases"]
+        ),
         start=tuple((name, joint, float(q)) for name, joint, q in entry["start"]),
     )
 

@@ -6,7 +6,8 @@ from it by the kinematics of the packages.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from math import dist
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float
@@ -17,8 +18,8 @@ from envs.rooms.room import Room, pose_matrix_of
 from envs.rooms.solids import item_poses
 from sim_export.motion.kinematics import link_displacements
 
-Family = Literal["open", "pull", "close", "shut", "put_in", "take_out", "put_on", "load"]
-FAMILIES: tuple[Family, ...] = ("open", "pull", "close", "shut", "put_in", "take_out", "put_on", "load")
+Family = Literal["open", "pull", "close", "shut", "go", "pick", "put_in", "take_out", "put_on", "load"]
+FAMILIES: tuple[Family, ...] = get_args(Family)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,8 +52,24 @@ class ItemGoal:
 
 
 @dataclass(frozen=True, kw_only=True)
+class LiftGoal:
+    """The lowest point of a loose thing is to be at least as high (m) in the room."""
+
+    item: str
+    height: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class BaseGoal:
+    """The middle of a robot's base is to be within ``reach`` (m) of one of some places (x, y) in the room."""
+
+    places: tuple[tuple[float, float], ...]
+    reach: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Goal:
-    """What is to be done, in words, and when it is.
+    """What is to be done, in words, and when it is: all conditions hold.
 
     ``start`` are coordinates (object, joint, rad or m) that differ from those of the room when it begins.
     """
@@ -61,15 +78,19 @@ class Goal:
     family: Family
     joints: tuple[JointGoal, ...] = ()
     items: tuple[ItemGoal, ...] = ()
+    lifts: tuple[LiftGoal, ...] = ()
+    bases: tuple[BaseGoal, ...] = ()
     start: tuple[tuple[str, str, float], ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class State:
-    """Coordinates by object and joint (rad or m; others are at 0), and poses of things in the room."""
+    """Coordinates by object and joint (rad or m; others are at 0), poses of things in the room, and the
+    middle of the robot's base (x, y); None without a robot."""
 
     joints: Mapping[tuple[str, str], float]
     items: Mapping[str, Float[np.ndarray, "4 4"]]
+    base: tuple[float, float] | None = None
 
 
 def start_room(room: Room, goal: Goal) -> Room:
@@ -94,7 +115,12 @@ def is_reached(goal: Goal, room: Room, state: State) -> bool:
     at = all(
         each.low <= state.joints.get((each.object, each.joint), 0.0) <= each.high for each in goal.joints
     )
-    return at and all(_is_placed(each, room, state) for each in goal.items)
+    lifted = all(state.items[each.item][2, 3] >= each.height for each in goal.lifts)
+    there = all(
+        state.base is not None and min(dist(state.base, place) for place in each.places) <= each.reach
+        for each in goal.bases
+    )
+    return at and lifted and there and all(_is_placed(each, room, state) for each in goal.items)
 
 
 def _is_placed(goal: ItemGoal, room: Room, state: State) -> bool:

@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from mujoco import MjData
 
 
-def read_mujoco_state(room: Room, data: "MjData") -> State:
-    """Coordinates of all joints and poses of all things of the room of a ``scene.xml``."""
+def read_mujoco_state(room: Room, data: "MjData", base: str | None = None) -> State:
+    """Coordinates of all joints and poses of all things of the room of a ``scene.xml``, and where the body
+    ``base`` of a robot is."""
     joints = {
         (placement.id, joint.name): float(data.joint(f"{placement.id}/{joint.name}").qpos[0])
         for placement in room.placements
@@ -31,4 +32,5 @@ def read_mujoco_state(room: Room, data: "MjData") -> State:
         T = np.eye(4)
         T[:3, :3], T[:3, 3] = matrix_from_quat(np.array(qpos[3:])), qpos[:3]
         items[item.id] = T
-    return State(joints=joints, items=items)
+    at = None if base is None else data.body(base).xpos
+    return State(joints=joints, items=items, base=None if at is None else (float(at[0]), float(at[1])))

@@ -107,8 +107,14 @@ def _where_is(room: Room, objects: Mapping[str, str], item: Item) -> str:
         zone = zone_of(room, item.id)
         below = "floor" if item.position[2] < LOW else "worktop"
         return f"on the {below}" + (f" of the {spell_zone(zone)}" if zone else "")
-    top = float(read_footprint(room.placement(item.holder).package).body[1, 2])
-    return f"{'on' if item.position[2] > top - EDGE else 'in'} the {objects[item.holder]}"
+    return f"{'in' if is_inside(room, item) else 'on'} the {objects[item.holder]}"
+
+
+def is_inside(room: Room, item: Item) -> bool:
+    """Whether a thing lies in an object: below its top."""
+    if item.holder is None:
+        return False
+    return item.position[2] <= float(read_footprint(room.placement(item.holder).package).body[1, 2]) - EDGE
 
 
 def _color_of(item: Item) -> str:

@@ -1,8 +1,9 @@
-"""Samples goals from what a room has: eight families, each goal with words that refer to nothing else."""
+"""Samples goals from what a room has: ten families, each goal with words that refer to nothing else."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import dist
 
 import numpy as np
 
@@ -12,14 +13,28 @@ from envs.rooms.check import overlapping
 from envs.rooms.compartments import Compartment, cached_compartments
 from envs.rooms.footprints import cached_package, read_footprint
 from envs.rooms.furnish import BARE_ROLES
+from envs.rooms.map import drive_map, start_place, way_to
 from envs.rooms.recipes import DISHWASHER, DOOR, FRIDGE, WASHER, WINDOW
 from envs.rooms.room import Item, Placement, Room
+from envs.rooms.solids import item_poses
 from envs.rooms.sweeps import opening_joints
 from envs.rooms.things import thing_hulls
 from sim_export.package import SimPackage
 
-from .goal import FAMILIES, Family, Goal, ItemGoal, JointGoal, Region, is_reached, start_room, state_of
-from .names import name_items, name_objects, name_part, zone_of
+from .goal import (
+    FAMILIES,
+    BaseGoal,
+    Family,
+    Goal,
+    ItemGoal,
+    JointGoal,
+    LiftGoal,
+    Region,
+    is_reached,
+    start_room,
+    state_of,
+)
+from .names import is_inside, name_items, name_objects, name_part, zone_of
 
 GOALS = 40
 """Number of goals that are written for a room."""
@@ -40,6 +55,10 @@ LOADS: dict[str, tuple[str, ...]] = {
 }
 """Things that are loaded into what fills a role."""
 MOST_LOADED = 2
+LIFT, GRASP = 0.1, 0.075
+"""Height (m) by which a thing is picked up, and largest width (m) of what a gripper picks up."""
+NEAR = 0.25
+"""Distance (m) of a robot's base from a standing place of an object at which the robot is at it."""
 LARGE = 0.4
 """Length (m) from which things are furniture, which stays where it is."""
 UNNAMED = frozenset({WINDOW.name})
@@ -107,7 +126,8 @@ def sample_goals(room: Room, seed: int, count: int) -> tuple[Goal, ...]:
 
 def _begins(goal: Goal, room: Room) -> bool:
     """Whether the goal is not reached in its first state, in which what was opened for it touches nothing."""
-    started, named = start_room(room, goal), {each.item for each in goal.items}
+    started = start_room(room, goal)
+    named = {each.item for each in (*goal.items, *goal.lifts)}
     asked = replace(started, contents=tuple(item for item in started.contents if item.id in named))
     if is_reached(goal, asked, state_of(asked)):
         return False
@@ -241,6 +261,28 @@ def _near(scene: _Scene, rng: np.random.Generator, placement: Placement) -> list
     return [items[index] for index in rng.permutation(len(items))]
 
 
+def _go_goals(scene: _Scene, rng: np.random.Generator) -> Iterator[Goal]:
+    """Objects that a robot reaches with all doors as they are."""
+    start, reach = start_place(scene.room), drive_map(scene.room)
+    for placement in _shuffled(rng, scene.room):
+        places = tuple(place for place in placement.standing if way_to(reach, place) < NEAR)
+        if places and min(dist(start, place) for place in places) > 2.0 * NEAR:
+            words = f"go to the {scene.objects[placement.id]}"
+            yield Goal(words=words, family="go", bases=(BaseGoal(places=places, reach=NEAR),))
+
+
+def _pick_goals(scene: _Scene, rng: np.random.Generator) -> Iterator[Goal]:
+    """Things in the open that a gripper closes around."""
+    poses = item_poses(scene.room)
+    for index in rng.permutation(len(scene.room.contents)):
+        item = scene.room.contents[index]
+        if item.id not in scene.items or min(item.size[:2]) > GRASP or is_inside(scene.room, item):
+            continue
+        height = round(float(poses[item.id][2, 3]) + LIFT, 6)
+        lift = LiftGoal(item=item.id, height=height)
+        yield Goal(words=f"pick up {scene.items[item.id]}", family="pick", lifts=(lift,))
+
+
 def _put_in_goals(scene: _Scene, rng: np.random.Generator) -> Iterator[Goal]:
     for placement in _shuffled(rng, scene.room):
         for where, compartments in _targets(scene, placement):
@@ -323,6 +365,8 @@ MAKERS: dict[Family, Callable[[_Scene, np.random.Generator], Iterator[Goal]]] = 
     "pull": _pull_goals,
     "close": _close_goals,
     "shut": _shut_goals,
+    "go": _go_goals,
+    "pick": _pick_goals,
     "put_in": _put_in_goals,
     "take_out": _take_out_goals,
     "put_on": _put_on_goals,

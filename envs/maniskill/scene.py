@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import sapien
 import torch
-from mani_skill.agents.robots.fetch import FETCH_WHEELS_COLLISION_BIT
+from mani_skill.agents.robots.fetch import FETCH_BASE_COLLISION_BIT, FETCH_WHEELS_COLLISION_BIT
 from mani_skill.envs.sapien_env import BaseEnv
 from mani_skill.sensors.camera import CameraConfig
 from mani_skill.utils import sapien_utils
@@ -115,8 +115,9 @@ class RoomSceneBuilder(SceneBuilder):
         actor = load_fixture(
             self.scene, fixture, f"{fixture.name}-{index}", index, Path(self._covers.name) / str(index)
         )
-        if fixture.name.startswith("floor"):
-            actor.set_collision_group_bit(group=2, bit_idx=FETCH_WHEELS_COLLISION_BIT, bit=1)
+        if fixture.name.startswith(("floor", "rug")):  # Fetch's base has no joint upwards
+            for bit in (FETCH_WHEELS_COLLISION_BIT, FETCH_BASE_COLLISION_BIT):
+                actor.set_collision_group_bit(group=2, bit_idx=bit, bit=1)
         return actor
 
 
@@ -257,9 +258,11 @@ class RoomEnv(BaseEnv):
             .pose.to_transformation_matrix()[0]
             .cpu()
             .numpy()
-            for each in goal.items
+            for each in (*goal.items, *goal.lifts)
         }
-        return State(joints=joints, items=items)
+        links = self.agent.robot.links_map
+        x, y, _ = links.get("base_link", self.agent.robot.root).pose.p[index].tolist()
+        return State(joints=joints, items=items, base=(x, y))
 
     def get_language_instruction(self) -> list[str]:
         """The words of each scene's goal."""

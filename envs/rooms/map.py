@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy import ndimage
+from scipy import ndimage, sparse
+from scipy.sparse import csgraph
 
 from .room import ROBOT_HEIGHT, Room, along_wall
 from .solids import Solid, fixture_solids, object_solids, standing_solids
@@ -61,9 +62,38 @@ def way_to(reach: Bool[np.ndarray, "X Y"], point: Point) -> float:
     return float(_distances(np.argwhere(reach), point).min())
 
 
+def find_path(reach: Bool[np.ndarray, "X Y"], start: Point, goal: Point) -> Float[np.ndarray, "N 2"]:
+    """Middles of the cells on the shortest way over reachable cells, between those nearest to two points;
+    steps beside cells that are not reachable count three times."""
+    cells = np.argwhere(reach)
+    number = np.full(np.add(reach.shape, 2), -1)
+    number[1:-1, 1:-1][reach] = np.arange(len(cells))
+    cost = np.where(ndimage.binary_erosion(reach, np.ones((3, 3))), 1.0, 3.0)[reach]
+    rows, columns, weights = [], [], []
+    for step in ((1, 0), (0, 1), (1, 1), (1, -1)):
+        beside = number[cells[:, 0] + 1 + step[0], cells[:, 1] + 1 + step[1]]
+        known = np.flatnonzero(beside >= 0)
+        rows.append(known)
+        columns.append(beside[known])
+        weights.append(np.hypot(*step) * (cost[known] + cost[beside[known]]) / 2.0)
+    edges = np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns))
+    graph = sparse.coo_matrix(edges, shape=(len(cells), len(cells)))
+    first, last = (int(np.argmin(_distances(cells, point))) for point in (start, goal))
+    _, before = csgraph.dijkstra(graph.tocsr(), directed=False, indices=last, return_predecessors=True)
+    way = [first]
+    while way[-1] != last and before[way[-1]] >= 0:
+        way.append(int(before[way[-1]]))
+    return (cells[way] + 0.5) * CELL
+
+
 def _distances(cells: Int[np.ndarray, "N 2"], point: Point) -> Float[np.ndarray, "N"]:
     """Distances (m) of the centres of cells from a point."""
     return np.linalg.norm((cells + 0.5) * CELL - np.asarray(point), axis=1)
+
+
+def drive_map(room: Room) -> Bool[np.ndarray, "X Y"]:
+    """Cells that a robot reaches from the entrance with all joints as they are in the room."""
+    return reachable_map(room, object_solids(room) + fixture_solids(room) + standing_solids(room))
 
 
 def start_place(room: Room) -> tuple[float, float]:
@@ -72,9 +102,7 @@ def start_place(room: Room) -> tuple[float, float]:
     Raises:
         ValueError: If there is none.
     """
-    cells = np.argwhere(
-        reachable_map(room, object_solids(room) + fixture_solids(room) + standing_solids(room))
-    )
+    cells = np.argwhere(drive_map(room))
     if not len(cells):
         raise ValueError(f"no free place for a robot in the {room.kind}")
     x, y = cells[int(np.argmin(_distances(cells, entrance_point(room))))]

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from artigen.transforms import frame_along, transform_points
+from artigen.transforms import frame_along, thin_direction, transform_points
 from artigen.types import Joint
 from sim_export.checks.config import CheckConfig
-from sim_export.checks.opening import PARALLEL, opening_joints, panel_points, thin_direction, velocity_at
+from sim_export.checks.opening import PARALLEL, opening_joints, panel_points, velocity_at
 from sim_export.checks.registry import CheckSpec, Finding, at_most
 from sim_export.checks.subject import Shape, Subject
 from sim_export.files.grasp_values import grasps_from_json

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from artigen.transforms import line_distance
+from artigen.transforms import line_distance, thin_direction
 from artigen.types import Joint
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, at_least, count_problems
@@ -157,14 +157,6 @@ def door_panel(subject: Subject, joint: Joint) -> Panel | None:
         thickness=float(np.ptp(points @ normal)),
         hinge=float(joint.origin @ across),
     )
-
-
-def thin_direction(points: np.ndarray) -> np.ndarray:
-    """Axis of least extent of points; a principal direction if no axis is clearly the thinnest."""
-    extents = np.ptp(points, axis=0)
-    if extents.min() < 0.5 * np.sort(extents)[1]:
-        return np.eye(3)[extents.argmin()]
-    return np.linalg.svd(points, full_matrices=False)[2][2]
 
 
 def hinge_offset(panel: Panel, cfg: CheckConfig) -> tuple[float, float]:

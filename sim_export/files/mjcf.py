@@ -14,7 +14,7 @@ from collections import Counter
 import numpy as np
 from jaxtyping import Float
 
-from artigen.files.wavefront import NO_MATERIAL, MtlMaterial
+from artigen.files.mtl import NO_MATERIAL, MtlMaterial
 from artigen.shapes.surfaces.physical import mirrored_head_on
 from artigen.transforms import frame_along, quat_from_matrix
 from artigen.types import Joint

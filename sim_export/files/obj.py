@@ -15,8 +15,9 @@ import numpy as np
 from jaxtyping import UInt8
 
 from artigen.errors import SourceError
-from artigen.files import urdf, wavefront
-from artigen.files.wavefront import MtlMaterial, ObjText
+from artigen.files import mtl, urdf, wavefront
+from artigen.files.mtl import MtlMaterial
+from artigen.files.wavefront import ObjText
 from artigen.shapes.surfaces.physical import Material, mirrored_head_on
 from sim_export.errors import PackageError
 from sim_export.geometry.hulls import convex_hull
@@ -178,10 +179,10 @@ def parse_obj(path: Path) -> ObjText:
         return wavefront.parse_obj(path)
 
 
-def parse_mtl(path: Path) -> dict[str, wavefront.MtlMaterial]:
+def parse_mtl(path: Path) -> dict[str, MtlMaterial]:
     """The materials of an MTL file."""
     with _as_package():
-        return wavefront.parse_mtl(path)
+        return mtl.parse_mtl(path)
 
 
 def parse_urdf(path: Path, text: str | None = None) -> urdf.UrdfFile:

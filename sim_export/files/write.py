@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
-from artigen.files.wavefront import clean_name
+from artigen.files.mtl import clean_name
 from artigen.splats.motion import transform_gaussians
 from artigen.splats.ply import encode_ply
 from artigen.transforms import shift

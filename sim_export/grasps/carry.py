@@ -29,7 +29,7 @@ CARRIED = 0.95
 """Share of a stroke to which the gripper is carried if that ends at the joint's limit: it shall not press."""
 QUARTER = np.pi / 2.0
 """Range (rad) of joints without limits."""
-POSES = 17
+POSES = 25
 """Poses of a joint at which the gripper's room is measured."""
 CLEAR = 0.002
 """Clearance (m) of the gripper."""
@@ -81,6 +81,12 @@ class Way:
         """Index of the target's link."""
         return [link.name for link in self.package.links].index(self.target.link)
 
+    @cached_property
+    def root(self) -> int:
+        """Index of the link that stands."""
+        carried = {joint.child for joint in self.package.joints}
+        return next(k for k, link in enumerate(self.package.links) if link.name not in carried)
+
     @property
     def own(self) -> tuple[Hull, ...]:
         """Hulls of the target's link."""
@@ -95,38 +101,44 @@ class Way:
         low = min(hull.vertices[:, 2].min() for link in self.package.links for hull in link.hulls)
         return (box_hull(np.array([-FLOOR, -FLOOR, low - 0.05]), np.array([FLOOR, FLOOR, low])),)
 
-    def around(self, hands: Hands, fraction: float, *, moving: bool) -> Solids:
-        """Solids near hands with the joint opened to a fraction, in the frame of the link at rest: all of
-        them, or those that do not move with it."""
+    def along(self, fractions: Sequence[float] | Float[np.ndarray, "K"]) -> Float[np.ndarray, "K L 4 4"]:
+        """Poses of all links, seen from the target's, with its joint opened to fractions of its range."""
+        if self.target.joint is None:
+            return np.tile(np.eye(4), (len(fractions), len(self.package.links), 1, 1))
+        T = carry(self.package, self.target.joint, fractions)
+        return inverse(T[:, self.index])[:, None] @ T
+
+    def around(self, hands: Hands, T: Float[np.ndarray, "L 4 4"], *, moving: bool) -> Solids:
+        """Solids near hands with the links at ``T``: all of them, or those that do not move with the target,
+        and the floor."""
         center = (hands.T[:, :3, 3].min(axis=0) + hands.T[:, :3, 3].max(axis=0)) / 2.0
         reach = float(np.linalg.norm(hands.T[:, :3, 3] - center, axis=1).max()) + REACH + ARRIVAL
-        if self.target.joint is None:
-            return near_solids([*self.own, *self.floor], np.eye(4), center, reach)
-        T = carry(self.package, self.target.joint, [fraction])[0]
-        back = inverse(T[self.index])
-        with_link = hanging_links(self.package.joints, self.target.link) if moving else frozenset()
-        found = list(near_solids(self.floor, back, center, reach).hulls)
-        for link, pose in zip(self.package.links, T, strict=True):
-            if link.name not in with_link:
-                found += near_solids(link.hulls, back @ pose, center, reach).hulls
-        return Solids(hulls=tuple(found))
+        joints, link = self.package.joints, self.target.link
+        with_link = hanging_links(joints, link) if moving else frozenset()
+        hulls, poses = list(self.floor), [T[self.root]] * len(self.floor)
+        for each, pose in zip(self.package.links, T, strict=True):
+            if each.name not in with_link:
+                hulls += each.hulls
+                poses += [pose] * len(each.hulls)
+        return near_solids(hulls, np.array(poses).reshape(-1, 4, 4), center, reach)
 
     def arrive(self, hands: Hands, begin: float) -> Hands:
         """The hands with room to come and to close as the joint is opened to ``begin``."""
         if not len(hands):
             return hands
         boxes = arriving_boxes(self.gripper, hands.width, CLEAR)
-        return hands.some(~meet(hands.T, boxes, self.around(hands, begin, moving=False)))
+        return hands.some(~meet(hands.T, boxes, self.around(hands, self.along([begin])[0], moving=False)))
 
     def reach(self, hands: Hands, begin: float) -> Float[np.ndarray, "G"]:
         """Share of the joint's range to which each hand can open it from ``begin``."""
-        ends, alive = np.full(len(hands), begin), np.arange(len(hands))
-        boxes = carried_boxes(self.gripper, hands.width, CLEAR)
         if self.target.joint is None:
             return np.ones(len(hands))
-        for end in np.linspace(begin, 1.0, POSES):
+        ends, alive = np.full(len(hands), begin), np.arange(len(hands))
+        boxes = carried_boxes(self.gripper, hands.width, CLEAR)
+        shares = np.linspace(begin, 1.0, POSES)
+        for end, T in zip(shares, self.along([carried_to(begin, end) for end in shares]), strict=True):
             if len(alive):
-                solids = self.around(hands.some(alive), carried_to(begin, end), moving=True)
+                solids = self.around(hands.some(alive), T, moving=True)
                 alive = alive[~meet(hands.T[alive], boxes[alive], solids)]
                 ends[alive] = end
         return ends

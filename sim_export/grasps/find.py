@@ -5,6 +5,7 @@ moves rigidly with the link; it neither slides nor turns about what it holds. Wh
 whole range of a joint, it opens it in strokes, each as long as it can: after each it lets go and grasps anew.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
 
@@ -23,12 +24,17 @@ ENOUGH = 3
 """Grasps of a stroke that shall be proven."""
 CHOICES = (6, 3, 2, 1)
 """Different grasps from which each stroke may choose; the first number that all strokes have."""
+FINE = 2
+"""Times as many pairs of contacts in a finer search."""
 SEEDS = 24
 """Hands near which more are tried."""
 ROUNDS = 3
-"""Times that this is done."""
-SHORTEST = 0.1
-"""Least share of a joint's range that is worth a stroke."""
+"""Times that poses nearby are tried."""
+SHORTEST = 0.08
+"""Least share of a joint's range that a stroke must open beyond the one before."""
+BACK = (0.0, 0.03, 0.06)
+"""Shares of the range by which a stroke may begin before the place to which the one before is proven to come,
+where there is too little room."""
 KEPT = 12
 
 
@@ -54,37 +60,54 @@ def find_grasps(package: SimPackage, gripper: Gripper) -> tuple[Found, ...]:
 def find_on(package: SimPackage, target: Target, gripper: Gripper) -> tuple[Found, ...]:
     """Grasps of one target, for each of the strokes in which the gripper opens its joint.
 
-    Each stroke has as many of `CHOICES` as every stroke can have. What is no handle is opened in one.
+    A handle without `ENOUGH` for its whole range is searched more finely, for strokes, each of which has as
+    many of `CHOICES` as every one can have. What is no handle is opened in one stroke.
     """
     way = Way(package=package, target=target, gripper=gripper)
-    hands = close_on(package, target, gripper)
-    if hands.reason:
-        return (Found(target=target, grasps=(), reason=hands.reason),)
-    room = cache(partial(_find_room, way, hands))
-    for least in CHOICES:
-        found, begin, end = [], 0.0, 0.0
-        while end < 1.0:
-            here, ends = room(begin)
-            kept, end = _take_farthest(here, ends, least)
-            if end < (1.0 if target.region is None else min(1.0, begin + SHORTEST)):
-                break
-            found.append(_grasps(way, here.some(kept), (begin, end)))
-            begin += PROVEN * (end - begin)
-        else:
-            return tuple(found)
-    count = len(room(0.0)[0])
-    reason = f"the gripper meets something as it opens, in all of {count} poses"
-    if not count:
-        reason = f"the gripper has no room in any of {len(hands)} poses"
+    reason, thorough = "", (FINE, ROUNDS, CHOICES, SHORTEST)
+    searches = ((1, 0, (ENOUGH,), 1.0), thorough) if target.region is not None else ((1, 0, CHOICES, 1.0),)
+    for fine, rounds, choices, shortest in searches:
+        hands = close_on(package, target, gripper, fine)
+        if hands.reason:
+            return (Found(target=target, grasps=(), reason=hands.reason),)
+        room = cache(partial(_find_room, way, hands, rounds))
+        for least in choices:
+            found = _open(way, room, least, shortest)
+            if found:
+                return found
+        count = len(room(0.0)[0])
+        reason = f"the gripper meets something as it opens, in all of {count} poses"
+        if not count:
+            reason = f"the gripper has no room in any of {len(hands)} poses"
     return (Found(target=target, grasps=(), reason=reason),)
 
 
-def _find_room(way: Way, hands: Hands, begin: float) -> tuple[Hands, Float[np.ndarray, "G"]]:
+def _open(
+    way: Way, room: Callable[[float], tuple[Hands, Float[np.ndarray, "G"]]], least: int, shortest: float
+) -> tuple[Found, ...]:
+    """Grasps of every stroke, with ``least`` or more to choose from; none if a stroke has fewer, or does not
+    open the ``shortest`` share of the range beyond the one before."""
+    found, begin, end = [], 0.0, 0.0
+    while end < 1.0:
+        for back in BACK if found else BACK[:1]:
+            hands, ends = room(begin - back)
+            kept, farthest = _take_farthest(hands, ends, least)
+            if farthest >= min(1.0, end + shortest):
+                break
+        else:
+            return ()
+        begin, end = begin - back, farthest
+        found.append(_grasps(way, hands.some(kept), (begin, end)))
+        begin += PROVEN * (end - begin)
+    return tuple(found)
+
+
+def _find_room(way: Way, hands: Hands, rounds: int, begin: float) -> tuple[Hands, Float[np.ndarray, "G"]]:
     """Hands that can take hold of a target as a stroke begins, and to which share of the range they can open
-    its joint. Where too few of them come to the end, poses nearby are tried as well."""
+    its joint. Where too few of them come to the end, poses nearby are tried in some ``rounds``."""
     here = way.arrive(hands, begin)
     ends = way.reach(here, begin)
-    for _ in range(ROUNDS if way.target.region is not None else 0):
+    for _ in range(rounds):
         if _take_farthest(here, ends, CHOICES[0])[1] == 1.0:
             break
         near = here.some(np.argsort(-ends, kind="stable")) if len(here) else hands

@@ -72,6 +72,7 @@ def find_pairs(
     hulls: Sequence[Hull],
     region: Float[np.ndarray, "8 3"] | None = None,
     normal: Float[np.ndarray, "3"] | None = None,
+    fine: int = 1,
 ) -> Pairs:
     """Pairs of contacts on the surface of a union of hulls, within the cone of `FRICTION`.
 
@@ -79,18 +80,19 @@ def find_pairs(
         hulls: Hulls of one link.
         region: Corners of the box in which the first contact lies; everywhere without.
         normal: Direction about which `calipers` are turned; none without.
+        fine: Times as many pairs, and directions of calipers.
     """
     found = _face_pairs(hulls, region)
     if normal is not None:
-        rims = calipers(held_hulls(hulls, region), normal)
+        rims = calipers(held_hulls(hulls, region), normal, fine * PLATES)
         found = Pairs(
             **{name: np.concatenate([value, vars(found)[name]]) for name, value in vars(rims).items()}
         )
-    return _spread(found.some(found.angle <= np.arctan(FRICTION)))
+    return _spread(found.some(found.angle <= np.arctan(FRICTION)), fine * MOST)
 
 
-def calipers(held: Sequence[Hull], normal: Float[np.ndarray, "3"]) -> Pairs:
-    """Pairs at which two parallel plates about ``normal`` touch each hull, from `PLATES` directions.
+def calipers(held: Sequence[Hull], normal: Float[np.ndarray, "3"], plates: int) -> Pairs:
+    """Pairs at which two parallel plates about ``normal`` touch each hull, from ``plates`` directions.
 
     They touch a face, an edge or a corner in its middle, where their own normal counts. The foremost hull
     comes first.
@@ -98,7 +100,7 @@ def calipers(held: Sequence[Hull], normal: Float[np.ndarray, "3"]) -> Pairs:
     first, second = plane_axes(normal)
     pairs = []
     for hull in sorted(held, key=lambda hull: -float((hull.vertices @ normal).max())):
-        for angle in np.linspace(0.0, np.pi, PLATES, endpoint=False):
+        for angle in np.linspace(0.0, np.pi, plates, endpoint=False):
             across = np.cos(angle) * first + np.sin(angle) * second
             along = hull.vertices @ across
             ends = along < along.min() + SKIN, along > along.max() - SKIN
@@ -181,14 +183,14 @@ def leave(
     return np.where(last >= 0, reach, 0.0), facing[last, np.arange(len(points))]
 
 
-def _spread(pairs: Pairs) -> Pairs:
-    """The first pair of every neighbourhood, in neighbourhoods so large that at most `MOST` are left."""
+def _spread(pairs: Pairs, most: int) -> Pairs:
+    """The first pair of every neighbourhood, in neighbourhoods so large that at most ``most`` are left."""
     spacing, chosen = 0.004, np.arange(len(pairs))
     largest = np.abs(pairs.axis).round(3).argmax(axis=1)[:, None]
     axes = 4.0 * pairs.axis * np.sign(np.take_along_axis(pairs.axis, largest, axis=1))  # of no sense
     while True:
         cells = np.rint(np.c_[pairs.middle[chosen] / spacing, min(1.0, 0.02 / spacing) * axes[chosen]])
         chosen = chosen[np.sort(np.unique(cells, axis=0, return_index=True)[1])]
-        if len(chosen) <= MOST:
+        if len(chosen) <= most:
             return pairs.some(chosen)
         spacing *= 1.3

@@ -29,6 +29,10 @@ SPARE = 0.003
 BULGE = 0.010
 """Farthest (m) beyond a contact that a part without a handle may bulge between the pads."""
 CONE = float(np.cos(np.arctan(FRICTION)))
+INSIDE = np.array(
+    [np.roll(weights, k) for weights in ((0.7, 0.15, 0.15), (0.1, 0.45, 0.45)) for k in range(3)]
+)
+"""Points of every triangle at which pads may touch it, as weights of its corners."""
 EVEN = float(np.cos(np.radians(10.0)))
 """Least cosine between closing direction and faces for poses nearby: pads turn what is not even."""
 JITTERS = 24
@@ -60,13 +64,14 @@ class Hands:
         return Hands(T=T, width=width, angle=angle)
 
 
-def close_on(package: SimPackage, target: Target, gripper: Gripper) -> Hands:
-    """Poses in which a gripper closes on a target; none with the reason."""
+def close_on(package: SimPackage, target: Target, gripper: Gripper, fine: int = 1) -> Hands:
+    """Poses in which a gripper closes on a target, of ``fine`` times as many pairs of contacts; none with the
+    reason."""
     own = next(link.hulls for link in package.links if link.name == target.link)
     if not own:
         return _no_hands("it has no collision shape")
     normal = None if target.normal is None else np.asarray(target.normal)
-    pairs = find_pairs(own, target.region, normal)
+    pairs = find_pairs(own, target.region, normal, fine)
     if not len(pairs):
         return _no_hands("it has no two places that face away from each other")
     spans = pairs.some(pairs.width + 2.0 * SPARE <= gripper.opening)
@@ -148,6 +153,8 @@ def close(
     pad then touches a face at a ``cosine`` or more, or with that of `CONE` a corner with its own face."""
     triangles = hull_triangles(held)
     spread, owner = sample_triangles(triangles, SAMPLES)
+    spread = np.concatenate([spread, (INSIDE @ triangles).reshape(-1, 3)])  # narrow faces have few samples
+    owner = np.concatenate([owner, np.arange(len(triangles)).repeat(len(INSIDE))])
     normals = area_normals(triangles)[owner]
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
     corners = np.concatenate([hull.vertices for hull in held])

@@ -12,39 +12,46 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from artigen.transforms import inverse, transform_points
-from sim_export.geometry.hulls import face_planes, move_hull
+from sim_export.geometry.hulls import face_planes
 from sim_export.package import Hull
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Solids:
-    """Convex solids, prepared for `meet`."""
+    """Convex solids, prepared for `meet`: hulls, and where each of them is moved."""
 
     hulls: tuple[Hull, ...]
+    T: Float[np.ndarray, "H 4 4"]
 
     @cached_property
     def vertices(self) -> Float[np.ndarray, "V 3"]:
         """Vertices of all solids, one after the other."""
-        return np.concatenate([np.zeros((0, 3)), *(hull.vertices for hull in self.hulls)])
+        moved = [transform_points(T, hull.vertices) for T, hull in zip(self.T, self.hulls, strict=True)]
+        return np.concatenate([np.zeros((0, 3)), *moved])
 
     @cached_property
     def starts(self) -> Int[np.ndarray, "H"]:
         """Index of the first vertex of each."""
         return np.cumsum([0, *(len(hull.vertices) for hull in self.hulls)])[:-1]
 
+    def planes(self, index: int) -> Float[np.ndarray, "F 4"]:
+        """Outward normals and offsets of the faces of one solid."""
+        planes, T = face_planes(self.hulls[index]), self.T[index]
+        normals = planes[:, :3] @ T[:3, :3].T
+        return np.c_[normals, planes[:, 3] + normals @ T[:3, 3]]
+
 
 def near_solids(
-    hulls: Sequence[Hull], T: Float[np.ndarray, "*K 4 4"], center: Float[np.ndarray, "3"], reach: float
+    hulls: Sequence[Hull], T: Float[np.ndarray, "H 4 4"], center: Float[np.ndarray, "3"], reach: float
 ) -> Solids:
-    """Hulls displaced by ``T``, one or several times, those of them that come within ``reach`` of a point."""
-    found = []
-    for pose in T.reshape(-1, 4, 4):
-        for hull in hulls:
-            points = transform_points(pose, hull.vertices)
-            away = np.maximum(np.maximum(points.min(axis=0) - center, center - points.max(axis=0)), 0.0)
-            if away @ away < reach**2:
-                found.append(move_hull(hull, pose))
-    return Solids(hulls=tuple(found))
+    """Hulls, each moved by its ``T``, of which a ball around them comes within ``reach`` of a point."""
+    if not hulls:
+        return Solids(hulls=(), T=np.zeros((0, 4, 4)))
+    bounds = np.array([[hull.vertices.min(axis=0), hull.vertices.max(axis=0)] for hull in hulls])
+    middle = np.einsum("hij,hj->hi", T[:, :3, :3], bounds.mean(axis=1)) + T[:, :3, 3]
+    radius = np.linalg.norm(bounds[:, 1] - bounds[:, 0], axis=1) / 2.0
+    near = np.flatnonzero(np.linalg.norm(middle - center, axis=1) < reach + radius)
+    return Solids(hulls=tuple(hulls[index] for index in near.tolist()), T=T[near])
 
 
 def meet(
@@ -61,9 +68,9 @@ def meet(
     for axis in range(3):
         near &= (low[..., axis] < boxes[:, :, None, 1, axis]) & (high[..., axis] > boxes[:, :, None, 0, axis])
     middle, half = boxes.mean(axis=2), (boxes[:, :, 1] - boxes[:, :, 0]) / 2.0
-    for solid in np.flatnonzero(near.any(axis=(0, 1))):
+    for solid in np.flatnonzero(near.any(axis=(0, 1))).tolist():
         rows, box = np.nonzero(near[:, :, solid] & ~hit[:, None])
-        planes = face_planes(solids.hulls[solid])
+        planes = solids.planes(solid)
         normals = planes[:, :3] @ T[rows, :3, :3]  # K F 3, in the grippers' frames
         offset = planes[:, 3] - T[rows, :3, 3] @ planes[:, :3].T
         least = np.einsum("kfi,ki->kf", normals, middle[rows, box])

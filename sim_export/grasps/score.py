@@ -31,7 +31,7 @@ def score_hands(way: Way, hands: Hands, begin: float) -> Float[np.ndarray, "G"]:
     terms = {
         "antipodal": 1.0 - hands.angle / np.arctan(FRICTION),
         "margin": pad_share(T, hands.width, way.gripper, way.own),
-        "clearance": ~meet(T, wide, way.around(hands, begin, moving=False)),
+        "clearance": ~meet(T, wide, way.around(hands, way.along([begin])[0], moving=False)),
         "facing": np.full(len(T), 0.5) if normal is None else (1.0 - T[:, :3, 2] @ normal) / 2.0,
     }
     return np.clip(sum(WEIGHTS[name] * value for name, value in terms.items()), 0.0, 1.0)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from artigen.files.wavefront import MtlMaterial
+from artigen.files.mtl import MtlMaterial
 from artigen.transforms import joint_motion, transform_points
 from artigen.types import Joint
 from sim_export.errors import PackageError

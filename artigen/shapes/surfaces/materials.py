@@ -32,15 +32,15 @@ LACQUERS: dict[str, Color] = {
     "terracotta": (0.65, 0.40, 0.31),
     "black": (0.115, 0.115, 0.12),
 }
-VARNISHED, DEEPER, WARMER = 0.4, 1.15, 1.35
+VARNISHED, DEEPER, WARMER = 0.4, 1.1, 1.15
 """Gloss of varnished wood, the power to which varnish raises its colour, and the factor of its saturation."""
 METALS: dict[str, tuple[Color, Color]] = {
-    "steel": ((0.81, 0.81, 0.80), (0.70, 0.70, 0.69)),
+    "steel": ((0.89, 0.89, 0.885), (0.64, 0.64, 0.635)),
     "chrome": ((0.86, 0.86, 0.87), (0.80, 0.80, 0.81)),
     "brass": ((0.78, 0.63, 0.38), (0.66, 0.50, 0.27)),
     "bronze": ((0.36, 0.28, 0.21), (0.26, 0.20, 0.15)),
     "black": ((0.10, 0.10, 0.105), (0.13, 0.13, 0.13)),
-    "dark": ((0.38, 0.38, 0.39), (0.30, 0.30, 0.31)),
+    "dark": ((0.43, 0.43, 0.44), (0.25, 0.25, 0.26)),
 }
 """Colour and brushing; black is powder-coated, dark is dark stainless steel."""
 STONES: dict[str, tuple[Color, Color]] = {

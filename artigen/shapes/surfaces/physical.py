@@ -59,7 +59,7 @@ _GRADES: dict[FinishKind, tuple[_Grade, ...]] = {
         _Grade(gloss=1.0, word="gloss", roughness=(0.28, 0.12), coat=1.0, coat_roughness=0.04),
     ),
     "steel": (
-        _Grade(gloss=0.55, word="brushed", roughness=(0.42, 0.26), relief=2e-4),
+        _Grade(gloss=0.55, word="brushed", roughness=(0.42, 0.26), relief=3e-4),
         _Grade(gloss=0.7, word="polished", roughness=(0.26, 0.12)),
         _Grade(gloss=1.0, word="mirror", roughness=(0.12, 0.04)),
     ),

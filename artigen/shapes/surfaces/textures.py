@@ -165,40 +165,45 @@ def apply_paint(
 
 
 def _wood(spots: _Spots) -> tuple[Any, Any]:
-    """Boards sawn from a log: rings about a wandering pith, streaks, fibres, and a tone per board."""
+    """Boards sawn from a log: growth rings of uneven width about a wandering pith, pores in short dashes,
+    blotches where fibres lean, and a tone per board."""
     xp, period = spots.xp, spots.period
     strip = xp.floor(spots.across / (6.0 * period))  # a wide panel is glued from several boards
     board = spots.seed + xp.astype(strip, xp.int32) * 7919
     lot = [hash_unit(xp, board + 101 * k) for k in range(3)]
     along, across = spots.along + 40.0 * lot[0], spots.across - (strip + 0.2 + 0.6 * lot[1]) * 6.0 * period
     wander = lattice_noise(xp, board + 11, along / (16.0 * period)) - 0.5
-    tilt = lattice_noise(xp, board + 12, along / (5.0 * period), across / (2.0 * period)) - 0.5
+    tilt = lattice_noise(xp, board + 12, along / (3.0 * period), across / (1.2 * period)) - 0.5
     pith = (0.6 + 1.6 * lot[2] + 2.4 * wander) * period + spots.depth
-    radius = xp.sqrt(across * across + pith * pith) + 0.22 * period * tilt
-    spacing = 0.16 * period
+    radius = xp.sqrt(across * across + pith * pith) + 0.3 * period * tilt
+    spacing = 0.2 * period
     turn = radius / spacing
+    turn = turn + 1.6 * lattice_noise(xp, board + 16, 0.31 * turn)  # wet years and dry ones
     late = 0.5 + 0.5 * xp.sin(6.2831853 * turn)
-    strength = 0.25 + 0.75 * lattice_noise(xp, board + 13, 0.43 * turn)
-    streak = lattice_noise(xp, board + 14, across / (0.11 * period), along / (5.0 * period))
-    fibre = lattice_noise(xp, board + 15, (across + spots.depth) / (0.022 * period), along / (0.9 * period))
+    strength = lattice_noise(xp, board + 13, 0.43 * turn)
+    blotch = lattice_noise(xp, board + 14, across / (0.25 * period), along / (1.1 * period))
+    pores = lattice_noise(xp, board + 15, (across + spots.depth) / (0.03 * period), along / (0.3 * period))
     mix = (
-        0.55 * late * late * strength * _kept(spots, spacing)
-        + 0.42 * (streak - 0.3)
-        + 0.34 * (fibre - 0.5) * _kept(spots, 0.05 * period)
+        0.2
+        + 0.38 * late * late * strength * _kept(spots, spacing)
+        + 0.55 * (blotch - 0.5)
+        + 0.5 * (smooth_step(xp, 0.5, 0.85, pores) - 0.25) * _kept(spots, 0.06 * period)
     )
-    return xp.clip(mix, -0.2, 1.2), 0.94 + 0.12 * lot[0]
+    return xp.clip(mix, -0.2, 1.2), 0.96 + 0.08 * lot[0]
 
 
 def _steel(spots: _Spots) -> tuple[Any, Any]:
-    """Brushing: long, fine lines in bundles. Sheets are never quite flat, and parts of them are brighter."""
+    """Brushing: long, fine lines in bundles. Sheets are never quite flat: broad bands across the lines are
+    brighter."""
     xp, period = spots.xp, spots.period
     fine = lattice_noise(
         xp, spots.seed, (spots.across + spots.depth) / (0.06 * period), spots.along / (8 * period)
     )
     bundle = lattice_noise(xp, spots.seed + 1, spots.across / (0.5 * period), spots.along / (25 * period))
     sheet = lattice_noise(xp, spots.seed + 2, spots.along / (14.0 * period))
-    lines = 0.6 * (fine - 0.5) * _kept(spots, 0.12 * period) + 0.15 * (bundle - 0.5)
-    return 0.5 + lines - 0.7 * (sheet - 0.5), 0.94 + 0.12 * sheet
+    bend = lattice_noise(xp, spots.seed + 3, spots.along / (4.0 * period))
+    lines = 0.4 * (fine - 0.5) * _kept(spots, 0.12 * period) + 0.1 * (bundle - 0.5)
+    return 0.5 + lines - 1.1 * (sheet - 0.5) - 0.4 * (bend - 0.5), 0.97 + 0.06 * sheet
 
 
 def _stone(spots: _Spots) -> tuple[Any, Any]:

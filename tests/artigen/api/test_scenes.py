@@ -11,7 +11,7 @@ from artigen.api.batch import Part
 from artigen.api.scenes import make_scenes
 from artigen.datasets.packing import digest_file, read_folder, read_members
 from artigen.errors import ArtigenError
-from artigen.runtime.runner import LocalRunner
+from artigen.runtime.runner import LocalRunner, choose_runner
 from artigen.types import SceneKind
 
 KINDS: tuple[SceneKind, ...] = ("hall", "laundry")
@@ -64,6 +64,22 @@ def test_scenes_share_packages_are_resumed_counted_and_packed(library: Path, tmp
         assert packed[f"{scene}.json"] == held["scene.json"]
         assert packed[f"{scene}.goals.json"] == held["goals.json"]
         assert read_members(packed[f"{scene}.tar"], scene) == held
+
+
+@pytest.mark.slow
+def test_a_ray_cluster_makes_the_scenes_of_this_process(library: Path, tmp_path: Path):
+    ray = pytest.importorskip("ray", reason="Ray is an extra")
+    ray.init(address="local", num_cpus=1, log_to_driver=False, include_dashboard=False)
+    try:
+        runners = {"here": HERE, "ray": choose_runner("ray", 1)}
+        for name, runner in runners.items():
+            said = make_scenes(KINDS, 2, tmp_path / name, runner=runner, packages=library, pictures="none")
+            assert said.startswith("2 of 2 scenes")
+    finally:
+        ray.shutdown()
+    for scene in ("hall_000000", "laundry_000001"):
+        here, there = (read_folder(tmp_path / name / "scenes" / scene) for name in runners)
+        assert here == there
 
 
 def test_a_scene_that_cannot_be_is_reported_and_the_others_are_made(library: Path, tmp_path: Path):

@@ -13,8 +13,8 @@ from trimesh.visual.material import PBRMaterial
 from artigen.datasets.mesh_files import load_shape
 from artigen.datasets.sources import read_source
 from artigen.errors import SourceError
+from artigen.files.mtl import MtlMaterial, parse_mtl
 from artigen.files.urdf import UrdfShape
-from artigen.files.wavefront import MtlMaterial, parse_mtl
 
 
 def paint(alpha: float, mode: str | None, image: Image.Image | None = None) -> Trimesh:

@@ -13,7 +13,7 @@ from PIL import Image
 from artigen.datasets.mjcf import is_mjcf, read_mjcf
 from artigen.datasets.sources import find_sources, list_objects, name_source, read_source
 from artigen.errors import SourceError
-from artigen.files.wavefront import parse_mtl
+from artigen.files.mtl import parse_mtl
 from artigen.shapes.draw import draw_shape
 from artigen.transforms import rotation_about, shift
 from sim_export.files.read import read_package

@@ -19,13 +19,12 @@ from artigen.datasets.mjcf import read_mjcf
 from artigen.datasets.packing import PackingError
 from artigen.datasets.partnet_annotation import SourceNode, read_nodes
 from artigen.datasets.partnet_joints import closed_pose
-from artigen.datasets.recipe import Options, RecipeError, parse_recipe
 from artigen.datasets.samples import Sample, sample_from_json, sample_json
 from artigen.datasets.shards import open_shards
 from artigen.datasets.sizes import estimate_size
 from artigen.datasets.urdf_file import read_urdf
 from artigen.errors import SourceError
-from artigen.files.wavefront import parse_mtl
+from artigen.files.mtl import parse_mtl
 from artigen.types import PartLabel
 
 
@@ -159,22 +158,6 @@ def test_a_door_swings_both_ways_from_a_quarter_of_its_range(share, rest):
 def test_poses_of_a_slider_are_equal_within_a_tenth_of_the_travel(share, rest):
     """Where it begins, at 0, it protrudes by a share of the travel; at 1 it is within."""
     assert rest_of("slider", "drawer", 0.0, 1.0, (1.0, 1.0, -share)) == rest
-
-
-SAFE = "name: a\nobjects: [{{category: Safe, count: {}}}]"
-
-
-def test_an_entry_has_ten_million_objects_at_most():
-    assert parse_recipe(SAFE.format(10_000_000)).count == 10_000_000
-    with pytest.raises(RecipeError, match="from 1 to 10000000"):
-        parse_recipe(SAFE.format(10_000_001))
-
-
-def test_a_recipe_that_says_nothing_else_has_the_documented_values():
-    """docs/how-to/data_sets.md states them."""
-    recipe = parse_recipe(SAFE.format(1))
-    assert (recipe.objects[0].seed, recipe.objects[0].generated) == (0, 0.0)
-    assert recipe.options == Options(redraws=3, thumbnail=192, objects_per_shard=500, near=0.02)
 
 
 def small_sample() -> Sample:

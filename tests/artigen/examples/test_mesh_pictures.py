@@ -12,7 +12,7 @@ from artigen.datasets.mesh_raster import rasterize_mesh
 from artigen.datasets.partnet_mobility import ReaderConfig, read_object
 from artigen.datasets.partnet_surface import FaceTable
 from artigen.examples.photographs import draw_camera, photograph_mesh, photograph_shape
-from artigen.files.wavefront import Material
+from artigen.files.mtl import Material
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from artigen.errors import SourceError
-from artigen.files.wavefront import MtlMaterial, parse_mtl, parse_obj
+from artigen.files.mtl import MtlMaterial, parse_mtl
+from artigen.files.wavefront import parse_obj
 
 
 def parse(folder: Path, *lines: str) -> MtlMaterial:

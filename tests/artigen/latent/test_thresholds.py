@@ -54,10 +54,6 @@ def test_a_class_is_never_less_likely_than_a_millionth():
     torch.testing.assert_close(logits[:, 1:], torch.full((64, logits.shape[1] - 1), math.log(1e-6)))
 
 
-def test_a_field_of_64_cells_has_a_latent_of_16():
-    assert PatchVaeConfig(resolution=64).edge == 16
-
-
 @pytest.mark.parametrize(
     ("logit", "steadied"),
     [

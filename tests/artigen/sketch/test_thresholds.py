@@ -67,20 +67,6 @@ def test_an_object_is_given_up_after_240_batches_of_one_and_seven(monkeypatch, c
     assert batches[0, 1:-1] == pytest.approx(np.linspace(batches[0, 0], 0.6, 8)[1:-1])
 
 
-def test_for_a_picture_the_first_continuations_are_drawn_at_a_tenth(monkeypatch):
-    found: list[model.SketchConfig] = []
-
-    def stop(_network: object, _request: object, _seed: int, cfg: model.SketchConfig, _: object) -> None:
-        found.append(cfg)
-        raise SketchError("stop")
-
-    monkeypatch.setattr(model, "draw_object", stop)
-    with pytest.raises(SketchError, match="stop"):
-        model.draw_pictured(MagicMock(), SketchRequest(), 0, np.zeros((4, 8, 8), dtype=np.float32))
-    assert found[0].coolest == pytest.approx(0.1)
-    assert found[0].header.temperature == pytest.approx(0.5)
-
-
 def test_an_object_that_is_given_up_is_finished_from_the_most_parts_it_had(monkeypatch):
     """Three parts, then a dead end that cuts back to the header, then two parts and nothing more."""
     parts = iter([1, 2, 3, None, 1, 2])

@@ -27,6 +27,7 @@ from envs.goals.sample import sample_goals
 from envs.rooms.contents import fill_room
 from envs.rooms.file import write_room
 from envs.rooms.footprints import cached_package
+from envs.rooms.map import start_place
 from envs.rooms.mjcf import write_room_mjcf
 from envs.rooms.room import Item, Placement, Room, pose_matrix_of
 from sim_export.files.write import write_package
@@ -50,6 +51,7 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Room:
             Placement(
                 id=name, role=role, category=kind.category, package=write_proven(kind, base), size=kind.size,
                 position=(x, 3.1, kind.size[2] / 2 + 0.003), quat=(0.5**0.5, 0.0, 0.0, 0.5**0.5),
+                standing=((x, 2.2),),
             )
         )  # fmt: skip
     full = fill_room(replace(ROOM, placements=tuple(placements)), 1.0)
@@ -57,7 +59,10 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Room:
         id="towel_1", thing="towel", holder="base_b", link="body", position=(0.0, 0.0, 0.4405),
         quat=(1.0, 0.0, 0.0, 0.0), size=(0.3, 0.2, 0.05), mass=0.3, colors=((0.9, 0.9, 0.9), (0.8, 0.8, 0.8)),
     )  # fmt: skip
-    return replace(full, contents=(*full.contents, towel))
+    jar = replace(
+        towel, id="jar_99", thing="jar", position=(0.0, 0.3, 0.4405), size=(0.07, 0.07, 0.1), mass=0.2
+    )
+    return replace(full, contents=(*full.contents, towel, jar))
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +95,11 @@ def solved(goal: Goal, room: Room) -> State:
             pose, np.array([[0, 0, size[2] / 2]])
         )[0]
         items[each.item] = pose
-    return State(joints=joints, items=items)
+    for each in goal.lifts:
+        items[each.item] = items[each.item].copy()
+        items[each.item][2, 3] = each.height
+    base = next((each.places[0] for each in goal.bases), None)
+    return State(joints=joints, items=items, base=base)
 
 
 def test_a_room_has_goals_of_all_families_in_different_words(goals):
@@ -115,7 +124,8 @@ def test_no_condition_of_a_goal_is_idle(room, goals):
             left = {**done.joints, key: first.joints.get(key, 0.0)}
             there = each.low <= left[key] <= each.high
             assert is_reached(goal, started, replace(done, joints=left)) == there
-        for each in goal.items:
+        assert not (goal.bases and is_reached(goal, started, replace(done, base=start_place(room))))
+        for each in (*goal.items, *goal.lifts):
             left = {**done.items, each.item: first.items[each.item]}
             assert not is_reached(goal, started, replace(done, items=left)), goal.words
 
@@ -187,7 +197,7 @@ def test_what_lies_in_a_drawer_moves_with_it_and_stays_inside(room):
 def test_goals_come_back_from_their_file(goals, tmp_path: Path):
     write_goals(goals, tmp_path)
     assert read_goals(tmp_path) == goals
-    (tmp_path / "goals.json").write_text('{"format": "artigen-goals", "version": 1, "goals": [{}]}')
+    (tmp_path / "goals.json").write_text('{"format": "artigen-goals", "version": 2, "goals": [{}]}')
     with pytest.raises(GoalFileError, match="structure"):
         read_goals(tmp_path)
 
@@ -205,7 +215,8 @@ def test_mujoco_agrees_with_the_kinematics(room, goals, tmp_path: Path):
             data.joint(f"{name}/{joint}").qpos[0] = q
         for name, pose in done.items.items():
             data.joint(name).qpos[:3] = pose[:3, 3]
-        assert is_reached(goal, started, read_mujoco_state(started, data)), goal.words
+        there = replace(read_mujoco_state(started, data), base=done.base)
+        assert is_reached(goal, started, there), goal.words
 
 
 @pytest.mark.sim
@@ -214,7 +225,7 @@ def test_a_goal_is_drawn_by_the_seed_and_reached_in_maniskill(room, goals, tmp_p
     assert envs.registration.ROOM_ID
     write_room(room, tmp_path)
     write_goals(goals, tmp_path)
-    close = next(goal for goal in goals if goal.family == "close")
+    close, go = (next(goal for goal in goals if goal.family == family) for family in ("close", "go"))
     settings: dict[str, Any] = {"sim_backend": "physx_cpu", "render_backend": "none", "obs_mode": "state"}
     env = gym.make("ArtiGen-Room-v1", scenes=tmp_path, goal="sampled", reward_mode="sparse", **settings)
     words = []
@@ -232,6 +243,7 @@ def test_a_goal_is_drawn_by_the_seed_and_reached_in_maniskill(room, goals, tmp_p
     articulation = task.furnished.placed[0][name]
     slot = [each.name for each in articulation.active_joints].index(joint)
     assert float(articulation.get_qpos()[0, slot]) == pytest.approx(q, abs=1e-3)
+    assert task.read_state(0, go).base == pytest.approx(start_place(room), abs=1e-3)
     articulation.set_qpos(torch.zeros_like(articulation.get_qpos()))
     assert bool(task.evaluate()["success"].all())
     env.close()

@@ -8,9 +8,10 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from box_drawer import box_drawer
 from sample_packages import SAMPLE_PARTS, build_package, double_door_parts
 
-from artigen.types import Joint, RoomKind
+from artigen.types import RoomKind
 from envs.rooms.check import check_contents, check_room
 from envs.rooms.compartments import (
     CLEARANCE,
@@ -29,7 +30,6 @@ from envs.rooms.things import THINGS, thing_hulls, thing_solids
 from sim_export.files.write import write_package
 from sim_export.geometry.contacts import HullSet, signed_distances
 from sim_export.geometry.hulls import box_hull
-from sim_export.package import Link, SimPackage
 from sim_export.picture.render import surface_points
 
 SIZE = (4.0, 3.5, 2.6)
@@ -170,42 +170,18 @@ def test_pictures_show_contents_where_the_open_drawer_has_them(full):
         assert np.linalg.norm((T - item_motion(shut, item))[:3, 3]) == pytest.approx(0.2)
 
 
-def drawer(*, depth: float = 0.3, rim: float = 0.06, room: float = 0.1) -> SimPackage:
-    """A drawer in a frame: depth of its floor, height of its walls, and of the space above the floor."""
-    floor = ((0.0, 0.0, 0.0), (depth, 0.3, 0.01))
-    walls = [
-        ((-0.01, -0.01, 0.0), (0.0, 0.31, 0.01 + rim)),
-        ((depth, -0.01, 0.0), (depth + 0.01, 0.31, 0.01 + rim)),
-        ((0.0, -0.01, 0.0), (depth, 0.0, 0.01 + rim)),
-        ((0.0, 0.3, 0.0), (depth, 0.31, 0.01 + rim)),
-    ]
-    roof = ((-0.02, -0.02, 0.01 + room), (depth + 0.02, 0.32, 0.03 + room))
-    links = [
-        Link(
-            name=name, label=label, parts=(name,), visuals=(), inertial=None,
-            hulls=tuple(box_hull(np.array(low), np.array(high)) for low, high in boxes),
-        )
-        for name, label, boxes in (("slide", "drawer", [floor, *walls]), ("body", "base", [roof]))
-    ]  # fmt: skip
-    joint = Joint(
-        name="joint", type="prismatic", parent="body", child="slide", origin=np.zeros(3),
-        axis=np.array([-1.0, 0.0, 0.0]), upper=0.25,
-    )  # fmt: skip
-    return SimPackage(name="drawer", category="Box", visual="voxels", links=tuple(links), joints=(joint,))
-
-
 @pytest.mark.parametrize(
     ("name", "least"),
     [("depth", 0.1 + 2 * 0.005), ("rim", 0.025), ("room", 0.035 + 0.005)],
 )
 def test_a_drawer_needs_floor_walls_and_space_above(name, least):
-    (found,) = find_compartments(drawer(**{name: least + 1e-3}))
+    (found,) = find_compartments(box_drawer(**{name: least + 1e-3}))
     assert found.link == "slide"
-    assert find_compartments(drawer(**{name: least - 1e-3})) == ()
+    assert find_compartments(box_drawer(**{name: least - 1e-3})) == ()
 
 
 def test_a_compartment_ends_below_everything_that_it_passes_on_its_way_out():
-    package = drawer()
+    package = box_drawer()
     slide, body = package.links
     bar = box_hull(np.array([-0.1, 0.0, 0.08]), np.array([-0.09, 0.3, 0.3]))  # in front of the closed drawer
     barred = replace(package, links=(slide, replace(body, hulls=(*body.hulls, bar))))

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bare_room import ROOM
+from box_furniture import solid_link
 from sample_packages import SAMPLE_PARTS, build_package
 
 from envs.rooms.check import check_room
@@ -24,10 +25,11 @@ from envs.rooms.room import (
     pose_matrix_of,
     room_shell,
 )
-from envs.rooms.solids import fixture_solids, object_solids
+from envs.rooms.solids import fixture_solids, object_solids, place_solid
 from envs.rooms.things import THINGS, thing_hulls
 from envs.rooms.views import find_lamps, find_views
 from sim_export.files.write import write_package
+from sim_export.package import SimPackage
 
 WINDOW = Opening(side="right", start=1.2, width=0.9, bottom=0.95, height=1.1)
 
@@ -74,6 +76,37 @@ def test_seats_face_what_they_stand_at_and_leave_its_front_to_the_drawers(room: 
         assert -T[:2, 0] @ (np.array(island.position[:2]) - T[:2, 3]) > 0.2
         to_stool = pose_matrix_of(island)[:3, :3].T @ (T[:3, 3] - island.position)
         assert to_stool[0] > -0.3  # drawers open towards -x
+
+
+def test_a_robot_stands_beside_the_chair_of_a_desk(room: Room, tmp_path: Path):
+    boards = [((-0.35, y, -0.37), (0.35, y + 0.02, 0.35)) for y in (-0.7, 0.68)]
+    body = solid_link("body", "base", [*boards, ((-0.35, -0.7, 0.35), (0.35, 0.7, 0.37))])
+    package = SimPackage(name="desk", category="Table", visual="voxels", links=(body,), joints=())
+    desk = replace(
+        room.placements[0], id="desk_1", role="desk", package=write_package(package, tmp_path / "desk"),
+        position=(2.0, 2.6, 0.372), size=(0.7, 1.4, 0.74), standing=((2.0, 1.9),),
+    )  # fmt: skip
+    full = stand_on_floor(replace(room, kind="office", placements=(desk,)))
+    (chair,) = (item for item in full.contents if item.thing == "office_chair")
+    ((x, y),) = full.placements[0].standing
+    assert chair.position[1] < 2.3
+    assert (0.0 < abs(x - 2.0) <= 0.5, y) == (True, 1.9)
+    assert check_room(full) == ()
+
+
+def test_a_low_table_stands_on_a_rug_with_what_is_on_it(room: Room):
+    table = replace(room.placements[0], role="low table")
+    high = corner(table.position + np.array([0.0, 0.0, 0.8]))
+    both = table, replace(table, id="lamp_1", role="lamp", support=table.id, position=high)
+    full = decorate_room(replace(room, kind="living_room", placements=both))
+    (rug,) = (each for each in full.fixtures if each.name == "rug")
+    body = place_solid(full.placements[0]).boxes
+    assert (body[:, 0, :2] > rug.low[:2]).all()
+    assert (body[:, 1, :2] < rug.high[:2]).all()
+    assert rug.high[2] < body[:, 0, 2].min() < rug.high[2] + 0.003
+    for before, after in zip(both, full.placements, strict=True):
+        assert after.position[2] - before.position[2] == pytest.approx(rug.high[2])
+    assert check_room(replace(full, placements=full.placements[:1])) == ()
 
 
 @pytest.mark.parametrize("side", [None, -1.0, 1.0])

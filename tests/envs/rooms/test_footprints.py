@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from box_furniture import solid_link
 
 from artigen.types import Joint
 from envs.rooms.footprints import measure_footprint
@@ -38,3 +39,13 @@ def test_at_its_hinge_a_door_takes_as_much_room_as_a_sixth_of_it(away: float, fr
     package = SimPackage(name="cabinet", category="Table", visual="voxels", links=links, joints=(joint,))
     post = np.array([[[-0.5, 0.0, 0.0], [-away, 0.05, 0.5]]])
     assert overlap(measure_footprint(package).sweeps, post) != free
+
+
+def test_the_face_is_that_of_a_framed_front_and_not_of_its_handle_or_the_back_of_a_drawer():
+    frame = [((-0.02, 0.0, z), (0.0, 0.6, z + 0.09)) for z in (0.1, 0.31)]
+    boxes = [*frame, ((-0.01, 0.0, 0.19), (0.0, 0.6, 0.31)), ((0.4, 0.0, 0.1), (0.42, 0.6, 0.4))]
+    bar = ((-0.05, 0.2, 0.2), (-0.02, 0.4, 0.22))
+    drawer = solid_link("drawer", "drawer", [*boxes, bar])
+    links = (drawer, solid_link("body", "base", [((0.0, 0.0, 0.0), (0.45, 0.6, 0.1))]))
+    package = SimPackage(name="cabinet", category="Table", visual="voxels", links=links, joints=())
+    assert measure_footprint(package).face == pytest.approx(-0.02)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from cabinet_files import box_visual, joint, link, urdf
 
+from artigen.transforms import thin_direction
 from sim_export.checks.config import CheckConfig
-from sim_export.checks.opening import check_opening, has_pairs, thin_direction
+from sim_export.checks.opening import check_opening, has_pairs
 from sim_export.checks.subject import Subject
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hull_link import box, link
+from hull_link import box, link, make_joint
 
 from artigen.types import Joint
 from sim_export.collision import attachment
@@ -15,16 +15,7 @@ from sim_export.package import Hull, Mesh
 
 
 def joint(kind: str, axis: tuple[float, float, float], upper: float, origin=(0.0, 0.0, 0.0)) -> Joint:
-    return Joint(
-        name="joint_0",
-        type=kind,
-        parent="body",
-        child="part",
-        axis=np.array(axis),
-        origin=np.array(origin),
-        lower=0.0,
-        upper=upper,
-    )
+    return replace(make_joint("part", kind, axis, origin, upper), name="joint_0")
 
 
 BODY = box((0.0, -0.3, -0.3), (0.5, 0.3, 0.3))

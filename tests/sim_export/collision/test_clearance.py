@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hull_link import box, link
+from hull_link import box, link, make_joint
 from sample_cabinet import SAMPLE_PARTS, SamplePart, sample_box_arrays
 
 from artigen.kinematics import displacements, movable_parts
@@ -34,13 +34,6 @@ def owner_of(part: SamplePart) -> str:
     while part.joint == "fixed" and part.parent is not None:
         part = BY_NAME[part.parent]
     return part.name
-
-
-def make_joint(child: str, joint_type, axis, origin, upper, parent="body") -> Joint:
-    return Joint(
-        name=f"joint_{child}", type=joint_type, parent=parent, child=child,
-        origin=np.array(origin, float), axis=np.array(axis, float), upper=upper,
-    )  # fmt: skip
 
 
 def sample_package(grow: float = 0.0) -> tuple[list[Link], list[Joint]]:

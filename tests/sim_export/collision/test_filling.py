@@ -1,13 +1,13 @@
 """Laws of filling: thin gaps that hulls fill are filled in the mesh, wide ones and small ones stay."""
 
-import manifold3d
 import numpy as np
 import pytest
+from hull_link import link, solid
 
 from sim_export.collision.trimming import fill_meshes
 from sim_export.geometry.hulls import box_hull
 from sim_export.geometry.solids import as_solid
-from sim_export.package import Link, Mesh
+from sim_export.package import Mesh
 
 VOXEL = 0.015
 HULL = ((-0.3, -0.4, 0.0), (0.3, 0.4, 0.4))
@@ -15,23 +15,16 @@ HULL = ((-0.3, -0.4, 0.0), (0.3, 0.4, 0.4))
 
 def slab_with_gap(depth: float) -> Mesh:
     """A slab on two rails, ``depth`` metres high and 0.1 m wide, within ``HULL``."""
-    whole = manifold3d.Manifold()
-    for low, high in (
+    return solid(
         ((-0.3, -0.4, depth), (0.3, 0.4, 0.4)),
         ((-0.3, -0.4, 0.0), (-0.2, 0.4, depth)),
         ((0.2, -0.4, 0.0), (0.3, 0.4, depth)),
-    ):
-        whole += manifold3d.Manifold.cube(tuple(np.subtract(high, low))).translate(low)
-    mesh = whole.to_mesh64()
-    return Mesh(
-        vertices=np.array(mesh.vert_properties)[:, :3], faces=np.array(mesh.tri_verts, dtype=np.int64)
     )
 
 
 def fill(mesh: Mesh, voxel: float = VOXEL):
     hull = box_hull(np.array(HULL[0]), np.array(HULL[1]))
-    link = Link(name="link_0", label=None, parts=("body",), visuals=(), hulls=(hull,), inertial=None)
-    return fill_meshes((link,), {"body": mesh}, voxel)
+    return fill_meshes((link("body", hull),), {"body": mesh}, voxel)
 
 
 def test_a_gap_below_the_reach_is_filled_and_said_so():

@@ -3,7 +3,7 @@
 import manifold3d
 import numpy as np
 import pytest
-from hull_link import link
+from hull_link import as_mesh, block, link
 
 from sim_export.collision.cover.cuboids import face_coordinates
 from sim_export.collision.cover.free_space import find_free_space
@@ -19,17 +19,6 @@ from sim_export.package import Mesh
 Solid = manifold3d.Manifold
 
 
-def block(low, high) -> Solid:
-    return Solid.cube(tuple(np.subtract(high, low))).translate(tuple(low))
-
-
-def mesh_of(solid: Solid) -> Mesh:
-    mesh = solid.to_mesh64()
-    return Mesh(
-        vertices=np.array(mesh.vert_properties)[:, :3], faces=np.array(mesh.tri_verts, dtype=np.int64)
-    )
-
-
 @pytest.mark.parametrize(("width", "feet"), [(0.17, 4), (0.2, 1)])
 def test_a_foot_is_whole_if_it_fills_three_fifths_of_its_hull(width, feet):
     """A frame fills 0.56 of its hull with sides as wide as 0.17 of it, and 0.64 with 0.2."""
@@ -37,7 +26,7 @@ def test_a_foot_is_whole_if_it_fills_three_fifths_of_its_hull(width, feet):
     hole = block((width * size, width * size, low), ((1 - width) * size, (1 - width) * size, high))
     frame = block((0, 0, low), (size, size, high)) - hole
     body = link("body", box_hull(np.zeros(3), np.array([size, size, 0.5])))
-    mesh = mesh_of(block((0, 0, 0), (size, size, 0.5)) + frame)
+    mesh = as_mesh(block((0, 0, 0), (size, size, 0.5)) + frame)
     _, records = add_feet((body,), [], [], {"body": mesh})
     assert f"of {feet} feet" in records[0]
 
@@ -50,7 +39,7 @@ def test_no_more_than_a_fifth_of_a_mesh_is_left_out(depth, left_out):
         link("body", box_hull(np.array([-0.3, -0.4, 0.0]), np.array([0.3, 0.4, 0.8]))),
         link("other", box_hull(*map(np.array, other))),
     )
-    _, records = trim_meshes(links, [], [], {"body": mesh_of(whole), "other": mesh_of(block(*other))})
+    _, records = trim_meshes(links, [], [], {"body": as_mesh(whole), "other": as_mesh(block(*other))})
     assert bool(records) == left_out
 
 
@@ -78,7 +67,7 @@ BODY = (-0.3, -0.4, 0.0), (0.3, 0.4, 0.8)
 
 def shelf(depth: float, thickness: float = 0.02) -> Mesh:
     """A body with a ledge on one side, for which no hull stands."""
-    return mesh_of(block(*BODY) + block((-0.3, 0.4, 0.5), (0.3, 0.4 + depth, 0.5 + thickness)))
+    return as_mesh(block(*BODY) + block((-0.3, 0.4, 0.5), (0.3, 0.4 + depth, 0.5 + thickness)))
 
 
 @pytest.mark.parametrize(("depth", "hulls"), [(0.022, 1), (0.032, 2)])
@@ -101,7 +90,7 @@ def test_a_hull_that_is_put_back_reaches_a_hundredth_of_the_diagonal_beyond_what
 def test_a_ledge_is_shown_with_less_than_two_millimetres_around_it(gap, left_out):
     other = (-0.4, 0.41, 0.56 + gap), (0.4, 0.6, 0.7)
     links = (link("body", box_hull(*map(np.array, BODY))), link("other", box_hull(*map(np.array, other))))
-    _, records = trim_meshes(links, [], [], {"body": shelf(0.1, 0.06), "other": mesh_of(block(*other))})
+    _, records = trim_meshes(links, [], [], {"body": shelf(0.1, 0.06), "other": as_mesh(block(*other))})
     assert bool(records) == left_out
 
 

@@ -3,23 +3,14 @@
 import manifold3d
 import numpy as np
 import pytest
+from hull_link import as_mesh, block
 
 from sim_export.geometry.solids import as_solid, solid_arrays
 from sim_export.geometry.struts import brace_links, make_struts
-from sim_export.package import Inertial, Link, Mesh
+from sim_export.package import Inertial, Link
 
 CELL = 0.016
 BODY = ((0.0, 0.0, 0.0), (0.4, 0.3, 0.02))
-
-
-def block(low, high) -> manifold3d.Manifold:
-    size = np.subtract(high, low)
-    return manifold3d.Manifold.cube(tuple(size)).translate(tuple(low))
-
-
-def as_mesh(solid: manifold3d.Manifold) -> Mesh:
-    vertices, faces = solid_arrays(solid)
-    return Mesh(vertices=vertices, faces=faces)
 
 
 def brace(*parts: manifold3d.Manifold):

@@ -107,7 +107,7 @@ def test_boxes_meet_solids_exactly_where_an_oracle_says_so():
     T[:, :3, :3] = np.linalg.qr(rng.normal(size=(300, 3, 3)))[0]
     T[:, :3, :3] *= np.linalg.det(T[:, :3, :3])[:, None, None]
     T[:, :3, 3] = rng.uniform(-0.9, 0.9, (300, 3))
-    says = meet(T, np.tile(box, (300, 1, 1, 1)), Solids(hulls=(solid,)))
+    says = meet(T, np.tile(box, (300, 1, 1, 1)), Solids(hulls=(solid,), T=np.eye(4)[None]))
     depth = penetration_depths(HullSet(hulls=(solid,)), HullSet(hulls=(box_hull(*box),)), np.eye(4), T)
     assert np.all(says[depth > 1e-9])  # none is missed
     assert says.mean() < (depth > 0).mean() + 0.05

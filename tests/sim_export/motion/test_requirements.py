@@ -4,23 +4,15 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from hull_link import box, link, make_joint
 
 from artigen.types import Joint
-from sim_export.geometry.hulls import box_hull
 from sim_export.motion.requirements import find_crossings, find_requirements
 from sim_export.package import Link, Requirement
 
 
 def make_link(name: str, *boxes) -> Link:
-    hulls = tuple(box_hull(np.array(low, float), np.array(high, float)) for low, high in boxes)
-    return Link(name=name, label=None, parts=(name,), visuals=(), hulls=hulls, inertial=None)
-
-
-def make_joint(child: str, joint_type, axis, origin, upper) -> Joint:
-    return Joint(
-        name=f"joint_{child}", type=joint_type, parent="body", child=child,
-        origin=np.array(origin, float), axis=np.array(axis, float), upper=upper,
-    )  # fmt: skip
+    return link(name, *(box(*ends) for ends in boxes))
 
 
 def as_rows(found: Sequence[Requirement]) -> list[tuple[str, str, float]]:

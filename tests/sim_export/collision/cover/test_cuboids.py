@@ -3,15 +3,12 @@
 import manifold3d
 import numpy as np
 import pytest
+from hull_link import block
 
 from sim_export.collision.cover.cuboids import face_coordinates, fill_with_boxes
 from sim_export.geometry.solids import solid_triangles
 
 Solid = manifold3d.Manifold
-
-
-def block(low, high) -> Solid:
-    return Solid.cube(tuple(np.subtract(high, low))).translate(tuple(low))
 
 
 def levels(*squares: tuple[float, float], slope: float = 0.0) -> list[np.ndarray]:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import manifold3d
 import numpy as np
 import pytest
+from hull_link import block
 from sample_cabinet import SAMPLE_PARTS, sample_box_arrays
 from scipy.spatial import ConvexHull
 
@@ -22,21 +23,12 @@ from sim_export.geometry.hulls import (
     hull_width,
     inside_hulls,
 )
-from sim_export.geometry.solids import as_solid, inside_grid, solid_arrays, solid_triangles
+from sim_export.geometry.solids import as_solid, inside_grid, solid_arrays, solid_triangles, unite
 from sim_export.package import Link
 
 Solid = manifold3d.Manifold
 OPEN = 0.95
 """Share of the free space in a body that its hulls leave open, at least."""
-
-
-def block(low, high) -> Solid:
-    size = np.subtract(high, low).tolist()
-    return Solid.cube(tuple(size)).translate(tuple(np.asarray(low, float).tolist()))
-
-
-def unite(solids) -> Solid:
-    return Solid.batch_boolean(list(solids), manifold3d.OpType.Add)
 
 
 def sample_solid(name: str) -> Solid:
