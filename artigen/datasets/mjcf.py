@@ -42,6 +42,8 @@ MOST_COPIES = 1_000_000
 MOST_REPAIRS = 50
 MOST = 5_000
 """A file with more bodies or geoms is a fault of a script."""
+HANDLE = "handle_"
+"""Names of sites that packages place at their handles begin so."""
 LEAST_MASS = 1e-3
 LEAST_INERTIA = 1e-6
 """Mass (kg) and inertia (kg m^2) with which a body without them compiles."""
@@ -379,12 +381,12 @@ def _keep_leaders(joints: list[UrdfJoint]) -> list[UrdfJoint]:
 
 
 def _count_rest(model: "mujoco.MjModel") -> dict[str, int]:
-    """Numbers of elements of the file that no package has."""
+    """Numbers of elements of the file that no package has; sites of handles are placed anew."""
     return {
         "actuators": model.nu,
         "sensors": model.nsensor,
         "tendons": model.ntendon,
-        "sites": model.nsite,
+        "sites": sum(not model.site(at).name.startswith(HANDLE) for at in range(model.nsite)),
         "cameras": model.ncam,
         "lights": model.nlight,
         "skins": model.nskin,

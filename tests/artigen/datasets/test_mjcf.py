@@ -265,6 +265,7 @@ def test_an_mjcf_of_ours_is_read_as_the_object_that_it_was_written_from(tmp_path
     shown = np.concatenate([v.mesh.vertices for link in written.links for v in link.visuals])
     corners = source.triangles.vertices * source.asset.scale
     np.testing.assert_allclose(np.ptp(corners, axis=0), np.ptp(shown, axis=0), atol=2e-4)
+    assert not any("site" in note for note in source.asset.notes)  # which mark its handles
 
 
 @pytest.mark.parametrize(
