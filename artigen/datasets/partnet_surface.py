@@ -41,14 +41,16 @@ def make_face_table(mesh: ObjMesh, T_unit_file: Float[np.ndarray, "4 4"], scale:
 def split_pieces(tables: Sequence[FaceTable], gap: float) -> list[Int[np.ndarray, "F"]]:
     """Numbers of the spatially separate pieces of some meshes, face by face.
 
-    Connected triangles belong together, and so do components whose boxes are within ``gap``.
+    Triangles with equal vertices belong together, and so do components whose boxes are within ``gap``.
     """
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
     vertices, faces = join_tables(tables)
+    welded, same = np.unique(vertices, axis=0, return_inverse=True)  # files repeat vertices along seams
+    faces = same.reshape(-1)[faces]
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
-    graph = coo_matrix((np.ones(len(edges)), edges.T), shape=(len(vertices), len(vertices)))
+    graph = coo_matrix((np.ones(len(edges)), edges.T), shape=(len(welded), len(welded)))
     component = connected_components(graph, directed=False)[1][faces[:, 0]]
     used, component = np.unique(component, return_inverse=True)
     corners = np.concatenate([table.corners for table in tables])
