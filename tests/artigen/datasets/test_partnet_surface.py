@@ -10,10 +10,11 @@ from artigen.datasets.partnet_surface import FaceTable, split_pieces
 def ball(x: float, *, welded: bool) -> FaceTable:
     """A ball of 1,280 triangles, whose vertices are shared or repeated for every triangle."""
     mesh = trimesh.creation.icosphere(subdivisions=3, radius=0.1)
-    corners = mesh.vertices[mesh.faces] + (x, 0.0, 0.0)
+    mesh.apply_translation((x, 0.0, 0.0))
+    corners = mesh.vertices[mesh.faces]
     faces = mesh.faces if welded else np.arange(corners.size // 3).reshape(-1, 3)
     return FaceTable(
-        vertices=mesh.vertices + (x, 0.0, 0.0) if welded else corners.reshape(-1, 3),
+        vertices=mesh.vertices if welded else corners.reshape(-1, 3),
         faces=faces,
         corners=corners,
         uv=np.zeros((*faces.shape, 2)),
