@@ -55,7 +55,7 @@ class _Plan(Housing):
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a dishwasher."""
-    style = wish.style or str(rng.choice(STYLES, p=(0.50, 0.33, 0.14, 0.03)))
+    style = wish.style or str(rng.choice(STYLES, p=(0.58, 0.32, 0.07, 0.03)))
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish)
     draw_fronts = _draw_drawers if plan.drawers else _draw_door_and_racks

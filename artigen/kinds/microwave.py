@@ -62,10 +62,10 @@ class _Plan:
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a microwave oven."""
-    style = wish.style or str(rng.choice(STYLES, p=(0.5, 0.2, 0.26, 0.04)))
+    style = wish.style or str(rng.choice(STYLES, p=(0.58, 0.1, 0.29, 0.03)))
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish)
-    face = "panel" if rng.random() < (0.6 if style != "retro" else 0.15) else "front"
+    face = "panel" if rng.random() < 0.15 else "front"
     controls = _draw_controls(rng, plan)
     door = _draw_door(rng, plan, face, wish)
     built = Assembly(_build_body(plan, face, controls.pieces), (*door, *controls.parts))

@@ -71,7 +71,7 @@ class _Plan(Housing):
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws an oven."""
-    style = wish.style or str(rng.choice(STYLES, p=(0.48, 0.23, 0.25, 0.04)))
+    style = wish.style or str(rng.choice(STYLES, p=(0.6, 0.09, 0.28, 0.03)))
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish, style)
     if plan.kind == "hob":
@@ -108,7 +108,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
     heat: tuple[CooktopKind, ...] = ("gas", "glass", "coil")
     drawn = heat[int(rng.choice(3, p=(0.55, 0.35, 0.10)))]
     look = FrontLook(
-        face="panel" if style in ("black", "steel") and rng.random() < 0.4 else "front",
+        face="panel" if style in ("black", "steel") and rng.random() < 0.15 else "front",
         grip=grip if rng.random() < 0.62 else None,
         longest=longest,
     )

@@ -55,7 +55,7 @@ SIZES: dict[Form, Spans] = {
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a refrigerator."""
-    style = wish.style or str(rng.choice(STYLES, p=(0.46, 0.35, 0.14, 0.05)))
+    style = wish.style or str(rng.choice(STYLES, p=(0.48, 0.43, 0.05, 0.04)))
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish)
     cells = _draw_cells(rng, plan) if wish.layout is None else _lay_cells(plan, list_rows(wish.layout.node))

@@ -149,13 +149,13 @@ class _Kind:
 
 
 KINDS: dict[str, _Kind] = {
-    "dining": _Kind(2.0, ((0.8, 2.0), (0.65, 1.0), (0.7, 0.78)), build_frame),
-    "side": _Kind(2.2, ((0.35, 0.65), (0.32, 0.5), (0.42, 0.68)), build_frame),
+    "dining": _Kind(2.4, ((0.8, 2.0), (0.65, 1.0), (0.7, 0.78)), build_frame),
+    "side": _Kind(2.8, ((0.35, 0.65), (0.32, 0.5), (0.42, 0.68)), build_frame),
     "coffee": _Kind(2.0, ((0.7, 1.3), (0.45, 0.75), (0.32, 0.5)), build_frame),
-    "console": _Kind(1.4, ((0.8, 1.6), (0.3, 0.45), (0.7, 0.9)), build_frame),
-    "desk": _Kind(3.4, ((0.95, 1.8), (0.5, 0.8), (0.7, 0.78)), build_desk),
-    "sink": _Kind(1.0, ((0.55, 1.3), (0.52, 0.66), (1.09, 1.21)), _build_sink),
-    "screw": _Kind(1.1, ((0.45, 0.9), (0.45, 0.9), (0.45, 0.78)), _build_screw, round=True),
+    "console": _Kind(2.0, ((0.8, 1.6), (0.3, 0.45), (0.7, 0.9)), build_frame),
+    "desk": _Kind(2.4, ((0.95, 1.8), (0.5, 0.8), (0.7, 0.78)), build_desk),
+    "sink": _Kind(0.4, ((0.55, 1.3), (0.52, 0.66), (1.09, 1.21)), _build_sink),
+    "screw": _Kind(0.5, ((0.45, 0.9), (0.45, 0.9), (0.45, 0.78)), _build_screw, round=True),
 }
 
 

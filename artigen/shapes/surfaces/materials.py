@@ -5,15 +5,15 @@ from dataclasses import replace
 from artigen.shapes.surfaces.finishes import Color, Finish
 
 WOODS: dict[str, tuple[Color, Color]] = {
-    "oak": ((0.77, 0.62, 0.44), (0.61, 0.45, 0.29)),
-    "white_oak": ((0.84, 0.73, 0.57), (0.71, 0.58, 0.42)),
-    "walnut": ((0.44, 0.30, 0.21), (0.27, 0.17, 0.11)),
-    "birch": ((0.90, 0.81, 0.66), (0.80, 0.68, 0.51)),
+    "oak": ((0.74, 0.55, 0.35), (0.60, 0.41, 0.24)),
+    "white_oak": ((0.90, 0.79, 0.65), (0.79, 0.66, 0.51)),
+    "walnut": ((0.46, 0.29, 0.18), (0.30, 0.17, 0.095)),
+    "birch": ((0.95, 0.85, 0.73), (0.87, 0.74, 0.60)),
     "pine": ((0.87, 0.72, 0.50), (0.72, 0.52, 0.31)),
-    "cherry": ((0.60, 0.38, 0.26), (0.46, 0.27, 0.17)),
+    "cherry": ((0.70, 0.43, 0.26), (0.55, 0.30, 0.16)),
     "teak": ((0.61, 0.42, 0.26), (0.44, 0.28, 0.16)),
     "grey_oak": ((0.65, 0.60, 0.53), (0.51, 0.46, 0.40)),
-    "maple": ((0.86, 0.70, 0.49), (0.76, 0.57, 0.36)),
+    "maple": ((0.95, 0.77, 0.54), (0.87, 0.67, 0.43)),
     "mahogany": ((0.44, 0.22, 0.13), (0.31, 0.135, 0.075)),
     "wenge": ((0.215, 0.145, 0.11), (0.145, 0.092, 0.068)),
     "black_ash": ((0.16, 0.15, 0.145), (0.09, 0.085, 0.08)),
@@ -30,7 +30,7 @@ LACQUERS: dict[str, Color] = {
     "forest": (0.18, 0.27, 0.22),
     "blue": (0.46, 0.55, 0.62),
     "terracotta": (0.65, 0.40, 0.31),
-    "black": (0.115, 0.115, 0.12),
+    "black": (0.04, 0.04, 0.044),
 }
 VARNISHED, DEEPER, WARMER = 0.4, 1.1, 1.15
 """Gloss of varnished wood, the power to which varnish raises its colour, and the factor of its saturation."""
@@ -39,7 +39,7 @@ METALS: dict[str, tuple[Color, Color]] = {
     "chrome": ((0.86, 0.86, 0.87), (0.80, 0.80, 0.81)),
     "brass": ((0.78, 0.63, 0.38), (0.66, 0.50, 0.27)),
     "bronze": ((0.36, 0.28, 0.21), (0.26, 0.20, 0.15)),
-    "black": ((0.10, 0.10, 0.105), (0.13, 0.13, 0.13)),
+    "black": ((0.04, 0.04, 0.044), (0.055, 0.055, 0.055)),
     "dark": ((0.43, 0.43, 0.44), (0.25, 0.25, 0.26)),
 }
 """Colour and brushing; black is powder-coated, dark is dark stainless steel."""
@@ -53,7 +53,7 @@ STONES: dict[str, tuple[Color, Color]] = {
 
 
 def make_wood(name: str, seed: int, *, figure: float = 1.0) -> Finish:
-    """A wood of `WOODS`, open-pored and oiled; ``figure`` in [0, 1] is the contrast of its grain."""
+    """A wood of `WOODS`, open-pored and oiled; ``figure`` in [0, 1.5] is the contrast of its grain."""
     color, accent = WOODS[name]
     red, green, blue = ((1.0 - figure) * c + figure * a for c, a in zip(color, accent, strict=True))
     rings = (red, green, blue)

@@ -86,18 +86,19 @@ BOUGHT_LACQUERS = {
     "sage": 0.05, "navy": 0.05, "forest": 0.03, "blue": 0.02, "terracotta": 0.02,
 }  # fmt: skip
 BOUGHT_WOODS = {
-    "maple": 0.17, "cherry": 0.16, "oak": 0.15, "walnut": 0.15, "wenge": 0.1, "white_oak": 0.08,
-    "mahogany": 0.08, "birch": 0.04, "pine": 0.02, "grey_oak": 0.02, "teak": 0.02, "black_ash": 0.01,
+    "maple": 0.22, "cherry": 0.18, "walnut": 0.13, "oak": 0.1, "wenge": 0.09, "mahogany": 0.08,
+    "white_oak": 0.08, "birch": 0.06, "pine": 0.01, "grey_oak": 0.02, "teak": 0.02, "black_ash": 0.01,
 }  # fmt: skip
 """How often each is bought, judged by what shops show first and by web models of furniture: white, greys and
 black; maple, cherry, oak, walnut, and wood stained dark or red."""
 LININGS = {"veneer": 0.35, "maple": 0.4, "white": 0.25}
 """How the inside of a carcass is finished: as the outside where that is wood, as pale plywood, or white."""
-PAINTED = 0.3
+PAINTED = 0.2
 """Probability that furniture is painted outside, on all of it but its top."""
-FIGURES = (1.0, 0.6, 0.35)
-"""Contrast of grain: solid boards, and veneers and printed boards, which are more even."""
-VARNISHED = 0.55
+FIGURES = (1.5, 1.0, 0.6)
+"""Contrast of grain, 1 for the two colours of `WOODS`: figured boards, plain boards, and prints, which are
+more even."""
+VARNISHED = 0.75
 """Probability that wood is varnished, and not oiled."""
 WARM = frozenset(
     {"navy", "forest", "sage", "cream", "terracotta", "walnut", "cherry", "teak", "mahogany", "wenge"}
@@ -152,7 +153,7 @@ def _draw_furniture(rng: np.random.Generator, style: str, painted: float) -> dic
         inside = make_wood("maple" if lined == "maple" else wood, seed + 3)
     if body.kind != "wood" and rng.random() < 0.35:
         drawer = make_lacquer(LACQUERS["light_grey"])
-    leg = make_metal("black", seed) if rng.random() < 0.12 else (timber if top.kind == "wood" else body)
+    leg = make_metal("black", seed) if rng.random() < 0.05 else (timber if top.kind == "wood" else body)
     return _common(seed) | {
         "body": body,
         "front": front,
@@ -180,7 +181,7 @@ def _draw_scheme(rng: np.random.Generator, style: str, share: float) -> tuple[st
             choose_one(rng, ("black", "anthracite", "grey")),
             "wooden_front",
         )
-    mixed = 0.2 * (1.0 - share) / (1.0 - PAINTED)
+    mixed = 0.12 * (1.0 - share) / (1.0 - PAINTED)
     if style in ("shaker", "classic", "country", "cottage"):
         share, mixed = 1.6 * share, 0.0
     chances = {"wood": 1.0 - share - mixed, "wooden_body": mixed / 2, "wooden_front": mixed / 2}
@@ -206,19 +207,19 @@ def _draw_metal(rng: np.random.Generator, front: str, style: str) -> Finish:
 
 def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     seed = int(rng.integers(2**30))
-    look = style if style in APPLIANCES else str(rng.choice(list(APPLIANCES), p=(0.5, 0.34, 0.12, 0.04)))
+    look = style if style in APPLIANCES else str(rng.choice(list(APPLIANCES), p=(0.55, 0.36, 0.06, 0.03)))
     body, front, handle = APPLIANCES[look](rng, seed)
     enamel = make_lacquer((0.20, 0.21, 0.23), gloss=0.3)
-    black_glass = make_glass((0.045, 0.047, 0.052))
+    black_glass = make_glass((0.012, 0.012, 0.013))
     inside = Finish(
         kind="plastic", color=(0.93, 0.935, 0.935), accent=(0.90, 0.905, 0.91), period=0.3, gloss=0.3
     )
     return _common(seed) | {
         "body": body,
         "front": front,
-        "glass": make_glass((0.05, 0.052, 0.057), opacity=round(float(rng.uniform(0.7, 0.95)), 2)),
+        "glass": make_glass((0.012, 0.012, 0.013), opacity=round(float(rng.uniform(0.7, 0.95)), 2)),
         "inside": inside,
-        "top": body if rng.random() < 0.5 else black_glass,
+        "top": body if rng.random() < 0.8 else black_glass,
         "handle": handle,
         "leg": make_lacquer(LACQUERS["black"]),
         "drawer": inside,
@@ -229,10 +230,11 @@ def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 
 def _steel_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
-    """Grey housing, brushed front: the sides of a steel appliance are painted."""
+    """Grey housing, brushed front: sides of a steel appliance are painted, and cheap ones are all over."""
     metal = make_metal("dark" if rng.random() < 0.12 else "steel", seed)
     grey = round(0.3 + 0.05 * (seed % 11), 2)
-    return make_lacquer((grey, grey, grey), gloss=0.3), metal, make_metal("steel", seed + 1)
+    paint = make_lacquer((grey, grey, grey), gloss=0.3)
+    return paint, paint if seed % 10 < 3 else metal, make_metal("steel", seed + 1)
 
 
 def _white_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
@@ -242,7 +244,7 @@ def _white_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Fi
 
 
 def _black_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
-    enamel = make_lacquer((0.04, 0.04, 0.042), gloss=0.45)
+    enamel = make_lacquer((0.015, 0.015, 0.016), gloss=0.45)
     return enamel, enamel, make_metal("steel" if rng.random() < 0.6 else "black", seed)
 
 
@@ -261,7 +263,7 @@ def _common(seed: int) -> dict[str, Finish]:
     return {
         "glass": make_glass((0.72, 0.78, 0.78), opacity=0.22),
         "clear": make_glass((0.72, 0.78, 0.78), opacity=0.22),
-        "rubber": Finish(kind="rubber", color=(0.13, 0.13, 0.135), accent=(0.17, 0.17, 0.17), gloss=0.05),
+        "rubber": Finish(kind="rubber", color=(0.05, 0.05, 0.052), accent=(0.07, 0.07, 0.07), gloss=0.05),
         "steel": make_metal("steel", seed + 5),
         "plastic": Finish(kind="plastic", color=(0.83, 0.83, 0.82), accent=(0.79, 0.79, 0.78), gloss=0.25),
         "cavity": make_lacquer((0.20, 0.21, 0.23), gloss=0.3),

@@ -109,7 +109,7 @@ def cut_legs(shape, gap: float):
 
 
 def test_a_table_with_legs_cut_in_two_fails_this_check_alone(tmp_path):
-    table = draw_shape("Table", 11)
+    table = draw_shape("Table", 10)
     for name, shape in (("whole", table), ("cut", cut_legs(table, 0.03))):
         package = build_reference(shape)
         results = run_checks(write_package(package, tmp_path / name), ("L1", "L2"))

@@ -14,7 +14,7 @@ from sim_export.physics.inertia import subtree_inertial
 from sim_export.physics.materials import GRAVITY
 from sim_export.reference import build_reference
 
-SCREW_TABLE = 9
+SCREW_TABLE = 40
 """Seed of a round table whose top is screwed up."""
 
 
