@@ -32,7 +32,11 @@ def main(out: Path = Path("out/readme_rooms"), seed: int = 0, workers: int | Non
         tiles.append(np.asarray(picture.resize((WIDTH, WIDTH * picture.height // picture.width))))
     rows = [np.hstack(tiles[start : start + 2]) for start in range(0, len(tiles), 2)]
     sheet = Image.fromarray(np.vstack(rows))
-    sheet.quantize(256, dither=Image.Dither.NONE).save(out / "rooms.png", optimize=True)
+    colors = sheet.quantize(256)
+    dithered = sheet.quantize(
+        palette=colors, dither=Image.Dither.FLOYDSTEINBERG
+    )  # a palette alone makes wood blotchy
+    dithered.save(out / "rooms.png", optimize=True)
     return 0
 
 
