@@ -266,6 +266,15 @@ def _tools(at: float) -> list[_Part]:
     return parts
 
 
+FOLDS = (
+    ("loop", -0.02, 0.02, 0.07, 0.45, 0.52), ("collar", -0.045, 0.045, 0.09, 0.38, 0.47),
+    ("middle", -0.035, 0.03, 0.12, -0.42, 0.4), ("left", -0.075, -0.03, 0.1, -0.4, 0.38),
+    ("right", 0.025, 0.07, 0.105, -0.43, 0.37), ("left_sleeve", -0.105, -0.07, 0.08, -0.2, 0.33),
+    ("right_sleeve", 0.065, 0.1, 0.09, -0.23, 0.32),
+)  # fmt: skip
+"""Folds of a coat on a hook: from and to along the wall, out of it, and up (m)."""
+
+
 def _coats(at: float, rng: np.random.Generator) -> list[_Part]:
     """A board with four hooks and coats on two or three of them."""
     low, high = (at - 0.45, OFF, 0.48), (at + 0.45, 0.02, 0.58)
@@ -279,13 +288,10 @@ def _coats(at: float, rng: np.random.Generator) -> list[_Part]:
             cloth = COATS[int(rng.integers(len(COATS)))]
             parts += [
                 _Part(
-                    name=f"coats_{name}", low=(x - wide, 0.03, foot), high=(x + wide, depth, top),
-                    color=cloth, pattern="cloth",
+                    name=f"coats_{name}", low=(x + left, 0.03, foot - 0.08 * (hook % 2) * (foot < 0.0)),
+                    high=(x + right, depth, top), color=cloth, pattern="cloth",
                 )
-                for name, wide, depth, foot, top in (
-                    ("collar", 0.05, 0.08, 0.44, 0.5), ("shoulders", 0.085, 0.1, 0.34, 0.44),
-                    ("skirt", 0.1, 0.13, -0.4 - 0.08 * (hook % 2), 0.34),
-                )
+                for name, left, right, depth, foot, top in FOLDS
             ]  # fmt: skip
     return parts
 
