@@ -137,7 +137,8 @@ def _ask_sketch(
         side = request.width or request.depth or min(usual["width"], usual["depth"])
         usual |= {"width": request.width or side, "depth": request.depth or side}
     request = replace(request, **usual)
-    encoded = None if picture is None else model.encode_picture(network(), picture)
+    headed = bool(factors) or understood.volume is not None  # by usual extents, which a header has
+    encoded = model.encode_picture(network(), picture) if picture is not None and headed else None
     if factors:
         drawn = model.draw_header(network(), request, seed, encoded=encoded)
         request = replace(
@@ -146,7 +147,8 @@ def _ask_sketch(
     if understood.volume is not None:
         drawn = model.draw_header(network(), request, seed, encoded=encoded)
         request = _hold(request, drawn, understood)
-    encode_request(request)
+    if headed:
+        encode_request(request)
     return Asked(request=request, notes=understood.notes, told=told, picture=picture)
 
 
