@@ -17,7 +17,9 @@ demo: $(PACKAGE)
 # Workers of two threads each would wait for one another's.
 TESTS = $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal --ignore tests/docs $(PYTEST_FLAGS)
 
+# A quarter of the time goes into checking the shapes of all arrays; JAXTYPING_DISABLE=0 checks them, as the gate does.
 test: export OMP_NUM_THREADS ?= 1
+test: export JAXTYPING_DISABLE ?= 1
 test: $(STAMP)
 	$(TESTS) -m "not slow"
 
