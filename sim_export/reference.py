@@ -28,6 +28,7 @@ from sim_export.collision.hull_limits import trim_hull
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.simplification import EXACT, measure_simplified, simplify_links
 from sim_export.geometry.broken_edges import is_box
+from sim_export.geometry.needles import flip_needles
 from sim_export.geometry.solids import as_solid, solid_arrays, unite
 from sim_export.geometry.triangles import bounds_of, find_slivers, triangle_normals
 from sim_export.package import Hull, Inertial, Mesh, Requirement, SimPackage
@@ -213,7 +214,8 @@ def _unite_pieces(pieces: Sequence[Piece]) -> _Union:
         number[int(original)].owners(middles[start : start + run])
         for original, start, run in zip(mesh.run_original_id, starts, runs, strict=False)
     ]
-    return _Union(mesh=Mesh(vertices=vertices, faces=faces), owners=np.concatenate(owners))
+    own = np.concatenate(owners)
+    return _Union(mesh=Mesh(vertices=vertices, faces=flip_needles(vertices, faces, own)), owners=own)
 
 
 def _unite(solids: Sequence[Hull]) -> Mesh:
