@@ -41,6 +41,8 @@ from sim_export.physics.masses import mean_thickness, subtract
 from sim_export.physics.materials import MATERIALS, finish_material
 from sim_export.topology import hull_kinds
 
+BESIDE = 0.2
+"""Cosine between a normal and a side above which a broken edge is one of that side."""
 SQUARE = 0.9
 """Cosine to the sides of a box below which a face is a broken edge."""
 SLIVERS = 0.01
@@ -272,13 +274,16 @@ def _dress(
 def _square_normals(
     part: ShapePart, union: _Union, normals: Float[np.ndarray, "F 3"]
 ) -> Float[np.ndarray, "F 3"]:
-    """Normals by which a lining is found: broken edges of boxes belong to the side without it."""
+    """Normals by which a lining is found: broken edges of boxes belong to the side without it, or with it
+    where it is the band on an edge of a board."""
     squared = normals.copy()
     for index, primitive in enumerate(part.primitives):
         if primitive.lined_side is not None and is_box(primitive):
-            own = union.owners == index
-            bevel = np.abs(normals[own] @ primitive.rotation).max(axis=1) < SQUARE
-            squared[np.flatnonzero(own)[bevel]] = 0.0
+            own, side = union.owners == index, np.array(primitive.lined_side)
+            bevel = np.flatnonzero(own)[np.abs(normals[own] @ primitive.rotation).max(axis=1) < SQUARE]
+            deep = float(np.abs(primitive.rotation.T @ side) @ primitive.size)
+            band = (normals[bevel] @ side > BESIDE) & (deep > primitive.size.min() + 1e-9)
+            squared[bevel] = np.where(band[:, None], side, 0.0)
     return squared
 
 
