@@ -1,10 +1,11 @@
 """Reads "tall", "large" and "round" where they describe the whole object."""
 
 from artigen.conditioning.colors import is_noun
+from artigen.conditioning.measures import ADJECTIVES, AXES, SCALES
 from artigen.conditioning.parse import BETWEEN, Parse, say_features
 from artigen.conditioning.places import starts_spot
 from artigen.conditioning.sentence import TextError
-from artigen.conditioning.vocabulary import ADJECTIVES, AXES, GLOSSES, LEGS, OUTLINES, PARTS, PIECES, SCALES
+from artigen.conditioning.vocabulary import GLOSSES, LEGS, OUTLINES, PARTS, PIECES
 
 COMPARED = 4
 """Number of words between "than" or "as" and an adjective: "wider than it is tall"."""

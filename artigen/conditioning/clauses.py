@@ -5,8 +5,10 @@ from dataclasses import dataclass, replace
 from artigen.conditioning.adjectives import read_adjectives
 from artigen.conditioning.colors import read_finishes
 from artigen.conditioning.counts import read_counts, read_objects
+from artigen.conditioning.measures import COMPARATIVES, SCALES
 from artigen.conditioning.nouns import find_head
 from artigen.conditioning.numbers import read_length, read_number, split_words
+from artigen.conditioning.paints import MATERIALS, PAINTS, PANES, SHADES
 from artigen.conditioning.parse import Parse, kind_of, list_ignored, say_count, say_features
 from artigen.conditioning.places import starts_spot
 from artigen.conditioning.sentence import OBJECT, Sentence, TextError
@@ -14,20 +16,14 @@ from artigen.conditioning.sizes import order_product, read_bare_sizes, read_size
 from artigen.conditioning.vocabulary import (
     APART,
     BARE,
-    COMPARATIVES,
     COMPARTMENTS,
     EXCLUSIVE,
     FEATURES,
     GLAZED,
     LEGS,
     LEVEL,
-    MATERIALS,
-    PAINTS,
-    PANES,
     PARTS,
     PIECES,
-    SCALES,
-    SHADES,
     STACKED,
     STYLES,
     Feature,

@@ -4,26 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from artigen.conditioning.measures import ADJECTIVES, SCALES
 from artigen.conditioning.numbers import read_number
+from artigen.conditioning.paints import MATERIALS, PAINTS, PLAIN, SHADES, SURFACES, Stuff
 from artigen.conditioning.sentence import OBJECT, TextError
-from artigen.conditioning.vocabulary import (
-    ADJECTIVES,
-    CLAUSES,
-    FEATURES,
-    FILLERS,
-    LEGS,
-    MATERIALS,
-    PAINTS,
-    PARTS,
-    PIECES,
-    PLAIN,
-    RELATIONS,
-    SCALES,
-    SHADES,
-    SPOTS,
-    SURFACES,
-    Stuff,
-)
+from artigen.conditioning.vocabulary import CLAUSES, FEATURES, FILLERS, LEGS, PARTS, PIECES, RELATIONS, SPOTS
 from artigen.shapes.surfaces.finishes import Color
 
 BETWEEN = 4

@@ -4,11 +4,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from artigen.conditioning.colors import is_noun
+from artigen.conditioning.measures import ADJECTIVES, SCALES
 from artigen.conditioning.numbers import crosses, read_count, read_number
+from artigen.conditioning.paints import PANES
 from artigen.conditioning.parse import BETWEEN, Parse, kind_of, say_count, say_features
 from artigen.conditioning.places import Group, find_places, match_relation, starts_spot
 from artigen.conditioning.sentence import Placing, TextError
-from artigen.conditioning.vocabulary import ADJECTIVES, GRIDS, ONES, PANES, PART_NOUNS, PARTS, SCALES
+from artigen.conditioning.vocabulary import GRIDS, ONES, PART_NOUNS, PARTS
 from artigen.kind import find_noun
 from artigen.types import PART_LABELS
 

@@ -3,20 +3,17 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from artigen.conditioning.measures import ADJECTIVES, SCALES
 from artigen.conditioning.numbers import read_number
+from artigen.conditioning.paints import MATERIALS, PAINTS, SHADES
 from artigen.conditioning.sentence import TextError
 from artigen.conditioning.vocabulary import (
-    ADJECTIVES,
     AMBIGUOUS,
     CLAUSES,
     FILLERS,
-    MATERIALS,
     OTHERS,
-    PAINTS,
     PARTS,
     RELATIONS,
-    SCALES,
-    SHADES,
     count_longest,
 )
 from artigen.kind import Kind, find_noun, list_nouns

@@ -3,7 +3,8 @@
 import re
 from fractions import Fraction
 
-from artigen.conditioning.vocabulary import DIRECTIONS, GROUPS, LIMITS, NUMBERS, SIDES, UNITS, count_longest
+from artigen.conditioning.measures import DIRECTIONS, GROUPS, LIMITS, NUMBERS, SIDES, UNITS
+from artigen.conditioning.vocabulary import count_longest
 
 _SIGNS = {
     "½": " 1/2 ", "¼": " 1/4 ", "¾": " 3/4 ", "\u00d7": " x ", "\u2019": "'", "\u201d": '"', "\u2013": "-",

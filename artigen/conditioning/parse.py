@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+from artigen.conditioning.measures import AXES, Axis
 from artigen.conditioning.numbers import read_length
 from artigen.conditioning.sentence import Sentence, TextError
-from artigen.conditioning.vocabulary import AXES, FILLERS, Axis, Feature
+from artigen.conditioning.vocabulary import FILLERS, Feature
 from artigen.kind import Kind, kinds
 from artigen.types import PartLabel
 

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 
 from artigen.conditioning.clauses import read_clauses
+from artigen.conditioning.measures import AXES, Axis
 from artigen.conditioning.sentence import Sentence, TextError
-from artigen.conditioning.vocabulary import AXES, Axis
 from artigen.kind import Kind, kinds, list_words
 
 SLACK = 1e-9

@@ -8,7 +8,8 @@ ignored, never dropped.
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from artigen.conditioning.vocabulary import Axis, Spot
+from artigen.conditioning.measures import Axis
+from artigen.conditioning.vocabulary import Spot
 from artigen.errors import ArtigenError
 from artigen.kind import kinds, plurals
 from artigen.types import PartLabel

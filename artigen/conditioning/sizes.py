@@ -4,10 +4,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from artigen.conditioning.measures import AXES, DIRECTIONS, UNITS, VOLUMES, Axis
 from artigen.conditioning.numbers import crosses, read_length, read_number
 from artigen.conditioning.parse import Parse, kind_of, say_length
 from artigen.conditioning.sentence import TextError
-from artigen.conditioning.vocabulary import AXES, CLAUSES, DIRECTIONS, PARTS, UNITS, VOLUMES, Axis
+from artigen.conditioning.vocabulary import CLAUSES, PARTS
 from artigen.kind import Kind
 
 WIDEST = 1.25

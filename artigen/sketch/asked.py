@@ -12,8 +12,8 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.conditioning.image import is_cut_out, open_picture
+from artigen.conditioning.measures import AXES, Axis
 from artigen.conditioning.read import check_size
-from artigen.conditioning.vocabulary import AXES, Axis
 from artigen.errors import ArtigenError
 from artigen.kind import kinds
 from artigen.reader.correct import correct_reading

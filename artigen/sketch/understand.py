@@ -6,9 +6,11 @@ from pathlib import Path
 from typing import TypeVar
 
 from artigen.conditioning.colors import find_color_only, find_stuff
+from artigen.conditioning.measures import AXES
+from artigen.conditioning.paints import METALLIC
 from artigen.conditioning.read import check_size, read_sentence
 from artigen.conditioning.sentence import OBJECT, Placing, Sentence
-from artigen.conditioning.vocabulary import AXES, METALLIC, PARTS, Feature
+from artigen.conditioning.vocabulary import PARTS, Feature
 from artigen.errors import ArtigenError
 from artigen.kind import find_kind
 from artigen.shapes.draw import Wish, check_wish
