@@ -5,18 +5,16 @@ from dataclasses import dataclass, replace
 from artigen.conditioning.adjectives import read_adjectives
 from artigen.conditioning.colors import read_finishes
 from artigen.conditioning.counts import read_counts, read_objects
-from artigen.conditioning.measures import COMPARATIVES, SCALES
+from artigen.conditioning.measures import SCALES
 from artigen.conditioning.nouns import find_head
-from artigen.conditioning.numbers import read_length, read_number, split_words
+from artigen.conditioning.numbers import read_number
 from artigen.conditioning.paints import MATERIALS, PAINTS, PANES, SHADES
 from artigen.conditioning.parse import Parse, kind_of, list_ignored, say_count, say_features
-from artigen.conditioning.places import starts_spot
 from artigen.conditioning.sentence import OBJECT, Sentence, TextError
 from artigen.conditioning.sizes import order_product, read_bare_sizes, read_sizes, read_volume
 from artigen.conditioning.vocabulary import (
     APART,
     BARE,
-    COMPARTMENTS,
     EXCLUSIVE,
     FEATURES,
     GLAZED,
@@ -29,13 +27,16 @@ from artigen.conditioning.vocabulary import (
     Feature,
     count_longest,
 )
-from artigen.kind import EVERY, NONE, find_noun, plurals
+from artigen.conditioning.wording import plain_words
+from artigen.kind import EVERY, NONE, find_noun
 from artigen.types import PartLabel
 
 LONGEST = count_longest(FEATURES)
 """Words of the longest phrase of features."""
 FEATURES_OF = {style: feature for feature, style in STYLES.items()}
 """Features that are styles of some kinds, by those."""
+NEXT = frozenset({",", "but", "and", "with"})
+"""Words before which a denial ends."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,38 +57,21 @@ def read_clauses(text: str, *, whole: bool = True) -> Sentence:
     Raises:
         TextError: If it names two kinds, or gives a number, length, style or colour twice.
     """
-    parse = Parse(words=_name_shelves(_spell_out(split_words(text))), whole=whole)
-    for read in (read_sizes, read_volume, _read_kind, order_product, _read_style, _read_features, read_counts,
-                 _place_panes, read_objects, read_bare_sizes, _read_colors, read_adjectives, _read_parts,
-                 _agree):  # fmt: skip
+    parse = Parse(words=plain_words(text), whole=whole)
+    for read in (_lose_negated, read_sizes, read_volume, _read_kind, order_product, _read_style,
+                 _read_features, read_counts, _place_panes, read_objects, read_bare_sizes, _read_colors,
+                 read_adjectives, _read_parts, _agree):  # fmt: skip
         parse = read(parse)
     return replace(parse.found, ignored=list_ignored(parse))
 
 
-def _spell_out(words: tuple[str, ...]) -> tuple[str, ...]:
-    """Words with "taller than a metre" as "more than a metre tall", and "not handles" as "no handles"."""
-    spelled = list(words)
-    for at in range(len(words) - 2, -1, -1):  # from the end, so that places before stay
-        word, after = words[at : at + 2]
-        if word == "not" and after in PARTS:
-            spelled[at] = "no"
-        length = read_length(words, at + 2) if word in COMPARATIVES and after == "than" else None
-        if length is not None:
-            spelled[at], direction = COMPARATIVES[word]
-            spelled.insert(at + 2 + length[1], direction)
-    return tuple(spelled)
-
-
-def _name_shelves(words: tuple[str, ...]) -> tuple[str, ...]:
-    """Words with "open compartment" and the like as the open shelf that they are."""
-    nouns = dict.fromkeys(COMPARTMENTS, "shelf") | dict.fromkeys(plurals(*COMPARTMENTS).values(), "shelves")
-    named = list(words)
-    for at, word in enumerate(words):
-        if at and words[at - 1] == "open":
-            named[at] = nouns.get(word, word)
-        elif word == "open" and at and words[at - 1] in (",", "with", "and") and starts_spot(words, at + 1):
-            named[at] = "shelf"  # "open in the middle"
-    return tuple(named)
+def _lose_negated(parse: Parse) -> Parse:
+    """What "not" denies, to the end of its clause, is not understood: "not white", "not too big"."""
+    for at, word in enumerate(parse.words):
+        if word == "not":
+            ends = (end for end in range(at, len(parse.words)) if parse.words[end] in NEXT)
+            parse = parse.lose(at, next(ends, len(parse.words)) - at)
+    return parse
 
 
 def _read_kind(parse: Parse) -> Parse:

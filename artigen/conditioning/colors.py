@@ -13,7 +13,22 @@ from artigen.shapes.surfaces.finishes import Color
 
 BETWEEN = 4
 """Largest number of words between a colour and its noun."""
-LINKS = {"in", "of", "are", "is", "painted", "finished", "made", "from", "coloured", "colored", "all"}
+LINKS = {
+    "in",
+    "of",
+    "are",
+    "is",
+    "be",
+    "should",
+    "must",
+    "painted",
+    "finished",
+    "made",
+    "from",
+    "coloured",
+    "colored",
+    "all",
+}
 """Words between a noun and a colour after it."""
 ENDS = {",", "with", "without", "in", "on", "of", "for", "but"}
 """Words that a colour does not reach across."""
@@ -38,7 +53,7 @@ def read_finishes(
     read = set(used)
     at = 0
     while at < len(words):
-        count = _measure(words, at)
+        count = measure_finish(words, at)
         if not count or at in used:
             at += 1
             continue
@@ -49,6 +64,9 @@ def read_finishes(
             at += count  # "a mailbox with a red flag"
             continue
         target = target or _find_before(words, at, head, table)
+        if table.get(target, word) != word and words[at - 1] == "or":
+            at += count  # "oak or walnut": either will do
+            continue
         if table.get(target, word) != word:
             named = "the object" if target == OBJECT else f"the {target}"
             raise TextError(f"{table[target]} and {word} are asked for, both of {named}; name one")
@@ -87,7 +105,7 @@ def find_stuff(word: str) -> Stuff | None:
     return replace(stuff, color=_shade(stuff.color, shade))
 
 
-def _measure(words: tuple[str, ...], at: int) -> int:
+def measure_finish(words: tuple[str, ...], at: int) -> int:
     """Number of words of the colour or material at a place; 0 for none."""
     for count in (2, 1):
         word = " ".join(words[at : at + count])
@@ -136,7 +154,7 @@ def is_noun(words: tuple[str, ...], at: int) -> bool:
         at < len(words)
         and words[at].isalpha()
         and words[at] not in known
-        and not _measure(words, at)
+        and not measure_finish(words, at)
         and read_number(words, at) is None
         and not any(" ".join(words[at : at + count]) in {*FEATURES, *SPOTS} for count in range(1, 6))
     )
@@ -144,7 +162,7 @@ def is_noun(words: tuple[str, ...], at: int) -> bool:
 
 def _is_description(words: tuple[str, ...], at: int) -> bool:
     """Whether a word after "and" goes on describing the same noun: "white and narrow fridge"."""
-    return at < len(words) and (words[at] in ADJECTIVES or _measure(words, at) > 0)
+    return at < len(words) and (words[at] in ADJECTIVES or measure_finish(words, at) > 0)
 
 
 def _find_before(words: tuple[str, ...], at: int, head: range, known: dict[str, str]) -> str:

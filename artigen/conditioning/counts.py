@@ -178,6 +178,6 @@ def read_objects(parse: Parse) -> Parse:
         return parse
     for at in range(head.start):
         number = None if at in parse.used else read_count(words, at)
-        if number is not None and number[0] > 1 and "," not in words[at : head.start]:
+        if number is not None and number[0] > 1 and not {",", "of"} & {*words[at + number[1] : head.start]}:
             return parse.take(at, number[1]).say(objects=number[0])
     return parse

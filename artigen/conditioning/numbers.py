@@ -7,9 +7,16 @@ from artigen.conditioning.measures import DIRECTIONS, GROUPS, LIMITS, NUMBERS, S
 from artigen.conditioning.vocabulary import count_longest
 
 _SIGNS = {
-    "½": " 1/2 ", "¼": " 1/4 ", "¾": " 3/4 ", "\u00d7": " x ", "\u2019": "'", "\u201d": '"', "\u2013": "-",
+    "½": " 1/2 ", "¼": " 1/4 ", "¾": " 3/4 ", "\u00d7": " x ", "\u201d": '"', "\u2013": "-",
     "w/": " with ",
 }  # fmt: skip
+_CONTRACTIONS = (
+    ("\u2019", "'"), (r"(?<=[a-z])'(?:s|d|m|ll|re|ve)\b", ""), (r"\bcan(?:no|')t\b", "can not"),
+    (r"n't\b", " not"),
+    (r"\bdo(?:es)? not (?:want|need|have)\b(?: any\b)?", "without"), (r"(?<=[a-z])/(?=[a-z])(?<!w/)", " or "),
+    (r"(?<!\bin)(?<!\bft)(?<!\bcm)(?<!\bmm)(?<!\bapprox)[.!?]\s+", ", "),
+)  # fmt: skip
+"""Contractions, strokes between words and ends of sentences, and what they are as words."""
 _WORD = re.compile(r"\d+/\d+|\d+(?:\.\d+)?|[a-z]+|,")
 
 LARGE = frozenset({"m", "metre", "metres", "meter", "meters"})
@@ -23,6 +30,8 @@ CLEAR = 0.05
 def split_words(text: str) -> tuple[str, ...]:
     """Words, numbers and commas in lower case; a comma between digits is a decimal or thousands sign."""
     text = re.sub(r"pull[- ](out|down)", r"pull\1", text.lower())
+    for contracted, spelled in _CONTRACTIONS:
+        text = re.sub(contracted, spelled, text)
     for sign, spelled in _SIGNS.items():
         text = text.replace(sign, spelled)
     text = re.sub(r"(\d)\s*-\s*(?=\d)", r"\1 to ", text).replace("-", " ")

@@ -268,6 +268,12 @@ STYLES: dict[Feature, str] = {
 """Styles that have a feature, for the kinds that have such a style."""
 BARE: Feature = ("handle", "type", "none")
 """The feature of fronts without handles."""
+CORRECTIONS = (
+    ("no", ",", "make"), ("no", ","), ("actually", ","), ("actually",), ("sorry", ","), ("wait", ","),
+    ("i", "mean"),
+    ("scratch", "that"), ("or", "rather"), ("better",),
+)  # fmt: skip
+"""Phrases after which a value replaces the one that was given before."""
 ROOMS = frozenset({
     "kitchen", "bathroom", "bedroom", "living", "hall", "hallway", "office", "laundry", "utility", "garage",
     "guest", "nursery", "home", "room", "entryway", "study",
@@ -276,7 +282,8 @@ ROOMS = frozenset({
 FILLERS = ROOMS | frozenset({
     "a", "an", "the", "and", "or", "of", "for", "in", "it", "its", "is", "are", "that", "which", "to",
     "on", "at", "by", "with", "has", "have", "having", "made", "painted", "finished", "coloured",
-    "colored", "finish", "i", "want", "please", "me", "one", "s", "featuring", "piece", "from", "each",
+    "colored", "finish", "i", "we", "you", "want", "would", "like", "should", "must", "can", "could", "be",
+    "please", "me", "one", "featuring", "piece", "from", "each",
     "all", "both", "some", "any", "about", "roughly", "approximately", "around", "x", "but", "make",
     "draw", "create", "generate", "give", "need", "my", "our", "new", "either", "nor", "neither",
     "hinged", "them", "different", "various", "several", "whose", "where", "there", "then", "plus", "only",
