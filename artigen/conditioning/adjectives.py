@@ -7,16 +7,13 @@ from artigen.conditioning.places import starts_spot
 from artigen.conditioning.sentence import TextError
 from artigen.conditioning.vocabulary import GLOSSES, LEGS, OUTLINES, PARTS, PIECES
 
-COMPARED = 4
-"""Number of words between "than" or "as" and an adjective: "wider than it is tall"."""
-
 
 def read_adjectives(parse: Parse) -> Parse:
     """Reads "tall" and the like where they describe the whole object."""
     parse = _read_gloss(parse)
     for at, word in enumerate(parse.words):
         counted = at > 0 and parse.words[at - 1][0].isdigit()
-        compared = bool({"than", "as"} & set(parse.words[max(0, at - COMPARED) : at]))
+        compared = at > 0 and parse.words[at - 1] in ("than", "as")
         if word not in ADJECTIVES or at in parse.used or counted or compared or _describes_part(parse, at):
             continue
         axis, factor = ADJECTIVES[word]

@@ -10,6 +10,7 @@ from artigen.conditioning.nouns import find_head
 from artigen.conditioning.numbers import read_number
 from artigen.conditioning.paints import MATERIALS, PAINTS, PANES, SHADES
 from artigen.conditioning.parse import Parse, kind_of, list_ignored, say_count, say_features
+from artigen.conditioning.proportions import read_proportions
 from artigen.conditioning.sentence import OBJECT, Sentence, TextError
 from artigen.conditioning.sizes import order_product, read_bare_sizes, read_sizes, read_volume
 from artigen.conditioning.vocabulary import (
@@ -59,8 +60,8 @@ def read_clauses(text: str, *, whole: bool = True) -> Sentence:
     """
     parse = Parse(words=plain_words(text), whole=whole)
     for read in (_lose_negated, read_sizes, read_volume, _read_kind, order_product, _read_style,
-                 _read_features, read_counts, _place_panes, read_objects, read_bare_sizes, _read_colors,
-                 read_adjectives, _read_parts, _agree):  # fmt: skip
+                 _read_features, read_counts, _place_panes, read_objects, read_bare_sizes, read_proportions,
+                 _read_colors, read_adjectives, _read_parts, _agree):  # fmt: skip
         parse = read(parse)
     return replace(parse.found, ignored=list_ignored(parse))
 

@@ -14,21 +14,9 @@ from artigen.shapes.surfaces.finishes import Color
 BETWEEN = 4
 """Largest number of words between a colour and its noun."""
 LINKS = {
-    "in",
-    "of",
-    "are",
-    "is",
-    "be",
-    "should",
-    "must",
-    "painted",
-    "finished",
-    "made",
-    "from",
-    "coloured",
-    "colored",
-    "all",
-}
+    "in", "of", "are", "is", "be", "should", "must", "painted", "finished", "made", "from", "coloured",
+    "colored", "all",
+}  # fmt: skip
 """Words between a noun and a colour after it."""
 ENDS = {",", "with", "without", "in", "on", "of", "for", "but"}
 """Words that a colour does not reach across."""

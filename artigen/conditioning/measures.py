@@ -14,12 +14,12 @@ NUMBERS: dict[str, int] = {
     "a": 1, "an": 1, "single": 1, "double": 2, "twin": 2, "triple": 3, "both": 2,
 }  # fmt: skip
 """Words for numbers; sentences use the first of each."""
-LIMITS: dict[str, int] = {
-    "at least": 0, "at most": 0, "up to": 0, "no more than": 0, "no less than": 0, "no fewer than": 0,
-    "minimum of": 0, "maximum of": 0, "a minimum of": 0, "a maximum of": 0, "exactly": 0,
-    "more than": 1, "less than": -1, "fewer than": -1,
+LIMITS: dict[str, tuple[int, int]] = {
+    **dict.fromkeys(("at least", "no less than", "no fewer than", "minimum of", "a minimum of"), (1, 0)),
+    **dict.fromkeys(("at most", "up to", "no more than", "maximum of", "a maximum of"), (-1, 0)),
+    "exactly": (0, 0), "more than": (1, 1), "less than": (-1, -1), "fewer than": (-1, -1),
 }  # fmt: skip
-"""Phrases before a number: 1 if it must be exceeded, -1 if it must not be reached, 0 if it is allowed."""
+"""Phrases before a number: where others are that are allowed, and how far the nearest whole one is."""
 SIDES = {"under": -1, "below": -1, "over": 1, "above": 1}
 """The same before lengths only: before a number of parts they say where those are."""
 GROUPS = {"dozen": 12, "couple": 2, "pair": 2}

@@ -31,7 +31,10 @@ def read_sentence(text: str, *, whole: bool = True) -> Sentence:
             "'a cabinet with three drawers'"
         )
     if found.kind is not None:
-        check_size(kinds()[found.kind], dict(found.size))
+        kind = kinds()[found.kind]
+        spans = dict(zip(AXES, kind.sizes, strict=True))
+        nearest = {axis: min(max(low, spans[axis][0]), high) for axis, low, high in found.ranges}
+        check_size(kind, dict(found.size) | nearest)
     return found
 
 

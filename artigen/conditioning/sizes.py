@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from artigen.conditioning.measures import AXES, DIRECTIONS, UNITS, VOLUMES, Axis
-from artigen.conditioning.numbers import crosses, read_length, read_number
-from artigen.conditioning.parse import Parse, kind_of, say_length
+from artigen.conditioning.numbers import Length, crosses, read_length, read_number
+from artigen.conditioning.parse import Parse, kind_of, say_length, say_range
 from artigen.conditioning.sentence import TextError
 from artigen.conditioning.vocabulary import CLAUSES, PARTS
 from artigen.kind import Kind
@@ -38,11 +38,11 @@ def read_sizes(parse: Parse) -> Parse:
         length = read_length(words, at)
         number = read_number(words, at)
         if length is not None:
-            unit = next(word for word in words[at : at + length[1]][::-1] if word in UNITS)
+            unit = next(word for word in words[at : at + length.words][::-1] if word in UNITS)
         elif number is not None and unit is not None and words[at][0].isdigit():
             bare = number[0] * UNITS[unit]
-            length = (bare, number[1]) if bare <= FURTHEST else None
-        named = None if length is None else _find_direction(words, at, length[1])
+            length = Length(low=bare, high=bare, words=number[1]) if bare <= FURTHEST else None
+        named = None if length is None else _find_direction(words, at, length.words)
         each = words[max(0, at - 1) : at] in (("each",), ("every",))  # "three drawers, each 20 cm high"
         if length is None or named is None:
             at += 1
@@ -51,7 +51,7 @@ def read_sizes(parse: Parse) -> Parse:
         if each:
             parse, at = parse.lose(start, end - start), end
             continue
-        parse = say_length(parse.take(start, end - start), axis, length[0])
+        parse = say_range(parse.take(start, end - start), axis, length)
         at = end
     return parse
 
@@ -155,12 +155,13 @@ def read_bare_sizes(parse: Parse) -> Parse:
             not used
             or axes is None
             or _is_of_part(parse, at, at + used)
-            or set(axes) & {axis for axis, _ in parse.found.size}
+            or set(axes) & {axis for axis, *_ in (*parse.found.size, *parse.found.ranges)}
         ):
             at += 1
             continue
+        span = read_length(words, at) if len(lengths) == 1 else None
         for axis, length in zip(axes, lengths, strict=True):
-            parse = say_length(parse, axis, length)
+            parse = say_length(parse, axis, length) if span is None else say_range(parse, axis, span)
         parse = parse.take(at, used)
         at += used
     return parse
@@ -192,11 +193,13 @@ def _read_product(words: tuple[str, ...], at: int) -> tuple[list[float], int]:
         last = read_length(words, end + 1) if crossed else None
         if number is None or last is None:
             return [], 0
-        unit = next(word for word in words[end + 1 : end + 1 + last[1]][::-1] if word in UNITS)
-        return [number[0] * UNITS[unit], last[0]], end + 1 + last[1] - at
-    end = at + first[1]
+        unit = next(word for word in words[end + 1 : end + 1 + last.words][::-1] if word in UNITS)
+        return [number[0] * UNITS[unit], last.metres], end + 1 + last.words - at
+    end = at + first.words
     last = read_length(words, end + 1) if crosses(words, end) else None
-    return ([first[0]], first[1]) if last is None else ([first[0], last[0]], end + 1 + last[1] - at)
+    if last is None:
+        return [first.metres], first.words
+    return [first.metres, last.metres], end + 1 + last.words - at
 
 
 def _read_plain_product(words: tuple[str, ...], at: int) -> list[tuple[list[float], int]]:

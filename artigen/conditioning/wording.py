@@ -48,7 +48,7 @@ def _read_value(words: tuple[str, ...], at: int) -> Value | None:
     """The value that begins at a word; an article counts nothing here."""
     length, count, finish = read_length(words, at), read_count(words, at), measure_finish(words, at)
     if length is not None:
-        stop = at + length[1]
+        stop = at + length.words
         axis = DIRECTIONS.get(words[stop]) if stop < len(words) else None
         return Value(start=at, stop=stop, end=stop + (axis is not None), of=axis or "width")
     if finish:
@@ -71,7 +71,7 @@ def _spell_out(words: tuple[str, ...]) -> tuple[str, ...]:
         length = read_length(words, at + 2) if word in COMPARATIVES and after == "than" else None
         if length is not None:
             spelled[at], direction = COMPARATIVES[word]
-            spelled.insert(at + 2 + length[1], direction)
+            spelled.insert(at + 2 + length.words, direction)
             start = at - (words[at - 1 : at] == ("be",))
             if words[start - 1 : start] in (("not",), ("nothing",), ("no",)):
                 spelled[start - 1 : at] = ["no"]

@@ -141,12 +141,14 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         "StorageFurniture",
         {"size": {"width": 0.8, "depth": 0.4, "height": 2.0}},
     ),
-    "a sideboard 120-140 cm wide": ("StorageFurniture", {"size": {"width": 1.3}}),
-    "drawer unit under 70cm high": ("StorageFurniture", {"size": {"height": 0.665}}),
+    "a sideboard 120-140 cm wide": ("StorageFurniture", {"ranges": {"width": [1.2, 1.4]}}),
+    "drawer unit under 70cm high": ("StorageFurniture", {"ranges": {"height": [None, 0.7]}}),
+    "the fridge can't be taller than 1.5 m": ("Refrigerator", {"ranges": {"height": [None, 1.5]}}),
+    "a toaster, at most 2 m wide": ("Toaster", {"ranges": {"width": [None, 2.0]}}),
     "cabinet with between four and six drawers": ("StorageFurniture", {"counts": {"drawer": 5}}),
     "a dresser, at least 1 m wide, with up to six drawers": (
         "Dresser",
-        {"counts": {"drawer": 6}, "size": {"width": 1.0}},
+        {"counts": {"drawer": 6}, "ranges": {"width": [1.0, None]}},
     ),
     "a dresser with more than three drawers": ("Dresser", {"counts": {"drawer": 4}}),
     "laptop with a 15 inch screen": ("Laptop", {"ignored": ["15 inch", "screen"]}),
@@ -154,7 +156,39 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         "TrashCan",
         {"style": "pedal", "parts": {"object": {"color": "black"}}, "ignored": ["foot"]},
     ),
-    "a cabinet wider than it is tall": ("StorageFurniture", {"ignored": ["wider", "than", "tall"]}),
+    "a cabinet wider than it is tall": ("StorageFurniture", {"ratios": [["width", 1.35, "height"]]}),
+    "a wardrobe as deep as it is wide": ("Wardrobe", {"ratios": [["depth", 1.0, "width"]]}),
+    "a chest of drawers half as deep as wide, 1 m wide": ("Dresser", {"size": {"width": 1.0, "depth": 0.5}}),
+    "a cabinet with a door twice as tall as wide": (
+        "StorageFurniture",
+        {"counts": {"door": 1}, "ignored": ["twice", "as", "tall", "as", "wide"]},
+    ),
+    # Corrections, denials, choices and ends of sentences.
+    "five drawers in a dresser, no, make it four": ("Dresser", {"counts": {"drawer": 4}}),
+    "a white oven. Actually, black. And 60 cm wide": (
+        "Oven",
+        {"size": {"width": 0.6}, "parts": {"object": {"color": "black"}}},
+    ),
+    "a table 1 m wide, sorry, 1.2 m wide": ("Table", {"size": {"width": 1.2}}),
+    "a nightstand that isn't white, not too big": (
+        "StorageFurniture",
+        {"ignored": ["not", "white", "not", "too", "big"]},
+    ),
+    "a cupboard in oak or walnut": (
+        "StorageFurniture",
+        {"parts": {"object": {"material": "oak"}}, "ignored": ["walnut"]},
+    ),
+    "a dresser. I don't want handles": ("Dresser", {"counts": {"handle": 0}}),
+    "a green nightstand. The knob should be gold.": (
+        "StorageFurniture",
+        {"parts": {"object": {"color": "green"}, "knob": {"material": "gold"}}},
+    ),
+    "a 2 x 3 grid of cubbies": ("StorageFurniture", {"ignored": ["2", "3", "grid"]}),
+    "a sideboard, three drawers flanked by two cupboards": (
+        "StorageFurniture",
+        {"counts": {"drawer": 3}, "ignored": ["flanked", "two", "cupboards"]},
+    ),
+    "for a task, a box with a lid": ("Box", {"counts": {"door": 1}, "ignored": ["task"]}),
     # How many objects.
     "three white two-door cabinets": (
         "StorageFurniture",
@@ -488,13 +522,13 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         "Dresser",
         {"counts": {"drawer": 3, "handle": 0}, "parts": {"knob": {}}},
     ),
-    "a fridge that is taller than two metres": ("Refrigerator", {"size": {"height": 2.1}}),
+    "a fridge that is taller than two metres": ("Refrigerator", {"ranges": {"height": [2.0, None]}}),
     "a lamp on the desk": ("DeskLamp", {"ignored": ["desk"]}),
     "a drawer pedestal with three drawers": ("FilingCabinet", {"style": "pedestal", "counts": {"drawer": 3}}),
 }
 PLAIN = {
-    "objects": 1, "style": None, "counts": {}, "size": {}, "stretch": {}, "volume": None, "parts": {},
-    "ignored": [],
+    "objects": 1, "style": None, "counts": {}, "size": {}, "ranges": {}, "ratios": [], "stretch": {}, "volume": None,
+    "parts": {}, "ignored": [],
 }  # fmt: skip
 
 
@@ -560,6 +594,10 @@ def test_no_kind_exceeds_its_sizes_and_the_refusal_says_what_is_allowed(kind: st
         ("a cabinet, hinged on the left, hinges on the right", "door hinged left and right are asked for"),
         ("a cabinet on legs on a plinth", "stand type legs and plinth"),
         ("a fridge 5 cm wide", "width of 0.05 m: expected 0.35 to 1.9 m"),
+        ("a toaster at least 2 m wide", "width of 2 m: expected 0.12 to 0.5 m"),
+        ("a table at most 1 m wide, at least 1.2 m wide", "at least 1.2 m and at most 1 m"),
+        ("a cabinet 1 m high and 1 m wide, wider than tall", "not 'wider than tall'"),
+        ("a cabinet 2.2 m high and 1 m wide, twice as tall as wide", "not 'twice as tall as wide'"),
     ],
 )
 def test_what_cannot_be_is_refused_in_a_sentence(text: str, match: str):
