@@ -5,7 +5,7 @@ from artigen.conditioning.measures import ADJECTIVES, AXES, SCALES
 from artigen.conditioning.parse import BETWEEN, Parse, say_features
 from artigen.conditioning.places import starts_spot
 from artigen.conditioning.sentence import TextError
-from artigen.conditioning.vocabulary import GLOSSES, LEGS, OUTLINES, PARTS, PIECES
+from artigen.conditioning.vocabulary import FILLERS, GLOSSES, LEGS, OUTLINES, PARTS, PIECES
 
 
 def read_adjectives(parse: Parse) -> Parse:
@@ -42,7 +42,15 @@ def _read_gloss(parse: Parse) -> Parse:
 
 
 def _describes_part(parse: Parse, at: int) -> bool:
-    """Whether the next noun after an adjective is a part, or what is not known: "an oval seat"."""
+    """Whether an adjective is of a part, or of what is not known: "an oval seat", "a window big", and
+    "for a small flat I need a fridge"."""
+    words = parse.words
+    after = words[at + 1 : at + 2]
+    if after in ((), (",",), ("and",)) and at and at - 1 not in parse.head:
+        return words[at - 1] in {*PARTS, *PIECES} or is_noun(words, at - 1)
+    nouns = [place for place in range(at + 1, parse.head.start) if is_noun(words, place)]
+    if nouns and {*words[nouns[0] + 1 : parse.head.start]} & FILLERS:
+        return True
     if at > parse.head.start and is_noun(parse.words, at + 1):
         return True
     for place in range(at + 1, min(at + 2 + BETWEEN, len(parse.words))):

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 from artigen.conditioning.adjectives import read_adjectives
-from artigen.conditioning.colors import read_finishes
+from artigen.conditioning.colors import is_compound, read_finishes
 from artigen.conditioning.counts import read_counts, read_objects
 from artigen.conditioning.measures import SCALES
 from artigen.conditioning.nouns import find_head
@@ -162,7 +162,8 @@ def _read_features(parse: Parse) -> Parse:
                 for place in (at - 1, at + count)
                 if words[place : place + 1] and words[place] in PARTS
             ]
-            label = near[0] if at and near else "door"
+            before = [PARTS[word] for word in words[:at] if word in PARTS]
+            label = near[0] if at and near else before[-1] if feature == STACKED and before else "door"
             if feature == STACKED:
                 feature = (label, "columns", "1")
             elif feature == LEVEL and label != "door":  # "two drawers side by side"
@@ -216,7 +217,7 @@ def _read_parts(parse: Parse) -> Parse:
         PARTS[target] for target, _ in (*parse.found.colors, *parse.found.materials) if target in PARTS
     }
     for at, word in enumerate(parse.words):
-        if word in PARTS and at not in parse.head:
+        if word in PARTS and at not in parse.head and not is_compound(parse.words, at):
             opened = at > 0 and parse.words[at - 1] == "open" and PARTS[word] == "shelf"
             parse = parse.take(at - 1, 2) if opened else parse.take(at)
             labels.add(PARTS[word])
@@ -234,12 +235,9 @@ def _read_parts(parse: Parse) -> Parse:
 
 
 def _say_legs(parse: Parse, at: int) -> Parse:
-    """Legs or feet that are named, with their number before them: the object stands on legs."""
-    number = next(
-        (place for place in (at - 1, at - 2) if place >= 0 and place not in parse.used
-         and read_number(parse.words, place) is not None),
-        None,
-    )  # fmt: skip
+    """Legs or feet that are named, four if they are counted: the object stands on legs."""
+    places = (place for place in (at - 1, at - 2) if place >= 0 and place not in parse.used)
+    number = next((place for place in places if read_number(parse.words, place) == (4.0, 1)), None)
     parse = parse.take(at) if number is None else parse.take(at).take(number)
     if any(part == "stand" for part, *_ in parse.found.features):
         return parse

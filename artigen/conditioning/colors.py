@@ -4,11 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from artigen.conditioning.measures import ADJECTIVES, SCALES
+from artigen.conditioning.measures import ADJECTIVES, SCALES, UNITS
 from artigen.conditioning.numbers import read_number
 from artigen.conditioning.paints import MATERIALS, PAINTS, PLAIN, SHADES, SURFACES, Stuff
 from artigen.conditioning.sentence import OBJECT, TextError
-from artigen.conditioning.vocabulary import CLAUSES, FEATURES, FILLERS, LEGS, PARTS, PIECES, RELATIONS, SPOTS
+from artigen.conditioning.vocabulary import (
+    CLAUSES,
+    FEATURES,
+    FILLERS,
+    LEGS,
+    PARTS,
+    PIECES,
+    RACKS,
+    RELATIONS,
+    SPOTS,
+)
 from artigen.shapes.surfaces.finishes import Color
 
 BETWEEN = 4
@@ -42,18 +52,26 @@ def read_finishes(
     at = 0
     while at < len(words):
         count = measure_finish(words, at)
+        stuff = find_stuff(words[at])
+        if (
+            count == 1
+            and stuff is not None
+            and stuff.kind == "stone"
+            and {*words[at + 1 : at + 2]} & {*PAINTS}
+        ):
+            count = 0  # "slate grey"
         if not count or at in used:
             at += 1
             continue
         word = " ".join(words[at : at + count])
         table = colors if find_color_only(word) is not None else materials
-        target = _find_after(words, at + count, head)
+        target = _find_after(words, at + count, head, used)
         if target is None and at > head.start and is_noun(words, at + count):
             at += count  # "a mailbox with a red flag"
             continue
         target = target or _find_before(words, at, head, table)
-        if table.get(target, word) != word and words[at - 1] == "or":
-            at += count  # "oak or walnut": either will do
+        if table.get(target, word) != word and words[at - 1] in ("or", "and"):
+            at += count  # "oak or walnut"
             continue
         if table.get(target, word) != word:
             named = "the object" if target == OBJECT else f"the {target}"
@@ -108,7 +126,7 @@ def _name_target(words: tuple[str, ...], at: int, head: range) -> str | None:
     return PARTS.get(words[at]) or PIECES.get(words[at]) or ("leg" if words[at] in LEGS else None)
 
 
-def _find_after(words: tuple[str, ...], start: int, head: range) -> str | None:
+def _find_after(words: tuple[str, ...], start: int, head: range, used: frozenset[int]) -> str | None:
     """What the next noun names, unless a clause ends before it."""
     for at in range(start, min(start + BETWEEN, len(words))):
         if words[at] in ENDS:
@@ -116,9 +134,7 @@ def _find_after(words: tuple[str, ...], start: int, head: range) -> str | None:
         if words[at] == "and" and not _is_description(words, at + 1):
             return None
         target = _name_target(words, at, head)
-        if target is not None and not (
-            at + 1 in head and read_number(words, at - 1)
-        ):  # "white two-door cabinet"
+        if target is not None and not (at in used and at + 1 in head):  # "a white two-door cabinet"
             return target
     return None
 
@@ -131,6 +147,7 @@ def is_noun(words: tuple[str, ...], at: int) -> bool:
         *LEGS,
         *FILLERS,
         *SURFACES,
+        *UNITS,
         *ADJECTIVES,
         *SCALES,
         *SHADES,
@@ -146,6 +163,11 @@ def is_noun(words: tuple[str, ...], at: int) -> bool:
         and read_number(words, at) is None
         and not any(" ".join(words[at : at + count]) in {*FEATURES, *SPOTS} for count in range(1, 6))
     )
+
+
+def is_compound(words: tuple[str, ...], at: int) -> bool:
+    """Whether the noun of a part has another one before it with which it names something else."""
+    return words[at] in RACKS and at > 0 and is_noun(words, at - 1)
 
 
 def _is_description(words: tuple[str, ...], at: int) -> bool:

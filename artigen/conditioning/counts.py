@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from artigen.conditioning.colors import is_noun
+from artigen.conditioning.colors import is_compound, is_noun
 from artigen.conditioning.measures import ADJECTIVES, SCALES
 from artigen.conditioning.numbers import crosses, read_count, read_number
 from artigen.conditioning.paints import PANES
@@ -76,7 +76,7 @@ def _read_group(parse: Parse, at: int) -> Group | None:
     words = parse.words
     number = read_count(words, at)
     if number is None:
-        if words[at] not in PARTS or at in parse.head:
+        if words[at] not in PARTS or at in parse.head or is_compound(words, at):
             return None
         count = _read_after(words, at + 1)
         counted = 0 if count is None else 2
@@ -163,7 +163,7 @@ def _find_part(parse: Parse, start: int) -> int | None:
         if place in parse.head or word in (",", "with", "and") or read_number(parse.words[place:], 0):
             return None
         if word in PARTS:
-            return place
+            return None if is_compound(parse.words, place) else place
     return None
 
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from artigen.conditioning.clauses import read_clauses
 from artigen.conditioning.measures import AXES, Axis
 from artigen.conditioning.sentence import Sentence, TextError
+from artigen.conditioning.suggest import suggest
 from artigen.kind import Kind, kinds, list_words
 
 SLACK = 1e-9
@@ -24,7 +25,7 @@ def read_sentence(text: str, *, whole: bool = True) -> Sentence:
     """
     found = read_clauses(text, whole=whole)
     if (whole and found.kind is None) or found == Sentence(ignored=found.ignored):
-        lost = f"; {', '.join(map(repr, found.ignored))} is not understood" if found.ignored else ""
+        lost = f"; {', '.join(map(suggest, found.ignored))} is not understood" if found.ignored else ""
         nouns = ", ".join(next(iter(kind.nouns)) for kind in map(kinds().__getitem__, list_words()))
         raise TextError(
             f"{text!r} names no kind of object that is known{lost}; expected one of {nouns}; for example "

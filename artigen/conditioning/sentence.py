@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from artigen.conditioning.measures import Axis
+from artigen.conditioning.suggest import suggest
 from artigen.conditioning.vocabulary import Spot
 from artigen.errors import ArtigenError
 from artigen.kind import kinds, plurals
@@ -120,7 +121,7 @@ class Sentence:
         said += [f"{target} {word}" for target, word in (*self.colors, *self.materials)]
         said += [f"{part} {what} {value}" for part, what, value in self.features]
         said += [f"{_count(place)} {_AT[place.at]}" for place in self.places]
-        lost = f"; not understood: {', '.join(self.ignored)}" if self.ignored else ""
+        lost = f"; not understood: {', '.join(map(suggest, self.ignored))}" if self.ignored else ""
         return f"understood: {', '.join(said)}{lost}"
 
 

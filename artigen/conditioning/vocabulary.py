@@ -56,6 +56,8 @@ def _with_plurals(nouns: dict[str, str]) -> dict[str, str]:
 PART_NOUNS: dict[str, PartLabel] = dict(_PARTS)
 PARTS: dict[str, PartLabel] = dict(zip(_with_plurals(dict(_PARTS)), (*_PARTS.values(),) * 2, strict=True))
 """Labels by nouns, singular and plural."""
+RACKS = frozenset({"rack", "racks"})
+"""Nouns of parts that name something else after another noun: a towel rack."""
 PIECES = _with_plurals(_PIECES)
 """Finishes by nouns of pieces, singular and plural."""
 LEGS = frozenset({"leg", "legs", "feet"})

@@ -12,6 +12,7 @@ from artigen.conditioning.clauses import read_clauses
 from artigen.conditioning.image import find_object, read_picture
 from artigen.conditioning.read import read_sentence
 from artigen.conditioning.sentence import TextError
+from artigen.conditioning.suggest import suggest
 from artigen.errors import SourceError
 from artigen.metrics.score import ScoreConfig, score_objects
 from artigen.models.conditions import StructureCondition
@@ -137,3 +138,9 @@ def test_given_lengths_keep_a_ratio_within_five_percent(height: str, held: bool)
     else:
         with pytest.raises(TextError, match="leave one out"):
             read_clauses(text)
+
+
+@pytest.mark.parametrize(("word", "said"), [("handels", "handels (handles?)"), ("hndels", "hndels")])
+def test_a_suggestion_is_84_percent_similar(word: str, said: str):
+    """Two of seven letters changed places: 2 * 6 / 14 = 0.857; of six, one more lost: 2 * 5 / 13 = 0.77."""
+    assert suggest(word) == said
