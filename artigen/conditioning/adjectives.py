@@ -7,6 +7,9 @@ from artigen.conditioning.places import starts_spot
 from artigen.conditioning.sentence import TextError
 from artigen.conditioning.vocabulary import FILLERS, GLOSSES, LEGS, OUTLINES, PARTS, PIECES
 
+COPULAS = frozenset({"is", "are", "be", "should", "must", "very", "quite"})
+"""Words between a noun and an adjective after it."""
+
 
 def read_adjectives(parse: Parse) -> Parse:
     """Reads "tall" and the like where they describe the whole object."""
@@ -45,9 +48,10 @@ def _describes_part(parse: Parse, at: int) -> bool:
     """Whether an adjective is of a part, or of what is not known: "an oval seat", "a window big", and
     "for a small flat I need a fridge"."""
     words = parse.words
-    after = words[at + 1 : at + 2]
-    if after in ((), (",",), ("and",)) and at and at - 1 not in parse.head:
-        return words[at - 1] in {*PARTS, *PIECES} or is_noun(words, at - 1)
+    noun = next((place for place in range(at - 1, -1, -1) if words[place] not in COPULAS), 0)
+    ends = words[at + 1 : at + 2] in ((), (",",), ("and",)) or noun < at - 1 or words[at] == "high"
+    if ends and noun not in parse.head:
+        return words[noun] in {*PARTS, *PIECES, *LEGS} or is_noun(words, noun)
     nouns = [place for place in range(at + 1, parse.head.start) if is_noun(words, place)]
     if nouns and {*words[nouns[0] + 1 : parse.head.start]} & FILLERS:
         return True

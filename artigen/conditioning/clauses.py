@@ -190,12 +190,13 @@ def _place_panes(parse: Parse) -> Parse:
     """Keeps panes to the doors of a place where others have none: "two glass doors over two solid doors"."""
     found, counted = parse.found, dict(parse.found.counts).get("door", 0)
     glazed = [place for place in found.places if place.pane]
-    mixed = counted > sum(place.count or counted for place in glazed)
+    pairs = zip(parse.words, parse.words[1:], strict=False)
+    solid = [at for at, pair in enumerate(pairs) if pair in (("solid", "door"), ("solid", "doors"))]
+    mixed = bool(solid) or counted > sum(place.count or counted for place in glazed)
     if not glazed or not mixed:
         return parse.say(places=tuple(replace(place, pane=False) for place in found.places))
-    nouns = {at for at, word in enumerate(parse.words) if word in ("door", "doors")}
-    for at, word in enumerate(parse.words):
-        parse = parse.take(at) if word == "solid" and at + 1 in nouns else parse
+    for at in solid:
+        parse = parse.take(at)
     style = None if found.style == STYLES[GLAZED] else found.style
     return parse.say(style=style, features=tuple(one for one in found.features if one != GLAZED))
 

@@ -181,7 +181,8 @@ def _find_before(words: tuple[str, ...], at: int, head: range, known: dict[str, 
     while place >= 0 and words[place] in LINKS:
         place -= 1
     link = words[place + 1 : at]
-    if place < 0 or not link:
+    named = place > 0 and words[place - 1] in ("the", "its")  # "make the handles black"
+    if place < 0 or not (link or named):
         return OBJECT
     target = _name_target(words, place, head)
     if link == ("in",) and target in ("drawer", "door", "shelf", "tray") and OBJECT not in known:

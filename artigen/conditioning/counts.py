@@ -68,7 +68,7 @@ def read_counts(parse: Parse) -> Parse:
 
 
 def _is_glazed(words: tuple[str, ...], group: Group) -> bool:
-    return group.label == "door" and bool(PANES & set(words[group.start : group.end]))
+    return group.label == "door" and bool(PANES & set(words[max(0, group.start - 1) : group.end]))
 
 
 def _read_group(parse: Parse, at: int) -> Group | None:

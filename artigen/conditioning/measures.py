@@ -32,6 +32,8 @@ UNITS: dict[str, float] = {
     "ft": 0.3048, "foot": 0.3048, "feet": 0.3048,
 }  # fmt: skip
 """Metres of each unit."""
+BODY = {"knee": 0.5, "hip": 0.9, "waist": 1.0, "shoulder": 1.4, "eye": 1.6}
+"""Heights (m) above the floor of standing adults: "waist-high"."""
 VOLUMES: dict[str, float] = {
     **dict.fromkeys(("litre", "litres", "liter", "liters", "l"), 0.001),
     **dict.fromkeys(("gallon", "gallons"), 0.003785),

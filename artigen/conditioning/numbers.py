@@ -5,7 +5,7 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 
-from artigen.conditioning.measures import DIRECTIONS, GROUPS, LIMITS, NUMBERS, SIDES, UNITS
+from artigen.conditioning.measures import BODY, DIRECTIONS, GROUPS, LIMITS, NUMBERS, SIDES, UNITS
 from artigen.conditioning.vocabulary import count_longest
 
 _PLAIN = (
@@ -145,6 +145,8 @@ def read_length(words: tuple[str, ...], at: int) -> Length | None:
 
 
 def _read_plain_length(words: tuple[str, ...], at: int) -> tuple[float, int] | None:
+    if words[at : at + 1] and words[at] in BODY and words[at + 1 : at + 2] in (("high",), ("height",)):
+        return BODY[words[at]], 1
     number = read_number(words, at)
     if number is None:
         return None

@@ -38,7 +38,7 @@ def read_sizes(parse: Parse) -> Parse:
         length = read_length(words, at)
         number = read_number(words, at)
         if length is not None:
-            unit = next(word for word in words[at : at + length.words][::-1] if word in UNITS)
+            unit = next((word for word in words[at : at + length.words][::-1] if word in UNITS), None)
         elif number is not None and unit is not None and words[at][0].isdigit():
             bare = number[0] * UNITS[unit]
             length = Length(low=bare, high=bare, words=number[1]) if bare <= FURTHEST else None
@@ -217,17 +217,15 @@ def _read_plain_product(words: tuple[str, ...], at: int) -> list[tuple[list[floa
 
 
 def find_axes(kind: Kind, lengths: Sequence[float]) -> tuple[Axis, ...] | None:
-    """What lengths (m) without a direction measure: a single one the width of furniture and appliances, and
-    of others that or the height, the larger one; two the width and the depth, or else the height; three all.
+    """What lengths (m) without a direction measure: a single one what the record says, or else the width or
+    height that has such a size; two the width and the depth, or else the height; three all.
 
     None where the kind has no such sizes.
     """
     spans = dict(zip(AXES, kind.sizes, strict=True))
-    middles = {axis: sum(span) for axis, span in spans.items()}
-    tall = kind.trade not in ("furniture", "appliance") and middles["height"] > middles["width"]
-    tall |= kind.trade == "appliance" and max(lengths, default=0.0) > WIDEST
+    tall = kind.bare == "height" or (kind.trade == "appliance" and max(lengths, default=0.0) > WIDEST)
     single: tuple[Axis, ...] = ("height", "width") if tall else ("width", "height")
-    orders: list[tuple[Axis, ...]] = [(axis,) for axis in single]
+    orders: list[tuple[Axis, ...]] = [(axis,) for axis in single if kind.bare is not None]
     if len(lengths) == len(AXES):
         orders = [AXES]
     elif len(lengths) == 2:

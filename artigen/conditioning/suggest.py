@@ -10,14 +10,20 @@ from artigen.kind import list_nouns
 NEAR = 0.84
 """Least similarity, as `difflib` measures it: "dors" is 0.89 to "doors"."""
 
+SHORTEST = 5
+"""Letters of the shortest word that is suggested: most words are near to some shorter one."""
+
 
 @cache
-def _list_known() -> tuple[str, ...]:
-    phrases = (*list_nouns(), *PARTS, *DIRECTIONS, *SPOTS)
-    return tuple(sorted({word for phrase in phrases for word in phrase.split()} - FILLERS))
+def _list_known() -> frozenset[str]:
+    phrases = (*list_nouns(), *PARTS, *DIRECTIONS, *SPOTS, *FILLERS)
+    return frozenset(word for phrase in phrases for word in phrase.split())
 
 
 def suggest(word: str) -> str:
     """The word, or "dors (doors?)"."""
-    near = get_close_matches(word, _list_known(), 1, NEAR)
-    return f"{word} ({near[0]}?)" if near and near[0] != word else word
+    known = _list_known()
+    if {word, word.removesuffix("s")} & known:
+        return word
+    near = get_close_matches(word, sorted(one for one in known if len(one) >= SHORTEST), 1, NEAR)
+    return f"{word} ({near[0]}?)" if near else word

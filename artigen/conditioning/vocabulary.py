@@ -36,8 +36,8 @@ _PARTS: dict[str, PartLabel] = {
 }
 """Labels by singular nouns; sentences use the first of each."""
 _PIECES = {
-    "top": "top", "worktop": "top", "tabletop": "top", "countertop": "top", "leg": "leg", "front": "front",
-    "body": "body", "carcass": "body",
+    "top": "top", "worktop": "top", "tabletop": "top", "countertop": "top", "topped": "top", "leg": "leg",
+    "front": "front", "body": "body", "carcass": "body",
 }  # fmt: skip
 """Finishes by nouns of pieces that are no part of their own."""
 

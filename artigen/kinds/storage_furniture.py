@@ -148,6 +148,7 @@ KIND = Kind(
     },
     forms=SIZES,
     sizes=((0.2, 4.0), (0.15, 1.2), (0.2, 3.2)),
+    bare="width",
     make=PLAIN,
     makes={},
     feet=True,

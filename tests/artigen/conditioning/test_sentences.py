@@ -202,6 +202,23 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
     "a slate grey oven": ("Oven", {"parts": {"object": {"color": "grey"}}, "ignored": ["slate"]}),
     "a table with six legs": ("Table", {"parts": {"stand": {"type": "legs"}}, "ignored": ["six"]}),
     "a black and white oven": ("Oven", {"parts": {"object": {"color": "black"}}, "ignored": ["white"]}),
+    "a wardrobe, its feet are round": (
+        "Wardrobe",
+        {"parts": {"stand": {"type": "legs"}}, "ignored": ["round"]},
+    ),
+    "a waist-high cabinet": ("StorageFurniture", {"size": {"height": 1.0}}),
+    "a sturdy-high cabinet": ("StorageFurniture", {"ignored": ["sturdy", "high"]}),
+    "a glass-topped coffee table": ("Table", {"parts": {"top": {"material": "glass"}}}),
+    "a white cabinet, make the handles black": (
+        "StorageFurniture",
+        {"parts": {"object": {"color": "white"}, "handle": {"color": "black"}}},
+    ),
+    "a hutch with glass doors on top and solid doors below": (
+        "StorageFurniture",
+        {"parts": {"door": {"at": {"top": None, "bottom": None}, "glazed": ["top"]}}},
+    ),
+    'a 14" laptop': ("Laptop", {"ignored": ["14 inch"]}),
+    "a 75 cm suitcase": ("Suitcase", {"size": {"height": 0.75}}),
     "for a task, a box with a lid": ("Box", {"counts": {"door": 1}, "ignored": ["task"]}),
     # How many objects.
     "three white two-door cabinets": (
@@ -628,9 +645,7 @@ def test_the_order_of_clauses_does_not_matter():
 def test_one_line_says_what_is_understood_and_what_is_not():
     line = read_sentence("a white zebra dresser with six drawers").describe()
     assert line == "understood: Dresser, 6 drawers, object white; not understood: zebra"
-    line = read_sentence(
-        "an oven, 60 to 70 cm wide, at most 80 cm high, as deep as wide, 3 dors, 4 shlves"
-    ).describe()
+    text = "an oven, 60 to 70 cm wide, at most 80 cm high, as deep as wide, 3 dors, 4 shlves"
     assert read_sentence(text).describe() == (
         "understood: Oven, 0.6 to 0.7 m wide, at most 0.8 m high, depth equal to the width; "
         "not understood: 3, dors (doors?), 4, shlves (shelves?)"

@@ -144,3 +144,8 @@ def test_given_lengths_keep_a_ratio_within_five_percent(height: str, held: bool)
 def test_a_suggestion_is_84_percent_similar(word: str, said: str):
     """Two of seven letters changed places: 2 * 6 / 14 = 0.857; of six, one more lost: 2 * 5 / 13 = 0.77."""
     assert suggest(word) == said
+
+
+@pytest.mark.parametrize(("word", "said"), [("dors", "dors (doors?)"), ("look", "look")])
+def test_suggestions_have_five_letters(word: str, said: str):
+    assert suggest(word) == said
