@@ -66,8 +66,11 @@ def read_finishes(
         word = " ".join(words[at : at + count])
         table = colors if find_color_only(word) is not None else materials
         target = _find_after(words, at + count, head, used)
-        if target is None and at > head.start and is_noun(words, at + count):
-            at += count  # "a mailbox with a red flag"
+        end = at + count
+        while target is None and end < len(words) and measure_finish(words, end):
+            end += measure_finish(words, end)
+        if target is None and at > head.start and is_noun(words, end):
+            at = end  # "a mailbox with a red plastic flag"
             continue
         target = target or _find_before(words, at, head, table)
         if table.get(target, word) != word and words[at - 1] in ("or", "and"):

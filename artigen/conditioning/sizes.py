@@ -1,7 +1,7 @@
 """Reads the lengths of a sentence: with a direction, as a product, and bare."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from artigen.conditioning.measures import AXES, DIRECTIONS, UNITS, VOLUMES, Axis
@@ -93,21 +93,23 @@ def _read_triple(words: tuple[str, ...], at: int) -> tuple[list[float], int] | N
 
 
 def order_product(parse: Parse) -> Parse:
-    """Lengths of "200 x 80 x 30 cm" as those that they are: width, depth and height, unless another order is
-    far more usual of the kind."""
+    """Lengths of "200 x 80 x 30 cm" as those that they are: width, depth and height, unless only another
+    order can be, or is far more usual of the kind."""
     kind = kind_of(parse)
     if kind is None or not parse.product:
         return parse
-    spans = kind.forms.get(parse.found.noun or "", kind.sizes)
-    usual = dict(zip(AXES, (math.sqrt(low * high) for low, high in spans), strict=True))
+    form = kind.forms.get(parse.found.noun or "", kind.sizes)
+    usual = dict(zip(AXES, (math.sqrt(low * high) for low, high in form), strict=True))
 
     def differ(axes: tuple[Axis, ...]) -> float:
         return sum(
             abs(math.log(length / usual[axis])) for axis, length in zip(axes, parse.product, strict=True)
         )
 
-    best = min(ORDERS, key=differ)
-    if differ(AXES) - differ(best) <= FAR_MORE_USUAL:
+    spans = dict(zip(AXES, kind.sizes, strict=True))
+    can = [axes for axes in ORDERS if _fit(spans, axes, parse.product)]
+    best = min(can, key=differ, default=AXES)
+    if AXES in can and differ(AXES) - differ(best) <= FAR_MORE_USUAL:
         return parse
     said = dict(zip(best, parse.product, strict=True))
     return parse.say(size=tuple((axis, said[axis]) for axis in AXES))
@@ -230,12 +232,13 @@ def find_axes(kind: Kind, lengths: Sequence[float]) -> tuple[Axis, ...] | None:
         orders = [AXES]
     elif len(lengths) == 2:
         orders = [("width", "depth"), ("depth", "width"), ("width", "height")]
-    for axes in orders if lengths else ():
-        if all(
-            spans[axis][0] <= length <= spans[axis][1] for axis, length in zip(axes, lengths, strict=True)
-        ):
-            return axes
-    return None
+    return next((axes for axes in orders if lengths and _fit(spans, axes, lengths)), None)
+
+
+def _fit(spans: Mapping[Axis, tuple[float, float]], axes: Sequence[Axis], lengths: Sequence[float]) -> bool:
+    """Whether all lengths (m) along axes are within their ranges."""
+    pairs = zip(axes, lengths, strict=True)
+    return all(spans[axis][0] <= length <= spans[axis][1] for axis, length in pairs)
 
 
 def _read_unitless(words: tuple[str, ...], at: int, kind: Kind) -> tuple[Axis, float, int] | None:

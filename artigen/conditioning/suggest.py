@@ -25,5 +25,5 @@ def suggest(word: str) -> str:
     known = _list_known()
     if {word, word.removesuffix("s")} & known:
         return word
-    near = get_close_matches(word, sorted(one for one in known if len(one) >= SHORTEST), 1, NEAR)
+    near = get_close_matches(word, sorted(one for one in known - FILLERS if len(one) >= SHORTEST), 1, NEAR)
     return f"{word} ({near[0]}?)" if near else word

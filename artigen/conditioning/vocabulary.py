@@ -143,7 +143,9 @@ SPOTS |= {
         "to the {}",
     )
 }
-SPOTS |= {f"in the {word} {noun}": spot for word, spot in UPRIGHT for noun in ("part", "half", "section")}
+SPOTS |= {
+    f"in the {word} {noun}": spot for word, spot in UPRIGHT for noun in ("part", "half", "section", "row")
+}
 EDGES: dict[str, Spot] = {
     "top": "top", "upper": "top", "bottom": "bottom", "lower": "bottom", "left": "left", "right": "right",
     "middle": "middle", "central": "middle",

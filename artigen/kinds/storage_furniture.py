@@ -89,6 +89,7 @@ NOUNS: dict[str, tuple[str, ...]] = {
     "bookcase": ("bookcase", "bookshelf", "shelving unit", "shelf unit", "cube shelf", "cube unit"),
     "tv_stand": (
         "tv stand", "tv unit", "tv cabinet", "tv console", "tv bench", "media unit", "media console",
+        "media centre", "media center",
         "lowboard", "entertainment center", "entertainment centre", "entertainment unit",
     ),
     "sideboard": ("sideboard", "credenza", "buffet"),

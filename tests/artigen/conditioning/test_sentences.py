@@ -219,6 +219,26 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     'a 14" laptop': ("Laptop", {"ignored": ["14 inch"]}),
     "a 75 cm suitcase": ("Suitcase", {"size": {"height": 0.75}}),
+    "a wardrobe with a mirror on the middle door": (
+        "Wardrobe",
+        {"style": "mirrored", "parts": {"door": {}}, "ignored": ["middle"]},
+    ),
+    "a washing machine, 85 x 60 x 55 cm": (
+        "WashingMachine",
+        {"size": {"width": 0.6, "depth": 0.55, "height": 0.85}},
+    ),
+    "a steel toaster with black plastic ends": (
+        "Toaster",
+        {"parts": {"object": {"material": "steel"}}, "ignored": ["black", "plastic", "ends"]},
+    ),
+    "a dresser: plate rack on top, three drawers": (
+        "Dresser",
+        {"counts": {"drawer": 3}, "ignored": ["plate", "rack", "top"]},
+    ),
+    "a chest of draws, 3 draws in the top row and below them 4 wide ones": (
+        "Dresser",
+        {"counts": {"drawer": 7}, "parts": {"drawer": {"at": {"top": 3, "bottom": 4}}}, "ignored": ["wide"]},
+    ),
     "for a task, a box with a lid": ("Box", {"counts": {"door": 1}, "ignored": ["task"]}),
     # How many objects.
     "three white two-door cabinets": (
