@@ -34,8 +34,9 @@ def read_sentence(text: str, *, whole: bool = True) -> Sentence:
     if found.kind is not None:
         kind = kinds()[found.kind]
         spans = dict(zip(AXES, kind.sizes, strict=True))
-        nearest = {axis: min(max(low, spans[axis][0]), high) for axis, low, high in found.ranges}
-        check_size(kind, dict(found.size) | nearest)
+        sizes = dict(found.size)
+        sizes |= {axis: min(max(low, spans[axis][0]), high) for axis, low, high in found.ranges}
+        check_size(kind, sizes)
     return found
 
 

@@ -37,7 +37,7 @@ def settle_extents(
     Raises:
         ArtigenError: If no object of the kind has such lengths.
     """
-    said: set[Axis] = {axis for axis, *_ in ranges} | {axis for one, _, two in ratios for axis in (one, two)}
+    said = {axis for axis, _, _ in ranges} | {one for one, _, _ in ratios} | {one for _, _, one in ratios}
     if not said:
         return request
     kind = kinds()[str(request.category)]

@@ -21,14 +21,15 @@ def settle(
 def test_ranges_and_ratios_hold(kind: str, seed: int):
     (low, high), _, (least, most) = kinds()[kind].sizes
     middle = (low * high) ** 0.5
-    for span in ((0.0, middle), (middle, 9.0), (middle, 1.1 * middle)):
-        found = settle(kind, ranges=(("width", *span),), seed=seed)
+    for lowest, highest in ((0.0, middle), (middle, 9.0), (middle, 1.1 * middle)):
+        found = settle(kind, ranges=(("width", lowest, highest),), seed=seed)
         assert found.width is not None
-        assert span[0] <= found.width <= span[1]
+        assert lowest <= found.width <= highest
         assert found.height is None
     found = settle(kind, ratios=(("depth", 0.9, "width"), ("height", 1.1, "width")), seed=seed)
     assert found.width is not None
     assert found.depth == pytest.approx(0.9 * found.width)
+    assert found.height is not None
     assert found.height == pytest.approx(1.1 * found.width)
     assert least <= found.height <= most
 
