@@ -10,6 +10,7 @@ from PIL import Image
 
 from artigen.conditioning.clauses import read_clauses
 from artigen.conditioning.image import find_object, read_picture
+from artigen.conditioning.measures import ADJECTIVES
 from artigen.conditioning.read import read_sentence
 from artigen.conditioning.sentence import TextError
 from artigen.conditioning.suggest import suggest
@@ -149,3 +150,16 @@ def test_a_suggestion_is_84_percent_similar(word: str, said: str):
 @pytest.mark.parametrize(("word", "said"), [("dors", "dors (doors?)"), ("look", "look")])
 def test_suggestions_have_five_letters(word: str, said: str):
     assert suggest(word) == said
+
+
+@pytest.mark.parametrize(("metres", "axis"), [("1.24", "width"), ("1.26", "height")])
+def test_a_bare_length_of_an_appliance_is_its_height_from_a_metre_and_a_quarter_on(metres: str, axis: str):
+    assert dict(read_clauses(f"a fridge, {metres} m").size) == {axis: float(metres)}
+
+
+@pytest.mark.parametrize(
+    ("text", "told"), [("an oven as tall as wide", 1.0), ("an oven taller than wide", 1.35)]
+)
+def test_what_is_taller_than_wide_is_so_as_what_is_called_tall(text: str, told: float):
+    assert read_clauses(text).ratios == (("height", told, "width"),)
+    assert ADJECTIVES["tall"][1] == 1.35
