@@ -95,7 +95,10 @@ def check_category(category: str, learned: Sequence[str] = CATEGORIES) -> None:
     """
     if category in learned:
         return
-    text = f"category {category!r}: expected one of {', '.join(learned)}, which the model draws"
+    if learned:
+        text = f"category {category!r}: expected one of {', '.join(learned)}, which the model draws"
+    else:
+        text = f"category {category!r}: the model has no sketch network; give the folder of one that has"
     if category in kinds():
         text += f"; `artigen shape {category}` draws it"
     raise SketchError(text)
