@@ -1,5 +1,6 @@
 """Errors a caller may want to handle; each message says what was found, where, and what is allowed."""
 
+import difflib
 from collections.abc import Iterable
 
 
@@ -7,6 +8,14 @@ def list_some(names: Iterable[str], most: int = 12) -> str:
     """The first of some names, and how many there are more."""
     names = list(names)
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+
+
+def name_options(found: str, allowed: Iterable[str], spelt: Iterable[str] = ()) -> str:
+    """What is allowed, and the most similar of it (or of its other spellings) as a question, if one is."""
+    allowed = list(allowed)
+    words = {word.lower(): word for word in (*spelt, *allowed)}
+    near = difflib.get_close_matches(found.lower(), words, 1)
+    return f"one of {', '.join(allowed)}" + (f" (did you mean {words[near[0]]}?)" if near else "")
 
 
 class ArtigenError(Exception):

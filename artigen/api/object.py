@@ -197,6 +197,16 @@ class Object:
             ArtigenError: If a format is unknown, a file or folder cannot be written or must not be replaced,
                 a source's meshes are to be GLB, or ``usd`` is asked for without usd-core.
         """
+        return self.write(folder, formats, existing, visual_format)[0]
+
+    def write(
+        self,
+        folder: Path | str,
+        formats: tuple[str, ...] = ("package",),
+        existing: Literal["refuse", "replace"] = "refuse",
+        visual_format: "VisualFormat | None" = None,
+    ) -> "tuple[Object, tuple[Path, ...]]":
+        """As `export`, which see; returns the object and the folder or main file of each format."""
         from artigen.datasets.packing import read_folder
         from sim_export.files.write import MANIFEST, check_place, package_files, write_files
 
@@ -208,13 +218,12 @@ class Object:
         same = visual_format in (None, package.visual_format)
         if visual_format is not None:
             package = replace(package, visual_format=visual_format)
-        for write in exporters:
-            write(package, folder, existing)
+        files = tuple(write(package, folder, existing) for write in exporters)
         if "package" not in formats:
-            return self
+            return self, files
         lies = same and self.folder is not None and (self.folder / MANIFEST).is_file()
         write_files(read_folder(self.folder) if self.folder and lies else package_files(package), folder)
-        return replace(self, folder=folder, build=lambda: package)
+        return replace(self, folder=folder, build=lambda: package), (folder, *files)
 
     def render(
         self,

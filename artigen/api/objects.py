@@ -110,7 +110,13 @@ def open_made(finished: Finished, scratch: "TemporaryDirectory[str]") -> Object:
 
 
 def list_seeds(seed: int | Sequence[int], count: int | None) -> Sequence[int]:
-    """The seeds of a sequence: those given, or ``count`` consecutive ones from ``seed`` on."""
+    """The seeds of a sequence: those given, or ``count`` consecutive ones from ``seed`` on.
+
+    Raises:
+        ArtigenError: If there are to be fewer than one.
+    """
+    if count is not None and count < 1:
+        raise ArtigenError(f"{count} objects: expected at least one")
     if not isinstance(seed, int):
         return tuple(seed)
     return range(seed, seed + (1 if count is None else count))
