@@ -22,6 +22,17 @@ class ArtigenError(Exception):
     """Base of every error this project raises on purpose."""
 
 
+def check_option(what: str, found: object, allowed: Iterable[str]) -> None:
+    """Refuses a word that is none of those allowed.
+
+    Raises:
+        ArtigenError: If it is none of them.
+    """
+    allowed = list(allowed)
+    if found not in allowed:
+        raise ArtigenError(f"{what} {found!r}: expected {name_options(str(found), allowed)}")
+
+
 class SourceError(ArtigenError):
     """An input object cannot be read: names the file, the element and the value."""
 

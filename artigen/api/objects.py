@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from numbers import Integral
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, overload
@@ -117,6 +118,7 @@ def list_seeds(seed: int | Sequence[int], count: int | None) -> Sequence[int]:
     """
     if count is not None and count < 1:
         raise ArtigenError(f"{count} objects: expected at least one")
-    if not isinstance(seed, int):
-        return tuple(seed)
+    if not isinstance(seed, int | Integral):
+        return tuple(map(int, seed))
+    seed = int(seed)
     return range(seed, seed + (1 if count is None else count))
