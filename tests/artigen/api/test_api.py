@@ -178,6 +178,8 @@ def test_exporting_what_was_exported_gives_the_same_files_and_keeps_the_report(t
     assert again.folder == tmp_path / "again"
     assert read_folder(tmp_path / "first") == read_folder(tmp_path / "again")
     assert (tmp_path / "again.glb").read_bytes()[:4] == b"glTF"
+    with pytest.raises(ArtigenError, match=r"again\.glb: exists already"):
+        again.export(tmp_path / "again", "glb")
     with pytest.raises(PackageError, match="exists already"):
         again.export(tmp_path / "again")
 
@@ -290,6 +292,7 @@ OTHER = {
     "axis": (lambda *_: artigen.convert(ROOT, front="left"), "front 'left': expected one of x, -x"),
     "hulls": (lambda *_: artigen.convert(ROOT, collision="coacd2"), "did you mean coacd"),
     "meshes": (lambda *_: artigen.convert(ROOT, visual="voxel"), "did you mean voxels"),
+    "look": (lambda obj, _: artigen.restyle(obj, seed=-1), "seed -1 of a look"),
     "structure": (lambda *_: artigen.generate("a fridge", structure="sktch"), "did you mean sketch"),
 }
 
