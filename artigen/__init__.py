@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from artigen.api.restyle import restyle
     from artigen.kind import kinds
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = ["Object", "Objects", "convert", "generate", "grasps", "kinds", "load", "restyle", "sample"]
 
 _PLACES = {

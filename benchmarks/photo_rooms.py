@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import tyro
 from PIL import Image
+from save_picture import save_picture
 
 from artigen.api.photo_room import furnish_photographed
 from artigen.api.scene import PACKAGES, furnish_room
@@ -102,8 +103,7 @@ def main(
     rows[-1] = np.pad(
         rows[-1], ((0, 0), (0, rows[0].shape[1] - rows[-1].shape[1]), (0, 0)), constant_values=255
     )
-    sheet = Image.fromarray(np.vstack(rows))
-    sheet.quantize(256, dither=Image.Dither.NONE).save(out / "photo_rooms.png", optimize=True)
+    save_picture(np.vstack(rows), out / "photo_rooms.png")
     return 0
 
 

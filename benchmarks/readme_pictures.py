@@ -17,6 +17,7 @@ import numpy as np
 import tyro
 from jaxtyping import UInt8
 from PIL import Image
+from save_picture import save_picture
 
 import artigen
 from artigen.api.splats import draw_splats
@@ -52,11 +53,6 @@ PHOTOGRAPH = 220
 """Edge of a photograph in pixels."""
 SMALL = PreviewConfig(viewpoint=Viewpoint(width=220, height=220))
 """How the objects of sheets are seen."""
-
-
-def save(image: UInt8[np.ndarray, "H W 3"], path: Path) -> None:
-    """Writes a picture in 256 colours: a third of the bytes, and hardly a difference."""
-    Image.fromarray(image).quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def draw_categories(out: Path) -> list[Path]:
@@ -131,19 +127,21 @@ def main(out: Path = Path("out/readme"), images: Path = Path("docs/images")) -> 
         out: Folder for the packages.
         images: Folder for the pictures.
     """
-    save(draw_kinds(), images / "kinds.png")
+    save_picture(draw_kinds(), images / "kinds.png")
     sheet = draw_categories(out / "categories")
-    save(contact_sheet([read_package(folder) for folder in sheet], SMALL), images / "generated.png")
+    save_picture(contact_sheet([read_package(folder) for folder in sheet], SMALL), images / "generated.png")
     further = draw_further_kinds(out / "kinds")
     wide = replace(SMALL, columns=4)
-    save(contact_sheet([read_package(folder) for folder in further], wide), images / "generated_kinds.png")
+    save_picture(
+        contact_sheet([read_package(folder) for folder in further], wide), images / "generated_kinds.png"
+    )
     told = draw_sentences(out / "sentences")
     write_animation(told, images / "generated.gif", draw_splats=draw_splats)
-    save(preview_package(read_package(told[0]), draw_splats=draw_splats), images / "white_fridge.png")
+    save_picture(preview_package(read_package(told[0]), draw_splats=draw_splats), images / "white_fridge.png")
     placed = draw_places(out / "places")
-    save(contact_sheet([read_package(folder) for folder in placed], wide), images / "said.png")
+    save_picture(contact_sheet([read_package(folder) for folder in placed], wide), images / "said.png")
     shown = draw_photographs(out / "photographs")
-    save(show_photographs(shown), images / "photos.png")
+    save_picture(show_photographs(shown), images / "photos.png")
     for folder in (*sheet, *further, *told, *placed, *(package for _, package in shown)):
         report = json.loads((folder / "validation.json").read_text())
         print(f"{folder}: {'passes' if report['passed'] else 'fails'}")

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import tyro
 from PIL import Image
+from save_picture import save_picture
 
 from artigen.api.scene import SceneSettings, furnish_room
 from artigen.runtime.runner import choose_runner
@@ -31,12 +32,7 @@ def main(out: Path = Path("out/readme_rooms"), seed: int = 0, workers: int | Non
         picture = Image.open(out / kind / "corner.png").convert("RGB")
         tiles.append(np.asarray(picture.resize((WIDTH, WIDTH * picture.height // picture.width))))
     rows = [np.hstack(tiles[start : start + 2]) for start in range(0, len(tiles), 2)]
-    sheet = Image.fromarray(np.vstack(rows))
-    colors = sheet.quantize(256)
-    dithered = sheet.quantize(
-        palette=colors, dither=Image.Dither.FLOYDSTEINBERG
-    )  # a palette alone makes wood blotchy
-    dithered.save(out / "rooms.png", optimize=True)
+    save_picture(np.vstack(rows), out / "rooms.png")
     return 0
 
 

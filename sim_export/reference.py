@@ -28,6 +28,7 @@ from sim_export.collision.hull_limits import trim_hull
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.simplification import EXACT, measure_simplified, simplify_links
 from sim_export.geometry.broken_edges import is_box
+from sim_export.geometry.needles import flip_needles
 from sim_export.geometry.solids import as_solid, solid_arrays, unite
 from sim_export.geometry.triangles import bounds_of, find_slivers, triangle_normals
 from sim_export.package import Hull, Inertial, Mesh, Requirement, SimPackage
@@ -40,6 +41,8 @@ from sim_export.physics.masses import mean_thickness, subtract
 from sim_export.physics.materials import MATERIALS, finish_material
 from sim_export.topology import hull_kinds
 
+BESIDE = 0.2
+"""Cosine between a normal and a side above which a broken edge is one of that side."""
 SQUARE = 0.9
 """Cosine to the sides of a box below which a face is a broken edge."""
 SLIVERS = 0.01
@@ -213,7 +216,8 @@ def _unite_pieces(pieces: Sequence[Piece]) -> _Union:
         number[int(original)].owners(middles[start : start + run])
         for original, start, run in zip(mesh.run_original_id, starts, runs, strict=False)
     ]
-    return _Union(mesh=Mesh(vertices=vertices, faces=faces), owners=np.concatenate(owners))
+    own = np.concatenate(owners)
+    return _Union(mesh=Mesh(vertices=vertices, faces=flip_needles(vertices, faces, own)), owners=own)
 
 
 def _unite(solids: Sequence[Hull]) -> Mesh:
@@ -270,13 +274,16 @@ def _dress(
 def _square_normals(
     part: ShapePart, union: _Union, normals: Float[np.ndarray, "F 3"]
 ) -> Float[np.ndarray, "F 3"]:
-    """Normals by which a lining is found: broken edges of boxes belong to the side without it."""
+    """Normals by which a lining is found: broken edges of boxes belong to the side without it, or with it
+    where it is the band on an edge of a board."""
     squared = normals.copy()
     for index, primitive in enumerate(part.primitives):
         if primitive.lined_side is not None and is_box(primitive):
-            own = union.owners == index
-            bevel = np.abs(normals[own] @ primitive.rotation).max(axis=1) < SQUARE
-            squared[np.flatnonzero(own)[bevel]] = 0.0
+            own, side = union.owners == index, np.array(primitive.lined_side)
+            bevel = np.flatnonzero(own)[np.abs(normals[own] @ primitive.rotation).max(axis=1) < SQUARE]
+            deep = float(np.abs(primitive.rotation.T @ side) @ primitive.size)
+            band = (normals[bevel] @ side > BESIDE) & (deep > primitive.size.min() + 1e-9)
+            squared[bevel] = np.where(band[:, None], side, 0.0)
     return squared
 
 

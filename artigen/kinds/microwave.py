@@ -22,7 +22,7 @@ from artigen.shapes.appliances.control_panel import (
 )
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.assembly import Assembly
-from artigen.shapes.choices import choose, pick
+from artigen.shapes.choices import choose, choose_one, pick
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.hardware import GAP, Panel, Space, hinge, rotate, sweep_gap
 from artigen.shapes.primitives import UP, Primitive, block, cylinder
@@ -66,7 +66,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish)
     face = "panel" if rng.random() < 0.15 else "front"
-    controls = _draw_controls(rng, plan)
+    controls = _draw_controls(rng, plan, face)
     door = _draw_door(rng, plan, face, wish)
     built = Assembly(_build_body(plan, face, controls.pieces), (*door, *controls.parts))
     if rng.random() < 0.72:
@@ -132,14 +132,15 @@ def _build_grille(panel: Panel) -> list[Primitive]:
 
 def _draw_door(rng: np.random.Generator, plan: _Plan, face: str, wish: Wish) -> list[ShapePart]:
     panel = plan.door
-    margin = choose(rng, 0.10, 0.17) * panel.height
+    margin = choose(rng, 0.09, 0.22) * panel.height
     rail = choose(rng, 0.045, 0.07)
     free = rail if not plan.drops else margin
     window = (
         (panel.y[0] + free, panel.y[1] - margin),
         (panel.z[0] + margin, panel.z[1] - (margin if not plan.drops else rail)),
     )
-    leaf = build_window_leaf(panel, window, face, "inside")
+    border = choose(rng, 0.01, 0.03) if rng.random() < 0.4 else 0.0
+    leaf = build_window_leaf(panel, window, face, "inside", border=border)
     if not plan.drops:
         at = (sum(window[0]) / 2, panel.z[0] + margin / 2)
         leaf += (build_badge(panel.x, at, min(0.06, 3 * margin)),)
@@ -156,7 +157,7 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, face: str, wish: Wish) -> 
     return [door, mount_grip(panel, design, parent="door", edge=edge, inset=inset)]
 
 
-def _draw_controls(rng: np.random.Generator, plan: _Plan) -> Assembly:
+def _draw_controls(rng: np.random.Generator, plan: _Plan, face: str) -> Assembly:
     """Draws the controls and the fixed parts of the panel between them."""
     if plan.layout in ("above", "below"):
         return _draw_strip(rng, plan)
@@ -180,26 +181,17 @@ def _draw_controls(rng: np.random.Generator, plan: _Plan) -> Assembly:
     if kind == "dial_and_keys":
         split = low + 0.42 * (high - low)
         parts += _draw_dials(rng, panel.x, inner, (low, split), 1)
-        parts += _draw_keys(rng, panel.x, inner, (split, high), rows=int(rng.integers(1, 4)))
+        parts += _draw_keys(rng, panel.x, inner, (split, high), face, rows=int(rng.integers(1, 4)))
     elif kind == "dials":
         parts += _draw_dials(rng, panel.x, inner, (low, high), int(rng.integers(1, 3)))
     elif kind == "keys":
-        parts += _draw_keys(rng, panel.x, inner, (low, high), rows=int(rng.integers(4, 7)))
+        parts += _draw_keys(rng, panel.x, inner, (low, high), face, rows=int(rng.integers(4, 7)))
     else:
-        extras += _build_touch_pad(panel.x, inner, (low, high), shows=not extras)
+        if not extras:
+            extras.append(build_display(panel.x, inner, (high - 0.03, high)))
+            high -= 0.04
+        extras.append(block((panel.x - 0.0015, panel.x + SUNK), inner, (low, high), "panel"))
     return Assembly(extras, parts)
-
-
-def _build_touch_pad(x: float, y: Range, z: Range, *, shows: bool) -> list[Primitive]:
-    """A dark pane with printed keys, three in a row; ``shows`` leaves room above them for digits."""
-    top = z[1] - (0.045 if shows else 0.006)
-    rows = int(np.clip((top - z[0]) / 0.026, 1, 5))
-    keys = [
-        block((x - 0.003, x + SUNK), across, up, "plastic")
-        for up in divide_range((top - 0.026 * rows + 0.008, top), rows, 0.01)
-        for across in divide_range(narrow(y, 0.005), 3, 0.007)
-    ]
-    return [block((x - 0.0015, x + SUNK), y, z, "panel"), *keys]
 
 
 def _draw_dials(rng: np.random.Generator, x: float, y: Range, z: Range, count: int) -> list[ShapePart]:
@@ -214,14 +206,16 @@ def _draw_dials(rng: np.random.Generator, x: float, y: Range, z: Range, count: i
     ]
 
 
-def _draw_keys(rng: np.random.Generator, x: float, y: Range, z: Range, rows: int) -> list[ShapePart]:
+def _draw_keys(
+    rng: np.random.Generator, x: float, y: Range, z: Range, face: str, *, rows: int
+) -> list[ShapePart]:
     columns = 3 if y[1] - y[0] > 0.065 else 2
     gap = choose(rng, 0.005, 0.007)
     tall = min((z[1] - z[0] - gap * (rows - 1)) / rows, 0.022)
     rows_z = divide_range((z[1] - rows * tall - gap * (rows - 1), z[1]), rows, gap)
     columns_y = divide_range(y, columns, gap)
     wide = columns_y[0][1] - columns_y[0][0]
-    finish = "plastic" if rng.random() < 0.6 else "accent"
+    finish = choose_one(rng, (face, face, "plastic", "accent"))
     return [
         make_button(
             (x, sum(across) / 2, sum(up) / 2),

@@ -111,6 +111,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
         face="panel" if style in ("black", "steel") and rng.random() < 0.15 else "front",
         grip=grip if rng.random() < 0.62 else None,
         longest=longest,
+        border=choose(rng, 0.015, 0.05) if rng.random() < 0.4 else 0.0,
     )
     return _Plan(
         kind=kind,

@@ -96,8 +96,11 @@ def check_category(category: str, learned: Sequence[str] = CATEGORIES) -> None:
     """
     if category in learned:
         return
-    known = name_options(category, learned, list_nouns())
-    text = f"category {category!r}: expected a kind that the model draws, {known}"
+    if learned:
+        known = name_options(category, learned, list_nouns())
+        text = f"category {category!r}: expected a kind that the model draws, {known}"
+    else:
+        text = f"category {category!r}: the model has no sketch network; give the folder of one that has"
     if category in kinds():
         text += f"; `artigen shape {category}` draws it"
     raise SketchError(text)

@@ -42,10 +42,15 @@ LINE = 0.0009
 """Width (m) of a mark."""
 DISPLAY = ((0.02, 0.05), (0.05, 0.4), 0.012)
 """Ranges (m) of height and width of a display, and its largest thickness."""
+KEYPAD = ((0.06, 0.4), (0.04, 0.14), 0.015)
+"""The same of a touch pad, which has three keys in a row, `PITCH` above each other."""
+PITCH = 0.021
 SEGMENTS = {
     "0": "abcdef", "1": "bc", "2": "abged", "4": "fgbc", "5": "afgcd", "8": "abcdefg",
 }  # fmt: skip
 TIME = "12:45"
+OUT = np.array([-1.0, 0.0, 0.0])
+"""Where displays and keys face."""
 LIGHT = 0.4
 """Brightness (sRGB) of a finish above which prints on it are dark."""
 
@@ -62,8 +67,11 @@ def find_prints(shape: Shape) -> dict[str, dict[str, Mesh]]:
         for finish, bar in _legend(part, finishes):
             out.setdefault(part.name, {}).setdefault(finish, []).append(bar)
         for primitive in part.primitives:
+            light = _is_light(finishes[primitive.finish])
             for bar in _digits(primitive):
-                role = "print_dark" if _is_light(finishes[primitive.finish]) else "digits"
+                out.setdefault(part.name, {}).setdefault("print_dark" if light else "digits", []).append(bar)
+            for bar in _keys(primitive):
+                role = "print_dark" if light else "print_light"
                 out.setdefault(part.name, {}).setdefault(role, []).append(bar)
     return {
         name: {finish: _join(bars) for finish, bars in by_finish.items()} for name, by_finish in out.items()
@@ -131,49 +139,72 @@ def _legend(key: ShapePart, finishes: Mapping[str, Finish]) -> list[tuple[str, F
     middle[0] = low[0]
     front = min(key.primitives, key=lambda one: float(place_vertices(one)[:, 0].min()))
     finish = "print_dark" if _is_light(finishes[front.finish]) else "print_light"
-    return [(finish, _bar(middle - half, middle + half, np.array([-1.0, 0.0, 0.0])))]
+    return [(finish, _bar(middle - half, middle + half, OUT))]
 
 
 def _digits(primitive: Primitive) -> list[Float[np.ndarray, "8 3"]]:
-    """The time in the window of a display: a thin upright block of panel glass that faces the front."""
-    (low, high), (narrow, wide), thick = DISPLAY
-    depth, width, height = (float(value) for value in primitive.size)
-    upright = np.array_equal(primitive.rotation, np.eye(3)) and len(primitive.planes) == 6
-    if primitive.finish != "panel" or not upright or depth > thick:
+    """The time in the window of a display."""
+    face = _find_pane(primitive, DISPLAY)
+    if face is None:
         return []
-    if not (low <= height <= high and narrow <= width <= wide):
-        return []
-    tall = 0.5 * height
+    tall = 0.5 * float(primitive.size[2])
     pitch, half = 0.75 * tall, 0.22 * tall
-    out = np.array([-1.0, 0.0, 0.0])
-    face = primitive.center + out * depth / 2
     start = -(len(TIME) - 1) / 2 * pitch
     bars = []
     for number, letter in enumerate(TIME):
         middle = face - np.array([0.0, start + number * pitch, 0.0])  # from left to right is towards -y
-        bars += [_bar(middle + a, middle + b, out) for a, b in _strokes(letter, half, tall / 2)]
+        bars += [_bar(middle + a, middle + b, OUT) for a, b in _strokes(letter, half, tall / 2)]
     return bars
+
+
+def _keys(primitive: Primitive) -> list[Float[np.ndarray, "8 3"]]:
+    """Legends of the keys of a touch pad: a long stroke above a short one."""
+    face = _find_pane(primitive, KEYPAD)
+    if face is None:
+        return []
+    width, height = float(primitive.size[1]), float(primitive.size[2])
+    rows, bars = int((height - 0.01) / PITCH), []
+    for row in range(rows):
+        for column in (-1, 0, 1):
+            middle = face + _shift(column * width / 3.4, (row - (rows - 1) / 2) * PITCH)
+            for rise, half in ((0.002, width / 16), (-0.002, width / 28)):
+                bars.append(_bar(middle + _shift(-half, rise), middle + _shift(half, rise), OUT))
+    return bars
+
+
+def _find_pane(
+    primitive: Primitive, sizes: tuple[tuple[float, float], tuple[float, float], float]
+) -> Float[np.ndarray, "3"] | None:
+    """The middle of the face of a thin upright block of panel glass that faces the front and has one of these
+    sizes; None of anything else."""
+    (low, high), (narrow, wide), thick = sizes
+    depth, width, height = (float(value) for value in primitive.size)
+    upright = np.array_equal(primitive.rotation, np.eye(3)) and len(primitive.planes) == 6
+    if primitive.finish != "panel" or not upright or depth > thick:
+        return None
+    fits = low <= height <= high and narrow <= width <= wide
+    return primitive.center + OUT * depth / 2 if fits else None
 
 
 def _strokes(letter: str, half: float, rise: float) -> list[tuple[np.ndarray, np.ndarray]]:
     """Ends of the strokes of a letter in seven segments, relative to its middle."""
     gap = 0.0006
-
-    def at(y: float, z: float) -> np.ndarray:
-        return np.array([0.0, y, z])
-
     if letter == ":":
-        return [(at(0.0, z - 0.0005), at(0.0, z + 0.0005)) for z in (-0.4 * rise, 0.4 * rise)]
+        return [(_shift(0.0, z - 0.0005), _shift(0.0, z + 0.0005)) for z in (-0.4 * rise, 0.4 * rise)]
     flat = {"a": rise, "g": 0.0, "d": -rise}
     tall = {"f": (half, 1), "b": (-half, 1), "e": (half, -1), "c": (-half, -1)}
     found = []
     for segment in SEGMENTS[letter]:
         if segment in flat:
-            found.append((at(half - gap, flat[segment]), at(gap - half, flat[segment])))
+            found.append((_shift(half - gap, flat[segment]), _shift(gap - half, flat[segment])))
         else:
             y, side = tall[segment]
-            found.append((at(y, side * gap), at(y, side * (rise - gap))))
+            found.append((_shift(y, side * gap), _shift(y, side * (rise - gap))))
     return found
+
+
+def _shift(y: float, z: float) -> np.ndarray:
+    return np.array([0.0, y, z])
 
 
 def _bar(start: np.ndarray, end: np.ndarray, out: np.ndarray) -> Float[np.ndarray, "8 3"]:

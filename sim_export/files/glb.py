@@ -1,8 +1,10 @@
 """GLB of a package's textured meshes: one file for all of them, or one for every link."""
 
 import io
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Float, UInt8
@@ -11,8 +13,9 @@ from artigen.io import write_whole
 from artigen.transforms import shift
 from sim_export.errors import PackageError
 from sim_export.files.obj import png_bytes
-from sim_export.files.urdf import glb_path, link_origins
+from sim_export.files.urdf import glb_path, image_path, link_origins, normal_path
 from sim_export.geometry.normals import corner_normals
+from sim_export.geometry.rows import number_rows
 from sim_export.package import Link, Mesh, SimPackage
 
 if TYPE_CHECKING:
@@ -48,7 +51,8 @@ def glb_bytes(package: SimPackage) -> bytes:
 
 
 def link_glbs(package: SimPackage) -> dict[str, bytes]:
-    """One GLB for every link with visuals, in the link's frame (z up), by its path in the package.
+    """One GLB for every link with visuals, in the link's frame (z up), by its path in the package; its images
+    are those that the package has for OBJ.
 
     Raises:
         PackageError: If a visual is a source mesh, which stays in its own files.
@@ -61,13 +65,35 @@ def link_glbs(package: SimPackage) -> dict[str, bytes]:
         if link.visuals:
             scene = trimesh.Scene(base_frame="world")
             scene.graph.update(link.name, frame_from="world")
-            _add_visuals(scene, package.name, link, origins[link.name])
-            files[glb_path(link.name)] = export_glb(scene)
+            _add_visuals(scene, package.name, link, origins[link.name], embed=False)
+            refer = partial(_refer_to_images, {visual.look: visual.mesh for visual in link.visuals})
+            files[glb_path(link.name)] = export_glb(scene, tree_postprocessor=refer)
     return files
 
 
-def _add_visuals(scene: "trimesh.Scene", package: str, link: Link, origin: Float[np.ndarray, "3"]) -> None:
-    """Adds the visuals of a link to its node, relative to its origin (m)."""
+def _refer_to_images(meshes: Mapping[str, Mesh], tree: dict[str, Any]) -> None:
+    """Gives the materials of a GLB, named by their looks, the images beside it."""
+    names: list[str] = []
+    for material in tree["materials"]:
+        look = material["name"]
+        mesh, shown = meshes[look], material["pbrMetallicRoughness"]
+        for holder, key, image, path in (
+            (shown, "baseColorTexture", mesh.texture, image_path(look)),
+            (material, "normalTexture", mesh.normal_map, normal_path(look)),
+        ):
+            if image is not None and mesh.uv is not None:
+                holder[key] = {"index": len(names)}
+                names.append(Path(path).name)
+    if names:
+        tree["images"] = [{"uri": name} for name in names]
+        tree["textures"] = [{"source": index} for index in range(len(names))]
+
+
+def _add_visuals(
+    scene: "trimesh.Scene", package: str, link: Link, origin: Float[np.ndarray, "3"], *, embed: bool = True
+) -> None:
+    """Adds the visuals of a link to its node, relative to its origin (m), with their images or with materials
+    named by their looks."""
     for visual in link.visuals:
         if not isinstance(visual.mesh, Mesh):
             raise PackageError(
@@ -75,8 +101,12 @@ def _add_visuals(scene: "trimesh.Scene", package: str, link: Link, origin: Float
                 "meshes of our own (export with --visual voxels)"
             )
         corners = visual.mesh.vertices[visual.mesh.faces] - origin
+        shown = textured_trimesh(corners, visual.mesh, corner_normals(corners))
+        if not embed:
+            material: Any = shown.visual.material
+            material.name, material.baseColorTexture, material.normalTexture = visual.look, None, None
         scene.add_geometry(
-            textured_trimesh(corners, visual.mesh, corner_normals(corners)),
+            shown,
             node_name=visual.name,
             geom_name=visual.name,
             parent_node_name=link.name,
@@ -93,7 +123,7 @@ def textured_trimesh(
     look: Mesh,
     normals: Float[np.ndarray, "F 3 3"] | None = None,
 ) -> "trimesh.Trimesh":
-    """Triangles with unshared vertices, in the look of a mesh with as many faces."""
+    """Triangles in the look of a mesh with as many faces; corners that look alike share a vertex."""
     import trimesh
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
@@ -113,11 +143,14 @@ def textured_trimesh(
     material.baseColorFactor = np.rint(255.0 * np.array([*color, said.opacity])).astype(np.uint8)
     clear = said.opacity < 1.0 or (look.texture is not None and look.texture.shape[2] == 4)
     material.alphaMode = "BLEND" if clear else "OPAQUE"
+    flat = np.zeros((len(uv), 0)) if normals is None else normals.reshape(-1, 3)
+    rows = np.hstack([corners.reshape(-1, 3), flat, uv]).astype(np.float32)
+    first, number = number_rows((rows + np.float32(0.0)).view(np.int32))
     return trimesh.Trimesh(
-        vertices=corners.reshape(-1, 3),
-        faces=np.arange(3 * len(corners)).reshape(-1, 3),
-        vertex_normals=None if normals is None else normals.reshape(-1, 3),
-        visual=TextureVisuals(uv=uv, material=material),
+        vertices=corners.reshape(-1, 3)[first],
+        faces=number.reshape(-1, 3),
+        vertex_normals=None if normals is None else flat[first],
+        visual=TextureVisuals(uv=uv[first], material=material),
         process=False,
     )
 

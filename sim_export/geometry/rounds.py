@@ -7,6 +7,7 @@ axis are a ring; and wedges around a polygon are a plate with a round hole.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
@@ -23,6 +24,8 @@ POLYGON = 10
 """Corners from which on a regular polygon stands for a circle."""
 EQUAL = 1e-6
 """Distance (m) within which corners are on one circle."""
+PARALLEL = 0.02
+"""Sine of the angle between the ends of a tube below which it is straight."""
 
 
 def count_sides(radius: float) -> int:
@@ -35,6 +38,23 @@ def find_sagitta(radius: float, sides: int | None = None) -> float:
     """Distance (m) of the sides of a regular polygon from the circle through its corners; as many sides as
     are shown if None."""
     return radius * (1.0 - float(np.cos(np.pi / (sides or count_sides(radius)))))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Bend:
+    """A turn about an axis through a pivot (m) by an angle (rad)."""
+
+    pivot: Float[np.ndarray, "3"]
+    axis: Float[np.ndarray, "3"]
+    angle: float
+    reach: float
+    """Distance (m) of the outside of the tube from the axis."""
+
+    def turn(self, share: float, arms: Float[np.ndarray, "*N 3"]) -> Float[np.ndarray, "*N 3"]:
+        """Vectors turned by a share of the angle."""
+        angle = share * self.angle
+        along = (arms @ self.axis)[..., None] * self.axis
+        return along + np.cos(angle) * (arms - along) + np.sin(angle) * np.cross(self.axis, arms)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,7 +71,27 @@ class Tube:
     def deviation(self) -> float:
         """Largest distance (m) between the smooth body and the solid, whose rims are not broken."""
         rough = 0.0 if self.sides is None else find_sagitta(self.radius, self.sides)
+        bend = self.bend
+        if bend is not None:
+            rough += bend.reach * (1.0 - float(np.cos(bend.angle / 2)))
         return rough + find_sagitta(self.radius)
+
+    @cached_property
+    def bend(self) -> "Bend | None":
+        """The turn that takes one end to the other; None if they are parallel or differ otherwise."""
+        axes = np.cross(self.first, self.second)
+        axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+        axis = np.cross(axes[0], axes[1])
+        size = float(np.linalg.norm(axis))
+        if size < PARALLEL or axes[0] @ axes[1] <= 0.0:
+            return None
+        axis /= size
+        heights = np.array([*(axes * self.centers).sum(axis=1), axis @ self.centers[0]])
+        pivot = np.linalg.solve(np.vstack([axes, axis]), heights)
+        reach = float(np.linalg.norm(self.centers[0] - pivot)) + self.radius
+        bend = Bend(pivot=pivot, axis=axis, angle=float(np.arcsin(size)), reach=reach)
+        turned = [bend.turn(1.0, arm[0]) - arm[1] for arm in (self.centers - pivot, self.first, self.second)]
+        return bend if np.abs(turned).max() <= EQUAL else None
 
     @property
     def radius(self) -> float:
@@ -115,11 +155,15 @@ def _find_axes(arms: Float[np.ndarray, "N 3"]) -> tuple[int, float] | None:
 
 def build_tube(tube: Tube, width: tuple[float, float] = (0.0, 0.0)) -> Mesh:
     """The smooth body of a tube, its rims cut off by ``width`` (m) at either end."""
-    sides = count_sides(tube.radius)
+    sides, bend = count_sides(tube.radius), tube.bend
     turn = np.arange(sides) * 2 * np.pi / sides
     length = float(np.linalg.norm(tube.centers[1] - tube.centers[0]))
+    steps = 1 if bend is None else int(np.ceil(bend.angle / (2 * np.pi) * count_sides(bend.reach)))
 
-    def circle(at: float, scale: float) -> np.ndarray:
+    def circle(at: float, scale: float = 1.0) -> np.ndarray:
+        if bend is not None:
+            start = np.cos(turn)[:, None] * tube.first[0] + np.sin(turn)[:, None] * tube.second[0]
+            return bend.pivot + bend.turn(at, tube.centers[0] - bend.pivot + scale * start)
         center, first, second = (
             (1 - at) * pair[0] + at * pair[1] for pair in (tube.centers, tube.first, tube.second)
         )
@@ -129,8 +173,9 @@ def build_tube(tube: Tube, width: tuple[float, float] = (0.0, 0.0)) -> Mesh:
     for end, (far, cut) in enumerate(zip((0.0, 1.0), width, strict=True)):
         radius = float(np.linalg.norm(tube.first[end]))
         pair = [circle(far, 1.0 - cut / radius)] if cut else []
-        pair.append(circle(abs(far - cut / length), 1.0))
-        rows += pair if end == 0 else pair[::-1]
+        pair.append(circle(abs(far - cut / length)))
+        inner = np.linspace(width[0] / length, 1.0 - width[1] / length, steps + 1)[1:-1]
+        rows += pair if end == 0 else [*map(circle, inner.tolist()), *pair[::-1]]
     return _skin(rows, closed=False)
 
 

@@ -25,6 +25,8 @@ from sim_export.picture.render import surface_points
 VARIANT = "scalar_rgb"
 """Needs no LLVM library."""
 LEAST_ROUGHNESS = 0.03
+FROSTED = 0.1
+"""Roughness from which a pane scatters what passes."""
 BOXES = (
     ((-1.5, 1.5, 2.1), 1.0, 3.4),
     ((-1.2, -1.9, 1.2), 0.8, 1.1),
@@ -71,7 +73,7 @@ def render_catalogue(
     with TemporaryDirectory() as scratch:
         scene: dict[str, Any] = {
             "type": "scene",
-            "integrator": {"type": "path", "max_depth": cfg.depth},
+            "integrator": {"type": "volpath", "max_depth": cfg.depth},
             "walls": {"type": "constant", "radiance": STUDIO},
             "sensor": _sensor(mitsuba, camera, cfg),
             "floor": _floor(mitsuba, middle, ground, extent),
@@ -132,15 +134,14 @@ def _look(mitsuba: Any, surface: Surface) -> dict[str, Any]:
             "bitmap": mitsuba.Bitmap(np.array(surface.texture[..., :3], order="C")),
             "wrap_mode": "repeat",
         }
-    look: dict[str, Any] = {
-        "type": "principled",
-        "base_color": color,
-        "roughness": max(said.roughness, LEAST_ROUGHNESS),
-        "metallic": said.metallic,
-        "eta": said.ior,
-        "clearcoat": said.coat,
-        "clearcoat_gloss": 1.0 - said.coat_roughness,
-    }
+    if said.opacity < 1.0 and said.roughness < FROSTED:
+        return _pane(surface)
+    rough = max(said.coat_roughness if said.coat > 0.5 else said.roughness, LEAST_ROUGHNESS)
+    look: dict[str, Any] = {"type": "principled", "base_color": color, "roughness": rough}
+    look |= {"metallic": said.metallic, "eta": said.ior}
+    if said.coat > 0.5:  # the principled clear coat sends back more light than it gets
+        look = {"type": "roughplastic", "distribution": "ggx", "alpha": rough**2, "int_ior": said.ior}
+        look |= {"diffuse_reflectance": color}
     if surface.normal_map is not None:
         bitmap = mitsuba.Bitmap(np.array(surface.normal_map, order="C"))
         texture = {"type": "bitmap", "bitmap": bitmap, "wrap_mode": "repeat", "raw": True}
@@ -149,6 +150,13 @@ def _look(mitsuba: Any, surface: Surface) -> dict[str, Any]:
     if said.opacity < 1.0:
         return {"type": "mask", "opacity": said.opacity, "look": look}
     return look
+
+
+def _pane(surface: Surface) -> dict[str, Any]:
+    """A clear face: what does not pass is mirrored, or absorbed but for the colour of the glass."""
+    passed = 1.0 - surface.material.opacity * (1.0 - linear_from_srgb(np.array(surface.color)))
+    through = {"type": "rgb", "value": passed.tolist()}
+    return {"type": "thindielectric", "int_ior": surface.material.ior, "specular_transmittance": through}
 
 
 def _ply(surface: Surface) -> bytes:

@@ -14,7 +14,7 @@ from artigen.splats.faces import lay_gaussians
 from sim_export.checks.suite import run_checks
 from sim_export.files.write import package_files, write_package
 from sim_export.geometry.primitives import find_primitive
-from sim_export.geometry.triangles import find_slivers
+from sim_export.geometry.triangles import find_slivers, triangle_normals
 from sim_export.package import Mesh
 from sim_export.physics.inertia import is_closed, mesh_inertial
 from sim_export.physics.materials import MATERIALS, finish_material
@@ -202,6 +202,30 @@ def test_an_oblong_rod_is_cut_and_a_record_says_so_but_a_box_is_not(is_round):
     heights = [np.ptp(hull.vertices[:, 2]) for hull in hulls]
     assert sum(heights) == pytest.approx(0.5)
     assert any("oblong" in record for record in package.records) == is_round
+
+
+def test_broken_edges_of_a_banded_board_have_the_finish_of_the_band():
+    """A white board with a wooden band on its front edge, and a wooden one that is white on one face."""
+    banded = line(box((0.0, 0.0, 0.0), (0.4, 0.02, 0.3), "white"), "wood", (-1, 0, 0))
+    faced = line(box((0.0, 0.5, 0.0), (0.4, 0.52, 0.3), "wood"), "white", (0, -1, 0))
+    shape = Shape(
+        category="Wardrobe",
+        style="",
+        seed=0,
+        parts=(ShapePart("body", "base", (banded, faced), parent=None),),
+        finishes=FINISHES,
+    )
+    for visual in build_reference(shape).links[0].visuals:
+        corners = visual.mesh.vertices[visual.mesh.faces]
+        first = corners.mean(axis=1)[:, 1] < 0.0
+        normals = triangle_normals(corners)
+        if visual.mesh.material.name.startswith("lacquer"):
+            assert normals[first, 0].min() > -1e-3
+            np.testing.assert_allclose(
+                normals[~first], np.tile([0.0, -1.0, 0.0], ((~first).sum(), 1)), atol=1e-6
+            )
+        else:
+            assert normals[first, 0].max() < -0.2
 
 
 def test_gaussians_add_a_file_per_link_and_change_no_mesh():

@@ -56,10 +56,21 @@ def build_leaf(
 
 
 def build_window_leaf(
-    panel: Panel, window: tuple[Range, Range], finish: str, lining: str, *, glass: str = "glass"
+    panel: Panel,
+    window: tuple[Range, Range],
+    finish: str,
+    lining: str,
+    *,
+    glass: str = "glass",
+    border: float = 0.0,
 ) -> tuple[Primitive, ...]:
-    """A leaf with a window: four boards, and glass slightly behind the face."""
+    """A leaf with a window: four boards, and glass slightly behind the face, printed black over ``border``
+    metres from its edge."""
     frame = build_frame((panel.x, panel.back), (panel.y, panel.z), window, finish)
+    if border:
+        inner = narrow(window[0], border), narrow(window[1], border)
+        frame += build_frame((panel.x + 0.001, panel.back), window, inner, "panel")
+        window = inner
     size = max(window[0][1] - window[0][0], window[1][1] - window[1][0])
     thickness = max(0.006, size / SLENDER)
     depth = min(0.003, (panel.thickness - thickness) / 2)

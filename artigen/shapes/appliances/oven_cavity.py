@@ -1,5 +1,7 @@
 """Interiors of ovens: rails at several levels, wire racks and baking sheets that slide on them."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from artigen.shapes.appliances.cavity import build_tub
@@ -50,8 +52,9 @@ def make_racks(
         lie = Space(
             x=(space.x[0] + 0.016, space.x[1] - 0.012), y=narrow(space.y, aside), z=(level, level + 0.028)
         )
+        wall = choose_thickness(lie, 0.006)
+        lie = replace(lie, z=(level, level + max(0.028, 2 * wall)))  # its rim is as stout as its floor
         if rng.random() < 0.25:
-            wall = choose_thickness(lie, 0.006)
             pieces = build_tub(lie, wall, "rubber" if rng.random() < 0.5 else "steel", sides=False)
         else:
             pieces = build_rack(lie, bars=int(rng.integers(7, 14)), lip=0.028)

@@ -27,6 +27,8 @@ class FrontLook:
     """None for grip lips along the free edges of the doors."""
     longest: float
     """Longest edge of the oven (m), which lips and handles are proportional to."""
+    border: float = 0.0
+    """Width (m) of the black print around windows."""
 
 
 def make_oven_door(
@@ -40,11 +42,11 @@ def make_oven_door(
     """A door with a window and a handle, which fills its slot except for the gaps that it needs to turn."""
     low, high = (0.002, sweep_gap(slot.height, slot.thickness)) if edge == "bottom" else (0.0, 0.003)
     panel = Panel(x=slot.x, thickness=slot.thickness, y=slot.y, z=(slot.z[0] + low, slot.z[1] - high))
-    aside = choose(rng, 0.08, 0.17) * panel.width
+    aside = choose(rng, 0.08, 0.22) * panel.width
     top = max(choose(rng, 0.17, 0.28) * panel.height, 0.055)
-    bottom = choose(rng, 0.10, 0.2) * panel.height
+    bottom = choose(rng, 0.10, 0.28) * panel.height
     window = (narrow(panel.y, aside), (panel.z[0] + bottom, panel.z[1] - top))
-    leaf = build_window_leaf(panel, window, look.face, "cavity")
+    leaf = build_window_leaf(panel, window, look.face, "cavity", border=look.border)
     if bottom > 0.04:
         leaf += (build_badge(panel.x, (panel.center[0], panel.z[0] + bottom / 2), 0.07),)
     upper = float(np.pi / 2 if edge == "bottom" else np.radians(rng.uniform(90, 120)))

@@ -217,7 +217,7 @@ def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     return _common(seed) | {
         "body": body,
         "front": front,
-        "glass": make_glass((0.012, 0.012, 0.013), opacity=round(float(rng.uniform(0.7, 0.95)), 2)),
+        "glass": _draw_pane(rng),
         "inside": inside,
         "top": body if rng.random() < 0.8 else black_glass,
         "handle": handle,
@@ -227,6 +227,15 @@ def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
         "panel": body if look == "white" and rng.random() < 0.5 else black_glass,
         "cavity": replace(enamel, accent=(0.27, 0.28, 0.30)),
     }
+
+
+def _draw_pane(rng: np.random.Generator) -> Finish:
+    """Glass of a door: a dark one, a smoked one, or a grey screen behind a clear one."""
+    drawn = float(rng.uniform(0.0, 3.0))
+    shade, opacity = PANES[int(drawn)]
+    share = drawn % 1.0
+    grey = round(shade[0] + (shade[1] - shade[0]) * ((7 * share) % 1.0), 3)
+    return make_glass((grey, grey, grey), opacity=round(opacity[0] + (opacity[1] - opacity[0]) * share, 2))
 
 
 def _steel_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
@@ -254,6 +263,8 @@ def _retro_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Fi
     return enamel, enamel, make_metal("chrome", seed)
 
 
+PANES = (((0.012, 0.03), (0.7, 0.95)), ((0.03, 0.1), (0.3, 0.6)), ((0.3, 0.6), (0.45, 0.8)))
+"""Shade (sRGB) and opacity of panes in doors."""
 APPLIANCES = {"steel": _steel_look, "white": _white_look, "black": _black_look, "retro": _retro_look}
 """Looks of appliances: housing, front and handle."""
 

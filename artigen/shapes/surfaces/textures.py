@@ -9,21 +9,22 @@ pictures and voxels do not alias.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, get_args
 
 import numpy as np
 from array_api_compat import array_namespace, device
 from jaxtyping import Float, Int
 
-from artigen.shapes.primitives import Primitive, Vector
+from artigen.shapes.primitives import LEFT, Primitive, Vector
 from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
 from artigen.shapes.surfaces.noise import hash_unit, lattice_noise, smooth_step
 
 KINDS: tuple[FinishKind, ...] = get_args(FinishKind)
 OWN_GRAIN = 1.5
-"""Ratio of length to width from which the grain of a board runs along it, regardless of the finish."""
+"""Ratio of length to width from which the grain of a board runs along it; of others it is upright, and level
+on drawers, so that square fronts match wide ones."""
 LINED = 0.5
 """Cosine between normal and lined side above which the lining shows."""
 PATTERN_OF: dict[FinishKind, int] = {
@@ -116,10 +117,12 @@ def make_paint(shape: Shape) -> PaintTable:
     chosen: list[Finish] = []
     grains: list[Vector] = []
     sides: list[Vector] = []
-    for primitive in (primitive for part in shape.parts for primitive in part.primitives):
+    for part, primitive in ((one, primitive) for one in shape.parts for primitive in one.primitives):
         for name in (primitive.finish, primitive.lining or primitive.finish):
-            chosen.append(finishes[name])
-            grains.append(_grain_of(primitive, finishes[name]))
+            finish = finishes[name]
+            level = part.label == "drawer" and finish.kind == "wood"
+            chosen.append(finish)
+            grains.append(_grain_of(primitive, replace(finish, grain=LEFT) if level else finish))
         sides.append(primitive.lined_side or (0.0, 0.0, 0.0))
     boards = [index // 2 + 1 if finish.kind == "wood" else 0 for index, finish in enumerate(chosen)]
     return _table(chosen, grains, boards, sides)

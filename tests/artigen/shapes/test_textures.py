@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from artigen.shapes.primitives import box, cylinder, line
-from artigen.shapes.shape import Shape, make_base
+from artigen.shapes.shape import Shape, ShapePart, make_base
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import (
     LACQUERS,
@@ -19,7 +19,8 @@ from artigen.shapes.surfaces.materials import (
 )
 from artigen.shapes.surfaces.noise import hash_unit, lattice_noise
 from artigen.shapes.surfaces.palette import PALETTE_ROLES, draw_palette
-from artigen.shapes.surfaces.textures import paint, paint_primitives
+from artigen.shapes.surfaces.textures import make_paint, paint, paint_primitives
+from artigen.types import PartLabel
 
 FINISHES = {
     "wood": make_wood("oak", 3),
@@ -133,6 +134,14 @@ def test_grain_follows_the_board_and_boards_differ():
     ]
     assert moved[0] > 5 * moved[1]
     assert np.abs(paint_primitives(shape, ids + 1, points, normals) - here).mean() > 0.01
+
+
+@pytest.mark.parametrize(("label", "along"), [("drawer", 1), ("door", 2)])
+def test_grain_of_a_square_front_is_level_on_drawers_and_upright_on_doors(label: PartLabel, along: int):
+    front = ShapePart(label, label, (box((0.0, 0.0, 0.0), (0.02, 0.4, 0.4), "wood"),), parent=None)
+    shape = Shape(category="Box", style="", seed=0, parts=(front,), finishes=(("wood", FINISHES["wood"]),))
+    table = make_paint(shape)
+    assert np.abs(table.axes[0, 0]).argmax() == along
 
 
 def test_paint_of_an_object_is_the_same_in_torch():

@@ -109,4 +109,6 @@ def test_a_kind_that_only_the_grammar_draws_is_refused_with_the_command_that_dra
         understand(Request(category="Laptop"), learned)
     with pytest.raises(ArtigenError, match=r"that the model draws, one of Table, Safe$"):
         understand(Request(category="Spaceship"), learned)
+    with pytest.raises(ArtigenError, match=r"no sketch network"):
+        understand(Request(category="Safe"), ())
     assert understand(Request(category="Safe"), learned).request.category == "Safe"

@@ -8,6 +8,7 @@ import trimesh
 
 from artigen.shapes.appliances.rings import build_pierced_plate, build_ring
 from artigen.shapes.draw import draw_shape
+from artigen.shapes.fittings.tubes import bend_elbow
 from artigen.shapes.furniture.table_frames import cut_ellipse
 from artigen.shapes.primitives import Primitive, box, cylinder, move, place_vertices, polygon, prism
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
@@ -89,6 +90,22 @@ def test_a_cone_of_many_corners_is_round_and_one_of_few_is_not():
         for sides in (10, 8)
     )
     assert round_one > 4 * count_sides(0.1) > square
+
+
+def test_a_bend_is_a_piece_of_a_torus_within_its_stated_deviation():
+    bend, radius = 0.05, 0.012
+    elbow = bend_elbow((0.0, 0.0, 0.0), ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)), bend, radius, "body")
+    made = show(list(elbow), "glass")
+    points = np.concatenate([solid_triangles(one.solid).reshape(-1, 3) for one in made])
+    ring = np.hypot(points[:, 0], points[:, 2])
+    tube = np.hypot(ring - bend, points[:, 1])
+    inner = np.abs(np.arctan2(points[:, 2], points[:, 0]) - np.pi / 4) < 0.6
+    np.testing.assert_allclose(tube[inner], radius, atol=2e-6)
+    whole = np.pi * radius**2 * bend * np.pi / 2
+    assert volume(made) == pytest.approx(whole, rel=0.02)
+    assert volume(draw_pieces(list(elbow), np.zeros(3))) < 0.97 * whole
+    far = (bend + radius) * (1 - np.cos(np.pi / 12))
+    assert all(far <= one.deviation < 2 * far for one in made)
 
 
 def test_an_elliptic_board_has_the_outline_of_its_ellipse():

@@ -50,6 +50,28 @@ def test_a_dial_has_a_scale_on_the_face_behind_it(out, brightness, finish):
     assert int(connect_rows(mesh.faces[:, [0, 1, 1, 2]].reshape(-1, 2).T, len(mesh.vertices)).max()) == STEPS
 
 
+@pytest.mark.parametrize(
+    ("size", "rows"), [((0.0135, 0.08, 0.136), 6), ((0.0135, 0.08, 0.05), 0), ((0.0135, 0.3, 0.136), 0)]
+)
+def test_a_touch_pad_has_three_legends_in_a_row_within_its_face(size, rows):
+    grey = Finish(kind="glass", color=(0.02,) * 3, accent=(0.02,) * 3)
+    pad = box((0.0, 0.0, 0.0), size, "panel")
+    shape = Shape(
+        category="Microwave", seed=0, style="", parts=(make_base([pad]),), finishes=(("panel", grey),)
+    )
+    prints = {
+        role: mesh
+        for found in find_prints(shape).values()
+        for role, mesh in found.items()
+        if role != "digits"
+    }
+    assert sum(len(mesh.vertices) for mesh in prints.values()) == 8 * 2 * 3 * rows
+    for mesh in prints.values():
+        inside = (mesh.vertices[:, 1:] > 0.002) & (mesh.vertices[:, 1:] < np.array(size[1:]) - 0.002)
+        assert inside.all()
+        assert mesh.vertices[:, 0].min() == pytest.approx(-PROUD)
+
+
 def test_a_dial_without_limits_has_twelve_marks_and_marks_beside_the_face_are_left_out():
     whole = find_prints(panel(0.9, upper=None))["body"]["print_dark"]
     assert len(whole.vertices) == 8 * 12

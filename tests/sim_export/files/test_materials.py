@@ -89,6 +89,7 @@ def test_a_package_with_one_glb_per_link_shows_the_same_surfaces_and_materials_a
     corners = np.concatenate([mesh.vertices for mesh in meshes(package).values()])
     np.testing.assert_allclose(robot.scene.bounds, [corners.min(axis=0), corners.max(axis=0)], atol=1e-5)
     for link in package.links:
+        assert b"\x89PNG" not in (folder / glb_path(link.name)).read_bytes(), "images are those of the OBJ"
         scene = trimesh.load_scene(folder / glb_path(link.name))
         assert len(scene.geometry) == len(link.visuals)
         for visual in link.visuals:

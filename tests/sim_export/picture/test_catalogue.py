@@ -18,7 +18,7 @@ def cube(color=(0.8, 0.1, 0.1), texture=None, **material: float) -> Surface:
     box = primitive_mesh("box", (1.0, 1.0, 1.0))
     corners = box.vertices[box.faces]
     uv = None if texture is None else corners[:, :, [1, 2]] + 0.5
-    look = Material(name="a", roughness=0.6, **material)
+    look = Material(name="a", **{"roughness": 0.6, **material})
     return surface_from_mesh(
         Mesh(vertices=box.vertices, faces=box.faces, color=color, texture=texture, uv=uv, material=look)
     )
@@ -52,3 +52,15 @@ def test_metal_mirrors_the_studio():
     white = (0.9, 0.9, 0.9)
     metal, plaster = (picture(cube(white, metallic=share), 30.0)[10:40, 16:32] for share in (1.0, 0.0))
     assert np.abs(metal - plaster).mean() > 5
+
+
+def test_a_coat_adds_no_light_and_a_clear_pane_takes_its_share():
+    white = (0.98, 0.98, 0.98)
+    coated, plain = (
+        picture(cube(white, coat=share, coat_roughness=0.1), 30.0)[10:40, 16:32] for share in (1.0, 0.0)
+    )
+    assert plain.mean() - 15 < coated.mean() < plain.mean()
+    dark = (0.1, 0.1, 0.1)
+    shares = (0.2, 0.9, 1.0)
+    seen = [picture(cube(dark, opacity=share, roughness=0.05))[24, 24].mean() for share in shares]
+    assert seen[0] > seen[1] > seen[2] - 3
