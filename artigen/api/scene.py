@@ -188,6 +188,7 @@ def check_settings(kind: SceneKind, seed: int, cfg: SceneSettings) -> "list[Role
     Raises:
         ArtigenError: If settings are out of range or contradict each other.
     """
+    from artigen.shapes.families import choose_suite
     from envs.flats.furnish import flat_roles, least_door
     from envs.flats.layout import read_rooms
     from envs.rooms.order import Unit, read_order
@@ -198,6 +199,8 @@ def check_settings(kind: SceneKind, seed: int, cfg: SceneSettings) -> "list[Role
             f"seed {seed}, ajar {cfg.ajar}, contents {cfg.contents}: expected a seed from 0 and shares from 0"
             " to 1"
         )
+    if cfg.family is not None:
+        choose_suite(cfg.family, seed)
     try:
         _populate_config(cfg)
     except ValueError as error:

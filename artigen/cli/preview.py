@@ -19,6 +19,8 @@ def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
     """
     from sim_export.files.folders import find_packages
 
+    if out.suffix not in (".png", ".gif", ".glb"):
+        raise ArtigenError(f"{out}: expected a file that ends with .png, .gif or .glb")
     packages = find_packages(packages)
     if out.suffix == ".glb":
         from sim_export.files.glb import write_glb

@@ -6,6 +6,7 @@ space of doors and drawers is orange, the robot's standing places are blue, and 
 cupboards are outlined in green.
 """
 
+import io
 import json
 import re
 from collections.abc import Callable, Sequence
@@ -286,7 +287,6 @@ def write_picture(image: UInt8[np.ndarray, "H W 3"] | UInt16[np.ndarray, "H W"],
     """Writes a picture as a PNG, atomically."""
     from PIL import Image
 
-    path.parent.mkdir(parents=True, exist_ok=True)
-    scratch = path.with_name(f".{path.name}.partial")
-    Image.fromarray(image).save(scratch, format="png", optimize=True)
-    scratch.replace(path)
+    stream = io.BytesIO()
+    Image.fromarray(image).save(stream, format="png", optimize=True)
+    write_whole(path, stream.getvalue())

@@ -5,12 +5,13 @@ Previews, animations, thumbnails and `artigen.Object.render` are made here.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import UInt8
 
 from artigen.camera import Camera
+from artigen.errors import check_option
 from sim_export.errors import PackageError
 from sim_export.motion.kinematics import driven_joints, link_displacements
 from sim_export.package import SimPackage
@@ -35,9 +36,14 @@ def read_pose(package: SimPackage, q: Mapping[str, float] | float) -> Mapping[st
             that need another one to be open further.
 
     Raises:
-        PackageError: If a name is not that of a driven joint.
+        PackageError: If a name is not that of a driven joint, or a share is not from 0 to 1.
     """
     if not isinstance(q, Mapping):
+        if not 0.0 <= q <= 1.0:
+            raise PackageError(
+                f"{package.name}: pose {q}, expected a share from 0 to 1, or coordinates by joint such as "
+                "{'joint_0': 0.3}"
+            )
         return open_qpos(package, q)
     names = [joint.name for joint in driven_joints(package.joints)]
     unknown = sorted(set(q) - set(names))
@@ -74,6 +80,8 @@ def render_package(
         PackageError: If the package has nothing to draw in that layer, or lacks a joint of ``q``; or if
             Mitsuba is not installed.
     """
+    check_option("layer", layer, get_args(Layer))
+    check_option("light", light, get_args(Lighting))
     cfg = cfg or RenderConfig()
     T = link_displacements(package.links, package.joints, read_pose(package, q))
     closed = package_surfaces(package)

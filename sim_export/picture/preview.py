@@ -17,6 +17,8 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from artigen.camera import Camera
+from artigen.io import write_whole
+from sim_export.files.obj import png_bytes
 from sim_export.motion.kinematics import driven_joints
 from sim_export.package import SimPackage
 from sim_export.picture.draw import explode_links, hull_surfaces, open_links, package_surfaces, pose_surfaces
@@ -174,8 +176,6 @@ def write_preview(
     Raises:
         PackageError: If a folder is not a readable package.
     """
-    from PIL import Image
-
     from sim_export.files.read import read_package
 
     packages = [read_package(folder) for folder in folders]
@@ -183,9 +183,7 @@ def write_preview(
         image = preview_package(packages[0], cfg, draw_splats)
     else:
         image = contact_sheet(packages, cfg, draw_splats)
-    scratch = png.with_name(png.name + ".partial")
-    Image.fromarray(image).save(scratch, format="png")
-    scratch.replace(png)
+    write_whole(png, png_bytes(image))
 
 
 def prepare_shapes(package: SimPackage, cfg: PreviewConfig) -> Shapes:
