@@ -112,6 +112,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
         grip=grip if rng.random() < 0.62 else None,
         longest=longest,
         border=choose(rng, 0.015, 0.05) if rng.random() < 0.4 else 0.0,
+        floor=0.002 if foot else -np.inf,
     )
     return _Plan(
         kind=kind,
