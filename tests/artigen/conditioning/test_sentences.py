@@ -239,6 +239,13 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
         "Dresser",
         {"counts": {"drawer": 7}, "parts": {"drawer": {"at": {"top": 3, "bottom": 4}}}, "ignored": ["wide"]},
     ),
+    "a glass desk with chrome legs": (
+        "Table",
+        {"parts": {"top": {"material": "glass"}, "leg": {"material": "chrome"}, "stand": {"type": "legs"}}},
+    ),
+    "a bridge kitchen faucet": ("Faucet", {"style": "bridge"}),
+    "a light switch with a pull cord": ("Switch", {"ignored": ["pull", "cord"]}),
+    "a toolbox, 19 in": ("ToolBox", {"size": {"width": 0.4826}}),
     "for a task, a box with a lid": ("Box", {"counts": {"door": 1}, "ignored": ["task"]}),
     # How many objects.
     "three white two-door cabinets": (
