@@ -246,6 +246,13 @@ SENTENCES: dict[str, tuple[str, dict[str, Any]]] = {
     "a bridge kitchen faucet": ("Faucet", {"style": "bridge"}),
     "a light switch with a pull cord": ("Switch", {"ignored": ["pull", "cord"]}),
     "a toolbox, 19 in": ("ToolBox", {"size": {"width": 0.4826}}),
+    **dict.fromkeys(
+        (
+            "a filing cabinet, two drawers wide and three high",
+            "three drawers high, two drawers wide filing cabinet",
+        ),
+        ("FilingCabinet", {"counts": {"drawer": 6}, "parts": {"drawer": {"columns": "2"}}}),
+    ),
     "for a task, a box with a lid": ("Box", {"counts": {"door": 1}, "ignored": ["task"]}),
     # How many objects.
     "three white two-door cabinets": (
