@@ -54,11 +54,15 @@ def whole_folder(folder: Path) -> Iterator[Path]:
         shutil.rmtree(scratch, ignore_errors=True)
 
 
-def write_whole(path: Path, text: str) -> Path:
-    """Writes a text file, whole or not at all, and returns its path."""
+def write_whole(path: Path, content: str | bytes) -> Path:
+    """Writes a file, whole or not at all, and returns its path; a missing folder is made."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     scratch = path.with_name(f".{path.name}")
-    scratch.write_text(text, encoding="utf-8")
-    return scratch.replace(path)
+    try:
+        scratch.write_bytes(content.encode() if isinstance(content, str) else content)
+        return scratch.replace(path)
+    finally:
+        scratch.unlink(missing_ok=True)
 
 
 def write_asset(asset: Asset, folder: Path) -> None:

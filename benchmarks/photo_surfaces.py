@@ -214,14 +214,14 @@ def main(
             flush=True,
         )
         if pictures is not None:
-            _show(image, truth, shown[0]).save(pictures / f"{name}.png")
+            _show(image, shown[0]).save(pictures / f"{name}.png")
     print("\n| mean; median | " + " | ".join(MEASURED) + " |\n" + "|---" * (1 + len(MEASURED)) + "|")
     for way, held in values.items():
         said = [f"{column.mean():.4f}; {np.median(column):.4f}" for column in np.array(held).T]
         print(f"| {way} ({len(held)}) | {' | '.join(said)} |")
 
 
-def _show(image: Image.Image, truth: Asset, shape: Shape) -> Image.Image:
+def _show(image: Image.Image, shape: Shape) -> Image.Image:
     """The rendering, and the object closed and opened."""
     cells = [np.asarray(image.convert("RGB"))]
     cells += [draw_picture(shape, open_parts(shape, share), EDGE) for share in (0.0, 1.0)]

@@ -63,7 +63,7 @@ class Report:
 
 
 def describe_report(report: Report) -> str:
-    """Summary line of a package, then one line per failed check and per missing engine."""
+    """Summary line of a package, then failed checks and missing engines, a line for each message."""
     skipped = [check for check in report.checks if check.message.startswith("skipped: ")]
     counts = dict.fromkeys(("pass", "fail", "not_applicable"), 0)
     for check in report.checks:
@@ -72,8 +72,14 @@ def describe_report(report: Report) -> str:
         f"{'PASS' if report.passed else 'FAIL'} {report.package}: {counts['pass']} passed, "
         f"{counts['fail']} failed, {counts['not_applicable']} not applicable"
     )
-    told = (*report.failures, *skipped)
-    return "\n".join([head, *(f"  {check.id} {check.title}: {check.message}" for check in told)])
+    told: dict[str, list[CheckResult]] = {}
+    for check in (*report.failures, *skipped):
+        told.setdefault(check.message, []).append(check)
+    named = {
+        message: f"{same[0].id} {same[0].title}" if len(same) == 1 else ", ".join(check.id for check in same)
+        for message, same in told.items()
+    }
+    return "\n".join([head, *(f"  {checks}: {message}" for message, checks in named.items())])
 
 
 def report_to_json(report: Report) -> str:

@@ -270,7 +270,8 @@ def run_with_progress(
 ) -> list[Finished]:
     """`run_batch` with a progress bar in units of a job, and a line on stderr for every one that failed."""
     total = len(take_part(jobs, part))
-    with tqdm(total=total, unit=unit, disable=not sys.stderr.isatty() and total > 1) as bar:
+    often = 0.1 if sys.stderr.isatty() else 30.0  # seconds; a log needs fewer lines than a terminal
+    with tqdm(total=total, unit=unit, mininterval=often) as bar:
 
         def on_done(finished: Finished) -> None:
             bar.update()

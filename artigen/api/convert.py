@@ -1,5 +1,6 @@
 """Converts URDFs, MJCFs, USD, SDFs, meshes, PartNet-Mobility folders and object.json to packages."""
 
+import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -12,7 +13,7 @@ import numpy as np
 
 from artigen.api.batch import Finished, Laps, Made, Part, run_with_progress
 from artigen.api.grids import GRIDS, make_on_grids
-from artigen.errors import ArtigenError
+from artigen.errors import ArtigenError, list_some
 from artigen.runtime.runner import Runner
 from artigen.runtime.workers import Worker
 
@@ -339,8 +340,17 @@ def list_conversions(sources: Sequence[Path], out: Path, cfg: ConvertSettings) -
     """One job for every object in some files and folders.
 
     Raises:
-        SourceError: If one of them is not there.
+        ArtigenError: If there are none, one is not there, or a number is out of its range.
     """
     from artigen.datasets.sources import find_sources
 
+    if not sources:
+        raise ArtigenError("no sources: expected files or folders of objects")
+    missing = [str(source) for source in sources if not source.exists()]
+    if missing:
+        raise ArtigenError(f"{list_some(missing)}: no such file or folder")
+    if cfg.budget < 0 or (cfg.size is not None and not 0 < cfg.size < math.inf):
+        raise ArtigenError(
+            f"size {cfg.size} m, budget {cfg.budget:g} s: expected a size above 0 and no budget below 0"
+        )
     return [job for source in find_sources(tuple(sources)) for job in list_jobs(source, out, cfg)]

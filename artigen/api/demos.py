@@ -12,7 +12,7 @@ import numpy as np
 
 from artigen.api.batch import Finished, Laps, Made, make_supervised, run_with_progress
 from artigen.datasets.lerobot import Episode, write_lerobot
-from artigen.errors import ArtigenError
+from artigen.errors import ArtigenError, name_options
 from artigen.io import whole_folder, write_whole
 from artigen.runtime.runner import Runner
 from artigen.runtime.workers import Worker
@@ -116,7 +116,7 @@ def make_demos(
 
     cfg = cfg or DemoSettings()
     if task not in SOLVED_TASKS:
-        raise ArtigenError(f"task {task!r} has no solver, expected one of {', '.join(SOLVED_TASKS)}")
+        raise ArtigenError(f"task {task!r} has no solver, expected {name_options(task, SOLVED_TASKS)}")
     if count < 1 or seed < 0:
         raise ArtigenError(f"{count} episodes from seed {seed}: expected at least one, and a seed from 0")
     render = cfg.pictures == "auto" and has_render_device()

@@ -2,8 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from functools import partial
+from numbers import Integral
 from pathlib import Path
-from typing import Literal, TypedDict, Unpack, overload
+from typing import Literal, TypedDict, Unpack, get_args, overload
 
 from artigen.api.convert import (
     TIMEOUT,
@@ -25,7 +26,7 @@ from artigen.api.sample import (
     export_only,
     list_shapes,
 )
-from artigen.errors import ArtigenError
+from artigen.errors import ArtigenError, check_option
 from artigen.types import PartLabel
 from artigen.weights import SHIPPED
 
@@ -134,7 +135,7 @@ def sample(
         suite=suite, like=like, splats=gaussians,
     )  # fmt: skip
     jobs = list_shapes(kind, HERE, list_seeds(seed, count), cfg)
-    if isinstance(seed, int) and count is None:
+    if isinstance(seed, Integral) and count is None:
         return make_sampled(jobs[0])
     return Objects(
         jobs=tuple(jobs), make=make_sampled, handle=export_and_validate, write=export_only, workers=workers
@@ -217,10 +218,11 @@ def generate(
         style=style, counts=_write_counts(counts), structure=structure, temperature=temperature,
         redraws=redraws, gaussians=gaussians, compare=False,
     )  # fmt: skip
+    check_option("structure", structure, ("sketch", "latent"))
     jobs = list_jobs(HERE, list_seeds(seed, count), cfg, category=kind, model=Path(model))
     understand_job(jobs[0])
     make = partial(make_here, handle=generate_and_validate)
-    if isinstance(seed, int) and count is None:
+    if isinstance(seed, Integral) and count is None:
         return make(jobs[0])
     handle = generate_and_validate
     return Objects(jobs=tuple(jobs), make=make, handle=handle, write=handle, workers=workers)
@@ -286,6 +288,11 @@ def convert(
         collision=collision,
         coacd=coacd,
     )
+    for name, direction in (("up", up), ("front", front)):
+        if direction is not None:
+            check_option(name, direction, get_args(Direction))
+    check_option("visual", visual, ("source", "voxels"))
+    check_option("collision", collision, get_args(Collision))
     one = isinstance(source, str | Path)
     given = (Path(source),) if isinstance(source, str | Path) else tuple(map(Path, source))
     jobs = tuple(list_conversions(given, HERE, cfg))

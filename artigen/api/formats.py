@@ -53,11 +53,12 @@ def write_usd_asset(package: "SimPackage", folder: Path, existing: Existing) -> 
 
 
 def write_glb_file(package: "SimPackage", folder: Path, existing: Existing) -> Path:
-    """A file ``FOLDER.glb``, which is replaced."""
+    """A file ``FOLDER.glb``."""
     from sim_export.files.glb import write_glb
 
-    folder.parent.mkdir(parents=True, exist_ok=True)
     path = folder.with_name(f"{folder.name}.glb")
+    if existing == "refuse" and path.exists():
+        raise ArtigenError(f"{path}: exists already; remove it, or replace it (existing='replace')")
     write_glb(package, path)
     return path
 

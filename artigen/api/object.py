@@ -117,10 +117,16 @@ class Object:
     @property
     def report(self) -> "Report | None":
         """The verdict of every check, where its package on disk has one."""
+        from sim_export.errors import PackageError
         from sim_export.report import report_from_json
 
         path = None if self.folder is None else self.folder / REPORT
-        return report_from_json(path.read_text()) if path is not None and path.is_file() else None
+        if path is None or not path.is_file():
+            return None
+        try:
+            return report_from_json(path.read_text())
+        except (ValueError, KeyError, TypeError) as error:
+            raise PackageError(f"{path}: is no report ({error}); validate the object again") from error
 
     def at(self, q: Mapping[str, float] | float) -> Mapping[str, Float[np.ndarray, "4 4"]]:
         """Displacement of every part from rest, by name; it maps points at rest to points in the pose.
@@ -177,7 +183,7 @@ class Object:
     def export(
         self,
         folder: Path | str,
-        formats: tuple[str, ...] = ("package",),
+        formats: str | tuple[str, ...] = ("package",),
         existing: Literal["refuse", "replace"] = "refuse",
         visual_format: "VisualFormat | None" = None,
     ) -> "Object":
@@ -197,10 +203,20 @@ class Object:
             ArtigenError: If a format is unknown, a file or folder cannot be written or must not be replaced,
                 a source's meshes are to be GLB, or ``usd`` is asked for without usd-core.
         """
+        return self.write(folder, formats, existing, visual_format)[0]
+
+    def write(
+        self,
+        folder: Path | str,
+        formats: str | tuple[str, ...] = ("package",),
+        existing: Literal["refuse", "replace"] = "refuse",
+        visual_format: "VisualFormat | None" = None,
+    ) -> "tuple[Object, tuple[Path, ...]]":
+        """As `export`, which see; returns the object and the folder or main file of each format."""
         from artigen.datasets.packing import read_folder
         from sim_export.files.write import MANIFEST, check_place, package_files, write_files
 
-        folder = Path(folder)
+        folder, formats = Path(folder), (formats,) if isinstance(formats, str) else formats
         exporters = [find_exporter(name) for name in formats if name != "package"]
         if "package" in formats:
             check_place(folder, existing)
@@ -208,13 +224,12 @@ class Object:
         same = visual_format in (None, package.visual_format)
         if visual_format is not None:
             package = replace(package, visual_format=visual_format)
-        for write in exporters:
-            write(package, folder, existing)
+        files = tuple(write(package, folder, existing) for write in exporters)
         if "package" not in formats:
-            return self
+            return self, files
         lies = same and self.folder is not None and (self.folder / MANIFEST).is_file()
         write_files(read_folder(self.folder) if self.folder and lies else package_files(package), folder)
-        return replace(self, folder=folder, build=lambda: package)
+        return replace(self, folder=folder, build=lambda: package), (folder, *files)
 
     def render(
         self,

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from numbers import Integral
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, overload
@@ -110,7 +111,14 @@ def open_made(finished: Finished, scratch: "TemporaryDirectory[str]") -> Object:
 
 
 def list_seeds(seed: int | Sequence[int], count: int | None) -> Sequence[int]:
-    """The seeds of a sequence: those given, or ``count`` consecutive ones from ``seed`` on."""
-    if not isinstance(seed, int):
-        return tuple(seed)
+    """The seeds of a sequence: those given, or ``count`` consecutive ones from ``seed`` on.
+
+    Raises:
+        ArtigenError: If there are to be fewer than one.
+    """
+    if count is not None and count < 1:
+        raise ArtigenError(f"{count} objects: expected at least one")
+    if not isinstance(seed, int | Integral):
+        return tuple(map(int, seed))
+    seed = int(seed)
     return range(seed, seed + (1 if count is None else count))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from artigen.errors import ArtigenError
+from artigen.io import write_whole
 
 FOV = (28.0, 50.0)
 """Range of vertical angles of view (degrees)."""
@@ -95,9 +96,7 @@ def render_labelled(folders: Sequence[Path], out: Path, cfg: RenderSettings) -> 
                 annotations += coco_annotations(picture, len(images), len(annotations) + 1, phrases)
                 yield out / files["file_name"]
     value = {"images": images, "annotations": annotations, "categories": coco_categories()}
-    draft = index.with_suffix(".partial")
-    draft.write_text(json.dumps(value) + "\n")
-    draft.replace(index)
+    write_whole(index, json.dumps(value) + "\n")
 
 
 def _draw_camera(package: Any, q: dict[str, float], size: int, rng: np.random.Generator) -> Any:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from artigen.api.object import Object, load
+from artigen.errors import ArtigenError
 
 if TYPE_CHECKING:
     from sim_export.package import SimPackage
@@ -19,12 +20,14 @@ def restyle(obj: Object | Path | str, seed: int = 0, style: str | None = None) -
         style: A style of the kind, such as navy or steel; sampled from the seed if None.
 
     Raises:
-        ShapeError: If the kind or its style is unknown.
+        ArtigenError: If the seed is below 0, or the kind or its style is unknown.
         PackageError: If its visuals do not show finishes, as those of converted objects.
     """
     from artigen.shapes.restyle import draw_finishes, wear_finishes
     from sim_export.appearance.restyle import restyle_package
 
+    if seed < 0:
+        raise ArtigenError(f"seed {seed} of a look: expected one from 0")
     obj = obj if isinstance(obj, Object) else load(obj)
     finishes = draw_finishes(obj.kind, seed, style)
     shape = obj.shape

@@ -38,7 +38,7 @@ def dataset(
         prove: With ``verify``: run checks L0 to L3 again on this many objects.
     """
     if not words:
-        raise ArtigenError("a recipe, or one of verify, merge and unpack; see --help")
+        raise ArtigenError("no words: expected a recipe file, or one of verify, merge and unpack; see --help")
     verb, *rest = words
     if verb == "verify":
         return _verify(rest, prove)

@@ -30,7 +30,7 @@ def export(
     from artigen.api.object import load, open_asset
     from artigen.io import JSON_NAME
 
-    found = open_asset(asset) if (asset / JSON_NAME).is_file() or not asset.is_dir() else load(asset)
-    exported = found.export(out, formats=formats, existing=existing, visual_format=visual_format)
-    sys.stdout.write(f"{exported.folder if 'package' in formats else out}\n")
+    found = open_asset(asset) if (asset / JSON_NAME).is_file() else load(asset)
+    _, files = found.write(out, formats=formats, existing=existing, visual_format=visual_format)
+    sys.stdout.write("".join(f"{path}\n" for path in files))
     return 0

@@ -8,6 +8,7 @@ import tyro
 
 from artigen.api.batch import read_shard
 from artigen.api.generate import GenerateSettings, generate_packages, list_jobs, understand_job
+from artigen.api.objects import list_seeds
 from artigen.cli.arguments import MaybeCount, Out, RunnerChoice, Shard, Workers
 from artigen.cli.summary import print_summary
 from artigen.runtime.runner import choose_runner
@@ -47,7 +48,7 @@ def generate(
     part, chosen = read_shard(shard), choose_runner(runner, workers)
     list_asked = partial(list_jobs, out, cfg=cfg, category=category, model=model, name=name)
     understood = understand_job(list_asked(seeds=[seed])[0])
-    jobs = list_asked(seeds=range(seed, seed + (understood.objects if count is None else count)))
+    jobs = list_asked(seeds=list_seeds(seed, understood.objects if count is None else count))
     if understood.said:
         sys.stdout.write("\n".join((understood.said, *understood.notes)) + "\n")
     worker = InProcess() if workers == 0 else Worker()

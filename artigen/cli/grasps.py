@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import tyro
 
 from artigen.cli.arguments import Packages
+from artigen.io import write_whole
 
 
 def grasps(
@@ -51,5 +52,5 @@ def grasps(
         if out is not None:
             export_grasps(package, out)
     if out is not None:
-        (out / "grasps.csv").write_text(table_text(done))
+        write_whole(out / "grasps.csv", table_text(done))
     return 1 if missing else 0

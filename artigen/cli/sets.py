@@ -6,6 +6,7 @@ from pathlib import Path
 
 from artigen.api.sets import group_packages
 from artigen.cli.arguments import Packages
+from artigen.io import write_whole
 
 
 def sets(packages: Packages, json_file: Path | None = None, least: int = 1) -> int:
@@ -22,5 +23,5 @@ def sets(packages: Packages, json_file: Path | None = None, least: int = 1) -> i
         sys.stdout.write(f"{group.topology}  {len(group.folders):4d}  {group.what}: {names}\n")
     if json_file is not None:
         listed = {group.topology: [str(folder) for folder in group.folders] for group in groups}
-        json_file.write_text(json.dumps(listed, indent=1) + "\n")
+        write_whole(json_file, json.dumps(listed, indent=1) + "\n")
     return 0

@@ -6,6 +6,7 @@ from pathlib import Path
 import tyro
 
 from artigen.api.batch import read_shard
+from artigen.api.objects import list_seeds
 from artigen.api.sample import ShapeSettings, choose_like, sample_packages
 from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
 from artigen.cli.summary import print_summary
@@ -40,7 +41,7 @@ def shape(
         sheet: Write a PNG contact sheet: all objects closed in the top row, open in the bottom row.
     """
     part, chosen = read_shard(shard), choose_runner(runner, workers)
-    seeds, settings = range(seed, seed + count), choose_like(category, cfg)
+    seeds, settings = list_seeds(seed, count), choose_like(category, cfg)
     if cfg.topology:
         sys.stdout.write(f"{' '.join(cfg.topology)}: the template is {category} {settings.like}\n")
     results = sample_packages(

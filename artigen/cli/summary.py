@@ -12,9 +12,10 @@ def print_summary(results: Sequence[Finished], out: Path) -> int:
     passed = sum(finished.passed is True for finished in results)
     checked = sum(finished.passed is not None for finished in results)
     lost = sum(finished.error is not None for finished in results)
-    said = [f"{len(results)} objects: {len(results) - lost} packages in {out}"]
+    made = len(results) - lost
+    said = [f"{len(results)} object{'s' * (len(results) != 1)}: {made} package{'s' * (made != 1)} in {out}"]
     said += [f"{passed} of them passed every check"] if checked else []
-    said += [f"{len(results) - lost - checked} of them not checked"] if len(results) > lost + checked else []
+    said += [f"{made - checked} of them not checked"] if made > checked else []
     said += [f"{lost} not made"] if lost else []
     sys.stdout.write(", ".join(said) + "\n")
     return 0 if all(finished.good for finished in results) else 1

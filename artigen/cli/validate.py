@@ -6,10 +6,10 @@ from typing import Literal
 
 from tqdm import tqdm
 
-from artigen.api.batch import name_part, read_shard
-from artigen.api.check import list_folders, validate_packages
+from artigen.api.batch import name_part, read_shard, take_part
+from artigen.api.check import validate_packages
 from artigen.cli.arguments import Packages, RunnerChoice, Shard, Workers
-from artigen.errors import ArtigenError
+from artigen.io import write_whole
 from artigen.runtime.runner import choose_runner
 
 
@@ -38,16 +38,13 @@ def validate(
     """
     from envs.config import ValidateConfig
     from envs.engines.choose import choose_engines
+    from sim_export.files.folders import find_packages
     from sim_export.report import describe_report, report_to_json
 
     asked = choose_engines(engines, engine_python)
     cfg = ValidateConfig(output=report, tasks="run" if task else "none", engines=asked)
     part = read_shard(shard)
-    try:
-        folders = list_folders(packages, part)
-    except ArtigenError as error:
-        sys.stderr.write(f"artigen: {error}\n")
-        return 2
+    folders = take_part(find_packages(packages), part)
     reports = []
     with tqdm(total=len(folders), unit="package", disable=len(folders) == 1) as bar:
         for verdict in validate_packages(folders, cfg, choose_runner(runner, workers)):
@@ -56,7 +53,6 @@ def validate(
             bar.write(describe_report(verdict), file=sys.stdout)
     if json_file is not None:
         ordered = sorted(reports, key=lambda verdict: verdict.package)
-        name_part(json_file, part).write_text(
-            "[" + ",\n".join(report_to_json(verdict).rstrip() for verdict in ordered) + "]\n"
-        )
+        listed = ",\n".join(report_to_json(verdict).rstrip() for verdict in ordered)
+        write_whole(name_part(json_file, part), f"[{listed}]\n")
     return 0 if all(verdict.passed for verdict in reports) else 1

@@ -20,7 +20,7 @@ from typing import Any, get_args
 import numpy as np
 
 from artigen.datasets.mechanism import Direction
-from artigen.errors import SourceError
+from artigen.errors import SourceError, name_options
 from artigen.types import PartLabel
 
 FORMAT = "artigen-joints-1"
@@ -174,7 +174,7 @@ def _read_joint(row: Mapping[str, Any], path: Path) -> NodeJoint:
 def _one_of(row: Mapping[str, Any], key: str, default: str | None, allowed: tuple, owner: str) -> Any:
     value = row.get(key, default)
     if value not in allowed:
-        raise SourceError(f"{owner}: {key!r} is {value!r:.60}, expected one of {', '.join(allowed)}")
+        raise SourceError(f"{owner}: {key!r} is {value!r:.60}, expected {name_options(str(value), allowed)}")
     return value
 
 

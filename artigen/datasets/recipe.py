@@ -3,16 +3,15 @@
 Every error names the file, the line and the key, what was found and what is allowed.
 """
 
-import difflib
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
 
 from artigen.datasets.packing import digest, need
-from artigen.errors import ArtigenError
+from artigen.errors import ArtigenError, name_options
 from artigen.kind import kinds
 from artigen.shapes.draw import Wish
 from artigen.types import PartLabel
@@ -208,7 +207,7 @@ class _Value:
     def choice(self, words: tuple[str, ...]) -> str:
         text = self.node.value if self.node.id == "scalar" else None
         if text not in words:
-            raise self.error(f"found {text!r}, expected one of {', '.join(words)}{_hint(str(text), words)}")
+            raise self.error(f"found {text!r}, expected {name_options(str(text), words)}")
         return text
 
     def pairs(self) -> Iterator[tuple[str, "_Value"]]:
@@ -237,18 +236,12 @@ class _Value:
         values = {}
         for name, child in self.pairs():
             if name not in known:
-                raise child.error(f"no such key; allowed are {', '.join(known)}{_hint(name, known)}")
+                raise child.error(f"no such key; expected {name_options(name, known)}")
             values[name] = known[name](child)
         missing = [name for name in required if name not in values]
         if missing:
             raise self.error(f"{' and '.join(missing)} missing")
         return values
-
-
-def _hint(word: str, known: Iterable[str]) -> str:
-    """The most similar of the known words, as a question; empty if none is similar."""
-    near = difflib.get_close_matches(word, list(known), 1)
-    return f" (did you mean {near[0]}?)" if near else ""
 
 
 def _read_entries(value: _Value) -> tuple[Entry, ...]:

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.datasets.mechanism import MOVING, Mechanism, make_mechanism, say_dropped
-from artigen.errors import SourceError
+from artigen.errors import SourceError, name_options
 from artigen.files.safe_xml import read_xml
 from artigen.files.urdf import UrdfJoint, UrdfShape, weld
 from artigen.transforms import matrix_from_quat, matrix_from_rpy, shift
@@ -77,7 +77,7 @@ def read_sdf(path: Path, body: str | None = None) -> Mechanism:
         )
     model = next(iter(models.values())) if body is None else models.get(body)
     if model is None:
-        raise SourceError(f"{path}: has no model {body!r}, expected one of {', '.join(models)}")
+        raise SourceError(f"{path}: has no model {body!r}, expected {name_options(body, models)}")
     return _build(model)
 
 

@@ -77,7 +77,7 @@ def suggest_joints(path: Path, up: Direction = "y", front: Direction = "z") -> J
     movers = [node for node in nodes if node.label in ("door", "drawer", "tray", "wheel", "knob")]
     on: dict[str, list[_Node]] = {node.name: [] for node in movers}
     for node in nodes:
-        holder = _find_holder(node, movers, nodes, whole)
+        holder = _find_holder(node, movers, whole)
         if holder is not None:
             on[holder.name].append(node)
     held = {node.name for own in on.values() for node in own}
@@ -149,9 +149,7 @@ def _gap(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.linalg.norm(np.maximum(0.0, np.maximum(one[0] - other[1], other[0] - one[1]))))
 
 
-def _find_holder(
-    node: _Node, movers: Sequence[_Node], nodes: Sequence[_Node], whole: np.ndarray
-) -> _Node | None:
+def _find_holder(node: _Node, movers: Sequence[_Node], whole: np.ndarray) -> _Node | None:
     """The door or drawer that a handle, or a node within its box, belongs to."""
     longest = float((whole[1] - whole[0]).max())
     panels = [one for one in movers if one is not node and one.label in ("door", "drawer", "tray")]

@@ -27,7 +27,7 @@ from artigen.datasets.usd_joints import (
     world_pose,
 )
 from artigen.datasets.usd_shapes import read_gprim
-from artigen.errors import SourceError
+from artigen.errors import SourceError, name_options
 from artigen.files.urdf import weld
 from artigen.transforms import shift
 
@@ -83,7 +83,7 @@ def read_usd(path: Path, body: str | None = None) -> Mechanism:
         )
     chosen = next((name for name, paths in objects.items() if body in (None, name) or body in paths), None)
     if chosen is None:
-        raise SourceError(f"{path}: has no object {body!r}, expected one of {', '.join(objects)}")
+        raise SourceError(f"{path}: has no object {body!r}, expected {name_options(body, objects)}")
     bodies = objects[chosen]
     if not bodies:
         raise SourceError(f"{path}: holds neither shapes nor joints, expected an object")

@@ -60,13 +60,12 @@ def choose_fronts(
     prior = np.array([[_share(kinds, shares, (d, w)) for w in range(limit + 1)] for d in range(limit + 1)])
     total = best[count] + strength * np.log(prior)
     d, w = (int(value) for value in np.unravel_index(int(np.argmax(total)), total.shape))
-    return _trace(best, as_door, as_drawer, d, w)
+    return _trace(best, as_door, d, w)
 
 
 def _trace(
     best: Float[np.ndarray, "M D W"],
     as_door: Float[np.ndarray, "N"],
-    as_drawer: Float[np.ndarray, "N"],
     d: int,
     w: int,
 ) -> tuple[list[int], list[bool]]:

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
-from artigen.errors import ArtigenError
+from artigen.errors import ArtigenError, name_options
 from artigen.kind import kinds
 from artigen.reader.reading import Reading, ReadPart
 
@@ -44,7 +44,7 @@ def correct_reading(
     """
     if kind is not None:
         if kind not in kinds():
-            raise ArtigenError(f"kind {kind!r}: expected one of {', '.join(kinds())}")
+            raise ArtigenError(f"kind {kind!r}: expected {name_options(kind, kinds())}")
         reading = replace(reading, kind=kind, kinds=((kind, 1.0),))
     fronts = list(reading.fronts)
     wanted = {label: counts[label] for label in FRONTS if counts and label in counts}

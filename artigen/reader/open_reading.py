@@ -9,7 +9,7 @@ from typing import Any, get_args
 import numpy as np
 from jaxtyping import Float
 
-from artigen.errors import SourceError
+from artigen.errors import SourceError, name_options
 from artigen.kind import kinds
 from artigen.reader.labels import HINGES, MATERIALS
 from artigen.reader.reading import Field, Label, Reading, ReadPart, Stand
@@ -153,7 +153,7 @@ class _Values:
         held = self.held.get(name) if optional else self.take(name)
         if held is not None and held not in allowed:
             raise _InvalidValueError(
-                f"{name} of {self.where} is {held!r}: expected one of {', '.join(allowed)}"
+                f"{name} of {self.where} is {held!r}: expected {name_options(str(held), allowed)}"
             )
         return held
 

@@ -12,8 +12,8 @@ from zlib import crc32
 
 import numpy as np
 
-from artigen.errors import ArtigenError
-from artigen.kind import Size, Spans, kinds
+from artigen.errors import ArtigenError, name_options
+from artigen.kind import Size, Spans, kinds, list_nouns
 from artigen.shapes.choices import Word, choose, pick
 from artigen.shapes.fittings.handles import HandleKind
 from artigen.shapes.fittings.legs import LegKind
@@ -269,13 +269,15 @@ def check_known(category: str, wish: Wish) -> None:
     check_wish(wish)
     known = kinds()
     if category not in known:
-        raise ShapeError(f"category {category!r} is not known, expected one of {', '.join(known)}")
+        raise ShapeError(
+            f"category {category!r} is not known, expected {name_options(category, known, list_nouns())}"
+        )
     if wish.layout is not None and not known[category].laid_out:
         able = ", ".join(name for name, kind in known.items() if kind.laid_out)
         raise ShapeError(f"{category}: its fronts cannot be laid out; categories that can: {able}")
     if wish.style is not None and wish.style not in (styles := known[category].styles):
         raise ShapeError(
-            f"{category}: style {wish.style!r} is not known, expected one of {', '.join(styles)}"
+            f"{category}: style {wish.style!r} is not known, expected {name_options(wish.style, styles)}"
         )
 
 

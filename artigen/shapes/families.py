@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from artigen.errors import name_options
 from artigen.kind import Trade, find_kind, kinds
 from artigen.shapes.choices import choose_one
 from artigen.shapes.draw import ShapeError, Wish
@@ -212,7 +213,7 @@ def choose_suite(family: str, seed: int) -> Suite:
         ShapeError: If the family is not known.
     """
     if family not in FAMILIES:
-        raise ShapeError(f"family {family!r} is not known, expected one of {', '.join(FAMILIES)}")
+        raise ShapeError(f"family {family!r} is not known, expected {name_options(family, FAMILIES)}")
     own, rng = FAMILIES[family], np.random.default_rng(seed)
     scheme = choose_one(rng, own.schemes)
     handles = choose_one(rng, own.handles)

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Int
 
-from artigen.kind import kinds
+from artigen.errors import name_options
+from artigen.kind import kinds, list_nouns
 from artigen.models.description import read_description
 from artigen.shapes.surfaces.finishes import Color, FinishKind
 from artigen.shapes.surfaces.palette import ROLES
@@ -96,7 +97,8 @@ def check_category(category: str, learned: Sequence[str] = CATEGORIES) -> None:
     if category in learned:
         return
     if learned:
-        text = f"category {category!r}: expected one of {', '.join(learned)}, which the model draws"
+        known = name_options(category, learned, list_nouns())
+        text = f"category {category!r}: expected a kind that the model draws, {known}"
     else:
         text = f"category {category!r}: the model has no sketch network; give the folder of one that has"
     if category in kinds():

@@ -46,7 +46,7 @@ def build_frustum(piece: Piece) -> Primitive:
     ends = np.array([piece.rest, (low[u], low[v], high[u], high[v])])
     if not (ends[:, 2:] > ends[:, :2]).all() or not high[piece.axis] > low[piece.axis]:
         raise ValueError(f"a frustum with ends {ends.tolist()}: edges must be positive")
-    rim = _rim(piece.sides, u, v)
+    rim = _rim(piece.sides, u)
     corners = np.empty((2 * len(rim), 3))
     for index, (end, along) in enumerate(zip(ends, (low, high), strict=True)):
         rows = slice(index * len(rim), (index + 1) * len(rim))
@@ -56,9 +56,9 @@ def build_frustum(piece: Piece) -> Primitive:
     return polytope(corners, piece.finish)
 
 
-def _rim(sides: int, u: int, v: int) -> Float[np.ndarray, "N 2"]:
-    """Corners (u, v) of a regular polygon in [-1, 1]^2; a polygon of many sides has corners along y if
-    possible."""
+def _rim(sides: int, u: int) -> Float[np.ndarray, "N 2"]:
+    """Corners of a regular polygon in [-1, 1]^2 with first axis ``u``; one of many sides has corners along y
+    if possible."""
     if sides == 4:
         return np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
     turns = (np.arange(sides) + 0.5) * 2 * np.pi / sides

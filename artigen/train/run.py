@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from artigen.errors import ArtigenError
+from artigen.errors import ArtigenError, name_options
 from artigen.examples.real import list_split
 from artigen.latent.presets import PRESETS
 from artigen.latent.structure_dit import StructureDitConfig
@@ -40,7 +40,7 @@ def claim_run(cfg: RunConfig) -> None:
             missing, or the folder was started with other settings.
     """
     if cfg.preset not in PRESETS:
-        raise ArtigenError(f"preset {cfg.preset!r}, expected one of {', '.join(PRESETS)}")
+        raise ArtigenError(f"preset {cfg.preset!r}, expected {name_options(cfg.preset, PRESETS)}")
     if not cfg.minutes > 0 or min(cfg.shards, cfg.held_out, cfg.objects) < 1 or cfg.workers < 0:
         raise ArtigenError(
             f"{cfg.minutes:g} minutes, {cfg.shards} + {cfg.held_out} shards of {cfg.objects} objects, "

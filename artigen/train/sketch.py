@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from artigen.errors import ArtigenError
+from artigen.errors import ArtigenError, name_options
 from artigen.examples.batches import prefetch
 from artigen.examples.shards import HELD_OUT
 from artigen.examples.sketch import SHARD, SketchExample, draw_batches, make_examples
@@ -70,7 +70,7 @@ def train_sketch(cfg: SketchRunConfig) -> dict[str, float]:
             folder was started with other settings.
     """
     if cfg.preset not in SIZES:
-        raise ArtigenError(f"preset {cfg.preset!r} of the sketch, expected one of {', '.join(SIZES)}")
+        raise ArtigenError(f"preset {cfg.preset!r} of the sketch, expected {name_options(cfg.preset, SIZES)}")
     if not cfg.minutes > 0 or min(cfg.shards, cfg.rows) < 1 or cfg.workers < 0:
         raise ArtigenError(
             f"{cfg.minutes:g} minutes, {cfg.shards} shards, {cfg.rows} rows, {cfg.workers} workers: expected "

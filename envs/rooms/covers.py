@@ -49,10 +49,7 @@ def write_cover(fixture: Fixture, folder: Path) -> Path:
     its path."""
     path = folder / TEXTURES / f"{look_name(fixture)}.png"
     if not path.is_file():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        scratch = path.with_suffix(".partial")
-        scratch.write_bytes(png_bytes(paint_pattern(fixture.pattern, fixture.color)))
-        scratch.replace(path)
+        write_whole(path, png_bytes(paint_pattern(fixture.pattern, fixture.color)))
     return path
 
 

@@ -42,7 +42,7 @@ def furnish(plan: Plan, recipe: Recipe, chooser: Chooser) -> tuple[Plan, str]:
         if missing:
             return plan, missing
         runs = runs_of(plan)
-        height = worktop_height(plan, runs)
+        height = worktop_height(runs)
         if height is not None:
             plan = lay_worktops(close_gaps(close_corners(plan, height - CLEAR)), runs, height)
         plan = hang_hoods(plan, runs)

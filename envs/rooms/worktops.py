@@ -49,8 +49,8 @@ class _Unit:
     covered: bool
 
 
-def worktop_height(plan: Plan, runs: dict[Side, Place]) -> float | None:
-    """Height (m) of the underside of the worktops of a plan; None if nothing can have one."""
+def worktop_height(runs: dict[Side, Place]) -> float | None:
+    """Height (m) of the underside of the worktops of runs; None if nothing can have one."""
     heights = [unit.height for run in runs.values() for unit in _units(run) if unit.covered]
     return max(heights) + LYING if heights else None
 

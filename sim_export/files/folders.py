@@ -12,13 +12,20 @@ def find_packages(folders: str | Path | Sequence[str | Path]) -> tuple[Path, ...
     """Package folders among ``folders`` (one, or several), and packages at any depth below the others, sorted
     by path.
 
-    Hidden folders, in which packages are being written, are skipped.
+    Hidden folders, in which packages are being written, are skipped; so are files beside folders, such as the
+    journal in ``out/*``.
 
     Raises:
-        PackageError: If a folder is missing, or neither is a package nor contains one.
+        PackageError: If there is no folder, one is missing, or neither is a package nor contains one.
     """
     found: list[Path] = []
-    for folder in map(Path, [folders] if isinstance(folders, str | Path) else folders):
+    given = [Path(folder) for folder in ([folders] if isinstance(folders, str | Path) else folders)]
+    if all(path.is_file() for path in given):
+        named = ", ".join(map(str, given[:3])) or "nothing"
+        raise PackageError(f"{named}: expected the folder of a package, or a folder of packages")
+    for folder in given:
+        if folder.is_file():
+            continue
         if not folder.is_dir():
             raise PackageError(f"{folder}: no such folder")
         inside = list_packages(folder)

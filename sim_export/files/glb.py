@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from artigen.io import write_whole
 from artigen.transforms import shift
 from sim_export.errors import PackageError
 from sim_export.files.obj import png_bytes
@@ -114,7 +115,7 @@ def _add_visuals(
 
 def write_glb(package: SimPackage, path: Path) -> None:
     """Writes `glb_bytes`; raises as it does."""
-    path.write_bytes(glb_bytes(package))
+    write_whole(path, glb_bytes(package))
 
 
 def textured_trimesh(

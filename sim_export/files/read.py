@@ -55,6 +55,14 @@ def read_package(folder: Path, *, appearance: bool = True) -> SimPackage:
             value.
     """
     folder = Path(folder)
+    try:
+        return _read_package(folder, appearance=appearance)
+    except PackageError as err:
+        said = str(err)
+        raise PackageError(said if said.startswith(str(folder)) else f"{folder}: {said}") from err
+
+
+def _read_package(folder: Path, *, appearance: bool) -> SimPackage:
     urdf = parse_urdf(folder / "mobility.urdf")
     problems = tree_problems(urdf)
     if problems:

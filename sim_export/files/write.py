@@ -11,8 +11,9 @@ import shutil
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
+from artigen.errors import check_option
 from artigen.files.mtl import clean_name
 from artigen.splats.motion import transform_gaussians
 from artigen.splats.ply import encode_ply
@@ -235,8 +236,11 @@ def check_place(folder: Path, overwrite: Overwrite) -> None:
     Raises:
         PackageError: If the folder exists and is not a package, or must not be replaced.
     """
+    check_option("existing", overwrite, get_args(Overwrite))
     if folder.exists() and overwrite == "refuse":
-        raise PackageError(f"{folder}: exists already; remove it, or replace it (--existing replace)")
+        raise PackageError(
+            f"{folder}: exists already; remove it, or replace it (--existing replace; existing='replace')"
+        )
     if (
         folder.exists()
         and not (folder / MANIFEST).is_file()

@@ -1,5 +1,6 @@
 """Animations of packages: all joints open and close, as an endless GIF."""
 
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -8,6 +9,7 @@ import numpy as np
 from jaxtyping import UInt8
 
 from artigen.camera import Camera
+from artigen.io import write_whole
 from sim_export.motion.kinematics import link_displacements
 from sim_export.package import SimPackage
 from sim_export.picture.draw import pose_surfaces, sweep_qpos
@@ -100,9 +102,9 @@ def write_animation(
     # One palette for all frames prevents flicker of static parts.
     palette = Image.fromarray(np.concatenate([states[0], states[-1]])).quantize(256)
     frames = [Image.fromarray(states[at]).quantize(palette=palette, dither=Image.Dither.NONE) for at in order]
-    scratch = gif.with_name(gif.name + ".partial")
+    stream = io.BytesIO()
     frames[0].save(
-        scratch,
+        stream,
         format="gif",
         save_all=True,
         append_images=frames[1:],
@@ -110,7 +112,7 @@ def write_animation(
         loop=0,
         optimize=False,
     )
-    scratch.replace(gif)
+    write_whole(gif, stream.getvalue())
 
 
 def _draw_state(

@@ -5,12 +5,13 @@ Previews, animations, thumbnails and `artigen.Object.render` are made here.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import UInt8
 
 from artigen.camera import Camera
+from artigen.errors import check_option
 from sim_export.errors import PackageError
 from sim_export.motion.kinematics import driven_joints, link_displacements
 from sim_export.package import SimPackage
@@ -35,9 +36,14 @@ def read_pose(package: SimPackage, q: Mapping[str, float] | float) -> Mapping[st
             that need another one to be open further.
 
     Raises:
-        PackageError: If a name is not that of a driven joint.
+        PackageError: If a name is not that of a driven joint, or a share is not from 0 to 1.
     """
     if not isinstance(q, Mapping):
+        if not 0.0 <= q <= 1.0:
+            raise PackageError(
+                f"{package.name}: pose {q}, expected a share from 0 to 1, or coordinates by joint such as "
+                "{'joint_0': 0.3}"
+            )
         return open_qpos(package, q)
     names = [joint.name for joint in driven_joints(package.joints)]
     unknown = sorted(set(q) - set(names))
@@ -74,6 +80,8 @@ def render_package(
         PackageError: If the package has nothing to draw in that layer, or lacks a joint of ``q``; or if
             Mitsuba is not installed.
     """
+    check_option("layer", layer, get_args(Layer))
+    check_option("light", light, get_args(Lighting))
     cfg = cfg or RenderConfig()
     T = link_displacements(package.links, package.joints, read_pose(package, q))
     closed = package_surfaces(package)
@@ -87,18 +95,22 @@ def render_package(
         if draw_splats is None:
             raise PackageError(f"package {package.name!r}: Gaussians need a renderer of them, draw_splats")
         return draw_splats(pose_splats(package, T), camera, cfg.background)
-    if light == "catalogue":
-        from sim_export.picture.catalogue import render_catalogue
-
-        ground = float(surface_points(closed or surfaces)[:, 2].min())
-        return render_catalogue(posed, camera, ground)
-    return render_standing(posed, closed or surfaces, camera, cfg)
+    return render_standing(posed, closed or surfaces, camera, cfg, light)
 
 
 def render_standing(
-    posed: Sequence[Surface], closed: Sequence[Surface], camera: Camera, cfg: RenderConfig
+    posed: Sequence[Surface],
+    closed: Sequence[Surface],
+    camera: Camera,
+    cfg: RenderConfig,
+    light: Lighting = "quick",
 ) -> UInt8[np.ndarray, "H W 3"]:
     """Renders surfaces of an object in any pose, on the floor that it stands on when closed."""
-    if cfg.ground_height is None:
-        cfg = replace(cfg, ground_height=float(surface_points(closed)[:, 2].min()))
-    return render_scene(posed, camera, cfg)
+    ground = cfg.ground_height
+    if ground is None:
+        ground = float(surface_points(closed)[:, 2].min())
+    if light == "catalogue":
+        from sim_export.picture.catalogue import render_catalogue
+
+        return render_catalogue(posed, camera, ground)
+    return render_scene(posed, camera, replace(cfg, ground_height=ground))

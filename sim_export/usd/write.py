@@ -10,7 +10,9 @@ bytes.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
 from pathlib import Path
+from typing import get_args
 
+from artigen.errors import check_option
 from sim_export.errors import PackageError
 from sim_export.files.obj import png_bytes
 from sim_export.files.write import Overwrite, write_files
@@ -42,6 +44,7 @@ def write_usd(package: SimPackage, out: Path, overwrite: Overwrite = "refuse") -
     name = asset_name(package.name)
     folder = Path(out) / name
     main = folder / FOLDER / f"{name}.usd"
+    check_option("existing", overwrite, get_args(Overwrite))
     if folder.exists() and overwrite == "refuse":
         raise PackageError(f"{folder}: exists already; remove it, or replace it (--existing replace)")
     if folder.exists() and not main.is_file():

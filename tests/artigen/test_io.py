@@ -2,13 +2,14 @@
 
 import json
 from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from artigen import io
 from artigen.errors import SourceError
-from artigen.io import read_asset, whole_folder, write_arrays, write_asset
+from artigen.io import read_asset, whole_folder, write_arrays, write_asset, write_whole
 from artigen.types import Asset, Gaussians
 
 
@@ -90,6 +91,15 @@ def test_a_failed_write_leaves_what_was_there(asset, tmp_path, monkeypatch):
         write_asset(asset, tmp_path / "new")
     assert [path.name for path in tmp_path.iterdir()] == ["asset"]
     assert (target / "asset.json").read_bytes() == before
+
+
+@pytest.mark.parametrize("content", ["text — so", b"bytes\x00"])
+def test_a_file_is_written_whole_or_leaves_nothing(tmp_path, content):
+    path = write_whole(tmp_path / "new" / "file", content)
+    assert (path.read_bytes() if isinstance(content, bytes) else path.read_text("utf-8")) == content
+    with pytest.raises(IsADirectoryError):
+        write_whole(path.parent, content)
+    assert [one.relative_to(tmp_path) for one in tmp_path.rglob("*")] == [Path("new"), Path("new/file")]
 
 
 def test_a_file_in_the_way_is_refused(tmp_path):

@@ -153,3 +153,9 @@ def test_files_say_it_and_sets_are_found_at_any_depth(tmp_path):
     for missing in (tmp_path / "none", tmp_path / "b" / "variant_0" / "visual"):
         with pytest.raises(ArtigenError, match=missing.name):
             find_packages([missing])
+    journal = tmp_path / "run.jsonl"
+    journal.touch()
+    assert find_packages(sorted(tmp_path.iterdir())) == folders
+    for nothing in ([], journal):
+        with pytest.raises(ArtigenError, match="expected the folder of a package"):
+            find_packages(nothing)

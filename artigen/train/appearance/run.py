@@ -6,7 +6,7 @@ from typing import Literal
 
 from artigen.appearance.inputs import FeatureInputs
 from artigen.appearance.presets import APPEARANCE_PRESETS
-from artigen.errors import ArtigenError
+from artigen.errors import ArtigenError, name_options
 from artigen.latent.presets import PRESETS
 from artigen.models.description import hash_model, read_description
 from artigen.runtime.journal import claim_folder
@@ -55,7 +55,7 @@ def claim_appearance_run(cfg: AppearanceRunConfig) -> None:
             or the folder was started with other settings.
     """
     if cfg.preset not in APPEARANCE_TRAINING:
-        raise ArtigenError(f"preset {cfg.preset!r}, expected one of {', '.join(APPEARANCE_TRAINING)}")
+        raise ArtigenError(f"preset {cfg.preset!r}, expected {name_options(cfg.preset, APPEARANCE_TRAINING)}")
     if not cfg.minutes > 0 or min(cfg.shards, cfg.held_out, cfg.objects, cfg.workers) < 1:
         raise ArtigenError(
             f"{cfg.minutes:g} minutes, {cfg.shards} + {cfg.held_out} shards of {cfg.objects} objects, "

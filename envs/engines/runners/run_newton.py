@@ -36,7 +36,6 @@ class Newton:
             if int(self.model.joint_type.numpy()[index]) != fixed
         }
         self.lost: dict[str, str] = {}
-        self.continuous = {joint["name"] for joint in plan["joints"] if joint["type"] == "continuous"}
 
     def links(self) -> dict[str, LinkFacts]:
         masses, owners = self.model.body_mass.numpy(), self.model.shape_body.numpy()

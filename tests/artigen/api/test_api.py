@@ -1,5 +1,8 @@
 """Laws of ``import artigen``: light, one value for every way to an object, and the commands' sentences."""
 
+# Wrong words are given on purpose.
+# pyright: reportArgumentType=false, reportCallIssue=false
+
 import shutil
 import subprocess
 import sys
@@ -66,6 +69,10 @@ def test_importing_takes_no_time_and_loads_nothing():
     seconds, *modules = run(code).split()
     assert float(seconds) < MOST_SECONDS
     assert not {*HEAVY, "numpy", "scipy", "PIL", "tyro"} & set(modules)
+
+
+def test_completion_offers_what_there_is():
+    assert set(dir(artigen)) == {*artigen.__all__, "__version__"}
 
 
 def test_every_listed_name_is_there_and_kinds_are_listed_before_and_after_they_are_loaded():
@@ -171,6 +178,8 @@ def test_exporting_what_was_exported_gives_the_same_files_and_keeps_the_report(t
     assert again.folder == tmp_path / "again"
     assert read_folder(tmp_path / "first") == read_folder(tmp_path / "again")
     assert (tmp_path / "again.glb").read_bytes()[:4] == b"glTF"
+    with pytest.raises(ArtigenError, match=r"again\.glb: exists already"):
+        again.export(tmp_path / "again", "glb")
     with pytest.raises(PackageError, match="exists already"):
         again.export(tmp_path / "again")
 
@@ -268,3 +277,43 @@ def test_what_is_wrong_is_one_sentence_the_same_as_the_command_s(name: str, tmp_
     )  # fmt: skip
     assert done.returncode == 1
     assert str(said.value) in done.stderr
+
+
+OTHER = {
+    "pose": (lambda obj, _: obj.at(1.5), "pose 1.5, expected a share from 0 to 1"),
+    "no pose": (lambda obj, _: obj.at(float("nan")), "pose nan"),
+    "layer": (lambda obj, _: obj.render(layer="hull"), "layer 'hull': expected one of visual, collision"),
+    "light": (lambda obj, _: obj.render(light="sun"), "light 'sun'"),
+    "existing": (
+        lambda obj, out: obj.export(out, existing="overwrite"),
+        "existing 'overwrite': expected one of",
+    ),
+    "format": (lambda obj, out: obj.export(out, "gbl"), "format 'gbl': expected package, glb"),
+    "axis": (lambda *_: artigen.convert(ROOT, front="left"), "front 'left': expected one of x, -x"),
+    "hulls": (lambda *_: artigen.convert(ROOT, collision="coacd2"), "did you mean coacd"),
+    "meshes": (lambda *_: artigen.convert(ROOT, visual="voxel"), "did you mean voxels"),
+    "look": (lambda obj, _: artigen.restyle(obj, seed=-1), "seed -1 of a look"),
+    "structure": (lambda *_: artigen.generate("a fridge", structure="sktch"), "did you mean sketch"),
+}
+
+
+@pytest.mark.parametrize("name", OTHER)
+def test_a_word_or_pose_that_is_none_of_those_allowed_is_refused(name: str, tmp_path: Path):
+    call, said = OTHER[name]
+    with pytest.raises(ArtigenError, match=said):
+        call(drawn("Safe"), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_report_that_is_none_names_its_file(tmp_path: Path):
+    made = drawn("Safe").export(tmp_path / "safe")
+    for text in ("{", "{}"):
+        (tmp_path / "safe" / "validation.json").write_text(text)
+        with pytest.raises(
+            PackageError, match=r"validation.json: is no report .*; validate the object again"
+        ):
+            made.report  # noqa: B018
+
+
+def test_seeds_are_whole_numbers_of_any_kind():
+    assert artigen.sample("Safe", np.int64(3)).name == drawn("Safe", 3).name == "Safe_3"

@@ -72,6 +72,22 @@ def test_a_folder_that_is_no_object_is_a_source_by_itself(tmp_path):
     assert find_sources((tmp_path,)) == [tmp_path]
 
 
+@pytest.mark.parametrize(
+    ("sources", "cfg", "said"),
+    [
+        ((), {}, "no sources"),
+        (("gone.urdf",), {}, "gone.urdf: no such file or folder"),
+        ((".",), {"size": 0.0}, "size 0.0 m"),
+        ((".",), {"size": float("nan")}, "size nan m"),
+        ((".",), {"budget": -1.0}, "no budget below 0"),
+    ],
+)
+def test_what_cannot_be_converted_is_refused_before_any_work(tmp_path, sources, cfg, said):
+    with pytest.raises(ArtigenError, match=said):
+        convert(tuple(map(Path, sources)), tmp_path / "out", ConvertSettings(**cfg))
+    assert not (tmp_path / "out").exists()
+
+
 def test_journal_lines_survive_a_round_trip(tmp_path):
     line = Finished(key="a", settings="s", passed=False, failures=("V101 x",), seconds=(("read", 0.5),))
     (tmp_path / "run.jsonl").write_text(json.dumps(line.__dict__) + "\n")
@@ -89,7 +105,6 @@ def test_validate_says_what_failed_and_exits_with_it(run, tmp_path, capsys):
     next(iter(sorted((worse / "collision").glob("*.obj")))).unlink()
     assert validate((worse,)) == 1
     assert "FAIL worse" in capsys.readouterr().out
-    assert validate((tmp_path / "nothing",)) == 2
 
 
 @pytest.mark.slow
@@ -111,11 +126,14 @@ OUTCOMES = {
 
 @pytest.mark.parametrize("numbers", [(2, 0, 0, 0), (1, 1, 0, 0), (0, 0, 3, 0), (0, 0, 0, 1), (1, 2, 3, 4)])
 def test_the_summary_counts_every_object_once_and_checks_only_where_there_were_some(capsys, numbers):
+    def name(count, noun):
+        return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
     results = [one for one, count in zip(OUTCOMES.values(), numbers, strict=True) for _ in range(count)]
     passed, failed, unchecked, lost = numbers
     assert print_summary(results, Path("out")) == (1 if failed or lost else 0)
     said = capsys.readouterr().out.strip().split(", ")
-    expected = [f"{sum(numbers)} objects: {sum(numbers) - lost} packages in out"]
+    expected = [f"{name(sum(numbers), 'object')}: {name(sum(numbers) - lost, 'package')} in out"]
     expected += [f"{passed} of them passed every check"] if passed + failed else []
     expected += [f"{unchecked} of them not checked"] if unchecked else []
     expected += [f"{lost} not made"] if lost else []

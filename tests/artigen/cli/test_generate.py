@@ -220,7 +220,7 @@ def test_a_part_without_painted_surface_is_named(latent: GenerateJob, monkeypatc
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"category": "Spaceship"}, "expected one of"),
+        ({"category": "Spaceship"}, "expected a kind that the model draws, one of"),
         ({"category": None}, "no category"),
         ({"category": "Oven", "cfg": GenerateSettings(counts=("door",))}, "label=number"),
         ({"category": "Oven", "count": 0}, "at least one"),

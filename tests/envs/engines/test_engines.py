@@ -335,6 +335,8 @@ def test_a_missing_engine_is_skipped_with_a_sentence(folder, tmp_path):
     report = Report(package="x", checks=(check,))
     assert report.passed
     assert "skipped: no module newton" in describe_report(report)
+    twice = replace(report, checks=(check, replace(check, id="V999")))
+    assert f"  {check.id}, V999: {check.message}" in describe_report(twice).splitlines()
 
 
 def test_a_package_without_mjcf_is_nothing_to_an_engine_that_reads_it(folder, tmp_path):

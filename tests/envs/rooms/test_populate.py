@@ -391,6 +391,12 @@ def test_panels_have_the_colour_of_the_suite_of_most_units(folder, tmp_path):
         furnish_room("kitchen", tmp_path / "room", 0, folder, SceneSettings(family="shaker"), pictures="none")
 
 
+def test_an_unknown_look_of_a_room_is_refused_before_anything_is_drawn(tmp_path):
+    with pytest.raises(ArtigenError, match=r"family 'shakr' is not known, .*did you mean shaker"):
+        furnish_room("kitchen", tmp_path / "room", cfg=SceneSettings(family="shakr"))
+    assert not (tmp_path / "room").exists()
+
+
 @pytest.mark.parametrize("legs", [False, True])
 @pytest.mark.parametrize("covered", [False, True])
 def test_legs_and_rails_of_a_cabinet_are_not_level(tmp_path, legs, covered):

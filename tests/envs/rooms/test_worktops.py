@@ -99,7 +99,7 @@ def test_one_worktop_lies_on_the_highest_of_its_units_and_stops_at_a_range():
         unit("base cabinet", 0.86),
     ]
     plan, runs = run_of(*units)
-    height = worktop_height(plan, runs)
+    height = worktop_height(runs)
     assert height == pytest.approx(0.88 + LYING)
     slabs = covered(lay_worktops(plan, runs, height))
     assert len(slabs) == 2
@@ -113,7 +113,7 @@ def test_a_worktop_leaves_the_basin_and_the_tap_free():
     plan, runs = run_of(
         unit("base cabinet", 0.88), unit("sink", 0.88, sink_boxes()), unit("base cabinet", 0.88)
     )
-    height = worktop_height(plan, runs)
+    height = worktop_height(runs)
     assert height is not None
     laid = lay_worktops(plan, runs, height)
     slabs = covered(laid)
