@@ -20,7 +20,7 @@ _PLAIN = (
     (r"(\d)\s*-\s*(?=\d)", r"\1 to "), ("-", " "),
     (r"(\d),(\d{3})(?=\s*(?:mm|millim))", r"\1\2"), (r"(\d),(\d)", r"\1.\2"),
     (r"(\d)\s*'(?!\w*[a-z])", r"\1 foot "), (r'(\d)\s*"', r"\1 inch "),
-    (";", ","), (r":(?!\s*\d)", ","),
+    (r"\bmake (?:it|them) ([^,.;]+) instead\b", r", no, make it \1"), (";", ","), (r":(?!\s*\d)", ","),
 )  # fmt: skip
 """Signs, contractions and ends of sentences, and what they are in words; "doors: 2" is a number of doors."""
 _WORD = re.compile(r"\d+/\d+|\d+(?:\.\d+)?|[a-z]+|,")

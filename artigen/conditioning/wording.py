@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from artigen.conditioning.colors import measure_finish
-from artigen.conditioning.measures import COMPARATIVES, DIRECTIONS, Axis
+from artigen.conditioning.measures import COMPARATIVES, DIRECTIONS, UNITS, Axis
 from artigen.conditioning.numbers import read_count, read_length, split_words
 from artigen.conditioning.places import starts_spot
 from artigen.conditioning.vocabulary import COMPARTMENTS, CORRECTIONS, PARTS
@@ -23,7 +23,21 @@ class Value:
 
 def plain_words(text: str) -> tuple[str, ...]:
     """Words of a sentence as clauses are read from them."""
-    return _name_shelves(_name_columns(_spell_out(_correct(split_words(text)))))
+    return _name_shelves(_name_columns(_spell_out(_correct(_spell_letters(split_words(text))))))
+
+
+def _spell_letters(words: tuple[str, ...]) -> tuple[str, ...]:
+    """Words with "120 L x 60 W x 75 H" as width, depth and height; "40 L" is a volume."""
+    ends = (("", *words), (*words[1:], ""))
+    beside = {
+        at: letter
+        for at, (before, letter, after) in enumerate(zip(ends[0], words, ends[1], strict=False))
+        if letter in ("l", "w", "d", "h") and (before in UNITS or after[:1].isdigit() or after in ("x", "by"))
+    }
+    if "l" not in beside.values() or len(beside) == 1:
+        return words
+    named = {"l": "w", "w": "w" if "d" in beside.values() else "d"}
+    return tuple(named.get(word, word) if at in beside else word for at, word in enumerate(words))
 
 
 def _correct(words: tuple[str, ...]) -> tuple[str, ...]:
